@@ -1,0 +1,115 @@
+"""Ordered memory access between Python's thread and the audio thread, and the audio thread's clock."""
+
+import sys
+
+from llvmlite import ir
+from numba import njit, types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+_I64 = ir.IntType(64)
+
+
+def _address(context, builder, array_type, array, index):
+    struct = context.make_array(array_type)(context, builder, array)
+    return cgutils.get_item_pointer(context, builder, array_type, struct, [index], wraparound=False)
+
+
+@intrinsic
+def load_acquire(typingctx, array, index):
+    """array[index] (int64), with what its writer did before it."""
+
+    def codegen(context, builder, signature, args):
+        pointer = _address(context, builder, signature.args[0], *args)
+        return builder.load_atomic(pointer, "acquire", 8, typ=_I64)
+
+    return types.int64(array, types.intp), codegen
+
+
+@intrinsic
+def store_release(typingctx, array, index, value):
+    """array[index] = value (int64), after all that was done before it."""
+
+    def codegen(context, builder, signature, args):
+        array, index, value = args
+        pointer = _address(context, builder, signature.args[0], array, index)
+        builder.store_atomic(value, pointer, "release", 8)
+        return context.get_dummy_value()
+
+    return types.void(array, types.intp, types.int64), codegen
+
+
+@intrinsic
+def monotonic_ns(typingctx):
+    """CLOCK_MONOTONIC in ns; 0 on Windows, which has no such call."""
+
+    def codegen(context, builder, signature, args):
+        if sys.platform == "win32":
+            return ir.Constant(_I64, 0)
+        clock = 6 if sys.platform == "darwin" else 1
+        i32 = ir.IntType(32)
+        time = cgutils.alloca_once(builder, ir.ArrayType(_I64, 2))
+        gettime = cgutils.get_or_insert_function(
+            builder.module, ir.FunctionType(i32, [i32, time.type]), "clock_gettime"
+        )
+        builder.call(gettime, [ir.Constant(i32, clock), time])
+        seconds = builder.load(cgutils.gep_inbounds(builder, time, 0, 0))
+        ns = builder.load(cgutils.gep_inbounds(builder, time, 0, 1))
+        return builder.add(builder.mul(seconds, ir.Constant(_I64, 1_000_000_000)), ns)
+
+    return types.int64(), codegen
+
+
+@intrinsic
+def flush_denormals(typingctx):
+    """Set flush-to-zero on this thread and return the mode it had; does nothing where it is not known how."""
+
+    def codegen(context, builder, signature, args):
+        i32 = ir.IntType(32)
+        if not _is_x86(context):
+            return ir.Constant(i32, 0)
+        register = cgutils.alloca_once(builder, i32)
+        _sse(builder, "stmxcsr", register)
+        mode = builder.load(register)
+        builder.store(builder.or_(mode, ir.Constant(i32, 0x8040)), register)
+        _sse(builder, "ldmxcsr", register)
+        return mode
+
+    return types.int32(), codegen
+
+
+@intrinsic
+def restore_denormals(typingctx, mode):
+    """Give the thread back the mode that `flush_denormals` returned."""
+
+    def codegen(context, builder, signature, args):
+        if _is_x86(context):
+            register = cgutils.alloca_once_value(builder, args[0])
+            _sse(builder, "ldmxcsr", register)
+        return context.get_dummy_value()
+
+    return types.void(types.int32), codegen
+
+
+def _is_x86(context) -> bool:
+    return str(context.target_data and context._internal_codegen._llvm_module.triple).startswith("x86_64")
+
+
+def _sse(builder, name, register):
+    pointer = builder.bitcast(register, ir.IntType(8).as_pointer())
+    function = cgutils.get_or_insert_function(
+        builder.module, ir.FunctionType(ir.VoidType(), [pointer.type]), f"llvm.x86.sse.{name}"
+    )
+    builder.call(function, [pointer])
+
+
+@njit(error_model="numpy")
+def publish(counter, value):
+    """Store value in counter[0] so that the other thread sees all that was written before."""
+    store_release(counter, 0, value)
+
+
+@njit(error_model="numpy")
+def observe(counter):
+    """counter[0], after which all that its writer wrote before it can be read."""
+    return load_acquire(counter, 0)

@@ -1,0 +1,163 @@
+"""The modal bank: modes that ring, and the injection of a contact's force into them.
+
+A mode obeys q'' + 2 sigma q' + (omega^2 + sigma^2) q = phi F with a mass-normalised shape phi (kg^-1/2). Its state is
+z with z' = (-sigma + i omega) z + phi F, so that omega q = Im z; |z|^2/2 is its energy (J) up to sigma/omega. What is
+kept is y = Im z at the last two samples: ringing is the two-pole recursion y <- a1 y1 + a2 y2, the fewest operations
+there are, in float64, where it is exact at any frequency and decay.
+
+Heard is omega q: the amplitude of the mode's velocity, in the phase of its displacement, which a blow leaves continuous.
+
+Modes are stored in lanes of LANES: an object's bank is a whole number of lanes, padded by modes at rest.
+"""
+
+import math
+
+from .jit import kernel, simd_kernel
+from .pulse import MOMENTS
+
+LANES = 8
+"""Modes are handled in groups of this many: one AVX-512 register of float64, two or four of narrower machines."""
+
+RESPONSES = 2 * MOMENTS * LANES
+"""Coefficients for injection in one group of modes: by moment, by sample (last, last but one), by mode."""
+
+NYQUIST_SHARE = 0.95
+"""No mode is made above this share of the Nyquist frequency."""
+
+_BESSEL_START = 24  # where the downward recursion of the spherical Bessel functions starts; |z| <= 1.6 needs 18
+
+
+@simd_kernel
+def ring(y1, y2, a1, a2, left, right, out, start, stop):
+    """Let modes ring from frame `start` to `stop`: out[0], out[1] (float64, at least `stop` long) are overwritten.
+
+    y1, y2, a1, a2 and the output weights left, right: float64 of one length, a multiple of LANES.
+    """
+    n = len(y1)
+    t = start
+    while t + 4 <= stop:
+        l0 = l1 = l2 = l3 = r0 = r1 = r2 = r3 = 0.0
+        for i in range(n):
+            p = a1[i]
+            q = a2[i]
+            u = y1[i]
+            v = y2[i]
+            v = p * u + q * v
+            l0 += left[i] * v
+            r0 += right[i] * v
+            u = p * v + q * u
+            l1 += left[i] * u
+            r1 += right[i] * u
+            v = p * u + q * v
+            l2 += left[i] * v
+            r2 += right[i] * v
+            u = p * v + q * u
+            l3 += left[i] * u
+            r3 += right[i] * u
+            y1[i] = u
+            y2[i] = v
+        out[0, t] = l0
+        out[0, t + 1] = l1
+        out[0, t + 2] = l2
+        out[0, t + 3] = l3
+        out[1, t] = r0
+        out[1, t + 1] = r1
+        out[1, t + 2] = r2
+        out[1, t + 3] = r3
+        t += 4
+    while t < stop:
+        l0 = r0 = 0.0
+        for i in range(n):
+            v = a1[i] * y1[i] + a2[i] * y2[i]
+            y2[i] = y1[i]
+            y1[i] = v
+            l0 += left[i] * v
+            r0 += right[i] * v
+        out[0, t] = l0
+        out[1, t] = r0
+        t += 1
+
+
+@simd_kernel
+def inject(y1, y2, response, shape, stride, row, weights, moments):
+    """Add a force over the coming sample, given by its moments (N s), to the modes before they take that sample.
+
+    The force acts at a point between four rows of the shape table (flat, `stride` modes a row, from `row`), weighted by
+    `weights`. `response` is the modes' table made by `set_mode`.
+    """
+    m0, m1, m2, m3 = moments[0], moments[1], moments[2], moments[3]
+    m4, m5, m6, m7 = moments[4], moments[5], moments[6], moments[7]
+    for group in range(len(y1) // LANES):
+        first = group * LANES
+        r = group * RESPONSES
+        s0 = row * stride + first
+        s1 = s0 + stride
+        s2 = s1 + stride
+        s3 = s2 + stride
+        for i in range(LANES):
+            phi = weights[0] * shape[s0 + i] + weights[1] * shape[s1 + i]
+            phi += weights[2] * shape[s2 + i] + weights[3] * shape[s3 + i]
+            b = r + i
+            now = m0 * response[b] + m1 * response[b + 16] + m2 * response[b + 32] + m3 * response[b + 48]
+            now += m4 * response[b + 64] + m5 * response[b + 80] + m6 * response[b + 96] + m7 * response[b + 112]
+            b += LANES
+            last = m0 * response[b] + m1 * response[b + 16] + m2 * response[b + 32] + m3 * response[b + 48]
+            last += m4 * response[b + 64] + m5 * response[b + 80] + m6 * response[b + 96] + m7 * response[b + 112]
+            y1[first + i] += phi * now
+            y2[first + i] += phi * last
+
+
+@kernel
+def state_of(y1, y2, a1, a2):
+    """z of a mode from its last two samples: (Re z, Im z)."""
+    r = math.sqrt(-a2)
+    cosine = 0.5 * a1 / r
+    sine = math.sqrt(1.0 - cosine * cosine)
+    return (y1 * cosine - r * y2) / sine, y1
+
+
+@kernel
+def set_mode(i, frequency, decay, rate, y1, y2, a1, a2, response):
+    """Give mode i a frequency (Hz) and decay (1/s) at a sampling rate (Hz); what it is ringing goes on without a step.
+
+    frequency = 0 makes a mode that rests for ever.
+    """
+    base = (i // LANES) * RESPONSES + i % LANES
+    if frequency <= 0.0:
+        y1[i] = y2[i] = a1[i] = a2[i] = 0.0
+        for k in range(2 * MOMENTS):
+            response[base + k * LANES] = 0.0
+        return
+    theta = 2.0 * math.pi * frequency / rate
+    loss = decay / rate
+    r = math.exp(-loss)
+    if a2[i] != 0.0:
+        re, im = state_of(y1[i], y2[i], a1[i], a2[i])
+        y2[i] = (im * math.cos(theta) - re * math.sin(theta)) / r
+    a1[i] = 2.0 * r * math.cos(theta)
+    a2[i] = -r * r
+    # exp(-s t) over the sample, s = -loss + i theta, in Legendre polynomials: (2k+1) (-1)^k exp(-s/2) i_k(s/2), with
+    # i_k the modified spherical Bessel functions, by Miller's downward recursion; sum (2k+1) i_k(z) = exp(z) scales it.
+    # (Reciprocals by the conjugate: numba's complex division can raise.)
+    z = complex(-0.5 * loss, 0.5 * theta)
+    reciprocal = z.conjugate() * (1.0 / (z.real * z.real + z.imag * z.imag))
+    upper = 0.0j
+    here = 1e-100 + 0.0j
+    total = (2 * _BESSEL_START + 1) * here
+    for k in range(_BESSEL_START, 0, -1):
+        upper, here = here, upper + (2 * k + 1) * reciprocal * here
+        total += (2 * k - 1) * here
+        if k <= MOMENTS:
+            b = base + 2 * (k - 1) * LANES
+            response[b] = here.real
+            response[b + LANES] = here.imag
+    # exp(z)/total normalises the i_k and exp(-z) is the factor above: what is left is 1/total.
+    scale = total.conjugate() * (1.0 / (total.real * total.real + total.imag * total.imag))
+    before = complex(math.cos(theta), -math.sin(theta)) * (1.0 / r)
+    for k in range(MOMENTS):
+        b = base + 2 * k * LANES
+        g = complex(response[b], response[b + LANES]) * scale * (2 * k + 1)
+        if k % 2 == 1:
+            g = -g
+        response[b] = g.imag
+        response[b + LANES] = (g * before).imag

@@ -1,0 +1,70 @@
+"""The engine as a C function with PortAudio's callback signature: the one compiled thing that makes sound.
+
+Real time hands its address to PortAudio; offline and clock-driven rendering call the same code, so their bits agree.
+"""
+
+import hashlib
+import logging
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numba
+import platformdirs
+from numba import carray, cfunc, types
+
+from .atomic import flush_denormals, monotonic_ns, restore_denormals
+from .engine import process
+from .state import STATE
+
+_SIGNATURE = types.intc(
+    types.voidptr, types.CPointer(types.float32), types.ulong, types.voidptr, types.ulong, types.voidptr
+)  # (input, output, frames, time info, status flags, state)
+
+_OUTPUT_UNDERFLOW = 4
+
+
+def _callback(_input, output, frames, _time, flags, userdata):
+    """PaStreamCallback: fill `output` with `frames` frames of interleaved stereo from the state in `userdata`."""
+    entered = monotonic_ns()
+    mode = flush_denormals()
+    state = carray(userdata, (1,), STATE)[0]
+    if flags & _OUTPUT_UNDERFLOW:
+        state.underflows += 1
+    process(state, carray(output, (frames, 2)), frames)
+    restore_denormals(mode)
+    load = (monotonic_ns() - entered) * 1e-9 * state.rate / max(frames, 1)
+    share = min(1.0, frames / state.rate)
+    state.load += (load - state.load) * share
+    state.load_peak = max(load, state.load_peak * (1.0 - share))
+    state.callbacks += 1
+    return 0
+
+
+def compile_callback(cached: bool) -> Any:
+    """Compile the callback, or fetch it from numba's cache; only a fresh one can be inspected."""
+    return cfunc(_SIGNATURE, error_model="numpy", forceinline=True, cache=cached)(_callback)
+
+
+def _cache_folder() -> Path:
+    # numba looks at the age of one file, and would go on using code whose imported kernels have changed.
+    sources = hashlib.sha256()
+    for path in sorted(Path(__file__).parent.glob("*.py")):
+        sources.update(path.read_bytes())
+    return platformdirs.user_cache_path("carom") / sources.hexdigest()[:16]
+
+
+@cache
+def callback() -> Any:
+    """The compiled callback, a numba CFunc: from the user's cache where that can be written."""
+    folder = _cache_folder()
+    elsewhere = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(folder)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        return compile_callback(cached=True)
+    except OSError as error:
+        logging.getLogger(__name__).warning("compiled code can't be kept, every start will compile: %s", error)
+        return compile_callback(cached=False)
+    finally:
+        numba.config.CACHE_DIR = elsewhere

@@ -1,0 +1,62 @@
+"""Events waiting for their time: a binary heap of indices into a pool of commands."""
+
+from .jit import kernel
+from .state import EVENTS
+
+# heap[:queued] is the heap, heap[queued:] the pool's free places.
+
+
+@kernel
+def _before(state, i, j):
+    """Does heap entry i come before heap entry j? By time, then by order of arrival."""
+    a = state.events[state.heap[i]]
+    b = state.events[state.heap[j]]
+    return a.time < b.time or (a.time == b.time and a.order < b.order)
+
+
+@kernel
+def _swap(state, i, j):
+    state.heap[i], state.heap[j] = state.heap[j], state.heap[i]
+
+
+@kernel
+def push(state, command):
+    """Add a copy of a command; the caller has checked that queued < EVENTS."""
+    i = state.queued
+    event = state.events[state.heap[i]]
+    event.time = command.time
+    event.kind = command.kind
+    event.slot = command.slot
+    event.serial = command.serial
+    for n in range(len(event.values)):
+        event.values[n] = command.values[n]
+    event.order = state.arrivals
+    state.arrivals += 1
+    state.queued += 1
+    while i > 0 and _before(state, i, (i - 1) // 2):
+        _swap(state, i, (i - 1) // 2)
+        i = (i - 1) // 2
+
+
+@kernel
+def pop(state):
+    """Remove the first event and return its index in the pool, valid until the next push."""
+    state.queued -= 1
+    last = state.queued
+    _swap(state, 0, last)
+    i = 0
+    while 2 * i + 1 < last:
+        child = 2 * i + 1
+        if child + 1 < last and _before(state, child + 1, child):
+            child += 1
+        if not _before(state, child, i):
+            break
+        _swap(state, i, child)
+        i = child
+    return state.heap[last]
+
+
+@kernel
+def has_room(state):
+    """Can another event be pushed?"""
+    return state.queued < EVENTS

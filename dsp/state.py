@@ -1,0 +1,169 @@
+"""The engine's whole memory: one record of fixed size, with its capacities by name."""
+
+from enum import IntEnum
+
+import numpy as np
+
+from .bank import LANES, RESPONSES
+from .pulse import MOMENTS, PULSE
+
+QUANTUM = 64
+"""Frames the engine computes at a time, on a grid of its own: the sound can't depend on the device's block size."""
+
+OBJECTS = 512
+MODES = 65_536
+MODES_PER_OBJECT = 4_096
+SHAPE_VALUES = 64 * MODES
+"""Values in the table of mode shapes: 64 positions for every mode, shared as objects need them."""
+CONTACTS = 512
+"""Contacts that can go on at once."""
+EVENTS = 8_192
+"""Events that can wait for their time."""
+RING = 8_192
+"""Commands on their way from Python; a power of two."""
+
+TAP = 262_144
+"""Frames of sound kept for a recorder that is slow."""
+
+
+class Command(IntEnum):
+    """What a command asks for, and what its values are."""
+
+    NEW = 0  # first mode, modes (padded), first value of the shape table, rows in it, gain, pan, tune, decay, damp
+    FREE = 1  # 1: at once, 0: once silent
+    IMPACT = 2  # v_in (m/s), position, m (kg), k (N/m^a), mu (s/m), a, gain (amplitude)
+    GAIN = 3  # amplitude
+    PAN = 4  # -1 left .. 1 right
+    TUNE = 5  # ratio of frequencies
+    DECAY = 6  # ratio of decay times
+    DAMP = 7  # 0 .. 1
+    PANIC = 8
+    SYNC = 9  # a number that appears in `synced`
+
+
+COMMAND = np.dtype(
+    [
+        ("time", np.float64),  # samples since the start; what is past is now
+        ("kind", np.int64),
+        ("slot", np.int64),
+        ("serial", np.int64),  # of the object meant: commands to one that is gone are ignored
+        ("order", np.int64),  # of arrival, set by the engine
+        ("values", np.float64, 9),
+    ],
+    align=True,
+)
+
+OBJECT = np.dtype(
+    [
+        ("used", np.int64),
+        ("serial", np.int64),
+        ("dying", np.int64),  # to be freed: 1 once silent, 2 after a short fade
+        ("first", np.int64),  # mode
+        ("size", np.int64),  # modes, a multiple of LANES
+        ("live", np.int64),  # modes before the first that is at rest
+        ("tuned", np.int64),  # modes that have their coefficients
+        ("table", np.int64),  # first value of its mode shapes, `rows` rows of `size` values
+        ("rows", np.int64),
+        ("contact", np.int64),  # head of its list of contacts, -1: none
+        ("faults", np.int64),  # times it was silenced for not being finite
+        ("amplitude", np.float64),
+        ("pan", np.float64),
+        ("tune", np.float64),
+        ("decay", np.float64),
+        ("damp", np.float64),
+        ("gain", np.float64, 2),  # left and right, on their way to what amplitude and pan ask for
+    ],
+    align=True,
+)
+
+CONTACT = np.dtype(
+    [
+        ("pulse", PULSE),
+        ("start", np.int64),  # sample at or before the contact's beginning
+        ("fraction", np.float64),  # from there to the beginning
+        ("row", np.int64),  # of the shape table, the first of four
+        ("weights", np.float64, 4),
+        ("next", np.int64),
+    ],
+    align=True,
+)
+
+STATE = np.dtype(
+    [
+        # The modal bank; every array begins at a multiple of 64 bytes.
+        ("y1", np.float64, MODES),
+        ("y2", np.float64, MODES),
+        ("a1", np.float64, MODES),
+        ("a2", np.float64, MODES),
+        ("left", np.float64, MODES),
+        ("right", np.float64, MODES),
+        ("frequency", np.float64, MODES),
+        ("sigma", np.float64, MODES),
+        ("response", np.float64, MODES // LANES * RESPONSES),
+        ("shape", np.float32, SHAPE_VALUES),
+        # One quantum of sound: of one object, of all, and as it leaves.
+        ("voice", np.float64, (2, QUANTUM)),
+        ("mix", np.float64, (2, QUANTUM)),
+        ("ready", np.float32, (QUANTUM, 2)),
+        # Commands on their way in; Python moves `written`, the engine `read`.
+        ("ring", COMMAND, RING),
+        ("written", np.int64, 8),
+        ("read", np.int64, 8),
+        # Events waiting for their time: a heap of indices into a pool.
+        ("events", COMMAND, EVENTS),
+        ("heap", np.int64, EVENTS),
+        ("queued", np.int64),
+        ("arrivals", np.int64),
+        # Objects and contacts.
+        ("objects", OBJECT, OBJECTS),
+        ("order", np.int64, OBJECTS),  # slots in order of creation: the order of summation
+        ("active", np.int64),  # objects in `order`
+        ("contacts", CONTACT, CONTACTS),
+        ("free_contact", np.int64, CONTACTS),  # stack
+        ("contacts_active", np.int64),
+        ("moments", np.float64, MOMENTS),
+        ("spectrum", np.float64, (2, MODES_PER_OBJECT)),
+        # Clock and output.
+        ("rate", np.float64),
+        ("position", np.int64),  # samples computed
+        ("sounded", np.int64),  # samples up to the end of the last quantum in which an object sounded
+        ("consumed", np.int64),  # frames of `ready` that have left
+        ("limit", np.float64),  # the limiter's gain
+        # Sound on its way to a recorder; the engine moves `tapped`, Python `tap_read`.
+        ("recording", np.int64),
+        ("tap", np.float32, (TAP, 2)),
+        ("tapped", np.int64, 8),
+        ("tap_read", np.int64, 8),
+        ("tap_lost", np.int64),
+        # What happened, for whoever asks.
+        ("synced", np.int64),
+        ("impacts", np.int64),
+        ("contacts_dropped", np.int64),
+        ("late", np.int64),
+        ("faults", np.int64),
+        ("limited", np.int64),  # frames
+        ("limit_lowest", np.float64),
+        ("live_modes", np.int64),
+        ("sounding", np.int64),  # objects
+        ("load", np.float64),  # share of the time there is, averaged over a second
+        ("load_peak", np.float64),
+        ("callbacks", np.int64),
+        ("underflows", np.int64),
+    ],
+    align=True,
+)
+
+
+def new_state(rate: float) -> np.ndarray:
+    """A fresh engine state, (1,) of STATE, 64-byte aligned, for a sampling rate in Hz."""
+    memory = np.zeros(STATE.itemsize + 64, np.uint8)
+    offset = -memory.ctypes.data % 64
+    state = memory[offset : offset + STATE.itemsize].view(STATE)
+    state["rate"] = rate
+    state["consumed"] = QUANTUM
+    state["limit"] = 1.0
+    state["limit_lowest"] = 1.0
+    state["objects"]["contact"] = -1
+    state["heap"][0] = np.arange(EVENTS)
+    state["free_contact"][0] = np.arange(CONTACTS)
+    return state
