@@ -5,7 +5,8 @@ z with z' = (-sigma + i omega) z + phi F, so that omega q = Im z; |z|^2/2 is its
 kept is y = Im z at the last two samples: ringing is the two-pole recursion y <- a1 y1 + a2 y2, the fewest operations
 there are, in float64, where it is exact at any frequency and decay.
 
-Heard is omega q: the amplitude of the mode's velocity, in the phase of its displacement, which a blow leaves continuous.
+Heard is omega q: the amplitude of the mode's velocity, in the phase of its displacement, which a blow leaves
+continuous.
 
 Modes are stored in lanes of LANES: an object's bank is a whole number of lanes, padded by modes at rest.
 """

@@ -70,23 +70,23 @@ def restitution_of(w):
 def potential(distance, log1p_wd, u, w):
     """x^(a+1)/((a+1) L^(a+1)) on the trajectory (3), from the distance d to the contact's nearer end.
 
-    Compressing (u >= 0): d = (1 - u)/(1 + w u). Releasing (u < 0): d = (u + E)/(1 + w u), and w is given negative.
-    `log1p_wd` is ln(1 + w d).
+    Seen from the beginning d = (1 - u)/(1 + w u). Seen from the release d = (u + E)/(1 + w u), and u and w are given
+    with their signs changed. `log1p_wd` is ln(1 + w d).
     """
-    return distance * (abs(u) + distance * psi(w * distance, log1p_wd))
+    return distance * (u + distance * psi(w * distance, log1p_wd))
 
 
 @kernel
 def potential_at(u, w):
     """x^(a+1)/((a+1) L^(a+1)) at the velocity u = v/v_in: equation (3) without its cancellation."""
     p = 1.0 + w * u
-    if u >= 0.0:
-        d = (1.0 - u) / p
-        return potential(d, math.log1p(w * d), u, w)
-    d = max((u + restitution_of(w)) / p, 0.0)
-    if w * d >= 1.0:
-        return 0.0
-    return potential(d, math.log1p(-w * d), u, -w)
+    if u < 0.0:
+        d = max((u + restitution_of(w)) / p, 0.0)
+        # Further away, strong dissipation makes the distance to the release ill-conditioned.
+        if w * d <= 0.5:
+            return potential(d, math.log1p(-w * d), -u, -w)
+    d = (1.0 - u) / p
+    return potential(d, math.log1p(w * d), u, w)
 
 
 @kernel

@@ -236,7 +236,7 @@ def _impact(state, obj, event):
     _place(contact, event.values[1], obj.rows)
     _yield_to_object(state, obj, contact, m)
     contact.pulse.momentum *= event.values[6]
-    contact.start = int(math.floor(event.time))
+    contact.start = math.floor(event.time)
     contact.fraction = event.time - contact.start
     contact.next = -1
     if obj.contact < 0:
@@ -265,8 +265,10 @@ def _place(contact, position, rows):
 def _shape_at(state, obj, contact, i):
     """Mass-normalised shape of the object's mode i where the contact is, kg^-1/2."""
     at = obj.table + contact.row * obj.size + i
-    phi = contact.weights[0] * state.shape[at] + contact.weights[1] * state.shape[at + obj.size]
-    return phi + contact.weights[2] * state.shape[at + 2 * obj.size] + contact.weights[3] * state.shape[at + 3 * obj.size]
+    phi = 0.0
+    for n in range(4):
+        phi += contact.weights[n] * state.shape[at + n * obj.size]
+    return phi
 
 
 @kernel
@@ -357,7 +359,7 @@ def _render_object(state, slot):
 
 @kernel
 def _ring_with_contacts(state, obj):
-    """Fill `voice` with a quantum of an object's sound: contacts act on the samples they touch, between them it rings."""
+    """Fill `voice` with a quantum of an object's sound: contacts act on the samples they touch, else it rings."""
     frame = 0
     while frame < QUANTUM:
         now = _next_driven_frame(state, obj, frame)

@@ -13,8 +13,8 @@ QUANTUM = 64
 OBJECTS = 512
 MODES = 65_536
 MODES_PER_OBJECT = 4_096
-SHAPE_VALUES = 64 * MODES
-"""Values in the table of mode shapes: 64 positions for every mode, shared as objects need them."""
+SHAPE_VALUES = 256 * MODES
+"""Values in the table of mode shapes: 256 positions for every mode, shared as objects need them."""
 CONTACTS = 512
 """Contacts that can go on at once."""
 EVENTS = 8_192

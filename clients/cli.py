@@ -1,0 +1,226 @@
+"""The command line: carom serve, render, play, send, devices, presets, doctor.
+
+What a command needs is imported when it runs, so that `carom send` does not wait for a compiler to load.
+"""
+
+import argparse
+import sys
+import time
+from collections.abc import Callable
+from importlib.metadata import version
+from pathlib import Path
+
+from ..server.osc import DEFAULT_PORT
+from .client import Client, CommandError
+
+_RATE = 48_000
+
+Command = Callable[[argparse.Namespace], int]
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run a command; returns the exit code: 0 done, 1 failed (one line on stderr says why), 2 wrong usage."""
+    arguments = _parser().parse_args(argv)
+    try:
+        return arguments.run(arguments)
+    except KeyboardInterrupt:
+        return 130
+    except (CommandError, OSError, RuntimeError, ValueError) as error:
+        if not _expected(error):
+            raise
+        print(f"carom {arguments.command}: {_plain(error)}", file=sys.stderr)
+        return 1
+
+
+def _expected(error: Exception) -> bool:
+    """Is it one of Carom's own errors, or the system's? Others are bugs, and keep their traceback."""
+    return isinstance(error, OSError) or type(error).__module__.startswith("carom.")
+
+
+def _plain(error: Exception) -> str:
+    if isinstance(error, OSError) and error.filename is not None:
+        return f"{error.filename}: {error.strerror}"
+    return str(error)
+
+
+def _parser() -> argparse.ArgumentParser:
+    text = "Bodies that hit, heard: over OSC, or rendered from a score."
+    parser = argparse.ArgumentParser(prog="carom", description=text)
+    parser.add_argument("--version", action="version", version=f"carom {version('carom')}")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+
+    def command(name: str, run: Command, text: str) -> argparse.ArgumentParser:
+        sub = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
+        sub.set_defaults(run=run)
+        return sub
+
+    _serve_options(command("serve", _serve, "listen for OSC and play"))
+    _render_options(command("render", _render, "turn a score into a sound file"))
+
+    sub = command("play", _play, "send a score to a running server, in time")
+    sub.add_argument("score", type=Path)
+    _add_server(sub)
+
+    sub = command("send", _send, "send one message to a running server and print what it answers")
+    _add_server(sub)
+    sub.add_argument("address")
+    sub.add_argument("args", nargs=argparse.REMAINDER, metavar="ARG")
+
+    command("devices", _devices, "list the devices that can play")
+
+    sub = command("presets", _presets, "list the presets, or show one")
+    sub.add_argument("name", nargs="?")
+    _add_presets(sub)
+
+    command("doctor", _doctor, "check what this machine has and what it lacks")
+    return parser
+
+
+def _serve_options(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("--port", type=int, default=DEFAULT_PORT, help="UDP port, 0: any free one (%(default)s)")
+    sub.add_argument("--bind", default="127.0.0.1", help="address to listen on (%(default)s: this machine only)")
+    sub.add_argument("--device", help="index or part of a name from `carom devices`; none: play nowhere, by the clock")
+    sub.add_argument("--rate", type=int, default=_RATE, help="sampling rate in Hz (%(default)s)")
+    sub.add_argument("--block", type=int, default=0, help="frames a block (0: the device's)")
+    sub.add_argument("--record", type=Path, metavar="OUT.wav", help="keep what is played")
+    _add_presets(sub)
+
+
+def _render_options(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("score", type=Path)
+    sub.add_argument("out", type=Path, help="ends in .wav or .flac")
+    sub.add_argument("--rate", type=int, default=_RATE, help="sampling rate in Hz (%(default)s)")
+    sub.add_argument("--block", type=int, default=4096, help="frames a block; changes no bit of it (%(default)s)")
+    sub.add_argument("--format", choices=["16", "24", "float"], help="sample format (WAV: float, FLAC: 24)")
+    sub.add_argument("--seconds", type=float, help="length (until silence)")
+    sub.add_argument("--plot", type=Path, metavar="OUT.png", help="draw wave and spectrogram")
+    _add_presets(sub)
+
+
+def _add_presets(sub: argparse.ArgumentParser) -> None:
+    text = "folder with objects/, strikers/, materials/ of your own; may be given more than once"
+    sub.add_argument("--presets", type=Path, action="append", default=[], metavar="DIR", help=text)
+
+
+def _add_server(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("--host", default="127.0.0.1", help="where the server is (%(default)s)")
+    sub.add_argument("--port", type=int, default=DEFAULT_PORT, help="its port (%(default)s)")
+
+
+def _serve(arguments: argparse.Namespace) -> int:
+    import signal
+
+    from ..server.live import Options, serving
+
+    keys = ("port", "bind", "device", "rate", "block", "record")
+    options = Options(**{key: getattr(arguments, key) for key in keys}, presets=tuple(arguments.presets))
+    with serving(options) as server:
+        signal.signal(signal.SIGTERM, lambda *_: server.stop())
+        signal.signal(signal.SIGINT, lambda *_: server.stop())
+        host, port = server.address
+        print(f"carom listens on {host}:{port}, plays on {server.output.name} at {arguments.rate} Hz", flush=True)
+        server.run()
+    return 0
+
+
+def _render(arguments: argparse.Namespace) -> int:
+    from rich.progress import Progress, TextColumn, TimeElapsedColumn
+
+    from ..server.presets import Presets
+    from ..server.render import Options, render
+    from ..server.score import read
+
+    options = Options(arguments.rate, arguments.block, arguments.format, arguments.seconds)
+    score = read(arguments.score)
+    presets = Presets(arguments.presets)
+    if arguments.plot:
+        from .plot import plotter
+
+        plot = plotter(arguments.plot)
+    columns = (TextColumn("{task.description}"), TextColumn("{task.completed:.1f} s of sound"), TimeElapsedColumn())
+    with Progress(*columns, disable=not sys.stderr.isatty(), transient=True) as bar:
+        task = bar.add_task(arguments.out.name, total=None)
+        engine = render(score, arguments.out, presets, options, lambda seconds: bar.update(task, completed=seconds))
+    for name, text in (
+        ("limited", "{} frames were turned down by the limiter: lower some gain"),
+        ("contacts_dropped", "{} contacts were left out: too many at once"),
+        ("faults", "{} times an object was silenced because its sound was not finite"),
+    ):
+        if count := engine.counter(name):
+            print(f"carom render: {text.format(count)}", file=sys.stderr)
+    if arguments.plot:
+        plot(arguments.out)
+    return 0
+
+
+def _play(arguments: argparse.Namespace) -> int:
+    from ..server.score import read
+
+    lines = sorted(read(arguments.score), key=lambda line: line.time)
+    failed = 0
+    with Client(arguments.host, arguments.port) as client:
+        client.ask("/version")
+        start = time.time() + 0.5
+        for line in lines:
+            # Up to a second ahead: enough for the server to be in time, little to lose if it goes.
+            while (wait := start + line.time - time.time() - 1.0) > 0:
+                failed += _print_failures(client, min(wait, 0.1))
+            with client.bundle(start + line.time):
+                client.send(line.message.address, *line.message.args)
+        last = lines[-1].time if lines else 0.0
+        failed += _print_failures(client, max(0.0, start + last - time.time()) + 0.2)
+    return 1 if failed else 0
+
+
+def _print_failures(client: Client, seconds: float) -> int:
+    failures = [reply for reply in client.replies(seconds) if reply.address == "/fail"]
+    for reply in failures:
+        print(*reply.args, file=sys.stderr)
+    return len(failures)
+
+
+def _send(arguments: argparse.Namespace) -> int:
+    from ..server.score import value
+
+    with Client(arguments.host, arguments.port) as client:
+        replies = client.ask_all(arguments.address, *map(value, arguments.args))
+    for reply in replies:
+        print(reply.address, *reply.args, file=sys.stderr if reply.address == "/fail" else sys.stdout)
+    return 1 if any(reply.address == "/fail" for reply in replies) else 0
+
+
+def _devices(_: argparse.Namespace) -> int:
+    from ..server.audio import devices
+
+    for device in devices():
+        mark = "*" if device["default"] else " "
+        what = f"{device['channels']} channels, {device['default_samplerate']:.0f} Hz"
+        print(f"{mark}{device['index']:3d}  {device['name']} ({device['hostapi']}), {what}")
+    return 0
+
+
+def _presets(arguments: argparse.Namespace) -> int:
+    from ..server.presets import KINDS, Presets
+
+    presets = Presets(arguments.presets)
+    if arguments.name is None:
+        for kind in KINDS:
+            print(f"{kind}:")
+            for name in presets.names(kind):
+                print(f"  {name:20s} {presets.description(kind, name)}")
+        return 0
+    kind = next((kind for kind in KINDS if arguments.name in presets.names(kind)), "objects")
+    print(presets.path(kind, arguments.name).read_text(encoding="utf-8"), end="")
+    return 0
+
+
+def _doctor(_: argparse.Namespace) -> int:
+    from .doctor import examine
+
+    broken = False
+    for well, what, remedy in examine():
+        broken |= well is False
+        print({True: "ok   ", None: "lack ", False: "FAIL "}[well], what)
+        if remedy:
+            print("      ", remedy)
+    return 1 if broken else 0

@@ -1,0 +1,133 @@
+"""A Python client: makes objects on a Carom server and plays them, over OSC."""
+
+import select
+import socket
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from types import TracebackType
+
+from ..server import osc
+
+
+class CommandError(RuntimeError):
+    """The server answered /fail; the text is the address and the server's reason."""
+
+
+class Client:
+    """A UDP socket to one server. Floats go as doubles, so that the server's log holds what was asked for.
+
+    A method raises ConnectionRefusedError if the host says that nothing listens there.
+    """
+
+    def __init__(self, host: str = "127.0.0.1", port: int = osc.DEFAULT_PORT) -> None:
+        self._server = f"{host}:{port}"
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.connect((host, port))
+        self._bundle: list[osc.Message] | None = None
+
+    def __enter__(self) -> "Client":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._socket.close()
+
+    def send(self, address: str, *args: osc.Argument) -> None:
+        """Sends a message, or adds it to the bundle being made; waits for nothing."""
+        if self._bundle is None:
+            self._socket.send(osc.encode(address, *args, real="d"))
+        else:
+            self._bundle.append(osc.Message(address, args))
+
+    @contextmanager
+    def bundle(self, at: float | None = None) -> Iterator[None]:
+        """What is sent inside goes as one bundle, to happen together at a Unix time (s), or at once."""
+        if self._bundle is not None:
+            raise RuntimeError("a bundle inside a bundle")
+        messages: list[osc.Message] = []
+        self._bundle = messages
+        try:
+            yield
+        finally:
+            self._bundle = None
+        tag = osc.IMMEDIATELY if at is None else osc.time_tag(at)
+        self._socket.send(osc.encode_bundle(tag, messages, real="d"))
+
+    def ask(self, address: str, *args: osc.Argument, timeout: float = 2.0) -> osc.Message:
+        """Sends a message and waits (s) for its reply: /done, ADDRESS.reply or /synced.
+
+        Raises CommandError for /fail, TimeoutError for silence. Replies to earlier messages are dropped.
+        """
+        self._start_asking(address)
+        self.send(address, *args)
+        for reply in self.replies(timeout):
+            if reply.address == "/fail" and reply.args[:1] == (address,):
+                raise CommandError(": ".join(map(str, reply.args)))
+            if _answers(reply, address, args):
+                return reply
+        raise TimeoutError(f"{address}: no reply from {self._server} within {timeout} s")
+
+    def ask_all(self, address: str, *args: osc.Argument, timeout: float = 2.0) -> list[osc.Message]:
+        """Sends a message and gathers all replies, /fail too, until (s) the server has carried it out.
+
+        Raises TimeoutError for silence. Replies to earlier messages are dropped.
+        """
+        self._start_asking(address)
+        self.send(address, *args)
+        if address == "/quit":
+            last = osc.Message("/done", ("/quit",))
+        else:
+            last = osc.Message("/synced", (time.monotonic_ns() % 2**31,))
+            self.send("/sync", *last.args)
+        gathered: list[osc.Message] = []
+        for reply in self.replies(timeout):
+            if reply == last:
+                return gathered
+            gathered.append(reply)
+        raise TimeoutError(f"{address}: no reply from {self._server} within {timeout} s")
+
+    def _start_asking(self, address: str) -> None:
+        if self._bundle is not None:
+            raise RuntimeError(f"{address}: nothing answers before its bundle is sent")
+        with suppress(ConnectionRefusedError):
+            list(self.replies(0.0))
+
+    def replies(self, seconds: float) -> Iterator[osc.Message]:
+        """What the server sends, as it comes, for so long."""
+        deadline = time.monotonic() + seconds
+        while select.select([self._socket], [], [], max(0.0, deadline - time.monotonic()))[0]:
+            for bundle in osc.parse(self._socket.recv(osc.MAX_DATAGRAM)):
+                yield from bundle.messages
+
+    def new(self, name: str, preset: str, **keys: osc.Argument) -> None:
+        """Makes an object and waits until it is there; keys override the preset's."""
+        self.ask("/object/new", name, preset, *_flat(keys))
+
+    def impact(self, name: str, velocity: float, position: float | None = None, **keys: osc.Argument) -> None:
+        """Strikes an object, or all that a pattern matches: velocity in m/s, position 0..1 along its path."""
+        where = () if position is None else (position,)
+        self.send(f"/object/{name}/impact", velocity, *where, *_flat(keys))
+
+    def damp(self, name: str, amount: float) -> None:
+        """Lays a hand on an object: 0 none, 1 the firmest."""
+        self.send(f"/object/{name}/damp", amount)
+
+    def free(self, name: str) -> None:
+        """Removes an object once it is silent."""
+        self.send(f"/object/{name}/free")
+
+    def status(self) -> osc.Message:
+        """The server's counts, loads and rates: its /status.reply."""
+        return self.ask("/status")
+
+
+def _answers(reply: osc.Message, address: str, args: tuple[osc.Argument, ...]) -> bool:
+    if address == "/sync":
+        return reply == osc.Message("/synced", args)
+    return reply.address == f"{address}.reply" or (reply.address == "/done" and reply.args[:1] == (address,))
+
+
+def _flat(keys: dict[str, osc.Argument]) -> list[osc.Argument]:
+    return [part for pair in keys.items() for part in pair]

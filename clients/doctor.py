@@ -1,0 +1,79 @@
+"""What this machine has, what it lacks, and what to do about it."""
+
+import os
+import socket
+import sys
+import time
+from collections.abc import Iterator
+from importlib.util import find_spec
+
+from ..dsp.host import Engine
+from ..server.audio import AudioError, devices
+from ..server.osc import DEFAULT_PORT
+from ..server.presets import PresetError, Presets
+
+Finding = tuple[bool | None, str, str]
+"""Well (True), worse than it could be (None) or broken (False); what was found; what to do about it."""
+
+
+def examine() -> Iterator[Finding]:
+    """Findings, one by one: engine, presets, devices, port, rights, extras."""
+    yield _engine()
+    yield _presets()
+    yield _sound()
+    yield _port()
+    yield _priority()
+    if find_spec("matplotlib"):
+        yield True, "matplotlib: render --plot works", ""
+    else:
+        yield None, "no matplotlib: render --plot does not work", "pip install 'carom[plot]'"
+
+
+def _engine() -> Finding:
+    started = time.perf_counter()
+    Engine(48_000)
+    seconds = time.perf_counter() - started
+    compiled = "compiled" if seconds > 2 else "compiled code found in the cache"
+    return True, f"engine: {compiled}, ready in {seconds:.1f} s (Python {sys.version.split()[0]})", ""
+
+
+def _presets() -> Finding:
+    presets = Presets()
+    try:
+        for name in presets.names("object"):
+            presets.object(name)
+    except PresetError as error:
+        return False, f"presets: {error}", "install carom again"
+    return True, f"presets: {len(presets.names('object'))} objects, {len(presets.names('striker'))} strikers", ""
+
+
+def _sound() -> Finding:
+    try:
+        found = devices()
+    except AudioError as error:
+        return None, "no PortAudio: serve works with --device none only", str(error)
+    if not found:
+        return None, "PortAudio found no device", "serve --device none, or start JACK, PipeWire or PulseAudio"
+    default = next((d["name"] for d in found if d["default"]), found[0]["name"])
+    return True, f"sound: {len(found)} devices, default {default}", ""
+
+
+def _port() -> Finding:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        try:
+            sock.bind(("127.0.0.1", DEFAULT_PORT))
+        except OSError as error:
+            return None, f"port {DEFAULT_PORT}: {error.strerror}", "a server may be running; another: serve --port 0"
+    return True, f"port {DEFAULT_PORT} is free", ""
+
+
+def _priority() -> Finding:
+    if not hasattr(os, "sched_setscheduler"):
+        return True, "priority: left to the system's audio threads", ""
+    import resource
+
+    soft, _ = resource.getrlimit(resource.RLIMIT_RTPRIO)
+    if soft > 0 or os.geteuid() == 0:
+        return True, "priority: audio threads may run in real time", ""
+    remedy = "as root: put '@audio - rtprio 95' into /etc/security/limits.d/audio.conf, join audio, log in again"
+    return None, "priority: audio threads may not run in real time", remedy

@@ -1,0 +1,206 @@
+"""The engine from Python: it checks, lays out memory and sends commands; the compiled callback does the rest."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .atomic import observe, publish
+from .bank import LANES, NYQUIST_SHARE
+from .body import Modes
+from .callback import callback
+from .state import MODES, MODES_PER_OBJECT, OBJECTS, RING, SHAPE_VALUES, TAP, Command, new_state
+
+NOW = -1.0
+"""A time that is always past: a command for as soon as possible."""
+
+_LEAST_ROWS = 4  # of a shape table: mode shapes are interpolated by cubics
+
+
+class EngineFull(RuntimeError):
+    """The engine has no room for what was asked; the message says what is full."""
+
+
+@dataclass
+class _Arena:
+    """First-fit allocation of spans in an array of fixed size."""
+
+    what: str
+    size: int
+
+    def __post_init__(self) -> None:
+        self._taken: dict[int, int] = {}  # first -> size
+
+    def take(self, size: int) -> int:
+        first = 0
+        for start in sorted(self._taken):
+            if start - first >= size:
+                break
+            first = start + self._taken[start]
+        if first + size > self.size:
+            free = self.size - sum(self._taken.values())
+            raise EngineFull(f"no room for {size} {self.what}: {free} of {self.size} are free")
+        self._taken[first] = size
+        return first
+
+    def give(self, first: int) -> None:
+        del self._taken[first]
+
+
+@dataclass(frozen=True)
+class Handle:
+    """An object in the engine; commands to one that is gone are ignored."""
+
+    slot: int
+    serial: int
+    first: int
+    table: int
+
+
+class Engine:
+    """A running engine at one sampling rate (Hz).
+
+    `process` computes sound here and now; a sound card's thread may do the same through `address` and `pointer`, while
+    one other thread at a time makes objects and sends commands.
+    """
+
+    def __init__(self, rate: float) -> None:
+        self.state = new_state(rate)
+        self._callback = callback()
+        self._record = self.state[0]
+        self._modes = _Arena("modes", MODES)
+        self._shapes = _Arena("values of mode shapes", SHAPE_VALUES)
+        self._leaving: list[Handle] = []
+        self._slots = list(range(OBJECTS - 1, -1, -1))
+        self._serial = 0
+
+    @property
+    def rate(self) -> float:
+        return float(self._record["rate"])
+
+    @property
+    def address(self) -> int:
+        """Of the compiled callback, with PortAudio's signature."""
+        return self._callback.address
+
+    @property
+    def pointer(self) -> int:
+        """The callback's user data."""
+        return self.state.ctypes.data
+
+    @property
+    def position(self) -> int:
+        """Samples computed so far."""
+        return int(self._record["position"])
+
+    @property
+    def top_frequency(self) -> float:
+        """Hz: modes above it are not made."""
+        return NYQUIST_SHARE * 0.5 * self.rate
+
+    def counter(self, name: str) -> Any:
+        """A number of the state, such as `impacts` or `load`, by its name in STATE."""
+        return self._record[name].item()
+
+    def process(self, frames: int) -> NDArray[np.float32]:
+        """The next `frames` frames, float32 (frames, 2)."""
+        out = np.empty((frames, 2), np.float32)
+        call = self._callback.ctypes
+        call(None, out.ctypes.data_as(call.argtypes[1]), frames, None, 0, self.pointer)
+        return out
+
+    def quiet(self) -> bool:
+        """Does nothing sound, and is nothing waiting to?"""
+        idle = self._record["queued"] == 0 and self._record["sounding"] == 0 and self._record["contacts_active"] == 0
+        return bool(idle and self.room() == RING and self._record["position"] > 0)
+
+    def room(self) -> int:
+        """Commands that can be sent now."""
+        return RING - int(self._record["written"][0]) + int(observe(self._record["read"]))
+
+    def send(self, commands: list[tuple[float, Command, Handle | None, tuple[float, ...]]]) -> None:
+        """Send (time in samples, command, object, values) all at once, or EngineFull and none of them."""
+        if len(commands) > self.room():
+            raise EngineFull(f"no room for {len(commands)} events: {self.room()} of {RING} can be queued now")
+        written = int(self._record["written"][0])
+        ring = self._record["ring"]
+        for n, (time, kind, handle, values) in enumerate(commands):
+            entry = ring[(written + n) % RING]
+            entry["time"] = time
+            entry["kind"] = kind
+            entry["slot"] = handle.slot if handle else 0
+            entry["serial"] = handle.serial if handle else 0
+            entry["values"][: len(values)] = values
+        publish(self._record["written"], written + len(commands))
+
+    def record(self) -> None:
+        """Keep the sound from here on for `recorded`."""
+        self._record["recording"] = 1
+
+    def recorded(self) -> NDArray[np.float32]:
+        """What has sounded since the last call, float32 (frames, 2)."""
+        read = int(self._record["tap_read"][0])
+        tapped = int(observe(self._record["tapped"]))
+        frames = self._record["tap"][np.arange(read, tapped) % TAP]
+        publish(self._record["tap_read"], tapped)
+        return frames
+
+    def lay_out(self, modes: Modes, level: float) -> tuple[Handle, int, int]:
+        """Put an object's modes into the bank; returns its handle, padded number of modes and rows of shapes.
+
+        `level` (amplitude) is full scale per m/s at the pickups. EngineFull if there is no room.
+        """
+        self._collect()
+        order = np.argsort(modes.decay, kind="stable")  # the longest ringing first: the rest falls silent from the end
+        order = order[modes.frequency[order] <= self.top_frequency]
+        count = len(order)
+        if count > MODES_PER_OBJECT:
+            raise EngineFull(f"{count} modes: an object holds at most {MODES_PER_OBJECT}")
+        if not self._slots:
+            raise EngineFull(f"no room for another object: all {OBJECTS} are taken")
+        size = max(LANES, math.ceil(count / LANES) * LANES)
+        strike = modes.strike if len(modes.strike) >= _LEAST_ROWS else np.repeat(modes.strike[:1], _LEAST_ROWS, axis=0)
+        rows = len(strike)
+        first = self._modes.take(size)
+        try:
+            table = self._shapes.take(rows * size)
+        except EngineFull:
+            self._modes.give(first)
+            raise
+        record = self._record
+        for name in ("y1", "y2", "a1", "a2", "left", "right", "frequency", "sigma"):
+            record[name][first : first + size] = 0.0
+        record["frequency"][first : first + count] = modes.frequency[order]
+        record["sigma"][first : first + count] = modes.decay[order]
+        record["left"][first : first + count] = modes.pickup[0, order] * level
+        record["right"][first : first + count] = modes.pickup[1, order] * level
+        shape = record["shape"][table : table + rows * size].reshape(rows, size)
+        shape[:] = 0.0
+        shape[:, :count] = strike[:, order]
+        self._serial += 1
+        return Handle(self._slots.pop(), self._serial, first, table), size, rows
+
+    def leave(self, handle: Handle) -> None:
+        """Remember that an object was told to go; its place is used again once the engine has let go of it."""
+        self._leaving.append(handle)
+
+    def stay(self, handle: Handle) -> None:
+        """Take back `leave`, where the command did not reach the engine."""
+        self._leaving.remove(handle)
+
+    def release(self, handle: Handle) -> None:
+        """Take back the place of an object that the engine doesn't have, or has no more."""
+        self._slots.append(handle.slot)
+        self._modes.give(handle.first)
+        self._shapes.give(handle.table)
+
+    def _collect(self) -> None:
+        """Take back the places of objects that the engine has let go of."""
+        objects = self._record["objects"]
+        # Only what was told to go and has been seen by the engine can be gone.
+        gone = [h for h in self._leaving if objects[h.slot]["serial"] == h.serial and not objects[h.slot]["used"]]
+        for handle in gone:
+            self._leaving.remove(handle)
+            self.release(handle)

@@ -1,0 +1,1 @@
+"""Built-in presets: materials, objects and strikers as TOML files, scores as text."""

@@ -1,0 +1,195 @@
+"""The live server: OSC in over UDP, replies out, sound on a device."""
+
+import socket
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..dsp.host import NOW, Engine, EngineFull
+from ..dsp.state import Command
+from .audio import Output, open_output
+from .osc import DEFAULT_PORT, IMMEDIATELY, MAX_DATAGRAM, BadPacket, Bundle, Message, encode, parse, unix_seconds
+from .presets import Presets
+from .recorder import Recorder
+from .scene import Scene, fail
+from .space import VERBS, Refused
+from .status import Status, version
+
+_POLL = 0.02  # s between looks at the engine
+_RECEIVE_BUFFER = 1 << 22  # bytes: a burst of 10,000 messages
+_MOST_SUBSCRIBERS = 32
+_FURTHEST_AHEAD = 3600.0  # s that a time tag may lie in the future
+
+Address = tuple[str, int]
+
+
+@dataclass(frozen=True)
+class Options:
+    """How to serve: UDP port (0: any free one) and address, device (None: the default), rate in Hz, block in frames (0:
+    the device's), a file to record to, folders of presets."""
+
+    port: int = DEFAULT_PORT
+    bind: str = "127.0.0.1"
+    device: str | None = None
+    rate: int = 48_000
+    block: int = 0
+    record: Path | None = None
+    presets: tuple[Path, ...] = ()
+
+
+class Server:
+    """A scene that listens. `run` serves until /quit or `stop`."""
+
+    def __init__(self, sock: socket.socket, engine: Engine, output: Output, presets: Presets) -> None:
+        self.output = output
+        self.engine = engine
+        self._socket = sock
+        self._scene = Scene(engine, presets)
+        self._status = Status(engine, output.latency)
+        self._subscribers: set[Address] = set()
+        self._syncs: dict[int, tuple[int, Address]] = {}
+        self._sync_count = 0
+        self._dumping = False
+        self._running = True
+        self.recorder: Recorder | None = None
+
+    @property
+    def address(self) -> Address:
+        """Where it listens: host and port."""
+        return self._socket.getsockname()[:2]
+
+    def stop(self) -> None:
+        self._running = False
+
+    def run(self) -> None:
+        """Serve until told to stop."""
+        self._socket.settimeout(_POLL)
+        due = 0.0
+        while self._running:
+            try:
+                datagram, source = self._socket.recvfrom(MAX_DATAGRAM)
+            except TimeoutError:
+                pass
+            except ConnectionError:
+                continue  # a client is gone that was sent a reply
+            else:
+                self._receive(datagram, source)
+            if time.monotonic() >= due:
+                self._poll()
+                due = time.monotonic() + _POLL
+
+    def _receive(self, datagram: bytes, source: Address) -> None:
+        try:
+            bundles = parse(datagram)
+        except BadPacket as error:
+            self._reply(fail("datagram", str(error)), source)
+            return
+        for bundle in bundles:
+            if self._dumping:
+                for message in bundle.messages:
+                    print(f"{self.engine.position / self.engine.rate:.3f}", message.address, *message.args, flush=True)
+            self._perform(bundle, source)
+
+    def _perform(self, bundle: Bundle, source: Address) -> None:
+        try:
+            when = self._sample(bundle.time)
+        except Refused as error:
+            for message in bundle.messages:
+                self._reply(fail(message.address, str(error)), source)
+            return
+        about_server: list[Message] = []
+        sounding: list[Message] = []
+        for message in bundle.messages:
+            verb = VERBS.get(message.address)
+            (sounding if verb is None or verb.scored else about_server).append(message)
+        for reply in self._scene.perform(sounding, when):
+            self._reply(reply, source)
+        for message in about_server:
+            try:
+                self._serve(message, source)
+            except (Refused, EngineFull) as error:
+                self._reply(fail(message.address, str(error)), source)
+
+    def _sample(self, time_tag: int) -> float:
+        """The engine's sample at which a time tag falls; NOW where it is past."""
+        if time_tag <= IMMEDIATELY:
+            return NOW
+        ahead = unix_seconds(time_tag) - time.time()
+        if ahead > _FURTHEST_AHEAD:
+            raise Refused(f"time tag: {ahead:.0f} s ahead; expected at most {_FURTHEST_AHEAD:.0f} s")
+        return self.engine.position + ahead * self.engine.rate if ahead > 0 else NOW
+
+    def _serve(self, message: Message, source: Address) -> None:
+        """Carry out a message that is about the server, not the sound."""
+        values = VERBS[message.address].parse(message.args).numbers
+        match message.address:
+            case "/status":
+                self._reply(self._status.reply(len(self._scene.objects)), source)
+            case "/version":
+                self._reply(version(), source)
+            case "/sync":
+                self._sync(int(values["id"]), source)
+            case "/notify":
+                self._notify(bool(values["on"]), source)
+            case "/dump":
+                self._dumping = bool(values["on"])
+            case "/quit":
+                self._reply(Message("/done", ("/quit",)), source)
+                self.stop()
+
+    def _sync(self, identity: int, source: Address) -> None:
+        self._sync_count += 1
+        self._syncs[self._sync_count] = identity, source
+        self.engine.send([(NOW, Command.SYNC, None, (float(self._sync_count),))])
+
+    def _notify(self, on: bool, source: Address) -> None:
+        if not on:
+            self._subscribers.discard(source)
+        elif len(self._subscribers) >= _MOST_SUBSCRIBERS and source not in self._subscribers:
+            raise Refused(f"{_MOST_SUBSCRIBERS} clients are notified already: expected one of them to leave first")
+        else:
+            self._subscribers.add(source)
+        self._reply(Message("/done", ("/notify",)), source)
+
+    def _reply(self, message: Message, to: Address) -> None:
+        try:
+            self._socket.sendto(encode(message.address, *message.args), to)
+        except OSError:
+            # It asked from where it can't be answered: its loss, and nobody else's.
+            self._subscribers.discard(to)
+
+    def _poll(self) -> None:
+        self._status.tick()
+        if self.recorder:
+            self.recorder.poll()
+        done = self.engine.counter("synced")
+        for count in [count for count in self._syncs if count <= done]:
+            identity, source = self._syncs.pop(count)
+            self._reply(Message("/synced", (identity,)), source)
+        names = {obj.handle.slot: name for name, obj in self._scene.objects.items()}
+        for warning in self._status.warnings(names):
+            for subscriber in tuple(self._subscribers):
+                self._reply(Message("/warning", (warning,)), subscriber)
+
+
+@contextmanager
+def serving(options: Options) -> Iterator[Server]:
+    """A server ready to `run`. OSError, AudioError or PresetError say why it can't be."""
+    with ExitStack() as stack:
+        sock = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _RECEIVE_BUFFER)
+        try:
+            sock.bind((options.bind, options.port))
+        except OSError as error:
+            raise OSError(f"port {options.port} on {options.bind}: {error.strerror or error}") from error
+        engine = Engine(options.rate)
+        recorder = Recorder(engine, options.record) if options.record else None
+        if recorder:
+            stack.callback(recorder.close)
+        output = open_output(engine, options.device, options.block)
+        stack.callback(output.close)
+        server = Server(sock, engine, output, Presets(options.presets))
+        server.recorder = recorder
+        yield server

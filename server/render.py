@@ -1,0 +1,123 @@
+"""Offline rendering: a score through the engine into a sound file, or into arrays."""
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import soundfile
+from numpy.typing import NDArray
+
+from ..dsp.host import Engine
+from ..dsp.state import QUANTUM
+from .presets import Presets
+from .scene import Scene
+from .score import Line, ScoreError
+
+LOWEST_RATE, HIGHEST_RATE = 8_000, 192_000
+LONGEST_TAIL = 600.0
+"""s after a score's last event, after which a render ends even if something still sounds."""
+
+_ENDINGS = {".wav": "WAV", ".flac": "FLAC"}
+_SUBTYPES = {"16": "PCM_16", "24": "PCM_24", "float": "FLOAT"}
+
+
+class RenderError(ValueError):
+    """A render that can't be made; the text says why."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """How to render: rate in Hz, block in frames, sample format 16, 24 or float (None: 24 for FLAC, else float) and
+    seconds (None: until silence)."""
+
+    rate: int = 48_000
+    block: int = 4_096
+    format: str | None = None
+    seconds: float | None = None
+
+    def __post_init__(self) -> None:
+        if not LOWEST_RATE <= self.rate <= HIGHEST_RATE:
+            raise RenderError(f"rate = {self.rate}: expected {LOWEST_RATE} to {HIGHEST_RATE} Hz")
+        if not 1 <= self.block <= 1 << 20:
+            raise RenderError(f"block = {self.block}: expected 1 to {1 << 20} frames")
+        if self.format not in (None, *_SUBTYPES):
+            raise RenderError(f"format = {self.format}: expected {', '.join(_SUBTYPES)}")
+        if self.seconds is not None and not 0 < self.seconds <= 86_400:
+            raise RenderError(f"seconds = {self.seconds:g}: expected more than 0 and at most 86400")
+
+
+def blocks(score: Sequence[Line], engine: Engine, presets: Presets, options: Options) -> Iterator[NDArray[np.float32]]:
+    """The sound of a score, block by block, each float32 (frames, 2); ScoreError names a line that is refused.
+
+    Without `seconds` it ends with the quantum in which the last sound ends, whatever the block size.
+    """
+    if not score:
+        raise RenderError("the score is empty: expected lines of time, address and arguments")
+    scene = Scene(engine, presets)
+    lines = sorted(score, key=lambda line: line.time)
+    tail = round((lines[-1].time + LONGEST_TAIL) * options.rate)
+    end = round(options.seconds * options.rate) if options.seconds is not None else None
+    written = 0
+    performed = 0
+    while end is None or written < end:
+        frames = options.block if end is None else min(options.block, end - written)
+        # What may fall into the quanta that this block needs.
+        horizon = (written + frames) // QUANTUM * QUANTUM + QUANTUM
+        while performed < len(lines) and lines[performed].time * options.rate < horizon:
+            _perform(scene, lines[performed])
+            performed += 1
+        sound = engine.process(frames)
+        if options.seconds is None and performed == len(lines) and (engine.quiet() or engine.position > tail):
+            end = max(engine.counter("sounded"), _quantum_after(lines[-1].time * options.rate))
+            sound = sound[: max(0, min(end, tail) - written)]
+        written += len(sound)
+        if len(sound):
+            yield sound
+        elif end is not None:
+            return
+
+
+def _quantum_after(sample: float) -> int:
+    return (int(sample) // QUANTUM + 1) * QUANTUM
+
+
+def _perform(scene: Scene, line: Line) -> None:
+    if scene.engine.room() == 0:
+        raise ScoreError(f"{line.where}: too many events at once: {len(scene.engine.state['ring'][0])} at most")
+    for reply in scene.perform([line.message], line.time * scene.engine.rate):
+        if reply.address == "/fail":
+            raise ScoreError(f"{line.where}: {': '.join(map(str, reply.args))}")
+
+
+def render(
+    score: Sequence[Line],
+    out: Path,
+    presets: Presets,
+    options: Options,
+    progress: Callable[[float], None] = lambda seconds: None,
+) -> Engine:
+    """Render a score to a WAV or FLAC file, told by its ending; returns the engine, for what it counted.
+
+    The file appears under its name once it is whole. RenderError, ScoreError or OSError say what went wrong.
+    """
+    container = _ENDINGS.get(out.suffix.lower())
+    if container is None:
+        raise RenderError(f"{out}: expected a name that ends in {' or '.join(_ENDINGS)}")
+    subtype = _SUBTYPES[options.format or ("24" if container == "FLAC" else "float")]
+    if not soundfile.check_format(container, subtype):
+        raise RenderError(f"format = {options.format}: {container} holds 16 or 24")
+    part = out.with_name(out.name + ".part")
+    engine = Engine(options.rate)
+    try:
+        with open(part, "wb") as raw, soundfile.SoundFile(
+            raw, "w", options.rate, 2, subtype=subtype, format=container
+        ) as file:  # fmt: skip
+            for sound in blocks(score, engine, presets, options):
+                file.write(sound)
+                progress(engine.position / options.rate)
+        os.replace(part, out)
+    finally:
+        part.unlink(missing_ok=True)
+    return engine

@@ -1,0 +1,176 @@
+"""The scene: objects by name. It turns messages into engine commands, alike for a live server and a score."""
+
+import math
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+from ..dsp.host import Engine, EngineFull, Handle
+from ..dsp.materials import Material
+from ..dsp.state import Command
+from .osc import Message, match
+from .presets import ObjectPreset, PresetError, Presets
+from .space import STRIKER, VERBS, Refused, Values, Verb, shown
+
+LONGEST_CONTACT = 1.0
+"""s: a striker so soft or heavy that it would stay longer is refused."""
+
+_NAME = re.compile(r"[^\s#*,/?\[\]{}]{1,64}")
+_SETTINGS = {"gain": 0.0, "pan": 0.0, "tune": 0.0, "decay": 1.0, "damp": 0.0}
+
+Contact = tuple[float, float, float, float]
+"""Mass (kg), stiffness (N/m^a), dissipation (s/m), exponent."""
+
+EngineCommand = tuple[Command, Handle | None, tuple[float, ...]]
+
+
+@dataclass(frozen=True)
+class _Object:
+    handle: Handle
+    preset: ObjectPreset
+
+
+class Scene:
+    """The objects that an engine plays, by name."""
+
+    def __init__(self, engine: Engine, presets: Presets) -> None:
+        self.engine = engine
+        self.presets = presets
+        self.objects: dict[str, _Object] = {}
+        self._undo: list[Callable[[], object]] = []
+        self._contacts: dict[tuple[str, Material | None], Contact] = {}  # read from files once an object was made
+
+    def perform(self, messages: Iterable[Message], time: float) -> list[Message]:
+        """Carry out messages together at a time (samples); returns /done and /fail replies.
+
+        A message that is refused leaves no trace and does not hold up the others. Either all their commands reach the
+        engine or, where it has no room for them, none.
+        """
+        replies: list[Message] = []
+        commands: list[EngineCommand] = []
+        accepted: list[str] = []
+        self._undo.clear()
+        for message in messages:
+            try:
+                more, reply = self._translate(message)
+            except (Refused, PresetError, EngineFull) as error:
+                replies.append(fail(message.address, str(error)))
+            else:
+                commands += more
+                replies += reply
+                accepted.append(message.address)
+        try:
+            self.engine.send([(time, *command) for command in commands])
+        except EngineFull as error:
+            for undo in reversed(self._undo):
+                undo()
+            replies = [r for r in replies if r.address == "/fail"]
+            replies += [fail(address, str(error)) for address in accepted]
+        return replies
+
+    def _translate(self, message: Message) -> tuple[list[EngineCommand], list[Message]]:
+        if message.address == "/panic":
+            VERBS["/panic"].parse(message.args)
+            return [(Command.PANIC, None, ())], []
+        if message.address in VERBS and not VERBS[message.address].scored:
+            raise Refused("only a running server carries it out; expected what sounds")
+        if message.address == "/object/new":
+            return self._new(VERBS["/object/new"].parse(message.args))
+        parts = message.address.split("/")
+        if len(parts) != 4 or parts[:2] != ["", "object"]:
+            raise Refused(f"no such address; expected one of {', '.join(VERBS)}")
+        _, _, pattern, action = parts
+        verb = VERBS.get(f"/object/NAME/{action}")
+        if verb is None:
+            actions = ", ".join(a.rsplit("/", 1)[1] for a in VERBS if a.startswith("/object/NAME/"))
+            raise Refused(f"{action}: nothing an object does; expected {actions}")
+        values = verb.parse(message.args)
+        names = [name for name in self.objects if match(pattern, name)]
+        if not names:
+            known = ", ".join(list(self.objects)[:8]) or "none"
+            raise Refused(f"{pattern}: no such object; there are {known}")
+        commands = []
+        for name in names:
+            commands += self._act(name, verb, values)
+        return commands, []
+
+    def _act(self, name: str, verb: Verb, values: Values) -> list[EngineCommand]:
+        obj = self.objects[name]
+        action = verb.address.rsplit("/", 1)[1]
+        if action == "impact":
+            return self._impact(obj, values)
+        if action == "free":
+            del self.objects[name]
+            self.engine.leave(obj.handle)
+            self._undo += [lambda: self.engine.stay(obj.handle), lambda: self.objects.update({name: obj})]
+            return [(Command.FREE, obj.handle, (values.numbers.get("at_once", 0.0),))]
+        return [(Command[action.upper()], obj.handle, (_physical(action, values.numbers[action]),))]
+
+    def _new(self, values: Values) -> tuple[list[EngineCommand], list[Message]]:
+        name = values.words["name"]
+        if not _NAME.fullmatch(name) or name == "new":
+            forbidden = "# * , / ? [ ] { } or space"
+            raise Refused(f"name = {shown(name)}: expected 1 to 64 characters, none of them {forbidden}")
+        if name in self.objects:
+            raise Refused(f"name = {name}: there is such an object already; free it first")
+        settings = {key: values.numbers.pop(key, default) for key, default in _SETTINGS.items()}
+        preset = self.presets.object(values.words["preset"])
+        changes = {**values.others, **values.numbers}
+        if "striker" in values.words:
+            changes["striker"] = values.words["striker"]
+        if changes:
+            preset = preset.replace(**changes)
+        self._contacts.clear()
+        self._contact(preset.striker, preset.material)
+        modes = preset.modes(self.engine.top_frequency)
+        handle, size, rows = self.engine.lay_out(modes, 10 ** (preset.level / 20))
+        self.objects[name] = _Object(handle, preset)
+        self._undo += [lambda: self.engine.release(handle), lambda: self.objects.pop(name)]
+        place = (handle.first, size, handle.table, rows)
+        initial = tuple(_physical(key, value) for key, value in settings.items())
+        return [(Command.NEW, handle, (*place, *initial))], [Message("/done", ("/object/new", name))]
+
+    def _impact(self, obj: _Object, values: Values) -> list[EngineCommand]:
+        numbers = values.numbers
+        velocity = numbers["velocity"]
+        if velocity == 0.0:
+            return []
+        preset = self._contact(values.words.get("striker", obj.preset.striker), obj.preset.material)
+        given = zip(("mass", "stiffness", "dissipation", "exponent"), preset, strict=True)
+        contact = {key: numbers.get(key, value) for key, value in given}
+        _require_short(velocity, **contact)
+        position = numbers.get("position", obj.preset.position)
+        gain = _physical("gain", numbers.get("gain", 0.0))
+        return [(Command.IMPACT, obj.handle, (velocity, position, *contact.values(), gain))]
+
+    def _contact(self, striker: str, material: Material | None) -> Contact:
+        if (striker, material) not in self._contacts:
+            self._contacts[striker, material] = self.presets.striker(striker).contact(material)
+        return self._contacts[striker, material]
+
+
+def fail(address: str, reason: str) -> Message:
+    """The reply to what can't be done."""
+    return Message("/fail", (address, reason))
+
+
+def _physical(setting: str, value: float) -> float:
+    """A setting as the engine takes it: dB as amplitude, semitones as a ratio."""
+    if setting == "gain":
+        return 10 ** (value / 20)
+    if setting == "tune":
+        return 2 ** (value / 12)
+    return value
+
+
+def _require_short(velocity: float, mass: float, stiffness: float, dissipation: float, exponent: float) -> None:
+    """Refuse a contact of more than LONGEST_CONTACT, by an upper estimate of its duration."""
+    a = exponent
+    w = dissipation * velocity
+    length = (mass * velocity**2 / stiffness) ** (1 / (a + 1))
+    deepest = ((a + 1) * min(0.5, 1 / w if w else math.inf)) ** (1 / (a + 1))
+    duration = length / velocity * (3.3 + w * deepest)
+    if duration > LONGEST_CONTACT:
+        law = zip(STRIKER[1:], (mass, stiffness, dissipation, exponent), strict=True)
+        culprits = ", ".join(f"{number.name} = {value:g}" for number, value in law)
+        raise Refused(f"{culprits}: the contact would last {duration:.3g} s; expected under {LONGEST_CONTACT:g} s")

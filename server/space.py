@@ -1,0 +1,189 @@
+"""The address space: what can be said to Carom, declared once for checking, for the README and for whoever asks.
+
+`python -m carom.server.space` prints it as the README's table.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from .osc import Argument
+
+
+class Refused(ValueError):
+    """A message that can't be carried out; the text names the culprit, its value and what was expected."""
+
+
+@dataclass(frozen=True)
+class Number:
+    """A numeric argument and its range, bounds included."""
+
+    name: str
+    low: float
+    high: float
+    unit: str = ""
+    help: str = ""
+
+    def check(self, value: Argument) -> float:
+        if isinstance(value, (int, float)) and self.low <= value <= self.high:
+            return float(value)
+        unit = f" {self.unit}" if self.unit else ""
+        raise Refused(f"{self.name} = {shown(value)}: expected a number from {self.low:g} to {self.high:g}{unit}")
+
+
+@dataclass(frozen=True)
+class Word:
+    """An argument that is a name."""
+
+    name: str
+    help: str = ""
+
+    def check(self, value: Argument) -> str:
+        if isinstance(value, str) and value:
+            return value
+        raise Refused(f"{self.name} = {shown(value)}: expected a name")
+
+
+@dataclass
+class Values:
+    """The checked arguments of a message, by name."""
+
+    numbers: dict[str, float] = field(default_factory=dict)
+    words: dict[str, str] = field(default_factory=dict)
+    others: dict[str, Argument] = field(default_factory=dict)
+
+    def check(self, argument: "Number | Word", value: Argument) -> None:
+        if argument.name in self.numbers or argument.name in self.words:
+            raise Refused(f"{argument.name} = {shown(value)}: given twice")
+        if isinstance(argument, Number):
+            self.numbers[argument.name] = argument.check(value)
+        else:
+            self.words[argument.name] = argument.check(value)
+
+
+@dataclass(frozen=True)
+class Verb:
+    """An address and its arguments: required ones, optional positional numbers, then key value pairs."""
+
+    address: str
+    help: str
+    required: tuple[Number | Word, ...] = ()
+    optional: tuple[Number, ...] = ()
+    keys: tuple[Number | Word, ...] = ()
+    open_keys: bool = False  # further keys are another's to check
+    scored: bool = field(default=True)  # has a meaning in a score
+
+    def parse(self, args: tuple[Argument, ...]) -> Values:
+        """Checked values by name; Refused says what is wrong."""
+        if len(args) < len(self.required):
+            missing = self.required[len(args)]
+            raise Refused(f"{missing.name} is missing: expected {self.usage()}")
+        values = Values()
+        for argument, value in zip(self.required, args, strict=False):
+            values.check(argument, value)
+        rest = list(args[len(self.required) :])
+        for number in self.optional:
+            if rest and not isinstance(rest[0], str):
+                values.check(number, rest.pop(0))
+        keys = {key.name: key for key in (*self.keys, *self.optional)}
+        for key, value in _pairs(rest, self):
+            if key in keys:
+                values.check(keys[key], value)
+            elif self.open_keys:
+                values.others[key] = value
+            else:
+                raise Refused(f"{key}: no such key; expected {', '.join(keys) or 'none'}")
+        return values
+
+    def usage(self) -> str:
+        words = [a.name for a in self.required] + [f"[{a.name}]" for a in self.optional]
+        return " ".join([self.address, *words, *(["[key value ...]"] if self.keys or self.open_keys else [])])
+
+
+def _pairs(rest: list[Argument], verb: Verb) -> Iterator[tuple[str, Argument]]:
+    for i in range(0, len(rest), 2):
+        key = rest[i]
+        if not isinstance(key, str):
+            raise Refused(f"{shown(key)}: expected a key; {verb.usage()}")
+        if i + 1 == len(rest):
+            raise Refused(f"{key}: its value is missing")
+        yield key, rest[i + 1]
+
+
+def shown(value: Argument) -> str:
+    """A value as an error names it."""
+    if isinstance(value, float) and math.isfinite(value):
+        return f"{value:g}"
+    text = str(value) if isinstance(value, str) else repr(value)
+    return text if len(text) <= 40 else text[:37] + "..."
+
+
+VELOCITY = Number("velocity", 0, 1000, "m/s", "of the striker as it meets the object; 0 does nothing")
+POSITION = Number("position", 0, 1, "", "where it is struck, from one end of the object's strike path to the other")
+GAIN = Number("gain", -120, 40, "dB")
+PAN = Number("pan", -1, 1, "", "-1 left, 1 right")
+TUNE = Number("tune", -60, 60, "semitones")
+DECAY = Number("decay", 0.001, 100, "times", "every decay time, longer or shorter")
+DAMP = Number("damp", 0, 1, "", "a hand on it: 0 off, 1 firm")
+
+STRIKER = (
+    Word("striker", "a preset"),
+    Number("mass", 1e-9, 1e6, "kg"),
+    Number("stiffness", 1e-3, 1e16, "N/m^a"),
+    Number("dissipation", 0, 1e6, "s/m"),
+    Number("exponent", 1, 4),
+)
+
+VERBS = {
+    verb.address: verb
+    for verb in (
+        Verb(
+            "/object/new", "makes an object from a preset; further keys change the preset (length, material, ...)",
+            (Word("name"), Word("preset")), keys=(GAIN, PAN, TUNE, DECAY, DAMP, POSITION, STRIKER[0]), open_keys=True,
+        ),
+        Verb(
+            "/object/NAME/impact", "strikes it once", (VELOCITY,), (POSITION,),
+            (*STRIKER, Number("gain", -120, 40, "dB", "of this strike")),
+        ),
+        Verb("/object/NAME/damp", "puts a hand on it, until changed", (DAMP,)),
+        Verb("/object/NAME/gain", "level", (GAIN,)),
+        Verb("/object/NAME/pan", "place between left and right", (PAN,)),
+        Verb("/object/NAME/tune", "all its frequencies up or down", (TUNE,)),
+        Verb("/object/NAME/decay", "all its decay times longer or shorter", (DECAY,)),
+        Verb(
+            "/object/NAME/free", "removes it once silent, or with 1 at once (a 50 ms fade)",
+            optional=(Number("at_once", 0, 1),),
+        ),
+        Verb("/panic", "silences everything at once; objects stay"),
+        Verb("/status", "answers /status.reply", scored=False),
+        Verb("/version", "answers /version.reply name major minor patch", scored=False),
+        Verb(
+            "/sync", "answers /synced id once all sent before it is done", (Number("id", -(2**31), 2**31 - 1),),
+            scored=False,
+        ),
+        Verb("/notify", "1: warnings come to you from now on, 0: no more", (Number("on", 0, 1),), scored=False),
+        Verb("/dump", "1: prints every message that arrives, 0: no more", (Number("on", 0, 1),), scored=False),
+        Verb("/quit", "ends the server", scored=False),
+    )
+}  # fmt: skip
+
+
+def table() -> str:
+    """The address space as a Markdown table."""
+
+    def described(argument: Number | Word) -> str:
+        if isinstance(argument, Word):
+            return f"`{argument.name}`"
+        unit = f" {argument.unit}" if argument.unit else ""
+        return f"`{argument.name}` {argument.low:g} to {argument.high:g}{unit}"
+
+    lines = ["| address | arguments | does |", "|---|---|---|"]
+    for verb in VERBS.values():
+        parts = [described(a) for a in verb.required] + [f"[{described(a)}]" for a in verb.optional]
+        keys = "; keys: " + ", ".join(described(k) for k in verb.keys) if verb.keys else ""
+        lines.append(f"| `{verb.address}` | {', '.join(parts)}{keys} | {verb.help} |")
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    print(table())

@@ -1,0 +1,148 @@
+"""Modes against the exact solution of their equation, driven by DOP853's contact."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from carom.dsp import bank, pulse
+
+LANES = bank.LANES
+
+
+class Bank:
+    """One group of modes, driven and ringing through the compiled kernels."""
+
+    def __init__(self, frequency, decay, rate):
+        self.y1, self.y2, self.a1, self.a2 = np.zeros((4, LANES))
+        self.left, self.right = np.ones(LANES), np.linspace(-1, 1, LANES)
+        self.response = np.zeros(bank.RESPONSES)
+        self.shape = np.ones(4 * LANES, np.float32)
+        self.rate = rate
+        self.tune(frequency, decay)
+
+    def tune(self, frequency, decay):
+        for i, (f, d) in enumerate(zip(frequency, decay, strict=True)):
+            bank.set_mode(i, f, d, self.rate, self.y1, self.y2, self.a1, self.a2, self.response)
+
+    def strike(self, moments):
+        bank.inject(self.y1, self.y2, self.response, self.shape, LANES, 0, np.array([0.0, 1.0, 0.0, 0.0]), moments)
+
+    def ring(self, frames):
+        out = np.zeros((2, frames))
+        bank.ring(self.y1, self.y2, self.a1, self.a2, self.left, self.right, out, 0, frames)
+        return out
+
+    def step(self):
+        self.ring(1)
+        return self.y1.copy()
+
+
+def test_free_ringing_is_exact():
+    rate = 48_000.0
+    frequency = np.array([20.0, 55.0, 440.0, 1000.0, 5000.0, 12_000.0, 20_000.0, 22_800.0])
+    decay = np.array([0.1, 1.0, 7.0, 3.0, 30.0, 200.0, 50.0, 5.0])
+    modes = Bank(frequency, decay, rate)
+    blow = np.zeros(pulse.MOMENTS)
+    blow[0] = 1e-3
+    modes.strike(blow)
+    start = modes.y1.copy()
+    z0 = np.array([complex(*bank.state_of(*v)) for v in zip(modes.y1, modes.y2, modes.a1, modes.a2, strict=True)])
+    frames = 30 * 48_000
+    out = modes.ring(frames)
+    exact = (z0 * np.exp((-decay + 2j * np.pi * frequency) * frames / rate)).imag
+    # Thirty seconds on: a thousandth of a cent would be a whole period at 20 kHz and 2e-8 of the frequency.
+    assert np.abs(modes.y1 - exact).max() < 1e-8 * np.abs(start).max()
+    t = np.arange(1, 201)[:, None]
+    heard = (z0 * np.exp((-decay + 2j * np.pi * frequency) * t / rate)).imag
+    np.testing.assert_allclose(out[0, :200], heard.sum(axis=1), atol=1e-12 * np.abs(z0).max())
+    np.testing.assert_allclose(out[1, :200], heard @ modes.right, atol=1e-12 * np.abs(z0).max())
+
+
+def test_ringing_does_not_depend_on_how_it_is_cut():
+    def run(cuts):
+        modes = Bank(np.linspace(100, 20_000, LANES), np.full(LANES, 5.0), 48_000.0)
+        modes.strike(np.linspace(1, 0.1, pulse.MOMENTS))
+        return np.concatenate([modes.ring(n) for n in cuts], axis=1)
+
+    np.testing.assert_allclose(run([64] * 4), run([1, 2, 3, 58, 63, 5, 124]), atol=1e-14)
+
+
+@pytest.mark.parametrize("frequency", [30.0, 700.0, 5000.0, 16_000.0, 22_800.0])
+@pytest.mark.parametrize("samples", [0.05, 0.3, 1.0, 2.7, 8.0, 50.0])
+def test_a_contact_drives_a_mode_within_80_db(samples, frequency):
+    """Every sample from the first touch on, against DOP853 of striker and mode together."""
+    rate, decay, m, v_in, mu, a, fraction = 48_000.0, 20.0, 0.01, 1.0, 0.5, 1.5, 0.37
+    k = 1e6 * (pulse.contact_time(v_in, m, 1e6, mu, a) / (samples / rate)) ** (a + 1)
+    exact, after = driven_mode(v_in, m, k, mu, a, frequency, decay, rate, fraction, frames=int(samples) + 12)
+    modes = Bank(np.full(LANES, frequency), np.full(LANES, decay), rate)
+    state = np.zeros(1, pulse.PULSE)[0]
+    pulse.begin(state, v_in, m, k, mu, a, rate)
+    moments = np.zeros(pulse.MOMENTS)
+    got = []
+    for n in range(len(exact)):
+        age = n + 1 - fraction
+        if state["time"] < state["duration"]:
+            pulse.advance(state, min(age, state["duration"]), age - 1, moments)
+            modes.strike(moments)
+        got.append(modes.step()[0])
+    # Relative to what the blow leaves in the mode, or could have left had it been short.
+    scale = max(after, 1e-2 * m * v_in * 1.75)
+    assert np.abs(np.array(got) - exact).max() < 1e-4 * scale
+
+
+def driven_mode(v_in, m, k, mu, a, frequency, decay, rate, fraction, frames):
+    """omega q of a unit mass's mode driven by the wall's contact, at `frames` samples, and the amplitude it ends with."""
+    w = 2 * math.pi * frequency
+    length = (m * v_in**2 / k) ** (1 / (a + 1))
+    unit = length / v_in
+    s = complex(-decay, w) * unit
+
+    def motion(t, y):
+        f = max(y[0], 0.0) ** a * (1 + mu * v_in * y[1])
+        z = complex(y[2], y[3])
+        z = s * z + f
+        return [y[1], -f, z.real, z.imag]
+
+    def released(t, y):
+        return y[0] if t > 1e-3 else 1.0
+
+    released.terminal, released.direction = True, -1
+    start = (0, 1, 0, 0)
+    run = solve_ivp(
+        motion, (0, 100), start, "DOP853", events=released, rtol=1e-11, atol=1e-13, dense_output=True, first_step=1e-4
+    )
+    t = (np.arange(frames) + 1 - fraction) / rate / unit
+    end = run.t_events[0][0]
+    y = run.sol(np.minimum(t, end))
+    z = (y[2] + 1j * y[3]) * np.exp(s * np.maximum(t - end, 0)) * m * v_in
+    return z.imag, abs(z[-1])
+
+
+def test_retuning_keeps_amplitude_and_phase():
+    modes = Bank(np.full(LANES, 440.0), np.full(LANES, 3.0), 48_000.0)
+    blow = np.zeros(pulse.MOMENTS)
+    blow[0] = 1.0
+    modes.strike(blow)
+    modes.ring(777)
+    before = [bank.state_of(*v) for v in zip(modes.y1, modes.y2, modes.a1, modes.a2, strict=True)]
+    modes.tune(np.linspace(100, 20_000, LANES), np.linspace(1, 100, LANES))
+    after = [bank.state_of(*v) for v in zip(modes.y1, modes.y2, modes.a1, modes.a2, strict=True)]
+    np.testing.assert_allclose(after, before, rtol=1e-9)
+
+
+def test_a_mode_without_frequency_rests():
+    modes = Bank(np.zeros(LANES), np.zeros(LANES), 48_000.0)
+    modes.strike(np.ones(pulse.MOMENTS))
+    assert not modes.ring(64).any()
+
+
+def test_shapes_are_interpolated_between_rows():
+    modes = Bank(np.full(LANES, 440.0), np.full(LANES, 3.0), 48_000.0)
+    modes.shape = np.repeat(np.array([1.0, 2.0, 4.0, 8.0], np.float32), LANES)
+    one = np.zeros(pulse.MOMENTS)
+    one[0] = 1.0
+    bank.inject(modes.y1, modes.y2, modes.response, modes.shape, LANES, 0, np.array([0.1, 0.2, 0.3, 0.4]), one)
+    expected = 0.1 + 0.4 + 1.2 + 3.2
+    np.testing.assert_allclose(modes.y2, expected * modes.response[LANES], rtol=1e-7)

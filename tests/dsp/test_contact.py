@@ -1,0 +1,103 @@
+"""The closed forms of the rigid wall against mpmath and the paper's figures."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from carom.dsp import contact
+
+mp.mp.dps = 50
+
+
+def exact_restitution(w: float) -> mp.mpf:
+    """E by Lambert's W at 50 digits."""
+    w = mp.mpf(w)
+    return mp.mpf(1) if w == 0 else (1 + mp.lambertw(-(1 + w) * mp.exp(-(1 + w))).real) / w
+
+
+def exact_potential(u: float, w: float) -> mp.mpf:
+    """x^(a+1)/((a+1) L^(a+1)) by equation (3) as printed, at 50 digits."""
+    u, w = mp.mpf(u), mp.mpf(w)
+    if w == 0:
+        return (1 - u**2) / 2
+    return (-w * (u - 1) + mp.log((1 + w * u) / (1 + w))) / w**2
+
+
+def test_release_velocity_is_exact_at_any_dissipation():
+    speeds = np.geomspace(1e-12, 1e6, 600)
+    computed = contact.release_velocity(speeds, 1.0)
+    for w, v_out in zip(speeds, computed, strict=True):
+        assert abs(v_out / (-exact_restitution(w) * mp.mpf(w)) - 1) < 1e-14, w
+
+
+def test_release_velocity_scales_and_limits():
+    assert contact.release_velocity(3.0, 0.0) == -3.0
+    assert contact.release_velocity(1e9, 2.0) == pytest.approx(-0.5, rel=1e-15)  # v_lim = -1/mu
+    np.testing.assert_allclose(contact.restitution([1.0, 10.0], [5.0, 0.5]), contact.restitution(5.0, 1.0), rtol=1e-15)
+
+
+def test_restitution_falls_by_two_thirds_of_w():
+    w = 1e-6
+    assert 1 - contact.restitution(w, 1.0) == pytest.approx(2 / 3 * w, rel=1e-5)
+
+
+def test_paper_approximation_errs_as_the_paper_says():
+    w = np.geomspace(1e-3, 50, 20_000)
+    error = np.abs(contact.paper_release_velocity(w, 1.0) / contact.release_velocity(w, 1.0) - 1)
+    assert (error[(w < 0.797) | (w > 8.06)] < 1e-3).all() and error[(w > 0.80) & (w < 0.81)].min() > 1e-3
+    assert error.max() == pytest.approx(0.02045, abs=2e-5)
+    assert w[error.argmax()] == pytest.approx(3.00, abs=0.01)
+
+
+@pytest.mark.parametrize("w", [0.0, 1e-12, 1e-8, 1e-4, 0.1, 0.999, 1.0, 1.001, 3.0, 20.0, 39.9, 40.1, 1e3, 1e6])
+def test_compression_and_energy_follow_the_trajectory(w):
+    e = float(exact_restitution(w))
+    for u in np.concatenate([np.linspace(0, 0.999, 23), -e * np.linspace(1e-6, 0.999, 23)]):
+        expected = exact_potential(u, w)
+        for a in (1.0, 1.3, 1.5, 4.0):
+            x = contact.compression(2 * u, 2.0, 0.3, 1e7, w / 2, a)
+            length = (mp.mpf("0.3") * 4 / 1e7) ** (1 / (mp.mpf(a) + 1))
+            exact = length * ((mp.mpf(a) + 1) * expected) ** (1 / (mp.mpf(a) + 1))
+            # Near the release the last bit of v itself moves x: that is not the closed form's fault.
+            amplified = abs(u * u / ((1 + w * u) * float(expected)))
+            assert abs(x / exact - 1) < 2e-13 + 4e-16 * amplified, (u, a)
+        energy = contact.energy(2 * u, 2.0, 0.3, w / 2)
+        assert abs(energy / (mp.mpf("1.2") * (mp.mpf(u) ** 2 / 2 + expected)) - 1) < 5e-13
+
+
+def test_energy_ends_and_never_rises():
+    v_out = float(contact.release_velocity(2.0, 0.7))
+    v = np.linspace(2.0, v_out, 2001)
+    energy = contact.energy(v, 2.0, 0.01, 0.7)
+    assert energy[0] == pytest.approx(0.02) and energy[-1] == pytest.approx(0.005 * v_out**2, rel=1e-12)
+    assert (np.diff(energy) <= 1e-17).all()
+
+
+def test_compression_is_zero_at_both_ends_and_greatest_between():
+    v_out = contact.release_velocity(1.0, 0.5)
+    x = contact.compression([1.0, 0.0, v_out], 1.0, 0.01, 1e9, 0.5, 1.5)
+    assert x[0] == 0 and x[2] < 1e-6 * x[1]
+    assert x[1] == contact.max_compression(1.0, 0.01, 1e9, 0.5, 1.5)
+
+
+def test_force_is_the_law():
+    assert contact.force(1e-4, 2.0, 1e9, 0.25, 1.5) == pytest.approx(1e9 * 1e-6 * 1.5)
+    assert contact.force(-1e-4, 2.0, 1e9, 0.25, 1.5) == 0
+    assert contact.potential_energy(2.0, 3.0, 1.0) == pytest.approx(6.0)
+
+
+@pytest.mark.parametrize(
+    ("call", "culprit"),
+    [
+        (lambda: contact.restitution(-1.0, 0.5), "v_in = -1"),
+        (lambda: contact.restitution(float("nan"), 0.5), "v_in = nan"),
+        (lambda: contact.release_velocity(1.0, -0.1), "mu = -0.1"),
+        (lambda: contact.compression(0.5, 1.0, 0.0, 1e9, 0.5, 1.5), "m = 0"),
+        (lambda: contact.compression(0.5, 1.0, 0.1, 1e9, 0.5, 0.5), "a = 0.5"),
+        (lambda: contact.compression(2.0, 1.0, 0.1, 1e9, 0.5, 1.5), "v = 2"),
+        (lambda: contact.force(1.0, 1.0, float("inf"), 0.5, 1.5), "k = inf"),
+    ],
+)
+def test_bad_values_are_named(call, culprit):
+    with pytest.raises(ValueError, match=culprit):
+        call()

@@ -1,0 +1,126 @@
+"""Scores become sound files: the same at any block size, whole or not at all."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import soundfile
+from carom.server.presets import BUILT_IN, Presets
+from carom.server.render import Options, RenderError, render
+from carom.server.score import ScoreError, read
+from tests.conftest import render_lines
+
+DEMO = BUILT_IN / "scores" / "demo.txt"
+STRIKE = "0 /object/new a wood-block\n0.01 /object/a/impact 1\n"
+
+
+@pytest.fixture(scope="module")
+def demo() -> np.ndarray:
+    return render_lines(read(DEMO))
+
+
+@pytest.mark.parametrize("block", [1, 37, 64, 480])
+def test_block_size_changes_no_bit_of_the_demo(demo, block):
+    np.testing.assert_array_equal(render_lines(read(DEMO), block=block), demo)
+
+
+def test_the_demo_is_loud_enough_clean_and_ends(demo):
+    assert 0.2 < np.abs(demo).max() < 1.0
+    assert 15 < len(demo) / 48_000 < 25 and np.abs(demo[-4800:]).max() < 1e-4
+
+
+@pytest.mark.parametrize("rate", [22_050, 44_100, 96_000, 192_000])
+def test_a_strike_is_the_same_at_any_rate(render_text, rate):
+    """Below 8 kHz a strike's spectrum does not know the sampling rate."""
+
+    def spectrum(rate):
+        # All its modes are below 5 kHz: which ones there are would depend on the rate.
+        out = render_text("0 /object/new a church-bell\n0.01 /object/a/impact 1 striker wood\n", rate=rate, seconds=1.0)
+        return np.abs(np.fft.rfft(out[:, 0].astype(float)))[:8000] / rate
+
+    reference = spectrum(48_000)
+    assert np.linalg.norm(spectrum(rate) - reference) < 1e-3 * np.linalg.norm(reference)
+
+
+@pytest.mark.parametrize(
+    ("name", "format", "subtype"),
+    [
+        ("x.wav", None, "FLOAT"),
+        ("x.wav", "16", "PCM_16"),
+        ("x.wav", "24", "PCM_24"),
+        ("x.flac", None, "PCM_24"),
+        ("x.FLAC", "16", "PCM_16"),
+    ],
+)
+def test_formats(tmp_path, name, format, subtype):
+    score = tmp_path / "s.txt"
+    score.write_text(STRIKE)
+    out = tmp_path / name
+    render(read(score), out, Presets(), Options(format=format, seconds=0.5))
+    info = soundfile.info(out)
+    assert (info.subtype, info.frames, info.channels, info.samplerate) == (subtype, 24_000, 2, 48_000)
+    expected = render_lines(read(score), seconds=0.5)
+    step = {"FLOAT": 0, "PCM_24": 2**-23, "PCM_16": 2**-15}[subtype]
+    assert np.abs(soundfile.read(out)[0] - expected).max() <= step
+
+
+@pytest.mark.parametrize(
+    ("options", "culprit"),
+    [
+        ({"rate": 100}, "rate = 100"),
+        ({"rate": 400_000}, "rate = 400000"),
+        ({"block": 0}, "block = 0"),
+        ({"seconds": 0.0}, "seconds = 0"),
+        ({"seconds": float("nan")}, "seconds = nan"),
+        ({"format": "32"}, "format = 32"),
+    ],
+)
+def test_bad_options_are_named(options, culprit):
+    with pytest.raises(RenderError, match=culprit):
+        Options(**options)
+
+
+def rendering(tmp_path: Path, text: str, out: str = "x.wav", **options) -> None:
+    score = tmp_path / "score.txt"
+    score.write_text(text)
+    render(read(score), tmp_path / out, Presets(), Options(**options))
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("0 /object/new a wood-bloc\n", r"score.txt:1: /object/new: no object 'wood-bloc'"),
+        (STRIKE + "3 /object/b/impact 1\n", r"score.txt:3: /object/b/impact: b: no such object"),
+        (STRIKE + "x /object/a/impact 1\n", r"score.txt:3: time 'x'"),
+        (STRIKE + "1 /status\n", r"score.txt:3: /status: .*only a running server"),
+    ],
+)
+def test_a_broken_score_names_its_line_and_leaves_no_file(tmp_path, text, reason):
+    (tmp_path / "x.wav").write_bytes(b"an earlier render")
+    with pytest.raises(ScoreError, match=reason):
+        rendering(tmp_path, text)
+    assert (tmp_path / "x.wav").read_bytes() == b"an earlier render"
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["score.txt", "x.wav"]
+
+
+def test_other_failures_are_told(tmp_path):
+    with pytest.raises(RenderError, match="the score is empty"):
+        rendering(tmp_path, "# nothing\n")
+    with pytest.raises(RenderError, match=r"x.mp3: expected a name that ends in .wav or .flac"):
+        rendering(tmp_path, STRIKE, out="x.mp3")
+    with pytest.raises(RenderError, match="format = float: FLAC holds 16 or 24"):
+        rendering(tmp_path, STRIKE, out="x.flac", format="float")
+    with pytest.raises(FileNotFoundError):
+        rendering(tmp_path, STRIKE, out="no/such/folder/x.wav")
+
+
+def test_more_events_than_the_queue_holds_are_played_in_turn(render_text):
+    lines = ["0 /object/new a wood-block gain -40"]
+    lines += [f"{0.0002 * i} /object/a/impact 0.1" for i in range(20_000)]
+    assert len(render_text("\n".join(lines))) > 4 * 48_000
+
+
+def test_more_events_at_once_than_can_be_queued_are_refused(tmp_path):
+    lines = ["0 /object/new a wood-block"] + ["0.1 /object/a/impact 0.1"] * 20_000
+    with pytest.raises(ScoreError, match="too many events at once"):
+        rendering(tmp_path, "\n".join(lines))

@@ -1,0 +1,177 @@
+"""What messages do, and what they are told when they can't."""
+
+import math
+
+import pytest
+from carom.dsp.host import NOW, Engine
+from carom.dsp.state import CONTACTS, OBJECTS, RING
+from carom.server.osc import Message
+from carom.server.presets import Presets
+from carom.server.scene import Scene
+from carom.server.space import VERBS, table
+
+
+@pytest.fixture
+def scene():
+    return Scene(Engine(48_000), Presets())
+
+
+def say(scene, address, *args, time=NOW):
+    return scene.perform([Message(address, args)], time)
+
+
+def refusal(scene, address, *args):
+    (reply,) = say(scene, address, *args)
+    assert reply.address == "/fail" and reply.args[0] == address
+    return reply.args[1]
+
+
+def test_an_object_is_made_and_struck(scene):
+    assert say(scene, "/object/new", "a", "church-bell") == [Message("/done", ("/object/new", "a"))]
+    assert say(scene, "/object/a/impact", 1.0) == []
+    assert scene.engine.process(4800).any()
+
+
+def test_a_pattern_strikes_all_it_matches(scene):
+    for name in ("drum1", "drum2", "bell"):
+        say(scene, "/object/new", name, "wood-block")
+    say(scene, "/object/drum*/impact", 1)
+    scene.engine.process(64)
+    assert scene.engine.counter("impacts") == 2
+    say(scene, "/object/{bell,drum1}/impact", 1)
+    scene.engine.process(64)
+    assert scene.engine.counter("impacts") == 4
+
+
+def test_positional_and_key_arguments_mean_the_same():
+    def sound(*args):
+        scene = Scene(Engine(48_000), Presets())
+        say(scene, "/object/new", "a", "glass-plate")
+        assert say(scene, "/object/a/impact", *args) == []
+        return scene.engine.process(4800)
+
+    reference = sound(1.0, 0.2, "striker", "wood", "gain", -6)
+    assert (sound(1, "gain", -6.0, "position", 0.2, "striker", "wood") == reference).all()
+    assert not (sound(1.0, 0.3, "striker", "wood", "gain", -6) == reference).all()
+
+
+def test_a_velocity_of_zero_does_nothing(scene):
+    say(scene, "/object/new", "a", "wood-block")
+    assert say(scene, "/object/a/impact", 0.0) == []
+    assert not scene.engine.process(4800).any()
+
+
+def test_keys_change_the_preset(scene):
+    say(scene, "/object/new", "a", "steel-plate")
+    say(scene, "/object/new", "b", "steel-plate", "length", 0.6, "material", "glass", "tune", -12, "position", 0.1)
+    a, b = scene.objects["a"], scene.objects["b"]
+    assert b.preset.geometry["length"] == 0.6 and b.preset.material.name == "glass" and b.preset.position == 0.1
+    frequency = scene.engine.state["frequency"][0]
+    assert frequency[b.handle.first] != frequency[a.handle.first]
+    scene.engine.process(64)
+    assert scene.engine.state["objects"][0][b.handle.slot]["tune"] == 0.5
+
+
+@pytest.mark.parametrize(
+    ("address", "args", "reason"),
+    [
+        ("/nothing", (), "no such address; expected one of /object/new"),
+        ("/object/new", (), "name is missing: expected /object/new name preset"),
+        ("/object/new", ("b",), "preset is missing"),
+        ("/object/new", ("b", 3), "preset = 3: expected a name"),
+        ("/object/new", ("b", "church-bel"), "no object 'church-bel': did you mean church-bell?"),
+        ("/object/new", ("a", "church-bell"), "name = a: there is such an object already"),
+        ("/object/new", ("b c", "church-bell"), "name = b c: expected 1 to 64 characters"),
+        ("/object/new", ("b", "church-bell", "gain", "loud"), "gain = loud: expected a number from -120 to 40 dB"),
+        ("/object/new", ("b", "glass-plate", "length", -1.0), "length = -1.0: expected a number"),
+        ("/object/new", ("b", "glass-plate", "colour", 1), "colour = 1: expected one of"),
+        ("/object/new", ("b", "glass-plate", "striker", "feather"), "no striker 'feather'"),
+        ("/object/new", ("b", "glass-plate", "length"), "length: its value is missing"),
+        ("/object/x/impact", (1.0,), "x: no such object; there are a"),
+        ("/object/a/kick", (1.0,), "kick: nothing an object does; expected impact"),
+        ("/object/a/impact", (), "velocity is missing"),
+        ("/object/a/impact", (-1,), "velocity = -1: expected a number from 0 to 1000 m/s"),
+        ("/object/a/impact", (math.nan,), "velocity = nan"),
+        ("/object/a/impact", (math.inf,), "velocity = inf"),
+        ("/object/a/impact", (1e30,), "velocity = 1e+30"),
+        ("/object/a/impact", ("fast",), "velocity = fast"),
+        ("/object/a/impact", (None,), "velocity = None"),
+        ("/object/a/impact", (1.0, 1.5), "position = 1.5: expected a number from 0 to 1"),
+        ("/object/a/impact", (1.0, 0.5, "position", 0.2), "position = 0.2: given twice"),
+        ("/object/a/impact", (1.0, "mass", 0.0), "mass = 0: expected a number from 1e-09 to 1e+06 kg"),
+        ("/object/a/impact", (1.0, "exponent", 0.5), "exponent = 0.5: expected a number from 1 to 4"),
+        ("/object/a/impact", (1.0, "loudness", 1), "loudness: no such key; expected striker, mass"),
+        ("/object/a/impact", (1.0, 0.5, 0.5), "0.5: expected a key"),
+        ("/object/a/impact", (1.0, "mass", 1e3, "stiffness", 1.0), "the contact would last"),
+        ("/object/a/damp", (2.0,), "damp = 2: expected a number from 0 to 1"),
+        ("/object/a/pan", (-2.0,), "pan = -2"),
+    ],
+)
+def test_bad_messages_are_told_why(scene, address, args, reason):
+    say(scene, "/object/new", "a", "church-bell")
+    before = scene.engine.room(), list(scene.objects)
+    assert reason in refusal(scene, address, *args)
+    assert (scene.engine.room(), list(scene.objects)) == before
+
+
+def test_a_bundle_is_carried_out_but_for_what_is_wrong_in_it(scene):
+    messages = [
+        Message("/object/new", ("a", "wood-block")),
+        Message("/object/a/impact", (-1.0,)),
+        Message("/object/a/impact", (1.0,)),
+    ]
+    done, failed = scene.perform(messages, NOW)
+    assert done.address == "/done" and failed.address == "/fail"
+    scene.engine.process(64)
+    assert scene.engine.counter("impacts") == 1
+
+
+def test_a_full_queue_refuses_whole_bundles_and_forgets_nothing(scene):
+    say(scene, "/object/new", "a", "wood-block")
+    strikes = [Message("/object/a/impact", (1.0,))] * (RING - 1)
+    assert scene.perform(strikes, 1e6) == []
+    replies = scene.perform(
+        [Message("/object/new", ("b", "wood-block")), Message("/object/a/impact", (1.0,)), Message("/object/a/free")], 0
+    )
+    assert [r.address for r in replies] == ["/fail"] * 3 and "can be queued now" in replies[0].args[1]
+    assert list(scene.objects) == ["a"]
+    scene.engine.process(64)
+    assert say(scene, "/object/new", "b", "wood-block")[0].address == "/done"
+
+
+def test_objects_run_out_and_come_back(scene):
+    for i in range(OBJECTS):
+        assert say(scene, "/object/new", f"o{i}", "church-bell")[0].address == "/done"
+    assert f"all {OBJECTS} are taken" in refusal(scene, "/object/new", "more", "church-bell")
+    say(scene, "/object/*/free", 1)
+    scene.engine.process(9600)
+    assert say(scene, "/object/new", "more", "church-bell")[0].address == "/done"
+
+
+def test_modes_run_out(scene):
+    for i in range(100):
+        (reply,) = say(scene, "/object/new", f"o{i}", "tom")
+        if reply.address == "/fail":
+            break
+    assert "no room for" in reply.args[1]
+    assert say(scene, "/object/new", "small", "tuning-fork")[0].address == "/done"
+
+
+def test_too_many_contacts_leave_the_rest_alone(scene):
+    say(scene, "/object/new", "a", "glass-plate")
+    say(scene, "/object/new", "b", "wood-block")
+    strike = Message("/object/a/impact", (0.01, "mass", 1.0, "stiffness", 1e4, "exponent", 1.0))
+    scene.perform([strike] * (CONTACTS + 5), NOW)
+    scene.engine.process(64)
+    assert scene.engine.counter("contacts_dropped") == 5
+    scene.engine.process(48_000)
+    say(scene, "/object/b/impact", 1.0)
+    assert scene.engine.process(480).any()
+
+
+def test_the_table_names_every_address_and_key():
+    text = table()
+    for verb in VERBS.values():
+        assert f"`{verb.address}`" in text
+        for argument in (*verb.required, *verb.optional, *verb.keys):
+            assert f"`{argument.name}`" in text
