@@ -124,6 +124,7 @@ def _serve(arguments: argparse.Namespace) -> int:
 
 
 def _render(arguments: argparse.Namespace) -> int:
+    from rich.console import Console
     from rich.progress import Progress, TextColumn, TimeElapsedColumn
 
     from ..server.presets import Presets
@@ -138,7 +139,8 @@ def _render(arguments: argparse.Namespace) -> int:
 
         plot = plotter(arguments.plot)
     columns = (TextColumn("{task.description}"), TextColumn("{task.completed:.1f} s of sound"), TimeElapsedColumn())
-    with Progress(*columns, disable=not sys.stderr.isatty(), transient=True) as bar:
+    terminal = Console(stderr=True)
+    with Progress(*columns, console=terminal, disable=not terminal.is_terminal, transient=True) as bar:
         task = bar.add_task(arguments.out.name, total=None)
         engine = render(score, arguments.out, presets, options, lambda seconds: bar.update(task, completed=seconds))
     for name, text in (

@@ -83,9 +83,10 @@ class Client:
             self.send("/sync", *last.args)
         gathered: list[osc.Message] = []
         for reply in self.replies(timeout):
+            if reply.address != "/synced":
+                gathered.append(reply)
             if reply == last:
                 return gathered
-            gathered.append(reply)
         raise TimeoutError(f"{address}: no reply from {self._server} within {timeout} s")
 
     def _start_asking(self, address: str) -> None:

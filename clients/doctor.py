@@ -40,11 +40,11 @@ def _engine() -> Finding:
 def _presets() -> Finding:
     presets = Presets()
     try:
-        for name in presets.names("object"):
+        for name in presets.names("objects"):
             presets.object(name)
     except PresetError as error:
         return False, f"presets: {error}", "install carom again"
-    return True, f"presets: {len(presets.names('object'))} objects, {len(presets.names('striker'))} strikers", ""
+    return True, f"presets: {len(presets.names('objects'))} objects, {len(presets.names('strikers'))} strikers", ""
 
 
 def _sound() -> Finding:

@@ -14,10 +14,8 @@ Modes are stored in lanes of LANES: an object's bank is a whole number of lanes,
 import math
 
 from .jit import kernel, simd_kernel
+from .lanes import LANES, add_product, dot
 from .pulse import MOMENTS
-
-LANES = 8
-"""Modes are handled in groups of this many: one AVX-512 register of float64, two or four of narrower machines."""
 
 RESPONSES = 2 * MOMENTS * LANES
 """Coefficients for injection in one group of modes: by moment, by sample (last, last but one), by mode."""
@@ -29,10 +27,12 @@ _BESSEL_START = 24  # where the downward recursion of the spherical Bessel funct
 
 
 @simd_kernel
-def ring(y1, y2, a1, a2, left, right, out, start, stop):
+def ring(y1, y2, a1, a2, balance, out, start, stop):
     """Let modes ring from frame `start` to `stop`: out[0], out[1] (float64, at least `stop` long) are overwritten.
 
-    y1, y2, a1, a2 and the output weights left, right: float64 of one length, a multiple of LANES.
+    y1, y2, a1, a2, balance: float64 of one length, a multiple of LANES. The state is scaled by the modes' weights at
+    the left output, so that left is a sum, which costs no multiplication; `balance` is the weight at the right over
+    that at the left.
     """
     n = len(y1)
     t = start
@@ -44,17 +44,17 @@ def ring(y1, y2, a1, a2, left, right, out, start, stop):
             u = y1[i]
             v = y2[i]
             v = p * u + q * v
-            l0 += left[i] * v
-            r0 += right[i] * v
+            l0 += v
+            r0 += balance[i] * v
             u = p * v + q * u
-            l1 += left[i] * u
-            r1 += right[i] * u
+            l1 += u
+            r1 += balance[i] * u
             v = p * u + q * v
-            l2 += left[i] * v
-            r2 += right[i] * v
+            l2 += v
+            r2 += balance[i] * v
             u = p * v + q * u
-            l3 += left[i] * u
-            r3 += right[i] * u
+            l3 += u
+            r3 += balance[i] * u
             y1[i] = u
             y2[i] = v
         out[0, t] = l0
@@ -72,8 +72,8 @@ def ring(y1, y2, a1, a2, left, right, out, start, stop):
             v = a1[i] * y1[i] + a2[i] * y2[i]
             y2[i] = y1[i]
             y1[i] = v
-            l0 += left[i] * v
-            r0 += right[i] * v
+            l0 += v
+            r0 += balance[i] * v
         out[0, t] = l0
         out[1, t] = r0
         t += 1
@@ -86,26 +86,13 @@ def inject(y1, y2, response, shape, stride, row, weights, moments):
     The force acts at a point between four rows of the shape table (flat, `stride` modes a row, from `row`), weighted by
     `weights`. `response` is the modes' table made by `set_mode`.
     """
-    m0, m1, m2, m3 = moments[0], moments[1], moments[2], moments[3]
-    m4, m5, m6, m7 = moments[4], moments[5], moments[6], moments[7]
-    for group in range(len(y1) // LANES):
-        first = group * LANES
-        r = group * RESPONSES
-        s0 = row * stride + first
-        s1 = s0 + stride
-        s2 = s1 + stride
-        s3 = s2 + stride
-        for i in range(LANES):
-            phi = weights[0] * shape[s0 + i] + weights[1] * shape[s1 + i]
-            phi += weights[2] * shape[s2 + i] + weights[3] * shape[s3 + i]
-            b = r + i
-            now = m0 * response[b] + m1 * response[b + 16] + m2 * response[b + 32] + m3 * response[b + 48]
-            now += m4 * response[b + 64] + m5 * response[b + 80] + m6 * response[b + 96] + m7 * response[b + 112]
-            b += LANES
-            last = m0 * response[b] + m1 * response[b + 16] + m2 * response[b + 32] + m3 * response[b + 48]
-            last += m4 * response[b + 64] + m5 * response[b + 80] + m6 * response[b + 96] + m7 * response[b + 112]
-            y1[first + i] += phi * now
-            y2[first + i] += phi * last
+    m = (moments[0], moments[1], moments[2], moments[3], moments[4], moments[5], moments[6], moments[7])
+    w = (weights[0], weights[1], weights[2], weights[3])
+    for first in range(0, len(y1), LANES):
+        group = first // LANES * RESPONSES
+        phi = dot(shape, row * stride + first, stride, w)
+        add_product(y1, first, phi, dot(response, group, 2 * LANES, m))
+        add_product(y2, first, phi, dot(response, group + LANES, 2 * LANES, m))
 
 
 @kernel
@@ -118,10 +105,10 @@ def state_of(y1, y2, a1, a2):
 
 
 @kernel
-def set_mode(i, frequency, decay, rate, y1, y2, a1, a2, response):
+def set_mode(i, frequency, decay, rate, weight, y1, y2, a1, a2, response):
     """Give mode i a frequency (Hz) and decay (1/s) at a sampling rate (Hz); what it is ringing goes on without a step.
 
-    frequency = 0 makes a mode that rests for ever.
+    `weight` scales what it will answer to a force. frequency = 0 makes a mode that rests for ever.
     """
     base = (i // LANES) * RESPONSES + i % LANES
     if frequency <= 0.0:
@@ -157,7 +144,7 @@ def set_mode(i, frequency, decay, rate, y1, y2, a1, a2, response):
     before = complex(math.cos(theta), -math.sin(theta)) * (1.0 / r)
     for k in range(MOMENTS):
         b = base + 2 * k * LANES
-        g = complex(response[b], response[b + LANES]) * scale * (2 * k + 1)
+        g = complex(response[b], response[b + LANES]) * scale * (weight * (2 * k + 1))
         if k % 2 == 1:
             g = -g
         response[b] = g.imag

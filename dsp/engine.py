@@ -214,7 +214,7 @@ def _retune(state, slot, budget):
             frequency = 0.0
         sigma = state.sigma[first + i] / obj.decay + hand
         set_mode(
-            i, frequency, sigma, state.rate,
+            i, frequency, sigma, state.rate, state.weight[first + i],
             state.y1[first:last], state.y2[first:last], state.a1[first:last], state.a2[first:last], response,
         )  # fmt: skip
     obj.tuned = stop
@@ -377,7 +377,7 @@ def _ring(state, obj, start, stop):
     last = first + obj.live
     ring(
         state.y1[first:last], state.y2[first:last], state.a1[first:last], state.a2[first:last],
-        state.left[first:last], state.right[first:last], state.voice, start, stop,
+        state.balance[first:last], state.voice, start, stop,
     )  # fmt: skip
 
 
@@ -429,7 +429,7 @@ def _rest(state, obj):
         for i in range(first, first + LANES):
             if state.a2[i] != 0.0:
                 re, im = state_of(state.y1[i], state.y2[i], state.a1[i], state.a2[i])
-                weight = max(abs(state.left[i]), abs(state.right[i]))
+                weight = max(1.0, abs(state.balance[i]))
                 heard |= weight * weight * (re * re + im * im) > SILENCE * SILENCE
         if heard:
             return

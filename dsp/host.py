@@ -16,6 +16,8 @@ from .state import MODES, MODES_PER_OBJECT, OBJECTS, RING, SHAPE_VALUES, TAP, Co
 NOW = -1.0
 """A time that is always past: a command for as soon as possible."""
 
+_QUIETEST = 1e-9  # share of the loudest weight below which no weight at the left output goes: -180 dB
+
 _LEAST_ROWS = 4  # of a shape table: mode shapes are interpolated by cubics
 
 
@@ -170,12 +172,15 @@ class Engine:
             self._modes.give(first)
             raise
         record = self._record
-        for name in ("y1", "y2", "a1", "a2", "left", "right", "frequency", "sigma"):
+        for name in ("y1", "y2", "a1", "a2", "weight", "balance", "frequency", "sigma"):
             record[name][first : first + size] = 0.0
         record["frequency"][first : first + count] = modes.frequency[order]
         record["sigma"][first : first + count] = modes.decay[order]
-        record["left"][first : first + count] = modes.pickup[0, order] * level
-        record["right"][first : first + count] = modes.pickup[1, order] * level
+        left, right = modes.pickup[:, order] * level
+        least = max(_QUIETEST * max(np.abs(left).max(initial=0), np.abs(right).max(initial=0)), _QUIETEST**2)
+        weight = np.where(np.abs(left) > least, left, least)  # the bank divides by it
+        record["weight"][first : first + count] = weight
+        record["balance"][first : first + count] = right / weight
         shape = record["shape"][table : table + rows * size].reshape(rows, size)
         shape[:] = 0.0
         shape[:, :count] = strike[:, order]

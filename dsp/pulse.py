@@ -30,6 +30,10 @@ _NODES, _WEIGHTS = (g.copy() for g in legendre.leggauss(12))
 _PIECE_NODES, _PIECE_WEIGHTS = (g.copy() for g in legendre.leggauss(6))
 _DEGREE = len(_NODES)
 
+# P_(n+1) = _RISE[n] x P_n - _FALL[n] P_(n-1), without divisions.
+_RISE = np.array([(2 * n + 1) / (n + 1) for n in range(MOMENTS)])
+_FALL = np.array([n / (n + 1) for n in range(MOMENTS)])
+
 NODES = 2 * len(_PIECE_NODES)
 """Gauss nodes of a whole pulse."""
 
@@ -72,9 +76,8 @@ def _grown(w, U):
 
 
 @kernel
-def _slowness(zeta, span, w, a):
-    """dt/dzeta of a phase."""
-    Z = zeta ** (a + 1.0)
+def _slowness(Z, span, w, a):
+    """dt/dzeta of a phase, at Z = zeta^(a+1)."""
     u = _grown(w, span * (1.0 - Z))
     g = potential(_grown(w, span * Z), w * span * Z, u, w)
     return span * (a + 1.0) * (Z / ((a + 1.0) * g)) ** (a / (a + 1.0))
@@ -100,14 +103,16 @@ def begin(pulse, v_in, m, k, mu, a, rate):
     pulse.momentum = m * v_in
     pulse.restitution = e
     for phase in range(2):
-        series = pulse.time_series[phase]
         for i in range(_DEGREE + 1):
-            series[i] = 0.0
-        for j in range(_DEGREE):
-            slowness = unit * _slowness(0.5 + 0.5 * _NODES[j], pulse.span[phase], pulse.w[phase], a)
+            pulse.time_series[phase, i] = 0.0
+    for j in range(_DEGREE):
+        Z = (0.5 + 0.5 * _NODES[j]) ** (a + 1.0)
+        for phase in range(2):
+            slowness = unit * _slowness(Z, pulse.span[phase], pulse.w[phase], a)
             for i in range(_DEGREE + 1):
-                series[i] += _ANTIDERIVATIVE[i, j] * slowness
-        pulse.phase_time[phase] = _time(series, 1.0)
+                pulse.time_series[phase, i] += _ANTIDERIVATIVE[i, j] * slowness
+    for phase in range(2):
+        pulse.phase_time[phase] = _time(pulse.time_series[phase], 1.0)
     pulse.duration = pulse.phase_time[0] + pulse.phase_time[1]
     pulse.time = 0.0
     pulse.zeta = 0.0
@@ -137,7 +142,7 @@ def _zeta(series, duration, t):
             value = value * x + series[i]
         step = (value - t) / (2.0 * slope)
         zeta = min(max(zeta - step, 0.0), 1.0)
-        if abs(step) < 1e-13:
+        if abs(step) < 1e-8:  # and so the next one below its square
             break
     return zeta
 
@@ -163,7 +168,7 @@ def _add_piece(pulse, phase, zeta, u, shift, moments):
         here = weight * x
         for n in range(1, MOMENTS):
             moments[n] += here
-            before, here = here, ((2 * n + 1) * x * here - n * before) / (n + 1)
+            before, here = here, _RISE[n] * x * here - _FALL[n] * before
     # Quadrature says when the momentum is given; how much there is between two velocities is known exactly.
     moments[0] += pulse.momentum * (pulse.u - u)
     pulse.zeta = zeta
@@ -209,21 +214,26 @@ def node(pulse, phase, j):
     return (t if phase == 0 else pulse.duration - t), impulse
 
 
+# Taylor's coefficients of cos(2 pi x): the argument is at most a half, where what is left out is below 1e-10.
+_COSINE = tuple((-1) ** k * (2.0 * math.pi) ** (2 * k) / math.factorial(2 * k) for k in range(11))
+
+
 @simd_kernel
 def _cos_turns(x):
-    """cos(2 pi x) to 1e-8, without a call, so that loops over it become SIMD."""
+    """cos(2 pi x) to 1e-10, without a call or a division, so that loops over it become SIMD."""
     x -= math.floor(x + 0.5)
-    s = (2.0 * math.pi * x) ** 2
-    c = 1.0 - s / 380.0
-    c = 1.0 - s / 306.0 * c
-    c = 1.0 - s / 240.0 * c
-    c = 1.0 - s / 182.0 * c
-    c = 1.0 - s / 132.0 * c
-    c = 1.0 - s / 90.0 * c
-    c = 1.0 - s / 56.0 * c
-    c = 1.0 - s / 30.0 * c
-    c = 1.0 - s / 12.0 * c
-    return 1.0 - s / 2.0 * c
+    s = x * x
+    c = _COSINE[10]
+    c = c * s + _COSINE[9]
+    c = c * s + _COSINE[8]
+    c = c * s + _COSINE[7]
+    c = c * s + _COSINE[6]
+    c = c * s + _COSINE[5]
+    c = c * s + _COSINE[4]
+    c = c * s + _COSINE[3]
+    c = c * s + _COSINE[2]
+    c = c * s + _COSINE[1]
+    return c * s + _COSINE[0]
 
 
 @simd_kernel
@@ -245,7 +255,7 @@ def _contact_time(v_in, m, k, mu, a, nodes, weights):
     total = 0.0
     for phase in range(2):
         for j in range(len(nodes)):
-            total += weights[j] * _slowness(nodes[j], spans[phase], w if phase == 0 else -w, a)
+            total += weights[j] * _slowness(nodes[j] ** (a + 1.0), spans[phase], w if phase == 0 else -w, a)
     return length_scale(v_in, m, k, a) / v_in * total
 
 

@@ -13,6 +13,7 @@ from .audio import Output, open_output
 from .osc import DEFAULT_PORT, IMMEDIATELY, MAX_DATAGRAM, BadPacket, Bundle, Message, encode, parse, unix_seconds
 from .presets import Presets
 from .recorder import Recorder
+from .render import HIGHEST_RATE, LOWEST_RATE
 from .scene import Scene, fail
 from .space import VERBS, Refused
 from .status import Status, version
@@ -21,6 +22,11 @@ _POLL = 0.02  # s between looks at the engine
 _RECEIVE_BUFFER = 1 << 22  # bytes: a burst of 10,000 messages
 _MOST_SUBSCRIBERS = 32
 _FURTHEST_AHEAD = 3600.0  # s that a time tag may lie in the future
+
+
+class ServeError(ValueError):
+    """A server that can't be; the text says why."""
+
 
 Address = tuple[str, int]
 
@@ -37,6 +43,15 @@ class Options:
     block: int = 0
     record: Path | None = None
     presets: tuple[Path, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name, value, low, high in (
+            ("port", self.port, 0, 65_535),
+            ("rate", self.rate, LOWEST_RATE, HIGHEST_RATE),
+            ("block", self.block, 0, 65_536),
+        ):
+            if not low <= value <= high:
+                raise ServeError(f"{name} = {value}: expected {low} to {high}")
 
 
 class Server:
@@ -184,12 +199,13 @@ def serving(options: Options) -> Iterator[Server]:
             sock.bind((options.bind, options.port))
         except OSError as error:
             raise OSError(f"port {options.port} on {options.bind}: {error.strerror or error}") from error
+        presets = Presets(options.presets)
         engine = Engine(options.rate)
         recorder = Recorder(engine, options.record) if options.record else None
         if recorder:
             stack.callback(recorder.close)
         output = open_output(engine, options.device, options.block)
         stack.callback(output.close)
-        server = Server(sock, engine, output, Presets(options.presets))
+        server = Server(sock, engine, output, presets)
         server.recorder = recorder
         yield server

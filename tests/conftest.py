@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from carom.clients.client import Client
 from carom.dsp.host import Engine
 from carom.server.presets import Presets

@@ -126,7 +126,7 @@ def test_ask_all(server: Server, client: Client) -> None:
     server.sync = True
     assert client.ask_all("/object/a/impact", 1.0) == [fail]
     assert client.ask_all("/object/b/impact", 1.0) == []
-    assert client.ask_all("/quit") == []
+    assert client.ask_all("/quit") == [Message("/done", ("/quit",))]
     server.sync = False
     with pytest.raises(TimeoutError):
         client.ask_all("/object/a/impact", 1.0, timeout=0.05)

@@ -16,7 +16,7 @@ class Bank:
 
     def __init__(self, frequency, decay, rate):
         self.y1, self.y2, self.a1, self.a2 = np.zeros((4, LANES))
-        self.left, self.right = np.ones(LANES), np.linspace(-1, 1, LANES)
+        self.balance = np.linspace(-1, 1, LANES)
         self.response = np.zeros(bank.RESPONSES)
         self.shape = np.ones(4 * LANES, np.float32)
         self.rate = rate
@@ -24,14 +24,14 @@ class Bank:
 
     def tune(self, frequency, decay):
         for i, (f, d) in enumerate(zip(frequency, decay, strict=True)):
-            bank.set_mode(i, f, d, self.rate, self.y1, self.y2, self.a1, self.a2, self.response)
+            bank.set_mode(i, f, d, self.rate, 1.0, self.y1, self.y2, self.a1, self.a2, self.response)
 
     def strike(self, moments):
         bank.inject(self.y1, self.y2, self.response, self.shape, LANES, 0, np.array([0.0, 1.0, 0.0, 0.0]), moments)
 
     def ring(self, frames):
         out = np.zeros((2, frames))
-        bank.ring(self.y1, self.y2, self.a1, self.a2, self.left, self.right, out, 0, frames)
+        bank.ring(self.y1, self.y2, self.a1, self.a2, self.balance, out, 0, frames)
         return out
 
     def step(self):
@@ -57,7 +57,7 @@ def test_free_ringing_is_exact():
     t = np.arange(1, 201)[:, None]
     heard = (z0 * np.exp((-decay + 2j * np.pi * frequency) * t / rate)).imag
     np.testing.assert_allclose(out[0, :200], heard.sum(axis=1), atol=1e-12 * np.abs(z0).max())
-    np.testing.assert_allclose(out[1, :200], heard @ modes.right, atol=1e-12 * np.abs(z0).max())
+    np.testing.assert_allclose(out[1, :200], heard @ modes.balance, atol=1e-12 * np.abs(z0).max())
 
 
 def test_ringing_does_not_depend_on_how_it_is_cut():
@@ -93,7 +93,7 @@ def test_a_contact_drives_a_mode_within_80_db(samples, frequency):
 
 
 def driven_mode(v_in, m, k, mu, a, frequency, decay, rate, fraction, frames):
-    """omega q of a unit mass's mode driven by the wall's contact, at `frames` samples, and the amplitude it ends with."""
+    """omega q, at `frames` samples, of a unit mass that the contact drives, and the amplitude it ends with."""
     w = 2 * math.pi * frequency
     length = (m * v_in**2 / k) ** (1 / (a + 1))
     unit = length / v_in

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import soundfile
+
 from carom.server.presets import BUILT_IN, Presets
 from carom.server.render import Options, RenderError, render
 from carom.server.score import ScoreError, read

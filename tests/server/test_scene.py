@@ -3,6 +3,7 @@
 import math
 
 import pytest
+
 from carom.dsp.host import NOW, Engine
 from carom.dsp.state import CONTACTS, OBJECTS, RING
 from carom.server.osc import Message

@@ -8,7 +8,7 @@ from carom.clients.client import Client
 from carom.server.osc import DEFAULT_PORT
 
 PRESETS = ("glass-plate", "church-bell", "marimba-bar")
-STRIKERS = ("steel", "felt", "wood")
+STRIKERS = ("steel", "rubber", "wood")
 LATENCY = 0.1  # s: strikes are sent this long before they sound
 RATE = 12.0  # strikes a second, on average
 

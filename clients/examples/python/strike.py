@@ -12,7 +12,7 @@ with Client(port=port) as carom:
     start = time.time() + 0.1  # a little ahead, so that the time tags and not the network set the rhythm
     for beat, velocity in enumerate((0.3, 1.0, 3.0)):
         with carom.bundle(at=start + beat):
-            carom.impact("bell", velocity, striker="felt")
+            carom.impact("bell", velocity)
     time.sleep(5.0)
     carom.damp("bell", 1.0)
     carom.free("bell")

@@ -1,0 +1,338 @@
+"""How fast Carom is: its kernels beside plain C and scsynth's Klank, its impacts, its start-up.
+
+Ratios are taken in one run, from minima over interleaved rounds, so that what else the machine does cancels out.
+"""
+
+import argparse
+import ctypes
+import json
+import math
+import os
+import platform
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from functools import partial
+from importlib.metadata import version
+from itertools import product
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import klank
+import numpy as np
+from numba import njit
+from rich.console import Console
+from rich.table import Table
+
+from carom.dsp.atomic import publish
+from carom.dsp.bank import LANES, RESPONSES, inject, ring, set_mode
+from carom.dsp.body import Modes
+from carom.dsp.host import NOW, Engine
+from carom.dsp.pulse import contact_time
+from carom.dsp.state import QUANTUM, Command, new_state
+
+RATE = 48_000.0
+BANKS = [(1, 16), (1, 64), (1, 256), (1, 1024), (1, 4096), (16, 64), (64, 16)]  # objects, modes of each
+MODE_SAMPLES = 2**22  # a measurement of a kernel
+KLANK_MODES = 1024
+KLANK_SECONDS = (1, 9)  # two renderings, whose difference has no start-up in it
+IMPACT_MODES = (24, 100)
+CONTACT_SAMPLES = (0.3, 6.0, 60.0)
+IMPACT_QUANTA = 50  # a measurement of impacts
+CROWD = 64  # impacts in one quantum
+
+STARTUP = """
+from time import perf_counter
+start = perf_counter()
+from carom.dsp.host import Engine
+imported = perf_counter()
+engine = Engine(48000.0)
+made = perf_counter()
+engine.process(64)
+print(imported - start, made - imported, perf_counter() - made)
+"""
+
+COMPILE = """
+from time import perf_counter
+from carom.dsp.callback import compile_callback
+start = perf_counter()
+compile_callback(cached=False)
+print(perf_counter() - start)
+"""
+
+
+Contenders = dict[str, Callable[[], object]]
+
+
+def minima(contenders: Contenders, rounds: int) -> dict[str, float]:
+    """Least seconds that each contender took, over interleaved rounds."""
+    best = dict.fromkeys(contenders, math.inf)
+    for _ in range(rounds):
+        for name, run in contenders.items():
+            start = perf_counter()
+            run()
+            best[name] = min(best[name], perf_counter() - start)
+    return best
+
+
+@njit(error_model="numpy")
+def ring_quanta(objects, n, quanta, y1, y2, a1, a2, balance, out):
+    for _ in range(quanta):
+        for i in range(0, objects * n, n):
+            j = i + n
+            ring(y1[i:j], y2[i:j], a1[i:j], a2[i:j], balance[i:j], out, 0, QUANTUM)
+
+
+@njit(error_model="numpy")
+def drive_quanta(objects, n, quanta, y1, y2, a1, a2, balance, out, response, shape, weights, moments):
+    for _ in range(quanta):
+        for i in range(0, objects * n, n):
+            j = i + n
+            h = response[i // LANES * RESPONSES : j // LANES * RESPONSES]
+            for t in range(QUANTUM):
+                inject(y1[i:j], y2[i:j], h, shape[4 * i : 4 * j], n, 0, weights, moments)
+                ring(y1[i:j], y2[i:j], a1[i:j], a2[i:j], balance[i:j], out, t, t + 1)
+
+
+def bank(modes: int) -> list[np.ndarray]:
+    """Arguments of the kernels from y1 on, for modes that all but ring for ever."""
+    record = new_state(RATE)[0]
+    for i, frequency in enumerate(np.linspace(100.0, 15_000.0, modes)):
+        columns = (record[name] for name in ("y1", "y2", "a1", "a2", "response"))
+        set_mode(i, frequency, 1e-3, RATE, 1.0, *columns)
+    record["y1"][:modes] = 1.0
+    record["balance"][:modes] = 0.5
+    record["shape"] = 0.1
+    fields = ("y1", "y2", "a1", "a2", "balance", "voice", "response", "shape")
+    return [*(record[name] for name in fields), np.full(4, 0.25), 0.01 * 0.5 ** np.arange(8)]
+
+
+def compile_reference() -> ctypes.CDLL | None:
+    """The kernels in C, or None without a compiler."""
+    compiler = shutil.which(os.environ.get("CC", "cc"))
+    if not compiler:
+        return None
+    source = Path(__file__).with_name("reference.c")
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+        library = Path(folder, "reference.so")
+        flags = ["-O3", "-march=native", "-ffast-math", "-shared", "-fPIC"]
+        subprocess.run([compiler, *flags, "-o", library, source], check=True)
+        return ctypes.CDLL(str(library))
+
+
+def pointers(arrays: list[np.ndarray]) -> list[ctypes.c_void_p]:
+    return [ctypes.c_void_p(array.ctypes.data) for array in arrays]
+
+
+def check(reference: ctypes.CDLL) -> None:
+    """AssertionError unless the reference computes the same."""
+    counts = (2, 24, 2)
+    longs = [ctypes.c_long(n) for n in counts]
+    ours, theirs = bank(48), bank(48)
+    drive_quanta(*counts, *ours)
+    reference.drive_quanta(*longs, *pointers(theirs))
+    np.testing.assert_allclose(theirs[5], ours[5], rtol=1e-9)
+    ring_quanta(*counts, *ours[:6])
+    reference.ring_quanta(*longs, *pointers(theirs[:6]))
+    np.testing.assert_allclose(theirs[5], ours[5], rtol=1e-9)
+
+
+def kernels(objects: int, modes: int, reference: ctypes.CDLL | None) -> tuple[Contenders, int]:
+    """Both kernels, also in C where there is a compiler, and the mode-samples that each run takes."""
+    quanta = max(1, MODE_SAMPLES // (objects * modes * QUANTUM))
+    counts = (objects, modes, quanta)
+    arguments = bank(objects * modes)
+    contenders: Contenders = {
+        "ring": partial(ring_quanta, *counts, *arguments[:6]),
+        "drive": partial(drive_quanta, *counts, *arguments),
+    }
+    if reference:
+        longs = [ctypes.c_long(n) for n in counts]
+        contenders["ring C"] = partial(reference.ring_quanta, *longs, *pointers(arguments[:6]))
+        contenders["drive C"] = partial(reference.drive_quanta, *longs, *pointers(arguments))
+    minima(contenders, 1)  # compiles
+    return contenders, math.prod(counts) * QUANTUM
+
+
+def measure_kernels(reference: ctypes.CDLL | None, rounds: int) -> list[dict[str, Any]]:
+    """ns a mode-sample of each kernel for each of BANKS."""
+    rows: list[dict[str, Any]] = []
+    for objects, modes in BANKS:
+        contenders, samples = kernels(objects, modes, reference)
+        ns = {name: seconds / samples * 1e9 for name, seconds in minima(contenders, rounds).items()}
+        for kernel in ("ring", "drive"):
+            c = ns.get(f"{kernel} C")
+            of_c = c / ns[kernel] if c else None
+            rows.append(dict(kernel=kernel, objects=objects, modes=modes, ns=ns[kernel], c_ns=c, of_c=of_c))
+    return rows
+
+
+def measure_klank(rounds: int) -> dict[str, float] | None:
+    """ns a mode-sample of scsynth's mono Klank, and how many times faster our stereo kernels are."""
+    if not klank.SCSYNTH:
+        return None
+    contenders, samples = kernels(1, KLANK_MODES, None)
+    with tempfile.TemporaryDirectory() as folder:
+        for seconds in KLANK_SECONDS:
+            contenders[f"{seconds} s"] = partial(klank.render, Path(folder), KLANK_MODES, seconds, int(RATE))
+        best = minima(contenders, rounds)
+    short, long = KLANK_SECONDS
+    ns = (best[f"{long} s"] - best[f"{short} s"]) / ((long - short) * RATE * KLANK_MODES) * 1e9
+    ratios = {f"{kernel}_ratio": ns / (best[kernel] / samples * 1e9) for kernel in ("ring", "drive")}
+    return {"modes": KLANK_MODES, "klank_ns": ns, **ratios}
+
+
+def struck_engine(modes: int, yields: bool, samples: float) -> Engine:
+    """An engine with one object, and a ring full of impacts whose contacts last so many samples."""
+    engine = Engine(RATE)
+    # Either as good as a wall or not, and in both cases equally loud: heard, but not limited.
+    shape = 1.0 if yields else 1e-3
+    body = Modes(
+        frequency=np.linspace(100.0, 800.0, modes),
+        decay=np.ones(modes),
+        strike=np.full((4, modes), shape),
+        pickup=np.full((2, modes), 1e-2 / shape),
+        mass=1.0,
+    )
+    handle, size, rows = engine.lay_out(body, 1.0)
+    new = (handle.first, size, handle.table, rows, 1.0, 0.0, 1.0, 1.0, 0.0)
+    v_in, m, mu, a = 1.0, 0.01, 0.5, 1.5
+    k = (contact_time(v_in, m, 1.0, mu, a) * RATE / samples) ** (a + 1.0)
+    strike = (v_in, 0.5, m, k, mu, a, 1.0)
+    engine.send([(NOW, Command.NEW, handle, new), (NOW, Command.IMPACT, handle, strike)])
+    engine.process(QUANTUM)
+    ring_of_commands = engine.state[0]["ring"]
+    ring_of_commands[:] = ring_of_commands[1]
+    return engine
+
+
+def run_quanta(engine: Engine, impacts: int) -> None:
+    """Compute IMPACT_QUANTA quanta with so many impacts in each."""
+    written = engine.state[0]["written"]
+    for _ in range(IMPACT_QUANTA):
+        publish(written, written[0] + impacts)
+        engine.process(QUANTUM)
+
+
+def measure_impacts(rounds: int) -> list[dict[str, Any]]:
+    """us an impact takes of the engine's time, alone in its quantum and among CROWD of them."""
+    rows: list[dict[str, Any]] = []
+    for modes, yields, samples in product(IMPACT_MODES, (False, True), CONTACT_SAMPLES):
+        engine = struck_engine(modes, yields, samples)
+        best = minima({str(n): partial(run_quanta, engine, n) for n in (0, 1, CROWD)}, rounds)
+        alone, crowd = ((best[str(n)] - best["0"]) / (n * IMPACT_QUANTA) * 1e6 for n in (1, CROWD))
+        rows.append(dict(modes=modes, yields=yields, contact_samples=samples, us=alone, us_in_crowd=crowd))
+    return rows
+
+
+def measure_long_contacts(rounds: int) -> list[dict[str, Any]]:
+    """us that a contact takes of each sample it lasts."""
+    rows: list[dict[str, Any]] = []
+    for modes in IMPACT_MODES:
+        engines = {"contact": struck_engine(modes, False, 1e9), "none": struck_engine(modes, False, 0.3)}
+        best = minima({name: partial(run_quanta, engine, 0) for name, engine in engines.items()}, rounds)
+        us = (best["contact"] - best["none"]) / (IMPACT_QUANTA * QUANTUM) * 1e6
+        rows.append(dict(modes=modes, us_per_sample=us))
+    return rows
+
+
+def fresh(code: str, cache: str) -> tuple[float, list[float]]:
+    """Run code in a new interpreter with its own cache folder: seconds in all, and what it prints."""
+    environment = os.environ | {"XDG_CACHE_HOME": cache}
+    start = perf_counter()
+    printed = subprocess.check_output([sys.executable, "-c", code], env=environment, text=True)
+    return perf_counter() - start, [float(word) for word in printed.split()]
+
+
+def measure_startup(rounds: int) -> list[dict[str, Any]]:
+    """Seconds from nothing to the first block, with the interpreter: with an empty cache and with a full one."""
+    with tempfile.TemporaryDirectory() as cache:
+        cold = fresh(STARTUP, cache)
+        warm = min(fresh(STARTUP, cache) for _ in range(rounds))
+    return [
+        dict(cache=name, all=total, imports=imports, engine=engine, first_block=block)
+        for name, (total, (imports, engine, block)) in (("cold", cold), ("warm", warm))
+    ]
+
+
+def aims(results: dict[str, Any]) -> list[dict[str, Any]]:
+    """The aims set before the engine was written; `met` is None where what to measure against is missing."""
+    large = [r["of_c"] for r in results["kernels"] if r["modes"] >= 1024]
+    of_c = min(large) if None not in large else None
+    ratio = results["klank"]["ring_ratio"] if results["klank"] else None
+    impact = max(r["us"] for r in results["impacts"] if r["modes"] == 24 and r["contact_samples"] <= 6.0)
+    cold, warm = (run["all"] for run in results["startup"])
+    return [
+        dict(aim="at least .8 of C's speed on 1024 modes and more", measured=of_c, met=of_c and of_c >= 0.8),
+        dict(aim="at least 10 x scsynth's Klank", measured=ratio, met=ratio and ratio >= 10.0),
+        dict(aim="an impact on 24 modes, contact up to 6 samples, under 5 us", measured=impact, met=impact < 5.0),
+        dict(aim="start-up under 1 s warm", measured=warm, met=warm < 1.0),
+        dict(aim="start-up under 15 s cold", measured=cold, met=cold < 15.0),
+    ]
+
+
+def machine() -> dict[str, Any]:
+    """What the figures were taken on."""
+    info = Path("/proc/cpuinfo")
+    names = [line for line in info.read_text().splitlines() if "model name" in line] if info.exists() else []
+    cpu = names[0].partition(":")[2].strip() if names else platform.processor()
+    packages = {name: version(name) for name in ("numba", "llvmlite", "numpy")}
+    return {
+        "cpu": cpu,
+        "cores": os.cpu_count(),
+        "system": platform.platform(),
+        "python": platform.python_version(),
+        **packages,
+    }
+
+
+def show(console: Console, title: str, rows: list[dict[str, Any]]) -> None:
+    """A table of rows alike."""
+    table = Table(*rows[0], title=title)
+    for row in rows:
+        table.add_row(*(f"{v:.3g}" if isinstance(v, float) else str(v) for v in row.values()))
+    console.print(table)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--json", type=Path, help="write the results to this file")
+    parser.add_argument("--quick", action="store_true", help="fewer rounds, rougher figures")
+    options = parser.parse_args()
+    rounds, few = (7, 2) if options.quick else (40, 7)
+    console = Console()
+    reference = compile_reference()
+    if reference:
+        check(reference)
+    else:
+        console.print("no C compiler: kernels are not compared with C")
+    if not klank.SCSYNTH:
+        console.print("no scsynth: kernels are not compared with its Klank")
+    results: dict[str, Any] = {
+        "machine": machine(),
+        "kernels": measure_kernels(reference, rounds),
+        "klank": measure_klank(few),
+        "impacts": measure_impacts(rounds),
+        "long_contacts": measure_long_contacts(rounds),
+        "startup": measure_startup(few),
+        "compile_seconds": fresh(COMPILE, "")[1][0],
+    }
+    results["aims"] = aims(results)
+    show(console, "Machine", [results["machine"]])
+    show(console, "Kernels: ns a mode-sample", results["kernels"])
+    if results["klank"]:
+        show(console, "scsynth's Klank: ns a mode-sample, ratio to ours", [results["klank"]])
+    show(console, "Impacts: us each, alone in a quantum or in a crowd", results["impacts"])
+    show(console, "Long contacts", results["long_contacts"])
+    show(console, "Start-up: s", results["startup"])
+    console.print(f"compiling alone: {results['compile_seconds']:.1f} s")
+    show(console, "Aims", results["aims"])
+    if options.json:
+        options.json.write_text(json.dumps(results, indent=2) + "\n")
+
+
+if __name__ == "__main__":
+    main()

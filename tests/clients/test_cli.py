@@ -1,0 +1,136 @@
+"""The command line, as a user runs it."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import soundfile
+
+from carom.server.presets import BUILT_IN
+from tests.conftest import CAROM, Running
+
+STRIKE = "0 /object/new a wood-block\n0.01 /object/a/impact 1\n"
+
+
+def test_render_makes_a_sound_file_and_a_picture(carom, tmp_path):
+    (tmp_path / "s.txt").write_text(STRIKE)
+    run = carom("render", "s.txt", "s.flac", "--format", "16", "--rate", "44100", "--plot", "s.png")
+    assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
+    assert soundfile.info(tmp_path / "s.flac").samplerate == 44_100
+    assert (tmp_path / "s.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("words", "error"),
+    [
+        (("render", "none.txt", "x.wav"), "none.txt: No such file or directory"),
+        (("render", "s.txt", "x.mp3"), "x.mp3: expected a name that ends in .wav or .flac"),
+        (("render", "s.txt", "no/x.wav"), "no/x.wav.part: No such file or directory"),
+        (("render", "bad.txt", "x.wav"), "bad.txt:2: /object/a/impact: a: no such object"),
+        (("render", "s.txt", "x.wav", "--rate", "5"), "rate = 5: expected 8000 to 192000 Hz"),
+        (("render", "s.txt", "x.wav", "--plot", "x.bmp"), "x.bmp: expected a name that ends in .png"),
+        (("render", "s.txt", "x.wav", "--presets", "none"), "none: expected a folder"),
+        (("presets", "church-bel"), "no object 'church-bel': did you mean church-bell?"),
+        (("send", "--port", "9", "/status"), "Connection refused"),
+        (("play", "s.txt", "--port", "9"), "Connection refused"),
+    ],
+)
+def test_errors_are_one_line_and_a_code(carom, tmp_path, words, error):
+    (tmp_path / "s.txt").write_text(STRIKE)
+    (tmp_path / "bad.txt").write_text("0 /object/new b wood-block\n0 /object/a/impact 1\n")
+    run = carom(*words)
+    assert run.returncode == 1 and run.stdout == ""
+    assert run.stderr.startswith(f"carom {words[0]}: ") and run.stderr.count("\n") == 1 and error in run.stderr
+    assert not list(tmp_path.glob("**/x.*"))
+
+
+def test_wrong_usage_is_code_2(carom):
+    assert carom("rendre").returncode == 2
+    assert carom("render").returncode == 2
+
+
+def test_no_matplotlib_is_told_before_rendering(carom, tmp_path, monkeypatch):
+    (tmp_path / "s.txt").write_text(STRIKE)
+    (tmp_path / "matplotlib.py").write_text("raise ImportError('no matplotlib')\n")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    run = carom("render", "s.txt", "s.wav", "--plot", "s.png")
+    assert run.returncode == 1 and "--plot needs matplotlib: pip install" in run.stderr
+    assert not (tmp_path / "s.wav").exists()
+
+
+def test_a_terminal_sees_progress(tmp_path):
+    """On a terminal, and only there."""
+    import pty
+
+    (tmp_path / "s.txt").write_text(STRIKE)
+    master, slave = pty.openpty()
+    words = [*CAROM, "render", "s.txt", "s.wav", "--seconds", "20"]
+    subprocess.run(words, cwd=tmp_path, stderr=slave, check=True, env=os.environ | {"TERM": "xterm"}, timeout=60)
+    assert b"s of sound" in os.read(master, 65_536)
+    os.close(slave)
+    os.close(master)
+
+
+def test_presets_are_listed_and_shown(carom):
+    listed = carom("presets", check=True).stdout
+    for kind in ("objects", "strikers", "materials"):
+        assert f"{kind}:" in listed
+        for path in (BUILT_IN / kind).glob("*.toml"):
+            assert path.stem in listed
+    assert carom("presets", "church-bell", check=True).stdout == (BUILT_IN / "objects" / "church-bell.toml").read_text()
+
+
+def test_own_presets_come_first(carom, tmp_path):
+    (tmp_path / "mine" / "objects").mkdir(parents=True)
+    text = (BUILT_IN / "objects" / "wood-block.toml").read_text()
+    (tmp_path / "mine" / "objects" / "my-block.toml").write_text(text)
+    (tmp_path / "s.txt").write_text("0 /object/new a my-block\n0 /object/a/impact 1\n")
+    assert carom("render", "s.txt", "s.wav", "--presets", "mine").returncode == 0
+    assert carom("render", "s.txt", "s.wav").returncode == 1
+    (tmp_path / "mine" / "objects" / "my-block.toml").write_text(text.replace("[geometry]", "[geometry]\nlength = -1"))
+    run = carom("render", "s.txt", "s.wav", "--presets", "mine")
+    assert run.returncode == 1 and "my-block.toml" in run.stderr
+
+
+def test_doctor_finds_this_machine_well(carom):
+    run = carom("doctor")
+    assert run.returncode == 0 and "FAIL" not in run.stdout
+    assert "engine:" in run.stdout and "30 objects" in run.stdout
+
+
+def test_devices_are_listed_or_it_is_said_why_not(carom):
+    run = carom("devices")
+    assert run.returncode == 0 or "install PortAudio" in run.stderr
+
+
+def test_send_prints_what_is_answered(carom, server: Running):
+    port = ("--port", server.port)
+    assert carom("send", *port, "/object/new", "a", "wood-block").stdout == "/done /object/new a\n"
+    run = carom("send", *port, "/object/a/impact", "-1")
+    assert run.returncode == 1 and run.stderr.startswith("/fail /object/a/impact velocity = -1")
+    assert carom("send", *port, "/object/a/impact", "1").returncode == 0
+    assert " impacts 1 " in carom("send", *port, "/status").stdout
+    assert carom("send", *port, "/quit").stdout == "/done /quit\n"
+    assert server.process.wait(timeout=10) == 0
+
+
+def test_play_sends_a_score_in_time(carom, tmp_path, server: Running):
+    (tmp_path / "s.txt").write_text(STRIKE + "1.2 /object/a/impact 2\n")
+    run = carom("play", "s.txt", "--port", server.port)
+    assert (run.returncode, run.stderr) == (0, "")
+    with server.client() as client:
+        assert dict(zip((a := client.status().args)[9::2], a[10::2], strict=True))["impacts"] == 2
+    (tmp_path / "s.txt").write_text("0 /object/b/impact 1\n")
+    run = carom("play", "s.txt", "--port", server.port)
+    assert run.returncode == 1 and "b: no such object" in run.stderr
+
+
+@pytest.mark.parametrize("example", ["strike.py", "random_scene.py"])
+def test_python_examples_play(server: Running, example):
+    path = Path(__file__).parents[2] / "clients" / "examples" / "python" / example
+    more = ["2", "7"] if example == "random_scene.py" else []
+    subprocess.run([sys.executable, str(path), str(server.port), *more], check=True, timeout=60)
+    with server.client() as client:
+        assert dict(zip((a := client.status().args)[9::2], a[10::2], strict=True))["impacts"] >= 3

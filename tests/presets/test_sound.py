@@ -1,0 +1,65 @@
+"""Every built-in preset as it sounds: level, partials, decay."""
+
+import math
+
+import numpy as np
+import pytest
+
+from carom.dsp.host import NOW, Engine
+from carom.server.osc import Message
+from carom.server.presets import Presets
+from carom.server.scene import Scene
+
+PRESETS = Presets()
+RATE = 48_000
+
+
+def struck(name: str, seconds: float) -> tuple[np.ndarray, Engine]:
+    """An object's sound at its preset's own strike, and the engine that made it."""
+    engine = Engine(RATE)
+    scene = Scene(engine, PRESETS)
+    scene.perform([Message("/object/new", ("a", name))], NOW)
+    assert scene.perform([Message("/object/a/impact", (PRESETS.object(name).velocity,))], NOW) == []
+    return engine.process(round(seconds * RATE)).astype(float), engine
+
+
+def test_there_is_enough_to_play_with():
+    objects = [PRESETS.object(name) for name in PRESETS.names("objects")]
+    assert len(objects) >= 16 and len(PRESETS.names("strikers")) >= 8
+    assert {o.shape for o in objects} == {"bar", "string", "plate", "disc", "membrane", "ring", "glass", "listed"}
+    assert len({o.material.name for o in objects if o.material}) >= 8
+
+
+@pytest.mark.parametrize("name", PRESETS.names("objects"))
+def test_a_default_strike_is_as_loud_as_any_other(name):
+    sound, engine = struck(name, 2.0)
+    assert abs(20 * math.log10(np.abs(sound).max() / 0.35)) < 3
+    assert engine.counter("limited") == 0 and engine.counter("faults") == 0
+
+
+@pytest.mark.parametrize("name", PRESETS.names("objects"))
+def test_partials_and_decays_are_the_presets(name):
+    """The loudest partial that stands alone: within .1 cent and 1 % of T60."""
+    modes = PRESETS.object(name).modes(0.95 * RATE / 2)
+    sound, _ = struck(name, 2.0)
+    spectrum = np.abs(np.fft.rfft(sound[:, 0] * np.hanning(len(sound))))
+    gaps = np.diff(modes.frequency, prepend=0.0, append=np.inf)
+    alone = np.minimum(gaps[:-1], gaps[1:]) > 40.0 + modes.decay
+    heard = spectrum[np.round(modes.frequency * 2.0).astype(int)] > 1e-3 * spectrum.max()
+    candidates = np.flatnonzero(alone & heard & (modes.decay < 60))
+    if not len(candidates):
+        pytest.skip("every partial has a neighbour or is over too soon")
+    i = max(candidates, key=lambda i: spectrum[round(modes.frequency[i] * 2.0)])
+    span = min(0.5, 2.0 / modes.decay[i])
+    first, second = (phasor(sound[:, 0], modes.frequency[i], at) for at in (0.15, 0.15 + span))
+    drift = np.angle(second / first) / (2 * math.pi * span)
+    assert abs(1200 * math.log2(1 + drift / modes.frequency[i])) < 0.1
+    assert -math.log(abs(second / first)) / span == pytest.approx(modes.decay[i], rel=0.01)
+
+
+def phasor(sound: np.ndarray, frequency: float, at: float) -> complex:
+    """The partial at a frequency around a time, in that frequency's frame; 0.2 s of a steep window."""
+    n = round(0.2 * RATE)
+    start = round(at * RATE)
+    t = (start + np.arange(n)) / RATE
+    return (sound[start : start + n] * np.exp(-2j * np.pi * frequency * t) * np.kaiser(n, 14)).sum()

@@ -1,0 +1,209 @@
+"""The live server, as its clients and its machine meet it."""
+
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import soundfile
+
+from carom.clients.client import CommandError
+from carom.server import osc
+from tests.conftest import CAROM, Running, serving
+
+EXAMPLES = Path(__file__).parents[2] / "clients" / "examples"
+
+
+def onsets(path: Path) -> int:
+    """Strikes in a recording: rises out of silence, by 20 ms."""
+    sound, _ = soundfile.read(path)
+    level = np.abs(sound).max(axis=1)
+    blocks = level[: len(level) // 960 * 960].reshape(-1, 960).max(axis=1)
+    loud = blocks > 1e-3
+    return int((loud[1:] & ~loud[:-1]).sum())
+
+
+def test_a_strike_is_heard_and_recorded(tmp_path):
+    with serving(tmp_path, "--device", "none", "--record", "out.wav") as server:
+        with server.client() as client:
+            client.new("a", "wood-block")
+            for _ in range(3):
+                client.impact("a", 1.0)
+                time.sleep(0.4)
+            status = client.status()
+        code, errors = server.quit()
+    assert (code, errors) == (0, "")
+    assert onsets(tmp_path / "out.wav") == 3
+    assert status.args[0] == 1 and status.args[3] == 1 and status.args[7] == 48_000
+    assert status.args[8] == pytest.approx(48_000, rel=0.2)
+    values = dict(zip(status.args[9::2], status.args[10::2], strict=True))
+    assert values["impacts"] == 3 and values["contacts_dropped"] == 0
+
+
+def client_programs() -> list[tuple[str, list[str]]]:
+    return [
+        ("oscsend", ["sh", str(EXAMPLES / "shell" / "strike.sh"), "PORT"]),
+        ("pd", ["pd", "-nogui", "-noaudio", "-send", "port PORT", str(EXAMPLES / "puredata" / "strike.pd")]),
+        ("sclang", ["sclang", str(EXAMPLES / "supercollider" / "strike.scd"), "PORT"]),
+    ]
+
+
+@pytest.mark.parametrize(("program", "words"), client_programs(), ids=lambda v: v if isinstance(v, str) else "")
+def test_other_programs_strike(tmp_path, program, words):
+    if not shutil.which(program):
+        pytest.skip(f"{program} is not installed")
+    # sclang brings a browser for its help, which needs a screen and refuses to be root.
+    env = os.environ | {"QT_QPA_PLATFORM": "offscreen", "QTWEBENGINE_DISABLE_SANDBOX": "1", "HOME": str(tmp_path)}
+    with serving(tmp_path, "--device", "none", "--record", "out.wav") as server:
+        words = [word.replace("PORT", str(server.port)) for word in words]
+        subprocess.run(words, env=env, check=True, timeout=60, capture_output=True)
+        time.sleep(0.5)
+        with server.client() as client:
+            status = client.status()
+        assert server.quit()[0] == 0
+    assert dict(zip(status.args[9::2], status.args[10::2], strict=True))["impacts"] >= 1
+    assert onsets(tmp_path / "out.wav") >= 1
+
+
+def test_manners(server: Running):
+    with server.client() as client:
+        assert client.ask("/version").args[0] == "carom"
+        assert client.ask("/sync", 42).args == (42,)
+        assert client.ask("/notify", 1).args == ("/notify",)
+        client.new("a", "wood-block", gain=-6)
+        with pytest.raises(CommandError, match="there is such an object already"):
+            client.new("a", "wood-block")
+        for address, reason in (("/nothing", "no such address"), ("/object/a/impact", "velocity is missing")):
+            with pytest.raises(CommandError, match=reason):
+                client.ask(address)
+        with pytest.raises(CommandError, match=r"id = 0\.5"):
+            client.ask("/sync", "0.5")
+
+
+def test_bundles_with_times_are_kept_apart(tmp_path):
+    with serving(tmp_path, "--device", "none", "--record", "out.wav") as server:
+        with server.client() as client:
+            client.new("a", "wood-block")
+            now = time.time()
+            for i in (2, 0, 1):
+                with client.bundle(at=now + 0.3 + 0.25 * i):
+                    client.impact("a", 0.5 + i)
+            with client.bundle(at=now + 1e5):
+                client.impact("a", 1.0)
+            (reply,) = [r for r in client.replies(0.5) if r.address == "/fail"]
+            assert "ahead; expected at most 3600 s" in str(reply.args[1])
+            time.sleep(1.0)
+        server.quit()
+    sound, rate = soundfile.read(tmp_path / "out.wav")
+    level = np.abs(sound).max(axis=1)
+    assert onsets(tmp_path / "out.wav") == 3
+    first = int(np.argmax(level > 1e-4))
+    peaks = [level[first + int(0.25 * i * rate) - 2400 :][:7200].max() for i in range(3)]
+    assert peaks[0] < peaks[1] < peaks[2]  # in the order of their times, not of their arrival
+
+
+HOSTILE = [
+    b"",
+    b"/",
+    b"hello, world",
+    b"#bundle\0" + b"\0" * 7 + b"\1" + b"\xff\xff\xff\xfc",  # an element of size -4
+    b"#bundle\0" + b"\0" * 7 + b"\1" + (20).to_bytes(4, "big") + b"#bundle\0" + b"\0" * 12,
+    osc.encode("/" + "*" * 20 + "!" * 12, 1.0),
+    osc.encode("/object/" + "*" * 20 + "!/impact", 1.0),
+    b"/object/a/impact\0\0\0\0,f\0\0\0\0",  # a truncated float
+    b"/object/a/impact\0\0\0\0,f\0\0\x7f\xc0\0\0",  # NaN
+    b"\xff\xfe\xfd\xfc" * 10,
+    b"/object/a/impact\0\0\0\0," + b"[" * 19,
+    bytes(65_507),
+]
+
+
+def test_nothing_hostile_disturbs_it(server: Running):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock, server.client() as client:
+        client.new("a", "wood-block")
+        client.send("/dump", 1)
+        for datagram in HOSTILE * 20:
+            sock.sendto(datagram, ("127.0.0.1", server.port))
+        client.send("/object/a/impact", b"blob", None)
+        client.send("/dump", 0)
+        started = time.monotonic()
+        client.impact("a", 1.0)
+        client.ask("/sync", 1)
+        assert time.monotonic() - started < 1.0
+        assert dict(zip((a := client.status().args)[9::2], a[10::2], strict=True))["impacts"] == 1
+
+
+def test_each_bad_datagram_is_answered(server: Running):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        sock.settimeout(2)
+        sock.sendto(b"hello, world", ("127.0.0.1", server.port))
+        (bundle,) = osc.parse(sock.recv(65_507))
+        assert bundle.messages[0].address == "/fail" and bundle.messages[0].args[0] == "datagram"
+
+
+def test_a_burst_is_not_lost(server: Running):
+    with server.client() as client:
+        client.new("a", "wood-block", gain=-60)
+        for _ in range(20):
+            with client.bundle():
+                for _ in range(250):
+                    client.impact("a", 0.01)
+        client.ask("/sync", 1)
+        status = client.status().args
+        assert dict(zip(status[9::2], status[10::2], strict=True))["impacts"] == 5000
+
+
+def failing(folder: Path, *args: str, env: dict[str, str] | None = None) -> str:
+    """What a `serve` that can't start says, in one line, before it exits with 1."""
+    run = subprocess.run([*CAROM, "serve", *args], cwd=folder, env=env, capture_output=True, text=True, timeout=60)
+    assert run.returncode == 1 and run.stdout == "" and run.stderr.count("\n") == 1
+    return run.stderr
+
+
+def test_what_can_not_be_served_is_told(tmp_path, server: Running):
+    assert f"port {server.port} on 127.0.0.1: Address already in use" in failing(tmp_path, "--port", str(server.port))
+    none = ("--port", "0", "--device", "none")
+    assert "no/such/out.wav: No such file or directory" in failing(tmp_path, *none, "--record", "no/such/out.wav")
+    assert "no/presets: expected a folder" in failing(tmp_path, *none, "--presets", "no/presets")
+    assert "rate = 1: expected" in failing(tmp_path, *none, "--rate", "1")
+    assert "port = 70000: expected" in failing(tmp_path, "--port", "70000", "--device", "none")
+
+
+def test_no_portaudio_is_told(tmp_path):
+    # A sounddevice that finds no library, as on a machine without PortAudio.
+    (tmp_path / "sounddevice.py").write_text("raise OSError('PortAudio library not found')\n")
+    env = os.environ | {"PYTHONPATH": str(tmp_path)}
+    assert "PortAudio library not found: install PortAudio" in failing(tmp_path, "--port", "0", env=env)
+    with serving(tmp_path, "--device", "none", env=env) as running:
+        assert running.quit()[0] == 0
+
+
+def test_an_unknown_device_is_told(tmp_path):
+    pytest.importorskip("sounddevice", reason="PortAudio is not installed", exc_type=OSError)
+    assert "device no-such-device" in failing(tmp_path, "--port", "0", "--device", "no-such-device")
+
+
+def test_signals_end_it_well(tmp_path):
+    with serving(tmp_path, "--device", "none", "--record", "out.wav") as server:
+        time.sleep(0.3)
+        server.process.terminate()
+        assert server.process.wait(timeout=10) == 0
+    assert soundfile.info(tmp_path / "out.wav").frames > 4800
+
+
+def test_it_starts_within_seconds(tmp_path):
+    with serving(tmp_path, "--device", "none"):  # so that the compiled code is there
+        pass
+    started = time.monotonic()
+    with serving(tmp_path, "--device", "none"):
+        assert time.monotonic() - started < 5.0  # on a machine that does other things too; `make bench` has the figure
+
+
+def test_python_m_works():
+    run = subprocess.run([sys.executable, "-m", "carom.clients", "--version"], capture_output=True, text=True)
+    assert run.stdout.startswith("carom ")
