@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 import soundfile
+
 from carom.server.osc import DEFAULT_PORT
 from carom.server.presets import Presets
 from carom.server.space import table
