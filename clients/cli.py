@@ -83,6 +83,7 @@ def _serve_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--rate", type=int, default=_RATE, help="sampling rate in Hz (%(default)s)")
     sub.add_argument("--block", type=int, default=0, help="frames a block (0: the device's)")
     sub.add_argument("--record", type=Path, metavar="OUT.wav", help="keep what is played")
+    _add_contact(sub)
     _add_presets(sub)
 
 
@@ -94,7 +95,23 @@ def _render_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--format", choices=["16", "24", "float"], help="sample format (WAV: float, FLAC: 24)")
     sub.add_argument("--seconds", type=float, help="length (until silence)")
     sub.add_argument("--plot", type=Path, metavar="OUT.png", help="draw wave and spectrogram")
+    _add_contact(sub)
     _add_presets(sub)
+
+
+def _add_contact(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument(
+        "--contact", metavar="METHOD", help="how contacts are solved: closed (default), am1, verlet, ..."
+    )
+    sub.add_argument("--correction", help="of a sampled METHOD: none, hybrid, release, both, ...")
+    sub.add_argument("--oversampling", type=int, metavar="N", help="steps a sample of a sampled METHOD")
+
+
+def _contact(arguments: argparse.Namespace) -> tuple[str | int, ...]:
+    """The arguments of the /contact that the options stand for; none where they say nothing."""
+    keys = {"correction": arguments.correction, "oversampling": arguments.oversampling}
+    given = [part for key, value in keys.items() if value is not None for part in (key, value)]
+    return (arguments.contact or "closed", *given) if arguments.contact or given else ()
 
 
 def _add_presets(sub: argparse.ArgumentParser) -> None:
@@ -113,7 +130,8 @@ def _serve(arguments: argparse.Namespace) -> int:
     from ..server.live import Options, serving
 
     keys = ("port", "bind", "device", "rate", "block", "record")
-    options = Options(**{key: getattr(arguments, key) for key in keys}, presets=tuple(arguments.presets))
+    chosen = {key: getattr(arguments, key) for key in keys}
+    options = Options(**chosen, presets=tuple(arguments.presets), contact=_contact(arguments))
     with serving(options) as server:
         signal.signal(signal.SIGTERM, lambda *_: server.stop())
         signal.signal(signal.SIGINT, lambda *_: server.stop())
@@ -131,7 +149,7 @@ def _render(arguments: argparse.Namespace) -> int:
     from ..server.render import Options, render
     from ..server.score import read
 
-    options = Options(arguments.rate, arguments.block, arguments.format, arguments.seconds)
+    options = Options(arguments.rate, arguments.block, arguments.format, arguments.seconds, _contact(arguments))
     score = read(arguments.score)
     presets = Presets(arguments.presets)
     if arguments.plot:

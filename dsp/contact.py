@@ -90,7 +90,13 @@ def potential_at(u, w):
         # Further away, strong dissipation makes the distance to the release ill-conditioned.
         if w * d <= 0.5:
             return potential(d, math.log1p(-w * d), -u, -w)
-    d = (1.0 - u) / p
+    return potential_from_entry(u, w)
+
+
+@kernel
+def potential_from_entry(u, w):
+    """The same, negative beyond the release: it is defined for all u > -1/w, but cancels as u nears the release."""
+    d = (1.0 - u) / (1.0 + w * u)
     return potential(d, math.log1p(w * d), u, w)
 
 
@@ -100,13 +106,9 @@ def length_scale(v_in, m, k, a):
     return (m * v_in * v_in / k) ** (1.0 / (a + 1.0))
 
 
-@vectorize
-def _restitution(w):
-    return restitution_of(w)
-
-
-@vectorize
-def _paper_release(v_in, mu):
+@kernel
+def paper_release_of(v_in, mu):
+    """The paper's approximation of v_out: (7), (8)."""
     if mu == 0.0:
         return -v_in
     w = mu * v_in
@@ -114,10 +116,26 @@ def _paper_release(v_in, mu):
     return -(1.0 - b * math.exp(-2.0 * w)) / mu
 
 
-@vectorize
-def _compression(v, v_in, m, k, mu, a):
+@kernel
+def trajectory(v, v_in, m, k, mu, a):
+    """Compression x(v) in m: (3)."""
     g = potential_at(v / v_in, mu * v_in)
     return length_scale(v_in, m, k, a) * ((a + 1.0) * g) ** (1.0 / (a + 1.0))
+
+
+@vectorize
+def _restitution(w):
+    return restitution_of(w)
+
+
+@vectorize
+def _paper_release(v_in, mu):
+    return paper_release_of(v_in, mu)
+
+
+@vectorize
+def _compression(v, v_in, m, k, mu, a):
+    return trajectory(v, v_in, m, k, mu, a)
 
 
 @vectorize

@@ -13,7 +13,8 @@ from .atomic import load_acquire, store_release
 from .bank import LANES, NYQUIST_SHARE, RESPONSES, inject, ring, set_mode, state_of
 from .jit import kernel
 from .limiter import limit
-from .pulse import NODES, add_phasors, advance, begin, node
+from .methods import follow, start
+from .pulse import MOMENTS, NODES, add_held, add_phasors, advance, begin, node
 from .queue import has_room, pop, push
 from .state import MODES_PER_OBJECT, QUANTUM, RING, TAP, Command
 
@@ -24,6 +25,7 @@ _GLIDE = 0.005  # s: time constant of gain and pan
 _RETUNE_BUDGET = 1024  # modes a quantum that get new coefficients in the background
 _HAND = 200.0  # 1/s: decay that a hand adds at damp = 1
 _HUGE = 1e30  # above this a voice counts as not finite
+_MOST_STEPS = 100_000.0  # of a sampled contact, which might never end
 _LIGHT = 1e-4  # sum of m phi^2 below which the object is as good as a rigid wall (-80 dB)
 
 _NEW, _FREE, _IMPACT = int(Command.NEW), int(Command.FREE), int(Command.IMPACT)
@@ -31,7 +33,7 @@ _GAIN, _PAN, _TUNE, _DECAY, _DAMP = (
     int(Command.GAIN), int(Command.PAN), int(Command.TUNE), int(Command.DECAY), int(Command.DAMP),
 )  # fmt: skip
 _NOBODY = -1  # no object's serial
-_PANIC, _SYNC = int(Command.PANIC), int(Command.SYNC)
+_PANIC, _SYNC, _CONTACT = int(Command.PANIC), int(Command.SYNC), int(Command.CONTACT)
 
 
 @kernel
@@ -119,6 +121,11 @@ def _carry_out(state, event):
         return
     if event.kind == _NEW:
         _new(state, event)
+        return
+    if event.kind == _CONTACT:
+        state.contact_method = int(event.values[0])
+        state.contact_correction = int(event.values[1])
+        state.contact_oversampling = int(event.values[2])
         return
     obj = state.objects[event.slot]
     if obj.used == 0 or obj.serial != event.serial:
@@ -235,9 +242,12 @@ def _impact(state, obj, event):
     begin(contact.pulse, v_in, m, k, event.values[4], event.values[5], state.rate)
     _place(contact, event.values[1], obj.rows)
     _yield_to_object(state, obj, contact, m)
-    contact.pulse.momentum *= event.values[6]
+    contact.gain = event.values[6]
+    contact.oversampling = 0
     contact.start = math.floor(event.time)
     contact.fraction = event.time - contact.start
+    if state.contact_method > 0:
+        _sample(state, contact, v_in, k, event.values[4], event.values[5])
     contact.next = -1
     if obj.contact < 0:
         obj.contact = index
@@ -246,6 +256,35 @@ def _impact(state, obj, event):
         while state.contacts[last].next >= 0:
             last = state.contacts[last].next
         state.contacts[last].next = index
+
+
+@kernel
+def _sample(state, contact, v_in, k, mu, a):
+    """Have a contact solved by the sampled method that is chosen; it can't begin between samples."""
+    contact.oversampling = state.contact_oversampling
+    contact.fraction = 0.0
+    contact.steps = int(min(10.0 * contact.pulse.duration * contact.oversampling + 20.0, _MOST_STEPS))
+    m = contact.pulse.momentum / v_in  # the effective mass
+    start(contact.sampled, state.contact_method - 1, state.contact_correction, v_in, m, k, mu, a)
+
+
+@kernel
+def _step_sampled(state, contact):
+    """Moments of a sampled contact over a sample: what its steps give, each held for the step. True while it lasts."""
+    sampled = contact.sampled
+    for n in range(MOMENTS):
+        state.moments[n] = 0.0
+    for i in range(contact.oversampling):
+        before = sampled.v
+        lasts = follow(sampled, 1.0 / (state.rate * contact.oversampling))
+        given = sampled.m * (before - sampled.v)
+        if not math.isfinite(given):
+            return False  # the method has failed: what it gave so far stays
+        add_held(given, i / contact.oversampling, (i + 1) / contact.oversampling, state.moments)
+        contact.steps -= 1
+        if not lasts or contact.steps <= 0:
+            return False
+    return True
 
 
 @kernel
@@ -408,10 +447,17 @@ def _drive(state, obj, frame):
         contact = state.contacts[index]
         after = contact.next
         age = state.position + frame - contact.start - contact.fraction
+        lasts = True
         if age > 0.0:
-            advance(contact.pulse, min(age, contact.pulse.duration), age - 1.0, state.moments)
+            if contact.oversampling > 0:
+                lasts = _step_sampled(state, contact)
+            else:
+                advance(contact.pulse, min(age, contact.pulse.duration), age - 1.0, state.moments)
+                lasts = age < contact.pulse.duration
+            for n in range(MOMENTS):
+                state.moments[n] *= contact.gain
             inject(y1, y2, response, shape, obj.size, contact.row, contact.weights, state.moments)
-        if age >= contact.pulse.duration:
+        if not lasts:
             _drop_contact(state, obj, before, index)
         else:
             before = index

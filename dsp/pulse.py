@@ -202,6 +202,24 @@ def advance(pulse, until, shift, moments):
 
 
 @kernel
+def add_held(impulse, start, stop, moments):
+    """Add the moments of an impulse (N s) spread evenly from `start` to `stop`, both in [0, 1] of a sample."""
+    x0 = 2.0 * start - 1.0
+    x1 = 2.0 * stop - 1.0
+    moments[0] += impulse
+    scale = impulse / (x1 - x0)
+    # int P_n = (P_(n+1) - P_(n-1))/(2n+1)
+    before0 = before1 = 1.0
+    here0, here1 = x0, x1
+    for n in range(1, MOMENTS):
+        after0 = _RISE[n] * x0 * here0 - _FALL[n] * before0
+        after1 = _RISE[n] * x1 * here1 - _FALL[n] * before1
+        moments[n] += scale * ((after1 - before1) - (after0 - before0)) / (2 * n + 1)
+        before0, here0 = here0, after0
+        before1, here1 = here1, after1
+
+
+@kernel
 def node(pulse, phase, j):
     """Time (samples) and impulse (N s) of Gauss node j of a phase, j < len(_PIECE_NODES)."""
     zeta = 0.5 + 0.5 * _PIECE_NODES[j]

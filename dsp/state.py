@@ -5,6 +5,7 @@ from enum import IntEnum
 import numpy as np
 
 from .bank import LANES, RESPONSES
+from .methods import SAMPLED
 from .pulse import MOMENTS, PULSE
 
 QUANTUM = 64
@@ -39,6 +40,7 @@ class Command(IntEnum):
     DAMP = 7  # 0 .. 1
     PANIC = 8
     SYNC = 9  # a number that appears in `synced`
+    CONTACT = 10  # how contacts are solved from now on: 0 closed form, else 1 + method; correction, oversampling
 
 
 COMMAND = np.dtype(
@@ -79,6 +81,10 @@ OBJECT = np.dtype(
 CONTACT = np.dtype(
     [
         ("pulse", PULSE),
+        ("sampled", SAMPLED),
+        ("oversampling", np.int64),  # steps a sample of a sampled contact, 0: the closed form
+        ("steps", np.int64),  # that a sampled contact may still take
+        ("gain", np.float64),
         ("start", np.int64),  # sample at or before the contact's beginning
         ("fraction", np.float64),  # from there to the beginning
         ("row", np.int64),  # of the shape table, the first of four
@@ -123,6 +129,9 @@ STATE = np.dtype(
         ("contacts_active", np.int64),
         ("moments", np.float64, MOMENTS),
         ("spectrum", np.float64, (2, MODES_PER_OBJECT)),
+        ("contact_method", np.int64),  # as Command.CONTACT says
+        ("contact_correction", np.int64),
+        ("contact_oversampling", np.int64),
         # Clock and output.
         ("rate", np.float64),
         ("position", np.int64),  # samples computed

@@ -10,7 +10,18 @@ from pathlib import Path
 from ..dsp.host import NOW, Engine, EngineFull
 from ..dsp.state import Command
 from .audio import Output, open_output
-from .osc import DEFAULT_PORT, IMMEDIATELY, MAX_DATAGRAM, BadPacket, Bundle, Message, encode, parse, unix_seconds
+from .osc import (
+    DEFAULT_PORT,
+    IMMEDIATELY,
+    MAX_DATAGRAM,
+    Argument,
+    BadPacket,
+    Bundle,
+    Message,
+    encode,
+    parse,
+    unix_seconds,
+)
 from .presets import Presets
 from .recorder import Recorder
 from .render import HIGHEST_RATE, LOWEST_RATE
@@ -34,7 +45,7 @@ Address = tuple[str, int]
 @dataclass(frozen=True)
 class Options:
     """How to serve: UDP port (0: any free one) and address, device (None: the default), rate in Hz, block in frames (0:
-    the device's), a file to record to, folders of presets."""
+    the device's), a file to record to, folders of presets, the arguments of a /contact to begin with."""
 
     port: int = DEFAULT_PORT
     bind: str = "127.0.0.1"
@@ -43,6 +54,7 @@ class Options:
     block: int = 0
     record: Path | None = None
     presets: tuple[Path, ...] = ()
+    contact: tuple[Argument, ...] = ()
 
     def __post_init__(self) -> None:
         for name, value, low, high in (
@@ -77,6 +89,11 @@ class Server:
 
     def stop(self) -> None:
         self._running = False
+
+    def choose_contact(self, args: tuple[Argument, ...]) -> None:
+        """Solve contacts as /contact with these arguments asks; ServeError says why not."""
+        for reply in self._scene.perform([Message("/contact", args)], NOW):
+            raise ServeError(": ".join(map(str, reply.args)))
 
     def run(self) -> None:
         """Serve until told to stop."""
@@ -207,5 +224,7 @@ def serving(options: Options) -> Iterator[Server]:
         output = open_output(engine, options.device, options.block)
         stack.callback(output.close)
         server = Server(sock, engine, output, presets)
+        if options.contact:
+            server.choose_contact(options.contact)
         server.recorder = recorder
         yield server

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..dsp.host import Engine
 from ..dsp.state import QUANTUM
+from .osc import Argument, Message
 from .presets import Presets
 from .scene import Scene
 from .score import Line, ScoreError
@@ -29,13 +30,14 @@ class RenderError(ValueError):
 
 @dataclass(frozen=True)
 class Options:
-    """How to render: rate in Hz, block in frames, sample format 16, 24 or float (None: 24 for FLAC, else float) and
-    seconds (None: until silence)."""
+    """How to render: rate in Hz, block in frames, sample format 16, 24 or float (None: 24 for FLAC, else float),
+    seconds (None: until silence), and the arguments of a /contact to begin with."""
 
     rate: int = 48_000
     block: int = 4_096
     format: str | None = None
     seconds: float | None = None
+    contact: tuple[Argument, ...] = ()
 
     def __post_init__(self) -> None:
         if not LOWEST_RATE <= self.rate <= HIGHEST_RATE:
@@ -56,6 +58,8 @@ def blocks(score: Sequence[Line], engine: Engine, presets: Presets, options: Opt
     if not score:
         raise RenderError("the score is empty: expected lines of time, address and arguments")
     scene = Scene(engine, presets)
+    if options.contact:
+        _perform(scene, Line(0.0, Message("/contact", options.contact), "contact"))
     lines = sorted(score, key=lambda line: line.time)
     tail = round((lines[-1].time + LONGEST_TAIL) * options.rate)
     end = round(options.seconds * options.rate) if options.seconds is not None else None

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from ..dsp.host import Engine, EngineFull, Handle
 from ..dsp.materials import Material
+from ..dsp.methods import CORRECTIONS, METHODS
 from ..dsp.state import Command
 from .osc import Message, match
 from .presets import ObjectPreset, PresetError, Presets
@@ -76,6 +77,8 @@ class Scene:
             raise Refused("only a running server carries it out; expected what sounds")
         if message.address == "/object/new":
             return self._new(VERBS["/object/new"].parse(message.args))
+        if message.address == "/contact":
+            return [_contact_command(VERBS["/contact"].parse(message.args))], []
         parts = message.address.split("/")
         if len(parts) != 4 or parts[:2] != ["", "object"]:
             raise Refused(f"no such address; expected one of {', '.join(VERBS)}")
@@ -152,6 +155,24 @@ class Scene:
 def fail(address: str, reason: str) -> Message:
     """The reply to what can't be done."""
     return Message("/fail", (address, reason))
+
+
+def _contact_command(values: Values) -> EngineCommand:
+    """How contacts are to be solved, as the engine takes it."""
+    method = values.words["method"]
+    correction = values.words.get("correction", "none")
+    oversampling = values.numbers.get("oversampling", 1.0)
+    if method != "closed" and method not in METHODS:
+        raise Refused(f"method = {shown(method)}: expected closed, {', '.join(METHODS)}")
+    if correction not in CORRECTIONS:
+        raise Refused(f"correction = {shown(correction)}: expected {', '.join(CORRECTIONS)}")
+    if oversampling != int(oversampling):
+        raise Refused(f"oversampling = {oversampling:g}: expected a whole number")
+    if method == "closed":
+        if correction != "none" or oversampling != 1:
+            raise Refused("closed: it is exact already; expected neither correction nor oversampling")
+        return Command.CONTACT, None, (0.0, 0.0, 0.0)
+    return Command.CONTACT, None, (1.0 + METHODS.index(method), CORRECTIONS[correction], oversampling)
 
 
 def _physical(setting: str, value: float) -> float:

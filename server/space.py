@@ -154,6 +154,11 @@ VERBS = {
             "/object/NAME/free", "removes it once silent, or with 1 at once (a 50 ms fade)",
             optional=(Number("at_once", 0, 1),),
         ),
+        Verb(
+            "/contact", "how contacts are solved from now on: closed (exact, the default), am1, verlet, heun, rk4",
+            (Word("method"),), (Number("oversampling", 1, 64),),
+            (Word("correction", "none, hybrid, release, both, paper-release, paper-both"),),
+        ),
         Verb("/panic", "silences everything at once; objects stay"),
         Verb("/status", "answers /status.reply", scored=False),
         Verb("/version", "answers /version.reply name major minor patch", scored=False),
