@@ -4,6 +4,8 @@ What a command needs is imported when it runs, so that `carom send` does not wai
 """
 
 import argparse
+import os
+import signal
 import sys
 import time
 from collections.abc import Callable
@@ -21,10 +23,15 @@ Command = Callable[[argparse.Namespace], int]
 def main(argv: list[str] | None = None) -> int:
     """Run a command; returns the exit code: 0 done, 1 failed (one line on stderr says why), 2 wrong usage."""
     arguments = _parser().parse_args(argv)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that it, too, leaves no half file
     try:
         return arguments.run(arguments)
     except KeyboardInterrupt:
         return 130
+    except BrokenPipeError:
+        # Whoever read our output has seen enough; without this, Python complains once more as it ends.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
     except (CommandError, OSError, RuntimeError, ValueError) as error:
         if not _expected(error):
             raise
@@ -64,7 +71,7 @@ def _parser() -> argparse.ArgumentParser:
     sub = command("send", _send, "send one message to a running server and print what it answers")
     _add_server(sub)
     sub.add_argument("address")
-    sub.add_argument("args", nargs=argparse.REMAINDER, metavar="ARG")
+    sub.add_argument("args", nargs="*", metavar="ARG")
 
     command("devices", _devices, "list the devices that can play")
 
@@ -100,9 +107,7 @@ def _render_options(sub: argparse.ArgumentParser) -> None:
 
 
 def _add_contact(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument(
-        "--contact", metavar="METHOD", help="how contacts are solved: closed (default), am1, verlet, ..."
-    )
+    sub.add_argument("--contact", metavar="METHOD", help="how contacts are solved: closed (default), am1, verlet, ...")
     sub.add_argument("--correction", help="of a sampled METHOD: none, hybrid, release, both, ...")
     sub.add_argument("--oversampling", type=int, metavar="N", help="steps a sample of a sampled METHOD")
 
@@ -121,12 +126,16 @@ def _add_presets(sub: argparse.ArgumentParser) -> None:
 
 def _add_server(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--host", default="127.0.0.1", help="where the server is (%(default)s)")
-    sub.add_argument("--port", type=int, default=DEFAULT_PORT, help="its port (%(default)s)")
+    sub.add_argument("--port", type=_port, default=DEFAULT_PORT, help="its port (%(default)s)")
+
+
+def _port(word: str) -> int:
+    if word.isdecimal() and 0 < int(word) < 65_536:
+        return int(word)
+    raise argparse.ArgumentTypeError(f"{word}: expected 1 to 65535")
 
 
 def _serve(arguments: argparse.Namespace) -> int:
-    import signal
-
     from ..server.live import Options, serving
 
     keys = ("port", "bind", "device", "rate", "block", "record")
@@ -229,8 +238,11 @@ def _presets(arguments: argparse.Namespace) -> int:
             for name in presets.names(kind):
                 print(f"  {name:20s} {presets.description(kind, name)}")
         return 0
-    kind = next((kind for kind in KINDS if arguments.name in presets.names(kind)), "objects")
-    print(presets.path(kind, arguments.name).read_text(encoding="utf-8"), end="")
+    kinds = [kind for kind in KINDS if arguments.name in presets.names(kind)]
+    for kind in kinds or ["objects"]:
+        path = presets.path(kind, arguments.name)
+        print(f"# {kind}/{path.name}")
+        print(path.read_text(encoding="utf-8"))
     return 0
 
 

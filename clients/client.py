@@ -11,7 +11,7 @@ from ..server import osc
 
 
 class CommandError(RuntimeError):
-    """The server answered /fail; the text is the address and the server's reason."""
+    """The server answered /fail, or a message can't be sent; the text says why."""
 
 
 class Client:
@@ -37,7 +37,7 @@ class Client:
     def send(self, address: str, *args: osc.Argument) -> None:
         """Sends a message, or adds it to the bundle being made; waits for nothing."""
         if self._bundle is None:
-            self._socket.send(osc.encode(address, *args, real="d"))
+            self._socket.send(_encoded(address, args))
         else:
             self._bundle.append(osc.Message(address, args))
 
@@ -122,6 +122,13 @@ class Client:
     def status(self) -> osc.Message:
         """The server's counts, loads and rates: its /status.reply."""
         return self.ask("/status")
+
+
+def _encoded(address: str, args: tuple[osc.Argument, ...]) -> bytes:
+    try:
+        return osc.encode(address, *args, real="d")
+    except ValueError as error:
+        raise CommandError(str(error)) from None
 
 
 def _answers(reply: osc.Message, address: str, args: tuple[osc.Argument, ...]) -> bool:

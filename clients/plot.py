@@ -25,6 +25,8 @@ def plotter(picture: Path) -> Callable[[Path], None]:
     matplotlib.use("Agg")
     if picture.suffix.lower() not in (".png", ".svg", ".pdf"):
         raise PlotError(f"{picture}: expected a name that ends in .png, .svg or .pdf")
+    if not picture.parent.is_dir():
+        raise PlotError(f"{picture}: there is no folder {picture.parent}")
     return lambda sound: _plot(sound, picture)
 
 

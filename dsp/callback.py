@@ -5,6 +5,7 @@ Real time hands its address to PortAudio; offline and clock-driven rendering cal
 
 import hashlib
 import logging
+import shutil
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -15,13 +16,14 @@ from numba import carray, cfunc, types
 
 from .atomic import flush_denormals, monotonic_ns, restore_denormals
 from .engine import process
-from .state import STATE
+from .state import QUANTUM, STATE
 
 _SIGNATURE = types.intc(
     types.voidptr, types.CPointer(types.float32), types.ulong, types.voidptr, types.ulong, types.voidptr
 )  # (input, output, frames, time info, status flags, state)
 
 _OUTPUT_UNDERFLOW = 4
+_VERSIONS_KEPT = 4
 
 
 def _callback(_input, output, frames, _time, flags, userdata):
@@ -29,6 +31,8 @@ def _callback(_input, output, frames, _time, flags, userdata):
     entered = monotonic_ns()
     mode = flush_denormals()
     state = carray(userdata, (1,), STATE)[0]
+    state.entered = entered
+    state.entered_at = state.position - QUANTUM + state.consumed
     if flags & _OUTPUT_UNDERFLOW:
         state.underflows += 1
     process(state, carray(output, (frames, 2)), frames)
@@ -54,10 +58,18 @@ def _cache_folder() -> Path:
     return platformdirs.user_cache_path("carom") / sources.hexdigest()[:16]
 
 
+def _forget_old(folder: Path) -> None:
+    """Remove the code of all but the last few versions."""
+    others = [path for path in folder.parent.glob("*") if path.is_dir() and path != folder]
+    for path in sorted(others, key=lambda path: path.stat().st_mtime, reverse=True)[_VERSIONS_KEPT:]:
+        shutil.rmtree(path, ignore_errors=True)
+
+
 @cache
 def callback() -> Any:
     """The compiled callback, a numba CFunc: from the user's cache where that can be written."""
     folder = _cache_folder()
+    _forget_old(folder)
     elsewhere = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(folder)
     try:

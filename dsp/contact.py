@@ -21,6 +21,9 @@ from .jit import kernel
 _SERIES_BELOW = 1.0
 _SERIES_TERMS = 17
 
+# Below this, squares of w underflow, and nothing tells it from 0.
+_NO_DISSIPATION = 1e-100
+
 # From here on exp(-(1 + w)) is below half an ulp of 1, so the release velocity is v_lim = -1/mu itself.
 _STRONG_DISSIPATION = 40.0
 
@@ -48,7 +51,7 @@ def psi(z, log1p_z):
 def restitution_of(w):
     """Restitution E = |v_out/v_in| of w = mu v_in: the root of (6), by Halley's method on a form without
     cancellation."""
-    if w == 0.0:
+    if w < _NO_DISSIPATION:
         return 1.0
     if w >= _STRONG_DISSIPATION:
         return 1.0 / w

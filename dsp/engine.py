@@ -15,24 +15,26 @@ from .jit import kernel
 from .limiter import limit
 from .methods import follow, start
 from .pulse import MOMENTS, NODES, add_held, add_phasors, advance, begin, node
-from .queue import has_room, pop, push
-from .state import MODES_PER_OBJECT, QUANTUM, RING, TAP, Command
+from .queue import has_room, order_heap, pop, push, swap
+from .state import QUANTUM, RING, TAP, Command
 
 SILENCE = 1e-6
 """A mode below this output amplitude (-120 dB) is put to rest."""
 
 _GLIDE = 0.005  # s: time constant of gain and pan
 _RETUNE_BUDGET = 1024  # modes a quantum that get new coefficients in the background
+_FADE = 500.0  # 1/s: decay added to a mode that was tuned above the Nyquist share
 _HAND = 200.0  # 1/s: decay that a hand adds at damp = 1
 _HUGE = 1e30  # above this a voice counts as not finite
 _MOST_STEPS = 100_000.0  # of a sampled contact, which might never end
+_SLOWEST = 1e-12  # m/s: a slower striker moves nothing, and its square may underflow
+_RESOLVED = 28.0  # rad of a mode over a pulse: up to here its nodes tell the spectrum, beyond it is as good as 0
 _LIGHT = 1e-4  # sum of m phi^2 below which the object is as good as a rigid wall (-80 dB)
 
 _NEW, _FREE, _IMPACT = int(Command.NEW), int(Command.FREE), int(Command.IMPACT)
 _GAIN, _PAN, _TUNE, _DECAY, _DAMP = (
     int(Command.GAIN), int(Command.PAN), int(Command.TUNE), int(Command.DECAY), int(Command.DAMP),
 )  # fmt: skip
-_NOBODY = -1  # no object's serial
 _PANIC, _SYNC, _CONTACT = int(Command.PANIC), int(Command.SYNC), int(Command.CONTACT)
 
 
@@ -62,13 +64,9 @@ def _render_quantum(state):
         state.mix[1, n] = 0.0
     state.live_modes = 0
     state.sounding = 0
-    budget = _RETUNE_BUDGET
+    _retune_all(state)
     for i in range(state.active):
-        slot = state.order[i]
-        # What is struck must be in tune now; the rest can wait for its share.
-        struck = state.objects[slot].contact >= 0
-        budget -= _retune(state, slot, MODES_PER_OBJECT if struck else max(budget, 0))
-        _render_object(state, slot)
+        _render_object(state, state.order[i])
     _forget_freed(state)
     limit(state)
     for n in range(QUANTUM):
@@ -117,7 +115,7 @@ def _carry_out(state, event):
         state.synced = int(event.values[0])
         return
     if event.kind == _PANIC:
-        _panic(state)
+        _panic(state, event.order)
         return
     if event.kind == _NEW:
         _new(state, event)
@@ -146,7 +144,7 @@ def _carry_out(state, event):
             obj.decay = value
         elif event.kind == _DAMP:
             obj.damp = value
-        obj.tuned = 0
+        obj.stale = obj.size
 
 
 @kernel
@@ -166,7 +164,8 @@ def _new(state, event):
     obj.decay = event.values[7]
     obj.damp = event.values[8]
     obj.live = 0
-    obj.tuned = 0
+    obj.stale = obj.size
+    obj.retuning = 0
     obj.contact = -1
     obj.faults = 0
     obj.gain[0], obj.gain[1] = _pan_gains(obj)
@@ -177,12 +176,16 @@ def _new(state, event):
 
 
 @kernel
-def _panic(state):
-    """Silence everything at once and forget the strikes and changes that wait."""
+def _panic(state, order):
+    """Silence everything at once and forget the strikes and changes that arrived before and still wait."""
+    kept = 0
     for i in range(state.queued):
         event = state.events[state.heap[i]]
-        if event.kind != _NEW and event.kind != _FREE and event.kind != _SYNC:
-            event.serial = _NOBODY
+        if event.order > order or event.kind == _NEW or event.kind == _FREE or event.kind == _SYNC:
+            swap(state, kept, i)
+            kept += 1
+    state.queued = kept
+    order_heap(state)
     for i in range(state.active):
         _silence(state, state.objects[state.order[i]])
 
@@ -206,31 +209,49 @@ def _pan_gains(obj):
 
 
 @kernel
-def _retune(state, slot, budget):
-    """Bring up to `budget` modes of an object to its tune, decay and damp; returns how many."""
-    obj = state.objects[slot]
-    start = obj.tuned
-    stop = min(obj.size, start + budget)
+def _retune_all(state):
+    """Give modes their coefficients: what is struck all of them now, the rest in turn, as many as the budget allows."""
+    budget = _RETUNE_BUDGET
+    turn = state.position // QUANTUM
+    for i in range(state.active):
+        obj = state.objects[state.order[(i + turn) % state.active]]
+        struck = obj.contact >= 0
+        count = obj.stale if struck else min(obj.stale, budget)
+        budget -= 0 if struck else count
+        _retune(state, obj, count)
+
+
+@kernel
+def _retune(state, obj, count):
+    """Bring the next `count` modes of an object to its tune, decay and damp."""
     first = obj.first
     last = first + obj.size
     response = state.response[first // LANES * RESPONSES : last // LANES * RESPONSES]
     hand = _HAND * obj.damp * obj.damp
-    for i in range(start, stop):
+    highest = NYQUIST_SHARE * 0.5 * state.rate
+    for _ in range(count):
+        i = obj.retuning
         frequency = state.frequency[first + i] * obj.tune
-        if frequency > NYQUIST_SHARE * 0.5 * state.rate:
-            frequency = 0.0
         sigma = state.sigma[first + i] / obj.decay + hand
+        weight = state.weight[first + i]
+        if frequency > highest:
+            # Nothing excites it any more, and what it was ringing fades.
+            frequency = highest
+            sigma += _FADE
+            weight = 0.0
         set_mode(
-            i, frequency, sigma, state.rate, state.weight[first + i],
+            i, frequency, sigma, state.rate, weight,
             state.y1[first:last], state.y2[first:last], state.a1[first:last], state.a2[first:last], response,
         )  # fmt: skip
-    obj.tuned = stop
-    return stop - start
+        obj.retuning = (i + 1) % obj.size
+    obj.stale -= count
 
 
 @kernel
 def _impact(state, obj, event):
     """Begin a contact at the event's time."""
+    if event.values[0] < _SLOWEST:
+        return
     state.impacts += 1
     if state.contacts_active == len(state.contacts):
         state.contacts_dropped += 1
@@ -315,7 +336,9 @@ def _yield_to_object(state, obj, contact, m):
     """Put the effective mass m* = m/(1 + sum m phi_i^2 P_i) into a pulse: the object gives way under the striker.
 
     P_i is the wall pulse's power spectrum at mode i over that at 0. The same v_in leaves w, and so the pulse's form, as
-    it is: its time scales by (m*/m)^(1/(a+1)) and its momentum by m*/m.
+    it is: its time scales by (m*/m)^(1/(a+1)) and its momentum by m*/m. A shorter pulse reaches higher modes: where
+    what it gives them would be more than the striker loses, its momentum J is held to 2 m v_in/(1 + sum m phi_i^2
+    P'_i), with P' of the shorter pulse; there m v_in^2/2 = m (v_in - J/m)^2/2 + sum (phi_i J)^2 P'_i/2.
     """
     bound = 0.0
     for i in range(obj.size):
@@ -323,6 +346,24 @@ def _yield_to_object(state, obj, contact, m):
         bound += m * phi * phi
     if bound < _LIGHT:
         return
+    pulse = contact.pulse
+    share = _share(state, obj, contact, m)
+    ratio = 1.0 / (1.0 + share)
+    stretch = ratio ** (1.0 / (pulse.exponent + 1.0))
+    pulse.duration *= stretch
+    for phase in range(2):
+        pulse.phase_time[phase] *= stretch
+        for i in range(len(pulse.time_series[phase])):
+            pulse.time_series[phase, i] *= stretch
+    if (1.0 + pulse.restitution) * (1.0 + bound) > 2.0 * (1.0 + share):
+        most = 2.0 / ((1.0 + pulse.restitution) * (1.0 + _share(state, obj, contact, m)))
+        ratio = min(ratio, most)
+    pulse.momentum *= ratio
+
+
+@kernel
+def _share(state, obj, contact, m):
+    """sum m phi_i^2 P_i over an object's modes, P_i being the pulse's power spectrum at mode i over that at 0."""
     pulse = contact.pulse
     re = state.spectrum[0, : obj.size]
     im = state.spectrum[1, : obj.size]
@@ -336,17 +377,12 @@ def _yield_to_object(state, obj, contact, m):
             total += impulse
             add_phasors(impulse, t * obj.tune / state.rate, frequency, re, im)
     share = 0.0
+    highest = _RESOLVED * state.rate / (2.0 * math.pi * pulse.duration * obj.tune)
     for i in range(obj.size):
-        phi = _shape_at(state, obj, contact, i)
-        share += m * phi * phi * (re[i] * re[i] + im[i] * im[i]) / (total * total)
-    ratio = 1.0 / (1.0 + share)
-    stretch = ratio ** (1.0 / (pulse.exponent + 1.0))
-    pulse.momentum *= ratio
-    pulse.duration *= stretch
-    for phase in range(2):
-        pulse.phase_time[phase] *= stretch
-        for i in range(len(pulse.time_series[phase])):
-            pulse.time_series[phase, i] *= stretch
+        if frequency[i] < highest:
+            phi = _shape_at(state, obj, contact, i)
+            share += m * phi * phi * (re[i] * re[i] + im[i] * im[i]) / (total * total)
+    return share
 
 
 @kernel
@@ -453,7 +489,7 @@ def _drive(state, obj, frame):
                 lasts = _step_sampled(state, contact)
             else:
                 advance(contact.pulse, min(age, contact.pulse.duration), age - 1.0, state.moments)
-                lasts = age < contact.pulse.duration
+                lasts = age < contact.pulse.duration  # a duration that is not a number has no end
             for n in range(MOMENTS):
                 state.moments[n] *= contact.gain
             inject(y1, y2, response, shape, obj.size, contact.row, contact.weights, state.moments)
@@ -475,7 +511,7 @@ def _rest(state, obj):
         for i in range(first, first + LANES):
             if state.a2[i] != 0.0:
                 re, im = state_of(state.y1[i], state.y2[i], state.a1[i], state.a2[i])
-                weight = max(1.0, abs(state.balance[i]))
+                weight = max(1.0, abs(state.balance[i])) * max(1.0, obj.amplitude)
                 heard |= weight * weight * (re * re + im * im) > SILENCE * SILENCE
         if heard:
             return

@@ -1,6 +1,7 @@
 """The engine from Python: it checks, lays out memory and sends commands; the compiled callback does the rest."""
 
 import math
+import time
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,11 +12,16 @@ from .atomic import observe, publish
 from .bank import LANES, NYQUIST_SHARE
 from .body import Modes
 from .callback import callback
-from .state import MODES, MODES_PER_OBJECT, OBJECTS, RING, SHAPE_VALUES, TAP, Command, new_state
+from .state import EVENTS, MODES, MODES_PER_OBJECT, OBJECTS, RING, SHAPE_VALUES, TAP, Command, new_state
 
 NOW = -1.0
 """A time that is always past: a command for as soon as possible."""
 
+KEPT_FOR_NOW = 2_048
+"""Places among the EVENTS that wait that are kept from what is further ahead than half a second."""
+
+_SOON = 0.5  # s
+_LONGEST_BLOCK = 1.0  # s: with none for longer, nothing plays
 _QUIETEST = 1e-9  # share of the loudest weight below which no weight at the left output goes: -180 dB
 
 _LEAST_ROWS = 4  # of a shape table: mode shapes are interpolated by cubics
@@ -97,6 +103,16 @@ class Engine:
         """Samples computed so far."""
         return int(self._record["position"])
 
+    def playing(self) -> float:
+        """The sample whose turn it is now, by the clock since the last callback; where nothing plays, the position."""
+        while True:
+            callbacks = self.counter("callbacks")
+            entered, position = self.counter("entered"), self.counter("entered_at")
+            if callbacks == self.counter("callbacks"):
+                break
+        since = 1e-9 * (time.monotonic_ns() - entered) if entered else 0.0
+        return position + min(since, _LONGEST_BLOCK) * self.rate
+
     @property
     def top_frequency(self) -> float:
         """Hz: modes above it are not made."""
@@ -126,11 +142,18 @@ class Engine:
         """Send (time in samples, command, object, values) all at once, or EngineFull and none of them."""
         if len(commands) > self.room():
             raise EngineFull(f"no room for {len(commands)} events: {self.room()} of {RING} can be queued now")
+        # What is for now must find room in the queue, however much waits there for later.
+        soon = self.position + _SOON * self.rate
+        waiting = int(self._record["queued"]) + RING - self.room()
+        if waiting + len(commands) > EVENTS - KEPT_FOR_NOW and any(command[0] > soon for command in commands):
+            raise EngineFull(
+                f"no room for {len(commands)} events ahead of their time: {waiting} of {EVENTS - KEPT_FOR_NOW} wait"
+            )
         written = int(self._record["written"][0])
         ring = self._record["ring"]
-        for n, (time, kind, handle, values) in enumerate(commands):
+        for n, (when, kind, handle, values) in enumerate(commands):
             entry = ring[(written + n) % RING]
-            entry["time"] = time
+            entry["time"] = when
             entry["kind"] = kind
             entry["slot"] = handle.slot if handle else 0
             entry["serial"] = handle.serial if handle else 0

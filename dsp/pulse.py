@@ -93,7 +93,7 @@ def _spans(w, e):
 @kernel
 def begin(pulse, v_in, m, k, mu, a, rate):
     """Set up the pulse of a contact at v_in; times in samples of 1/rate s."""
-    w = mu * v_in
+    w = mu * v_in if mu * v_in > 1e-100 else 0.0
     e = restitution_of(w)
     unit = length_scale(v_in, m, k, a) / v_in * rate
     pulse.span[0], pulse.span[1] = _spans(w, e)

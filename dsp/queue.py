@@ -15,7 +15,8 @@ def _before(state, i, j):
 
 
 @kernel
-def _swap(state, i, j):
+def swap(state, i, j):
+    """Exchange two entries."""
     state.heap[i], state.heap[j] = state.heap[j], state.heap[i]
 
 
@@ -34,7 +35,7 @@ def push(state, command):
     state.arrivals += 1
     state.queued += 1
     while i > 0 and _before(state, i, (i - 1) // 2):
-        _swap(state, i, (i - 1) // 2)
+        swap(state, i, (i - 1) // 2)
         i = (i - 1) // 2
 
 
@@ -43,17 +44,29 @@ def pop(state):
     """Remove the first event and return its index in the pool, valid until the next push."""
     state.queued -= 1
     last = state.queued
-    _swap(state, 0, last)
-    i = 0
-    while 2 * i + 1 < last:
+    swap(state, 0, last)
+    _sink(state, 0)
+    return state.heap[last]
+
+
+@kernel
+def order_heap(state):
+    """Make a heap of the first `queued` entries, whatever their order."""
+    for i in range(state.queued // 2 - 1, -1, -1):
+        _sink(state, i)
+
+
+@kernel
+def _sink(state, i):
+    """Let entry i sink to where both entries below it come later."""
+    while 2 * i + 1 < state.queued:
         child = 2 * i + 1
-        if child + 1 < last and _before(state, child + 1, child):
+        if child + 1 < state.queued and _before(state, child + 1, child):
             child += 1
         if not _before(state, child, i):
             break
-        _swap(state, i, child)
+        swap(state, i, child)
         i = child
-    return state.heap[last]
 
 
 @kernel

@@ -63,7 +63,8 @@ OBJECT = np.dtype(
         ("first", np.int64),  # mode
         ("size", np.int64),  # modes, a multiple of LANES
         ("live", np.int64),  # modes before the first that is at rest
-        ("tuned", np.int64),  # modes that have their coefficients
+        ("stale", np.int64),  # modes that wait for new coefficients
+        ("retuning", np.int64),  # the first of them
         ("table", np.int64),  # first value of its mode shapes, `rows` rows of `size` values
         ("rows", np.int64),
         ("contact", np.int64),  # head of its list of contacts, -1: none
@@ -157,6 +158,8 @@ STATE = np.dtype(
         ("load", np.float64),  # share of the time there is, averaged over a second
         ("load_peak", np.float64),
         ("callbacks", np.int64),
+        ("entered", np.int64),  # CLOCK_MONOTONIC in ns when the last callback began,
+        ("entered_at", np.int64),  # and the frames that had left by then
         ("underflows", np.int64),
     ],
     align=True,

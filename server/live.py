@@ -1,7 +1,9 @@
 """The live server: OSC in over UDP, replies out, sound on a device."""
 
 import socket
+import sys
 import time
+import traceback
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -10,6 +12,7 @@ from pathlib import Path
 from ..dsp.host import NOW, Engine, EngineFull
 from ..dsp.state import Command
 from .audio import Output, open_output
+from .dump import Dump
 from .osc import (
     DEFAULT_PORT,
     IMMEDIATELY,
@@ -31,6 +34,7 @@ from .status import Status, version
 
 _POLL = 0.02  # s between looks at the engine
 _RECEIVE_BUFFER = 1 << 22  # bytes: a burst of 10,000 messages
+_LONGEST_TEXT = 1_000  # characters of a reply
 _MOST_SUBSCRIBERS = 32
 _FURTHEST_AHEAD = 3600.0  # s that a time tag may lie in the future
 
@@ -78,9 +82,10 @@ class Server:
         self._subscribers: set[Address] = set()
         self._syncs: dict[int, tuple[int, Address]] = {}
         self._sync_count = 0
-        self._dumping = False
+        self._dump: Dump | None = None
         self._running = True
         self.recorder: Recorder | None = None
+        self._record_told = False
 
     @property
     def address(self) -> Address:
@@ -114,14 +119,21 @@ class Server:
 
     def _receive(self, datagram: bytes, source: Address) -> None:
         try:
+            self._answer(datagram, source)
+        except Exception as error:  # a fault of ours must not end the show
+            traceback.print_exc()
+            self._reply(fail("datagram", f"a fault of the server: {error!r}"), source)
+
+    def _answer(self, datagram: bytes, source: Address) -> None:
+        try:
             bundles = parse(datagram)
         except BadPacket as error:
             self._reply(fail("datagram", str(error)), source)
             return
         for bundle in bundles:
-            if self._dumping:
+            if self._dump:
                 for message in bundle.messages:
-                    print(f"{self.engine.position / self.engine.rate:.3f}", message.address, *message.args, flush=True)
+                    self._dump.show(message)
             self._perform(bundle, source)
 
     def _perform(self, bundle: Bundle, source: Address) -> None:
@@ -145,13 +157,13 @@ class Server:
                 self._reply(fail(message.address, str(error)), source)
 
     def _sample(self, time_tag: int) -> float:
-        """The engine's sample at which a time tag falls; NOW where it is past."""
+        """The engine's sample at which a time tag falls; NOW for 0 and 1."""
         if time_tag <= IMMEDIATELY:
             return NOW
         ahead = unix_seconds(time_tag) - time.time()
         if ahead > _FURTHEST_AHEAD:
             raise Refused(f"time tag: {ahead:.0f} s ahead; expected at most {_FURTHEST_AHEAD:.0f} s")
-        return self.engine.position + ahead * self.engine.rate if ahead > 0 else NOW
+        return max(0.0, self.engine.playing() + ahead * self.engine.rate)  # the engine counts what is late
 
     def _serve(self, message: Message, source: Address) -> None:
         """Carry out a message that is about the server, not the sound."""
@@ -166,15 +178,15 @@ class Server:
             case "/notify":
                 self._notify(bool(values["on"]), source)
             case "/dump":
-                self._dumping = bool(values["on"])
+                self._dump = (self._dump or Dump()) if values["on"] else None
             case "/quit":
                 self._reply(Message("/done", ("/quit",)), source)
                 self.stop()
 
     def _sync(self, identity: int, source: Address) -> None:
+        self.engine.send([(NOW, Command.SYNC, None, (float(self._sync_count + 1),))])
         self._sync_count += 1
         self._syncs[self._sync_count] = identity, source
-        self.engine.send([(NOW, Command.SYNC, None, (float(self._sync_count),))])
 
     def _notify(self, on: bool, source: Address) -> None:
         if not on:
@@ -186,24 +198,37 @@ class Server:
         self._reply(Message("/done", ("/notify",)), source)
 
     def _reply(self, message: Message, to: Address) -> None:
+        # What came in may be long, and need not be text that can go out again.
+        args = [_plain(arg) if isinstance(arg, str) else arg for arg in message.args]
         try:
-            self._socket.sendto(encode(message.address, *message.args), to)
+            self._socket.sendto(encode(message.address, *args), to)
         except OSError:
             # It asked from where it can't be answered: its loss, and nobody else's.
             self._subscribers.discard(to)
 
     def _poll(self) -> None:
         self._status.tick()
-        if self.recorder:
-            self.recorder.poll()
+        if self.recorder and self.recorder.error and not self._record_told:
+            self._record_told = True
+            print(self.recorder.error, file=sys.stderr, flush=True)
+            self._warn(self.recorder.error)
         done = self.engine.counter("synced")
         for count in [count for count in self._syncs if count <= done]:
             identity, source = self._syncs.pop(count)
             self._reply(Message("/synced", (identity,)), source)
         names = {obj.handle.slot: name for name, obj in self._scene.objects.items()}
         for warning in self._status.warnings(names):
-            for subscriber in tuple(self._subscribers):
-                self._reply(Message("/warning", (warning,)), subscriber)
+            self._warn(warning)
+
+    def _warn(self, text: str) -> None:
+        for subscriber in tuple(self._subscribers):
+            self._reply(Message("/warning", (text,)), subscriber)
+
+
+def _plain(text: str) -> str:
+    """Text that can be sent and shown anywhere: short, and without control characters."""
+    short = text if len(text) <= _LONGEST_TEXT else text[: _LONGEST_TEXT - 3] + "..."
+    return "".join(c if c.isprintable() else "?" for c in short)
 
 
 @contextmanager
@@ -223,6 +248,8 @@ def serving(options: Options) -> Iterator[Server]:
             stack.callback(recorder.close)
         output = open_output(engine, options.device, options.block)
         stack.callback(output.close)
+        if recorder:
+            recorder.start()
         server = Server(sock, engine, output, presets)
         if options.contact:
             server.choose_contact(options.contact)

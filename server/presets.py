@@ -7,6 +7,7 @@ import difflib
 import inspect
 import math
 import re
+import reprlib
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -25,7 +26,7 @@ else:
 
 BUILT_IN = Path(__file__).resolve().parent.parent / "presets"
 KINDS = ("materials", "strikers", "objects")
-NAME = re.compile(r"[A-Za-z0-9_-]+")
+NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
 
 
 class PresetError(ValueError):
@@ -72,7 +73,7 @@ class Text:
 @dataclass(frozen=True)
 class Name(Text):
     def __str__(self) -> str:
-        return "a name of letters, digits, _ and -"
+        return "a name of up to 64 letters, digits, _ and -"
 
     def fit(self, value: object) -> str | None:
         return value if isinstance(value, str) and NAME.fullmatch(value) else None
@@ -283,15 +284,20 @@ TABLE: Mapping[str, Kind] = {
 }
 
 
+def _shown(value: object) -> str:
+    """A value as an error names it."""
+    return reprlib.repr(value)
+
+
 def _check(where: str, table: Mapping[str, object], fields: Fields, required: Sequence[str]) -> dict[str, Any]:
     """The table's values as they are used. PresetError names a key that is wrong, unknown or missing."""
     checked = {}
     for key, value in table.items():
         if key not in fields:
-            raise PresetError(f"{where}{key} = {value!r}: expected one of {', '.join(fields) or 'no key'}")
+            raise PresetError(f"{where}{key} = {_shown(value)}: expected one of {', '.join(fields) or 'no key'}")
         checked[key] = fields[key].fit(value)
         if checked[key] is None:
-            raise PresetError(f"{where}{key} = {value!r}: expected {fields[key]}")
+            raise PresetError(f"{where}{key} = {_shown(value)}: expected {fields[key]}")
     for key in required:
         if key not in table:
             raise PresetError(f"{where}{key} is missing: expected {fields[key]}")
@@ -373,7 +379,7 @@ class ObjectPreset:
             section = home.get(key)
             if section is None and key not in ("material", "level"):
                 known = ", ".join([*home, "material", "level"])
-                raise PresetError(f"{key} = {value!r}: expected one of {known}")
+                raise PresetError(f"{key} = {_shown(value)}: expected one of {known}")
             (data.setdefault(section, {}) if section else data)[key] = value
             for side, other in (shape.either, shape.either[::-1]):
                 if key in side:
@@ -429,7 +435,7 @@ class Presets:
         try:
             return self.material(name)
         except PresetError as error:
-            raise PresetError(f"{where}{key} = {name!r}: {error}") from None
+            raise PresetError(f"{where}{key} = {_shown(name)}: {error}") from None
 
     def _read(self, kind: str, name: str) -> tuple[str, dict[str, Any]]:
         path = self.path(kind, name)
@@ -449,7 +455,7 @@ class Presets:
         """The file of a preset. PresetError if there is none."""
         singular = kind.removesuffix("s")
         if not NAME.fullmatch(name):
-            raise PresetError(f"{singular} {name!r}: expected {Name()}")
+            raise PresetError(f"{singular} {_shown(name)}: expected {Name()}")
         for folder in self._folders:
             path = folder / kind / f"{name}.toml"
             if path.is_file():
@@ -475,6 +481,11 @@ def _object(name: str, where: str, data: dict[str, Any], presets: Presets) -> Ob
         raise PresetError(f"{label}{one[0]} and {other[0]}: expected one of the two")
     damping = section("damping", DAMPING if "material" in shape.parameters else {})
     strike = section("strike", STRIKE, tuple(STRIKE))
+    try:
+        presets.striker(strike["striker"])
+    except PresetError as error:
+        title = f"{where}[strike] " if where else ""
+        raise PresetError(f"{title}striker = {_shown(strike['striker'])}: {error}") from None
     pickup = section("pickup", {"left": shape.pickup, "right": shape.pickup} if shape.pickup else {})
     if len(pickup) == 1:
         raise PresetError(f"{where}[pickup] {next(iter(pickup))}: expected left and right")

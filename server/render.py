@@ -1,7 +1,9 @@
 """Offline rendering: a score through the engine into a sound file, or into arrays."""
 
 import os
+import tempfile
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,12 +16,14 @@ from ..dsp.state import QUANTUM
 from .osc import Argument, Message
 from .presets import Presets
 from .scene import Scene
-from .score import Line, ScoreError
+from .score import LONGEST_SCORE, Line, ScoreError
+from .soundfiles import WAV_BYTES, open_sound
 
 LOWEST_RATE, HIGHEST_RATE = 8_000, 192_000
 LONGEST_TAIL = 600.0
 """s after a score's last event, after which a render ends even if something still sounds."""
 
+_PIECE = 1_024  # frames
 _ENDINGS = {".wav": "WAV", ".flac": "FLAC"}
 _SUBTYPES = {"16": "PCM_16", "24": "PCM_24", "float": "FLOAT"}
 
@@ -46,8 +50,8 @@ class Options:
             raise RenderError(f"block = {self.block}: expected 1 to {1 << 20} frames")
         if self.format not in (None, *_SUBTYPES):
             raise RenderError(f"format = {self.format}: expected {', '.join(_SUBTYPES)}")
-        if self.seconds is not None and not 0 < self.seconds <= 86_400:
-            raise RenderError(f"seconds = {self.seconds:g}: expected more than 0 and at most 86400")
+        if self.seconds is not None and not 1 / self.rate <= self.seconds <= LONGEST_SCORE:
+            raise RenderError(f"seconds = {self.seconds:g}: expected at least a frame and at most {LONGEST_SCORE}")
 
 
 def blocks(score: Sequence[Line], engine: Engine, presets: Presets, options: Options) -> Iterator[NDArray[np.float32]]:
@@ -67,20 +71,26 @@ def blocks(score: Sequence[Line], engine: Engine, presets: Presets, options: Opt
     performed = 0
     while end is None or written < end:
         frames = options.block if end is None else min(options.block, end - written)
-        # What may fall into the quanta that this block needs.
-        horizon = (written + frames) // QUANTUM * QUANTUM + QUANTUM
-        while performed < len(lines) and lines[performed].time * options.rate < horizon:
-            _perform(scene, lines[performed])
-            performed += 1
-        sound = engine.process(frames)
-        if options.seconds is None and performed == len(lines) and (engine.quiet() or engine.position > tail):
-            end = max(engine.counter("sounded"), _quantum_after(lines[-1].time * options.rate))
-            sound = sound[: max(0, min(end, tail) - written)]
-        written += len(sound)
+        parts = []
+        while frames > 0:
+            # In pieces, so that a long block does not need more events at once than can be queued.
+            piece = min(frames, _PIECE)
+            horizon = (written + piece) // QUANTUM * QUANTUM + QUANTUM
+            while performed < len(lines) and lines[performed].time * options.rate < horizon:
+                _perform(scene, lines[performed])
+                performed += 1
+            parts.append(engine.process(piece))
+            written += piece
+            frames -= piece
+            if end is None and performed == len(lines) and (engine.quiet() or engine.position > tail):
+                sounded = max(engine.counter("sounded"), _quantum_after(lines[-1].time * options.rate))
+                end = min(sounded, tail)
+                surplus = max(0, written - end)
+                parts[-1] = parts[-1][: piece - surplus]
+                frames = min(frames, max(0, end - written))
+        sound = np.concatenate(parts)
         if len(sound):
             yield sound
-        elif end is not None:
-            return
 
 
 def _quantum_after(sample: float) -> int:
@@ -112,16 +122,31 @@ def render(
     subtype = _SUBTYPES[options.format or ("24" if container == "FLAC" else "float")]
     if not soundfile.check_format(container, subtype):
         raise RenderError(f"format = {options.format}: {container} holds 16 or 24")
-    part = out.with_name(out.name + ".part")
     engine = Engine(options.rate)
+    with _appearing(out) as descriptor:
+        try:
+            with open_sound(descriptor, options.rate, container, subtype) as file:
+                for sound in blocks(score, engine, presets, options):
+                    file.write(sound)
+                    progress(engine.position / options.rate)
+                    if container == "WAV" and os.fstat(descriptor).st_size > WAV_BYTES:
+                        raise RenderError(f"{out}: longer than the 4 GiB that a WAV file holds; FLAC holds more")
+        except soundfile.LibsndfileError as error:
+            raise RenderError(f"{out}: {error} Is the disk full?") from error
+    return engine
+
+
+@contextmanager
+def _appearing(out: Path) -> Iterator[int]:
+    """A new file (its descriptor) that takes its name once it is whole, and is gone if it never is."""
+    descriptor, name = tempfile.mkstemp(prefix=f"{out.name}.", suffix=".part", dir=out.parent)
+    part = Path(name)
     try:
-        with open(part, "wb") as raw, soundfile.SoundFile(
-            raw, "w", options.rate, 2, subtype=subtype, format=container
-        ) as file:  # fmt: skip
-            for sound in blocks(score, engine, presets, options):
-                file.write(sound)
-                progress(engine.position / options.rate)
+        yield descriptor
+        umask = os.umask(0)
+        os.umask(umask)
+        os.chmod(part, 0o666 & ~umask)  # mkstemp's are private
         os.replace(part, out)
     finally:
+        os.close(descriptor)
         part.unlink(missing_ok=True)
-    return engine

@@ -5,7 +5,7 @@ import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-from ..dsp.host import Engine, EngineFull, Handle
+from ..dsp.host import NOW, Engine, EngineFull, Handle
 from ..dsp.materials import Material
 from ..dsp.methods import CORRECTIONS, METHODS
 from ..dsp.state import Command
@@ -22,13 +22,15 @@ _SETTINGS = {"gain": 0.0, "pan": 0.0, "tune": 0.0, "decay": 1.0, "damp": 0.0}
 Contact = tuple[float, float, float, float]
 """Mass (kg), stiffness (N/m^a), dissipation (s/m), exponent."""
 
-EngineCommand = tuple[Command, Handle | None, tuple[float, ...]]
+EngineCommand = tuple[float, Command, Handle | None, tuple[float, ...]]
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class _Object:
     handle: Handle
     preset: ObjectPreset
+    born: float  # samples: nothing happens to it before
+    leaves: float = math.inf  # samples: from then on its name is free
 
 
 class Scene:
@@ -39,6 +41,7 @@ class Scene:
         self.presets = presets
         self.objects: dict[str, _Object] = {}
         self._undo: list[Callable[[], object]] = []
+        self._time = NOW
         self._contacts: dict[tuple[str, Material | None], Contact] = {}  # read from files once an object was made
 
     def perform(self, messages: Iterable[Message], time: float) -> list[Message]:
@@ -51,6 +54,9 @@ class Scene:
         commands: list[EngineCommand] = []
         accepted: list[str] = []
         self._undo.clear()
+        self._time = time
+        for name in set(self.objects) - set(self._living()):
+            del self.objects[name]
         for message in messages:
             try:
                 more, reply = self._translate(message)
@@ -61,7 +67,7 @@ class Scene:
                 replies += reply
                 accepted.append(message.address)
         try:
-            self.engine.send([(time, *command) for command in commands])
+            self.engine.send(commands)
         except EngineFull as error:
             for undo in reversed(self._undo):
                 undo()
@@ -69,16 +75,27 @@ class Scene:
             replies += [fail(address, str(error)) for address in accepted]
         return replies
 
+    def _living(self) -> list[str]:
+        """Names of the objects that are there at the time of what is being carried out."""
+        now = max(self._time, float(self.engine.position))
+        return [name for name, obj in self.objects.items() if obj.leaves > now]
+
+    def _for(self, obj: _Object, kind: Command, *values: float) -> EngineCommand:
+        """A command to an object: what is for now waits for one that is yet to be."""
+        time = max(self._time, obj.born) if obj.born > self.engine.position else self._time
+        return time, kind, obj.handle, values
+
     def _translate(self, message: Message) -> tuple[list[EngineCommand], list[Message]]:
         if message.address == "/panic":
             VERBS["/panic"].parse(message.args)
-            return [(Command.PANIC, None, ())], []
+            return [(self._time, Command.PANIC, None, ())], []
         if message.address in VERBS and not VERBS[message.address].scored:
             raise Refused("only a running server carries it out; expected what sounds")
         if message.address == "/object/new":
             return self._new(VERBS["/object/new"].parse(message.args))
         if message.address == "/contact":
-            return [_contact_command(VERBS["/contact"].parse(message.args))], []
+            choice = _contact_choice(VERBS["/contact"].parse(message.args))
+            return [(self._time, Command.CONTACT, None, choice)], []
         parts = message.address.split("/")
         if len(parts) != 4 or parts[:2] != ["", "object"]:
             raise Refused(f"no such address; expected one of {', '.join(VERBS)}")
@@ -88,9 +105,10 @@ class Scene:
             actions = ", ".join(a.rsplit("/", 1)[1] for a in VERBS if a.startswith("/object/NAME/"))
             raise Refused(f"{action}: nothing an object does; expected {actions}")
         values = verb.parse(message.args)
-        names = [name for name in self.objects if match(pattern, name)]
+        living = self._living()
+        names = [name for name in living if match(pattern, name)]
         if not names:
-            known = ", ".join(list(self.objects)[:8]) or "none"
+            known = ", ".join(living[:8]) or "none"
             raise Refused(f"{pattern}: no such object; there are {known}")
         commands = []
         for name in names:
@@ -103,18 +121,25 @@ class Scene:
         if action == "impact":
             return self._impact(obj, values)
         if action == "free":
-            del self.objects[name]
+            return [self._free(obj, values.numbers.get("at_once", 0.0))]
+        return [self._for(obj, Command[action.upper()], _physical(action, values.numbers[action]))]
+
+    def _free(self, obj: _Object, at_once: float) -> EngineCommand:
+        command = self._for(obj, Command.FREE, at_once)
+        before = obj.leaves
+        if before == math.inf:
             self.engine.leave(obj.handle)
-            self._undo += [lambda: self.engine.stay(obj.handle), lambda: self.objects.update({name: obj})]
-            return [(Command.FREE, obj.handle, (values.numbers.get("at_once", 0.0),))]
-        return [(Command[action.upper()], obj.handle, (_physical(action, values.numbers[action]),))]
+            self._undo.append(lambda: self.engine.stay(obj.handle))
+        self._undo.append(lambda: setattr(obj, "leaves", before))
+        obj.leaves = min(before, max(command[0], float(self.engine.position)))
+        return command
 
     def _new(self, values: Values) -> tuple[list[EngineCommand], list[Message]]:
         name = values.words["name"]
-        if not _NAME.fullmatch(name) or name == "new":
+        if not _NAME.fullmatch(name) or not name.isprintable() or name == "new":
             forbidden = "# * , / ? [ ] { } or space"
-            raise Refused(f"name = {shown(name)}: expected 1 to 64 characters, none of them {forbidden}")
-        if name in self.objects:
+            raise Refused(f"name = {shown(name)}: expected 1 to 64 printable characters, none of them {forbidden}")
+        if name in self._living():
             raise Refused(f"name = {name}: there is such an object already; free it first")
         settings = {key: values.numbers.pop(key, default) for key, default in _SETTINGS.items()}
         preset = self.presets.object(values.words["preset"])
@@ -127,11 +152,12 @@ class Scene:
         self._contact(preset.striker, preset.material)
         modes = preset.modes(self.engine.top_frequency)
         handle, size, rows = self.engine.lay_out(modes, 10 ** (preset.level / 20))
-        self.objects[name] = _Object(handle, preset)
+        obj = _Object(handle, preset, self._time)
+        self.objects[name] = obj
         self._undo += [lambda: self.engine.release(handle), lambda: self.objects.pop(name)]
-        place = (handle.first, size, handle.table, rows)
-        initial = tuple(_physical(key, value) for key, value in settings.items())
-        return [(Command.NEW, handle, (*place, *initial))], [Message("/done", ("/object/new", name))]
+        initial = (_physical(key, value) for key, value in settings.items())
+        new = self._for(obj, Command.NEW, handle.first, size, handle.table, rows, *initial)
+        return [new], [Message("/done", ("/object/new", name))]
 
     def _impact(self, obj: _Object, values: Values) -> list[EngineCommand]:
         numbers = values.numbers
@@ -144,7 +170,7 @@ class Scene:
         _require_short(velocity, **contact)
         position = numbers.get("position", obj.preset.position)
         gain = _physical("gain", numbers.get("gain", 0.0))
-        return [(Command.IMPACT, obj.handle, (velocity, position, *contact.values(), gain))]
+        return [self._for(obj, Command.IMPACT, velocity, position, *contact.values(), gain)]
 
     def _contact(self, striker: str, material: Material | None) -> Contact:
         if (striker, material) not in self._contacts:
@@ -157,7 +183,7 @@ def fail(address: str, reason: str) -> Message:
     return Message("/fail", (address, reason))
 
 
-def _contact_command(values: Values) -> EngineCommand:
+def _contact_choice(values: Values) -> tuple[float, float, float]:
     """How contacts are to be solved, as the engine takes it."""
     method = values.words["method"]
     correction = values.words.get("correction", "none")
@@ -171,8 +197,8 @@ def _contact_command(values: Values) -> EngineCommand:
     if method == "closed":
         if correction != "none" or oversampling != 1:
             raise Refused("closed: it is exact already; expected neither correction nor oversampling")
-        return Command.CONTACT, None, (0.0, 0.0, 0.0)
-    return Command.CONTACT, None, (1.0 + METHODS.index(method), CORRECTIONS[correction], oversampling)
+        return 0.0, 0.0, 0.0
+    return 1.0 + METHODS.index(method), float(CORRECTIONS[correction]), oversampling
 
 
 def _physical(setting: str, value: float) -> float:

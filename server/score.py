@@ -9,7 +9,6 @@ import io
 import json
 import math
 import re
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from os import PathLike
@@ -23,6 +22,10 @@ _TOKEN = re.compile(
 )
 _INT = re.compile(r"[+-]?\d+", re.ASCII)
 _REAL = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+
+
+LONGEST_SCORE = 86_400
+"""s: no event lies further from the start."""
 
 
 class ScoreError(ValueError):
@@ -90,9 +93,9 @@ def value(word: str) -> int | float | str:
 
 
 def _time(word: osc.Argument) -> float:
-    if isinstance(word, int | float) and 0 <= word <= sys.float_info.max:
+    if isinstance(word, int | float) and 0 <= word <= LONGEST_SCORE:
         return float(word)
-    raise ValueError(f"time {word!r}: expected seconds from 0 on")
+    raise ValueError(f"time {word!r}: expected seconds from 0 to {LONGEST_SCORE}")
 
 
 def _message(words: list[osc.Argument]) -> osc.Message:
@@ -120,10 +123,10 @@ def _binary(data: bytes, path: str | PathLike[str]) -> Iterator[Line]:
         try:
             for bundle in osc.parse(packet):
                 # Here a time tag counts from the start of the score, and 1 (at once) is that start.
-                time = 0.0 if bundle.time == osc.IMMEDIATELY else bundle.time / 2**32
+                time = _time(0.0 if bundle.time == osc.IMMEDIATELY else bundle.time / 2**32)
                 for message in bundle.messages:
                     yield Line(time, message, where)
-        except osc.BadPacket as error:
+        except ValueError as error:
             raise ScoreError(f"{where}: {error}") from None
         start += 4 + size
 

@@ -89,6 +89,8 @@ class Verb:
         for key, value in _pairs(rest, self):
             if key in keys:
                 values.check(keys[key], value)
+            elif key in values.others:
+                raise Refused(f"{key} = {shown(value)}: given twice")
             elif self.open_keys:
                 values.others[key] = value
             else:

@@ -1,8 +1,10 @@
 """The command line, as a user runs it."""
 
 import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -27,7 +29,7 @@ def test_render_makes_a_sound_file_and_a_picture(carom, tmp_path):
     [
         (("render", "none.txt", "x.wav"), "none.txt: No such file or directory"),
         (("render", "s.txt", "x.mp3"), "x.mp3: expected a name that ends in .wav or .flac"),
-        (("render", "s.txt", "no/x.wav"), "no/x.wav.part: No such file or directory"),
+        (("render", "s.txt", "no/x.wav"), "No such file or directory"),
         (("render", "bad.txt", "x.wav"), "bad.txt:2: /object/a/impact: a: no such object"),
         (("render", "s.txt", "x.wav", "--rate", "5"), "rate = 5: expected 8000 to 192000 Hz"),
         (("render", "s.txt", "x.wav", "--plot", "x.bmp"), "x.bmp: expected a name that ends in .png"),
@@ -35,10 +37,15 @@ def test_render_makes_a_sound_file_and_a_picture(carom, tmp_path):
         (("presets", "church-bel"), "no object 'church-bel': did you mean church-bell?"),
         (("send", "--port", "9", "/status"), "Connection refused"),
         (("play", "s.txt", "--port", "9"), "Connection refused"),
+        (("send", "foo", "--port", "9"), "foo"),
+        (("send", "/a", "9" * 30, "--port", "9"), "999"),
+        (("render", "s.txt", "x.wav", "--plot", "no/x.png"), "no/x.png: there is no folder no"),
+        (("render", "far.txt", "x.wav"), "far.txt:2: time 1e+300: expected seconds from 0 to 86400"),
     ],
 )
 def test_errors_are_one_line_and_a_code(carom, tmp_path, words, error):
     (tmp_path / "s.txt").write_text(STRIKE)
+    (tmp_path / "far.txt").write_text(STRIKE.splitlines()[0] + "\n1e300 /object/a/impact 1\n")
     (tmp_path / "bad.txt").write_text("0 /object/new b wood-block\n0 /object/a/impact 1\n")
     run = carom(*words)
     assert run.returncode == 1 and run.stdout == ""
@@ -49,6 +56,35 @@ def test_errors_are_one_line_and_a_code(carom, tmp_path, words, error):
 def test_wrong_usage_is_code_2(carom):
     assert carom("rendre").returncode == 2
     assert carom("render").returncode == 2
+    assert "99999: expected 1 to 65535" in carom("send", "/a", "--port", "99999").stderr
+
+
+def test_an_early_end_of_the_reader_is_no_error(tmp_path):
+    run = subprocess.run(f"{' '.join(CAROM)} presets | head -1", shell=True, capture_output=True, text=True)
+    assert (run.stdout, run.stderr) == ("materials:\n", "")
+
+
+@pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM])
+def test_a_render_that_is_stopped_leaves_nothing(tmp_path, stop):
+    (tmp_path / "s.txt").write_text(STRIKE)
+    words = [*CAROM, "render", "s.txt", "s.wav", "--seconds", "80000"]
+    with subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as render:
+        while not list(tmp_path.glob("s.wav.*")):
+            time.sleep(0.05)
+        render.send_signal(stop)
+        _, errors = render.communicate(timeout=30)
+        assert render.returncode == 130 and errors == ""
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["s.txt"]
+
+
+def test_a_full_disk_is_told(tmp_path):
+    (tmp_path / "s.txt").write_text(STRIKE)
+    words = " ".join([*CAROM, "render", "s.txt", "s.wav", "--seconds", "60"])
+    run = subprocess.run(f"ulimit -f 100; {words}", shell=True, cwd=tmp_path, capture_output=True, text=True)
+    assert (
+        run.returncode == 1 and "s.wav: System error. Is the disk full?" in run.stderr and run.stderr.count("\n") == 1
+    )
+    assert not list(tmp_path.glob("s.wav*"))
 
 
 def test_no_matplotlib_is_told_before_rendering(carom, tmp_path, monkeypatch):
@@ -79,7 +115,10 @@ def test_presets_are_listed_and_shown(carom):
         assert f"{kind}:" in listed
         for path in (BUILT_IN / kind).glob("*.toml"):
             assert path.stem in listed
-    assert carom("presets", "church-bell", check=True).stdout == (BUILT_IN / "objects" / "church-bell.toml").read_text()
+    shown = carom("presets", "church-bell", check=True).stdout
+    assert shown.split("\n", 1)[1].strip() == (BUILT_IN / "objects" / "church-bell.toml").read_text().strip()
+    both = carom("presets", "steel", check=True).stdout
+    assert "# materials/steel.toml" in both and "# strikers/steel.toml" in both
 
 
 def test_own_presets_come_first(carom, tmp_path):

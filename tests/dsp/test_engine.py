@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from carom.dsp import contact
+from carom.dsp.bank import state_of
 from carom.dsp.body import Modes, listed
 from carom.dsp.host import NOW, Engine, EngineFull
 from carom.dsp.pulse import contact_time
@@ -185,6 +186,104 @@ def test_changes_do_not_click(command, value):
     assert run(True) < 3e-4
 
 
+def test_pan_goes_where_it_says():
+    for pan, quiet, loud in ((-1.0, 1, 0), (1.0, 0, 1)):
+        engine = Engine(RATE)
+        strike(engine, add(engine, pan=pan))
+        levels = np.abs(engine.process(4800)).max(axis=0)
+        assert levels[quiet] < 1e-6 * levels[loud]
+    middle, left = Engine(RATE), Engine(RATE)
+    strike(middle, add(middle)), strike(left, add(left, pan=-1.0))
+    ratio = np.abs(left.process(4800)[:, 0]).max() / np.abs(middle.process(4800)[:, 0]).max()
+    assert ratio == pytest.approx(math.sqrt(2), rel=1e-3)  # equal power
+
+
+def test_the_limiter_lets_go_within_half_a_second():
+    engine = Engine(RATE)
+    strike(engine, add(engine, bell(8, t60=0.02), level=1e4))
+    engine.process(2400)
+    assert engine.counter("limit") < 0.5
+    engine.process(24_000)
+    assert engine.counter("limit") > 0.95
+
+
+def test_a_mode_is_heard_at_either_side():
+    """One that only the right pickup hears rings on as long as it is heard there."""
+    modes = Modes(np.array([500.0]), np.array([3.0]), np.full((4, 1), 0.1), np.array([[0.0], [0.1]]), 1.0)
+    engine = Engine(RATE)
+    strike(engine, add(engine, modes, level=1e3), law=(1e-4, 1e9, 0.5, 1.5))
+    out = engine.process(48_000)
+    assert np.abs(out[24_000:, 1]).max() > 0.1 * np.abs(out[:, 1]).max() and np.abs(out[:, 0]).max() < 1e-6
+
+
+def test_no_subnormal_slows_the_callback():
+    engine = Engine(RATE)
+    handle = add(engine)
+    strike(engine, handle)
+    engine.process(QUANTUM)
+    engine.state["y1"][0][handle.first] = engine.state["y2"][0][handle.first] = 1e-310
+    engine.state["live_modes"] = 0
+    engine.process(1)
+    assert engine.state["y2"][0][handle.first] == 0.0
+
+
+def test_panic_keeps_frees_and_what_comes_later():
+    engine = Engine(RATE)
+    going, staying = add(engine), add(engine)
+    engine.process(QUANTUM)
+    engine.send([(1000.0, Command.FREE, going, (1.0,)), (2000.0, Command.IMPACT, staying, (1.0, 0.5, *HARD, 1.0))])
+    engine.send([(500.0, Command.PANIC, None, ()), (3000.0, Command.IMPACT, staying, (1.0, 0.5, *HARD, 1.0))])
+    out = engine.process(4800)
+    assert engine.counter("active") == 1 and engine.counter("impacts") == 1
+    assert not out[: 3000 - QUANTUM].any() and out[3000:].any()
+
+
+@pytest.mark.parametrize("v_in", [1e-9, 1e-150, 1e-300, 5e-324])
+@pytest.mark.parametrize("mu", [0.0, 1e-300, 5e-324, 1e6])
+def test_no_contact_lasts_for_ever(v_in, mu):
+    engine = Engine(RATE)
+    handle = add(engine)
+    strike(engine, handle, v_in=v_in, law=(0.01, 1e9, mu, 1.5))
+    engine.process(48_000)
+    assert engine.counter("contacts_active") == 0 and engine.counter("faults") == 0
+
+
+def test_a_strike_never_gives_more_energy_than_the_striker_had():
+    """Light objects, heavy strikers, no losses: sum |z|^2/2 of the modes and what the striker keeps."""
+    rng = np.random.default_rng(5)
+    for _ in range(60):
+        n = int(rng.integers(1, 60))
+        frequency = np.sort(10 ** rng.uniform(1.5, 4.2, n))
+        engine = Engine(RATE)
+        modal_mass = 10 ** rng.uniform(-4, 1)
+        modes = listed(frequency=frequency, t60=np.full(n, 1e6), modal_mass=modal_mass, mass=1.0, top=20_000)
+        m, v_in, mu, a = 10 ** rng.uniform(-4, 0), 10 ** rng.uniform(-1, 1), rng.choice([0.0, 0.1]), rng.uniform(1, 3)
+        k = 10 ** rng.uniform(4, 12)
+        handle = add(engine, modes, level=1e-3)
+        strike(engine, handle, v_in=v_in, law=(m, k, mu, a))
+        engine.process(48_000)
+        columns = (
+            engine.state[name][0][handle.first : handle.first + n] for name in ("y1", "y2", "a1", "a2", "weight")
+        )
+        z2 = [
+            (re * re + im * im) / w**2 for re, im, w in ((*state_of(*c[:4]), c[4]) for c in zip(*columns, strict=True))
+        ]
+        assert 0.5 * sum(z2) < 0.5 * m * v_in**2 * (1 + 1e-3), (n, modal_mass, m, v_in, mu, a, k)
+
+
+def test_soft_strikes_do_not_see_high_modes():
+    """Modes far above the pulse's spectrum take nothing from it, however many they are."""
+
+    def level(frequency):
+        engine = Engine(RATE)
+        modes = listed(frequency=frequency, t60=np.full(len(frequency), 1.0), modal_mass=0.05, mass=1.0, top=22_000)
+        strike(engine, add(engine, modes, level=1e-3), law=(0.05, 1e5, 0.3, 1.5))
+        return np.abs(np.fft.rfft(engine.process(24_000)[:, 0]))[50]  # of the mode at 100 Hz
+
+    few = np.array([100.0])
+    assert level(np.concatenate([few, np.linspace(12_000, 20_000, 200)])) == pytest.approx(level(few), rel=0.01)
+
+
 def test_events_take_their_order_from_time_and_then_arrival():
     engine = Engine(RATE)
     handle = add(engine)
@@ -322,4 +421,7 @@ def test_no_mode_above_the_nyquist_share():
     assert (engine.state["frequency"][0][obj["first"] : obj["first"] + obj["size"]] > 0).sum() == 2
     engine.send([(NOW, Command.TUNE, handle, (1.01,))])
     engine.process(QUANTUM)
-    assert (engine.state["a2"][0][obj["first"] : obj["first"] + obj["size"]] != 0).sum() == 1
+    lane = obj["first"] + 1
+    assert engine.state["response"][0][0] != 0 and engine.state["response"][0][1] == 0  # of moment 0: it is not excited
+    engine.process(22_050 // 4)
+    assert abs(engine.state["y1"][0][lane]) < 1e-9  # and what it rang has faded

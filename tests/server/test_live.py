@@ -120,6 +120,11 @@ HOSTILE = [
     b"\xff\xfe\xfd\xfc" * 10,
     b"/object/a/impact\0\0\0\0," + b"[" * 19,
     bytes(65_507),
+    osc.encode("/object/new", "x", "a" * 300),
+    osc.encode("/object/new", "x", "church-bell", "material", "\x01" * 30_000),
+    osc.encode("/object/new", "x", "church-bell", "striker", "a" * 300),
+    osc.encode("/é\x1b[2J", "ü"),
+    osc.encode("/object/a/impact", 5e-324, real="d"),
 ]
 
 

@@ -69,12 +69,12 @@ def test_empty(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "line", "reason"),
     [
-        ("-1 /a", 1, "time -1: expected seconds from 0 on"),
+        ("-1 /a", 1, "time -1: expected seconds from 0 to 86400"),
         ("0 /a\n\n-0.5 /a", 3, "time -0.5"),
         ("nan /a", 1, "time 'nan'"),
         ("inf /a", 1, "time 'inf'"),
         ("1e400 /a", 1, "time inf"),
-        ("9" * 400 + " /a", 1, "expected seconds from 0 on"),
+        ("9" * 400 + " /a", 1, "expected seconds from 0 to 86400"),
         ("'0' /a", 1, "time '0'"),
         ("/a 1", 1, "time '/a'"),
         ("0", 1, "no address"),
@@ -175,7 +175,7 @@ arguments = st.one_of(
 messages = st.builds(Message, texts.map("/".__add__), st.lists(arguments, max_size=6).map(tuple))
 
 
-@given(st.lists(st.tuples(st.floats(0, 1e9), messages), max_size=4))
+@given(st.lists(st.tuples(st.floats(0, 86_400), messages), max_size=4))
 def test_what_is_written_is_read(tmp_path_factory: pytest.TempPathFactory, events: list[tuple[float, Message]]) -> None:
     text = "".join(score.format_line(at, message) + "\n" for at, message in events)
     lines = score.read(written(tmp_path_factory.getbasetemp(), text))
@@ -198,5 +198,5 @@ def test_what_text_has_no_word_for(value: osc.Argument) -> None:
 
 @pytest.mark.parametrize("moment", [-1.0, math.nan, math.inf])
 def test_times_that_are_none(moment: float) -> None:
-    with pytest.raises(ValueError, match="expected seconds from 0 on"):
+    with pytest.raises(ValueError, match="expected seconds from 0 to 86400"):
         score.format_line(moment, Message("/a"))
