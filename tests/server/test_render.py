@@ -1,5 +1,8 @@
 """Scores become sound files: the same at any block size, whole or not at all."""
 
+import random
+import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -171,3 +174,67 @@ def test_more_events_at_once_than_can_be_queued_are_refused(tmp_path):
     lines = ["0 /object/new a wood-block"] + ["0.1 /object/a/impact 0.1"] * 20_000
     with pytest.raises(ScoreError, match="too many events at once"):
         rendering(tmp_path, "\n".join(lines))
+
+
+def random_score(seed: int) -> str:
+    """Everything a score can say, at random times: makings, strikes, changes, frees, panics."""
+    rng = random.Random(seed)
+    presets = Presets()
+    objects, strikers = presets.names("objects"), presets.names("strikers")
+    lines = [f"0 /object/new o{i} {rng.choice(objects)} gain {rng.uniform(-40, 0)}" for i in range(4)]
+    for _ in range(60):
+        name = rng.choice(["o0", "o1", "o2", "o3", "*"])
+        said = rng.choices(
+            [
+                f"/object/{name}/impact {10 ** rng.uniform(-3, 1)} {rng.random()} striker {rng.choice(strikers)}",
+                f"/object/{name}/gain {rng.uniform(-60, 10)}",
+                f"/object/{name}/tune {rng.uniform(-24, 24)}",
+                f"/object/{name}/damp {rng.random()}",
+                f"/object/{name}/decay {10 ** rng.uniform(-2, 1)}",
+                f"/contact {rng.choice(['closed', 'am1', 'verlet', 'heun', 'rk4'])}",
+                "/panic",
+            ],
+            [30, 3, 3, 3, 3, 2, 1],
+        )[0]
+        lines.append(f"{rng.random() * 1.2} {said}")
+    return "\n".join([*lines, "1.3 /object/*/free 1"])
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_block_size_changes_no_bit_of_random_scores(render_text, seed):
+    rate = random.Random(seed).choice([8000, 44_100, 48_000, 96_000])
+    score = random_score(seed)
+    reference = render_text(score, rate=rate)
+    assert np.isfinite(reference).all() and 0 < np.abs(reference).max() <= 1
+    for block in (37, 1000, 65_536):
+        np.testing.assert_array_equal(render_text(score, rate=rate, block=block), reference)
+
+
+def test_equal_sounds_are_equal_files(tmp_path):
+    """To the byte, at any block size and at any time of day."""
+    score = tmp_path / "s.txt"
+    score.write_text(STRIKE)
+    for name in ("a.wav", "a.flac"):
+        files = []
+        for block in (64, 1000):
+            render(read(score), tmp_path / name, Presets(), Options(block=block))
+            files.append((tmp_path / name).read_bytes())
+            time.sleep(1.1)  # a second is the finest time that a header could hold
+        assert files[0] == files[1]
+
+
+def test_two_renders_of_one_name_do_not_meet(tmp_path):
+    score = tmp_path / "s.txt"
+    score.write_text(STRIKE)
+    lines = read(score)
+    with ThreadPoolExecutor(2) as pool:
+        list(pool.map(lambda _: render(lines, tmp_path / "a.wav", Presets(), Options(seconds=5.0)), range(4)))
+    assert soundfile.info(tmp_path / "a.wav").frames == 240_000
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.wav", "s.txt"]
+
+
+def test_a_wav_too_long_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr("carom.server.render.WAV_BYTES", 1_000_000)
+    with pytest.raises(RenderError, match=r"x\.wav: longer than the 4 GiB"):
+        rendering(tmp_path, STRIKE, seconds=10.0)
+    assert not list(tmp_path.glob("x.wav*"))
