@@ -153,7 +153,7 @@ VERBS = {
         Verb("/object/NAME/tune", "all its frequencies up or down", (TUNE,)),
         Verb("/object/NAME/decay", "all its decay times longer or shorter", (DECAY,)),
         Verb(
-            "/object/NAME/free", "removes it once silent, or with 1 at once (it fades in 70 ms); its name is free from then on",
+            "/object/NAME/free", "removes it once silent, or with 1 at once (a 70 ms fade); its name is free",
             optional=(Number("at_once", 0, 1),),
         ),
         Verb(
