@@ -1,4 +1,4 @@
-"""The command line: carom serve, render, play, send, devices, presets, doctor.
+"""The command line: carom serve, render, play, send, chart, devices, presets, doctor.
 
 What a command needs is imported when it runs, so that `carom send` does not wait for a compiler to load.
 """
@@ -72,6 +72,10 @@ def _parser() -> argparse.ArgumentParser:
     _add_server(sub)
     sub.add_argument("address")
     sub.add_argument("args", nargs="*", metavar="ARG")
+
+    sub = command("chart", _chart, "measure speed against accuracy on this machine, and draw it")
+    sub.add_argument("folder", type=Path, help="where tables (CSV) and figures (SVG, PNG) go; made if missing")
+    sub.add_argument("--quick", action="store_true", help="a coarse study")
 
     command("devices", _devices, "list the devices that can play")
 
@@ -216,6 +220,20 @@ def _send(arguments: argparse.Namespace) -> int:
     for reply in replies:
         print(reply.address, *reply.args, file=sys.stderr if reply.address == "/fail" else sys.stdout)
     return 1 if any(reply.address == "/fail" for reply in replies) else 0
+
+
+def _chart(arguments: argparse.Namespace) -> int:
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from .chart import FULL, QUICK, chart
+
+    terminal = Console(stderr=True)
+    with Progress(console=terminal, disable=not terminal.is_terminal, transient=True) as bar:
+        task = bar.add_task("", total=1.0)
+        for what, done in chart(arguments.folder, QUICK if arguments.quick else FULL):
+            bar.update(task, description=what, completed=done)
+    return 0
 
 
 def _devices(_: argparse.Namespace) -> int:

@@ -24,9 +24,9 @@ def examine() -> Iterator[Finding]:
     yield _port()
     yield _priority()
     if find_spec("matplotlib"):
-        yield True, "matplotlib: render --plot works", ""
+        yield True, "matplotlib: render --plot and chart work", ""
     else:
-        yield None, "no matplotlib: render --plot does not work", "pip install 'carom[plot]'"
+        yield None, "no matplotlib: render --plot and chart do not work", "pip install 'carom[plot]'"
 
 
 def _engine() -> Finding:

@@ -7,16 +7,20 @@ A law is (v_in, m, k, mu, a). Deviations are the paper's (27), (28): over the sa
 
 import math
 from dataclasses import dataclass
+from decimal import Decimal
 from enum import IntEnum
+from functools import cache
 
 import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
+from scipy.special import spherical_jn
 
-from .contact import length_scale, paper_release_of, potential_at, potential_from_entry, restitution_of
+from .contact import length_scale, potential_at, potential_from_entry, restitution_of
 from .jit import kernel
 from .methods import CORRECTIONS, METHODS, SAMPLED, follow, start
-from .pulse import MOMENTS, PULSE, advance, begin, contact_time, force_pulse
+from .pulse import MOMENTS, PULSE, advance, begin
+from .reference import force_spectrum, release_error, restitution
 
 Law = tuple[float, float, float, float, float]
 
@@ -28,6 +32,21 @@ PAPER_CASES: dict[str, Law] = {
 """The paper's cases: safe, low dissipation, hard; it samples them at 44.1 kHz."""
 
 PAPER_RATE = 44_100.0
+
+SPECTRUM_TOP = 16_000.0
+"""Up to where the error of a force's spectrum is looked at, in Hz."""
+
+RANGES = {
+    "v_in": (1e-3, 1e2),
+    "m": (1e-5, 10.0),
+    "k": (1e3, 1e16),
+    "mu": (1e-6, 1e3),
+    "a": (1.0, 4.0),
+    "rate": (8e3, 192e3),
+}
+"""Where failures are looked for, in SI units."""
+
+_MU, _A = 3, 4
 
 MOST_STEPS = 100_000
 """A contact is given up after this many steps, or ten times its exact duration and twenty steps."""
@@ -50,13 +69,13 @@ class Deviations:
 
     err_v_out: float
     dev_x: float
-    dev_H: float
+    dev_h: float
     steps: int
     outcome: Outcome
 
 
 @kernel
-def _run(contact, method, correction, v_in, m, k, mu, a, h, most, x, v):
+def run(contact, method, correction, v_in, m, k, mu, a, h, most, x, v):
     """Step through a contact, keeping x and v where there is room; returns the steps taken."""
     start(contact, method, correction, v_in, m, k, mu, a)
     n = 0
@@ -111,7 +130,7 @@ def _deviate(contact, method, correction, v_in, m, k, mu, a, h, most):
 
 
 @kernel
-def _most_steps(v_in, m, k, mu, a, h):
+def most_steps(v_in, m, k, mu, a, h):
     """Steps after which a contact is given up; the exact duration is estimated from above."""
     w = mu * v_in
     y_max = ((a + 1.0) * potential_at(0.0, w)) ** (1.0 / (a + 1.0))
@@ -121,25 +140,25 @@ def _most_steps(v_in, m, k, mu, a, h):
 
 @njit(error_model="numpy")
 def _deviations(contact, method, correction, v_in, m, k, mu, a, h):
-    most = _most_steps(v_in, m, k, mu, a, h)
+    most = most_steps(v_in, m, k, mu, a, h)
     return _deviate(contact, method, correction, v_in, m, k, mu, a, h, most)
 
 
 @njit(error_model="numpy")
 def _trajectory(contact, method, correction, v_in, m, k, mu, a, h, x, v):
-    return _run(contact, method, correction, v_in, m, k, mu, a, h, _most_steps(v_in, m, k, mu, a, h), x, v)
+    return run(contact, method, correction, v_in, m, k, mu, a, h, most_steps(v_in, m, k, mu, a, h), x, v)
 
 
 @njit(error_model="numpy")
-def _outcomes(contact, method, correction, laws, h, out):
+def _outcomes(contact, method, correction, laws, h, out, v_out):
     for i in range(len(laws)):
         v_in, m, k, mu, a = laws[i]
-        most = _most_steps(v_in, m, k, mu, a, h[i])
-        out[i] = _deviate(contact, method, correction, v_in, m, k, mu, a, h[i], most)[4]
+        most = most_steps(v_in, m, k, mu, a, h[i])
+        v_out[i], _, _, _, out[i] = _deviate(contact, method, correction, v_in, m, k, mu, a, h[i], most)
 
 
 @njit(error_model="numpy")
-def _closed_outcomes(pulse, laws, h, out):
+def _closed_outcomes(pulse, laws, h, out, v_out):
     """The closed form as the engine uses it: release velocity, duration and every sample's moments."""
     moments = np.zeros(MOMENTS)
     for i in range(len(laws)):
@@ -155,6 +174,7 @@ def _closed_outcomes(pulse, laws, h, out):
                     given = math.nan
             given += moments[0]
             samples += 1
+        v_out[i] = -v_in * e
         out[i] = 0
         if not (math.isfinite(given) and math.isfinite(pulse.duration) and pulse.duration > 0.0):
             out[i] = 1
@@ -167,10 +187,25 @@ def _closed_outcomes(pulse, laws, h, out):
 
 
 @njit(error_model="numpy")
+def _durations(pulse, laws, rates, out):
+    for i in range(len(laws)):
+        v_in, m, k, mu, a = laws[i]
+        begin(pulse, v_in, m, k, mu, a, rates[i])
+        out[i] = pulse.duration
+
+
+@njit(error_model="numpy")
+def _moments(pulse, v_in, m, k, mu, a, rate, moments):
+    begin(pulse, v_in, m, k, mu, a, rate)
+    for i in range(len(moments)):
+        advance(pulse, min(i + 1.0, pulse.duration), float(i), moments[i])
+
+
+@njit(error_model="numpy")
 def _rebounds(contact, method, correction, v_in, m, k, mu, a, h, speeds):
-    """Speeds after each of a sequence of contacts, each met with the speed of the last release; returns their number."""
+    """Speeds after each of a sequence of contacts, met with the speed of the last release; returns how many."""
     for i in range(len(speeds)):
-        most = _most_steps(v_in, m, k, mu, a, h)
+        most = most_steps(v_in, m, k, mu, a, h)
         v, _, _, _, outcome = _deviate(contact, method, correction, v_in, m, k, mu, a, h, most)
         if outcome == 1 or outcome == 2 or outcome == 3:
             return i
@@ -179,116 +214,139 @@ def _rebounds(contact, method, correction, v_in, m, k, mu, a, h, speeds):
     return len(speeds)
 
 
-@njit(error_model="numpy")
-def _exact_rebounds(v_in, mu, speeds):
-    for i in range(len(speeds)):
-        v_in *= restitution_of(mu * v_in)
-        speeds[i] = v_in
-
-
-@njit(error_model="numpy")
-def _repeat(contact, method, correction, v_in, m, k, mu, a, h, times, none):
-    """Many contacts, for their cost; a method given as a constant is compiled for itself."""
-    steps = 0
-    most = _most_steps(v_in, m, k, mu, a, h)
-    for _ in range(times):
-        steps += _run(contact, method, correction, v_in, m, k, mu, a, h, most, none, none)
-    return steps
-
-
-@njit(error_model="numpy")
-def _repeat_release(v_in, mu, times):
-    total = 0.0
-    for i in range(times):
-        # A little different each time, or the loop would be taken out.
-        total += v_in * restitution_of(mu * v_in * (1.0 + 1e-12 * i))
-    return total
-
-
-@njit(error_model="numpy")
-def _repeat_paper_release(v_in, mu, times):
-    total = 0.0
-    for i in range(times):
-        total += paper_release_of(v_in * (1.0 + 1e-12 * i), mu)
-    return total
-
-
-@njit(error_model="numpy")
-def _repeat_pulse(pulse, v_in, m, k, mu, a, h, times):
-    moments = np.zeros(MOMENTS)
-    samples = 0
-    for _ in range(times):
-        begin(pulse, v_in, m, k, mu, a, 1.0 / h)
-        while pulse.time < pulse.duration:
-            advance(pulse, min(pulse.time + 1.0, pulse.duration), pulse.time, moments)
-            samples += 1
-    return samples
-
-
 def deviations(method: str, correction: str, law: Law, rate: float) -> Deviations:
     """What a method with a correction makes of a law at `rate` Hz."""
-    v, dev_x, dev_h, steps, outcome = _deviations(_state(), *_numbers(method, correction), *law, 1 / rate)
+    v, dev_x, dev_h, steps, outcome = _deviations(sampled(), *numbers(method, correction), *law, 1 / rate)
     v_in, _, _, mu, _ = law
-    exact = -v_in * float(restitution_of(mu * v_in))
-    return Deviations(100 * (v - exact) / exact, dev_x, dev_h, steps, Outcome(outcome))
+    error = 100 * release_error(v, v_in, mu) if math.isfinite(v) else math.nan
+    return Deviations(error, dev_x, dev_h, steps, Outcome(outcome))
 
 
 def path(method: str, correction: str, law: Law, rate: float) -> tuple[NDArray, NDArray]:
     """x (m) and v (m/s) at every sample of a contact, from x = 0 to the first with x <= 0."""
-    x, v = np.zeros((2, MOST_STEPS))
+    x, v = np.zeros((2, MOST_STEPS + 1))
     v[0] = law[0]
-    steps = _trajectory(_state(), *_numbers(method, correction), *law, 1 / rate, x, v)
+    steps = _trajectory(sampled(), *numbers(method, correction), *law, 1 / rate, x, v)
     return x[: steps + 1].copy(), v[: steps + 1].copy()
 
 
-def outcomes(method: str, correction: str, laws: ArrayLike, rates: ArrayLike) -> NDArray[np.int64]:
-    """Outcome of each contact: laws (n, 5), rates (n,) in Hz; method "closed" is the closed form."""
+def durations(laws: ArrayLike, rates: ArrayLike) -> NDArray[np.float64]:
+    """Durations in samples of contacts: laws (n, 5), rates (n,) in Hz."""
     laws = np.ascontiguousarray(laws, np.float64)
-    h = 1.0 / np.asarray(rates, np.float64)
-    out = np.empty(len(laws), np.int64)
-    if method == "closed":
-        _closed_outcomes(np.zeros(1, PULSE)[0], laws, h, out)
-    else:
-        _outcomes(_state(), *_numbers(method, correction), laws, h, out)
+    out = np.empty(len(laws))
+    _durations(np.zeros(1, PULSE)[0], laws, np.asarray(rates, np.float64), out)
     return out
 
 
-def rebounds(method: str, correction: str, law: Law, rate: float, count: int) -> NDArray:
-    """Speeds after each of `count` contacts of a sequence; fewer where a contact fails. "exact": the exact ones."""
-    speeds = np.empty(count)
-    if method == "exact":
-        _exact_rebounds(law[0], law[3], speeds)
-        return speeds
-    return speeds[: _rebounds(_state(), *_numbers(method, correction), *law, 1 / rate, speeds)]
+def outcomes(
+    method: str, correction: str, laws: ArrayLike, rates: ArrayLike
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Outcome and final velocity (m/s) of each contact: laws (n, 5), rates (n,) in Hz.
 
-
-def force_spectrum_error(method: str, correction: str, law: Law, rate: float, top: float = 16_000.0) -> float:
-    """Greatest error of a sampled force's spectrum from 0 to `top` Hz, over the exact one's value at 0.
-
-    The force of each step is the momentum lost in it, held for the step.
+    Method "closed" is the closed form as the engine uses it, without a correction.
     """
-    v_in, m, _, mu, _ = law
-    _, v = path(method, correction, law, rate)
-    if not np.isfinite(v).all():
-        return math.inf
-    frequency = np.linspace(0.0, top, 65)
-    h = 1 / rate
-    middles = (np.arange(len(v) - 1) + 0.5) * h
-    sampled = (m * -np.diff(v)) @ np.exp(-2j * np.pi * np.outer(middles, frequency)) * np.sinc(frequency * h)
-    exact = force_spectrum(law, frequency)
-    return float(np.abs(sampled - exact).max() / (m * v_in * (1 + float(restitution_of(mu * v_in)))))
+    laws = np.ascontiguousarray(laws, np.float64)
+    h = 1.0 / np.asarray(rates, np.float64)
+    out, v_out = np.empty(len(laws), np.int64), np.empty(len(laws))
+    if method == "closed":
+        _closed_outcomes(np.zeros(1, PULSE)[0], laws, h, out, v_out)
+    else:
+        _outcomes(sampled(), *numbers(method, correction), laws, h, out, v_out)
+    return out, v_out
 
 
-def force_spectrum(law: Law, frequency: ArrayLike) -> NDArray[np.complex128]:
-    """Fourier transform (N s) of the exact force at frequencies in Hz."""
-    duration = contact_time(*law)
-    nodes, weights = np.polynomial.legendre.leggauss(2000)
-    t = 0.5 * duration * (nodes + 1)
-    impulses = 0.5 * duration * weights * force_pulse(t, *law)
-    return impulses @ np.exp(-2j * np.pi * np.outer(t, np.asarray(frequency)))
+def scattered_laws(count: int, seed: int, longest: float = 300.0) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Laws (n, 5) and rates (n,) in Hz, at least `count` of them: spread over RANGES, evenly in the logarithm (a:
+    evenly), a tenth of them without dissipation, and the ranges' corners. Contacts over `longest` samples are left out.
+    """
+    draw = np.random.default_rng(seed)
+    ends = np.array(list(RANGES.values()))
+    parts = [np.stack(np.meshgrid(*ends, indexing="ij"), axis=-1).reshape(-1, len(ends))]
+    kept = 0
+    while kept < count:
+        points = np.exp(draw.uniform(np.log(ends[:, 0]), np.log(ends[:, 1]), (count, len(ends))))
+        points[:, _A] = draw.uniform(ends[_A, 0], ends[_A, 1], count)
+        points[draw.random(count) < 0.1, _MU] = 0.0
+        parts.append(points)
+        parts = [part[durations(part[:, :5], part[:, 5]) <= longest] for part in parts]
+        kept = sum(map(len, parts))
+    points = np.concatenate(parts)
+    return points[:, :5].copy(), points[:, 5].copy()
 
 
-def _numbers(method: str, correction: str) -> tuple[int, int]:
+def rebounds(method: str, correction: str, law: Law, rate: float, count: int) -> NDArray:
+    """Speeds after each of `count` contacts of a sequence; fewer where a contact fails."""
+    speeds = np.empty(count)
+    return speeds[: _rebounds(sampled(), *numbers(method, correction), *law, 1 / rate, speeds)]
+
+
+def exact_rebounds(law: Law, count: int) -> NDArray:
+    """The exact speeds after each of `count` contacts of a sequence."""
+    v, mu = Decimal(law[0]), Decimal(law[3])
+    speeds = []
+    for _ in range(count):
+        v *= restitution(mu * v)
+        speeds.append(float(v))
+    return np.array(speeds)
+
+
+def spectrum_error(method: str, correction: str, law: Law, rate: float, oversampling: int = 1) -> float:
+    """Greatest error in dB of the force's spectrum from 0 to SPECTRUM_TOP, over the exact one's value at 0.
+
+    A sampled method's force is the momentum lost in each step, held for the step; the closed form's ("closed") what the
+    engine gives the modes: the Legendre moments of each sample at `rate`. Infinite where a method fails.
+    """
+    frequency = np.linspace(0.0, SPECTRUM_TOP, 65)
+    exact = _exact_spectrum(law, SPECTRUM_TOP, len(frequency))
+    if method == "closed":
+        found = _closed_spectrum(law, rate, frequency)
+    else:
+        _, v = path(method, correction, law, rate * oversampling)
+        if not np.isfinite(v).all():
+            return math.inf
+        found = _held_spectrum(law[1] * -np.diff(v), rate * oversampling, frequency)
+    return 20 * math.log10(float(np.abs(found - exact).max() / abs(exact[0])))
+
+
+def _held_spectrum(momenta: NDArray, rate: float, frequency: NDArray) -> NDArray:
+    # Waves factor into those at the beginning of a row and those within it.
+    size = math.isqrt(len(momenta)) + 1
+    rows = np.pad(momenta, (0, -len(momenta) % size)).reshape(-1, size)
+    turns = -2j * np.pi * frequency / rate
+    within = np.exp(np.outer(np.arange(size) + 0.5, turns))
+    beginning = np.exp(np.outer(np.arange(len(rows)) * size, turns))
+    return ((rows @ within) * beginning).sum(axis=0) * np.sinc(frequency / rate)
+
+
+def _closed_spectrum(law: Law, rate: float, frequency: NDArray) -> NDArray:
+    moments = np.zeros((math.ceil(durations([law], [rate])[0]), MOMENTS))
+    _moments(np.zeros(1, PULSE)[0], *law, rate, moments)
+    turns = np.pi * frequency / rate
+    orders = np.arange(MOMENTS)[:, None]
+    of_moments = (2 * orders + 1) * (-1j) ** orders * spherical_jn(orders, turns)
+    waves = np.exp(-1j * np.outer(2 * np.arange(len(moments)) + 1, turns))
+    return ((moments @ of_moments) * waves).sum(axis=0)
+
+
+@cache
+def _exact_spectrum(law: Law, top: float, count: int) -> NDArray:
+    return force_spectrum(*law, np.linspace(0.0, top, count))
+
+
+def pareto(cost: ArrayLike, error: ArrayLike) -> NDArray[np.bool_]:
+    """Which of some points no other one beats in both cost and error (n,)."""
+    cost, error = np.asarray(cost, np.float64), np.asarray(error, np.float64)
+    best = np.zeros(len(cost), bool)
+    least = math.inf
+    for i in np.lexsort((error, cost)):
+        if error[i] < least:
+            least = error[i]
+            best[i] = True
+    return best
+
+
+def numbers(method: str, correction: str) -> tuple[int, int]:
+    """A method's and a correction's numbers; ValueError names what there is not."""
     if method not in METHODS:
         raise ValueError(f"method = {method}: expected one of {', '.join(METHODS)}")
     if correction not in CORRECTIONS:
@@ -296,5 +354,6 @@ def _numbers(method: str, correction: str) -> tuple[int, int]:
     return METHODS.index(method), CORRECTIONS[correction]
 
 
-def _state() -> np.void:
+def sampled() -> np.void:
+    """A place for a contact that is stepped through."""
     return np.zeros(1, SAMPLED)[0]

@@ -1,0 +1,138 @@
+"""The study from the command line: one quick run, and what it leaves behind."""
+
+import csv
+import math
+import os
+import pty
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from carom.clients.cli import main
+from carom.dsp import study
+from carom.dsp.methods import CORRECTIONS, METHODS
+from carom.dsp.study import PAPER_CASES, PAPER_RATE
+from tests.conftest import CAROM
+
+FIGURES = ["error-cost", "hard", "damped", "failures", "failures-exponent", "failures-corrections", "accuracy"]
+FIGURES += ["rebounds", *(f"paper-{n}" for n in (1, 2, 3, 4, 5, 7, 8, 11, 12))]
+
+Rows = list[dict[str, str]]
+
+
+@pytest.fixture(scope="module")
+def charted(tmp_path_factory) -> tuple[Path, bytes]:
+    """A quick run on a terminal, and what it showed there."""
+    folder = tmp_path_factory.mktemp("charts") / "new" / "out"
+    master, slave = pty.openpty()
+    env = os.environ | {"TERM": "xterm"}
+    words = [*CAROM, "chart", str(folder), "--quick"]
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=slave, env=env)
+    os.close(slave)
+    shown = b""
+    try:
+        while chunk := os.read(master, 65_536):
+            shown += chunk
+    except OSError:  # Linux ends a terminal's reading so
+        pass
+    os.close(master)
+    out, _ = process.communicate(timeout=120)
+    assert (process.returncode, out) == (0, b""), shown
+    return folder, shown
+
+
+def read(path: Path) -> Rows:
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def test_every_figure_is_there_twice(charted):
+    folder, shown = charted
+    for name in FIGURES:
+        assert (folder / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+        assert "</svg>" in (folder / f"{name}.svg").read_text(encoding="utf-8")
+    assert b"where methods fail" in shown and b"figures" in shown
+    assert len(list(folder.iterdir())) == 2 * len(FIGURES) + 3
+
+
+def test_errors_are_the_studys_and_costs_are_there(charted):
+    rows = read(charted[0] / "errors.csv")
+    for case, law in PAPER_CASES.items():
+        for method in METHODS:
+            for correction in CORRECTIONS:
+                made = study.deviations(method, correction, law, PAPER_RATE)
+                (row,) = pick(rows, case=case, method=method, correction=correction, oversampling="1")
+                assert [float(row[name]) for name in ("v_in", "m", "k", "mu", "a")] == list(law)
+                assert float(row["err_v_out"]) == pytest.approx(made.err_v_out, rel=1e-8)
+                assert float(row["dev_x"]) == pytest.approx(made.dev_x, rel=1e-8)
+                assert float(row["dev_H"]) == pytest.approx(made.dev_h, rel=1e-8)
+                assert (int(row["steps"]), row["outcome"]) == (made.steps, made.outcome.name)
+                assert float(row["ns_per_contact"]) > 10
+    assert {row["case"] for row in rows} == {"I", "1", "2", "hard", "damped"}
+    (heun,) = pick(rows, case="2", method="heun", correction="none", oversampling="1")
+    assert [round(float(heun[name]), 3) for name in ("dev_x", "err_v_out", "dev_H")] == [19.506, -4.680, 23.379]
+
+
+def pick(rows: Rows, **wanted: str) -> Rows:
+    return [row for row in rows if all(row[name] == value for name, value in wanted.items())]
+
+
+def test_the_closed_form_alone_is_the_accurate_end_of_the_front(charted):
+    """On every law but the shortest, where anything is quick, and wrong."""
+    rows = read(charted[0] / "errors.csv")
+    laws = {(row["case"], row["k"], row["mu"]) for row in rows}
+    for case, k, mu in laws:
+        here = pick(rows, case=case, k=k, mu=mu)
+        here = [row for row in here if math.isfinite(float(row["err_v_out"] or "nan"))]
+        error = [abs(float(row["err_v_out"])) for row in here]
+        best = study.pareto([float(row["ns_per_contact"]) for row in here], error)
+        front = [row for row, kept in zip(here, best, strict=True) if kept]
+        closed = [row for row in here if row["method"].startswith("closed")]
+        assert all(abs(float(row["err_v_out"])) < 1e-11 for row in closed)  # %
+        if float(here[0]["samples"]) > 3 and float(mu) < 40:
+            accurate = [row["method"] for row in front if abs(float(row["err_v_out"])) < 1e-11]
+            assert accurate and set(accurate) <= {"closed-release", "closed"}
+
+
+def test_failures_are_counted(charted):
+    rows = read(charted[0] / "failures.csv")
+    assert len(rows) == len(METHODS) * len(CORRECTIONS) + 1
+    kinds = [kind.name.lower() for kind in study.Outcome]
+    for row in rows:
+        assert sum(int(row[kind]) for kind in kinds) == int(row["points"]) >= 10_000
+    (closed,) = pick(rows, method="closed")
+    assert closed["sound"] == closed["points"] and float(closed["greatest_err_v_out"]) < 1e-13
+    (verlet,) = pick(rows, method="verlet", correction="none")
+    assert float(verlet["failed_percent"]) > 50
+
+
+def test_rebounds_add_up(charted):
+    rows = read(charted[0] / "rebounds.csv")
+    for case in ("1", "2"):
+        for count in ("100", "10000"):
+            for method in METHODS:
+                (row,) = pick(rows, case=case, rebounds=count, method=method, correction="both")
+                assert abs(float(row["err_H"])) < 1e-9
+            (row,) = pick(rows, case=case, rebounds=count, method="am1", correction="none")
+            assert float(row["err_H"]) > 10
+
+
+def test_a_file_in_its_place_is_said(carom, tmp_path):
+    (tmp_path / "out").write_text("")
+    run = carom("chart", "out", "--quick")
+    assert (run.returncode, run.stderr) == (1, "carom chart: out: File exists\n")
+
+
+def test_a_folder_that_cannot_be_written_to_is_said(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    assert main(["chart", str(tmp_path)]) == 1
+    assert capsys.readouterr().err == f"carom chart: {tmp_path}: can't be written to\n"
+
+
+def test_no_matplotlib_is_said(carom, tmp_path, monkeypatch):
+    (tmp_path / "matplotlib.py").write_text("raise ImportError('no matplotlib')\n")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    run = carom("chart", "out")
+    assert (run.returncode, run.stderr) == (1, "carom chart: chart needs matplotlib: pip install 'carom[plot]'\n")
+    assert not (tmp_path / "out").exists()
