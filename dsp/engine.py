@@ -347,18 +347,27 @@ def _yield_to_object(state, obj, contact, m):
     if bound < _LIGHT:
         return
     pulse = contact.pulse
-    share = _share(state, obj, contact, m)
-    ratio = 1.0 / (1.0 + share)
-    stretch = ratio ** (1.0 / (pulse.exponent + 1.0))
-    pulse.duration *= stretch
-    for phase in range(2):
-        pulse.phase_time[phase] *= stretch
-        for i in range(len(pulse.time_series[phase])):
-            pulse.time_series[phase, i] *= stretch
-    if (1.0 + pulse.restitution) * (1.0 + bound) > 2.0 * (1.0 + share):
-        most = 2.0 / ((1.0 + pulse.restitution) * (1.0 + _share(state, obj, contact, m)))
-        ratio = min(ratio, most)
+    ratio = 1.0
+    for shortened in range(2):  # a loop, so that _share is compiled in once
+        share = _share(state, obj, contact, m)
+        if shortened:
+            ratio = min(ratio, 2.0 / ((1.0 + pulse.restitution) * (1.0 + share)))
+        else:
+            ratio = 1.0 / (1.0 + share)
+            _shorten(pulse, ratio ** (1.0 / (pulse.exponent + 1.0)))
+            if (1.0 + pulse.restitution) * (1.0 + bound) <= 2.0 * (1.0 + share):
+                break
     pulse.momentum *= ratio
+
+
+@kernel
+def _shorten(pulse, ratio):
+    """Scale a pulse's times."""
+    pulse.duration *= ratio
+    for phase in range(2):
+        pulse.phase_time[phase] *= ratio
+        for i in range(len(pulse.time_series[phase])):
+            pulse.time_series[phase, i] *= ratio
 
 
 @kernel
@@ -437,13 +446,12 @@ def _ring_with_contacts(state, obj):
     """Fill `voice` with a quantum of an object's sound: contacts act on the samples they touch, else it rings."""
     frame = 0
     while frame < QUANTUM:
-        now = _next_driven_frame(state, obj, frame)
-        if now > frame:
-            _ring(state, obj, frame, now)
-        if now < QUANTUM:
-            _drive(state, obj, now)
-            _ring(state, obj, now, now + 1)
-        frame = now + 1
+        # The modes answer a force in the first frame that they ring after it.
+        if obj.contact >= 0:
+            _drive(state, obj, frame)
+        stop = _next_driven_frame(state, obj, frame + 1)
+        _ring(state, obj, frame, stop)
+        frame = stop
 
 
 @kernel

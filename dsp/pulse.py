@@ -184,20 +184,21 @@ def advance(pulse, until, shift, moments):
     """
     for n in range(MOMENTS):
         moments[n] = 0.0
-    if pulse.time < pulse.phase_time[0]:
-        if until < pulse.phase_time[0]:
-            zeta = _zeta(pulse.time_series[0], pulse.phase_time[0], until)
-            u = _grown(pulse.w[0], pulse.span[0] * (1.0 - zeta ** (pulse.exponent + 1.0)))
-            _add_piece(pulse, 0, zeta, u, shift, moments)
+    turn = pulse.phase_time[0]
+    for phase in range(2):
+        if (phase == 0 and pulse.time >= turn) or (phase == 1 and until < turn):
+            continue
+        end = turn if phase == 0 else pulse.duration
+        if until < end:
+            since = until if phase == 0 else pulse.duration - until
+            zeta = _zeta(pulse.time_series[phase], pulse.phase_time[phase], since)
+            speed = _grown(pulse.w[phase], pulse.span[phase] * (1.0 - zeta ** (pulse.exponent + 1.0)))
+            u = speed if phase == 0 else -speed
         else:
-            _add_piece(pulse, 0, 1.0, 0.0, shift, moments)
-    if until >= pulse.phase_time[0]:
-        if until < pulse.duration:
-            zeta = _zeta(pulse.time_series[1], pulse.phase_time[1], pulse.duration - until)
-            u = -_grown(pulse.w[1], pulse.span[1] * (1.0 - zeta ** (pulse.exponent + 1.0)))
-            _add_piece(pulse, 1, zeta, u, shift, moments)
-        else:
-            _add_piece(pulse, 1, 0.0, -pulse.restitution, shift, moments)
+            # The phase's end, where both are known: greatest compression, or release.
+            zeta = 1.0 - phase
+            u = 0.0 if phase == 0 else -pulse.restitution
+        _add_piece(pulse, phase, zeta, u, shift, moments)
     pulse.time = until
 
 
