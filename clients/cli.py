@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
+from threading import Event
 
 from ..server.osc import DEFAULT_PORT
 from .client import Client, CommandError
@@ -23,7 +24,6 @@ Command = Callable[[argparse.Namespace], int]
 def main(argv: list[str] | None = None) -> int:
     """Run a command; returns the exit code: 0 done, 1 failed (one line on stderr says why), 2 wrong usage."""
     arguments = _parser().parse_args(argv)
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that it, too, leaves no half file
     try:
         return arguments.run(arguments)
     except KeyboardInterrupt:
@@ -172,8 +172,19 @@ def _render(arguments: argparse.Namespace) -> int:
     columns = (TextColumn("{task.description}"), TextColumn("{task.completed:.1f} s of sound"), TimeElapsedColumn())
     terminal = Console(stderr=True)
     with Progress(*columns, console=terminal, disable=not terminal.is_terminal, transient=True) as bar:
-        task = bar.add_task(arguments.out.name, total=None)
-        engine = render(score, arguments.out, presets, options, lambda seconds: bar.update(task, completed=seconds))
+        task = bar.add_task(arguments.out.name, total=arguments.seconds)
+
+        # An exception that a signal raises at any moment may be swallowed inside a library's callback.
+        interrupted = Event()
+        for stop in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(stop, lambda *_: interrupted.set())
+
+        def progress(seconds: float) -> None:
+            bar.update(task, completed=seconds)
+            if interrupted.is_set():
+                raise KeyboardInterrupt
+
+        engine = render(score, arguments.out, presets, options, progress)
     for name, text in (
         ("limited", "{} frames were turned down by the limiter: lower some gain"),
         ("contacts_dropped", "{} contacts were left out: too many at once"),
