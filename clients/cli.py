@@ -120,7 +120,11 @@ def _contact(arguments: argparse.Namespace) -> tuple[str | int, ...]:
     """The arguments of the /contact that the options stand for; none where they say nothing."""
     keys = {"correction": arguments.correction, "oversampling": arguments.oversampling}
     given = [part for key, value in keys.items() if value is not None for part in (key, value)]
-    return (arguments.contact or "closed", *given) if arguments.contact or given else ()
+    return (
+        ("closed" if arguments.contact is None else arguments.contact, *given)
+        if given or arguments.contact is not None
+        else ()
+    )
 
 
 def _add_presets(sub: argparse.ArgumentParser) -> None:

@@ -72,6 +72,7 @@ def drawings(rows: "list[Row]", found: "Failures", sequences: Sequences) -> dict
     """Every figure by its name."""
     return {
         "error-cost": lambda: _error_cost(rows),
+        "deviation-cost": lambda: _deviation_cost(rows),
         "hard": lambda: _against(rows, "hard", lambda row: row["samples"], "duration (samples)"),
         "damped": lambda: _against(rows, "damped", lambda row: row["mu"] * row["v_in"], "mu v_in"),
         "failures": lambda: _failures(found, _dissipation(found), "mu v_in"),
@@ -147,6 +148,31 @@ def _error_cost(rows: "list[Row]") -> Figure:
     handles = [*_method_legend(closed=False), *_correction_legend(), *marks, front]
     figure.legend(handles=handles, loc="outside lower center", ncols=6)
     figure.suptitle("Error against cost; along a line the oversampling doubles")
+    return figure
+
+
+def _deviation_cost(rows: "list[Row]") -> Figure:
+    """How far from the curves x(v) and H(v) the sampled methods run; the closed form is the curves."""
+    figure = Figure(figsize=(11, 7.2))
+    axes = figure.subplots(2, len(PAPER_CASES), sharey="row", squeeze=False)
+    for column, case in enumerate(PAPER_CASES):
+        here = _pick(rows, case=case)
+        for ax, name in zip(axes[:, column], ("dev_x", "dev_H"), strict=True):
+            for method in METHODS:
+                for correction, line in _LINES.items():
+                    some = _pick(here, method=method, correction=correction)
+                    cost = [row["ns_per_contact"] for row in some]
+                    deviation = [max(row[name], _LEAST_ERROR) for row in some]
+                    marker = "o" if correction == "none" else ""
+                    ax.plot(cost, deviation, line, color=_COLOURS[method], marker=marker, markersize=2.5)
+            ax.set(xscale="log", yscale="log")
+            ax.minorticks_off()
+        axes[0, column].set_title(f"case {case}: {here[0]['samples']:.4g} samples of contact")
+        axes[1, column].set_xlabel("cost of a contact (ns)")
+    axes[0, 0].set_ylabel("%dev(x)")
+    axes[1, 0].set_ylabel("%dev(H)")
+    figure.legend(handles=[*_method_legend(closed=False), *_correction_legend()], loc="outside lower center", ncols=7)
+    figure.suptitle("Deviation from x(v) and H(v) against cost; along a line the oversampling doubles")
     return figure
 
 

@@ -26,7 +26,7 @@ _RETUNE_BUDGET = 1024  # modes a quantum that get new coefficients in the backgr
 _FADE = 500.0  # 1/s: decay added to a mode that was tuned above the Nyquist share
 _HAND = 200.0  # 1/s: decay that a hand adds at damp = 1
 _HUGE = 1e30  # above this a voice counts as not finite
-_MOST_STEPS = 100_000.0  # of a sampled contact, which might never end
+_PATIENCE = 3.0  # exact durations for which a sampled contact is followed: it might never end
 _SLOWEST = 1e-12  # m/s: a slower striker moves nothing, and its square may underflow
 _RESOLVED = 28.0  # rad of a mode over a pulse: up to here its nodes tell the spectrum, beyond it is as good as 0
 _LIGHT = 1e-4  # sum of m phi^2 below which the object is as good as a rigid wall (-80 dB)
@@ -100,17 +100,19 @@ def _take_commands(state):
     written = load_acquire(state.written, 0)
     read = state.read[0]
     while read < written and has_room(state):
-        push(state, state.ring[read % RING])
+        command = state.ring[read % RING]
+        if command.time < state.position:
+            # What is past and what is for now keep the order in which they came.
+            if command.time >= 0.0:
+                state.late += 1
+            command.time = state.position
+        push(state, command)
         read += 1
     store_release(state.read, 0, read)
 
 
 @kernel
 def _carry_out(state, event):
-    if event.time < state.position:
-        if event.time >= 0.0:
-            state.late += 1
-        event.time = state.position
     if event.kind == _SYNC:
         state.synced = int(event.values[0])
         return
@@ -284,7 +286,7 @@ def _sample(state, contact, v_in, k, mu, a):
     """Have a contact solved by the sampled method that is chosen; it can't begin between samples."""
     contact.oversampling = state.contact_oversampling
     contact.fraction = 0.0
-    contact.steps = int(min(10.0 * contact.pulse.duration * contact.oversampling + 20.0, _MOST_STEPS))
+    contact.steps = int(_PATIENCE * contact.pulse.duration * contact.oversampling) + 20
     m = contact.pulse.momentum / v_in  # the effective mass
     start(contact.sampled, state.contact_method - 1, state.contact_correction, v_in, m, k, mu, a)
 

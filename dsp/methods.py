@@ -19,6 +19,9 @@ from .jit import kernel
 METHODS = ("am1", "verlet", "heun", "rk4")
 """Names of the methods; their places are their numbers."""
 
+_FROM_STATE = (METHODS.index("am1"), METHODS.index("rk4"))
+"""Methods whose acceleration is that of their state; the others keep a predicted one."""
+
 _HYBRID, _RELEASE, _PAPER = 1, 2, 4
 
 CORRECTIONS = {
@@ -32,7 +35,7 @@ CORRECTIONS = {
 """Names of the corrections and their numbers."""
 
 _PAPER_BOUND = (0.798, 8.05)  # mu v_in between which the paper's release velocity errs by more than 0.1 %
-_NEWTON_STEPS = 30
+_NEWTON_STEPS = 100
 
 SAMPLED = np.dtype(
     [
@@ -62,23 +65,43 @@ def acceleration_of(x, v, m, k, mu, a):
 
 @kernel
 def am1(x, v, acceleration, h, m, k, mu, a):
-    """One-step Adams-Moulton, the trapezoid rule, by Newton's method on the new acceleration: (23)."""
+    """One-step Adams-Moulton, the trapezoid rule, by Newton's method, safeguarded, on the new acceleration: (23)."""
     p = x + h * v + 0.25 * h * h * acceleration
     q = v + 0.5 * h * acceleration
-    new = acceleration
+    if p <= 0.0:
+        return p, q, 0.0
+    # Contact ends the bracket on the left; on the right any acceleration does that the law can't hold against.
+    low = -4.0 * p / (h * h)
+    high = max(0.0, acceleration_of(p, q, m, k, mu, a))
     for _ in range(_NEWTON_STEPS):
+        if _am1_residual(high, p, q, h, m, k, mu, a) >= 0.0:
+            break
+        high *= 2.0
+    new = min(max(acceleration, low), high)
+    for _ in range(_NEWTON_STEPS):
+        residual = _am1_residual(new, p, q, h, m, k, mu, a)
+        if residual > 0.0:
+            high = new
+        else:
+            low = new
         x1 = p + 0.25 * h * h * new
-        v1 = q + 0.5 * h * new
-        residual = new - acceleration_of(x1, v1, m, k, mu, a)
         slope = 1.0
         if x1 > 0.0:
-            stiffness = k / m * x1 ** (a - 1.0)
-            slope += stiffness * (a * (1.0 + mu * v1) * 0.25 * h * h + x1 * mu * 0.5 * h)
+            v1 = q + 0.5 * h * new
+            slope += k / m * x1 ** (a - 1.0) * (a * (1.0 + mu * v1) * 0.25 * h * h + x1 * mu * 0.5 * h)
         step = residual / slope
+        # Where Newton's step leaves the bracket, or has no slope to follow, half the bracket.
+        if not low < new - step < high:
+            step = new - 0.5 * (low + high)
         new -= step
-        if abs(step) <= 1e-13 * abs(new):
+        if abs(step) <= 1e-14 * abs(new):
             break
     return p + 0.25 * h * h * new, q + 0.5 * h * new, new
+
+
+@kernel
+def _am1_residual(new, p, q, h, m, k, mu, a):
+    return new - acceleration_of(p + 0.25 * h * h * new, q + 0.5 * h * new, m, k, mu, a)
 
 
 @kernel
@@ -164,7 +187,9 @@ def follow(contact, h):
         lasts = v > contact.v_least
         if lasts:
             x = trajectory(v, contact.v_in, contact.m, contact.k, contact.mu, contact.a)
-    if not lasts and not math.isnan(contact.v_out):
+            if contact.method in _FROM_STATE:
+                acceleration = acceleration_of(x, v, contact.m, contact.k, contact.mu, contact.a)
+    if not lasts and math.isfinite(v) and not math.isnan(contact.v_out):
         x = 0.0
         v = contact.v_out
     contact.x = x

@@ -25,6 +25,8 @@ def restitution(w: float | Decimal) -> Decimal:
     with localcontext() as context:
         context.prec = _DIGITS
         w = Decimal(w)
+        if w < Decimal("1e-13"):
+            return 1 - 2 * w / 3 + 4 * w * w / 9
         h = w - (1 + w).ln()
         # q = 1 + mu v_out obeys q - ln q = 1 + h. Both starts lie below it, from where Newton's method can't fail.
         q = max((-1 - h).exp(), 1 - (2 * h).sqrt())

@@ -48,7 +48,9 @@ RANGES = {
 
 _MU, _A = 3, 4
 
-MOST_STEPS = 100_000
+_GAIN = 1e-3  # share of its energy that a contact may gain and be called sound
+
+MOST_STEPS = 100_000_000
 """A contact is given up after this many steps, or ten times its exact duration and twenty steps."""
 
 
@@ -121,9 +123,9 @@ def _deviate(contact, method, correction, v_in, m, k, mu, a, h, most):
         outcome = 2
     elif v >= 0.0:
         outcome = 3
-    elif -v > v_in * (1.0 + 1e-9):
+    elif -v > v_in * (1.0 + 0.5 * _GAIN):
         outcome = 4
-    elif highest > h_in * 1.001:
+    elif highest > h_in * (1.0 + _GAIN):
         outcome = 5
     lost = h_in * (1.0 - restitution_of(w) ** 2)
     return v, 100.0 * dev_x / x_max, 100.0 * dev_h / lost if lost > 0.0 else math.nan, n, outcome
@@ -224,7 +226,7 @@ def deviations(method: str, correction: str, law: Law, rate: float) -> Deviation
 
 def path(method: str, correction: str, law: Law, rate: float) -> tuple[NDArray, NDArray]:
     """x (m) and v (m/s) at every sample of a contact, from x = 0 to the first with x <= 0."""
-    x, v = np.zeros((2, MOST_STEPS + 1))
+    x, v = np.zeros((2, most_steps(*law, 1 / rate) + 1))
     v[0] = law[0]
     steps = _trajectory(sampled(), *numbers(method, correction), *law, 1 / rate, x, v)
     return x[: steps + 1].copy(), v[: steps + 1].copy()

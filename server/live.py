@@ -248,10 +248,10 @@ def serving(options: Options) -> Iterator[Server]:
             stack.callback(recorder.close)
         output = open_output(engine, options.device, options.block)
         stack.callback(output.close)
-        if recorder:
-            recorder.start()
         server = Server(sock, engine, output, presets)
         if options.contact:
             server.choose_contact(options.contact)
+        if recorder:
+            recorder.start()  # not before all else is well: an older recording would be lost
         server.recorder = recorder
         yield server

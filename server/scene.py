@@ -40,6 +40,7 @@ class Scene:
         self.engine = engine
         self.presets = presets
         self.objects: dict[str, _Object] = {}
+        self._displaced: list[tuple[str, _Object]] = []  # that are still there when their name is another's
         self._undo: list[Callable[[], object]] = []
         self._time = NOW
         self._contacts: dict[tuple[str, Material | None], Contact] = {}  # read from files once an object was made
@@ -55,8 +56,7 @@ class Scene:
         accepted: list[str] = []
         self._undo.clear()
         self._time = time
-        for name in set(self.objects) - set(self._living()):
-            del self.objects[name]
+        self._forget_gone()
         for message in messages:
             try:
                 more, reply = self._translate(message)
@@ -75,10 +75,20 @@ class Scene:
             replies += [fail(address, str(error)) for address in accepted]
         return replies
 
-    def _living(self) -> list[str]:
-        """Names of the objects that are there at the time of what is being carried out."""
+    def _living(self) -> dict[str, _Object]:
+        """The objects that are there, or the next to be, at the time of what is being carried out."""
         now = max(self._time, float(self.engine.position))
-        return [name for name, obj in self.objects.items() if obj.leaves > now]
+        living: dict[str, _Object] = {}
+        for name, obj in (*self._displaced, *self.objects.items()):
+            if obj.leaves > now:
+                living.setdefault(name, obj)
+        return living
+
+    def _forget_gone(self) -> None:
+        gone = self.engine.position
+        self._displaced = [(name, obj) for name, obj in self._displaced if obj.leaves > gone]
+        for name in [name for name, obj in self.objects.items() if obj.leaves <= gone]:
+            del self.objects[name]
 
     def _for(self, obj: _Object, kind: Command, *values: float) -> EngineCommand:
         """A command to an object: what is for now waits for one that is yet to be."""
@@ -106,17 +116,16 @@ class Scene:
             raise Refused(f"{action}: nothing an object does; expected {actions}")
         values = verb.parse(message.args)
         living = self._living()
-        names = [name for name in living if match(pattern, name)]
-        if not names:
-            known = ", ".join(living[:8]) or "none"
+        objects = [obj for name, obj in living.items() if match(pattern, name)]
+        if not objects:
+            known = ", ".join(list(living)[:8]) or "none"
             raise Refused(f"{pattern}: no such object; there are {known}")
         commands = []
-        for name in names:
-            commands += self._act(name, verb, values)
+        for obj in objects:
+            commands += self._act(obj, verb, values)
         return commands, []
 
-    def _act(self, name: str, verb: Verb, values: Values) -> list[EngineCommand]:
-        obj = self.objects[name]
+    def _act(self, obj: _Object, verb: Verb, values: Values) -> list[EngineCommand]:
         action = verb.address.rsplit("/", 1)[1]
         if action == "impact":
             return self._impact(obj, values)
@@ -153,6 +162,11 @@ class Scene:
         modes = preset.modes(self.engine.top_frequency)
         handle, size, rows = self.engine.lay_out(modes, 10 ** (preset.level / 20))
         obj = _Object(handle, preset, self._time)
+        before = self.objects.get(name)
+        if before:
+            self._displaced.append((name, before))
+            self._undo.append(lambda: self.objects.update({name: before}))
+            self._undo.append(lambda: self._displaced.remove((name, before)))
         self.objects[name] = obj
         self._undo += [lambda: self.engine.release(handle), lambda: self.objects.pop(name)]
         initial = (_physical(key, value) for key, value in settings.items())

@@ -179,6 +179,15 @@ def test_what_can_not_be_served_is_told(tmp_path, server: Running):
     assert "port = 70000: expected" in failing(tmp_path, "--port", "70000", "--device", "none")
 
 
+def test_a_server_that_can_not_be_leaves_recordings_alone(tmp_path):
+    (tmp_path / "old.wav").write_bytes(b"an earlier session")
+    for wrong in (("--contact", "euler"), ("--presets", "none"), ("--device", "no-such-device")):
+        args = ("--port", "0", "--device", "none", "--record", "old.wav", *wrong)
+        failing(tmp_path, *args)
+        failing(tmp_path, *args[:4], "--record", "new.wav", *wrong)
+    assert (tmp_path / "old.wav").read_bytes() == b"an earlier session" and not (tmp_path / "new.wav").exists()
+
+
 def test_no_portaudio_is_told(tmp_path):
     # A sounddevice that finds no library, as on a machine without PortAudio.
     (tmp_path / "sounddevice.py").write_text("raise OSError('PortAudio library not found')\n")

@@ -181,6 +181,27 @@ def test_a_name_is_free_from_the_free_on_and_not_before(scene):
     assert len(scene.perform([Message("/object/a/free"), Message("/object/new", ("a", "tom"))], NOW)) == 1
 
 
+def test_names_mean_who_has_them_at_the_time(scene):
+    say(scene, "/object/new", "b", "wood-block")
+    say(scene, "/object/b/free", time=48_000.0)
+    assert say(scene, "/object/new", "c", "wine-glass", time=50_000.0)[0].address == "/done"
+    assert say(scene, "/object/new", "b", "church-bell", time=50_000.0)[0].address == "/done"
+    assert say(scene, "/object/b/impact", 1.0) == []
+    scene.engine.process(4800)
+    assert scene.engine.counter("impacts") == 1  # of the block, not put off until the bell is there
+    assert say(scene, "/object/b/impact", 1.0, time=60_000.0) == []
+    scene.engine.process(96_000)
+    assert scene.engine.counter("impacts") == 2 and scene.engine.counter("active") == 2
+
+
+def test_what_is_late_comes_before_what_is_for_now(scene):
+    scene.engine.process(4800)
+    say(scene, "/object/new", "b", "church-bell", time=4000.0)
+    say(scene, "/object/b/impact", 1.0)
+    scene.engine.process(64)
+    assert scene.engine.counter("impacts") == 1 and scene.engine.counter("late") == 1
+
+
 @pytest.mark.parametrize("key", ["preset", "striker", "material"])
 def test_overlong_names_are_refused(scene, key):
     words = ("b", "a" * 300) if key == "preset" else ("b", "glass-plate", key, "\x01" * 30_000)
