@@ -15,7 +15,16 @@ from carom.dsp.methods import CORRECTIONS, METHODS
 from carom.dsp.study import PAPER_CASES, PAPER_RATE
 from tests.conftest import CAROM
 
-FIGURES = ["error-cost", "hard", "damped", "failures", "failures-exponent", "failures-corrections", "accuracy"]
+FIGURES = [
+    "error-cost",
+    "deviation-cost",
+    "hard",
+    "damped",
+    "failures",
+    "failures-exponent",
+    "failures-corrections",
+    "accuracy",
+]
 FIGURES += ["rebounds", *(f"paper-{n}" for n in (1, 2, 3, 4, 5, 7, 8, 11, 12))]
 
 Rows = list[dict[str, str]]
