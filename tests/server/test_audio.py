@@ -60,9 +60,22 @@ def jack_server(monkeypatch):
 
 
 def test_jack_hears_what_a_render_gives(jack_server):
-    """The demo through PortAudio on jackd's dummy driver, recorded by a JACK client: the offline render's samples."""
+    """The demo through PortAudio on jackd's dummy driver, recorded by a JACK client: the offline render's samples.
+
+    A virtual machine that is stopped for a while loses a block; three takes, of which one must be whole.
+    """
     expected = render_lines(shifted(read(DEMO)))
-    seconds = len(expected) / 48_000 + 1.0
+    for take in range(3):
+        heard = one_take(len(expected) / 48_000 + 1.0)
+        try:
+            return assert_heard(heard, expected)
+        except AssertionError:
+            if take == 2:
+                raise
+
+
+def one_take(seconds: float) -> np.ndarray:
+    """The demo as JACK hears it."""
     with recording(seconds + 5.0) as recorder:
         player = subprocess.Popen(
             [sys.executable, "-c", PLAYER, str(DEMO), "system", str(seconds)], stdout=subprocess.PIPE, text=True
@@ -70,7 +83,7 @@ def test_jack_hears_what_a_render_gives(jack_server):
         recorder.connect()
         out, _ = player.communicate(timeout=seconds + 60)
         assert player.returncode == 0, out
-    assert_heard(recorder.sound(), expected)
+    return recorder.sound()
 
 
 def assert_heard(heard: np.ndarray, expected: np.ndarray) -> None:
