@@ -61,8 +61,8 @@ class Outcome(IntEnum):
     NOT_FINITE = 1
     STICKS = 2  # no release within ten times the exact duration, and some steps
     MISSED = 3  # it goes on into the wall
-    FASTER = 4  # it leaves faster than it came
-    GAINS = 5  # its energy rises by more than a thousandth on the way
+    FASTER = 4  # it leaves with over a thousandth more energy than it came with
+    GAINS = 5  # it has had so on the way
 
 
 @dataclass(frozen=True)

@@ -168,7 +168,7 @@ VERBS = {
             "/sync", "answers /synced id once all sent before it is done", (Number("id", -(2**31), 2**31 - 1),),
             scored=False,
         ),
-        Verb("/notify", "1: warnings come to you from now on, 0: no more", (Number("on", 0, 1),), scored=False),
+        Verb("/notify", "1: /warning text comes to you from now on, 0: no more", (Number("on", 0, 1),), scored=False),
         Verb("/dump", "1: prints every message that arrives, 0: no more", (Number("on", 0, 1),), scored=False),
         Verb("/quit", "ends the server", scored=False),
     )
