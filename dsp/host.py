@@ -12,7 +12,7 @@ from .atomic import observe, publish
 from .bank import LANES, NYQUIST_SHARE
 from .body import Modes
 from .callback import callback
-from .state import EVENTS, MODES, MODES_PER_OBJECT, OBJECTS, RING, SHAPE_VALUES, TAP, Command, new_state
+from .state import ENDED, EVENTS, MODES, MODES_PER_OBJECT, OBJECTS, RING, SHAPE_VALUES, TAP, Command, End, new_state
 
 NOW = -1.0
 """A time that is always past: a command for as soon as possible."""
@@ -83,6 +83,7 @@ class Engine:
         self._leaving: list[Handle] = []
         self._slots = list(range(OBJECTS - 1, -1, -1))
         self._serial = 0
+        self._ends_read = 0
 
     @property
     def rate(self) -> float:
@@ -158,7 +159,16 @@ class Engine:
             entry["slot"] = handle.slot if handle else 0
             entry["serial"] = handle.serial if handle else 0
             entry["values"][: len(values)] = values
+            entry["values"][len(values) :] = 0.0
         publish(self._record["written"], written + len(commands))
+
+    def ended(self) -> list[tuple[int, End]]:
+        """Gestures (by number) that have ended since the last call, and how."""
+        count = int(observe(self._record["ended_count"]))
+        first = max(self._ends_read, count - ENDED)
+        self._ends_read = count
+        ended = self._record["ended"]
+        return [(int(ended[n % ENDED, 0]), End(int(ended[n % ENDED, 1]))) for n in range(first, count)]
 
     def record(self) -> None:
         """Keep the sound from here on for `recorded`."""

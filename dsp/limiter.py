@@ -19,8 +19,8 @@ def limit(state):
         peak = max(peak, abs(left[n]), abs(right[n]))
     if peak <= 1.0 and state.limit == 1.0:
         return
-    # Backwards: what each frame allows, and a slope down to it; `voice` is free by now.
-    gain = state.voice[0]
+    # Backwards: what each frame allows, and a slope down to it; `voices` is free by now.
+    gain = state.voices[0, 0]
     ahead = 1.0
     for n in range(QUANTUM - 1, -1, -1):
         ahead = min(ahead + _ATTACK, 1.0 / max(1.0, abs(left[n]), abs(right[n])))

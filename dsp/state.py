@@ -23,6 +23,11 @@ EVENTS = 8_192
 RING = 8_192
 """Commands on their way from Python; a power of two."""
 
+COMMAND_VALUES = 16
+
+ENDED = 4_096
+"""Ends of gestures that are kept for Python to read."""
+
 TAP = 262_144
 """Frames of sound kept for a recorder that is slow."""
 
@@ -32,7 +37,8 @@ class Command(IntEnum):
 
     NEW = 0  # first mode, modes (padded), first value of the shape table, rows in it, gain, pan, tune, decay, damp
     FREE = 1  # 1: at once, 0: once silent
-    IMPACT = 2  # v_in (m/s), position, m (kg), k (N/m^a), mu (s/m), a, gain (amplitude)
+    IMPACT = 2  # v_in (m/s), position, m (kg), k (N/m^a), mu (s/m), a, gain (amplitude), gesture (0: none), and of the
+    # object that strikes, if one does: slot, serial (else 0), position
     GAIN = 3  # amplitude
     PAN = 4  # -1 left .. 1 right
     TUNE = 5  # ratio of frequencies
@@ -41,6 +47,27 @@ class Command(IntEnum):
     PANIC = 8
     SYNC = 9  # a number that appears in `synced`
     CONTACT = 10  # how contacts are solved from now on: 0 closed form, else 1 + method; correction, oversampling
+    BOUNCE = 11  # as IMPACT, and gravity (m/s^2), irregularity, seed, time until the first contact (s)
+    STEER = 12  # gesture, Steering, value
+
+
+class Steering(IntEnum):
+    """What of a running gesture is changed."""
+
+    STOP = 0
+    GAIN = 1  # amplitude
+    POSITION = 2
+    GRAVITY = 3  # m/s^2
+    IRREGULARITY = 4
+
+
+class End(IntEnum):
+    """How a gesture ended."""
+
+    RESTED = 0
+    STOPPED = 1
+    NO_ROOM = 2  # it never began
+    GONE = 3  # with its object, or by a panic
 
 
 COMMAND = np.dtype(
@@ -50,7 +77,7 @@ COMMAND = np.dtype(
         ("slot", np.int64),
         ("serial", np.int64),  # of the object meant: commands to one that is gone are ignored
         ("order", np.int64),  # of arrival, set by the engine
-        ("values", np.float64, 9),
+        ("values", np.float64, COMMAND_VALUES),
     ],
     align=True,
 )
@@ -75,21 +102,55 @@ OBJECT = np.dtype(
         ("decay", np.float64),
         ("damp", np.float64),
         ("gain", np.float64, 2),  # left and right, on their way to what amplitude and pan ask for
+        ("gain_before", np.float64, 2),  # at the quantum's beginning
+        # In this quantum:
+        ("struck", np.int64),  # a contact touches it
+        ("tied", np.int64),  # it shares a contact with another object
+        ("driven", np.int64),  # a force acted on it
     ],
     align=True,
 )
+
+BODY = np.dtype(
+    [
+        ("slot", np.int64),  # of an object; -1: none
+        ("serial", np.int64),
+        ("row", np.int64),  # of the shape table, the first of four
+        ("weights", np.float64, 4),
+    ],
+    align=True,
+)
+"""An object at the place where it is touched."""
 
 CONTACT = np.dtype(
     [
         ("pulse", PULSE),
         ("sampled", SAMPLED),
+        ("body", BODY, 2),  # the object touched, and the object that touches it, if one does
+        ("kind", np.int64),  # a Command: IMPACT or BOUNCE
+        ("serial", np.int64),  # of the gesture, 0: none
+        ("touching", np.int64),  # 0: it waits for its beginning
         ("oversampling", np.int64),  # steps a sample of a sampled contact, 0: the closed form
         ("steps", np.int64),  # that a sampled contact may still take
-        ("gain", np.float64),
+        ("v_in", np.float64),  # m/s
+        ("m", np.float64),
+        ("k", np.float64),
+        ("mu", np.float64),
+        ("a", np.float64),
+        ("gain", np.float64),  # on its way to
+        ("loudness", np.float64),
+        ("position", np.float64),  # on its way to
+        ("moved_to", np.float64),
         ("start", np.int64),  # sample at or before the contact's beginning
         ("fraction", np.float64),  # from there to the beginning
-        ("row", np.int64),  # of the shape table, the first of four
-        ("weights", np.float64, 4),
+        # A bounce:
+        ("origin", np.float64),  # samples: when it was let go
+        ("elapsed", np.float64),  # s, from there to the contact
+        ("until", np.float64),  # samples: no contact begins from then on
+        ("gravity", np.float64),  # m/s^2
+        ("irregularity", np.float64),
+        ("spin", np.float64),  # energy in rotation, as the square of a velocity
+        ("random", np.uint64),
         ("next", np.int64),
     ],
     align=True,
@@ -108,8 +169,8 @@ STATE = np.dtype(
         ("sigma", np.float64, MODES),
         ("response", np.float64, MODES // LANES * RESPONSES),
         ("shape", np.float32, SHAPE_VALUES),
-        # One quantum of sound: of one object, of all, and as it leaves.
-        ("voice", np.float64, (2, QUANTUM)),
+        # One quantum of sound: of the objects rendered together, of all, and as it leaves.
+        ("voices", np.float64, (OBJECTS, 2, QUANTUM)),
         ("mix", np.float64, (2, QUANTUM)),
         ("ready", np.float32, (QUANTUM, 2)),
         # Commands on their way in; Python moves `written`, the engine `read`.
@@ -125,6 +186,8 @@ STATE = np.dtype(
         ("objects", OBJECT, OBJECTS),
         ("order", np.int64, OBJECTS),  # slots in order of creation: the order of summation
         ("active", np.int64),  # objects in `order`
+        ("group", np.int64, OBJECTS),  # slots of those that are rendered together
+        ("group_size", np.int64),
         ("contacts", CONTACT, CONTACTS),
         ("free_contact", np.int64, CONTACTS),  # stack
         ("contacts_active", np.int64),
@@ -147,12 +210,14 @@ STATE = np.dtype(
         ("tap_lost", np.int64),
         # What happened, for whoever asks.
         ("synced", np.int64),
-        ("impacts", np.int64),
+        ("impacts", np.int64),  # contacts that began, or were left out
         ("contacts_dropped", np.int64),
         ("late", np.int64),
         ("faults", np.int64),
         ("limited", np.int64),  # frames
         ("limit_lowest", np.float64),
+        ("ended", np.int64, (ENDED, 2)),  # gestures that ended, and how: an End
+        ("ended_count", np.int64, 8),
         ("live_modes", np.int64),
         ("sounding", np.int64),  # objects
         ("load", np.float64),  # share of the time there is, averaged over a second

@@ -10,9 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..dsp.host import NOW, Engine, EngineFull
-from ..dsp.state import Command
+from ..dsp.state import CONTACTS, Command, End
 from .audio import Output, open_output
 from .dump import Dump
+from .gestures import Ended
 from .osc import (
     DEFAULT_PORT,
     IMMEDIATELY,
@@ -148,7 +149,7 @@ class Server:
         for message in bundle.messages:
             verb = VERBS.get(message.address)
             (sounding if verb is None or verb.scored else about_server).append(message)
-        for reply in self._scene.perform(sounding, when):
+        for reply in self._scene.perform(sounding, when, source):
             self._reply(reply, source)
         for message in about_server:
             try:
@@ -216,9 +217,21 @@ class Server:
         for count in [count for count in self._syncs if count <= done]:
             identity, source = self._syncs.pop(count)
             self._reply(Message("/synced", (identity,)), source)
+        for ended in self._scene.take_ends():
+            self._tell_end(ended)
         names = {obj.handle.slot: name for name, obj in self._scene.objects.items()}
         for warning in self._status.warnings(names):
             self._warn(warning)
+
+    def _tell_end(self, ended: Ended) -> None:
+        gesture = ended.gesture
+        asked: set[Address] = {gesture.source} | self._subscribers
+        for client in asked:
+            self._reply(Message("/gesture/end", (gesture.id,)), client)
+        if ended.end is End.NO_ROOM:
+            self._reply(
+                fail(gesture.address, f"{gesture.id}: no room, {CONTACTS} contacts go on already"), gesture.source
+            )
 
     def _warn(self, text: str) -> None:
         for subscriber in tuple(self._subscribers):

@@ -73,17 +73,18 @@ def blocks(score: Sequence[Line], engine: Engine, presets: Presets, options: Opt
         frames = options.block if end is None else min(options.block, end - written)
         parts = []
         while frames > 0:
-            # In pieces, so that a long block does not need more events at once than can be queued.
-            piece = min(frames, _PIECE)
-            horizon = (written + piece) // QUANTUM * QUANTUM + QUANTUM
-            while performed < len(lines) and lines[performed].time * options.rate < horizon:
+            # A line meets the engine at its own quantum, whatever the block size.
+            while performed < len(lines) and lines[performed].time * options.rate < engine.position + QUANTUM:
                 _perform(scene, lines[performed])
                 performed += 1
+            piece = min(frames, _PIECE)
+            if performed < len(lines):
+                piece = min(piece, max(1, _quantum_of(lines[performed].time * options.rate) - written))
             parts.append(engine.process(piece))
             written += piece
             frames -= piece
             if end is None and performed == len(lines) and (engine.quiet() or engine.position > tail):
-                sounded = max(engine.counter("sounded"), _quantum_after(lines[-1].time * options.rate))
+                sounded = max(engine.counter("sounded"), _quantum_of(lines[-1].time * options.rate) + QUANTUM)
                 end = min(sounded, tail)
                 surplus = max(0, written - end)
                 parts[-1] = parts[-1][: piece - surplus]
@@ -93,8 +94,9 @@ def blocks(score: Sequence[Line], engine: Engine, presets: Presets, options: Opt
             yield sound
 
 
-def _quantum_after(sample: float) -> int:
-    return (int(sample) // QUANTUM + 1) * QUANTUM
+def _quantum_of(sample: float) -> int:
+    """Where the quantum of a sample begins."""
+    return int(sample) // QUANTUM * QUANTUM
 
 
 def _perform(scene: Scene, line: Line) -> None:

@@ -4,23 +4,21 @@ import math
 import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import Any
 
 from ..dsp.host import NOW, Engine, EngineFull, Handle
 from ..dsp.materials import Material
 from ..dsp.methods import CORRECTIONS, METHODS
-from ..dsp.state import Command
-from .osc import Message, match
+from ..dsp.state import Command, Steering
+from .gestures import Ended, Gestures
+from .osc import Argument, Message, match
 from .presets import ObjectPreset, PresetError, Presets
-from .space import STRIKER, VERBS, Refused, Values, Verb, shown
-
-LONGEST_CONTACT = 1.0
-"""s: a striker so soft or heavy that it would stay longer is refused."""
+from .space import VERBS, Refused, Values, Verb, shown
+from .strikes import GRAVITY, LAW, Contact, fall, require_rest, require_short
 
 _NAME = re.compile(r"[^\s#*,/?\[\]{}]{1,64}")
+_FORBIDDEN = "# * , / ? [ ] { } or space"
 _SETTINGS = {"gain": 0.0, "pan": 0.0, "tune": 0.0, "decay": 1.0, "damp": 0.0}
-
-Contact = tuple[float, float, float, float]
-"""Mass (kg), stiffness (N/m^a), dissipation (s/m), exponent."""
 
 EngineCommand = tuple[float, Command, Handle | None, tuple[float, ...]]
 
@@ -29,6 +27,7 @@ EngineCommand = tuple[float, Command, Handle | None, tuple[float, ...]]
 class _Object:
     handle: Handle
     preset: ObjectPreset
+    mass: float  # kg
     born: float  # samples: nothing happens to it before
     leaves: float = math.inf  # samples: from then on its name is free
 
@@ -40,13 +39,15 @@ class Scene:
         self.engine = engine
         self.presets = presets
         self.objects: dict[str, _Object] = {}
+        self.gestures = Gestures(engine)
         self._displaced: list[tuple[str, _Object]] = []  # that are still there when their name is another's
         self._undo: list[Callable[[], object]] = []
         self._time = NOW
+        self._source: Any = None
         self._contacts: dict[tuple[str, Material | None], Contact] = {}  # read from files once an object was made
 
-    def perform(self, messages: Iterable[Message], time: float) -> list[Message]:
-        """Carry out messages together at a time (samples); returns /done and /fail replies.
+    def perform(self, messages: Iterable[Message], time: float, source: Any = None) -> list[Message]:
+        """Carry out messages of a source together at a time (samples); returns /done and /fail replies.
 
         A message that is refused leaves no trace and does not hold up the others. Either all their commands reach the
         engine or, where it has no room for them, none.
@@ -56,11 +57,14 @@ class Scene:
         accepted: list[str] = []
         self._undo.clear()
         self._time = time
+        self._source = source
         self._forget_gone()
         for message in messages:
+            done = len(self._undo)
             try:
                 more, reply = self._translate(message)
             except (Refused, PresetError, EngineFull) as error:
+                self._undo_from(done)
                 replies.append(fail(message.address, str(error)))
             else:
                 commands += more
@@ -69,11 +73,15 @@ class Scene:
         try:
             self.engine.send(commands)
         except EngineFull as error:
-            for undo in reversed(self._undo):
-                undo()
+            self._undo_from(0)
             replies = [r for r in replies if r.address == "/fail"]
             replies += [fail(address, str(error)) for address in accepted]
         return replies
+
+    def _undo_from(self, first: int) -> None:
+        """Take back what was done in the scene for commands that are not sent."""
+        while len(self._undo) > first:
+            self._undo.pop()()
 
     def _living(self) -> dict[str, _Object]:
         """The objects that are there, or the next to be, at the time of what is being carried out."""
@@ -84,7 +92,12 @@ class Scene:
                 living.setdefault(name, obj)
         return living
 
+    def take_ends(self) -> list[Ended]:
+        """Gestures that have ended since the last call."""
+        return self.gestures.take_ends()
+
     def _forget_gone(self) -> None:
+        self.gestures.collect()
         gone = self.engine.position
         self._displaced = [(name, obj) for name, obj in self._displaced if obj.leaves > gone]
         for name in [name for name, obj in self.objects.items() if obj.leaves <= gone]:
@@ -107,6 +120,8 @@ class Scene:
             choice = _contact_choice(VERBS["/contact"].parse(message.args))
             return [(self._time, Command.CONTACT, None, choice)], []
         parts = message.address.split("/")
+        if len(parts) == 4 and parts[1] == "gesture":
+            return self._steer(parts[2], parts[3], message.args), []
         if len(parts) != 4 or parts[:2] != ["", "object"]:
             raise Refused(f"no such address; expected one of {', '.join(VERBS)}")
         _, _, pattern, action = parts
@@ -116,19 +131,21 @@ class Scene:
             raise Refused(f"{action}: nothing an object does; expected {actions}")
         values = verb.parse(message.args)
         living = self._living()
-        objects = [obj for name, obj in living.items() if match(pattern, name)]
+        objects = {name: obj for name, obj in living.items() if match(pattern, name)}
         if not objects:
             known = ", ".join(list(living)[:8]) or "none"
             raise Refused(f"{pattern}: no such object; there are {known}")
         commands = []
-        for obj in objects:
-            commands += self._act(obj, verb, values)
+        for name, obj in objects.items():
+            commands += self._act(name, obj, verb, values)
         return commands, []
 
-    def _act(self, obj: _Object, verb: Verb, values: Values) -> list[EngineCommand]:
+    def _act(self, name: str, obj: _Object, verb: Verb, values: Values) -> list[EngineCommand]:
         action = verb.address.rsplit("/", 1)[1]
         if action == "impact":
-            return self._impact(obj, values)
+            return self._impact(name, obj, values)
+        if action == "bounce":
+            return self._bounce(name, obj, values)
         if action == "free":
             return [self._free(obj, values.numbers.get("at_once", 0.0))]
         return [self._for(obj, Command[action.upper()], _physical(action, values.numbers[action]))]
@@ -146,8 +163,7 @@ class Scene:
     def _new(self, values: Values) -> tuple[list[EngineCommand], list[Message]]:
         name = values.words["name"]
         if not _NAME.fullmatch(name) or not name.isprintable() or name == "new":
-            forbidden = "# * , / ? [ ] { } or space"
-            raise Refused(f"name = {shown(name)}: expected 1 to 64 printable characters, none of them {forbidden}")
+            raise Refused(f"name = {shown(name)}: expected 1 to 64 printable characters, none of them {_FORBIDDEN}")
         if name in self._living():
             raise Refused(f"name = {name}: there is such an object already; free it first")
         settings = {key: values.numbers.pop(key, default) for key, default in _SETTINGS.items()}
@@ -161,7 +177,7 @@ class Scene:
         self._contact(preset.striker, preset.material)
         modes = preset.modes(self.engine.top_frequency)
         handle, size, rows = self.engine.lay_out(modes, 10 ** (preset.level / 20))
-        obj = _Object(handle, preset, self._time)
+        obj = _Object(handle, preset, modes.mass, self._time)
         before = self.objects.get(name)
         if before:
             self._displaced.append((name, before))
@@ -173,18 +189,89 @@ class Scene:
         new = self._for(obj, Command.NEW, handle.first, size, handle.table, rows, *initial)
         return [new], [Message("/done", ("/object/new", name))]
 
-    def _impact(self, obj: _Object, values: Values) -> list[EngineCommand]:
-        numbers = values.numbers
-        velocity = numbers["velocity"]
+    def _impact(self, name: str, obj: _Object, values: Values) -> list[EngineCommand]:
+        velocity = values.numbers["velocity"]
         if velocity == 0.0:
             return []
+        contact = self._law(obj, values)
+        require_short(velocity, contact)
+        id = values.words.get("id")
+        return [self._strike(obj, Command.IMPACT, velocity, contact, values, self._start(id, name, "impact"))]
+
+    def _bounce(self, name: str, obj: _Object, values: Values) -> list[EngineCommand]:
+        numbers = values.numbers
+        contact = self._law(obj, values)
+        gravity = numbers.get("gravity", GRAVITY)
+        velocity, seconds = fall(numbers["height"], numbers.get("velocity", 0.0), gravity)
+        if velocity == 0.0:
+            return []
+        require_short(velocity, contact)
+        require_rest(velocity, contact, gravity)
+        serial = self._start(values.words.get("id", self.gestures.numbered(name)), name, "bounce")
+        seed = numbers.get("seed", float(serial))
+        if seed != int(seed):
+            raise Refused(f"seed = {seed:g}: expected a whole number")
+        motion = (gravity, numbers.get("irregularity", 0.0), seed, seconds)
+        return [self._strike(obj, Command.BOUNCE, velocity, contact, values, serial, motion)]
+
+    def _law(self, obj: _Object, values: Values) -> Contact:
+        """The contact of what a message strikes with."""
         preset = self._contact(values.words.get("striker", obj.preset.striker), obj.preset.material)
-        given = zip(("mass", "stiffness", "dissipation", "exponent"), preset, strict=True)
-        contact = {key: numbers.get(key, value) for key, value in given}
-        _require_short(velocity, **contact)
+        law = dict(zip(LAW, preset, strict=True))
+        if "by" in values.words:
+            law["mass"] = self._striker(obj, values).mass
+        mass, stiffness, dissipation, exponent = (values.numbers.get(key, value) for key, value in law.items())
+        return mass, stiffness, dissipation, exponent
+
+    def _striker(self, obj: _Object, values: Values) -> _Object:
+        """The object that a message strikes another one with."""
+        name = values.words["by"]
+        living = self._living()
+        if name not in living or living[name] is obj:
+            known = ", ".join([other for other in living if living[other] is not obj][:8]) or "none"
+            raise Refused(f"by = {shown(name)}: expected another object; there are {known}")
+        return living[name]
+
+    def _start(self, id: str | None, name: str, action: str) -> int:
+        """The number of a gesture on the object NAME, 0 for one that nobody will ask for."""
+        if id is None:
+            return 0
+        if not _NAME.fullmatch(id) or not id.isprintable():
+            raise Refused(f"id = {shown(id)}: expected 1 to 64 printable characters, none of them {_FORBIDDEN}")
+        gesture = self.gestures.new(id, f"/object/{name}/{action}", self._source)
+        self._undo.append(lambda: self.gestures.forget(gesture))
+        return gesture.serial
+
+    def _strike(
+        self, obj: _Object, kind: Command, velocity: float, contact: Contact, values: Values, serial: int,
+        motion: tuple[float, ...] = (),
+    ) -> EngineCommand:  # fmt: skip
+        numbers = values.numbers
         position = numbers.get("position", obj.preset.position)
         gain = _physical("gain", numbers.get("gain", 0.0))
-        return [self._for(obj, Command.IMPACT, velocity, position, *contact.values(), gain)]
+        by = (0.0, 0.0, 0.0)
+        time, _, handle, _ = self._for(obj, kind)
+        if "by" in values.words:
+            other = self._striker(obj, values)
+            by = (other.handle.slot, other.handle.serial, numbers.get("by_position", other.preset.position))
+            time = max(time, self._for(other, kind)[0])
+        return time, kind, handle, (velocity, position, *contact, gain, serial, *by, *motion)
+
+    def _steer(self, pattern: str, action: str, args: tuple[Argument, ...]) -> list[EngineCommand]:
+        verb = VERBS.get(f"/gesture/ID/{action}")
+        if verb is None:
+            actions = ", ".join(a.rsplit("/", 1)[1] for a in VERBS if a.startswith("/gesture/"))
+            raise Refused(f"{action}: nothing a gesture does; expected {actions}")
+        numbers = verb.parse(args).numbers
+        known = self.gestures.known()
+        meant = [gesture for gesture in known if match(pattern, gesture.id)]
+        if not meant:
+            ids = ", ".join(gesture.id for gesture in known[-8:]) or "none"
+            raise Refused(f"{pattern}: no such gesture; there are {ids}")
+        value = _physical(action, numbers.get(action, 0.0))
+        steering = float(Steering[action.upper()])
+        running = [gesture for gesture in meant if self.gestures.runs(gesture)]
+        return [(self._time, Command.STEER, None, (float(g.serial), steering, value)) for g in running]
 
     def _contact(self, striker: str, material: Material | None) -> Contact:
         if (striker, material) not in self._contacts:
@@ -222,16 +309,3 @@ def _physical(setting: str, value: float) -> float:
     if setting == "tune":
         return 2 ** (value / 12)
     return value
-
-
-def _require_short(velocity: float, mass: float, stiffness: float, dissipation: float, exponent: float) -> None:
-    """Refuse a contact of more than LONGEST_CONTACT, by an upper estimate of its duration."""
-    a = exponent
-    w = dissipation * velocity
-    length = (mass * velocity**2 / stiffness) ** (1 / (a + 1))
-    deepest = ((a + 1) * min(0.5, 1 / w if w else math.inf)) ** (1 / (a + 1))
-    duration = length / velocity * (3.3 + w * deepest)
-    if duration > LONGEST_CONTACT:
-        law = zip(STRIKER[1:], (mass, stiffness, dissipation, exponent), strict=True)
-        culprits = ", ".join(f"{number.name} = {value:g}" for number, value in law)
-        raise Refused(f"{culprits}: the contact would last {duration:.3g} s; expected under {LONGEST_CONTACT:g} s")

@@ -126,6 +126,9 @@ GAIN = Number("gain", -120, 40, "dB")
 PAN = Number("pan", -1, 1, "", "-1 left, 1 right")
 TUNE = Number("tune", -60, 60, "semitones")
 DECAY = Number("decay", 0.001, 100, "times", "every decay time, longer or shorter")
+HEIGHT = Number("height", 0, 1000, "m", "it falls from")
+GRAVITY = Number("gravity", 0.01, 1000, "m/s^2")
+IRREGULARITY = Number("irregularity", 0, 1, "", "how far from round: energy comes and goes between flight and rotation")
 DAMP = Number("damp", 0, 1, "", "a hand on it: 0 off, 1 firm")
 
 STRIKER = (
@@ -136,6 +139,14 @@ STRIKER = (
     Number("exponent", 1, 4),
 )
 
+STRIKE = (
+    *STRIKER,
+    Word("by", "an object that strikes, and rings too"),
+    Number("by_position", 0, 1, "", "where on that object"),
+    Number("gain", -120, 40, "dB", "of this gesture"),
+    Word("id", "a name by which the gesture can be steered, and its end is told"),
+)
+
 VERBS = {
     verb.address: verb
     for verb in (
@@ -144,8 +155,16 @@ VERBS = {
             (Word("name"), Word("preset")), keys=(GAIN, PAN, TUNE, DECAY, DAMP, POSITION, STRIKER[0]), open_keys=True,
         ),
         Verb(
-            "/object/NAME/impact", "strikes it once", (VELOCITY,), (POSITION,),
-            (*STRIKER, Number("gain", -120, 40, "dB", "of this strike")),
+            "/object/NAME/impact", "strikes it once; `by` another object, that one rings too",
+            (VELOCITY,), (POSITION,), STRIKE,
+        ),
+        Verb(
+            "/object/NAME/bounce", "drops or throws the striker on it, which bounces until it rests",
+            (HEIGHT,), (POSITION,),
+            (
+                *STRIKE, Number("velocity", -100, 100, "m/s", "thrown downwards, or upwards"), GRAVITY, IRREGULARITY,
+                Number("seed", 0, 2**31 - 1, "", "of the irregularity"),
+            ),
         ),
         Verb("/object/NAME/damp", "puts a hand on it, until changed", (DAMP,)),
         Verb("/object/NAME/gain", "level", (GAIN,)),
@@ -156,6 +175,11 @@ VERBS = {
             "/object/NAME/free", "removes it once silent, or with 1 at once (a 70 ms fade); its name is free",
             optional=(Number("at_once", 0, 1),),
         ),
+        Verb("/gesture/ID/stop", "ends a bounce: its striker does not come back"),
+        Verb("/gesture/ID/gain", "level of a running gesture", (GAIN,)),
+        Verb("/gesture/ID/position", "where it touches the object", (POSITION,)),
+        Verb("/gesture/ID/gravity", "from the next flight on", (GRAVITY,)),
+        Verb("/gesture/ID/irregularity", "from the next contact on", (IRREGULARITY,)),
         Verb(
             "/contact", "how contacts are solved from now on: closed (exact, the default), am1, verlet, heun, rk4",
             (Word("method"),), (Number("oversampling", 1, 64),),

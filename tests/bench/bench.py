@@ -106,8 +106,15 @@ def bank(modes: int) -> list[np.ndarray]:
     record["y1"][:modes] = 1.0
     record["balance"][:modes] = 0.5
     record["shape"] = 0.1
-    fields = ("y1", "y2", "a1", "a2", "balance", "voice", "response", "shape")
-    return [*(record[name] for name in fields), np.full(4, 0.25), 0.01 * 0.5 ** np.arange(8)]
+    arrays = [record[name] for name in ("y1", "y2", "a1", "a2", "balance")]
+    return [
+        *arrays,
+        record["voices"][0],
+        record["response"],
+        record["shape"],
+        np.full(4, 0.25),
+        0.01 * 0.5 ** np.arange(8),
+    ]
 
 
 def compile_reference() -> ctypes.CDLL | None:

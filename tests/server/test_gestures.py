@@ -1,0 +1,127 @@
+"""Gestures over OSC: started, steered, stopped, refused, and told when they end."""
+
+import pytest
+
+from carom.dsp.host import NOW, Engine
+from carom.server.osc import Message
+from carom.server.presets import Presets
+from carom.server.scene import Scene
+from carom.server.strikes import GRAVITY, fall
+from tests.conftest import Running
+
+
+@pytest.fixture
+def scene():
+    scene = Scene(Engine(48_000), Presets())
+    for name, preset in (("pane", "glass-plate"), ("cup", "plastic-cup")):
+        say(scene, "/object/new", name, preset)
+    return scene
+
+
+def say(scene, address, *args, time=NOW, source=None):
+    return scene.perform([Message(address, args)], time, source)
+
+
+def refusal(scene, address, *args):
+    (reply,) = say(scene, address, *args)
+    assert reply.address == "/fail" and reply.args[0] == address
+    return reply.args[1]
+
+
+def seconds(scene, t):
+    scene.engine.process(int(t * 48_000))
+
+
+def ids(scene):
+    return [(ended.gesture.id, ended.gesture.source) for ended in scene.take_ends()]
+
+
+@pytest.mark.parametrize("velocity", [0.0, 2.0, -2.0])
+def test_a_fall_is_a_parabola(velocity):
+    v_in, t = fall(1.5, velocity, GRAVITY)
+    assert velocity * t + GRAVITY * t**2 / 2 == pytest.approx(1.5) and v_in == pytest.approx(velocity + GRAVITY * t)
+    assert fall(0.0, 0.0, GRAVITY) == (0.0, 0.0)
+
+
+def test_a_bounce_touches_again_and_again_and_its_end_is_told(scene):
+    assert say(scene, "/object/pane/bounce", 0.05, "striker", "ping-pong", "id", "ball", source="me") == []
+    seconds(scene, 1.0)
+    assert scene.engine.counter("impacts") > 5 and scene.take_ends() == []
+    seconds(scene, 20.0)
+    assert ids(scene) == [("ball", "me")] and scene.engine.quiet()
+
+
+def test_gestures_are_stopped_by_name_or_pattern(scene):
+    for i in range(4):
+        say(scene, "/object/pane/bounce", 1.0, "id", f"ball{i}")
+    say(scene, "/object/cup/bounce", 1.0)
+    assert say(scene, "/gesture/ball[0-2]/stop") == []
+    seconds(scene, 0.01)
+    assert sorted(ids(scene)) == [("ball0", None), ("ball1", None), ("ball2", None)]
+    assert say(scene, "/gesture/ball0/stop") == []  # once more does no harm
+    assert "no such gesture; there are ball0" in refusal(scene, "/gesture/marble/stop")
+    say(scene, "/gesture/cup-*/stop")
+    say(scene, "/object/pane/free")
+    seconds(scene, 0.01)
+    assert sorted(ids(scene)) == [("ball3", None), ("cup-5", None)]
+
+
+def test_gestures_are_steered(scene):
+    say(scene, "/object/pane/bounce", 1.0, "id", "ball", "irregularity", 0.3)
+    for what, value in (("gain", -6), ("position", 0.2), ("gravity", 1.62), ("irregularity", 1)):
+        assert say(scene, f"/gesture/ball/{what}", value) == []
+    seconds(scene, 0.1)
+    (contact,) = (c for c in scene.engine.state["contacts"][0] if c["serial"])
+    assert contact["loudness"] == pytest.approx(0.501, abs=1e-3) and contact["gravity"] == 1.62
+    assert contact["moved_to"] == 0.2 and contact["irregularity"] == 1.0
+    assert "gravity = 0: expected a number from 0.01" in refusal(scene, "/gesture/ball/gravity", 0)
+    assert "jump: nothing a gesture does; expected stop, gain" in refusal(scene, "/gesture/ball/jump")
+
+
+def test_an_object_strikes_another(scene):
+    assert say(scene, "/object/pane/impact", 0.5, "by", "cup", "by_position", 0.3) == []
+    scene.engine.process(640)
+    assert scene.engine.counter("sounding") == 2
+    assert "by = pane: expected another object; there are cup" in refusal(scene, "/object/pane/impact", 1, "by", "pane")
+    assert "by = lid: expected another" in refusal(scene, "/object/pane/impact", 1, "by", "lid")
+
+
+@pytest.mark.parametrize(
+    ("args", "reason"),
+    [
+        ((), "height is missing"),
+        ((-0.1,), "height = -0.1: expected a number from 0 to 1000 m"),
+        ((float("nan"),), "height = nan: expected"),
+        ((1e9,), "height = 1e+09: expected"),
+        ((1, "gravity", 0), "gravity = 0: expected"),
+        ((1, "gravity", -9.81), "gravity = -9.81: expected"),
+        ((1, "mass", 0), "mass = 0: expected"),
+        ((1, "mass", float("inf")), "mass = inf: expected"),
+        ((1, "dissipation", 0), "dissipation = 0: the bounce would never end"),
+        ((1, "dissipation", 1e-5), "dissipation = 1e-05: the bounce might last"),
+        ((1, "irregularity", 2), "irregularity = 2: expected"),
+        ((1, "seed", 0.5), "seed = 0.5: expected a whole number"),
+        ((1, "id", "a b"), "id = a b: expected 1 to 64"),
+        ((1, "id", 3), "id = 3: expected a name"),
+        ((1, "stiffness", 1e-3, "mass", 1e6), "the contact would last"),
+    ],
+)
+def test_a_bounce_that_can_not_be_is_refused_and_leaves_nothing(scene, args, reason):
+    assert reason in refusal(scene, "/object/pane/bounce", *args)
+    assert scene.gestures.known() == [] and scene.engine.room() == 8192 - 2
+
+
+def test_ends_are_told_to_those_who_asked(server: Running):
+    with server.client() as client, server.client() as other:
+        other.ask("/notify", 1)
+        client.new("pane", "glass-plate", gain=-40)
+        for i in range(600):
+            client.send("/object/pane/bounce", 0.2, "id", f"b{i}")
+        client.ask("/sync", 1)
+        client.send("/gesture/*/stop")
+        ends = [reply for reply in client.replies(1.0) if reply.address in ("/gesture/end", "/fail")]
+        assert {reply.args[0] for reply in ends if reply.address == "/gesture/end"} == {f"b{i}" for i in range(600)}
+        full = [reply.args[1] for reply in ends if reply.address == "/fail"]
+        assert len(full) == 600 - 512 and full[0] == "b512: no room, 512 contacts go on already"
+        # It did not read meanwhile: its system kept what its buffer holds.
+        assert sum(reply.address == "/gesture/end" for reply in other.replies(0.5)) > 100
