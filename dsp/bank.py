@@ -9,20 +9,29 @@ Heard is omega q: the amplitude of the mode's velocity, in the phase of its disp
 continuous.
 
 Modes are stored in lanes of LANES: an object's bank is a whole number of lanes, padded by modes at rest.
+
+A coupled contact (coupled.py) also looks at the modes: `observe` gives the point's motion over the coming sample in
+Legendre polynomials. Its table is the one that `inject` answers forces with, and so what a contact sees and what it
+does belong together, and no energy gets lost between them.
 """
 
 import math
 
 from .jit import kernel, simd_kernel
 from .lanes import LANES, add_product, dot
-from .pulse import MOMENTS
 
-RESPONSES = 2 * MOMENTS * LANES
-"""Coefficients for injection in one group of modes: by moment, by sample (last, last but one), by mode."""
+FINE = 12
+"""Legendre moments of a coupled contact's force: those left out weigh -188 dB in a mode at .95 of Nyquist."""
+
+_MOBILITY = 2 * FINE * LANES
+RESPONSES = _MOBILITY + 2 * LANES
+"""Coefficients of one group of modes: for injection by moment, by sample (last, last but one), by mode; then two rows
+that `observe` and `receptance` need."""
 
 NYQUIST_SHARE = 0.95
 """No mode is made above this share of the Nyquist frequency."""
 
+_ONES = (1.0,) * LANES
 _BESSEL_START = 24  # where the downward recursion of the spherical Bessel functions starts; |z| <= 1.6 needs 18
 
 
@@ -87,12 +96,109 @@ def inject(y1, y2, response, shape, stride, row, weights, moments):
     `weights`. `response` is the modes' table made by `set_mode`.
     """
     m = (moments[0], moments[1], moments[2], moments[3], moments[4], moments[5], moments[6], moments[7])
+    _inject(y1, y2, response, shape, stride, row, weights, m)
+
+
+@simd_kernel
+def inject_fine(y1, y2, response, shape, stride, row, weights, moments):
+    """The same with the FINE moments of a coupled contact."""
+    m = (
+        moments[0], moments[1], moments[2], moments[3], moments[4], moments[5],
+        moments[6], moments[7], moments[8], moments[9], moments[10], moments[11],
+    )  # fmt: skip
+    _inject(y1, y2, response, shape, stride, row, weights, m)
+
+
+@simd_kernel
+def _inject(y1, y2, response, shape, stride, row, weights, m):
     w = (weights[0], weights[1], weights[2], weights[3])
     for first in range(0, len(y1), LANES):
         group = first // LANES * RESPONSES
         phi = dot(shape, row * stride + first, stride, w)
         add_product(y1, first, phi, dot(response, group, 2 * LANES, m))
         add_product(y2, first, phi, dot(response, group + LANES, 2 * LANES, m))
+
+
+@simd_kernel
+def observe(y1, y2, a1, a2, response, shape, stride, row, weights, work, coefficients):
+    """The point's displacement (m) over the coming sample, if no force acts: FINE Legendre coefficients.
+
+    Arguments as in `inject`; `work` (float64) has room for 3 n + FINE LANES values.
+    """
+    n = len(y1)
+    _shapes(n, shape, stride, row, weights, work)
+    # exp(s theta) = exp(s) exp(-s (1 - theta)): the reflected table, on the state a sample later.
+    for i in range(n):
+        mobility = work[i] * response[i // LANES * RESPONSES + _MOBILITY + i % LANES]
+        after = a1[i] * y1[i] + a2[i] * y2[i]
+        work[n + i] = mobility * (a1[i] * after + a2[i] * y1[i])
+        work[2 * n + i] = mobility * a2[i] * after
+    _project(n, response, work, coefficients)
+
+
+@simd_kernel
+def receptance(a1, a2, response, shape, stride, row, weights, work, coefficients):
+    """The point's displacement over a sample after a unit impulse there: FINE Legendre coefficients, m/(N s).
+
+    Arguments as in `observe`.
+    """
+    n = len(a1)
+    _shapes(n, shape, stride, row, weights, work)
+    for i in range(n):
+        struck = work[i] * work[i] * response[i // LANES * RESPONSES + _MOBILITY + LANES + i % LANES]
+        work[n + i] = struck * a1[i]
+        work[2 * n + i] = struck * a2[i]
+    _project(n, response, work, coefficients)
+
+
+@simd_kernel
+def reach(y1, y2, a1, a2, response, shape, stride, row, weights, work):
+    """What the ringing modes can't exceed at the point: its displacement (m) and velocity (m/s, up to sigma/omega).
+
+    Arguments as in `observe`.
+    """
+    n = len(y1)
+    _shapes(n, shape, stride, row, weights, work)
+    distance = speed = 0.0
+    for i in range(n):
+        scale = response[i // LANES * RESPONSES + _MOBILITY + LANES + i % LANES]
+        if scale != 0.0:
+            mobility = response[i // LANES * RESPONSES + _MOBILITY + i % LANES]
+            square = y1[i] * y1[i] - a1[i] * y1[i] * y2[i] - a2[i] * y2[i] * y2[i]  # |z|^2 sin(theta)^2
+            moved = abs(work[i]) * math.sqrt(max(square, 0.0))
+            distance += moved * scale / math.sqrt(1.0 + 0.25 * a1[i] * a1[i] / a2[i])
+            speed += moved * mobility / scale * math.sqrt(-a2[i])
+    return distance, speed
+
+
+@simd_kernel
+def _shapes(n, shape, stride, row, weights, work):
+    """The modes' shapes at the point, into the first n values of `work`."""
+    w = (weights[0], weights[1], weights[2], weights[3])
+    for i in range(n):
+        work[i] = 0.0
+    for first in range(0, n, LANES):
+        add_product(work, first, _ONES, dot(shape, row * stride + first, stride, w))
+
+
+@simd_kernel
+def _project(n, response, work, coefficients):
+    """coefficients[k] = (-1)^k sum (A_i Im R_ik + B_i Im(R_ik exp(-s_i))), A and B behind the shapes in `work`."""
+    totals = work[3 * n : 3 * n + FINE * LANES]
+    for k in range(FINE * LANES):
+        totals[k] = 0.0
+    for first in range(0, n, LANES):
+        group = first // LANES * RESPONSES
+        here = dot(work, n + first, 0, (1.0,))
+        before = dot(work, 2 * n + first, 0, (1.0,))
+        for k in range(FINE):
+            add_product(totals, k * LANES, here, dot(response, group + 2 * k * LANES, 0, (1.0,)))
+            add_product(totals, k * LANES, before, dot(response, group + (2 * k + 1) * LANES, 0, (1.0,)))
+    for k in range(FINE):
+        total = 0.0
+        for i in range(LANES):
+            total += totals[k * LANES + i]
+        coefficients[k] = -total if k % 2 == 1 else total
 
 
 @kernel
@@ -113,7 +219,7 @@ def set_mode(i, frequency, decay, rate, weight, y1, y2, a1, a2, response):
     base = (i // LANES) * RESPONSES + i % LANES
     if frequency <= 0.0:
         y1[i] = y2[i] = a1[i] = a2[i] = 0.0
-        for k in range(2 * MOMENTS):
+        for k in range(RESPONSES // LANES):
             response[base + k * LANES] = 0.0
         return
     theta = 2.0 * math.pi * frequency / rate
@@ -135,17 +241,21 @@ def set_mode(i, frequency, decay, rate, weight, y1, y2, a1, a2, response):
     for k in range(_BESSEL_START, 0, -1):
         upper, here = here, upper + (2 * k + 1) * reciprocal * here
         total += (2 * k - 1) * here
-        if k <= MOMENTS:
+        if k <= FINE:
             b = base + 2 * (k - 1) * LANES
             response[b] = here.real
             response[b + LANES] = here.imag
     # exp(z)/total normalises the i_k and exp(-z) is the factor above: what is left is 1/total.
     scale = total.conjugate() * (1.0 / (total.real * total.real + total.imag * total.imag))
     before = complex(math.cos(theta), -math.sin(theta)) * (1.0 / r)
-    for k in range(MOMENTS):
+    for k in range(FINE):
         b = base + 2 * k * LANES
         g = complex(response[b], response[b + LANES]) * scale * (weight * (2 * k + 1))
         if k % 2 == 1:
             g = -g
         response[b] = g.imag
         response[b + LANES] = (g * before).imag
+    omega = 2.0 * math.pi * frequency
+    heard = weight != 0.0
+    response[base + _MOBILITY] = 1.0 / (omega * weight * weight * r * math.sin(theta)) if heard else 0.0
+    response[base + _MOBILITY + LANES] = 1.0 / (omega * weight) if heard else 0.0

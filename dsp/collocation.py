@@ -28,18 +28,19 @@ NODES = 3
 GAUSS = (legendre.leggauss(NODES)[0] + 1.0) / 2.0
 """The nodes, in [0, 1] of a step."""
 
-_CARDINAL = np.linalg.inv(
+CARDINAL = np.linalg.inv(
     np.vander(GAUSS, increasing=True)
 )  # power series of the polynomials 1 at one node, 0 at others
 
-WEIGHTS = np.array([_CARDINAL[:, j] @ (1.0 / np.arange(1, NODES + 1)) for j in range(NODES)])
+WEIGHTS = np.array([CARDINAL[:, j] @ (1.0 / np.arange(1, NODES + 1)) for j in range(NODES)])
 """Integrals over the step."""
 
-INTEGRAL = np.array([[c ** np.arange(1, 4) / np.arange(1, 4) @ _CARDINAL[:, j] for j in range(NODES)] for c in GAUSS])
+INTEGRAL = np.array([[c ** np.arange(1, 4) / np.arange(1, 4) @ CARDINAL[:, j] for j in range(NODES)] for c in GAUSS])
 """Integrals from the step's beginning up to a node (row): the Gauss method's matrix."""
 
 _TWICE = INTEGRAL @ INTEGRAL
-LAST = _CARDINAL.sum(axis=0)
+
+LAST = CARDINAL.sum(axis=0)
 """The quadratic's value at the step's end."""
 
 _SOLVED = 1e-11  # relative change of the forces that ends Newton's method, whose error is then below its square
@@ -134,6 +135,12 @@ def _eliminate(linear):
 
 
 @kernel
+def allowance(gained, scale):
+    """Energy (J) that a step may gain, in a contact of about `scale`, after `gained`: half of what is left to gain."""
+    return max(0.5 * (_GROWTH * scale - gained), _LEAST_GROWTH * scale)
+
+
+@kernel
 def extrapolate(step, ratio):
     """Let the next step's Newton start where the last step's force leads; the next is `ratio` times as long."""
     f0, f1, f2 = step.f[0], step.f[1], step.f[2]
@@ -141,7 +148,7 @@ def extrapolate(step, ratio):
         theta = 1.0 + ratio * GAUSS[i]
         value = 0.0
         for power in range(NODES - 1, -1, -1):
-            value = value * theta + _CARDINAL[power, 0] * f0 + _CARDINAL[power, 1] * f1 + _CARDINAL[power, 2] * f2
+            value = value * theta + CARDINAL[power, 0] * f0 + CARDINAL[power, 1] * f1 + CARDINAL[power, 2] * f2
         step.f[i] = max(value, 0.0)
 
 
@@ -162,7 +169,7 @@ def discrete_gradient(x, free, give, h, k, mu, a):
     """The change of x over a step of h seconds, and the force that is held for it.
 
     Without the force x would change by `free` (m); a held one takes off `give` (m/N) > 0. The change that the law
-    allows is the root of an increasing convex function: Newton's method comes down to it from above, halving if it must.
+    allows is the root of an increasing convex function: Newton's method comes down to it from above.
     """
     high = free
     low = free
@@ -236,6 +243,7 @@ EXACT = 1e-5
 """Tolerance of `press` for release velocities and times within 3e-7 of their exact values."""
 
 _GROWTH = 1e-8  # share of its energy that a contact may gain in all
+_LEAST_GROWTH = 1e-15  # what rounding makes of it in a step
 _TRIALS = 60
 _FINEST = 2.0**-20  # of the step tried first: where it comes to this, the force is held
 _ROUNDING = 1e-14  # share of the momentum at hand that no force is asked for
@@ -317,7 +325,7 @@ def press(contact, longest):
             h *= 0.25
             closing = False
             continue
-        whole, closing = _until_release(contact.step, x, v, h, closing)
+        whole, closing = until_release(contact.step, x, v, h, closing)
         if whole != h and whole <= longest:
             h = whole
             continue
@@ -358,7 +366,7 @@ def _collocate(contact, h):
 
 
 @kernel
-def _until_release(step, x, v, h, closing):
+def until_release(step, x, v, h, closing):
     """The length of the step that ends where x comes to 0, if it does; and whether that is what is being sought."""
     for i in range(NODES):
         if step.x[i] < 0.0:
@@ -375,10 +383,12 @@ def _judge(contact, h, x, v):
     speed = max(_speed(contact, x, v), _speed(contact, contact.x, contact.v))
     rest = abs(end_of(contact.step.f) - law(x, v, contact.k, contact.mu, contact.a)) * h
     wanted = contact.tolerance * contact.m * speed
-    room = _GROWTH * (0.5 * contact.m * speed * speed + abs(contact.push) * max(x, contact.x))
+    scale = 0.5 * contact.m * speed * speed + abs(contact.push) * max(x, contact.x)
+    before = _energy(contact, contact.x, contact.v)
+    gain = _energy(contact, x, v) - before
     # The rest grows with h^4 where the force is smooth, and less steeply where the contact begins.
     ratio = min(max(0.8 * (wanted / max(rest, 1e-300)) ** 0.25, 0.2), 2.0)
-    return ratio, rest <= wanted and _energy(contact, x, v) <= contact.energy + room
+    return ratio, rest <= wanted and gain <= allowance(before - contact.energy, scale)
 
 
 @kernel

@@ -1,0 +1,485 @@
+"""The contact with objects that move while they are touched, at the cost of a contact with a rigid wall.
+
+Over one sample, modes enter a contact by a few numbers only. The compression at the contact point is
+
+    x(t) = D(t) - int_0^t g(t - s) f(s) ds
+
+with D the compression if there were no force and g the impulse response of striker and modes together,
+g(t) = t/m + sum phi_i^2 exp(-sigma_i t) sin(omega_i t)/omega_i. No mode is above the Nyquist frequency, so over a
+sample both are polynomials. The bank says D's part (`observe`) and g's (`receptance`); what is left is a scalar equation,
+stepped through by Gauss collocation (collocation.py) in as many steps as the contact needs. A step's force is a
+quadratic, and what it does to the rest of the sample is again a polynomial, exactly. The modes get the force's FINE
+Legendre moments at the sample's end. The cost of a step does not depend on the number of modes.
+
+Contacts begin and end at the times where x is 0. The striker may be caught up by the object and touch it again, and it
+may be pressed on by a constant force. Energy can't grow: a step's work is int f dx, exact for polynomials, and steps
+that would give back more than the change of V = k x^(a+1)/(a+1) are refined; where that gets too fine, or too much for
+a sample, the force is held by the discrete gradient, which can't gain whatever the step.
+
+Lengths of steps are in samples, and so are the variables of polynomials; all else is in SI units.
+"""
+
+import math
+
+import numpy as np
+from numpy.polynomial import legendre, polynomial
+
+from .bank import FINE
+from .collocation import (
+    CARDINAL,
+    GAUSS,
+    INTEGRAL,
+    NODES,
+    STEP,
+    allowance,
+    discrete_gradient,
+    elastic,
+    end_of,
+    extrapolate,
+    law,
+    solve,
+    until_release,
+)
+from .jit import kernel
+
+HELD = math.inf
+"""Tolerance of one held step a sample: the cheapest, for when there is no time."""
+
+FAST = 1e-3
+EXACT = 1e-5
+
+_QUADRATURE, _QUADRATURE_WEIGHTS = ((g + 1.0) / 2.0 if i == 0 else g / 2.0 for i, g in enumerate(legendre.leggauss(7)))
+_FORCE_AT = np.vander(_QUADRATURE, NODES, increasing=True) @ CARDINAL  # values of a quadratic at _QUADRATURE
+
+_BINOMIAL = np.array([[math.comb(n, k) for k in range(FINE)] for n in range(FINE)], np.float64)
+
+
+def _powers() -> np.ndarray:
+    """Power series over theta of P_k(2 theta - 1): a column for each k."""
+    matrix = np.zeros((FINE, FINE))
+    for k in range(FINE):
+        in_x = legendre.leg2poly(np.eye(FINE)[k])
+        series = np.zeros(1)
+        for coefficient in in_x[::-1]:
+            series = polynomial.polyadd(polynomial.polymul(series, [-1.0, 2.0]), [coefficient])
+        matrix[: k + 1, k] = series[: k + 1]
+    return matrix
+
+
+_POWERS = _powers()
+
+
+def _moment_tables() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Integrals over a unit step with l_j, the quadratics that are 1 at one node and 0 at the others.
+
+    to_node[n, i, j] = int_0^c_i (c_i - s)^n l_j ds, to_end[n, j] the same up to 1, and
+    double[n, i, j] = int_0^1 l_i(t) int_0^t (t - s)^n l_j(s) ds dt.
+    """
+
+    def running(t: float) -> np.ndarray:
+        # int_0^t (t - s)^n s^p ds = n! p!/(n + p + 1)! t^(n + p + 1)
+        beta = [
+            [math.factorial(n) * math.factorial(p) / math.factorial(n + p + 1) * t ** (n + p + 1) for p in range(NODES)]
+            for n in range(FINE)
+        ]
+        return np.array(beta) @ CARDINAL
+
+    nodes, weights = legendre.leggauss(FINE)
+    double = sum(
+        0.5 * w * (t ** np.arange(NODES) @ CARDINAL)[None, :, None] * running(t)[:, None, :]
+        for t, w in zip((nodes + 1.0) / 2.0, weights, strict=True)
+    )
+    return np.stack([running(c) for c in GAUSS], axis=1), running(1.0), np.asarray(double)
+
+
+_TO_NODE, _TO_END, _DOUBLE = _moment_tables()
+
+_TRIALS = 40
+_FINEST = 2.0**-16  # of the step tried first: where it comes to this, the force is held
+_MOST_STEPS = 200  # in a sample; what is left of it then is one held step
+_LOOKS = 8  # at the gap, in a sample
+_ROUNDING = 1e-14  # share of the momentum at hand that no force is asked for
+
+COUPLED = np.dtype(
+    [
+        ("step", STEP),
+        ("force", np.float64, NODES),  # N, at GAUSS of the step
+        ("motion", np.float64, FINE),  # m: the compression without a force, from now to the sample's end
+        ("answer", np.float64, FINE),  # m/(N sample): g times a sample's length
+        ("power", np.float64, FINE),  # of the step's length
+        ("impulse", np.float64, FINE),  # N samples^(n+1): int (eta - s)^n f ds over the step
+        ("v", np.float64),  # the striker's velocity towards the object, m/s
+        ("position", np.float64),  # the striker's, m: its compression of the object at rest
+        ("period", np.float64),  # a sample, s
+        ("wait", np.float64),  # samples until the contact begins, negative once it has
+        ("m", np.float64),  # kg
+        ("k", np.float64),
+        ("mu", np.float64),
+        ("a", np.float64),
+        ("push", np.float64),  # constant force on the striker towards the object, N
+        ("mass", np.float64),  # effective, of striker and modes in the first instant, kg
+        ("tolerance", np.float64),
+        ("next", np.float64),  # samples: the step to try
+        ("gained", np.float64),  # J: by how much the energy is above the least so far
+        ("scale", np.float64),  # J: the greatest energy of the contact so far
+        ("touching", np.int64),
+        ("contacts", np.int64),
+        ("steps", np.int64),
+        ("held", np.int64),  # steps with the force held
+    ],
+    align=True,
+)
+"""A striker and what it meets."""
+
+
+@kernel
+def begin_coupled(contact, v, m, k, mu, a, push, fraction, rate, tolerance):
+    """A striker of mass m (kg) at v (m/s) that touches after `fraction` in [0, 1) of the coming sample.
+
+    `respond_with` must follow. `push` (N) presses it on; `tolerance` is EXACT, FAST or HELD.
+    """
+    contact.v = v
+    contact.m = m
+    contact.k = k
+    contact.mu = mu
+    contact.a = a
+    contact.push = push
+    contact.period = 1.0 / rate
+    contact.wait = fraction
+    contact.tolerance = tolerance
+    contact.motion[0] = 0.0
+    contact.position = 0.0
+    contact.gained = 0.0
+    contact.scale = 0.0
+    contact.touching = 0
+    contact.contacts = 0
+    contact.steps = 0
+    contact.held = 0
+
+
+@kernel
+def respond_with(contact, receptance):
+    """Let the contact meet modes of that receptance (FINE, m/(N s)): at its beginning, and when they are retuned."""
+    h = contact.period
+    for n in range(1, FINE):
+        total = 0.0
+        for k in range(n, FINE):
+            total += _POWERS[n, k] * receptance[k]
+        contact.answer[n] = h * total
+    contact.answer[0] = 0.0
+    contact.answer[1] += h * h / contact.m
+    contact.mass = h * h / contact.answer[1]
+
+
+@kernel
+def step_coupled(contact, observed, moments):
+    """Take the contact through the coming sample; fill `moments` (FINE, N s) with the force's on the object.
+
+    `observed` (FINE, m) is how the object's point would move without it, by `bank.observe`; of two objects, the
+    difference of both, where the striker's moves against its place in the striker; it gets the moments' negative.
+    """
+    _look(contact, observed)
+    for n in range(FINE):
+        moments[n] = 0.0
+    at = 0.0
+    for n in range(_MOST_STEPS + 1):
+        left = 1.0 - at
+        if left <= 0.0:
+            break
+        meets = released = False
+        if contact.wait >= 0.0:
+            eta = contact.wait
+            contact.wait = -1.0
+            meets = True
+        elif contact.touching:
+            eta, released = _stay(contact, left, n == _MOST_STEPS)
+        else:
+            eta, meets = _fly(contact, left)
+        _move(contact, eta, at, moments)
+        at = 1.0 if eta >= left else at + eta
+        if meets or released:
+            contact.position -= contact.motion[0]
+            contact.motion[0] = 0.0
+        if meets and contact.motion[1] > 0.0:
+            _touch(contact)
+        elif contact.motion[0] < 0.0 or released:
+            contact.touching = 0
+            for j in range(NODES):
+                contact.force[j] = 0.0
+    return contact.touching > 0
+
+
+@kernel
+def _look(contact, observed):
+    """Find the compression over the sample, if no more force acted."""
+    place = 0.0
+    for k in range(FINE):
+        place += _POWERS[0, k] * observed[k]
+    if contact.touching or contact.wait >= 0.0:
+        # What is compressed goes on without a step, whatever rounding says about the point.
+        contact.position = contact.motion[0] + place
+    else:
+        contact.motion[0] = min(contact.position - place, 0.0)
+    for n in range(1, FINE):
+        total = 0.0
+        for k in range(n, FINE):
+            total -= _POWERS[n, k] * observed[k]
+        contact.motion[n] = total
+    h = contact.period
+    contact.motion[1] += h * contact.v
+    contact.motion[2] += 0.5 * h * h * contact.push / contact.m
+
+
+@kernel
+def _touch(contact):
+    """A contact begins at x = 0: the first step is a twentieth of its natural time, or of strong dissipation's."""
+    v = contact.motion[1] / contact.period
+    time = (contact.mass / (contact.k * v ** (contact.a - 1.0))) ** (1.0 / (contact.a + 1.0))
+    contact.next = 0.05 * time / max(1.0, contact.mu * v) ** (1.0 / (contact.a + 1.0)) / contact.period
+    contact.touching = 1
+    contact.contacts += 1
+    for j in range(NODES):
+        contact.step.f[j] = 0.0
+
+
+@kernel
+def _fly(contact, left):
+    """Samples until x comes up to 0, at most `left`, and whether it does."""
+    high = low = 0.0
+    meets = False
+    slope = contact.motion[1]
+    for n in range(1, _LOOKS + 1):
+        before, low = low, left * n / _LOOKS
+        x, after = _at(contact.motion, low)
+        high = low
+        if x <= 0.0 and slope > 0.0 and after < 0.0:
+            # It may have looked in between: at its greatest, about there.
+            high = before + (low - before) * slope / (slope - after)
+            x = _at(contact.motion, high)[0]
+        slope = after
+        if x > 0.0:
+            low = before
+            meets = True
+            break
+    if not meets:
+        return left, False
+    # Newton's method within the bracket, from outside to the first point inside.
+    guess = high
+    for _ in range(50):
+        x, slope = _at(contact.motion, guess)
+        if x > 0.0:
+            high = guess
+        else:
+            low = guess
+        guess -= x / slope
+        if not low < guess < high:
+            guess = 0.5 * (low + high)
+        if high - low <= 1e-15 * high:
+            break
+    return high, True
+
+
+@kernel
+def _at(series, t):
+    """A power series and its derivative."""
+    value = series[FINE - 1]
+    slope = 0.0
+    for n in range(FINE - 2, -1, -1):
+        slope = slope * t + value
+        value = value * t + series[n]
+    return value, slope
+
+
+@kernel
+def _stay(contact, left, last):
+    """A step in contact, at most `left` samples long: its length, and whether it ends in the release.
+
+    As `collocation.press`, whose rules these are. The `last` step holds the force for what is left.
+    """
+    contact.steps += 1
+    eta = left if contact.tolerance == HELD or last else min(contact.next, left)
+    finest = left if contact.tolerance == HELD or last else _FINEST * eta
+    closing = False
+    for _ in range(_TRIALS):
+        if eta <= finest:
+            break
+        solved, x, v = _collocate(contact, eta)
+        if not solved:
+            eta *= 0.25
+            closing = False
+            continue
+        whole, closing = until_release(contact.step, x, v, eta * contact.period, closing)
+        whole /= contact.period
+        if whole != eta and whole <= left:
+            eta = whole
+            continue
+        ratio, sound = _judge(contact, eta, x, v)
+        if sound:
+            if not closing:
+                contact.next = max(ratio * eta, contact.next if eta == left else 0.0)
+            for j in range(NODES):
+                contact.force[j] = contact.step.f[j]
+            extrapolate(contact.step, contact.next / eta)
+            return eta, closing
+        eta *= min(ratio, 0.7)
+        closing = False
+    eta = max(eta, finest)
+    _hold(contact, eta)
+    return eta, False
+
+
+@kernel
+def _collocate(contact, eta):
+    """Try a step: whether it is solved, and x and v at its end."""
+    step = contact.step
+    power = contact.power
+    power[0] = 1.0
+    for n in range(1, FINE):
+        power[n] = power[n - 1] * eta
+    h = contact.period
+    for i in range(NODES):
+        step.free_x[i], slope = _at(contact.motion, eta * GAUSS[i])
+        step.free_v[i] = slope / h
+        for j in range(NODES):
+            give = 0.0
+            for n in range(1, FINE):
+                give += n * contact.answer[n] * power[n] * _TO_NODE[n - 1, i, j]
+            step.give_v[i, j] = give / h
+    # By the Gauss method's own integral of the velocity: so stiff contacts at rest don't need short steps.
+    for i in range(NODES):
+        for j in range(NODES):
+            give = 0.0
+            for n in range(NODES):
+                give += INTEGRAL[i, n] * step.give_v[n, j]
+            step.give_x[i, j] = give * eta * h
+    speed = _speed(contact, contact.motion[0], contact.motion[1] / h)
+    solved = solve(step, contact.k, contact.mu, contact.a, _ROUNDING * contact.mass * speed / (eta * h))
+    x, v = _at(contact.motion, eta)
+    for n in range(FINE):
+        contact.impulse[n] = (
+            eta * power[n] * (_TO_END[n, 0] * step.f[0] + _TO_END[n, 1] * step.f[1] + _TO_END[n, 2] * step.f[2])
+        )
+        x -= contact.answer[n] * contact.impulse[n]
+        if n > 0:
+            v -= n * contact.answer[n] * contact.impulse[n - 1]
+    return solved, x, v / h
+
+
+@kernel
+def _speed(contact, x, v):
+    """The speed that kinetic and elastic energy amount to."""
+    return math.sqrt(v * v + 2.0 * elastic(x, contact.k, contact.a) / contact.mass)
+
+
+@kernel
+def _judge(contact, eta, x, v):
+    """What to multiply the step with for the tolerance, and whether it will do as it is."""
+    f = contact.step.f
+    before = contact.motion[0]
+    speed = max(_speed(contact, x, v), _speed(contact, before, contact.motion[1] / contact.period))
+    rest = abs(end_of(f) - law(x, v, contact.k, contact.mu, contact.a)) * eta * contact.period
+    wanted = contact.tolerance * contact.mass * speed
+    ratio = min(max(0.8 * (wanted / max(rest, 1e-300)) ** 0.25, 0.2), 2.0)
+    if rest > wanted:
+        return ratio, False
+    contact.scale = max(contact.scale, 0.5 * contact.mass * speed * speed)
+    work = 0.0
+    for q in range(len(_QUADRATURE)):
+        force = _FORCE_AT[q, 0] * f[0] + _FORCE_AT[q, 1] * f[1] + _FORCE_AT[q, 2] * f[2]
+        work += eta * _QUADRATURE_WEIGHTS[q] * force * _at(contact.motion, eta * _QUADRATURE[q])[1]
+    for n in range(1, FINE):
+        form = 0.0
+        for i in range(NODES):
+            for j in range(NODES):
+                form += f[i] * _DOUBLE[n - 1, i, j] * f[j]
+        work -= n * contact.answer[n] * contact.power[n] * eta * form
+    gain = elastic(x, contact.k, contact.a) - elastic(before, contact.k, contact.a) - work
+    if gain > allowance(contact.gained, contact.scale):
+        return 0.5, False
+    contact.gained = max(contact.gained + gain, 0.0)
+    return ratio, True
+
+
+@kernel
+def _hold(contact, eta):
+    """Hold the force for a step, which can't gain energy."""
+    h = contact.period
+    give = 0.0
+    power = eta
+    for n in range(1, FINE):
+        power *= eta
+        give += contact.answer[n] * power / (n + 1)
+    free = _at(contact.motion, eta)[0] - contact.motion[0]
+    force = discrete_gradient(contact.motion[0], free, give, eta * h, contact.k, contact.mu, contact.a)[1]
+    contact.held += 1
+    contact.next = 2.0 * eta
+    for j in range(NODES):
+        contact.force[j] = contact.step.f[j] = force
+
+
+@kernel
+def _move(contact, eta, at, moments):
+    """Go on by `eta` samples under the step's force: its part of the moments, and what the rest of the sample becomes."""
+    f = contact.force
+    h = contact.period
+    power = contact.power
+    power[0] = 1.0
+    for n in range(1, FINE):
+        power[n] = power[n - 1] * eta
+    for n in range(FINE):
+        contact.impulse[n] = eta * power[n] * (_TO_END[n, 0] * f[0] + _TO_END[n, 1] * f[1] + _TO_END[n, 2] * f[2])
+    for k in range(FINE):
+        total = 0.0
+        for n in range(k, FINE):
+            change = contact.motion[n] * power[n - k] - contact.answer[n] * contact.impulse[n - k]
+            total += _BINOMIAL[n, k] * change
+        contact.motion[k] = total
+    time = eta * h
+    contact.position += time * (contact.v + 0.5 * time * contact.push / contact.m)
+    contact.position -= h * h * contact.impulse[1] / contact.m
+    contact.v += (time * contact.push - h * contact.impulse[0]) / contact.m
+    for q in range(len(_QUADRATURE)):
+        here = eta * h * _QUADRATURE_WEIGHTS[q]
+        here *= _FORCE_AT[q, 0] * f[0] + _FORCE_AT[q, 1] * f[1] + _FORCE_AT[q, 2] * f[2]
+        x = 2.0 * (at + eta * _QUADRATURE[q]) - 1.0
+        before, legendre_k = 0.0, here
+        for k in range(FINE):
+            moments[k] += legendre_k
+            before, legendre_k = legendre_k, (2 * k + 1) / (k + 1) * x * legendre_k - k / (k + 1) * before
+
+
+@kernel
+def apart_for(contact, distance, speed):
+    """Samples for which striker and object surely stay apart, if the object's point stays within `bank.reach`.
+
+    0 while they touch, infinity if the striker is gone for good.
+    """
+    gap = -contact.motion[0]
+    if contact.touching or contact.wait >= 0.0 or gap <= 0.0:
+        return 0.0
+    if contact.push <= 0.0 and contact.v <= 0.0 and contact.position < -distance:
+        return math.inf
+    acceleration = max(contact.push, 0.0) / contact.m
+    # The closing gap, and the way back into the object's reach; the later one.
+    near = _until(gap, contact.v + speed, acceleration)
+    far = _until(-distance - contact.position, contact.v, acceleration)
+    return math.floor(max(near, far, 0.0) / contact.period)
+
+
+@kernel
+def _until(way, speed, acceleration):
+    """Seconds until way >= 0 is covered; 0 if there is none."""
+    if way <= 0.0:
+        return 0.0
+    root = math.sqrt(max(speed * speed + 2.0 * acceleration * way, 0.0))
+    if speed >= 0.0:
+        return 2.0 * way / max(speed + root, 1e-300)
+    return (root - speed) / acceleration if acceleration > 0.0 else math.inf
+
+
+@kernel
+def fly_on(contact, samples):
+    """Let a striker that is apart fly for whole samples, nobody looking."""
+    time = samples * contact.period
+    contact.position += time * (contact.v + 0.5 * time * contact.push / contact.m)
+    contact.v += time * contact.push / contact.m
