@@ -6,9 +6,9 @@ Over one sample, modes enter a contact by a few numbers only. The compression at
 
 with D the compression if there were no force and g the impulse response of striker and modes together,
 g(t) = t/m + sum phi_i^2 exp(-sigma_i t) sin(omega_i t)/omega_i. No mode is above the Nyquist frequency, so over a
-sample both are polynomials. The bank says D's part (`observe`) and g's (`receptance`); what is left is a scalar equation,
-stepped through by Gauss collocation (collocation.py) in as many steps as the contact needs. A step's force is a
-quadratic, and what it does to the rest of the sample is again a polynomial, exactly. The modes get the force's FINE
+sample both are polynomials. The bank says D's part (`observe`) and g's (`receptance`); what is left is a scalar
+equation, stepped through by Gauss collocation (collocation.py) in as many steps as the contact needs. A step's force is
+a quadratic, and what it does to the rest of the sample is again a polynomial, exactly. The modes get the force's FINE
 Legendre moments at the sample's end. The cost of a step does not depend on the number of modes.
 
 Contacts begin and end at the times where x is 0. The striker may be caught up by the object and touch it again, and it
@@ -134,11 +134,11 @@ COUPLED = np.dtype(
 
 @kernel
 def begin_coupled(contact, v, m, k, mu, a, push, fraction, rate, tolerance):
-    """A striker of mass m (kg) at v (m/s) that touches after `fraction` in [0, 1) of the coming sample.
+    """A striker of mass m (kg) that touches at v (m/s) after `fraction` in [0, 1) of the coming sample.
 
     `respond_with` must follow. `push` (N) presses it on; `tolerance` is EXACT, FAST or HELD.
     """
-    contact.v = v
+    contact.v = v - push / m * fraction / rate
     contact.m = m
     contact.k = k
     contact.mu = mu
@@ -419,7 +419,7 @@ def _hold(contact, eta):
 
 @kernel
 def _move(contact, eta, at, moments):
-    """Go on by `eta` samples under the step's force: its part of the moments, and what the rest of the sample becomes."""
+    """Go on by `eta` samples under the step's force: its part of the moments, and what becomes of the sample's rest."""
     f = contact.force
     h = contact.period
     power = contact.power

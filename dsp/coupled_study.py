@@ -52,7 +52,7 @@ def _simulate(contact, striker, frequency, sigma, shape, rate, tolerance, out):
 
 @dataclass(frozen=True)
 class Run:
-    """A coupled contact, each sample: the object's velocity at the point and the striker's (m/s), compression (m), total
+    """A coupled contact, each sample: velocity of the object's point and of the striker (m/s), compression (m), total
     energy (J), contacts begun so far."""
 
     velocity: NDArray
@@ -83,8 +83,8 @@ def simulate(
     """A striker meets modes at rest, `fraction` of a sample after the start.
 
     Modes: frequency (Hz), sigma (1/s) and mass-normalised shape phi (kg^-1/2) at the point, arrays of one length. The
-    striker: v_in (m/s), m (kg), k (N/m^a), mu (s/m), a, a constant push (N). Arrays of `samples` values. ValueError names
-    what is out of range.
+    striker: v_in (m/s), m (kg), k (N/m^a), mu (s/m), a, a constant push (N). Arrays of `samples` values. ValueError
+    names what is out of range.
     """
     frequency = checked("frequency", frequency, 0.0, 0.5 * rate)
     size = -(-max(len(frequency), 1) // LANES) * LANES
