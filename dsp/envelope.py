@@ -1,0 +1,259 @@
+"""The path of a round body's lowest point over a rough surface: the upper envelope of circles around the profile.
+
+A point (s_n, z_n) of the profile lifts the body, while its centre is at s, at least to z_n - (s - s_n)^2/(2R): the
+circle by its osculating parabola. All parabolas have one curvature, so what touches is the upper concave hull of
+z_n - s_n^2/(2R), kept as a stack while the body moves on. The parabola errs by (s - s_n)^2/(4 R^2) of its drop. The
+points that touch are no further away than sqrt(2 R (highest - lowest)), so that is below 1 % where the profile's whole
+range is below R/50, as it is for anything that rolls.
+
+The path comes in pieces, each a parabola: arcs of curvature -1/R around the points that touch, and between two of them
+either a kink, at which the slope jumps up by their distance over R and a body that rides the surface is hit, or, where
+they are neighbours on the profile, and it is the surface between them that touches, the smooth turn from one to the
+other. So a flat surface gives a flat path, however coarse its points are.
+
+The points are as far apart as the shortest wavelength passed in an audible time: the faster, the further. Octaves fade
+out towards it.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from .contact import checked
+from .jit import kernel
+from .surface import CREST, OCTAVES, SURFACE, height_at
+
+AUDIBLE = 80_000.0
+"""1/s: octaves whose lattice is passed faster than this aren't read, and points come at up to twice this rate."""
+
+POINTS = 2048
+"""Points that can wait; a power of two."""
+
+PIECES = 64
+"""Pieces that are kept, of which up to AHEAD may lie before the body."""
+
+AHEAD = PIECES - 8
+
+_REACH = 0.2 * POINTS  # points of the longest look ahead, so that as many again and those behind find room
+_REFRESH = 64  # points between two looks at the speed
+_GLIDE = 800.0  # points: constant with which octaves come and go, some 7 ms
+_WIDEST = 2.0**40  # places between two points
+
+ENVELOPE = np.dtype(
+    [
+        ("surface", SURFACE),
+        ("radius", np.float64),  # m
+        # What is asked for.
+        ("speed", np.float64),  # m/s
+        ("roughness", np.float64),  # factor on the surface's heights
+        ("coarseness", np.float64),  # factor on the shortest wavelength
+        ("wanted", np.float64, OCTAVES),  # gains of the octaves
+        # The hull: a double-ended queue of points.
+        ("place", np.int64, POINTS),
+        ("previous", np.int64, POINTS),  # the profile's point before it
+        ("height", np.float64, POINTS),
+        ("first", np.int64),
+        ("count", np.int64),
+        ("front", np.int64),  # place of the profile's last point
+        ("stride", np.int64),  # places between points
+        ("fresh", np.int64),  # points until the next look at the speed
+        ("highest", np.float64),  # above which the profile can't rise, m
+        ("left", np.float64),  # from the first point to where its arc has come, m
+        ("entered", np.float64),  # from the first point to the edge before it, m
+        # Pieces made: length, and the path's height, slope and curvature at their beginning.
+        ("made", np.int64),
+        ("length", np.float64, PIECES),
+        ("level", np.float64, PIECES),
+        ("incline", np.float64, PIECES),
+        ("curvature", np.float64, PIECES),
+        ("origin", np.int64, PIECES),  # the place from which `start` counts
+        ("start", np.float64, PIECES),
+    ],
+    align=True,
+)
+"""The path, as far as it is known. Piece i is in column i mod PIECES."""
+
+
+@kernel
+def _refresh(path):
+    """Choose what of the surface is read at this speed."""
+    surface = path.surface
+    most = 0.0
+    for j in range(OCTAVES):
+        most += surface.height[j]
+    most = path.roughness * (CREST * most + surface.ripple)
+    reach = math.sqrt(4.0 * path.radius * most)
+    shortest = max(path.speed * path.coarseness / AUDIBLE, reach / _REACH)
+    path.stride = 1
+    while 2.0 * path.stride * surface.unit <= shortest and path.stride < _WIDEST:
+        path.stride *= 2
+    spacing = 2.0 ** (OCTAVES - 1) * surface.unit
+    path.highest = surface.ripple * max(surface.ripple_gain, path.roughness)
+    for j in range(OCTAVES):
+        path.wanted[j] = path.roughness * min(max(math.log2(max(spacing / shortest, 1e-300)), 0.0), 1.0)
+        path.highest += CREST * surface.height[j] * max(surface.gain[j], path.wanted[j])
+        spacing *= 0.5
+    path.fresh = _REFRESH
+
+
+@kernel
+def _glide(path, share):
+    """Bring the octaves nearer to what is wanted; what has all but gone is gone."""
+    surface = path.surface
+    for j in range(OCTAVES):
+        surface.gain[j] += share * (path.wanted[j] - surface.gain[j])
+        if path.wanted[j] == 0.0 and surface.gain[j] < 1e-6:
+            surface.gain[j] = 0.0
+    surface.ripple_gain += share * (path.roughness - surface.ripple_gain)
+
+
+@kernel
+def _edge(path, i, j):
+    """From point i of the hull to where the body leaves it for point j, m."""
+    a = (path.first + i) % POINTS
+    b = (path.first + j) % POINTS
+    distance = (path.place[b] - path.place[a]) * path.surface.unit
+    return 0.5 * distance + path.radius * (path.height[a] - path.height[b]) / distance, distance
+
+
+@kernel
+def _read_point(path):
+    """Take the profile's next point into the hull, and those out that it hides."""
+    if path.fresh == 0:
+        _refresh(path)
+    path.fresh -= 1
+    _glide(path, 1.0 / _GLIDE)
+    place = path.front + path.stride
+    new = (path.first + path.count) % POINTS
+    height = height_at(path.surface, place)
+    while path.count > 1:
+        path.place[new] = place
+        path.height[new] = height
+        last, _ = _edge(path, path.count - 1, path.count)
+        before, distance = _edge(path, path.count - 2, path.count - 1)
+        if last > before - distance:
+            break
+        path.count -= 1
+        new = (path.first + path.count) % POINTS
+    path.place[new] = place
+    path.height[new] = height
+    path.previous[new] = path.front
+    path.front = place
+    path.count += 1
+
+
+@kernel
+def _settle(path):
+    """Read until nothing ahead can change the path before the hull's second edge; return both edges."""
+    for _ in range(4 * POINTS):
+        if path.count >= 3:
+            second = (path.first + 1) % POINTS
+            edge, _ = _edge(path, 1, 2)
+            ahead = (path.front - path.place[second]) * path.surface.unit - edge
+            room = path.highest - path.height[second] + edge * edge / (2.0 * path.radius)
+            if (ahead >= 0.0 and ahead * ahead >= 2.0 * path.radius * room) or path.count >= POINTS - 1:
+                break
+        _read_point(path)
+    here, distance = _edge(path, 0, 1)
+    there, _ = _edge(path, 1, 2)
+    return here, there + distance, distance
+
+
+@kernel
+def lay(path, place):
+    """Begin the path anew at a place: piece 0 begins in the middle of the arc there."""
+    path.fresh = 0
+    _refresh(path)
+    _glide(path, 1.0)
+    behind = math.sqrt(4.0 * path.radius * path.highest)
+    path.front = place - path.stride * (np.int64(behind / (path.stride * path.surface.unit)) + 2)
+    path.first = 0
+    path.count = 0
+    path.made = 0
+    path.entered = -math.inf
+    for _ in range(4 * POINTS):
+        edge, _, distance = _settle(path)
+        if edge >= (place - path.place[path.first]) * path.surface.unit:
+            break
+        path.entered = edge - distance
+        path.first = (path.first + 1) % POINTS
+        path.count -= 1
+    path.entered = max(path.entered, edge - distance)
+    path.left = 0.5 * (path.entered + edge)
+
+
+@kernel
+def make_piece(path):
+    """Make the next piece or two: what is left of the first point's arc, and the turn to the second."""
+    edge, next_edge, distance = _settle(path)
+    radius = path.radius
+    second = (path.first + 1) % POINTS
+    edge = max(edge, path.left)
+    turn = 0.0
+    if path.previous[second] == path.place[path.first]:
+        turn = max(0.5 * min(edge - path.entered, next_edge - edge), 0.0)
+        turn = min(turn, edge - path.left)
+    s = path.left
+    length = edge - turn - s
+    for part in range(2):
+        if length > 1e-9 * distance:
+            i = path.made % PIECES
+            path.length[i] = length
+            path.level[i] = path.height[path.first] - s * s / (2.0 * radius)
+            path.incline[i] = -s / radius
+            path.curvature[i] = -1.0 / radius if part == 0 else (distance / length - 1.0) / radius
+            path.origin[i] = path.place[path.first]
+            path.start[i] = s
+            path.made += 1
+        s = edge - turn
+        length = 2.0 * turn
+    path.left = edge + turn - distance
+    path.entered = edge - distance
+    path.first = second
+    path.count -= 1
+
+
+@njit(error_model="numpy")
+def _lay(path, surface, radius, speed, place):
+    path.surface = surface
+    path.radius = radius
+    path.speed = speed
+    path.roughness = 1.0
+    path.coarseness = 1.0
+    lay(path, place)
+
+
+@njit(error_model="numpy")
+def _pieces(path, end, pieces):
+    total = 0.0
+    for n in range(len(pieces)):
+        while path.made <= n:
+            make_piece(path)
+        i = n % PIECES
+        pieces[n, 0] = total
+        pieces[n, 1] = path.level[i]
+        pieces[n, 2] = path.incline[i]
+        pieces[n, 3] = path.curvature[i]
+        total += path.length[i]
+        if total >= end:
+            return n + 1
+    return len(pieces)
+
+
+def path_pieces(
+    surface: np.void, radius: float, speed: float, length: float, place: int = 0, most: int = 1_000_000
+) -> NDArray:
+    """The path of a body of a radius (m) over `length` (m) of a surface, as detailed as it is heard at a speed (m/s).
+
+    Rows of where the piece begins (m from the first, which is at or just before `place`), and the path's height (m), slope and curvature (1/m) there;
+    (pieces, 4) float64, `most` at most. ValueError names what is out of range.
+    """
+    radius, speed, length = (
+        float(checked(name, value, 0.0)) for name, value in (("radius", radius), ("speed", speed), ("length", length))
+    )
+    path = np.zeros(1, ENVELOPE)[0]
+    _lay(path, surface, radius, speed, int(place))
+    pieces = np.empty((most, 4))
+    return pieces[: _pieces(path, length, pieces)].copy()
