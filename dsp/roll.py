@@ -1,0 +1,450 @@
+"""A body that rolls over a rough surface: its normal motion, event by event, and the force it gives.
+
+The lowest point of the body would follow the path of envelope.py; while it does not, it flies: y'' = -g, until the
+path catches it. What is heard are the contacts: where path and body overlap by x, they push each other apart by the
+contact law, m y'' = f(x, x') - m g (contact.py). A kink of the path, passed in contact, jumps x' by the speed times
+the jump in slope: a micro-impact; where the path falls away faster than the body, it leaves. A body that has come to
+rest on a flat path gives its weight, which nobody hears: the force that is handed on is f - m g.
+
+A flight ends by a quadratic, piece of the path by piece. Contacts go by the collocation step of collocation.py, with
+steps as long as its error allows. All of it is in seconds and metres: no sampling rate, quantum or block cuts a step.
+A roll that asks for more than EVENTS steps a second gets coarser ones, whose energy can't grow.
+"""
+
+import math
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from .collocation import (
+    GAUSS, INTEGRAL, NODES, STEP, WEIGHTS, discrete_gradient, elastic, end_of, extrapolate, law, solve,
+)  # fmt: skip
+from .envelope import AHEAD, ENVELOPE, PIECES, lay, make_piece
+from .jit import kernel
+from .pulse import MOMENTS
+
+EVENTS = 250_000.0
+"""Flights and steps a second that a roll may need for long."""
+
+_BURST = 200.0  # events that it may need at once
+_LONGEST = 5e-4  # s: of a flight or a step, after which speed and gravity are looked at
+_GLIDE = 0.02  # s: time constant of whatever is steered
+_FADE = 0.005  # s: time constant with which a roll that stopped is left
+_STOPPED = 0.02  # share of its speed at which it has
+_GONE = 1e-5  # -100 dB
+_SLOWEST = 1e-9  # m/s
+_TOLERANCE = 1e-3  # share of the momentum at hand by which a step may err
+_GROWTH = 1e-9  # share of its energy that a step may gain
+_TRIALS = 24
+_ROUNDING = 1e-13
+_STIFFEST = 3e5  # rad/s: a body that swings faster on its contact is as good as one that doesn't
+_LEAST_PACE = 0.2  # share of its speed that a lopsided body keeps
+_MOST_LIFT = 0.9  # share of its weight that a lopsided body loses or gains
+_MOST_EVENTS = 4096
+
+_TWICE = INTEGRAL @ INTEGRAL
+_POWERS = np.linalg.inv(np.vander(GAUSS, increasing=True))  # power series of a step's quadratic from its nodes' values
+_NODES, _WEIGHTS = (g.copy() for g in legendre.leggauss(MOMENTS // 2 + 1))
+_RISE = np.array([(2 * n + 1) / (n + 1) for n in range(MOMENTS)])
+_FALL = np.array([n / (n + 1) for n in range(MOMENTS)])
+
+ROLL = np.dtype(
+    [
+        ("path", ENVELOPE),
+        ("step", STEP),
+        # What is asked for; it may be changed at any time, and is glided to.
+        ("asked_speed", np.float64),  # m/s; 0 ends the roll
+        ("asked_radius", np.float64),  # m
+        ("asked_mass", np.float64),  # kg
+        ("asked_gravity", np.float64),  # m/s^2
+        ("friction", np.float64),  # share of the weight that slows it down
+        ("asymmetry", np.float64),  # distance of its centre of mass from its middle over its radius
+        # The body and where it is.
+        ("k", np.float64),
+        ("mu", np.float64),
+        ("a", np.float64),
+        ("m", np.float64),
+        ("g", np.float64),
+        ("v", np.float64),  # m/s along the surface
+        ("top", np.float64),  # the speed last asked for
+        ("pace", np.float64),  # v, and
+        ("pull", np.float64),  # g, as asymmetry modulates them
+        ("angle", np.float64),
+        ("s", np.float64),  # m rolled since the beginning
+        ("t", np.float64),  # s since the beginning
+        ("y", np.float64),  # height of the lowest point, m
+        ("w", np.float64),  # its rate, m/s
+        ("piece", np.int64),  # of the path
+        ("along", np.float64),  # m into it
+        ("touching", np.int64),
+        ("next", np.float64),  # s: the step to try
+        ("debt", np.float64),  # events beyond what is granted
+        ("presence", np.float64),  # 1, falling to 0 when the roll has stopped
+        ("ended", np.int64),
+        # The last event: what is heard from `since` on for `span` s is the quadratic through `force` (N) at GAUSS.
+        ("since", np.float64),
+        ("span", np.float64),
+        ("force", np.float64, NODES),
+        ("given", np.float64),  # s: up to where moments have been taken
+        ("level", np.float64, NODES + 1),  # of the path at a step's nodes and end
+        ("climb", np.float64, NODES + 1),  # its rate
+        ("impacts", np.int64),  # times it met the surface
+        ("events", np.int64),
+        ("holds", np.int64),  # steps that had to be held ones
+    ],
+    align=True,
+)
+"""A rolling body. Its surface is path.surface, to be set up first."""
+
+
+@kernel
+def begin_roll(roll, place, radius, m, k, mu, a, speed, gravity, friction, asymmetry, roughness, coarseness):
+    """Put a body at rest on a surface at a place, rolling at `speed` (m/s).
+
+    radius (m), m (kg), k (N/m^a), gravity (m/s^2) > 0, mu (s/m) >= 0, a >= 1; friction and asymmetry >= 0; roughness:
+    factor on the surface's heights; coarseness >= 1: factor on the shortest wavelength it feels.
+    """
+    roll.asked_speed = roll.v = roll.top = roll.pace = max(speed, _SLOWEST)
+    roll.asked_radius = roll.path.radius = radius
+    roll.asked_mass = roll.m = m
+    roll.asked_gravity = roll.g = roll.pull = gravity
+    roll.friction = friction
+    roll.asymmetry = asymmetry
+    roll.k = k
+    roll.mu = mu
+    roll.a = a
+    roll.path.speed = roll.v
+    roll.path.roughness = roughness
+    roll.path.coarseness = coarseness
+    roll.angle = 0.5 * math.pi
+    roll.s = roll.t = roll.since = roll.span = roll.given = roll.debt = 0.0
+    roll.presence = 1.0
+    roll.ended = roll.impacts = roll.events = roll.holds = 0
+    roll.piece = -1
+    roll.path.origin[0] = place
+    roll.path.start[0] = 0.0
+
+
+@kernel
+def _stiffness(roll):
+    """The contact's stiffness, as far as it makes a difference."""
+    sunk = roll.a * roll.g / (_STIFFEST * _STIFFEST)
+    return min(roll.k, roll.m * roll.g / sunk**roll.a)
+
+
+@kernel
+def _steer(roll):
+    """Bring speed, mass and gravity, after an event, nearer to what is asked for."""
+    near = -math.expm1(-roll.span / _GLIDE)
+    roll.top = max(roll.top, roll.asked_speed)
+    roll.asked_speed = max(roll.asked_speed - roll.friction * roll.g * roll.span, 0.0)
+    roll.v = max(roll.v + near * (roll.asked_speed - roll.v), _SLOWEST)
+    roll.m += near * (roll.asked_mass - roll.m)
+    roll.g += near * (roll.asked_gravity - roll.g)
+    stopped = roll.asked_speed == 0.0 and roll.v < _STOPPED * roll.top
+    roll.presence += -math.expm1(-roll.span / _FADE) * ((0.0 if stopped else 1.0) - roll.presence)
+    roll.ended = 1 if stopped and roll.presence < _GONE else 0
+    roll.debt = max(roll.debt + 1.0 - EVENTS * roll.span, 0.0)
+
+
+@kernel
+def _lean(roll):
+    """A lopsided body's speed and weight: its energy is (7/10) m v^2 and m g times the height of its centre of mass."""
+    radius = roll.path.radius
+    roll.angle += roll.pace * roll.span / radius
+    roll.angle -= 2.0 * math.pi * math.floor(roll.angle / (2.0 * math.pi))
+    high = roll.asymmetry * math.cos(roll.angle)
+    square = roll.v * roll.v
+    least = _LEAST_PACE * _LEAST_PACE * square
+    roll.pace = math.sqrt(max(square - 10.0 / 7.0 * roll.g * radius * high, least))
+    lift = roll.pace * roll.pace / radius * high
+    roll.pull = roll.g - min(max(lift, -_MOST_LIFT * roll.g), _MOST_LIFT * roll.g)
+    roll.path.speed = roll.pace
+
+
+@kernel
+def _look_ahead(roll):
+    """Have the path ready; returns the time in s for which it is."""
+    path = roll.path
+    anew = roll.piece < 0 or roll.asked_radius != path.radius
+    before = slope = 0.0
+    if anew:
+        here = 0
+        if roll.piece >= 0:
+            before, slope = _path_at(roll)
+            here = roll.piece % PIECES
+        path.radius = roll.asked_radius
+        lay(path, path.origin[here] + np.int64((path.start[here] + roll.along) / path.surface.unit))
+    first = roll.piece < 0
+    if anew:
+        roll.piece = 0
+        roll.along = 0.0
+    while path.made < roll.piece + AHEAD:
+        make_piece(path)
+    if anew:
+        # The body keeps its distance and its rate, or begins at rest.
+        level, incline = _path_at(roll)
+        if first:
+            before, slope = (roll.m * roll.g / _stiffness(roll)) ** (1.0 / roll.a), 0.0
+            roll.y = 0.0
+            roll.w = 0.0
+            roll.touching = 1
+            roll.next = 1e-5
+            for i in range(NODES):
+                roll.step.f[i] = roll.m * roll.g
+        roll.y += level - before
+        roll.w += roll.pace * (incline - slope)
+    length = -roll.along
+    for i in range(roll.piece, path.made):
+        length += path.length[i % PIECES]
+    return length / roll.pace
+
+
+@kernel
+def _path_at(roll):
+    """Height and slope of the path under the body."""
+    i = roll.piece % PIECES
+    path = roll.path
+    q = roll.along
+    level = path.level[i] + q * (path.incline[i] + 0.5 * path.curvature[i] * q)
+    return level, path.incline[i] + path.curvature[i] * q
+
+
+@kernel
+def next_event(roll):
+    """Let the body go on by one event: a flight or a part of one, or a step in contact."""
+    _steer(roll)
+    _lean(roll)
+    longest = min(0.999 * _look_ahead(roll), _LONGEST)
+    roll.since = roll.t
+    if roll.touching == 1:
+        _touch(roll, longest)
+    else:
+        _fly(roll, longest)
+    roll.t += roll.span
+    roll.s += roll.pace * roll.span
+    weight = roll.m * roll.g
+    for i in range(NODES):
+        roll.force[i] = roll.presence * (roll.force[i] - weight)
+    roll.events += 1
+
+
+@kernel
+def _fly(roll, longest):
+    """Fly until the path is met, or for the longest time."""
+    path = roll.path
+    v, g = roll.pace, roll.pull
+    roll.span = 0.0
+    for i in range(NODES):
+        roll.force[i] = 0.0
+    for _ in range(PIECES):
+        level, incline = _path_at(roll)
+        gap = max(roll.y - level, 0.0)
+        rate = roll.w - v * incline
+        fall = g + v * v * path.curvature[roll.piece % PIECES]
+        end = (path.length[roll.piece % PIECES] - roll.along) / v
+        left = longest - roll.span
+        time = _meeting(gap, rate, fall)
+        met = time <= min(end, left)
+        if not met:
+            time = min(end, left)
+        roll.y += time * (roll.w - 0.5 * g * time)
+        roll.w -= g * time
+        roll.along += v * time
+        roll.span += time
+        if met:
+            level, incline = _path_at(roll)
+            roll.y = level
+            _land(roll, v * incline - roll.w)
+            return
+        if left <= end:
+            return
+        roll.piece += 1
+        roll.along = 0.0
+
+
+@kernel
+def _meeting(gap, rate, fall):
+    """Time until gap + rate t - fall t^2/2 is 0, infinite if never."""
+    square = rate * rate + 2.0 * fall * gap
+    if square < 0.0 or (fall <= 0.0 and rate >= 0.0):
+        return math.inf
+    root = math.sqrt(square)
+    if rate > 0.0:
+        return (rate + root) / fall
+    if root - rate == 0.0:
+        return 0.0
+    return 2.0 * gap / (root - rate)
+
+
+@kernel
+def _land(roll, v_in):
+    """Begin a contact."""
+    roll.touching = 1
+    roll.impacts += 1
+    k = _stiffness(roll)
+    sunk = (roll.m * roll.g / k) ** (1.0 / roll.a)
+    speed = math.sqrt(v_in * v_in + roll.g * sunk)
+    time = (roll.m / (k * speed ** (roll.a - 1.0))) ** (1.0 / (roll.a + 1.0))
+    roll.next = 0.05 * time / max(1.0, roll.mu * speed) ** (1.0 / (roll.a + 1.0))
+    for i in range(NODES):
+        roll.step.f[i] = 0.0
+
+
+@kernel
+def _walk(roll, h):
+    """Put the path's heights and their rates at a step's nodes and end; returns the piece and place of the end."""
+    path = roll.path
+    piece = roll.piece
+    passed = -roll.along
+    for n in range(NODES + 1):
+        travelled = roll.pace * (h if n == NODES else h * GAUSS[n])
+        while travelled - passed > path.length[piece % PIECES] and piece < path.made - 1:
+            passed += path.length[piece % PIECES]
+            piece += 1
+        i = piece % PIECES
+        q = travelled - passed
+        roll.level[n] = path.level[i] + q * (path.incline[i] + 0.5 * path.curvature[i] * q)
+        roll.climb[n] = roll.pace * (path.incline[i] + path.curvature[i] * q)
+    return piece, q
+
+
+@kernel
+def _collocate(roll, h, k):
+    """Try a step in contact: whether it is solved, and the body's height and rate at its end."""
+    step = roll.step
+    y, w, g = roll.y, roll.w, roll.pull
+    lightness = h / roll.m
+    for i in range(NODES):
+        t = h * GAUSS[i]
+        step.free_x[i] = roll.level[i] - (y + t * (w - 0.5 * g * t))
+        step.free_v[i] = roll.climb[i] - (w - g * t)
+        for j in range(NODES):
+            step.give_v[i, j] = lightness * INTEGRAL[i, j]
+            step.give_x[i, j] = h * lightness * _TWICE[i, j]
+    solved = solve(step, k, roll.mu, roll.a, _ROUNDING * roll.m * (abs(step.free_v[0]) / h + g))
+    y += h * (w - 0.5 * g * h)
+    w -= g * h
+    for j in range(NODES):
+        w += lightness * WEIGHTS[j] * step.f[j]
+        y += h * lightness * WEIGHTS[j] * (1.0 - GAUSS[j]) * step.f[j]
+    return solved, y, w
+
+
+@kernel
+def _judge(roll, h, k, x, v, y, w):
+    """What to multiply a step with for the tolerance, and whether it will do; x, v: compression at its beginning."""
+    m, f = roll.m, roll.step.f
+    x_end = roll.level[NODES] - y
+    v_end = roll.climb[NODES] - w
+    stored, kept = elastic(x, k, roll.a), elastic(x_end, k, roll.a)
+    momentum = m * math.sqrt(max(v * v, v_end * v_end) + 2.0 * max(stored, kept) / m)
+    rest = abs(end_of(f) - law(x_end, v_end, k, roll.mu, roll.a)) * h
+    ratio = min(max(0.8 * (_TOLERANCE * momentum / max(rest, 1e-300)) ** 0.25, 0.2), 2.0)
+    # The path's work, and how uncertain it is where the path bends.
+    work = spread = 0.0
+    for i in range(NODES):
+        work += h * WEIGHTS[i] * f[i] * roll.climb[i]
+        spread += h * WEIGHTS[i] * f[i] * (abs(roll.climb[i] - roll.climb[0]) + abs(roll.climb[i] - roll.climb[NODES]))
+    gained = 0.5 * m * (w - roll.w) * (w + roll.w) + m * roll.pull * (y - roll.y) + kept - stored - work
+    room = spread + _GROWTH * (momentum * momentum / m + m * roll.pull * max(x, x_end, 0.0))
+    return ratio, rest <= _TOLERANCE * momentum and gained <= room
+
+
+@kernel
+def _touch(roll, longest):
+    """A step in contact."""
+    k = _stiffness(roll)
+    level, incline = _path_at(roll)
+    x = level - roll.y
+    v = roll.pace * incline - roll.w
+    least = 1.0 / EVENTS if roll.debt > _BURST else 0.0
+    h = min(max(roll.next, least), longest)
+    cut = h == longest
+    y = w = ratio = 0.0
+    good = False
+    piece = roll.piece
+    along = roll.along
+    for _ in range(_TRIALS):
+        piece, along = _walk(roll, h)
+        solved, y, w = _collocate(roll, h, k)
+        ratio = 0.25
+        if solved:
+            ratio, good = _judge(roll, h, k, x, v, y, w)
+        if good or h <= least:
+            break
+        h = max(h * min(ratio, 0.7), least)
+        cut = False
+    if good:
+        roll.next = max(ratio * h, roll.next) if cut else ratio * h
+    else:
+        # Held over the step, which can't gain energy however long it is.
+        free = roll.level[NODES] - (roll.y + h * (roll.w - 0.5 * roll.pull * h)) - x
+        change, force = discrete_gradient(x, free, 0.5 * h * h / roll.m, h, k, roll.mu, roll.a)
+        y = roll.level[NODES] - (x + change)
+        w = roll.w + h * (force / roll.m - roll.pull)
+        for i in range(NODES):
+            roll.step.f[i] = force
+        roll.next = 2.0 * h
+        roll.holds += 1
+    for i in range(NODES):
+        roll.force[i] = roll.step.f[i]
+    extrapolate(roll.step, roll.next / h)
+    roll.y = y
+    roll.w = w
+    roll.piece = piece
+    roll.along = along
+    roll.span = h
+    roll.touching = 1 if roll.level[NODES] > y else 0
+
+
+@kernel
+def fill_roll(roll, origin, rate, frames, moments, touched):
+    """Moments (N s) of the force over each of a few frames, and whether there is any.
+
+    Frame n is the sample from origin + n/rate to origin + (n + 1)/rate, in s since the roll began; its moments with
+    the Legendre polynomials of the sample go to moments[n]. Call it for one stretch after the other.
+    """
+    for n in range(frames):
+        touched[n] = 0
+        for i in range(MOMENTS):
+            moments[n, i] = 0.0
+    end = origin + frames / rate
+    for _ in range(_MOST_EVENTS):
+        stop = roll.since + roll.span
+        _give(roll, roll.given, min(stop, end), origin, rate, frames, moments, touched)
+        roll.given = max(roll.given, min(stop, end))
+        if stop >= end or roll.ended == 1:
+            break
+        next_event(roll)
+
+
+@kernel
+def _give(roll, start, stop, origin, rate, frames, moments, touched):
+    """Add the last event's force from `start` to `stop` to the moments of the frames it touches."""
+    if stop <= start:
+        return
+    c0 = c1 = c2 = 0.0
+    for j in range(NODES):
+        c0 += _POWERS[0, j] * roll.force[j]
+        c1 += _POWERS[1, j] * roll.force[j]
+        c2 += _POWERS[2, j] * roll.force[j]
+    begin = (start - origin) * rate
+    end = (stop - origin) * rate
+    early = (origin - roll.since) / roll.span
+    for n in range(max(int(math.floor(begin)), 0), frames):
+        if n >= end:
+            break
+        low = max(begin - n, 0.0)
+        half = 0.5 * (min(end - n, 1.0) - low)
+        touched[n] = 1
+        for j in range(len(_NODES)):
+            x = low + half * (1.0 + _NODES[j])
+            theta = early + (n + x) / (rate * roll.span)
+            before = half / rate * _WEIGHTS[j] * (c0 + theta * (c1 + theta * c2))
+            moments[n, 0] += before
+            x = 2.0 * x - 1.0
+            here = before * x
+            for i in range(1, MOMENTS):
+                moments[n, i] += here
+                before, here = here, _RISE[i] * x * here - _FALL[i] * before
