@@ -39,6 +39,7 @@ AHEAD = PIECES - 8
 _REACH = 0.2 * POINTS  # points of the longest look ahead, so that as many again and those behind find room
 _REFRESH = 64  # points between two looks at the speed
 _GLIDE = 800.0  # points: constant with which octaves come and go, some 7 ms
+_SMALL = 1e-5  # of a gain that isn't glided any more
 _WIDEST = 2.0**40  # places between two points
 
 ENVELOPE = np.dtype(
@@ -58,6 +59,7 @@ ENVELOPE = np.dtype(
         ("count", np.int64),
         ("front", np.int64),  # place of the profile's last point
         ("stride", np.int64),  # places between points
+        ("gliding", np.int64),  # whether octaves come or go
         ("fresh", np.int64),  # points until the next look at the speed
         ("highest", np.float64),  # above which the profile can't rise, m
         ("left", np.float64),  # from the first point to where its arc has come, m
@@ -91,22 +93,25 @@ def _refresh(path):
         path.stride *= 2
     spacing = 2.0 ** (OCTAVES - 1) * surface.unit
     path.highest = surface.ripple * max(surface.ripple_gain, path.roughness)
+    path.gliding = 1 if surface.ripple_gain != path.roughness else 0
     for j in range(OCTAVES):
         path.wanted[j] = path.roughness * min(max(math.log2(max(spacing / shortest, 1e-300)), 0.0), 1.0)
         path.highest += CREST * surface.height[j] * max(surface.gain[j], path.wanted[j])
+        if surface.gain[j] != path.wanted[j]:
+            path.gliding = 1
         spacing *= 0.5
     path.fresh = _REFRESH
 
 
 @kernel
 def _glide(path, share):
-    """Bring the octaves nearer to what is wanted; what has all but gone is gone."""
+    """Bring the octaves nearer to what is wanted, and all the way where little is left."""
     surface = path.surface
     for j in range(OCTAVES):
-        surface.gain[j] += share * (path.wanted[j] - surface.gain[j])
-        if path.wanted[j] == 0.0 and surface.gain[j] < 1e-6:
-            surface.gain[j] = 0.0
-    surface.ripple_gain += share * (path.roughness - surface.ripple_gain)
+        missing = path.wanted[j] - surface.gain[j]
+        surface.gain[j] = path.wanted[j] if abs(missing) < _SMALL else surface.gain[j] + share * missing
+    missing = path.roughness - surface.ripple_gain
+    surface.ripple_gain = path.roughness if abs(missing) < _SMALL else surface.ripple_gain + share * missing
 
 
 @kernel
@@ -124,7 +129,8 @@ def _read_point(path):
     if path.fresh == 0:
         _refresh(path)
     path.fresh -= 1
-    _glide(path, 1.0 / _GLIDE)
+    if path.gliding == 1:
+        _glide(path, 1.0 / _GLIDE)
     place = path.front + path.stride
     new = (path.first + path.count) % POINTS
     height = height_at(path.surface, place)
@@ -247,8 +253,8 @@ def path_pieces(
 ) -> NDArray:
     """The path of a body of a radius (m) over `length` (m) of a surface, as detailed as it is heard at a speed (m/s).
 
-    Rows of where the piece begins (m from the first, which is at or just before `place`), and the path's height (m), slope and curvature (1/m) there;
-    (pieces, 4) float64, `most` at most. ValueError names what is out of range.
+    Rows of where the piece begins (m from the first, which is at or just before `place`), and the path's height (m),
+    slope and curvature (1/m) there; (pieces, 4) float64, `most` at most. ValueError names what is out of range.
     """
     radius, speed, length = (
         float(checked(name, value, 0.0)) for name, value in (("radius", radius), ("speed", speed), ("length", length))

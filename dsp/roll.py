@@ -17,8 +17,18 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from .collocation import (
-    GAUSS, INTEGRAL, NODES, STEP, WEIGHTS, discrete_gradient, elastic, end_of, extrapolate, law, solve,
-)  # fmt: skip
+    GAUSS,
+    INTEGRAL,
+    NODES,
+    STEP,
+    WEIGHTS,
+    discrete_gradient,
+    elastic,
+    end_of,
+    extrapolate,
+    law,
+    solve,
+)
 from .envelope import AHEAD, ENVELOPE, PIECES, lay, make_piece
 from .jit import kernel
 from .pulse import MOMENTS
@@ -33,10 +43,11 @@ _FADE = 0.005  # s: time constant with which a roll that stopped is left
 _STOPPED = 0.02  # share of its speed at which it has
 _GONE = 1e-5  # -100 dB
 _SLOWEST = 1e-9  # m/s
-_TOLERANCE = 1e-3  # share of the momentum at hand by which a step may err
+_SMALL = 1e-7  # share of a goal that isn't glided any more
+_TOLERANCE = 1e-4  # share of the momentum at hand by which a step may err
 _GROWTH = 1e-9  # share of its energy that a step may gain
 _TRIALS = 24
-_ROUNDING = 1e-13
+_SOLVED = 1e-7  # share of the momentum that a solver's last change may be worth: its error is the square
 _STIFFEST = 3e5  # rad/s: a body that swings faster on its contact is as good as one that doesn't
 _LEAST_PACE = 0.2  # share of its speed that a lopsided body keeps
 _MOST_LIFT = 0.9  # share of its weight that a lopsided body loses or gains
@@ -63,6 +74,8 @@ ROLL = np.dtype(
         ("k", np.float64),
         ("mu", np.float64),
         ("a", np.float64),
+        ("stiffness", np.float64),  # k, as far as it makes a difference
+        ("sunk", np.float64),  # m: compression under its weight
         ("m", np.float64),
         ("g", np.float64),
         ("v", np.float64),  # m/s along the surface
@@ -111,6 +124,7 @@ def begin_roll(roll, place, radius, m, k, mu, a, speed, gravity, friction, asymm
     roll.friction = friction
     roll.asymmetry = asymmetry
     roll.k = k
+    roll.stiffness = 0.0
     roll.mu = mu
     roll.a = a
     roll.path.speed = roll.v
@@ -126,35 +140,47 @@ def begin_roll(roll, place, radius, m, k, mu, a, speed, gravity, friction, asymm
 
 
 @kernel
-def _stiffness(roll):
-    """The contact's stiffness, as far as it makes a difference."""
-    sunk = roll.a * roll.g / (_STIFFEST * _STIFFEST)
-    return min(roll.k, roll.m * roll.g / sunk**roll.a)
+def _steer(roll):
+    """Bring speed, mass and gravity, after an event, nearer to what is asked for."""
+    roll.top = max(roll.top, roll.asked_speed)
+    roll.asked_speed = max(roll.asked_speed - roll.friction * roll.g * roll.span, 0.0)
+    roll.debt = max(roll.debt + 1.0 - EVENTS * roll.span, 0.0)
+    stopped = roll.asked_speed == 0.0 and roll.v < _STOPPED * roll.top
+    if stopped or roll.presence < 1.0:
+        goal = 0.0 if stopped else 1.0
+        roll.presence = _nearer(roll.presence, goal, -math.expm1(-roll.span / _FADE))
+        roll.ended = 1 if stopped and roll.presence < _GONE else 0
+    if roll.v == roll.asked_speed and roll.m == roll.asked_mass and roll.g == roll.asked_gravity and roll.stiffness > 0:
+        return
+    near = -math.expm1(-roll.span / _GLIDE)
+    roll.v = max(_nearer(roll.v, roll.asked_speed, near), _SLOWEST)
+    roll.m = _nearer(roll.m, roll.asked_mass, near)
+    roll.g = _nearer(roll.g, roll.asked_gravity, near)
+    # Where it rests, how fast it swings there, and how stiff a contact makes a difference.
+    stiffest = roll.m * roll.g / (roll.a * roll.g / (_STIFFEST * _STIFFEST)) ** roll.a
+    roll.stiffness = min(roll.k, stiffest)
+    roll.sunk = (roll.m * roll.g / roll.stiffness) ** (1.0 / roll.a)
 
 
 @kernel
-def _steer(roll):
-    """Bring speed, mass and gravity, after an event, nearer to what is asked for."""
-    near = -math.expm1(-roll.span / _GLIDE)
-    roll.top = max(roll.top, roll.asked_speed)
-    roll.asked_speed = max(roll.asked_speed - roll.friction * roll.g * roll.span, 0.0)
-    roll.v = max(roll.v + near * (roll.asked_speed - roll.v), _SLOWEST)
-    roll.m += near * (roll.asked_mass - roll.m)
-    roll.g += near * (roll.asked_gravity - roll.g)
-    stopped = roll.asked_speed == 0.0 and roll.v < _STOPPED * roll.top
-    roll.presence += -math.expm1(-roll.span / _FADE) * ((0.0 if stopped else 1.0) - roll.presence)
-    roll.ended = 1 if stopped and roll.presence < _GONE else 0
-    roll.debt = max(roll.debt + 1.0 - EVENTS * roll.span, 0.0)
+def _nearer(value, goal, share):
+    """A value that has gone a share of its way to a goal, or all of it where little is left."""
+    value += share * (goal - value)
+    return goal if abs(goal - value) < _SMALL * abs(goal) else value
 
 
 @kernel
 def _lean(roll):
     """A lopsided body's speed and weight: its energy is (7/10) m v^2 and m g times the height of its centre of mass."""
     radius = roll.path.radius
+    square = roll.v * roll.v
+    if roll.asymmetry == 0.0:
+        roll.pace = roll.path.speed = roll.v
+        roll.pull = roll.g
+        return
     roll.angle += roll.pace * roll.span / radius
     roll.angle -= 2.0 * math.pi * math.floor(roll.angle / (2.0 * math.pi))
     high = roll.asymmetry * math.cos(roll.angle)
-    square = roll.v * roll.v
     least = _LEAST_PACE * _LEAST_PACE * square
     roll.pace = math.sqrt(max(square - 10.0 / 7.0 * roll.g * radius * high, least))
     lift = roll.pace * roll.pace / radius * high
@@ -185,7 +211,7 @@ def _look_ahead(roll):
         # The body keeps its distance and its rate, or begins at rest.
         level, incline = _path_at(roll)
         if first:
-            before, slope = (roll.m * roll.g / _stiffness(roll)) ** (1.0 / roll.a), 0.0
+            before, slope = roll.sunk, 0.0
             roll.y = 0.0
             roll.w = 0.0
             roll.touching = 1
@@ -282,10 +308,8 @@ def _land(roll, v_in):
     """Begin a contact."""
     roll.touching = 1
     roll.impacts += 1
-    k = _stiffness(roll)
-    sunk = (roll.m * roll.g / k) ** (1.0 / roll.a)
-    speed = math.sqrt(v_in * v_in + roll.g * sunk)
-    time = (roll.m / (k * speed ** (roll.a - 1.0))) ** (1.0 / (roll.a + 1.0))
+    speed = math.sqrt(v_in * v_in + roll.g * roll.sunk)
+    time = (roll.m / (roll.stiffness * speed ** (roll.a - 1.0))) ** (1.0 / (roll.a + 1.0))
     roll.next = 0.05 * time / max(1.0, roll.mu * speed) ** (1.0 / (roll.a + 1.0))
     for i in range(NODES):
         roll.step.f[i] = 0.0
@@ -310,7 +334,7 @@ def _walk(roll, h):
 
 
 @kernel
-def _collocate(roll, h, k):
+def _collocate(roll, h, k, momentum):
     """Try a step in contact: whether it is solved, and the body's height and rate at its end."""
     step = roll.step
     y, w, g = roll.y, roll.w, roll.pull
@@ -322,7 +346,7 @@ def _collocate(roll, h, k):
         for j in range(NODES):
             step.give_v[i, j] = lightness * INTEGRAL[i, j]
             step.give_x[i, j] = h * lightness * _TWICE[i, j]
-    solved = solve(step, k, roll.mu, roll.a, _ROUNDING * roll.m * (abs(step.free_v[0]) / h + g))
+    solved = solve(step, k, roll.mu, roll.a, _SOLVED * momentum / h)
     y += h * (w - 0.5 * g * h)
     w -= g * h
     for j in range(NODES):
@@ -332,13 +356,13 @@ def _collocate(roll, h, k):
 
 
 @kernel
-def _judge(roll, h, k, x, v, y, w):
-    """What to multiply a step with for the tolerance, and whether it will do; x, v: compression at its beginning."""
+def _judge(roll, h, k, x, stored, momentum, y, w):
+    """What to multiply a step with for the tolerance, and whether it will do; x: the compression at its beginning."""
     m, f = roll.m, roll.step.f
     x_end = roll.level[NODES] - y
     v_end = roll.climb[NODES] - w
-    stored, kept = elastic(x, k, roll.a), elastic(x_end, k, roll.a)
-    momentum = m * math.sqrt(max(v * v, v_end * v_end) + 2.0 * max(stored, kept) / m)
+    kept = elastic(x_end, k, roll.a)
+    momentum = max(momentum, m * math.sqrt(v_end * v_end + 2.0 * kept / m))
     rest = abs(end_of(f) - law(x_end, v_end, k, roll.mu, roll.a)) * h
     ratio = min(max(0.8 * (_TOLERANCE * momentum / max(rest, 1e-300)) ** 0.25, 0.2), 2.0)
     # The path's work, and how uncertain it is where the path bends.
@@ -354,10 +378,12 @@ def _judge(roll, h, k, x, v, y, w):
 @kernel
 def _touch(roll, longest):
     """A step in contact."""
-    k = _stiffness(roll)
+    k = roll.stiffness
     level, incline = _path_at(roll)
     x = level - roll.y
     v = roll.pace * incline - roll.w
+    stored = elastic(x, k, roll.a)
+    momentum = roll.m * math.sqrt(v * v + 2.0 * stored / roll.m + roll.g * roll.sunk)
     least = 1.0 / EVENTS if roll.debt > _BURST else 0.0
     h = min(max(roll.next, least), longest)
     cut = h == longest
@@ -367,10 +393,10 @@ def _touch(roll, longest):
     along = roll.along
     for _ in range(_TRIALS):
         piece, along = _walk(roll, h)
-        solved, y, w = _collocate(roll, h, k)
+        solved, y, w = _collocate(roll, h, k, momentum)
         ratio = 0.25
         if solved:
-            ratio, good = _judge(roll, h, k, x, v, y, w)
+            ratio, good = _judge(roll, h, k, x, stored, momentum, y, w)
         if good or h <= least:
             break
         h = max(h * min(ratio, 0.7), least)
@@ -432,7 +458,7 @@ def _give(roll, start, stop, origin, rate, frames, moments, touched):
     begin = (start - origin) * rate
     end = (stop - origin) * rate
     early = (origin - roll.since) / roll.span
-    for n in range(max(int(math.floor(begin)), 0), frames):
+    for n in range(max(math.floor(begin), 0), frames):
         if n >= end:
             break
         low = max(begin - n, 0.0)

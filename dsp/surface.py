@@ -49,6 +49,7 @@ SURFACE = np.dtype(
         ("gain", np.float64, OCTAVES),
         ("ripple_gain", np.float64),
         ("cell", np.int64, OCTAVES),
+        ("corner", np.float64, (OCTAVES, 4)),  # lattice heights around it
         ("cubic", np.float64, (4, OCTAVES)),
     ],
     align=True,
@@ -91,14 +92,19 @@ def begin_surface(surface, roughness, correlation, slope, ripple, wavelength, se
 @kernel
 def _enter(surface, j, cell):
     """Put octave j on the cubic of a lattice cell."""
+    following = cell == surface.cell[j] + 1
     surface.cell[j] = cell
-    for power in range(4):
-        surface.cubic[power, j] = 0.0
     for corner in range(4):
-        bits = mixed(np.uint64(cell + corner) * _STEP + surface.seed[j])
-        value = surface.height[j] * _TO_UNIFORM * (np.float64(np.int64(bits >> _S11)) - _HALF)
-        for power in range(4):
-            surface.cubic[power, j] += _CUBIC[power, corner] * value
+        if following and corner < 3:
+            surface.corner[j, corner] = surface.corner[j, corner + 1]
+        else:
+            bits = mixed(np.uint64(cell + corner) * _STEP + surface.seed[j])
+            surface.corner[j, corner] = surface.height[j] * _TO_UNIFORM * (np.float64(np.int64(bits >> _S11)) - _HALF)
+    for power in range(4):
+        value = 0.0
+        for corner in range(4):
+            value += _CUBIC[power, corner] * surface.corner[j, corner]
+        surface.cubic[power, j] = value
 
 
 @kernel
