@@ -25,20 +25,21 @@ from .contact import checked
 from .jit import kernel
 from .surface import CREST, OCTAVES, SURFACE, height_at
 
-AUDIBLE = 80_000.0
+AUDIBLE = 50_000.0
 """1/s: octaves whose lattice is passed faster than this aren't read, and points come at up to twice this rate."""
 
 POINTS = 2048
 """Points that can wait; a power of two."""
 
-PIECES = 64
-"""Pieces that are kept, of which up to AHEAD may lie before the body."""
+PIECES = 32
+"""Pieces that are kept; a power of two."""
 
 AHEAD = PIECES - 8
+"""Pieces that may lie before the body."""
 
 _REACH = 0.2 * POINTS  # points of the longest look ahead, so that as many again and those behind find room
 _REFRESH = 64  # points between two looks at the speed
-_GLIDE = 800.0  # points: constant with which octaves come and go, some 7 ms
+_GLIDE = 800.0  # points: constant with which octaves come and go, some 10 ms
 _SMALL = 1e-5  # of a gain that isn't glided any more
 _WIDEST = 2.0**40  # places between two points
 

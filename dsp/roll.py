@@ -44,7 +44,8 @@ _STOPPED = 0.02  # share of its speed at which it has
 _GONE = 1e-5  # -100 dB
 _SLOWEST = 1e-9  # m/s
 _SMALL = 1e-7  # share of a goal that isn't glided any more
-_TOLERANCE = 1e-4  # share of the momentum at hand by which a step may err
+_TOLERANCE = 1e-4  # share of the momentum at hand by which a step may err, times coarseness^2
+_CRUDEST = 1e-2  # the greatest tolerance
 _GROWTH = 1e-9  # share of its energy that a step may gain
 _TRIALS = 24
 _SOLVED = 1e-7  # share of the momentum that a solver's last change may be worth: its error is the square
@@ -91,6 +92,7 @@ ROLL = np.dtype(
         ("along", np.float64),  # m into it
         ("touching", np.int64),
         ("next", np.float64),  # s: the step to try
+        ("tolerance", np.float64),
         ("debt", np.float64),  # events beyond what is granted
         ("presence", np.float64),  # 1, falling to 0 when the roll has stopped
         ("ended", np.int64),
@@ -144,6 +146,7 @@ def _steer(roll):
     """Bring speed, mass and gravity, after an event, nearer to what is asked for."""
     roll.top = max(roll.top, roll.asked_speed)
     roll.asked_speed = max(roll.asked_speed - roll.friction * roll.g * roll.span, 0.0)
+    roll.tolerance = min(_TOLERANCE * roll.path.coarseness * roll.path.coarseness, _CRUDEST)
     roll.debt = max(roll.debt + 1.0 - EVENTS * roll.span, 0.0)
     stopped = roll.asked_speed == 0.0 and roll.v < _STOPPED * roll.top
     if stopped or roll.presence < 1.0:
@@ -223,6 +226,8 @@ def _look_ahead(roll):
     length = -roll.along
     for i in range(roll.piece, path.made):
         length += path.length[i % PIECES]
+        if length > _LONGEST * roll.pace:
+            break
     return length / roll.pace
 
 
@@ -364,7 +369,7 @@ def _judge(roll, h, k, x, stored, momentum, y, w):
     kept = elastic(x_end, k, roll.a)
     momentum = max(momentum, m * math.sqrt(v_end * v_end + 2.0 * kept / m))
     rest = abs(end_of(f) - law(x_end, v_end, k, roll.mu, roll.a)) * h
-    ratio = min(max(0.8 * (_TOLERANCE * momentum / max(rest, 1e-300)) ** 0.25, 0.2), 2.0)
+    ratio = min(max(0.8 * (roll.tolerance * momentum / max(rest, 1e-300)) ** 0.25, 0.2), 2.0)
     # The path's work, and how uncertain it is where the path bends.
     work = spread = 0.0
     for i in range(NODES):
@@ -372,7 +377,7 @@ def _judge(roll, h, k, x, stored, momentum, y, w):
         spread += h * WEIGHTS[i] * f[i] * (abs(roll.climb[i] - roll.climb[0]) + abs(roll.climb[i] - roll.climb[NODES]))
     gained = 0.5 * m * (w - roll.w) * (w + roll.w) + m * roll.pull * (y - roll.y) + kept - stored - work
     room = spread + _GROWTH * (momentum * momentum / m + m * roll.pull * max(x, x_end, 0.0))
-    return ratio, rest <= _TOLERANCE * momentum and gained <= room
+    return ratio, rest <= roll.tolerance * momentum and gained <= room
 
 
 @kernel
@@ -464,6 +469,15 @@ def _give(roll, start, stop, origin, rate, frames, moments, touched):
         low = max(begin - n, 0.0)
         half = 0.5 * (min(end - n, 1.0) - low)
         touched[n] = 1
+        if half == 0.5:
+            # Over a whole sample a quadratic has no more than three moments.
+            theta, step = early + n / (rate * roll.span), 1.0 / (rate * roll.span)
+            a1 = step * (c1 + 2.0 * theta * c2)
+            a2 = step * step * c2
+            moments[n, 0] += (c0 + theta * (c1 + theta * c2) + a1 / 2.0 + a2 / 3.0) / rate
+            moments[n, 1] += (a1 + a2) / 6.0 / rate
+            moments[n, 2] += a2 / 30.0 / rate
+            continue
         for j in range(len(_NODES)):
             x = low + half * (1.0 + _NODES[j])
             theta = early + (n + x) / (rate * roll.span)
