@@ -91,6 +91,7 @@ def _serve_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--port", type=int, default=DEFAULT_PORT, help="UDP port, 0: any free one (%(default)s)")
     sub.add_argument("--bind", default="127.0.0.1", help="address to listen on (%(default)s: this machine only)")
     sub.add_argument("--device", help="index or part of a name from `carom devices`; none: play nowhere, by the clock")
+    sub.add_argument("--latency", type=float, help="s from computing a sound to hearing it (the device's lowest)")
     sub.add_argument("--rate", type=int, default=_RATE, help="sampling rate in Hz (%(default)s)")
     sub.add_argument("--block", type=int, default=0, help="frames a block (0: the device's)")
     sub.add_argument("--record", type=Path, metavar="OUT.wav", help="keep what is played")
@@ -146,7 +147,7 @@ def _port(word: str) -> int:
 def _serve(arguments: argparse.Namespace) -> int:
     from ..server.live import Options, serving
 
-    keys = ("port", "bind", "device", "rate", "block", "record")
+    keys = ("port", "bind", "device", "latency", "rate", "block", "record")
     chosen = {key: getattr(arguments, key) for key in keys}
     options = Options(**chosen, presets=tuple(arguments.presets), contact=_contact(arguments))
     with serving(options) as server:

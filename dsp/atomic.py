@@ -41,23 +41,40 @@ def store_release(typingctx, array, index, value):
 
 @intrinsic
 def monotonic_ns(typingctx):
-    """CLOCK_MONOTONIC in ns; 0 on Windows, which has no such call."""
+    """CLOCK_MONOTONIC in ns; on Windows the performance counter, which counts 100 ns."""
 
     def codegen(context, builder, signature, args):
         if sys.platform == "win32":
-            return ir.Constant(_I64, 0)
+            count = cgutils.alloca_once(builder, _I64)
+            _call(builder, "QueryPerformanceCounter", ir.IntType(32), [count])
+            return builder.mul(builder.load(count), ir.Constant(_I64, 100))
         clock = 6 if sys.platform == "darwin" else 1
         i32 = ir.IntType(32)
         time = cgutils.alloca_once(builder, ir.ArrayType(_I64, 2))
-        gettime = cgutils.get_or_insert_function(
-            builder.module, ir.FunctionType(i32, [i32, time.type]), "clock_gettime"
-        )
-        builder.call(gettime, [ir.Constant(i32, clock), time])
+        _call(builder, "clock_gettime", i32, [ir.Constant(i32, clock), time])
         seconds = builder.load(cgutils.gep_inbounds(builder, time, 0, 0))
         ns = builder.load(cgutils.gep_inbounds(builder, time, 0, 1))
         return builder.add(builder.mul(seconds, ir.Constant(_I64, 1_000_000_000)), ns)
 
     return types.int64(), codegen
+
+
+@intrinsic
+def thread_id(typingctx):
+    """The system's number of this thread, by which Linux schedules it; 0 elsewhere."""
+
+    def codegen(context, builder, signature, args):
+        if sys.platform != "linux":
+            return ir.Constant(_I64, 0)
+        return builder.sext(_call(builder, "gettid", ir.IntType(32), []), _I64)
+
+    return types.int64(), codegen
+
+
+def _call(builder, name, returned, args):
+    """Call a function of the system's library."""
+    function = ir.FunctionType(returned, [arg.type for arg in args])
+    return builder.call(cgutils.get_or_insert_function(builder.module, function, name), args)
 
 
 @intrinsic
@@ -97,10 +114,7 @@ def _is_x86(context) -> bool:
 
 def _sse(builder, name, register):
     pointer = builder.bitcast(register, ir.IntType(8).as_pointer())
-    function = cgutils.get_or_insert_function(
-        builder.module, ir.FunctionType(ir.VoidType(), [pointer.type]), f"llvm.x86.sse.{name}"
-    )
-    builder.call(function, [pointer])
+    _call(builder, f"llvm.x86.sse.{name}", ir.VoidType(), [pointer])
 
 
 @njit(error_model="numpy")
@@ -113,3 +127,9 @@ def publish(counter, value):
 def observe(counter):
     """counter[0], after which all that its writer wrote before it can be read."""
     return load_acquire(counter, 0)
+
+
+@njit(error_model="numpy")
+def clock_ns():
+    """The time (ns) by the clock that the callback reads."""
+    return monotonic_ns()

@@ -14,31 +14,38 @@ import numba
 import platformdirs
 from numba import carray, cfunc, types
 
-from .atomic import flush_denormals, monotonic_ns, restore_denormals
+from .atomic import flush_denormals, monotonic_ns, restore_denormals, thread_id
+from .clock import lock
 from .engine import process
+from .queue import look_again
 from .state import QUANTUM, STATE
 
 _SIGNATURE = types.intc(
-    types.voidptr, types.CPointer(types.float32), types.ulong, types.voidptr, types.ulong, types.voidptr
-)  # (input, output, frames, time info, status flags, state)
+    types.voidptr, types.CPointer(types.float32), types.ulong, types.CPointer(types.float64), types.ulong, types.voidptr
+)  # (input, output, frames, times, status flags, state)
 
 _OUTPUT_UNDERFLOW = 4
+_NOW, _HEARD = 1, 2  # in PortAudio's times, s: of the callback, and of its first frame at the output
 _VERSIONS_KEPT = 4
 
 
-def _callback(_input, output, frames, _time, flags, userdata):
+def _callback(_input, output, frames, times, flags, userdata):
     """PaStreamCallback: fill `output` with `frames` frames of interleaved stereo from the state in `userdata`."""
     entered = monotonic_ns()
     mode = flush_denormals()
     state = carray(userdata, (1,), STATE)[0]
-    state.entered = entered
-    state.entered_at = state.position - QUANTUM + state.consumed
-    if flags & _OUTPUT_UNDERFLOW:
-        state.underflows += 1
+    if state.thread == 0:
+        state.thread = thread_id()
+    underflow = flags & _OUTPUT_UNDERFLOW != 0
+    state.underflows += underflow
+    first = state.position - QUANTUM + state.consumed
+    if lock(state.clock, state.rate, entered, first, frames, underflow):
+        look_again(state)
     process(state, carray(output, (frames, 2)), frames)
     restore_denormals(mode)
     load = (monotonic_ns() - entered) * 1e-9 * state.rate / max(frames, 1)
     share = min(1.0, frames / state.rate)
+    state.latency_measured += (times[_HEARD] - times[_NOW] - state.latency_measured) * share
     state.load += (load - state.load) * share
     state.load_peak = max(load, state.load_peak * (1.0 - share))
     state.callbacks += 1

@@ -8,12 +8,15 @@ Nothing here allocates, locks or needs Python.
 """
 
 from .atomic import load_acquire, store_release
+from .clock import sample_at
 from .encounter import receive, steer, stop_all
 from .jit import kernel
 from .limiter import limit
-from .queue import has_room, order_heap, pop, push, swap
-from .state import QUANTUM, RING, TAP, Command
+from .queue import has_room, order_heap, pop, push, sink, swap
+from .state import NOTES, QUANTUM, RING, TAP, Command
 from .voice import SILENCE, attend_all, pan_gains, render_all, retune_all, silence
+
+_WANDER = 1.0 / 512.0  # share by which an event's sample, guessed from the clock, may be too late
 
 _NEW, _FREE = int(Command.NEW), int(Command.FREE)
 _IMPACT, _BOUNCE, _STEER = int(Command.IMPACT), int(Command.BOUNCE), int(Command.STEER)
@@ -43,7 +46,15 @@ def process(state, out, frames):
 def _render_quantum(state):
     _take_commands(state)
     while state.queued > 0 and state.events[state.heap[0]].time < state.position + QUANTUM:
-        _carry_out(state, state.events[pop(state)])
+        if state.events[state.heap[0]].clock > 0:
+            _read_clock(state, state.events[state.heap[0]])
+            sink(state, 0)
+        else:
+            event = state.events[pop(state)]
+            ignored = _is_ignored(state, event)
+            _note(state, event.number, -1.0 if ignored else event.time)
+            if not ignored:
+                _carry_out(state, event)
     for n in range(QUANTUM):
         state.mix[0, n] = 0.0
         state.mix[1, n] = 0.0
@@ -86,14 +97,58 @@ def _take_commands(state):
     read = state.read[0]
     while read < written and has_room(state):
         command = state.ring[read % RING]
-        if command.time < state.position:
-            # What is past and what is for now keep the order in which they came.
-            if command.time >= 0.0:
+        time = sample_at(state.clock, command.clock) if command.clock > 0 else command.time
+        if time < state.position:
+            if time >= 0.0 or command.clock > 0:
                 state.late += 1
+                state.late_last = (state.position - time) / state.rate
+                state.late_worst = max(state.late_worst, state.late_last)
+            command.clock = 0
+        if time < state.position or command.clock > 0:
+            # What is past and what is for now keep the order in which they came; what has a clock is looked at at once.
             command.time = state.position
         push(state, command)
         read += 1
     store_release(state.read, 0, read)
+
+
+@kernel
+def _read_clock(state, event):
+    """Give an event of the clock its sample if that lies in this quantum, else look again before it is due.
+
+    The guess that is kept is early, by more than the clock's pace may turn out to be wrong: so nothing is overtaken,
+    and an event an hour ahead is looked at some five times.
+    """
+    time = max(sample_at(state.clock, event.clock), float(state.position))
+    end = state.position + QUANTUM
+    if time < end:
+        event.clock = 0
+        event.time = time
+    else:
+        event.time = max(float(end), time - 1.0 - (time - end) * _WANDER)
+
+
+@kernel
+def _is_ignored(state, event):
+    """Is it meant for an object that is gone, or told to go?"""
+    obj = state.objects[event.slot]
+    return event.serial > 0 and event.kind != _NEW and (
+        obj.used == 0 or obj.serial != event.serial or obj.dying > 0
+    )  # fmt: skip
+
+
+@kernel
+def _note(state, number, time):
+    """Keep what became of a command for whoever logs, if they keep up."""
+    if state.noting == 0:
+        return
+    noted = state.noted[0]
+    if noted - load_acquire(state.note_read, 0) >= NOTES:
+        state.notes_lost += 1
+        return
+    state.notes[noted % NOTES].number = number
+    state.notes[noted % NOTES].time = time
+    store_release(state.noted, 0, noted + 1)
 
 
 @kernel
@@ -116,8 +171,6 @@ def _carry_out(state, event):
         steer(state, event)
         return
     obj = state.objects[event.slot]
-    if obj.used == 0 or obj.serial != event.serial:
-        return
     value = event.values[0]
     if event.kind == _IMPACT or event.kind == _BOUNCE:
         receive(state, obj, event)
@@ -175,6 +228,8 @@ def _panic(state, order):
         if event.order > order or event.kind == _NEW or event.kind == _FREE or event.kind == _SYNC:
             swap(state, kept, i)
             kept += 1
+        else:
+            _note(state, event.number, -1.0)
     state.queued = kept
     order_heap(state)
     for i in range(state.active):

@@ -1,7 +1,6 @@
 """The engine from Python: it checks, lays out memory and sends commands; the compiled callback does the rest."""
 
 import math
-import time
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +11,20 @@ from .atomic import observe, publish
 from .bank import LANES, NYQUIST_SHARE
 from .body import Modes
 from .callback import callback
-from .state import ENDED, EVENTS, MODES, MODES_PER_OBJECT, OBJECTS, RING, SHAPE_VALUES, TAP, Command, End, new_state
+from .state import (
+    ENDED,
+    EVENTS,
+    MODES,
+    MODES_PER_OBJECT,
+    NOTES,
+    OBJECTS,
+    RING,
+    SHAPE_VALUES,
+    TAP,
+    Command,
+    End,
+    new_state,
+)
 
 NOW = -1.0
 """A time that is always past: a command for as soon as possible."""
@@ -21,10 +33,24 @@ KEPT_FOR_NOW = 2_048
 """Places among the EVENTS that wait that are kept from what is further ahead than half a second."""
 
 _SOON = 0.5  # s
-_LONGEST_BLOCK = 1.0  # s: with none for longer, nothing plays
+_STEADY = 1e-3  # s by which the clock may turn out to be wrong before what is said of it changes
 _QUIETEST = 1e-9  # share of the loudest weight below which no weight at the left output goes: -180 dB
 
+_NO_TIMES = np.zeros(3)
+
 _LEAST_ROWS = 4  # of a shape table: mode shapes are interpolated by cubics
+
+
+class Stamp(float):
+    """A time of the clock, as the sample that it is likely to be; in the engine it is `clock`, CLOCK_MONOTONIC in ns,
+    that decides."""
+
+    clock: int
+
+    def __new__(cls, sample: float, clock: int) -> "Stamp":
+        self = super().__new__(cls, sample)
+        self.clock = clock
+        return self
 
 
 class EngineFull(RuntimeError):
@@ -78,6 +104,7 @@ class Engine:
         self.state = new_state(rate)
         self._callback = callback()
         self._record = self.state[0]
+        self._pace: tuple[int, float, float] | None = None
         self._modes = _Arena("modes", MODES)
         self._shapes = _Arena("values of mode shapes", SHAPE_VALUES)
         self._leaving: list[Handle] = []
@@ -99,20 +126,28 @@ class Engine:
         """The callback's user data."""
         return self.state.ctypes.data
 
+    def set_latency(self, latency: float) -> None:
+        """Say how long (s) after its callback a sound is heard: what has a time begins that much earlier."""
+        self._record["clock"]["latency"] = latency * self.rate
+
     @property
     def position(self) -> int:
         """Samples computed so far."""
         return int(self._record["position"])
 
-    def playing(self) -> float:
-        """The sample whose turn it is now, by the clock since the last callback; where nothing plays, the position."""
-        while True:
-            callbacks = self.counter("callbacks")
-            entered, position = self.counter("entered"), self.counter("entered_at")
-            if callbacks == self.counter("callbacks"):
-                break
-        since = 1e-9 * (time.monotonic_ns() - entered) if entered else 0.0
-        return position + min(since, _LONGEST_BLOCK) * self.rate
+    def stamp(self, time: int) -> Stamp:
+        """A time of `clock_ns` for `send`. Two stamps compare as their times do, unless the clock is set meanwhile."""
+        clock = self._record["clock"]
+        turn = -1
+        while turn % 2 or turn != observe(clock["turn"]):
+            turn = observe(clock["turn"])
+            origin, period = int(clock["origin"]), float(clock["period"]) or 1e9 / self.rate
+            begin = float(clock["sample"]) - float(clock["time"]) / period - float(clock["latency"])
+        if self._pace is None or abs(_sample(time, *self._pace) - _sample(time, origin, begin, period)) > (
+            _STEADY * self.rate
+        ):
+            self._pace = origin, begin, period
+        return Stamp(_sample(time, *self._pace), time)
 
     @property
     def top_frequency(self) -> float:
@@ -127,7 +162,8 @@ class Engine:
         """The next `frames` frames, float32 (frames, 2)."""
         out = np.empty((frames, 2), np.float32)
         call = self._callback.ctypes
-        call(None, out.ctypes.data_as(call.argtypes[1]), frames, None, 0, self.pointer)
+        times = _NO_TIMES.ctypes.data_as(call.argtypes[3])
+        call(None, out.ctypes.data_as(call.argtypes[1]), frames, times, 0, self.pointer)
         return out
 
     def quiet(self) -> bool:
@@ -155,6 +191,8 @@ class Engine:
         for n, (when, kind, handle, values) in enumerate(commands):
             entry = ring[(written + n) % RING]
             entry["time"] = when
+            entry["clock"] = when.clock if isinstance(when, Stamp) else 0
+            entry["number"] = written + n
             entry["kind"] = kind
             entry["slot"] = handle.slot if handle else 0
             entry["serial"] = handle.serial if handle else 0
@@ -169,6 +207,24 @@ class Engine:
         self._ends_read = count
         ended = self._record["ended"]
         return [(int(ended[n % ENDED, 0]), End(int(ended[n % ENDED, 1]))) for n in range(first, count)]
+
+    @property
+    def sent(self) -> int:
+        """Commands sent so far: the number of the next."""
+        return int(self._record["written"][0])
+
+    def note(self) -> None:
+        """Keep what becomes of commands from here on for `noted`."""
+        self._record["noting"] = 1
+
+    def noted(self) -> list[tuple[int, float]]:
+        """What became of commands since the last call, in the order it did: number, and the sample at which it was
+        carried out, or less than 0 for what never is."""
+        read = int(self._record["note_read"][0])
+        noted = int(observe(self._record["noted"]))
+        notes = self._record["notes"][np.arange(read, noted) % NOTES]
+        publish(self._record["note_read"], noted)
+        return list(zip(notes["number"].tolist(), notes["time"].tolist(), strict=True))
 
     def record(self) -> None:
         """Keep the sound from here on for `recorded`."""
@@ -242,3 +298,7 @@ class Engine:
         for handle in gone:
             self._leaving.remove(handle)
             self.release(handle)
+
+
+def _sample(time: int, origin: int, begin: float, period: float) -> float:
+    return begin + (time - origin) / period

@@ -26,6 +26,8 @@ def push(state, command):
     i = state.queued
     event = state.events[state.heap[i]]
     event.time = command.time
+    event.clock = command.clock
+    event.number = command.number
     event.kind = command.kind
     event.slot = command.slot
     event.serial = command.serial
@@ -45,7 +47,7 @@ def pop(state):
     state.queued -= 1
     last = state.queued
     swap(state, 0, last)
-    _sink(state, 0)
+    sink(state, 0)
     return state.heap[last]
 
 
@@ -53,11 +55,21 @@ def pop(state):
 def order_heap(state):
     """Make a heap of the first `queued` entries, whatever their order."""
     for i in range(state.queued // 2 - 1, -1, -1):
-        _sink(state, i)
+        sink(state, i)
 
 
 @kernel
-def _sink(state, i):
+def look_again(state):
+    """The clock was set anew: let all events that go by it be looked at as soon as possible."""
+    for i in range(state.queued):
+        event = state.events[state.heap[i]]
+        if event.clock > 0:
+            event.time = state.position
+    order_heap(state)
+
+
+@kernel
+def sink(state, i):
     """Let entry i sink to where both entries below it come later."""
     while 2 * i + 1 < state.queued:
         child = 2 * i + 1

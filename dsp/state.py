@@ -5,6 +5,7 @@ from enum import IntEnum
 import numpy as np
 
 from .bank import LANES, RESPONSES
+from .clock import CLOCK
 from .methods import SAMPLED
 from .pulse import MOMENTS, PULSE
 
@@ -30,6 +31,8 @@ ENDED = 4_096
 
 TAP = 262_144
 """Frames of sound kept for a recorder that is slow."""
+NOTES = 32_768
+"""Fates of commands kept for a log that is slow."""
 
 
 class Command(IntEnum):
@@ -73,11 +76,21 @@ class End(IntEnum):
 COMMAND = np.dtype(
     [
         ("time", np.float64),  # samples since the start; what is past is now
+        ("clock", np.int64),  # else 0: CLOCK_MONOTONIC in ns, of which `time` is an early guess
+        ("number", np.int64),  # of all commands sent
         ("kind", np.int64),
         ("slot", np.int64),
         ("serial", np.int64),  # of the object meant: commands to one that is gone are ignored
         ("order", np.int64),  # of arrival, set by the engine
         ("values", np.float64, COMMAND_VALUES),
+    ],
+    align=True,
+)
+
+NOTE = np.dtype(
+    [
+        ("number", np.int64),  # of the command
+        ("time", np.float64),  # samples: when it was carried out; below 0: never
     ],
     align=True,
 )
@@ -223,9 +236,19 @@ STATE = np.dtype(
         ("load", np.float64),  # share of the time there is, averaged over a second
         ("load_peak", np.float64),
         ("callbacks", np.int64),
-        ("entered", np.int64),  # CLOCK_MONOTONIC in ns when the last callback began,
-        ("entered_at", np.int64),  # and the frames that had left by then
         ("underflows", np.int64),
+        # The clock, and who runs the callback.
+        ("clock", CLOCK),
+        ("late_last", np.float64),  # s
+        ("late_worst", np.float64),  # s
+        ("latency_measured", np.float64),  # s from callback to sound, as the device says
+        ("thread", np.int64),  # the system's number of the callback's thread, 0: not known
+        # What became of commands, on its way to a log; the engine moves `noted`, Python `note_read`.
+        ("noting", np.int64),
+        ("notes", NOTE, NOTES),
+        ("noted", np.int64, 8),
+        ("note_read", np.int64, 8),
+        ("notes_lost", np.int64),
     ],
     align=True,
 )

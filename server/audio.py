@@ -31,10 +31,11 @@ class ClockOutput:
 
     name = "none"
 
-    def __init__(self, engine: Engine, block: int) -> None:
+    def __init__(self, engine: Engine, block: int, latency: float | None) -> None:
         self._engine = engine
         self._block = block or _CLOCK_BLOCK
-        self.latency = self._block / engine.rate
+        self.latency = max(self._block / engine.rate, latency or 0.0)
+        engine.set_latency(self.latency)
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="carom-clock", daemon=True)
         self._thread.start()
@@ -58,14 +59,14 @@ class ClockOutput:
 class DeviceOutput:
     """A PortAudio device, which calls the compiled engine from its own thread."""
 
-    def __init__(self, engine: Engine, device: int | str | None, block: int, latency: float | str = "low") -> None:
+    def __init__(self, engine: Engine, device: int | str | None, block: int, latency: float | None) -> None:
         sd = portaudio()
         self._engine = engine  # the callback writes to its memory: it must live as long as the stream
         try:
             self._stream = sd._StreamBase(
                 kind="output", samplerate=engine.rate, blocksize=block, device=device, channels=2, dtype="float32",
-                latency=latency, callback=sd._ffi.cast("PaStreamCallback*", engine.address),
-                userdata=sd._ffi.cast("void*", engine.pointer), wrap_callback=None,
+                latency="low" if latency is None else latency, userdata=sd._ffi.cast("void*", engine.pointer),
+                callback=sd._ffi.cast("PaStreamCallback*", engine.address), wrap_callback=None,
             )  # fmt: skip
             self._stream.start()
         except (sd.PortAudioError, ValueError) as error:
@@ -74,6 +75,7 @@ class DeviceOutput:
             raise AudioError(f"device {name}: {error}; {hint}") from error
         self.name = str(sd.query_devices(self._stream.device)["name"])
         self.latency = float(self._stream.latency)
+        engine.set_latency(self.latency)
 
     def close(self) -> None:
         self._stream.stop()
@@ -92,11 +94,14 @@ def portaudio() -> Any:
     return sounddevice
 
 
-def open_output(engine: Engine, device: str | None, block: int) -> Output:
-    """Play an engine on a device: None the default, "none" no device, else an index or part of a name."""
+def open_output(engine: Engine, device: str | None, block: int, latency: float | None = None) -> Output:
+    """Play an engine on a device: None the default, "none" no device, else an index or part of a name.
+
+    Its latency (s) is asked for, None meaning the lowest; what it gives is the output's `latency`.
+    """
     if device == "none":
-        return ClockOutput(engine, block)
-    return DeviceOutput(engine, int(device) if device and device.isdigit() else device, block)
+        return ClockOutput(engine, block, latency)
+    return DeviceOutput(engine, int(device) if device and device.isdigit() else device, block, latency)
 
 
 def devices() -> list[dict[str, Any]]:

@@ -53,8 +53,9 @@ class Gestures:
         return f"{name}-{self._count + 1}"
 
     def forget(self, gesture: Gesture) -> None:
-        """Take back `new`."""
-        self._running.pop(gesture.serial, None)
+        """Take back the last `new`: a score of what was not refused counts alike."""
+        del self._running[gesture.serial]
+        self._count -= 1
 
     def known(self) -> list[Gesture]:
         """The gestures that run or ended not long ago; several may share an id."""

@@ -9,6 +9,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..dsp.atomic import clock_ns
 from ..dsp.host import NOW, Engine, EngineFull
 from ..dsp.state import CONTACTS, Command, End
 from .audio import Output, open_output
@@ -24,7 +25,7 @@ from .osc import (
     Message,
     encode,
     parse,
-    unix_seconds,
+    unix_ns,
 )
 from .presets import Presets
 from .recorder import Recorder
@@ -37,6 +38,8 @@ _POLL = 0.02  # s between looks at the engine
 _RECEIVE_BUFFER = 1 << 22  # bytes: a burst of 10,000 messages
 _LONGEST_TEXT = 1_000  # characters of a reply
 _MOST_SUBSCRIBERS = 32
+_LONGEST_LATENCY = 2.0  # s
+_SAME_MOMENT = 2_000  # ns
 _FURTHEST_AHEAD = 3600.0  # s that a time tag may lie in the future
 
 
@@ -49,12 +52,14 @@ Address = tuple[str, int]
 
 @dataclass(frozen=True)
 class Options:
-    """How to serve: UDP port (0: any free one) and address, device (None: the default), rate in Hz, block in frames (0:
-    the device's), a file to record to, folders of presets, the arguments of a /contact to begin with."""
+    """How to serve: UDP port (0: any free one) and address, device (None: the default), latency to ask it for in s
+    (None: its lowest), rate in Hz, block in frames (0: the device's), a file to record to, folders of presets, the
+    arguments of a /contact to begin with."""
 
     port: int = DEFAULT_PORT
     bind: str = "127.0.0.1"
     device: str | None = None
+    latency: float | None = None
     rate: int = 48_000
     block: int = 0
     record: Path | None = None
@@ -69,6 +74,8 @@ class Options:
         ):
             if not low <= value <= high:
                 raise ServeError(f"{name} = {value}: expected {low} to {high}")
+        if self.latency is not None and not 0 <= self.latency <= _LONGEST_LATENCY:
+            raise ServeError(f"latency = {self.latency:g}: expected 0 to {_LONGEST_LATENCY:g} s")
 
 
 class Server:
@@ -139,7 +146,7 @@ class Server:
 
     def _perform(self, bundle: Bundle, source: Address) -> None:
         try:
-            when = self._sample(bundle.time)
+            when = self._time(bundle.time)
         except Refused as error:
             for message in bundle.messages:
                 self._reply(fail(message.address, str(error)), source)
@@ -157,14 +164,16 @@ class Server:
             except (Refused, EngineFull) as error:
                 self._reply(fail(message.address, str(error)), source)
 
-    def _sample(self, time_tag: int) -> float:
-        """The engine's sample at which a time tag falls; NOW for 0 and 1."""
+    def _time(self, time_tag: int) -> float:
+        """When a time tag's sound is to be heard, for the engine; NOW for 0 and 1."""
         if time_tag <= IMMEDIATELY:
             return NOW
-        ahead = unix_seconds(time_tag) - time.time()
-        if ahead > _FURTHEST_AHEAD:
-            raise Refused(f"time tag: {ahead:.0f} s ahead; expected at most {_FURTHEST_AHEAD:.0f} s")
-        return max(0.0, self.engine.playing() + ahead * self.engine.rate)  # the engine counts what is late
+        wall, clock = _clocks()
+        ahead = unix_ns(time_tag) - wall
+        if ahead > _FURTHEST_AHEAD * 1e9:
+            raise Refused(f"time tag: {ahead / 1e9:.0f} s ahead; expected at most {_FURTHEST_AHEAD:.0f} s")
+        # From here on the wall clock may be set without moving what waits.
+        return self.engine.stamp(max(1, clock + ahead))
 
     def _serve(self, message: Message, source: Address) -> None:
         """Carry out a message that is about the server, not the sound."""
@@ -238,6 +247,17 @@ class Server:
             self._reply(Message("/warning", (text,)), subscriber)
 
 
+def _clocks() -> tuple[int, int]:
+    """The wall clock and the engine's, in ns, read at the same moment: as near as a few attempts come."""
+    attempts = []
+    for _ in range(4):
+        before, wall, after = clock_ns(), time.time_ns(), clock_ns()
+        attempts.append((after - before, wall, (before + after) // 2))
+        if after - before < _SAME_MOMENT:
+            break
+    return min(attempts)[1:]
+
+
 def _plain(text: str) -> str:
     """Text that can be sent and shown anywhere: short, and without control characters."""
     short = text if len(text) <= _LONGEST_TEXT else text[: _LONGEST_TEXT - 3] + "..."
@@ -259,7 +279,7 @@ def serving(options: Options) -> Iterator[Server]:
         recorder = Recorder(engine, options.record) if options.record else None
         if recorder:
             stack.callback(recorder.close)
-        output = open_output(engine, options.device, options.block)
+        output = open_output(engine, options.device, options.block, options.latency)
         stack.callback(output.close)
         server = Server(sock, engine, output, presets)
         if options.contact:

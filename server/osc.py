@@ -212,9 +212,9 @@ def time_tag(unix_seconds: float) -> int:
     return round(unix_seconds * 2**32) + _UNIX_EPOCH
 
 
-def unix_seconds(tag: int) -> float:
-    """The Unix time (s) of a 64-bit NTP time tag; 0 and 1, meaning now, are the caller's to see first."""
-    return (tag - _UNIX_EPOCH) / 2**32
+def unix_ns(tag: int) -> int:
+    """The Unix time (ns) of a 64-bit NTP time tag; 0 and 1, meaning now, are the caller's to see first."""
+    return (tag - _UNIX_EPOCH) * 1_000_000_000 >> 32
 
 
 def match(pattern: str, part: str) -> bool:

@@ -12,9 +12,9 @@ from numba import carray, cfunc, njit, objmode, types
 from carom.dsp import callback
 
 ALLOWED = {
-    # Of the C library: pure mathematics, and the clock, which takes no lock.
+    # Of the C library: pure mathematics, the clock and the thread's number, which take no lock.
     *("exp", "expm1", "log", "log1p", "pow", "sin", "cos", "sqrt", "floor"),
-    "clock_gettime",
+    *("clock_gettime", "gettid"),
     # Of LLVM, as "llvm.NAME.TYPES": instructions, or calls of the functions above.
     *("llvm.exp", "llvm.log", "llvm.pow", "llvm.sin", "llvm.cos", "llvm.sqrt", "llvm.floor", "llvm.fabs"),
     *("llvm.fma", "llvm.fmuladd", "llvm.copysign", "llvm.minnum", "llvm.maxnum"),
