@@ -9,11 +9,11 @@ from typing import Any
 from ..dsp.host import NOW, Engine, EngineFull, Handle
 from ..dsp.materials import Material
 from ..dsp.methods import CORRECTIONS, METHODS
-from ..dsp.state import Command, Steering
+from ..dsp.state import RING, Command, Steering
 from .gestures import Ended, Gestures
 from .osc import Argument, Message, match
 from .presets import ObjectPreset, PresetError, Presets
-from .space import VERBS, Refused, Values, Verb, shown
+from .space import VERBS, Refused, Values, Verb, shown, spelled
 from .strikes import GRAVITY, LAW, Contact, fall, require_rest, require_short
 
 _NAME = re.compile(r"[^\s#*,/?\[\]{}]{1,64}")
@@ -59,7 +59,8 @@ class Scene:
         self._time = time
         self._source = source
         self._forget_gone()
-        for message in messages:
+        plain = [each for message in messages for each in spelled(message)]
+        for place, message in enumerate(plain):
             done = len(self._undo)
             try:
                 more, reply = self._translate(message)
@@ -70,6 +71,9 @@ class Scene:
                 commands += more
                 replies += reply
                 accepted.append(message.address)
+            if len(commands) > RING:  # they will never be sent: spare the time to translate the rest
+                accepted += [rest.address for rest in plain[place + 1 :]]
+                break
         try:
             self.engine.send(commands)
         except EngineFull as error:

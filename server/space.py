@@ -6,8 +6,9 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import lru_cache
 
-from .osc import Argument
+from .osc import Argument, Message, match
 
 
 class Refused(ValueError):
@@ -197,6 +198,29 @@ VERBS = {
         Verb("/quit", "ends the server", scored=False),
     )
 }  # fmt: skip
+
+
+def spelled(message: Message) -> list[Message]:
+    """The message once for each verb that its address, a pattern perhaps, matches; only a NAME in it stays a pattern.
+
+    What matches none comes back as it is, to be refused. /quit is meant by its full name alone: nobody who sends to
+    every address wants to end the server.
+    """
+    if not any(sign in message.address for sign in "*?[{"):
+        return [message]
+    return [Message(address, message.args) for address in _matched(message.address)] or [message]
+
+
+@lru_cache(maxsize=64)
+def _matched(pattern: str) -> list[str]:
+    parts = pattern.split("/")
+    candidates = (verb.split("/") for verb in VERBS if verb != "/quit")
+    return [
+        "/".join(given if known.isupper() else known for given, known in zip(parts, verb, strict=True))
+        for verb in candidates
+        if len(verb) == len(parts)
+        and all(known.isupper() or match(given, known) for given, known in zip(parts, verb, strict=True))
+    ]
 
 
 def table() -> str:

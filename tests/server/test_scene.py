@@ -1,6 +1,7 @@
 """What messages do, and what they are told when they can't."""
 
 import math
+import time
 
 import pytest
 
@@ -244,3 +245,50 @@ def test_the_table_names_every_address_and_key():
         assert f"`{verb.address}`" in text
         for argument in (*verb.required, *verb.optional, *verb.keys):
             assert f"`{argument.name}`" in text
+
+
+@pytest.mark.parametrize(
+    ("pattern", "struck"),
+    [
+        ("/*/bell/impact", ["bell"]),
+        ("/object/b*/{impact,damp}", ["bell", "bar"]),
+        ("/obj[a-z]ct/{bell,tom}/i?pact", ["bell", "tom"]),
+        ("/*/*/*pact", ["bell", "bar", "tom"]),
+    ],
+)
+def test_every_part_of_an_address_may_be_a_pattern(scene, pattern, struck):
+    for name in ("bell", "bar", "tom"):
+        say(scene, "/object/new", name, "wood-block")
+    assert say(scene, pattern, 1.0) == []
+    scene.engine.process(4800)
+    assert scene.engine.counter("impacts") == len(struck)
+    damped = [scene.engine.state[0]["objects"]["damp"][scene.objects[name].handle.slot] for name in ("bell", "tom")]
+    assert damped == [float("damp" in pattern), 0.0]
+
+
+def test_patterns_reach_verbs_without_objects(scene):
+    say(scene, "/object/new", "a", "wood-block")
+    assert say(scene, "/[op]anic") == []
+    assert say(scene, "/con*", "rk4", 4) == []
+    assert say(scene, "/{object,}/ne?", "b", "tom") == [Message("/done", ("/object/new", "b"))]
+    assert "no such address" in refusal(scene, "/panic*/x")
+    assert "no such address" in refusal(scene, "/qui?")
+    assert "no such address" in refusal(scene, "/object/{a")
+    assert "z*: no such object" in refusal(scene, "/object/z*/impact", 1.0)
+
+
+def test_what_a_pattern_can_not_do_is_told_for_each(scene):
+    say(scene, "/object/new", "a", "wood-block")
+    replies = say(scene, "/object/a/{damp,pan,decay}", -0.5)
+    assert [reply.args[0] for reply in replies] == ["/object/a/damp", "/object/a/decay"]
+
+
+def test_a_bundle_that_strikes_everything_without_end_is_refused_in_time(scene):
+    for n in range(100):
+        say(scene, "/object/new", f"o{n}", "wood-block")
+    scene.engine.process(64)
+    started = time.process_time()
+    replies = scene.perform([Message("/object/*/impact", (1.0,))] * 2_700, NOW)
+    assert time.process_time() - started < 1.0
+    assert len(replies) == 2_700 and all("no room" in reply.args[1] for reply in replies)
+    assert say(scene, "/object/*/impact", 1.0) == []
