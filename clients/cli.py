@@ -88,7 +88,9 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _serve_options(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("--port", type=int, default=DEFAULT_PORT, help="UDP port, 0: any free one (%(default)s)")
+    sub.add_argument(
+        "--port", type=int, default=DEFAULT_PORT, help="port for UDP and TCP, 0: any free one (%(default)s)"
+    )
     sub.add_argument("--bind", default="127.0.0.1", help="address to listen on (%(default)s: this machine only)")
     sub.add_argument("--device", help="index or part of a name from `carom devices`; none: play nowhere, by the clock")
     sub.add_argument("--latency", type=float, help="s from computing a sound to hearing it (the device's lowest)")
@@ -136,6 +138,7 @@ def _add_presets(sub: argparse.ArgumentParser) -> None:
 def _add_server(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--host", default="127.0.0.1", help="where the server is (%(default)s)")
     sub.add_argument("--port", type=_port, default=DEFAULT_PORT, help="its port (%(default)s)")
+    sub.add_argument("--tcp", action="store_true", help="send over TCP, which loses nothing, instead of UDP")
 
 
 def _port(word: str) -> int:
@@ -145,6 +148,7 @@ def _port(word: str) -> int:
 
 
 def _serve(arguments: argparse.Namespace) -> int:
+    from ..server.allowance import local
     from ..server.live import Options, serving
 
     keys = ("port", "bind", "device", "latency", "rate", "block", "record")
@@ -154,6 +158,8 @@ def _serve(arguments: argparse.Namespace) -> int:
         signal.signal(signal.SIGTERM, lambda *_: server.stop())
         signal.signal(signal.SIGINT, lambda *_: server.stop())
         host, port = server.address
+        if not local(host):
+            print(f"carom serve: whoever reaches this machine can play on it: it listens on {host}", file=sys.stderr)
         print(f"carom listens on {host}:{port}, plays on {server.output.name} at {arguments.rate} Hz", flush=True)
         server.run()
     return 0
@@ -207,7 +213,7 @@ def _play(arguments: argparse.Namespace) -> int:
 
     lines = sorted(read(arguments.score), key=lambda line: line.time)
     failed = 0
-    with Client(arguments.host, arguments.port) as client:
+    with Client(arguments.host, arguments.port, arguments.tcp) as client:
         client.ask("/version")
         start = time.time() + 0.5
         for line in lines:
@@ -231,7 +237,7 @@ def _print_failures(client: Client, seconds: float) -> int:
 def _send(arguments: argparse.Namespace) -> int:
     from ..server.score import value
 
-    with Client(arguments.host, arguments.port) as client:
+    with Client(arguments.host, arguments.port, arguments.tcp) as client:
         replies = client.ask_all(arguments.address, *map(value, arguments.args))
     for reply in replies:
         print(reply.address, *reply.args, file=sys.stderr if reply.address == "/fail" else sys.stdout)

@@ -8,6 +8,9 @@ from contextlib import contextmanager, suppress
 from types import TracebackType
 
 from ..server import osc
+from ..server.framing import Sized
+
+_PATIENCE = 5.0  # s that a server may take to take what is sent over TCP
 
 
 class CommandError(RuntimeError):
@@ -15,15 +18,21 @@ class CommandError(RuntimeError):
 
 
 class Client:
-    """A UDP socket to one server. Floats go as doubles, so that the server's log holds what was asked for.
+    """A socket to one server: UDP, or TCP, which loses nothing. Floats go as doubles, so that the server's log holds
+    what was asked for.
 
-    A method raises ConnectionRefusedError if the host says that nothing listens there.
+    A method, or with TCP the making of a client, raises ConnectionRefusedError if the host says that nothing listens.
     """
 
-    def __init__(self, host: str = "127.0.0.1", port: int = osc.DEFAULT_PORT) -> None:
+    def __init__(self, host: str = "127.0.0.1", port: int = osc.DEFAULT_PORT, tcp: bool = False) -> None:
         self._server = f"{host}:{port}"
-        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._socket.connect((host, port))
+        self._stream = Sized() if tcp else None
+        if tcp:
+            self._socket = socket.create_connection((host, port), _PATIENCE)
+            self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        else:
+            self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+            self._socket.connect((host, port))
         self._bundle: list[osc.Message] | None = None
 
     def __enter__(self) -> "Client":
@@ -37,7 +46,7 @@ class Client:
     def send(self, address: str, *args: osc.Argument) -> None:
         """Sends a message, or adds it to the bundle being made; waits for nothing."""
         if self._bundle is None:
-            self._socket.send(_encoded(address, args))
+            self._transmit(_encoded(address, args))
         else:
             self._bundle.append(osc.Message(address, args))
 
@@ -53,7 +62,7 @@ class Client:
         finally:
             self._bundle = None
         tag = osc.IMMEDIATELY if at is None else osc.time_tag(at)
-        self._socket.send(osc.encode_bundle(tag, messages, real="d"))
+        self._transmit(osc.encode_bundle(tag, messages, real="d"))
 
     def ask(self, address: str, *args: osc.Argument, timeout: float = 2.0) -> osc.Message:
         """Sends a message and waits (s) for its reply: /done, ADDRESS.reply or /synced.
@@ -99,8 +108,15 @@ class Client:
         """What the server sends, as it comes, for so long."""
         deadline = time.monotonic() + seconds
         while select.select([self._socket], [], [], max(0.0, deadline - time.monotonic()))[0]:
-            for bundle in osc.parse(self._socket.recv(osc.MAX_DATAGRAM)):
-                yield from bundle.messages
+            data = self._socket.recv(osc.MAX_DATAGRAM)
+            if self._stream and not data:
+                raise ConnectionResetError(f"{self._server} has closed the connection")
+            for packet in self._stream.packets(data) if self._stream else [data]:
+                for bundle in osc.parse(packet):
+                    yield from bundle.messages
+
+    def _transmit(self, packet: bytes) -> None:
+        self._socket.sendall(self._stream.framed(packet) if self._stream else packet)
 
     def new(self, name: str, preset: str, **keys: osc.Argument) -> None:
         """Makes an object and waits until it is there; keys override the preset's."""

@@ -1,14 +1,15 @@
 """What this machine has, what it lacks, and what to do about it."""
 
 import os
-import socket
 import sys
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from importlib.util import find_spec
 
 from ..dsp.host import Engine
 from ..server.audio import AudioError, devices
+from ..server.network import RECEIVE_BUFFER, Network
 from ..server.osc import DEFAULT_PORT
 from ..server.presets import PresetError, Presets
 
@@ -17,11 +18,12 @@ Finding = tuple[bool | None, str, str]
 
 
 def examine() -> Iterator[Finding]:
-    """Findings, one by one: engine, presets, devices, port, rights, extras."""
+    """Findings, one by one: engine, presets, devices, port, bursts, rights, extras."""
     yield _engine()
     yield _presets()
     yield _sound()
     yield _port()
+    yield _burst()
     yield _priority()
     if find_spec("matplotlib"):
         yield True, "matplotlib: render --plot and chart work", ""
@@ -59,12 +61,22 @@ def _sound() -> Finding:
 
 
 def _port() -> Finding:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
-        try:
-            sock.bind(("127.0.0.1", DEFAULT_PORT))
-        except OSError as error:
-            return None, f"port {DEFAULT_PORT}: {error.strerror}", "a server may be running; another: serve --port 0"
+    try:
+        network = Network("127.0.0.1", DEFAULT_PORT)
+    except OSError as error:
+        return None, f"port {DEFAULT_PORT}: {error.strerror}", "a server may be running; another: serve --port 0"
+    network.close()
     return True, f"port {DEFAULT_PORT} is free", ""
+
+
+def _burst() -> Finding:
+    with closing(Network("127.0.0.1", 0)) as network:
+        given = network.receive_buffer
+    if given >= RECEIVE_BUFFER:
+        return True, f"receive buffer: {given >> 10} KiB for datagrams that come while the server is busy", ""
+    remedy = f"as root: sysctl -w net.core.rmem_max={RECEIVE_BUFFER}" if sys.platform == "linux" else ""
+    what = f"receive buffer: {given >> 10} KiB: a burst that comes while an object is made may be lost"
+    return None, what, remedy or f"let the system give {RECEIVE_BUFFER >> 10} KiB to a UDP socket, or send over TCP"
 
 
 def _priority() -> Finding:

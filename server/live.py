@@ -1,12 +1,12 @@
-"""The live server: OSC in over UDP, replies out, sound on a device."""
+"""The live server: OSC in over UDP and TCP, replies out, sound on a device."""
 
-import socket
 import sys
 import time
 import traceback
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 
 from ..dsp.atomic import clock_ns
@@ -15,27 +15,16 @@ from ..dsp.state import CONTACTS, Command, End
 from .audio import Output, open_output
 from .dump import Dump
 from .gestures import Ended
-from .osc import (
-    DEFAULT_PORT,
-    IMMEDIATELY,
-    MAX_DATAGRAM,
-    Argument,
-    BadPacket,
-    Bundle,
-    Message,
-    encode,
-    parse,
-    unix_ns,
-)
+from .network import Network, Source
+from .osc import DEFAULT_PORT, IMMEDIATELY, Argument, BadPacket, Bundle, Message, parse, unix_ns
 from .presets import Presets
 from .recorder import Recorder
 from .render import HIGHEST_RATE, LOWEST_RATE
 from .scene import Scene, fail
-from .space import VERBS, Refused
+from .space import VERBS, Refused, spelled
 from .status import Status, version
 
 _POLL = 0.02  # s between looks at the engine
-_RECEIVE_BUFFER = 1 << 22  # bytes: a burst of 10,000 messages
 _LONGEST_TEXT = 1_000  # characters of a reply
 _MOST_SUBSCRIBERS = 32
 _LONGEST_LATENCY = 2.0  # s
@@ -47,12 +36,9 @@ class ServeError(ValueError):
     """A server that can't be; the text says why."""
 
 
-Address = tuple[str, int]
-
-
 @dataclass(frozen=True)
 class Options:
-    """How to serve: UDP port (0: any free one) and address, device (None: the default), latency to ask it for in s
+    """How to serve: port (0: any free one) and address, device (None: the default), latency to ask it for in s
     (None: its lowest), rate in Hz, block in frames (0: the device's), a file to record to, folders of presets, the
     arguments of a /contact to begin with."""
 
@@ -81,24 +67,20 @@ class Options:
 class Server:
     """A scene that listens. `run` serves until /quit or `stop`."""
 
-    def __init__(self, sock: socket.socket, engine: Engine, output: Output, presets: Presets) -> None:
+    def __init__(self, network: Network, engine: Engine, output: Output, presets: Presets) -> None:
         self.output = output
         self.engine = engine
-        self._socket = sock
+        self.address = network.address
+        self._network = network
         self._scene = Scene(engine, presets)
         self._status = Status(engine, output.latency)
-        self._subscribers: set[Address] = set()
-        self._syncs: dict[int, tuple[int, Address]] = {}
+        self._subscribers: set[Source] = set()
+        self._syncs: dict[int, tuple[int, Source]] = {}
         self._sync_count = 0
         self._dump: Dump | None = None
         self._running = True
         self.recorder: Recorder | None = None
         self._record_told = False
-
-    @property
-    def address(self) -> Address:
-        """Where it listens: host and port."""
-        return self._socket.getsockname()[:2]
 
     def stop(self) -> None:
         self._running = False
@@ -110,31 +92,25 @@ class Server:
 
     def run(self) -> None:
         """Serve until told to stop."""
-        self._socket.settimeout(_POLL)
         due = 0.0
         while self._running:
-            try:
-                datagram, source = self._socket.recvfrom(MAX_DATAGRAM)
-            except TimeoutError:
-                pass
-            except ConnectionError:
-                continue  # a client is gone that was sent a reply
-            else:
-                self._receive(datagram, source)
+            arrived = self._network.receive(_POLL)
+            if arrived:
+                self._receive(*arrived)
             if time.monotonic() >= due:
                 self._poll()
                 due = time.monotonic() + _POLL
 
-    def _receive(self, datagram: bytes, source: Address) -> None:
+    def _receive(self, packet: bytes, source: Source) -> None:
         try:
-            self._answer(datagram, source)
+            self._answer(packet, source)
         except Exception as error:  # a fault of ours must not end the show
             traceback.print_exc()
             self._reply(fail("datagram", f"a fault of the server: {error!r}"), source)
 
-    def _answer(self, datagram: bytes, source: Address) -> None:
+    def _answer(self, packet: bytes, source: Source) -> None:
         try:
-            bundles = parse(datagram)
+            bundles = parse(packet)
         except BadPacket as error:
             self._reply(fail("datagram", str(error)), source)
             return
@@ -144,7 +120,7 @@ class Server:
                     self._dump.show(message)
             self._perform(bundle, source)
 
-    def _perform(self, bundle: Bundle, source: Address) -> None:
+    def _perform(self, bundle: Bundle, source: Source) -> None:
         try:
             when = self._time(bundle.time)
         except Refused as error:
@@ -153,9 +129,10 @@ class Server:
             return
         about_server: list[Message] = []
         sounding: list[Message] = []
-        for message in bundle.messages:
+        for message in chain.from_iterable(map(spelled, bundle.messages)):
             verb = VERBS.get(message.address)
-            (sounding if verb is None or verb.scored else about_server).append(message)
+            if message.address != "/fail":  # two servers would answer each other's for ever
+                (sounding if verb is None or verb.scored else about_server).append(message)
         for reply in self._scene.perform(sounding, when, source):
             self._reply(reply, source)
         for message in about_server:
@@ -175,12 +152,12 @@ class Server:
         # From here on the wall clock may be set without moving what waits.
         return self.engine.stamp(max(1, clock + ahead))
 
-    def _serve(self, message: Message, source: Address) -> None:
+    def _serve(self, message: Message, source: Source) -> None:
         """Carry out a message that is about the server, not the sound."""
         values = VERBS[message.address].parse(message.args).numbers
         match message.address:
             case "/status":
-                self._reply(self._status.reply(len(self._scene.objects)), source)
+                self._reply(self._status.reply(len(self._scene.objects), self._network), source)
             case "/version":
                 self._reply(version(), source)
             case "/sync":
@@ -193,12 +170,13 @@ class Server:
                 self._reply(Message("/done", ("/quit",)), source)
                 self.stop()
 
-    def _sync(self, identity: int, source: Address) -> None:
+    def _sync(self, identity: int, source: Source) -> None:
         self.engine.send([(NOW, Command.SYNC, None, (float(self._sync_count + 1),))])
         self._sync_count += 1
         self._syncs[self._sync_count] = identity, source
 
-    def _notify(self, on: bool, source: Address) -> None:
+    def _notify(self, on: bool, source: Source) -> None:
+        self._subscribers = set(filter(self._network.reaches, self._subscribers))
         if not on:
             self._subscribers.discard(source)
         elif len(self._subscribers) >= _MOST_SUBSCRIBERS and source not in self._subscribers:
@@ -207,11 +185,11 @@ class Server:
             self._subscribers.add(source)
         self._reply(Message("/done", ("/notify",)), source)
 
-    def _reply(self, message: Message, to: Address) -> None:
+    def _reply(self, message: Message, to: Source) -> None:
         # What came in may be long, and need not be text that can go out again.
         args = [_plain(arg) if isinstance(arg, str) else arg for arg in message.args]
         try:
-            self._socket.sendto(encode(message.address, *args), to)
+            self._network.send(Message(message.address, tuple(args)), to)
         except OSError:
             # It asked from where it can't be answered: its loss, and nobody else's.
             self._subscribers.discard(to)
@@ -228,13 +206,16 @@ class Server:
             self._reply(Message("/synced", (identity,)), source)
         for ended in self._scene.take_ends():
             self._tell_end(ended)
+        for sender, count in self._network.dropped():
+            text = f"{count} were left out: they came faster than they could be carried out"
+            self._reply(fail("datagram", text), sender)
         names = {obj.handle.slot: name for name, obj in self._scene.objects.items()}
-        for warning in self._status.warnings(names):
+        for warning in (*self._status.warnings(names), *self._network.warnings()):
             self._warn(warning)
 
     def _tell_end(self, ended: Ended) -> None:
         gesture = ended.gesture
-        asked: set[Address] = {gesture.source} | self._subscribers
+        asked: set[Source] = {gesture.source} | self._subscribers
         for client in asked:
             self._reply(Message("/gesture/end", (gesture.id,)), client)
         if ended.end is End.NO_ROOM:
@@ -268,10 +249,8 @@ def _plain(text: str) -> str:
 def serving(options: Options) -> Iterator[Server]:
     """A server ready to `run`. OSError, AudioError or PresetError say why it can't be."""
     with ExitStack() as stack:
-        sock = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
-        sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _RECEIVE_BUFFER)
         try:
-            sock.bind((options.bind, options.port))
+            network = stack.enter_context(closing(Network(options.bind, options.port)))
         except OSError as error:
             raise OSError(f"port {options.port} on {options.bind}: {error.strerror or error}") from error
         presets = Presets(options.presets)
@@ -281,7 +260,7 @@ def serving(options: Options) -> Iterator[Server]:
             stack.callback(recorder.close)
         output = open_output(engine, options.device, options.block, options.latency)
         stack.callback(output.close)
-        server = Server(sock, engine, output, presets)
+        server = Server(network, engine, output, presets)
         if options.contact:
             server.choose_contact(options.contact)
         if recorder:

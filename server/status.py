@@ -5,6 +5,7 @@ from collections import deque
 from importlib.metadata import version as installed_version
 
 from ..dsp.host import Engine
+from .network import Network
 from .osc import Message
 
 _COUNTERS = ("impacts", "contacts_dropped", "late", "limited", "faults", "underflows", "tap_lost")
@@ -31,7 +32,7 @@ class Status:
         (t0, p0), (t1, p1) = self._positions[0], self._positions[-1]
         return (p1 - p0) / (t1 - t0)
 
-    def reply(self, objects: int) -> Message:
+    def reply(self, objects: int, network: Network) -> Message:
         """/status.reply: the nine values of scsynth's (1, live modes, sounding objects, objects, contacts, average and
         peak load in %, nominal and actual rate in Hz), then pairs of name and value."""
         count = self._engine.counter
@@ -39,7 +40,8 @@ class Status:
                 100 * count("load"), 100 * count("load_peak"), self._engine.rate, self.actual_rate())  # fmt: skip
         pairs = [item for name in _COUNTERS for item in (name, count(name))]
         more = ("queued", count("queued"), "limiter_lowest", count("limit_lowest"), "latency", self._latency)
-        return Message("/status.reply", (*nine, *pairs, *more))
+        heard = [item for pair in network.counts.items() for item in pair]
+        return Message("/status.reply", (*nine, *pairs, *more, *heard, "connections", network.connections))
 
     def warnings(self, names: dict[int, str]) -> list[str]:
         """What went wrong since the last call, a line each; `names` are the objects' by slot."""

@@ -6,14 +6,16 @@ import socket
 import subprocess
 import sys
 import time
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
 import pytest
 import soundfile
 
-from carom.clients.client import CommandError
+from carom.clients.client import Client, CommandError
 from carom.server import osc
+from carom.server.network import RECEIVE_BUFFER, Network
 from tests.conftest import CAROM, Running, serving
 
 EXAMPLES = Path(__file__).parents[2] / "clients" / "examples"
@@ -170,8 +172,7 @@ def failing(folder: Path, *args: str, env: dict[str, str] | None = None) -> str:
     return run.stderr
 
 
-def test_what_can_not_be_served_is_told(tmp_path, server: Running):
-    assert f"port {server.port} on 127.0.0.1: Address already in use" in failing(tmp_path, "--port", str(server.port))
+def test_what_can_not_be_served_is_told(tmp_path):
     none = ("--port", "0", "--device", "none")
     assert "no/such/out.wav: No such file or directory" in failing(tmp_path, *none, "--record", "no/such/out.wav")
     assert "no/presets: expected a folder" in failing(tmp_path, *none, "--presets", "no/presets")
@@ -221,3 +222,99 @@ def test_it_starts_within_seconds(tmp_path):
 def test_python_m_works():
     run = subprocess.run([sys.executable, "-m", "carom.clients", "--version"], capture_output=True, text=True)
     assert run.stdout.startswith("carom ")
+
+
+def test_tcp_strikes_too(tmp_path):
+    with serving(tmp_path, "--device", "none", "--record", "out.wav") as server:
+        with Client(port=server.port, tcp=True) as client:
+            client.new("a", "wood-block")
+            with client.bundle(at=time.time() + 0.2):
+                client.impact("a", 1.0)
+            client.ask("/notify", 1)
+            with pytest.raises(CommandError, match="no such object"):
+                client.ask("/object/b/impact", 1.0)
+            time.sleep(0.5)
+            assert client.status().args[-1] == 1  # connection
+        time.sleep(0.1)
+        with server.client() as client:
+            assert client.status().args[-2:] == ("connections", 0)
+        assert server.quit() == (0, "")
+    assert onsets(tmp_path / "out.wav") == 1
+
+
+def test_what_is_sent_on_one_connection_stays_in_order(server: Running):
+    with Client(port=server.port, tcp=True) as client:
+        client.new("a", "wood-block", gain=-60)
+        for _ in range(20_000):
+            client.impact("a", 0.01)
+        client.ask("/sync", 1, timeout=20.0)
+        assert counted(client.status())["impacts"] == 20_000
+
+
+def test_a_burst_of_datagrams_is_not_lost(server: Running):
+    """10,000 datagrams as fast as they can be sent, behind one that takes its time."""
+    with server.client() as client:
+        if client_buffer() < RECEIVE_BUFFER:
+            pytest.skip("the system gives less than the receive buffer asked for")
+        client.new("a", "wood-block", gain=-60)
+        client.send("/object/new", "plate", "steel-plate")
+        strike = osc.encode("/object/a/impact", 0.01)
+        for _ in range(10_000):
+            client._socket.send(strike)
+        client.ask("/sync", 1, timeout=20.0)
+        told = counted(client.status())
+        assert told["impacts"] == 10_000 and told["dropped"] == told["dropped_by_system"] == 0
+
+
+def client_buffer() -> int:
+    with closing(Network("127.0.0.1", 0)) as network:
+        return network.receive_buffer
+
+
+def counted(status: osc.Message) -> dict[str, float]:
+    return dict(zip(status.args[9::2], status.args[10::2], strict=True))
+
+
+def test_what_fails_elsewhere_is_not_answered(server: Running):
+    """Two servers, or one that is told to answer itself, would go on about it for ever."""
+    with server.client() as client:
+        client.send("/fail", "/object/a/impact", "no such object")
+        client.send("/{fail,done}", "/object/a/impact")
+        assert [reply.args[0] for reply in client.replies(0.3)] == ["/{fail,done}"]
+
+
+def test_patterns_reach_the_server_itself(server: Running):
+    with server.client() as client:
+        assert [m.address for m in client.ask_all("/{status,version}")] == ["/status.reply", "/version.reply"]
+        assert "/status.reply" in [m.address for m in client.ask_all("/*")]
+        assert [m.address for m in client.ask_all("/qui?")] == ["/fail"]
+    assert server.process.poll() is None
+
+
+def test_presets_outside_the_folders_are_out_of_reach(tmp_path):
+    (tmp_path / "mine" / "objects").mkdir(parents=True)
+    secret = (Path(__file__).parents[2] / "presets" / "objects" / "wood-block.toml").read_text()
+    (tmp_path / "secret.toml").write_text(secret)
+    with serving(tmp_path, "--device", "none", "--presets", "mine") as server, server.client() as client:
+        for path in ("../../secret", "../secret", str(tmp_path / "secret"), "objects/wood-block", "..", "", "secret\0"):
+            for args in ((path,), ("wood-block", "material", path), ("wood-block", "striker", path)):
+                with pytest.raises(CommandError, match=r"expected|zero character"):
+                    client.ask("/object/new", "x", *args)
+        assert client.status().args[3] == 0
+
+
+def test_a_second_server_says_so(tmp_path, server: Running):
+    assert f"port {server.port} on 127.0.0.1: Address already in use" in failing(tmp_path, "--port", str(server.port))
+    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as taken:  # by another program, for TCP alone
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = str(taken.getsockname()[1])
+        assert f"port {port} on 127.0.0.1: Address already in use" in failing(tmp_path, "--port", port)
+    with server.client() as client:
+        assert client.status().args[0] == 1
+
+
+def test_listening_to_others_is_warned_of(tmp_path):
+    with serving(tmp_path, "--device", "none", "--bind", "0.0.0.0") as server:
+        code, errors = server.quit()
+    assert code == 0 and errors == "carom serve: whoever reaches this machine can play on it: it listens on 0.0.0.0\n"

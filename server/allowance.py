@@ -1,0 +1,36 @@
+"""How much may be answered to whom: the sender of a datagram may be forged, and the answer hit somebody else."""
+
+import time
+from collections import OrderedDict
+from ipaddress import ip_address
+
+_BURST = 1_000  # replies
+_RATE = 100.0  # replies a second
+_HOSTS = 1_024  # remembered
+
+
+class Allowance:
+    """A budget of replies for each host. This machine's own have none: nobody elsewhere can send in their name."""
+
+    def __init__(self) -> None:
+        self._budgets: OrderedDict[str, tuple[float, float]] = OrderedDict()  # replies left, and when that was (s)
+
+    def take(self, host: str) -> bool:
+        """Spend one reply to a host; False if it has none left."""
+        if local(host):
+            return True
+        now = time.monotonic()
+        left, then = self._budgets.pop(host, (float(_BURST), now))
+        left = min(_BURST, left + _RATE * (now - then))
+        self._budgets[host] = max(left - 1.0, 0.0) if left >= 1.0 else left, now
+        if len(self._budgets) > _HOSTS:
+            self._budgets.popitem(last=False)
+        return left >= 1.0
+
+
+def local(host: str) -> bool:
+    """Is it this machine, and out of reach for others?"""
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"

@@ -1,0 +1,263 @@
+"""The way in and out: what is bounded, what is counted, and that no client can hold up another."""
+
+import select
+import socket
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack
+
+import pytest
+
+from carom.server import allowance, network, osc
+from carom.server.framing import Sized, Slip
+from carom.server.network import MOST_CONNECTIONS, Network, Source
+from carom.server.osc import Message
+
+A = osc.encode("/a", 1)
+
+
+@pytest.fixture
+def net() -> Iterator[Network]:
+    net = Network("127.0.0.1", 0)
+    yield net
+    net.close()
+
+
+@pytest.fixture
+def stack() -> Iterator[ExitStack]:
+    with ExitStack() as stack:
+        yield stack
+
+
+def client(net: Network, stack: ExitStack) -> socket.socket:
+    return stack.enter_context(socket.create_connection(net.address, 2))
+
+
+def udp(stack: ExitStack) -> socket.socket:
+    return stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+
+
+def taken(net: Network, seconds: float = 0.2) -> list[tuple[bytes, Source]]:
+    """All that comes until nothing has for so long."""
+    packets = []
+    while arrived := net.receive(seconds):
+        packets.append(arrived)
+    return packets
+
+
+def replies(sock: socket.socket, framing: Sized | Slip) -> list[Message]:
+    """What a client has got, up to silence or the end."""
+    messages = []
+    while select.select([sock], [], [], 0.2)[0] and (data := sock.recv(1 << 16)):
+        messages += [bundle.messages[0] for packet in framing.packets(data) for bundle in osc.parse(packet)]
+    return messages
+
+
+def ended(sock: socket.socket) -> bool:
+    try:
+        return sock.recv(1) == b""
+    except ConnectionResetError:
+        return True
+
+
+def test_udp_and_tcp_share_a_port_and_replies_go_where_messages_came_from(net, stack):
+    datagrams, sized, slip = udp(stack), client(net, stack), client(net, stack)
+    datagrams.sendto(A, net.address)
+    sized.sendall(Sized.framed(A) * 2)
+    slip.sendall(Slip.framed(A))
+    got = taken(net)
+    assert [packet for packet, _ in got] == [A] * 4
+    for n, source in enumerate(dict.fromkeys(source for _, source in got)):
+        net.send(Message("/reply", (n,)), source)
+    assert osc.parse(datagrams.recv(100))[0].messages[0].address == "/reply"
+    assert [m.address for m in replies(sized, Sized())] == ["/reply"]
+    assert [m.address for m in replies(slip, Slip())] == ["/reply"]
+
+
+def test_a_packet_in_pieces_and_many_in_one(net, stack):
+    one = client(net, stack)
+    for byte in Slip.framed(A):
+        one.sendall(bytes([byte]))
+        net.receive(0.0)
+        time.sleep(0.001)
+    one.sendall(Slip.framed(A) * 1000)
+    assert len(taken(net)) >= 1000
+
+
+def test_what_came_before_the_end_is_answered(net, stack):
+    one = client(net, stack)
+    one.sendall(Sized.framed(A) * 3)
+    one.shutdown(socket.SHUT_WR)
+    for _ in range(3):
+        arrived = net.receive(1.0)
+        assert arrived
+        net.send(Message("/b"), arrived[1])
+    assert net.receive(0.1) is None and net.connections == 0
+    assert replies(one, Sized()) == [Message("/b")] * 3 and ended(one)
+
+
+@pytest.mark.parametrize("junk", [b"GET / HTTP/1.1\r\n\r\n", b"\xff" * 9, b"\0\xff\xff\xff\xff", b"\xc0a\xdbb\xc0"])
+def test_a_broken_stream_is_told_and_closed(net, stack, junk):
+    one = client(net, stack)
+    one.sendall(junk + bytes(100_000))
+    assert taken(net) == [] and net.connections == 0
+    (message,) = replies(one, Sized() if junk[0] == 0 else Slip())
+    assert message.address == "/fail" and message.args[0] == "stream" and ended(one)
+
+
+def test_a_broken_stream_ends_after_what_was_whole_in_it(net, stack):
+    one = client(net, stack)
+    one.sendall(Sized.framed(A) + b"\xff" * 4)
+    got = taken(net)
+    assert [packet for packet, _ in got] == [A]
+    with pytest.raises(ConnectionError):
+        net.send(Message("/b"), got[0][1])
+    assert not net.reaches(got[0][1])
+
+
+def test_connections_are_bounded(net, stack):
+    clients = [client(net, stack) for _ in range(MOST_CONNECTIONS)]
+    taken(net, 0.05)
+    more = client(net, stack)
+    taken(net, 0.05)
+    assert net.connections == MOST_CONNECTIONS
+    (message,) = replies(more, Slip())
+    assert "32 clients are connected already" in str(message.args[1]) and ended(more)
+    clients[0].close()
+    taken(net, 0.05)
+    more = client(net, stack)
+    more.sendall(Sized.framed(A))
+    assert len(taken(net)) == 1
+
+
+def test_a_client_that_does_not_read_loses_replies_and_holds_up_nobody(net, stack):
+    lazy, eager = client(net, stack), client(net, stack)
+    for sock in (lazy, eager):
+        sock.sendall(Sized.framed(A))
+    lazy_end = next(source for _, source in taken(net) if source.socket.getpeername() == lazy.getsockname())
+    started = time.monotonic()
+    for _ in range(20_000):
+        net.send(Message("/b", ("x" * 1000,)), lazy_end)
+    assert time.monotonic() - started < 5.0
+    assert net.counts["replies_dropped"] > 1000
+    assert any("replies left out" in line for line in net.warnings()) and net.warnings() == []
+    eager.sendall(Sized.framed(A))
+    assert len(taken(net)) == 1
+    # What was kept arrives whole once it is read: no packet is cut.
+    kept = []
+    reader = Sized()
+    while select.select([lazy], [], [], 0.2)[0]:
+        kept += list(reader.packets(lazy.recv(1 << 16)))
+        net.receive(0.0)
+    assert len(kept) == 20_000 - net.counts["replies_dropped"]
+
+
+def test_a_client_that_sends_without_end_waits_its_turn(net, stack):
+    """What one client may have queued is bounded by what TCP makes it wait for."""
+    greedy = client(net, stack)
+    greedy.setblocking(False)
+    sent = 0
+    for _ in range(200):
+        try:
+            sent += greedy.send(Sized.framed(A) * 10_000)
+        except BlockingIOError:
+            net.receive(0.0)
+    assert sent > 1 << 20
+    assert len(net._queue) <= 2 * (1 << 16) // len(Sized.framed(A))
+
+
+def test_a_client_that_resets_is_forgotten(net, stack):
+    one = client(net, stack)
+    one.sendall(Sized.framed(A))
+    assert len(taken(net)) == 1
+    one.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\1\0\0\0\0\0\0\0")
+    one.close()
+    taken(net)
+    assert net.connections == 0
+
+
+def test_datagrams_beyond_the_queue_are_counted_and_their_senders_told(net, stack, monkeypatch):
+    monkeypatch.setattr(network, "MOST_DATAGRAMS", 100)
+    first, second = udp(stack), udp(stack)
+    for _ in range(90):
+        first.sendto(A, net.address)
+    for _ in range(25):
+        second.sendto(A, net.address)
+    assert len(taken(net)) == 100
+    assert net.counts["dropped"] == 15
+    assert [(address[1], count) for address, count in net.dropped()] == [(second.getsockname()[1], 15)]
+    assert net.dropped() == [] and "15 datagrams left out" in net.warnings()[0]
+    second.sendto(A, net.address)
+    assert len(taken(net)) == 1
+
+
+def test_what_the_system_drops_is_counted(net, stack):
+    """More than its buffer holds, while nobody looks."""
+    if network._dropped_by_system(net._udp) != 0 or not hasattr(socket, "AF_NETLINK"):
+        pytest.skip("the system does not tell")
+    one = udp(stack)
+    for _ in range(600):
+        one.sendto(bytes(60_000), net.address)
+    assert "receive buffer is too small" in net.warnings()[0]
+    assert net.counts["dropped_by_system"] == 600 - len(taken(net))
+
+
+def test_a_burst_of_ten_thousand_waits(net, stack):
+    one = udp(stack)
+    sent = 0
+    while sent < 10_000:
+        for _ in range(200):
+            one.sendto(A, net.address)
+        sent += 200
+        net._gather(0.0)
+    assert len(taken(net)) == 10_000 and net.counts["dropped"] == 0
+
+
+def test_a_port_that_either_has_taken_is_refused(net, stack):
+    with pytest.raises(OSError):
+        Network(*net.address)
+    listener = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_STREAM))
+    listener.bind(("127.0.0.1", 0))
+    listener.listen()
+    with pytest.raises(OSError):
+        Network("127.0.0.1", listener.getsockname()[1])
+
+
+def test_a_port_is_free_as_soon_as_its_server_is_gone(stack):
+    """Clients of the last server linger in TIME_WAIT; the next listens all the same."""
+    first = Network("127.0.0.1", 0)
+    port = first.address[1]
+    one = client(first, stack)
+    taken(first, 0.05)
+    first.close()
+    assert ended(one)
+    Network("127.0.0.1", port).close()
+
+
+def test_answers_elsewhere_are_rationed(monkeypatch):
+    now = 100.0
+    monkeypatch.setattr(allowance.time, "monotonic", lambda: now)
+    rations = allowance.Allowance()
+    assert sum(rations.take("192.0.2.1") for _ in range(5000)) == 1000
+    assert rations.take("192.0.2.2") and not rations.take("192.0.2.1")
+    now += 0.5
+    assert sum(rations.take("192.0.2.1") for _ in range(100)) == 50
+    assert all(rations.take(host) for host in ["127.0.0.1", "::1"] for _ in range(5000))
+    for n in range(5000):
+        rations.take(f"10.0.{n // 256}.{n % 256}")
+    assert len(rations._budgets) <= 1024
+
+
+@pytest.mark.parametrize(
+    ("host", "is_local"),
+    [
+        ("127.0.0.1", True),
+        ("127.1.2.3", True),
+        ("localhost", True),
+        ("0.0.0.0", False),
+        ("10.0.0.1", False),
+        ("", False),
+    ],
+)
+def test_what_is_local(host, is_local):
+    assert allowance.local(host) is is_local
