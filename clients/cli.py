@@ -97,6 +97,7 @@ def _serve_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--rate", type=int, default=_RATE, help="sampling rate in Hz (%(default)s)")
     sub.add_argument("--block", type=int, default=0, help="frames a block (0: the device's)")
     sub.add_argument("--record", type=Path, metavar="OUT.wav", help="keep what is played")
+    sub.add_argument("--oscquery", type=int, metavar="PORT", help="describe all addresses over HTTP, 0: any free port")
     _add_contact(sub)
     _add_presets(sub)
 
@@ -151,7 +152,7 @@ def _serve(arguments: argparse.Namespace) -> int:
     from ..server.allowance import local
     from ..server.live import Options, serving
 
-    keys = ("port", "bind", "device", "latency", "rate", "block", "record")
+    keys = ("port", "bind", "device", "latency", "rate", "block", "record", "oscquery")
     chosen = {key: getattr(arguments, key) for key in keys}
     options = Options(**chosen, presets=tuple(arguments.presets), contact=_contact(arguments))
     with serving(options) as server:
@@ -161,6 +162,8 @@ def _serve(arguments: argparse.Namespace) -> int:
         if not local(host):
             print(f"carom serve: whoever reaches this machine can play on it: it listens on {host}", file=sys.stderr)
         print(f"carom listens on {host}:{port}, plays on {server.output.name} at {arguments.rate} Hz", flush=True)
+        if server.query:
+            print(f"carom describes itself at http://{host}:{server.query.server_port}/ (OSCQuery)", flush=True)
         server.run()
     return 0
 

@@ -3,7 +3,7 @@
 import sys
 import time
 import traceback
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
 from itertools import chain
@@ -11,12 +11,14 @@ from pathlib import Path
 
 from ..dsp.atomic import clock_ns
 from ..dsp.host import NOW, Engine, EngineFull
+from ..dsp.methods import METHODS
 from ..dsp.state import CONTACTS, Command, End
 from .audio import Output, open_output
 from .dump import Dump
 from .gestures import Ended
 from .network import Network, Source
 from .osc import DEFAULT_PORT, IMMEDIATELY, Argument, BadPacket, Bundle, Message, parse, unix_ns
+from .oscquery import OscQuery, answering
 from .presets import Presets
 from .recorder import Recorder
 from .render import HIGHEST_RATE, LOWEST_RATE
@@ -40,7 +42,7 @@ class ServeError(ValueError):
 class Options:
     """How to serve: port (0: any free one) and address, device (None: the default), latency to ask it for in s
     (None: its lowest), rate in Hz, block in frames (0: the device's), a file to record to, folders of presets, the
-    arguments of a /contact to begin with."""
+    arguments of a /contact to begin with, a port for OSCQuery (None: none, 0: any free one)."""
 
     port: int = DEFAULT_PORT
     bind: str = "127.0.0.1"
@@ -51,12 +53,14 @@ class Options:
     record: Path | None = None
     presets: tuple[Path, ...] = ()
     contact: tuple[Argument, ...] = ()
+    oscquery: int | None = None
 
     def __post_init__(self) -> None:
         for name, value, low, high in (
             ("port", self.port, 0, 65_535),
             ("rate", self.rate, LOWEST_RATE, HIGHEST_RATE),
             ("block", self.block, 0, 65_536),
+            ("oscquery", self.oscquery or 0, 0, 65_535),
         ):
             if not low <= value <= high:
                 raise ServeError(f"{name} = {value}: expected {low} to {high}")
@@ -80,6 +84,7 @@ class Server:
         self._dump: Dump | None = None
         self._running = True
         self.recorder: Recorder | None = None
+        self.query: OscQuery | None = None
         self._record_told = False
 
     def stop(self) -> None:
@@ -89,6 +94,14 @@ class Server:
         """Solve contacts as /contact with these arguments asks; ServeError says why not."""
         for reply in self._scene.perform([Message("/contact", args)], NOW):
             raise ServeError(": ".join(map(str, reply.args)))
+
+    def names(self) -> dict[str, Collection[str]]:
+        """What may stand for a word of the address space now; any thread may ask."""
+        return {
+            "NAME": dict.fromkeys(self._scene.objects),
+            "preset": self._scene.presets.names("objects"),
+            "method": ("closed", *METHODS),
+        }
 
     def run(self) -> None:
         """Serve until told to stop."""
@@ -249,10 +262,8 @@ def _plain(text: str) -> str:
 def serving(options: Options) -> Iterator[Server]:
     """A server ready to `run`. OSError, AudioError or PresetError say why it can't be."""
     with ExitStack() as stack:
-        try:
+        with _named(options.bind, options.port):
             network = stack.enter_context(closing(Network(options.bind, options.port)))
-        except OSError as error:
-            raise OSError(f"port {options.port} on {options.bind}: {error.strerror or error}") from error
         presets = Presets(options.presets)
         engine = Engine(options.rate)
         recorder = Recorder(engine, options.record) if options.record else None
@@ -266,4 +277,17 @@ def serving(options: Options) -> Iterator[Server]:
         if recorder:
             recorder.start()  # not before all else is well: an older recording would be lost
         server.recorder = recorder
+        if options.oscquery is not None:
+            with _named(options.bind, options.oscquery):
+                server.query = OscQuery(options.bind, options.oscquery, server.address[1], server.names)
+            stack.enter_context(answering(server.query))
         yield server
+
+
+@contextmanager
+def _named(host: str, port: int) -> Iterator[None]:
+    """An OSError inside names the port."""
+    try:
+        yield
+    except OSError as error:
+        raise OSError(f"port {port} on {host}: {error.strerror or error}") from error
