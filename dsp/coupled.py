@@ -22,83 +22,15 @@ Lengths of steps are in samples, and so are the variables of polynomials; all el
 import math
 
 import numpy as np
-from numpy.polynomial import legendre, polynomial
 
 from .bank import FINE
-from .collocation import (
-    CARDINAL,
-    GAUSS,
-    INTEGRAL,
-    NODES,
-    STEP,
-    allowance,
-    discrete_gradient,
-    elastic,
-    end_of,
-    extrapolate,
-    law,
-    solve,
-    until_release,
-)
+from .collocation import NODES, STEP
+from .coupled_step import stay
+from .flow import BINOMIAL, FORCE_AT, POWERS, QUADRATURE, QUADRATURE_WEIGHTS, TO_END, value_at
 from .jit import kernel
 
-HELD = math.inf
-"""Tolerance of one held step a sample: the cheapest, for when there is no time."""
-
-FAST = 1e-3
-EXACT = 1e-5
-
-_QUADRATURE, _QUADRATURE_WEIGHTS = ((g + 1.0) / 2.0 if i == 0 else g / 2.0 for i, g in enumerate(legendre.leggauss(7)))
-_FORCE_AT = np.vander(_QUADRATURE, NODES, increasing=True) @ CARDINAL  # values of a quadratic at _QUADRATURE
-
-_BINOMIAL = np.array([[math.comb(n, k) for k in range(FINE)] for n in range(FINE)], np.float64)
-
-
-def _powers() -> np.ndarray:
-    """Power series over theta of P_k(2 theta - 1): a column for each k."""
-    matrix = np.zeros((FINE, FINE))
-    for k in range(FINE):
-        in_x = legendre.leg2poly(np.eye(FINE)[k])
-        series = np.zeros(1)
-        for coefficient in in_x[::-1]:
-            series = polynomial.polyadd(polynomial.polymul(series, [-1.0, 2.0]), [coefficient])
-        matrix[: k + 1, k] = series[: k + 1]
-    return matrix
-
-
-_POWERS = _powers()
-
-
-def _moment_tables() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Integrals over a unit step with l_j, the quadratics that are 1 at one node and 0 at the others.
-
-    to_node[n, i, j] = int_0^c_i (c_i - s)^n l_j ds, to_end[n, j] the same up to 1, and
-    double[n, i, j] = int_0^1 l_i(t) int_0^t (t - s)^n l_j(s) ds dt.
-    """
-
-    def running(t: float) -> np.ndarray:
-        # int_0^t (t - s)^n s^p ds = n! p!/(n + p + 1)! t^(n + p + 1)
-        beta = [
-            [math.factorial(n) * math.factorial(p) / math.factorial(n + p + 1) * t ** (n + p + 1) for p in range(NODES)]
-            for n in range(FINE)
-        ]
-        return np.array(beta) @ CARDINAL
-
-    nodes, weights = legendre.leggauss(FINE)
-    double = sum(
-        0.5 * w * (t ** np.arange(NODES) @ CARDINAL)[None, :, None] * running(t)[:, None, :]
-        for t, w in zip((nodes + 1.0) / 2.0, weights, strict=True)
-    )
-    return np.stack([running(c) for c in GAUSS], axis=1), running(1.0), np.asarray(double)
-
-
-_TO_NODE, _TO_END, _DOUBLE = _moment_tables()
-
-_TRIALS = 40
-_FINEST = 2.0**-16  # of the step tried first: where it comes to this, the force is held
 _MOST_STEPS = 200  # in a sample; what is left of it then is one held step
 _LOOKS = 8  # at the gap, in a sample
-_ROUNDING = 1e-14  # share of the momentum at hand that no force is asked for
 
 COUPLED = np.dtype(
     [
@@ -136,7 +68,8 @@ COUPLED = np.dtype(
 def begin_coupled(contact, v, m, k, mu, a, push, fraction, rate, tolerance):
     """A striker of mass m (kg) that touches at v (m/s) after `fraction` in [0, 1) of the coming sample.
 
-    `respond_with` must follow. `push` (N) presses it on; `tolerance` is EXACT, FAST or HELD.
+    `respond_with` must follow. `push` (N) presses it on; `tolerance` is for the momentum in a step, 1e-5 for an error of -130 dB, or
+    HELD.
     """
     contact.v = v - push / m * fraction / rate
     contact.m = m
@@ -164,7 +97,7 @@ def respond_with(contact, receptance):
     for n in range(1, FINE):
         total = 0.0
         for k in range(n, FINE):
-            total += _POWERS[n, k] * receptance[k]
+            total += POWERS[n, k] * receptance[k]
         contact.answer[n] = h * total
     contact.answer[0] = 0.0
     contact.answer[1] += h * h / contact.m
@@ -191,8 +124,8 @@ def step_coupled(contact, observed, moments):
             eta = contact.wait
             contact.wait = -1.0
             meets = True
-        elif contact.touching:
-            eta, released = _stay(contact, left, n == _MOST_STEPS)
+        elif contact.touching or n == _MOST_STEPS:
+            eta, released = stay(contact, left, n == _MOST_STEPS)
         else:
             eta, meets = _fly(contact, left)
         _move(contact, eta, at, moments)
@@ -202,6 +135,8 @@ def step_coupled(contact, observed, moments):
             contact.motion[0] = 0.0
         if meets and contact.motion[1] > 0.0:
             _touch(contact)
+        elif contact.motion[0] > 0.0:
+            contact.touching = 1
         elif contact.motion[0] < 0.0 or released:
             contact.touching = 0
             for j in range(NODES):
@@ -214,7 +149,7 @@ def _look(contact, observed):
     """Find the compression over the sample, if no more force acted."""
     place = 0.0
     for k in range(FINE):
-        place += _POWERS[0, k] * observed[k]
+        place += POWERS[0, k] * observed[k]
     if contact.touching or contact.wait >= 0.0:
         # What is compressed goes on without a step, whatever rounding says about the point.
         contact.position = contact.motion[0] + place
@@ -223,7 +158,7 @@ def _look(contact, observed):
     for n in range(1, FINE):
         total = 0.0
         for k in range(n, FINE):
-            total -= _POWERS[n, k] * observed[k]
+            total -= POWERS[n, k] * observed[k]
         contact.motion[n] = total
     h = contact.period
     contact.motion[1] += h * contact.v
@@ -250,12 +185,12 @@ def _fly(contact, left):
     slope = contact.motion[1]
     for n in range(1, _LOOKS + 1):
         before, low = low, left * n / _LOOKS
-        x, after = _at(contact.motion, low)
+        x, after = value_at(contact.motion, low)
         high = low
         if x <= 0.0 and slope > 0.0 and after < 0.0:
             # It may have looked in between: at its greatest, about there.
             high = before + (low - before) * slope / (slope - after)
-            x = _at(contact.motion, high)[0]
+            x = value_at(contact.motion, high)[0]
         slope = after
         if x > 0.0:
             low = before
@@ -266,7 +201,7 @@ def _fly(contact, left):
     # Newton's method within the bracket, from outside to the first point inside.
     guess = high
     for _ in range(50):
-        x, slope = _at(contact.motion, guess)
+        x, slope = value_at(contact.motion, guess)
         if x > 0.0:
             high = guess
         else:
@@ -280,144 +215,6 @@ def _fly(contact, left):
 
 
 @kernel
-def _at(series, t):
-    """A power series and its derivative."""
-    value = series[FINE - 1]
-    slope = 0.0
-    for n in range(FINE - 2, -1, -1):
-        slope = slope * t + value
-        value = value * t + series[n]
-    return value, slope
-
-
-@kernel
-def _stay(contact, left, last):
-    """A step in contact, at most `left` samples long: its length, and whether it ends in the release.
-
-    As `collocation.press`, whose rules these are. The `last` step holds the force for what is left.
-    """
-    contact.steps += 1
-    eta = left if contact.tolerance == HELD or last else min(contact.next, left)
-    finest = left if contact.tolerance == HELD or last else _FINEST * eta
-    closing = False
-    for _ in range(_TRIALS):
-        if eta <= finest:
-            break
-        solved, x, v = _collocate(contact, eta)
-        if not solved:
-            eta *= 0.25
-            closing = False
-            continue
-        whole, closing = until_release(contact.step, x, v, eta * contact.period, closing)
-        whole /= contact.period
-        if whole != eta and whole <= left:
-            eta = whole
-            continue
-        ratio, sound = _judge(contact, eta, x, v)
-        if sound:
-            if not closing:
-                contact.next = max(ratio * eta, contact.next if eta == left else 0.0)
-            for j in range(NODES):
-                contact.force[j] = contact.step.f[j]
-            extrapolate(contact.step, contact.next / eta)
-            return eta, closing
-        eta *= min(ratio, 0.7)
-        closing = False
-    eta = max(eta, finest)
-    _hold(contact, eta)
-    return eta, False
-
-
-@kernel
-def _collocate(contact, eta):
-    """Try a step: whether it is solved, and x and v at its end."""
-    step = contact.step
-    power = contact.power
-    power[0] = 1.0
-    for n in range(1, FINE):
-        power[n] = power[n - 1] * eta
-    h = contact.period
-    for i in range(NODES):
-        step.free_x[i], slope = _at(contact.motion, eta * GAUSS[i])
-        step.free_v[i] = slope / h
-        for j in range(NODES):
-            give = 0.0
-            for n in range(1, FINE):
-                give += n * contact.answer[n] * power[n] * _TO_NODE[n - 1, i, j]
-            step.give_v[i, j] = give / h
-    # By the Gauss method's own integral of the velocity: so stiff contacts at rest don't need short steps.
-    for i in range(NODES):
-        for j in range(NODES):
-            give = 0.0
-            for n in range(NODES):
-                give += INTEGRAL[i, n] * step.give_v[n, j]
-            step.give_x[i, j] = give * eta * h
-    speed = _speed(contact, contact.motion[0], contact.motion[1] / h)
-    solved = solve(step, contact.k, contact.mu, contact.a, _ROUNDING * contact.mass * speed / (eta * h))
-    x, v = _at(contact.motion, eta)
-    for n in range(FINE):
-        contact.impulse[n] = (
-            eta * power[n] * (_TO_END[n, 0] * step.f[0] + _TO_END[n, 1] * step.f[1] + _TO_END[n, 2] * step.f[2])
-        )
-        x -= contact.answer[n] * contact.impulse[n]
-        if n > 0:
-            v -= n * contact.answer[n] * contact.impulse[n - 1]
-    return solved, x, v / h
-
-
-@kernel
-def _speed(contact, x, v):
-    """The speed that kinetic and elastic energy amount to."""
-    return math.sqrt(v * v + 2.0 * elastic(x, contact.k, contact.a) / contact.mass)
-
-
-@kernel
-def _judge(contact, eta, x, v):
-    """What to multiply the step with for the tolerance, and whether it will do as it is."""
-    f = contact.step.f
-    before = contact.motion[0]
-    speed = max(_speed(contact, x, v), _speed(contact, before, contact.motion[1] / contact.period))
-    rest = abs(end_of(f) - law(x, v, contact.k, contact.mu, contact.a)) * eta * contact.period
-    wanted = contact.tolerance * contact.mass * speed
-    ratio = min(max(0.8 * (wanted / max(rest, 1e-300)) ** 0.25, 0.2), 2.0)
-    if rest > wanted:
-        return ratio, False
-    contact.scale = max(contact.scale, 0.5 * contact.mass * speed * speed)
-    work = 0.0
-    for q in range(len(_QUADRATURE)):
-        force = _FORCE_AT[q, 0] * f[0] + _FORCE_AT[q, 1] * f[1] + _FORCE_AT[q, 2] * f[2]
-        work += eta * _QUADRATURE_WEIGHTS[q] * force * _at(contact.motion, eta * _QUADRATURE[q])[1]
-    for n in range(1, FINE):
-        form = 0.0
-        for i in range(NODES):
-            for j in range(NODES):
-                form += f[i] * _DOUBLE[n - 1, i, j] * f[j]
-        work -= n * contact.answer[n] * contact.power[n] * eta * form
-    gain = elastic(x, contact.k, contact.a) - elastic(before, contact.k, contact.a) - work
-    if gain > allowance(contact.gained, contact.scale):
-        return 0.5, False
-    contact.gained = max(contact.gained + gain, 0.0)
-    return ratio, True
-
-
-@kernel
-def _hold(contact, eta):
-    """Hold the force for a step, which can't gain energy."""
-    h = contact.period
-    give = 0.0
-    power = eta
-    for n in range(1, FINE):
-        power *= eta
-        give += contact.answer[n] * power / (n + 1)
-    free = _at(contact.motion, eta)[0] - contact.motion[0]
-    force = discrete_gradient(contact.motion[0], free, give, eta * h, contact.k, contact.mu, contact.a)[1]
-    contact.held += 1
-    contact.next = 2.0 * eta
-    for j in range(NODES):
-        contact.force[j] = contact.step.f[j] = force
-
-
-@kernel
 def _move(contact, eta, at, moments):
     """Go on by `eta` samples under the step's force: its part of the moments, and what becomes of the sample's rest."""
     f = contact.force
@@ -427,21 +224,21 @@ def _move(contact, eta, at, moments):
     for n in range(1, FINE):
         power[n] = power[n - 1] * eta
     for n in range(FINE):
-        contact.impulse[n] = eta * power[n] * (_TO_END[n, 0] * f[0] + _TO_END[n, 1] * f[1] + _TO_END[n, 2] * f[2])
+        contact.impulse[n] = eta * power[n] * (TO_END[n, 0] * f[0] + TO_END[n, 1] * f[1] + TO_END[n, 2] * f[2])
     for k in range(FINE):
         total = 0.0
         for n in range(k, FINE):
             change = contact.motion[n] * power[n - k] - contact.answer[n] * contact.impulse[n - k]
-            total += _BINOMIAL[n, k] * change
+            total += BINOMIAL[n, k] * change
         contact.motion[k] = total
     time = eta * h
     contact.position += time * (contact.v + 0.5 * time * contact.push / contact.m)
     contact.position -= h * h * contact.impulse[1] / contact.m
     contact.v += (time * contact.push - h * contact.impulse[0]) / contact.m
-    for q in range(len(_QUADRATURE)):
-        here = eta * h * _QUADRATURE_WEIGHTS[q]
-        here *= _FORCE_AT[q, 0] * f[0] + _FORCE_AT[q, 1] * f[1] + _FORCE_AT[q, 2] * f[2]
-        x = 2.0 * (at + eta * _QUADRATURE[q]) - 1.0
+    for q in range(len(QUADRATURE)):
+        here = eta * h * QUADRATURE_WEIGHTS[q]
+        here *= FORCE_AT[q, 0] * f[0] + FORCE_AT[q, 1] * f[1] + FORCE_AT[q, 2] * f[2]
+        x = 2.0 * (at + eta * QUADRATURE[q]) - 1.0
         before, legendre_k = 0.0, here
         for k in range(FINE):
             moments[k] += legendre_k

@@ -9,11 +9,11 @@ from numpy.typing import ArrayLike, NDArray
 from .bank import FINE, LANES, RESPONSES, inject_fine, observe, receptance, set_mode, state_of
 from .collocation import elastic
 from .contact import checked
-from .coupled import COUPLED, EXACT, begin_coupled, respond_with, step_coupled
+from .coupled import COUPLED, begin_coupled, respond_with, step_coupled
 
 
 @njit(error_model="numpy")
-def _simulate(contact, striker, frequency, sigma, shape, rate, tolerance, out):
+def _simulate(contact, striker, frequency, sigma, shape, ringing, rate, tolerance, out):
     n = len(shape) // 4
     y1, y2, a1, a2 = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
     response = np.zeros(n // LANES * RESPONSES)
@@ -22,6 +22,9 @@ def _simulate(contact, striker, frequency, sigma, shape, rate, tolerance, out):
     weights = np.array([0.0, 1.0, 0.0, 0.0])
     for i in range(n):
         set_mode(i, frequency[i], sigma[i], rate, 1.0, y1, y2, a1, a2, response)
+        angle = 2.0 * np.pi * frequency[i] / rate
+        y1[i] = ringing[i].imag
+        y2[i] = (ringing[i].imag * np.cos(angle) - ringing[i].real * np.sin(angle)) * np.exp(sigma[i] / rate)
     v, m, k, mu, a, push, fraction = striker
     begin_coupled(contact, v, m, k, mu, a, push, fraction, rate, tolerance)
     receptance(a1, a2, response, shape, n, 0, weights, work, seen)
@@ -76,21 +79,24 @@ def simulate(
     *,
     rate: float = 48_000.0,
     samples: int = 1000,
-    tolerance: float = EXACT,
+    tolerance: float = 1e-5,
     push: float = 0.0,
     fraction: float = 0.0,
+    ringing: ArrayLike = 0.0,
 ) -> Run:
-    """A striker meets modes at rest, `fraction` of a sample after the start.
+    """A striker meets modes, `fraction` of a sample after the start.
 
-    Modes: frequency (Hz), sigma (1/s) and mass-normalised shape phi (kg^-1/2) at the point, arrays of one length. The
-    striker: v_in (m/s), m (kg), k (N/m^a), mu (s/m), a, a constant push (N). Arrays of `samples` values. ValueError
-    names what is out of range.
+    Modes: frequency (Hz), sigma (1/s), mass-normalised shape phi (kg^-1/2) at the point and state z at the start
+    (`ringing`, complex, as bank.py), arrays of one length. The striker: v_in (m/s), m (kg), k (N/m^a), mu (s/m), a, a
+    constant push (N). Arrays of `samples` values. ValueError names what is out of range.
     """
     frequency = checked("frequency", frequency, 0.0, 0.5 * rate)
     size = -(-max(len(frequency), 1) // LANES) * LANES
     modes = np.zeros((2, size))
     modes[0, : len(frequency)] = frequency
     modes[1, : len(frequency)] = checked("sigma", sigma, 0.0, strict=False)
+    states = np.zeros(size, complex)
+    states[: len(frequency)] = ringing
     shape = np.zeros((4, size))
     shape[1, : len(frequency)] = phi
     striker = (
@@ -100,5 +106,5 @@ def simulate(
     )  # fmt: skip
     out = np.empty((samples, 5))
     contact = np.zeros(1, COUPLED)[0]
-    _simulate(contact, striker, modes[0], modes[1], shape.ravel(), float(rate), float(tolerance), out)
+    _simulate(contact, striker, modes[0], modes[1], shape.ravel(), states, float(rate), float(tolerance), out)
     return Run(*out.T, steps=int(contact["steps"]), held=int(contact["held"]))
