@@ -186,10 +186,9 @@ def discrete_gradient(x, free, give, h, k, mu, a):
             new = 0.5 * (low + high)
         step = abs(new - change)
         change = new
-        if step <= 1e-15 * (abs(new) + abs(x)):
+        if step <= 1e-15 * abs(new):
             break
-    # The force is taken from the law, not from what is left of `free`: nothing cancels.
-    return change, _held(x, change, h, k, mu, a)[0]
+    return change, max(free - change, 0.0) / give
 
 
 @kernel

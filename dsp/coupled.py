@@ -68,8 +68,7 @@ COUPLED = np.dtype(
 def begin_coupled(contact, v, m, k, mu, a, push, fraction, rate, tolerance):
     """A striker of mass m (kg) that touches at v (m/s) after `fraction` in [0, 1) of the coming sample.
 
-    `respond_with` must follow. `push` (N) presses it on; `tolerance` is for the momentum in a step, 1e-5 for an error of -130 dB, or
-    HELD.
+    `respond_with` must follow. `push` (N) presses it on; `tolerance` is for the momentum in a step (gate.py), or HELD.
     """
     contact.v = v - push / m * fraction / rate
     contact.m = m

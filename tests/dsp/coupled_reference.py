@@ -1,4 +1,4 @@
-"""Striker and modes integrated as they stand, by DOP853 with its published coefficients: independent of carom's solvers.
+"""Striker and modes integrated as they stand, by DOP853 with its published coefficients: independent of our solvers.
 
 The Runge-Kutta method is compiled here because scipy's own loop takes a second for each case.
 """
