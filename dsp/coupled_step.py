@@ -7,6 +7,7 @@ from .collocation import (
     GAUSS,
     INTEGRAL,
     NODES,
+    WEIGHTS,
     allowance,
     better_step,
     discrete_gradient,
@@ -25,6 +26,7 @@ HELD = math.inf
 
 _TRIALS = 40
 _FINEST = 2.0**-16  # of the step tried first: where it comes to this, the force is held
+_LOSS = 1e-4  # of the contact's energy, times the tolerance, that a step may lose beyond what the law takes
 _ROUNDING = 1e-14  # share of the momentum at hand that no force is asked for
 
 
@@ -133,7 +135,12 @@ def _judge(contact, eta, x, v):
                 form += f[i] * DOUBLE[n - 1, i, j] * f[j]
         work -= n * contact.answer[n] * contact.power[n] * eta * form
     gain = elastic(x, contact.k, contact.a) - elastic(before, contact.k, contact.a) - work
-    if gain > allowance(contact.gained, contact.scale):
+    lost = -gain
+    for i in range(NODES):
+        node = contact.step.x[i]
+        spring = contact.k * node**contact.a if node > 0.0 else 0.0
+        lost -= eta * contact.period * WEIGHTS[i] * (f[i] - spring) * contact.step.v[i]
+    if gain > allowance(contact.gained, contact.scale) or lost > _LOSS * contact.tolerance * contact.scale:
         return 0.5, False
     contact.gained = max(contact.gained + gain, 0.0)
     return ratio, True

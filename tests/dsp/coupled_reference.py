@@ -78,19 +78,18 @@ def _integrate(y, omega, sigma, phi, law, times, scale, tolerance, out):
     return contacts
 
 
-def reference(
-    frequency, sigma, phi, v_in, m, k, mu, a, *, rate, samples, push=0.0, fraction=0.0, ringing=0.0, tolerance=1e-13
-):
-    """Velocities of the object's point and of the striker at each sample, and the number of contacts."""
-    omega, sigma, phi = 2 * np.pi * np.asarray(frequency), np.asarray(sigma, float), np.asarray(phi, float)
+def reference(case, tolerance=1e-13):
+    """Of a `coupled_study.Case`: velocities of the object's point and of the striker at each sample, and contacts."""
+    omega, sigma, phi = 2 * np.pi * case.frequency, case.sigma, case.phi
     n = len(omega)
-    z = np.broadcast_to(ringing, n) * np.exp((-sigma + 1j * omega) * fraction / rate)
-    y = np.concatenate([[phi @ (z.imag / omega), v_in], z.real, z.imag])
-    times = (np.arange(1, samples + 1) - fraction) / rate
-    speed = v_in + np.abs(phi) @ np.abs(z)
-    scale = np.full(2 + 2 * n, math.sqrt(m) * speed)
-    scale[0], scale[1] = (m * speed**2 / k) ** (1 / (a + 1)), speed
-    out = np.empty((samples, 2 + 2 * n))
-    contacts = _integrate(y, omega, sigma, phi, (m, k, mu, a, push), times, scale, tolerance, out)
+    z = np.broadcast_to(case.ringing, n) * np.exp((-sigma + 1j * omega) * case.fraction / case.rate)
+    y = np.concatenate([[phi @ (z.imag / omega), case.v_in], z.real, z.imag])
+    times = (np.arange(1, case.samples + 1) - case.fraction) / case.rate
+    speed = case.v_in + np.abs(phi) @ np.abs(z)
+    scale = np.full(2 + 2 * n, math.sqrt(case.m) * speed)
+    scale[0], scale[1] = (case.m * speed**2 / case.k) ** (1 / (case.a + 1)), speed
+    out = np.empty((case.samples, 2 + 2 * n))
+    law = (case.m, case.k, case.mu, case.a, case.push)
+    contacts = _integrate(y, omega, sigma, phi, law, times, scale, tolerance, out)
     velocity = (out[:, 2 : 2 + n] - sigma / omega * out[:, 2 + n :]) @ phi
     return velocity, out[:, 1], contacts

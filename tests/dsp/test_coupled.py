@@ -1,0 +1,214 @@
+"""Coupled contacts against DOP853, and their energy."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from coupled_reference import reference
+from numba import njit
+
+from carom.dsp import bank, coupled, coupled_rivals
+from carom.dsp.coupled_step import HELD
+from carom.dsp.coupled_study import Case, error, extreme_case, random_cases, simulate
+from carom.dsp.gate import LEVELS, TOLERANCE
+
+EXACT = TOLERANCE[LEVELS.index("exact")]
+
+
+def errors(cases, tolerance):
+    """Errors of the object's velocity (dB), as a share of what the contact adds to it; contacts that are miscounted."""
+    found, miscounted = [], 0
+    for case in cases:
+        expected, _, contacts = reference(case)
+        run = simulate(case, tolerance)
+        alone = simulate(replace(case, v_in=0.0, m=1e-30, k=1e-30)).velocity if np.ndim(case.ringing) else 0.0
+        found.append(error(run.velocity - alone, expected - alone))
+        miscounted += run.contacts[-1] != contacts
+    return np.array(found), miscounted
+
+
+@pytest.fixture(scope="module")
+def heard():
+    return random_cases(200, seed=5)
+
+
+@pytest.mark.parametrize(("level", "tolerance"), list(zip(LEVELS, TOLERANCE, strict=True))[1:])
+def test_two_hundred_contacts_against_dop853(heard, level, tolerance):
+    found, miscounted = errors(heard, tolerance)
+    asked = -130.0 if level == "exact" else float(level)
+    assert np.median(found) < asked - 15 and np.quantile(found, 0.9) < asked
+    assert miscounted == 0
+
+
+def test_objects_that_already_ring():
+    random = np.random.default_rng(8)
+    cases = []
+    for case in random_cases(40, seed=8):
+        n = len(case.frequency)
+        z = 0.3 * math.sqrt(case.m / n) * (random.normal(size=n) + 1j * random.normal(size=n))
+        cases.append(replace(case, ringing=z))
+    found, miscounted = errors(cases, EXACT)
+    assert np.quantile(found, 0.9) < -120 and miscounted == 0
+
+
+def hits_on_light_objects(yielding, count, seed):
+    """Elastic hits on 24 modes with sum r = `yielding`."""
+    random = np.random.default_rng(seed)
+    for _ in range(count):
+        phi = random.normal(size=24)
+        phi *= math.sqrt(yielding / (0.01 * phi @ phi))
+        frequency = np.sort(random.uniform(200, 19_000, 24))
+        yield Case(frequency, np.full(24, 5.0), phi, 1.0, 0.01, 10 ** random.uniform(9, 12), 0.0, 1.5, samples=400)
+
+
+def test_light_objects_are_touched_again():
+    cases = list(hits_on_light_objects(3.0, 40, seed=2))
+    found, miscounted = errors(cases, EXACT)
+    assert np.quantile(found, 0.9) < -100 and miscounted == 0
+    assert np.mean([simulate(case).contacts[-1] for case in cases]) > 2
+
+
+def test_chaotic_contacts_keep_their_statistics():
+    """At sum r = 30 there are tens of micro-contacts: what they do on the average is asked for, not their waveform."""
+    cases = list(hits_on_light_objects(30.0, 60, seed=3))
+    runs = [simulate(case, TOLERANCE[1]) for case in cases]
+    truths = [reference(case, tolerance=1e-11) for case in cases]
+    counts = np.array([[run.contacts[-1], truth[2]] for run, truth in zip(runs, truths, strict=True)])
+    left = np.array([[run.striker[-1], truth[1][-1]] for run, truth in zip(runs, truths, strict=True)])
+    assert counts[:, 1].mean() > 15
+    assert counts[:, 0].mean() == pytest.approx(counts[:, 1].mean(), rel=0.03)
+    assert (left[:, 0] ** 2).mean() == pytest.approx((left[:, 1] ** 2).mean(), rel=0.03)
+    assert max(run.growth(case) for run, case in zip(runs, cases, strict=True)) < 1e-8
+
+
+@pytest.mark.parametrize("k", [1e8, 1e10, 1e12])
+@pytest.mark.parametrize("modes", [1, 4, 16, 64])
+def test_lossless_hits_keep_their_energy(modes, k):
+    random = np.random.default_rng(modes)
+    frequency = np.sort(np.geomspace(100, 20_000, 1000)[random.integers(0, 1000, modes)])
+    phi = random.normal(size=modes)
+    phi *= math.sqrt(0.5 / (0.01 * phi @ phi))
+    case = Case(frequency, np.zeros(modes), phi, 1.0, 0.01, k, 0.0, 1.5, samples=300, fraction=0.3)
+    for tolerance in (*TOLERANCE, 1e-7):
+        run = simulate(case, tolerance)
+        assert np.abs(run.energy / case.energy - 1).max() < (1e-8 if tolerance < 1e-3 else 1e-5)
+        assert run.growth(case) < 1e-8
+
+
+@pytest.mark.parametrize("tolerance", [HELD, 1e-1, 1e-3, EXACT])
+def test_extreme_contacts_stay_finite_passive_and_bounded(tolerance):
+    random = np.random.default_rng(17)
+    for _ in range(1_000):
+        case = extreme_case(random)
+        run = simulate(case, tolerance)
+        assert np.isfinite(run.energy).all() and np.isfinite(run.velocity).all()
+        assert run.growth(case) < 1e-8, case
+        assert run.steps <= 201 * case.samples
+
+
+def test_a_pressed_striker_comes_to_rest_and_leaves_when_released():
+    """At rest it compresses x_eq; let go, the bent modes and the contact throw it off, for good."""
+    frequency, sigma, phi = np.array([180.0, 470.0, 1100.0, 2900.0]), np.full(4, 60.0), np.full(4, 2.0)
+    case = Case(frequency, sigma, phi, 0.3, 0.02, 1e7, 5.0, 1.5, samples=24_000, push=3.0)
+    run = simulate(case)
+    assert run.compression[-1] == pytest.approx((case.push / case.k) ** (1 / case.a), rel=1e-5)
+    assert abs(run.striker[-1]) < 1e-6 and abs(run.velocity[-1]) < 1e-6
+    assert run.steps < 1.2 * case.samples  # where it lies, a step a sample is enough
+    contact = np.zeros(1, coupled.COUPLED)[0]
+    striker, apart = np.zeros(case.samples + 4_000), np.zeros(case.samples + 4_000)
+    law = (case.v_in, case.m, case.k, case.mu, case.a, case.push)
+    _release(contact, frequency, sigma, phi, case.rate, law, case.samples, striker, apart)
+    assert (apart[: case.samples] < math.inf).all() and (apart[1_000 : case.samples] == 0).all()
+    gone = int(np.argmax(apart == math.inf))
+    assert gone > case.samples and (apart[gone:] == math.inf).all()
+    assert striker[gone] < 0 and (striker[gone:] == striker[gone]).all()
+
+
+@njit(error_model="numpy")
+def _release(contact, frequency, sigma, phi, rate, law, pressed, striker, apart):
+    """Press, then let go after `pressed` samples: the striker's velocity and how long it is apart, for each sample."""
+    n = bank.LANES
+    y1, y2, a1, a2 = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
+    response, work = np.zeros(bank.RESPONSES), np.zeros(3 * n + bank.FINE * n)
+    seen, moments = np.zeros(bank.FINE), np.zeros(bank.FINE)
+    shape, weights = np.zeros(4 * n), np.array([0.0, 1.0, 0.0, 0.0])
+    for i in range(len(frequency)):
+        bank.set_mode(i, frequency[i], sigma[i], rate, 1.0, y1, y2, a1, a2, response)
+        shape[n + i] = phi[i]
+    v, m, k, mu, a, push = law
+    coupled.begin_coupled(contact, v, m, k, mu, a, push, 0.0, rate, 1e-3)
+    bank.receptance(a1, a2, response, shape, n, 0, weights, work, seen)
+    coupled.respond_with(contact, seen)
+    for t in range(len(striker)):
+        if t == pressed:
+            contact.push = 0.0
+        bank.observe(y1, y2, a1, a2, response, shape, n, 0, weights, work, seen)
+        coupled.step_coupled(contact, seen, moments)
+        bank.inject_fine(y1, y2, response, shape, n, 0, weights, moments)
+        for i in range(n):
+            y1[i], y2[i] = a1[i] * y1[i] + a2[i] * y2[i], y1[i]
+        distance, speed = bank.reach(y1, y2, a1, a2, response, shape, n, 0, weights, work)
+        striker[t] = contact.v
+        apart[t] = coupled.apart_for(contact, distance, speed)
+
+
+def test_a_striker_that_is_apart_may_fly_unseen():
+    """Skipping what `apart_for` allows changes nothing: weights that fall back on a ringing plate, seen or not."""
+    every, heights = _bounce(1), _bounce(1_000_000)
+    assert every[0] == heights[0] > 3
+    assert heights[1] < 0.5 * every[1]  # samples looked at
+    assert heights[2] == pytest.approx(every[2], rel=1e-6)
+
+
+@njit(error_model="numpy")
+def _bounce(longest):
+    n = bank.LANES
+    y1, y2, a1, a2 = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
+    response, work = np.zeros(bank.RESPONSES), np.zeros(3 * n + bank.FINE * n)
+    seen, moments = np.zeros(bank.FINE), np.zeros(bank.FINE)
+    shape, weights = np.zeros(4 * n), np.array([0.0, 1.0, 0.0, 0.0])
+    for i in range(4):
+        bank.set_mode(i, 300.0 * (i + 1.0), 80.0, 48_000.0, 1.0, y1, y2, a1, a2, response)
+        shape[n + i] = 2.0
+    contact = np.zeros(1, coupled.COUPLED)[0]
+    coupled.begin_coupled(contact, 0.5, 0.002, 1e9, 0.2, 1.5, 0.002 * 9.81, 0.25, 48_000.0, 1e-5)
+    bank.receptance(a1, a2, response, shape, n, 0, weights, work, seen)
+    coupled.respond_with(contact, seen)
+    looked = 0
+    skip = 0
+    for _ in range(30_000):
+        if skip > 0:
+            skip -= 1
+            coupled.fly_on(contact, 1)
+        else:
+            looked += 1
+            bank.observe(y1, y2, a1, a2, response, shape, n, 0, weights, work, seen)
+            coupled.step_coupled(contact, seen, moments)
+            bank.inject_fine(y1, y2, response, shape, n, 0, weights, moments)
+        for i in range(n):
+            y1[i], y2[i] = a1[i] * y1[i] + a2[i] * y2[i], y1[i]
+        if skip == 0:
+            distance, speed = bank.reach(y1, y2, a1, a2, response, shape, n, 0, weights, work)
+            skip = int(min(coupled.apart_for(contact, distance, speed), longest - 1))
+    return contact.contacts, looked, contact.v
+
+
+def test_bad_cases_are_named():
+    modes = (np.array([440.0]), np.array([1.0]), np.array([1.0]))
+    for name, value in (("m", 0.0), ("k", math.inf), ("mu", -1.0), ("a", 0.5), ("v_in", math.nan), ("push", math.nan)):
+        striker = {"v_in": 1.0, "m": 0.01, "k": 1e8, "mu": 0.0, "a": 1.5, "push": 0.0, name: value}
+        with pytest.raises(ValueError, match=f"{name} = "):
+            Case(*modes, **striker)
+    with pytest.raises(ValueError, match="frequency = 30000"):
+        Case(np.array([30_000.0]), modes[1], modes[2], 1.0, 0.01, 1e8, 0.0, 1.5)
+
+
+def test_sampled_methods_converge_to_the_coupled_solver():
+    """RK4 in many steps is a third, independent, way to the same sound."""
+    for case in random_cases(6, seed=4):
+        case = replace(case, fraction=0.0)
+        fine = coupled_rivals.sample(case, "rk4", 2_000)
+        assert error(fine.velocity, simulate(case).velocity) < -70
+        for method in ("am1", "heun", "verlet"):
+            assert error(coupled_rivals.sample(case, method, 2_000).velocity, fine.velocity) < -30
