@@ -34,9 +34,12 @@ INTEGRAL = np.array([[c ** np.arange(1, 4) / np.arange(1, 4) @ CARDINAL[:, j] fo
 LAST = CARDINAL.sum(axis=0)
 """The quadratic's value at the step's end."""
 
+WITHIN = 0.8
+"""Share of the longest step within a tolerance that is tried: of `better_step`."""
+
 _SOLVED = 1e-11  # relative change of the forces that ends Newton's method, whose error is then below its square
 _NEWTON_STEPS = 16
-_GROWTH = 1e-8  # share of its energy that a contact may gain in all
+_GROWTH = 4e-9  # share of its energy that a contact may gain in all
 _LEAST_GROWTH = 1e-15  # what rounding makes of it in a step
 _CLOSED = 1e-13  # of a step's greatest compression: as far as rounding lets one see the release
 _GRADIENT_STEPS = 200
@@ -212,21 +215,26 @@ def _held(x, change, h, k, mu, a):
 
 
 @kernel
-def until_release(step, x, v, h, closing):
-    """The length of the step that ends where x comes to 0, if it does; and whether that is what is being sought."""
+def until_release(step, x, v, h, longest, closing):
+    """The length of the step, at most `longest`, that ends where x comes to 0; and whether that is being sought.
+
+    x and v (per unit of h) are those at the end of the step as tried. Newton's method from either side.
+    """
     for i in range(NODES):
         if step.x[i] < 0.0:
             return h * GAUSS[i], False
     near = _CLOSED * max(step.x[0], step.x[1], step.x[2])
-    if x < -near or (closing and x > near):
+    if x < -near:
         return (h - x / v, True) if v < 0.0 else (h * GAUSS[NODES - 1], False)
+    if closing and x > near:
+        return (h - x / v, True) if v < 0.0 and h - x / v <= longest else (h, False)
     return h, closing or (x <= 0.0 and v <= 0.0)
 
 
 @kernel
 def better_step(rest, wanted):
-    """What to multiply a step with whose end leaves `rest` of what is `wanted` at most.
+    """What to multiply a step with whose end leaves `rest` of what is `wanted` at most: WITHIN or more says it will do.
 
     The rest grows with h^4 where the force is smooth, and less steeply where the contact begins.
     """
-    return min(max(0.8 * (wanted / max(rest, 1e-300)) ** 0.25, 0.2), 2.0)
+    return min(max(WITHIN * (wanted / max(rest, 1e-300)) ** 0.25, 0.2), 2.0)

@@ -8,6 +8,7 @@ from .collocation import (
     INTEGRAL,
     NODES,
     WEIGHTS,
+    WITHIN,
     allowance,
     better_step,
     discrete_gradient,
@@ -49,20 +50,21 @@ def stay(contact, left, last):
             eta *= 0.25
             closing = False
             continue
-        whole, closing = until_release(contact.step, x, v, eta * contact.period, closing)
-        whole /= contact.period
-        if whole != eta and whole <= left:
-            eta = whole
+        whole, closing = until_release(contact.step, x, v * contact.period, eta, left, closing)
+        ratio = _ratio(contact, eta, x, v)
+        if whole != eta or ratio < WITHIN:
+            # No need to seek a release that is too far away for one step.
+            closing = closing and ratio >= WITHIN
+            eta = whole if ratio >= WITHIN else min(whole, ratio * eta)
             continue
-        ratio, sound = _judge(contact, eta, x, v)
-        if sound:
+        if _sound(contact, eta, x):
             if not closing:
                 contact.next = max(ratio * eta, contact.next if eta == left else 0.0)
             for j in range(NODES):
                 contact.force[j] = contact.step.f[j]
             extrapolate(contact.step, contact.next / eta)
             return eta, closing
-        eta *= min(ratio, 0.7)
+        eta *= 0.5
         closing = False
     eta = max(eta, finest)
     _hold(contact, eta)
@@ -113,17 +115,20 @@ def _speed(contact, x, v):
 
 
 @kernel
-def _judge(contact, eta, x, v):
-    """What to multiply the step with for the tolerance, and whether it will do as it is."""
+def _ratio(contact, eta, x, v):
+    """What to multiply the step with for the tolerance."""
+    speed = max(_speed(contact, x, v), _speed(contact, contact.motion[0], contact.motion[1] / contact.period))
+    rest = abs(end_of(contact.step.f) - law(x, v, contact.k, contact.mu, contact.a)) * eta * contact.period
+    return better_step(rest, contact.tolerance * contact.mass * speed)
+
+
+@kernel
+def _sound(contact, eta, x):
+    """Whether the step's energy is right: its exact work against the change of V, and what dissipation takes."""
     f = contact.step.f
-    before = contact.motion[0]
-    speed = max(_speed(contact, x, v), _speed(contact, before, contact.motion[1] / contact.period))
-    rest = abs(end_of(f) - law(x, v, contact.k, contact.mu, contact.a)) * eta * contact.period
-    wanted = contact.tolerance * contact.mass * speed
-    ratio = better_step(rest, wanted)
-    if rest > wanted:
-        return ratio, False
-    contact.scale = max(contact.scale, 0.5 * contact.mass * speed * speed)
+    stored = elastic(contact.motion[0], contact.k, contact.a)
+    v = contact.motion[1] / contact.period
+    contact.scale = max(contact.scale, stored + 0.5 * contact.mass * v * v)
     work = 0.0
     for q in range(len(QUADRATURE)):
         force = FORCE_AT[q, 0] * f[0] + FORCE_AT[q, 1] * f[1] + FORCE_AT[q, 2] * f[2]
@@ -134,16 +139,16 @@ def _judge(contact, eta, x, v):
             for j in range(NODES):
                 form += f[i] * DOUBLE[n - 1, i, j] * f[j]
         work -= n * contact.answer[n] * contact.power[n] * eta * form
-    gain = elastic(x, contact.k, contact.a) - elastic(before, contact.k, contact.a) - work
+    gain = elastic(x, contact.k, contact.a) - stored - work
     lost = -gain
     for i in range(NODES):
         node = contact.step.x[i]
         spring = contact.k * node**contact.a if node > 0.0 else 0.0
         lost -= eta * contact.period * WEIGHTS[i] * (f[i] - spring) * contact.step.v[i]
     if gain > allowance(contact.gained, contact.scale) or lost > _LOSS * contact.tolerance * contact.scale:
-        return 0.5, False
+        return False
     contact.gained = max(contact.gained + gain, 0.0)
-    return ratio, True
+    return True
 
 
 @kernel

@@ -15,6 +15,7 @@ from .collocation import (
     NODES,
     STEP,
     WEIGHTS,
+    WITHIN,
     allowance,
     better_step,
     discrete_gradient,
@@ -134,12 +135,14 @@ def press(contact, longest):
             h *= 0.25
             closing = False
             continue
-        whole, closing = until_release(contact.step, x, v, h, closing)
-        if whole != h and whole <= longest:
-            h = whole
+        whole, closing = until_release(contact.step, x, v, h, longest, closing)
+        ratio = _ratio(contact, h, x, v)
+        if whole != h or ratio < WITHIN:
+            # No need to seek a release that is too far away for one step.
+            closing = closing and ratio >= WITHIN
+            h = whole if ratio >= WITHIN else min(whole, ratio * h)
             continue
-        ratio, sound = _judge(contact, h, x, v)
-        if sound:
+        if _sound(contact, x, v):
             if not closing:
                 contact.next = max(ratio * h, contact.next if h == longest else 0.0)
             for i in range(NODES):
@@ -147,7 +150,7 @@ def press(contact, longest):
             extrapolate(contact.step, contact.next / h)
             _move(contact, 0.0 if closing else x, v)
             return h
-        h *= min(ratio, 0.7)
+        h *= 0.5
         closing = False
     return _hold(contact, max(h, finest))
 
@@ -175,15 +178,21 @@ def _collocate(contact, h):
 
 
 @kernel
-def _judge(contact, h, x, v):
-    """What to multiply the step with for the tolerance, and whether it will do as it is."""
+def _ratio(contact, h, x, v):
+    """What to multiply the step with for the tolerance."""
     speed = max(_speed(contact, x, v), _speed(contact, contact.x, contact.v))
     rest = abs(end_of(contact.step.f) - law(x, v, contact.k, contact.mu, contact.a)) * h
-    wanted = contact.tolerance * contact.m * speed
-    scale = 0.5 * contact.m * speed * speed + abs(contact.push) * max(x, contact.x)
+    return better_step(rest, contact.tolerance * contact.m * speed)
+
+
+@kernel
+def _sound(contact, x, v):
+    """Whether the energy keeps below the least so far, but for what is allowed."""
     before = _energy(contact, contact.x, contact.v)
-    gain = _energy(contact, x, v) - before
-    return better_step(rest, wanted), rest <= wanted and gain <= allowance(before - contact.energy, scale)
+    after = _energy(contact, x, v)
+    push = abs(contact.push)
+    scale = max(before + push * contact.x, after + push * x)
+    return after - before <= allowance(before - contact.energy, scale)
 
 
 @kernel
