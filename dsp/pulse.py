@@ -30,9 +30,9 @@ _NODES, _WEIGHTS = (g.copy() for g in legendre.leggauss(12))
 _PIECE_NODES, _PIECE_WEIGHTS = (g.copy() for g in legendre.leggauss(6))
 _DEGREE = len(_NODES)
 
-# P_(n+1) = _RISE[n] x P_n - _FALL[n] P_(n-1), without divisions.
-_RISE = np.array([(2 * n + 1) / (n + 1) for n in range(MOMENTS)])
-_FALL = np.array([n / (n + 1) for n in range(MOMENTS)])
+# P_(n+1) = RISE[n] x P_n - FALL[n] P_(n-1), without divisions.
+RISE = np.array([(2 * n + 1) / (n + 1) for n in range(MOMENTS)])
+FALL = np.array([n / (n + 1) for n in range(MOMENTS)])
 
 NODES = 2 * len(_PIECE_NODES)
 """Gauss nodes of a whole pulse."""
@@ -168,7 +168,7 @@ def _add_piece(pulse, phase, zeta, u, shift, moments):
         here = weight * x
         for n in range(1, MOMENTS):
             moments[n] += here
-            before, here = here, _RISE[n] * x * here - _FALL[n] * before
+            before, here = here, RISE[n] * x * here - FALL[n] * before
     # Quadrature says when the momentum is given; how much there is between two velocities is known exactly.
     moments[0] += pulse.momentum * (pulse.u - u)
     pulse.zeta = zeta
@@ -213,8 +213,8 @@ def add_held(impulse, start, stop, moments):
     before0 = before1 = 1.0
     here0, here1 = x0, x1
     for n in range(1, MOMENTS):
-        after0 = _RISE[n] * x0 * here0 - _FALL[n] * before0
-        after1 = _RISE[n] * x1 * here1 - _FALL[n] * before1
+        after0 = RISE[n] * x0 * here0 - FALL[n] * before0
+        after1 = RISE[n] * x1 * here1 - FALL[n] * before1
         moments[n] += scale * ((after1 - before1) - (after0 - before0)) / (2 * n + 1)
         before0, here0 = here0, after0
         before1, here1 = here1, after1

@@ -14,27 +14,16 @@ A roll that asks for more than EVENTS steps a second gets coarser ones, whose en
 import math
 
 import numpy as np
-from numpy.polynomial import legendre
 
-from .collocation import (
-    GAUSS,
-    INTEGRAL,
-    NODES,
-    STEP,
-    WEIGHTS,
-    discrete_gradient,
-    elastic,
-    end_of,
-    extrapolate,
-    law,
-    solve,
-)
+from .collocation import NODES, STEP
 from .envelope import AHEAD, ENVELOPE, PIECES, lay, make_piece
 from .jit import kernel
+from .moments import add_quadratic
 from .pulse import MOMENTS
+from .ride import path_at, touch
 
-EVENTS = 250_000.0
-"""Flights and steps a second that a roll may need for long."""
+EVENTS = 120_000.0
+"""Flights and steps a second that a roll may need for long, divided by its coarseness."""
 
 _BURST = 200.0  # events that it may need at once
 _LONGEST = 5e-4  # s: of a flight or a step, after which speed and gravity are looked at
@@ -46,19 +35,10 @@ _SLOWEST = 1e-9  # m/s
 _SMALL = 1e-7  # share of a goal that isn't glided any more
 _TOLERANCE = 1e-4  # share of the momentum at hand by which a step may err, times coarseness^2
 _CRUDEST = 1e-2  # the greatest tolerance
-_GROWTH = 1e-9  # share of its energy that a step may gain
-_TRIALS = 24
-_SOLVED = 1e-7  # share of the momentum that a solver's last change may be worth: its error is the square
-_STIFFEST = 3e5  # rad/s: a body that swings faster on its contact is as good as one that doesn't
+_STIFFEST = 2e5  # rad/s: a body that swings faster on its contact is as good as one that doesn't
 _LEAST_PACE = 0.2  # share of its speed that a lopsided body keeps
 _MOST_LIFT = 0.9  # share of its weight that a lopsided body loses or gains
-_MOST_EVENTS = 4096
-
-_TWICE = INTEGRAL @ INTEGRAL
-_POWERS = np.linalg.inv(np.vander(GAUSS, increasing=True))  # power series of a step's quadratic from its nodes' values
-_NODES, _WEIGHTS = (g.copy() for g in legendre.leggauss(MOMENTS // 2 + 1))
-_RISE = np.array([(2 * n + 1) / (n + 1) for n in range(MOMENTS)])
-_FALL = np.array([n / (n + 1) for n in range(MOMENTS)])
+_MOST_EVENTS = 4096  # for one call
 
 ROLL = np.dtype(
     [
@@ -103,6 +83,7 @@ ROLL = np.dtype(
         ("given", np.float64),  # s: up to where moments have been taken
         ("level", np.float64, NODES + 1),  # of the path at a step's nodes and end
         ("climb", np.float64, NODES + 1),  # its rate
+        ("v_in", np.float64),  # m/s: speed at which body and path last met
         ("impacts", np.int64),  # times it met the surface
         ("events", np.int64),
         ("holds", np.int64),  # steps that had to be held ones
@@ -119,7 +100,8 @@ def begin_roll(roll, place, radius, m, k, mu, a, speed, gravity, friction, asymm
     radius (m), m (kg), k (N/m^a), gravity (m/s^2) > 0, mu (s/m) >= 0, a >= 1; friction and asymmetry >= 0; roughness:
     factor on the surface's heights; coarseness >= 1: factor on the shortest wavelength it feels.
     """
-    roll.asked_speed = roll.v = roll.top = roll.pace = max(speed, _SLOWEST)
+    roll.asked_speed = roll.top = speed
+    roll.v = roll.pace = max(speed, _SLOWEST)
     roll.asked_radius = roll.path.radius = radius
     roll.asked_mass = roll.m = m
     roll.asked_gravity = roll.g = roll.pull = gravity
@@ -147,8 +129,8 @@ def _steer(roll):
     roll.top = max(roll.top, roll.asked_speed)
     roll.asked_speed = max(roll.asked_speed - roll.friction * roll.g * roll.span, 0.0)
     roll.tolerance = min(_TOLERANCE * roll.path.coarseness * roll.path.coarseness, _CRUDEST)
-    roll.debt = max(roll.debt + 1.0 - EVENTS * roll.span, 0.0)
-    stopped = roll.asked_speed == 0.0 and roll.v < _STOPPED * roll.top
+    roll.debt = max(roll.debt + 1.0 - EVENTS / roll.path.coarseness * roll.span, 0.0)
+    stopped = roll.asked_speed == 0.0 and roll.v <= max(_STOPPED * roll.top, _SLOWEST)
     if stopped or roll.presence < 1.0:
         goal = 0.0 if stopped else 1.0
         roll.presence = _nearer(roll.presence, goal, -math.expm1(-roll.span / _FADE))
@@ -200,7 +182,7 @@ def _look_ahead(roll):
     if anew:
         here = 0
         if roll.piece >= 0:
-            before, slope = _path_at(roll)
+            before, slope = path_at(roll)
             here = roll.piece % PIECES
         path.radius = roll.asked_radius
         lay(path, path.origin[here] + np.int64((path.start[here] + roll.along) / path.surface.unit))
@@ -212,7 +194,7 @@ def _look_ahead(roll):
         make_piece(path)
     if anew:
         # The body keeps its distance and its rate, or begins at rest.
-        level, incline = _path_at(roll)
+        level, incline = path_at(roll)
         if first:
             before, slope = roll.sunk, 0.0
             roll.y = 0.0
@@ -232,16 +214,6 @@ def _look_ahead(roll):
 
 
 @kernel
-def _path_at(roll):
-    """Height and slope of the path under the body."""
-    i = roll.piece % PIECES
-    path = roll.path
-    q = roll.along
-    level = path.level[i] + q * (path.incline[i] + 0.5 * path.curvature[i] * q)
-    return level, path.incline[i] + path.curvature[i] * q
-
-
-@kernel
 def next_event(roll):
     """Let the body go on by one event: a flight or a part of one, or a step in contact."""
     _steer(roll)
@@ -249,7 +221,7 @@ def next_event(roll):
     longest = min(0.999 * _look_ahead(roll), _LONGEST)
     roll.since = roll.t
     if roll.touching == 1:
-        _touch(roll, longest)
+        touch(roll, longest, roll.path.coarseness / EVENTS if roll.debt > _BURST else 0.0)
     else:
         _fly(roll, longest)
     roll.t += roll.span
@@ -269,7 +241,7 @@ def _fly(roll, longest):
     for i in range(NODES):
         roll.force[i] = 0.0
     for _ in range(PIECES):
-        level, incline = _path_at(roll)
+        level, incline = path_at(roll)
         gap = max(roll.y - level, 0.0)
         rate = roll.w - v * incline
         fall = g + v * v * path.curvature[roll.piece % PIECES]
@@ -284,7 +256,7 @@ def _fly(roll, longest):
         roll.along += v * time
         roll.span += time
         if met:
-            level, incline = _path_at(roll)
+            level, incline = path_at(roll)
             roll.y = level
             _land(roll, v * incline - roll.w)
             return
@@ -312,6 +284,7 @@ def _meeting(gap, rate, fall):
 def _land(roll, v_in):
     """Begin a contact."""
     roll.touching = 1
+    roll.v_in = v_in
     roll.impacts += 1
     speed = math.sqrt(v_in * v_in + roll.g * roll.sunk)
     time = (roll.m / (roll.stiffness * speed ** (roll.a - 1.0))) ** (1.0 / (roll.a + 1.0))
@@ -321,121 +294,13 @@ def _land(roll, v_in):
 
 
 @kernel
-def _walk(roll, h):
-    """Put the path's heights and their rates at a step's nodes and end; returns the piece and place of the end."""
-    path = roll.path
-    piece = roll.piece
-    passed = -roll.along
-    for n in range(NODES + 1):
-        travelled = roll.pace * (h if n == NODES else h * GAUSS[n])
-        while travelled - passed > path.length[piece % PIECES] and piece < path.made - 1:
-            passed += path.length[piece % PIECES]
-            piece += 1
-        i = piece % PIECES
-        q = travelled - passed
-        roll.level[n] = path.level[i] + q * (path.incline[i] + 0.5 * path.curvature[i] * q)
-        roll.climb[n] = roll.pace * (path.incline[i] + path.curvature[i] * q)
-    return piece, q
+def fill_roll(roll, origin, rate, moments, touched):
+    """Moments (N s) of the force over each frame, and whether there is any: 0 or 1.
 
-
-@kernel
-def _collocate(roll, h, k, momentum):
-    """Try a step in contact: whether it is solved, and the body's height and rate at its end."""
-    step = roll.step
-    y, w, g = roll.y, roll.w, roll.pull
-    lightness = h / roll.m
-    for i in range(NODES):
-        t = h * GAUSS[i]
-        step.free_x[i] = roll.level[i] - (y + t * (w - 0.5 * g * t))
-        step.free_v[i] = roll.climb[i] - (w - g * t)
-        for j in range(NODES):
-            step.give_v[i, j] = lightness * INTEGRAL[i, j]
-            step.give_x[i, j] = h * lightness * _TWICE[i, j]
-    solved = solve(step, k, roll.mu, roll.a, _SOLVED * momentum / h)
-    y += h * (w - 0.5 * g * h)
-    w -= g * h
-    for j in range(NODES):
-        w += lightness * WEIGHTS[j] * step.f[j]
-        y += h * lightness * WEIGHTS[j] * (1.0 - GAUSS[j]) * step.f[j]
-    return solved, y, w
-
-
-@kernel
-def _judge(roll, h, k, x, stored, momentum, y, w):
-    """What to multiply a step with for the tolerance, and whether it will do; x: the compression at its beginning."""
-    m, f = roll.m, roll.step.f
-    x_end = roll.level[NODES] - y
-    v_end = roll.climb[NODES] - w
-    kept = elastic(x_end, k, roll.a)
-    momentum = max(momentum, m * math.sqrt(v_end * v_end + 2.0 * kept / m))
-    rest = abs(end_of(f) - law(x_end, v_end, k, roll.mu, roll.a)) * h
-    ratio = min(max(0.8 * (roll.tolerance * momentum / max(rest, 1e-300)) ** 0.25, 0.2), 2.0)
-    # The path's work, and how uncertain it is where the path bends.
-    work = spread = 0.0
-    for i in range(NODES):
-        work += h * WEIGHTS[i] * f[i] * roll.climb[i]
-        spread += h * WEIGHTS[i] * f[i] * (abs(roll.climb[i] - roll.climb[0]) + abs(roll.climb[i] - roll.climb[NODES]))
-    gained = 0.5 * m * (w - roll.w) * (w + roll.w) + m * roll.pull * (y - roll.y) + kept - stored - work
-    room = spread + _GROWTH * (momentum * momentum / m + m * roll.pull * max(x, x_end, 0.0))
-    return ratio, rest <= roll.tolerance * momentum and gained <= room
-
-
-@kernel
-def _touch(roll, longest):
-    """A step in contact."""
-    k = roll.stiffness
-    level, incline = _path_at(roll)
-    x = level - roll.y
-    v = roll.pace * incline - roll.w
-    stored = elastic(x, k, roll.a)
-    momentum = roll.m * math.sqrt(v * v + 2.0 * stored / roll.m + roll.g * roll.sunk)
-    least = 1.0 / EVENTS if roll.debt > _BURST else 0.0
-    h = min(max(roll.next, least), longest)
-    cut = h == longest
-    y = w = ratio = 0.0
-    good = False
-    piece = roll.piece
-    along = roll.along
-    for _ in range(_TRIALS):
-        piece, along = _walk(roll, h)
-        solved, y, w = _collocate(roll, h, k, momentum)
-        ratio = 0.25
-        if solved:
-            ratio, good = _judge(roll, h, k, x, stored, momentum, y, w)
-        if good or h <= least:
-            break
-        h = max(h * min(ratio, 0.7), least)
-        cut = False
-    if good:
-        roll.next = max(ratio * h, roll.next) if cut else ratio * h
-    else:
-        # Held over the step, which can't gain energy however long it is.
-        free = roll.level[NODES] - (roll.y + h * (roll.w - 0.5 * roll.pull * h)) - x
-        change, force = discrete_gradient(x, free, 0.5 * h * h / roll.m, h, k, roll.mu, roll.a)
-        y = roll.level[NODES] - (x + change)
-        w = roll.w + h * (force / roll.m - roll.pull)
-        for i in range(NODES):
-            roll.step.f[i] = force
-        roll.next = 2.0 * h
-        roll.holds += 1
-    for i in range(NODES):
-        roll.force[i] = roll.step.f[i]
-    extrapolate(roll.step, roll.next / h)
-    roll.y = y
-    roll.w = w
-    roll.piece = piece
-    roll.along = along
-    roll.span = h
-    roll.touching = 1 if roll.level[NODES] > y else 0
-
-
-@kernel
-def fill_roll(roll, origin, rate, frames, moments, touched):
-    """Moments (N s) of the force over each of a few frames, and whether there is any.
-
-    Frame n is the sample from origin + n/rate to origin + (n + 1)/rate, in s since the roll began; its moments with
-    the Legendre polynomials of the sample go to moments[n]. Call it for one stretch after the other.
+    moments: (frames, MOMENTS) float64; touched: (frames,) int64. Frame n is the sample from origin + n/rate to
+    origin + (n + 1)/rate, in s since the roll began. Call it for one stretch after the other.
     """
+    frames = len(touched)
     for n in range(frames):
         touched[n] = 0
         for i in range(MOMENTS):
@@ -443,48 +308,8 @@ def fill_roll(roll, origin, rate, frames, moments, touched):
     end = origin + frames / rate
     for _ in range(_MOST_EVENTS):
         stop = roll.since + roll.span
-        _give(roll, roll.given, min(stop, end), origin, rate, frames, moments, touched)
+        add_quadratic(roll.force, roll.since, roll.span, roll.given, min(stop, end), origin, rate, moments, touched)
         roll.given = max(roll.given, min(stop, end))
         if stop >= end or roll.ended == 1:
             break
         next_event(roll)
-
-
-@kernel
-def _give(roll, start, stop, origin, rate, frames, moments, touched):
-    """Add the last event's force from `start` to `stop` to the moments of the frames it touches."""
-    if stop <= start:
-        return
-    c0 = c1 = c2 = 0.0
-    for j in range(NODES):
-        c0 += _POWERS[0, j] * roll.force[j]
-        c1 += _POWERS[1, j] * roll.force[j]
-        c2 += _POWERS[2, j] * roll.force[j]
-    begin = (start - origin) * rate
-    end = (stop - origin) * rate
-    early = (origin - roll.since) / roll.span
-    for n in range(max(math.floor(begin), 0), frames):
-        if n >= end:
-            break
-        low = max(begin - n, 0.0)
-        half = 0.5 * (min(end - n, 1.0) - low)
-        touched[n] = 1
-        if half == 0.5:
-            # Over a whole sample a quadratic has no more than three moments.
-            theta, step = early + n / (rate * roll.span), 1.0 / (rate * roll.span)
-            a1 = step * (c1 + 2.0 * theta * c2)
-            a2 = step * step * c2
-            moments[n, 0] += (c0 + theta * (c1 + theta * c2) + a1 / 2.0 + a2 / 3.0) / rate
-            moments[n, 1] += (a1 + a2) / 6.0 / rate
-            moments[n, 2] += a2 / 30.0 / rate
-            continue
-        for j in range(len(_NODES)):
-            x = low + half * (1.0 + _NODES[j])
-            theta = early + (n + x) / (rate * roll.span)
-            before = half / rate * _WEIGHTS[j] * (c0 + theta * (c1 + theta * c2))
-            moments[n, 0] += before
-            x = 2.0 * x - 1.0
-            here = before * x
-            for i in range(1, MOMENTS):
-                moments[n, i] += here
-                before, here = here, _RISE[i] * x * here - _FALL[i] * before
