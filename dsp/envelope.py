@@ -65,6 +65,7 @@ ENVELOPE = np.dtype(
         ("highest", np.float64),  # above which the profile can't rise, m
         ("left", np.float64),  # from the first point to where its arc has come, m
         ("entered", np.float64),  # from the first point to the edge before it, m
+        ("before", np.float64),  # between that edge's points, m
         # Pieces made: length, and the path's height, slope and curvature at their beginning.
         ("made", np.int64),
         ("length", np.float64, PIECES),
@@ -164,8 +165,8 @@ def _settle(path):
                 break
         _read_point(path)
     here, distance = _edge(path, 0, 1)
-    there, _ = _edge(path, 1, 2)
-    return here, there + distance, distance
+    there, after = _edge(path, 1, 2)
+    return here, there + distance, distance, after
 
 
 @kernel
@@ -181,27 +182,31 @@ def lay(path, place):
     path.made = 0
     path.entered = -math.inf
     for _ in range(4 * POINTS):
-        edge, _, distance = _settle(path)
+        edge, _, distance, _ = _settle(path)
         if edge >= (place - path.place[path.first]) * path.surface.unit:
             break
         path.entered = edge - distance
+        path.before = distance
         path.first = (path.first + 1) % POINTS
         path.count -= 1
-    path.entered = max(path.entered, edge - distance)
-    path.left = 0.5 * (path.entered + edge)
+    if path.entered < edge - 4.0 * distance:
+        path.entered = edge - distance
+        path.before = distance
+    path.left = path.entered + (edge - path.entered) * path.before / (path.before + distance)
 
 
 @kernel
 def make_piece(path):
     """Make the next piece or two: what is left of the first point's arc, and the turn to the second."""
-    edge, next_edge, distance = _settle(path)
+    edge, next_edge, distance, after = _settle(path)
     radius = path.radius
     second = (path.first + 1) % POINTS
     edge = max(edge, path.left)
     turn = 0.0
     if path.previous[second] == path.place[path.first]:
-        turn = max(0.5 * min(edge - path.entered, next_edge - edge), 0.0)
-        turn = min(turn, edge - path.left)
+        # The turns on both sides of a point share its arc as they do on a flat surface.
+        shared = min((edge - path.entered) / (path.before + distance), (next_edge - edge) / (distance + after))
+        turn = min(max(shared * distance, 0.0), edge - path.left)
     s = path.left
     length = edge - turn - s
     for part in range(2):
@@ -218,6 +223,7 @@ def make_piece(path):
         length = 2.0 * turn
     path.left = edge + turn - distance
     path.entered = edge - distance
+    path.before = distance
     path.first = second
     path.count -= 1
 

@@ -127,7 +127,9 @@ def begin_roll(roll, place, radius, m, k, mu, a, speed, gravity, friction, asymm
 def _steer(roll):
     """Bring speed, mass and gravity, after an event, nearer to what is asked for."""
     roll.top = max(roll.top, roll.asked_speed)
-    roll.asked_speed = max(roll.asked_speed - roll.friction * roll.g * roll.span, 0.0)
+    slowed = min(roll.friction * roll.g * roll.span, roll.asked_speed)
+    roll.asked_speed -= slowed
+    roll.v -= slowed
     roll.tolerance = min(_TOLERANCE * roll.path.coarseness * roll.path.coarseness, _CRUDEST)
     roll.debt = max(roll.debt + 1.0 - EVENTS / roll.path.coarseness * roll.span, 0.0)
     stopped = roll.asked_speed == 0.0 and roll.v <= max(_STOPPED * roll.top, _SLOWEST)

@@ -65,10 +65,10 @@ def thirds(spectra, frequencies):
 
 @pytest.mark.parametrize(("body", "on"), [(MARBLE, GLASS), (STEEL_BALL, WOOD), (WHEEL, STONE)])
 def test_spectrum_is_that_of_brute_force(body, on):
-    rate, over, seconds = 48000, 100, 2.0
+    rate, over, seconds = 48000, 100, 1.5
     law = [body[key] for key in ("m", "k", "mu", "a")]
     ours = theirs = 0.0
-    for seed in range(6):
+    for seed in range(4):
         force = rolling.roll_force(ground(seed, **on), seconds, rate, **body)
         pieces = envelope.path_pieces(ground(seed, **on), body["radius"], body["speed"], 1.01 * seconds * body["speed"])
         steps = round(seconds * rate) * over
@@ -89,7 +89,8 @@ def test_one_contact_on_a_kink_against_dop853():
     pieces = envelope.path_pieces(ground(3, **STONE), body["radius"], body["speed"], 1.2 * seconds * body["speed"])
     v = body["speed"]
     state = [pieces[0, 1] - (m * 9.81 / k) ** (1 / a), v * pieces[0, 2], 0.0]
-    times, impulses = [0.0], [0.0]
+    grid = np.arange(len(force) + 1) / rate
+    impulses = np.zeros(len(grid))
     for (start, level, incline, curvature), after in itertools.pairwise(pieces):
 
         def motion(t, z, start=start, level=level, incline=incline, curvature=curvature):
@@ -98,15 +99,15 @@ def test_one_contact_on_a_kink_against_dop853():
             f = k * x**a * max(1 + mu * (v * (incline + curvature * q) - z[1]), 0.0) if x > 0 else 0.0
             return [z[1], f / m - 9.81, f]
 
-        run = solve_ivp(motion, (start / v, after[0] / v), state, "DOP853", rtol=1e-10, atol=1e-14, max_step=1e-5)
+        run = solve_ivp(motion, (start / v, after[0] / v), state, "DOP853", rtol=1e-10, atol=1e-14, dense_output=True)
+        inside = (grid >= start / v) & (grid <= after[0] / v)
+        if inside.any():
+            impulses[inside] = run.sol(grid[inside])[2]
         state = run.y[:, -1]
-        times.extend(run.t[1:])
-        impulses.extend(run.y[2, 1:])
-        if times[-1] > seconds:
+        if after[0] / v > grid[-1]:
             break
-    grid = np.arange(len(force) + 1) / rate
-    exact = np.diff(np.interp(grid, times, impulses)) * rate - m * 9.81
-    assert np.abs(force - exact).max() < 2e-3 * np.abs(exact).max()
+    exact = np.diff(impulses) * rate - m * 9.81
+    assert np.abs(force - exact).max() < 1e-3 * np.abs(exact).max()
 
 
 @pytest.mark.parametrize(("body", "on"), [(MARBLE, GLASS), (STEEL_BALL, WOOD), (WHEEL, STONE)])
@@ -177,9 +178,13 @@ def test_it_grows_with_speed_and_roughness():
     body = {**MARBLE, "speed": 0.1, "mu": 20.0}
     soft, softer = (rolling.roll_force(ground(6, roughness=r), 0.5, 48000, **body).std() for r in (1e-10, 1e-11))
     assert soft / softer == pytest.approx(10, rel=0.1)
-    # And it leaves it more and more often.
-    counts = [len(rolling.micro_impacts(ground(6, roughness=r), 0.5, **body)) for r in (1e-10, 1e-9, 1e-8)]
-    assert counts[0] == 0 and counts[1] < counts[2]
+    # It leaves it where it is rough and fast enough, more and more often, until its flights get long.
+    fast = [len(rolling.micro_impacts(ground(6, roughness=r), 0.5, **{**MARBLE, "speed": 0.9})) for r in (1e-9, 1e-8)]
+    rough = [
+        len(rolling.micro_impacts(ground(6, roughness=3e-8), 0.5, **{**MARBLE, "speed": v})) for v in (0.02, 0.1, 0.3)
+    ]
+    assert fast[0] == 0 < fast[1]
+    assert rough[0] < rough[1] < rough[2]
 
 
 @pytest.mark.parametrize(("mu", "keeps"), [(0.0, True), (0.5, False)])
@@ -267,7 +272,7 @@ def test_speed_zero_ends_it():
     force, body = steered(ground(8), MARBLE, {"asked_speed": 0.0})
     assert body["ended"] == 1
     assert body["t"] - 0.25 < 0.2
-    assert force[-2400:].any() == False  # noqa: E712
+    assert not force[-2400:].any()
     # It dies away instead of being cut.
     last = np.flatnonzero(force)[-1]
     assert np.abs(force[last - 48 : last]).max() < 1e-3 * np.abs(force).max()
