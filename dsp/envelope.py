@@ -41,6 +41,7 @@ _REACH = 0.2 * POINTS  # points of the longest look ahead, so that as many again
 _REFRESH = 64  # points between two looks at the speed
 _GLIDE = 800.0  # points: constant with which octaves come and go, some 10 ms
 _SMALL = 1e-5  # of a gain that isn't glided any more
+_OCTAVE = math.log(2.0)
 _WIDEST = 2.0**40  # places between two points
 
 ENVELOPE = np.dtype(
@@ -97,7 +98,7 @@ def _refresh(path):
     path.highest = surface.ripple * max(surface.ripple_gain, path.roughness)
     path.gliding = 1 if surface.ripple_gain != path.roughness else 0
     for j in range(OCTAVES):
-        path.wanted[j] = path.roughness * min(max(math.log2(max(spacing / shortest, 1e-300)), 0.0), 1.0)
+        path.wanted[j] = path.roughness * min(max(math.log(max(spacing / shortest, 1e-300)) / _OCTAVE, 0.0), 1.0)
         path.highest += CREST * surface.height[j] * max(surface.gain[j], path.wanted[j])
         if surface.gain[j] != path.wanted[j]:
             path.gliding = 1

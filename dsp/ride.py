@@ -24,6 +24,8 @@ from .jit import kernel
 
 _GROWTH = 1e-9  # share of its energy that a step may gain
 _TRIALS = 24
+_KINK = 1e-3  # share of the speed at hand by which a kink must change the compression's rate to end a step
+_NEAR = 1e-9  # share of a piece at whose end it is as good as over
 _SOLVED = 1e-7  # share of the momentum that a solver's last change may be worth: its error is the square
 
 _TWICE = INTEGRAL @ INTEGRAL
@@ -37,6 +39,22 @@ def path_at(roll):
     q = roll.along
     level = path.level[i] + q * (path.incline[i] + 0.5 * path.curvature[i] * q)
     return level, path.incline[i] + path.curvature[i] * q
+
+
+@kernel
+def _to_kink(roll, h, least):
+    """The length of a step of at most h s that ends before the path kinks, by a jump of its rate of `least` m/s."""
+    path = roll.path
+    passed = -roll.along
+    for piece in range(roll.piece, path.made - 1):
+        i = piece % PIECES
+        passed += path.length[i]
+        if passed >= roll.pace * h:
+            break
+        jump = path.incline[(piece + 1) % PIECES] - path.incline[i] - path.curvature[i] * path.length[i]
+        if roll.pace * jump > least:
+            return (passed - 0.5 * _NEAR * path.length[i]) / roll.pace
+    return h
 
 
 @kernel
@@ -103,13 +121,19 @@ def _judge(roll, h, k, x, stored, momentum, y, w):
 def touch(roll, longest, least):
     """A step in contact of at most `longest` s, and no less than `least` whatever its error."""
     k = roll.stiffness
+    left = roll.path.length[roll.piece % PIECES]
+    if left - roll.along <= _NEAR * left:
+        roll.piece += 1
+        roll.along = 0.0
     level, incline = path_at(roll)
     x = level - roll.y
     v = roll.pace * incline - roll.w
     stored = elastic(x, k, roll.a)
     momentum = roll.m * math.sqrt(v * v + 2.0 * stored / roll.m + roll.g * roll.sunk)
     h = min(max(roll.next, least), longest)
-    cut = h == longest
+    if least == 0.0:
+        h = _to_kink(roll, h, _KINK * momentum / roll.m)
+    cut = h < roll.next
     y = w = ratio = 0.0
     good = False
     piece = roll.piece

@@ -13,8 +13,8 @@ from scipy.signal import welch
 from carom.dsp import contact, envelope, roll, rolling, surface
 
 MARBLE = {"radius": 8e-3, "m": 5e-3, "k": 3e9, "mu": 3.0, "a": 1.5, "speed": 0.5}
-STEEL_BALL = {"radius": 8e-3, "m": 0.017, "k": 2e8, "mu": 4.0, "a": 1.5, "speed": 0.8}
-WHEEL = {"radius": 0.05, "m": 1.0, "k": 1e8, "mu": 0.6, "a": 1.5, "speed": 0.3}
+STEEL_BALL = {"radius": 8e-3, "m": 0.017, "k": 2e8, "mu": 10.0, "a": 1.5, "speed": 0.8}
+WHEEL = {"radius": 0.05, "m": 1.0, "k": 1e8, "mu": 10.0, "a": 1.5, "speed": 0.3}
 GLASS = {"roughness": 1e-7, "correlation": 1e-3, "slope": 2.0}
 WOOD = {"roughness": 3e-6, "correlation": 3e-3, "slope": 2.2}
 STONE = {"roughness": 3e-5, "correlation": 5e-3, "slope": 2.2}
@@ -68,7 +68,7 @@ def test_spectrum_is_that_of_brute_force(body, on):
     rate, over, seconds = 48000, 100, 1.5
     law = [body[key] for key in ("m", "k", "mu", "a")]
     ours = theirs = 0.0
-    for seed in range(4):
+    for seed in range(6):
         force = rolling.roll_force(ground(seed, **on), seconds, rate, **body)
         pieces = envelope.path_pieces(ground(seed, **on), body["radius"], body["speed"], 1.01 * seconds * body["speed"])
         steps = round(seconds * rate) * over
@@ -118,7 +118,7 @@ def test_moments_know_nothing_of_the_rate(body, on):
         body_here = rolling.make_roll(ground(1, **on), **body)
         stretches = [rolling.roll_moments(body_here, n / 100, 1 / 100, rate)[:, 0].sum() for n in range(50)]
         totals.append([*stretches, body_here["t"], body_here["impacts"], body_here["y"]])
-        assert body_here["impacts"] > 10
+        assert body_here["impacts"] > 0 and body_here["events"] > 1000
     for other in totals[1:]:
         # The last event reaches beyond the end, by the same in each.
         assert other == pytest.approx(totals[0], rel=1e-9, abs=1e-9 * max(np.abs(totals[0][:50])))
@@ -176,7 +176,7 @@ def test_it_grows_with_speed_and_roughness():
         assert level[v, 1e-9] < level[v, 1e-8] < level[v, 1e-7]
     # While it hardly leaves the surface, the force is proportional to the roughness.
     body = {**MARBLE, "speed": 0.1, "mu": 20.0}
-    soft, softer = (rolling.roll_force(ground(6, roughness=r), 0.5, 48000, **body).std() for r in (1e-10, 1e-11))
+    soft, softer = (rolling.roll_force(ground(6, roughness=r), 0.5, 48000, **body).std() for r in (1e-9, 1e-10))
     assert soft / softer == pytest.approx(10, rel=0.1)
     # It leaves it where it is rough and fast enough, more and more often, until its flights get long.
     fast = [len(rolling.micro_impacts(ground(6, roughness=r), 0.5, **{**MARBLE, "speed": 0.9})) for r in (1e-9, 1e-8)]
@@ -217,7 +217,8 @@ def test_a_lopsided_body_is_heard_turning():
     force = rolling.roll_force(ground(7, roughness=3e-9), 4.0, 48000, **{**body, "asymmetry": 0.2})
     loud = np.add.reduceat(np.diff(force) ** 2, np.arange(0, len(force) - 1, 480))
     frequencies, power = welch(loud - loud.mean(), 100, nperseg=200)
-    assert frequencies[1 + np.argmax(power[1:])] == pytest.approx(turning, abs=0.15 * turning)
+    band = frequencies > turning / 2
+    assert frequencies[band][np.argmax(power[band])] == pytest.approx(turning, abs=0.15 * turning)
 
 
 def steered(on, body, changes, seconds=0.5):
@@ -288,8 +289,8 @@ def test_friction_lets_it_run_out():
     assert body["s"] == pytest.approx(MARBLE["speed"] * expected / 2, rel=0.1)
 
 
-@pytest.mark.parametrize("coarseness", [2.0, 4.0, 8.0])
-def test_coarser_is_as_loud_and_cheaper(coarseness):
+@pytest.mark.parametrize(("coarseness", "within"), [(2.0, 1.0), (4.0, 1.5), (8.0, 3.5)])
+def test_coarser_is_as_loud_and_cheaper(coarseness, within):
     power, events = {}, {}
     for c in (1.0, coarseness):
         total = count = 0
@@ -298,7 +299,7 @@ def test_coarser_is_as_loud_and_cheaper(coarseness):
             total += (rolling.roll_moments(body, 0.0, 1.0, 48000)[:, 0] ** 2).sum()
             count += int(body["events"])
         power[c], events[c] = total, count
-    assert abs(10 * math.log10(power[coarseness] / power[1.0])) < 2.5
+    assert abs(10 * math.log10(power[coarseness] / power[1.0])) < within
     assert events[coarseness] < events[1.0]
 
 
