@@ -2,14 +2,12 @@
 
 import math
 
-import numpy as np
 from numpy.polynomial import legendre
 
-from .collocation import GAUSS, NODES
+from .collocation import CARDINAL, NODES
 from .jit import kernel
 from .pulse import FALL, MOMENTS, RISE
 
-_POWERS = np.linalg.inv(np.vander(GAUSS, increasing=True))  # power series of the quadratic from its values at GAUSS
 _NODES, _WEIGHTS = (g.copy() for g in legendre.leggauss(MOMENTS // 2 + 1))
 
 
@@ -24,9 +22,9 @@ def add_quadratic(force, since, span, start, stop, origin, rate, moments, touche
         return
     c0 = c1 = c2 = 0.0
     for j in range(NODES):
-        c0 += _POWERS[0, j] * force[j]
-        c1 += _POWERS[1, j] * force[j]
-        c2 += _POWERS[2, j] * force[j]
+        c0 += CARDINAL[0, j] * force[j]
+        c1 += CARDINAL[1, j] * force[j]
+        c2 += CARDINAL[2, j] * force[j]
     begin = (start - origin) * rate
     end = (stop - origin) * rate
     early = (origin - since) / span

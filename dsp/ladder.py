@@ -1,0 +1,150 @@
+"""Which solver a contact gets: the cheapest whose error is known to be small enough.
+
+The closed form of a rigid wall, with an effective mass where the objects give way, is exact for a striker that is light
+or slow against them; otherwise the contact is coupled to their modes (coupled.py). With r_i = m phi_i^2 and P_i the
+wall pulse's power spectrum at mode i over that at 0, the closed form's error grows with sum r_i (1 - P_i): modes that
+are too fast to follow the pulse and too slow to be its wall.
+"""
+
+import math
+
+import numpy as np
+
+from .bank import LANES, RESPONSES, reach
+from .coupled import EXACT, FAST
+from .jit import kernel
+from .pulse import NODES, add_phasors, node
+
+ACCURACIES = {"-40": 0, "-60": 1, "-80": 2, "exact": 3}
+"""What may be asked for, in dB of the object's velocity, and its number."""
+
+# For each accuracy: sum r_i (1 - P_i) up to which the closed form has it, and the coupled contact's tolerance.
+_LIMIT = np.array([2.4e-2, 1.4e-3, 1.8e-4, 0.0])
+_TOLERANCE = np.array([FAST, FAST, FAST, EXACT])
+_ERROR = np.array([1e-2, 1e-3, 1e-4, 0.0])
+_MOST_GIVEN_WAY = 0.25  # sum r_i P_i above which the effective mass isn't trusted
+
+_RESOLVED = 28.0  # rad of a mode over a pulse: up to here its nodes tell the spectrum, beyond it is as good as 0
+_LIGHT = 1e-4  # sum of m phi^2 below which the object is as good as a rigid wall (-80 dB)
+
+
+@kernel
+def place(body, position, rows):
+    """Rows and weights of the cubic through the mode shapes at a position in [0, 1]."""
+    x = position * (rows - 1)
+    row = min(max(int(x) - 1, 0), rows - 4)
+    x -= row
+    body.row = row
+    body.weights[0] = -(x - 1.0) * (x - 2.0) * (x - 3.0) / 6.0
+    body.weights[1] = 0.5 * x * (x - 2.0) * (x - 3.0)
+    body.weights[2] = -0.5 * x * (x - 1.0) * (x - 3.0)
+    body.weights[3] = x * (x - 1.0) * (x - 2.0) / 6.0
+
+
+@kernel
+def tolerance_of(state):
+    """Tolerance of coupled contacts at the accuracy asked for."""
+    return _TOLERANCE[state.accuracy]
+
+
+@kernel
+def needs_coupling(state, contact):
+    """Must the contact whose wall pulse has begun be coupled to the modes? If not, its pulse gets the effective mass.
+
+    That is m* = m/(1 + sum r_i P_i). The same v_in leaves w, and so the pulse's form, as it is: its time scales by
+    (m*/m)^(1/(a+1)) and its momentum by m*/m. A shorter pulse reaches higher modes: where what it gives them would be
+    more than the striker loses, its momentum J is held to 2 m v_in/(1 + sum r_i P'_i), with P' of the shorter pulse;
+    there m v_in^2/2 = m (v_in - J/m)^2/2 + sum (phi_i J)^2 P'_i/2.
+    """
+    bound = 0.0
+    speed = 0.0
+    for side in range(2):
+        body = contact.body[side]
+        if body.slot >= 0:
+            obj = state.objects[body.slot]
+            for i in range(obj.size):
+                phi = _shape_at(state, obj, body, i)
+                bound += contact.m * phi * phi
+            if obj.live > 0:
+                speed += reach_of(state, obj, body)[1]
+    sampled = state.contact_method > 0
+    if not sampled and speed > _ERROR[state.accuracy] * contact.v_in * contact.gain:
+        return True
+    if bound < _LIGHT and (bound < _LIMIT[state.accuracy] or sampled):
+        return False
+    pulse = contact.pulse
+    ratio = 1.0
+    for shortened in range(2):  # a loop, so that _share is compiled in once
+        share = _share(state, contact)
+        if shortened:
+            ratio = min(ratio, 2.0 / ((1.0 + pulse.restitution) * (1.0 + share)))
+        else:
+            if not sampled and (share > _MOST_GIVEN_WAY or bound - share > _LIMIT[state.accuracy]):
+                return True
+            ratio = 1.0 / (1.0 + share)
+            _shorten(pulse, ratio ** (1.0 / (pulse.exponent + 1.0)))
+            if (1.0 + pulse.restitution) * (1.0 + bound) <= 2.0 * (1.0 + share):
+                break
+    pulse.momentum *= ratio
+    return False
+
+
+@kernel
+def reach_of(state, obj, body):
+    """What the object's ringing can't exceed where it is touched: displacement (m) and velocity (m/s)."""
+    first = obj.first
+    last = first + obj.live
+    return reach(
+        state.y1[first:last], state.y2[first:last], state.a1[first:last], state.a2[first:last],
+        state.response[first // LANES * RESPONSES : last // LANES * RESPONSES],
+        state.shape[obj.table : obj.table + obj.rows * obj.size], obj.size, body.row, body.weights, state.work,
+    )  # fmt: skip
+
+
+@kernel
+def _shape_at(state, obj, body, i):
+    """Mass-normalised shape of the object's mode i where the contact is, kg^-1/2."""
+    at = obj.table + body.row * obj.size + i
+    phi = 0.0
+    for n in range(4):
+        phi += body.weights[n] * state.shape[at + n * obj.size]
+    return phi
+
+
+@kernel
+def _shorten(pulse, ratio):
+    """Scale a pulse's times."""
+    pulse.duration *= ratio
+    for phase in range(2):
+        pulse.phase_time[phase] *= ratio
+        for i in range(len(pulse.time_series[phase])):
+            pulse.time_series[phase, i] *= ratio
+
+
+@kernel
+def _share(state, contact):
+    """sum r_i P_i over the objects' modes."""
+    pulse = contact.pulse
+    share = 0.0
+    for side in range(2):
+        body = contact.body[side]
+        if body.slot < 0:
+            continue
+        obj = state.objects[body.slot]
+        re = state.spectrum[0, : obj.size]
+        im = state.spectrum[1, : obj.size]
+        for i in range(obj.size):
+            re[i] = im[i] = 0.0
+        total = 0.0
+        frequency = state.frequency[obj.first : obj.first + obj.size]
+        for phase in range(2):
+            for j in range(NODES // 2):
+                t, impulse = node(pulse, phase, j)
+                total += impulse
+                add_phasors(impulse, t * obj.tune / state.rate, frequency, re, im)
+        highest = _RESOLVED * state.rate / (2.0 * math.pi * pulse.duration * obj.tune)
+        for i in range(obj.size):
+            if frequency[i] < highest:
+                phi = _shape_at(state, obj, body, i)
+                share += contact.m * phi * phi * (re[i] * re[i] + im[i] * im[i]) / (total * total)
+    return share

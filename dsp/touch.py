@@ -1,0 +1,172 @@
+"""What a contact does in a sample: its force by the solver it was given, into the modes of what it touches."""
+
+import math
+
+from .bank import FINE, LANES, RESPONSES, inject, inject_fine, observe, receptance
+from .coupled import apart_for, begin_coupled, respond_with, step_coupled
+from .jit import kernel
+from .ladder import needs_coupling, place, reach_of, tolerance_of
+from .methods import follow, start
+from .pulse import MOMENTS, add_held, advance, begin
+from .state import QUANTUM, Solver
+
+_CLOSED, _SAMPLED, _COUPLED, _ROLLING = (
+    int(Solver.CLOSED), int(Solver.SAMPLED), int(Solver.COUPLED), int(Solver.ROLLING),
+)  # fmt: skip
+
+_PATIENCE = 3.0  # exact durations for which a sampled contact is followed: it might never end
+
+
+@kernel
+def meet(state, contact, pressed):
+    """Begin to touch; where `pressed`, the striker's push acts on it meanwhile."""
+    state.impacts += 1
+    contact.touching = 1
+    place(contact.body[0], contact.position, state.objects[contact.body[0].slot].rows)
+    begin(contact.pulse, contact.v_in, contact.m, contact.k, contact.mu, contact.a, state.rate)
+    coupled = needs_coupling(state, contact)
+    if coupled or pressed:
+        contact.solver = _COUPLED
+        contact.unsettled = 1
+        tolerance = tolerance_of(state)
+        begin_coupled(
+            contact.coupled, contact.v_in, contact.m, contact.k, contact.mu, contact.a, contact.push,
+            contact.fraction, state.rate, tolerance,
+        )  # fmt: skip
+        state.coupled += 1
+    elif state.contact_method > 0:
+        # A sampled contact can't begin between samples.
+        contact.solver = _SAMPLED
+        contact.oversampling = state.contact_oversampling
+        contact.fraction = 0.0
+        contact.steps = int(_PATIENCE * contact.pulse.duration * contact.oversampling) + 20
+        m = contact.pulse.momentum / contact.v_in  # the effective mass
+        start(
+            contact.sampled, state.contact_method - 1, state.contact_correction,
+            contact.v_in, m, contact.k, contact.mu, contact.a,
+        )  # fmt: skip
+    else:
+        contact.solver = _CLOSED
+
+
+@kernel
+def act(state, contact, frame, age):
+    """Give the modes the force of a contact over the sample that ends at a frame, when it is as old as `age`.
+
+    False where a closed or sampled contact ends.
+    """
+    lasts = True
+    if contact.solver == _COUPLED:
+        _look(state, contact)
+        held = contact.coupled.held
+        step_coupled(contact.coupled, state.observed, state.fine)
+        state.held += contact.coupled.held - held
+        for n in range(FINE):
+            state.fine[n] *= contact.gain
+    elif contact.solver == _ROLLING:
+        for n in range(MOMENTS):
+            state.moments[n] = state.feeds[contact.roll, frame, n]
+        _travel(state, contact, frame)
+    elif contact.solver == _SAMPLED:
+        lasts = _step_sampled(state, contact)
+    else:
+        advance(contact.pulse, min(age, contact.pulse.duration), age - 1.0, state.moments)
+        lasts = age < contact.pulse.duration  # a duration that is not a number has no end
+    if contact.solver != _COUPLED:
+        for n in range(MOMENTS):
+            state.moments[n] *= contact.gain
+    for side in range(2):
+        body = contact.body[side]
+        if body.slot < 0:
+            continue
+        obj = state.objects[body.slot]
+        obj.live = obj.size
+        obj.driven = 1
+        first = obj.first
+        last = first + obj.size
+        response = state.response[first // LANES * RESPONSES : last // LANES * RESPONSES]
+        shape = state.shape[obj.table : obj.table + obj.rows * obj.size]
+        y1 = state.y1[first:last]
+        y2 = state.y2[first:last]
+        if contact.solver == _COUPLED:
+            inject_fine(y1, y2, response, shape, obj.size, body.row, body.weights, state.fine)
+        else:
+            inject(y1, y2, response, shape, obj.size, body.row, body.weights, state.moments)
+    return lasts
+
+
+@kernel
+def _look(state, contact):
+    """Have `observed` say how the points that are touched move by themselves; tell the contact how they give way.
+
+    A contact with a gain sees all as loud as if it had none.
+    """
+    for n in range(FINE):
+        state.observed[n] = state.given[n] = 0.0
+    for side in range(2):
+        body = contact.body[side]
+        if body.slot < 0:
+            continue
+        obj = state.objects[body.slot]
+        first = obj.first
+        last = first + obj.size
+        response = state.response[first // LANES * RESPONSES : last // LANES * RESPONSES]
+        shape = state.shape[obj.table : obj.table + obj.rows * obj.size]
+        a1 = state.a1[first:last]
+        a2 = state.a2[first:last]
+        if contact.unsettled == 1:
+            receptance(a1, a2, response, shape, obj.size, body.row, body.weights, state.work, state.fine)
+            for n in range(FINE):
+                state.given[n] += state.fine[n]
+        if obj.live > 0:
+            y1 = state.y1[first:last]
+            y2 = state.y2[first:last]
+            observe(y1, y2, a1, a2, response, shape, obj.size, body.row, body.weights, state.work, state.fine)
+            for n in range(FINE):
+                state.observed[n] += state.fine[n] / contact.gain
+    if contact.unsettled == 1:
+        respond_with(contact.coupled, state.given)
+        contact.unsettled = 0
+
+
+@kernel
+def flight(state, contact):
+    """Samples for which a coupled striker that has left surely touches nothing; infinity if it never comes back."""
+    distance = speed = 0.0
+    for side in range(2):
+        body = contact.body[side]
+        if body.slot >= 0 and state.objects[body.slot].live > 0:
+            far, fast = reach_of(state, state.objects[body.slot], body)
+            distance += far / contact.gain
+            speed += fast / contact.gain
+    return apart_for(contact.coupled, distance, speed)
+
+
+@kernel
+def _travel(state, contact, frame):
+    """Put a rolling body where it is along the object's strike path, to and fro."""
+    position = contact.position
+    if contact.path > 0.0:
+        rolled = (state.rolls[contact.roll].s - contact.rolled) * (frame / QUANTUM) + contact.rolled
+        position += rolled / contact.path
+    position -= 2.0 * math.floor(0.5 * position)
+    place(contact.body[0], min(position, 2.0 - position), state.objects[contact.body[0].slot].rows)
+
+
+@kernel
+def _step_sampled(state, contact):
+    """Moments of a sampled contact over a sample: what its steps give, each held for the step. True while it lasts."""
+    sampled = contact.sampled
+    for n in range(MOMENTS):
+        state.moments[n] = 0.0
+    for i in range(contact.oversampling):
+        before = sampled.v
+        lasts = follow(sampled, 1.0 / (state.rate * contact.oversampling))
+        given = sampled.m * (before - sampled.v)
+        if not math.isfinite(given):
+            return False  # the method has failed: what it gave so far stays
+        add_held(given, i / contact.oversampling, (i + 1) / contact.oversampling, state.moments)
+        contact.steps -= 1
+        if not lasts or contact.steps <= 0:
+            return False
+    return True
