@@ -11,6 +11,9 @@ either a kink, at which the slope jumps up by their distance over R and a body t
 they are neighbours on the profile, and it is the surface between them that touches, the smooth turn from one to the
 other. So a flat surface gives a flat path, however coarse its points are.
 
+A body with corners, 2 pi R/n of its way apart, is a round one on a surface that touches only where they come down:
+between them the profile is lowered by the parabolas of the corners, which are rounded with EDGE of the radius.
+
 The points are as far apart as the shortest wavelength passed in an audible time: the faster, the further. Octaves fade
 out towards it.
 """
@@ -37,6 +40,9 @@ PIECES = 32
 AHEAD = PIECES - 8
 """Pieces that may lie before the body."""
 
+EDGE = 0.05
+"""Radius of a body's corners over its own."""
+
 _REACH = 0.2 * POINTS  # points of the longest look ahead, so that as many again and those behind find room
 _REFRESH = 64  # points between two looks at the speed
 _GLIDE = 800.0  # points: constant with which octaves come and go, some 10 ms
@@ -48,6 +54,8 @@ ENVELOPE = np.dtype(
     [
         ("surface", SURFACE),
         ("radius", np.float64),  # m
+        ("corners", np.float64),  # of the body, 0: it is round
+        ("side", np.float64),  # m between them, 0: it is round
         # What is asked for.
         ("speed", np.float64),  # m/s
         ("roughness", np.float64),  # factor on the surface's heights
@@ -89,7 +97,8 @@ def _refresh(path):
     for j in range(OCTAVES):
         most += surface.height[j]
     most = path.roughness * (CREST * most + surface.ripple)
-    reach = math.sqrt(4.0 * path.radius * most)
+    path.side = 2.0 * math.pi * path.radius / path.corners if path.corners > 0.0 else 0.0
+    reach = max(math.sqrt(4.0 * path.radius * most), path.side)
     shortest = max(path.speed * path.coarseness / AUDIBLE, reach / _REACH)
     path.stride = 1
     while 2.0 * path.stride * surface.unit <= shortest and path.stride < _WIDEST:
@@ -137,6 +146,10 @@ def _read_point(path):
     place = path.front + path.stride
     new = (path.first + path.count) % POINTS
     height = height_at(path.surface, place)
+    if path.side > 0.0:
+        s = place * path.surface.unit
+        s -= path.side * math.floor(s / path.side + 0.5)
+        height -= s * s / (2.0 * EDGE * path.radius)
     while path.count > 1:
         path.place[new] = place
         path.height[new] = height
@@ -176,7 +189,7 @@ def lay(path, place):
     path.fresh = 0
     _refresh(path)
     _glide(path, 1.0)
-    behind = math.sqrt(4.0 * path.radius * path.highest)
+    behind = max(math.sqrt(4.0 * path.radius * path.highest), path.side)
     path.front = place - path.stride * (np.int64(behind / (path.stride * path.surface.unit)) + 2)
     path.first = 0
     path.count = 0
@@ -230,9 +243,10 @@ def make_piece(path):
 
 
 @njit(error_model="numpy")
-def _lay(path, surface, radius, speed, place):
+def _lay(path, surface, radius, corners, speed, place):
     path.surface = surface
     path.radius = radius
+    path.corners = corners
     path.speed = speed
     path.roughness = 1.0
     path.coarseness = 1.0
@@ -257,17 +271,25 @@ def _pieces(path, end, pieces):
 
 
 def path_pieces(
-    surface: np.void, radius: float, speed: float, length: float, place: int = 0, most: int = 1_000_000
+    surface: np.void,
+    radius: float,
+    speed: float,
+    length: float,
+    corners: int = 0,
+    place: int = 0,
+    most: int = 1_000_000,
 ) -> NDArray:
     """The path of a body of a radius (m) over `length` (m) of a surface, as detailed as it is heard at a speed (m/s).
 
     Rows of where the piece begins (m from the first, which is at or just before `place`), and the path's height (m),
-    slope and curvature (1/m) there; (pieces, 4) float64, `most` at most. ValueError names what is out of range.
+    slope and curvature (1/m) there; (pieces, 4) float64, `most` at most. corners: the body's, 0 if it
+    is round. ValueError names what is out of range.
     """
     radius, speed, length = (
         float(checked(name, value, 0.0)) for name, value in (("radius", radius), ("speed", speed), ("length", length))
     )
     path = np.zeros(1, ENVELOPE)[0]
-    _lay(path, surface, radius, speed, int(place))
+    corners = float(checked("corners", corners, 0.0, strict=False))
+    _lay(path, surface, radius, corners, speed, int(place))
     pieces = np.empty((most, 4))
     return pieces[: _pieces(path, length, pieces)].copy()

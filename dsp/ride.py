@@ -12,6 +12,7 @@ from .collocation import (
     INTEGRAL,
     NODES,
     WEIGHTS,
+    better_step,
     discrete_gradient,
     elastic,
     end_of,
@@ -106,7 +107,6 @@ def _judge(roll, h, k, x, stored, momentum, y, w):
     kept = elastic(x_end, k, roll.a)
     momentum = max(momentum, m * math.sqrt(v_end * v_end + 2.0 * kept / m))
     rest = abs(end_of(f) - law(x_end, v_end, k, roll.mu, roll.a)) * h
-    ratio = min(max(0.8 * (roll.tolerance * momentum / max(rest, 1e-300)) ** 0.25, 0.2), 2.0)
     # The path's work, and how uncertain it is where the path bends.
     work = spread = 0.0
     for i in range(NODES):
@@ -114,7 +114,8 @@ def _judge(roll, h, k, x, stored, momentum, y, w):
         spread += h * WEIGHTS[i] * f[i] * (abs(roll.climb[i] - roll.climb[0]) + abs(roll.climb[i] - roll.climb[NODES]))
     gained = 0.5 * m * (w - roll.w) * (w + roll.w) + m * roll.pull * (y - roll.y) + kept - stored - work
     room = spread + _GROWTH * (momentum * momentum / m + m * roll.pull * max(x, x_end, 0.0))
-    return ratio, rest <= roll.tolerance * momentum and gained <= room
+    wanted = roll.tolerance * momentum
+    return better_step(rest, wanted), rest <= wanted and gained <= room
 
 
 @kernel

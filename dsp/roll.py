@@ -33,7 +33,7 @@ _STOPPED = 0.02  # share of its speed at which it has
 _GONE = 1e-5  # -100 dB
 _SLOWEST = 1e-9  # m/s
 _SMALL = 1e-7  # share of a goal that isn't glided any more
-_TOLERANCE = 1e-4  # share of the momentum at hand by which a step may err, times coarseness^2
+_TOLERANCE = 1e-3  # share of the momentum at hand by which a step may err, times coarseness^2
 _CRUDEST = 1e-2  # the greatest tolerance
 _STIFFEST = 2e5  # rad/s: a body that swings faster on its contact is as good as one that doesn't
 _LEAST_PACE = 0.2  # share of its speed that a lopsided body keeps
@@ -94,11 +94,14 @@ ROLL = np.dtype(
 
 
 @kernel
-def begin_roll(roll, place, radius, m, k, mu, a, speed, gravity, friction, asymmetry, roughness, coarseness):
+def begin_roll(
+    roll, place, radius, m, k, mu, a, speed, gravity, friction, asymmetry, corners, roughness, coarseness
+):  # fmt: skip
     """Put a body at rest on a surface at a place, rolling at `speed` (m/s).
 
-    radius (m), m (kg), k (N/m^a), gravity (m/s^2) > 0, mu (s/m) >= 0, a >= 1; friction and asymmetry >= 0; roughness:
-    factor on the surface's heights; coarseness >= 1: factor on the shortest wavelength it feels.
+    radius (m), m (kg), k (N/m^a), gravity (m/s^2) > 0, mu (s/m) >= 0, a >= 1; friction and asymmetry >= 0; corners: 0
+    if it is round; roughness: factor on the surface's heights; coarseness >= 1: factor on the shortest wavelength that
+    it feels.
     """
     roll.asked_speed = roll.top = speed
     roll.v = roll.pace = max(speed, _SLOWEST)
@@ -112,6 +115,7 @@ def begin_roll(roll, place, radius, m, k, mu, a, speed, gravity, friction, asymm
     roll.mu = mu
     roll.a = a
     roll.path.speed = roll.v
+    roll.path.corners = corners
     roll.path.roughness = roughness
     roll.path.coarseness = coarseness
     roll.angle = 0.5 * math.pi

@@ -16,9 +16,9 @@ _FRAMES = 64
 
 
 @njit(error_model="numpy")
-def _begin(roll, surface, place, radius, m, k, mu, a, speed, gravity, friction, asymmetry, roughness, coarseness):
+def _begin(roll, surface, place, body):
     roll.path.surface = surface
-    begin_roll(roll, place, radius, m, k, mu, a, speed, gravity, friction, asymmetry, roughness, coarseness)
+    begin_roll(roll, place, *body)
 
 
 @njit(error_model="numpy")
@@ -60,16 +60,18 @@ def make_roll(
     gravity: float = 9.81,
     friction: float = 0.0,
     asymmetry: float = 0.0,
+    corners: int = 0,
     roughness: float = 1.0,
     coarseness: float = 1.0,
     place: int = 0,
 ) -> np.void:
     """A body at rest on a surface of make_surface, rolling, as a ROLL record.
 
-    radius (m), m (kg), k (N/m^a), gravity (m/s^2) > 0, mu (s/m) >= 0, a in [1, 4], speed (m/s) >= 0; friction: share of
-    its weight that slows it; asymmetry in [0, 1]: distance of its centre of mass from its middle over its radius;
-    roughness >= 0: factor on the surface's heights; coarseness in [1, 64]: factor on the shortest wavelength that it
-    feels; place: where it begins, in units of the surface. ValueError names what is out of range.
+    radius (m), m (kg), k (N/m^a), gravity (m/s^2) > 0, mu (s/m) >= 0, a in [1, 4], speed (m/s) >= 0; friction: share
+    of its weight that slows it; asymmetry in [0, 1]: distance of its centre of mass from its middle over its radius;
+    corners in [0, 1000]: 0 if it is round; roughness >= 0: factor on the surface's heights; coarseness in [1, 64]:
+    factor on the shortest wavelength that it feels; place: where it begins, in units of the surface. ValueError names
+    what is out of range.
     """
     limits: dict[str, tuple[float, float, float, bool]] = {
         "radius": (radius, 0.0, math.inf, True),
@@ -81,12 +83,13 @@ def make_roll(
         "gravity": (gravity, 0.0, math.inf, True),
         "friction": (friction, 0.0, math.inf, False),
         "asymmetry": (asymmetry, 0.0, 1.0, False),
+        "corners": (corners, 0.0, 1000.0, False),
         "roughness": (roughness, 0.0, math.inf, False),
         "coarseness": (coarseness, 1.0, 64.0, False),
     }
     values = [float(checked(name, value, low, high, strict)) for name, (value, low, high, strict) in limits.items()]
     roll = np.zeros(1, ROLL)[0]
-    _begin(roll, surface, int(place), *values)
+    _begin(roll, surface, int(place), tuple(values))
     return roll
 
 

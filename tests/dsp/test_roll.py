@@ -221,6 +221,14 @@ def test_a_lopsided_body_is_heard_turning():
     assert frequencies[band][np.argmax(power[band])] == pytest.approx(turning, abs=0.15 * turning)
 
 
+def test_a_body_with_corners_comes_down_on_them():
+    body = {**MARBLE, "speed": 0.05, "mu": 100.0, "corners": 8}
+    force = rolling.roll_force(flat(), 1.0, 48000, **body)
+    hits = np.flatnonzero((force[1:] > 0.5 * force.max()) & (force[:-1] <= 0.5 * force.max()))
+    hits = hits[np.diff(hits, prepend=-4800) > 480]
+    assert np.diff(hits).mean() / 48000 == pytest.approx(2 * math.pi * 8e-3 / 8 / 0.05, rel=0.02)
+
+
 def steered(on, body, changes, seconds=0.5):
     """Force of a roll with fields set half way through."""
     here = rolling.make_roll(on, **body)
@@ -326,7 +334,7 @@ def test_bounded_at_extremes():
             on, radius, 10 ** random.uniform(-5, 2), 10 ** random.uniform(3, 16),
             random.choice([0.0, 10 ** random.uniform(-3, 3)]), random.uniform(1, 4), 10 ** random.uniform(-4, 2),
             gravity=10 ** random.uniform(-1, 2), asymmetry=random.choice([0.0, 0.5]),
-            coarseness=random.choice([1.0, 8.0]),
+            corners=random.choice([0, 0, 3, 50]), coarseness=random.choice([1.0, 8.0]),
         )  # fmt: skip
         worst = _worst(body, 40, 48000.0, moments, touched)
         assert 0 <= worst < 800

@@ -114,7 +114,7 @@ def test_path_is_the_highest_circle(roughness, correlation, slope, radius, speed
     length = 0.02 * speed
     pieces = envelope.path_pieces(ground, radius, speed, length)
     path = np.zeros(1, envelope.ENVELOPE)[0]
-    envelope._lay(path, ground, radius, speed, 0)
+    envelope._lay(path, ground, radius, 0.0, speed, 0)
     envelope._pieces(path, 1e-12, np.empty((1, 4)))
     unit, stride = ground["unit"], int(path["stride"])
     start = path["origin"][0] * unit + path["start"][0]
@@ -143,6 +143,19 @@ def test_flat_is_flat():
     for radius in (1e-3, 1.0):
         pieces = envelope.path_pieces(make(0.0), radius, 1.0, 0.05)
         assert np.abs(pieces[:, 1:3]).max() < 1e-12
+
+
+@pytest.mark.parametrize("corners", [3, 6, 40])
+def test_corners(corners):
+    """A body with corners turns about one after the other: arcs of its radius, kinks of nearly 2 pi/n."""
+    pieces = envelope.path_pieces(make(0.0), 0.02, 0.5, 0.5, corners=corners)
+    step = np.diff(pieces[:, 0])
+    kink = pieces[1:, 2] - pieces[:-1, 2] - pieces[:-1, 3] * step
+    turns = kink[kink > 0.5 * kink.max()]
+    side = 2 * np.pi * 0.02 / corners
+    assert len(turns) == pytest.approx(0.5 / side, abs=1.1)
+    assert turns == pytest.approx(2 * np.pi / corners / (1 + envelope.EDGE), rel=0.02)
+    assert np.ptp(pieces[:, 1]) == pytest.approx(side**2 / 8 / (0.02 * (1 + envelope.EDGE)), rel=0.1)
 
 
 def test_smooth_surface_is_followed():
