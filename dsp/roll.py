@@ -33,8 +33,7 @@ _STOPPED = 0.02  # share of its speed at which it has
 _GONE = 1e-5  # -100 dB
 _SLOWEST = 1e-9  # m/s
 _SMALL = 1e-7  # share of a goal that isn't glided any more
-_TOLERANCE = 1e-3  # share of the momentum at hand by which a step may err, times coarseness^2
-_CRUDEST = 1e-2  # the greatest tolerance
+_TOLERANCE = 3e-4  # share of the momentum at hand by which a step may err, times coarseness
 _STIFFEST = 2e5  # rad/s: a body that swings faster on its contact is as good as one that doesn't
 _LEAST_PACE = 0.2  # share of its speed that a lopsided body keeps
 _MOST_LIFT = 0.9  # share of its weight that a lopsided body loses or gains
@@ -133,8 +132,8 @@ def _steer(roll):
     roll.top = max(roll.top, roll.asked_speed)
     slowed = min(roll.friction * roll.g * roll.span, roll.asked_speed)
     roll.asked_speed -= slowed
-    roll.v -= slowed
-    roll.tolerance = min(_TOLERANCE * roll.path.coarseness * roll.path.coarseness, _CRUDEST)
+    roll.v = max(roll.v - slowed, _SLOWEST)
+    roll.tolerance = _TOLERANCE * roll.path.coarseness
     roll.debt = max(roll.debt + 1.0 - EVENTS / roll.path.coarseness * roll.span, 0.0)
     stopped = roll.asked_speed == 0.0 and roll.v <= max(_STOPPED * roll.top, _SLOWEST)
     if stopped or roll.presence < 1.0:
