@@ -27,6 +27,7 @@ EVENTS = 120_000.0
 
 _BURST = 200.0  # events that it may need at once
 _LONGEST = 5e-4  # s: of a flight or a step, after which speed and gravity are looked at
+_FIRST = 1e-5  # s: the first step to try
 _GLIDE = 0.02  # s: time constant of whatever is steered
 _FADE = 0.005  # s: time constant with which a roll that stopped is left
 _STOPPED = 0.02  # share of its speed at which it has
@@ -121,6 +122,7 @@ def begin_roll(
     roll.s = roll.t = roll.since = roll.span = roll.given = roll.debt = 0.0
     roll.presence = 1.0
     roll.ended = roll.impacts = roll.events = roll.holds = 0
+    roll.along = 0.0
     roll.piece = -1
     roll.path.origin[0] = place
     roll.path.start[0] = 0.0
@@ -182,40 +184,43 @@ def _lean(roll):
 def _look_ahead(roll):
     """Have the path ready; returns the time in s for which it is."""
     path = roll.path
-    anew = roll.piece < 0 or roll.asked_radius != path.radius
-    before = slope = 0.0
+    begun = roll.piece >= 0
+    anew = not begun or roll.asked_radius != path.radius
+    level = incline = 0.0
     if anew:
-        here = 0
-        if roll.piece >= 0:
-            before, slope = path_at(roll)
-            here = roll.piece % PIECES
+        i = max(roll.piece, 0) % PIECES
+        if begun:
+            level, incline = path_at(roll)
         path.radius = roll.asked_radius
-        lay(path, path.origin[here] + np.int64((path.start[here] + roll.along) / path.surface.unit))
-    first = roll.piece < 0
-    if anew:
+        lay(path, path.origin[i] + np.int64((path.start[i] + roll.along) / path.surface.unit))
         roll.piece = 0
         roll.along = 0.0
     while path.made < roll.piece + AHEAD:
         make_piece(path)
     if anew:
-        # The body keeps its distance and its rate, or begins at rest.
-        level, incline = path_at(roll)
-        if first:
-            before, slope = roll.sunk, 0.0
-            roll.y = 0.0
-            roll.w = 0.0
-            roll.touching = 1
-            roll.next = 1e-5
-            for i in range(NODES):
-                roll.step.f[i] = roll.m * roll.g
-        roll.y += level - before
-        roll.w += roll.pace * (incline - slope)
+        # On another path the body keeps its distance and its rate, or begins at rest.
+        if not begun:
+            _rest(roll)
+        new_level, new_incline = path_at(roll)
+        roll.y += new_level - level
+        roll.w += roll.pace * (new_incline - incline)
     length = -roll.along
     for i in range(roll.piece, path.made):
         length += path.length[i % PIECES]
         if length > _LONGEST * roll.pace:
             break
     return length / roll.pace
+
+
+@kernel
+def _rest(roll):
+    """Put the body where its contact carries its weight."""
+    roll.y = -roll.sunk
+    roll.w = 0.0
+    roll.touching = 1
+    roll.next = _FIRST
+    for i in range(NODES):
+        roll.step.f[i] = roll.m * roll.g
 
 
 @kernel

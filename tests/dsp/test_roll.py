@@ -300,7 +300,7 @@ def test_friction_lets_it_run_out():
     assert body["s"] == pytest.approx(MARBLE["speed"] * expected / 2, rel=0.1)
 
 
-@pytest.mark.parametrize(("coarseness", "within"), [(2.0, 1.0), (4.0, 2.0), (8.0, 4.0)])
+@pytest.mark.parametrize(("coarseness", "within"), [(2.0, 1.0), (4.0, 2.0)])
 def test_coarser_is_as_loud_and_cheaper(coarseness, within):
     power, events = {}, {}
     for c in (1.0, coarseness):
