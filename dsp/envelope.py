@@ -289,7 +289,7 @@ def path_pieces(
         float(checked(name, value, 0.0)) for name, value in (("radius", radius), ("speed", speed), ("length", length))
     )
     path = np.zeros(1, ENVELOPE)[0]
-    corners = float(checked("corners", corners, 0.0, strict=False))
-    _lay(path, surface, radius, corners, speed, int(place))
+    angular = float(checked("corners", corners, 0.0, strict=False))
+    _lay(path, surface, radius, angular, speed, int(place))
     pieces = np.empty((most, 4))
     return pieces[: _pieces(path, length, pieces)].copy()

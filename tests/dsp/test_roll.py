@@ -10,7 +10,7 @@ from numpy.polynomial.legendre import legval
 from scipy.integrate import solve_ivp
 from scipy.signal import welch
 
-from carom.dsp import contact, envelope, roll, rolling, surface
+from carom.dsp import contact, envelope, pulse, roll, rolling, surface
 
 MARBLE = {"radius": 8e-3, "m": 5e-3, "k": 3e9, "mu": 3.0, "a": 1.5, "speed": 0.5}
 STEEL_BALL = {"radius": 8e-3, "m": 0.017, "k": 2e8, "mu": 10.0, "a": 1.5, "speed": 0.8}
@@ -132,7 +132,7 @@ def test_moments_are_those_of_the_force():
     fine = rolling.roll_moments(rolling.make_roll(ground(2), **MARBLE), 0.0, 0.02, 64 * 48000)[:, 0]
     coarse = rolling.roll_moments(rolling.make_roll(ground(2), **MARBLE), 0.0, 0.02, 48000)
     x = (np.arange(64) + 0.5) / 32 - 1
-    for k in range(8):
+    for k in range(pulse.MOMENTS):
         expected = fine.reshape(-1, 64) @ legval(x, [0] * k + [1])
         assert coarse[:, k] == pytest.approx(expected, abs=3e-3 * np.abs(coarse[:, 0]).max())
     assert coarse[:, 0] == pytest.approx(fine.reshape(-1, 64).sum(axis=1), abs=1e-12 * np.abs(fine).sum())
@@ -328,7 +328,7 @@ def _worst(body, quanta, rate, moments, touched):
 
 def test_bounded_at_extremes():
     random = np.random.default_rng(11)
-    moments, touched = np.zeros((64, 8)), np.zeros(64, np.int64)
+    moments, touched = np.zeros((64, pulse.MOMENTS)), np.zeros(64, np.int64)
     for seed in range(400):
         radius = 10 ** random.uniform(-4, 1)
         rough = radius * random.choice([0.0, 10 ** random.uniform(-8, -1)])
