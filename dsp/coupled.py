@@ -31,6 +31,7 @@ from .jit import kernel
 
 _MOST_STEPS = 200  # in a sample; what is left of it then is one held step
 _LOOKS = 8  # at the gap, in a sample
+_AGES = 1e12  # samples that are as good as for ever
 
 COUPLED = np.dtype(
     [
@@ -259,7 +260,8 @@ def apart_for(contact, distance, speed):
     # The closing gap, and the way back into the object's reach; the later one.
     near = _until(gap, contact.v + speed, acceleration)
     far = _until(-distance - contact.position, contact.v, acceleration)
-    return math.floor(max(near, far, 0.0) / contact.period)
+    samples = max(near, far, 0.0) / contact.period
+    return float(math.floor(samples)) if samples < _AGES else math.inf
 
 
 @kernel

@@ -1,7 +1,8 @@
 """The life of a contact in the engine: a striker waits for its time, touches, and leaves; one that bounces comes back.
 
 A contact acts on one object, or on two that ring: then the striker is the second one's mass, and the opposite force
-goes into its modes. Flights of a bounce are parabolas, its restitution is what the contact leaves the striker.
+goes into its modes. Flights of a bounce are parabolas, its restitution is what the contact leaves the striker. Near
+rest its weight acts in contact too, until its energy says that it can't leave any more.
 """
 
 import math
@@ -9,38 +10,51 @@ import math
 import numpy as np
 
 from .atomic import store_release
-from .bank import LANES, RESPONSES, inject
+from .collocation import elastic
+from .coupled import fly_on
 from .jit import kernel
-from .methods import follow, start
-from .pulse import MOMENTS, NODES, add_held, add_phasors, advance, begin, node
-from .state import ENDED, QUANTUM, Command, End, Steering
+from .ladder import place
+from .pressed import captured
+from .roll import begin_roll, fill_roll
+from .state import ENDED, QUANTUM, Command, End, Solver, Steering
+from .surface import begin_surface
+from .touch import act, flight, meet
 
-_PATIENCE = 3.0  # exact durations for which a sampled contact is followed: it might never end
 _SLOWEST = 1e-12  # m/s: a slower striker moves nothing, and its square may underflow
-_RESOLVED = 28.0  # rad of a mode over a pulse: up to here its nodes tell the spectrum, beyond it is as good as 0
-_LIGHT = 1e-4  # sum of m phi^2 below which the object is as good as a rigid wall (-80 dB)
 _SHORTEST_ROUND = 20e-6  # s from contact to contact of a bounce: a quicker one presses like a weight at rest
 _MOST_A_SAMPLE = 8  # contacts of one bounce that may begin in a sample: at 8 kHz there is time for 7
-_GLIDE = 0.02  # s: time constant of a gesture's gain and position
+_LONGEST_LEAP = 256.0  # samples that a striker flies without a look at how far the object reaches
+_GLIDE = 0.02  # s: time constant of a gesture's gain, position and push
 _TILT = 0.45 * math.pi  # the most of a bounce's velocity that irregularity turns into rotation, as an angle
+_WEIGHTY = 3.0  # times sqrt(g x_e), the velocity below which a bouncing striker's weight counts while it touches
+_LIFTED = 0.2  # s that a striker stays that is let go of
+_SPENT = 1e-12  # share of its energy (-120 dB) with which a striker that nothing pushes is done
 
-_IMPACT, _BOUNCE = int(Command.IMPACT), int(Command.BOUNCE)
+_IMPACT, _BOUNCE, _ROLL, _PRESS = int(Command.IMPACT), int(Command.BOUNCE), int(Command.ROLL), int(Command.PRESS)
+_COUPLED, _SAMPLED, _ROLLING = int(Solver.COUPLED), int(Solver.SAMPLED), int(Solver.ROLLING)
 _STOP, _LOUDNESS, _POSITION = int(Steering.STOP), int(Steering.GAIN), int(Steering.POSITION)
-_GRAVITY, _IRREGULARITY = int(Steering.GRAVITY), int(Steering.IRREGULARITY)
+_GRAVITY, _IRREGULARITY, _FORCE = int(Steering.GRAVITY), int(Steering.IRREGULARITY), int(Steering.FORCE)
+_SPEED, _MASS, _ROUGHNESS = int(Steering.SPEED), int(Steering.MASS), int(Steering.ROUGHNESS)
+_RADIUS, _ASYMMETRY, _FRICTION = int(Steering.RADIUS), int(Steering.ASYMMETRY), int(Steering.FRICTION)
 _RESTED, _STOPPED, _NO_ROOM, _GONE = int(End.RESTED), int(End.STOPPED), int(End.NO_ROOM), int(End.GONE)
 
 
 @kernel
 def receive(state, obj, event):
-    """Take a striker into an object's list, to touch it at its time."""
+    """Take a striker into an object's list, to touch it at its time; a roll that is under way is steered."""
     values = event.values
-    if values[0] < _SLOWEST:
-        tell_end(state, int(values[7]), _RESTED)
+    serial = int(values[7])
+    if event.kind == _ROLL and _steered(state, event):
         return
-    if state.contacts_active == len(state.contacts):
+    if values[0] < _SLOWEST:
+        tell_end(state, serial, int(values[24]), _RESTED)
+        return
+    rolls = event.kind == _ROLL
+    full = state.contacts_active == len(state.contacts) or (rolls and state.rolls_active == len(state.rolls))
+    if full:
         state.impacts += 1
         state.contacts_dropped += 1
-        tell_end(state, int(values[7]), _NO_ROOM)
+        tell_end(state, serial, int(values[24]), _NO_ROOM)
         return
     index = state.free_contact[len(state.contacts) - 1 - state.contacts_active]
     state.contacts_active += 1
@@ -51,19 +65,31 @@ def receive(state, obj, event):
     contact.m, contact.k, contact.mu, contact.a = values[2], values[3], values[4], values[5]
     contact.gain = contact.loudness = values[6]
     contact.moved_to = contact.position
-    contact.serial = int(values[7])
+    contact.serial = serial
+    contact.turn = 0
     contact.body[0].slot = event.slot
     contact.body[0].serial = event.serial
     contact.body[1].slot = int(values[8]) if values[9] > 0.0 else -1
     contact.body[1].serial = int(values[9])
     if contact.body[1].slot >= 0:
         place(contact.body[1], values[10], state.objects[contact.body[1].slot].rows)
-    contact.gravity, contact.irregularity = values[11], values[12]
-    contact.random = np.uint64(values[13])
-    contact.spin = 0.0
     contact.until = math.inf
     contact.origin = event.time
-    contact.elapsed = values[14]
+    contact.elapsed = 0.0
+    contact.gravity = contact.irregularity = contact.spin = 0.0
+    contact.push = contact.pushed_to = 0.0
+    contact.solver = contact.unsettled = contact.weighty = 0
+    contact.gone_at = math.inf
+    if event.kind == _BOUNCE:
+        contact.gravity, contact.irregularity = values[11], values[12]
+        contact.random = np.uint64(values[13])
+        contact.elapsed = values[14]
+        contact.weighty = int(values[15])
+        contact.push = contact.pushed_to = contact.m * contact.gravity
+    elif event.kind == _PRESS:
+        contact.push = contact.pushed_to = values[11]
+    elif rolls:
+        _begin_rolling(state, contact, values)
     _wait(state, contact)
     contact.next = -1
     if obj.contact < 0:
@@ -76,6 +102,55 @@ def receive(state, obj, event):
 
 
 @kernel
+def _begin_rolling(state, contact, values):
+    contact.roll = state.free_roll[len(state.rolls) - 1 - state.rolls_active]
+    state.rolls_active += 1
+    contact.solver = _ROLLING
+    contact.touching = 1
+    contact.path = values[22]
+    contact.rolled = 0.0
+    contact.turn = int(values[24])
+    roll = state.rolls[contact.roll]
+    begin_surface(roll.path.surface, values[13], values[14], values[15], values[16], values[17], np.int64(values[18]))
+    begin_roll(
+        roll, 0, values[12], contact.m, contact.k, contact.mu, contact.a, values[0], values[11], values[19], values[20],
+        values[25], values[21], state.coarseness,
+    )  # fmt: skip
+
+
+@kernel
+def _steered(state, event):
+    """Is the gesture of a ROLL a roll already? Then what was given with it steers that."""
+    values = event.values
+    found = False
+    for i in range(len(state.contacts)):
+        contact = state.contacts[i]
+        if contact.serial == int(values[7]) and contact.kind == _ROLL and contact.serial > 0:
+            found = True
+            contact.turn = int(values[24])
+            given = int(values[23])
+            roll = state.rolls[contact.roll]
+            roll.asked_speed = values[0]
+            if given & 1:
+                contact.moved_to = values[1]
+            if given & 2:
+                roll.asked_mass = values[2]
+            if given & 4:
+                contact.loudness = values[6]
+            if given & 8:
+                roll.asked_gravity = values[11]
+            if given & 16:
+                roll.asked_radius = values[12]
+            if given & 32:
+                roll.friction = values[19]
+            if given & 64:
+                roll.asymmetry = values[20]
+            if given & 128:
+                roll.path.roughness = values[21]
+    return found
+
+
+@kernel
 def steer(state, event):
     """Change a running gesture."""
     serial, what, value = int(event.values[0]), int(event.values[1]), event.values[2]
@@ -83,26 +158,53 @@ def steer(state, event):
         contact = state.contacts[i]
         if contact.serial != serial:
             continue
+        roll = state.rolls[contact.roll if contact.kind == _ROLL else 0]
         if what == _STOP:
-            contact.until = event.time
+            _stop(state, contact, event.time)
         elif what == _LOUDNESS:
             contact.loudness = value
         elif what == _POSITION:
             contact.moved_to = value
         elif what == _GRAVITY:
             contact.gravity = value
+            contact.pushed_to = contact.push = contact.m * value
+            if contact.kind == _ROLL:
+                roll.asked_gravity = value
         elif what == _IRREGULARITY:
             contact.irregularity = value
+        elif what == _FORCE:
+            contact.pushed_to = value
+        elif contact.kind == _ROLL:
+            if what == _SPEED:
+                roll.asked_speed = value
+            elif what == _MASS:
+                roll.asked_mass = value
+            elif what == _ROUGHNESS:
+                roll.path.roughness = value
+            elif what == _RADIUS:
+                roll.asked_radius = value
+            elif what == _ASYMMETRY:
+                roll.asymmetry = value
+            elif what == _FRICTION:
+                roll.friction = value
+
+
+@kernel
+def _stop(state, contact, time):
+    """End a gesture: a bouncing striker doesn't come back, a rolling body halts, a pressing one is let go."""
+    contact.until = min(contact.until, time)
+    if contact.kind == _ROLL:
+        state.rolls[contact.roll].asked_speed = 0.0
 
 
 @kernel
 def stop_all(state, obj, time):
-    """Have no gesture on an object begin another contact from a time on."""
+    """End all gestures on an object."""
     index = obj.contact
     while index >= 0:
         contact = state.contacts[index]
         if contact.kind != _IMPACT:
-            contact.until = min(contact.until, time)
+            _stop(state, contact, time)
         index = contact.next
 
 
@@ -112,45 +214,35 @@ def _wait(state, contact):
     time = contact.origin + contact.elapsed * state.rate
     contact.start = math.floor(time)
     contact.fraction = time - contact.start
-    contact.touching = 0
 
 
 @kernel
-def tell_end(state, serial, end):
+def tell_end(state, serial, turn, end):
     """Report how a gesture ended, if it was given a number."""
     if serial == 0:
         return
     count = state.ended_count[0]
     state.ended[count % ENDED, 0] = serial
-    state.ended[count % ENDED, 1] = end
+    state.ended[count % ENDED, 1] = turn
+    state.ended[count % ENDED, 2] = end
     store_release(state.ended_count, 0, count + 1)
 
 
 @kernel
-def place(body, position, rows):
-    """Rows and weights of the cubic through the mode shapes at a position in [0, 1]."""
-    x = position * (rows - 1)
-    row = min(max(int(x) - 1, 0), rows - 4)
-    x -= row
-    body.row = row
-    body.weights[0] = -(x - 1.0) * (x - 2.0) * (x - 3.0) / 6.0
-    body.weights[1] = 0.5 * x * (x - 2.0) * (x - 3.0)
-    body.weights[2] = -0.5 * x * (x - 1.0) * (x - 3.0)
-    body.weights[3] = x * (x - 1.0) * (x - 2.0) / 6.0
-
-
-@kernel
 def attend(state, obj):
-    """Bring an object's contacts to a new quantum: what glides, what was stopped, whom it is tied to."""
+    """Bring an object's contacts to a new quantum: what glides, rolls or was stopped, whom they tie it to."""
     c = math.exp(-QUANTUM / (_GLIDE * state.rate))
-    obj.struck = 0
     before = -1
     index = obj.contact
     while index >= 0:
         contact = state.contacts[index]
         after = contact.next
         contact.gain = contact.loudness + (contact.gain - contact.loudness) * c
-        contact.position = contact.moved_to + (contact.position - contact.moved_to) * c
+        if abs(contact.position - contact.moved_to) > 1e-6:
+            contact.position = contact.moved_to + (contact.position - contact.moved_to) * c
+            if contact.solver == _COUPLED:
+                place(contact.body[0], contact.position, obj.rows)
+                contact.unsettled = 1
         other = contact.body[1]
         if other.slot >= 0:
             partner = state.objects[other.slot]
@@ -158,8 +250,21 @@ def attend(state, obj):
                 other.slot = -1
             else:
                 obj.tied = partner.tied = 1
-        if contact.touching == 0 and contact.start >= contact.until:
-            tell_end(state, contact.serial, _STOPPED)
+                contact.unsettled |= partner.stale > 0
+        contact.unsettled |= obj.stale > 0
+        ended = False
+        if contact.kind == _ROLL:
+            ended = _roll_on(state, contact)
+        elif contact.touching == 0:
+            ended = contact.start >= contact.until
+        elif contact.solver == _COUPLED:
+            if contact.kind == _PRESS and contact.until < state.position + QUANTUM and contact.gone_at == math.inf:
+                contact.push = contact.pushed_to = 0.0
+                contact.gone_at = contact.until + _LIFTED * state.rate
+            contact.push = contact.pushed_to + (contact.push - contact.pushed_to) * c
+            contact.coupled.push = contact.push
+        if ended:
+            tell_end(state, contact.serial, contact.turn, _STOPPED)
             drop(state, obj, before, index)
         else:
             before = index
@@ -171,13 +276,31 @@ def attend(state, obj):
 
 
 @kernel
+def _roll_on(state, contact):
+    """Compute a rolling body's force for a quantum; true if it has come to its end."""
+    roll = state.rolls[contact.roll]
+    contact.rolled = roll.s
+    roll.path.coarseness = state.coarseness
+    met = roll.impacts
+    since = (state.position - 1 - contact.origin) / state.rate
+    fill_roll(roll, since, state.rate, state.feeds[contact.roll], state.fed[contact.roll])
+    state.impacts += roll.impacts - met
+    return roll.ended == 1
+
+
+@kernel
 def next_driven_frame(state, obj, frame):
     """The first frame from `frame` on that a contact acts on, or QUANTUM: a contact acts after its beginning."""
     found = QUANTUM
     index = obj.contact
     while index >= 0:
-        found = min(found, max(frame, state.contacts[index].start + 1 - state.position))
-        index = state.contacts[index].next
+        contact = state.contacts[index]
+        first = max(frame, contact.start + 1 - state.position)
+        if contact.solver == _ROLLING:
+            while first < QUANTUM and state.fed[contact.roll, first] == 0:
+                first += 1
+        found = min(found, first)
+        index = contact.next
     return found
 
 
@@ -195,8 +318,9 @@ def drive(state, obj, frame):
             if not age > 0.0:
                 break
             if contact.touching == 0:
-                _meet(state, contact)
-            if _act(state, contact, age):
+                meet(state, contact, _pressed(contact))
+            if act(state, contact, frame, age):
+                stays = contact.solver != _COUPLED or _go_on(state, contact, frame)
                 break
             stays = _leave(state, contact, frame)
             if not stays:
@@ -209,108 +333,97 @@ def drive(state, obj, frame):
 
 
 @kernel
-def _meet(state, contact):
-    """Begin to touch."""
-    state.impacts += 1
-    contact.touching = 1
-    place(contact.body[0], contact.position, state.objects[contact.body[0].slot].rows)
-    begin(contact.pulse, contact.v_in, contact.m, contact.k, contact.mu, contact.a, state.rate)
-    _yield_to_objects(state, contact)
-    contact.oversampling = state.contact_oversampling if state.contact_method > 0 else 0
-    if contact.oversampling > 0:
-        # A sampled contact can't begin between samples.
-        contact.fraction = 0.0
-        contact.steps = int(_PATIENCE * contact.pulse.duration * contact.oversampling) + 20
-        m = contact.pulse.momentum / contact.v_in  # the effective mass
-        start(
-            contact.sampled, state.contact_method - 1, state.contact_correction,
-            contact.v_in, m, contact.k, contact.mu, contact.a,
-        )  # fmt: skip
+def _pressed(contact):
+    """Does what pushes a striker count while it touches: a hand, or its weight near rest?
 
-
-@kernel
-def _act(state, contact, age):
-    """Give the modes the force of a contact over the sample in which it grows as old as `age`. True while it lasts."""
-    if contact.oversampling > 0:
-        lasts = _step_sampled(state, contact)
-    else:
-        advance(contact.pulse, min(age, contact.pulse.duration), age - 1.0, state.moments)
-        lasts = age < contact.pulse.duration  # a duration that is not a number has no end
-    for n in range(MOMENTS):
-        state.moments[n] *= contact.gain
-    for side in range(2):
-        body = contact.body[side]
-        if body.slot < 0:
-            continue
-        obj = state.objects[body.slot]
-        obj.live = obj.size
-        obj.driven = 1
-        first = obj.first
-        last = first + obj.size
-        inject(
-            state.y1[first:last], state.y2[first:last],
-            state.response[first // LANES * RESPONSES : last // LANES * RESPONSES],
-            state.shape[obj.table : obj.table + obj.rows * obj.size], obj.size, body.row, body.weights, state.moments,
-        )  # fmt: skip
-    return lasts
-
-
-@kernel
-def _step_sampled(state, contact):
-    """Moments of a sampled contact over a sample: what its steps give, each held for the step. True while it lasts."""
-    sampled = contact.sampled
-    for n in range(MOMENTS):
-        state.moments[n] = 0.0
-    for i in range(contact.oversampling):
-        before = sampled.v
-        lasts = follow(sampled, 1.0 / (state.rate * contact.oversampling))
-        given = sampled.m * (before - sampled.v)
-        if not math.isfinite(given):
-            return False  # the method has failed: what it gave so far stays
-        add_held(given, i / contact.oversampling, (i + 1) / contact.oversampling, state.moments)
-        contact.steps -= 1
-        if not lasts or contact.steps <= 0:
-            return False
-    return True
+    Its weight does below some sqrt(g x_e): as fast moves a striker that rocks on its contact, about where it rests.
+    """
+    if contact.kind != _BOUNCE or contact.weighty == 1:
+        return contact.kind != _IMPACT
+    deepest = (contact.m * contact.gravity / contact.k) ** (1.0 / contact.a)
+    return contact.v_in < _WEIGHTY * math.sqrt(contact.gravity * deepest)
 
 
 @kernel
 def _leave(state, contact, frame):
-    """End a touch. True if the striker comes back: it bounces."""
+    """End a touch of closed form or sampled. True if the striker comes back: it bounces."""
     if contact.kind != _BOUNCE:
-        tell_end(state, contact.serial, _RESTED)
+        tell_end(state, contact.serial, contact.turn, _RESTED)
         return False
-    if contact.oversampling > 0:
+    if contact.solver == _SAMPLED:
         impulse = contact.sampled.m * (contact.v_in - contact.sampled.v)
         contact.elapsed = (state.position + frame - contact.origin) / state.rate
     else:
         impulse = contact.pulse.momentum * (1.0 + contact.pulse.restitution)
         contact.elapsed += contact.pulse.duration / state.rate
-    rebound = impulse / contact.m - contact.v_in
-    # A body that is not round trades velocity for rotation at every contact; neither is lost.
+    return _fly(state, contact, impulse / contact.m - contact.v_in, 0.0)
+
+
+@kernel
+def _fly(state, contact, rebound, gap):
+    """Send a bouncing striker off at a velocity (m/s) from a gap (m). True if it comes back.
+
+    A body that is not round trades velocity for rotation at every contact; neither is lost.
+    """
     total = math.sqrt(max(rebound, 0.0) ** 2 + contact.spin)
     tilt = contact.irregularity * _TILT * _random(contact)
-    contact.v_in = total * math.cos(tilt)
+    v_out = total * math.cos(tilt)
     contact.spin = (total * math.sin(tilt)) ** 2
-    flight = 2.0 * contact.v_in / contact.gravity
-    contact.elapsed += flight
-    duration = contact.pulse.duration / state.rate
-    if not (rebound > 0.0 and total > _captured_below(contact) and duration + flight > _SHORTEST_ROUND):
-        tell_end(state, contact.serial, _RESTED)
+    contact.v_in = math.sqrt(v_out * v_out + 2.0 * contact.gravity * gap)
+    seconds = (v_out + contact.v_in) / contact.gravity
+    contact.elapsed += seconds
+    if not (rebound > 0.0 and contact.pulse.duration / state.rate + seconds > _SHORTEST_ROUND):
+        tell_end(state, contact.serial, contact.turn, _RESTED)
         return False
     _wait(state, contact)
+    contact.touching = 0
     if contact.start >= contact.until:
-        tell_end(state, contact.serial, _STOPPED)
+        tell_end(state, contact.serial, contact.turn, _STOPPED)
         return False
     return True
 
 
 @kernel
-def _captured_below(contact):
-    """Velocity (m/s) below which a body of its weight does not leave again."""
-    deepest = (contact.m * contact.gravity / contact.k) ** (1.0 / contact.a)
-    v = math.sqrt(contact.gravity * deepest)
-    return 2.5 * math.sqrt(contact.mu * v) * v
+def _go_on(state, contact, frame):
+    """Look at a coupled contact after a sample: false where it is over."""
+    coupled = contact.coupled
+    now = float(state.position + frame)
+    if now >= contact.gone_at or not math.isfinite(coupled.v):
+        tell_end(state, contact.serial, contact.turn, _RESTED if contact.until == math.inf else _STOPPED)
+        return False
+    samples = 0.0 if coupled.touching == 1 else flight(state, contact)
+    if samples == 0.0:
+        _settle(state, contact, now)
+        return True
+    if samples == math.inf:
+        tell_end(state, contact.serial, contact.turn, _RESTED if contact.until == math.inf else _STOPPED)
+        return False
+    if contact.kind == _BOUNCE and contact.gone_at == math.inf and coupled.v < 0.0:
+        contact.elapsed = (now - contact.origin) / state.rate
+        return _fly(state, contact, -coupled.v, max(-coupled.position, 0.0))
+    skipped = min(samples, _LONGEST_LEAP)
+    fly_on(coupled, skipped)
+    contact.start = state.position + frame + int(skipped)
+    contact.fraction = 0.0
+    return True
+
+
+@kernel
+def _settle(state, contact, now):
+    """Let go of a striker that rests on the object, or has nothing more to give."""
+    if contact.gone_at < math.inf:
+        return
+    compression = max(contact.coupled.motion[0], 0.0)
+    v, m = contact.coupled.v, contact.m
+    if contact.kind == _BOUNCE:
+        rests = captured(compression, v, m, contact.k, contact.a, contact.push)
+        if rests:
+            contact.pushed_to = 0.0  # its weight is taken off gently: nobody hears that it is gone
+    else:
+        energy = 0.5 * m * v * v + elastic(compression, contact.k, contact.a)
+        rests = contact.kind == _IMPACT and energy < _SPENT * 0.5 * m * contact.v_in * contact.v_in
+    if rests:
+        contact.gone_at = now + _LIFTED * state.rate
 
 
 @kernel
@@ -325,103 +438,25 @@ def _random(contact):
 
 
 @kernel
-def _shape_at(state, obj, body, i):
-    """Mass-normalised shape of the object's mode i where the contact is, kg^-1/2."""
-    at = obj.table + body.row * obj.size + i
-    phi = 0.0
-    for n in range(4):
-        phi += body.weights[n] * state.shape[at + n * obj.size]
-    return phi
-
-
-@kernel
-def _yield_to_objects(state, contact):
-    """Put the effective mass m* = m/(1 + sum m phi_i^2 P_i) into a pulse: the objects give way under the striker.
-
-    P_i is the wall pulse's power spectrum at mode i over that at 0. The same v_in leaves w, and so the pulse's form, as
-    it is: its time scales by (m*/m)^(1/(a+1)) and its momentum by m*/m. A shorter pulse reaches higher modes: where
-    what it gives them would be more than the striker loses, its momentum J is held to 2 m v_in/(1 + sum m phi_i^2
-    P'_i), with P' of the shorter pulse; there m v_in^2/2 = m (v_in - J/m)^2/2 + sum (phi_i J)^2 P'_i/2.
-    """
-    bound = 0.0
-    for side in range(2):
-        body = contact.body[side]
-        if body.slot >= 0:
-            obj = state.objects[body.slot]
-            for i in range(obj.size):
-                phi = _shape_at(state, obj, body, i)
-                bound += contact.m * phi * phi
-    if bound < _LIGHT:
-        return
-    pulse = contact.pulse
-    ratio = 1.0
-    for shortened in range(2):  # a loop, so that _share is compiled in once
-        share = _share(state, contact)
-        if shortened:
-            ratio = min(ratio, 2.0 / ((1.0 + pulse.restitution) * (1.0 + share)))
-        else:
-            ratio = 1.0 / (1.0 + share)
-            _shorten(pulse, ratio ** (1.0 / (pulse.exponent + 1.0)))
-            if (1.0 + pulse.restitution) * (1.0 + bound) <= 2.0 * (1.0 + share):
-                break
-    pulse.momentum *= ratio
-
-
-@kernel
-def _shorten(pulse, ratio):
-    """Scale a pulse's times."""
-    pulse.duration *= ratio
-    for phase in range(2):
-        pulse.phase_time[phase] *= ratio
-        for i in range(len(pulse.time_series[phase])):
-            pulse.time_series[phase, i] *= ratio
-
-
-@kernel
-def _share(state, contact):
-    """sum m phi_i^2 P_i over the objects' modes, P_i being the pulse's power spectrum at mode i over that at 0."""
-    pulse = contact.pulse
-    share = 0.0
-    for side in range(2):
-        body = contact.body[side]
-        if body.slot < 0:
-            continue
-        obj = state.objects[body.slot]
-        re = state.spectrum[0, : obj.size]
-        im = state.spectrum[1, : obj.size]
-        for i in range(obj.size):
-            re[i] = im[i] = 0.0
-        total = 0.0
-        frequency = state.frequency[obj.first : obj.first + obj.size]
-        for phase in range(2):
-            for j in range(NODES // 2):
-                t, impulse = node(pulse, phase, j)
-                total += impulse
-                add_phasors(impulse, t * obj.tune / state.rate, frequency, re, im)
-        highest = _RESOLVED * state.rate / (2.0 * math.pi * pulse.duration * obj.tune)
-        for i in range(obj.size):
-            if frequency[i] < highest:
-                phi = _shape_at(state, obj, body, i)
-                share += contact.m * phi * phi * (re[i] * re[i] + im[i] * im[i]) / (total * total)
-    return share
-
-
-@kernel
 def drop(state, obj, before, index):
     """Take a contact out of its object's list and give its place back."""
-    after = state.contacts[index].next
+    contact = state.contacts[index]
     if before < 0:
-        obj.contact = after
+        obj.contact = contact.next
     else:
-        state.contacts[before].next = after
-    state.contacts[index].serial = 0
+        state.contacts[before].next = contact.next
+    contact.serial = 0
     state.contacts_active -= 1
     state.free_contact[len(state.contacts) - 1 - state.contacts_active] = index
+    if contact.kind == _ROLL:
+        state.rolls_active -= 1
+        state.free_roll[len(state.rolls) - 1 - state.rolls_active] = contact.roll
 
 
 @kernel
 def drop_all(state, obj):
     """End every gesture on an object at once."""
     while obj.contact >= 0:
-        tell_end(state, state.contacts[obj.contact].serial, _GONE)
+        contact = state.contacts[obj.contact]
+        tell_end(state, contact.serial, contact.turn, _GONE)
         drop(state, obj, -1, obj.contact)

@@ -19,7 +19,8 @@ from .voice import SILENCE, attend_all, pan_gains, render_all, retune_all, silen
 _WANDER = 1.0 / 512.0  # share by which an event's sample, guessed from the clock, may be too late
 
 _NEW, _FREE = int(Command.NEW), int(Command.FREE)
-_IMPACT, _BOUNCE, _STEER = int(Command.IMPACT), int(Command.BOUNCE), int(Command.STEER)
+_IMPACT, _BOUNCE, _ROLL, _PRESS = int(Command.IMPACT), int(Command.BOUNCE), int(Command.ROLL), int(Command.PRESS)
+_STEER, _ACCURACY = int(Command.STEER), int(Command.ACCURACY)
 _GAIN, _PAN, _TUNE, _DECAY, _DAMP = (
     int(Command.GAIN), int(Command.PAN), int(Command.TUNE), int(Command.DECAY), int(Command.DAMP),
 )  # fmt: skip
@@ -167,12 +168,15 @@ def _carry_out(state, event):
         state.contact_correction = int(event.values[1])
         state.contact_oversampling = int(event.values[2])
         return
+    if event.kind == _ACCURACY:
+        state.accuracy = int(event.values[0])
+        return
     if event.kind == _STEER:
         steer(state, event)
         return
     obj = state.objects[event.slot]
     value = event.values[0]
-    if event.kind == _IMPACT or event.kind == _BOUNCE:
+    if event.kind == _IMPACT or event.kind == _BOUNCE or event.kind == _ROLL or event.kind == _PRESS:
         receive(state, obj, event)
     elif event.kind == _FREE:
         obj.dying = 2 if value != 0.0 else 1

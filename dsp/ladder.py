@@ -1,28 +1,15 @@
-"""Which solver a contact gets: the cheapest whose error is known to be small enough.
+"""Which solver a contact gets: the cheapest whose error is known to be small enough (gate.py).
 
-The closed form of a rigid wall, with an effective mass where the objects give way, is exact for a striker that is light
-or slow against them; otherwise the contact is coupled to their modes (coupled.py). With r_i = m phi_i^2 and P_i the
-wall pulse's power spectrum at mode i over that at 0, the closed form's error grows with sum r_i (1 - P_i): modes that
-are too fast to follow the pulse and too slow to be its wall.
+The closed form of a rigid wall, with an effective mass where the objects give way, if a striker is light or slow
+against them and they are quiet; otherwise the contact is coupled to their modes (coupled.py).
 """
 
 import math
 
-import numpy as np
-
 from .bank import LANES, RESPONSES, reach
-from .coupled import EXACT, FAST
+from .gate import TOLERANCE, UNREST, closed_form_will_do
 from .jit import kernel
 from .pulse import NODES, add_phasors, node
-
-ACCURACIES = {"-40": 0, "-60": 1, "-80": 2, "exact": 3}
-"""What may be asked for, in dB of the object's velocity, and its number."""
-
-# For each accuracy: sum r_i (1 - P_i) up to which the closed form has it, and the coupled contact's tolerance.
-_LIMIT = np.array([2.4e-2, 1.4e-3, 1.8e-4, 0.0])
-_TOLERANCE = np.array([FAST, FAST, FAST, EXACT])
-_ERROR = np.array([1e-2, 1e-3, 1e-4, 0.0])
-_MOST_GIVEN_WAY = 0.25  # sum r_i P_i above which the effective mass isn't trusted
 
 _RESOLVED = 28.0  # rad of a mode over a pulse: up to here its nodes tell the spectrum, beyond it is as good as 0
 _LIGHT = 1e-4  # sum of m phi^2 below which the object is as good as a rigid wall (-80 dB)
@@ -44,20 +31,21 @@ def place(body, position, rows):
 @kernel
 def tolerance_of(state):
     """Tolerance of coupled contacts at the accuracy asked for."""
-    return _TOLERANCE[state.accuracy]
+    return TOLERANCE[state.accuracy]
 
 
 @kernel
 def needs_coupling(state, contact):
     """Must the contact whose wall pulse has begun be coupled to the modes? If not, its pulse gets the effective mass.
 
-    That is m* = m/(1 + sum r_i P_i). The same v_in leaves w, and so the pulse's form, as it is: its time scales by
+    With r_i = m phi_i^2, and P_i the wall pulse's power spectrum at mode i over that at 0, that is
+    m* = m/(1 + sum r_i P_i). The same v_in leaves w, and so the pulse's form, as it is: its time scales by
     (m*/m)^(1/(a+1)) and its momentum by m*/m. A shorter pulse reaches higher modes: where what it gives them would be
     more than the striker loses, its momentum J is held to 2 m v_in/(1 + sum r_i P'_i), with P' of the shorter pulse;
     there m v_in^2/2 = m (v_in - J/m)^2/2 + sum (phi_i J)^2 P'_i/2.
     """
     bound = 0.0
-    speed = 0.0
+    stir = 0.0
     for side in range(2):
         body = contact.body[side]
         if body.slot >= 0:
@@ -66,11 +54,12 @@ def needs_coupling(state, contact):
                 phi = _shape_at(state, obj, body, i)
                 bound += contact.m * phi * phi
             if obj.live > 0:
-                speed += reach_of(state, obj, body)[1]
+                stir += reach_of(state, obj, body)[1] / (contact.v_in * contact.gain)
     sampled = state.contact_method > 0
-    if not sampled and speed > _ERROR[state.accuracy] * contact.v_in * contact.gain:
+    unrest = UNREST[state.accuracy]
+    if not sampled and stir >= unrest:
         return True
-    if bound < _LIGHT and (bound < _LIMIT[state.accuracy] or sampled):
+    if bound < _LIGHT and (sampled or bound + stir < unrest):
         return False
     pulse = contact.pulse
     ratio = 1.0
@@ -79,7 +68,7 @@ def needs_coupling(state, contact):
         if shortened:
             ratio = min(ratio, 2.0 / ((1.0 + pulse.restitution) * (1.0 + share)))
         else:
-            if not sampled and (share > _MOST_GIVEN_WAY or bound - share > _LIMIT[state.accuracy]):
+            if not (sampled or closed_form_will_do(state.accuracy, share, bound, stir)):
                 return True
             ratio = 1.0 / (1.0 + share)
             _shorten(pulse, ratio ** (1.0 / (pulse.exponent + 1.0)))

@@ -4,10 +4,12 @@ from enum import IntEnum
 
 import numpy as np
 
-from .bank import LANES, RESPONSES
+from .bank import FINE, LANES, RESPONSES
 from .clock import CLOCK
+from .coupled import COUPLED
 from .methods import SAMPLED
 from .pulse import MOMENTS, PULSE
+from .roll import ROLL
 
 QUANTUM = 64
 """Frames the engine computes at a time, on a grid of its own: the sound can't depend on the device's block size."""
@@ -24,7 +26,10 @@ EVENTS = 8_192
 RING = 8_192
 """Commands on their way from Python; a power of two."""
 
-COMMAND_VALUES = 16
+COMMAND_VALUES = 26
+
+ROLLS = 128
+"""Bodies that can roll at once."""
 
 ENDED = 4_096
 """Ends of gestures that are kept for Python to read."""
@@ -50,8 +55,16 @@ class Command(IntEnum):
     PANIC = 8
     SYNC = 9  # a number that appears in `synced`
     CONTACT = 10  # how contacts are solved from now on: 0 closed form, else 1 + method; correction, oversampling
-    BOUNCE = 11  # as IMPACT, and gravity (m/s^2), irregularity, seed, time until the first contact (s)
+    BOUNCE = 11  # as IMPACT, and gravity (m/s^2), irregularity, seed, time until the first contact (s), 1: its
+    # weight acts in contact too
     STEER = 12  # gesture, Steering, value
+    ROLL = 13  # speed (m/s), then as IMPACT, gravity, radius (m), the surface (roughness, correlation length, slope,
+    # ripple, wavelength, seed), friction, asymmetry, factor on the roughness, length of the strike path (m, 0: it stays
+    # where it is), which of them were given (bits for position, mass, gain, gravity, radius, friction, asymmetry,
+    # roughness), the gesture's turn, the body's corners. A roll that goes on already takes on what was given, the
+    # speed and the turn.
+    PRESS = 14  # as IMPACT, and the force that presses the striker on (N)
+    ACCURACY = 15  # a number of ladder.ACCURACIES
 
 
 class Steering(IntEnum):
@@ -62,6 +75,22 @@ class Steering(IntEnum):
     POSITION = 2
     GRAVITY = 3  # m/s^2
     IRREGULARITY = 4
+    FORCE = 5  # N
+    SPEED = 6  # m/s
+    MASS = 7  # kg
+    ROUGHNESS = 8  # factor
+    RADIUS = 9  # m
+    ASYMMETRY = 10
+    FRICTION = 11
+
+
+class Solver(IntEnum):
+    """How a contact's force is found."""
+
+    CLOSED = 0  # the closed form
+    SAMPLED = 1  # a method of methods.py
+    COUPLED = 2  # with the modes
+    ROLLING = 3  # a roll's
 
 
 class End(IntEnum):
@@ -139,11 +168,15 @@ CONTACT = np.dtype(
     [
         ("pulse", PULSE),
         ("sampled", SAMPLED),
+        ("coupled", COUPLED),
         ("body", BODY, 2),  # the object touched, and the object that touches it, if one does
-        ("kind", np.int64),  # a Command: IMPACT or BOUNCE
+        ("kind", np.int64),  # a Command: IMPACT, BOUNCE, ROLL or PRESS
         ("serial", np.int64),  # of the gesture, 0: none
+        ("turn", np.int64),  # how often a roll was told to go on
         ("touching", np.int64),  # 0: it waits for its beginning
-        ("oversampling", np.int64),  # steps a sample of a sampled contact, 0: the closed form
+        ("solver", np.int64),  # a Solver
+        ("unsettled", np.int64),  # a coupled contact that must be told how the object gives way
+        ("oversampling", np.int64),  # steps a sample of a sampled contact
         ("steps", np.int64),  # that a sampled contact may still take
         ("v_in", np.float64),  # m/s
         ("m", np.float64),
@@ -156,10 +189,18 @@ CONTACT = np.dtype(
         ("moved_to", np.float64),
         ("start", np.int64),  # sample at or before the contact's beginning
         ("fraction", np.float64),  # from there to the beginning
-        # A bounce:
-        ("origin", np.float64),  # samples: when it was let go
+        ("origin", np.float64),  # samples: when the gesture began
         ("elapsed", np.float64),  # s, from there to the contact
-        ("until", np.float64),  # samples: no contact begins from then on
+        ("until", np.float64),  # samples: when it was stopped
+        ("gone_at", np.float64),  # samples: when a striker that was let go of is forgotten
+        ("push", np.float64),  # N: on a coupled striker, on its way to
+        ("pushed_to", np.float64),
+        # A roll:
+        ("roll", np.int64),
+        ("rolled", np.float64),  # m until this quantum
+        ("path", np.float64),  # m: length of the object's strike path, 0: the body stays where it is
+        # A bounce:
+        ("weighty", np.int64),  # its weight acts in every contact
         ("gravity", np.float64),  # m/s^2
         ("irregularity", np.float64),
         ("spin", np.float64),  # energy in rotation, as the square of a velocity
@@ -204,8 +245,19 @@ STATE = np.dtype(
         ("contacts", CONTACT, CONTACTS),
         ("free_contact", np.int64, CONTACTS),  # stack
         ("contacts_active", np.int64),
+        ("rolls", ROLL, ROLLS),
+        ("free_roll", np.int64, ROLLS),  # stack
+        ("rolls_active", np.int64),
+        ("feeds", np.float64, (ROLLS, QUANTUM, MOMENTS)),  # moments of the rolls' forces over a quantum
+        ("fed", np.int64, (ROLLS, QUANTUM)),  # 1: there is any
         ("moments", np.float64, MOMENTS),
+        ("fine", np.float64, FINE),
+        ("observed", np.float64, FINE),
+        ("given", np.float64, FINE),
+        ("work", np.float64, 3 * MODES_PER_OBJECT + FINE * LANES),
         ("spectrum", np.float64, (2, MODES_PER_OBJECT)),
+        ("accuracy", np.int64),  # as Command.ACCURACY says
+        ("coarseness", np.float64),  # of rolls, 1 if there is time
         ("contact_method", np.int64),  # as Command.CONTACT says
         ("contact_correction", np.int64),
         ("contact_oversampling", np.int64),
@@ -225,11 +277,13 @@ STATE = np.dtype(
         ("synced", np.int64),
         ("impacts", np.int64),  # contacts that began, or were left out
         ("contacts_dropped", np.int64),
+        ("coupled", np.int64),  # of the contacts, those that were coupled to modes
+        ("held", np.int64),  # their steps that had to hold the force
         ("late", np.int64),
         ("faults", np.int64),
         ("limited", np.int64),  # frames
         ("limit_lowest", np.float64),
-        ("ended", np.int64, (ENDED, 2)),  # gestures that ended, and how: an End
+        ("ended", np.int64, (ENDED, 3)),  # gestures that ended, their turn, and how: an End
         ("ended_count", np.int64, 8),
         ("live_modes", np.int64),
         ("sounding", np.int64),  # objects
@@ -266,4 +320,7 @@ def new_state(rate: float) -> np.ndarray:
     state["objects"]["contact"] = -1
     state["heap"][0] = np.arange(EVENTS)
     state["free_contact"][0] = np.arange(CONTACTS)
+    state["free_roll"][0] = np.arange(ROLLS)
+    state["coarseness"] = 1.0
+    state["accuracy"] = 1
     return state

@@ -20,7 +20,6 @@ _PATIENCE = 3.0  # exact durations for which a sampled contact is followed: it m
 @kernel
 def meet(state, contact, pressed):
     """Begin to touch; where `pressed`, the striker's push acts on it meanwhile."""
-    state.impacts += 1
     contact.touching = 1
     place(contact.body[0], contact.position, state.objects[contact.body[0].slot].rows)
     begin(contact.pulse, contact.v_in, contact.m, contact.k, contact.mu, contact.a, state.rate)
@@ -34,7 +33,9 @@ def meet(state, contact, pressed):
             contact.fraction, state.rate, tolerance,
         )  # fmt: skip
         state.coupled += 1
-    elif state.contact_method > 0:
+        return
+    state.impacts += 1
+    if state.contact_method > 0:
         # A sampled contact can't begin between samples.
         contact.solver = _SAMPLED
         contact.oversampling = state.contact_oversampling
@@ -58,9 +59,10 @@ def act(state, contact, frame, age):
     lasts = True
     if contact.solver == _COUPLED:
         _look(state, contact)
-        held = contact.coupled.held
+        held, contacts = contact.coupled.held, contact.coupled.contacts
         step_coupled(contact.coupled, state.observed, state.fine)
         state.held += contact.coupled.held - held
+        state.impacts += contact.coupled.contacts - contacts
         for n in range(FINE):
             state.fine[n] *= contact.gain
     elif contact.solver == _ROLLING:

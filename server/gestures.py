@@ -10,14 +10,16 @@ from ..dsp.state import End
 _REMEMBERED = 1_024  # gestures that have ended: to stop one of them is no mistake
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class Gesture:
-    """Something that was started: its id, its number in the engine, the address that started it, and who sent that."""
+    """Something that was started: its id, its number in the engine, the address that started it, who sent that, and
+    how often it was told to go on."""
 
     id: str
     serial: int
     address: str
     source: Any
+    turn: int = 0
 
 
 @dataclass(frozen=True)
@@ -48,6 +50,13 @@ class Gestures:
         self._running[gesture.serial] = gesture
         return gesture
 
+    def rolling(self, id: str, address: str) -> Gesture | None:
+        """The roll of that id that an address has started, if it may still go on."""
+        for gesture in reversed(self._running.values()):
+            if gesture.id == id and gesture.address == address:
+                return gesture
+        return None
+
     def numbered(self, name: str) -> str:
         """An id for a gesture that was given none."""
         return f"{name}-{self._count + 1}"
@@ -66,9 +75,10 @@ class Gestures:
 
     def collect(self) -> None:
         """Learn from the engine what has ended."""
-        for serial, end in self._engine.ended():
-            gesture = self._running.pop(serial, None)
-            if gesture:
+        for serial, turn, end in self._engine.ended():
+            gesture = self._running.get(serial)
+            if gesture and gesture.turn == turn:  # else it has been started anew meanwhile
+                del self._running[serial]
                 self._ends.append(Ended(gesture, end))
                 self._over.append(gesture)
 

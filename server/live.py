@@ -99,6 +99,7 @@ class Server:
         """What may stand for a word of the address space now; any thread may ask."""
         return {
             "NAME": dict.fromkeys(self._scene.objects),
+            "ID": {gesture.id: None for gesture in self._scene.gestures.known()},
             "preset": self._scene.presets.names("objects"),
             "method": ("closed", *METHODS),
         }

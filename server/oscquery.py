@@ -16,7 +16,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 from urllib.parse import unquote
 
-from .space import VERBS, Number, Verb, Word
+from .space import VERBS, Either, Number, Verb, Word
 
 _MOST_CLIENTS = 8
 _PATIENCE = 2.0  # s without a byte
@@ -27,7 +27,7 @@ _NOT_GIVEN = ("VALUE", "TAGS", "CLIPMODE", "EXTENDED_TYPE", "CRITICAL")
 _UNITS = {"m/s": "speed.m/s", "dB": "gain.db"}  # the proposal's words, where it has one
 
 Names = Mapping[str, Collection[str]]
-"""What may stand for a word: objects for `NAME` in an address, presets for the argument `preset`."""
+"""What may stand for a word: objects for `NAME` in an address, gestures for `ID`, presets for the argument `preset`."""
 
 _ADDRESSES = tuple((tuple(address.split("/")[1:]), verb) for address, verb in VERBS.items())
 
@@ -43,8 +43,8 @@ def node(path: str, names: Names) -> dict[str, Any] | None:
             return {"FULL_PATH": path, "DESCRIPTION": f"{verb.help}: {verb.usage()}", **_arguments(verb, names)}
         following = parts[len(given)]
         for name in names.get(following, ()) if following.isupper() else (following,):
-            if name not in contents:
-                contents[name] = node(f"{path.rstrip('/')}/{name}", names)
+            if name not in contents and (below := node(f"{path.rstrip('/')}/{name}", names)):
+                contents[name] = below
     if path == "/" or contents:
         return {"FULL_PATH": path, "ACCESS": 0, "CONTENTS": contents}
     return None
@@ -67,7 +67,7 @@ def _arguments(verb: Verb, names: Names) -> dict[str, Any]:
     return {"ACCESS": 2, **lists[0], **({"OVERLOADS": lists[1:]} if lists[1:] else {})}
 
 
-def _values(arguments: tuple[Number | Word, ...], names: Names) -> dict[str, Any]:
+def _values(arguments: tuple[Number | Word | Either, ...], names: Names) -> dict[str, Any]:
     units = [_UNITS.get(a.unit, a.unit) or None if isinstance(a, Number) else None for a in arguments]
     return {
         "TYPE": "".join("f" if isinstance(a, Number) else "s" for a in arguments),
@@ -76,9 +76,11 @@ def _values(arguments: tuple[Number | Word, ...], names: Names) -> dict[str, Any
     }
 
 
-def _range(argument: Number | Word, names: Names) -> dict[str, Any] | None:
+def _range(argument: Number | Word | Either, names: Names) -> dict[str, Any] | None:
     if isinstance(argument, Number):
         return {"MIN": argument.low, "MAX": argument.high}
+    if isinstance(argument, Either):
+        return {"VALS": list(argument.words)}
     return {"VALS": list(names[argument.name])} if argument.name in names else None
 
 

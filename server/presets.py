@@ -25,7 +25,7 @@ else:
     import tomli as tomllib
 
 BUILT_IN = Path(__file__).resolve().parent.parent / "presets"
-KINDS = ("materials", "strikers", "objects")
+KINDS = ("materials", "strikers", "surfaces", "objects")
 NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
 
 
@@ -271,6 +271,14 @@ CONTACT: Fields = {
     "material": Name(),
     "radius": Number(1e-4, 1, "m"),
 }
+SURFACE: Fields = {
+    "roughness": Number(0, 0.1, "m"),
+    "correlation": Number(1e-6, 100, "m"),
+    "slope": Number(1.01, 5),
+    "ripple": Number(0, 0.1, "m"),
+    "wavelength": Number(1e-5, 100, "m"),
+    "dissipation": Number(0, 1e3, "s/m"),
+}
 LAW = ("mass", "stiffness", "dissipation", "exponent")
 BALL = ("material", "radius", "dissipation")  # and its mass, if it is not that of a solid ball
 STRIKE: Fields = {"striker": Name(), "velocity": Number(1e-3, 100, "m/s"), "position": FRACTION}
@@ -328,6 +336,26 @@ class StrikerPreset:
             stiffness = hertz(self.material, self.radius, material)
         assert stiffness is not None
         return self.mass, stiffness, self.dissipation, self.exponent
+
+
+@dataclass(frozen=True)
+class SurfacePreset:
+    """What a body rolls on: rms roughness (m), correlation length (m), slope of the power spectrum above it, the
+    dissipation (s/m) of what rolls on it, and the amplitude (m) and wavelength (m) of a corrugation."""
+
+    name: str
+    description: str
+    source: str
+    roughness: float
+    correlation: float
+    slope: float
+    dissipation: float
+    ripple: float = 0.0
+    wavelength: float = 1.0
+
+    @property
+    def profile(self) -> tuple[float, float, float, float, float]:
+        return self.roughness, self.correlation, self.slope, self.ripple, self.wavelength
 
 
 @dataclass(frozen=True)
@@ -401,7 +429,7 @@ class Presets:
         self._folders = (*map(Path, folders), BUILT_IN)
 
     def names(self, kind: str) -> list[str]:
-        """All names of a kind: materials, strikers or objects."""
+        """All names of a kind: materials, strikers, surfaces or objects."""
         if kind not in KINDS:
             raise ValueError(f"kind = {kind!r}: expected one of {', '.join(KINDS)}")
         files = (path for folder in self._folders for path in (folder / kind).glob("*.toml"))
@@ -425,6 +453,14 @@ class Presets:
             material = values["material"] = self._named("material", values["material"], where)
             values.setdefault("mass", material.density * 4 / 3 * math.pi * values["radius"] ** 3)
         return StrikerPreset(name, **values)
+
+    def surface(self, name: str) -> SurfacePreset:
+        """The surface of that name. PresetError if there is none, or its file is wrong."""
+        where, data = self._read("surfaces", name)
+        values = _check(
+            where, data, {**DESCRIPTION, **SURFACE}, (*DESCRIPTION, "roughness", "correlation", "slope", "dissipation")
+        )
+        return SurfacePreset(name, **values)
 
     def object(self, name: str) -> ObjectPreset:
         """The object of that name. PresetError if there is none, or its file is wrong."""

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
+from ..dsp.gate import LEVELS
 from ..dsp.host import NOW, Engine, EngineFull, Handle
 from ..dsp.materials import Material
 from ..dsp.methods import CORRECTIONS, METHODS
@@ -14,10 +15,15 @@ from .gestures import Ended, Gestures
 from .osc import Argument, Message, match
 from .presets import ObjectPreset, PresetError, Presets
 from .space import VERBS, Refused, Values, Verb, shown, spelled
-from .strikes import GRAVITY, LAW, Contact, fall, require_rest, require_short
+from .strikes import GRAVITY, LAW, Contact, fall, require_rest, require_rollable, require_short
 
 _NAME = re.compile(r"[^\s#*,/?\[\]{}]{1,64}")
 _FORBIDDEN = "# * , / ? [ ] { } or space"
+_SURFACE = "wood"
+_APPROACH = 0.01  # m/s: how fast a pressing striker is laid on
+_STEERED = ("position", "mass", "gain", "gravity", "radius", "friction", "asymmetry", "roughness")
+"""What of a roll may be given anew while it goes on, by the bits of Command.ROLL."""
+
 _SETTINGS = {"gain": 0.0, "pan": 0.0, "tune": 0.0, "decay": 1.0, "damp": 0.0}
 
 EngineCommand = tuple[float, Command, Handle | None, tuple[float, ...]]
@@ -120,6 +126,9 @@ class Scene:
             raise Refused("only a running server carries it out; expected what sounds")
         if message.address == "/object/new":
             return self._new(VERBS["/object/new"].parse(message.args))
+        if message.address == "/accuracy":
+            accuracy = LEVELS.index(VERBS["/accuracy"].parse(message.args).words["accuracy"])
+            return [(self._time, Command.ACCURACY, None, (float(accuracy),))], []
         if message.address == "/contact":
             choice = _contact_choice(VERBS["/contact"].parse(message.args))
             return [(self._time, Command.CONTACT, None, choice)], []
@@ -150,6 +159,10 @@ class Scene:
             return self._impact(name, obj, values)
         if action == "bounce":
             return self._bounce(name, obj, values)
+        if action == "roll":
+            return self._roll(name, obj, values)
+        if action == "press":
+            return self._press(name, obj, values)
         if action == "free":
             return [self._free(obj, values.numbers.get("at_once", 0.0))]
         return [self._for(obj, Command[action.upper()], _physical(action, values.numbers[action]))]
@@ -212,11 +225,54 @@ class Scene:
         require_short(velocity, contact)
         require_rest(velocity, contact, gravity)
         serial = self._start(values.words.get("id", self.gestures.numbered(name)), name, "bounce")
-        seed = numbers.get("seed", float(serial))
-        if seed != int(seed):
-            raise Refused(f"seed = {seed:g}: expected a whole number")
-        motion = (gravity, numbers.get("irregularity", 0.0), seed, seconds)
+        motion = (
+            gravity,
+            numbers.get("irregularity", 0.0),
+            _whole("seed", numbers.get("seed", serial)),
+            seconds,
+            numbers.get("weight", 0.0),
+        )
         return [self._strike(obj, Command.BOUNCE, velocity, contact, values, serial, motion)]
+
+    def _roll(self, name: str, obj: _Object, values: Values) -> list[EngineCommand]:
+        numbers = values.numbers
+        speed = numbers["speed"]
+        id = values.words.get("id", name)
+        gesture = self.gestures.rolling(id, f"/object/{name}/roll")
+        if gesture is None and speed == 0.0:
+            return []
+        surface = self.presets.surface(values.words.get("surface", _SURFACE))
+        numbers.setdefault("dissipation", surface.dissipation)
+        contact = self._law(obj, values)
+        radius = numbers.get("radius", self._radius(obj, values))
+        require_rollable(radius, surface, numbers.get("roughness", 1.0))
+        if gesture:
+            gesture.turn += 1
+            self._undo.append(lambda: setattr(gesture, "turn", gesture.turn - 1))
+        serial = gesture.serial if gesture else self._start(id, name, "roll")
+        given = sum(1 << bit for bit, key in enumerate(_STEERED) if key in numbers)
+        motion = (
+            numbers.get("gravity", GRAVITY), radius, *surface.profile, _whole("seed", numbers.get("seed", serial)),
+            numbers.get("friction", 0.0), numbers.get("asymmetry", 0.0), numbers.get("roughness", 1.0),
+            numbers.get("travel", 0.0), float(given), float(gesture.turn if gesture else 0),
+            _whole("corners", numbers.get("corners", 0.0)),
+        )  # fmt: skip
+        return [self._strike(obj, Command.ROLL, speed, contact, values, serial, motion)]
+
+    def _radius(self, obj: _Object, values: Values) -> float:
+        """The radius of the ball that a message rolls."""
+        striker = values.words.get("striker", obj.preset.striker)
+        radius = self.presets.striker(striker).radius
+        if radius is None and "radius" not in values.numbers:
+            raise Refused(f"radius is missing: the striker {striker} has none")
+        return radius or 0.0
+
+    def _press(self, name: str, obj: _Object, values: Values) -> list[EngineCommand]:
+        contact = self._law(obj, values)
+        force = values.numbers["force"]
+        require_short(_APPROACH, contact)
+        serial = self._start(values.words.get("id", self.gestures.numbered(name)), name, "press")
+        return [self._strike(obj, Command.PRESS, _APPROACH, contact, values, serial, (force,))]
 
     def _law(self, obj: _Object, values: Values) -> Contact:
         """The contact of what a message strikes with."""
@@ -304,6 +360,12 @@ def _contact_choice(values: Values) -> tuple[float, float, float]:
             raise Refused("closed: it is exact already; expected neither correction nor oversampling")
         return 0.0, 0.0, 0.0
     return 1.0 + METHODS.index(method), float(CORRECTIONS[correction]), oversampling
+
+
+def _whole(name: str, value: float) -> float:
+    if value != int(value):
+        raise Refused(f"{name} = {value:g}: expected a whole number")
+    return value
 
 
 def _physical(setting: str, value: float) -> float:

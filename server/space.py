@@ -45,6 +45,20 @@ class Word:
         raise Refused(f"{self.name} = {shown(value)}: expected a name")
 
 
+@dataclass(frozen=True)
+class Either:
+    """An argument that is one of a few words; a number stands for the word that is written like it."""
+
+    name: str
+    words: tuple[str, ...]
+
+    def check(self, value: Argument) -> str:
+        word = f"{value:g}" if isinstance(value, int | float) else value
+        if isinstance(word, str) and word in self.words:
+            return word
+        raise Refused(f"{self.name} = {shown(value)}: expected {', '.join(self.words)}")
+
+
 @dataclass
 class Values:
     """The checked arguments of a message, by name."""
@@ -53,7 +67,7 @@ class Values:
     words: dict[str, str] = field(default_factory=dict)
     others: dict[str, Argument] = field(default_factory=dict)
 
-    def check(self, argument: "Number | Word", value: Argument) -> None:
+    def check(self, argument: "Number | Word | Either", value: Argument) -> None:
         if argument.name in self.numbers or argument.name in self.words:
             raise Refused(f"{argument.name} = {shown(value)}: given twice")
         if isinstance(argument, Number):
@@ -68,7 +82,7 @@ class Verb:
 
     address: str
     help: str
-    required: tuple[Number | Word, ...] = ()
+    required: tuple[Number | Word | Either, ...] = ()
     optional: tuple[Number, ...] = ()
     keys: tuple[Number | Word, ...] = ()
     open_keys: bool = False  # further keys are another's to check
@@ -130,11 +144,19 @@ DECAY = Number("decay", 0.001, 100, "times", "every decay time, longer or shorte
 HEIGHT = Number("height", 0, 1000, "m", "it falls from")
 GRAVITY = Number("gravity", 0.01, 1000, "m/s^2")
 IRREGULARITY = Number("irregularity", 0, 1, "", "how far from round: energy comes and goes between flight and rotation")
+SPEED = Number("speed", 0, 100, "m/s", "along the surface; 0 stops it")
+RADIUS = Number("radius", 1e-4, 10, "m", "of the body; the striker's if it is a ball")
+ROUGHNESS = Number("roughness", 0, 100, "times", "the surface's own")
+ASYMMETRY = Number("asymmetry", 0, 1, "", "how far the centre of mass is from the middle, as a share of the radius")
+FRICTION = Number("friction", 0, 10, "", "share of its weight that slows it down")
+FORCE = Number("force", 0, 1e5, "N", "that presses it on")
+MASS = Number("mass", 1e-9, 1e6, "kg")
+SEED = Number("seed", 0, 2**31 - 1, "", "of what is left to chance")
 DAMP = Number("damp", 0, 1, "", "a hand on it: 0 off, 1 firm")
 
 STRIKER = (
     Word("striker", "a preset"),
-    Number("mass", 1e-9, 1e6, "kg"),
+    MASS,
     Number("stiffness", 1e-3, 1e16, "N/m^a"),
     Number("dissipation", 0, 1e6, "s/m"),
     Number("exponent", 1, 4),
@@ -164,8 +186,21 @@ VERBS = {
             (HEIGHT,), (POSITION,),
             (
                 *STRIKE, Number("velocity", -100, 100, "m/s", "thrown downwards, or upwards"), GRAVITY, IRREGULARITY,
-                Number("seed", 0, 2**31 - 1, "", "of the irregularity"),
+                SEED, Number("weight", 0, 1, "", "1: gravity acts in every contact too, not only near rest"),
             ),
+        ),
+        Verb(
+            "/object/NAME/roll", "rolls the striker over it until 0, or steers the roll of that id (NAME if none)",
+            (SPEED,), (POSITION,),
+            (
+                *STRIKE, RADIUS, Word("surface", "a preset"), ROUGHNESS, ASYMMETRY, FRICTION, GRAVITY, SEED,
+                Number("corners", 0, 100, "", "of the body; 0: it is round"),
+                Number("travel", 0, 1e3, "m", "length of the strike path, which it rolls to and fro; 0: it stays"),
+            ),
+        ),
+        Verb(
+            "/object/NAME/press", "lays the striker on it and presses, until it is stopped: a hand, a mute",
+            (FORCE,), (POSITION,), STRIKE,
         ),
         Verb("/object/NAME/damp", "puts a hand on it, until changed", (DAMP,)),
         Verb("/object/NAME/gain", "level", (GAIN,)),
@@ -176,11 +211,22 @@ VERBS = {
             "/object/NAME/free", "removes it once silent, or with 1 at once (a 70 ms fade); its name is free",
             optional=(Number("at_once", 0, 1),),
         ),
-        Verb("/gesture/ID/stop", "ends a bounce: its striker does not come back"),
+        Verb("/gesture/ID/stop", "a striker that bounces does not come back, a rolling body halts, a hand lets go"),
         Verb("/gesture/ID/gain", "level of a running gesture", (GAIN,)),
         Verb("/gesture/ID/position", "where it touches the object", (POSITION,)),
-        Verb("/gesture/ID/gravity", "from the next flight on", (GRAVITY,)),
-        Verb("/gesture/ID/irregularity", "from the next contact on", (IRREGULARITY,)),
+        Verb("/gesture/ID/gravity", "of a bounce, from the next flight on, or a roll", (GRAVITY,)),
+        Verb("/gesture/ID/irregularity", "of a bounce, from the next contact on", (IRREGULARITY,)),
+        Verb("/gesture/ID/force", "of what presses", (FORCE,)),
+        Verb("/gesture/ID/speed", "of a roll", (SPEED,)),
+        Verb("/gesture/ID/mass", "of a roll", (MASS,)),
+        Verb("/gesture/ID/roughness", "of a roll", (ROUGHNESS,)),
+        Verb("/gesture/ID/radius", "of a roll", (RADIUS,)),
+        Verb("/gesture/ID/asymmetry", "of a roll", (ASYMMETRY,)),
+        Verb("/gesture/ID/friction", "of a roll", (FRICTION,)),
+        Verb(
+            "/accuracy", "how exact contacts with what moves are from now on: -40, -60 (dB, the default), -80, exact",
+            (Either("accuracy", ("-40", "-60", "-80", "exact")),),
+        ),
         Verb(
             "/contact", "how contacts are solved from now on: closed (exact, the default), am1, verlet, heun, rk4",
             (Word("method"),), (Number("oversampling", 1, 64),),
@@ -226,8 +272,8 @@ def _matched(pattern: str) -> list[str]:
 def table() -> str:
     """The address space as a Markdown table."""
 
-    def described(argument: Number | Word) -> str:
-        if isinstance(argument, Word):
+    def described(argument: Number | Word | Either) -> str:
+        if isinstance(argument, Word | Either):
             return f"`{argument.name}`"
         unit = f" {argument.unit}" if argument.unit else ""
         return f"`{argument.name}` {argument.low:g} to {argument.high:g}{unit}"

@@ -2,6 +2,8 @@
 
 import math
 
+from ..dsp.surface import CREST
+from .presets import SurfacePreset
 from .space import STRIKER, Refused
 
 LONGEST_CONTACT = 1.0
@@ -12,6 +14,8 @@ LONGEST_BOUNCE = 3_600.0
 
 GRAVITY = 9.80665
 """m/s^2: the standard acceleration of free fall (CGPM 1901)."""
+
+_SMOOTH = 10.0  # times the surface's height that a body's radius has at least: its circle is taken for a parabola
 
 Contact = tuple[float, float, float, float]
 """Mass (kg), stiffness (N/m^a), dissipation (s/m), exponent."""
@@ -54,4 +58,13 @@ def require_rest(velocity: float, contact: Contact, gravity: float) -> None:
         raise Refused(
             f"dissipation = {dissipation:g}: the bounce might last {duration:.3g} s; "
             f"expected under {LONGEST_BOUNCE:g} s"
+        )
+
+
+def require_rollable(radius: float, surface: SurfacePreset, roughness: float) -> None:
+    """Refuse a body that is too small for a surface: it would go up and down, not over it."""
+    heights = roughness * (CREST * surface.roughness + surface.ripple)
+    if heights > radius / _SMOOTH:
+        raise Refused(
+            f"radius = {radius:g}: expected at least {_SMOOTH * heights:.3g} m on a surface of {heights:.3g} m"
         )

@@ -5,6 +5,7 @@ import math
 import mpmath as mp
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from carom.dsp import contact
 from carom.dsp.body import listed
@@ -29,8 +30,8 @@ def floor(engine, modal_mass=1e9, level=1e6):
     return handle
 
 
-def bounce(engine, handle, law, v_in, seconds=0.0, gravity=G, irregularity=0.0, seed=1, serial=7, time=0.0):
-    values = (v_in, 0.5, *law, 1.0, serial, 0.0, 0.0, 0.0, gravity, irregularity, seed, seconds)
+def bounce(engine, handle, law, v_in, seconds=0.0, gravity=G, irregularity=0.0, seed=1, serial=7, time=0.0, weight=0.0):
+    values = (v_in, 0.5, *law, 1.0, serial, 0.0, 0.0, 0.0, gravity, irregularity, seed, seconds, weight)
     engine.send([(time, Command.BOUNCE, handle, values)])
 
 
@@ -111,8 +112,50 @@ def test_energy_never_grows_and_it_comes_to_rest(irregularity):
     energy = found[:, 1] ** 2 + found[:, 2]
     assert (np.diff(energy) < 1e-15).all()
     assert (found[:, 2] / energy).max() == pytest.approx(np.sin(0.45 * math.pi * irregularity) ** 2, rel=0.1)
-    assert engine.ended() == [(7, End.RESTED)] and engine.counter("contacts_active") == 0
-    assert found[-1, 1] < 3e-4  # a marble of 5 g sinks in by .2 um and swings at some mm/s
+    assert engine.ended() == [(7, 0, End.RESTED)] and engine.counter("contacts_active") == 0
+    assert found[-1, 1] < 1e-3  # a marble of 5 g sinks in by .2 um and swings at some mm/s
+
+
+def weighty_bounce(m, k, mu, a, v):
+    """Contacts and seconds until the energy is too little to leave, by DOP853, gravity acting throughout."""
+
+    def motion(_, y):
+        return [y[1], G - (k / m * y[0] ** a * max(1 + mu * y[1], 0.0) if y[0] > 0 else 0.0)]
+
+    def surface(t, y):
+        return y[0] if t > 0 else 1.0
+
+    def spent(_, y):
+        return m * y[1] ** 2 / 2 + k * max(y[0], 0.0) ** (a + 1) / (a + 1) - m * G * y[0] if y[0] > 0 else 1.0
+
+    surface.terminal, surface.direction = True, -1
+    spent.terminal = True
+    scale, seconds = (m / k) ** (1 / (a + 1)), 0.0
+    for contacts in range(1, 10_000):
+        unit = scale * v ** ((1 - a) / (1 + a))
+        run = solve_ivp(
+            motion, (0, 1), (0, v), "DOP853", events=(surface, spent), rtol=1e-10, atol=(1e-12 * v * unit, 1e-12 * v),
+            first_step=1e-3 * unit,
+        )  # fmt: skip
+        if run.t_events[1].size:
+            return contacts, seconds + run.t_events[1][0]
+        v = -run.y[1, -1]
+        seconds += run.t[-1] + 2 * v / G
+    raise AssertionError("it never rests")
+
+
+@pytest.mark.parametrize("law", [(0.01, 1e9, 0.5, 1.5), (0.05, 1e7, 2.0, 1.5), (0.0027, 3.8e4, 3.0, 1.0)])
+def test_weight_in_contact(law):
+    contacts, seconds = weighty_bounce(*law, 1.0)
+    engine = Engine(RATE)
+    bounce(engine, floor(engine), law, 1.0, weight=1.0)
+    for _ in range(int(1.1 * seconds * RATE / QUANTUM)):
+        engine.process(QUANTUM)
+        (record,) = (c for c in engine.state["contacts"][0] if c["serial"])
+        if np.isfinite(record["gone_at"]):
+            break
+    assert engine.counter("impacts") == pytest.approx(contacts, rel=1e-3)
+    assert record["gone_at"] / RATE - 0.2 == pytest.approx(seconds, rel=1e-3)
 
 
 def test_what_is_not_round_is_seeded():
@@ -160,7 +203,7 @@ def test_it_can_be_stopped_and_steered():
     assert times[1] - times[0] == pytest.approx(2 * contact.restitution(e, 0.1) * e / (4 * G), rel=5e-3)
     engine.send([(NOW, Command.STEER, None, (7.0, float(Steering.STOP)))])
     engine.process(QUANTUM)
-    assert engine.counter("contacts_active") == 0 and engine.ended() == [(7, End.STOPPED)]
+    assert engine.counter("contacts_active") == 0 and engine.ended() == [(7, 0, End.STOPPED)]
 
 
 def test_ends_are_told_whatever_they_are():
@@ -169,15 +212,15 @@ def test_ends_are_told_whatever_they_are():
     for serial in range(1, CONTACTS + 3):
         bounce(engine, handle, BALLS["marble"], 1.0, seconds=1.0, serial=serial)
     engine.process(QUANTUM)
-    assert engine.ended() == [(CONTACTS + 1, End.NO_ROOM), (CONTACTS + 2, End.NO_ROOM)]
+    assert engine.ended() == [(CONTACTS + 1, 0, End.NO_ROOM), (CONTACTS + 2, 0, End.NO_ROOM)]
     engine.send([(NOW, Command.FREE, handle, (0.0,))])
     engine.process(2 * QUANTUM)
-    assert engine.ended() == [(serial, End.STOPPED) for serial in range(1, CONTACTS + 1)]
+    assert engine.ended() == [(serial, 0, End.STOPPED) for serial in range(1, CONTACTS + 1)]
     handle = floor(engine)
     bounce(engine, handle, BALLS["marble"], 1.0, seconds=1.0)
     engine.send([(NOW, Command.PANIC, None, ())])
     engine.process(2 * QUANTUM)
-    assert engine.ended() == [(7, End.GONE)] and engine.quiet()
+    assert engine.ended() == [(7, 0, End.GONE)] and engine.quiet()
 
 
 def test_no_parameters_make_a_quantum_endless():

@@ -13,10 +13,10 @@ from carom.dsp import callback
 
 ALLOWED = {
     # Of the C library: pure mathematics, the clock and the thread's number, which take no lock.
-    *("exp", "expm1", "log", "log1p", "pow", "sin", "cos", "sqrt", "floor"),
+    *("exp", "exp2", "expm1", "log", "log1p", "pow", "sin", "cos", "sqrt", "floor"),
     *("clock_gettime", "gettid"),
     # Of LLVM, as "llvm.NAME.TYPES": instructions, or calls of the functions above.
-    *("llvm.exp", "llvm.log", "llvm.pow", "llvm.sin", "llvm.cos", "llvm.sqrt", "llvm.floor", "llvm.fabs"),
+    *("llvm.exp", "llvm.exp2", "llvm.log", "llvm.pow", "llvm.sin", "llvm.cos", "llvm.sqrt", "llvm.floor", "llvm.fabs"),
     *("llvm.fma", "llvm.fmuladd", "llvm.copysign", "llvm.minnum", "llvm.maxnum"),
     *("llvm.abs", "llvm.smin", "llvm.smax", "llvm.umin", "llvm.umax", "llvm.vector.reduce"),
     *("llvm.memset", "llvm.memcpy", "llvm.memmove"),

@@ -15,7 +15,7 @@ from carom.server.oscquery import OscQuery, answering, node
 from carom.server.space import VERBS, Number, Refused
 from tests.conftest import serving
 
-NAMES = {"NAME": {"bell": None, "é %41": None}, "preset": ["tom", "bar"]}
+NAMES = {"NAME": {"bell": None, "é %41": None}, "ID": ["ball"], "preset": ["tom", "bar"]}
 
 
 def leaves(found: dict) -> Iterator[dict]:
@@ -27,7 +27,11 @@ def leaves(found: dict) -> Iterator[dict]:
 
 def test_every_verb_is_described_once_for_each_object():
     described = {leaf["FULL_PATH"]: leaf for leaf in leaves(node("/", NAMES))}
-    expected = {address.replace("NAME", name): verb for address, verb in VERBS.items() for name in NAMES["NAME"]}
+    expected = {
+        address.replace("NAME", name).replace("ID", "ball"): verb
+        for address, verb in VERBS.items()
+        for name in NAMES["NAME"]
+    }
     assert described.keys() == expected.keys()
     for path, leaf in described.items():
         assert leaf["DESCRIPTION"].startswith(expected[path].help)
@@ -38,7 +42,7 @@ def test_what_it_offers_is_taken_and_nothing_beyond():
     """Every list of arguments that it names passes the checks at its bounds, and fails beyond them."""
     checked = 0
     for leaf in leaves(node("/", NAMES)):
-        verb = VERBS[leaf["FULL_PATH"].replace("bell", "NAME").replace("é %41", "NAME")]
+        verb = VERBS[leaf["FULL_PATH"].replace("bell", "NAME").replace("é %41", "NAME").replace("ball", "ID")]
         for kind in [leaf, *leaf.get("OVERLOADS", [])] if leaf["ACCESS"] else []:
             ranges = [bounds or {"VALS": ["x"]} for bounds in kind["RANGE"]]
             assert len(ranges) == len(kind["TYPE"]) == len(kind.get("UNIT", ranges))
