@@ -27,7 +27,7 @@ def main(count: int) -> int:
             growth = max(growth, run.growth(case))
             most = max(most, run.steps / case.samples)
         print(
-            f"tolerance {tolerance:g}: growth {growth:.2g}, at most {most:.0f} steps a sample, {infinite:.0f} not finite"
+            f"tolerance {tolerance:g}: growth {growth:.2g}, at most {most:.0f} steps a sample, {infinite:.0f} infinite"
         )
         bad += growth > 1e-8 or infinite > 0
     return bad

@@ -6,12 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from coupled_reference import reference
-from numba import njit
+from numba import carray, cfunc, from_dtype, njit, types
+from test_realtime_safety import forbidden
 
-from carom.dsp import bank, coupled, coupled_rivals
+from carom.dsp import bank, coupled, coupled_rivals, pressed
 from carom.dsp.coupled_step import HELD
 from carom.dsp.coupled_study import Case, error, extreme_case, random_cases, simulate
-from carom.dsp.gate import LEVELS, TOLERANCE
+from carom.dsp.gate import LEVELS, TOLERANCE, closed_form_will_do
 
 EXACT = TOLERANCE[LEVELS.index("exact")]
 
@@ -126,8 +127,8 @@ def test_a_pressed_striker_comes_to_rest_and_leaves_when_released():
 
 
 @njit(error_model="numpy")
-def _release(contact, frequency, sigma, phi, rate, law, pressed, striker, apart):
-    """Press, then let go after `pressed` samples: the striker's velocity and how long it is apart, for each sample."""
+def _release(contact, frequency, sigma, phi, rate, law, until, striker, apart):
+    """Press, then let go after `until` samples: the striker's velocity and how long it is apart, for each sample."""
     n = bank.LANES
     y1, y2, a1, a2 = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
     response, work = np.zeros(bank.RESPONSES), np.zeros(3 * n + bank.FINE * n)
@@ -141,7 +142,7 @@ def _release(contact, frequency, sigma, phi, rate, law, pressed, striker, apart)
     bank.receptance(a1, a2, response, shape, n, 0, weights, work, seen)
     coupled.respond_with(contact, seen)
     for t in range(len(striker)):
-        if t == pressed:
+        if t == until:
             contact.push = 0.0
         bank.observe(y1, y2, a1, a2, response, shape, n, 0, weights, work, seen)
         coupled.step_coupled(contact, seen, moments)
@@ -212,3 +213,83 @@ def test_sampled_methods_converge_to_the_coupled_solver():
         assert error(fine.velocity, simulate(case).velocity) < -70
         for method in ("am1", "heun", "verlet"):
             assert error(coupled_rivals.sample(case, method, 2_000).velocity, fine.velocity) < -30
+
+
+def test_two_objects_that_both_ring():
+    """The striker's own modes give way as the object's do: both banks together are one."""
+    random = np.random.default_rng(9)
+    frequency, phi = np.sort(random.uniform(100, 15_000, 16)), random.normal(size=16)
+    case = Case(frequency, np.full(16, 20.0), phi, 1.0, 0.02, 1e9, 0.3, 1.5, samples=200, fraction=0.6)
+    contact, striker = np.zeros(1, coupled.COUPLED)[0], np.zeros(case.samples)
+    law = (case.v_in, case.m, case.k, case.mu, case.a, case.fraction)
+    _both(contact, frequency, phi, law, striker)
+    np.testing.assert_allclose(striker, simulate(case, 1e-5).striker, rtol=0, atol=1e-9)
+
+
+@njit(error_model="numpy")
+def _both(contact, frequency, phi, law, striker):
+    n = bank.LANES
+    y1, y2, a1, a2 = np.zeros((2, n)), np.zeros((2, n)), np.zeros((2, n)), np.zeros((2, n))
+    response, shape = np.zeros((2, bank.RESPONSES)), np.zeros((2, 4 * n))
+    work, weights = np.zeros((3 + bank.FINE) * n), np.array([0.0, 1.0, 0.0, 0.0])
+    seen, moments = np.zeros((2, bank.FINE)), np.zeros(bank.FINE)
+    v, m, k, mu, a, fraction = law
+    coupled.begin_coupled(contact, v, m, k, mu, a, 0.0, fraction, 48_000.0, 1e-5)
+    for b in range(2):
+        for i in range(n):
+            bank.set_mode(i, frequency[b * n + i], 20.0, 48_000.0, 1.0, y1[b], y2[b], a1[b], a2[b], response[b])
+            shape[b, n + i] = phi[b * n + i]
+        bank.receptance(a1[b], a2[b], response[b], shape[b], n, 0, weights, work, seen[b])
+    coupled.respond_with(contact, seen[0] + seen[1])
+    for t in range(len(striker)):
+        for b in range(2):
+            bank.observe(y1[b], y2[b], a1[b], a2[b], response[b], shape[b], n, 0, weights, work, seen[b])
+        coupled.step_coupled(contact, seen[0] - seen[1], moments)
+        for b in range(2):
+            push = moments if b == 0 else -moments
+            bank.inject_fine(y1[b], y2[b], response[b], shape[b], n, 0, weights, push)
+            for i in range(n):
+                y1[b, i], y2[b, i] = a1[b, i] * y1[b, i] + a2[b, i] * y2[b, i], y1[b, i]
+        striker[t] = contact.v
+
+
+PLACE = np.dtype(
+    [
+        ("contact", coupled.COUPLED),
+        ("pressed", pressed.PRESSED),
+        ("modes", np.float64, (4, bank.LANES)),
+        ("response", np.float64, bank.RESPONSES),
+        ("shape", np.float32, 4 * bank.LANES),
+        ("weights", np.float64, 4),
+        ("work", np.float64, (3 + bank.FINE) * bank.LANES),
+        ("seen", np.float64, bank.FINE),
+        ("moments", np.float64, bank.FINE),
+    ],
+    align=True,
+)
+
+
+def every_kernel(data):
+    """What the engine will call, one after the other."""
+    place = carray(data, (1,))[0]
+    contact, seen, moments, work = place.contact, place.seen, place.moments, place.work
+    y1, y2, a1, a2 = place.modes[0], place.modes[1], place.modes[2], place.modes[3]
+    response, shape, weights = place.response, place.shape, place.weights
+    coupled.begin_coupled(contact, 1.0, 0.01, 1e8, 0.5, 1.5, 0.0, 0.3, 48_000.0, 1e-5)
+    bank.receptance(a1, a2, response, shape, 8, 0, weights, work, seen)
+    coupled.respond_with(contact, seen)
+    bank.observe(y1, y2, a1, a2, response, shape, 8, 0, weights, work, seen)
+    coupled.step_coupled(contact, seen, moments)
+    bank.inject_fine(y1, y2, response, shape, 8, 0, weights, moments)
+    distance, speed = bank.reach(y1, y2, a1, a2, response, shape, 8, 0, weights, work)
+    apart = coupled.apart_for(contact, distance, speed)
+    coupled.fly_on(contact, apart)
+    pressed.begin_pressed(place.pressed, 0.0, 1.0, 0.01, 1e8, 0.5, 1.5, 0.1, 1e-5)
+    pressed.press(place.pressed, 1e-3)
+    return closed_form_will_do(1, distance, speed, apart)
+
+
+def test_kernels_neither_allocate_nor_raise():
+    signature = types.boolean(types.CPointer(from_dtype(PLACE)))
+    compiled = cfunc(signature, error_model="numpy", forceinline=True)(every_kernel)
+    assert forbidden(compiled.inspect_llvm(), compiled.native_name) == set()
