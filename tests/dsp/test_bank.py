@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from numpy.polynomial.legendre import legval
 from scipy.integrate import solve_ivp
 
 from carom.dsp import bank, pulse
@@ -144,3 +145,42 @@ def test_shapes_are_interpolated_between_rows():
     bank.inject(modes.y1, modes.y2, modes.response, modes.shape, LANES, 0, np.array([0.1, 0.2, 0.3, 0.4]), one)
     expected = 0.1 + 0.4 + 1.2 + 3.2
     np.testing.assert_allclose(modes.y2, expected * modes.response[LANES], rtol=1e-7)
+
+
+@pytest.mark.parametrize("rate", [8_000.0, 48_000.0, 192_000.0])
+def test_what_a_contact_sees_of_the_modes(rate):
+    """The point's motion over the coming sample, and after an impulse, against the exact modes; with any weights."""
+    random = np.random.default_rng(1)
+    frequency, decay = np.geomspace(20, 0.475 * rate, LANES), random.uniform(0, 200, LANES)
+    phi, weight, omega = random.normal(size=LANES), 10 ** random.uniform(-9, 3, LANES), 2 * np.pi * frequency
+    z = random.normal(size=LANES) + 1j * random.normal(size=LANES)
+    s = (-decay + 1j * omega) / rate
+    state, tuning, response = np.zeros((2, LANES)), np.zeros((2, LANES)), np.zeros(bank.RESPONSES)
+    for i in range(LANES):
+        bank.set_mode(i, frequency[i], decay[i], rate, weight[i], *state, *tuning, response)
+    state[:] = (weight * z).imag, (weight * z * np.exp(-s)).imag
+    shape = np.zeros(4 * LANES)
+    shape[LANES : 2 * LANES] = phi
+    point = (response, shape, LANES, 0, np.array([0.0, 1.0, 0.0, 0.0]), np.zeros((3 + bank.FINE) * LANES))
+    theta = np.linspace(0, 1, 33)[:, None]
+    seen = np.zeros(bank.FINE)
+    bank.observe(*state, *tuning, *point, seen)
+    moves = (z * np.exp(s * theta)).imag / omega @ phi
+    assert np.abs(legval(2 * theta[:, 0] - 1, seen) - moves).max() < 1e-9 * (np.abs(phi * z) / omega).max()
+    bank.receptance(*tuning, *point, seen)
+    answers = np.exp(s * theta).imag / omega @ phi**2
+    assert np.abs(legval(2 * theta[:, 0] - 1, seen) - answers).max() < 1e-9 * (phi**2 / omega).max()
+    distance, speed = bank.reach(*state, *tuning, *point)
+    assert distance == pytest.approx((np.abs(phi * z) / omega).sum(), rel=1e-6)
+    assert speed == pytest.approx(np.abs(phi * z).sum(), rel=1e-6)
+
+
+def test_fine_moments_are_those_of_the_coarse_and_more():
+    coarse, fine = (Bank(np.linspace(100, 20_000, LANES), np.full(LANES, 5.0), 48_000.0) for _ in range(2))
+    moments = np.zeros(bank.FINE)
+    moments[: pulse.MOMENTS] = np.linspace(1, 0.1, pulse.MOMENTS)
+    coarse.strike(moments)
+    bank.inject_fine(
+        fine.y1, fine.y2, fine.response, fine.shape, LANES, 0, np.array([0.0, 1.0, 0.0, 0.0]), moments
+    )  # fmt: skip
+    np.testing.assert_array_equal(coarse.y1, fine.y1)

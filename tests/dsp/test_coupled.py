@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from coupled_reference import reference
-from numba import carray, cfunc, from_dtype, njit, types
+from numba import carray, cfunc, from_dtype, types
 from test_realtime_safety import forbidden
 
 from carom.dsp import bank, coupled, coupled_rivals, pressed
@@ -108,91 +108,115 @@ def test_extreme_contacts_stay_finite_passive_and_bounded(tolerance):
         assert run.steps <= 201 * case.samples
 
 
+class Modes:
+    """One group of modes, through the kernels that the engine calls."""
+
+    def __init__(self, frequency, sigma, phi, rate=48_000.0):
+        n = bank.LANES
+        self.state, self.tuning = np.zeros((2, n)), np.zeros((2, n))
+        self.response, self.shape = np.zeros(bank.RESPONSES), np.zeros(4 * n)
+        for i in range(len(frequency)):
+            bank.set_mode(i, frequency[i], sigma[i], rate, 1.0, *self.state, *self.tuning, self.response)
+        self.shape[n : n + len(phi)] = phi
+        self.point = (self.response, self.shape, n, 0, np.array([0.0, 1.0, 0.0, 0.0]))
+        self.work = np.zeros((3 + bank.FINE) * n)
+
+    def receptance(self):
+        seen = np.zeros(bank.FINE)
+        bank.receptance(*self.tuning, *self.point, self.work, seen)
+        return seen
+
+    def observe(self):
+        seen = np.zeros(bank.FINE)
+        bank.observe(*self.state, *self.tuning, *self.point, self.work, seen)
+        return seen
+
+    def reach(self):
+        return bank.reach(*self.state, *self.tuning, *self.point, self.work)
+
+    def step(self, moments):
+        bank.inject_fine(*self.state, *self.point, moments)
+        self.ring()
+
+    def ring(self):
+        self.state[:] = (self.tuning * self.state).sum(axis=0), self.state[0].copy()
+
+
+def contact_of(law, receptance, tolerance, push=0.0, fraction=0.0):
+    contact = np.zeros(1, coupled.COUPLED)[0]
+    coupled.begin_coupled(contact, *law, push, fraction, 48_000.0, tolerance)
+    coupled.respond_with(contact, receptance)
+    return contact
+
+
 def test_a_pressed_striker_comes_to_rest_and_leaves_when_released():
     """At rest it compresses x_eq; let go, the bent modes and the contact throw it off, for good."""
     frequency, sigma, phi = np.array([180.0, 470.0, 1100.0, 2900.0]), np.full(4, 60.0), np.full(4, 2.0)
-    case = Case(frequency, sigma, phi, 0.3, 0.02, 1e7, 5.0, 1.5, samples=24_000, push=3.0)
-    run = simulate(case)
-    assert run.compression[-1] == pytest.approx((case.push / case.k) ** (1 / case.a), rel=1e-5)
-    assert abs(run.striker[-1]) < 1e-6 and abs(run.velocity[-1]) < 1e-6
-    assert run.steps < 1.2 * case.samples  # where it lies, a step a sample is enough
-    contact = np.zeros(1, coupled.COUPLED)[0]
-    striker, apart = np.zeros(case.samples + 4_000), np.zeros(case.samples + 4_000)
-    law = (case.v_in, case.m, case.k, case.mu, case.a, case.push)
-    _release(contact, frequency, sigma, phi, case.rate, law, case.samples, striker, apart)
-    assert (apart[: case.samples] < math.inf).all() and (apart[1_000 : case.samples] == 0).all()
-    gone = int(np.argmax(apart == math.inf))
-    assert gone > case.samples and (apart[gone:] == math.inf).all()
-    assert striker[gone] < 0 and (striker[gone:] == striker[gone]).all()
+    law, push, rest = (0.3, 0.02, 1e7, 5.0, 1.5), 3.0, 12_000
+    modes = Modes(frequency, sigma, phi)
+    contact = contact_of(law, modes.receptance(), 1e-3, push)
+    velocities, apart, moments = [], [], np.zeros(bank.FINE)
+    for t in range(rest + 2_000):
+        if t == rest:
+            _, _, k, _, a = law
+            assert contact["motion"][0] == pytest.approx((push / k) ** (1 / a), rel=1e-5)
+            assert abs(contact["v"]) < 1e-5
+            assert contact["steps"] < 1.2 * rest  # where it lies, a step a sample is enough
+            contact["push"] = 0.0
+        coupled.step_coupled(contact, modes.observe(), moments)
+        modes.step(moments)
+        velocities.append(float(contact["v"]))
+        apart.append(coupled.apart_for(contact, *modes.reach()))
+    assert max(apart[1_000:rest]) == 0.0
+    gone = apart.index(math.inf)
+    assert gone > rest and set(apart[gone:]) == {math.inf}
+    assert velocities[gone] < 0 and set(velocities[gone:]) == {velocities[gone]}
 
 
-@njit(error_model="numpy")
-def _release(contact, frequency, sigma, phi, rate, law, until, striker, apart):
-    """Press, then let go after `until` samples: the striker's velocity and how long it is apart, for each sample."""
-    n = bank.LANES
-    y1, y2, a1, a2 = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
-    response, work = np.zeros(bank.RESPONSES), np.zeros(3 * n + bank.FINE * n)
-    seen, moments = np.zeros(bank.FINE), np.zeros(bank.FINE)
-    shape, weights = np.zeros(4 * n), np.array([0.0, 1.0, 0.0, 0.0])
-    for i in range(len(frequency)):
-        bank.set_mode(i, frequency[i], sigma[i], rate, 1.0, y1, y2, a1, a2, response)
-        shape[n + i] = phi[i]
-    v, m, k, mu, a, push = law
-    coupled.begin_coupled(contact, v, m, k, mu, a, push, 0.0, rate, 1e-3)
-    bank.receptance(a1, a2, response, shape, n, 0, weights, work, seen)
-    coupled.respond_with(contact, seen)
-    for t in range(len(striker)):
-        if t == until:
-            contact.push = 0.0
-        bank.observe(y1, y2, a1, a2, response, shape, n, 0, weights, work, seen)
-        coupled.step_coupled(contact, seen, moments)
-        bank.inject_fine(y1, y2, response, shape, n, 0, weights, moments)
-        for i in range(n):
-            y1[i], y2[i] = a1[i] * y1[i] + a2[i] * y2[i], y1[i]
-        distance, speed = bank.reach(y1, y2, a1, a2, response, shape, n, 0, weights, work)
-        striker[t] = contact.v
-        apart[t] = coupled.apart_for(contact, distance, speed)
-
-
-def test_a_striker_that_is_apart_may_fly_unseen():
-    """Skipping what `apart_for` allows changes nothing: weights that fall back on a ringing plate, seen or not."""
-    every, heights = _bounce(1), _bounce(1_000_000)
-    assert every[0] == heights[0] > 3
-    assert heights[1] < 0.5 * every[1]  # samples looked at
-    assert heights[2] == pytest.approx(every[2], rel=1e-6)
-
-
-@njit(error_model="numpy")
-def _bounce(longest):
-    n = bank.LANES
-    y1, y2, a1, a2 = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
-    response, work = np.zeros(bank.RESPONSES), np.zeros(3 * n + bank.FINE * n)
-    seen, moments = np.zeros(bank.FINE), np.zeros(bank.FINE)
-    shape, weights = np.zeros(4 * n), np.array([0.0, 1.0, 0.0, 0.0])
-    for i in range(4):
-        bank.set_mode(i, 300.0 * (i + 1.0), 80.0, 48_000.0, 1.0, y1, y2, a1, a2, response)
-        shape[n + i] = 2.0
-    contact = np.zeros(1, coupled.COUPLED)[0]
-    coupled.begin_coupled(contact, 0.5, 0.002, 1e9, 0.2, 1.5, 0.002 * 9.81, 0.25, 48_000.0, 1e-5)
-    bank.receptance(a1, a2, response, shape, n, 0, weights, work, seen)
-    coupled.respond_with(contact, seen)
-    looked = 0
-    skip = 0
-    for _ in range(30_000):
+def bounced(longest):
+    """A weight that falls back on a ringing plate: contacts, samples looked at, its last velocity."""
+    modes = Modes(300.0 * np.arange(1, 5), np.full(4, 80.0), np.full(4, 2.0))
+    contact = contact_of((0.5, 0.002, 1e9, 0.2, 1.5), modes.receptance(), 1e-5, 0.002 * 9.81, 0.25)
+    looked = skip = 0
+    moments = np.zeros(bank.FINE)
+    for _ in range(20_000):
         if skip > 0:
             skip -= 1
             coupled.fly_on(contact, 1)
-        else:
-            looked += 1
-            bank.observe(y1, y2, a1, a2, response, shape, n, 0, weights, work, seen)
-            coupled.step_coupled(contact, seen, moments)
-            bank.inject_fine(y1, y2, response, shape, n, 0, weights, moments)
-        for i in range(n):
-            y1[i], y2[i] = a1[i] * y1[i] + a2[i] * y2[i], y1[i]
-        if skip == 0:
-            distance, speed = bank.reach(y1, y2, a1, a2, response, shape, n, 0, weights, work)
-            skip = int(min(coupled.apart_for(contact, distance, speed), longest - 1))
-    return contact.contacts, looked, contact.v
+            modes.ring()
+            continue
+        looked += 1
+        coupled.step_coupled(contact, modes.observe(), moments)
+        modes.step(moments)
+        skip = int(min(coupled.apart_for(contact, *modes.reach()), longest - 1))
+    return contact["contacts"], looked, float(contact["v"])
+
+
+def test_a_striker_that_is_apart_may_fly_unseen():
+    """Skipping what `apart_for` allows changes nothing."""
+    contacts, looked, v = bounced(1)
+    skipping = bounced(1_000_000)
+    assert skipping[0] == contacts > 3
+    assert skipping[1] < 0.5 * looked
+    assert skipping[2] == pytest.approx(v, rel=1e-6)
+
+
+def test_two_objects_that_both_ring():
+    """The striker's own modes give way as the object's do: both banks together are one."""
+    random = np.random.default_rng(9)
+    frequency, phi = np.sort(random.uniform(100, 15_000, 16)), random.normal(size=16)
+    case = Case(frequency, np.full(16, 20.0), phi, 1.0, 0.02, 1e9, 0.3, 1.5, samples=200, fraction=0.6)
+    banks = [Modes(frequency[half], case.sigma[half], phi[half]) for half in (slice(0, 8), slice(8, 16))]
+    receptance = banks[0].receptance() + banks[1].receptance()
+    law = (case.v_in, case.m, case.k, case.mu, case.a)
+    contact = contact_of(law, receptance, EXACT, fraction=case.fraction)
+    velocities, moments = [], np.zeros(bank.FINE)
+    for _ in range(case.samples):
+        coupled.step_coupled(contact, banks[0].observe() - banks[1].observe(), moments)
+        banks[0].step(moments)
+        banks[1].step(-moments)
+        velocities.append(float(contact["v"]))
+    np.testing.assert_allclose(velocities, simulate(case, EXACT).striker, rtol=0, atol=1e-9)
 
 
 def test_bad_cases_are_named():
@@ -213,44 +237,6 @@ def test_sampled_methods_converge_to_the_coupled_solver():
         assert error(fine.velocity, simulate(case).velocity) < -70
         for method in ("am1", "heun", "verlet"):
             assert error(coupled_rivals.sample(case, method, 2_000).velocity, fine.velocity) < -30
-
-
-def test_two_objects_that_both_ring():
-    """The striker's own modes give way as the object's do: both banks together are one."""
-    random = np.random.default_rng(9)
-    frequency, phi = np.sort(random.uniform(100, 15_000, 16)), random.normal(size=16)
-    case = Case(frequency, np.full(16, 20.0), phi, 1.0, 0.02, 1e9, 0.3, 1.5, samples=200, fraction=0.6)
-    contact, striker = np.zeros(1, coupled.COUPLED)[0], np.zeros(case.samples)
-    law = (case.v_in, case.m, case.k, case.mu, case.a, case.fraction)
-    _both(contact, frequency, phi, law, striker)
-    np.testing.assert_allclose(striker, simulate(case, 1e-5).striker, rtol=0, atol=1e-9)
-
-
-@njit(error_model="numpy")
-def _both(contact, frequency, phi, law, striker):
-    n = bank.LANES
-    y1, y2, a1, a2 = np.zeros((2, n)), np.zeros((2, n)), np.zeros((2, n)), np.zeros((2, n))
-    response, shape = np.zeros((2, bank.RESPONSES)), np.zeros((2, 4 * n))
-    work, weights = np.zeros((3 + bank.FINE) * n), np.array([0.0, 1.0, 0.0, 0.0])
-    seen, moments = np.zeros((2, bank.FINE)), np.zeros(bank.FINE)
-    v, m, k, mu, a, fraction = law
-    coupled.begin_coupled(contact, v, m, k, mu, a, 0.0, fraction, 48_000.0, 1e-5)
-    for b in range(2):
-        for i in range(n):
-            bank.set_mode(i, frequency[b * n + i], 20.0, 48_000.0, 1.0, y1[b], y2[b], a1[b], a2[b], response[b])
-            shape[b, n + i] = phi[b * n + i]
-        bank.receptance(a1[b], a2[b], response[b], shape[b], n, 0, weights, work, seen[b])
-    coupled.respond_with(contact, seen[0] + seen[1])
-    for t in range(len(striker)):
-        for b in range(2):
-            bank.observe(y1[b], y2[b], a1[b], a2[b], response[b], shape[b], n, 0, weights, work, seen[b])
-        coupled.step_coupled(contact, seen[0] - seen[1], moments)
-        for b in range(2):
-            push = moments if b == 0 else -moments
-            bank.inject_fine(y1[b], y2[b], response[b], shape[b], n, 0, weights, push)
-            for i in range(n):
-                y1[b, i], y2[b, i] = a1[b, i] * y1[b, i] + a2[b, i] * y2[b, i], y1[b, i]
-        striker[t] = contact.v
 
 
 PLACE = np.dtype(
