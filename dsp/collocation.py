@@ -41,7 +41,7 @@ _SOLVED = 1e-11  # relative change of the forces that ends Newton's method, whos
 _NEWTON_STEPS = 16
 _GROWTH = 4e-9  # share of its energy that a contact may gain in all
 _LEAST_GROWTH = 1e-15  # what rounding makes of it in a step
-_CLOSED = 1e-13  # of a step's greatest compression: as far as rounding lets one see the release
+_CLOSED = 1e-10  # of a step's greatest compression, that is left at the release
 _GRADIENT_STEPS = 200
 
 STEP = np.dtype(
