@@ -88,6 +88,8 @@ def begin_coupled(contact, v, m, k, mu, a, push, fraction, rate, tolerance):
     contact.contacts = 0
     contact.steps = 0
     contact.held = 0
+    for j in range(NODES):
+        contact.force[j] = 0.0
 
 
 @kernel
@@ -110,6 +112,8 @@ def step_coupled(contact, observed, moments):
 
     `observed` (FINE, m) is how the object's point would move without it, by `bank.observe`; of two objects, the
     difference of both, where the striker's moves against its place in the striker; it gets the moments' negative.
+    Several contacts on one object each see what those before them did, but not those after: take them in turn forwards
+    and backwards, or what the last ones do in a sample shifts the first. True while they touch.
     """
     _look(contact, observed)
     for n in range(FINE):
@@ -247,9 +251,10 @@ def _move(contact, eta, at, moments):
 
 @kernel
 def apart_for(contact, distance, speed):
-    """Samples for which striker and object surely stay apart, if the object's point stays within `bank.reach`.
+    """Whole samples from now for which striker and object surely stay apart: those may be left to `fly_on`.
 
-    0 while they touch, infinity if the striker is gone for good.
+    Asked right after `step_coupled`; `distance` and `speed` bound the object's point, by `bank.reach`. 0 while they
+    touch, infinity if the striker is gone for good.
     """
     gap = -contact.motion[0]
     if contact.touching or contact.wait >= 0.0 or gap <= 0.0:
