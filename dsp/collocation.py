@@ -168,40 +168,40 @@ def discrete_gradient(x, free, give, h, k, mu, a):
     Without the force x would change by `free` (m); a held one takes off `give` (m/N) > 0. The change that the law
     allows is the root of an increasing convex function: Newton's method comes down to it from above.
     """
+    stored = elastic(x, k, a)
     high = free
     low = free
     if x > 0.0:
-        low = min(free, -x) - give * k * x**a / (a + 1.0)
+        low = min(free, -x) - give * stored / x
     if x >= 0.0 and free > 0.0:
         # f is at least k x1^a/(a+1) where x1 > x, and takes off no more than `free`.
         high = min(high, max(((a + 1.0) * free / (give * k)) ** (1.0 / a) - x, 0.0))
     low = min(low, -abs(x))
     change = high
     for _ in range(_GRADIENT_STEPS):
-        f, slope = _held(x, change, h, k, mu, a)
+        f, slope = _held(x, stored, change, h, k, mu, a)
         residual = change - free + give * f
+        step = residual / (1.0 + give * slope)
+        if abs(step) <= 2e-14 * (abs(change) + (abs(free) + give * f) / (1.0 + give * slope)):
+            break  # at what rounding makes of it
         if residual > 0.0:
             high = change
         else:
             low = change
-        new = change - residual / (1.0 + give * slope)
-        if not low < new < high:
-            new = 0.5 * (low + high)
-        step = abs(new - change)
-        change = new
-        if step <= 1e-15 * abs(new):
-            break
+        if not low < change - step < high:
+            step = change - 0.5 * (low + high)
+        change -= step
     return change, max(free - change, 0.0) / give
 
 
 @kernel
-def _held(x, change, h, k, mu, a):
-    """[V(x + change) - V(x)]/change max(0, 1 + mu change/h), and its slope over the change."""
+def _held(x, stored, change, h, k, mu, a):
+    """[V(x + change) - V(x)]/change max(0, 1 + mu change/h), and its slope over the change; V(x) is `stored`."""
     slack = 1.0 + mu * change / h
     end = x + change
     if slack <= 0.0 or (x <= 0.0 and end <= 0.0):
         return 0.0, 0.0
-    if min(x, end) > 0.0 and abs(change) < 1e-2 * x:
+    if min(x, end) > 0.0 and abs(change) < 3e-2 * x:
         # Nearly equal energies would cancel; their difference is the mean of k x^a.
         mean = slope = 0.0
         for j in range(NODES):
@@ -209,8 +209,9 @@ def _held(x, change, h, k, mu, a):
             mean += WEIGHTS[j] * k * power * (x + GAUSS[j] * change)
             slope += WEIGHTS[j] * GAUSS[j] * k * a * power
     else:
-        mean = (elastic(end, k, a) - elastic(x, k, a)) / change
-        slope = ((k * end**a if end > 0.0 else 0.0) - mean) / change
+        spring = k * end**a if end > 0.0 else 0.0
+        mean = (spring * end / (a + 1.0) - stored) / change
+        slope = (spring - mean) / change
     return mean * slack, slope * slack + mean * mu / h
 
 
