@@ -221,9 +221,12 @@ def until_release(step, x, v, h, longest, closing):
 
     x and v (per unit of h) are those at the end of the step as tried. Newton's method from either side.
     """
-    for i in range(NODES):
+    if step.x[0] < 0.0:
+        return h * GAUSS[0], False
+    for i in range(1, NODES):
         if step.x[i] < 0.0:
-            return h * GAUSS[i], False
+            share = step.x[i - 1] / (step.x[i - 1] - step.x[i])
+            return h * (GAUSS[i - 1] + share * (GAUSS[i] - GAUSS[i - 1])), True
     near = _CLOSED * max(step.x[0], step.x[1], step.x[2])
     if x < -near:
         return (h - x / v, True) if v < 0.0 else (h * GAUSS[NODES - 1], False)
