@@ -1,5 +1,6 @@
 """The live server: OSC in over UDP and TCP, replies out, sound on a device."""
 
+import gc
 import sys
 import time
 import traceback
@@ -282,7 +283,14 @@ def serving(options: Options) -> Iterator[Server]:
             with _named(options.bind, options.oscquery):
                 server.query = OscQuery(options.bind, options.oscquery, server.address[1], server.names)
             stack.enter_context(answering(server.query))
+        _warm_up(engine)
         yield server
+
+
+def _warm_up(engine: Engine) -> None:
+    """Do now what would hold up the first who asks for something, by some 70 ms each."""
+    engine.send([])  # compiles what hands commands over
+    gc.freeze()  # what is here for good need not be looked through for garbage again and again
 
 
 @contextmanager

@@ -207,17 +207,17 @@ class Network:
 
     def _part(self, connection: Connection) -> None:
         """Let a client go whose stream has ended, now that all in it was carried out."""
-        if connection in self._connections:
+        if connection.wrong and self.reaches(connection):
             with suppress(OSError):
-                if connection.wrong:
-                    self.send(Message("/fail", ("stream", connection.wrong)), connection)
-            self._leave(connection)
+                self.send(Message("/fail", ("stream", connection.wrong)), connection)
+        self._leave(connection)
 
     def _leave(self, connection: Connection) -> None:
-        self._connections.discard(connection)
-        with suppress(KeyError):
-            self._selector.unregister(connection.socket)
-        connection.close()
+        if connection in self._connections:
+            self._connections.remove(connection)
+            with suppress(KeyError):
+                self._selector.unregister(connection.socket)
+            connection.close()
 
 
 def _bound(host: str, port: int) -> tuple[socket.socket, socket.socket]:

@@ -2,6 +2,7 @@
 
 import select
 import socket
+import struct
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack
@@ -170,7 +171,7 @@ def test_a_client_that_resets_is_forgotten(net, stack):
     one = client(net, stack)
     one.sendall(Sized.framed(A))
     assert len(taken(net)) == 1
-    one.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\1\0\0\0\0\0\0\0")
+    one.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
     one.close()
     taken(net)
     assert net.connections == 0
@@ -261,3 +262,14 @@ def test_answers_elsewhere_are_rationed(monkeypatch):
 )
 def test_what_is_local(host, is_local):
     assert allowance.local(host) is is_local
+
+
+def test_a_client_that_is_gone_before_it_can_be_told(net, stack):
+    """Its stream is broken, and then it is not there to hear of it."""
+    one = client(net, stack)
+    one.sendall(b"\xff" * 200_000)
+    net._gather(0.5)
+    net._gather(0.5)
+    one.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+    one.close()
+    assert taken(net) == [] and net.connections == 0

@@ -1,0 +1,38 @@
+"""Junk by the thousand, seeded, on a real server: it stays up, quick and no larger, and plays on."""
+
+import numpy as np
+import pytest
+import soundfile
+
+from carom.server import osc
+from tests.bench.fuzz import KNOWN, Junk, fuzz, still_plays
+from tests.conftest import serving
+
+
+@pytest.mark.parametrize("seed", [7, 8])
+def test_junk_does_no_harm(tmp_path, seed):
+    with serving(tmp_path, "--device", "none", "--record", "out.wav") as server:
+        found = fuzz(server.process, server.port, 10_000, seed)
+        assert found.streams > 50
+        times = sorted(found.answers)
+        assert times[len(times) * 9 // 10] < 0.05 and times[-1] < 1.0  # others are at work on the machine, too
+        if found.memory:
+            assert found.memory[-1] - found.memory[1] < 30e6
+        assert still_plays(server.port)
+        assert server.quit() == (0, "")
+    sound, _ = soundfile.read(tmp_path / "out.wav")
+    assert np.isfinite(sound).all() and np.abs(sound).max() <= 1.0
+    assert np.abs(sound[-4800:]).max() > 1e-3
+
+
+def test_the_junk_is_neither_all_valid_nor_all_noise():
+    packets, again = ([junk.packet() for _ in range(4000)] for junk in (Junk(1, 1.8e9), Junk(1, 1.8e9)))
+    assert packets == again
+    well = 0
+    for packet in packets:
+        try:
+            well += bool(osc.parse(packet))
+        except osc.BadPacket:
+            continue
+    assert 0.2 < well / len(packets) < 0.7
+    assert set(KNOWN) & set(packets)
