@@ -13,6 +13,7 @@ class Dump:
     """Prints messages on stdout from a thread of its own; while nobody reads there, what doesn't fit is left out."""
 
     def __init__(self) -> None:
+        self.on = True
         self._lines: queue.Queue[str] = queue.Queue(_WAITING)
         threading.Thread(target=self._print, name="carom-dump", daemon=True).start()
 

@@ -130,7 +130,7 @@ class Server:
             self._reply(fail("datagram", str(error)), source)
             return
         for bundle in bundles:
-            if self._dump:
+            if self._dump and self._dump.on:
                 for message in bundle.messages:
                     self._dump.show(message)
             self._perform(bundle, source)
@@ -180,7 +180,8 @@ class Server:
             case "/notify":
                 self._notify(bool(values["on"]), source)
             case "/dump":
-                self._dump = (self._dump or Dump()) if values["on"] else None
+                self._dump = self._dump or Dump()  # one for all times: its thread may never end
+                self._dump.on = bool(values["on"])
             case "/quit":
                 self._reply(Message("/done", ("/quit",)), source)
                 self.stop()
@@ -290,7 +291,8 @@ def serving(options: Options) -> Iterator[Server]:
 def _warm_up(engine: Engine) -> None:
     """Do now what would hold up the first who asks for something, by some 70 ms each."""
     engine.send([])  # compiles what hands commands over
-    gc.freeze()  # what is here for good need not be looked through for garbage again and again
+    gc.freeze()  # what is here for good need not be looked through for garbage again and again,
+    gc.collect()  # nor count when it is decided whether there is enough new to look through
 
 
 @contextmanager

@@ -6,6 +6,7 @@ import copy
 import difflib
 import inspect
 import math
+import os
 import re
 import reprlib
 import sys
@@ -493,9 +494,10 @@ class Presets:
         if not NAME.fullmatch(name):
             raise PresetError(f"{singular} {_shown(name)}: expected {Name()}")
         for folder in self._folders:
-            path = folder / kind / f"{name}.toml"
-            if path.is_file():
-                return path
+            # Not as a Path before it is one of ours: pathlib keeps the parts of all it ever made.
+            path = f"{folder / kind}/{name}.toml"
+            if os.path.isfile(path):
+                return Path(path)
         known = self.names(kind)
         close = difflib.get_close_matches(name, known)
         hint = f"did you mean {' or '.join(close)}?" if close else f"expected one of {', '.join(known)}"

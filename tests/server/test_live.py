@@ -318,3 +318,18 @@ def test_listening_to_others_is_warned_of(tmp_path):
     with serving(tmp_path, "--device", "none", "--bind", "0.0.0.0") as server:
         code, errors = server.quit()
     assert code == 0 and errors == "carom serve: whoever reaches this machine can play on it: it listens on 0.0.0.0\n"
+
+
+def test_dump_on_and_off_leaves_nothing_behind(server: Running):
+    tasks = Path(f"/proc/{server.process.pid}/task")
+    if not tasks.is_dir():
+        pytest.skip("threads can't be counted here")
+    with server.client() as client:
+        for on in (1, 0):
+            client.send("/dump", on)
+        client.ask("/sync", 1)
+        before = len(list(tasks.iterdir()))
+        for n in range(100):
+            client.send("/dump", n % 2)
+        client.ask("/sync", 2)
+        assert len(list(tasks.iterdir())) == before
