@@ -6,6 +6,7 @@ Real time hands its address to PortAudio; offline and clock-driven rendering cal
 import hashlib
 import logging
 import shutil
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -74,16 +75,21 @@ def _forget_old(folder: Path) -> None:
 
 @cache
 def callback() -> Any:
-    """The compiled callback, a numba CFunc: from the user's cache where that can be written."""
+    """The compiled callback, a numba CFunc."""
+    return kept(compile_callback)
+
+
+def kept(compiled: Callable[[bool], Any]) -> Any:
+    """What `compiled(cached)` compiles, from the user's cache where that can be written."""
     folder = _cache_folder()
     _forget_old(folder)
     elsewhere = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(folder)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        return compile_callback(cached=True)
+        return compiled(True)
     except OSError as error:
         logging.getLogger(__name__).warning("compiled code can't be kept, every start will compile: %s", error)
-        return compile_callback(cached=False)
+        return compiled(False)
     finally:
         numba.config.CACHE_DIR = elsewhere

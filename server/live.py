@@ -222,7 +222,8 @@ class Server:
             self._reply(Message("/synced", (identity,)), source)
         for ended in self._scene.take_ends():
             self._tell_end(ended)
-        for sender, count in self._network.dropped():
+        if lost := self._network.dropped():
+            count, sender = lost
             text = f"{count} were left out: they came faster than they could be carried out"
             self._reply(fail("datagram", text), sender)
         names = {obj.handle.slot: name for name, obj in self._scene.objects.items()}

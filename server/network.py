@@ -1,7 +1,6 @@
-"""The way in and out: UDP and TCP on one port, a bounded queue of what has arrived, replies that never wait.
+"""The way in and out: UDP and TCP on one port, bounded queues of what has arrived, replies that never wait.
 
-One thread does it all. It empties the system's buffers before it looks at the next packet, so that a burst waits here,
-where it is counted, and not there, where it is lost.
+Datagrams come from a thread of their own (intake.py); all else is done by one, between packets.
 """
 
 import selectors
@@ -12,20 +11,16 @@ from collections import Counter, deque
 from contextlib import suppress
 
 from .allowance import Allowance
-from .osc import MAX_DATAGRAM, Message, encode
+from .intake import Intake
+from .osc import Message, encode
 from .tcp import Connection, listen
 
-MOST_DATAGRAMS = 16_384
-"""Datagrams that can wait to be carried out."""
-MOST_BYTES = 1 << 24
-"""Bytes of such."""
 MOST_CONNECTIONS = 32
 
 RECEIVE_BUFFER = 1 << 22
-"""Bytes asked of the system for datagrams that come while one is carried out: some 10,000. It gives what it permits."""
+"""Bytes asked of the system for datagrams that come before the intake's turn; it gives what it permits."""
 
-_AT_ONCE = 1_024  # datagrams read before one is carried out, so that a flood can't keep all from being so
-_TOLD = 64  # sources that are told at a time what they lost
+_NEVER_WAIT = getattr(socket, "MSG_DONTWAIT", 0)
 _TRIES = 16  # ports that may be free for UDP and not for TCP
 
 Source = tuple[str, int] | Connection
@@ -37,18 +32,17 @@ class Network:
 
     def __init__(self, host: str, port: int) -> None:
         """Listen on a port, 0 being any that is free; OSError if it can't be."""
-        self.counts = Counter(dropped=0, dropped_by_system=0, replies_dropped=0)
-        """What was left out: datagrams for want of room here, or in the system's buffer, and replies."""
-        self._warned = Counter(self.counts)
-        self._dropped_of: Counter[tuple[str, int]] = Counter()
-        self._queue: deque[tuple[bytes | None, Source]] = deque()  # None: the end of a stream
-        self._datagrams = 0
-        self._bytes = 0
+        self._replies_dropped = 0
+        self._warned: Counter[str] = Counter()
+        self._told = 0  # datagrams dropped, whose sender was told
+        self._streamed: deque[tuple[bytes | None, Connection]] = deque()  # None: the end of a stream
+        self._stream_next = False  # datagrams and streams take turns
         self._connections: set[Connection] = set()
         self._allowance = Allowance()
         self._selector = selectors.DefaultSelector()
         self._udp, self._listener = _bound(host, port)
-        self._selector.register(self._udp, selectors.EVENT_READ)
+        self._intake = Intake(self._udp)
+        self._selector.register(self._intake.heard, selectors.EVENT_READ)
         self._selector.register(self._listener, selectors.EVENT_READ)
 
     @property
@@ -67,28 +61,41 @@ class Network:
         """TCP clients that are there."""
         return len(self._connections)
 
+    @property
+    def counts(self) -> dict[str, int]:
+        """What was left out: datagrams for want of room here, or in the system's buffer, and replies."""
+        return {
+            "dropped": self._intake.dropped,
+            "dropped_by_system": _dropped_by_system(self._udp),
+            "replies_dropped": self._replies_dropped,
+        }
+
     def receive(self, timeout: float) -> tuple[bytes, Source] | None:
         """The next packet and its source, or None if none comes for so long (s)."""
         deadline = time.monotonic() + timeout
+        wait = 0.0
         while True:
-            self._gather(0.0 if self._queue else max(0.0, deadline - time.monotonic()))
-            while self._queue:
-                packet, source = self._dequeue()
-                if packet is not None:
-                    return packet, source
-            if time.monotonic() >= deadline:
+            self._gather(wait)
+            if arrived := self._next():
+                return arrived
+            wait = deadline - time.monotonic()
+            if wait <= 0.0:
                 return None
 
-    def _dequeue(self) -> tuple[bytes | None, Source]:
-        packet, source = self._queue.popleft()
-        if not isinstance(source, Connection):
-            self._datagrams -= 1
-            self._bytes -= len(packet or b"")
-            return packet, source
-        source.queued -= 1
-        if packet is None:
-            self._part(source)
-        return packet, source
+    def _next(self) -> tuple[bytes, Source] | None:
+        self._stream_next = not self._stream_next
+        if self._stream_next:
+            return self._from_streams() or self._intake.take()
+        return self._intake.take() or self._from_streams()
+
+    def _from_streams(self) -> tuple[bytes, Source] | None:
+        while self._streamed:
+            packet, connection = self._streamed.popleft()
+            connection.queued -= 1
+            if packet is not None:
+                return packet, connection
+            self._part(connection)
+        return None
 
     def send(self, message: Message, to: Source) -> None:
         """Send a reply, or count it as dropped; OSError if its receiver is gone."""
@@ -104,68 +111,49 @@ class Network:
             self._watch(to)
         elif sent := self._allowance.take(to[0]):
             try:
-                self._udp.sendto(packet, to)
+                self._udp.sendto(packet, _NEVER_WAIT, to)
             except BlockingIOError:
                 sent = False
-        self.counts["replies_dropped"] += not sent
+        self._replies_dropped += not sent
 
     def reaches(self, source: Source) -> bool:
         """Can it be answered still, as far as is known?"""
         return not isinstance(source, Connection) or source in self._connections
 
-    def dropped(self) -> list[tuple[tuple[str, int], int]]:
-        """Who lost how many datagrams for want of room here, since the last call."""
-        told = list(self._dropped_of.items())
-        self._dropped_of.clear()
-        return told
+    def dropped(self) -> tuple[int, tuple[str, int]] | None:
+        """How many datagrams found no room since the last call, and who sent the last of them; None if all did."""
+        new = self._intake.dropped - self._told
+        self._told += new
+        return (new, self._intake.loser) if new else None
 
     def warnings(self) -> list[str]:
         """What was left out since the last call, a line each."""
-        self.counts["dropped_by_system"] = _dropped_by_system(self._udp)
-        lines = []
-        for name, text in (
-            ("dropped", "{} datagrams left out: they came faster than they could be carried out"),
-            ("dropped_by_system", "{} datagrams lost: the system's receive buffer is too small, see carom doctor"),
-            ("replies_dropped", "{} replies left out: they were not taken, or too many for a host elsewhere"),
-        ):
-            if more := self.counts[name] - self._warned[name]:
-                lines.append(text.format(more))
-        self._warned = Counter(self.counts)
-        return lines
+        new = Counter(self.counts) - self._warned
+        self._warned += new
+        texts = {
+            "dropped": "{} datagrams left out: they came faster than they could be carried out",
+            "dropped_by_system": "{} datagrams lost: the system's receive buffer is too small, see carom doctor",
+            "replies_dropped": "{} replies left out: they were not taken, or too many for a host elsewhere",
+        }
+        return [texts[name].format(count) for name, count in new.items()]
 
     def close(self) -> None:
         for connection in tuple(self._connections):
             self._leave(connection)
         self._selector.close()
+        self._intake.close()
         self._udp.close()
         self._listener.close()
 
     def _gather(self, timeout: float) -> None:
         """Take what has arrived off the system's hands."""
         for key, events in self._selector.select(timeout):
-            if key.fileobj is self._udp:
-                self._read_datagrams()
+            if key.fileobj is self._intake.heard:
+                self._intake.hush()
             elif key.fileobj is self._listener:
                 self._accept()
             else:
                 self._attend(key.data, events)
-
-    def _read_datagrams(self) -> None:
-        for _ in range(_AT_ONCE):
-            try:
-                packet, source = self._udp.recvfrom(MAX_DATAGRAM)
-            except BlockingIOError:
-                break
-            except ConnectionError:
-                continue  # a client is gone that was sent a reply
-            if self._datagrams < MOST_DATAGRAMS and self._bytes < MOST_BYTES:
-                self._queue.append((packet, source))
-                self._datagrams += 1
-                self._bytes += len(packet)
-            else:
-                self.counts["dropped"] += 1
-                if source in self._dropped_of or len(self._dropped_of) < _TOLD:
-                    self._dropped_of[source] += 1
 
     def _accept(self) -> None:
         with suppress(OSError):  # it has left already
@@ -191,7 +179,7 @@ class Network:
             self._leave(connection)
 
     def _enqueue(self, packet: bytes | None, connection: Connection) -> None:
-        self._queue.append((packet, connection))
+        self._streamed.append((packet, connection))
         connection.queued += 1
 
     def _watch(self, connection: Connection) -> None:
@@ -226,7 +214,6 @@ def _bound(host: str, port: int) -> tuple[socket.socket, socket.socket]:
         udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
             udp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
-            udp.setblocking(False)
             udp.bind((host, port))
             return udp, listen(host, udp.getsockname()[1])
         except OSError:
