@@ -217,6 +217,11 @@ def unix_ns(tag: int) -> int:
     return (tag - _UNIX_EPOCH) * 1_000_000_000 >> 32
 
 
+def is_pattern(address: str) -> bool:
+    """Whether an address, or a part of one, may match others than itself."""
+    return any(sign in address for sign in "*?[{")
+
+
 def match(pattern: str, part: str) -> bool:
     """Whether an OSC address pattern matches one part of an address (what stands between two slashes).
 

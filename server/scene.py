@@ -12,7 +12,7 @@ from ..dsp.materials import Material
 from ..dsp.methods import CORRECTIONS, METHODS
 from ..dsp.state import RING, Command, Steering
 from .gestures import Ended, Gestures
-from .osc import Argument, Message, match
+from .osc import Argument, Message, is_pattern, match
 from .presets import ObjectPreset, PresetError, Presets
 from .space import VERBS, Refused, Values, Verb, shown, spelled
 from .strikes import GRAVITY, LAW, Contact, fall, require_rest, require_rollable, require_short
@@ -93,11 +93,16 @@ class Scene:
         while len(self._undo) > first:
             self._undo.pop()()
 
-    def _living(self) -> dict[str, _Object]:
-        """The objects that are there, or the next to be, at the time of what is being carried out."""
+    def _living(self, pattern: str = "*") -> dict[str, _Object]:
+        """The objects whose names match that are there, or the next to be, at the time of what is being carried out."""
         now = max(self._time, float(self.engine.position))
         living: dict[str, _Object] = {}
-        for name, obj in (*self._displaced, *self.objects.items()):
+        if is_pattern(pattern):
+            named = [(name, obj) for name, obj in (*self._displaced, *self.objects.items()) if match(pattern, name)]
+        else:  # most are, and to look through all objects for one takes long
+            named = [(name, obj) for name, obj in self._displaced if name == pattern]
+            named += [(pattern, self.objects[pattern])] if pattern in self.objects else []
+        for name, obj in named:
             if obj.leaves > now:
                 living.setdefault(name, obj)
         return living
@@ -143,10 +148,9 @@ class Scene:
             actions = ", ".join(a.rsplit("/", 1)[1] for a in VERBS if a.startswith("/object/NAME/"))
             raise Refused(f"{action}: nothing an object does; expected {actions}")
         values = verb.parse(message.args)
-        living = self._living()
-        objects = {name: obj for name, obj in living.items() if match(pattern, name)}
+        objects = self._living(pattern)
         if not objects:
-            known = ", ".join(list(living)[:8]) or "none"
+            known = ", ".join(list(self._living())[:8]) or "none"
             raise Refused(f"{pattern}: no such object; there are {known}")
         commands = []
         for name, obj in objects.items():
@@ -181,7 +185,7 @@ class Scene:
         name = values.words["name"]
         if not _NAME.fullmatch(name) or not name.isprintable() or name == "new":
             raise Refused(f"name = {shown(name)}: expected 1 to 64 printable characters, none of them {_FORBIDDEN}")
-        if name in self._living():
+        if self._living(name):
             raise Refused(f"name = {name}: there is such an object already; free it first")
         settings = {key: values.numbers.pop(key, default) for key, default in _SETTINGS.items()}
         preset = self.presets.object(values.words["preset"])
@@ -286,11 +290,11 @@ class Scene:
     def _striker(self, obj: _Object, values: Values) -> _Object:
         """The object that a message strikes another one with."""
         name = values.words["by"]
-        living = self._living()
-        if name not in living or living[name] is obj:
-            known = ", ".join([other for other in living if living[other] is not obj][:8]) or "none"
+        striker = None if is_pattern(name) else self._living(name).get(name)
+        if striker is None or striker is obj:
+            known = ", ".join([other for other, each in self._living().items() if each is not obj][:8]) or "none"
             raise Refused(f"by = {shown(name)}: expected another object; there are {known}")
-        return living[name]
+        return striker
 
     def _start(self, id: str | None, name: str, action: str) -> int:
         """The number of a gesture on the object NAME, 0 for one that nobody will ask for."""

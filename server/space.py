@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import lru_cache
 
-from .osc import Argument, Message, match
+from .osc import Argument, Message, is_pattern, match
 
 
 class Refused(ValueError):
@@ -252,7 +252,7 @@ def spelled(message: Message) -> list[Message]:
     What matches none comes back as it is, to be refused. /quit is meant by its full name alone: nobody who sends to
     every address wants to end the server.
     """
-    if not any(sign in message.address for sign in "*?[{"):
+    if not is_pattern(message.address):
         return [message]
     return [Message(address, message.args) for address in _matched(message.address)] or [message]
 

@@ -292,3 +292,13 @@ def test_a_bundle_that_strikes_everything_without_end_is_refused_in_time(scene):
     assert time.process_time() - started < 1.0
     assert len(replies) == 2_700 and all("no room" in reply.args[1] for reply in replies)
     assert say(scene, "/object/*/impact", 1.0) == []
+
+
+def test_one_among_many_is_found_at_once(scene):
+    for n in range(OBJECTS):
+        say(scene, "/object/new", f"o{n}", "wood-block")
+        scene.engine.process(64)
+    started = time.process_time()
+    for n in range(2000):
+        assert say(scene, f"/object/o{n % OBJECTS}/impact", 0) == []
+    assert time.process_time() - started < 1.0
