@@ -72,6 +72,35 @@ def test_other_programs_strike(tmp_path, program, words):
     assert onsets(tmp_path / "out.wav") >= 1
 
 
+SCLANG_TCP = """(fork {
+    var n = NetAddr("127.0.0.1", PORT);
+    n.connect;
+    n.sendMsg("/object/new", "a", "wood-block");
+    0.2.wait;
+    n.sendBundle(0.1, ["/object/a/impact", 1.0]);
+    1.wait;
+    0.exit;
+})"""
+
+
+@pytest.mark.parametrize("program", ["oscsend", "sclang"])
+def test_other_programs_strike_over_tcp(tmp_path, server: Running, program):
+    if not shutil.which(program):
+        pytest.skip(f"{program} is not installed")
+    (tmp_path / "strike.scd").write_text(SCLANG_TCP.replace("PORT", str(server.port)))
+    send = ["oscsend", f"osc.tcp://localhost:{server.port}"]
+    commands = {
+        "oscsend": [[*send, "/object/new", "ss", "a", "wood-block"], [*send, "/object/a/impact", "f", "1"]],
+        "sclang": [["sclang", "strike.scd"]],
+    }
+    env = os.environ | {"QT_QPA_PLATFORM": "offscreen", "QTWEBENGINE_DISABLE_SANDBOX": "1", "HOME": str(tmp_path)}
+    for words in commands[program]:
+        subprocess.run(words, cwd=tmp_path, env=env, check=True, timeout=60, capture_output=True)
+    time.sleep(0.2)
+    with server.client() as client:
+        assert counted(client.status())["impacts"] == 1
+
+
 def test_manners(server: Running):
     with server.client() as client:
         assert client.ask("/version").args[0] == "carom"

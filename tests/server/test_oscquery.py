@@ -8,14 +8,24 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, closing
+from itertools import product
 
 import pytest
 
 from carom.server.oscquery import OscQuery, answering, node
-from carom.server.space import VERBS, Number, Refused
+from carom.server.space import VERBS, Number, Refused, Verb
 from tests.conftest import serving
 
-NAMES = {"NAME": {"bell": None, "é %41": None}, "ID": ["ball"], "preset": ["tom", "bar"]}
+NAMES = {"NAME": {"bell": None, "é %41": None}, "ID": {"g1": None}, "preset": ["tom", "bar"]}
+
+
+def everything() -> dict[str, Verb]:
+    """Every address there is, and its verb."""
+    return {
+        "/".join(parts): verb
+        for address, verb in VERBS.items()
+        for parts in product(*(NAMES.get(part, [part]) for part in address.split("/")))
+    }
 
 
 def leaves(found: dict) -> Iterator[dict]:
@@ -27,11 +37,7 @@ def leaves(found: dict) -> Iterator[dict]:
 
 def test_every_verb_is_described_once_for_each_object():
     described = {leaf["FULL_PATH"]: leaf for leaf in leaves(node("/", NAMES))}
-    expected = {
-        address.replace("NAME", name).replace("ID", "ball"): verb
-        for address, verb in VERBS.items()
-        for name in NAMES["NAME"]
-    }
+    expected = everything()
     assert described.keys() == expected.keys()
     for path, leaf in described.items():
         assert leaf["DESCRIPTION"].startswith(expected[path].help)
@@ -42,7 +48,7 @@ def test_what_it_offers_is_taken_and_nothing_beyond():
     """Every list of arguments that it names passes the checks at its bounds, and fails beyond them."""
     checked = 0
     for leaf in leaves(node("/", NAMES)):
-        verb = VERBS[leaf["FULL_PATH"].replace("bell", "NAME").replace("é %41", "NAME").replace("ball", "ID")]
+        verb = everything()[leaf["FULL_PATH"]]
         for kind in [leaf, *leaf.get("OVERLOADS", [])] if leaf["ACCESS"] else []:
             ranges = [bounds or {"VALS": ["x"]} for bounds in kind["RANGE"]]
             assert len(ranges) == len(kind["TYPE"]) == len(kind.get("UNIT", ranges))
