@@ -39,9 +39,9 @@ class Network:
         self._stream_next = False  # datagrams and streams take turns
         self._connections: set[Connection] = set()
         self._allowance = Allowance()
-        self._selector = selectors.DefaultSelector()
         self._udp, self._listener = _bound(host, port)
         self._intake = Intake(self._udp)
+        self._selector = selectors.DefaultSelector()
         self._selector.register(self._intake.heard, selectors.EVENT_READ)
         self._selector.register(self._listener, selectors.EVENT_READ)
 

@@ -295,6 +295,27 @@ def test_a_burst_of_datagrams_is_not_lost(server: Running):
         assert told["impacts"] == 10_000 and told["dropped"] == told["dropped_by_system"] == 0
 
 
+def test_who_sends_too_much_is_told(server: Running):
+    with Client(port=server.port, tcp=True) as client, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        client.send("/object/new", "gong", "gong")  # which takes a while
+        time.sleep(0.01)
+        for number in range(200):
+            sock.sendto(bytes(60_000), ("127.0.0.1", server.port))
+            if number % 10 == 0:
+                time.sleep(0.001)
+        client.ask("/sync", 1, timeout=10.0)
+        time.sleep(0.5)
+        lost = counted(client.status())["dropped"]
+        if not lost:
+            pytest.skip("the machine was too slow to send too much")
+        sock.settimeout(2.0)
+        while "were left out" not in (text := osc.parse(sock.recv(2000))[0].messages[0].args[1]):
+            assert "expected" in text
+        client.impact("gong", 1.0)
+        client.ask("/sync", 2)
+        assert counted(client.status())["impacts"] == 1
+
+
 def client_buffer() -> int:
     with closing(Network("127.0.0.1", 0)) as network:
         return network.receive_buffer
