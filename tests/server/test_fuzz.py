@@ -15,7 +15,8 @@ def test_junk_does_no_harm(tmp_path, seed):
         found = fuzz(server.process, server.port, 10_000, seed)
         assert found.streams > 50
         times = sorted(found.answers)
-        assert times[len(times) * 9 // 10] < 0.05 and times[-1] < 1.0  # others are at work on the machine, too
+        assert found.hangs < len(times) // 100  # a batch may hold several objects to be made
+        assert times[len(times) * 9 // 10] < 0.05 and times[-1] < 2.0  # others are at work on the machine, too
         if found.memory:
             assert found.memory[-1] - found.memory[1] < 30e6
         assert still_plays(server.port)
