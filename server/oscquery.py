@@ -40,7 +40,7 @@ def node(path: str, names: Names) -> dict[str, Any] | None:
         if not _leads(given, parts, names):
             continue
         if len(parts) == len(given):
-            return {"FULL_PATH": path, "DESCRIPTION": f"{verb.help}: {verb.usage()}", **_arguments(verb, names)}
+            return {"FULL_PATH": path, "DESCRIPTION": _description(verb), **_arguments(verb, names)}
         following = parts[len(given)]
         for name in names.get(following, ()) if following.isupper() else (following,):
             if name not in contents and (below := node(f"{path.rstrip('/')}/{name}", names)):
@@ -55,6 +55,11 @@ def _leads(given: list[str], parts: tuple[str, ...], names: Names) -> bool:
         part in names.get(known, ()) if known.isupper() else part == known
         for part, known in zip(given, parts, strict=False)
     )
+
+
+def _description(verb: Verb) -> str:
+    keys = f"; keys: {', '.join(key.name for key in verb.keys)}" if verb.keys else ""
+    return f"{verb.help}: {verb.usage()}{keys}"
 
 
 def _arguments(verb: Verb, names: Names) -> dict[str, Any]:

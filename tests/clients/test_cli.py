@@ -136,6 +136,7 @@ def test_own_presets_come_first(carom, tmp_path):
 def test_doctor_finds_this_machine_well(carom):
     run = carom("doctor")
     assert run.returncode == 0 and "FAIL" not in run.stdout
+    assert "receive buffer" in run.stdout
     assert "engine:" in run.stdout and "30 objects" in run.stdout
 
 
@@ -150,7 +151,9 @@ def test_send_prints_what_is_answered(carom, server: Running):
     run = carom("send", *port, "/object/a/impact", "-1")
     assert run.returncode == 1 and run.stderr.startswith("/fail /object/a/impact velocity = -1")
     assert carom("send", *port, "/object/a/impact", "1").returncode == 0
-    assert " impacts 1 " in carom("send", *port, "/status").stdout
+    assert " impacts 1 " in carom("send", *port, "--tcp", "/status").stdout
+    run = carom("send", *port, "--tcp", "/object/a/impact", "-1")
+    assert run.returncode == 1 and run.stderr.startswith("/fail /object/a/impact velocity = -1")
     assert carom("send", *port, "/quit").stdout == "/done /quit\n"
     assert server.process.wait(timeout=10) == 0
 
@@ -162,8 +165,9 @@ def test_play_sends_a_score_in_time(carom, tmp_path, server: Running):
     with server.client() as client:
         assert dict(zip((a := client.status().args)[9::2], a[10::2], strict=True))["impacts"] == 2
     (tmp_path / "s.txt").write_text("0 /object/b/impact 1\n")
-    run = carom("play", "s.txt", "--port", server.port)
-    assert run.returncode == 1 and "b: no such object" in run.stderr
+    for words in ((), ("--tcp",)):
+        run = carom("play", "s.txt", "--port", server.port, *words)
+        assert run.returncode == 1 and "b: no such object" in run.stderr
 
 
 @pytest.mark.parametrize("example", ["strike.py", "random_scene.py"])

@@ -9,6 +9,7 @@ import pytest
 
 from carom.clients.client import Client, CommandError
 from carom.server import osc
+from carom.server.framing import Sized
 from carom.server.osc import Bundle, Message
 
 
@@ -152,3 +153,34 @@ def test_nobody_there() -> None:
         port = free.getsockname()[1]
     with Client(port=port) as client, pytest.raises((ConnectionRefusedError, TimeoutError)):
         client.ask("/status", timeout=0.2)
+
+
+def test_tcp_to_nobody_and_to_who_leaves() -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as listener:
+        listener.bind(("127.0.0.1", 0))
+        port = listener.getsockname()[1]
+        with pytest.raises(ConnectionRefusedError):
+            Client(port=port, tcp=True)
+        listener.listen()
+        with Client(port=port, tcp=True) as client:
+            listener.accept()[0].close()
+            with pytest.raises(ConnectionError, match="closed the connection"):
+                client.ask("/status")
+
+
+def test_tcp_answers_come_in_pieces() -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as listener:
+        listener.bind(("127.0.0.1", 0))
+        listener.listen()
+        with Client(port=listener.getsockname()[1], tcp=True) as client:
+            here, _ = listener.accept()
+            with here:
+                client.impact("a", 0.1)
+                sent = b"".join(Sized().packets(here.recv(1000)))
+                assert osc.parse(sent)[0].messages == (Message("/object/a/impact", (0.1,)),)
+                answers = Sized.framed(osc.encode("/one", 1)) + Sized.framed(osc.encode("/two"))
+                here.sendall(answers[:7])
+                timer = threading.Timer(0.05, here.sendall, (answers[7:],))
+                timer.start()
+                assert list(client.replies(0.5)) == [Message("/one", (1,)), Message("/two")]
+                timer.join()
