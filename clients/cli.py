@@ -73,6 +73,10 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument("address")
     sub.add_argument("args", nargs="*", metavar="ARG")
 
+    sub = command("top", _top, "show what a running server does, live")
+    sub.add_argument("--once", action="store_true", help="print it once")
+    _add_server(sub)
+
     sub = command("chart", _chart, "measure speed against accuracy on this machine, and draw it")
     sub.add_argument("folder", type=Path, help="where tables (CSV) and figures (SVG, PNG) go; made if missing")
     sub.add_argument("--quick", action="store_true", help="a coarse study")
@@ -98,6 +102,7 @@ def _serve_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--block", type=int, default=0, help="frames a block (0: the device's)")
     sub.add_argument("--record", type=Path, metavar="OUT.wav", help="keep what is played")
     sub.add_argument("--oscquery", type=int, metavar="PORT", help="describe all addresses over HTTP, 0: any free port")
+    sub.add_argument("--log", type=Path, metavar="OUT.txt", help="keep what is done, as a score")
     _add_contact(sub)
     _add_presets(sub)
 
@@ -152,7 +157,7 @@ def _serve(arguments: argparse.Namespace) -> int:
     from ..server.allowance import local
     from ..server.live import Options, serving
 
-    keys = ("port", "bind", "device", "latency", "rate", "block", "record", "oscquery")
+    keys = ("port", "bind", "device", "latency", "rate", "block", "record", "log", "oscquery")
     chosen = {key: getattr(arguments, key) for key in keys}
     options = Options(**chosen, presets=tuple(arguments.presets), contact=_contact(arguments))
     with serving(options) as server:
@@ -161,7 +166,7 @@ def _serve(arguments: argparse.Namespace) -> int:
         host, port = server.address
         if not local(host):
             print(f"carom serve: whoever reaches this machine can play on it: it listens on {host}", file=sys.stderr)
-        print(f"carom listens on {host}:{port}, plays on {server.output.name} at {arguments.rate} Hz", flush=True)
+        print(f"carom listens on {host}:{port}, plays on {server.player.name} at {arguments.rate} Hz", flush=True)
         if server.query:
             print(f"carom describes itself at http://{host}:{server.query.server_port}/ (OSCQuery)", flush=True)
         server.run()
@@ -245,6 +250,14 @@ def _send(arguments: argparse.Namespace) -> int:
     for reply in replies:
         print(reply.address, *reply.args, file=sys.stderr if reply.address == "/fail" else sys.stdout)
     return 1 if any(reply.address == "/fail" for reply in replies) else 0
+
+
+def _top(arguments: argparse.Namespace) -> int:
+    from .top import top
+
+    with Client(arguments.host, arguments.port) as client:
+        top(client, arguments.once)
+    return 0
 
 
 def _chart(arguments: argparse.Namespace) -> int:

@@ -71,6 +71,44 @@ def thread_id(typingctx):
     return types.int64(), codegen
 
 
+@intrinsic
+def pause_ns(typingctx, duration):
+    """Let this thread sleep for some ns."""
+
+    def codegen(context, builder, signature, args):
+        i32 = ir.IntType(32)
+        if sys.platform == "win32":
+            _call(builder, "Sleep", ir.VoidType(), [builder.trunc(builder.udiv(args[0], _I64(1_000_000)), i32)])
+        else:
+            time = cgutils.alloca_once(builder, ir.ArrayType(_I64, 2))
+            builder.store(builder.udiv(args[0], _I64(1_000_000_000)), cgutils.gep_inbounds(builder, time, 0, 0))
+            builder.store(builder.urem(args[0], _I64(1_000_000_000)), cgutils.gep_inbounds(builder, time, 0, 1))
+            _call(builder, "nanosleep", i32, [time, ir.Constant(time.type, None)])
+        return context.get_dummy_value()
+
+    return types.void(types.int64), codegen
+
+
+@intrinsic
+def call_back(typingctx, address, out, frames, times, flags, state):
+    """Call a compiled callback at an address, as PortAudio would, with the state at another."""
+
+    def codegen(context, builder, signature, args):
+        address, out, frames, times, flags, state = args
+        void = ir.IntType(8).as_pointer()
+        size = context.get_value_type(types.ulong)
+        parts = [
+            context.make_array(kind)(context, builder, array).data
+            for kind, array in ((signature.args[1], out), (signature.args[3], times))
+        ]
+        numbers = [builder.trunc(n, size) if size.width < 64 else n for n in (frames, flags)]
+        passed = [ir.Constant(void, None), parts[0], numbers[0], parts[1], numbers[1], builder.inttoptr(state, void)]
+        function = ir.FunctionType(ir.IntType(32), [value.type for value in passed])
+        return builder.call(builder.inttoptr(address, function.as_pointer()), passed)
+
+    return types.int32(types.int64, out, types.int64, times, types.int64, types.int64), codegen
+
+
 def _call(builder, name, returned, args):
     """Call a function of the system's library."""
     function = ir.FunctionType(returned, [arg.type for arg in args])

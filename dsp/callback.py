@@ -25,7 +25,8 @@ _SIGNATURE = types.intc(
     types.voidptr, types.CPointer(types.float32), types.ulong, types.CPointer(types.float64), types.ulong, types.voidptr
 )  # (input, output, frames, times, status flags, state)
 
-_OUTPUT_UNDERFLOW = 4
+OUTPUT_UNDERFLOW = 4
+"""The status flag that says that sound was missing before this block."""
 _NOW, _HEARD = 1, 2  # in PortAudio's times, s: of the callback, and of its first frame at the output
 _VERSIONS_KEPT = 4
 
@@ -37,7 +38,7 @@ def _callback(_input, output, frames, times, flags, userdata):
     state = carray(userdata, (1,), STATE)[0]
     if state.thread == 0:
         state.thread = thread_id()
-    underflow = flags & _OUTPUT_UNDERFLOW != 0
+    underflow = flags & OUTPUT_UNDERFLOW != 0
     state.underflows += underflow
     first = state.position - QUANTUM + state.consumed
     if lock(state.clock, state.rate, entered, first, frames, underflow):

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .atomic import observe, publish
+from .atomic import clock_ns, observe, publish
 from .bank import LANES, NYQUIST_SHARE
 from .body import Modes
 from .callback import callback
@@ -126,9 +126,19 @@ class Engine:
         """The callback's user data."""
         return self.state.ctypes.data
 
+    @property
+    def measured_rate(self) -> float:
+        """Hz, by the clock, as the callbacks come."""
+        period = float(self._record["clock"]["period"])
+        return 1e9 / period if period else self.rate
+
     def set_latency(self, latency: float) -> None:
         """Say how long (s) after its callback a sound is heard: what has a time begins that much earlier."""
         self._record["clock"]["latency"] = latency * self.rate
+
+    def forget_thread(self) -> None:
+        """Let the next callback say in which thread it runs."""
+        self._record["thread"] = 0
 
     @property
     def position(self) -> int:
@@ -141,7 +151,8 @@ class Engine:
         turn = -1
         while turn % 2 or turn != observe(clock["turn"]):
             turn = observe(clock["turn"])
-            origin, period = int(clock["origin"]), float(clock["period"]) or 1e9 / self.rate
+            origin = int(clock["origin"]) or clock_ns()  # before the first callback, that is now
+            period = 1e9 / self.measured_rate
             begin = float(clock["sample"]) - float(clock["time"]) / period - float(clock["latency"])
         if self._pace is None or abs(_sample(time, *self._pace) - _sample(time, origin, begin, period)) > (
             _STEADY * self.rate

@@ -14,12 +14,13 @@ from ..dsp.atomic import clock_ns
 from ..dsp.host import NOW, Engine, EngineFull
 from ..dsp.methods import METHODS
 from ..dsp.state import CONTACTS, Command, End
-from .audio import Output, open_output
 from .dump import Dump
 from .gestures import Ended
+from .log import Log
 from .network import Network, Source
 from .osc import DEFAULT_PORT, IMMEDIATELY, Argument, BadPacket, Bundle, Message, parse, unix_ns
 from .oscquery import OscQuery, answering
+from .player import Player
 from .presets import Presets
 from .recorder import Recorder
 from .render import HIGHEST_RATE, LOWEST_RATE
@@ -42,8 +43,9 @@ class ServeError(ValueError):
 @dataclass(frozen=True)
 class Options:
     """How to serve: port (0: any free one) and address, device (None: the default), latency to ask it for in s
-    (None: its lowest), rate in Hz, block in frames (0: the device's), a file to record to, folders of presets, the
-    arguments of a /contact to begin with, a port for OSCQuery (None: none, 0: any free one)."""
+    (None: its lowest), rate in Hz, block in frames (0: the device's), files to record the sound and to log the events
+    to, folders of presets, the arguments of a /contact to begin with, a port for
+    OSCQuery (None: none, 0: any free one)."""
 
     port: int = DEFAULT_PORT
     bind: str = "127.0.0.1"
@@ -52,6 +54,7 @@ class Options:
     rate: int = 48_000
     block: int = 0
     record: Path | None = None
+    log: Path | None = None
     presets: tuple[Path, ...] = ()
     contact: tuple[Argument, ...] = ()
     oscquery: int | None = None
@@ -72,24 +75,40 @@ class Options:
 class Server:
     """A scene that listens. `run` serves until /quit or `stop`."""
 
-    def __init__(self, network: Network, engine: Engine, output: Output, presets: Presets) -> None:
-        self.output = output
+    def __init__(
+        self,
+        network: Network,
+        engine: Engine,
+        player: Player,
+        presets: Presets,
+        recorder: Recorder | None = None,
+        log: Log | None = None,
+    ) -> None:
+        self.player = player
         self.engine = engine
         self.address = network.address
         self._network = network
         self._scene = Scene(engine, presets)
-        self._status = Status(engine, output.latency)
+        self._status = Status(engine, player)
         self._subscribers: set[Source] = set()
         self._syncs: dict[int, tuple[int, Source]] = {}
         self._sync_count = 0
         self._dump: Dump | None = None
         self._running = True
-        self.recorder: Recorder | None = None
+        self._log = log
+        if log:
+            self._scene.on_sent = log.expect
+        self._keepers = [keeper for keeper in (recorder, log) if keeper]
+        self._told: set[str] = set()
         self.query: OscQuery | None = None
-        self._record_told = False
 
     def stop(self) -> None:
         self._running = False
+
+    def start_files(self) -> None:
+        """Begin to record and to log, from the engine's first sample on, in files that so far are as they were."""
+        for keeper in self._keepers:
+            keeper.start()
 
     def choose_contact(self, args: tuple[Argument, ...]) -> None:
         """Solve contacts as /contact with these arguments asks; ServeError says why not."""
@@ -211,11 +230,13 @@ class Server:
             self._subscribers.discard(to)
 
     def _poll(self) -> None:
-        self._status.tick()
-        if self.recorder and self.recorder.error and not self._record_told:
-            self._record_told = True
-            print(self.recorder.error, file=sys.stderr, flush=True)
-            self._warn(self.recorder.error)
+        if self._log:
+            self._log.write()
+        for keeper in self._keepers:
+            if keeper.error and keeper.error not in self._told:
+                self._told.add(keeper.error)
+                print(keeper.error, file=sys.stderr, flush=True)
+                self._warn(keeper.error)
         done = self.engine.counter("synced")
         for count in [count for count in self._syncs if count <= done]:
             identity, source = self._syncs.pop(count)
@@ -227,7 +248,7 @@ class Server:
             text = f"{count} were left out: they came faster than they could be carried out"
             self._reply(fail("datagram", text), sender)
         names = {obj.handle.slot: name for name, obj in self._scene.objects.items()}
-        for warning in (*self._status.warnings(names), *self._network.warnings()):
+        for warning in (*self._status.warnings(names), *self._network.warnings(), *self.player.look()):
             self._warn(warning)
 
     def _tell_end(self, ended: Ended) -> None:
@@ -273,14 +294,15 @@ def serving(options: Options) -> Iterator[Server]:
         recorder = Recorder(engine, options.record) if options.record else None
         if recorder:
             stack.callback(recorder.close)
-        output = open_output(engine, options.device, options.block, options.latency)
-        stack.callback(output.close)
-        server = Server(network, engine, output, presets)
+        log = Log(engine, options.log) if options.log else None
+        if log:
+            stack.callback(log.close)
+        player = Player(engine, options.device, options.block, options.latency)
+        stack.callback(player.close)
+        server = Server(network, engine, player, presets, recorder, log)
         if options.contact:
             server.choose_contact(options.contact)
-        if recorder:
-            recorder.start()  # not before all else is well: an older recording would be lost
-        server.recorder = recorder
+        server.start_files()  # not before all else is well: older ones would be lost
         if options.oscquery is not None:
             with _named(options.bind, options.oscquery):
                 server.query = OscQuery(options.bind, options.oscquery, server.address[1], server.names)

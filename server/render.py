@@ -16,7 +16,7 @@ from ..dsp.state import QUANTUM
 from .osc import Argument, Message
 from .presets import Presets
 from .scene import Scene
-from .score import LONGEST_SCORE, Line, ScoreError
+from .score import LONGEST_SCORE, Line, ScoreError, sample_at
 from .soundfiles import WAV_BYTES, open_sound
 
 LOWEST_RATE, HIGHEST_RATE = 8_000, 192_000
@@ -74,17 +74,17 @@ def blocks(score: Sequence[Line], engine: Engine, presets: Presets, options: Opt
         parts = []
         while frames > 0:
             # A line meets the engine at its own quantum, whatever the block size.
-            while performed < len(lines) and lines[performed].time * options.rate < engine.position + QUANTUM:
+            while performed < len(lines) and sample_at(lines[performed].time, options.rate) < engine.position + QUANTUM:
                 _perform(scene, lines[performed])
                 performed += 1
             piece = min(frames, _PIECE)
             if performed < len(lines):
-                piece = min(piece, max(1, _quantum_of(lines[performed].time * options.rate) - written))
+                piece = min(piece, max(1, _quantum_of(sample_at(lines[performed].time, options.rate)) - written))
             parts.append(engine.process(piece))
             written += piece
             frames -= piece
             if end is None and performed == len(lines) and (engine.quiet() or engine.position > tail):
-                sounded = max(engine.counter("sounded"), _quantum_of(lines[-1].time * options.rate) + QUANTUM)
+                sounded = max(engine.counter("sounded"), _quantum_of(sample_at(lines[-1].time, options.rate)) + QUANTUM)
                 end = min(sounded, tail)
                 surplus = max(0, written - end)
                 parts[-1] = parts[-1][: piece - surplus]
@@ -102,7 +102,7 @@ def _quantum_of(sample: float) -> int:
 def _perform(scene: Scene, line: Line) -> None:
     if scene.engine.room() == 0:
         raise ScoreError(f"{line.where}: too many events at once: {len(scene.engine.state['ring'][0])} at most")
-    for reply in scene.perform([line.message], line.time * scene.engine.rate):
+    for reply in scene.perform([line.message], sample_at(line.time, scene.engine.rate)):
         if reply.address == "/fail":
             raise ScoreError(f"{line.where}: {': '.join(map(str, reply.args))}")
 

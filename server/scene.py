@@ -29,6 +29,10 @@ _SETTINGS = {"gain": 0.0, "pan": 0.0, "tune": 0.0, "decay": 1.0, "damp": 0.0}
 EngineCommand = tuple[float, Command, Handle | None, tuple[float, ...]]
 
 
+Sent = tuple[Message, int]
+"""The message that became a command, and the serial of its object, or 0."""
+
+
 @dataclass(eq=False)
 class _Object:
     handle: Handle
@@ -48,8 +52,12 @@ class Scene:
         self.gestures = Gestures(engine)
         self._displaced: list[tuple[str, _Object]] = []  # that are still there when their name is another's
         self._undo: list[Callable[[], object]] = []
+        self.on_sent: Callable[[int, list[Sent]], object] = lambda first, sent: None
+        """Told of every command that is sent: the number of the first, and what each stands for."""
         self._time = NOW
         self._source: Any = None
+        self._said: list[Message] = []  # for each command of a message, what says the same without leaving a choice
+        self._added: tuple[Argument, ...] = ()  # what a message to an object left to be chosen
         self._contacts: dict[tuple[str, Material | None], Contact] = {}  # read from files once an object was made
 
     def perform(self, messages: Iterable[Message], time: float, source: Any = None) -> list[Message]:
@@ -60,6 +68,7 @@ class Scene:
         """
         replies: list[Message] = []
         commands: list[EngineCommand] = []
+        meant: list[Message] = []
         accepted: list[str] = []
         self._undo.clear()
         self._time = time
@@ -68,6 +77,7 @@ class Scene:
         plain = [each for message in messages for each in spelled(message)]
         for place, message in enumerate(plain):
             done = len(self._undo)
+            self._said = [message]
             try:
                 more, reply = self._translate(message)
             except (Refused, PresetError, EngineFull) as error:
@@ -75,13 +85,17 @@ class Scene:
                 replies.append(fail(message.address, str(error)))
             else:
                 commands += more
+                meant += self._said
                 replies += reply
                 accepted.append(message.address)
             if len(commands) > RING:  # they will never be sent: spare the time to translate the rest
                 accepted += [rest.address for rest in plain[place + 1 :]]
                 break
+        first = self.engine.sent
         try:
             self.engine.send(commands)
+            handles = (command[2] for command in commands)
+            self.on_sent(first, [(m, h.serial if h else 0) for m, h in zip(meant, handles, strict=True)])
         except EngineFull as error:
             self._undo_from(0)
             replies = [r for r in replies if r.address == "/fail"]
@@ -153,8 +167,12 @@ class Scene:
             known = ", ".join(list(self._living())[:8]) or "none"
             raise Refused(f"{pattern}: no such object; there are {known}")
         commands = []
+        self._said = []
         for name, obj in objects.items():
-            commands += self._act(name, obj, verb, values)
+            self._added = ()
+            more = self._act(name, obj, verb, values)
+            commands += more
+            self._said += [Message(message.address, message.args + self._added)] * len(more)
         return commands, []
 
     def _act(self, name: str, obj: _Object, verb: Verb, values: Values) -> list[EngineCommand]:
@@ -228,11 +246,11 @@ class Scene:
             return []
         require_short(velocity, contact)
         require_rest(velocity, contact, gravity)
-        serial = self._start(values.words.get("id", self.gestures.numbered(name)), name, "bounce")
+        serial = self._start_named(values, name, "bounce")
         motion = (
             gravity,
             numbers.get("irregularity", 0.0),
-            _whole("seed", numbers.get("seed", serial)),
+            self._seed(values, serial),
             seconds,
             numbers.get("weight", 0.0),
         )
@@ -256,7 +274,7 @@ class Scene:
         serial = gesture.serial if gesture else self._start(id, name, "roll")
         given = sum(1 << bit for bit, key in enumerate(_STEERED) if key in numbers)
         motion = (
-            numbers.get("gravity", GRAVITY), radius, *surface.profile, _whole("seed", numbers.get("seed", serial)),
+            numbers.get("gravity", GRAVITY), radius, *surface.profile, self._seed(values, serial),
             numbers.get("friction", 0.0), numbers.get("asymmetry", 0.0), numbers.get("roughness", 1.0),
             numbers.get("travel", 0.0), float(given), float(gesture.turn if gesture else 0),
             _whole("corners", numbers.get("corners", 0.0)),
@@ -275,7 +293,7 @@ class Scene:
         contact = self._law(obj, values)
         force = values.numbers["force"]
         require_short(_APPROACH, contact)
-        serial = self._start(values.words.get("id", self.gestures.numbered(name)), name, "press")
+        serial = self._start_named(values, name, "press")
         return [self._strike(obj, Command.PRESS, _APPROACH, contact, values, serial, (force,))]
 
     def _law(self, obj: _Object, values: Values) -> Contact:
@@ -306,6 +324,20 @@ class Scene:
         self._undo.append(lambda: self.gestures.forget(gesture))
         return gesture.serial
 
+    def _start_named(self, values: Values, name: str, action: str) -> int:
+        """The number of a gesture that has a name in any case."""
+        if "id" in values.words:
+            return self._start(values.words["id"], name, action)
+        id = self.gestures.numbered(name)
+        self._added += ("id", id)
+        return self._start(id, name, action)
+
+    def _seed(self, values: Values, serial: int) -> float:
+        """The seed of what is left to chance: another one for every gesture, unless it is given."""
+        if "seed" not in values.numbers:
+            self._added += ("seed", serial)
+        return _whole("seed", values.numbers.get("seed", serial))
+
     def _strike(
         self, obj: _Object, kind: Command, velocity: float, contact: Contact, values: Values, serial: int,
         motion: tuple[float, ...] = (),
@@ -335,6 +367,7 @@ class Scene:
         value = _physical(action, numbers.get(action, 0.0))
         steering = float(Steering[action.upper()])
         running = [gesture for gesture in meant if self.gestures.runs(gesture)]
+        self._said *= len(running)
         return [(self._time, Command.STEER, None, (float(g.serial), steering, value)) for g in running]
 
     def _contact(self, striker: str, material: Material | None) -> Contact:

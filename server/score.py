@@ -24,8 +24,11 @@ _INT = re.compile(r"[+-]?\d+", re.ASCII)
 _REAL = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 
 
-LONGEST_SCORE = 86_400
+LONGEST_SCORE = 31 * 86_400
 """s: no event lies further from the start."""
+
+
+_GRID = 256.0  # places between two samples where the engine lets what was played live fall
 
 
 class ScoreError(ValueError):
@@ -129,6 +132,13 @@ def _binary(data: bytes, path: str | PathLike[str]) -> Iterator[Line]:
         except ValueError as error:
             raise ScoreError(f"{where}: {error}") from None
         start += 4 + size
+
+
+def sample_at(time: float, rate: float) -> float:
+    """The sample at which a score's time (s) falls; one that is on the engine's grid, but for rounding, is there."""
+    sample = time * rate
+    nearest = round(sample * _GRID) / _GRID
+    return nearest if abs(sample - nearest) <= 4 * math.ulp(sample) else sample
 
 
 def format_line(time: float, message: osc.Message) -> str:

@@ -1,8 +1,11 @@
 """What tests share: rendering scores, a server in a process of its own."""
 
+import os
 import re
+import shutil
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -49,6 +52,49 @@ def render_lines(lines: list[Line], **options) -> np.ndarray:
     """The sound of a score, float32 (frames, 2)."""
     chosen = Options(**options)
     return np.concatenate(list(blocks(lines, Engine(chosen.rate), Presets(), chosen)))
+
+
+@dataclass
+class Jack:
+    """A JACK server without hardware, under a name of its own."""
+
+    name: str
+    process: subprocess.Popen[bytes] | None = None
+
+    def start(self, frames: int) -> None:
+        """Start it, with blocks of some frames, and wait until it is there."""
+        import jack
+
+        words = ["jackd", "-r", "-n", self.name, "-d", "dummy", "-r", "48000", "-p", str(frames)]
+        self.process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        deadline = time.monotonic() + 10
+        while True:
+            try:
+                return jack.Client("carom-waits", no_start_server=True).close()
+            except jack.JackOpenError:
+                assert time.monotonic() < deadline, "jackd does not start"
+                time.sleep(0.1)
+
+    def stop(self) -> None:
+        if self.process:
+            self.process.terminate()
+            self.process.wait(timeout=10)
+            self.process = None
+
+
+@pytest.fixture
+def jack(monkeypatch) -> Iterator[Jack]:
+    """A JACK server to be started, that clients find."""
+    pytest.importorskip("jack", reason="JACK's library is not installed", exc_type=OSError)
+    if not shutil.which("jackd"):
+        pytest.skip("jackd is not installed")
+    server = Jack(f"carom-test-{os.getpid()}")
+    monkeypatch.setenv("JACK_DEFAULT_SERVER", server.name)
+    monkeypatch.setenv("JACK_NO_START_SERVER", "1")
+    try:
+        yield server
+    finally:
+        server.stop()
 
 
 @dataclass

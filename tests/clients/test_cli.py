@@ -40,7 +40,7 @@ def test_render_makes_a_sound_file_and_a_picture(carom, tmp_path):
         (("send", "foo", "--port", "9"), "foo"),
         (("send", "/a", "9" * 30, "--port", "9"), "999"),
         (("render", "s.txt", "x.wav", "--plot", "no/x.png"), "no/x.png: there is no folder no"),
-        (("render", "far.txt", "x.wav"), "far.txt:2: time 1e+300: expected seconds from 0 to 86400"),
+        (("render", "far.txt", "x.wav"), "far.txt:2: time 1e+300: expected seconds from 0 to 2678400"),
     ],
 )
 def test_errors_are_one_line_and_a_code(carom, tmp_path, words, error):

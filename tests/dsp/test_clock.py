@@ -8,6 +8,7 @@ from numba import njit
 
 from carom.dsp.atomic import clock_ns
 from carom.dsp.clock import CLOCK, lock, sample_at
+from carom.dsp.engine import _read_clock
 from carom.dsp.host import NOW, Engine, Handle, Stamp
 from carom.dsp.state import QUANTUM, Command
 
@@ -66,6 +67,7 @@ def nothing(when):
 
 def test_a_stamp_is_the_sample_of_the_loop():
     engine = Engine(RATE)
+    assert engine.stamp(clock_ns() + 10**9) == pytest.approx(48_000, abs=4_800)  # nothing has been played yet
     clock = engine.state["clock"][0]
     clock["origin"], clock["period"], clock["sample"], clock["latency"] = START, 1e9 / RATE, 1_000, 96.0
     assert engine.stamp(START + 10_000_000) == pytest.approx(1_000 + 480 - 96)
@@ -120,6 +122,34 @@ def test_equal_times_keep_their_order_however_long_they_wait():
     notes = engine.noted()
     assert [number for number, _ in notes] == [0, 1, 2, 3, 4]
     assert len({sample for _, sample in notes}) == 1
+
+
+@njit
+def look(state, position):
+    state.position = position
+    _read_clock(state, state.events[0])
+
+
+@pytest.mark.parametrize("seconds", [0.001, 1.0, 60.0, 3600.0])
+@pytest.mark.parametrize("drift", [-1e-3, 0.0, 1e-3])
+def test_an_event_far_ahead_is_looked_at_a_few_times_and_never_too_late(seconds, drift):
+    """The device turns out to run .1 % faster or slower than was thought when the event came."""
+    engine = Engine(RATE)
+    state = engine.state[0]
+    clock, event = state["clock"], state["events"][0]
+    clock["origin"], clock["period"] = START, 1e9 / RATE
+    event["clock"] = START + int(seconds * 1e9)
+    position, looks = 0, 0
+    while event["clock"] > 0:
+        look(state, position)
+        clock["period"] = 1e9 / (RATE * (1 + drift))  # as the loop finds out meanwhile
+        looks += 1
+        if event["clock"] > 0:
+            assert event["time"] >= position + QUANTUM
+            position = int(event["time"]) // QUANTUM * QUANTUM
+    exact = seconds * RATE * (1 + (drift if looks > 1 else 0))
+    assert event["time"] == pytest.approx(exact, abs=0.01) and looks <= 8
+    assert position <= exact + 0.01
 
 
 def test_what_is_never_carried_out_is_noted_too():

@@ -1,7 +1,6 @@
 """Real time against real back ends: what leaves PortAudio is what a render gives, bit for bit."""
 
 import os
-import shutil
 import subprocess
 import sys
 import time
@@ -24,12 +23,13 @@ from carom.dsp.host import Engine
 from carom.server.audio import open_output
 from carom.server.presets import Presets
 from carom.server.scene import Scene
-from carom.server.score import read
+from carom.server.score import read, sample_at
 engine = Engine(48_000)
 scene = Scene(engine, Presets())
 for line in sorted(read(sys.argv[1]), key=lambda line: line.time):
-    assert all(r.address == "/done" for r in scene.perform([line.message], (line.time + 1.0) * 48_000))
+    assert all(r.address == "/done" for r in scene.perform([line.message], sample_at(line.time + 1.0, 48_000)))
 output = open_output(engine, sys.argv[2], 0)
+output.start()
 while engine.position < float(sys.argv[3]) * 48_000:
     time.sleep(0.01)
 output.close()
@@ -41,29 +41,12 @@ def shifted(lines: list[Line]) -> list[Line]:
     return [Line(line.time + LEAD, line.message, line.where) for line in lines]
 
 
-@pytest.fixture
-def jack_server(monkeypatch):
-    """A JACK server without hardware, under a name of its own; blocks long enough for a machine that is busy."""
-    pytest.importorskip("jack", reason="JACK's library is not installed", exc_type=OSError)
-    if not shutil.which("jackd"):
-        pytest.skip("jackd is not installed")
-    monkeypatch.setenv("JACK_DEFAULT_SERVER", f"carom-test-{os.getpid()}")
-    monkeypatch.setenv("JACK_NO_START_SERVER", "1")
-    name = os.environ["JACK_DEFAULT_SERVER"]
-    words = ["jackd", "-r", "-n", name, "-d", "dummy", "-r", "48000", "-p", "2048"]
-    process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    try:
-        yield name
-    finally:
-        process.terminate()
-        process.wait(timeout=10)
-
-
-def test_jack_hears_what_a_render_gives(jack_server):
+def test_jack_hears_what_a_render_gives(jack):
     """The demo through PortAudio on jackd's dummy driver, recorded by a JACK client: the offline render's samples.
 
     A virtual machine that is stopped for a while loses a block; three takes, of which one must be whole.
     """
+    jack.start(2048)  # blocks long enough for a machine that is busy
     expected = render_lines(shifted(read(DEMO)))
     for take in range(3):
         heard = one_take(len(expected) / 48_000 + 1.0)
@@ -174,11 +157,29 @@ def test_no_such_device():
         open_output(Engine(48_000), "no-such-device", 0)
 
 
+def test_a_name_that_fits_several_is_told_in_one_line(monkeypatch):
+    sd = pytest.importorskip("sounddevice", reason="PortAudio is not installed", exc_type=OSError)
+    from carom.dsp.host import Engine
+
+    found = [{"name": f"Card {n}", "hostapi": 0, "max_output_channels": 2} for n in range(2)]
+    monkeypatch.setattr(sd, "query_hostapis", lambda index=None: {"name": "ALSA"})
+    lookup = sd.query_devices
+    monkeypatch.setattr(
+        sd, "query_devices", lambda device=None, kind=None: found if device is None else lookup(device, kind)
+    )
+    with pytest.raises(
+        AudioError, match=r"^device Card: Multiple output devices found for 'Card': .*Card 0.*Card 1"
+    ) as told:
+        open_output(Engine(48_000), "Card", 0)
+    assert "\n" not in str(told.value)
+
+
 def test_the_clock_keeps_time():
     from carom.dsp.host import Engine
 
     engine = Engine(48_000)
     output = open_output(engine, "none", 64)
+    output.start()
     time.sleep(1.0)
     output.close()
     assert 0.5 < engine.position / 48_000 < 1.5

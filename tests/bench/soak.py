@@ -1,0 +1,105 @@
+"""A long evening: 2,000 impacts a second on a server that plays by the clock, watched from outside.
+
+Tells every so often how much memory the server holds, what it dropped, and how long /status took to be answered; ends
+with exit code 1 where memory grew by more than 10 MB after the first fifth, anything was dropped, or an answer took
+over 50 ms.
+"""
+
+import argparse
+import re
+import subprocess
+import sys
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from carom.clients.client import Client
+from carom.clients.top import values
+
+RATE = 2_000  # impacts a second
+BUNDLE = 20  # impacts that are sent together
+AHEAD = 0.2  # s that they are sent before their time
+PRESETS = ("wood-block", "glockenspiel-bar", "wine-glass", "marimba-bar")
+DROPS = ("contacts_dropped", "faults", "underflows", "tap_lost", "late")
+MOST_GROWTH, SLOWEST = 10.0, 0.05  # MB, s
+
+
+@dataclass
+class Soak:
+    """What was seen: memory (MB) and answers (s) in time, what was dropped, and impacts sent and carried out."""
+
+    memory: list[float] = field(default_factory=list)
+    answers: list[float] = field(default_factory=list)
+    dropped: dict[str, object] = field(default_factory=dict)
+    sent: int = 0
+    impacts: object = 0
+
+    @property
+    def growth(self) -> float:
+        """MB since a fifth of the time had passed."""
+        return self.memory[-1] - self.memory[len(self.memory) // 5]
+
+
+def memory(pid: int) -> float:
+    """MB that a process holds."""
+    match = re.search(r"VmRSS:\s+(\d+) kB", Path(f"/proc/{pid}/status").read_text())
+    assert match
+    return int(match[1]) / 1024
+
+
+def soak(port: int, pid: int, seconds: float, tell: bool = False) -> Soak:
+    """Play on a server at a port for so long."""
+    seen = Soak()
+    with Client(port=port) as player, Client(port=port) as watcher:
+        for preset in PRESETS:
+            player.new(preset, preset, gain=-40)
+        start = time.time() + AHEAD
+        looked = told = time.monotonic()
+        while seen.sent < seconds * RATE:
+            with player.bundle(at=start + seen.sent / RATE):
+                for n in range(BUNDLE):
+                    player.impact(PRESETS[(seen.sent + n) % len(PRESETS)], 0.1 + n / BUNDLE)
+            seen.sent += BUNDLE
+            if time.monotonic() > looked + 0.25:
+                looked = time.monotonic()
+                status = values(watcher.status())
+                seen.answers.append(time.monotonic() - looked)
+                seen.memory.append(memory(pid))
+                seen.dropped = {name: status[name] for name in DROPS}
+                if tell and looked > told + 10:
+                    told = looked
+                    worst = 1e3 * max(seen.answers)
+                    print(
+                        f"{seen.sent / RATE:7.0f} s  {seen.memory[-1]:7.1f} MB  worst answer {worst:5.1f} ms",
+                        flush=True,
+                    )
+            time.sleep(max(0.0, start + seen.sent / RATE - AHEAD - time.time()))
+        time.sleep(2 * AHEAD)
+        seen.impacts = values(watcher.status())["impacts"]
+    return seen
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--minutes", type=float, default=10.0)
+    seconds = 60 * parser.parse_args().minutes
+    words = [sys.executable, "-m", "carom.clients", "serve", "--device", "none", "--port", "0"]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as server:
+        assert server.stdout
+        match = re.search(r":(\d+)", server.stdout.readline())
+        assert match
+        port = int(match[1])
+        seen = soak(port, server.pid, seconds, tell=True)
+        with Client(port=port) as client:
+            client.ask("/quit")
+    ordered = sorted(seen.answers)
+    print(f"memory {seen.memory[0]:.1f} MB, then {seen.growth:+.1f} MB; {seen.impacts} of {seen.sent} impacts")
+    print(
+        f"answers: median {1e3 * ordered[len(ordered) // 2]:.1f} ms, worst {1e3 * ordered[-1]:.1f} ms; {seen.dropped}"
+    )
+    well = seen.growth < MOST_GROWTH and seen.impacts == seen.sent and ordered[-1] < SLOWEST
+    return 0 if well and not any(seen.dropped.values()) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

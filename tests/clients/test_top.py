@@ -1,0 +1,86 @@
+"""`carom top`, on a pipe and on a terminal."""
+
+import os
+import pty
+import re
+import select
+import signal
+import subprocess
+import time
+
+from carom.clients.top import view
+from carom.server.osc import Message
+from tests.conftest import CAROM, Running
+
+NINE = (1, 24, 1, 2, 3, 12.5, 40.0, 48000.0, 47999.5)
+PAIRS = {
+    "impacts": 1234, "contacts_dropped": 0, "late": 2, "underflows": 1, "queued": 0, "limiter_lowest": 0.5,
+    "latency": 0.01, "latency_requested": 0.02, "latency_measured": 0.015, "late_last_ms": 1.5, "late_worst_ms": 99.0,
+    "device": "none", "reconnects": 0, "scheduling": "fifo", "time": 3725.0, "rung_closed": 7,
+}  # fmt: skip
+
+
+def shown(before: dict[str, object]) -> str:
+    from rich.console import Console
+
+    console = Console(width=120, force_terminal=True, legacy_windows=False)
+    with console.capture() as capture:
+        pairs = [item for pair in PAIRS.items() for item in pair]
+        console.print(view(Message("/status.reply", (*NINE, *pairs)), before))
+    return capture.get()
+
+
+def plain(text: str) -> str:
+    return re.sub(r"\x1b\[[0-9;?]*[a-zA-Z]", "", text)
+
+
+def test_all_that_is_told_is_shown():
+    text = plain(shown({}))
+    for part in (
+        "1:02:05", "none at 48000 Hz", "really 47999.5", "fifo", "10.0 ms, asked for 20.0, measured 15.0", "12.5 %",
+        "40.0 %", "-6.0 dB",
+    ):  # fmt: skip
+        assert part in text
+    for name, value in (("impacts", "1,234"), ("late_worst_ms", "99"), ("modes", "24"), ("rung_closed", "7")):
+        assert re.search(rf"{name}\s+{value}\b", text)
+
+
+def test_what_goes_wrong_just_now_stands_out():
+    assert "\x1b[1;31m" not in shown({}) and "\x1b[1;31m" not in shown({"late": 2})
+    assert re.search(r"\x1b\[1;31m\s+2\x1b", shown({"late": 1}))
+
+
+def test_once(server: Running):
+    words = [*CAROM, "top", "--port", str(server.port), "--once"]
+    run = subprocess.run(words, capture_output=True, text=True, timeout=30, check=True)
+    assert "none at 48000 Hz" in run.stdout and "underflows" in run.stdout and run.stderr == ""
+
+
+def test_no_server_is_told(carom):
+    run = carom("top", "--port", "1", "--once")
+    assert run.returncode == 1 and run.stderr.count("\n") == 1
+
+
+def test_live_on_a_terminal(server: Running):
+    ours, theirs = pty.openpty()
+    words = [*CAROM, "top", "--port", str(server.port)]
+    env = os.environ | {"TERM": "xterm", "COLUMNS": "120", "LINES": "40"}
+    with subprocess.Popen(words, stdin=theirs, stdout=theirs, stderr=theirs, env=env) as process:
+        os.close(theirs)
+        text = ""
+        deadline = time.monotonic() + 20
+        with server.client() as client:
+            client.new("a", "wood-block")
+            while not re.search(r"impacts\s+[2-9]", plain(text)) and time.monotonic() < deadline:
+                client.impact("a", 1.0)
+                while select.select([ours], [], [], 0.3)[0]:
+                    text += os.read(ours, 65_536).decode(errors="replace")
+                    if len(text) > 10**6:
+                        break
+                    if re.search(r"impacts\s+[2-9]", plain(text)):
+                        break
+                    client.impact("a", 1.0)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(timeout=10) == 130
+    os.close(ours)
+    assert re.search(r"impacts\s+[2-9]", plain(text))

@@ -1,0 +1,109 @@
+"""Time tags: their sounds begin where the clock says, to less than a sample, whoever sends them, whatever plays."""
+
+import os
+import shutil
+import subprocess
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import soundfile
+from pythonosc.osc_bundle_builder import OscBundleBuilder
+from pythonosc.osc_message_builder import OscMessageBuilder
+from pythonosc.udp_client import UDPClient
+
+from carom.server.score import read
+from tests.conftest import Running, serving
+
+RATE = 48_000
+SETTLED = 20  # events after which sclang's beat, and
+SECONDS = {"none": 1.0, "system": 7.0}  # after which the clock of a device, are steady
+TAKES = 3  # of which one must be free of dropouts: the machine may be busy
+
+SCLANG = """
+~net = NetAddr("127.0.0.1", thisProcess.argv[0].asInteger);
+{
+    60.do { |i|
+        ~net.sendBundle(0.3, ["/object/a/impact", 1.0 + (i * 0.001)]);
+        0.0411.wait;
+    };
+    0.6.wait;
+    0.exit;
+}.fork(SystemClock);
+"""
+
+
+def python_osc(server: Running, _: Path) -> None:
+    client = UDPClient("127.0.0.1", server.port)
+    start = time.time() + 0.3
+    for i in range(60):
+        bundle = OscBundleBuilder(start + 0.0411 * i)
+        message = OscMessageBuilder("/object/a/impact")
+        message.add_arg(1.0 + 0.001 * i)
+        bundle.add_content(message.build())
+        while time.time() < start + 0.0411 * i - 0.3:
+            time.sleep(0.005)
+        client.send(bundle.build())
+    client._sock.close()
+    time.sleep(0.6)
+
+
+def sclang(server: Running, folder: Path) -> None:
+    script = folder / "strikes.scd"
+    script.write_text(SCLANG)
+    env = os.environ | {"QT_QPA_PLATFORM": "offscreen", "QTWEBENGINE_DISABLE_SANDBOX": "1", "HOME": str(folder)}
+    subprocess.run(["sclang", str(script), str(server.port)], env=env, check=True, timeout=60, capture_output=True)
+
+
+def jitter(folder: Path, device: str, send) -> float:
+    """Root mean square of the onsets' distance from an even beat, in samples; inf where sound was lost."""
+    with serving(folder, "--device", device, "--log", "log.txt", "--record", "out.wav") as server:
+        with server.client() as client:
+            client.new("a", "wood-block", gain=-20)
+            time.sleep(SECONDS[device])
+            send(server, folder)
+            args = client.status().args
+        assert server.quit()[0] == 0
+    told = dict(zip(args[9::2], args[10::2], strict=True))
+    onsets = [line.time * RATE for line in read(folder / "log.txt") if line.message.address.endswith("impact")]
+    assert len(onsets) == 60 and told["late"] == 0
+    assert_heard_at(folder / "out.wav", onsets[0])
+    onsets = onsets[SETTLED:]
+    beat, start = np.polyfit(np.arange(len(onsets)), onsets, 1)
+    lost = told["underflows"] > 0 or abs(beat / (0.0411 * RATE) - 1) > 1e-4  # JACK's dummy device loses time silently
+    return np.inf if lost else float(np.std(np.array(onsets) - start - beat * np.arange(len(onsets))))
+
+
+def assert_heard_at(recording: Path, onset: float) -> None:
+    sound, _ = soundfile.read(recording)
+    assert np.argmax(np.abs(sound).max(axis=1) > 0) == pytest.approx(onset, abs=2)
+
+
+@pytest.mark.parametrize(
+    ("send", "device"),
+    [(python_osc, "none"), (sclang, "none"), (python_osc, "system")],
+    ids=["python-osc", "sclang", "jack"],
+)
+def test_onsets_are_even_to_less_than_a_sample(tmp_path, request, send, device):
+    if send is sclang and not shutil.which("sclang"):
+        pytest.skip("sclang is not installed")
+    if device == "system":
+        pytest.importorskip("sounddevice", reason="PortAudio is not installed", exc_type=OSError)
+        request.getfixturevalue("jack").start(1024)
+    heard = []
+    while len(heard) < TAKES and min(heard, default=np.inf) >= 1.0:
+        heard.append(jitter(tmp_path, device, send))
+    print(device, send.__name__, heard)
+    assert min(heard) < 1.0
+
+
+def test_the_wall_clock_may_be_set_while_events_wait(monkeypatch):
+    """A tag is turned into the engine's time as it arrives; what the wall clock does then is nothing to it."""
+    from carom.server import live, osc
+
+    wall = time.time_ns()
+    monkeypatch.setattr(time, "time_ns", lambda: wall + 10**9)
+    at, clock = live._clocks()
+    assert at == wall + 10**9 and abs(clock - live.clock_ns()) < 10**8
+    assert osc.unix_ns(osc.time_tag(1.5)) == 1_500_000_000
