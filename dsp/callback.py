@@ -3,6 +3,7 @@
 Real time hands its address to PortAudio; offline and clock-driven rendering call the same code, so their bits agree.
 """
 
+import gc
 import hashlib
 import logging
 import shutil
@@ -18,6 +19,7 @@ from numba import carray, cfunc, types
 from .atomic import flush_denormals, monotonic_ns, restore_denormals, thread_id
 from .clock import lock
 from .engine import process
+from .jit import WHOLE
 from .queue import look_again
 from .state import QUANTUM, STATE
 
@@ -56,7 +58,7 @@ def _callback(_input, output, frames, times, flags, userdata):
 
 def compile_callback(cached: bool) -> Any:
     """Compile the callback, or fetch it from numba's cache; only a fresh one can be inspected."""
-    return cfunc(_SIGNATURE, error_model="numpy", forceinline=True, cache=cached)(_callback)
+    return cfunc(_SIGNATURE, error_model="numpy", forceinline=True, cache=cached, pipeline_class=WHOLE)(_callback)
 
 
 def _cache_folder() -> Path:
@@ -84,8 +86,9 @@ def kept(compiled: Callable[[bool], Any]) -> Any:
     """What `compiled(cached)` compiles, from the user's cache where that can be written."""
     folder = _cache_folder()
     _forget_old(folder)
-    elsewhere = numba.config.CACHE_DIR
+    elsewhere, collecting = numba.config.CACHE_DIR, gc.isenabled()
     numba.config.CACHE_DIR = str(folder)
+    gc.disable()  # a compiler keeps most of the millions of objects that it makes: looking through them takes a while
     try:
         folder.mkdir(parents=True, exist_ok=True)
         return compiled(True)
@@ -94,3 +97,5 @@ def kept(compiled: Callable[[bool], Any]) -> Any:
         return compiled(False)
     finally:
         numba.config.CACHE_DIR = elsewhere
+        if collecting:
+            gc.enable()

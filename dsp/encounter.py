@@ -18,7 +18,7 @@ from .pressed import captured
 from .roll import begin_roll, fill_roll
 from .state import ENDED, QUANTUM, Command, End, Solver, Steering
 from .surface import begin_surface
-from .touch import act, flight, meet
+from .touch import act, flight, let_modes_go, meet
 
 _SLOWEST = 1e-12  # m/s: a slower striker moves nothing, and its square may underflow
 _SHORTEST_ROUND = 20e-6  # s from contact to contact of a bounce: a quicker one presses like a weight at rest
@@ -348,7 +348,7 @@ def _pressed(contact):
 def _leave(state, contact, frame):
     """End a touch of closed form or sampled. True if the striker comes back: it bounces."""
     if contact.kind != _BOUNCE:
-        tell_end(state, contact.serial, contact.turn, _RESTED)
+        tell_end(state, contact.serial, contact.turn, _NO_ROOM if contact.kind == _PRESS else _RESTED)
         return False
     if contact.solver == _SAMPLED:
         impulse = contact.sampled.m * (contact.v_in - contact.sampled.v)
@@ -365,6 +365,7 @@ def _fly(state, contact, rebound, gap):
 
     A body that is not round trades velocity for rotation at every contact; neither is lost.
     """
+    let_modes_go(state, contact)
     total = math.sqrt(max(rebound, 0.0) ** 2 + contact.spin)
     tilt = contact.irregularity * _TILT * _random(contact)
     v_out = total * math.cos(tilt)
@@ -446,6 +447,7 @@ def drop(state, obj, before, index):
     else:
         state.contacts[before].next = contact.next
     contact.serial = 0
+    let_modes_go(state, contact)
     state.contacts_active -= 1
     state.free_contact[len(state.contacts) - 1 - state.contacts_active] = index
     if contact.kind == _ROLL:

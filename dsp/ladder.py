@@ -35,8 +35,10 @@ def tolerance_of(state):
 
 
 @kernel
-def needs_coupling(state, contact):
+def needs_coupling(state, contact, room):
     """Must the contact whose wall pulse has begun be coupled to the modes? If not, its pulse gets the effective mass.
+
+    Never where there is no `room` for it, or a sampled method was asked for.
 
     With r_i = m phi_i^2, and P_i the wall pulse's power spectrum at mode i over that at 0, that is
     m* = m/(1 + sum r_i P_i). The same v_in leaves w, and so the pulse's form, as it is: its time scales by
@@ -55,11 +57,11 @@ def needs_coupling(state, contact):
                 bound += contact.m * phi * phi
             if obj.live > 0:
                 stir += reach_of(state, obj, body)[1] / (contact.v_in * contact.gain)
-    sampled = state.contact_method > 0
+    never = state.contact_method > 0 or not room
     unrest = UNREST[state.accuracy]
-    if not sampled and stir >= unrest:
+    if not never and stir >= unrest:
         return True
-    if bound < _LIGHT and (sampled or bound + stir < unrest):
+    if bound < _LIGHT and (never or bound + stir < unrest):
         return False
     pulse = contact.pulse
     ratio = 1.0
@@ -68,7 +70,7 @@ def needs_coupling(state, contact):
         if shortened:
             ratio = min(ratio, 2.0 / ((1.0 + pulse.restitution) * (1.0 + share)))
         else:
-            if not (sampled or closed_form_will_do(state.accuracy, share, bound, stir)):
+            if not (never or closed_form_will_do(state.accuracy, share, bound, stir)):
                 return True
             ratio = 1.0 / (1.0 + share)
             _shorten(pulse, ratio ** (1.0 / (pulse.exponent + 1.0)))

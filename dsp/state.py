@@ -21,6 +21,8 @@ SHAPE_VALUES = 256 * MODES
 """Values in the table of mode shapes: 256 positions for every mode, shared as objects need them."""
 CONTACTS = 512
 """Contacts that can go on at once."""
+COUPLED_MODES = 4_096
+"""Modes that can be coupled to contacts at once, each as often as it is: the contacts beyond have the closed form."""
 EVENTS = 8_192
 """Events that can wait for their time."""
 RING = 8_192
@@ -175,6 +177,7 @@ CONTACT = np.dtype(
         ("turn", np.int64),  # how often a roll was told to go on
         ("touching", np.int64),  # 0: it waits for its beginning
         ("solver", np.int64),  # a Solver
+        ("modes", np.int64),  # that a coupled contact is coupled to
         ("unsettled", np.int64),  # a coupled contact that must be told how the object gives way
         ("oversampling", np.int64),  # steps a sample of a sampled contact
         ("steps", np.int64),  # that a sampled contact may still take
@@ -277,7 +280,9 @@ STATE = np.dtype(
         ("synced", np.int64),
         ("impacts", np.int64),  # contacts that began, or were left out
         ("contacts_dropped", np.int64),
+        ("coupled_modes", np.int64),  # that are coupled to contacts now
         ("coupled", np.int64),  # of the contacts, those that were coupled to modes
+        ("recontacts", np.int64),  # times that a striker was caught up by what it had just touched
         ("held", np.int64),  # their steps that had to hold the force
         ("late", np.int64),
         ("faults", np.int64),

@@ -8,7 +8,7 @@ from .jit import kernel
 from .ladder import needs_coupling, place, reach_of, tolerance_of
 from .methods import follow, start
 from .pulse import MOMENTS, add_held, advance, begin
-from .state import QUANTUM, Solver
+from .state import COUPLED_MODES, QUANTUM, Solver
 
 _CLOSED, _SAMPLED, _COUPLED, _ROLLING = (
     int(Solver.CLOSED), int(Solver.SAMPLED), int(Solver.COUPLED), int(Solver.ROLLING),
@@ -20,12 +20,15 @@ _PATIENCE = 3.0  # exact durations for which a sampled contact is followed: it m
 @kernel
 def meet(state, contact, pressed):
     """Begin to touch; where `pressed`, the striker's push acts on it meanwhile."""
+    state.impacts += 1
     contact.touching = 1
     place(contact.body[0], contact.position, state.objects[contact.body[0].slot].rows)
     begin(contact.pulse, contact.v_in, contact.m, contact.k, contact.mu, contact.a, state.rate)
-    coupled = needs_coupling(state, contact)
-    if coupled or pressed:
+    room = _has_room(state, contact)
+    coupled = needs_coupling(state, contact, room)
+    if room and (coupled or pressed):
         contact.solver = _COUPLED
+        state.coupled_modes += contact.modes
         contact.unsettled = 1
         tolerance = tolerance_of(state)
         begin_coupled(
@@ -33,9 +36,7 @@ def meet(state, contact, pressed):
             contact.fraction, state.rate, tolerance,
         )  # fmt: skip
         state.coupled += 1
-        return
-    state.impacts += 1
-    if state.contact_method > 0:
+    elif state.contact_method > 0:
         # A sampled contact can't begin between samples.
         contact.solver = _SAMPLED
         contact.oversampling = state.contact_oversampling
@@ -51,6 +52,24 @@ def meet(state, contact, pressed):
 
 
 @kernel
+def _has_room(state, contact):
+    """May a contact be coupled to the modes that it touches?"""
+    contact.modes = 0
+    for side in range(2):
+        if contact.body[side].slot >= 0:
+            contact.modes += state.objects[contact.body[side].slot].size
+    return state.coupled_modes == 0 or state.coupled_modes + contact.modes <= COUPLED_MODES
+
+
+@kernel
+def let_modes_go(state, contact):
+    """A contact that was coupled is over."""
+    if contact.solver == _COUPLED:
+        state.coupled_modes -= contact.modes
+        contact.solver = _CLOSED
+
+
+@kernel
 def act(state, contact, frame, age):
     """Give the modes the force of a contact over the sample that ends at a frame, when it is as old as `age`.
 
@@ -62,7 +81,8 @@ def act(state, contact, frame, age):
         held, contacts = contact.coupled.held, contact.coupled.contacts
         step_coupled(contact.coupled, state.observed, state.fine)
         state.held += contact.coupled.held - held
-        state.impacts += contact.coupled.contacts - contacts
+        if contacts > 0:
+            state.recontacts += contact.coupled.contacts - contacts
         for n in range(FINE):
             state.fine[n] *= contact.gain
     elif contact.solver == _ROLLING:

@@ -114,10 +114,11 @@ class DeviceOutput:
         return bool(self._stream.active)
 
     def close(self) -> None:
-        if not self._stream.active and self._on_jack():
+        if self._stream.active:
+            self._stream.stop(ignore_errors=True)  # once all that was computed is played
+        elif self._on_jack():
             _leave_portaudio()
             return
-        self._stream.abort(ignore_errors=True)
         self._stream.close(ignore_errors=True)
 
 

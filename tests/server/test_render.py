@@ -119,10 +119,10 @@ def test_other_failures_are_told(tmp_path):
 
 
 HARD = (
-    "0 /object/new a steel-plate level -10\n0.01 /object/a/impact 1 0.2 striker steel mass 0.01 stiffness 1e9 "
-    "dissipation 0.5 exponent 1.5\n"
+    "0 /accuracy -40\n0 /object/new a steel-plate thickness 0.05 level 40\n"
+    "0.01 /object/a/impact 1 0.2 striker steel mass 0.01 stiffness 1e9 dissipation 0.5 exponent 1.5\n"
 )
-"""The paper's case 2, some 6 samples long, on a steel plate."""
+"""The paper's case 2, some 6 samples long, on a steel plate too thick to give way."""
 
 
 def difference(sound: np.ndarray, reference: np.ndarray) -> float:
@@ -137,7 +137,7 @@ def test_sampled_methods_can_be_heard_and_measured(render_text):
     for method in ("am1", "verlet", "heun", "rk4"):
         apart = difference(render_text(HARD, seconds=1.0, contact=(method,)), reference)
         closer = difference(render_text(HARD, seconds=1.0, contact=(method, 64)), reference)
-        assert -40 < apart < -20 and closer < apart - 5, (method, apart, closer)
+        assert -40 < apart < -15 and closer < apart - 5, (method, apart, closer)
 
 
 def test_verlet_makes_energy_of_a_contact_shorter_than_a_sample(render_text):
