@@ -13,7 +13,7 @@ from .atomic import store_release
 from .collocation import elastic
 from .coupled import fly_on
 from .jit import kernel
-from .ladder import place
+from .ladder import place, tolerance_of
 from .pressed import captured
 from .roll import begin_roll, fill_roll
 from .state import ENDED, QUANTUM, Command, End, Solver, Steering
@@ -263,6 +263,7 @@ def attend(state, obj):
                 contact.gone_at = contact.until + _LIFTED * state.rate
             contact.push = contact.pushed_to + (contact.push - contact.pushed_to) * c
             contact.coupled.push = contact.push
+            contact.coupled.tolerance = tolerance_of(state)
         if ended:
             tell_end(state, contact.serial, contact.turn, _STOPPED)
             drop(state, obj, before, index)

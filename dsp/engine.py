@@ -13,14 +13,16 @@ from .encounter import receive, steer, stop_all
 from .jit import kernel
 from .limiter import limit
 from .queue import has_room, order_heap, pop, push, sink, swap
-from .state import NOTES, QUANTUM, RING, TAP, Command
+from .state import NOTES, QUANTUM, RING, TAP, Command, Quality
 from .voice import SILENCE, attend_all, pan_gains, render_all, retune_all, silence
 
+_COARSER = 4.0  # of rolls, when there is too little time: about as loud, at 60 % of the cost
 _WANDER = 1.0 / 512.0  # share by which an event's sample, guessed from the clock, may be too late
 
 _NEW, _FREE = int(Command.NEW), int(Command.FREE)
 _IMPACT, _BOUNCE, _ROLL, _PRESS = int(Command.IMPACT), int(Command.BOUNCE), int(Command.ROLL), int(Command.PRESS)
-_STEER, _ACCURACY = int(Command.STEER), int(Command.ACCURACY)
+_STEER, _ACCURACY, _QUALITY = int(Command.STEER), int(Command.ACCURACY), int(Command.QUALITY)
+_COARSE = int(Quality.COARSE)
 _GAIN, _PAN, _TUNE, _DECAY, _DAMP = (
     int(Command.GAIN), int(Command.PAN), int(Command.TUNE), int(Command.DECAY), int(Command.DAMP),
 )  # fmt: skip
@@ -167,6 +169,10 @@ def _carry_out(state, event):
         state.contact_method = int(event.values[0])
         state.contact_correction = int(event.values[1])
         state.contact_oversampling = int(event.values[2])
+        return
+    if event.kind == _QUALITY:
+        state.quality = int(event.values[0])
+        state.coarseness = _COARSER if state.quality >= _COARSE else 1.0
         return
     if event.kind == _ACCURACY:
         state.accuracy = int(event.values[0])

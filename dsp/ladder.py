@@ -7,10 +7,13 @@ against them and they are quiet; otherwise the contact is coupled to their modes
 import math
 
 from .bank import LANES, RESPONSES, reach
+from .coupled_step import HELD
 from .gate import TOLERANCE, UNREST, closed_form_will_do
 from .jit import kernel
 from .pulse import NODES, add_phasors, node
+from .state import Quality
 
+_HELD = int(Quality.HELD)
 _RESOLVED = 28.0  # rad of a mode over a pulse: up to here its nodes tell the spectrum, beyond it is as good as 0
 _LIGHT = 1e-4  # sum of m phi^2 below which the object is as good as a rigid wall (-80 dB)
 
@@ -30,8 +33,8 @@ def place(body, position, rows):
 
 @kernel
 def tolerance_of(state):
-    """Tolerance of coupled contacts at the accuracy asked for."""
-    return TOLERANCE[state.accuracy]
+    """Tolerance of coupled contacts at the accuracy asked for, as far as there is time for it."""
+    return HELD if state.quality >= _HELD else TOLERANCE[state.accuracy]
 
 
 @kernel
@@ -58,7 +61,8 @@ def needs_coupling(state, contact, room):
             if obj.live > 0:
                 stir += reach_of(state, obj, body)[1] / (contact.v_in * contact.gain)
     never = state.contact_method > 0 or not room
-    unrest = UNREST[state.accuracy]
+    level = 0 if state.quality >= _HELD else state.accuracy
+    unrest = UNREST[level]
     if not never and stir >= unrest:
         return True
     if bound < _LIGHT and (never or bound + stir < unrest):
@@ -70,7 +74,7 @@ def needs_coupling(state, contact, room):
         if shortened:
             ratio = min(ratio, 2.0 / ((1.0 + pulse.restitution) * (1.0 + share)))
         else:
-            if not (never or closed_form_will_do(state.accuracy, share, bound, stir)):
+            if not (never or closed_form_will_do(level, share, bound, stir)):
                 return True
             ratio = 1.0 / (1.0 + share)
             _shorten(pulse, ratio ** (1.0 / (pulse.exponent + 1.0)))

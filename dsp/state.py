@@ -66,7 +66,8 @@ class Command(IntEnum):
     # roughness), the gesture's turn, the body's corners. A roll that goes on already takes on what was given, the
     # speed and the turn.
     PRESS = 14  # as IMPACT, and the force that presses the striker on (N)
-    ACCURACY = 15  # a number of ladder.ACCURACIES
+    ACCURACY = 15  # a place in gate.LEVELS
+    QUALITY = 16  # a Quality
 
 
 class Steering(IntEnum):
@@ -84,6 +85,16 @@ class Steering(IntEnum):
     RADIUS = 9  # m
     ASYMMETRY = 10
     FRICTION = 11
+
+
+class Quality(IntEnum):
+    """How much is computed; each step leaves out more than the one before."""
+
+    FULL = 0
+    HELD = 1  # coupled contacts take one step a sample, and the closed form where that errs by no more than -40 dB
+    QUIET = 2  # modes below -80 dB are put to rest
+    COARSE = 3  # rolls have fewer and stronger micro-impacts
+    RECENT = 4  # what nobody has touched for half a second fades out
 
 
 class Solver(IntEnum):
@@ -147,6 +158,7 @@ OBJECT = np.dtype(
         ("damp", np.float64),
         ("gain", np.float64, 2),  # left and right, on their way to what amplitude and pan ask for
         ("gain_before", np.float64, 2),  # at the quantum's beginning
+        ("touched", np.int64),  # samples at the beginning of the last quantum in which a force acted on it
         # In this quantum:
         ("struck", np.int64),  # a contact touches it
         ("tied", np.int64),  # it shares a contact with another object
@@ -259,6 +271,7 @@ STATE = np.dtype(
         ("given", np.float64, FINE),
         ("work", np.float64, 3 * MODES_PER_OBJECT + FINE * LANES),
         ("spectrum", np.float64, (2, MODES_PER_OBJECT)),
+        ("quality", np.int64),  # as Command.QUALITY says
         ("accuracy", np.int64),  # as Command.ACCURACY says
         ("coarseness", np.float64),  # of rolls, 1 if there is time
         ("contact_method", np.int64),  # as Command.CONTACT says

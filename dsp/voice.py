@@ -8,11 +8,14 @@ import math
 from .bank import LANES, NYQUIST_SHARE, RESPONSES, ring, set_mode, state_of
 from .encounter import attend, drive, drop_all, next_driven_frame
 from .jit import kernel
-from .state import QUANTUM
+from .state import QUANTUM, Quality
 
 SILENCE = 1e-6
 """A mode below this output amplitude (-120 dB) is put to rest."""
 
+_LOUDER_SILENCE = 1e-4  # the same (-80 dB) when there is too little time
+_RECENTLY = 0.5  # s
+_QUIET, _RECENT = int(Quality.QUIET), int(Quality.RECENT)
 _GLIDE = 0.005  # s: time constant of gain and pan
 _RETUNE_BUDGET = 1024  # modes a quantum that get new coefficients in the background
 _FADE = 500.0  # 1/s: decay added to a mode that was tuned above the Nyquist share
@@ -80,11 +83,19 @@ def _glide(state, obj):
     """Bring an object's gains nearer to what amplitude and pan ask for."""
     c = math.exp(-QUANTUM / (_GLIDE * state.rate))
     left, right = pan_gains(obj)
-    if obj.dying == 2:
+    if obj.dying == 2 or _is_left_out(state, obj):
         left = right = 0.0
+    elif obj.live == 0:
+        obj.gain[0], obj.gain[1] = left, right  # nobody hears it glide
     obj.gain_before[0], obj.gain_before[1] = obj.gain[0], obj.gain[1]
     obj.gain[0] = left + (obj.gain[0] - left) * c
     obj.gain[1] = right + (obj.gain[1] - right) * c
+
+
+@kernel
+def _is_left_out(state, obj):
+    """Is there time only for others, that were touched more recently?"""
+    return state.quality >= _RECENT and obj.struck == 0 and state.position - obj.touched > _RECENTLY * state.rate
 
 
 @kernel
@@ -108,7 +119,11 @@ def _mix(state, obj, voice):
         state.mix[1, n] += right[n] * (from_right + (n + 1) * step_right)
     state.live_modes += obj.live
     state.sounding += 1
-    if obj.driven == 0:
+    if obj.driven == 1:
+        obj.touched = state.position
+    elif _is_left_out(state, obj) and max(abs(obj.gain[0]), abs(obj.gain[1])) < SILENCE:
+        silence(state, obj)
+    else:
         _rest(state, obj)
 
 
@@ -154,6 +169,7 @@ def _retune(state, obj, count):
 @kernel
 def _rest(state, obj):
     """Put the last groups of live modes to rest that nobody hears any more: at most two groups a quantum."""
+    threshold = _LOUDER_SILENCE if state.quality >= _QUIET else SILENCE
     for _ in range(2):
         if obj.live == 0:
             return
@@ -163,7 +179,7 @@ def _rest(state, obj):
             if state.a2[i] != 0.0:
                 re, im = state_of(state.y1[i], state.y2[i], state.a1[i], state.a2[i])
                 weight = max(1.0, abs(state.balance[i])) * max(1.0, obj.amplitude)
-                heard |= weight * weight * (re * re + im * im) > SILENCE * SILENCE
+                heard |= weight * weight * (re * re + im * im) > threshold * threshold
         if heard:
             return
         for i in range(first, first + LANES):

@@ -16,6 +16,7 @@ from ..dsp.methods import METHODS
 from ..dsp.state import CONTACTS, Command, End
 from .dump import Dump
 from .gestures import Ended
+from .governor import Governor
 from .log import Log
 from .network import Network, Source
 from .osc import DEFAULT_PORT, IMMEDIATELY, Argument, BadPacket, Bundle, Message, parse, unix_ns
@@ -90,6 +91,7 @@ class Server:
         self._network = network
         self._scene = Scene(engine, presets)
         self._status = Status(engine, player)
+        self._governor = Governor(engine)
         self._subscribers: set[Source] = set()
         self._syncs: dict[int, tuple[int, Source]] = {}
         self._sync_count = 0
@@ -169,6 +171,8 @@ class Server:
                 (sounding if verb is None or verb.scored else about_server).append(message)
         for reply in self._scene.perform(sounding, when, source):
             self._reply(reply, source)
+        for message in sounding:
+            self._governor.heed(message)
         for message in about_server:
             try:
                 self._serve(message, source)
@@ -241,6 +245,11 @@ class Server:
         for count in [count for count in self._syncs if count <= done]:
             identity, source = self._syncs.pop(count)
             self._reply(Message("/synced", (identity,)), source)
+        if (quality := self._governor.decide(time.monotonic())) is not None:
+            self._scene.perform([Message("/quality", (int(quality),))], NOW)
+            self._warn(
+                f"quality is now {int(quality)}, {quality.name.lower()}: the load is {self.engine.counter('load'):.0%}"
+            )
         for ended in self._scene.take_ends():
             self._tell_end(ended)
         if lost := self._network.dropped():

@@ -145,6 +145,9 @@ class Scene:
             raise Refused("only a running server carries it out; expected what sounds")
         if message.address == "/object/new":
             return self._new(VERBS["/object/new"].parse(message.args))
+        if message.address == "/quality":
+            quality = _whole("quality", VERBS["/quality"].parse(message.args).numbers["quality"])
+            return [(self._time, Command.QUALITY, None, (quality,))], []
         if message.address == "/accuracy":
             accuracy = LEVELS.index(VERBS["/accuracy"].parse(message.args).words["accuracy"])
             return [(self._time, Command.ACCURACY, None, (float(accuracy),))], []

@@ -228,6 +228,11 @@ VERBS = {
             (Either("accuracy", ("-40", "-60", "-80", "exact")),),
         ),
         Verb(
+            "/quality", "what is left out: 0 nothing, 1 contacts' fine steps, 2 modes under -80 dB, 3 rolls' density, "
+            "4 what was not touched lately; with too little time the server goes further by itself",
+            (Number("quality", 0, 4),),
+        ),
+        Verb(
             "/contact", "how contacts are solved from now on: closed (exact, the default), am1, verlet, heun, rk4",
             (Word("method"),), (Number("oversampling", 1, 64),),
             (Word("correction", "none, hybrid, release, both, paper-release, paper-both"),),

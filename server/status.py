@@ -2,12 +2,24 @@
 
 from importlib.metadata import version as installed_version
 
+from ..dsp.gate import LEVELS
 from ..dsp.host import Engine
 from .network import Network
 from .osc import Message
 from .player import Player
 
-_COUNTERS = ("impacts", "contacts_dropped", "late", "limited", "faults", "underflows", "tap_lost")
+_COUNTERS = (
+    "impacts",
+    "coupled",
+    "recontacts",
+    "held",
+    "contacts_dropped",
+    "late",
+    "limited",
+    "faults",
+    "underflows",
+    "tap_lost",
+)
 
 
 class Status:
@@ -29,6 +41,9 @@ class Status:
         pairs = [item for name in _COUNTERS for item in (name, count(name))]
         more = {
             "queued": count("queued"),
+            "rolls": count("rolls_active"),
+            "accuracy": LEVELS[count("accuracy")],
+            "quality": count("quality"),
             "limiter_lowest": count("limit_lowest"),
             "latency": self._player.latency,
             "latency_requested": -1.0 if self._player.requested is None else self._player.requested,

@@ -1,0 +1,44 @@
+"""Keeps the sound whole when there is too little time: quality steps down before it breaks up, and up again after.
+
+What it decides goes to the scene as /quality, so that a log of it renders to the same sound.
+"""
+
+from ..dsp.host import Engine
+from ..dsp.state import Quality
+from .osc import Message
+
+_TOO_MUCH = 0.8  # of the time there is, on average over a second
+_LITTLE = 0.4
+_MISSED = 1.0  # in any block; with little load on average it was the system that took the time
+_BETWEEN = 0.3  # s from step to step downwards: as long as it takes to see what one brings
+_CALM = 4.0  # s of little load before a step upwards
+
+
+class Governor:
+    """Decides on the quality by the load of the engine's callback."""
+
+    def __init__(self, engine: Engine) -> None:
+        self._engine = engine
+        self._stepped = 0.0
+        self._calm_since = 0.0
+        self._best = Quality.FULL
+
+    def heed(self, message: Message) -> None:
+        """Don't go beyond the quality that a message asks for, if it does."""
+        if message.address == "/quality":
+            self._best = next((quality for quality in Quality if (quality,) == message.args), self._best)
+
+    def decide(self, now: float) -> Quality | None:
+        """The quality from now (s) on, if it is to be another one; to be called regularly."""
+        quality = Quality(self._engine.counter("quality"))
+        load, peak = self._engine.counter("load"), self._engine.counter("load_peak")
+        if load > _LITTLE:
+            self._calm_since = now
+        if load > _TOO_MUCH or (load > _LITTLE and peak > _MISSED):
+            if quality < max(Quality) and now - self._stepped >= _BETWEEN:
+                self._stepped = now
+                return Quality(quality + 1)
+        elif quality > self._best and now - max(self._calm_since, self._stepped) >= _CALM:
+            self._stepped = now
+            return Quality(quality - 1)
+        return None

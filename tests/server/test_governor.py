@@ -1,0 +1,60 @@
+"""The governor: down step by step while there is too little time, up again when there is plenty, never without need."""
+
+from itertools import pairwise
+
+from carom.dsp.state import Quality
+from carom.server.governor import Governor
+from carom.server.osc import Message
+
+
+class Loaded:
+    """An engine that is as busy as one says."""
+
+    def __init__(self):
+        self.counters = {"load": 0.0, "load_peak": 0.0, "quality": 0}
+
+    def counter(self, name):
+        return self.counters[name]
+
+
+def run(governor, engine, load, seconds, start, peak=0.0):
+    """Steps that it takes meanwhile, as (time, quality)."""
+    engine.counters.update(load=load, load_peak=peak)
+    steps = []
+    for n in range(int(seconds / 0.02)):
+        now = start + 0.02 * n
+        quality = governor.decide(now)
+        if quality is not None:
+            engine.counters["quality"] = int(quality)
+            steps.append((now, quality))
+    return steps
+
+
+def test_it_steps_down_under_load_and_up_after_calm():
+    engine = Loaded()
+    governor = Governor(engine)
+    assert run(governor, engine, 0.6, 10.0, 100.0) == []
+    down = run(governor, engine, 0.95, 3.0, 200.0)
+    assert [quality for _, quality in down] == [1, 2, 3, 4]
+    assert all(later - sooner >= 0.3 for (sooner, _), (later, _) in pairwise(down))
+    assert run(governor, engine, 0.6, 60.0, 300.0) == []  # neither too much nor little: no swinging to and fro
+    up = run(governor, engine, 0.1, 30.0, 360.0)
+    assert [quality for _, quality in up] == [3, 2, 1, 0] and up[0][0] >= 364.0 - 0.03
+    assert all(later - sooner >= 4.0 - 1e-9 for (sooner, _), (later, _) in pairwise(up))
+
+
+def test_a_late_block_alone_is_the_systems_doing():
+    engine = Loaded()
+    governor = Governor(engine)
+    assert run(governor, engine, 0.2, 5.0, 100.0, peak=3.0) == []
+    assert run(governor, engine, 0.5, 0.1, 200.0, peak=1.2) == [(200.0, Quality.HELD)]
+
+
+def test_what_is_asked_for_is_not_exceeded():
+    engine = Loaded()
+    governor = Governor(engine)
+    governor.heed(Message("/quality", (2.0,)))
+    governor.heed(Message("/quality", ("best",)))
+    governor.heed(Message("/quality", (9,)))
+    engine.counters["quality"] = 4
+    assert [quality for _, quality in run(governor, engine, 0.1, 30.0, 100.0)] == [3, 2]
