@@ -318,8 +318,10 @@ def drive(state, obj, frame):
             age = state.position + frame - contact.start - contact.fraction
             if not age > 0.0:
                 break
-            if contact.touching == 0:
-                meet(state, contact, _pressed(contact))
+            if contact.touching == 0 and not meet(state, contact, _pressed(contact)):
+                tell_end(state, contact.serial, contact.turn, _NO_ROOM)
+                stays = False
+                break
             if act(state, contact, frame, age):
                 stays = contact.solver != _COUPLED or _go_on(state, contact, frame)
                 break
@@ -349,7 +351,7 @@ def _pressed(contact):
 def _leave(state, contact, frame):
     """End a touch of closed form or sampled. True if the striker comes back: it bounces."""
     if contact.kind != _BOUNCE:
-        tell_end(state, contact.serial, contact.turn, _NO_ROOM if contact.kind == _PRESS else _RESTED)
+        tell_end(state, contact.serial, contact.turn, _RESTED)
         return False
     if contact.solver == _SAMPLED:
         impulse = contact.sampled.m * (contact.v_in - contact.sampled.v)

@@ -38,10 +38,10 @@ def tolerance_of(state):
 
 
 @kernel
-def needs_coupling(state, contact, room):
+def needs_coupling(state, contact):
     """Must the contact whose wall pulse has begun be coupled to the modes? If not, its pulse gets the effective mass.
 
-    Never where there is no `room` for it, or a sampled method was asked for.
+    Never where a sampled method was asked for.
 
     With r_i = m phi_i^2, and P_i the wall pulse's power spectrum at mode i over that at 0, that is
     m* = m/(1 + sum r_i P_i). The same v_in leaves w, and so the pulse's form, as it is: its time scales by
@@ -60,7 +60,7 @@ def needs_coupling(state, contact, room):
                 bound += contact.m * phi * phi
             if obj.live > 0:
                 stir += reach_of(state, obj, body)[1] / (contact.v_in * contact.gain)
-    never = state.contact_method > 0 or not room
+    never = state.contact_method > 0
     level = 0 if state.quality >= _HELD else state.accuracy
     unrest = UNREST[level]
     if not never and stir >= unrest:

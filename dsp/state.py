@@ -22,7 +22,7 @@ SHAPE_VALUES = 256 * MODES
 CONTACTS = 512
 """Contacts that can go on at once."""
 COUPLED_MODES = 4_096
-"""Modes that can be coupled to contacts at once, each as often as it is: the contacts beyond have the closed form."""
+"""Modes that can be coupled to contacts at once, each as often as it is; one contact may have more."""
 EVENTS = 8_192
 """Events that can wait for their time."""
 RING = 8_192

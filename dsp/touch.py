@@ -19,16 +19,17 @@ _PATIENCE = 3.0  # exact durations for which a sampled contact is followed: it m
 
 @kernel
 def meet(state, contact, pressed):
-    """Begin to touch; where `pressed`, the striker's push acts on it meanwhile."""
+    """Begin to touch; where `pressed`, the striker's push acts on it meanwhile. False if there is no room for it."""
     state.impacts += 1
     contact.touching = 1
     place(contact.body[0], contact.position, state.objects[contact.body[0].slot].rows)
     begin(contact.pulse, contact.v_in, contact.m, contact.k, contact.mu, contact.a, state.rate)
-    room = _has_room(state, contact)
-    coupled = needs_coupling(state, contact, room)
-    if room and (coupled or pressed):
+    coupled = needs_coupling(state, contact) or pressed
+    if coupled and not _has_room(state, contact):
+        state.contacts_dropped += 1
+        return False
+    if coupled:
         contact.solver = _COUPLED
-        state.coupled_modes += contact.modes
         contact.unsettled = 1
         tolerance = tolerance_of(state)
         begin_coupled(
@@ -36,6 +37,7 @@ def meet(state, contact, pressed):
             contact.fraction, state.rate, tolerance,
         )  # fmt: skip
         state.coupled += 1
+        state.coupled_modes += contact.modes
     elif state.contact_method > 0:
         # A sampled contact can't begin between samples.
         contact.solver = _SAMPLED
@@ -49,6 +51,7 @@ def meet(state, contact, pressed):
         )  # fmt: skip
     else:
         contact.solver = _CLOSED
+    return True
 
 
 @kernel

@@ -362,7 +362,7 @@ def test_a_full_queue_waits_in_the_ring_and_loses_nothing():
 def test_too_many_contacts_are_left_out_and_counted():
     engine = Engine(RATE)
     handle = add(engine)
-    slow = (0.1, 1e3, 0.5, 1.5)
+    slow = (1e-6, 1e-2, 0.5, 1.5)
     engine.send([(NOW, Command.IMPACT, handle, (1.0, 0.5, *slow, 0.001))] * (CONTACTS + 10))
     engine.process(QUANTUM)
     assert engine.counter("contacts_dropped") == 10 and engine.counter("contacts_active") == CONTACTS
