@@ -16,7 +16,7 @@ from .client import Client
 PERIOD = 0.25  # s
 
 _NINE = ("", "modes", "sounding", "objects", "contacts", "load", "load_peak", "rate", "rate_actual")
-_ALARMING = {"contacts_dropped", "late", "limited", "faults", "underflows", "tap_lost", "reconnects"}
+_ALARMING = {"quality", "contacts_dropped", "late", "limited", "faults", "underflows", "tap_lost", "reconnects"}
 _SPOKEN = {"time", "device", "scheduling", "latency", "latency_requested", "latency_measured", "limiter_lowest"}
 
 
@@ -77,7 +77,10 @@ def view(status: Message, before: dict[str, object]) -> RenderableType:
 
 def _cell(name: str, now: dict[str, object], before: dict[str, object]) -> Text:
     value = now.get(name, "")
-    text = f"{value:,.1f}" if isinstance(value, float) and value != int(value) else f"{value:,.0f}" if name else ""
+    if isinstance(value, int | float):
+        text = f"{value:,.0f}" if value == int(value) else f"{value:,.1f}"
+    else:
+        text = str(value)
     alarming = name in _ALARMING and value
     style = "bold red" if alarming and value != before.get(name, value) else "yellow" if alarming else ""
     return Text(f"{text:>12}", style=style)

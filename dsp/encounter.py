@@ -333,6 +333,20 @@ def drive(state, obj, frame):
         else:
             drop(state, obj, before, index)
         index = after
+    _take_turns(state, obj)
+
+
+@kernel
+def _take_turns(state, obj):
+    """Coupled contacts in the same sample see each other one after the other: next time another is the first."""
+    first = obj.contact
+    if first < 0 or state.contacts[first].solver != _COUPLED or state.contacts[first].next < 0:
+        return
+    obj.contact = last = state.contacts[first].next
+    while state.contacts[last].next >= 0:
+        last = state.contacts[last].next
+    state.contacts[last].next = first
+    state.contacts[first].next = -1
 
 
 @kernel

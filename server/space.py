@@ -283,11 +283,17 @@ def table() -> str:
         unit = f" {argument.unit}" if argument.unit else ""
         return f"`{argument.name}` {argument.low:g} to {argument.high:g}{unit}"
 
+    def listed(keys: tuple[Number | Word, ...]) -> str:
+        strikes = keys[: len(STRIKE)] == STRIKE
+        own = ", ".join(described(key) for key in (keys[len(STRIKE) :] if strikes else keys))
+        return "; keys: " + ", ".join(filter(None, ["a strike's" if strikes else "", own])) if keys else ""
+
     lines = ["| address | arguments | does |", "|---|---|---|"]
     for verb in VERBS.values():
         parts = [described(a) for a in verb.required] + [f"[{described(a)}]" for a in verb.optional]
-        keys = "; keys: " + ", ".join(described(k) for k in verb.keys) if verb.keys else ""
-        lines.append(f"| `{verb.address}` | {', '.join(parts)}{keys} | {verb.help} |")
+        lines.append(f"| `{verb.address}` | {', '.join(parts)}{listed(verb.keys)} | {verb.help} |")
+    lines += ["", "| a strike's keys | meaning |", "|---|---|"]
+    lines += [f"| {described(key)} | {key.help or 'in place of the one that the striker has'} |" for key in STRIKE]
     return "\n".join(lines)
 
 

@@ -35,6 +35,7 @@ def with_port(text: str, port: int) -> str:
         ("carom serve", f"carom serve --port {port}"),
         ("carom send", f"carom send --port {port}"),
         ("carom play", f"carom play --port {port}"),
+        ("carom top", f"carom top --port {port}"),
         ("Client()", f"Client(port={port})"),
     ):
         text = text.replace(said, meant)
@@ -85,9 +86,10 @@ def test_the_preset_it_shows_is_one(tmp_path):
     (tmp_path / "objects" / "mine.toml").write_text(text)
     presets = Presets([tmp_path])
     assert len(presets.object("mine").modes(20_000).frequency) > 3
-    counted = re.search(r"(\d+) objects over .*?(\d+) materials, (\d+) strikers", README, re.DOTALL)
+    kinds = ("objects", "strikers", "materials", "surfaces")
+    counted = re.search(r"(\d+) objects over .*?(\d+) strikers, (\d+) materials, (\d+) surfaces", README, re.DOTALL)
     assert counted and [int(n) for n in counted.groups()] == [
-        len(presets.names(kind)) - (kind == "objects") for kind in ("objects", "materials", "strikers")
+        len(presets.names(kind)) - (kind == "objects") for kind in kinds
     ]
 
 

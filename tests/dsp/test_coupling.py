@@ -227,3 +227,18 @@ def test_gain_makes_it_louder_and_nothing_else():
         return engine.process(4800).astype(float)
 
     np.testing.assert_allclose(sound(0.1), 0.1 * sound(1.0), atol=1e-5)
+
+
+def test_strikers_at_once_take_turns():
+    """Two that touch an object together: who came first in the list must not matter."""
+
+    def sound(order):
+        engine = Engine(RATE)
+        handle = add(engine, body(modal_mass=0.05))
+        laws = [(0.05, 1e6, 0.2, 1.5), (0.02, 3e6, 0.4, 1.5)]
+        for n in order:
+            strike(engine, handle, laws[n], 1.0 + 0.3 * n, time=10.0)
+        return engine.process(2048)[:, 0].astype(float)
+
+    there, back = sound((0, 1)), sound((1, 0))
+    assert 0.0 < np.abs(there - back).max() < 3e-3 * np.abs(there).max()
