@@ -1,43 +1,117 @@
-"""Sampled methods on a coupled contact, and every solver compared on many of them.
+"""Sampled methods on a coupled contact, to compare the coupled solver with.
 
 The methods are those of methods.py on the whole system of striker and modes, one step or several a sample; they begin
 on a sample. Explicit ones are stable while the contact and every mode take several steps, and not beyond.
 """
 
-import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from .collocation import elastic, law
-from .coupled_step import HELD
-from .coupled_study import CONVERGED, Case, Run, error, simulate
+from .coupled_study import NOT_KEPT, Case, Run
+from .jit import simd_kernel
 from .methods import METHODS
 
+_STAGES = np.array([0.0, 0.5, 0.5, 1.0])  # of RK4, in steps
+_SHARES = np.array([1.0, 2.0, 2.0, 1.0]) / 6.0
 
-@njit(error_model="numpy")
-def _accelerate(place, speed, squares, losses, phi, m, k, mu, a):
-    """Accelerations of the modes and, last, of the striker."""
-    f = law(place[-1] - phi @ place[:-1], speed[-1] - phi @ speed[:-1], k, mu, a)
-    out = np.empty_like(place)
-    out[:-1] = phi * f - squares * place[:-1] - losses * speed[:-1]
-    out[-1] = -f / m
-    return out
+_WORK = 8  # rows of memory, each for the modes and, last, the striker
 
 
-@njit(error_model="numpy")
-def _trapezoid(place, speed, f, h, squares, losses, phi, m, k, mu, a):
-    """A step of the trapezoid rule, whose one unknown is the force at its end: Newton's method, safeguarded."""
+@simd_kernel
+def _compression(row, phi):
+    """Of the contact, from places; its rate, from speeds."""
+    n = len(phi)
+    give = 0.0
+    for i in range(n):
+        give += phi[i] * row[i]
+    return row[n] - give
+
+
+@simd_kernel
+def _accelerate(place, speed, modes, striker, out):
+    """Accelerations of the modes and of the striker."""
+    squares, losses, phi = modes
+    m, k, mu, a = striker
+    n = len(phi)
+    f = law(_compression(place, phi), _compression(speed, phi), k, mu, a)
+    for i in range(n):
+        out[i] = phi[i] * f - squares[i] * place[i] - losses[i] * speed[i]
+    out[n] = -f / m
+
+
+@simd_kernel
+def _verlet(place, speed, modes, striker, h, work):
+    kept, half = work[0], work[1]
+    for i in range(len(place)):
+        place[i] += h * speed[i] + 0.5 * h * h * kept[i]
+        half[i] = speed[i] + 0.5 * h * kept[i]
+    _accelerate(place, half, modes, striker, kept)
+    for i in range(len(place)):
+        speed[i] = half[i] + 0.5 * h * kept[i]
+
+
+@simd_kernel
+def _heun(place, speed, modes, striker, h, work):
+    kept, predicted, new = work[0], work[1], work[2]
+    for i in range(len(place)):
+        predicted[i] = speed[i] + h * kept[i]
+        place[i] += 0.5 * h * (speed[i] + predicted[i])
+    _accelerate(place, predicted, modes, striker, new)
+    for i in range(len(place)):
+        speed[i] += 0.5 * h * (kept[i] + new[i])
+        kept[i] = new[i]
+
+
+@simd_kernel
+def _runge_kutta(place, speed, modes, striker, h, work):
+    v, at, acceleration, moved, gained = work[1], work[2], work[3], work[4], work[5]
+    for i in range(len(place)):
+        v[i] = acceleration[i] = moved[i] = gained[i] = 0.0
+    for s in range(4):
+        for i in range(len(place)):
+            at[i] = place[i] + _STAGES[s] * h * v[i]
+            v[i] = speed[i] + _STAGES[s] * h * acceleration[i]
+            moved[i] += _SHARES[s] * h * v[i]
+        _accelerate(at, v, modes, striker, acceleration)
+        for i in range(len(place)):
+            gained[i] += _SHARES[s] * h * acceleration[i]
+    for i in range(len(place)):
+        place[i] += moved[i]
+        speed[i] += gained[i]
+
+
+@simd_kernel
+def _prepare(modes, h, work):
+    """What the trapezoid rule needs of the modes: how they go on, and how they answer a force."""
+    squares, losses, phi = modes
     c = 0.5 * h
-    divisor = 1.0 + c * (losses + c * squares)
-    drift = (speed[:-1] * (2.0 - divisor) - h * squares * place[:-1]) / divisor
-    answer = c * phi / divisor
-    v_free = speed[-1] - c * f / m - phi @ (drift + answer * f)
-    x_free = place[-1] - phi @ place[:-1] + c * (speed[-1] - phi @ speed[:-1] + v_free)
-    give = c / m + phi @ answer
+    for i in range(len(phi)):
+        divisor = 1.0 + c * (losses[i] + c * squares[i])
+        work[3, i] = (2.0 - divisor) / divisor
+        work[4, i] = h * squares[i] / divisor
+        work[5, i] = c * phi[i] / divisor
+
+
+@simd_kernel
+def _trapezoid(place, speed, f, modes, striker, h, work):
+    """A step of the trapezoid rule, whose one unknown is the force at its end: Newton's method, safeguarded."""
+    phi = modes[2]
+    m, k, mu, a = striker
+    after, keeping, pulling, answer = work[1], work[3], work[4], work[5]
+    n = len(phi)
+    c = 0.5 * h
+    give = c / m
+    for i in range(n):
+        after[i] = keeping[i] * speed[i] - pulling[i] * place[i] + answer[i] * f
+        give += phi[i] * answer[i]
+    after[n] = speed[n] - c * f / m
+    v_free = _compression(after, phi)
+    x_free = _compression(place, phi) + c * (_compression(speed, phi) + v_free)
     low, high = 0.0, law(x_free, v_free, k, mu, a)
     new = min(f, high)
     for _ in range(200):
@@ -56,110 +130,69 @@ def _trapezoid(place, speed, f, h, squares, losses, phi, m, k, mu, a):
         new -= step
         if abs(step) <= 1e-13 * new:
             break
-    after = np.empty_like(speed)
-    after[:-1] = drift + answer * (f + new)
-    after[-1] = speed[-1] - c * (f + new) / m
-    place += c * (speed + after)
-    speed[:] = after
+    for i in range(n):
+        after[i] += answer[i] * new
+    after[n] -= c * new / m
+    for i in range(n + 1):
+        place[i] += c * (speed[i] + after[i])
+        speed[i] = after[i]
     return new
 
 
 @njit(error_model="numpy")
-def _sample(method, substeps, squares, losses, phi, m, k, mu, a, place, speed, h, out):
+def _sample(method, substeps, modes, striker, v_in, h, work, samples, times, out):
+    squares, _, phi = modes
+    m, k, _, a = striker
     n = len(phi)
-    kept = _accelerate(place, speed, squares, losses, phi, m, k, mu, a)
-    f = 0.0
-    contacts = 0
-    inside = False
-    for t in range(len(out)):
-        for _ in range(substeps):
-            if method == 0:
-                f = _trapezoid(place, speed, f, h, squares, losses, phi, m, k, mu, a)
-            elif method == 1:
-                place += h * speed + 0.5 * h * h * kept
-                half = speed + 0.5 * h * kept
-                kept = _accelerate(place, half, squares, losses, phi, m, k, mu, a)
-                speed[:] = half + 0.5 * h * kept
-            elif method == 2:
-                predicted = speed + h * kept
-                place += 0.5 * h * (speed + predicted)
-                new = _accelerate(place, predicted, squares, losses, phi, m, k, mu, a)
-                speed += 0.5 * h * (kept + new)
-                kept = new
-            else:
-                a1 = _accelerate(place, speed, squares, losses, phi, m, k, mu, a)
-                v2 = speed + 0.5 * h * a1
-                a2 = _accelerate(place + 0.5 * h * speed, v2, squares, losses, phi, m, k, mu, a)
-                v3 = speed + 0.5 * h * a2
-                a3 = _accelerate(place + 0.5 * h * v2, v3, squares, losses, phi, m, k, mu, a)
-                v4 = speed + h * a3
-                a4 = _accelerate(place + h * v3, v4, squares, losses, phi, m, k, mu, a)
-                place += h / 6.0 * (speed + 2.0 * v2 + 2.0 * v3 + v4)
-                speed += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
-            x = place[n] - phi @ place[:n]
-            contacts += x > 0.0 and not inside
-            inside = x > 0.0
-        out[t, 0] = phi @ speed[:n]
-        out[t, 1] = speed[n]
-        out[t, 2] = max(x, 0.0)
-        modal = np.sum(speed[:n] ** 2 + squares * place[:n] ** 2)
-        out[t, 3] = 0.5 * m * speed[n] ** 2 + 0.5 * modal + elastic(x, k, a)
-        out[t, 4] = contacts
+    place, speed = work[6], work[7]
+    for _ in range(times):
+        work[:] = 0.0
+        speed[n] = v_in
+        _prepare(modes, h, work)
+        f = 0.0
+        contacts = 0
+        inside = False
+        for t in range(samples):
+            for _ in range(substeps):
+                if method == 0:
+                    f = _trapezoid(place, speed, f, modes, striker, h, work)
+                elif method == 1:
+                    _verlet(place, speed, modes, striker, h, work)
+                elif method == 2:
+                    _heun(place, speed, modes, striker, h, work)
+                else:
+                    _runge_kutta(place, speed, modes, striker, h, work)
+                if t < len(out):
+                    touches = _compression(place, phi) > 0.0
+                    contacts += touches and not inside
+                    inside = touches
+            if t < len(out):
+                x = _compression(place, phi)
+                out[t, 0] = speed[n] - _compression(speed, phi)
+                out[t, 1] = speed[n]
+                out[t, 2] = max(x, 0.0)
+                out[t, 3] = 0.5 * m * speed[n] ** 2 + elastic(x, k, a)
+                out[t, 3] += 0.5 * np.sum(speed[:n] ** 2 + squares * place[:n] ** 2)
+                out[t, 4] = contacts
+
+
+def _sampling(case: Case, method: str, oversampling: int) -> Callable[[int, int, NDArray], None]:
+    omega, sigma = 2.0 * np.pi * np.asarray(case.frequency), np.asarray(case.sigma, np.float64)
+    modes = (omega**2 + sigma**2, 2.0 * sigma, np.asarray(case.phi, np.float64))
+    striker = tuple(map(float, (case.m, case.k, case.mu, case.a)))
+    work = np.empty((_WORK, len(omega) + 1))
+    h = 1.0 / (case.rate * oversampling)
+    return partial(_sample, METHODS.index(method), oversampling, modes, striker, float(case.v_in), h, work)
 
 
 def sample(case: Case, method: str, oversampling: int = 1) -> Run:
     """The case by a method of methods.METHODS on the whole system; without push, begun on a sample, at rest."""
-    omega = 2.0 * np.pi * np.asarray(case.frequency)
-    squares = omega**2 + np.asarray(case.sigma) ** 2
-    place, speed = np.zeros((2, len(omega) + 1))
-    speed[-1] = case.v_in
     out = np.empty((case.samples, 5))
-    _sample(
-        METHODS.index(method), oversampling, squares, 2.0 * np.asarray(case.sigma), np.asarray(case.phi, np.float64),
-        case.m, case.k, case.mu, case.a, place, speed, 1.0 / (case.rate * oversampling), out,
-    )  # fmt: skip
-    return Run(out[:, 0], out[:, 1], out[:, 2], out[:, 3], out[:, 4], case.samples * oversampling)
+    _sampling(case, method, oversampling)(case.samples, 1, out)
+    return Run(*out.T, case.samples * oversampling)
 
 
-@dataclass(frozen=True)
-class Score:
-    """How a solver does on many cases: median of the object's velocity's errors and what nine of ten are below (dB),
-    share of wrong contact counts, worst growth of energy, mean steps."""
-
-    median: float
-    ninety: float
-    wrong_counts: float
-    growth: float
-    steps: float
-
-
-SOLVERS: dict[str, Callable[[Case], Run]] = {
-    **{name: partial(sample, method=name) for name in METHODS},
-    "rk4, 16 x": partial(sample, method="rk4", oversampling=16),
-    "held": partial(simulate, tolerance=HELD),
-    **{f"coupled, {tolerance:g}": partial(simulate, tolerance=tolerance) for tolerance in (1e-1, 1e-2, 1e-3, 1e-5)},
-}
-"""What `compare` compares: sampled methods, the held force, the coupled solver at tolerances."""
-
-
-def compare(cases: list[Case]) -> dict[str, Score]:
-    """Every solver on cases as if begun on a sample, against the coupled solver at CONVERGED."""
-    cases = [replace(case, fraction=0.0) for case in cases]
-    exact = [simulate(case, CONVERGED) for case in cases]
-    return {name: _score(solver, cases, exact) for name, solver in SOLVERS.items()}
-
-
-def _score(solver: Callable[[Case], Run], cases: list[Case], exact: list[Run]) -> Score:
-    rows = []
-    with np.errstate(over="ignore", invalid="ignore"):
-        for case, truth in zip(cases, exact, strict=True):
-            run = solver(case)
-            deviation = error(run.velocity, truth.velocity)
-            wrong = run.contacts[-1] != truth.contacts[-1]
-            rows.append((deviation, wrong, run.growth(case), run.steps))
-    deviations, wrong_counts, growth, steps = np.array(rows).T
-    deviations[np.isnan(deviations)] = math.inf
-    return Score(
-        float(np.median(deviations)), float(np.quantile(deviations, 0.9, method="higher")), float(wrong_counts.mean()),
-        float(growth.max()), float(steps.mean()),
-    )  # fmt: skip
+def sampling_loop(case: Case, method: str, oversampling: int, samples: int) -> Callable[[int], None]:
+    """What computes so many samples of it, as often as it is told, and keeps nothing: for cost.py."""
+    sampling = _sampling(case, method, oversampling)
+    return lambda times: sampling(samples, times, NOT_KEPT)

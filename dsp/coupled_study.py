@@ -1,7 +1,10 @@
 """Coupled contacts by themselves: a striker and modes, sample by sample, through the engine's bank and solver."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -11,10 +14,14 @@ from .bank import FINE, LANES, RESPONSES, inject_fine, observe, receptance, set_
 from .collocation import elastic
 from .contact import checked
 from .coupled import COUPLED, begin_coupled, respond_with, step_coupled
+from .jit import kernel
 from .pulse import contact_time
 
 CONVERGED = 1e-7
 """Tolerance of the coupled solver when it is what others are measured against; tests hold it against DOP853."""
+
+NOT_KEPT = np.empty((0, 5))
+"""No place for a run's samples."""
 
 
 @dataclass(frozen=True)
@@ -88,75 +95,131 @@ def error(velocity: NDArray, expected: NDArray) -> float:
     return 20.0 * math.log10(max(np.abs(velocity - expected).max() / np.abs(expected).max(), 1e-20))
 
 
-@njit(error_model="numpy")
-def _simulate(contact, striker, frequency, sigma, shape, ringing, rate, tolerance, out):
-    n = len(shape) // 4
-    y1, y2, a1, a2 = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
-    response = np.zeros(n // LANES * RESPONSES)
-    work = np.zeros(3 * n + FINE * LANES)
-    seen, moments = np.zeros(FINE), np.zeros(FINE)
-    weights = np.array([0.0, 1.0, 0.0, 0.0])
+class Bank(NamedTuple):
+    """Modes as bank.py keeps them, where they start from (2, n), and memory for a contact's work."""
+
+    y1: NDArray
+    y2: NDArray
+    a1: NDArray
+    a2: NDArray
+    start: NDArray
+    frequency: NDArray
+    sigma: NDArray
+    response: NDArray
+    shape: NDArray
+    weights: NDArray
+    work: NDArray
+    seen: NDArray
+    moments: NDArray
+
+
+def bank_of(case: Case) -> Bank:
+    """The case's modes, padded to whole LANES; `shape` has its phi in all four rows."""
+    count = len(case.frequency)
+    n = -(-max(count, 1) // LANES) * LANES
+    y1, y2, a1, a2, frequency, sigma = np.zeros((6, n))
+    frequency[:count], sigma[:count] = case.frequency, case.sigma
+    response, shape = np.zeros(n // LANES * RESPONSES), np.zeros((4, n))
+    shape[:, :count] = case.phi
+    for i in range(count):
+        set_mode(i, float(frequency[i]), float(sigma[i]), float(case.rate), 1.0, y1, y2, a1, a2, response)
+    z = np.zeros(n, complex)
+    z[:count] = case.ringing
+    angle = 2.0 * np.pi * frequency / case.rate
+    start = np.stack([z.imag, (z.imag * np.cos(angle) - z.real * np.sin(angle)) * np.exp(sigma / case.rate)])
+    work, weights = np.zeros(3 * n + FINE * LANES), np.array([0.0, 1.0, 0.0, 0.0])
+    seen, moments = np.zeros((2, FINE))
+    return Bank(y1, y2, a1, a2, start, frequency, sigma, response, shape.ravel(), weights, work, seen, moments)
+
+
+@kernel
+def restart(bank):
+    """Bring the modes back to their start."""
+    for i in range(len(bank.y1)):
+        bank.y1[i] = bank.start[0, i]
+        bank.y2[i] = bank.start[1, i]
+
+
+@kernel
+def ring_on(bank):
+    """Let the modes ring for a sample."""
+    for i in range(len(bank.y1)):
+        y = bank.a1[i] * bank.y1[i] + bank.a2[i] * bank.y2[i]
+        bank.y2[i] = bank.y1[i]
+        bank.y1[i] = y
+
+
+@kernel
+def motion_and_energy(bank):
+    """The velocity of the modes' point (m/s), and their energy (J)."""
+    velocity = energy = 0.0
+    n = len(bank.y1)
     for i in range(n):
-        set_mode(i, frequency[i], sigma[i], rate, 1.0, y1, y2, a1, a2, response)
-        angle = 2.0 * np.pi * frequency[i] / rate
-        y1[i] = ringing[i].imag
-        y2[i] = (ringing[i].imag * np.cos(angle) - ringing[i].real * np.sin(angle)) * np.exp(sigma[i] / rate)
+        if bank.frequency[i] > 0.0:
+            re, im = state_of(bank.y1[i], bank.y2[i], bank.a1[i], bank.a2[i])
+            damping = bank.sigma[i] / (2.0 * np.pi * bank.frequency[i])
+            rate_of_q = re - damping * im
+            velocity += bank.shape[n + i] * rate_of_q
+            energy += 0.5 * (rate_of_q * rate_of_q + (1.0 + damping * damping) * im * im)
+    return velocity, energy
+
+
+@njit(error_model="numpy")
+def _simulate(contact, bank, striker, rate, tolerance, samples, times, out):
+    y1, y2, a1, a2, _, _, _, response, shape, weights, work, seen, moments = bank
+    n = len(y1)
     v, m, k, mu, a, push, fraction = striker
-    begin_coupled(contact, v, m, k, mu, a, push, fraction, rate, tolerance)
-    receptance(a1, a2, response, shape, n, 0, weights, work, seen)
-    respond_with(contact, seen)
-    for t in range(len(out)):
-        observe(y1, y2, a1, a2, response, shape, n, 0, weights, work, seen)
-        step_coupled(contact, seen, moments)
-        inject_fine(y1, y2, response, shape, n, 0, weights, moments)
-        velocity = 0.0
-        energy = 0.5 * m * contact.v * contact.v - push * contact.position + elastic(contact.motion[0], k, a)
-        for i in range(n):
-            y = a1[i] * y1[i] + a2[i] * y2[i]
-            y2[i] = y1[i]
-            y1[i] = y
-            if frequency[i] > 0.0:
-                re, im = state_of(y1[i], y2[i], a1[i], a2[i])
-                damping = sigma[i] / (2.0 * np.pi * frequency[i])
-                rate_of_q = re - damping * im
-                velocity += shape[n + i] * rate_of_q
-                energy += 0.5 * (rate_of_q * rate_of_q + (1.0 + damping * damping) * im * im)
-        out[t, 0] = velocity
-        out[t, 1] = contact.v
-        out[t, 2] = max(contact.motion[0], 0.0)
-        out[t, 3] = energy
-        out[t, 4] = contact.contacts
+    for _ in range(times):
+        restart(bank)
+        begin_coupled(contact, v, m, k, mu, a, push, fraction, rate, tolerance)
+        receptance(a1, a2, response, shape, n, 0, weights, work, seen)
+        respond_with(contact, seen)
+        for t in range(samples):
+            observe(y1, y2, a1, a2, response, shape, n, 0, weights, work, seen)
+            step_coupled(contact, seen, moments)
+            inject_fine(y1, y2, response, shape, n, 0, weights, moments)
+            ring_on(bank)
+            if t < len(out):
+                velocity, energy = motion_and_energy(bank)
+                out[t, 0] = velocity
+                out[t, 1] = contact.v
+                out[t, 2] = max(contact.motion[0], 0.0)
+                energy += 0.5 * m * contact.v * contact.v - push * contact.position
+                out[t, 3] = energy + elastic(contact.motion[0], k, a)
+                out[t, 4] = contact.contacts
+
+
+def _simulation(case: Case, tolerance: float, contact: np.void) -> Callable[..., None]:
+    law = (case.v_in, case.m, case.k, case.mu, case.a, case.push, case.fraction)
+    return partial(
+        _simulate, contact, bank_of(case), tuple(map(float, law)), float(case.rate), float(tolerance)
+    )  # fmt: skip
 
 
 def simulate(case: Case, tolerance: float = 1e-5) -> Run:
     """The case by the coupled solver (coupled.py) and the engine's bank of modes."""
-    count = len(case.frequency)
-    size = -(-max(count, 1) // LANES) * LANES
-    modes = np.zeros((2, size))
-    modes[:, :count] = case.frequency, case.sigma
-    states = np.zeros(size, complex)
-    states[:count] = case.ringing
-    shape = np.zeros((4, size))
-    shape[1, :count] = case.phi
-    striker = (case.v_in, case.m, case.k, case.mu, case.a, case.push, case.fraction)
-    out = np.empty((case.samples, 5))
     contact = np.zeros(1, COUPLED)[0]
-    _simulate(
-        contact, tuple(map(float, striker)), modes[0], modes[1], shape.ravel(), states,
-        float(case.rate), float(tolerance), out,
-    )  # fmt: skip
-    return Run(out[:, 0], out[:, 1], out[:, 2], out[:, 3], out[:, 4], int(contact["steps"]), int(contact["held"]))
+    out = np.empty((case.samples, 5))
+    _simulation(case, tolerance, contact)(case.samples, 1, out)
+    return Run(*out.T, int(contact["steps"]), int(contact["held"]))
 
 
-def random_cases(count: int, seed: int, most_yielding: float = 1.0) -> list[Case]:
-    """Contacts as they are heard: 1-40 modes up to 20 kHz, .05-50 samples, mu v_in 0-5, sum r 1e-4-1 of the most."""
+def simulation_loop(case: Case, tolerance: float, samples: int) -> Callable[[int], None]:
+    """What computes so many samples of it, as often as it is told, and keeps nothing: for cost.py."""
+    simulation = _simulation(case, tolerance, np.zeros(1, COUPLED)[0])
+    return lambda times: simulation(samples, times, NOT_KEPT)
+
+
+def random_cases(count: int, seed: int, yielding: tuple[float, float] = (1e-4, 1.0)) -> list[Case]:
+    """Contacts as they are heard: 1-40 modes up to 20 kHz, .05-50 samples, mu v_in 0-5, sum r within `yielding`."""
+    least, most = map(math.log10, yielding)
     random = np.random.default_rng(seed)
     cases = []
     for _ in range(count):
         n = int(random.integers(1, 41))
         m = 10.0 ** random.uniform(-3.0, -1.0)
         phi = random.normal(size=n)
-        phi *= math.sqrt(most_yielding * 10.0 ** random.uniform(-4.0, 0.0) / (m * phi @ phi))
+        phi *= math.sqrt(10.0 ** random.uniform(least, most) / (m * phi @ phi))
         mu, a = random.uniform(0.0, 5.0), random.choice([1.0, 1.3, 1.5, 2.5])
         samples = 10.0 ** random.uniform(math.log10(0.05), math.log10(50.0))
         k = (contact_time(1.0, m, 1.0, mu, a) * 48_000.0 / samples) ** (a + 1.0)
