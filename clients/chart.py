@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..dsp import contact, cost, reference, study
+from ..dsp import contact, cost, coupled_scores, reference, study
 from ..dsp.methods import CORRECTIONS, METHODS
 from ..dsp.pulse import contact_time
 from ..dsp.study import PAPER_CASES, PAPER_RATE, Law, Outcome
@@ -44,6 +44,9 @@ class Extent:
     most_steps: int  # oversampling ends where a contact takes more
     repeats: int  # of a measurement of cost
     points: int  # where failures are looked for
+    contacts: int  # with objects that give way, in each band
+    coupled_oversamplings: tuple[int, ...]  # of sampled methods on them
+    coupled_repeats: int  # of a measurement of a cost of theirs
 
 
 FULL = Extent(
@@ -53,6 +56,9 @@ FULL = Extent(
     most_steps=30_000,
     repeats=15,
     points=110_000,
+    contacts=200,
+    coupled_oversamplings=tuple(2**n for n in range(7)),
+    coupled_repeats=5,
 )
 QUICK = Extent(
     oversamplings=(1, 4, 16, 64),
@@ -61,6 +67,9 @@ QUICK = Extent(
     most_steps=7_000,
     repeats=5,
     points=10_000,
+    contacts=30,
+    coupled_oversamplings=(1, 8, 64),
+    coupled_repeats=3,
 )
 
 
@@ -81,7 +90,7 @@ def chart(folder: Path, extent: Extent) -> Iterator[tuple[str, float]]:
     ChartError, before anything is done, without matplotlib or where the folder can't be written to.
     """
     try:
-        from . import figures
+        from . import figures, figures_coupled
     except ImportError as error:
         raise ChartError("chart needs matplotlib: pip install 'carom[plot]'") from error
     folder.mkdir(parents=True, exist_ok=True)
@@ -99,13 +108,19 @@ def chart(folder: Path, extent: Extent) -> Iterator[tuple[str, float]]:
     found = failures(extent)
     _write(folder / "failures.csv", counts(found))
 
-    yield "rebounds", 0.7
+    coupled: list[Row] = []
+    for i, band in enumerate(coupled_scores.BANDS):
+        yield f"objects that give way: sum r of {band[0]:g} to {band[1]:g}", 0.6 + 0.05 * i
+        coupled += coupled_rows(band, extent)
+    _write(folder / "coupled.csv", coupled)
+
+    yield "rebounds", 0.8
     sequences = {case: speeds(PAPER_CASES[case]) for case in REBOUND_CASES}
     _write(folder / "rebounds.csv", rebound_rows(sequences))
 
-    drawings = figures.drawings(rows, found, sequences)
+    drawings = figures.drawings(rows, found, sequences) | {"coupled": lambda: figures_coupled.coupled(coupled)}
     for i, (name, draw) in enumerate(drawings.items()):
-        yield f"figures: {name}", 0.8 + 0.2 * i / len(drawings)
+        yield f"figures: {name}", 0.85 + 0.15 * i / len(drawings)
         figures.save(draw, folder / name)
     yield "done", 1.0
 
@@ -206,6 +221,25 @@ def counts(found: Failures) -> list[Row]:
         row |= {"median_err_v_out": float(np.median(error)), "greatest_err_v_out": float(error.max())}
         rows.append(row)
     return rows
+
+
+def coupled_rows(band: tuple[float, float], extent: Extent) -> Iterator[Row]:
+    """Rows of what every solver makes of contacts with objects that give way, by sum r from `band`."""
+    cases = coupled_scores.band_cases(band, extent.contacts, SEED)
+    for score in coupled_scores.scores(cases, extent.coupled_oversamplings, extent.coupled_repeats):
+        yield {
+            "sum_r_from": band[0],
+            "sum_r_to": band[1],
+            "contacts": len(cases),
+            "solver": score.solver,
+            "setting": score.setting,
+            "median_dB": score.median,
+            "ninety_dB": score.ninety,
+            "wrong_counts_percent": 100 * score.wrong_counts,
+            "growth": score.growth,
+            "steps": score.steps,
+            "ns_per_contact": score.ns,
+        }
 
 
 def speeds(law: Law) -> dict[tuple[str, str], NDArray[np.float64]]:

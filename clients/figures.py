@@ -36,8 +36,8 @@ _STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
     "figure.constrained_layout.use": True,
 }
-_COLOURS = {"am1": "#3b75af", "verlet": "#2a8f4f", "heun": "#d98a00", "rk4": "#b0307a", "closed": "#000000"}
-_TITLES = {"am1": "AM1", "verlet": "Verlet", "heun": "Heun", "rk4": "RK4", "closed": "closed form"}
+COLOURS = {"am1": "#3b75af", "verlet": "#2a8f4f", "heun": "#d98a00", "rk4": "#b0307a", "closed": "#000000"}
+TITLES = {"am1": "AM1", "verlet": "Verlet", "heun": "Heun", "rk4": "RK4", "closed": "closed form"}
 _LINES: dict[str, Literal["-", ":", "--"]] = {"none": "-", "hybrid": ":", "both": "--"}
 _FAILURES = {
     Outcome.NOT_FINITE: "#222222",
@@ -106,7 +106,7 @@ def _spectrum(row: "Row") -> float:
 
 def _method_legend(closed: bool = True) -> list[Line2D]:
     names = [*METHODS, *(["closed"] if closed else [])]
-    return [Line2D([], [], color=_COLOURS[name], marker="o", markersize=4, label=_TITLES[name]) for name in names]
+    return [Line2D([], [], color=COLOURS[name], marker="o", markersize=4, label=TITLES[name]) for name in names]
 
 
 def _correction_legend() -> list[Line2D]:
@@ -129,7 +129,7 @@ def _error_cost(rows: "list[Row]") -> Figure:
                     some = _pick(usable, method=method, correction=correction)
                     cost = [row["ns_per_contact"] for row in some]
                     marker = "o" if correction == "none" else ""
-                    ax.plot(cost, list(map(error, some)), line, color=_COLOURS[method], marker=marker, markersize=2.5)
+                    ax.plot(cost, list(map(error, some)), line, color=COLOURS[method], marker=marker, markersize=2.5)
             for name, marker, label in (
                 ("paper-release", "D", "the paper's v_out alone"),
                 ("closed-release", "P", "exact v_out alone"),
@@ -164,7 +164,7 @@ def _deviation_cost(rows: "list[Row]") -> Figure:
                     cost = [row["ns_per_contact"] for row in some]
                     deviation = [max(row[name], _LEAST_ERROR) for row in some]
                     marker = "o" if correction == "none" else ""
-                    ax.plot(cost, deviation, line, color=_COLOURS[method], marker=marker, markersize=2.5)
+                    ax.plot(cost, deviation, line, color=COLOURS[method], marker=marker, markersize=2.5)
             ax.set(xscale="log", yscale="log")
             ax.minorticks_off()
         axes[0, column].set_title(f"case {case}: {here[0]['samples']:.4g} samples of contact")
@@ -195,9 +195,9 @@ def _against(rows: "list[Row]", case: str, x: "Callable[[Row], float]", label: s
         for method in METHODS:
             for correction, line in (("none", "-"), ("both", "--")):
                 mine = _pick(some, method=method, correction=correction)
-                ax.plot(list(map(x, mine)), list(map(quantity, mine)), line, color=_COLOURS[method])
+                ax.plot(list(map(x, mine)), list(map(quantity, mine)), line, color=COLOURS[method])
                 failed = [row for row in mine if row["outcome"] != Outcome.SOUND.name]
-                ax.plot(list(map(x, failed)), list(map(quantity, failed)), "x", color=_COLOURS[method], markersize=5)
+                ax.plot(list(map(x, failed)), list(map(quantity, failed)), "x", color=COLOURS[method], markersize=5)
         for name in ("closed", *(("closed-release",) if ax is right else ())):
             mine = _pick(some, method=name)
             style = "-o" if name == "closed" else ":o"
@@ -274,13 +274,13 @@ def _failures(found: "Failures", y: NDArray[np.float64], label: str) -> Figure:
             outcome = found.outcomes[method, correction]
             _show_failures(axes[row, column], bins, outcome)
             corrected = ", corrected" if correction == "both" else ""
-            axes[row, column].set_title(_failed_title(_TITLES[method] + corrected, outcome), fontsize=9)
+            axes[row, column].set_title(_failed_title(TITLES[method] + corrected, outcome), fontsize=9)
             axes[row, column].tick_params(labelleft=column == 0)
         axes[row, 0].set_ylabel(label)
     closed = found.outcomes["closed", "none"]
     _show_failures(axes[0, -1], bins, closed)
     axes[0, -1].tick_params(labelleft=False)
-    axes[0, -1].set_title(_failed_title(_TITLES["closed"], closed), fontsize=9)
+    axes[0, -1].set_title(_failed_title(TITLES["closed"], closed), fontsize=9)
     _failure_shares(axes[1, -1], found)
     for ax in axes[1]:
         ax.set_xlabel("duration (samples)")
@@ -295,7 +295,7 @@ def _failure_shares(ax: Axes, found: "Failures") -> None:
         if correction in ("none", "both"):
             share = [100 * np.mean(outcome[place == i] != Outcome.SOUND) for i in range(1, len(edges))]
             middles = np.sqrt(edges[1:] * edges[:-1])
-            ax.plot(middles, share, _LINES[correction], color=_COLOURS[method])
+            ax.plot(middles, share, _LINES[correction], color=COLOURS[method])
     ax.set_title("% that fail (dashed: corrected)", fontsize=9)
     ax.legend(
         handles=_method_legend(),
@@ -315,7 +315,7 @@ def _all_failures(found: "Failures") -> Figure:
         for column, method in enumerate(METHODS):
             outcome = found.outcomes[method, correction]
             _show_failures(axes[row, column], bins, outcome)
-            axes[row, column].set_title(_failed_title(f"{_TITLES[method]}, {correction}", outcome), fontsize=9)
+            axes[row, column].set_title(_failed_title(f"{TITLES[method]}, {correction}", outcome), fontsize=9)
         axes[row, 0].set_ylabel("mu v_in")
     for ax in axes[-1]:
         ax.set_xlabel("duration (samples)")
@@ -334,7 +334,7 @@ def _accuracy(found: "Failures") -> Figure:
         magnitude = np.log10(np.clip(error, _LEAST_ERROR, 1e3))
         mean = np.where(number > 0, bins.total(magnitude) / np.maximum(number, 1), np.nan)
         mesh = bins.show(ax, mean, cmap="RdYlGn_r", vmin=-6, vmax=3)
-        ax.set(title=_TITLES[method], xlabel="duration (samples)")
+        ax.set(title=TITLES[method], xlabel="duration (samples)")
     axes[0].set_ylabel("mu v_in")
     bar = figure.colorbar(mesh, ax=axes, extend="min", label="error of v_out (%)", ticks=range(-6, 4, 3))
     bar.ax.set_yticklabels([f"$10^{{{n}}}$" for n in range(-6, 4, 3)])
@@ -351,7 +351,7 @@ def _rebounds(sequences: Sequences) -> Figure:
                 speed = found[method, correction]
                 reached = places[places < len(speed)]
                 error = 100 * np.abs((speed[reached] / exact[reached]) ** 2 - 1)
-                ax.plot(reached + 1, np.maximum(error, 1e-14), line, color=_COLOURS[method])
+                ax.plot(reached + 1, np.maximum(error, 1e-14), line, color=COLOURS[method])
         ax.set(xscale="log", yscale="log", xlabel="rebounds", title=f"case {case}")
     ax.figure.axes[0].set_ylabel("accumulated error on H (% of what is left)")
     paper = Line2D([], [], color="gray", linestyle="-.", label="x = x(v) and the paper's v^_out")
@@ -459,8 +459,8 @@ def _draw_energy(ax: Axes, law: study.Law) -> None:
     ax.plot(v, contact.energy(v, v_in, m, mu) * 1e3, color="black", label="exact")
     for method in METHODS:
         x, v = study.path(method, "none", law, PAPER_RATE)
-        ax.plot(v, _energy_of(x, v, law) * 1e3, "-o", color=_COLOURS[method], markersize=3, linewidth=0.6)
-        ax.lines[-1].set_label(_TITLES[method])
+        ax.plot(v, _energy_of(x, v, law) * 1e3, "-o", color=COLOURS[method], markersize=3, linewidth=0.6)
+        ax.lines[-1].set_label(TITLES[method])
     ax.invert_xaxis()
     ax.set(xlabel="v (m/s)", ylabel="H (mJ)")
 
@@ -483,7 +483,7 @@ def _paper_8() -> Figure:
     left.plot(contact.compression(v, v_in, m, k, mu, a) * 1e6, v, color="black")
     for method in METHODS:
         x, v = study.path(method, "none", law, PAPER_RATE)
-        left.plot(x * 1e6, v, "-o", color=_COLOURS[method], markersize=3, linewidth=0.6)
+        left.plot(x * 1e6, v, "-o", color=COLOURS[method], markersize=3, linewidth=0.6)
     left.set(xlabel="compression x (um)", ylabel="v (m/s)", title="Figure 8: case 2, phase portrait")
     _draw_energy(right, law)
     right.set_title("and energy")
@@ -532,8 +532,8 @@ def _paper_12(found: dict[tuple[str, str], NDArray[np.float64]]) -> Figure:
     ax = figure.subplots()
     for pair, label, style, colour in (
         (("exact", "none"), "exact", "-", "#bbbbbb"),
-        (("verlet", "none"), "Verlet", "-", _COLOURS["verlet"]),
-        (("rk4", "none"), "RK4", "-", _COLOURS["rk4"]),
+        (("verlet", "none"), "Verlet", "-", COLOURS["verlet"]),
+        (("rk4", "none"), "RK4", "-", COLOURS["rk4"]),
         (("rk4", "both"), "RK4, corrected", "--", "#000000"),
     ):
         speed = found[pair][:rebounds, None]

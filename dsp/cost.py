@@ -71,26 +71,26 @@ def contact_cost(method: str, correction: str, law: Law, rate: float, repeats: i
     """ns of one contact by a sampled method at `rate` Hz."""
     number, corrected = numbers(method, correction)
     loop, contact = _loop(number), sampled()
-    return _cost(lambda times: loop(contact, corrected, *law, 1 / rate, times, _NOWHERE), repeats)
+    return cost_of(lambda times: loop(contact, corrected, *law, 1 / rate, times, _NOWHERE), repeats)
 
 
 def pulse_cost(law: Law, rate: float, repeats: int = 20) -> float:
     """ns of one contact's whole force pulse in closed form: what the engine needs of it, sample by sample."""
     pulse = np.zeros(1, PULSE)[0]
-    return _cost(lambda times: _pulse_loop(pulse, *law, rate, times), repeats)
+    return cost_of(lambda times: _pulse_loop(pulse, *law, rate, times), repeats)
 
 
 def release_cost(law: Law, repeats: int = 20) -> float:
     """ns of the exact release velocity."""
-    return _cost(lambda times: _release_loop(law[0], law[3], times), repeats)
+    return cost_of(lambda times: _release_loop(law[0], law[3], times), repeats)
 
 
 def paper_release_cost(law: Law, repeats: int = 20) -> float:
     """ns of the paper's approximation of the release velocity."""
-    return _cost(lambda times: _paper_release_loop(law[0], law[3], times), repeats)
+    return cost_of(lambda times: _paper_release_loop(law[0], law[3], times), repeats)
 
 
-def _cost(loop: Callable[[int], float], repeats: int) -> float:
+def cost_of(loop: Callable[[int], object], repeats: int = 20) -> float:
     """ns of one turn: the shortest of some loops, each of as many turns as about _LOOP_NS take."""
     loop(1)
     times = max(1, int(_LOOP_NS / max(_elapsed(loop, 1), 10)))
@@ -98,7 +98,7 @@ def _cost(loop: Callable[[int], float], repeats: int) -> float:
     return min(_elapsed(loop, times) for _ in range(repeats)) / times
 
 
-def _elapsed(loop: Callable[[int], float], times: int) -> int:
+def _elapsed(loop: Callable[[int], object], times: int) -> int:
     before = time.perf_counter_ns()
     loop(times)
     return time.perf_counter_ns() - before

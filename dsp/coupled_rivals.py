@@ -192,7 +192,7 @@ def sample(case: Case, method: str, oversampling: int = 1) -> Run:
     return Run(*out.T, case.samples * oversampling)
 
 
-def sampling_loop(case: Case, method: str, oversampling: int, samples: int) -> Callable[[int], None]:
+def sampling_loop(case: Case, samples: int, method: str, oversampling: int) -> Callable[[int], None]:
     """What computes so many samples of it, as often as it is told, and keeps nothing: for cost.py."""
     sampling = _sampling(case, method, oversampling)
     return lambda times: sampling(samples, times, NOT_KEPT)

@@ -204,7 +204,7 @@ def simulate(case: Case, tolerance: float = 1e-5) -> Run:
     return Run(*out.T, int(contact["steps"]), int(contact["held"]))
 
 
-def simulation_loop(case: Case, tolerance: float, samples: int) -> Callable[[int], None]:
+def simulation_loop(case: Case, samples: int, tolerance: float) -> Callable[[int], None]:
     """What computes so many samples of it, as often as it is told, and keeps nothing: for cost.py."""
     simulation = _simulation(case, tolerance, np.zeros(1, COUPLED)[0])
     return lambda times: simulation(samples, times, NOT_KEPT)
