@@ -1,7 +1,7 @@
-"""What the study draws of contacts with objects that give way: errors, energy and miscounts of solvers, at what cost."""
+"""What the study draws of contacts with objects that give way: errors, energy and counts against cost."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -14,7 +14,7 @@ from .figures import COLOURS, TITLES
 if TYPE_CHECKING:
     from .chart import Row
 
-_STYLES = {
+_STYLES: dict[str, dict[str, Any]] = {
     **{name: {"color": COLOURS[name], "marker": "o", "markersize": 2.5, "label": TITLES[name]} for name in METHODS},
     "coupled": {"color": "#d62728", "marker": "s", "markersize": 4, "linewidth": 2.2, "label": "coupled solver"},
     "closed": {"color": "black", "marker": "*", "markersize": 9, "linestyle": "", "label": "closed form with m*"},
@@ -42,11 +42,11 @@ def coupled(rows: "list[Row]") -> Figure:
         chaotic = "\n(chaotic)" if band == BANDS[-1] else ""
         axes[0, column].set_title(f"m/M from {band[0]:g} to {band[1]:g}{chaotic}")
         axes[2, column].set_xlabel("cost of a contact (us)")
-    axes[0, 0].set(xscale="log", ylim=(-160, _WORST_ERROR + 5))
+    axes[0, 0].set(xscale="log", ylim=(-180, _WORST_ERROR + 5))
     axes[1, 0].set(yscale="log", ylim=(_LEAST_GROWTH / 3, _MOST_GROWTH * 3))
     for ax in axes.flat:
         ax.minorticks_off()
-    axes[0, 0].set_ylabel("error of the object's velocity (dB):\nmedian, and up to what nine of ten have")
+    axes[0, 0].set_ylabel("error of the object's velocity (dB)\nmedian, and up to nine of ten")
     axes[1, 0].set_ylabel("worst growth of energy\n(share of the contact's)")
     axes[2, 0].set_ylabel("wrong number of contacts (%)")
     handles = [Line2D([], [], **style) for style in _STYLES.values()]

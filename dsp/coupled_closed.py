@@ -1,5 +1,5 @@
 """Contacts with objects at rest in the closed form of the effective mass, by themselves, and whether the engine couples
-them: by its own kernels (ladder.py)."""
+them: by its own kernels (touch.py, ladder.py)."""
 
 from collections.abc import Callable
 from functools import cache, partial
@@ -10,24 +10,26 @@ from numpy.typing import NDArray
 
 from .bank import inject
 from .coupled_study import NOT_KEPT, Bank, Case, Run, bank_of, motion_and_energy, restart, ring_on
-from .ladder import needs_coupling, place
-from .pulse import advance, begin
-from .state import new_state
+from .pulse import advance
+from .state import Solver, new_state
+from .touch import let_modes_go, meet
+
+_COUPLED = int(Solver.COUPLED)
 
 
 @njit(error_model="numpy")
-def _strike(state, bank, room, samples, times, out):
+def _strike(state, bank, fraction, samples, times, out):
     contact = state.contacts[0]
     coupled = False
     for _ in range(times):
         restart(bank)
         given = 0.0
-        place(contact.body[0], 0.5, state.objects[0].rows)
-        begin(contact.pulse, contact.v_in, contact.m, contact.k, contact.mu, contact.a, state.rate)
-        coupled = needs_coupling(state, contact, room)
+        meet(state, contact, False)
+        coupled = contact.solver == _COUPLED
+        let_modes_go(state, contact)
         duration = contact.pulse.duration
         for t in range(samples):
-            age = t + 1.0 - contact.fraction
+            age = t + 1.0 - fraction
             if contact.pulse.time < duration:
                 advance(contact.pulse, min(age, duration), age - 1.0, state.moments)
                 inject(bank.y1, bank.y2, bank.response, bank.shape, len(bank.y1), 0, bank.weights, state.moments)
@@ -51,20 +53,25 @@ def _memory() -> NDArray:
     return new_state(1.0)
 
 
-def _striking(case: Case) -> tuple[np.void, Bank]:
-    """The engine's state with the case's object and contact in it, and its modes."""
+def _striking(case: Case, method: int) -> tuple[np.void, Bank, float]:
+    """The engine's state with the case's object and contact in it, its modes and the contact's fraction.
+
+    With a sampled method (1) in place of its own choice (0) nothing is coupled, and the pulse still gets m*.
+    """
     state, bank = _memory()[0], bank_of(case)
+    state["contact_method"] = method
+    state["contact_oversampling"] = 1
     n = len(bank.y1)
     state["rate"] = case.rate
     state["frequency"][:n] = bank.frequency
     state["shape"][: 4 * n] = bank.shape
     obj, contact = state["objects"][0], state["contacts"][0]
     obj["size"], obj["rows"], obj["tune"] = n, 4, 1.0
-    for name in ("v_in", "m", "k", "mu", "a", "fraction"):
+    for name in ("v_in", "m", "k", "mu", "a"):
         contact[name] = getattr(case, name)
-    contact["gain"] = 1.0
+    contact["gain"], contact["position"] = 1.0, 0.5
     contact["body"]["slot"] = 0, -1
-    return state, bank
+    return state, bank, case.fraction
 
 
 def strike(case: Case) -> Run:
@@ -74,8 +81,8 @@ def strike(case: Case) -> Run:
     is told as it was before.
     """
     out = np.empty((case.samples, 5))
-    _strike(*_striking(case), False, case.samples, 1, out)
-    return Run(*out.T)
+    _strike(*_striking(case, 1), case.samples, 1, out)
+    return Run.of(out)
 
 
 def striking_loop(case: Case, samples: int) -> Callable[[int], object]:
@@ -83,17 +90,13 @@ def striking_loop(case: Case, samples: int) -> Callable[[int], object]:
 
     It works in a memory that all of them share: be done with one before the next.
     """
-    striking = partial(_strike, *_striking(case), False)
+    striking = partial(_strike, *_striking(case, 1))
     return lambda times: striking(samples, times, NOT_KEPT)
 
 
 def asking_loop(case: Case, accuracy: int) -> Callable[[int], bool]:
     """What asks, as often as it is told, whether the engine couples the contact at an accuracy (a number in
     gate.LEVELS), and says so. As `striking_loop` for the rest."""
-    state, bank = _striking(case)
-
-    def ask(times: int) -> bool:
-        state["accuracy"] = accuracy
-        return bool(_strike(state, bank, True, 0, times, NOT_KEPT))
-
-    return ask
+    striking = _striking(case, 0)
+    striking[0]["accuracy"] = accuracy
+    return lambda times: bool(_strike(*striking, 0, times, NOT_KEPT))

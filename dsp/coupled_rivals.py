@@ -189,7 +189,7 @@ def sample(case: Case, method: str, oversampling: int = 1) -> Run:
     """The case by a method of methods.METHODS on the whole system; without push, begun on a sample, at rest."""
     out = np.empty((case.samples, 5))
     _sampling(case, method, oversampling)(case.samples, 1, out)
-    return Run(*out.T, case.samples * oversampling)
+    return Run.of(out, case.samples * oversampling)
 
 
 def sampling_loop(case: Case, samples: int, method: str, oversampling: int) -> Callable[[int], None]:

@@ -53,12 +53,12 @@ class _Solver:
 
 def _solvers(oversamplings: tuple[int, ...]) -> list[_Solver]:
     def sampled(method: str, oversampling: int) -> _Solver:
-        how = {"method": method, "oversampling": oversampling}
-        return _Solver(method, oversampling, partial(sample, **how), partial(sampling_loop, **how))
+        run = partial(sample, method=method, oversampling=oversampling)
+        return _Solver(method, oversampling, run, partial(sampling_loop, method=method, oversampling=oversampling))
 
     def coupled(tolerance: float) -> _Solver:
-        how = {"tolerance": tolerance}
-        return _Solver("coupled", tolerance, partial(simulate, **how), partial(simulation_loop, **how))
+        run = partial(simulate, tolerance=tolerance)
+        return _Solver("coupled", tolerance, run, partial(simulation_loop, tolerance=tolerance))
 
     tolerances = (HELD, *sorted(set(TOLERANCE.tolist()), reverse=True))
     return [

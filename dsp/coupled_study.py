@@ -81,6 +81,12 @@ class Run:
     steps: int = 0
     held: int = 0
 
+    @classmethod
+    def of(cls, out: NDArray, steps: int = 0, held: int = 0) -> "Run":
+        """From its columns in that order, (samples, 5)."""
+        velocity, striker, compression, energy, contacts = out.T
+        return cls(velocity, striker, compression, energy, contacts, steps, held)
+
     def growth(self, case: Case) -> float:
         """The greatest rise of the total energy, over the greatest energy that striker or contact had."""
         energy = np.concatenate([[case.energy], self.energy])
@@ -191,9 +197,7 @@ def _simulate(contact, bank, striker, rate, tolerance, samples, times, out):
 
 def _simulation(case: Case, tolerance: float, contact: np.void) -> Callable[..., None]:
     law = (case.v_in, case.m, case.k, case.mu, case.a, case.push, case.fraction)
-    return partial(
-        _simulate, contact, bank_of(case), tuple(map(float, law)), float(case.rate), float(tolerance)
-    )  # fmt: skip
+    return partial(_simulate, contact, bank_of(case), tuple(map(float, law)), float(case.rate), float(tolerance))
 
 
 def simulate(case: Case, tolerance: float = 1e-5) -> Run:
@@ -201,7 +205,7 @@ def simulate(case: Case, tolerance: float = 1e-5) -> Run:
     contact = np.zeros(1, COUPLED)[0]
     out = np.empty((case.samples, 5))
     _simulation(case, tolerance, contact)(case.samples, 1, out)
-    return Run(*out.T, int(contact["steps"]), int(contact["held"]))
+    return Run.of(out, int(contact["steps"]), int(contact["held"]))
 
 
 def simulation_loop(case: Case, samples: int, tolerance: float) -> Callable[[int], None]:

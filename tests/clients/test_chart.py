@@ -11,6 +11,7 @@ import pytest
 
 from carom.clients.cli import main
 from carom.dsp import study
+from carom.dsp.coupled_scores import BANDS
 from carom.dsp.methods import CORRECTIONS, METHODS
 from carom.dsp.study import PAPER_CASES, PAPER_RATE
 from tests.conftest import CAROM
@@ -24,6 +25,7 @@ FIGURES = [
     "failures-exponent",
     "failures-corrections",
     "accuracy",
+    "coupled",
 ]
 FIGURES += ["rebounds", *(f"paper-{n}" for n in (1, 2, 3, 4, 5, 7, 8, 11, 12))]
 
@@ -62,7 +64,7 @@ def test_every_figure_is_there_twice(charted):
         assert (folder / f"{name}.png").read_bytes().startswith(b"\x89PNG")
         assert "</svg>" in (folder / f"{name}.svg").read_text(encoding="utf-8")
     assert b"where methods fail" in shown and b"figures" in shown
-    assert len(list(folder.iterdir())) == 2 * len(FIGURES) + 3
+    assert len(list(folder.iterdir())) == 2 * len(FIGURES) + 4
 
 
 def test_errors_are_the_studys_and_costs_are_there(charted):
@@ -114,6 +116,28 @@ def test_failures_are_counted(charted):
     assert closed["sound"] == closed["points"] and float(closed["greatest_err_v_out"]) < 1e-13
     (verlet,) = pick(rows, method="verlet", correction="none")
     assert float(verlet["failed_percent"]) > 50
+
+
+def test_coupled_solvers_are_compared(charted):
+    """The guarded solvers never gain energy, what is promised is kept, and sampled methods need many steps for it."""
+    rows = read(charted[0] / "coupled.csv")
+    bands = sorted({float(row["sum_r_from"]) for row in rows})
+    assert bands == [band[0] for band in BANDS]
+    tolerances = {str(setting) for setting in ("inf", "0.1", "0.01", "1e-05")}
+    assert {row["setting"] for row in pick(rows, solver="coupled")} == tolerances
+    for row in rows:
+        assert float(row["ns_per_contact"]) > 10
+        if row["solver"] in ("coupled", "closed", "engine"):
+            assert float(row["growth"]) < 1e-8
+    for row in pick(rows, solver="engine"):
+        if float(row["sum_r_from"]) < 0.1:
+            assert float(row["median_dB"]) < float(row["ninety_dB"]) < float(row["setting"])
+            assert float(row["wrong_counts_percent"]) == 0.0
+    for method in METHODS:
+        for coarse in pick(rows, solver=method, setting="1"):
+            (fine,) = pick(rows, solver=method, setting="64", sum_r_from=coarse["sum_r_from"])
+            assert float(fine["median_dB"]) < float(coarse["median_dB"])
+            assert float(coarse["ninety_dB"]) > 0.0
 
 
 def test_rebounds_add_up(charted):
