@@ -161,8 +161,8 @@ def reach(y1, y2, a1, a2, response, shape, stride, row, weights, work):
     _shapes(n, shape, stride, row, weights, work)
     distance = speed = 0.0
     for i in range(n):
-        scale = response[i // LANES * RESPONSES + _MOBILITY + LANES + i % LANES]
-        if scale != 0.0:
+        scale = abs(response[i // LANES * RESPONSES + _MOBILITY + LANES + i % LANES])
+        if scale > 0.0:
             mobility = response[i // LANES * RESPONSES + _MOBILITY + i % LANES]
             square = y1[i] * y1[i] - a1[i] * y1[i] * y2[i] - a2[i] * y2[i] * y2[i]  # |z|^2 sin(theta)^2
             moved = abs(work[i]) * math.sqrt(max(square, 0.0))

@@ -152,7 +152,8 @@ def test_what_a_contact_sees_of_the_modes(rate):
     """The point's motion over the coming sample, and after an impulse, against the exact modes; with any weights."""
     random = np.random.default_rng(1)
     frequency, decay = np.geomspace(20, 0.475 * rate, LANES), random.uniform(0, 200, LANES)
-    phi, weight, omega = random.normal(size=LANES), 10 ** random.uniform(-9, 3, LANES), 2 * np.pi * frequency
+    phi, omega = random.normal(size=LANES), 2 * np.pi * frequency
+    weight = 10 ** random.uniform(-9, 3, LANES) * np.resize((1, -1, -1), LANES)
     z = random.normal(size=LANES) + 1j * random.normal(size=LANES)
     s = (-decay + 1j * omega) / rate
     state, tuning, response = np.zeros((2, LANES)), np.zeros((2, LANES)), np.zeros(bank.RESPONSES)
