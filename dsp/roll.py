@@ -173,9 +173,12 @@ def _lean(roll):
     roll.angle += roll.pace * roll.span / radius
     roll.angle -= 2.0 * math.pi * math.floor(roll.angle / (2.0 * math.pi))
     high = roll.asymmetry * math.cos(roll.angle)
+    aside = roll.asymmetry * math.sin(roll.angle)
     least = _LEAST_PACE * _LEAST_PACE * square
-    roll.pace = math.sqrt(max(square - 10.0 / 7.0 * roll.g * radius * high, least))
-    lift = roll.pace * roll.pace / radius * high
+    swung = square - 10.0 / 7.0 * roll.g * radius * high
+    roll.pace = math.sqrt(max(swung, least))
+    # Down goes the centre of mass with angle'^2 cos + angle'' sin: over a turn that comes to nothing, as the weight must.
+    lift = roll.pace * roll.pace / radius * high + (5.0 / 7.0 * roll.g * aside * aside if swung > least else 0.0)
     roll.pull = roll.g - min(max(lift, -_MOST_LIFT * roll.g), _MOST_LIFT * roll.g)
     roll.path.speed = roll.pace
 

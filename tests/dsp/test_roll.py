@@ -224,6 +224,16 @@ def test_a_lopsided_body_is_heard_turning():
     assert frequencies[band][np.argmax(power[band])] == pytest.approx(turning, abs=0.15 * turning)
 
 
+@pytest.mark.parametrize(("asymmetry", "speed"), [(0.3, 0.3), (0.1, 0.2)])
+def test_a_lopsided_body_weighs_what_it_weighs(asymmetry, speed):
+    """On average over many turns: what its centre of mass loses going up it gets back going down."""
+    body = {**MARBLE, "asymmetry": asymmetry, "speed": speed}
+    force = rolling.roll_force(ground(1, roughness=0.0), 20.0, 8000, **body)[8000:]
+    weight = body["m"] * 9.81
+    assert force.std() > 0.01 * weight
+    assert abs(force.mean()) < 2e-3 * weight
+
+
 def test_a_body_with_corners_comes_down_on_them():
     body = {**MARBLE, "speed": 0.05, "mu": 100.0, "corners": 8}
     force = rolling.roll_force(flat(), 1.0, 48000, **body)
