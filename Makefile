@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test serve bench lint clean
+.PHONY: demo test serve bench study lint clean
 
 demo: $(READY)  ## render the demo score to demo.wav and draw demo.png
 	$(BIN)/carom render presets/scores/demo.txt demo.wav --plot demo.png
@@ -27,6 +27,12 @@ serve: $(READY)  ## listen for OSC and play on the default device, or on none wh
 
 bench: $(READY)  ## measure speed; figures go to bench.json
 	$(BIN)/python tests/bench/bench.py --json bench.json
+
+study: $(READY)  ## what takes an hour: extreme contacts, a long evening, threads that hog, a million packets
+	$(BIN)/python tests/bench/extremes.py
+	$(BIN)/python tests/bench/soak.py --minutes 10
+	$(BIN)/python tests/bench/gil.py --seconds 60
+	$(BIN)/python tests/bench/fuzz.py --count 1000000
 
 $(READY): pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || \

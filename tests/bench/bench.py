@@ -13,36 +13,29 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
 from functools import partial
 from importlib.metadata import version
-from itertools import product
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+import contacts
+import gestures
 import klank
 import numpy as np
 from numba import njit
 from rich.console import Console
 from rich.table import Table
+from rounds import Contenders, minima
 
-from carom.dsp.atomic import publish
 from carom.dsp.bank import LANES, RESPONSES, inject, ring, set_mode
-from carom.dsp.body import Modes
-from carom.dsp.host import NOW, Engine
-from carom.dsp.pulse import contact_time
-from carom.dsp.state import QUANTUM, Command, new_state
+from carom.dsp.state import QUANTUM, new_state
 
 RATE = 48_000.0
 BANKS = [(1, 16), (1, 64), (1, 256), (1, 1024), (1, 4096), (16, 64), (64, 16)]  # objects, modes of each
 MODE_SAMPLES = 2**22  # a measurement of a kernel
 KLANK_MODES = 1024
 KLANK_SECONDS = (1, 9)  # two renderings, whose difference has no start-up in it
-IMPACT_MODES = (24, 100)
-CONTACT_SAMPLES = (0.3, 6.0, 60.0)
-IMPACT_QUANTA = 50  # a measurement of impacts
-CROWD = 64  # impacts in one quantum
 
 STARTUP = """
 from time import perf_counter
@@ -62,20 +55,6 @@ start = perf_counter()
 compile_callback(cached=False)
 print(perf_counter() - start)
 """
-
-
-Contenders = dict[str, Callable[[], object]]
-
-
-def minima(contenders: Contenders, rounds: int) -> dict[str, float]:
-    """Least seconds that each contender took, over interleaved rounds."""
-    best = dict.fromkeys(contenders, math.inf)
-    for _ in range(rounds):
-        for name, run in contenders.items():
-            start = perf_counter()
-            run()
-            best[name] = min(best[name], perf_counter() - start)
-    return best
 
 
 @njit(error_model="numpy")
@@ -192,60 +171,6 @@ def measure_klank(rounds: int) -> dict[str, float] | None:
     return {"modes": KLANK_MODES, "klank_ns": ns, **ratios}
 
 
-def struck_engine(modes: int, yields: bool, samples: float) -> Engine:
-    """An engine with one object, and a ring full of impacts whose contacts last so many samples."""
-    engine = Engine(RATE)
-    # Either as good as a wall or not, and in both cases equally loud: heard, but not limited.
-    shape = 1.0 if yields else 1e-3
-    body = Modes(
-        frequency=np.linspace(100.0, 800.0, modes),
-        decay=np.ones(modes),
-        strike=np.full((4, modes), shape),
-        pickup=np.full((2, modes), 1e-2 / shape),
-        mass=1.0,
-    )
-    handle, size, rows = engine.lay_out(body, 1.0)
-    new = (handle.first, size, handle.table, rows, 1.0, 0.0, 1.0, 1.0, 0.0)
-    v_in, m, mu, a = 1.0, 0.01, 0.5, 1.5
-    k = (contact_time(v_in, m, 1.0, mu, a) * RATE / samples) ** (a + 1.0)
-    strike = (v_in, 0.5, m, k, mu, a, 1.0)
-    engine.send([(NOW, Command.NEW, handle, new), (NOW, Command.IMPACT, handle, strike)])
-    engine.process(QUANTUM)
-    ring_of_commands = engine.state[0]["ring"]
-    ring_of_commands[:] = ring_of_commands[1]
-    return engine
-
-
-def run_quanta(engine: Engine, impacts: int) -> None:
-    """Compute IMPACT_QUANTA quanta with so many impacts in each."""
-    written = engine.state[0]["written"]
-    for _ in range(IMPACT_QUANTA):
-        publish(written, written[0] + impacts)
-        engine.process(QUANTUM)
-
-
-def measure_impacts(rounds: int) -> list[dict[str, Any]]:
-    """us an impact takes of the engine's time, alone in its quantum and among CROWD of them."""
-    rows: list[dict[str, Any]] = []
-    for modes, yields, samples in product(IMPACT_MODES, (False, True), CONTACT_SAMPLES):
-        engine = struck_engine(modes, yields, samples)
-        best = minima({str(n): partial(run_quanta, engine, n) for n in (0, 1, CROWD)}, rounds)
-        alone, crowd = ((best[str(n)] - best["0"]) / (n * IMPACT_QUANTA) * 1e6 for n in (1, CROWD))
-        rows.append(dict(modes=modes, yields=yields, contact_samples=samples, us=alone, us_in_crowd=crowd))
-    return rows
-
-
-def measure_long_contacts(rounds: int) -> list[dict[str, Any]]:
-    """us that a contact takes of each sample it lasts."""
-    rows: list[dict[str, Any]] = []
-    for modes in IMPACT_MODES:
-        engines = {"contact": struck_engine(modes, False, 1e9), "none": struck_engine(modes, False, 0.3)}
-        best = minima({name: partial(run_quanta, engine, 0) for name, engine in engines.items()}, rounds)
-        us = (best["contact"] - best["none"]) / (IMPACT_QUANTA * QUANTUM) * 1e6
-        rows.append(dict(modes=modes, us_per_sample=us))
-    return rows
-
-
 def fresh(code: str, cache: str) -> tuple[float, list[float]]:
     """Run code in a new interpreter with its own cache folder: seconds in all, and what it prints."""
     environment = os.environ | {"XDG_CACHE_HOME": cache}
@@ -270,12 +195,20 @@ def aims(results: dict[str, Any]) -> list[dict[str, Any]]:
     large = [r["of_c"] for r in results["kernels"] if r["modes"] >= 1024]
     of_c = min(large) if None not in large else None
     ratio = results["klank"]["ring_ratio"] if results["klank"] else None
-    impact = max(r["us"] for r in results["impacts"] if r["modes"] == 24 and r["contact_samples"] <= 6.0)
+    impact = max(
+        row["us"]
+        for row in results["impacts"]
+        if row["solver"] in contacts.CLOSED and row["modes"] == 24 and row["contact_samples"] <= 6
+    )
+    prototype = max(row["of_prototype"] for row in results["solvers"] if row["of_prototype"])
+    load = max(row["load"] for row in results["gestures"] if row["accuracy"] == "-60")
     cold, warm = (run["all"] for run in results["startup"])
     return [
         dict(aim="at least .8 of C's speed on 1024 modes and more", measured=of_c, met=of_c and of_c >= 0.8),
         dict(aim="at least 10 x scsynth's Klank", measured=ratio, met=ratio and ratio >= 10.0),
         dict(aim="an impact on 24 modes, contact up to 6 samples, under 5 us", measured=impact, met=impact < 5.0),
+        dict(aim="contacts within 2 x of the prototype's cost", measured=prototype, met=prototype < 2.0),
+        dict(aim="64 rolls and 64 bounces in real time on one core", measured=load, met=load < 1.0),
         dict(aim="start-up under 1 s warm", measured=warm, met=warm < 1.0),
         dict(aim="start-up under 15 s cold", measured=cold, met=cold < 15.0),
     ]
@@ -322,8 +255,10 @@ def main() -> None:
         "machine": machine(),
         "kernels": measure_kernels(reference, rounds),
         "klank": measure_klank(few),
-        "impacts": measure_impacts(rounds),
-        "long_contacts": measure_long_contacts(rounds),
+        "impacts": contacts.measure_impacts(rounds),
+        "long_contacts": contacts.measure_long_contacts(rounds),
+        "solvers": contacts.measure_solvers(rounds),
+        "gestures": gestures.measure(few),
         "startup": measure_startup(few),
         "compile_seconds": fresh(COMPILE, "")[1][0],
     }
@@ -332,8 +267,10 @@ def main() -> None:
     show(console, "Kernels: ns a mode-sample", results["kernels"])
     if results["klank"]:
         show(console, "scsynth's Klank: ns a mode-sample, ratio to ours", [results["klank"]])
-    show(console, "Impacts: us each, alone in a quantum or in a crowd", results["impacts"])
+    show(console, "Impacts in the engine: us each", results["impacts"])
     show(console, "Long contacts", results["long_contacts"])
+    show(console, "Contacts by themselves: us, and over what a prototype took", results["solvers"])
+    show(console, "Gestures: share of real time on one core", results["gestures"])
     show(console, "Start-up: s", results["startup"])
     console.print(f"compiling alone: {results['compile_seconds']:.1f} s")
     show(console, "Aims", results["aims"])

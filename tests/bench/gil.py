@@ -22,6 +22,7 @@ from carom.server.render import Options, blocks
 from carom.server.score import read
 
 RATE, FRAMES = 48_000, 64
+WORST = 0.02  # share of the blocks that hogs may cost: exit code 1 beyond it
 
 CLIENT = """
 import gc, os, sys, threading, time
@@ -127,5 +128,7 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seconds", type=float, default=60.0)
     with tempfile.TemporaryDirectory() as name:
-        for who, share in shares(parser.parse_args().seconds, Path(name)).items():
-            print(f"{who:8s} {100 * share:7.2f} % of the blocks lost")
+        lost = shares(parser.parse_args().seconds, Path(name))
+    for who, share in lost.items():
+        print(f"{who:8s} {100 * share:7.2f} % of the blocks lost")
+    sys.exit(lost["hogged"] - lost["alone"] > WORST)

@@ -1,0 +1,64 @@
+"""What the benchmark measures is what it says, and it runs on today's engine."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import bench
+import contacts
+import gestures
+import pytest
+from rounds import minima
+
+
+def test_the_c_reference_computes_the_same():
+    reference = bench.compile_reference()
+    if reference is None:
+        pytest.skip("no C compiler")
+    bench.check(reference)
+
+
+def test_the_least_of_interleaved_rounds_is_kept():
+    order = []
+    best = minima({name: lambda name=name: order.append(name) for name in ("a", "b")}, 3)
+    assert order == ["a", "b"] * 3
+    assert set(best) == {"a", "b"} and all(0 < seconds < 0.1 for seconds in best.values())
+
+
+def test_every_solver_is_measured_in_the_engine():
+    """Each is asserted there to have been used."""
+    rows = contacts.measure_impacts(3)
+    assert len(rows) == len(contacts.STRUCK) * len(contacts.MODES) * len(contacts.SAMPLES)
+    us = {(row["solver"], row["contact_samples"]): row["us"] for row in rows if row["modes"] == 100}
+    assert us["coupled exact", 8.0] > us["wall", 8.0] > 0
+    assert us["wall", 50.0] > us["wall", 0.3]
+    assert {row["solver"] for row in contacts.measure_long_contacts(1)} == {"wall", "coupled -60"}
+
+
+def test_every_solver_is_measured_by_itself():
+    rows = contacts.measure_solvers(1)
+    assert len(rows) == 6 * len(contacts.MODES) * len(contacts.SAMPLES)
+    compared = {(row["solver"], row["contact_samples"]) for row in rows if row["of_prototype"]}
+    assert compared == set(contacts.PROTOTYPE)
+    us = {(row["solver"], row["modes"]): row["us"] for row in rows if row["contact_samples"] == 8.0}
+    assert us["coupled 1e-05", 24] > us["coupled 0.1", 24] > us["held", 24]
+
+
+def test_gestures_are_counted():
+    rows = gestures.measure(1)
+    assert [(row["rolls"], row["bounces"]) for row in rows] == [(0, 0), (64, 0), (0, 64), (64, 64), (64, 64)]
+    ringing, rolls, bounces, both, exact = (row["impacts_per_second"] for row in rows)
+    assert ringing == 0 and rolls > 10_000 and bounces > 1_000
+    assert both == exact or abs(both - exact) < 0.05 * both
+    assert rows[3]["load"] > rows[0]["load"]
+
+
+def test_extremes_run():
+    words = [sys.executable, str(Path(__file__).with_name("extremes.py")), "20"]
+    run = subprocess.run(words, capture_output=True, text=True, check=True, timeout=120)
+    assert run.stdout.count("0 infinite") == 4
+
+
+def test_results_can_be_written():
+    json.dumps([bench.machine(), contacts.measure_long_contacts(1)])
