@@ -124,8 +124,23 @@ class Client:
 
     def impact(self, name: str, velocity: float, position: float | None = None, **keys: osc.Argument) -> None:
         """Strikes an object, or all that a pattern matches: velocity in m/s, position 0..1 along its path."""
-        where = () if position is None else (position,)
-        self.send(f"/object/{name}/impact", velocity, *where, *_flat(keys))
+        self._gesture(name, "impact", velocity, position, keys)
+
+    def bounce(self, name: str, height: float, position: float | None = None, **keys: osc.Argument) -> None:
+        """Drops a striker on an object from a height (m), on which it bounces until it rests."""
+        self._gesture(name, "bounce", height, position, keys)
+
+    def roll(self, name: str, speed: float, position: float | None = None, **keys: osc.Argument) -> None:
+        """Rolls a ball over an object at a speed (m/s), or steers the roll of that `id` (else NAME's); 0 ends it."""
+        self._gesture(name, "roll", speed, position, keys)
+
+    def press(self, name: str, force: float, position: float | None = None, **keys: osc.Argument) -> None:
+        """Lays a striker on an object and presses with a force (N), until the gesture of that `id` is stopped."""
+        self._gesture(name, "press", force, position, keys)
+
+    def gesture(self, id: str, what: str, *value: float) -> None:
+        """Steers the running gestures of an id or a pattern: its speed, force, gain, ...; `stop` takes no value."""
+        self.send(f"/gesture/{id}/{what}", *value)
 
     def damp(self, name: str, amount: float) -> None:
         """Lays a hand on an object: 0 none, 1 the firmest."""
@@ -134,6 +149,12 @@ class Client:
     def free(self, name: str) -> None:
         """Removes an object once it is silent."""
         self.send(f"/object/{name}/free")
+
+    def _gesture(
+        self, name: str, what: str, value: float, position: float | None, keys: dict[str, osc.Argument]
+    ) -> None:
+        where = () if position is None else (position,)
+        self.send(f"/object/{name}/{what}", value, *where, *_flat(keys))
 
     def status(self) -> osc.Message:
         """The server's counts, loads and rates: its /status.reply."""

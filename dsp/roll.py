@@ -177,7 +177,7 @@ def _lean(roll):
     least = _LEAST_PACE * _LEAST_PACE * square
     swung = square - 10.0 / 7.0 * roll.g * radius * high
     roll.pace = math.sqrt(max(swung, least))
-    # Down goes the centre of mass with angle'^2 cos + angle'' sin: over a turn that comes to nothing, as the weight must.
+    # The centre of mass falls with angle'^2 cos + angle'' sin: over a whole turn that comes to nothing.
     lift = roll.pace * roll.pace / radius * high + (5.0 / 7.0 * roll.g * aside * aside if swung > least else 0.0)
     roll.pull = roll.g - min(max(lift, -_MOST_LIFT * roll.g), _MOST_LIFT * roll.g)
     roll.path.speed = roll.pace

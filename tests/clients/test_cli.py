@@ -170,7 +170,7 @@ def test_play_sends_a_score_in_time(carom, tmp_path, server: Running):
         assert run.returncode == 1 and "b: no such object" in run.stderr
 
 
-@pytest.mark.parametrize("example", ["strike.py", "random_scene.py"])
+@pytest.mark.parametrize("example", ["strike.py", "random_scene.py", "roll.py"])
 def test_python_examples_play(server: Running, example):
     path = Path(__file__).parents[2] / "clients" / "examples" / "python" / example
     more = ["2", "7"] if example == "random_scene.py" else []

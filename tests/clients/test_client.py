@@ -79,6 +79,21 @@ def test_conveniences(server: Server, client: Client) -> None:
     ]
 
 
+def test_gestures(server: Server, client: Client) -> None:
+    client.bounce("bell", 0.5, striker="ping-pong", id="ball")
+    client.roll("bell", 0.3, 0.1, radius=0.01)
+    client.press("*", 2, id="hand")
+    client.gesture("b*", "gain", -6)
+    client.gesture("hand", "stop")
+    assert [bundle.messages[0] for bundle in arrived(server, 5)] == [
+        Message("/object/bell/bounce", (0.5, "striker", "ping-pong", "id", "ball")),
+        Message("/object/bell/roll", (0.3, 0.1, "radius", 0.01)),
+        Message("/object/*/press", (2, "id", "hand")),
+        Message("/gesture/b*/gain", (-6,)),
+        Message("/gesture/hand/stop"),
+    ]
+
+
 def test_bundle(server: Server, client: Client) -> None:
     with client.bundle(at=1.8e9):
         client.impact("a", 1.0)

@@ -72,6 +72,42 @@ def test_other_programs_strike(tmp_path, program, words):
     assert onsets(tmp_path / "out.wav") >= 1
 
 
+PD_HAND = """#N canvas 0 0 400 300 12;
+#X obj 20 20 loadbang;
+#X obj 20 50 delay 800;
+#X msg 20 80 0.5;
+#X obj 20 110 s speed;
+#X obj 120 50 delay 1300;
+#X msg 120 80 0.02;
+#X obj 220 50 delay 2000;
+#X msg 220 80 \\; pd quit;
+#X connect 0 0 1 0;
+#X connect 1 0 2 0;
+#X connect 2 0 3 0;
+#X connect 0 0 4 0;
+#X connect 4 0 5 0;
+#X connect 5 0 3 0;
+#X connect 0 0 6 0;
+#X connect 6 0 7 0;
+"""
+
+
+def test_a_slider_in_pd_rolls_a_marble(tmp_path):
+    if not shutil.which("pd"):
+        pytest.skip("pd is not installed")
+    (tmp_path / "hand.pd").write_text(PD_HAND)
+    with serving(tmp_path, "--device", "none", "--record", "out.wav") as server:
+        words = ["pd", "-nogui", "-noaudio", "-send", f"port {server.port}", str(EXAMPLES / "puredata" / "roll.pd")]
+        subprocess.run([*words, "hand.pd"], cwd=tmp_path, check=True, timeout=30, capture_output=True)
+        with server.client() as client:
+            client.roll("pane", 0.0)
+        assert server.quit()[0] == 0
+    level = np.abs(soundfile.read(tmp_path / "out.wav")[0]).max(axis=1)
+    start = int(np.argmax(level > 1e-3))
+    fast, slow = level[start : start + 19_200].std(), level[start + 36_000 : start + 48_000].std()
+    assert fast > 3 * slow > 0  # steered, not started anew
+
+
 SCLANG_TCP = """(fork {
     var n = NetAddr("127.0.0.1", PORT);
     n.connect;
