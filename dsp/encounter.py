@@ -13,7 +13,7 @@ from .atomic import store_release
 from .collocation import elastic
 from .coupled import fly_on
 from .jit import kernel
-from .ladder import place, tolerance_of
+from .ladder import place
 from .pressed import captured
 from .roll import begin_roll, fill_roll
 from .state import ENDED, QUANTUM, Command, End, Solver, Steering
@@ -24,10 +24,13 @@ _SLOWEST = 1e-12  # m/s: a slower striker moves nothing, and its square may unde
 _SHORTEST_ROUND = 20e-6  # s from contact to contact of a bounce: a quicker one presses like a weight at rest
 _MOST_A_SAMPLE = 8  # contacts of one bounce that may begin in a sample: at 8 kHz there is time for 7
 _LONGEST_LEAP = 256.0  # samples that a striker flies without a look at how far the object reaches
-_GLIDE = 0.02  # s: time constant of a gesture's gain, position and push
+_GLIDE = 0.02  # s: time constant of a gesture's gain and position
 _TILT = 0.45 * math.pi  # the most of a bounce's velocity that irregularity turns into rotation, as an angle
 _WEIGHTY = 3.0  # times sqrt(g x_e), the velocity below which a bouncing striker's weight counts while it touches
-_LIFTED = 0.2  # s that a striker stays that is let go of
+_LAID = 0.1  # s: time constant of what pushes
+_LIFTED = 0.5  # s that a striker stays that is let go of
+_LONGEST_TOUCH = 2.0  # s without a flight, after which a striker is let go of that nothing presses on
+_CLEAR = 1e3  # times as high as the object reaches that a bounce flies that is followed no more
 _SPENT = 1e-12  # share of its energy (-120 dB) with which a striker that nothing pushes is done
 
 _IMPACT, _BOUNCE, _ROLL, _PRESS = int(Command.IMPACT), int(Command.BOUNCE), int(Command.ROLL), int(Command.PRESS)
@@ -36,7 +39,9 @@ _STOP, _LOUDNESS, _POSITION = int(Steering.STOP), int(Steering.GAIN), int(Steeri
 _GRAVITY, _IRREGULARITY, _FORCE = int(Steering.GRAVITY), int(Steering.IRREGULARITY), int(Steering.FORCE)
 _SPEED, _MASS, _ROUGHNESS = int(Steering.SPEED), int(Steering.MASS), int(Steering.ROUGHNESS)
 _RADIUS, _ASYMMETRY, _FRICTION = int(Steering.RADIUS), int(Steering.ASYMMETRY), int(Steering.FRICTION)
-_RESTED, _STOPPED, _NO_ROOM, _GONE = int(End.RESTED), int(End.STOPPED), int(End.NO_ROOM), int(End.GONE)
+_RESTED, _STOPPED, _NO_ROOM, _GONE, _JOINED = (
+    int(End.RESTED), int(End.STOPPED), int(End.NO_ROOM), int(End.GONE), int(End.JOINED),
+)  # fmt: skip
 
 
 @kernel
@@ -45,16 +50,17 @@ def receive(state, obj, event):
     values = event.values
     serial = int(values[7])
     if event.kind == _ROLL and _steered(state, event):
+        tell_end(state, serial, _JOINED)
         return
     if values[0] < _SLOWEST:
-        tell_end(state, serial, int(values[24]), _RESTED)
+        tell_end(state, serial, _RESTED)
         return
     rolls = event.kind == _ROLL
     full = state.contacts_active == len(state.contacts) or (rolls and state.rolls_active == len(state.rolls))
     if full:
         state.impacts += 1
         state.contacts_dropped += 1
-        tell_end(state, serial, int(values[24]), _NO_ROOM)
+        tell_end(state, serial, _NO_ROOM)
         return
     index = state.free_contact[len(state.contacts) - 1 - state.contacts_active]
     state.contacts_active += 1
@@ -66,7 +72,6 @@ def receive(state, obj, event):
     contact.gain = contact.loudness = values[6]
     contact.moved_to = contact.position
     contact.serial = serial
-    contact.turn = 0
     contact.body[0].slot = event.slot
     contact.body[0].serial = event.serial
     contact.body[1].slot = int(values[8]) if values[9] > 0.0 else -1
@@ -87,7 +92,8 @@ def receive(state, obj, event):
         contact.weighty = int(values[15])
         contact.push = contact.pushed_to = contact.m * contact.gravity
     elif event.kind == _PRESS:
-        contact.push = contact.pushed_to = values[11]
+        contact.pushed_to = values[11]
+        contact.gain = contact.loudness = 1.0  # a hand that is softer is one that presses less
     elif rolls:
         _begin_rolling(state, contact, values)
     _wait(state, contact)
@@ -109,12 +115,11 @@ def _begin_rolling(state, contact, values):
     contact.touching = 1
     contact.path = values[22]
     contact.rolled = 0.0
-    contact.turn = int(values[24])
     roll = state.rolls[contact.roll]
     begin_surface(roll.path.surface, values[13], values[14], values[15], values[16], values[17], np.int64(values[18]))
     begin_roll(
         roll, 0, values[12], contact.m, contact.k, contact.mu, contact.a, values[0], values[11], values[19], values[20],
-        values[25], values[21], state.coarseness,
+        values[24], values[21], state.coarseness,
     )  # fmt: skip
 
 
@@ -125,9 +130,9 @@ def _steered(state, event):
     found = False
     for i in range(len(state.contacts)):
         contact = state.contacts[i]
-        if contact.serial == int(values[7]) and contact.kind == _ROLL and contact.serial > 0:
+        here = contact.body[0].slot == event.slot and contact.body[0].serial == event.serial
+        if contact.serial == int(values[7]) and contact.kind == _ROLL and contact.serial > 0 and here:
             found = True
-            contact.turn = int(values[24])
             given = int(values[23])
             roll = state.rolls[contact.roll]
             roll.asked_speed = values[0]
@@ -158,24 +163,24 @@ def steer(state, event):
         contact = state.contacts[i]
         if contact.serial != serial:
             continue
-        roll = state.rolls[contact.roll if contact.kind == _ROLL else 0]
         if what == _STOP:
             _stop(state, contact, event.time)
-        elif what == _LOUDNESS:
+        elif what == _LOUDNESS and contact.kind != _PRESS:
             contact.loudness = value
         elif what == _POSITION:
             contact.moved_to = value
-        elif what == _GRAVITY:
+        elif what == _GRAVITY and contact.kind == _BOUNCE:
             contact.gravity = value
-            contact.pushed_to = contact.push = contact.m * value
-            if contact.kind == _ROLL:
-                roll.asked_gravity = value
+            contact.pushed_to = contact.m * value
         elif what == _IRREGULARITY:
             contact.irregularity = value
-        elif what == _FORCE:
+        elif what == _FORCE and contact.kind == _PRESS:
             contact.pushed_to = value
         elif contact.kind == _ROLL:
-            if what == _SPEED:
+            roll = state.rolls[contact.roll]
+            if what == _GRAVITY:
+                roll.asked_gravity = value
+            elif what == _SPEED:
                 roll.asked_speed = value
             elif what == _MASS:
                 roll.asked_mass = value
@@ -187,6 +192,15 @@ def steer(state, event):
                 roll.asymmetry = value
             elif what == _FRICTION:
                 roll.friction = value
+
+
+@kernel
+def is_running(state, serial):
+    """Is there anything of a gesture to be steered?"""
+    found = False
+    for i in range(len(state.contacts)):
+        found |= state.contacts[i].serial == serial
+    return found
 
 
 @kernel
@@ -203,7 +217,7 @@ def stop_all(state, obj, time):
     index = obj.contact
     while index >= 0:
         contact = state.contacts[index]
-        if contact.kind != _IMPACT:
+        if contact.kind != _IMPACT or contact.touching == 1:  # a blow that was to come still does
             _stop(state, contact, time)
         index = contact.next
 
@@ -217,14 +231,13 @@ def _wait(state, contact):
 
 
 @kernel
-def tell_end(state, serial, turn, end):
-    """Report how a gesture ended, if it was given a number."""
+def tell_end(state, serial, end):
+    """Report what became of a gesture, if it was given a number."""
     if serial == 0:
         return
     count = state.ended_count[0]
     state.ended[count % ENDED, 0] = serial
-    state.ended[count % ENDED, 1] = turn
-    state.ended[count % ENDED, 2] = end
+    state.ended[count % ENDED, 1] = end
     store_release(state.ended_count, 0, count + 1)
 
 
@@ -232,6 +245,7 @@ def tell_end(state, serial, turn, end):
 def attend(state, obj):
     """Bring an object's contacts to a new quantum: what glides, rolls or was stopped, whom they tie it to."""
     c = math.exp(-QUANTUM / (_GLIDE * state.rate))
+    slowly = math.exp(-QUANTUM / (_LAID * state.rate))
     before = -1
     index = obj.contact
     while index >= 0:
@@ -258,14 +272,15 @@ def attend(state, obj):
         elif contact.touching == 0:
             ended = contact.start >= contact.until
         elif contact.solver == _COUPLED:
-            if contact.kind == _PRESS and contact.until < state.position + QUANTUM and contact.gone_at == math.inf:
-                contact.push = contact.pushed_to = 0.0
-                contact.gone_at = contact.until + _LIFTED * state.rate
-            contact.push = contact.pushed_to + (contact.push - contact.pushed_to) * c
+            if contact.until < state.position + QUANTUM and contact.gone_at == math.inf:
+                _let_go(state, contact, contact.until)
+                if contact.kind == _PRESS:
+                    contact.push = 0.0  # a hand is taken away at once
+            contact.push = contact.pushed_to + (contact.push - contact.pushed_to) * slowly
             contact.coupled.push = contact.push
-            contact.coupled.tolerance = tolerance_of(state)
+            _lean(state, contact)
         if ended:
-            tell_end(state, contact.serial, contact.turn, _STOPPED)
+            tell_end(state, contact.serial, _STOPPED)
             drop(state, obj, before, index)
         else:
             before = index
@@ -274,6 +289,23 @@ def attend(state, obj):
                 if other.slot >= 0:
                     state.objects[other.slot].struck = 1
         index = after
+
+
+@kernel
+def _lean(state, contact):
+    """Have what is touched know by how much the push bends it for good, which nobody is to hear."""
+    for side in range(2):
+        if contact.body[side].slot >= 0:
+            obj = state.objects[contact.body[side].slot]
+            for channel in range(2):
+                obj.lean[channel] += contact.gain * contact.push * contact.lean[side, channel]
+
+
+@kernel
+def _let_go(state, contact, time):
+    """Take off what pushes a striker, and forget it a little later."""
+    contact.pushed_to = 0.0
+    contact.gone_at = time + _LIFTED * state.rate
 
 
 @kernel
@@ -318,8 +350,10 @@ def drive(state, obj, frame):
             age = state.position + frame - contact.start - contact.fraction
             if not age > 0.0:
                 break
+            if contact.touching == 0:
+                contact.begun = float(state.position + frame)
             if contact.touching == 0 and not meet(state, contact, _pressed(contact)):
-                tell_end(state, contact.serial, contact.turn, _NO_ROOM)
+                tell_end(state, contact.serial, _NO_ROOM)
                 stays = False
                 break
             if act(state, contact, frame, age):
@@ -365,7 +399,7 @@ def _pressed(contact):
 def _leave(state, contact, frame):
     """End a touch of closed form or sampled. True if the striker comes back: it bounces."""
     if contact.kind != _BOUNCE:
-        tell_end(state, contact.serial, contact.turn, _RESTED)
+        tell_end(state, contact.serial, _RESTED)
         return False
     if contact.solver == _SAMPLED:
         impulse = contact.sampled.m * (contact.v_in - contact.sampled.v)
@@ -391,12 +425,12 @@ def _fly(state, contact, rebound, gap):
     seconds = (v_out + contact.v_in) / contact.gravity
     contact.elapsed += seconds
     if not (rebound > 0.0 and contact.pulse.duration / state.rate + seconds > _SHORTEST_ROUND):
-        tell_end(state, contact.serial, contact.turn, _RESTED)
+        tell_end(state, contact.serial, _RESTED)
         return False
     _wait(state, contact)
     contact.touching = 0
     if contact.start >= contact.until:
-        tell_end(state, contact.serial, contact.turn, _STOPPED)
+        tell_end(state, contact.serial, _STOPPED)
         return False
     return True
 
@@ -407,16 +441,19 @@ def _go_on(state, contact, frame):
     coupled = contact.coupled
     now = float(state.position + frame)
     if now >= contact.gone_at or not math.isfinite(coupled.v):
-        tell_end(state, contact.serial, contact.turn, _RESTED if contact.until == math.inf else _STOPPED)
+        tell_end(state, contact.serial, _RESTED if contact.until == math.inf else _STOPPED)
         return False
     samples = 0.0 if coupled.touching == 1 else flight(state, contact)
-    if samples == 0.0:
+    if contact.gone_at == math.inf and (samples == 0.0 or now - contact.begun > _LONGEST_TOUCH * state.rate):
         _settle(state, contact, now)
+    if samples == 0.0:
         return True
     if samples == math.inf:
-        tell_end(state, contact.serial, contact.turn, _RESTED if contact.until == math.inf else _STOPPED)
+        tell_end(state, contact.serial, _RESTED if contact.until == math.inf else _STOPPED)
         return False
-    if contact.kind == _BOUNCE and contact.gone_at == math.inf and coupled.v < 0.0:
+    bounces = contact.kind == _BOUNCE and contact.gone_at == math.inf and coupled.v < 0.0
+    if bounces and coupled.v * coupled.v > 2.0 * contact.gravity * _CLEAR * contact.reach:
+        # So high that where the object is at rest will do to come back to; else it is where it is.
         contact.elapsed = (now - contact.origin) / state.rate
         return _fly(state, contact, -coupled.v, max(-coupled.position, 0.0))
     skipped = min(samples, _LONGEST_LEAP)
@@ -428,20 +465,17 @@ def _go_on(state, contact, frame):
 
 @kernel
 def _settle(state, contact, now):
-    """Let go of a striker that rests on the object, or has nothing more to give."""
-    if contact.gone_at < math.inf:
-        return
+    """Let go of a striker that rests on the object, or has nothing more to give, or has been there for long."""
     compression = max(contact.coupled.motion[0], 0.0)
     v, m = contact.coupled.v, contact.m
+    rests = contact.kind != _PRESS and now - contact.begun > _LONGEST_TOUCH * state.rate
     if contact.kind == _BOUNCE:
-        rests = captured(compression, v, m, contact.k, contact.a, contact.push)
-        if rests:
-            contact.pushed_to = 0.0  # its weight is taken off gently: nobody hears that it is gone
-    else:
+        rests |= captured(compression, v, m, contact.k, contact.a, contact.push)
+    elif contact.kind == _IMPACT:
         energy = 0.5 * m * v * v + elastic(compression, contact.k, contact.a)
-        rests = contact.kind == _IMPACT and energy < _SPENT * 0.5 * m * contact.v_in * contact.v_in
+        rests |= energy < _SPENT * 0.5 * m * contact.v_in * contact.v_in
     if rests:
-        contact.gone_at = now + _LIFTED * state.rate
+        _let_go(state, contact, now)  # gently: nobody hears that it is gone
 
 
 @kernel
@@ -477,5 +511,5 @@ def drop_all(state, obj):
     """End every gesture on an object at once."""
     while obj.contact >= 0:
         contact = state.contacts[obj.contact]
-        tell_end(state, contact.serial, contact.turn, _GONE)
+        tell_end(state, contact.serial, _GONE)
         drop(state, obj, -1, obj.contact)

@@ -9,11 +9,11 @@ Nothing here allocates, locks or needs Python.
 
 from .atomic import load_acquire, store_release
 from .clock import sample_at
-from .encounter import receive, steer, stop_all
+from .encounter import is_running, receive, steer, stop_all, tell_end
 from .jit import kernel
 from .limiter import limit
 from .queue import has_room, order_heap, pop, push, sink, swap
-from .state import NOTES, QUANTUM, RING, TAP, Command, Quality
+from .state import NOTES, QUANTUM, RING, TAP, Command, End, Quality
 from .voice import SILENCE, attend_all, pan_gains, render_all, retune_all, silence
 
 _COARSER = 4.0  # of rolls, when there is too little time: about as loud, at 60 % of the cost
@@ -22,7 +22,7 @@ _WANDER = 1.0 / 512.0  # share by which an event's sample, guessed from the cloc
 _NEW, _FREE = int(Command.NEW), int(Command.FREE)
 _IMPACT, _BOUNCE, _ROLL, _PRESS = int(Command.IMPACT), int(Command.BOUNCE), int(Command.ROLL), int(Command.PRESS)
 _STEER, _ACCURACY, _QUALITY = int(Command.STEER), int(Command.ACCURACY), int(Command.QUALITY)
-_COARSE = int(Quality.COARSE)
+_COARSE, _GONE = int(Quality.COARSE), int(End.GONE)
 _GAIN, _PAN, _TUNE, _DECAY, _DAMP = (
     int(Command.GAIN), int(Command.PAN), int(Command.TUNE), int(Command.DECAY), int(Command.DAMP),
 )  # fmt: skip
@@ -54,10 +54,14 @@ def _render_quantum(state):
             sink(state, 0)
         else:
             event = state.events[pop(state)]
+            # Where the clock was set back meanwhile, what was overtaken comes now: what is noted is in order.
+            event.time = state.carried = max(event.time, state.carried)
             ignored = _is_ignored(state, event)
             _note(state, event.number, -1.0 if ignored else event.time)
             if not ignored:
                 _carry_out(state, event)
+            elif _is_gesture(event.kind):
+                tell_end(state, int(event.values[7]), _GONE)
     for n in range(QUANTUM):
         state.mix[0, n] = 0.0
         state.mix[1, n] = 0.0
@@ -135,9 +139,16 @@ def _read_clock(state, event):
 def _is_ignored(state, event):
     """Is it meant for an object that is gone, or told to go?"""
     obj = state.objects[event.slot]
+    if event.kind == _STEER:
+        return not is_running(state, int(event.values[0]))
     return event.serial > 0 and event.kind != _NEW and (
         obj.used == 0 or obj.serial != event.serial or obj.dying > 0
     )  # fmt: skip
+
+
+@kernel
+def _is_gesture(kind):
+    return kind in (_IMPACT, _BOUNCE, _ROLL, _PRESS)
 
 
 @kernel
@@ -182,7 +193,7 @@ def _carry_out(state, event):
         return
     obj = state.objects[event.slot]
     value = event.values[0]
-    if event.kind == _IMPACT or event.kind == _BOUNCE or event.kind == _ROLL or event.kind == _PRESS:
+    if _is_gesture(event.kind):
         receive(state, obj, event)
     elif event.kind == _FREE:
         obj.dying = 2 if value != 0.0 else 1
@@ -240,6 +251,8 @@ def _panic(state, order):
             kept += 1
         else:
             _note(state, event.number, -1.0)
+            if _is_gesture(event.kind):
+                tell_end(state, int(event.values[7]), _GONE)
     state.queued = kept
     order_heap(state)
     for i in range(state.active):

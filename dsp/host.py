@@ -211,14 +211,14 @@ class Engine:
             entry["values"][len(values) :] = 0.0
         publish(self._record["written"], written + len(commands))
 
-    def ended(self) -> list[tuple[int, int, End]]:
-        """Gestures (by number) that have ended since the last call, in what turn, and how."""
+    def ended(self) -> list[tuple[int, End]]:
+        """Gestures (by number) that have ended since the last call, and how: one for each that was sent."""
         count = int(observe(self._record["ended_count"]))
         first = max(self._ends_read, count - ENDED)
         self._ends_read = count
         ended = self._record["ended"]
         ends = ended[np.arange(first, count) % ENDED].tolist()
-        return [(serial, turn, End(end)) for serial, turn, end in ends]
+        return [(serial, End(end)) for serial, end in ends]
 
     @property
     def sent(self) -> int:

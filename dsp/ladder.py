@@ -14,6 +14,7 @@ from .pulse import NODES, add_phasors, node
 from .state import Quality
 
 _HELD = int(Quality.HELD)
+_HAND = 200.0  # 1/s: decay that a hand adds at damp = 1
 _RESOLVED = 28.0  # rad of a mode over a pulse: up to here its nodes tell the spectrum, beyond it is as good as 0
 _LIGHT = 1e-4  # sum of m phi^2 below which the object is as good as a rigid wall (-80 dB)
 
@@ -29,6 +30,12 @@ def place(body, position, rows):
     body.weights[1] = 0.5 * x * (x - 2.0) * (x - 3.0)
     body.weights[2] = -0.5 * x * (x - 1.0) * (x - 3.0)
     body.weights[3] = x * (x - 1.0) * (x - 2.0) / 6.0
+
+
+@kernel
+def hand_of(obj):
+    """Decay (1/s) that a hand on an object adds to all modes."""
+    return _HAND * obj.damp * obj.damp
 
 
 @kernel

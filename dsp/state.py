@@ -28,12 +28,12 @@ EVENTS = 8_192
 RING = 8_192
 """Commands on their way from Python; a power of two."""
 
-COMMAND_VALUES = 26
+COMMAND_VALUES = 25
 
 ROLLS = 128
 """Bodies that can roll at once."""
 
-ENDED = 4_096
+ENDED = 32_768
 """Ends of gestures that are kept for Python to read."""
 
 TAP = 262_144
@@ -63,8 +63,8 @@ class Command(IntEnum):
     ROLL = 13  # speed (m/s), then as IMPACT, gravity, radius (m), the surface (roughness, correlation length, slope,
     # ripple, wavelength, seed), friction, asymmetry, factor on the roughness, length of the strike path (m, 0: it stays
     # where it is), which of them were given (bits for position, mass, gain, gravity, radius, friction, asymmetry,
-    # roughness), the gesture's turn, the body's corners. A roll that goes on already takes on what was given, the
-    # speed and the turn.
+    # roughness), the body's corners. A roll of that gesture on that object that goes on
+    # already takes on what was given.
     PRESS = 14  # as IMPACT, and the force that presses the striker on (N)
     ACCURACY = 15  # a place in gate.LEVELS
     QUALITY = 16  # a Quality
@@ -113,6 +113,7 @@ class End(IntEnum):
     STOPPED = 1
     NO_ROOM = 2  # it never began
     GONE = 3  # with its object, or by a panic
+    JOINED = 4  # it steered a roll that goes on
 
 
 COMMAND = np.dtype(
@@ -158,6 +159,8 @@ OBJECT = np.dtype(
         ("damp", np.float64),
         ("gain", np.float64, 2),  # left and right, on their way to what amplitude and pan ask for
         ("gain_before", np.float64, 2),  # at the quantum's beginning
+        ("lean", np.float64, 2),  # output of what is pressed on it and does not move, left and right
+        ("lean_before", np.float64, 2),
         ("touched", np.int64),  # samples at the beginning of the last quantum in which a force acted on it
         # In this quantum:
         ("struck", np.int64),  # a contact touches it
@@ -186,7 +189,6 @@ CONTACT = np.dtype(
         ("body", BODY, 2),  # the object touched, and the object that touches it, if one does
         ("kind", np.int64),  # a Command: IMPACT, BOUNCE, ROLL or PRESS
         ("serial", np.int64),  # of the gesture, 0: none
-        ("turn", np.int64),  # how often a roll was told to go on
         ("touching", np.int64),  # 0: it waits for its beginning
         ("solver", np.int64),  # a Solver
         ("modes", np.int64),  # that a coupled contact is coupled to
@@ -208,6 +210,10 @@ CONTACT = np.dtype(
         ("elapsed", np.float64),  # s, from there to the contact
         ("until", np.float64),  # samples: when it was stopped
         ("gone_at", np.float64),  # samples: when a striker that was let go of is forgotten
+        ("begun", np.float64),  # samples: when it touched last
+        ("reach", np.float64),  # m: how far the objects' ringing reaches
+        ("debt", np.int64),  # steps of a coupled contact beyond what it is granted
+        ("lean", np.float64, (2, 2)),  # static output of each body at left and right for a push of 1 N
         ("push", np.float64),  # N: on a coupled striker, on its way to
         ("pushed_to", np.float64),
         # A roll:
@@ -250,6 +256,7 @@ STATE = np.dtype(
         ("events", COMMAND, EVENTS),
         ("heap", np.int64, EVENTS),
         ("queued", np.int64),
+        ("carried", np.float64),  # the time of the last event that was carried out
         ("arrivals", np.int64),
         # Objects and contacts.
         ("objects", OBJECT, OBJECTS),
@@ -301,7 +308,7 @@ STATE = np.dtype(
         ("faults", np.int64),
         ("limited", np.int64),  # frames
         ("limit_lowest", np.float64),
-        ("ended", np.int64, (ENDED, 3)),  # gestures that ended, their turn, and how: an End
+        ("ended", np.int64, (ENDED, 2)),  # gestures that ended, and how: an End
         ("ended_count", np.int64, 8),
         ("live_modes", np.int64),
         ("sounding", np.int64),  # objects

@@ -4,8 +4,9 @@ import math
 
 from .bank import FINE, LANES, RESPONSES, inject, inject_fine, observe, receptance
 from .coupled import apart_for, begin_coupled, respond_with, step_coupled
+from .coupled_step import HELD
 from .jit import kernel
-from .ladder import needs_coupling, place, reach_of, tolerance_of
+from .ladder import hand_of, needs_coupling, place, reach_of, tolerance_of
 from .methods import follow, start
 from .pulse import MOMENTS, add_held, advance, begin
 from .state import COUPLED_MODES, QUANTUM, Solver
@@ -14,6 +15,10 @@ _CLOSED, _SAMPLED, _COUPLED, _ROLLING = (
     int(Solver.CLOSED), int(Solver.SAMPLED), int(Solver.COUPLED), int(Solver.ROLLING),
 )  # fmt: skip
 
+_STEPS = 4  # of a coupled contact in a sample, on average; beyond, the force is held for each sample
+_BURST = 256  # that it may need at once
+_BY_ITSELF = 32  # modes that cost as much as a contact does by itself
+_TOO_STRONG = 1e3  # times its momentum that a sampled method may give in a step: it has failed, and would deafen
 _PATIENCE = 3.0  # exact durations for which a sampled contact is followed: it might never end
 
 
@@ -31,10 +36,10 @@ def meet(state, contact, pressed):
     if coupled:
         contact.solver = _COUPLED
         contact.unsettled = 1
-        tolerance = tolerance_of(state)
+        contact.debt = 0
         begin_coupled(
             contact.coupled, contact.v_in, contact.m, contact.k, contact.mu, contact.a, contact.push,
-            contact.fraction, state.rate, tolerance,
+            contact.fraction, state.rate, tolerance_of(state),
         )  # fmt: skip
         state.coupled += 1
         state.coupled_modes += contact.modes
@@ -57,7 +62,7 @@ def meet(state, contact, pressed):
 @kernel
 def _has_room(state, contact):
     """May a contact be coupled to the modes that it touches?"""
-    contact.modes = 0
+    contact.modes = _BY_ITSELF
     for side in range(2):
         if contact.body[side].slot >= 0:
             contact.modes += state.objects[contact.body[side].slot].size
@@ -81,9 +86,11 @@ def act(state, contact, frame, age):
     lasts = True
     if contact.solver == _COUPLED:
         _look(state, contact)
-        held, contacts = contact.coupled.held, contact.coupled.contacts
+        held, contacts, steps = contact.coupled.held, contact.coupled.contacts, contact.coupled.steps
+        contact.coupled.tolerance = HELD if contact.debt > _BURST else tolerance_of(state)
         step_coupled(contact.coupled, state.observed, state.fine)
         state.held += contact.coupled.held - held
+        contact.debt = max(contact.debt + contact.coupled.steps - steps - _STEPS, 0)
         if contacts > 0:
             state.recontacts += contact.coupled.contacts - contacts
         for n in range(FINE):
@@ -143,6 +150,7 @@ def _look(state, contact):
             receptance(a1, a2, response, shape, obj.size, body.row, body.weights, state.work, state.fine)
             for n in range(FINE):
                 state.given[n] += state.fine[n]
+            _weigh(state, contact, side, obj)
         if obj.live > 0:
             y1 = state.y1[first:last]
             y2 = state.y2[first:last]
@@ -155,6 +163,22 @@ def _look(state, contact):
 
 
 @kernel
+def _weigh(state, contact, side, obj):
+    """Put the static output for a push of 1 N into `lean`; the shapes are where `receptance` has left them."""
+    left = right = 0.0
+    hand = hand_of(obj)
+    for i in range(obj.size):
+        omega = 2.0 * math.pi * state.frequency[obj.first + i] * obj.tune
+        sigma = state.sigma[obj.first + i] / obj.decay + hand
+        if omega > 0.0:
+            heard = state.work[i] * state.weight[obj.first + i] * omega / (omega * omega + sigma * sigma)
+            left += heard
+            right += heard * state.balance[obj.first + i]
+    contact.lean[side, 0] = left
+    contact.lean[side, 1] = right
+
+
+@kernel
 def flight(state, contact):
     """Samples for which a coupled striker that has left surely touches nothing; infinity if it never comes back."""
     distance = speed = 0.0
@@ -164,6 +188,7 @@ def flight(state, contact):
             far, fast = reach_of(state, state.objects[body.slot], body)
             distance += far / contact.gain
             speed += fast / contact.gain
+    contact.reach = distance
     return apart_for(contact.coupled, distance, speed)
 
 
@@ -188,7 +213,7 @@ def _step_sampled(state, contact):
         before = sampled.v
         lasts = follow(sampled, 1.0 / (state.rate * contact.oversampling))
         given = sampled.m * (before - sampled.v)
-        if not math.isfinite(given):
+        if not abs(given) < _TOO_STRONG * sampled.m * contact.v_in:
             return False  # the method has failed: what it gave so far stays
         add_held(given, i / contact.oversampling, (i + 1) / contact.oversampling, state.moments)
         contact.steps -= 1

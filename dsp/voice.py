@@ -8,6 +8,7 @@ import math
 from .bank import LANES, NYQUIST_SHARE, RESPONSES, ring, set_mode, state_of
 from .encounter import attend, drive, drop_all, next_driven_frame
 from .jit import kernel
+from .ladder import hand_of
 from .state import QUANTUM, Quality
 
 SILENCE = 1e-6
@@ -19,7 +20,6 @@ _QUIET, _RECENT = int(Quality.QUIET), int(Quality.RECENT)
 _GLIDE = 0.005  # s: time constant of gain and pan
 _RETUNE_BUDGET = 1024  # modes a quantum that get new coefficients in the background
 _FADE = 500.0  # 1/s: decay added to a mode that was tuned above the Nyquist share
-_HAND = 200.0  # 1/s: decay that a hand adds at damp = 1
 _HUGE = 1e30  # above this a voice counts as not finite
 
 
@@ -29,6 +29,8 @@ def attend_all(state):
     for i in range(state.active):
         obj = state.objects[state.order[i]]
         obj.struck = obj.tied = obj.driven = 0
+        for channel in range(2):
+            obj.lean_before[channel], obj.lean[channel] = obj.lean[channel], 0.0
     for i in range(state.active):
         attend(state, state.objects[state.order[i]])
 
@@ -114,15 +116,18 @@ def _mix(state, obj, voice):
     from_left, from_right = obj.gain_before[0], obj.gain_before[1]
     step_left = (obj.gain[0] - from_left) / QUANTUM
     step_right = (obj.gain[1] - from_right) / QUANTUM
+    lean_left, lean_right = obj.lean_before[0], obj.lean_before[1]
+    more_left = (obj.lean[0] - lean_left) / QUANTUM
+    more_right = (obj.lean[1] - lean_right) / QUANTUM
     for n in range(QUANTUM):
-        state.mix[0, n] += left[n] * (from_left + (n + 1) * step_left)
-        state.mix[1, n] += right[n] * (from_right + (n + 1) * step_right)
+        state.mix[0, n] += (left[n] - lean_left - (n + 1) * more_left) * (from_left + (n + 1) * step_left)
+        state.mix[1, n] += (right[n] - lean_right - (n + 1) * more_right) * (from_right + (n + 1) * step_right)
     state.live_modes += obj.live
     state.sounding += 1
     if obj.driven == 1:
         obj.touched = state.position
     elif _is_left_out(state, obj) and max(abs(obj.gain[0]), abs(obj.gain[1])) < SILENCE:
-        silence(state, obj)
+        _hush(state, obj)  # what bounces on it goes on
     else:
         _rest(state, obj)
 
@@ -146,7 +151,7 @@ def _retune(state, obj, count):
     first = obj.first
     last = first + obj.size
     response = state.response[first // LANES * RESPONSES : last // LANES * RESPONSES]
-    hand = _HAND * obj.damp * obj.damp
+    hand = hand_of(obj)
     highest = NYQUIST_SHARE * 0.5 * state.rate
     for _ in range(count):
         i = obj.retuning
@@ -190,11 +195,17 @@ def _rest(state, obj):
 
 @kernel
 def silence(state, obj):
+    """End an object's sound and all gestures on it."""
+    _hush(state, obj)
+    drop_all(state, obj)
+
+
+@kernel
+def _hush(state, obj):
     for i in range(obj.first, obj.first + obj.size):
         state.y1[i] = 0.0
         state.y2[i] = 0.0
     obj.live = 0
-    drop_all(state, obj)
 
 
 @kernel

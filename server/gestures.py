@@ -1,32 +1,37 @@
-"""Gestures by their names: what was started, by whom, and how it ended."""
+"""Gestures by their ids: who started them, and how they ended.
+
+An id stands for a number in the engine, which decides what it means when the time of a message has come. Several
+gestures may share an id. Of each that was sent the engine tells once what became of it.
+"""
 
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from ..dsp.host import Engine
 from ..dsp.state import End
 
-_REMEMBERED = 1_024  # gestures that have ended: to stop one of them is no mistake
+_REMEMBERED = 4_096  # ids: to steer what has ended is no mistake
+_MOST_ENDS = 65_536  # that wait to be told
 
 
 @dataclass(eq=False)
-class Gesture:
-    """Something that was started: its id, its number in the engine, the address that started it, who sent that, and
-    how often it was told to go on."""
+class Id:
+    """A name of gestures: its number in the engine, and for each that hasn't ended the address that started it and who
+    sent that, the oldest first."""
 
-    id: str
-    serial: int
-    address: str
-    source: Any
-    turn: int = 0
+    name: str
+    number: int
+    started: deque[tuple[str, Any]] = field(default_factory=deque)
 
 
 @dataclass(frozen=True)
 class Ended:
-    """A gesture that is over."""
+    """A gesture that is over: its id, the address that started it, who sent that, and how it ended."""
 
-    gesture: Gesture
+    id: str
+    address: str
+    source: Any
     end: End
 
 
@@ -35,52 +40,59 @@ class Gestures:
 
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
-        self._running: dict[int, Gesture] = {}
-        self._over: deque[Gesture] = deque(maxlen=_REMEMBERED)
-        self._ends: deque[Ended] = deque(maxlen=8 * _REMEMBERED)
-        self._count = 0
+        self._ids: dict[str, Id] = {}  # the most recently started last
+        self._numbers: dict[int, Id] = {}
+        self._ends: deque[Ended] = deque(maxlen=_MOST_ENDS)
+        self._named = 0
+        self._last = 0
 
-    def __len__(self) -> int:
-        return len(self._running)
+    def new(self, name: str, address: str, source: Any) -> Id:
+        """The id of a gesture about to be sent; `forget` it if it is not."""
+        id = self._ids.pop(name, None)
+        if id is None:
+            self._last += 1
+            id = Id(name, self._last)
+            self._numbers[id.number] = id
+        self._ids[name] = id
+        id.started.append((address, source))
+        return id
 
-    def new(self, id: str, address: str, source: Any) -> Gesture:
-        """A gesture about to be sent; `forget` it if it is not."""
-        self._count += 1
-        gesture = Gesture(id, self._count, address, source)
-        self._running[gesture.serial] = gesture
-        return gesture
-
-    def rolling(self, id: str, address: str) -> Gesture | None:
-        """The roll of that id that an address has started, if it may still go on."""
-        for gesture in reversed(self._running.values()):
-            if gesture.id == id and gesture.address == address:
-                return gesture
-        return None
+    def forget(self, id: Id) -> None:
+        """Take back `new`."""
+        id.started.pop()
+        if not id.started:
+            del self._ids[id.name], self._numbers[id.number]
 
     def numbered(self, name: str) -> str:
         """An id for a gesture that was given none."""
-        return f"{name}-{self._count + 1}"
+        self._named += 1
+        return f"{name}-{self._named}"
 
-    def forget(self, gesture: Gesture) -> None:
-        """Take back the last `new`: a score of what was not refused counts alike."""
-        del self._running[gesture.serial]
-        self._count -= 1
+    def goes_on(self, name: str) -> bool:
+        """Was something of that id sent that hasn't ended yet?"""
+        return name in self._ids and len(self._ids[name].started) > 0
 
-    def known(self) -> list[Gesture]:
-        """The gestures that run or ended not long ago; several may share an id."""
-        return [*self._over, *self._running.values()]
+    def known(self) -> list[Id]:
+        """The ids of what runs or was started not long ago."""
+        return list(self._ids.values())
 
-    def runs(self, gesture: Gesture) -> bool:
-        return gesture.serial in self._running
+    def end_at_once(self, name: str, address: str, source: Any) -> None:
+        """Tell of the end of a gesture that did not move."""
+        self._ends.append(Ended(name, address, source, End.RESTED))
 
     def collect(self) -> None:
-        """Learn from the engine what has ended."""
-        for serial, turn, end in self._engine.ended():
-            gesture = self._running.get(serial)
-            if gesture and gesture.turn == turn:  # else it has been started anew meanwhile
-                del self._running[serial]
-                self._ends.append(Ended(gesture, end))
-                self._over.append(gesture)
+        """Learn from the engine what has ended, and forget ids of long ago."""
+        for number, end in self._engine.ended():
+            id = self._numbers.get(number)
+            if id and id.started:
+                # A roll that was steered is still the one that began it.
+                address, source = id.started.pop() if end is End.JOINED else id.started.popleft()
+                if end is not End.JOINED:
+                    self._ends.append(Ended(id.name, address, source, end))
+        if len(self._ids) > _REMEMBERED:
+            over = [id for id in self._ids.values() if not id.started]
+            for id in over[: len(self._ids) - _REMEMBERED]:
+                del self._ids[id.name], self._numbers[id.number]
 
     def take_ends(self) -> list[Ended]:
         """What has ended since the last call."""

@@ -13,7 +13,7 @@ from pathlib import Path
 from ..dsp.atomic import clock_ns
 from ..dsp.host import NOW, Engine, EngineFull
 from ..dsp.methods import METHODS
-from ..dsp.state import CONTACTS, Command, End
+from ..dsp.state import CONTACTS, COUPLED_MODES, Command, End
 from .dump import Dump
 from .gestures import Ended
 from .governor import Governor
@@ -121,7 +121,7 @@ class Server:
         """What may stand for a word of the address space now; any thread may ask."""
         return {
             "NAME": dict.fromkeys(self._scene.objects),
-            "ID": {gesture.id: None for gesture in self._scene.gestures.known()},
+            "ID": {id.name: None for id in self._scene.gestures.known() if id.started},
             "preset": self._scene.presets.names("objects"),
             "method": ("closed", *METHODS),
         }
@@ -261,14 +261,12 @@ class Server:
             self._warn(warning)
 
     def _tell_end(self, ended: Ended) -> None:
-        gesture = ended.gesture
-        asked: set[Source] = {gesture.source} | self._subscribers
+        asked: set[Source] = {ended.source} | self._subscribers
         for client in asked:
-            self._reply(Message("/gesture/end", (gesture.id,)), client)
+            self._reply(Message("/gesture/end", (ended.id,)), client)
         if ended.end is End.NO_ROOM:
-            self._reply(
-                fail(gesture.address, f"{gesture.id}: no room, {CONTACTS} contacts go on already"), gesture.source
-            )
+            text = f"{ended.id}: no room, {CONTACTS} contacts go on already, or {COUPLED_MODES} modes are touched"
+            self._reply(fail(ended.address, text), ended.source)
 
     def _warn(self, text: str) -> None:
         for subscriber in tuple(self._subscribers):

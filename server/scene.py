@@ -20,6 +20,7 @@ from .strikes import GRAVITY, LAW, Contact, fall, require_rest, require_rollable
 _NAME = re.compile(r"[^\s#*,/?\[\]{}]{1,64}")
 _FORBIDDEN = "# * , / ? [ ] { } or space"
 _SURFACE = "wood"
+_ANY_RADIUS = 0.01  # m: of a roll that is steered, and so has one
 _APPROACH = 0.01  # m/s: how fast a pressing striker is laid on
 _STEERED = ("position", "mass", "gain", "gravity", "radius", "friction", "asymmetry", "roughness")
 """What of a roll may be given anew while it goes on, by the bits of Command.ROLL."""
@@ -234,7 +235,7 @@ class Scene:
     def _impact(self, name: str, obj: _Object, values: Values) -> list[EngineCommand]:
         velocity = values.numbers["velocity"]
         if velocity == 0.0:
-            return []
+            return self._stay(name, "impact", values)
         contact = self._law(obj, values)
         require_short(velocity, contact)
         id = values.words.get("id")
@@ -246,7 +247,7 @@ class Scene:
         gravity = numbers.get("gravity", GRAVITY)
         velocity, seconds = fall(numbers["height"], numbers.get("velocity", 0.0), gravity)
         if velocity == 0.0:
-            return []
+            return self._stay(name, "bounce", values)
         require_short(velocity, contact)
         require_rest(velocity, contact, gravity)
         serial = self._start_named(values, name, "bounce")
@@ -262,35 +263,30 @@ class Scene:
     def _roll(self, name: str, obj: _Object, values: Values) -> list[EngineCommand]:
         numbers = values.numbers
         speed = numbers["speed"]
-        id = values.words.get("id", name)
-        gesture = self.gestures.rolling(id, f"/object/{name}/roll")
-        if gesture is None and speed == 0.0:
-            return []
         surface = self.presets.surface(values.words.get("surface", _SURFACE))
         numbers.setdefault("dissipation", surface.dissipation)
         contact = self._law(obj, values)
+        id = values.words.get("id", name)
         radius = numbers.get("radius", self._radius(obj, values))
-        require_rollable(radius, surface, numbers.get("roughness", 1.0))
-        if gesture:
-            gesture.turn += 1
-            self._undo.append(lambda: setattr(gesture, "turn", gesture.turn - 1))
-        serial = gesture.serial if gesture else self._start(id, name, "roll")
+        if speed > 0.0 and not self.gestures.goes_on(id):
+            if not radius:
+                raise Refused("radius is missing: the striker has none")
+            require_rollable(radius, surface, numbers.get("roughness", 1.0))
+        if "id" not in values.words:
+            self._added += ("id", name)
+        serial = self._start(id, name, "roll")
         given = sum(1 << bit for bit, key in enumerate(_STEERED) if key in numbers)
         motion = (
-            numbers.get("gravity", GRAVITY), radius, *surface.profile, self._seed(values, serial),
+            numbers.get("gravity", GRAVITY), radius or _ANY_RADIUS, *surface.profile, self._seed(values, serial),
             numbers.get("friction", 0.0), numbers.get("asymmetry", 0.0), numbers.get("roughness", 1.0),
-            numbers.get("travel", 0.0), float(given), float(gesture.turn if gesture else 0),
+            numbers.get("travel", 0.0), float(given),
             _whole("corners", numbers.get("corners", 0.0)),
         )  # fmt: skip
         return [self._strike(obj, Command.ROLL, speed, contact, values, serial, motion)]
 
     def _radius(self, obj: _Object, values: Values) -> float:
-        """The radius of the ball that a message rolls."""
-        striker = values.words.get("striker", obj.preset.striker)
-        radius = self.presets.striker(striker).radius
-        if radius is None and "radius" not in values.numbers:
-            raise Refused(f"radius is missing: the striker {striker} has none")
-        return radius or 0.0
+        """The radius of the ball that a message rolls, 0 if it is none."""
+        return self.presets.striker(values.words.get("striker", obj.preset.striker)).radius or 0.0
 
     def _press(self, name: str, obj: _Object, values: Values) -> list[EngineCommand]:
         contact = self._law(obj, values)
@@ -323,9 +319,15 @@ class Scene:
             return 0
         if not _NAME.fullmatch(id) or not id.isprintable():
             raise Refused(f"id = {shown(id)}: expected 1 to 64 printable characters, none of them {_FORBIDDEN}")
-        gesture = self.gestures.new(id, f"/object/{name}/{action}", self._source)
-        self._undo.append(lambda: self.gestures.forget(gesture))
-        return gesture.serial
+        started = self.gestures.new(id, f"/object/{name}/{action}", self._source)
+        self._undo.append(lambda: self.gestures.forget(started))
+        return started.number
+
+    def _stay(self, name: str, action: str, values: Values) -> list[EngineCommand]:
+        """Nothing happens; who gave an id is told that it is over."""
+        if "id" in values.words:
+            self.gestures.end_at_once(values.words["id"], f"/object/{name}/{action}", self._source)
+        return []
 
     def _start_named(self, values: Values, name: str, action: str) -> int:
         """The number of a gesture that has a name in any case."""
@@ -363,15 +365,15 @@ class Scene:
             raise Refused(f"{action}: nothing a gesture does; expected {actions}")
         numbers = verb.parse(args).numbers
         known = self.gestures.known()
-        meant = [gesture for gesture in known if match(pattern, gesture.id)]
+        meant = [id for id in known if match(pattern, id.name)]
         if not meant:
-            ids = ", ".join(gesture.id for gesture in known[-8:]) or "none"
-            raise Refused(f"{pattern}: no such gesture; there are {ids}")
+            raise Refused(f"{pattern}: no such gesture; there are {', '.join(id.name for id in known[-8:]) or 'none'}")
+        if is_pattern(pattern):  # what was sent and hasn't ended; one that is named may be on its way in any case
+            meant = [id for id in meant if id.started]
         value = _physical(action, numbers.get(action, 0.0))
         steering = float(Steering[action.upper()])
-        running = [gesture for gesture in meant if self.gestures.runs(gesture)]
-        self._said *= len(running)
-        return [(self._time, Command.STEER, None, (float(g.serial), steering, value)) for g in running]
+        self._said = [Message(f"/gesture/{id.name}/{action}", args) for id in meant]
+        return [(self._time, Command.STEER, None, (float(id.number), steering, value)) for id in meant]
 
     def _contact(self, striker: str, material: Material | None) -> Contact:
         if (striker, material) not in self._contacts:

@@ -112,7 +112,7 @@ def test_energy_never_grows_and_it_comes_to_rest(irregularity):
     energy = found[:, 1] ** 2 + found[:, 2]
     assert (np.diff(energy) < 1e-15).all()
     assert (found[:, 2] / energy).max() == pytest.approx(np.sin(0.45 * math.pi * irregularity) ** 2, rel=0.1)
-    assert engine.ended() == [(7, 0, End.RESTED)] and engine.counter("contacts_active") == 0
+    assert engine.ended() == [(7, End.RESTED)] and engine.counter("contacts_active") == 0
     assert found[-1, 1] < 1e-3  # a marble of 5 g sinks in by .2 um and swings at some mm/s
 
 
@@ -155,7 +155,7 @@ def test_weight_in_contact(law):
         if np.isfinite(record["gone_at"]):
             break
     assert engine.counter("impacts") + engine.counter("recontacts") == pytest.approx(contacts, rel=1e-3)
-    assert record["gone_at"] / RATE - 0.2 == pytest.approx(seconds, rel=1e-3)
+    assert record["gone_at"] / RATE - 0.5 == pytest.approx(seconds, rel=1e-3)
 
 
 def test_what_is_not_round_is_seeded():
@@ -203,7 +203,7 @@ def test_it_can_be_stopped_and_steered():
     assert times[1] - times[0] == pytest.approx(2 * contact.restitution(e, 0.1) * e / (4 * G), rel=5e-3)
     engine.send([(NOW, Command.STEER, None, (7.0, float(Steering.STOP)))])
     engine.process(QUANTUM)
-    assert engine.counter("contacts_active") == 0 and engine.ended() == [(7, 0, End.STOPPED)]
+    assert engine.counter("contacts_active") == 0 and engine.ended() == [(7, End.STOPPED)]
 
 
 def test_ends_are_told_whatever_they_are():
@@ -212,15 +212,15 @@ def test_ends_are_told_whatever_they_are():
     for serial in range(1, CONTACTS + 3):
         bounce(engine, handle, BALLS["marble"], 1.0, seconds=1.0, serial=serial)
     engine.process(QUANTUM)
-    assert engine.ended() == [(CONTACTS + 1, 0, End.NO_ROOM), (CONTACTS + 2, 0, End.NO_ROOM)]
+    assert engine.ended() == [(CONTACTS + 1, End.NO_ROOM), (CONTACTS + 2, End.NO_ROOM)]
     engine.send([(NOW, Command.FREE, handle, (0.0,))])
     engine.process(2 * QUANTUM)
-    assert engine.ended() == [(serial, 0, End.STOPPED) for serial in range(1, CONTACTS + 1)]
+    assert engine.ended() == [(serial, End.STOPPED) for serial in range(1, CONTACTS + 1)]
     handle = floor(engine)
     bounce(engine, handle, BALLS["marble"], 1.0, seconds=1.0)
     engine.send([(NOW, Command.PANIC, None, ())])
     engine.process(2 * QUANTUM)
-    assert engine.ended() == [(7, 0, End.GONE)] and engine.quiet()
+    assert engine.ended() == [(7, End.GONE)] and engine.quiet()
 
 
 def test_no_parameters_make_a_quantum_endless():

@@ -57,7 +57,7 @@ def test_rolls_get_coarser_and_about_as_loud():
         engine = Engine(RATE)
         settle(engine, quality)
         values = (0.5, 0.5, 0.005, 1e9, 10.0, 1.5, 1.0, 1.0, 0.0, 0.0, 0.0, 9.81, 0.008,
-                  3e-7, 1e-3, 2.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)  # fmt: skip
+                  3e-7, 1e-3, 2.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)  # fmt: skip
         engine.send([(NOW, Command.ROLL, add(engine), values)])
         sound = engine.process(96_000)[24_000:, 0].astype(float)
         return int(engine.state["rolls"]["events"].max()), np.sqrt((sound**2).mean())

@@ -33,7 +33,7 @@ def seconds(scene, t):
 
 
 def ids(scene):
-    return [(ended.gesture.id, ended.gesture.source) for ended in scene.take_ends()]
+    return [(ended.id, ended.source) for ended in scene.take_ends()]
 
 
 @pytest.mark.parametrize("velocity", [0.0, 2.0, -2.0])
@@ -63,7 +63,7 @@ def test_gestures_are_stopped_by_name_or_pattern(scene):
     say(scene, "/gesture/cup-*/stop")
     say(scene, "/object/pane/free")
     seconds(scene, 0.01)
-    assert sorted(ids(scene)) == [("ball3", None), ("cup-5", None)]
+    assert sorted(ids(scene)) == [("ball3", None), ("cup-1", None)]
 
 
 def test_gestures_are_steered(scene):
@@ -122,6 +122,8 @@ def test_ends_are_told_to_those_who_asked(server: Running):
         ends = [reply for reply in client.replies(1.0) if reply.address in ("/gesture/end", "/fail")]
         assert {reply.args[0] for reply in ends if reply.address == "/gesture/end"} == {f"b{i}" for i in range(600)}
         full = [reply.args[1] for reply in ends if reply.address == "/fail"]
-        assert len(full) == 600 - 512 and full[0] == "b512: no room, 512 contacts go on already"
+        assert (
+            len(full) == 600 - 512 and full[0] == "b512: no room, 512 contacts go on already, or 4096 modes are touched"
+        )
         # It did not read meanwhile: its system kept what its buffer holds.
         assert sum(reply.address == "/gesture/end" for reply in other.replies(0.5)) > 100

@@ -33,7 +33,7 @@ def test_seconds_name_every_sample_that_the_engine_lets_live_events_fall_on(rate
 
 def random_message(rng: random.Random) -> Message:
     name = rng.choice("abcd")
-    match rng.randrange(12):
+    match rng.randrange(16):
         case 0 | 1:
             return Message(
                 "/object/new", (name, rng.choice(("wood-block", "glockenspiel-bar", "triangle")), "gain", -6)
@@ -47,6 +47,17 @@ def random_message(rng: random.Random) -> Message:
         case 5:
             action = rng.choice(("damp", "pan", "gain", "decay", "tune"))
             return Message(f"/object/{rng.choice((name, '[a-c]'))}/{action}", (rng.uniform(0.01, 0.9),))
+        case 6:
+            height = rng.choice((0.0, 0.001, 0.02))
+            return Message(f"/object/{name}/bounce", (height, "irregularity", 0.5, *rng.choice(((), ("id", "x")))))
+        case 7:
+            speed = rng.choice((0.0, 0.3, 1.0))
+            return Message(f"/object/{name}/roll", (speed, "striker", "steel", *rng.choice(((), ("id", "x")))))
+        case 8:
+            return Message(f"/object/{name}/press", (0.5, "striker", "felt", *rng.choice(((), ("id", "y")))))
+        case 9:
+            what = rng.choice((("stop",), ("gain", -6.0), ("speed", 0.5), ("gravity", 5.0), ("force", 1.0)))
+            return Message(f"/gesture/{rng.choice(('x', '*', 'y', '[a-c]*'))}/{what[0]}", what[1:])
         case _:
             args = (rng.uniform(0.1, 2.0), rng.choice((0.3, 0.5)))
             return Message(f"/object/{rng.choice((name, '*', '{a,b}'))}/impact", args)
