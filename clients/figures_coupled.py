@@ -47,7 +47,7 @@ def coupled(rows: "list[Row]") -> Figure:
     for ax in axes.flat:
         ax.minorticks_off()
     axes[0, 0].set_ylabel("error of the object's velocity (dB)\nmedian, and up to nine of ten")
-    axes[1, 0].set_ylabel("worst growth of energy\n(share of the contact's)")
+    axes[1, 0].set_ylabel("worst growth of energy\n(share of the contact's; below: none)")
     axes[2, 0].set_ylabel("wrong number of contacts (%)")
     handles = [Line2D([], [], **style) for style in _STYLES.values()]
     figure.legend(handles=handles, loc="outside lower center", ncols=4)
