@@ -21,11 +21,14 @@ UNREST = np.array([7e-3, 4e-4, 3e-5, 0.0])
 TOLERANCE = np.array([1e-1, 1e-1, 1e-2, 1e-5])
 """Tolerances of the coupled solver for it."""
 
-_HEAVY = 0.25  # sum r_i P_i from which on an object is too light, and strikers may touch it again
+_HEAVY = 0.25  # sum r_i P_i from which on an object is too light
+_CAUGHT_UP = 0.8  # of the speed a striker leaves with: swinging back with .94 of it, an object caught it up
 
 
 @kernel
-def closed_form_will_do(level, share, bound, stir):
-    """Whether the closed form has an accuracy (a number in LEVELS), given share = sum r_i P_i, bound = sum r_i and
-    stir = sum |phi_i z_i| sqrt(1 - P_i)/v_in."""
-    return share < _HEAVY and max(bound - share, 0.0) + stir < UNREST[level]
+def closed_form_will_do(level, share, bound, stir, restitution):
+    """Whether the closed form has an accuracy (a number in LEVELS), given share = sum r_i P_i, bound = sum r_i,
+    stir = sum |phi_i z_i| sqrt(1 - P_i)/v_in and the restitution e: the object's modes swing back with up to
+    share (1 + e) v_in, and the striker leaves with e v_in."""
+    once = share * (1.0 + restitution) < _CAUGHT_UP * restitution
+    return share < _HEAVY and once and max(bound - share, 0.0) + stir < UNREST[level]

@@ -81,7 +81,7 @@ def needs_coupling(state, contact):
         if shortened:
             ratio = min(ratio, 2.0 / ((1.0 + pulse.restitution) * (1.0 + share)))
         else:
-            if not (never or closed_form_will_do(level, share, bound, stir)):
+            if not (never or closed_form_will_do(level, share, bound, stir, pulse.restitution)):
                 return True
             ratio = 1.0 / (1.0 + share)
             _shorten(pulse, ratio ** (1.0 / (pulse.exponent + 1.0)))

@@ -21,8 +21,8 @@ SHAPE_VALUES = 256 * MODES
 """Values in the table of mode shapes: 256 positions for every mode, shared as objects need them."""
 CONTACTS = 512
 """Contacts that can go on at once."""
-COUPLED_MODES = 4_096
-"""Modes that can be coupled to contacts at once, each as often as it is; one contact may have more."""
+COUPLED_MODES = 8_192
+"""Modes that can be coupled to contacts at once, each as often as it is, and 32 more for each contact."""
 EVENTS = 8_192
 """Events that can wait for their time."""
 RING = 8_192

@@ -272,7 +272,7 @@ def every_kernel(data):
     coupled.fly_on(contact, apart)
     pressed.begin_pressed(place.pressed, 0.0, 1.0, 0.01, 1e8, 0.5, 1.5, 0.1, 1e-5)
     pressed.press(place.pressed, 1e-3)
-    return closed_form_will_do(1, distance, speed, apart)
+    return closed_form_will_do(1, distance, speed, apart, 1.0)
 
 
 def test_kernels_neither_allocate_nor_raise():

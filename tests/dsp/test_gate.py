@@ -47,7 +47,7 @@ def spectrum(case, t, impulses, duration):
 
 
 def closed_form(case: Case):
-    """The object's velocity by the pulse of the effective mass, as the engine has it; and share, bound and stir."""
+    """The object's velocity by the pulse of m*, as the engine has it; and share, bound, stir and restitution."""
     z = np.broadcast_to(case.ringing, len(case.frequency))
     s = -case.sigma + 2j * np.pi * case.frequency
     touched = z * np.exp(s * case.fraction / case.rate)
@@ -73,22 +73,22 @@ def closed_form(case: Case):
     velocity = np.zeros(case.samples)
     _drive(record, *modes, case.rate, case.fraction, velocity)
     stir = (np.abs(case.phi * z) * np.sqrt(np.maximum(1 - power, 0))).sum() / v_in
-    return velocity, share, r.sum(), stir
+    return velocity, share, r.sum(), stir, e
 
 
 @njit(error_model="numpy")
-def passes(level, share, bound, stir):
-    return closed_form_will_do(level, share, bound, stir)
+def passes(level, share, bound, stir, restitution):
+    return closed_form_will_do(level, share, bound, stir, restitution)
 
 
 def deviations(cases):
     """The closed form's errors in dB, and which levels let it through."""
     found = []
     for case in cases:
-        velocity, share, bound, stir = closed_form(case)
+        velocity, *sums = closed_form(case)
         alone = simulate(replace(case, m=1e-30, k=1e-30)).velocity if np.ndim(case.ringing) else 0.0
         expected = simulate(case, 1e-4).velocity - alone
-        found.append([error(velocity, expected), *(passes(n, share, bound, stir) for n in range(4))])
+        found.append([error(velocity, expected), *(passes(n, *sums) for n in range(4))])
     return np.array(found).T
 
 
@@ -115,8 +115,19 @@ def test_nine_of_ten_let_through_are_as_accurate_as_asked(ringing):
 
 def test_light_objects_never_pass():
     for level in range(4):
-        assert not passes(level, 0.3, 0.3, 0.0)
-        assert not passes(level, 0.0, 1.0, 0.0)
-        assert not passes(level, 0.0, 0.0, 0.5)
-    assert all(passes(level, 1e-3, 1e-3, 0.0) for level in range(3))
-    assert not passes(0, math.nan, 1.0, 0.0)
+        assert not passes(level, 0.3, 0.3, 0.0, 1.0)
+        assert not passes(level, 0.0, 1.0, 0.0, 1.0)
+        assert not passes(level, 0.0, 0.0, 0.5, 1.0)
+    assert all(passes(level, 1e-3, 1e-3, 0.0, 0.5) for level in range(3))
+    assert not passes(0, math.nan, 1.0, 0.0, 1.0)
+
+
+def test_strikers_that_are_caught_up_never_pass():
+    """Where much is dissipated they leave slowly, and an object that hardly gives way touches them again."""
+    again = 0
+    for case in random_cases(1500, seed=1, yielding=(0.02, 0.6)):
+        _, *sums = closed_form(case)
+        if passes(0, *sums):
+            assert simulate(case, 1e-3).contacts[-1] == 1
+        again += sums[0] < 0.25 and simulate(case, 1e-3).contacts[-1] > 1
+    assert again > 0
