@@ -9,11 +9,12 @@ Nothing here allocates, locks or needs Python.
 
 from .atomic import load_acquire, store_release
 from .clock import sample_at
-from .encounter import is_running, receive, steer, stop_all, tell_end
+from .encounter import receive, tell_end
 from .jit import kernel
 from .limiter import limit
 from .queue import has_room, order_heap, pop, push, sink, swap
 from .state import NOTES, QUANTUM, RING, TAP, Command, End, Quality
+from .steering import is_running, steer, stop_all
 from .voice import SILENCE, attend_all, pan_gains, render_all, retune_all, silence
 
 _COARSER = 4.0  # of rolls, when there is too little time: about as loud, at 60 % of the cost

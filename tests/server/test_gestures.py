@@ -123,7 +123,80 @@ def test_ends_are_told_to_those_who_asked(server: Running):
         assert {reply.args[0] for reply in ends if reply.address == "/gesture/end"} == {f"b{i}" for i in range(600)}
         full = [reply.args[1] for reply in ends if reply.address == "/fail"]
         assert (
-            len(full) == 600 - 512 and full[0] == "b512: no room, 512 contacts go on already, or 4096 modes are touched"
+            len(full) == 600 - 512 and full[0] == "b512: no room, 512 contacts go on already, or 8192 modes are touched"
         )
         # It did not read meanwhile: its system kept what its buffer holds.
         assert sum(reply.address == "/gesture/end" for reply in other.replies(0.5)) > 100
+
+
+def test_rolls_of_one_id_are_one_roll_whatever_the_order_of_their_times(scene):
+    """What is sent later for sooner, and what waits when it is stopped: the engine decides when its time has come."""
+    for args, time in (((0.5,), NOW), ((0.3,), 9_600.0), ((0.0,), 4_800.0), ((0.7,), 2_400.0)):
+        assert say(scene, "/object/pane/roll", *args, "striker", "steel", time=time) == []
+    most = 0
+    for _ in range(40):
+        seconds(scene, 0.01)
+        most = max(most, scene.engine.counter("rolls_active"))
+    assert most == 1 and scene.engine.counter("rolls_active") == 1
+    assert say(scene, "/object/pane/roll", 0) == []
+    seconds(scene, 1.0)
+    assert scene.engine.counter("rolls_active") == 0
+    assert set(ids(scene)) == {("pane", None)}
+    assert not any(id.started for id in scene.gestures.known())  # each that was sent has ended or joined
+
+
+def test_every_gesture_that_was_named_is_told_of_once(scene):
+    for n, (address, args) in enumerate(
+        (
+            ("/object/pane/bounce", (0.1,)), ("/object/cup/roll", (0.4, "striker", "steel")),
+            ("/object/pane/impact", (1.0,)), ("/object/cup/press", (1.0,)), ("/object/pane/impact", (0.0,)),
+            ("/object/pane/bounce", (0.0,)), ("/object/cup/roll", (0.0,)),
+        )
+    ):  # fmt: skip
+        assert say(scene, address, *args, "id", f"g{n}", time=24_000.0) == []
+    say(scene, "/panic")
+    seconds(scene, 1.0)
+    assert sorted(ids(scene)) == [(f"g{n}", None) for n in range(7)]
+    say(scene, "/object/pane/bounce", 0.1, "id", "late", time=scene.engine.position + 24_000.0)
+    say(scene, "/object/pane/free", 1)
+    seconds(scene, 1.0)
+    assert ids(scene) == [("late", None)]
+
+
+def test_a_heavy_striker_is_let_go_of(scene):
+    say(scene, "/object/new", "tom", "tom")
+    say(scene, "/object/tom/bounce", 0.01, "mass", 1e5, "striker", "steel", "id", "x")
+    seconds(scene, 0.5)
+    assert say(scene, "/gesture/x/stop") == []
+    seconds(scene, 1.0)
+    assert ids(scene) == [("x", None)] and scene.engine.counter("contacts_active") == 0
+    say(scene, "/object/tom/impact", 0.01, "mass", 1e5, "id", "y")
+    seconds(scene, 3.0)
+    assert ids(scene) == [("y", None)]
+
+
+def test_only_what_falls_feels_gravity_and_only_a_hand_a_force(scene):
+    say(scene, "/object/pane/impact", 0.3, "striker", "yarn", "id", "i")
+    seconds(scene, 0.003)
+    assert say(scene, "/gesture/*/gravity", 9.81) == []
+    assert say(scene, "/gesture/*/force", 1000) == []
+    seconds(scene, 3.0)
+    assert ids(scene) == [("i", None)]
+
+
+def test_nothing_is_heard_of_what_is_merely_bent(scene):
+    """A hand of 10 N on a thin glass: once it lies there, no direct current, and no thump of its coming."""
+    say(scene, "/object/new", "glass", "wine-glass")
+    say(scene, "/object/glass/press", 10, "striker", "fingertip", "id", "hand")
+    sound = scene.engine.process(96_000)
+    assert abs(sound).max() < 0.2 and abs(sound[-4_800:].mean(axis=0)).max() < 1e-3
+    say(scene, "/gesture/hand/stop")
+    seconds(scene, 2.0)
+    assert ids(scene) == [("hand", None)]
+
+
+def test_what_bounces_goes_on_when_the_object_is_left_out(scene):
+    say(scene, "/quality", 4)
+    say(scene, "/object/pane/bounce", 3.0, "striker", "ping-pong", "id", "x")
+    seconds(scene, 6.0)
+    assert scene.engine.counter("impacts") > 3 and scene.engine.counter("sounding") <= 1
