@@ -156,12 +156,6 @@ def end_of(f):
 
 
 @kernel
-def mean_of(f):
-    """The quadratic's mean over the step."""
-    return WEIGHTS[0] * f[0] + WEIGHTS[1] * f[1] + WEIGHTS[2] * f[2]
-
-
-@kernel
 def discrete_gradient(x, free, give, h, k, mu, a):
     """The change of x over a step of h seconds, and the force that is held for it.
 
