@@ -31,6 +31,7 @@ bench: $(READY)  ## measure speed; figures go to bench.json
 study: $(READY)  ## what takes an hour: extreme contacts, a long evening, threads that hog, a million packets
 	$(BIN)/python tests/bench/extremes.py
 	$(BIN)/python tests/bench/soak.py --minutes 10
+	$(BIN)/python tests/bench/overload.py
 	$(BIN)/python tests/bench/gil.py --seconds 60
 	$(BIN)/python tests/bench/fuzz.py --count 1000000
 

@@ -10,6 +10,7 @@ import shutil
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
+from threading import Timer
 from typing import Any
 
 import numba
@@ -30,7 +31,9 @@ _SIGNATURE = types.intc(
 OUTPUT_UNDERFLOW = 4
 """The status flag that says that sound was missing before this block."""
 _NOW, _HEARD = 1, 2  # in PortAudio's times, s: of the callback, and of its first frame at the output
+_LATELY = 0.1  # s
 _VERSIONS_KEPT = 4
+_LONG = 2.0  # s of compiling after which something is said
 
 
 def _callback(_input, output, frames, times, flags, userdata):
@@ -51,7 +54,9 @@ def _callback(_input, output, frames, times, flags, userdata):
     share = min(1.0, frames / state.rate)
     state.latency_measured += (times[_HEARD] - times[_NOW] - state.latency_measured) * share
     state.load += (load - state.load) * share
+    state.load_now += (load - state.load_now) * min(1.0, share / _LATELY)
     state.load_peak = max(load, state.load_peak * (1.0 - share))
+    state.overruns += load > 1.0
     state.callbacks += 1
     return 0
 
@@ -86,6 +91,10 @@ def kept(compiled: Callable[[bool], Any]) -> Any:
     """What `compiled(cached)` compiles, from the user's cache where that can be written."""
     folder = _cache_folder()
     _forget_old(folder)
+    log = logging.getLogger(__name__)
+    patience = Timer(_LONG, log.warning, ["the engine is being compiled; only the first time takes so long"])
+    patience.daemon = True
+    patience.start()
     elsewhere, collecting = numba.config.CACHE_DIR, gc.isenabled()
     numba.config.CACHE_DIR = str(folder)
     gc.disable()  # a compiler keeps most of the millions of objects that it makes: looking through them takes a while
@@ -93,9 +102,10 @@ def kept(compiled: Callable[[bool], Any]) -> Any:
         folder.mkdir(parents=True, exist_ok=True)
         return compiled(True)
     except OSError as error:
-        logging.getLogger(__name__).warning("compiled code can't be kept, every start will compile: %s", error)
+        log.warning("compiled code can't be kept, every start will compile: %s", error)
         return compiled(False)
     finally:
+        patience.cancel()
         numba.config.CACHE_DIR = elsewhere
         if collecting:
             gc.enable()

@@ -15,11 +15,12 @@ from .coupled import fly_on
 from .jit import kernel
 from .ladder import place
 from .pressed import captured
+from .relief import coarseness_of, must_wait
 from .roll import begin_roll, fill_roll
 from .state import ENDED, QUANTUM, Command, End, Solver
 from .steering import joined
 from .surface import begin_surface
-from .touch import act, flight, let_modes_go, meet
+from .touch import act, choose_modes, flight, let_modes_go, meet
 
 _SLOWEST = 1e-12  # m/s: a slower striker moves nothing, and its square may underflow
 _SHORTEST_ROUND = 20e-6  # s from contact to contact of a bounce: a quicker one presses like a weight at rest
@@ -72,8 +73,11 @@ def receive(state, obj, event):
     contact.serial = serial
     contact.body[0].slot = event.slot
     contact.body[0].serial = event.serial
-    contact.body[1].slot = int(values[8]) if values[9] > 0.0 else -1
+    contact.body[1].slot = int(values[8])
     contact.body[1].serial = int(values[9])
+    partner = state.objects[contact.body[1].slot]
+    if not (partner.used == 1 and partner.serial == contact.body[1].serial and partner.dying == 0):
+        contact.body[1].slot = -1  # told to go, if there ever was one: its mass strikes alone
     if contact.body[1].slot >= 0:
         place(contact.body[1], values[10], state.objects[contact.body[1].slot].rows)
     contact.until = math.inf
@@ -83,6 +87,7 @@ def receive(state, obj, event):
     contact.push = contact.pushed_to = 0.0
     contact.solver = contact.unsettled = contact.weighty = 0
     contact.gone_at = math.inf
+    state.called[index] = 0 if event.kind == _IMPACT else event.order + 1
     if event.kind == _BOUNCE:
         contact.gravity, contact.irregularity = values[11], values[12]
         contact.random = np.uint64(values[13])
@@ -117,7 +122,7 @@ def _begin_rolling(state, contact, values):
     begin_surface(roll.path.surface, values[13], values[14], values[15], values[16], values[17], np.int64(values[18]))
     begin_roll(
         roll, 0, values[12], contact.m, contact.k, contact.mu, contact.a, values[0], values[11], values[19], values[20],
-        values[24], values[21], state.coarseness,
+        values[24], values[21], coarseness_of(state),
     )  # fmt: skip
 
 
@@ -166,10 +171,15 @@ def attend(state, obj):
                 contact.unsettled |= partner.stale > 0
         contact.unsettled |= obj.stale > 0
         ended = False
-        if contact.kind == _ROLL:
+        waits = must_wait(state, index) and not (contact.kind == _BOUNCE and contact.touching == 1)
+        if waits:
+            ended = _wait_longer(state, contact)
+        elif contact.kind == _ROLL:
             ended = _roll_on(state, contact)
         elif contact.touching == 0:
             ended = contact.start >= contact.until
+        elif contact.kind == _PRESS and choose_modes(state, contact):
+            _lift(state, contact, 0)
         elif contact.solver == _COUPLED:
             if contact.until < state.position + QUANTUM and contact.gone_at == math.inf:
                 _let_go(state, contact, contact.until)
@@ -183,11 +193,35 @@ def attend(state, obj):
             drop(state, obj, before, index)
         else:
             before = index
-            if contact.touching or contact.start < state.position + QUANTUM:
+            if not waits and (contact.touching or contact.start < state.position + QUANTUM):
                 obj.struck = 1
                 if other.slot >= 0:
                     state.objects[other.slot].struck = 1
         index = after
+
+
+@kernel
+def _wait_longer(state, contact):
+    """Have time stand still for a gesture for a quantum; true if it has been told to end."""
+    if contact.kind == _PRESS:
+        _lift(state, contact, QUANTUM)
+        return contact.start >= contact.until
+    contact.origin += QUANTUM
+    if contact.kind == _BOUNCE:
+        _wait(state, contact)
+        return contact.start >= contact.until
+    contact.start = state.position + QUANTUM - 1
+    return state.rolls[contact.roll].asked_speed == 0.0
+
+
+@kernel
+def _lift(state, contact, frames):
+    """Take what presses away, to be laid on again after so many frames."""
+    let_modes_go(state, contact)
+    contact.touching = 0
+    contact.push = 0.0
+    contact.start = state.position + frames
+    contact.fraction = 0.0
 
 
 @kernel
@@ -212,7 +246,8 @@ def _roll_on(state, contact):
     """Compute a rolling body's force for a quantum; true if it has come to its end."""
     roll = state.rolls[contact.roll]
     contact.rolled = roll.s
-    roll.path.coarseness = state.coarseness
+    choose_modes(state, contact)
+    roll.path.coarseness = coarseness_of(state)
     met = roll.impacts
     since = (state.position - 1 - contact.origin) / state.rate
     fill_roll(roll, since, state.rate, state.feeds[contact.roll], state.fed[contact.roll])
@@ -399,6 +434,7 @@ def drop(state, obj, before, index):
     else:
         state.contacts[before].next = contact.next
     contact.serial = 0
+    state.called[index] = 0
     let_modes_go(state, contact)
     state.contacts_active -= 1
     state.free_contact[len(state.contacts) - 1 - state.contacts_active] = index

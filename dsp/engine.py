@@ -13,17 +13,16 @@ from .encounter import receive, tell_end
 from .jit import kernel
 from .limiter import limit
 from .queue import has_room, order_heap, pop, push, sink, swap
-from .state import NOTES, QUANTUM, RING, TAP, Command, End, Quality
+from .state import NOTES, QUANTUM, RING, TAP, Command, End
 from .steering import is_running, steer, stop_all
-from .voice import SILENCE, attend_all, pan_gains, render_all, retune_all, silence
+from .voice import attend_all, is_faded, pan_gains, render_all, retune_all, silence
 
-_COARSER = 4.0  # of rolls, when there is too little time: about as loud, at 60 % of the cost
 _WANDER = 1.0 / 512.0  # share by which an event's sample, guessed from the clock, may be too late
 
 _NEW, _FREE = int(Command.NEW), int(Command.FREE)
 _IMPACT, _BOUNCE, _ROLL, _PRESS = int(Command.IMPACT), int(Command.BOUNCE), int(Command.ROLL), int(Command.PRESS)
 _STEER, _ACCURACY, _QUALITY = int(Command.STEER), int(Command.ACCURACY), int(Command.QUALITY)
-_COARSE, _GONE = int(Quality.COARSE), int(End.GONE)
+_GONE = int(End.GONE)
 _GAIN, _PAN, _TUNE, _DECAY, _DAMP = (
     int(Command.GAIN), int(Command.PAN), int(Command.TUNE), int(Command.DECAY), int(Command.DAMP),
 )  # fmt: skip
@@ -184,7 +183,6 @@ def _carry_out(state, event):
         return
     if event.kind == _QUALITY:
         state.quality = int(event.values[0])
-        state.coarseness = _COARSER if state.quality >= _COARSE else 1.0
         return
     if event.kind == _ACCURACY:
         state.accuracy = int(event.values[0])
@@ -268,8 +266,7 @@ def _forget_freed(state):
         slot = state.order[i]
         obj = state.objects[slot]
         silent = obj.live == 0 and obj.contact < 0
-        faded = obj.dying == 2 and max(abs(obj.gain[0]), abs(obj.gain[1])) < SILENCE
-        if obj.dying > 0 and (silent or faded):
+        if obj.dying > 0 and (silent or (obj.dying == 2 and is_faded(obj))):
             silence(state, obj)
             obj.used = 0
         else:

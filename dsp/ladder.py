@@ -11,9 +11,8 @@ from .coupled_step import HELD
 from .gate import TOLERANCE, UNREST, closed_form_will_do
 from .jit import kernel
 from .pulse import NODES, add_phasors, node
-from .state import Quality
+from .relief import holds_steps
 
-_HELD = int(Quality.HELD)
 _HAND = 200.0  # 1/s: decay that a hand adds at damp = 1
 _RESOLVED = 28.0  # rad of a mode over a pulse: up to here its nodes tell the spectrum, beyond it is as good as 0
 _LIGHT = 1e-4  # sum of m phi^2 below which the object is as good as a rigid wall (-80 dB)
@@ -41,7 +40,7 @@ def hand_of(obj):
 @kernel
 def tolerance_of(state):
     """Tolerance of coupled contacts at the accuracy asked for, as far as there is time for it."""
-    return HELD if state.quality >= _HELD else TOLERANCE[state.accuracy]
+    return HELD if holds_steps(state) else TOLERANCE[state.accuracy]
 
 
 @kernel
@@ -68,7 +67,7 @@ def needs_coupling(state, contact):
             if obj.live > 0:
                 stir += reach_of(state, obj, body)[1] / (contact.v_in * contact.gain)
     never = state.contact_method > 0
-    level = 0 if state.quality >= _HELD else state.accuracy
+    level = 0 if holds_steps(state) else state.accuracy
     unrest = UNREST[level]
     if not never and stir >= unrest:
         return True

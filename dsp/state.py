@@ -70,6 +70,10 @@ class Command(IntEnum):
     QUALITY = 16  # a Quality
 
 
+GESTURES = (Command.IMPACT, Command.BOUNCE, Command.ROLL, Command.PRESS)
+"""Commands that bring a striker."""
+
+
 class Steering(IntEnum):
     """What of a running gesture is changed."""
 
@@ -93,8 +97,12 @@ class Quality(IntEnum):
     FULL = 0
     HELD = 1  # coupled contacts take one step a sample, and the closed form where that errs by no more than -40 dB
     QUIET = 2  # modes below -80 dB are put to rest
-    COARSE = 3  # rolls have fewer and stronger micro-impacts
+    COARSE = 3  # rolls have fewer and stronger micro-impacts; they and presses act on the 256 longest ringing modes
     RECENT = 4  # what nobody has touched for half a second fades out
+    NEWEST_32 = 5  # of bounces, rolls and presses all but the newest wait; contacts are coupled to half as many modes
+    NEWEST_16 = 6
+    NEWEST_8 = 7
+    NEWEST_4 = 8
 
 
 class Solver(IntEnum):
@@ -165,7 +173,7 @@ OBJECT = np.dtype(
         # In this quantum:
         ("struck", np.int64),  # a contact touches it
         ("tied", np.int64),  # it shares a contact with another object
-        ("driven", np.int64),  # a force acted on it
+        ("driven", np.int64),  # its first modes that a force acted on
     ],
     align=True,
 )
@@ -174,6 +182,7 @@ BODY = np.dtype(
     [
         ("slot", np.int64),  # of an object; -1: none
         ("serial", np.int64),
+        ("modes", np.int64),  # of it that the contact acts on, its first
         ("row", np.int64),  # of the shape table, the first of four
         ("weights", np.float64, 4),
     ],
@@ -191,7 +200,7 @@ CONTACT = np.dtype(
         ("serial", np.int64),  # of the gesture, 0: none
         ("touching", np.int64),  # 0: it waits for its beginning
         ("solver", np.int64),  # a Solver
-        ("modes", np.int64),  # that a coupled contact is coupled to
+        ("modes", np.int64),  # that a coupled contact is coupled to, and what it costs by itself
         ("unsettled", np.int64),  # a coupled contact that must be told how the object gives way
         ("oversampling", np.int64),  # steps a sample of a sampled contact
         ("steps", np.int64),  # that a sampled contact may still take
@@ -266,6 +275,8 @@ STATE = np.dtype(
         ("group_size", np.int64),
         ("contacts", CONTACT, CONTACTS),
         ("free_contact", np.int64, CONTACTS),  # stack
+        ("called", np.int64, CONTACTS),  # 1 + arrival of what last was about a gesture that lasts; 0: there is none
+        ("admitted", np.int64),  # the least of these that may go on in this quantum
         ("contacts_active", np.int64),
         ("rolls", ROLL, ROLLS),
         ("free_roll", np.int64, ROLLS),  # stack
@@ -280,7 +291,6 @@ STATE = np.dtype(
         ("spectrum", np.float64, (2, MODES_PER_OBJECT)),
         ("quality", np.int64),  # as Command.QUALITY says
         ("accuracy", np.int64),  # as Command.ACCURACY says
-        ("coarseness", np.float64),  # of rolls, 1 if there is time
         ("contact_method", np.int64),  # as Command.CONTACT says
         ("contact_correction", np.int64),
         ("contact_oversampling", np.int64),
@@ -313,7 +323,9 @@ STATE = np.dtype(
         ("live_modes", np.int64),
         ("sounding", np.int64),  # objects
         ("load", np.float64),  # share of the time there is, averaged over a second
+        ("load_now", np.float64),  # the same over a tenth of a second
         ("load_peak", np.float64),
+        ("overruns", np.int64),  # callbacks that took more than the time there is
         ("callbacks", np.int64),
         ("underflows", np.int64),
         # The clock, and who runs the callback.
@@ -346,6 +358,5 @@ def new_state(rate: float) -> np.ndarray:
     state["heap"][0] = np.arange(EVENTS)
     state["free_contact"][0] = np.arange(CONTACTS)
     state["free_roll"][0] = np.arange(ROLLS)
-    state["coarseness"] = 1.0
     state["accuracy"] = 1
     return state

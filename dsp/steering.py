@@ -21,6 +21,7 @@ def joined(state, event):
         if contact.serial == int(values[7]) and contact.kind == _ROLL and contact.serial > 0 and here:
             found = True
             given = int(values[23])
+            state.called[i] = event.order + 1
             roll = state.rolls[contact.roll]
             roll.asked_speed = values[0]
             if given & 1:
@@ -50,6 +51,8 @@ def steer(state, event):
         contact = state.contacts[i]
         if contact.serial != serial:
             continue
+        if contact.kind != _IMPACT:
+            state.called[i] = event.order + 1
         if what == _STOP:
             _stop(state, contact, event.time)
         elif what == _LOUDNESS and contact.kind != _PRESS:

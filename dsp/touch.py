@@ -9,7 +9,8 @@ from .jit import kernel
 from .ladder import hand_of, needs_coupling, place, reach_of, tolerance_of
 from .methods import follow, start
 from .pulse import MOMENTS, add_held, advance, begin
-from .state import COUPLED_MODES, QUANTUM, Solver
+from .relief import modes_for, room_for_coupling
+from .state import QUANTUM, Solver
 
 _CLOSED, _SAMPLED, _COUPLED, _ROLLING = (
     int(Solver.CLOSED), int(Solver.SAMPLED), int(Solver.COUPLED), int(Solver.ROLLING),
@@ -28,6 +29,7 @@ def meet(state, contact, pressed):
     state.impacts += 1
     contact.touching = 1
     place(contact.body[0], contact.position, state.objects[contact.body[0].slot].rows)
+    choose_modes(state, contact)
     begin(contact.pulse, contact.v_in, contact.m, contact.k, contact.mu, contact.a, state.rate)
     coupled = needs_coupling(state, contact) or pressed
     if coupled and not _has_room(state, contact):
@@ -65,8 +67,21 @@ def _has_room(state, contact):
     contact.modes = _BY_ITSELF
     for side in range(2):
         if contact.body[side].slot >= 0:
-            contact.modes += state.objects[contact.body[side].slot].size
-    return state.coupled_modes == 0 or state.coupled_modes + contact.modes <= COUPLED_MODES
+            contact.modes += contact.body[side].modes
+    return state.coupled_modes == 0 or state.coupled_modes + contact.modes <= room_for_coupling(state)
+
+
+@kernel
+def choose_modes(state, contact):
+    """Choose the modes that a contact acts on; true if they are others than before."""
+    changed = False
+    for side in range(2):
+        body = contact.body[side]
+        if body.slot >= 0:
+            modes = modes_for(state, state.objects[body.slot], contact.kind)
+            changed |= modes != body.modes
+            body.modes = modes
+    return changed
 
 
 @kernel
@@ -112,10 +127,10 @@ def act(state, contact, frame, age):
         if body.slot < 0:
             continue
         obj = state.objects[body.slot]
-        obj.live = obj.size
-        obj.driven = 1
+        obj.live = max(obj.live, body.modes)
+        obj.driven = max(obj.driven, body.modes)
         first = obj.first
-        last = first + obj.size
+        last = first + body.modes
         response = state.response[first // LANES * RESPONSES : last // LANES * RESPONSES]
         shape = state.shape[obj.table : obj.table + obj.rows * obj.size]
         y1 = state.y1[first:last]
@@ -141,7 +156,7 @@ def _look(state, contact):
             continue
         obj = state.objects[body.slot]
         first = obj.first
-        last = first + obj.size
+        last = first + body.modes
         response = state.response[first // LANES * RESPONSES : last // LANES * RESPONSES]
         shape = state.shape[obj.table : obj.table + obj.rows * obj.size]
         a1 = state.a1[first:last]
@@ -167,7 +182,7 @@ def _weigh(state, contact, side, obj):
     """Put the static output for a push of 1 N into `lean`; the shapes are where `receptance` has left them."""
     left = right = 0.0
     hand = hand_of(obj)
-    for i in range(obj.size):
+    for i in range(contact.body[side].modes):
         omega = 2.0 * math.pi * state.frequency[obj.first + i] * obj.tune
         sigma = state.sigma[obj.first + i] / obj.decay + hand
         if omega > 0.0:

@@ -9,17 +9,13 @@ from .bank import LANES, NYQUIST_SHARE, RESPONSES, ring, set_mode, state_of
 from .encounter import attend, drive, drop_all, next_driven_frame
 from .jit import kernel
 from .ladder import hand_of
-from .state import QUANTUM, Quality
+from .relief import choose_newest, is_left_out, silence_of
+from .state import QUANTUM
 
-SILENCE = 1e-6
-"""A mode below this output amplitude (-120 dB) is put to rest."""
-
-_LOUDER_SILENCE = 1e-4  # the same (-80 dB) when there is too little time
-_RECENTLY = 0.5  # s
-_QUIET, _RECENT = int(Quality.QUIET), int(Quality.RECENT)
 _GLIDE = 0.005  # s: time constant of gain and pan
 _RETUNE_BUDGET = 1024  # modes a quantum that get new coefficients in the background
 _FADE = 500.0  # 1/s: decay added to a mode that was tuned above the Nyquist share
+_FADED = 1e-6  # gain (-120 dB) at which an object's fade is over
 _HUGE = 1e30  # above this a voice counts as not finite
 
 
@@ -31,6 +27,7 @@ def attend_all(state):
         obj.struck = obj.tied = obj.driven = 0
         for channel in range(2):
             obj.lean_before[channel], obj.lean[channel] = obj.lean[channel], 0.0
+    choose_newest(state)
     for i in range(state.active):
         attend(state, state.objects[state.order[i]])
 
@@ -85,7 +82,7 @@ def _glide(state, obj):
     """Bring an object's gains nearer to what amplitude and pan ask for."""
     c = math.exp(-QUANTUM / (_GLIDE * state.rate))
     left, right = pan_gains(obj)
-    if obj.dying == 2 or _is_left_out(state, obj):
+    if obj.dying == 2 or is_left_out(state, obj):
         left = right = 0.0
     elif obj.live == 0:
         obj.gain[0], obj.gain[1] = left, right  # nobody hears it glide
@@ -95,9 +92,9 @@ def _glide(state, obj):
 
 
 @kernel
-def _is_left_out(state, obj):
-    """Is there time only for others, that were touched more recently?"""
-    return state.quality >= _RECENT and obj.struck == 0 and state.position - obj.touched > _RECENTLY * state.rate
+def is_faded(obj):
+    """Are its gains as good as 0?"""
+    return max(abs(obj.gain[0]), abs(obj.gain[1])) < _FADED
 
 
 @kernel
@@ -124,9 +121,9 @@ def _mix(state, obj, voice):
         state.mix[1, n] += (right[n] - lean_right - (n + 1) * more_right) * (from_right + (n + 1) * step_right)
     state.live_modes += obj.live
     state.sounding += 1
-    if obj.driven == 1:
+    if obj.driven > 0:
         obj.touched = state.position
-    elif _is_left_out(state, obj) and max(abs(obj.gain[0]), abs(obj.gain[1])) < SILENCE:
+    if obj.driven == 0 and is_left_out(state, obj) and is_faded(obj):
         _hush(state, obj)  # what bounces on it goes on
     else:
         _rest(state, obj)
@@ -174,9 +171,9 @@ def _retune(state, obj, count):
 @kernel
 def _rest(state, obj):
     """Put the last groups of live modes to rest that nobody hears any more: at most two groups a quantum."""
-    threshold = _LOUDER_SILENCE if state.quality >= _QUIET else SILENCE
+    threshold = silence_of(state)
     for _ in range(2):
-        if obj.live == 0:
+        if obj.live <= obj.driven:
             return
         first = obj.first + obj.live - LANES
         heard = False

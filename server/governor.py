@@ -7,11 +7,11 @@ from ..dsp.host import Engine
 from ..dsp.state import Quality
 from .osc import Message
 
-_TOO_MUCH = 0.8  # of the time there is, on average over a second
-_LITTLE = 0.4
-_MISSED = 1.0  # in any block; with little load on average it was the system that took the time
-_BETWEEN = 0.3  # s from step to step downwards: as long as it takes to see what one brings
+_TOO_MUCH = 0.8  # of the time there is, on average over a tenth of a second
+_LITTLE = 0.4  # on average over a second
+_BETWEEN = 0.2  # s from step to step downwards: as long as it takes to see what one brings
 _CALM = 4.0  # s of little load before a step upwards
+_LAST_FOR_BURSTS = Quality.QUIET
 
 
 class Governor:
@@ -21,6 +21,7 @@ class Governor:
         self._engine = engine
         self._stepped = 0.0
         self._calm_since = 0.0
+        self._overruns = 0
         self._best = Quality.FULL
 
     def heed(self, message: Message) -> None:
@@ -31,10 +32,14 @@ class Governor:
     def decide(self, now: float) -> Quality | None:
         """The quality from now (s) on, if it is to be another one; to be called regularly."""
         quality = Quality(self._engine.counter("quality"))
-        load, peak = self._engine.counter("load"), self._engine.counter("load_peak")
+        load = self._engine.counter("load")
+        overruns = self._engine.counter("overruns")
+        # With little load on average it was the system that took the time; with more it was a burst of contacts.
+        burst = overruns > self._overruns and load > _LITTLE and quality < _LAST_FOR_BURSTS
+        self._overruns = overruns
         if load > _LITTLE:
             self._calm_since = now
-        if load > _TOO_MUCH or (load > _LITTLE and peak > _MISSED):
+        if burst or self._engine.counter("load_now") > _TOO_MUCH:
             if quality < max(Quality) and now - self._stepped >= _BETWEEN:
                 self._stepped = now
                 return Quality(quality + 1)

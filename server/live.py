@@ -247,9 +247,8 @@ class Server:
             self._reply(Message("/synced", (identity,)), source)
         if (quality := self._governor.decide(time.monotonic())) is not None:
             self._scene.perform([Message("/quality", (int(quality),))], NOW)
-            self._warn(
-                f"quality is now {int(quality)}, {quality.name.lower()}: the load is {self.engine.counter('load'):.0%}"
-            )
+            load = self.engine.counter("load_now")
+            self._warn(f"quality is now {int(quality)}, {quality.name.lower()}: the load is {load:.0%}")
         for ended in self._scene.take_ends():
             self._tell_end(ended)
         if lost := self._network.dropped():

@@ -2,10 +2,11 @@
 
 import time
 from importlib.metadata import version
+from itertools import chain
 from pathlib import Path
 
 from ..dsp.host import Engine
-from .osc import Message
+from .osc import Argument, Message
 from .outfile import OutFile
 from .scene import Sent
 from .score import format_line
@@ -38,10 +39,10 @@ class Log:
 
     def expect(self, first: int, sent: list[Sent]) -> None:
         """Remember what commands stand for, from the command with the number `first` on."""
-        for n, (message, serial) in enumerate(sent):
+        for n, each in enumerate(sent):
             # What a message asks of an object is one line, however many commands it takes.
-            if n == 0 or message is not sent[n - 1][0] or serial != sent[n - 1][1]:
-                self._waiting[first + n] = message, serial
+            if n == 0 or each.message is not sent[n - 1].message or each.serial != sent[n - 1].serial:
+                self._waiting[first + n] = each
 
     def write(self) -> None:
         """Write what has been carried out since the last call; a crash loses no more than what came after it."""
@@ -50,7 +51,7 @@ class Log:
             sent = self._waiting.pop(number, None)
             if sent and sample >= 0.0 and not self.error:
                 try:
-                    lines.append(format_line(sample / self._engine.rate, self._named(*sent)) + "\n")
+                    lines.append(format_line(sample / self._engine.rate, self._named(sent)) + "\n")
                 except ValueError as error:
                     self.error = f"the log {self._file.path} ended: {error}"
         if lost := self._engine.counter("notes_lost"):
@@ -58,8 +59,9 @@ class Log:
         if lines and not self.error:
             self._write("".join(lines))
 
-    def _named(self, message: Message, serial: int) -> Message:
+    def _named(self, sent: Sent) -> Message:
         """A message as it is carried out, on the one object that it is about."""
+        message, serial = sent.message, sent.serial
         if message.address == "/object/new":
             stem, *rest = message.args
             name, count = str(stem), 1
@@ -72,7 +74,19 @@ class Log:
             return message
         action = message.address.rsplit("/", 1)[1]
         name = self._names.pop(serial) if action == "free" else self._names[serial]
-        return Message(f"/object/{name}/{action}", message.args)
+        return Message(f"/object/{name}/{action}", self._struck(sent) if sent.by else message.args)
+
+    def _struck(self, sent: Sent) -> tuple[Argument, ...]:
+        """Arguments that name the striking object as the log does; its mass alone, where it was told to go before."""
+        args = sent.message.args
+        first = next(n for n, arg in enumerate(args) if isinstance(arg, str))
+        keys = dict(zip(args[first::2], args[first + 1 :: 2], strict=True))
+        if sent.by in self._names:
+            keys["by"] = self._names[sent.by]
+        else:
+            keys = {key: value for key, value in keys.items() if key not in ("by", "by_position")}
+            keys["mass"] = sent.mass
+        return *args[:first], *chain.from_iterable(keys.items())
 
     def _write(self, text: str) -> None:
         try:

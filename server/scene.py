@@ -4,13 +4,13 @@ import math
 import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..dsp.gate import LEVELS
 from ..dsp.host import NOW, Engine, EngineFull, Handle
 from ..dsp.materials import Material
 from ..dsp.methods import CORRECTIONS, METHODS
-from ..dsp.state import RING, Command, Steering
+from ..dsp.state import GESTURES, RING, Command, Steering
 from .gestures import Ended, Gestures
 from .osc import Argument, Message, is_pattern, match
 from .presets import ObjectPreset, PresetError, Presets
@@ -30,8 +30,14 @@ _SETTINGS = {"gain": 0.0, "pan": 0.0, "tune": 0.0, "decay": 1.0, "damp": 0.0}
 EngineCommand = tuple[float, Command, Handle | None, tuple[float, ...]]
 
 
-Sent = tuple[Message, int]
-"""The message that became a command, and the serial of its object, or 0."""
+class Sent(NamedTuple):
+    """The message that became a command, the serials of its object and of the one that strikes it (0: none), and the
+    mass (kg) that strikes."""
+
+    message: Message
+    serial: int
+    by: int
+    mass: float
 
 
 @dataclass(eq=False)
@@ -95,8 +101,7 @@ class Scene:
         first = self.engine.sent
         try:
             self.engine.send(commands)
-            handles = (command[2] for command in commands)
-            self.on_sent(first, [(m, h.serial if h else 0) for m, h in zip(meant, handles, strict=True)])
+            self.on_sent(first, list(map(_sent, meant, commands)))
         except EngineFull as error:
             self._undo_from(0)
             replies = [r for r in replies if r.address == "/fail"]
@@ -384,6 +389,12 @@ class Scene:
 def fail(address: str, reason: str) -> Message:
     """The reply to what can't be done."""
     return Message("/fail", (address, reason))
+
+
+def _sent(message: Message, command: EngineCommand) -> Sent:
+    _, kind, handle, values = command
+    mass, by = (values[2], int(values[9])) if kind in GESTURES else (0.0, 0)
+    return Sent(message, handle.serial if handle else 0, by, mass)
 
 
 def _contact_choice(values: Values) -> tuple[float, float, float]:

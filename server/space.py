@@ -229,8 +229,9 @@ VERBS = {
         ),
         Verb(
             "/quality", "what is left out: 0 nothing, 1 contacts' fine steps, 2 modes under -80 dB, 3 rolls' density, "
-            "4 what was not touched lately; with too little time the server goes further by itself",
-            (Number("quality", 0, 4),),
+            "4 what was not touched lately, 5 to 8 bounces, rolls and presses but the newest 32, 16, 8, 4, which wait; "
+            "with too little time the server goes further by itself",
+            (Number("quality", 0, 8),),
         ),
         Verb(
             "/contact", "how contacts are solved from now on: closed (exact, the default), am1, verlet, heun, rk4",

@@ -44,6 +44,7 @@ class Status:
             "rolls": count("rolls_active"),
             "accuracy": LEVELS[count("accuracy")],
             "quality": count("quality"),
+            "overruns": count("overruns"),
             "limiter_lowest": count("limit_lowest"),
             "latency": self._player.latency,
             "latency_requested": -1.0 if self._player.requested is None else self._player.requested,

@@ -5,7 +5,7 @@ import pytest
 
 from carom.dsp.body import listed
 from carom.dsp.host import NOW, Engine
-from carom.dsp.state import QUANTUM, Command, Quality
+from carom.dsp.state import QUANTUM, Command, End, Quality, Steering
 
 RATE = 48_000.0
 
@@ -52,18 +52,148 @@ def test_quiet_modes_rest_earlier():
     assert until_silence(Quality.QUIET) < 0.8 * until_silence(Quality.HELD)
 
 
+def roll(engine, handle, gesture=1, time=NOW):
+    values = (0.5, 0.5, 0.005, 1e9, 10.0, 1.5, 1.0, gesture, 0.0, 0.0, 0.0, 9.81, 0.008,
+              3e-7, 1e-3, 2.0, 0.0, 1.0, gesture, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)  # fmt: skip
+    engine.send([(time, Command.ROLL, handle, values)])
+
+
+def press(engine, handle, gesture=1, time=NOW, force=2.0):
+    engine.send([(time, Command.PRESS, handle, (0.01, 0.5, 0.05, 1e5, 5.0, 1.5, 1.0, gesture, 0, 0, 0, force))])
+
+
+def bounce(engine, handle, gesture=1, time=NOW):
+    engine.send(
+        [(time, Command.BOUNCE, handle, (0.5, 0.5, 0.005, 1e7, 0.05, 1.5, 1.0, gesture, 0, 0, 0, 9.81, 0, 0, 0, 0))]
+    )
+
+
+def tell(engine, gesture, what, value=0.0):
+    engine.send([(NOW, Command.STEER, None, (float(gesture), float(what), value))])
+
+
 def test_rolls_get_coarser_and_about_as_loud():
-    def roll(quality):
+    def rolled(quality):
         engine = Engine(RATE)
         settle(engine, quality)
-        values = (0.5, 0.5, 0.005, 1e9, 10.0, 1.5, 1.0, 1.0, 0.0, 0.0, 0.0, 9.81, 0.008,
-                  3e-7, 1e-3, 2.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)  # fmt: skip
-        engine.send([(NOW, Command.ROLL, add(engine), values)])
+        roll(engine, add(engine))
         sound = engine.process(96_000)[24_000:, 0].astype(float)
         return int(engine.state["rolls"]["events"].max()), np.sqrt((sound**2).mean())
 
-    (events, loud), (fewer, coarse) = roll(Quality.QUIET), roll(Quality.COARSE)
+    (events, loud), (fewer, coarse) = rolled(Quality.QUIET), rolled(Quality.COARSE)
     assert fewer < 0.8 * events and abs(20 * np.log10(coarse / loud)) < 3
+
+
+@pytest.mark.parametrize("begin", [roll, press])
+def test_what_lasts_acts_on_fewer_modes(begin):
+    """Those that it no longer acts on ring out; all come back with the quality, and strikes have them at any time."""
+    engine = Engine(RATE)
+    handle = add(engine, t60=0.2, modes=1024)
+    begin(engine, handle)
+    engine.process(4_800)
+    assert engine.counter("live_modes") == 1024
+    settle(engine, Quality.COARSE)
+    engine.process(48_000)
+    assert engine.counter("live_modes") == 256
+    strike(engine, handle)
+    engine.process(QUANTUM)
+    assert engine.counter("live_modes") > 1_000
+    engine.process(48_000)
+    assert engine.counter("live_modes") == 256
+    settle(engine, Quality.FULL)
+    engine.process(4_800)
+    assert engine.counter("live_modes") == 1024 and engine.counter("contacts_active") == 1
+
+
+def rolled(engine):
+    """How far bodies have rolled, all but the first, m."""
+    return engine.state["rolls"]["s"][0, -2:-8:-1].copy()
+
+
+def test_the_newest_rolls_go_on_and_others_wait():
+    engine = Engine(RATE)
+    handles = [add(engine) for _ in range(7)]
+    for gesture, handle in enumerate(handles, 10):
+        roll(engine, handle, gesture)
+    engine.process(4_800)
+    settle(engine, Quality.NEWEST_4)
+    engine.process(QUANTUM)
+    engine.send([(NOW, Command.FREE, handles[0], (0.0,))])
+    engine.process(QUANTUM)
+    assert engine.ended() == [(10, End.STOPPED)]  # at once
+    before = rolled(engine)
+    engine.process(4_800)
+    assert ((rolled(engine) > before) == [False, False, True, True, True, True]).all()
+    tell(engine, 11, Steering.SPEED, 0.6)  # what is steered is new again
+    before = rolled(engine)
+    engine.process(4_800)
+    assert ((rolled(engine) > before) == [True, False, False, True, True, True]).all()
+    tell(engine, 12, Steering.STOP)
+    engine.process(24_000)
+    assert engine.ended() == [(12, End.STOPPED)] and engine.counter("rolls_active") == 5
+    settle(engine, Quality.RECENT)
+    before = rolled(engine)
+    engine.process(4_800)
+    assert np.allclose((rolled(engine) - before)[[0, 2, 3, 4, 5]], [0.06, 0.05, 0.05, 0.05, 0.05], rtol=0.02)
+
+
+def test_the_newest_bounces_go_on_and_others_hang_in_the_air():
+    def contacts(waits):
+        engine = Engine(RATE)
+        bounce(engine, add(engine))
+        engine.process(2_400)
+        if waits:
+            settle(engine, Quality.NEWEST_4)
+            for gesture in range(2, 6):
+                press(engine, add(engine, modes=8), gesture, force=1e-3)
+            engine.process(9_600)
+            assert engine.counter("impacts") == 1 + 4
+            settle(engine, Quality.FULL)
+        before = engine.counter("impacts")
+        engine.process(96_000)
+        return engine.counter("impacts") - before, engine.ended()[0]
+
+    assert contacts(True) == contacts(False)
+
+
+def test_what_presses_is_lifted_and_laid_on_again():
+    def loudness(quality):
+        """Of a strike beside the hand, once with it and once without."""
+        engine = Engine(RATE)
+        muted = add(engine)
+        press(engine, muted)
+        engine.process(24_000)
+        settle(engine, quality)
+        for gesture in range(2, 6):
+            press(engine, add(engine, modes=8), gesture, force=1e-3)
+        engine.process(48_000)
+        strike(engine, muted)
+        sound = engine.process(48_000)[24_000:]
+        found = np.sqrt((sound.astype(float) ** 2).mean())
+        settle(engine, Quality.FULL)
+        engine.process(48_000)
+        strike(engine, muted)
+        assert np.sqrt((engine.process(48_000)[24_000:].astype(float) ** 2).mean()) < 1e-5
+        assert engine.counter("contacts_active") == 5 and engine.ended() == []
+        tell(engine, 1, Steering.STOP)
+        engine.process(48_000)
+        assert engine.ended() == [(1, End.STOPPED)]
+        return found
+
+    assert loudness(Quality.NEWEST_8) < 1e-5 and loudness(Quality.NEWEST_4) > 1e-4
+
+
+def test_contacts_find_less_room():
+    def dropped(quality):
+        engine = Engine(RATE)
+        settle(engine, quality)
+        handles = [add(engine, modes=512) for _ in range(8)]
+        for handle in handles:
+            engine.send([(NOW, Command.IMPACT, handle, (0.5, 0.5, 0.5, 1e5, 0.2, 1.5, 1.0))])
+        engine.process(QUANTUM)
+        return engine.counter("contacts_dropped")
+
+    assert [dropped(quality) for quality in (4, 5, 6, 7, 8)] == [0, 1, 5, 7, 7]
 
 
 def test_what_nobody_touched_lately_fades_and_comes_back():
@@ -98,10 +228,11 @@ def test_a_fade_is_no_click():
 def test_block_size_changes_no_bit(block):
     def run(size):
         engine = Engine(RATE)
-        handles = [add(engine) for _ in range(3)]
+        handles = [add(engine, modes=280) for _ in range(3)]
         for n in range(12):
             strike(engine, handles[n % 3], 0.5 + 0.1 * n, 300.0 * n)
-            settle(engine, n % 5, 300.0 * n + 77)
+            (roll, bounce, press)[n // 3 % 3](engine, handles[n % 3], n + 1, 300.0 * n)
+            settle(engine, 7 * n % len(Quality), 300.0 * n + 77)
         return np.concatenate([engine.process(size) for _ in range(-(-6000 // size))])[:6000]
 
     np.testing.assert_array_equal(run(block), run(64))

@@ -58,6 +58,9 @@ def random_message(rng: random.Random) -> Message:
         case 9:
             what = rng.choice((("stop",), ("gain", -6.0), ("speed", 0.5), ("gravity", 5.0), ("force", 1.0)))
             return Message(f"/gesture/{rng.choice(('x', '*', 'y', '[a-c]*'))}/{what[0]}", what[1:])
+        case 10:
+            by = ("by", rng.choice("abcd"), *rng.choice(((), ("by_position", 0.2), ("mass", 0.05))))
+            return Message(f"/object/{name}/{rng.choice(('impact', 'bounce'))}", (0.02, *by))
         case _:
             args = (rng.uniform(0.1, 2.0), rng.choice((0.3, 0.5)))
             return Message(f"/object/{rng.choice((name, '*', '{a,b}'))}/impact", args)
