@@ -17,8 +17,10 @@ does belong together, and no energy gets lost between them.
 
 import math
 
+import numpy as np
+
 from .jit import kernel, simd_kernel
-from .lanes import LANES, add_product, dot
+from .lanes import LANES, STRETCH, add_product, dot, push, ring_pushed
 
 FINE = 12
 """Legendre moments of a coupled contact's force: those left out weigh -188 dB in a mode at .95 of Nyquist."""
@@ -30,6 +32,12 @@ that `observe` and `receptance` need."""
 
 NYQUIST_SHARE = 0.95
 """No mode is made above this share of the Nyquist frequency."""
+
+DRIVER = np.dtype(
+    [("feed", np.int64), ("row", np.int64), ("weights", np.float64, 4), ("drift", np.float64, 4)], align=True
+)
+"""A force that goes on: the number of its moments, where in a shape table it acts, by the weights of four rows, and how
+these change from sample to sample."""
 
 _ONES = (1.0,) * LANES
 _BESSEL_START = 24  # where the downward recursion of the spherical Bessel functions starts; |z| <= 1.6 needs 18
@@ -89,6 +97,37 @@ def ring(y1, y2, a1, a2, balance, out, start, stop):
 
 
 @simd_kernel
+def ring_driven(y1, y2, a1, a2, balance, response, shape, stride, drivers, count, feeds, work, out, frame):
+    """Let modes ring for STRETCH samples from a frame on, driven in each by `count` drivers; added to out[0], out[1].
+
+    drivers: records of DRIVER; feeds[feed, frame] are moments (N s). `work` (float64) has room for 4 STRETCH LANES
+    values. Else as in `ring` and `inject`.
+    """
+    size = 2 * STRETCH * LANES
+    pushes = work[:size]
+    totals = work[size : 2 * size]
+    for i in range(size):
+        totals[i] = 0.0
+    for first in range(0, len(y1), LANES):
+        group = first // LANES * RESPONSES
+        for i in range(size):
+            pushes[i] = 0.0
+        for j in range(count):
+            driver = drivers[j]
+            at = driver.row * stride + first
+            phi = dot(shape, at, stride, _four(driver.weights))
+            slope = dot(shape, at, stride, _four(driver.drift))
+            push(pushes, phi, slope, response, group, feeds, driver.feed, frame)
+        ring_pushed(y1, y2, a1, a2, balance, first, pushes, totals)
+    for t in range(STRETCH):
+        for channel in range(2):
+            total = 0.0
+            for i in range(LANES):
+                total += totals[(2 * t + channel) * LANES + i]
+            out[channel, frame + t] += total
+
+
+@simd_kernel
 def inject(y1, y2, response, shape, stride, row, weights, moments):
     """Add a force over the coming sample, given by its moments (N s), to the modes before they take that sample.
 
@@ -110,8 +149,13 @@ def inject_fine(y1, y2, response, shape, stride, row, weights, moments):
 
 
 @simd_kernel
+def _four(weights):
+    return weights[0], weights[1], weights[2], weights[3]
+
+
+@simd_kernel
 def _inject(y1, y2, response, shape, stride, row, weights, m):
-    w = (weights[0], weights[1], weights[2], weights[3])
+    w = _four(weights)
     for first in range(0, len(y1), LANES):
         group = first // LANES * RESPONSES
         phi = dot(shape, row * stride + first, stride, w)
@@ -174,7 +218,7 @@ def reach(y1, y2, a1, a2, response, shape, stride, row, weights, work):
 @simd_kernel
 def _shapes(n, shape, stride, row, weights, work):
     """The modes' shapes at the point, into the first n values of `work`."""
-    w = (weights[0], weights[1], weights[2], weights[3])
+    w = _four(weights)
     for i in range(n):
         work[i] = 0.0
     for first in range(0, n, LANES):

@@ -17,6 +17,7 @@ from .ladder import place
 from .pressed import captured
 from .relief import coarseness_of, must_wait
 from .roll import begin_roll, fill_roll
+from .rolled import bring
 from .state import ENDED, QUANTUM, Command, End, Solver
 from .steering import joined
 from .surface import begin_surface
@@ -175,7 +176,7 @@ def attend(state, obj):
         if waits:
             ended = _wait_longer(state, contact)
         elif contact.kind == _ROLL:
-            ended = _roll_on(state, contact)
+            ended = _roll_on(state, index)
         elif contact.touching == 0:
             ended = contact.start >= contact.until
         elif contact.kind == _PRESS and choose_modes(state, contact):
@@ -210,7 +211,6 @@ def _wait_longer(state, contact):
     if contact.kind == _BOUNCE:
         _wait(state, contact)
         return contact.start >= contact.until
-    contact.start = state.position + QUANTUM - 1
     return state.rolls[contact.roll].asked_speed == 0.0
 
 
@@ -242,38 +242,41 @@ def _let_go(state, contact, time):
 
 
 @kernel
-def _roll_on(state, contact):
+def _roll_on(state, index):
     """Compute a rolling body's force for a quantum; true if it has come to its end."""
+    contact = state.contacts[index]
     roll = state.rolls[contact.roll]
     contact.rolled = roll.s
     choose_modes(state, contact)
     roll.path.coarseness = coarseness_of(state)
     met = roll.impacts
     since = (state.position - 1 - contact.origin) / state.rate
-    fill_roll(roll, since, state.rate, state.feeds[contact.roll], state.fed[contact.roll])
+    fill_roll(roll, since, state.rate, state.feeds[contact.roll])
     state.impacts += roll.impacts - met
+    if roll.ended == 0:
+        bring(state, index)
     return roll.ended == 1
 
 
 @kernel
 def next_driven_frame(state, obj, frame):
-    """The first frame from `frame` on that a contact acts on, or QUANTUM: a contact acts after its beginning."""
+    """The first frame from `frame` on that a contact, but for rolls, acts on, or QUANTUM: after its beginning."""
     found = QUANTUM
     index = obj.contact
     while index >= 0:
         contact = state.contacts[index]
-        first = max(frame, contact.start + 1 - state.position)
-        if contact.solver == _ROLLING:
-            while first < QUANTUM and state.fed[contact.roll, first] == 0:
-                first += 1
-        found = min(found, first)
+        if contact.solver != _ROLLING:
+            found = min(found, max(frame, contact.start + 1 - state.position))
         index = contact.next
     return found
 
 
 @kernel
 def drive(state, obj, frame):
-    """Give the modes the force of all contacts over the sample that ends at a frame; contacts that end are dropped."""
+    """Give the modes the force of all contacts, but for rolls, over the sample that ends at a frame.
+
+    Contacts that end are dropped.
+    """
     before = -1
     index = obj.contact
     while index >= 0:
@@ -282,7 +285,7 @@ def drive(state, obj, frame):
         stays = True
         for _ in range(_MOST_A_SAMPLE):
             age = state.position + frame - contact.start - contact.fraction
-            if not age > 0.0:
+            if contact.solver == _ROLLING or not age > 0.0:
                 break
             if contact.touching == 0:
                 contact.begun = float(state.position + frame)
@@ -290,7 +293,7 @@ def drive(state, obj, frame):
                 tell_end(state, contact.serial, _NO_ROOM)
                 stays = False
                 break
-            if act(state, contact, frame, age):
+            if act(state, contact, age):
                 stays = contact.solver != _COUPLED or _go_on(state, contact, frame)
                 break
             stays = _leave(state, contact, frame)

@@ -23,12 +23,17 @@ def place(body, position, rows):
     """Rows and weights of the cubic through the mode shapes at a position in [0, 1]."""
     x = position * (rows - 1)
     row = min(max(int(x) - 1, 0), rows - 4)
-    x -= row
     body.row = row
-    body.weights[0] = -(x - 1.0) * (x - 2.0) * (x - 3.0) / 6.0
-    body.weights[1] = 0.5 * x * (x - 2.0) * (x - 3.0)
-    body.weights[2] = -0.5 * x * (x - 1.0) * (x - 3.0)
-    body.weights[3] = x * (x - 1.0) * (x - 2.0) / 6.0
+    weigh(body.weights, x - row)
+
+
+@kernel
+def weigh(weights, x):
+    """Weights of the cubic through four rows at x in rows from the first."""
+    weights[0] = -(x - 1.0) * (x - 2.0) * (x - 3.0) / 6.0
+    weights[1] = 0.5 * x * (x - 2.0) * (x - 3.0)
+    weights[2] = -0.5 * x * (x - 1.0) * (x - 3.0)
+    weights[3] = x * (x - 1.0) * (x - 2.0) / 6.0
 
 
 @kernel

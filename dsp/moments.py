@@ -12,11 +12,11 @@ _NODES, _WEIGHTS = (g.copy() for g in legendre.leggauss(MOMENTS // 2 + 1))
 
 
 @kernel
-def add_quadratic(force, since, span, start, stop, origin, rate, moments, touched):
+def add_quadratic(force, since, span, start, stop, origin, rate, moments):
     """Add a force from `start` to `stop` to the moments (N s) of the frames it touches.
 
     It is the quadratic with the values `force` (N) at GAUSS of the `span` s that begin `since`. Frame n is the sample
-    from origin + n/rate to origin + (n + 1)/rate; all times in s. moments: (frames, MOMENTS); touched: (frames,).
+    from origin + n/rate to origin + (n + 1)/rate; all times in s. moments: (frames, MOMENTS).
     """
     if stop <= start:
         return
@@ -28,12 +28,11 @@ def add_quadratic(force, since, span, start, stop, origin, rate, moments, touche
     begin = (start - origin) * rate
     end = (stop - origin) * rate
     early = (origin - since) / span
-    for n in range(max(math.floor(begin), 0), len(touched)):
+    for n in range(max(math.floor(begin), 0), len(moments)):
         if n >= end:
             break
         low = max(begin - n, 0.0)
         half = 0.5 * (min(end - n, 1.0) - low)
-        touched[n] = 1
         if half == 0.5:
             # Over a whole sample a quadratic has no more than three moments.
             theta, step = early + n / (rate * span), 1.0 / (rate * span)

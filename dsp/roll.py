@@ -307,21 +307,20 @@ def _land(roll, v_in):
 
 
 @kernel
-def fill_roll(roll, origin, rate, moments, touched):
-    """Moments (N s) of the force over each frame, and whether there is any: 0 or 1.
+def fill_roll(roll, origin, rate, moments):
+    """Moments (N s) of the force over each frame.
 
-    moments: (frames, MOMENTS) float64; touched: (frames,) int64. Frame n is the sample from origin + n/rate to
+    moments: (frames, MOMENTS) float64. Frame n is the sample from origin + n/rate to
     origin + (n + 1)/rate, in s since the roll began. Call it for one stretch after the other.
     """
-    frames = len(touched)
+    frames = len(moments)
     for n in range(frames):
-        touched[n] = 0
         for i in range(MOMENTS):
             moments[n, i] = 0.0
     end = origin + frames / rate
     for _ in range(_MOST_EVENTS):
         stop = roll.since + roll.span
-        add_quadratic(roll.force, roll.since, roll.span, roll.given, min(stop, end), origin, rate, moments, touched)
+        add_quadratic(roll.force, roll.since, roll.span, roll.given, min(stop, end), origin, rate, moments)
         roll.given = max(roll.given, min(stop, end))
         if stop >= end or roll.ended == 1:
             break

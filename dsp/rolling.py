@@ -22,9 +22,9 @@ def _begin(roll, surface, place, body):
 
 
 @njit(error_model="numpy")
-def _fill(roll, origin, rate, moments, touched):
+def _fill(roll, origin, rate, moments):
     for n in range(0, len(moments), _FRAMES):
-        fill_roll(roll, origin + n / rate, rate, moments[n : n + _FRAMES], touched[: len(moments) - n])
+        fill_roll(roll, origin + n / rate, rate, moments[n : n + _FRAMES])
 
 
 @njit(error_model="numpy")
@@ -99,7 +99,7 @@ def roll_moments(roll: np.void, origin: float, seconds: float, rate: float) -> N
     (round(seconds rate), MOMENTS) float64; the force is f - m g: a body at rest gives none.
     """
     moments = np.zeros((round(seconds * rate), MOMENTS))
-    _fill(roll, float(origin), float(checked("rate", rate, 0.0)), moments, np.zeros(_FRAMES, np.int64))
+    _fill(roll, float(origin), float(checked("rate", rate, 0.0)), moments)
     return moments
 
 

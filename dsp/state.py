@@ -4,7 +4,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from .bank import FINE, LANES, RESPONSES
+from .bank import DRIVER, FINE, LANES, RESPONSES
 from .clock import CLOCK
 from .coupled import COUPLED
 from .methods import SAMPLED
@@ -174,6 +174,7 @@ OBJECT = np.dtype(
         ("struck", np.int64),  # a contact touches it
         ("tied", np.int64),  # it shares a contact with another object
         ("driven", np.int64),  # its first modes that a force acted on
+        ("rolled", np.int64),  # head of the list of rolls on it, 2 contact + side; -1: none
     ],
     align=True,
 )
@@ -185,6 +186,7 @@ BODY = np.dtype(
         ("modes", np.int64),  # of it that the contact acts on, its first
         ("row", np.int64),  # of the shape table, the first of four
         ("weights", np.float64, 4),
+        ("next_rolled", np.int64),  # of the list of rolls on the object
     ],
     align=True,
 )
@@ -282,7 +284,7 @@ STATE = np.dtype(
         ("free_roll", np.int64, ROLLS),  # stack
         ("rolls_active", np.int64),
         ("feeds", np.float64, (ROLLS, QUANTUM, MOMENTS)),  # moments of the rolls' forces over a quantum
-        ("fed", np.int64, (ROLLS, QUANTUM)),  # 1: there is any
+        ("drivers", DRIVER, ROLLS),  # of the rolls on one object, at one time
         ("moments", np.float64, MOMENTS),
         ("fine", np.float64, FINE),
         ("observed", np.float64, FINE),

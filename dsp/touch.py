@@ -10,11 +10,9 @@ from .ladder import hand_of, needs_coupling, place, reach_of, tolerance_of
 from .methods import follow, start
 from .pulse import MOMENTS, add_held, advance, begin
 from .relief import modes_for, room_for_coupling
-from .state import QUANTUM, Solver
+from .state import Solver
 
-_CLOSED, _SAMPLED, _COUPLED, _ROLLING = (
-    int(Solver.CLOSED), int(Solver.SAMPLED), int(Solver.COUPLED), int(Solver.ROLLING),
-)  # fmt: skip
+_CLOSED, _SAMPLED, _COUPLED = int(Solver.CLOSED), int(Solver.SAMPLED), int(Solver.COUPLED)
 
 _STEPS = 4  # of a coupled contact in a sample, on average; beyond, the force is held for each sample
 _BURST = 256  # that it may need at once
@@ -93,8 +91,8 @@ def let_modes_go(state, contact):
 
 
 @kernel
-def act(state, contact, frame, age):
-    """Give the modes the force of a contact over the sample that ends at a frame, when it is as old as `age`.
+def act(state, contact, age):
+    """Give the modes the force of a contact over the sample at whose end it is as old as `age`.
 
     False where a closed or sampled contact ends.
     """
@@ -110,10 +108,6 @@ def act(state, contact, frame, age):
             state.recontacts += contact.coupled.contacts - contacts
         for n in range(FINE):
             state.fine[n] *= contact.gain
-    elif contact.solver == _ROLLING:
-        for n in range(MOMENTS):
-            state.moments[n] = state.feeds[contact.roll, frame, n]
-        _travel(state, contact, frame)
     elif contact.solver == _SAMPLED:
         lasts = _step_sampled(state, contact)
     else:
@@ -205,17 +199,6 @@ def flight(state, contact):
             speed += fast / contact.gain
     contact.reach = distance
     return apart_for(contact.coupled, distance, speed)
-
-
-@kernel
-def _travel(state, contact, frame):
-    """Put a rolling body where it is along the object's strike path, to and fro."""
-    position = contact.position
-    if contact.path > 0.0:
-        rolled = (state.rolls[contact.roll].s - contact.rolled) * (frame / QUANTUM) + contact.rolled
-        position += rolled / contact.path
-    position -= 2.0 * math.floor(0.5 * position)
-    place(contact.body[0], min(position, 2.0 - position), state.objects[contact.body[0].slot].rows)
 
 
 @kernel

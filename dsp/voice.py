@@ -5,11 +5,12 @@ Objects that share a contact are rendered together, sample by sample; every othe
 
 import math
 
-from .bank import LANES, NYQUIST_SHARE, RESPONSES, ring, set_mode, state_of
+from .bank import LANES, NYQUIST_SHARE, RESPONSES, set_mode, state_of
 from .encounter import attend, drive, drop_all, next_driven_frame
 from .jit import kernel
 from .ladder import hand_of
 from .relief import choose_newest, is_left_out, silence_of
+from .rolled import ring_on
 from .state import QUANTUM
 
 _GLIDE = 0.005  # s: time constant of gain and pan
@@ -25,6 +26,7 @@ def attend_all(state):
     for i in range(state.active):
         obj = state.objects[state.order[i]]
         obj.struck = obj.tied = obj.driven = 0
+        obj.rolled = -1
         for channel in range(2):
             obj.lean_before[channel], obj.lean[channel] = obj.lean[channel], 0.0
     choose_newest(state)
@@ -65,13 +67,7 @@ def _render_group(state):
                 drive(state, obj, frame)
                 stop = min(stop, next_driven_frame(state, obj, frame + 1))
         for g in range(state.group_size):
-            obj = state.objects[state.group[g]]
-            first = obj.first
-            last = first + obj.live
-            ring(
-                state.y1[first:last], state.y2[first:last], state.a1[first:last], state.a2[first:last],
-                state.balance[first:last], state.voices[g], frame, stop,
-            )  # fmt: skip
+            ring_on(state, state.objects[state.group[g]], state.voices[g], frame, stop)
         frame = stop
     for g in range(state.group_size):
         _mix(state, state.objects[state.group[g]], state.voices[g])

@@ -119,6 +119,36 @@ def driven_mode(v_in, m, k, mu, a, frequency, decay, rate, fraction, frames):
     return z.imag
 
 
+def test_stretches_under_forces_are_blows_and_ringing():
+    random = np.random.default_rng(3)
+    count = 3 * LANES
+    tables = {name: np.zeros(count) for name in ("y1", "y2", "a1", "a2")}
+    response = np.zeros(count // LANES * bank.RESPONSES)
+    for i in range(count):
+        bank.set_mode(i, 50.0 + 900.0 * i, 5.0, 48_000.0, random.uniform(-2, 2), *tables.values(), response)
+    balance = random.uniform(-1, 1, count)
+    shape = random.normal(size=9 * count).astype(np.float32)
+    drivers = np.zeros(4, bank.DRIVER)
+    drivers["feed"], drivers["row"], drivers["weights"] = [2, 0, 1, 0], [5, 0, 3, 1], random.normal(size=(4, 4))
+    drivers["drift"][1] = 0.1 * random.normal(size=4)
+    feeds = random.normal(size=(3, 64, pulse.MOMENTS))
+    one, other = ({name: table.copy() for name, table in tables.items()} for _ in range(2))
+    expected, out = np.zeros((2, 64)), np.ones((2, 64))
+    for frame in range(8, 64):
+        for feed, row, weights, drift in drivers[:3]:
+            place = weights + frame % bank.STRETCH * drift
+            bank.inject(one["y1"], one["y2"], response, shape, count, row, place, feeds[feed, frame])
+        bank.ring(*one.values(), balance, expected, frame, frame + 1)
+    for frame in range(8, 64, bank.STRETCH):
+        bank.ring_driven(
+            *other.values(), balance, response, shape, count, drivers, 3, feeds, np.empty(200), out, frame
+        )  # fmt: skip
+    scale = np.abs(expected).max()
+    np.testing.assert_allclose(out[:, 8:] - 1.0, expected[:, 8:], atol=1e-13 * scale)
+    np.testing.assert_allclose(other["y1"], one["y1"], atol=1e-13 * scale)
+    np.testing.assert_allclose(other["y2"], one["y2"], atol=1e-13 * scale)
+
+
 def test_retuning_keeps_amplitude_and_phase():
     modes = Bank(np.full(LANES, 440.0), np.full(LANES, 3.0), 48_000.0)
     blow = np.zeros(pulse.MOMENTS)

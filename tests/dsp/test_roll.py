@@ -325,11 +325,11 @@ def test_coarser_is_as_loud_and_cheaper(coarseness, within):
 
 
 @njit(error_model="numpy")
-def _worst(body, quanta, rate, moments, touched):
+def _worst(body, quanta, rate, moments):
     worst = 0
     for n in range(quanta):
         before = body.events
-        roll.fill_roll(body, n * 64 / rate, rate, moments, touched)
+        roll.fill_roll(body, n * 64 / rate, rate, moments)
         worst = max(worst, body.events - before)
         if not np.isfinite(moments).all():
             return -1
@@ -338,7 +338,7 @@ def _worst(body, quanta, rate, moments, touched):
 
 def test_bounded_at_extremes():
     random = np.random.default_rng(11)
-    moments, touched = np.zeros((64, pulse.MOMENTS)), np.zeros(64, np.int64)
+    moments = np.zeros((64, pulse.MOMENTS))
     for seed in range(400):
         radius = 10 ** random.uniform(-4, 1)
         rough = radius * random.choice([0.0, 10 ** random.uniform(-8, -1)])
@@ -349,7 +349,7 @@ def test_bounded_at_extremes():
             gravity=10 ** random.uniform(-1, 2), asymmetry=random.choice([0.0, 0.5]),
             corners=random.choice([0, 0, 3, 50]), coarseness=random.choice([1.0, 8.0]),
         )  # fmt: skip
-        worst = _worst(body, 40, 48000.0, moments, touched)
+        worst = _worst(body, 40, 48000.0, moments)
         assert 0 <= worst < 800
         assert body["t"] >= 40 * 64 / 48000
         assert math.isfinite(body["y"]) and body["w"] < 1e5

@@ -149,3 +149,17 @@ def test_a_ringing_striker_rests_too(render):
 """
     sound = render(text, 3.0)[:, 0]
     assert np.abs(sound[-24_000:]).max() < 0.05 * np.abs(sound).max()
+
+
+def test_a_roll_sounds_the_same_beside_other_contacts(render):
+    """What else drives an object cuts its time into single samples; a roll's own is several of them at a time."""
+    rolls = """0 /object/new pane glass-plate
+0 /object/new glass wine-glass
+0.01 /object/pane/roll 0.4 striker glass-marble surface glass travel 0.3 seed 1 id one
+0.02 /object/pane/roll 0.3 by glass radius 0.01 gain 6 seed 2 id other
+"""
+    # 50 ms long, and not coupled to what rings
+    soft = "0.05 /contact heun\n0.05 /object/*/impact 0.01 0.3 mass 1e-3 stiffness 1 exponent 1 gain -120\n"
+    alone, beside = render(rolls, 0.2), render(rolls + soft, 0.2)
+    np.testing.assert_allclose(beside, alone, atol=2e-6 * np.abs(alone).max())
+    assert np.abs(alone).max() > 1e-3 and not np.array_equal(beside, alone)
