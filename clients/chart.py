@@ -92,7 +92,7 @@ def chart(folder: Path, extent: Extent) -> Iterator[tuple[str, float]]:
     try:
         from . import figures, figures_coupled
     except ImportError as error:
-        raise ChartError("chart needs matplotlib: pip install 'carom[plot]'") from error
+        raise ChartError("chart needs matplotlib: pip install matplotlib") from error
     folder.mkdir(parents=True, exist_ok=True)
     if not os.access(folder, os.W_OK):
         raise ChartError(f"{folder}: can't be written to")

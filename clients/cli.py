@@ -255,7 +255,7 @@ def _send(arguments: argparse.Namespace) -> int:
 def _top(arguments: argparse.Namespace) -> int:
     from .top import top
 
-    with Client(arguments.host, arguments.port) as client:
+    with Client(arguments.host, arguments.port, arguments.tcp) as client:
         top(client, arguments.once)
     return 0
 

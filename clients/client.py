@@ -28,7 +28,8 @@ class Client:
         self._server = f"{host}:{port}"
         self._stream = Sized() if tcp else None
         if tcp:
-            self._socket = socket.create_connection((host, port), _PATIENCE)
+            with _reaching(self._server):
+                self._socket = socket.create_connection((host, port), _PATIENCE)
             self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         else:
             self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -85,16 +86,15 @@ class Client:
         """
         self._start_asking(address)
         self.send(address, *args)
-        if address == "/quit":
-            last = osc.Message("/done", ("/quit",))
-        else:
-            last = osc.Message("/synced", (time.monotonic_ns() % 2**31,))
+        last = osc.Message("/synced", (time.monotonic_ns() % 2**31,))
+        if address != "/quit":
             self.send("/sync", *last.args)
         gathered: list[osc.Message] = []
         for reply in self.replies(timeout):
-            if reply.address != "/synced":
-                gathered.append(reply)
-            if reply == last:
+            if reply == last and address != "/quit":
+                return gathered
+            gathered.append(reply)
+            if address == "/quit" and reply.args[:1] == (address,):
                 return gathered
         raise TimeoutError(f"{address}: no reply from {self._server} within {timeout} s")
 
@@ -108,7 +108,8 @@ class Client:
         """What the server sends, as it comes, for so long."""
         deadline = time.monotonic() + seconds
         while select.select([self._socket], [], [], max(0.0, deadline - time.monotonic()))[0]:
-            data = self._socket.recv(osc.MAX_DATAGRAM)
+            with _reaching(self._server):
+                data = self._socket.recv(osc.MAX_DATAGRAM)
             if self._stream and not data:
                 raise ConnectionResetError(f"{self._server} has closed the connection")
             for packet in self._stream.packets(data) if self._stream else [data]:
@@ -116,7 +117,8 @@ class Client:
                     yield from bundle.messages
 
     def _transmit(self, packet: bytes) -> None:
-        self._socket.sendall(self._stream.framed(packet) if self._stream else packet)
+        with _reaching(self._server):
+            self._socket.sendall(self._stream.framed(packet) if self._stream else packet)
 
     def new(self, name: str, preset: str, **keys: osc.Argument) -> None:
         """Makes an object and waits until it is there; keys override the preset's."""
@@ -159,6 +161,15 @@ class Client:
     def status(self) -> osc.Message:
         """The server's counts, loads and rates: its /status.reply."""
         return self.ask("/status")
+
+
+@contextmanager
+def _reaching(server: str) -> Iterator[None]:
+    """A ConnectionRefusedError inside names the server."""
+    try:
+        yield
+    except ConnectionRefusedError as error:
+        raise ConnectionRefusedError(f"nothing listens at {server}: expected a running `carom serve`") from error
 
 
 def _encoded(address: str, args: tuple[osc.Argument, ...]) -> bytes:

@@ -28,7 +28,7 @@ def examine() -> Iterator[Finding]:
     if find_spec("matplotlib"):
         yield True, "matplotlib: render --plot and chart work", ""
     else:
-        yield None, "no matplotlib: render --plot and chart do not work", "pip install 'carom[plot]'"
+        yield None, "no matplotlib: render --plot and chart do not work", "pip install matplotlib"
 
 
 def _engine() -> Finding:

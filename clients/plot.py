@@ -21,7 +21,7 @@ def plotter(picture: Path) -> Callable[[Path], None]:
     try:
         import matplotlib
     except ImportError as error:
-        raise PlotError("--plot needs matplotlib: pip install 'carom[plot]'") from error
+        raise PlotError("--plot needs matplotlib: pip install matplotlib") from error
     matplotlib.use("Agg")
     if picture.suffix.lower() not in (".png", ".svg", ".pdf"):
         raise PlotError(f"{picture}: expected a name that ends in .png, .svg or .pdf")

@@ -17,6 +17,7 @@ PERIOD = 0.25  # s
 
 _NINE = ("", "modes", "sounding", "objects", "contacts", "load", "load_peak", "rate", "rate_actual")
 _ALARMING = {"quality", "contacts_dropped", "late", "limited", "faults", "underflows", "tap_lost", "reconnects"}
+_FILES = {"recording", "logging"}
 _SPOKEN = {"time", "device", "scheduling", "latency", "latency_requested", "latency_measured", "limiter_lowest"}
 
 
@@ -81,7 +82,7 @@ def _cell(name: str, now: dict[str, object], before: dict[str, object]) -> Text:
         text = f"{value:,.0f}" if value == int(value) else f"{value:,.1f}"
     else:
         text = str(value)
-    alarming = name in _ALARMING and value
+    alarming = (name in _ALARMING and value) or (name in _FILES and value not in ("yes", "no"))
     style = "bold red" if alarming and value != before.get(name, value) else "yellow" if alarming else ""
     return Text(f"{text:>12}", style=style)
 

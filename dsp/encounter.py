@@ -167,6 +167,7 @@ def attend(state, obj):
             partner = state.objects[other.slot]
             if partner.used == 0 or partner.serial != other.serial:
                 other.slot = -1
+                contact.unsettled = 1
             else:
                 obj.tied = partner.tied = 1
                 contact.unsettled |= partner.stale > 0
@@ -385,7 +386,9 @@ def _go_on(state, contact, frame):
         _settle(state, contact, now)
     if samples == 0.0:
         return True
-    if samples == math.inf:
+    if samples == math.inf and contact.kind == _PRESS and contact.gone_at == math.inf:
+        coupled.v = 0.0  # a hand that does not press hovers
+    elif samples == math.inf:
         tell_end(state, contact.serial, _RESTED if contact.until == math.inf else _STOPPED)
         return False
     bounces = contact.kind == _BOUNCE and contact.gone_at == math.inf and coupled.v < 0.0

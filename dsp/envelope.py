@@ -186,7 +186,6 @@ def _settle(path):
 @kernel
 def lay(path, place):
     """Begin the path anew at a place: piece 0 begins in the middle of the arc there."""
-    path.fresh = 0
     _refresh(path)
     _glide(path, 1.0)
     behind = max(math.sqrt(4.0 * path.radius * path.highest), path.side)

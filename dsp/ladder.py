@@ -6,7 +6,7 @@ against them and they are quiet; otherwise the contact is coupled to their modes
 
 import math
 
-from .bank import LANES, RESPONSES, reach
+from .bank import LANES, NYQUIST_SHARE, RESPONSES, reach
 from .coupled_step import HELD
 from .gate import TOLERANCE, UNREST, closed_form_will_do
 from .jit import kernel
@@ -14,6 +14,7 @@ from .pulse import NODES, add_phasors, node
 from .relief import holds_steps
 
 _HAND = 200.0  # 1/s: decay that a hand adds at damp = 1
+_HEAVIEST = 10.0  # of a mode's decay a sample, in nepers: it is gone in one, and more only costs digits
 _RESOLVED = 28.0  # rad of a mode over a pulse: up to here its nodes tell the spectrum, beyond it is as good as 0
 _LIGHT = 1e-4  # sum of m phi^2 below which the object is as good as a rigid wall (-80 dB)
 
@@ -37,9 +38,15 @@ def weigh(weights, x):
 
 
 @kernel
-def hand_of(obj):
-    """Decay (1/s) that a hand on an object adds to all modes."""
-    return _HAND * obj.damp * obj.damp
+def sigma_of(state, obj, i):
+    """Decay (1/s) of an object's mode i as it is now, with a hand on it."""
+    return min(state.sigma[obj.first + i] / obj.decay + _HAND * obj.damp * obj.damp, _HEAVIEST * state.rate)
+
+
+@kernel
+def highest_of(state):
+    """Frequency (Hz) above which modes are silent."""
+    return NYQUIST_SHARE * 0.5 * state.rate
 
 
 @kernel

@@ -13,6 +13,7 @@ from .pulse import MOMENTS
 from .roll import ROLL, begin_roll, fill_roll, next_event
 
 _FRAMES = 64
+_SLOWEST = 1_000.0  # Hz: below, _FRAMES are longer than a call can follow
 
 
 @njit(error_model="numpy")
@@ -99,7 +100,7 @@ def roll_moments(roll: np.void, origin: float, seconds: float, rate: float) -> N
     (round(seconds rate), MOMENTS) float64; the force is f - m g: a body at rest gives none.
     """
     moments = np.zeros((round(seconds * rate), MOMENTS))
-    _fill(roll, float(origin), float(checked("rate", rate, 0.0)), moments)
+    _fill(roll, float(origin), float(checked("rate", rate, _SLOWEST, strict=False)), moments)
     return moments
 
 

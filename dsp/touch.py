@@ -6,7 +6,7 @@ from .bank import FINE, LANES, RESPONSES, inject, inject_fine, observe, receptan
 from .coupled import apart_for, begin_coupled, respond_with, step_coupled
 from .coupled_step import HELD
 from .jit import kernel
-from .ladder import hand_of, needs_coupling, place, reach_of, tolerance_of
+from .ladder import highest_of, needs_coupling, place, reach_of, sigma_of, tolerance_of
 from .methods import follow, start
 from .pulse import MOMENTS, add_held, advance, begin
 from .relief import modes_for, room_for_coupling
@@ -175,11 +175,11 @@ def _look(state, contact):
 def _weigh(state, contact, side, obj):
     """Put the static output for a push of 1 N into `lean`; the shapes are where `receptance` has left them."""
     left = right = 0.0
-    hand = hand_of(obj)
     for i in range(contact.body[side].modes):
-        omega = 2.0 * math.pi * state.frequency[obj.first + i] * obj.tune
-        sigma = state.sigma[obj.first + i] / obj.decay + hand
-        if omega > 0.0:
+        frequency = state.frequency[obj.first + i] * obj.tune
+        if 0.0 < frequency <= highest_of(state):
+            omega = 2.0 * math.pi * frequency
+            sigma = sigma_of(state, obj, i)
             heard = state.work[i] * state.weight[obj.first + i] * omega / (omega * omega + sigma * sigma)
             left += heard
             right += heard * state.balance[obj.first + i]

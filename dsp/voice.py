@@ -5,10 +5,10 @@ Objects that share a contact are rendered together, sample by sample; every othe
 
 import math
 
-from .bank import LANES, NYQUIST_SHARE, RESPONSES, set_mode, state_of
+from .bank import LANES, RESPONSES, set_mode, state_of
 from .encounter import attend, drive, drop_all, next_driven_frame
 from .jit import kernel
-from .ladder import hand_of
+from .ladder import highest_of, sigma_of
 from .relief import choose_newest, is_left_out, silence_of
 from .rolled import ring_on
 from .state import QUANTUM
@@ -144,12 +144,11 @@ def _retune(state, obj, count):
     first = obj.first
     last = first + obj.size
     response = state.response[first // LANES * RESPONSES : last // LANES * RESPONSES]
-    hand = hand_of(obj)
-    highest = NYQUIST_SHARE * 0.5 * state.rate
+    highest = highest_of(state)
     for _ in range(count):
         i = obj.retuning
         frequency = state.frequency[first + i] * obj.tune
-        sigma = state.sigma[first + i] / obj.decay + hand
+        sigma = sigma_of(state, obj, i)
         weight = state.weight[first + i]
         if frequency > highest:
             # Nothing excites it any more, and what it was ringing fades.
@@ -199,6 +198,8 @@ def _hush(state, obj):
         state.y1[i] = 0.0
         state.y2[i] = 0.0
     obj.live = 0
+    for channel in range(2):
+        obj.lean[channel] = obj.lean_before[channel] = 0.0
 
 
 @kernel

@@ -13,6 +13,7 @@ from ..dsp.state import End
 
 _REMEMBERED = 4_096  # ids: to steer what has ended is no mistake
 _MOST_ENDS = 65_536  # that wait to be told
+_LONGEST_STEM = 40  # characters of an object's name in an id for a gesture that was given none
 
 
 @dataclass(eq=False)
@@ -22,6 +23,7 @@ class Id:
 
     name: str
     number: int
+    times: int = 0  # that it was given
     started: deque[tuple[str, Any]] = field(default_factory=deque)
 
 
@@ -54,23 +56,25 @@ class Gestures:
             id = Id(name, self._last)
             self._numbers[id.number] = id
         self._ids[name] = id
+        id.times += 1
         id.started.append((address, source))
         return id
 
     def forget(self, id: Id) -> None:
         """Take back `new`."""
         id.started.pop()
-        if not id.started:
+        id.times -= 1
+        if id.times == 0:
             del self._ids[id.name], self._numbers[id.number]
 
     def numbered(self, name: str) -> str:
         """An id for a gesture that was given none."""
         self._named += 1
-        return f"{name}-{self._named}"
+        return f"{name[:_LONGEST_STEM]}-{self._named}"
 
-    def goes_on(self, name: str) -> bool:
-        """Was something of that id sent that hasn't ended yet?"""
-        return name in self._ids and len(self._ids[name].started) > 0
+    def goes_on(self, name: str, address: str) -> bool:
+        """Was something of that id sent to start at an address that hasn't ended yet?"""
+        return name in self._ids and any(started == address for started, _ in self._ids[name].started)
 
     def known(self) -> list[Id]:
         """The ids of what runs or was started not long ago."""

@@ -5,7 +5,7 @@ import sys
 import time
 import traceback
 from collections.abc import Collection, Iterator
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
@@ -34,7 +34,8 @@ _LONGEST_TEXT = 1_000  # characters of a reply
 _MOST_SUBSCRIBERS = 32
 _LONGEST_LATENCY = 2.0  # s
 _SAME_MOMENT = 2_000  # ns
-_FURTHEST_AHEAD = 3600.0  # s that a time tag may lie in the future
+_FURTHEST_AHEAD = 3600.0  # s that a time tag may lie in the future; how late it is counts up to that
+_MOST_COMPLAINTS = 1_000  # that are remembered, so that none is repeated
 
 
 class ServeError(ValueError):
@@ -100,7 +101,7 @@ class Server:
         self._log = log
         if log:
             self._scene.on_sent = log.expect
-        self._keepers = [keeper for keeper in (recorder, log) if keeper]
+        self._keepers: dict[str, Recorder | Log | None] = {"recording": recorder, "logging": log}
         self._told: set[str] = set()
         self.query: OscQuery | None = None
 
@@ -109,7 +110,7 @@ class Server:
 
     def start_files(self) -> None:
         """Begin to record and to log, from the engine's first sample on, in files that so far are as they were."""
-        for keeper in self._keepers:
+        for keeper in self._files():
             keeper.start()
 
     def choose_contact(self, args: tuple[Argument, ...]) -> None:
@@ -134,14 +135,17 @@ class Server:
             if arrived:
                 self._receive(*arrived)
             if time.monotonic() >= due:
-                self._poll()
+                try:
+                    self._poll()
+                except Exception:  # as below
+                    self._complain(traceback.format_exc())
                 due = time.monotonic() + _POLL
 
     def _receive(self, packet: bytes, source: Source) -> None:
         try:
             self._answer(packet, source)
         except Exception as error:  # a fault of ours must not end the show
-            traceback.print_exc()
+            self._complain(traceback.format_exc())
             self._reply(fail("datagram", f"a fault of the server: {error!r}"), source)
 
     def _answer(self, packet: bytes, source: Source) -> None:
@@ -187,6 +191,7 @@ class Server:
         ahead = unix_ns(time_tag) - wall
         if ahead > _FURTHEST_AHEAD * 1e9:
             raise Refused(f"time tag: {ahead / 1e9:.0f} s ahead; expected at most {_FURTHEST_AHEAD:.0f} s")
+        ahead = max(ahead, -round(_FURTHEST_AHEAD * 1e9))  # a clock that was never set says nothing of how late
         # From here on the wall clock may be set without moving what waits.
         return self.engine.stamp(max(1, clock + ahead))
 
@@ -195,7 +200,7 @@ class Server:
         values = VERBS[message.address].parse(message.args).numbers
         match message.address:
             case "/status":
-                self._reply(self._status.reply(len(self._scene.objects), self._network), source)
+                self._reply(self._status.reply(len(self._scene.objects), self._network, self._keeping()), source)
             case "/version":
                 self._reply(version(), source)
             case "/sync":
@@ -208,6 +213,13 @@ class Server:
             case "/quit":
                 self._reply(Message("/done", ("/quit",)), source)
                 self.stop()
+
+    def _files(self) -> list[Recorder | Log]:
+        return [keeper for keeper in self._keepers.values() if keeper]
+
+    def _keeping(self) -> dict[str, str]:
+        """What becomes of the files that are written: no, yes, or why not any more."""
+        return {name: keeper.error or "yes" if keeper else "no" for name, keeper in self._keepers.items()}
 
     def _sync(self, identity: int, source: Source) -> None:
         self.engine.send([(NOW, Command.SYNC, None, (float(self._sync_count + 1),))])
@@ -223,6 +235,9 @@ class Server:
         else:
             self._subscribers.add(source)
         self._reply(Message("/done", ("/notify",)), source)
+        for keeper in self._files():
+            if on and keeper.error:
+                self._reply(Message("/warning", (keeper.error,)), source)
 
     def _reply(self, message: Message, to: Source) -> None:
         # What came in may be long, and need not be text that can go out again.
@@ -236,10 +251,8 @@ class Server:
     def _poll(self) -> None:
         if self._log:
             self._log.write()
-        for keeper in self._keepers:
-            if keeper.error and keeper.error not in self._told:
-                self._told.add(keeper.error)
-                print(keeper.error, file=sys.stderr, flush=True)
+        for keeper in self._files():
+            if keeper.error and self._complain(keeper.error):
                 self._warn(keeper.error)
         done = self.engine.counter("synced")
         for count in [count for count in self._syncs if count <= done]:
@@ -258,6 +271,16 @@ class Server:
         names = {obj.handle.slot: name for name, obj in self._scene.objects.items()}
         for warning in (*self._status.warnings(names), *self._network.warnings(), *self.player.look()):
             self._warn(warning)
+
+    def _complain(self, text: str) -> bool:
+        """Tell whoever started the server, once; false if that was done before."""
+        if text in self._told:
+            return False
+        if len(self._told) < _MOST_COMPLAINTS:
+            self._told.add(text)
+        with suppress(OSError, ValueError):  # they may have left
+            print(text, file=sys.stderr, flush=True)
+        return True
 
     def _tell_end(self, ended: Ended) -> None:
         asked: set[Source] = {ended.source} | self._subscribers
@@ -320,6 +343,7 @@ def serving(options: Options) -> Iterator[Server]:
 def _warm_up(engine: Engine) -> None:
     """Do now what would hold up the first who asks for something, by some 70 ms each."""
     engine.send([])  # compiles what hands commands over
+    engine.stamp(clock_ns())  # and what tells the time
     gc.freeze()  # what is here for good need not be looked through for garbage again and again,
     gc.collect()  # nor count when it is decided whether there is enough new to look through
 

@@ -95,7 +95,10 @@ class Log:
             self.error = f"the log {self._file.path} ended: {error.strerror}"
 
     def close(self) -> None:
-        """Write what is left; a file that was never started is taken away again."""
+        """Write what is left, and the end; a file that was never started is taken away again."""
         if self._file.begun:
             self.write()
+            if not self.error:
+                # What rings or rolls on was heard up to here.
+                self._write(format_line(self._engine.position / self._engine.rate, Message("/panic")) + "\n")
         self._file.close()

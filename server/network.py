@@ -21,6 +21,7 @@ RECEIVE_BUFFER = 1 << 22
 """Bytes asked of the system for datagrams that come before the intake's turn; it gives what it permits."""
 
 _NEVER_WAIT = getattr(socket, "MSG_DONTWAIT", 0)
+_LINGER = 1.0  # s
 _TRIES = 16  # ports that may be free for UDP and not for TCP
 
 Source = tuple[str, int] | Connection
@@ -38,6 +39,7 @@ class Network:
         self._streamed: deque[tuple[bytes | None, Connection]] = deque()  # None: the end of a stream
         self._stream_next = False  # datagrams and streams take turns
         self._connections: set[Connection] = set()
+        self._lingering: dict[Connection, float] = {}  # that will say no more, and until when they are answered
         self._allowance = Allowance()
         self._udp, self._listener = _bound(host, port)
         self._intake = Intake(self._udp)
@@ -58,8 +60,8 @@ class Network:
 
     @property
     def connections(self) -> int:
-        """TCP clients that are there."""
-        return len(self._connections)
+        """TCP clients that are there, and may say more."""
+        return len(self._connections) - len(self._lingering)
 
     @property
     def counts(self) -> dict[str, int]:
@@ -147,6 +149,8 @@ class Network:
 
     def _gather(self, timeout: float) -> None:
         """Take what has arrived off the system's hands."""
+        for connection in [each for each, until in self._lingering.items() if until <= time.monotonic()]:
+            self._leave(connection)
         for key, events in self._selector.select(timeout):
             if key.fileobj is self._intake.heard:
                 self._intake.hush()
@@ -160,6 +164,8 @@ class Network:
             connection = Connection(self._listener.accept()[0])
             self._connections.add(connection)
             self._watch(connection)
+            if len(self._connections) > MOST_CONNECTIONS and self._lingering:
+                self._leave(next(iter(self._lingering)))
             if len(self._connections) > MOST_CONNECTIONS:
                 connection.wrong = f"{MOST_CONNECTIONS} clients are connected already: expected one to leave first"
                 self._part(connection)
@@ -195,14 +201,18 @@ class Network:
 
     def _part(self, connection: Connection) -> None:
         """Let a client go whose stream has ended, now that all in it was carried out."""
-        if connection.wrong and self.reaches(connection):
+        if not connection.wrong and self.reaches(connection):
+            self._lingering[connection] = time.monotonic() + _LINGER  # perhaps it only has no more to say
+            return
+        if self.reaches(connection):
             with suppress(OSError):
-                self.send(Message("/fail", ("stream", connection.wrong)), connection)
+                self.send(Message("/fail", ("stream", str(connection.wrong))), connection)
         self._leave(connection)
 
     def _leave(self, connection: Connection) -> None:
         if connection in self._connections:
             self._connections.remove(connection)
+            self._lingering.pop(connection, None)
             with suppress(KeyError):
                 self._selector.unregister(connection.socket)
             connection.close()

@@ -395,7 +395,7 @@ class ObjectPreset:
         except ValueError as error:
             raise PresetError(f"{self.where}{error}") from None
 
-    def replace(self, **changes: object) -> ObjectPreset:
+    def replace(self, /, **changes: object) -> ObjectPreset:
         """The preset with other values of its geometry, damping, strike, material (a name) or level.
 
         PresetError names the key. A key that excludes others (tension, fundamental) takes their place.

@@ -20,10 +20,12 @@ class Recorder:
     """Writes everything an engine computes to a 32-bit float WAV file (RF64 above 4 GiB), from a thread of its own.
 
     The file can be read at any time, as far as it is written: a crash loses little of it. An existing one is left as it
-    is until `start`. OSError if it can't be opened.
+    is until `start`. OSError if it can't be opened, RecordError for a name that is another format's.
     """
 
     def __init__(self, engine: Engine, path: Path) -> None:
+        if path.suffix.lower() not in ("", ".wav"):
+            raise RecordError(f"{path}: expected a name that ends in .wav")
         self._engine = engine
         self._out = OutFile(path)
         self._file: soundfile.SoundFile | None = None
@@ -39,6 +41,7 @@ class Recorder:
         try:
             self._file = open_sound(self._out.descriptor, round(self._engine.rate), "RF64", "FLOAT")
         except soundfile.LibsndfileError as error:
+            self._out.begun = False
             raise RecordError(f"{self._out.path}: {error} Is the disk full?") from error
         keep_readable(self._file)
         self._thread.start()

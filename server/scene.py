@@ -82,30 +82,33 @@ class Scene:
         self._source = source
         self._forget_gone()
         plain = [each for message in messages for each in spelled(message)]
-        for place, message in enumerate(plain):
-            done = len(self._undo)
-            self._said = [message]
-            try:
-                more, reply = self._translate(message)
-            except (Refused, PresetError, EngineFull) as error:
-                self._undo_from(done)
-                replies.append(fail(message.address, str(error)))
-            else:
-                commands += more
-                meant += self._said
-                replies += reply
-                accepted.append(message.address)
-            if len(commands) > RING:  # they will never be sent: spare the time to translate the rest
-                accepted += [rest.address for rest in plain[place + 1 :]]
-                break
-        first = self.engine.sent
         try:
+            for place, message in enumerate(plain):
+                done = len(self._undo)
+                self._said = [message]
+                try:
+                    more, reply = self._translate(message)
+                except (Refused, PresetError, EngineFull) as error:
+                    self._undo_from(done)
+                    replies.append(fail(message.address, str(error)))
+                else:
+                    commands += more
+                    meant += self._said
+                    replies += reply
+                    accepted.append(message.address)
+                if len(commands) > RING:  # they will never be sent: spare the time to translate the rest
+                    accepted += [rest.address for rest in plain[place + 1 :]]
+                    break
+            first = self.engine.sent
             self.engine.send(commands)
-            self.on_sent(first, list(map(_sent, meant, commands)))
         except EngineFull as error:
             self._undo_from(0)
             replies = [r for r in replies if r.address == "/fail"]
-            replies += [fail(address, str(error)) for address in accepted]
+            return replies + [fail(address, str(error)) for address in accepted]
+        except BaseException:
+            self._undo_from(0)
+            raise
+        self.on_sent(first, list(map(_sent, meant, commands)))
         return replies
 
     def _undo_from(self, first: int) -> None:
@@ -273,7 +276,7 @@ class Scene:
         contact = self._law(obj, values)
         id = values.words.get("id", name)
         radius = numbers.get("radius", self._radius(obj, values))
-        if speed > 0.0 and not self.gestures.goes_on(id):
+        if speed > 0.0 and not self.gestures.goes_on(id, f"/object/{name}/roll"):
             if not radius:
                 raise Refused("radius is missing: the striker has none")
             require_rollable(radius, surface, numbers.get("roughness", 1.0))

@@ -31,9 +31,10 @@ class Status:
         self._told = dict.fromkeys(_COUNTERS, 0)
         self._object_faults = engine.state["objects"]["faults"].copy()
 
-    def reply(self, objects: int, network: Network) -> Message:
+    def reply(self, objects: int, network: Network, keeping: dict[str, str]) -> Message:
         """/status.reply: the nine values of scsynth's (1, live modes, sounding objects, objects, contacts, average and
-        peak load in %, nominal and actual rate in Hz), then pairs of name and value."""
+        peak load in %, nominal and actual rate in Hz), then pairs of name and value; `keeping` says what becomes of the
+        files that are written."""
         count = self._engine.counter
         load = 100 * count("load"), 100 * count("load_peak")
         rates = self._engine.rate, self._engine.measured_rate
@@ -56,6 +57,7 @@ class Status:
             "scheduling": self._player.scheduling,
             **network.counts,
             "connections": network.connections,
+            **keeping,
             "time": self._engine.position / self._engine.rate,
         }
         return Message("/status.reply", (*nine, *pairs, *(item for pair in more.items() for item in pair)))

@@ -53,7 +53,7 @@ def require_rest(velocity: float, contact: Contact, gravity: float) -> None:
         raise Refused("dissipation = 0: the bounce would never end; expected above 0")
     v_e = math.sqrt(gravity * (mass * gravity / stiffness) ** (1 / a))
     v_rest = 2.5 * math.sqrt(dissipation * v_e) * v_e
-    duration = 3 / (dissipation * gravity) * math.log1p(velocity / v_rest)
+    duration = 3 / (dissipation * gravity) * math.log1p(velocity / v_rest) if v_rest else math.inf
     if duration > LONGEST_BOUNCE:
         raise Refused(
             f"dissipation = {dissipation:g}: the bounce might last {duration:.3g} s; "

@@ -182,7 +182,7 @@ def test_a_name_that_came_back_too_early(tmp_path):
     heard.append(engine.process(2_048))
     log.close()
     lines = read(tmp_path / "log.txt")
-    names = ["/object/new", "/object/new", "/object/a~2/impact", "/object/a/free"]
+    names = ["/object/new", "/object/new", "/object/a~2/impact", "/object/a/free", "/panic"]
     assert [line.message.address for line in lines] == names
     sound = np.concatenate(heard)
     np.testing.assert_array_equal(render_lines(lines, seconds=len(sound) / 48_000), sound)
