@@ -105,9 +105,9 @@ def _message(data: bytes) -> Message:
         raise BadPacket(f"address of {len(address)} characters: expected at most {MAX_ADDRESS}")
     if at == len(data):
         return Message(address)
-    tags, at = _string(data, at, "type tags")
-    if not tags.startswith(","):
+    if data[at : at + 1] != b",":
         raise BadPacket("arguments without type tags")
+    tags, at = _string(data, at, "type tags")
     args: list[Argument] = []
     open_arrays = 0
     for tag in tags[1:]:

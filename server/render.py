@@ -124,6 +124,8 @@ def render(
     subtype = _SUBTYPES[options.format or ("24" if container == "FLAC" else "float")]
     if not soundfile.check_format(container, subtype):
         raise RenderError(f"format = {options.format}: {container} holds 16 or 24")
+    if not out.parent.is_dir():
+        raise RenderError(f"{out}: there is no folder {out.parent}")
     engine = Engine(options.rate)
     with _appearing(out) as descriptor:
         try:

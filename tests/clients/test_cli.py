@@ -29,7 +29,7 @@ def test_render_makes_a_sound_file_and_a_picture(carom, tmp_path):
     [
         (("render", "none.txt", "x.wav"), "none.txt: No such file or directory"),
         (("render", "s.txt", "x.mp3"), "x.mp3: expected a name that ends in .wav or .flac"),
-        (("render", "s.txt", "no/x.wav"), "No such file or directory"),
+        (("render", "s.txt", "no/x.wav"), "no/x.wav: there is no folder no"),
         (("render", "bad.txt", "x.wav"), "bad.txt:2: /object/a/impact: a: no such object"),
         (("render", "s.txt", "x.wav", "--rate", "5"), "rate = 5: expected 8000 to 192000 Hz"),
         (("render", "s.txt", "x.wav", "--plot", "x.bmp"), "x.bmp: expected a name that ends in .png"),

@@ -1,5 +1,6 @@
 """Gestures over OSC: started, steered, stopped, refused, and told when they end."""
 
+import numpy as np
 import pytest
 
 from carom.dsp.host import NOW, Engine
@@ -199,3 +200,89 @@ def test_what_bounces_goes_on_when_the_object_is_left_out(scene):
     say(scene, "/object/pane/bounce", 3.0, "striker", "ping-pong", "id", "x")
     seconds(scene, 6.0)
     assert scene.engine.counter("impacts") > 3 and scene.engine.counter("sounding") <= 1
+
+
+def peak(scene, t):
+    return np.abs(scene.engine.process(round(t * scene.engine.rate))).max()
+
+
+def test_a_panic_leaves_nothing_of_what_was_bent(scene):
+    say(scene, "/object/pane/press", 100.0, "striker", "rubber")
+    seconds(scene, 1.0)
+    assert np.abs(scene.engine.state["objects"]["lean"]).max() > 0.1
+    scene.perform([Message("/panic"), Message("/object/pane/impact", (1e-6,))], NOW)
+    assert 0 < peak(scene, 0.01) < 1e-6
+
+
+def test_an_object_that_presses_and_goes_leaves_its_mass(scene):
+    """In the place of one that was bent another is at rest, and what it pressed on comes to rest."""
+    say(scene, "/object/new", "bell", "church-bell")
+    say(scene, "/object/new", "lid", "tin-lid")
+    say(scene, "/object/bell/press", 50.0, "by", "lid", "id", "hand")
+    seconds(scene, 2.0)
+    say(scene, "/object/lid/free", 1)
+    seconds(scene, 1.0)
+    assert peak(scene, 0.1) < 1e-6 and scene.engine.counter("contacts_active") == 1
+    say(scene, "/object/new", "other", "tin-lid")
+    say(scene, "/object/other/impact", 1e-6)
+    assert peak(scene, 0.01) < 1e-5
+
+
+def test_a_hand_that_does_not_press_hovers(scene):
+    def ringing():
+        say(scene, "/object/bar/impact", 1.0)
+        seconds(scene, 0.3)
+        return peak(scene, 0.05)
+
+    say(scene, "/object/new", "bar", "triangle")
+    say(scene, "/object/bar/press", 0, "id", "hand", "striker", "hand")
+    seconds(scene, 3.0)
+    free = ringing()
+    say(scene, "/gesture/hand/force", 10.0)
+    seconds(scene, 1.0)
+    muted = ringing()
+    say(scene, "/gesture/hand/force", 0)
+    seconds(scene, 5.0)
+    assert scene.take_ends() == [] and ringing() > 100 * muted and free > 100 * muted
+
+
+def test_nothing_is_heard_of_modes_that_are_bent_and_silent(scene):
+    say(scene, "/object/new", "bar", "marimba-bar", "tune", 60)
+    say(scene, "/object/bar/press", 100.0)
+    seconds(scene, 1.0)
+    assert peak(scene, 0.1) < 1e-8
+
+
+@pytest.mark.parametrize("rate", [8_000, 48_000, 192_000])
+def test_the_heaviest_damping_is_silence_and_no_fault(rate):
+    scene = Scene(Engine(rate), Presets())
+    for name, preset, *keys in (
+        ("cup", "plastic-cup", "decay", 0.001),
+        ("block", "wood-block", "beta", 1e-3, "decay", 0.001),
+        ("tile", "ceramic-tile", "alpha", 1e4, "decay", 0.001, "damp", 1),
+        ("bell", "church-bell"),
+    ):
+        assert say(scene, "/object/new", name, preset, *keys)[0].address == "/done"
+    say(scene, "/object/*/impact", 1.0)
+    say(scene, "/object/bell/impact", 1.0, "by", "cup")
+    seconds(scene, 0.2)
+    assert scene.engine.counter("faults") == 0 and peak(scene, 0.1) > 1e-3
+
+
+def test_ids_are_kept_and_made_where_they_are_needed(scene):
+    long = "x" * 64
+    say(scene, "/object/new", long, "wood-block")
+    assert say(scene, f"/object/{long}/bounce", 0.01) == [] and say(scene, f"/object/{long}/press", 1.0) == []
+    say(scene, "/object/pane/bounce", 0.01, "id", "ball")
+    seconds(scene, 20.0)
+    assert ("ball", None) in ids(scene)
+    refusal(scene, "/object/pane/bounce", 0.01, "id", "ball", "dissipation", 1e-310)
+    assert say(scene, "/gesture/ball/stop") == []  # it was known before, and still is
+
+
+def test_each_object_has_a_roll_of_its_own_by_an_id(scene):
+    say(scene, "/object/cup/roll", 0.1, "striker", "steel", "id", "x")
+    assert refusal(scene, "/object/pane/roll", 0.1, "striker", "yarn", "id", "x") == (
+        "radius is missing: the striker has none"
+    )
+    assert say(scene, "/object/cup/roll", 0.2, "striker", "yarn", "id", "x") == []

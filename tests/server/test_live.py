@@ -16,6 +16,7 @@ import soundfile
 from carom.clients.client import Client, CommandError
 from carom.server import osc
 from carom.server.network import RECEIVE_BUFFER, Network
+from carom.server.score import read
 from tests.conftest import CAROM, Running, serving
 
 EXAMPLES = Path(__file__).parents[2] / "clients" / "examples"
@@ -242,6 +243,9 @@ def test_what_can_not_be_served_is_told(tmp_path):
     assert "no/such/out.wav: No such file or directory" in failing(tmp_path, *none, "--record", "no/such/out.wav")
     assert "/dev/full: Invalid argument" in failing(tmp_path, *none, "--record", "/dev/full")
     assert "/dev/full: Invalid argument" in failing(tmp_path, *none, "--log", "/dev/full")
+    assert "out.flac: expected a name that ends in .wav" in failing(tmp_path, *none, "--record", "out.flac")
+    same = failing(tmp_path, *none, "--record", "same", "--log", "same")
+    assert "same: is being written already" in same and not (tmp_path / "same").exists()
     assert "latency = 3: expected 0 to 2 s" in failing(tmp_path, *none, "--latency", "3")
     assert "no/presets: expected a folder" in failing(tmp_path, *none, "--presets", "no/presets")
     assert "rate = 1: expected" in failing(tmp_path, *none, "--rate", "1")
@@ -431,3 +435,41 @@ def test_two_thousand_impacts_a_second_and_32_rolls(server: Running):
     assert seen.sent >= 3 * RATE and seen.carried_out >= seen.sent + 100 * ROLLS and seen.growth < 5.0
     assert seen.rolling >= ROLLS and seen.dropped["dropped"] == seen.dropped["dropped_by_system"] == 0
     assert seen.dropped["contacts_dropped"] == seen.dropped["faults"] == seen.dropped["tap_lost"] == 0
+
+
+def test_files_that_can_not_be_written_on_are_told_for_good(tmp_path):
+    """Also to those who ask later, and where nobody reads what it says; what is there of the log can be rendered."""
+    limits = "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000)); "
+    limits += "from carom.clients.cli import main; sys.exit(main())"
+    words = [sys.executable, "-c", limits, "serve", "--port", "0", "--device", "none", "--log", "log.txt"]
+    with subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout and process.stderr
+        port = int(process.stdout.readline().split(":")[1].split(",")[0])
+        process.stderr.close()
+        with Client(port=port) as client:
+            client.new("a", "wood-block")
+            for _ in range(40):
+                with client.bundle():
+                    for _ in range(20):
+                        client.impact("a", 1e-3)
+            client.ask("/sync", 1)
+            time.sleep(0.3)
+            status = client.status().args
+            assert "File too large" in str(dict(zip(status[9::2], status[10::2], strict=True))["logging"])
+            client.ask("/notify", 1)
+            assert any("File too large" in str(reply.args) for reply in client.replies(0.2))
+            client.ask("/quit")
+        assert process.wait(timeout=10) == 0
+    lines = read(tmp_path / "log.txt")
+    assert 100 < len(lines) < 800 and lines[0].message.address == "/object/new"
+
+
+def test_what_is_an_age_late_counts_an_hour(server: Running):
+    with server.client() as client:
+        client.new("a", "wood-block")
+        client.ask("/sync", 1)
+        with client.bundle(at=1.0):
+            client.impact("a", 1.0)
+        client.ask("/sync", 2)
+        status = client.status().args
+    assert dict(zip(status[9::2], status[10::2], strict=True))["late_worst_ms"] == pytest.approx(3.6e6, rel=1e-3)

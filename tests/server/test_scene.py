@@ -302,3 +302,16 @@ def test_one_among_many_is_found_at_once(scene):
     for n in range(2000):
         assert say(scene, f"/object/o{n % OBJECTS}/impact", 0) == []
     assert time.process_time() - started < 1.0
+
+
+def test_what_fails_by_a_fault_of_ours_leaves_nothing(scene, monkeypatch):
+    assert "self = 1: expected one of" in refusal(scene, "/object/new", "a", "church-bell", "self", 1)
+
+    def broken(*_):
+        raise KeyError("a fault")
+
+    monkeypatch.setattr(scene, "_impact", broken)
+    new = [Message("/object/new", (f"a{n}", "wood-block")) for n in range(5)]
+    with pytest.raises(KeyError):
+        scene.perform([*new, Message("/object/a0/impact", (1.0,))], NOW)
+    assert scene.objects == {} and say(scene, "/object/new", "a0", "wood-block")[0].address == "/done"
