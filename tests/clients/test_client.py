@@ -63,6 +63,15 @@ def arrived(server: Server, count: int) -> list[Bundle]:
     return server.received
 
 
+def test_nothing_of_a_number_is_lost(server: Server, client: Client) -> None:
+    client.impact("a", 0.1)
+    with client.bundle():
+        client.impact("a", 0.1)
+    assert [bundle.messages[0].args for bundle in arrived(server, 2)] == [(0.1,), (0.1,)]
+    with pytest.raises(CommandError, match="zero character"):
+        client.send("/a", "\0")
+
+
 def test_conveniences(server: Server, client: Client) -> None:
     server.answers["/object/new"] = [Message("/done", ("/object/new", "bell"))]
     client.new("bell", "church-bell", level=-3)

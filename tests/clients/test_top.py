@@ -7,8 +7,9 @@ import select
 import signal
 import subprocess
 import time
+from itertools import islice
 
-from carom.clients.top import view
+from carom.clients.top import _views, view
 from carom.server.osc import Message
 from tests.conftest import CAROM, Running
 
@@ -48,6 +49,36 @@ def test_all_that_is_told_is_shown():
 def test_what_goes_wrong_just_now_stands_out():
     assert "\x1b[1;31m" not in shown({}) and "\x1b[1;31m" not in shown({"late": 2})
     assert re.search(r"\x1b\[1;31m\s+2\x1b", shown({"late": 1}))
+    assert re.search(r"\x1b\[33m\s+1\x1b", shown({}))  # an underflow, some time ago
+    assert "\x1b[1;31m" not in shown({"late": 2, "impacts": 1})
+
+
+class Silent:
+    """A server that answers every other time, each time later."""
+
+    def __init__(self):
+        self.asked = 0
+
+    def status(self):
+        self.asked += 1
+        if self.asked % 2 == 0:
+            raise TimeoutError("no reply")
+        pairs = {**PAIRS, "late": self.asked}
+        return Message("/status.reply", (*NINE, *(item for pair in pairs.items() for item in pair)))
+
+
+def test_a_server_that_is_silent_for_a_while_is_shown_again(monkeypatch):
+    from rich.console import Console
+
+    monkeypatch.setattr("carom.clients.top.PERIOD", 0.0)
+    console = Console(width=120, force_terminal=True, legacy_windows=False)
+    pictures = _views(Silent())
+    with console.capture() as capture:
+        for picture in islice(pictures, 3):
+            console.print(picture)
+    text = capture.get()
+    assert text.count("no answer: no reply") == 1 and plain(text).count("1:02:05") == 2
+    assert re.search(r"\x1b\[1;31m\s+3\x1b", text)  # later than at first
 
 
 def test_once(server: Running):

@@ -34,10 +34,10 @@ def run(governor, engine, load, seconds, start, overruns=0):
 def test_it_steps_down_under_load_and_up_after_calm():
     engine = Loaded()
     governor = Governor(engine)
-    assert run(governor, engine, 0.6, 10.0, 100.0) == []
-    down = run(governor, engine, 0.95, 3.0, 200.0)
+    assert run(governor, engine, 0.75, 10.0, 100.0) == []
+    down = run(governor, engine, 0.85, 3.0, 200.0)
     assert [quality for _, quality in down] == [1, 2, 3, 4, 5, 6, 7, 8]
-    assert all(later - sooner >= 0.2 for (sooner, _), (later, _) in pairwise(down))
+    assert all(0.2 <= later - sooner < 0.23 for (sooner, _), (later, _) in pairwise(down))
     assert run(governor, engine, 0.6, 60.0, 300.0) == []  # neither too much nor little: no swinging to and fro
     up = run(governor, engine, 0.1, 60.0, 360.0)
     assert [quality for _, quality in up] == [7, 6, 5, 4, 3, 2, 1, 0] and up[0][0] >= 364.0 - 0.03
@@ -47,7 +47,7 @@ def test_it_steps_down_under_load_and_up_after_calm():
 def test_late_blocks_alone_are_the_systems_doing_or_a_bursts():
     engine = Loaded()
     governor = Governor(engine)
-    assert run(governor, engine, 0.2, 5.0, 100.0, overruns=1) == []
+    assert run(governor, engine, 0.35, 5.0, 100.0, overruns=1) == []
     engine.counters["overruns"] += 1
     assert run(governor, engine, 0.5, 5.0, 200.0) == [(200.0, Quality.HELD)]  # once
     assert [quality for _, quality in run(governor, engine, 0.5, 5.0, 300.0, overruns=1)] == [Quality.QUIET]
@@ -57,6 +57,7 @@ def test_what_is_asked_for_is_not_exceeded():
     engine = Loaded()
     governor = Governor(engine)
     governor.heed(Message("/quality", (2.0,)))
+    governor.heed(Message("/object/a/damp", (1.0,)))
     governor.heed(Message("/quality", ("best",)))
     governor.heed(Message("/quality", (9,)))
     engine.counters["quality"] = 4

@@ -164,25 +164,79 @@ def test_a_log_that_fails_is_told(tmp_path):
     assert not (tmp_path / "log.txt").exists()  # it was never begun
 
 
-def test_a_name_that_came_back_too_early(tmp_path):
+@pytest.fixture
+def logged(tmp_path):
+    """An engine, its scene and its log."""
+    engine = Engine(48_000)
+    scene = Scene(engine, PRESETS)
+    log = Log(engine, tmp_path / "log.txt")
+    scene.on_sent = log.expect
+    log.start()
+    assert scene.perform([Message("/object/new", ("a", "wood-block"))], NOW)[0].address == "/done"
+    yield engine, scene, log
+    log.close()
+
+
+def test_a_log_that_missed_something_ends(logged, tmp_path):
+    """What is logged renders to what was heard, up to where it says that it ended."""
+    engine, scene, log = logged
+    engine.process(64)
+    log.write()
+    while not engine.counter("notes_lost"):
+        assert scene.perform([Message("/object/a/damp", (0.1,))] * 8_000, NOW) == []
+        engine.process(64)
+    log.write()
+    assert log.error is not None and "events were too many at once" in log.error
+    assert len(read(tmp_path / "log.txt")) == 1
+
+
+def test_a_server_that_runs_for_longer_than_a_score_lasts(logged, monkeypatch, tmp_path):
+    engine, scene, log = logged
+    engine.process(64)
+    monkeypatch.setattr("carom.server.score.LONGEST_SCORE", 0.01)
+    scene.perform([Message("/object/a/impact", (0.1,))], 4_800.0)
+    engine.process(9_600)
+    log.write()
+    assert log.error is not None and "time 0.1: expected seconds from 0 to 0.01" in log.error
+    monkeypatch.undo()
+    assert [line.message.address for line in read(tmp_path / "log.txt")] == []
+
+
+def test_what_waits_to_be_logged_is_forgotten_once_it_is(logged):
+    engine, scene, log = logged
+    for n in range(10):
+        scene.perform([Message("/object/a/impact", (0.1,)), Message("/object/a/damp", (0.1,))], 1e6 * (n % 2))
+    scene.perform([Message("/panic")], NOW)
+    engine.process(640)
+    log.write()
+    assert not log._waiting and log.error is None
+
+
+def test_a_file_is_as_readable_as_any(logged, tmp_path):
+    (tmp_path / "plain").touch()
+    assert (tmp_path / "log.txt").stat().st_mode == (tmp_path / "plain").stat().st_mode
+
+
+@pytest.mark.parametrize("name", ["a", "n" * 64])
+def test_a_name_that_came_back_too_early(tmp_path, name):
     """The clock was set: what was to be gone by then is still there when its name is given again."""
     engine = Engine(48_000)
     scene = Scene(engine, PRESETS)
     log = Log(engine, tmp_path / "log.txt")
     scene.on_sent = log.expect
     log.start()
-    scene.perform([Message("/object/new", ("a", "wood-block"))], NOW)
+    scene.perform([Message("/object/new", (name, "wood-block"))], NOW)
     heard = [engine.process(64)]
-    scene.perform([Message("/object/a/free", (1,))], Stamp(100.0, clock_ns() + 50_000_000))
+    scene.perform([Message(f"/object/{name}/free", (1,))], Stamp(100.0, clock_ns() + 50_000_000))
     heard.append(engine.process(256))
-    new = [Message("/object/new", ("a", "triangle")), Message("/object/a/impact", (1.0,))]
+    new = [Message("/object/new", (name, "triangle")), Message(f"/object/{name}/impact", (1.0,))]
     assert [reply.address for reply in scene.perform(new, NOW)] == ["/done"]
     heard.append(engine.process(256))
     time.sleep(0.06)
     heard.append(engine.process(2_048))
     log.close()
     lines = read(tmp_path / "log.txt")
-    names = ["/object/new", "/object/new", "/object/a~2/impact", "/object/a/free", "/panic"]
+    names = ["/object/new", "/object/new", f"/object/{name[:50]}~2/impact", f"/object/{name}/free", "/panic"]
     assert [line.message.address for line in lines] == names
     sound = np.concatenate(heard)
     np.testing.assert_array_equal(render_lines(lines, seconds=len(sound) / 48_000), sound)

@@ -67,7 +67,7 @@ def test_sclang_bundle() -> None:
         (b",t", struct.pack(">Q", 2**64 - 1), (2**64 - 1,)),
         (b",r", b"\xff\0\0\x80", (0xFF000080,)),
         (b",m", b"\0\x90\x3c\x7f", (b"\0\x90\x3c\x7f",)),
-        (b",c", b"\0\0\0a", ("a",)),
+        (b",cc", b"\0\0\0\x01\0\0\0\x7f", ("\x01", "\x7f")),
         (b",sS", "né\0\0\0\0\0".encode()[:4] + b"abc\0", ("né", "abc")),
         (b",s", b"\0\0\0\0", ("",)),
         (b",b", b"\0\0\0\x05abcde\0\0\0", (b"abcde",)),
@@ -85,6 +85,10 @@ def test_every_type(tags: bytes, data: bytes, args: tuple[osc.Argument, ...]) ->
 def test_nan_passes() -> None:
     (value,) = only(packed(b"/a", b",f", b"\x7f\xc0\0\0")).args
     assert isinstance(value, float) and math.isnan(value)
+
+
+def test_the_longest_address() -> None:
+    assert len(only(packed(b"/" + b"*" * 1023, b",")).address) == 1024
 
 
 def test_without_type_tags() -> None:
@@ -271,6 +275,9 @@ def test_what_osc_cannot_carry(address: str, args: tuple[osc.Argument, ...]) -> 
 
 
 def test_bundle_too_large() -> None:
+    assert len(osc.encode("/a", "x" * 65_495)) == 65_504  # the most that is a multiple of 4
+    with pytest.raises(ValueError, match="65508 bytes"):
+        osc.encode("/a", "x" * 65_496)
     with pytest.raises(ValueError, match="65507"):
         osc.encode_bundle(1, [Message("/a", ("x" * 40000,))] * 2)
 

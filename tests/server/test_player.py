@@ -9,7 +9,8 @@ import pytest
 import soundfile
 
 from carom.dsp.host import Engine
-from carom.server.player import Player
+from carom.server.audio import AudioError
+from carom.server.player import Player, priority
 from tests.conftest import serving
 
 
@@ -92,6 +93,86 @@ def test_the_thread_runs_in_real_time_where_that_is_permitted():
         assert os.sched_getscheduler(0) == os.SCHED_OTHER  # Python's own thread stays as it was
     finally:
         player.close()
+
+
+class Device:
+    """An output that goes and comes as one says."""
+
+    name, latency = "box", 0.01
+
+    def __init__(self, engine, *_):
+        self.engine, self.there, self.closed = engine, True, False
+
+    def start(self):
+        if not self.there:
+            raise AudioError("box does not start")
+
+    def active(self):
+        return self.there
+
+    def close(self):
+        self.closed = True
+
+
+@pytest.fixture
+def devices(monkeypatch):
+    """A player on a device of one's own, those that it opened, and what opening the next one does."""
+    opened, to_come = [], []
+
+    def opening(engine, *_):
+        if to_come and isinstance(error := to_come.pop(0), Exception):
+            raise error
+        opened.append(Device(engine))
+        return opened[-1]
+
+    monkeypatch.setattr("carom.server.player.open_output", opening)
+    monkeypatch.setattr("carom.server.player.look_for_devices", lambda: None)
+    monkeypatch.setattr("carom.server.player._AGAIN", 0.02)
+    player = Player(Engine(48_000), None, 64, None)
+    yield player, opened, to_come
+    player.close()
+    assert opened[-1].closed
+
+
+def test_a_device_is_looked_for_until_it_is_back(devices):
+    player, opened, to_come = devices
+    assert player.look() == [] and player.name == "box"
+    to_come += [AudioError("none there")] * 3 + [AudioError("another"), None]
+    opened[0].there = False
+    assert player.look() == ["device box is gone: time goes on by the clock until it is back"]
+    assert opened[0].closed or player._mender.is_alive()
+    told = []
+    within(5, lambda: told.extend(player.look()) or player.reconnects)
+    within(5, lambda: not player._mender.is_alive())
+    told += player.look()
+    assert told == ["none there", "another", "device box is back"] and opened[0].closed
+    played = opened[-1].engine.position
+    time.sleep(0.05)
+    assert opened[-1].engine.position == played  # not by the clock any more
+    assert player.name == "box" and player.reconnects == 1
+
+
+def test_a_device_that_asks_for_nothing_is_told_once(devices, monkeypatch):
+    player, opened, _ = devices
+    now = time.monotonic()
+    monkeypatch.setattr("carom.server.player.time.monotonic", lambda: now)
+    told = []
+    for played in (False, False, False, False, True, False, False, False):
+        now += 1.0
+        if played:
+            opened[0].engine.process(64)
+        told += player.look()
+    assert told == ["device box asks for no sound"] * 2
+
+
+@pytest.mark.parametrize(
+    ("user", "limit", "expected"), [(0, 0, 70), (1000, 0, 0), (1000, 20, 20), (1000, 95, 70), (1000, -1, 70)]
+)
+def test_no_priority_is_asked_for_beyond_what_is_given(monkeypatch, user, limit, expected):
+    resource = pytest.importorskip("resource")
+    monkeypatch.setattr(os, "geteuid", lambda: user)
+    monkeypatch.setattr(resource, "getrlimit", lambda _: (limit, limit))
+    assert priority() == expected
 
 
 def test_a_lost_device_is_told_and_had_back(tmp_path, jack):

@@ -133,6 +133,12 @@ def test_a_ball_meets_a_material_by_hertz():
     assert PRESETS.striker("steel").contact(None)[1] > stiffness
 
 
+def test_a_ball_may_be_lighter_than_a_solid_one(folder):
+    ball = 'description = "d"\nsource = "s"\nmaterial = "steel"\nradius = 0.02\ndissipation = 0.1\nmass = 0.002'
+    (folder / "strikers" / "hollow.toml").write_text(ball, encoding="utf-8")
+    assert Presets([folder]).striker("hollow").mass == 0.002
+
+
 def test_a_given_law_is_taken_as_it_is():
     assert PRESETS.striker("felt-hammer").contact(None) == (2.97e-3, 4.5e9, 0.15, 2.5)
 
@@ -163,6 +169,45 @@ def test_wrong_strikers_are_named(folder, text, message):
     assert message in str(caught.value) and "bad.toml: " in str(caught.value)
 
 
+# surfaces
+
+GROUND = """
+description = "d"
+source = "s"
+roughness = 1e-5
+correlation = 0.01
+slope = 2
+dissipation = 0.5
+"""
+
+
+def test_a_surface_is_its_profile(folder):
+    (folder / "surfaces").mkdir()
+    (folder / "surfaces" / "plain.toml").write_text(GROUND, encoding="utf-8")
+    (folder / "surfaces" / "waves.toml").write_text(GROUND + "ripple = 1e-4\nwavelength = 0.1\n", encoding="utf-8")
+    presets = Presets([folder])
+    assert (
+        presets.surface("plain").profile == (1e-5, 0.01, 2.0, 0.0, 1.0) and presets.surface("plain").dissipation == 0.5
+    )
+    assert presets.surface("waves").profile == (1e-5, 0.01, 2.0, 1e-4, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("dissipation = 0.5", "", "dissipation is missing"),
+        ("slope = 2", "slope = 1", "slope = 1: expected a number from 1.01 to 5"),
+        ("slope = 2", "slop = 2", "slop = 2: expected one of description"),
+        ("correlation = 0.01", "", "correlation is missing"),
+    ],
+)
+def test_wrong_surfaces_are_named(folder, old, new, message):
+    (folder / "surfaces").mkdir()
+    (folder / "surfaces" / "bad.toml").write_text(GROUND.replace(old, new), encoding="utf-8")
+    with pytest.raises(PresetError, match=message):
+        Presets([folder]).surface("bad")
+
+
 # objects from a user's folder
 
 
@@ -176,6 +221,15 @@ def test_a_users_preset_comes_before_the_built_in_one(folder):
     assert "mine" in with_object(folder, BAR).names("objects")
 
 
+def test_the_first_folder_comes_first(folder, tmp_path_factory):
+    with_object(folder, BAR, "gong")
+    other = tmp_path_factory.mktemp("other")
+    (other / "objects").mkdir()
+    (other / "objects" / "gong.toml").write_text(BAR.replace("level = -3", "level = -9"), encoding="utf-8")
+    assert Presets([folder, other]).object("gong").level == -3.0
+    assert Presets([other, folder]).object("gong").level == -9.0
+
+
 def test_an_objects_own_damping_replaces_its_materials(folder):
     plain = with_object(folder, BAR).object("mine")
     damped = with_object(folder, BAR + "[damping]\nalpha = 40\n").object("mine")
@@ -187,6 +241,8 @@ def test_an_objects_own_damping_replaces_its_materials(folder):
 def test_pickups_are_where_the_preset_puts_them(folder):
     ends = with_object(folder, BAR + "[pickup]\nleft = 0\nright = 1\n").object("mine").modes(5000)
     assert ends.pickup == pytest.approx(ends.strike[[0, -1]])
+    other = with_object(folder, BAR + "[pickup]\nleft = 1\nright = 0\n").object("mine").modes(5000)
+    assert other.pickup == pytest.approx(ends.strike[[-1, 0]])
 
 
 @pytest.mark.parametrize(
@@ -207,6 +263,7 @@ def test_pickups_are_where_the_preset_puts_them(folder):
         ('material = "steel"', 'material = "../steel"', "material = '../steel': expected a name of up to 64 letters"),
         ('material = "steel"', 'material = "qwxyz"', "no material 'qwxyz': expected one of"),
         ('source = "none"', "", "source is missing"),
+        ('striker = "wood"', 'striker = "wod"', "[strike] striker = 'wod': no striker 'wod': did you mean wood"),
         ("velocity = 1", "velocity = 0", "[strike] velocity = 0: expected a number from 0.001 to 100 m/s"),
         ("position = 0.5", "position = 1.5", "[strike] position = 1.5: expected a number from 0 to 1"),
         ("[geometry]", "[geomtry]", "geomtry = "),
@@ -344,6 +401,7 @@ def test_whole_numbers_may_come_as_floats():
         ({"material": 3}, "material = 3: expected a name"),
         ({"material": "stell"}, "material = 'stell': no material 'stell': did you mean steel"),
         ({"level": 1e9}, "level = 1000000000.0: expected a number from -120 to 120 dB"),
+        ({"undercut": True}, "undercut = True: expected a number from 0 to 0.95"),
         ({"ends": "glued"}, "ends = 'glued': expected one of free, cantilever"),
         ({"shape": "disc"}, "shape = 'disc': expected one of"),
     ],

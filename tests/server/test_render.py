@@ -63,6 +63,7 @@ def test_formats(tmp_path, name, format, subtype):
     render(read(score), out, Presets(), Options(format=format, seconds=0.5))
     info = soundfile.info(out)
     assert (info.subtype, info.frames, info.channels, info.samplerate) == (subtype, 24_000, 2, 48_000)
+    assert out.stat().st_mode == score.stat().st_mode
     expected = render_lines(read(score), seconds=0.5)
     step = {"FLOAT": 0, "PCM_24": 2**-23, "PCM_16": 2**-15}[subtype]
     assert np.abs(soundfile.read(out)[0] - expected).max() <= step
@@ -74,7 +75,10 @@ def test_formats(tmp_path, name, format, subtype):
         ({"rate": 100}, "rate = 100"),
         ({"rate": 400_000}, "rate = 400000"),
         ({"block": 0}, "block = 0"),
+        ({"block": 2_000_000}, "block = 2000000"),
         ({"seconds": 0.0}, "seconds = 0"),
+        ({"seconds": 1e-5}, "seconds = 1e-05"),
+        ({"seconds": 2_678_401.0}, r"seconds = 2\.6784e\+06: expected at least a frame and at most 2678400"),
         ({"seconds": float("nan")}, "seconds = nan"),
         ({"format": "32"}, "format = 32"),
     ],

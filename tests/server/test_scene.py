@@ -84,6 +84,12 @@ def test_keys_change_the_preset(scene):
         ("/object/new", ("b", "church-bel"), "no object 'church-bel': did you mean church-bell?"),
         ("/object/new", ("a", "church-bell"), "name = a: there is such an object already"),
         ("/object/new", ("b c", "church-bell"), "name = b c: expected 1 to 64 printable characters"),
+        ("/object/new", ("b" * 65, "church-bell"), "expected 1 to 64 printable characters"),
+        ("/object/new", ("b\x07", "church-bell"), "expected 1 to 64 printable characters"),
+        ("/object/new", ("new", "church-bell"), "name = new: expected 1 to 64"),
+        ("/object/new", ("", "church-bell"), "name = : expected a name"),
+        ("/object/new", ("b", "church-bell", "length", 1, "length", 2), "length = 2: given twice"),
+        ("/object/new", ("b", "church-bell", "striker", "wood", "striker", "felt"), "striker = felt: given twice"),
         ("/object/new", ("b", "church-bell", "gain", "loud"), "gain = loud: expected a number from -120 to 40 dB"),
         ("/object/new", ("b", "glass-plate", "length", -1.0), "length = -1.0: expected a number"),
         ("/object/new", ("b", "glass-plate", "colour", 1), "colour = 1: expected one of"),
@@ -105,6 +111,8 @@ def test_keys_change_the_preset(scene):
         ("/object/a/impact", (1.0, "loudness", 1), "loudness: no such key; expected striker, mass"),
         ("/object/a/impact", (1.0, 0.5, 0.5), "0.5: expected a key"),
         ("/object/a/impact", (1.0, "mass", 1e3, "stiffness", 1.0), "the contact would last"),
+        ("/quality", (1.5,), "quality = 1.5: expected a whole number"),
+        ("/accuracy", (-50,), "accuracy = -50: expected -40, -60, -80, exact"),
         ("/object/a/damp", (2.0,), "damp = 2: expected a number from 0 to 1"),
         ("/object/a/pan", (-2.0,), "pan = -2"),
     ],
@@ -137,6 +145,9 @@ def test_a_full_queue_refuses_whole_bundles_and_forgets_nothing(scene):
     )
     assert [r.address for r in replies] == ["/fail"] * 3 and "can be queued now" in replies[0].args[1]
     assert list(scene.objects) == ["a"]
+    assert (
+        "there is such an object already" in say(scene, "/object/new", "a", "tom")[0].args[1]
+    )  # the free came to nothing
     scene.engine.process(64)
     assert say(scene, "/object/new", "b", "wood-block")[0].address == "/done"
 
@@ -254,6 +265,8 @@ def test_the_table_names_every_address_and_key():
         ("/object/b*/{impact,damp}", ["bell", "bar"]),
         ("/obj[a-z]ct/{bell,tom}/i?pact", ["bell", "tom"]),
         ("/*/*/*pact", ["bell", "bar", "tom"]),
+        ("/object/b[a]r/impact", ["bar"]),
+        ("/object/ba?/impact", ["bar"]),
     ],
 )
 def test_every_part_of_an_address_may_be_a_pattern(scene, pattern, struck):

@@ -1,0 +1,180 @@
+"""What goes wrong by itself is told to those who are notified, and nothing that goes wrong ends the server."""
+
+import os
+import re
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack
+
+import pytest
+
+from carom.clients.client import Client, CommandError
+from carom.dsp.state import CONTACTS
+from carom.server import osc
+from carom.server.live import Options, Server, serving
+from carom.server.osc import Message
+
+
+@pytest.fixture
+def server(tmp_path) -> Iterator[Server]:
+    """A server in this process, which plays by the clock, records and logs."""
+    with serving(Options(port=0, device="none", record=tmp_path / "out.wav", log=tmp_path / "log.txt")) as server:
+        thread = threading.Thread(target=server.run)
+        thread.start()
+        try:
+            yield server
+        finally:
+            server.stop()
+            thread.join()
+
+
+@pytest.fixture
+def client(server: Server) -> Iterator[Client]:
+    with Client(port=server.address[1]) as client:
+        yield client
+
+
+def warnings(client: Client, seconds: float = 0.2) -> list[str]:
+    return [str(reply.args[0]) for reply in client.replies(seconds) if reply.address == "/warning"]
+
+
+def status(client: Client) -> dict[str, object]:
+    args = client.status().args
+    return dict(zip(args[9::2], args[10::2], strict=True))
+
+
+def too_many_contacts(server: Server, client: Client) -> None:
+    with client.bundle():
+        for _ in range(CONTACTS + 5):
+            client.impact("a", 0.01, mass=1e-7, stiffness=1.0, exponent=1.0)
+
+
+def late(server: Server, client: Client) -> None:
+    with client.bundle(at=time.time() - 0.5):
+        client.impact("a", 0.1)
+
+
+def no_number(server: Server, client: Client) -> None:
+    server.engine.state["objects"]["faults"][0][server._scene.objects["a"].handle.slot] += 1
+
+
+def unheard(server: Server, client: Client) -> None:
+    server.engine.state["underflows"] += 1
+
+
+def unwritten(server: Server, client: Client) -> None:
+    server.engine.state["tap_lost"] += 7
+
+
+@pytest.mark.parametrize(
+    ("wrong", "told"),
+    [
+        (too_many_contacts, "5 contacts left out: too many at once"),
+        (late, r"1 events came too late for their time and were played at once, the last by 5\d\d\.\d ms"),
+        (no_number, "object a was silenced: its sound was not finite"),
+        (unheard, "1 times the device was not served in time"),
+        (unwritten, "7 frames are missing in the recording: the disk is too slow"),
+    ],
+)
+def test_what_goes_wrong_is_told_each_time_once_to_those_who_asked(server, client, wrong, told):
+    client.new("a", "church-bell")
+    client.ask("/sync", 1)
+    with Client(port=server.address[1]) as other:
+        for each, on in ((client, 1), (other, 1), (other, 0)):
+            each.ask("/notify", on)
+        for _ in range(2):
+            wrong(server, client)
+            (text,) = warnings(client)
+            assert re.fullmatch(told, text)
+        assert warnings(other, 0.0) == []
+
+
+def test_quality_steps_down_while_there_is_too_little_time_and_says_so(server, client, monkeypatch):
+    load = {"load": 0.95, "load_peak": 0.99}
+    counter = server.engine.counter
+    client.ask("/notify", 1)
+    monkeypatch.setattr(server.engine, "counter", lambda name: load[name] if name in load else counter(name))
+    told = warnings(client)
+    assert told == ["quality is now 1, held: the load is 95%"]
+    assert status(client)["quality"] == 1
+    load.update(load=0.1, load_peak=0.1)
+    monkeypatch.setattr("carom.server.governor._CALM", 0.1)
+    client.send("/quality", 1)
+    assert warnings(client) == []  # as it is asked for
+    client.send("/quality", 0)
+    client.ask("/sync", 1)
+    assert status(client)["quality"] == 0
+
+
+@pytest.mark.parametrize("kind", ["log", "recording"])
+def test_a_disk_that_is_full_is_told_once_and_the_sound_goes_on(server, client, capfd, kind):
+    if not os.path.exists("/dev/full"):
+        pytest.skip("no disk that is always full")
+    client.new("a", "wood-block")
+    client.ask("/notify", 1)
+    keeper = next(keeper for keeper in server._keepers if (keeper is server._log) == (kind == "log"))
+    full = os.open("/dev/full", os.O_RDWR)
+    os.dup2(full, (keeper._file if kind == "log" else keeper._out).descriptor)
+    os.close(full)
+    client.impact("a", 0.1)
+    (text,) = warnings(client, 0.5)
+    assert re.match(r"(the log|recording to) \S+ ended: ", text) and capfd.readouterr().err == f"{text}\n"
+    client.impact("a", 0.1)
+    assert warnings(client) == [] and status(client)["impacts"] == 2
+
+
+def test_a_fault_of_the_server_ends_nothing(server, client, monkeypatch, capfd):
+    with monkeypatch.context() as patch:
+        patch.setattr(server._scene, "perform", lambda *_: 1 / 0)
+        client.send("/panic")
+        (reply,) = client.replies(0.2)
+    assert reply.args == ("datagram", "a fault of the server: ZeroDivisionError('division by zero')")
+    assert "Traceback" in capfd.readouterr().err
+    client.new("a", "wood-block")
+
+
+def test_only_so_many_are_notified_and_who_leaves_makes_room(server):
+    with ExitStack() as stack:
+        here = [stack.enter_context(Client(port=server.address[1], tcp=n == 0)) for n in range(33)]
+        for each in (*here[:32], here[5]):
+            each.ask("/notify", 1)
+        with pytest.raises(CommandError, match="32 clients are notified already"):
+            here[32].ask("/notify", 1)
+        here[0].__exit__(None, None, None)
+        time.sleep(0.1)
+        here[32].ask("/notify", 1)
+        with pytest.raises(CommandError, match="32 clients are notified already"):
+            stack.enter_context(Client(port=server.address[1])).ask("/notify", 1)
+
+
+def test_what_is_answered_is_short_and_can_be_shown(client):
+    for address in ("/\x1b[2J\n", "/" + "x" * 1_020):
+        client.send(address)
+        (reply,) = client.replies(0.2)
+        assert all(len(text) <= 1_000 and text.isprintable() for text in reply.args)
+
+
+def test_time_tags_reach_an_hour_ahead_and_back_to_the_beginning_of_time(server, client):
+    client.new("a", "wood-block")
+    strike = Message("/object/a/impact", (0.1,))
+    for tag in (0, 2, osc.time_tag(0.0)):
+        client._transmit(osc.encode_bundle(tag, [strike]))
+    with client.bundle(at=time.time() + 3_590):
+        client.impact("a", 0.1)
+    with client.bundle(at=time.time() + 3_610):
+        client.impact("a", 0.1)
+        client.send("/status")
+    fails = [reply.args for reply in client.replies(0.2) if reply.address == "/fail"]
+    assert [address for address, _ in fails] == ["/object/a/impact", "/status"]
+    assert all("3610 s ahead; expected at most 3600 s" in text for _, text in fails)
+    told = status(client)
+    assert (told["impacts"], told["late"], told["queued"]) == (3, 2, 1)
+
+
+def test_only_gestures_that_go_on_have_addresses(server, client):
+    client.new("a", "wood-block")
+    client.impact("a", 0.1, id="over")
+    client.press("a", 1.0, striker="mute", id="on")
+    assert [reply.args for reply in client.replies(0.2) if reply.address == "/gesture/end"] == [("over",)]
+    assert list(server.names()["ID"]) == ["on"]
