@@ -143,10 +143,11 @@ def test_alsa_writes_what_a_render_gives(tmp_path):
         f'</usr/share/alsa/alsa.conf>\npcm.carom {{ type file slave.pcm null file "{raw}" format raw }}\n'
     )
     env = os.environ | {"ALSA_CONFIG_PATH": str(tmp_path / "asound.conf")}
-    words = [sys.executable, "-c", PLAYER, str(score), "carom", "2"]
+    expected = render_lines(shifted(read(score)))
+    words = [sys.executable, "-c", PLAYER, str(score), "carom", str(len(expected) / 48_000 + 1.0)]
     run = subprocess.run(words, env=env, capture_output=True, text=True, timeout=60)
     assert run.returncode == 0, run.stderr
-    assert_heard(np.fromfile(raw, np.float32).reshape(-1, 2), render_lines(shifted(read(score))))
+    assert_heard(np.fromfile(raw, np.float32).reshape(-1, 2), expected)
 
 
 def test_no_such_device():
