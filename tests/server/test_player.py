@@ -157,7 +157,7 @@ def test_a_device_that_asks_for_nothing_is_told_once(devices, monkeypatch):
     now = time.monotonic()
     monkeypatch.setattr("carom.server.player.time.monotonic", lambda: now)
     told = []
-    for played in (False, False, False, False, True, False, False, False):
+    for played in (*[False] * 6, True, *[False] * 6):
         now += 1.0
         if played:
             opened[0].engine.process(64)

@@ -168,6 +168,21 @@ def test_impossible_contacts_are_refused(render_text, contact, reason):
         render_text(HARD, contact=contact)
 
 
+def test_lines_may_stand_in_any_order_of_time(render_text):
+    lines = ["0 /object/new a wood-block", "0.1 /object/a/impact 1", "0.1 /object/a/gain -6", "0.2 /object/a/impact 2"]
+    expected = render_text("\n".join(lines))
+    for order in ((3, 0, 1, 2), (1, 2, 3, 0)):
+        np.testing.assert_array_equal(render_text("\n".join(lines[n] for n in order)), expected)
+
+
+def test_what_sounds_without_end_ends_some_time_after_the_last_event(render_text, monkeypatch):
+    monkeypatch.setattr("carom.server.render.LONGEST_TAIL", 0.5)
+    roll = "0 /object/new a wood-block\n0.1 /object/a/roll 0.3 striker steel\n"
+    assert len(render_text(roll)) == 0.6 * 48_000
+    assert len(render_text(roll, seconds=0.7)) == 0.7 * 48_000
+    assert len(render_text("0 /object/new a wood-block\n0.1 /object/a/gain -6\n")) == 4_800 + 64
+
+
 def test_more_events_than_the_queue_holds_are_played_in_turn(render_text):
     lines = ["0 /object/new a wood-block gain -40"]
     lines += [f"{0.0002 * i} /object/a/impact 0.1" for i in range(20_000)]

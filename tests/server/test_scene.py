@@ -214,6 +214,28 @@ def test_what_is_late_comes_before_what_is_for_now(scene):
     assert scene.engine.counter("impacts") == 1 and scene.engine.counter("late") == 1
 
 
+def test_an_edited_striker_counts_from_the_next_object_on(tmp_path):
+    (tmp_path / "strikers").mkdir()
+    striker = tmp_path / "strikers" / "mine.toml"
+    law = 'description = "d"\nsource = "s"\nstiffness = 1e8\ndissipation = 0.1\nexponent = 1.5\nmass = '
+    scene = Scene(Engine(48_000), Presets([tmp_path]))
+    for name, mass in (("a", 0.001), ("b", 0.002)):
+        striker.write_text(f"{law}{mass}\n")
+        say(scene, "/object/new", name, "wood-block")
+        assert say(scene, "/object/a/impact", 1.0, "striker", "mine") == []
+        assert scene.engine.state["ring"][0][scene.engine.sent - 1]["values"][2] == mass
+
+
+def test_what_is_changed_with_an_object_is_its_own(scene):
+    """What a message does not say is the object's, and not the preset's nor a middle."""
+    say(scene, "/object/new", "a", "glass-plate", "position", 0.1, "striker", "felt")
+    say(scene, "/object/new", "b", "glass-plate", "position", 0.9)
+    say(scene, "/object/a/impact", 1.0, "by", "b")
+    values = scene.engine.state["ring"][0][scene.engine.sent - 1]["values"]
+    assert values[1] == 0.1 and values[10] == 0.9
+    assert values[3] == scene.presets.striker("felt").contact(scene.objects["a"].preset.material)[1]
+
+
 @pytest.mark.parametrize("key", ["preset", "striker", "material"])
 def test_overlong_names_are_refused(scene, key):
     words = ("b", "a" * 300) if key == "preset" else ("b", "glass-plate", key, "\x01" * 30_000)
