@@ -212,6 +212,16 @@ def test_what_waits_to_be_logged_is_forgotten_once_it_is(logged):
     assert not log._waiting and log.error is None
 
 
+def test_a_name_that_is_free_is_given_again(logged, tmp_path):
+    engine, scene, log = logged
+    for message in (Message("/object/a/free", (1,)), Message("/object/new", ("a", "tom"))):
+        engine.process(6_400)
+        scene.perform([message], NOW)
+    engine.process(64)
+    log.write()
+    assert [line.message.args[0] for line in read(tmp_path / "log.txt")] == ["a", 1, "a"]
+
+
 def test_a_file_is_as_readable_as_any(logged, tmp_path):
     (tmp_path / "plain").touch()
     assert (tmp_path / "log.txt").stat().st_mode == (tmp_path / "plain").stat().st_mode
