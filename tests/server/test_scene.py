@@ -193,17 +193,44 @@ def test_a_name_is_free_from_the_free_on_and_not_before(scene):
     assert len(scene.perform([Message("/object/a/free"), Message("/object/new", ("a", "tom"))], NOW)) == 1
 
 
-def test_names_mean_who_has_them_at_the_time(scene):
+@pytest.mark.parametrize("name", ["b", "b*"])
+def test_names_mean_who_has_them_at_the_time(scene, name):
     say(scene, "/object/new", "b", "wood-block")
     say(scene, "/object/b/free", time=48_000.0)
     assert say(scene, "/object/new", "c", "wine-glass", time=50_000.0)[0].address == "/done"
     assert say(scene, "/object/new", "b", "church-bell", time=50_000.0)[0].address == "/done"
-    assert say(scene, "/object/b/impact", 1.0) == []
+    assert say(scene, f"/object/{name}/impact", 1.0) == []
     scene.engine.process(4800)
     assert scene.engine.counter("impacts") == 1  # of the block, not put off until the bell is there
     assert say(scene, "/object/b/impact", 1.0, time=60_000.0) == []
     scene.engine.process(96_000)
     assert scene.engine.counter("impacts") == 2 and scene.engine.counter("active") == 2
+    assert say(scene, "/panic") == [] and not scene._displaced
+
+
+def full(scene, address, *args, time=NOW):
+    """Say it while there is no room in the queue; it is refused."""
+    scene.perform([Message("/object/b/damp", (0.0,))] * scene.engine.room(), NOW)
+    assert [reply.address for reply in say(scene, address, *args, time=time)] == ["/fail"]
+
+
+def test_what_found_no_room_left_nothing(scene):
+    say(scene, "/object/new", "b", "wood-block")
+    full(scene, "/object/b/free", 1)
+    places = len(scene.engine._slots)
+    assert say(scene, "/object/new", "c", "wood-block")[0].address == "/fail"
+    assert len(scene.engine._slots) == places
+    scene.engine.process(64)
+    say(scene, "/object/b/free", time=48_000.0)
+    full(scene, "/object/new", "b", "tom", time=50_000.0)
+    scene.engine.process(64)
+    assert say(scene, "/object/b/impact", 1.0) == [] and not scene._displaced
+    scene.engine.process(96_000)
+    assert scene.engine.counter("impacts") == 1 and scene.engine.counter("active") == 0
+    for name in "bc":
+        assert say(scene, "/object/new", name, "wood-block")[0].address == "/done"
+    b, c = (scene.objects[name].handle for name in "bc")
+    assert b.slot != c.slot and b.first != c.first  # what was given back was given back once
 
 
 def test_what_is_late_comes_before_what_is_for_now(scene):
