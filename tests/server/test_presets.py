@@ -362,7 +362,7 @@ def test_replaced_geometry_changes_the_pitch_and_nothing_else():
     longer = bar.replace(length=bar.geometry["length"] * 2)
     assert longer.modes(20000).frequency[0] == pytest.approx(bar.modes(20000).frequency[0] / 4, rel=0.01)
     assert (longer.material, longer.level, longer.striker) == (bar.material, bar.level, bar.striker)
-    assert bar == PRESETS.object("glockenspiel-bar")
+    assert bar == PRESETS.object("glockenspiel-bar") and bar.replace(level=0).geometry == bar.geometry
 
 
 def test_material_level_damping_and_strike_can_be_replaced():
@@ -382,6 +382,12 @@ def test_a_key_takes_the_place_of_those_it_excludes():
     assert rod.modes(20000).frequency.size > 3
     with pytest.raises(PresetError, match="tension and fundamental: expected one of the two"):
         string.replace(tension=100.0, fundamental=100.0)
+
+
+@pytest.mark.parametrize("edges", [["free"] * 3, ["free"] * 5, ["free", "free", "free", "glued"], "free"])
+def test_a_row_has_all_its_values_and_each_fits(edges):
+    with pytest.raises(PresetError, match=r"^edges = .*: expected a list of one of free, clamped, supported, one of"):
+        PRESETS.object("glass-plate").replace(edges=edges)
 
 
 def test_whole_numbers_may_come_as_floats():

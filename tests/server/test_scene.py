@@ -227,6 +227,7 @@ def test_what_found_no_room_left_nothing(scene):
     assert say(scene, "/object/b/impact", 1.0) == [] and not scene._displaced
     scene.engine.process(96_000)
     assert scene.engine.counter("impacts") == 1 and scene.engine.counter("active") == 0
+    assert say(scene, "/panic") == [] and not scene.objects
     for name in "bc":
         assert say(scene, "/object/new", name, "wood-block")[0].address == "/done"
     b, c = (scene.objects[name].handle for name in "bc")
