@@ -118,7 +118,7 @@ def test_other_failures_are_told(tmp_path):
         rendering(tmp_path, STRIKE, out="x.mp3")
     with pytest.raises(RenderError, match="format = float: FLAC holds 16 or 24"):
         rendering(tmp_path, STRIKE, out="x.flac", format="float")
-    with pytest.raises(FileNotFoundError):
+    with pytest.raises(RenderError, match=r"x.wav: there is no folder .*no/such/folder"):
         rendering(tmp_path, STRIKE, out="no/such/folder/x.wav")
 
 
