@@ -75,6 +75,15 @@ def elastic(x, k, a):
 
 
 @kernel
+def captured(x, v, m, k, a, push):
+    """True if the mass can never leave while it is pushed like this.
+
+    E = m v^2/2 + k x^(a+1)/(a+1) - push x does not grow in contact, and isn't negative at x = 0.
+    """
+    return x > 0.0 and 0.5 * m * v * v + elastic(x, k, a) < push * x
+
+
+@kernel
 def solve(step, k, mu, a, negligible):
     """Forces at the nodes by Newton's method from `step.f`, then from 0, where the law's convexity helps it.
 

@@ -35,7 +35,9 @@ _ROUNDING = 1e-14  # share of the momentum at hand that no force is asked for
 def stay(contact, left, last):
     """A step in contact, at most `left` samples long: its length, and whether it ends in the release.
 
-    The rules are those of `pressed.press`. The `last` step holds the force for what is left.
+    A step is accepted where |f_end - f(x, v)| times its length, with f_end the end of the force's quadratic, is below
+    tolerance times the momentum at hand, and energy grows by no more than rounding. The `last` step holds the force for
+    what is left.
     """
     contact.steps += 1
     held = last or contact.tolerance == HELD

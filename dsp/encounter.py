@@ -10,11 +10,10 @@ import math
 import numpy as np
 
 from .atomic import store_release
-from .collocation import elastic
+from .collocation import captured, elastic
 from .coupled import fly_on
 from .jit import kernel
 from .ladder import place
-from .pressed import captured
 from .relief import coarseness_of, must_wait
 from .roll import begin_roll, fill_roll
 from .rolled import bring

@@ -54,7 +54,7 @@ SAMPLED = np.dtype(
     ],
     align=True,
 )
-"""A contact that is being stepped through; `m` = 0 says that there is none."""
+"""A contact that is being stepped through."""
 
 
 @kernel

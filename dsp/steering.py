@@ -1,5 +1,7 @@
 """How gestures that run are changed, and ended."""
 
+import numpy as np
+
 from .jit import kernel
 from .state import Command, Steering
 
@@ -8,6 +10,11 @@ _STOP, _LOUDNESS, _POSITION = int(Steering.STOP), int(Steering.GAIN), int(Steeri
 _GRAVITY, _IRREGULARITY, _FORCE = int(Steering.GRAVITY), int(Steering.IRREGULARITY), int(Steering.FORCE)
 _SPEED, _MASS, _ROUGHNESS = int(Steering.SPEED), int(Steering.MASS), int(Steering.ROUGHNESS)
 _RADIUS, _ASYMMETRY, _FRICTION = int(Steering.RADIUS), int(Steering.ASYMMETRY), int(Steering.FRICTION)
+
+
+_GIVEN = np.array([_POSITION, _MASS, _LOUDNESS, _GRAVITY, _RADIUS, _FRICTION, _ASYMMETRY, _ROUGHNESS])
+_PLACES = np.array([1, 2, 6, 11, 12, 19, 20, 21])
+"""What the bits of a ROLL say was given, and where in its values that is."""
 
 
 @kernel
@@ -20,26 +27,11 @@ def joined(state, event):
         here = contact.body[0].slot == event.slot and contact.body[0].serial == event.serial
         if contact.serial == int(values[7]) and contact.kind == _ROLL and contact.serial > 0 and here:
             found = True
-            given = int(values[23])
             state.called[i] = event.order + 1
-            roll = state.rolls[contact.roll]
-            roll.asked_speed = values[0]
-            if given & 1:
-                contact.moved_to = values[1]
-            if given & 2:
-                roll.asked_mass = values[2]
-            if given & 4:
-                contact.loudness = values[6]
-            if given & 8:
-                roll.asked_gravity = values[11]
-            if given & 16:
-                roll.asked_radius = values[12]
-            if given & 32:
-                roll.friction = values[19]
-            if given & 64:
-                roll.asymmetry = values[20]
-            if given & 128:
-                roll.path.roughness = values[21]
+            state.rolls[contact.roll].asked_speed = values[0]
+            for bit in range(len(_GIVEN)):
+                if int(values[23]) >> bit & 1:
+                    _steer_roll(state, contact, _GIVEN[bit], values[_PLACES[bit]])
     return found
 
 
@@ -55,6 +47,8 @@ def steer(state, event):
             state.called[i] = event.order + 1
         if what == _STOP:
             _stop(state, contact, event.time)
+        elif contact.kind == _ROLL:
+            _steer_roll(state, contact, what, value)
         elif what == _LOUDNESS and contact.kind != _PRESS:
             contact.loudness = value
         elif what == _POSITION:
@@ -66,22 +60,29 @@ def steer(state, event):
             contact.irregularity = value
         elif what == _FORCE and contact.kind == _PRESS:
             contact.pushed_to = value
-        elif contact.kind == _ROLL:
-            roll = state.rolls[contact.roll]
-            if what == _GRAVITY:
-                roll.asked_gravity = value
-            elif what == _SPEED:
-                roll.asked_speed = value
-            elif what == _MASS:
-                roll.asked_mass = value
-            elif what == _ROUGHNESS:
-                roll.path.roughness = value
-            elif what == _RADIUS:
-                roll.asked_radius = value
-            elif what == _ASYMMETRY:
-                roll.asymmetry = value
-            elif what == _FRICTION:
-                roll.friction = value
+
+
+@kernel
+def _steer_roll(state, contact, what, value):
+    roll = state.rolls[contact.roll]
+    if what == _LOUDNESS:
+        contact.loudness = value
+    elif what == _POSITION:
+        contact.moved_to = value
+    elif what == _GRAVITY:
+        roll.asked_gravity = value
+    elif what == _SPEED:
+        roll.asked_speed = value
+    elif what == _MASS:
+        roll.asked_mass = value
+    elif what == _ROUGHNESS:
+        roll.path.roughness = value
+    elif what == _RADIUS:
+        roll.asked_radius = value
+    elif what == _ASYMMETRY:
+        roll.asymmetry = value
+    elif what == _FRICTION:
+        roll.friction = value
 
 
 @kernel

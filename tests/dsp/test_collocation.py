@@ -3,12 +3,13 @@
 import math
 
 import numpy as np
+import pressed
 import pytest
 from numba import njit
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from carom.dsp import collocation, contact, pressed, pulse
+from carom.dsp import collocation, contact, pulse
 
 
 @njit(error_model="numpy")
@@ -99,7 +100,7 @@ def test_pressed_masses_move_as_by_dop853():
         energy = 0.5 * m * path[:, 2] ** 2 + k * path[:, 1] ** (a + 1) / (a + 1) - push * path[:, 1]
         most = 0.5 * m * v_in**2 + push * path[:, 1].max()
         assert (energy - np.minimum.accumulate(energy)).max() < 2e-8 * most
-        captured = [pressed.captured(x, v, m, k, a, push) for _, x, v in path]
+        captured = [collocation.captured(x, v, m, k, a, push) for _, x, v in path]
         left += path[-1, 1] == 0.0
         stayed += captured[-1]
         assert not (path[-1, 1] == 0.0 and any(captured))  # what is captured never leaves

@@ -4,12 +4,13 @@ import math
 from dataclasses import replace
 
 import numpy as np
+import pressed
 import pytest
 from coupled_reference import reference
 from numba import carray, cfunc, from_dtype, types
 from test_realtime_safety import forbidden
 
-from carom.dsp import bank, coupled, coupled_rivals, pressed
+from carom.dsp import bank, coupled, coupled_rivals
 from carom.dsp.coupled_step import HELD
 from carom.dsp.coupled_study import Case, error, extreme_case, random_cases, simulate
 from carom.dsp.gate import LEVELS, TOLERANCE, closed_form_will_do

@@ -11,7 +11,7 @@ from carom.dsp import bank, contact, pulse
 from carom.dsp.coupled_study import Case, error, random_cases, simulate
 from carom.dsp.gate import LEVELS, closed_form_will_do
 
-RESOLVED = 28.0  # as in engine.py
+RESOLVED = 28.0  # as in ladder.py
 
 
 @njit(error_model="numpy")

@@ -1,6 +1,7 @@
 """A mass in contact under a constant force: weight, a hand, or none.
 
-Gauss collocation (collocation.py) in steps of its own, which know nothing of samples: one call, one step.
+Gauss collocation in steps of its own, which know nothing of samples: one call, one step. So collocation is tested by
+itself, and coupled contacts are against walls.
 """
 
 import math
@@ -9,7 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .collocation import (
+from carom.dsp.collocation import (
     GAUSS,
     INTEGRAL,
     NODES,
@@ -26,8 +27,8 @@ from .collocation import (
     solve,
     until_release,
 )
-from .contact import checked
-from .jit import kernel
+from carom.dsp.contact import checked
+from carom.dsp.jit import kernel
 
 _TWICE = INTEGRAL @ INTEGRAL
 
@@ -101,15 +102,6 @@ def _speed(contact, x, v):
 @kernel
 def _energy(contact, x, v):
     return 0.5 * contact.m * v * v + elastic(x, contact.k, contact.a) - contact.push * x
-
-
-@kernel
-def captured(x, v, m, k, a, push):
-    """True if the mass can never leave while it is pushed like this.
-
-    E = m v^2/2 + k x^(a+1)/(a+1) - push x does not grow in contact, and isn't negative at x = 0.
-    """
-    return x > 0.0 and 0.5 * m * v * v + elastic(x, k, a) < push * x
 
 
 @kernel
