@@ -189,6 +189,26 @@ def test_a_hand_damps():
     assert left_after(0.5, True) < 0.1 * left_after(0.5, False)
 
 
+@pytest.mark.parametrize("side", [0, 1])
+def test_what_is_retuned_under_a_press_is_felt_as_it_is(side):
+    """Either of the two that touch: a strike sounds as if it had been tuned so from the beginning."""
+
+    def sound(before, after):
+        engine = Engine(RATE)
+        pair = [add(engine, body(mass, n, t60=0.1)) for mass, n in ((0.1, 16), (0.01, 8))]
+        engine.send([(NOW, Command.TUNE, pair[side], (before,))])
+        strike(engine, pair[0], (0.05, 1e6, 3.0, 1.5), 0.01, other=pair[1], kind=Command.PRESS, serial=1, more=(4.0,))
+        engine.process(4800)
+        engine.send([(NOW, Command.TUNE, pair[side], (after,))])
+        engine.process(RATE)
+        strike(engine, pair[0], (0.002, 1e6, 0.3, 1.5))
+        return engine.process(4800)[:, 0].astype(float)
+
+    retuned, fresh = sound(1.0, 2.0), sound(2.0, 2.0)
+    assert np.abs(retuned - fresh).max() < 1e-6 * np.abs(fresh).max()
+    assert np.abs(sound(1.0, 1.0) - fresh).max() > 0.1 * np.abs(fresh).max()  # so the tuning matters
+
+
 def test_accuracy_moves_the_gate():
     def coupled(level):
         engine = Engine(RATE)
@@ -218,6 +238,24 @@ def test_what_is_coupled_is_bounded():
     assert 0 < most <= COUPLED_MODES
     taken = 512 - engine.counter("contacts_dropped")
     assert energy(engine, handle, n) < taken * 0.5 * 0.1 and 10 < taken < 40 and engine.counter("faults") == 0
+
+
+def test_a_contact_is_not_held_for_those_before_it():
+    """In the place of one that chattered until it had to hold its force."""
+    engine = Engine(RATE)
+    engine.send([(NOW, Command.ACCURACY, None, (float(LEVELS.index("exact")),))])
+    light, heavy = (add(engine, body(modal_mass)) for modal_mass in (1e-4, 1.0))
+    strike(engine, light, (0.05, 1e9, 0.0, 1.5))
+    for _ in range(40):
+        engine.process(QUANTUM)
+        if engine.state["contacts"]["debt"].max() > 300:
+            break
+    engine.send([(NOW, Command.PANIC, None, ())])
+    engine.process(QUANTUM)
+    held = engine.counter("held")
+    strike(engine, heavy, (0.05, 1e6, 0.2, 1.5))
+    engine.process(4800)
+    assert engine.counter("coupled") == 2 and held == engine.counter("held") > 0
 
 
 def test_gain_makes_it_louder_and_nothing_else():
