@@ -10,11 +10,21 @@ import numpy as np
 import pytest
 
 from carom.server.audio import AudioError, open_output
-from carom.server.presets import BUILT_IN
 from carom.server.score import Line, read
 from tests.conftest import render_lines
 
-DEMO = BUILT_IN / "scores" / "demo.txt"
+SCORE = """0 /object/new bell church-bell pan -0.2
+0 /object/new glass wine-glass pan 0.5
+0 /object/new lid tin-lid pan 0.3 gain -10
+0.1 /object/bell/impact 0.7
+0.3 /object/glass/bounce 0.05 striker glass-marble irregularity 0.3 seed 1 id ball
+0.5 /object/lid/impact 1.2 0.2 striker coin
+0.8 /object/lid/roll 0.3 striker glass-marble surface glass seed 2 id marble
+1.2 /object/bell/tune -5
+1.2 /object/bell/impact 1.0
+1.5 /object/*/damp 0.6
+2.5 /panic
+"""
 LEAD = 1.0  # s before the first event, for the recorder to connect
 
 PLAYER = """
@@ -41,15 +51,17 @@ def shifted(lines: list[Line]) -> list[Line]:
     return [Line(line.time + LEAD, line.message, line.where) for line in lines]
 
 
-def test_jack_hears_what_a_render_gives(jack):
-    """The demo through PortAudio on jackd's dummy driver, recorded by a JACK client: the offline render's samples.
+def test_jack_hears_what_a_render_gives(jack, tmp_path):
+    """A score through PortAudio on jackd's dummy driver, recorded by a JACK client: the offline render's samples.
 
     A virtual machine that is stopped for a while loses a block; three takes, of which one must be whole.
     """
     jack.start(2048)  # blocks long enough for a machine that is busy
-    expected = render_lines(shifted(read(DEMO)))
+    score = tmp_path / "score.txt"
+    score.write_text(SCORE)
+    expected = render_lines(shifted(read(score)))
     for take in range(3):
-        heard = one_take(len(expected) / 48_000 + 1.0)
+        heard = one_take(score, len(expected) / 48_000 + 1.0)
         try:
             return assert_heard(heard, expected)
         except AssertionError:
@@ -57,11 +69,11 @@ def test_jack_hears_what_a_render_gives(jack):
                 raise
 
 
-def one_take(seconds: float) -> np.ndarray:
-    """The demo as JACK hears it."""
+def one_take(score: Path, seconds: float) -> np.ndarray:
+    """A score as JACK hears it."""
     with recording(seconds + 5.0) as recorder:
         player = subprocess.Popen(
-            [sys.executable, "-c", PLAYER, str(DEMO), "system", str(seconds)], stdout=subprocess.PIPE, text=True
+            [sys.executable, "-c", PLAYER, str(score), "system", str(seconds)], stdout=subprocess.PIPE, text=True
         )
         recorder.connect()
         out, _ = player.communicate(timeout=seconds + 60)
