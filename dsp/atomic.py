@@ -40,6 +40,19 @@ def store_release(typingctx, array, index, value):
 
 
 @intrinsic
+def exchange(typingctx, array, index, before, after):
+    """Make array[index] (int64) `after` if it is `before`, in one step that no thread can come between; was it?"""
+
+    def codegen(context, builder, signature, args):
+        array, index, before, after = args
+        pointer = _address(context, builder, signature.args[0], array, index)
+        found = builder.cmpxchg(pointer, before, after, "seq_cst", "seq_cst")
+        return builder.extract_value(found, 1)
+
+    return types.boolean(array, types.intp, types.int64, types.int64), codegen
+
+
+@intrinsic
 def monotonic_ns(typingctx):
     """CLOCK_MONOTONIC in ns; on Windows the performance counter, which counts 100 ns."""
 

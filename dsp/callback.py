@@ -24,7 +24,7 @@ from .jit import WHOLE
 from .queue import look_again
 from .state import QUANTUM, STATE
 
-_SIGNATURE = types.intc(
+SIGNATURE = types.intc(
     types.voidptr, types.CPointer(types.float32), types.ulong, types.CPointer(types.float64), types.ulong, types.voidptr
 )  # (input, output, frames, times, status flags, state)
 
@@ -63,7 +63,7 @@ def _callback(_input, output, frames, times, flags, userdata):
 
 def compile_callback(cached: bool) -> Any:
     """Compile the callback, or fetch it from numba's cache; only a fresh one can be inspected."""
-    return cfunc(_SIGNATURE, error_model="numpy", forceinline=True, cache=cached, pipeline_class=WHOLE)(_callback)
+    return cfunc(SIGNATURE, error_model="numpy", forceinline=True, cache=cached, pipeline_class=WHOLE)(_callback)
 
 
 def _cache_folder() -> Path:

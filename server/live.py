@@ -315,7 +315,7 @@ def _plain(text: str) -> str:
 @contextmanager
 def serving(options: Options) -> Iterator[Server]:
     """A server ready to `run`. OSError, AudioError or PresetError say why it can't be."""
-    with ExitStack() as stack:
+    with ExitStack() as last, ExitStack() as stack:
         with _named(options.bind, options.port):
             network = stack.enter_context(closing(Network(options.bind, options.port)))
         presets = Presets(options.presets)
@@ -327,7 +327,9 @@ def serving(options: Options) -> Iterator[Server]:
         if log:
             stack.callback(log.close)
         player = Player(engine, options.device, options.block, options.latency)
-        stack.callback(player.close)
+        # The files end with the last sound, and before PortAudio is asked to: that may fail, and take its time.
+        last.callback(player.close)
+        stack.callback(player.rest)
         server = Server(network, engine, player, presets, recorder, log)
         if options.contact:
             server.choose_contact(options.contact)

@@ -3,6 +3,7 @@
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -61,11 +62,11 @@ class Jack:
     name: str
     process: subprocess.Popen[bytes] | None = None
 
-    def start(self, frames: int) -> None:
+    def start(self, frames: int, rate: int = 48_000) -> None:
         """Start it, with blocks of some frames, and wait until it is there."""
         import jack
 
-        words = ["jackd", "-r", "-n", self.name, "-d", "dummy", "-r", "48000", "-p", str(frames)]
+        words = ["jackd", "-r", "-n", self.name, "-d", "dummy", "-r", str(rate), "-p", str(frames)]
         self.process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         deadline = time.monotonic() + 10
         while True:
@@ -75,8 +76,15 @@ class Jack:
                 assert time.monotonic() < deadline, "jackd does not start"
                 time.sleep(0.1)
 
+    def kill(self) -> None:
+        """End it without its taking leave of anyone."""
+        assert self.process
+        self.process.kill()  # its place in JACK's registry is free once it is started again
+        self.process.wait()
+
     def stop(self) -> None:
         if self.process:
+            self.process.send_signal(signal.SIGCONT)
             self.process.terminate()
             self.process.wait(timeout=10)
             self.process = None

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numba import carray, cfunc, njit, objmode, types
 
-from carom.dsp import callback
+from carom.dsp import callback, loan
 
 ALLOWED = {
     # Of the C library: pure mathematics, the clock and the thread's number, which take no lock.
@@ -62,6 +62,11 @@ def allowed(name: str) -> bool:
 def test_the_callback_reaches_no_allocator_no_python_and_no_lock() -> None:
     compiled = callback.compile_callback(cached=False)
     assert forbidden(compiled.inspect_llvm(), compiled.native_name) == set()
+
+
+def test_nor_does_what_a_device_calls_which_calls_nothing_but_the_callback() -> None:
+    compiled = loan.compile_lent(cached=False)
+    assert forbidden(compiled.inspect_llvm(), compiled.native_name) == {"indirect call"}
 
 
 SIGNATURE = types.intc(types.CPointer(types.float64), types.intc)

@@ -1,15 +1,20 @@
 """The player: what runs the engine stays up, whatever becomes of devices and of Python."""
 
 import os
+import signal
 import threading
 import time
 from collections.abc import Callable
 
+import numpy as np
 import pytest
 import soundfile
 
+from carom.dsp.atomic import publish
 from carom.dsp.host import Engine
-from carom.server.audio import AudioError
+from carom.dsp.loan import Loan
+from carom.dsp.pacer import pacer
+from carom.server import player as player_module
 from carom.server.player import Player, priority
 from tests.conftest import serving
 
@@ -29,6 +34,96 @@ def status(client) -> dict:
 def hold_the_gil(stop: threading.Event) -> None:
     while not stop.is_set():
         sum(range(10**6))  # in C, so that it is not let go of inside
+
+
+class Device:
+    """A device of a thread's, that can stall, come round, and go."""
+
+    name, latency, patience = "fake", 0.01, 60.0
+
+    def __init__(self, engine: Engine) -> None:
+        self._loan = Loan(engine.address, engine.pointer)
+        self.gone, self.closed = False, 0
+        self.come_round()
+        self.start, self.rest = self._loan.give, self._loan.take
+
+    def come_round(self) -> None:
+        self._running = np.ones(1, np.int64)
+        memory = np.zeros((480, 2), np.float32), np.zeros(3)
+        args = self._running, self._loan.address, self._loan.pointer, 48_000.0, *memory
+        self._thread = threading.Thread(target=pacer(), args=args, daemon=True)
+        self._thread.start()
+
+    def stall(self) -> None:
+        publish(self._running, 0)
+        self._thread.join()
+
+    def prepare(self) -> None:
+        pass
+
+    def active(self) -> bool:
+        return not self.gone
+
+    def calls(self) -> int:
+        return self._loan.asked
+
+    def close(self) -> bool:
+        self.closed += 1
+        self.stall()
+        raise RuntimeError("it won't")
+
+
+@pytest.fixture
+def devices(monkeypatch) -> list[Device]:
+    """The devices that players open, all of them fakes, and who are less patient."""
+    opened: list[Device] = []
+    monkeypatch.setattr(player_module, "open_output", lambda engine, *_: opened.append(Device(engine)) or opened[-1])
+    monkeypatch.setattr(player_module, "look_for_devices", lambda: None)
+    monkeypatch.setattr(player_module, "_STALLED", 0.5)
+    monkeypatch.setattr(player_module, "_AGAIN", 0.1)
+    return opened
+
+
+def told(player: Player, word: str) -> bool:
+    return any(word in text for text in player.look())
+
+
+def goes_on(engine: Engine) -> bool:
+    position = engine.position
+    time.sleep(0.1)
+    return engine.position > position
+
+
+def test_a_device_that_stalls_is_stood_in_for_until_it_comes_round(devices):
+    engine = Engine(48_000)
+    player = Player(engine, None, 0, None)
+    (device,) = devices
+    for times in range(1, 3):
+        within(5, lambda: goes_on(engine))
+        device.stall()
+        within(5, lambda: told(player, "device fake asks for no sound: time goes on by the clock"))
+        within(5, lambda: player.name == "none" and goes_on(engine))
+        device.come_round()
+        within(5, lambda: told(player, "device fake is back"))
+        assert player.name == "fake" and player.reconnects == times and len(devices) == 1
+        assert goes_on(engine)
+    device.stall()
+    player.rest()
+    device.come_round()
+    assert not goes_on(engine)
+
+
+def test_what_can_not_be_closed_is_told_and_time_goes_on(devices):
+    engine = Engine(48_000)
+    player = Player(engine, None, 0, None)
+    devices[0].gone = True
+    within(5, lambda: told(player, "it won't"))
+    within(5, lambda: told(player, "device fake is back"))
+    assert len(devices) == 2 and devices[0].closed == 1 and player.reconnects == 1
+    assert goes_on(engine)
+    player.rest()
+    assert not goes_on(engine)
+    devices[1].stall()
 
 
 def test_the_clock_plays_on_while_python_is_held_up():
@@ -95,75 +190,21 @@ def test_the_thread_runs_in_real_time_where_that_is_permitted():
         player.close()
 
 
-class Device:
-    """An output that goes and comes as one says."""
+@pytest.mark.skipif(not hasattr(os, "sched_setscheduler"), reason="another system's scheduler")
+def test_a_thread_that_ends_while_it_is_looked_at_is_no_fault(monkeypatch):
+    engine = Engine(48_000)
+    player = Player(engine, "none", 0, None)
+    within(5, lambda: engine.counter("thread"))
+    answers = iter([os.SCHED_FIFO])
 
-    name, latency = "box", 0.01
+    def scheduler(_thread: int) -> int:
+        for answer in answers:
+            return answer
+        raise ProcessLookupError
 
-    def __init__(self, engine, *_):
-        self.engine, self.there, self.closed = engine, True, False
-
-    def start(self):
-        if not self.there:
-            raise AudioError("box does not start")
-
-    def active(self):
-        return self.there
-
-    def close(self):
-        self.closed = True
-
-
-@pytest.fixture
-def devices(monkeypatch):
-    """A player on a device of one's own, those that it opened, and what opening the next one does."""
-    opened, to_come = [], []
-
-    def opening(engine, *_):
-        next_one = to_come.pop(0) if to_come else None
-        if isinstance(next_one, Exception):
-            raise next_one
-        opened.append(Device(engine))
-        opened[-1].there = next_one != "broken"
-        return opened[-1]
-
-    monkeypatch.setattr("carom.server.player.open_output", opening)
-    monkeypatch.setattr("carom.server.player.look_for_devices", lambda: None)
-    monkeypatch.setattr("carom.server.player._AGAIN", 0.02)
-    player = Player(Engine(48_000), None, 64, None)
-    yield player, opened, to_come
+    monkeypatch.setattr(os, "sched_getscheduler", scheduler)
+    assert player.look() == [] and player.scheduling == "unknown"
     player.close()
-    assert opened[-1].closed
-
-
-def test_a_device_is_looked_for_until_it_is_back(devices):
-    player, opened, to_come = devices
-    assert player.look() == [] and player.name == "box"
-    to_come += [AudioError("none there")] * 3 + [AudioError("another"), "broken", None]
-    opened[0].there = False
-    assert player.look() == ["device box is gone: time goes on by the clock until it is back"]
-    told = []
-    within(5, lambda: told.extend(player.look()) or player.reconnects)
-    within(5, lambda: not player._mender.is_alive())
-    told += player.look()
-    assert told == ["none there", "another", "box does not start", "device box is back"] and opened[0].closed
-    played = opened[-1].engine.position
-    time.sleep(0.05)
-    assert opened[-1].engine.position == played  # not by the clock any more
-    assert player.name == "box" and player.reconnects == 1
-
-
-def test_a_device_that_asks_for_nothing_is_told_once(devices, monkeypatch):
-    player, opened, _ = devices
-    now = time.monotonic()
-    monkeypatch.setattr("carom.server.player.time.monotonic", lambda: now)
-    told = []
-    for played in (*[False] * 6, True, *[False] * 6):
-        now += 1.0
-        if played:
-            opened[0].engine.process(64)
-        told += player.look()
-    assert told == ["device box asks for no sound"] * 2
 
 
 @pytest.mark.parametrize(
@@ -187,8 +228,7 @@ def test_a_lost_device_is_told_and_had_back(tmp_path, jack):
         assert status(client)["device"] == "system"
         with server.client() as listener:
             listener.ask("/notify", 1)
-            jack.process.kill()  # its place in JACK's registry is free once it is started again
-            jack.process.wait()
+            jack.kill()
             within(10, lambda: status(client)["device"] == "none")
             before = status(client)["time"]
             time.sleep(0.5)
@@ -215,3 +255,60 @@ def test_a_server_ends_well_after_its_device(tmp_path, jack):
         jack.stop()
         server.process.terminate()
         assert server.process.wait(timeout=10) == 0
+
+
+def test_a_device_that_came_back_at_another_rate_is_had_back_at_its_own(tmp_path, jack):
+    pytest.importorskip("sounddevice", reason="PortAudio is not installed", exc_type=OSError)
+    jack.start(1024)
+    with serving(tmp_path, "--device", "system") as server, server.client() as client, server.client() as listener:
+        listener.ask("/notify", 1)
+        warnings: list[str] = []
+
+        def warned(text: str) -> bool:
+            warnings.extend(str(reply.args[0]) for reply in listener.replies(0.1) if reply.address == "/warning")
+            return any(text in warning for warning in warnings)
+
+        jack.kill()
+        within(10, lambda: status(client)["device"] == "none")
+        jack.start(1024, rate=44_100)
+        within(10, lambda: warned("Invalid sample rate"))
+        assert warned("48000 Hz is asked for, its own is 44100;")
+        jack.kill()
+        jack.start(1024)
+        within(10, lambda: status(client)["device"] == "system")
+        client.ask("/sync", 1)
+        assert status(client)["reconnects"] == 1
+        assert server.quit() == (0, "")
+
+
+@pytest.mark.parametrize("pause", [0.3, 3.0])
+def test_a_server_ends_well_while_its_device_is_frozen(tmp_path, jack, pause):
+    """Told to end before it has seen that the device stands still, and after."""
+    pytest.importorskip("sounddevice", reason="PortAudio is not installed", exc_type=OSError)
+    jack.start(256)
+    with serving(tmp_path, "--device", "system", "--record", "out.wav", "--log", "log.txt") as server:
+        with server.client() as client:
+            client.new("a", "wood-block")
+            client.impact("a", 1.0)
+            client.ask("/sync", 1)
+            jack.process.send_signal(signal.SIGSTOP)
+            time.sleep(pause)
+            assert status(client)["device"] == ("system" if pause < 2 else "none")
+        server.process.terminate()
+        _, errors = server.process.communicate(timeout=8)
+        assert (server.process.returncode, errors) == (0, "")
+    jack.kill()
+    sound, _ = soundfile.read(tmp_path / "out.wav")
+    assert sound.any() and (tmp_path / "log.txt").read_text().count("/object/a/impact") == 1
+
+
+def test_a_server_ends_well_in_the_moment_that_its_device_goes(tmp_path, jack):
+    pytest.importorskip("sounddevice", reason="PortAudio is not installed", exc_type=OSError)
+    jack.start(64)
+    with serving(tmp_path, "--device", "system", "--record", "out.wav") as server, server.client() as client:
+        client.new("a", "wood-block")
+        client.impact("a", 1.0)
+        client.ask("/sync", 1)
+        jack.kill()
+        assert server.quit() == (0, "")
+    assert soundfile.read(tmp_path / "out.wav")[0].any()
