@@ -242,8 +242,10 @@ def _leave_portaudio() -> None:
 
 def _library(name: str) -> str:
     """Where a library was loaded from."""
-    lines = Path("/proc/self/maps").read_text().splitlines()
-    return next(line.split()[-1] for line in lines if f"/lib{name}" in line)
+    for line in Path("/proc/self/maps").read_text().splitlines():
+        if f"/lib{name}" in line:
+            return line.split()[-1]
+    raise OSError(f"lib{name} is not loaded")
 
 
 def _jack_rate() -> float:
