@@ -9,20 +9,17 @@ import math
 
 import numpy as np
 
-from .atomic import store_release
+from .arrival import drop, tell_end, wait
 from .collocation import captured, elastic
 from .coupled import fly_on
 from .jit import kernel
 from .ladder import place
 from .relief import coarseness_of, must_wait
-from .roll import begin_roll, fill_roll
+from .roll import fill_roll
 from .rolled import bring
-from .state import ENDED, QUANTUM, Command, End, Solver
-from .steering import joined
-from .surface import begin_surface
+from .state import QUANTUM, Command, End, Solver
 from .touch import act, choose_modes, flight, let_modes_go, meet
 
-_SLOWEST = 1e-12  # m/s: a slower striker moves nothing, and its square may underflow
 _SHORTEST_ROUND = 20e-6  # s from contact to contact of a bounce: a quicker one presses like a weight at rest
 _MOST_A_SAMPLE = 8  # contacts of one bounce that may begin in a sample: at 8 kHz there is time for 7
 _LONGEST_LEAP = 256.0  # samples that a striker flies without a look at how far the object reaches
@@ -38,118 +35,13 @@ _SPENT = 1e-12  # share of its energy (-120 dB) with which a striker that nothin
 
 _IMPACT, _BOUNCE, _ROLL, _PRESS = int(Command.IMPACT), int(Command.BOUNCE), int(Command.ROLL), int(Command.PRESS)
 _COUPLED, _SAMPLED, _ROLLING = int(Solver.COUPLED), int(Solver.SAMPLED), int(Solver.ROLLING)
-_RESTED, _STOPPED, _NO_ROOM, _GONE, _JOINED = (
-    int(End.RESTED), int(End.STOPPED), int(End.NO_ROOM), int(End.GONE), int(End.JOINED),
-)  # fmt: skip
-
-
-@kernel
-def receive(state, obj, event):
-    """Take a striker into an object's list, to touch it at its time; a roll that is under way is steered."""
-    values = event.values
-    serial = int(values[7])
-    if event.kind == _ROLL and joined(state, event):
-        tell_end(state, serial, _JOINED)
-        return
-    if values[0] < _SLOWEST:
-        tell_end(state, serial, _RESTED)
-        return
-    rolls = event.kind == _ROLL
-    full = state.contacts_active == len(state.contacts) or (rolls and state.rolls_active == len(state.rolls))
-    if full:
-        state.impacts += 1
-        state.contacts_dropped += 1
-        tell_end(state, serial, _NO_ROOM)
-        return
-    index = state.free_contact[len(state.contacts) - 1 - state.contacts_active]
-    state.contacts_active += 1
-    contact = state.contacts[index]
-    contact.kind = event.kind
-    contact.touching = 0
-    contact.v_in, contact.position = values[0], values[1]
-    contact.m, contact.k, contact.mu, contact.a = values[2], values[3], values[4], values[5]
-    contact.gain = contact.loudness = values[6]
-    contact.moved_to = contact.position
-    contact.serial = serial
-    contact.body[0].slot = event.slot
-    contact.body[0].serial = event.serial
-    contact.body[1].slot = int(values[8])
-    contact.body[1].serial = int(values[9])
-    partner = state.objects[contact.body[1].slot]
-    if not (partner.used == 1 and partner.serial == contact.body[1].serial and partner.dying == 0):
-        contact.body[1].slot = -1  # told to go, if there ever was one: its mass strikes alone
-    if contact.body[1].slot >= 0:
-        place(contact.body[1], values[10], state.objects[contact.body[1].slot].rows)
-    contact.until = math.inf
-    contact.origin = event.time
-    contact.elapsed = 0.0
-    contact.gravity = contact.irregularity = contact.spin = 0.0
-    contact.push = contact.pushed_to = 0.0
-    contact.solver = contact.unsettled = contact.weighty = 0
-    contact.gone_at = math.inf
-    state.called[index] = 0 if event.kind == _IMPACT else event.order + 1
-    if event.kind == _BOUNCE:
-        contact.gravity, contact.irregularity = values[11], values[12]
-        contact.random = np.uint64(values[13])
-        contact.elapsed = values[14]
-        contact.weighty = int(values[15])
-        contact.push = contact.pushed_to = contact.m * contact.gravity
-    elif event.kind == _PRESS:
-        contact.pushed_to = values[11]
-        contact.gain = contact.loudness = 1.0  # a hand that is softer is one that presses less
-    elif rolls:
-        _begin_rolling(state, contact, values)
-    _wait(state, contact)
-    contact.next = -1
-    if obj.contact < 0:
-        obj.contact = index
-    else:
-        last = obj.contact
-        while state.contacts[last].next >= 0:
-            last = state.contacts[last].next
-        state.contacts[last].next = index
-
-
-@kernel
-def _begin_rolling(state, contact, values):
-    contact.roll = state.free_roll[len(state.rolls) - 1 - state.rolls_active]
-    state.rolls_active += 1
-    contact.solver = _ROLLING
-    contact.touching = 1
-    contact.path = values[22]
-    contact.rolled = 0.0
-    roll = state.rolls[contact.roll]
-    begin_surface(roll.path.surface, values[13], values[14], values[15], values[16], values[17], np.int64(values[18]))
-    begin_roll(
-        roll, 0, values[12], contact.m, contact.k, contact.mu, contact.a, values[0], values[11], values[19], values[20],
-        values[24], values[21], coarseness_of(state),
-    )  # fmt: skip
-
-
-@kernel
-def _wait(state, contact):
-    """Have a contact begin when its flight is over."""
-    time = contact.origin + contact.elapsed * state.rate
-    contact.start = math.floor(time)
-    contact.fraction = time - contact.start
-
-
-@kernel
-def tell_end(state, serial, end):
-    """Report what became of a gesture, if it was given a number."""
-    if serial == 0:
-        return
-    count = state.ended_count[0]
-    state.ended[count % ENDED, 0] = serial
-    state.ended[count % ENDED, 1] = end
-    store_release(state.ended_count, 0, count + 1)
+_RESTED, _STOPPED, _NO_ROOM = int(End.RESTED), int(End.STOPPED), int(End.NO_ROOM)
 
 
 @kernel
 def attend(state, obj):
     """Bring an object's contacts to a new quantum: what glides, rolls or was stopped, whom they tie it to."""
     c = math.exp(-QUANTUM / (_GLIDE * state.rate))
-    slowly = math.exp(-QUANTUM / (_LAID * state.rate))
     before = -1
     index = obj.contact
     while index >= 0:
@@ -182,13 +74,7 @@ def attend(state, obj):
         elif contact.kind == _PRESS and choose_modes(state, contact):
             _lift(state, contact, 0)
         elif contact.solver == _COUPLED:
-            if contact.until < state.position + QUANTUM and contact.gone_at == math.inf:
-                _let_go(state, contact, contact.until)
-                if contact.kind == _PRESS:
-                    contact.push = 0.0  # a hand is taken away at once
-            contact.push = contact.pushed_to + (contact.push - contact.pushed_to) * slowly
-            contact.coupled.push = contact.push
-            _lean(state, contact)
+            _push_on(state, contact)
         if ended:
             tell_end(state, contact.serial, _STOPPED)
             drop(state, obj, before, index)
@@ -209,7 +95,7 @@ def _wait_longer(state, contact):
         return contact.start >= contact.until
     contact.origin += QUANTUM
     if contact.kind == _BOUNCE:
-        _wait(state, contact)
+        wait(state, contact)
         return contact.start >= contact.until
     return state.rolls[contact.roll].asked_speed == 0.0
 
@@ -222,6 +108,19 @@ def _lift(state, contact, frames):
     contact.push = 0.0
     contact.start = state.position + frames
     contact.fraction = 0.0
+
+
+@kernel
+def _push_on(state, contact):
+    """Bring what pushes a coupled striker nearer to what it is to be."""
+    if contact.until < state.position + QUANTUM and contact.gone_at == math.inf:
+        _let_go(state, contact, contact.until)
+        if contact.kind == _PRESS:
+            contact.push = 0.0  # a hand is taken away at once
+    slowly = math.exp(-QUANTUM / (_LAID * state.rate))
+    contact.push = contact.pushed_to + (contact.push - contact.pushed_to) * slowly
+    contact.coupled.push = contact.push
+    _lean(state, contact)
 
 
 @kernel
@@ -364,7 +263,7 @@ def _fly(state, contact, rebound, gap):
     if not (rebound > 0.0 and contact.pulse.duration / state.rate + seconds > _SHORTEST_ROUND):
         tell_end(state, contact.serial, _RESTED)
         return False
-    _wait(state, contact)
+    wait(state, contact)
     contact.touching = 0
     if contact.start >= contact.until:
         tell_end(state, contact.serial, _STOPPED)
@@ -428,30 +327,3 @@ def _random(contact):
     z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
     z = z ^ (z >> np.uint64(31))
     return np.float64(z >> np.uint64(11)) * 2.0**-53
-
-
-@kernel
-def drop(state, obj, before, index):
-    """Take a contact out of its object's list and give its place back."""
-    contact = state.contacts[index]
-    if before < 0:
-        obj.contact = contact.next
-    else:
-        state.contacts[before].next = contact.next
-    contact.serial = 0
-    state.called[index] = 0
-    let_modes_go(state, contact)
-    state.contacts_active -= 1
-    state.free_contact[len(state.contacts) - 1 - state.contacts_active] = index
-    if contact.kind == _ROLL:
-        state.rolls_active -= 1
-        state.free_roll[len(state.rolls) - 1 - state.rolls_active] = contact.roll
-
-
-@kernel
-def drop_all(state, obj):
-    """End every gesture on an object at once."""
-    while obj.contact >= 0:
-        contact = state.contacts[obj.contact]
-        tell_end(state, contact.serial, _GONE)
-        drop(state, obj, -1, obj.contact)

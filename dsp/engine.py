@@ -7,9 +7,9 @@ blocks of any size are served from finished quanta, so a block size can't change
 Nothing here allocates, locks or needs Python.
 """
 
+from .arrival import receive, tell_end
 from .atomic import load_acquire, store_release
 from .clock import sample_at
-from .encounter import receive, tell_end
 from .jit import kernel
 from .limiter import limit
 from .queue import has_room, order_heap, pop, push, sink, swap

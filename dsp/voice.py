@@ -5,8 +5,9 @@ Objects that share a contact are rendered together, sample by sample; every othe
 
 import math
 
+from .arrival import drop_all
 from .bank import LANES, RESPONSES, set_mode, state_of
-from .encounter import attend, drive, drop_all, next_driven_frame
+from .encounter import attend, drive, next_driven_frame
 from .jit import kernel
 from .ladder import highest_of, sigma_of
 from .relief import choose_newest, is_left_out, silence_of
