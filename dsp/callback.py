@@ -87,6 +87,12 @@ def callback() -> Any:
     return kept(compile_callback)
 
 
+@cache
+def _say_that_it_is_not_kept(why: str) -> None:
+    text = "compiled code can't be kept, every start will compile: %s; XDG_CACHE_HOME may name another place"
+    logging.getLogger(__name__).warning(text, why)
+
+
 def kept(compiled: Callable[[bool], Any]) -> Any:
     """What `compiled(cached)` compiles, from the user's cache where that can be written."""
     folder = _cache_folder()
@@ -102,7 +108,7 @@ def kept(compiled: Callable[[bool], Any]) -> Any:
         folder.mkdir(parents=True, exist_ok=True)
         return compiled(True)
     except OSError as error:
-        log.warning("compiled code can't be kept, every start will compile: %s", error)
+        _say_that_it_is_not_kept(str(error))
         return compiled(False)
     finally:
         patience.cancel()
