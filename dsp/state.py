@@ -255,6 +255,7 @@ STATE = np.dtype(
         ("sigma", np.float64, MODES),
         ("response", np.float64, MODES // LANES * RESPONSES),
         ("shape", np.float32, SHAPE_VALUES),
+        ("work", np.float64, 3 * MODES_PER_OBJECT + FINE * LANES),
         # One quantum of sound: of the objects rendered together, of all, and as it leaves.
         ("voices", np.float64, (OBJECTS, 2, QUANTUM)),
         ("mix", np.float64, (2, QUANTUM)),
@@ -289,7 +290,6 @@ STATE = np.dtype(
         ("fine", np.float64, FINE),
         ("observed", np.float64, FINE),
         ("given", np.float64, FINE),
-        ("work", np.float64, 3 * MODES_PER_OBJECT + FINE * LANES),
         ("spectrum", np.float64, (2, MODES_PER_OBJECT)),
         ("quality", np.int64),  # as Command.QUALITY says
         ("accuracy", np.int64),  # as Command.ACCURACY says

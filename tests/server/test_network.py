@@ -107,11 +107,11 @@ def test_what_came_before_the_end_is_answered(net, stack):
 
 
 def test_those_that_linger_make_room(net, stack):
-    for _ in range(3 * MOST_CONNECTIONS):
+    for _ in range(2 * MOST_CONNECTIONS):
         one = client(net, stack)
         one.sendall(Sized.framed(A))
         one.shutdown(socket.SHUT_WR)
-        assert len(taken(net)) == 1
+        assert len(taken(net, 0.02)) == 1
     assert net.connections == 0
 
 
