@@ -14,6 +14,7 @@ from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder, _LowerResult
 from numba.core.compiler_machinery import register_pass
 from numba.core.typed_passes import NativeLowering
+from numba.core.types.misc import unliteral
 
 
 class _Part(JITCodeLibrary):
@@ -94,12 +95,23 @@ _REASSOCIATE = {"contract", "reassoc", "nsz"}
 
 def kernel(function: Callable[..., Any]) -> Any:
     """Decorator: a kernel with strict IEEE arithmetic. Called from Python, it runs as a function of its own."""
-    return _also_from_python(njit(**_SAFE)(function))
+    return _also_from_python(_once_for_all_numbers(njit(**_SAFE)(function)))
 
 
 def simd_kernel(function: Callable[..., Any]) -> Any:
     """Decorator: a kernel whose sums may be reordered into vector lanes."""
-    return _also_from_python(njit(**_SAFE, fastmath=_REASSOCIATE)(function))
+    return _also_from_python(_once_for_all_numbers(njit(**_SAFE, fastmath=_REASSOCIATE)(function)))
+
+
+def _once_for_all_numbers(part: Any) -> Any:
+    """To numba a number that is written out is a type of its own, for which a kernel would be translated once more."""
+    resolve = part.get_call_template
+
+    def resolve_plain(args: tuple[Any, ...], kws: dict[str, Any]) -> Any:
+        return resolve(tuple(map(unliteral, args)), {name: unliteral(kind) for name, kind in kws.items()})
+
+    part.get_call_template = resolve_plain
+    return part
 
 
 def _also_from_python(part: Any) -> Any:
