@@ -3,18 +3,8 @@
 Real time hands its address to PortAudio; offline and clock-driven rendering call the same code, so their bits agree.
 """
 
-import gc
-import hashlib
-import logging
-import shutil
-from collections.abc import Callable
-from functools import cache
-from pathlib import Path
-from threading import Timer
 from typing import Any
 
-import numba
-import platformdirs
 from numba import carray, cfunc, types
 
 from .atomic import flush_denormals, monotonic_ns, restore_denormals, thread_id
@@ -32,8 +22,6 @@ OUTPUT_UNDERFLOW = 4
 """The status flag that says that sound was missing before this block."""
 _NOW, _HEARD = 1, 2  # in PortAudio's times, s: of the callback, and of its first frame at the output
 _LATELY = 0.1  # s
-_VERSIONS_KEPT = 4
-_LONG = 2.0  # s of compiling after which something is said
 
 
 def _callback(_input, output, frames, times, flags, userdata):
@@ -64,54 +52,3 @@ def _callback(_input, output, frames, times, flags, userdata):
 def compile_callback(cached: bool) -> Any:
     """Compile the callback, or fetch it from numba's cache; only a fresh one can be inspected."""
     return cfunc(SIGNATURE, error_model="numpy", forceinline=True, cache=cached, pipeline_class=WHOLE)(_callback)
-
-
-def _cache_folder() -> Path:
-    # numba looks at the age of one file, and would go on using code whose imported kernels have changed.
-    sources = hashlib.sha256()
-    for path in sorted(Path(__file__).parent.glob("*.py")):
-        sources.update(path.read_bytes())
-    return platformdirs.user_cache_path("carom") / sources.hexdigest()[:16]
-
-
-def _forget_old(folder: Path) -> None:
-    """Remove the code of all but the last few versions."""
-    others = [path for path in folder.parent.glob("*") if path.is_dir() and path != folder]
-    for path in sorted(others, key=lambda path: path.stat().st_mtime, reverse=True)[_VERSIONS_KEPT:]:
-        shutil.rmtree(path, ignore_errors=True)
-
-
-@cache
-def callback() -> Any:
-    """The compiled callback, a numba CFunc."""
-    return kept(compile_callback)
-
-
-@cache
-def _say_that_it_is_not_kept(why: str) -> None:
-    text = "compiled code can't be kept, every start will compile: %s; XDG_CACHE_HOME may name another place"
-    logging.getLogger(__name__).warning(text, why)
-
-
-def kept(compiled: Callable[[bool], Any]) -> Any:
-    """What `compiled(cached)` compiles, from the user's cache where that can be written."""
-    folder = _cache_folder()
-    _forget_old(folder)
-    log = logging.getLogger(__name__)
-    patience = Timer(_LONG, log.warning, ["the engine is being compiled; only the first time takes so long"])
-    patience.daemon = True
-    patience.start()
-    elsewhere, collecting = numba.config.CACHE_DIR, gc.isenabled()
-    numba.config.CACHE_DIR = str(folder)
-    gc.disable()  # a compiler keeps most of the millions of objects that it makes: looking through them takes a while
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        return compiled(True)
-    except OSError as error:
-        _say_that_it_is_not_kept(str(error))
-        return compiled(False)
-    finally:
-        patience.cancel()
-        numba.config.CACHE_DIR = elsewhere
-        if collecting:
-            gc.enable()

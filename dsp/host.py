@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,8 @@ from numpy.typing import NDArray
 from .atomic import clock_ns, observe, publish
 from .bank import LANES, NYQUIST_SHARE
 from .body import Modes
-from .callback import callback
+from .callback import compile_callback
+from .code_cache import kept
 from .state import (
     ENDED,
     EVENTS,
@@ -55,6 +57,11 @@ class Stamp(float):
 
 class EngineFull(RuntimeError):
     """The engine has no room for what was asked; the message says what is full."""
+
+
+@cache
+def _callback() -> Any:
+    return kept(compile_callback)
 
 
 @dataclass
@@ -102,7 +109,7 @@ class Engine:
 
     def __init__(self, rate: float) -> None:
         self.state = new_state(rate)
-        self._callback = callback()
+        self._callback = _callback()
         self._record = self.state[0]
         self._pace: tuple[int, float, float] | None = None
         self._modes = _Arena("modes", MODES)

@@ -14,7 +14,8 @@ import numpy as np
 from numba import carray, cfunc, njit
 
 from .atomic import call_back, exchange, observe, store_release
-from .callback import SIGNATURE, kept
+from .callback import SIGNATURE
+from .code_cache import kept
 from .jit import WHOLE
 
 FREE, RUNNING, TAKEN = range(3)

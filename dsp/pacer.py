@@ -9,7 +9,8 @@ from typing import Any
 from numba import njit, types
 
 from .atomic import call_back, load_acquire, monotonic_ns, pause_ns
-from .callback import OUTPUT_UNDERFLOW, kept
+from .callback import OUTPUT_UNDERFLOW
+from .code_cache import kept
 
 _LONGEST_PAUSE = 20_000_000  # ns in which it does not look whether it is still wanted
 _SLEPT = 1_000_000_000  # ns behind after which the machine is thought to have slept: no rush to catch up

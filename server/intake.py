@@ -17,7 +17,7 @@ import numpy as np
 from numba import carray, cfunc, types
 
 from ..dsp.atomic import load_acquire, observe, publish, store_release
-from ..dsp.callback import kept
+from ..dsp.code_cache import kept
 from ..dsp.jit import kernel
 
 CAPACITY = 1 << 22
