@@ -17,7 +17,10 @@ test: $(READY) lint  ## linters, types and tests
 lint: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/lint-imports
+	rm -rf build $(VENV)/wheel
+	$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir $(VENV)/wheel .
+	$(BIN)/python -m zipfile -e $(VENV)/wheel/*.whl $(VENV)/wheel
+	PYTHONPATH=$(VENV)/wheel $(BIN)/lint-imports
 	$(BIN)/mypy
 
 serve: $(READY)  ## listen for OSC and play on the default device, or on none where there is no PortAudio
@@ -26,14 +29,14 @@ serve: $(READY)  ## listen for OSC and play on the default device, or on none wh
 	  $(BIN)/carom serve --device none; fi
 
 bench: $(READY)  ## measure speed; figures go to bench.json
-	$(BIN)/python tests/bench/bench.py --json bench.json
+	$(BIN)/python -m tests.bench.bench --json bench.json
 
 study: $(READY)  ## what takes an hour: extreme contacts, a long evening, threads that hog, a million packets
-	$(BIN)/python tests/bench/extremes.py
-	$(BIN)/python tests/bench/soak.py --minutes 10
-	$(BIN)/python tests/bench/overload.py
-	$(BIN)/python tests/bench/gil.py --seconds 60
-	$(BIN)/python tests/bench/fuzz.py --count 1000000
+	$(BIN)/python -m tests.bench.extremes
+	$(BIN)/python -m tests.bench.soak --minutes 10
+	$(BIN)/python -m tests.bench.overload
+	$(BIN)/python -m tests.bench.gil --seconds 60
+	$(BIN)/python -m tests.bench.fuzz --count 1000000
 
 $(READY): pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || \
@@ -43,8 +46,6 @@ $(READY): pyproject.toml
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --upgrade pip
 	$(BIN)/python -m pip install --quiet --editable '.[dev]'
-	mkdir -p $(VENV)/tree/carom
-	for folder in dsp server clients presets; do ln -sfn ../../../$$folder $(VENV)/tree/carom/$$folder; done
 	@touch $@
 
 clean:

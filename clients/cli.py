@@ -13,7 +13,7 @@ from importlib.metadata import version
 from pathlib import Path
 from threading import Event
 
-from ..server.osc import DEFAULT_PORT
+from ..server.osc.wire import DEFAULT_PORT
 from .client import Client, CommandError
 
 _RATE = 48_000
@@ -154,8 +154,8 @@ def _port(word: str) -> int:
 
 
 def _serve(arguments: argparse.Namespace) -> int:
-    from ..server.allowance import local
-    from ..server.live import Options, serving
+    from ..server.net.reply_budget import local
+    from ..server.server import Options, serving
 
     keys = ("port", "bind", "device", "latency", "rate", "block", "record", "log", "oscquery")
     chosen = {key: getattr(arguments, key) for key in keys}
@@ -177,9 +177,9 @@ def _render(arguments: argparse.Namespace) -> int:
     from rich.console import Console
     from rich.progress import Progress, TextColumn, TimeElapsedColumn
 
-    from ..server.presets import Presets
+    from ..presets.library import Presets
+    from ..server.osc.score import read
     from ..server.render import Options, render
-    from ..server.score import read
 
     options = Options(arguments.rate, arguments.block, arguments.format, arguments.seconds, _contact(arguments))
     score = read(arguments.score)
@@ -217,7 +217,7 @@ def _render(arguments: argparse.Namespace) -> int:
 
 
 def _play(arguments: argparse.Namespace) -> int:
-    from ..server.score import read
+    from ..server.osc.score import read
 
     lines = sorted(read(arguments.score), key=lambda line: line.time)
     failed = 0
@@ -243,7 +243,7 @@ def _print_failures(client: Client, seconds: float) -> int:
 
 
 def _send(arguments: argparse.Namespace) -> int:
-    from ..server.score import value
+    from ..server.osc.score import value
 
     with Client(arguments.host, arguments.port, arguments.tcp) as client:
         replies = client.ask_all(arguments.address, *map(value, arguments.args))
@@ -264,7 +264,7 @@ def _chart(arguments: argparse.Namespace) -> int:
     from rich.console import Console
     from rich.progress import Progress
 
-    from .chart import FULL, QUICK, chart
+    from .chart.run import FULL, QUICK, chart
 
     terminal = Console(stderr=True)
     with Progress(console=terminal, disable=not terminal.is_terminal, transient=True) as bar:
@@ -275,7 +275,7 @@ def _chart(arguments: argparse.Namespace) -> int:
 
 
 def _devices(_: argparse.Namespace) -> int:
-    from ..server.audio import devices
+    from ..server.audio.outputs import devices
 
     for device in devices():
         mark = "*" if device["default"] else " "
@@ -285,7 +285,7 @@ def _devices(_: argparse.Namespace) -> int:
 
 
 def _presets(arguments: argparse.Namespace) -> int:
-    from ..server.presets import KINDS, Presets
+    from ..presets.library import KINDS, Presets
 
     presets = Presets(arguments.presets)
     if arguments.name is None:

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from contextlib import closing
 from importlib.util import find_spec
 
-from ..dsp.host import Engine
-from ..server.audio import AudioError, devices
-from ..server.network import RECEIVE_BUFFER, Network
-from ..server.osc import DEFAULT_PORT
-from ..server.presets import PresetError, Presets
+from ..dsp.runtime.engine import Engine
+from ..presets.library import PresetError, Presets
+from ..server.audio.outputs import AudioError, devices
+from ..server.net.network import RECEIVE_BUFFER, Network
+from ..server.osc.wire import DEFAULT_PORT
 
 Finding = tuple[bool | None, str, str]
 """Well (True), worse than it could be (None) or broken (False); what was found; what to do about it."""

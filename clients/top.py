@@ -10,7 +10,7 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
 
-from ..server.osc import Message
+from ..server.osc.wire import Message
 from .client import Client
 
 PERIOD = 0.25  # s

@@ -3,9 +3,9 @@
 What it decides goes to the scene as /quality, so that a log of it renders to the same sound.
 """
 
-from ..dsp.host import Engine
-from ..dsp.state import Quality
-from .osc import Message
+from ..dsp.engine.state import Quality
+from ..dsp.runtime.engine import Engine
+from .osc.wire import Message
 
 _TOO_MUCH = 0.8  # of the time there is, on average over a tenth of a second
 _LITTLE = 0.4  # on average over a second

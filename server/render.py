@@ -11,13 +11,13 @@ import numpy as np
 import soundfile
 from numpy.typing import NDArray
 
-from ..dsp.host import Engine
-from ..dsp.state import QUANTUM
-from .osc import Argument, Message
-from .presets import Presets
-from .scene import Scene
-from .score import LONGEST_SCORE, Line, ScoreError, sample_at
-from .soundfiles import WAV_BYTES, open_sound
+from ..dsp.engine.state import QUANTUM
+from ..dsp.runtime.engine import Engine
+from ..presets.library import Presets
+from .files.soundfiles import WAV_BYTES, open_sound
+from .osc.score import LONGEST_SCORE, Line, ScoreError, sample_at
+from .osc.wire import Argument, Message
+from .scene.scene import Scene
 
 LOWEST_RATE, HIGHEST_RATE = 8_000, 192_000
 LONGEST_TAIL = 600.0

@@ -2,11 +2,11 @@
 
 from importlib.metadata import version as installed_version
 
-from ..dsp.gate import LEVELS
-from ..dsp.host import Engine
-from .network import Network
-from .osc import Message
-from .player import Player
+from ..dsp.contact.accuracy import LEVELS
+from ..dsp.runtime.engine import Engine
+from .audio.supervisor import Player
+from .net.network import Network
+from .osc.wire import Message
 
 _COUNTERS = (
     "impacts",

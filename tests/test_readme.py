@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 import soundfile
 
-from carom.server.osc import DEFAULT_PORT
-from carom.server.presets import Presets
-from carom.server.space import table
+from carom.presets.library import Presets
+from carom.server.osc.addresses import table
+from carom.server.osc.wire import DEFAULT_PORT
 
 README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
 
@@ -53,7 +53,7 @@ def test_the_tour_runs(tmp_path):
     if not shutil.which("oscsend"):
         pytest.skip("oscsend is not installed")
     carom = tmp_path / "carom"
-    carom.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m carom.clients "$@"\n')
+    carom.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m carom "$@"\n')
     carom.chmod(0o755)
     env = os.environ | {"PATH": f"{tmp_path}:{os.environ['PATH']}"}
     port = free_port()
@@ -96,7 +96,7 @@ def test_the_preset_it_shows_is_one(tmp_path):
 def test_the_sclang_it_shows_plays(tmp_path):
     if not shutil.which("sclang"):
         pytest.skip("sclang is not installed")
-    from tests.conftest import serving
+    from tests.support import serving
 
     ((_, text),) = blocks("supercollider")
     with serving(tmp_path, "--device", "none") as server:

@@ -19,17 +19,15 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-import contacts
-import gestures
-import klank
 import numpy as np
 from numba import njit
 from rich.console import Console
 from rich.table import Table
-from rounds import Contenders, minima
 
-from carom.dsp.bank import LANES, RESPONSES, inject, ring, set_mode
-from carom.dsp.state import QUANTUM, new_state
+from carom.dsp.engine.state import QUANTUM, new_state
+from carom.dsp.resonator.bank import LANES, RESPONSES, inject, ring, set_mode
+from tests.bench import contacts, gestures, klank
+from tests.bench.rounds import Contenders, minima
 
 RATE = 48_000.0
 BANKS = [(1, 16), (1, 64), (1, 256), (1, 1024), (1, 4096), (16, 64), (64, 16)]  # objects, modes of each

@@ -7,18 +7,18 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from rounds import Contenders, minima
 
-from carom.dsp.atomic import publish
-from carom.dsp.body import Modes
-from carom.dsp.coupled_closed import striking_loop
-from carom.dsp.coupled_scores import touched
-from carom.dsp.coupled_step import HELD
-from carom.dsp.coupled_study import CONVERGED, Case, simulate, simulation_loop
-from carom.dsp.gate import LEVELS
-from carom.dsp.host import NOW, Engine
-from carom.dsp.pulse import contact_time
-from carom.dsp.state import QUANTUM, Command
+from carom.dsp.bodies.modes import Modes
+from carom.dsp.contact.accuracy import LEVELS
+from carom.dsp.contact.closed_form import contact_time
+from carom.dsp.contact.coupled_step import HELD
+from carom.dsp.engine.state import QUANTUM, Command
+from carom.dsp.native.atomics import publish
+from carom.dsp.runtime.engine import NOW, Engine
+from carom.dsp.study.comparison import touched
+from carom.dsp.study.coupled import CONVERGED, Case, simulate, simulation_loop
+from carom.dsp.study.coupled_closed import striking_loop
+from tests.bench.rounds import Contenders, minima
 
 RATE = 48_000.0
 MODES = (24, 100)

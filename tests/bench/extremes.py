@@ -10,9 +10,9 @@ import sys
 
 import numpy as np
 
-from carom.dsp.coupled_step import HELD
-from carom.dsp.coupled_study import extreme_case, simulate
-from carom.dsp.gate import TOLERANCE
+from carom.dsp.contact.accuracy import TOLERANCE
+from carom.dsp.contact.coupled_step import HELD
+from carom.dsp.study.coupled import extreme_case, simulate
 
 
 def main(count: int) -> int:

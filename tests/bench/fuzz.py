@@ -18,9 +18,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from carom.clients.client import Client
-from carom.server import osc
-from carom.server.framing import Sized, Slip
-from carom.server.osc import Message
+from carom.server.osc import wire
+from carom.server.osc.framing import Sized, Slip
+from carom.server.osc.wire import Message
 
 BATCH = 20
 """Packets between two looks at whether the server answers."""
@@ -53,17 +53,17 @@ _INTERESTING = b"\0\1\4\x7f\x80\xc0\xdb\xdc\xfc\xff/#,*?[]{}!-sibfdhtmrcTFNI"
 KNOWN = (
     b"#bundle\0" + bytes(7) + b"\1" + b"\xff\xff\xff\xfc",  # an element of size -4
     b"#bundle\0" + bytes(7) + b"\1" + (20).to_bytes(4, "big") + b"#bundle\0" + bytes(12),
-    osc.encode("/" + "*" * 20 + "!" * 12, 1.0),  # on which a backtracking matcher never ends
-    osc.encode("/object/" + "*a" * 20 + "!/impact", 1.0),
-    osc.encode("/object/{" + "a,aa," * 150 + "}/impact", 1.0),
+    wire.encode("/" + "*" * 20 + "!" * 12, 1.0),  # on which a backtracking matcher never ends
+    wire.encode("/object/" + "*a" * 20 + "!/impact", 1.0),
+    wire.encode("/object/{" + "a,aa," * 150 + "}/impact", 1.0),
     b"/object/a/impact\0\0\0\0,f\0\0\0\0",  # a float cut short
     b"/object/a/impact\0\0\0\0,f\0\0\x7f\xc0\0\0",  # NaN
     b"\xff\xfe\xfd\xfc" * 10,  # not UTF-8
     b"/object/a/impact\0\0\0\0," + b"[" * 19,
     bytes(65_504),
-    osc.encode("/object/new", "x", "../../../etc/passwd"),
-    osc.encode("/é\x1b[2J", "ü"),
-    osc.encode("/object/a/impact", 5e-324, real="d"),
+    wire.encode("/object/new", "x", "../../../etc/passwd"),
+    wire.encode("/é\x1b[2J", "ü"),
+    wire.encode("/object/a/impact", 5e-324, real="d"),
 )
 
 
@@ -72,7 +72,7 @@ class Junk:
 
     def __init__(self, seed: int, now: float) -> None:
         self.chance = random.Random(seed)
-        self._now = osc.time_tag(now)
+        self._now = wire.time_tag(now)
 
     def packet(self) -> bytes:
         kind = self.chance.random()
@@ -87,7 +87,7 @@ class Junk:
             packet = self._mutated(self.chance.choice(KNOWN))
         else:
             packet = self.chance.choice(KNOWN)
-        return b"" if b"/quit\0" in packet else packet[: osc.MAX_DATAGRAM]
+        return b"" if b"/quit\0" in packet else packet[: wire.MAX_DATAGRAM]
 
     def stream(self, packets: int) -> bytes:
         """Framed packets, some of them broken in their framing too."""
@@ -100,7 +100,7 @@ class Junk:
         if chance < 0.8:
             message = self._message()
             with suppress(ValueError):
-                return osc.encode(message.address, *message.args, real=self.chance.choice("fd"))
+                return wire.encode(message.address, *message.args, real=self.chance.choice("fd"))
             return b""
         depth = self.chance.choice([1, 1, 1, 2, 8, 9, 30])
         packet = self._bundle([self._message() for _ in range(self.chance.randrange(5))])
@@ -112,7 +112,7 @@ class Junk:
         now = self._now
         tag = self.chance.choice([0, 1, now, now + (1 << 29), now - (1 << 32), now + (3000 << 32), 2**64 - 1])
         with suppress(ValueError):
-            return osc.encode_bundle(tag, messages)
+            return wire.encode_bundle(tag, messages)
         return b""
 
     def _message(self) -> Message:
@@ -274,7 +274,7 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=1_000_000, help="packets (%(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="(%(default)s)")
     arguments = parser.parse_args()
-    words = [sys.executable, "-m", "carom.clients", "serve", "--port", "0", "--device", "none"]
+    words = [sys.executable, "-m", "carom", "serve", "--port", "0", "--device", "none"]
     with tempfile.TemporaryFile("w+") as errors:
         server = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=errors, text=True)
         assert server.stdout

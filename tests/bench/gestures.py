@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from carom.dsp.body import Modes
-from carom.dsp.gate import LEVELS
-from carom.dsp.host import NOW, Engine, Handle
-from carom.dsp.state import Command
-from carom.server.presets import Presets
-from carom.server.strikes import GRAVITY, fall
+from carom.dsp.bodies.modes import Modes
+from carom.dsp.contact.accuracy import LEVELS
+from carom.dsp.engine.state import Command
+from carom.dsp.runtime.engine import NOW, Engine, Handle
+from carom.presets.library import Presets
+from carom.server.scene.limits import GRAVITY, fall
 
 RATE = 48_000.0
 OBJECTS, MODES, GESTURES = 32, 64, 64

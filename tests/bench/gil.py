@@ -16,10 +16,10 @@ from pathlib import Path
 import numpy as np
 import soundfile
 
-from carom.dsp.host import Engine
-from carom.server.presets import Presets
+from carom.dsp.runtime.engine import Engine
+from carom.presets.library import Presets
+from carom.server.osc.score import read
 from carom.server.render import Options, blocks
-from carom.server.score import read
 
 RATE, FRAMES = 48_000, 64
 WORST = 0.02  # share of the blocks that hogs may cost: exit code 1 beyond it

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from carom.server.osc import Message, encode_bundle
+from carom.server.osc.wire import Message, encode_bundle
 
 SCSYNTH = shutil.which("scsynth")
 

@@ -68,7 +68,7 @@ def main() -> int:
     seconds = parser.parse_args().seconds
     kept = True
     for name, play in SCENES.items():
-        words = [sys.executable, "-m", "carom.clients", "serve", "--device", "none", "--port", "0"]
+        words = [sys.executable, "-m", "carom", "serve", "--device", "none", "--port", "0"]
         with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as server:
             assert server.stdout
             match = re.search(r":(\d+)", server.stdout.readline())

@@ -97,7 +97,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--minutes", type=float, default=10.0)
     seconds = 60 * parser.parse_args().minutes
-    words = [sys.executable, "-m", "carom.clients", "serve", "--device", "none", "--port", "0"]
+    words = [sys.executable, "-m", "carom", "serve", "--device", "none", "--port", "0"]
     with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as server:
         assert server.stdout
         match = re.search(r":(\d+)", server.stdout.readline())

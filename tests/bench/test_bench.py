@@ -5,11 +5,10 @@ import subprocess
 import sys
 from pathlib import Path
 
-import bench
-import contacts
-import gestures
 import pytest
-from rounds import minima
+
+from tests.bench import bench, contacts, gestures
+from tests.bench.rounds import minima
 
 
 def test_the_c_reference_computes_the_same():

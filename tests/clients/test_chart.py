@@ -10,11 +10,11 @@ from pathlib import Path
 import pytest
 
 from carom.clients.cli import main
-from carom.dsp import study
-from carom.dsp.coupled_scores import BANDS
-from carom.dsp.methods import CORRECTIONS, METHODS
-from carom.dsp.study import PAPER_CASES, PAPER_RATE
-from tests.conftest import CAROM
+from carom.dsp.contact.sampled import CORRECTIONS, METHODS
+from carom.dsp.study import wall
+from carom.dsp.study.comparison import BANDS
+from carom.dsp.study.wall import PAPER_CASES, PAPER_RATE
+from tests.support import CAROM
 
 FIGURES = [
     "error-cost",
@@ -72,7 +72,7 @@ def test_errors_are_the_studys_and_costs_are_there(charted):
     for case, law in PAPER_CASES.items():
         for method in METHODS:
             for correction in CORRECTIONS:
-                made = study.deviations(method, correction, law, PAPER_RATE)
+                made = wall.deviations(method, correction, law, PAPER_RATE)
                 (row,) = pick(rows, case=case, method=method, correction=correction, oversampling="1")
                 assert [float(row[name]) for name in ("v_in", "m", "k", "mu", "a")] == list(law)
                 assert float(row["err_v_out"]) == pytest.approx(made.err_v_out, rel=1e-8)
@@ -97,7 +97,7 @@ def test_the_closed_form_alone_is_the_accurate_end_of_the_front(charted):
         here = pick(rows, case=case, k=k, mu=mu)
         here = [row for row in here if math.isfinite(float(row["err_v_out"] or "nan"))]
         error = [abs(float(row["err_v_out"])) for row in here]
-        best = study.pareto([float(row["ns_per_contact"]) for row in here], error)
+        best = wall.pareto([float(row["ns_per_contact"]) for row in here], error)
         front = [row for row, kept in zip(here, best, strict=True) if kept]
         closed = [row for row in here if row["method"].startswith("closed")]
         assert all(abs(float(row["err_v_out"])) < 1e-11 for row in closed)  # %
@@ -109,7 +109,7 @@ def test_the_closed_form_alone_is_the_accurate_end_of_the_front(charted):
 def test_failures_are_counted(charted):
     rows = read(charted[0] / "failures.csv")
     assert len(rows) == len(METHODS) * len(CORRECTIONS) + 1
-    kinds = [kind.name.lower() for kind in study.Outcome]
+    kinds = [kind.name.lower() for kind in wall.Outcome]
     for row in rows:
         assert sum(int(row[kind]) for kind in kinds) == int(row["points"]) >= 10_000
     (closed,) = pick(rows, method="closed")

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 import soundfile
 
-from carom.server.presets import BUILT_IN
-from tests.conftest import CAROM, Running
+from carom.presets.library import BUILT_IN
+from tests.support import CAROM, Running
 
 STRIKE = "0 /object/new a wood-block\n0.01 /object/a/impact 1\n"
 

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 import pytest
 
 from carom.clients.client import Client, CommandError
-from carom.server import osc
-from carom.server.framing import Sized
-from carom.server.osc import Bundle, Message
+from carom.server.osc import wire
+from carom.server.osc.framing import Sized
+from carom.server.osc.wire import Bundle, Message
 
 
 class Server:
@@ -28,16 +28,16 @@ class Server:
 
     def run(self) -> None:
         while True:
-            datagram, sender = self.socket.recvfrom(osc.MAX_DATAGRAM)
-            bundles = osc.parse(datagram)
+            datagram, sender = self.socket.recvfrom(wire.MAX_DATAGRAM)
+            bundles = wire.parse(datagram)
             self.received += bundles
             for message in (message for bundle in bundles for message in bundle.messages):
                 if message.address == "/stop":
                     return
                 if message.address == "/sync" and self.sync:
-                    self.socket.sendto(osc.encode("/synced", *message.args), sender)
+                    self.socket.sendto(wire.encode("/synced", *message.args), sender)
                 for answer in self.answers.get(message.address, []):
-                    self.socket.sendto(osc.encode(answer.address, *answer.args), sender)
+                    self.socket.sendto(wire.encode(answer.address, *answer.args), sender)
 
 
 @pytest.fixture
@@ -110,8 +110,8 @@ def test_bundle(server: Server, client: Client) -> None:
     with client.bundle():
         client.send("/c")
     assert arrived(server, 2) == [
-        Bundle(osc.time_tag(1.8e9), (Message("/object/a/impact", (1.0,)), Message("/object/b/impact", (2,)))),
-        Bundle(osc.IMMEDIATELY, (Message("/c"),)),
+        Bundle(wire.time_tag(1.8e9), (Message("/object/a/impact", (1.0,)), Message("/object/b/impact", (2,)))),
+        Bundle(wire.IMMEDIATELY, (Message("/c"),)),
     ]
 
 
@@ -120,7 +120,7 @@ def test_bundle_that_fails_is_not_sent(server: Server, client: Client) -> None:
         client.send("/a")
         _ = 1 / 0
     client.send("/b")
-    assert arrived(server, 1) == [Bundle(osc.IMMEDIATELY, (Message("/b"),))]
+    assert arrived(server, 1) == [Bundle(wire.IMMEDIATELY, (Message("/b"),))]
 
 
 def test_no_answer_and_no_bundle_inside_a_bundle(client: Client) -> None:
@@ -201,8 +201,8 @@ def test_tcp_answers_come_in_pieces() -> None:
             with here:
                 client.impact("a", 0.1)
                 sent = b"".join(Sized().packets(here.recv(1000)))
-                assert osc.parse(sent)[0].messages == (Message("/object/a/impact", (0.1,)),)
-                answers = Sized.framed(osc.encode("/one", 1)) + Sized.framed(osc.encode("/two"))
+                assert wire.parse(sent)[0].messages == (Message("/object/a/impact", (0.1,)),)
+                answers = Sized.framed(wire.encode("/one", 1)) + Sized.framed(wire.encode("/two"))
                 here.sendall(answers[:7])
                 timer = threading.Timer(0.05, here.sendall, (answers[7:],))
                 timer.start()

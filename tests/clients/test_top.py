@@ -10,8 +10,8 @@ import time
 from itertools import islice
 
 from carom.clients.top import _views, view
-from carom.server.osc import Message
-from tests.conftest import CAROM, Running
+from carom.server.osc.wire import Message
+from tests.support import CAROM, Running
 
 NINE = (1, 24, 1, 2, 3, 12.5, 40.0, 48000.0, 47999.5)
 PAIRS = {

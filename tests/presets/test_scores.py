@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from carom.dsp.host import Engine
-from carom.server.presets import Presets
+from carom.dsp.runtime.engine import Engine
+from carom.presets.library import Presets
+from carom.server.osc.score import read
 from carom.server.render import Options, blocks
-from carom.server.score import read
 
 SCORES = sorted((Path(__file__).parents[2] / "presets" / "scores").glob("*.txt"))
 

@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from carom.dsp.bank import state_of
-from carom.dsp.host import NOW, Engine
-from carom.server.osc import Message
-from carom.server.presets import Presets
-from carom.server.scene import Scene
+from carom.dsp.resonator.bank import state_of
+from carom.dsp.runtime.engine import NOW, Engine
+from carom.presets.library import Presets
+from carom.server.osc.wire import Message
+from carom.server.scene.scene import Scene
 
 PRESETS = Presets()
 RATE = 48_000

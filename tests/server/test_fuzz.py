@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import soundfile
 
-from carom.server import osc
+from carom.server.osc import wire
 from tests.bench.fuzz import KNOWN, Junk, fuzz, still_plays
-from tests.conftest import serving
+from tests.support import serving
 
 
 @pytest.mark.parametrize("seed", [7, 8])
@@ -32,8 +32,8 @@ def test_the_junk_is_neither_all_valid_nor_all_noise():
     well = 0
     for packet in packets:
         try:
-            well += bool(osc.parse(packet))
-        except osc.BadPacket:
+            well += bool(wire.parse(packet))
+        except wire.BadPacket:
             continue
     assert 0.2 < well / len(packets) < 0.7
     assert set(KNOWN) & set(packets)

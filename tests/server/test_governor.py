@@ -2,9 +2,9 @@
 
 from itertools import pairwise
 
-from carom.dsp.state import Quality
+from carom.dsp.engine.state import Quality
 from carom.server.governor import Governor
-from carom.server.osc import Message
+from carom.server.osc.wire import Message
 
 
 class Loaded:

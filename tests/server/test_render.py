@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 import soundfile
 
-from carom.server.presets import BUILT_IN, Presets
+from carom.presets.library import BUILT_IN, Presets
+from carom.server.osc.score import ScoreError, read
 from carom.server.render import Options, RenderError, render
-from carom.server.score import ScoreError, read
-from tests.conftest import render_lines
+from tests.support import render_lines
 
 DEMO = BUILT_IN / "scores" / "demo.txt"
 STRIKE = "0 /object/new a wood-block\n0.01 /object/a/impact 1\n"

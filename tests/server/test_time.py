@@ -13,8 +13,8 @@ from pythonosc.osc_bundle_builder import OscBundleBuilder
 from pythonosc.osc_message_builder import OscMessageBuilder
 from pythonosc.udp_client import UDPClient
 
-from carom.server.score import read
-from tests.conftest import Running, serving
+from carom.server.osc.score import read
+from tests.support import Running, serving
 
 RATE = 48_000
 SETTLED = 20  # events after which sclang's beat, and
@@ -100,10 +100,11 @@ def test_onsets_are_even_to_less_than_a_sample(tmp_path, request, send, device):
 
 def test_the_wall_clock_may_be_set_while_events_wait(monkeypatch):
     """A tag is turned into the engine's time as it arrives; what the wall clock does then is nothing to it."""
-    from carom.server import live, osc
+    from carom.server import server
+    from carom.server.osc import wire
 
     wall = time.time_ns()
     monkeypatch.setattr(time, "time_ns", lambda: wall + 10**9)
-    at, clock = live._clocks()
-    assert at == wall + 10**9 and abs(clock - live.clock_ns()) < 10**8
-    assert osc.unix_ns(osc.time_tag(1.5)) == 1_500_000_000
+    at, clock = server._clocks()
+    assert at == wall + 10**9 and abs(clock - server.clock_ns()) < 10**8
+    assert wire.unix_ns(wire.time_tag(1.5)) == 1_500_000_000

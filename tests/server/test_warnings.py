@@ -10,10 +10,10 @@ from contextlib import ExitStack, contextmanager
 import pytest
 
 from carom.clients.client import Client, CommandError
-from carom.dsp.state import CONTACTS
-from carom.server import osc
-from carom.server.live import Options, ServeError, Server, serving
-from carom.server.osc import Message
+from carom.dsp.engine.state import CONTACTS
+from carom.server.osc import wire
+from carom.server.osc.wire import Message
+from carom.server.server import Options, ServeError, Server, serving
 
 
 @contextmanager
@@ -210,8 +210,8 @@ def test_what_is_answered_is_short_and_can_be_shown(client):
 def test_time_tags_reach_an_hour_ahead_and_back_to_the_beginning_of_time(server, client):
     client.new("a", "wood-block")
     strike = Message("/object/a/impact", (0.1,))
-    for tag in (0, 2, osc.time_tag(0.0)):
-        client._transmit(osc.encode_bundle(tag, [strike]))
+    for tag in (0, 2, wire.time_tag(0.0)):
+        client._transmit(wire.encode_bundle(tag, [strike]))
     with client.bundle(at=time.time() + 3_590):
         client.impact("a", 0.1)
     with client.bundle(at=time.time() + 3_610):

@@ -4,8 +4,8 @@ import random
 import sys
 import time
 
-from carom.clients.client import Client
-from carom.server.osc import DEFAULT_PORT
+from ....server.osc.wire import DEFAULT_PORT
+from ...client import Client
 
 PRESETS = ("glass-plate", "church-bell", "marimba-bar")
 STRIKERS = ("steel", "rubber", "wood")

@@ -1,0 +1,1 @@
+"""Pictures of accuracy against cost, drawn by `carom chart`."""

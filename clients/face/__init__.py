@@ -1,0 +1,1 @@
+"""Carom: hear bodies hit, bounce and roll."""

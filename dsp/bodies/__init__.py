@@ -1,0 +1,1 @@
+"""Modes of bodies from shape and material. Made once, in Python."""

@@ -1,0 +1,229 @@
+"""Round plates and membranes, by Bessel functions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from .material import Material
+from .modes import MOST_MODES, Array, Modes, audible, path, require_choice, require_positive
+from .ring import doublets
+
+EDGES = ("free", "clamped", "supported")
+PICKUPS = ((0.83, 13.0), (0.61, -49.0))
+
+# radii (p,) in 0..1, roots (k,), orders (k,) -> mass-normalised radial shapes (p, k)
+Radial = Callable[[Array, Array, Array], Array]
+
+
+def disc(
+    material: Material,
+    *,
+    radius: float,
+    thickness: float,
+    top: float,
+    edge: str = "free",
+    split: float = 0.0,
+    imperfection: float = 20.0,
+    pickups: tuple[tuple[float, float], tuple[float, float]] = PICKUPS,
+) -> Modes:
+    """A thin round plate (Kirchhoff), its edge free, clamped or simply supported.
+
+    radius and thickness in m; the strike path is a diameter, from edge (0) over the centre (0.5) to edge (1);
+    pickups: (fraction of the radius, angle in degrees from the end 1 of the path); split and imperfection as
+    in `doublets`. f = lambda^2 / (2 pi R^2) sqrt(D / (rho h)), lambda the roots of the edge's two conditions
+    on J_n(lambda r) + c I_n(lambda r) (Leissa, Vibration of Plates, NASA SP-160, 1969).
+    """
+    require_positive(radius=radius, thickness=thickness)
+    require_choice("edge", edge, EDGES)
+    areal = material.density * thickness
+    rigidity = material.contact_modulus * thickness**3 / 12
+    unit = math.sqrt(rigidity / areal) / (2 * math.pi * radius**2)
+    order, root = _plate_roots(edge, material.poisson_ratio, min(math.sqrt(top / unit), _enough(2 if split else 1)))
+    mass = areal * math.pi * radius**2
+
+    def radial(r: Array, root: Array, order: Array) -> Array:
+        return _plate_shapes(edge, material.poisson_ratio, mass, r, root, order)
+
+    return _round(material, unit * root**2, order, root, mass, top, split, imperfection, pickups, radial)
+
+
+def membrane(
+    material: Material,
+    *,
+    radius: float,
+    thickness: float,
+    top: float,
+    tension: float | None = None,
+    fundamental: float | None = None,
+    split: float = 0.0,
+    imperfection: float = 20.0,
+    pickups: tuple[tuple[float, float], tuple[float, float]] = PICKUPS,
+) -> Modes:
+    """A round membrane held at its edge, in vacuo: f = j_(n,m) / (2 pi R) sqrt(T / (rho h)), j the zeros of
+    J_n.
+
+    radius and thickness in m; either tension T (N/m) or fundamental (Hz); the rest as for `disc`.
+    """
+    require_positive(radius=radius, thickness=thickness, tension=tension, fundamental=fundamental)
+    areal = material.density * thickness
+    order, root = _membrane_roots(_enough(2 if split else 1))
+    if tension is not None and fundamental is None:
+        unit = math.sqrt(tension / areal) / (2 * math.pi * radius)
+    elif fundamental is not None and tension is None:
+        unit = fundamental / float(root.min())
+    else:
+        raise ValueError(f"tension = {tension}, fundamental = {fundamental}: expected one of the two")
+    mass = areal * math.pi * radius**2
+
+    def radial(r: Array, root: Array, order: Array) -> Array:
+        from scipy.special import jv
+
+        # int_0^1 r J_n(j r)^2 dr = J_(n+1)(j)^2 / 2
+        peak = 1 / np.sqrt(mass * np.where(order == 0, 1.0, 0.5)) / np.abs(jv(order + 1, root))
+        return peak * _bessel(order, np.outer(r, root))
+
+    return _round(material, unit * root, order, root, mass, top, split, imperfection, pickups, radial)
+
+
+def _enough(members: int) -> float:
+    """A k R below which MOST_MODES modes lie surely: there are about (k R)^2 / 8 of each member."""
+    return math.sqrt(8 * MOST_MODES / members) + 8
+
+
+def _round(
+    material: Material,
+    frequency: Array,
+    order: Array,
+    root: Array,
+    mass: float,
+    top: float,
+    split: float,
+    imperfection: float,
+    pickups: tuple[tuple[float, float], tuple[float, float]],
+    radial: Radial,
+) -> Modes:
+    frequency, which, phase = doublets(frequency, order, split, imperfection)
+    keep = audible(frequency, top)
+    frequency, phase = frequency[keep], phase[keep]
+    base, member = np.unique(which[keep], return_inverse=True)
+    order, root = order[base], root[base]
+
+    right = np.linspace(0, 1, path(2 * root.max()).size // 2 + 1)
+    radius, degrees = np.transpose(pickups)
+    along = radial(np.concatenate([right, radius]), root, order)[:, member]
+    diameter = np.concatenate([along[right.size - 1 : 0 : -1], along[: right.size]])
+    angle = np.repeat([math.pi, 0.0], [right.size - 1, right.size])
+    order = order[member]
+    return Modes(
+        frequency=frequency,
+        decay=material.decay(frequency),
+        strike=diameter * np.cos(np.outer(angle, order) - phase),
+        pickup=along[right.size :] * np.cos(np.outer(np.radians(degrees), order) - phase),
+        mass=mass,
+    )
+
+
+def _membrane_roots(limit: float) -> tuple[Array, Array]:
+    """Orders n and roots j of J_n(j) = 0, 0 < j < limit."""
+    from scipy.special import jn_zeros
+
+    orders, roots = [], []
+    for n in range(math.ceil(limit)):  # the first zero of J_n lies above n
+        zeros = jn_zeros(n, max(1, math.ceil((limit - n) / math.pi) + 1))
+        zeros = zeros[zeros < limit]
+        orders.append(np.full(zeros.size, float(n)))
+        roots.append(zeros)
+    return np.concatenate(orders), np.concatenate(roots)
+
+
+def _bessel(order: Array, x: Array) -> Array:
+    """J_n(x) of whole orders (k,) at x (p, k), within 5e-6; from a table, as many points share few orders."""
+    from scipy.special import jv
+
+    step = 0.2  # cubic Hermite interpolation errs by step^4 / 384
+    grid = np.arange(0, x.max() + 2 * step, step)
+    table = jv(np.arange(-1, order.max() + 2)[:, None], grid)
+    slopes = (table[:-2] - table[2:]) * step / 2  # J_n' = (J_(n-1) - J_(n+1)) / 2
+    table = table[1:-1]
+    n, (t, cell) = order.astype(int), np.modf(x / step)
+    i = cell.astype(int)
+    left, right = table[n, i], table[n, i + 1]
+    bow_left, bow_right = slopes[n, i] - (right - left), (right - left) - slopes[n, i + 1]
+    return left + t * (right - left) + t * (1 - t) * ((1 - t) * bow_left + t * bow_right)
+
+
+def _conditions(edge: str, nu: float, root: Array, order: Array) -> tuple[Array, Array, Array, Array]:
+    """The edge's conditions on J_n(root r) and I_n(root r) / I_n(root) at r = 1: (J1, J2, I1, I2)."""
+    from scipy.special import ive, jv
+
+    j = jv(order, root)
+    dj = order * j - root * jv(order + 1, root)
+    di = order + root * ive(order + 1, root) / ive(order, root)
+    square = root**2
+
+    def moment(laplacian: Array | float, w: Array | float, slope: Array) -> Array:
+        return laplacian - (1 - nu) * (slope - order**2 * w)
+
+    def shear(slope_of_laplacian: Array, w: Array | float, slope: Array) -> Array:
+        return slope_of_laplacian - (1 - nu) * order**2 * (slope - w)
+
+    if edge == "clamped":
+        return j, dj, np.ones_like(j), di
+    if edge == "supported":
+        return j, moment(-square * j, j, dj), np.ones_like(j), moment(square, 1.0, di)
+    return (
+        moment(-square * j, j, dj),
+        shear(-square * dj, j, dj),
+        moment(square, 1.0, di),
+        shear(square * di, 1.0, di),
+    )
+
+
+def _plate_roots(edge: str, nu: float, limit: float) -> tuple[Array, Array]:
+    """Orders n and roots lambda of the determinant of the edge's conditions, 0 < lambda < limit."""
+
+    def determinant(root: Array, order: Array) -> Array:
+        j1, j2, i1, i2 = _conditions(edge, nu, root, order)
+        return j1 * i2 - j2 * i1
+
+    # for one n the roots lie about pi apart, the first of them above n / 2
+    grid = np.arange(0.6, limit + 1, 0.6)
+    orders = np.arange(math.ceil(limit) + 1.0)
+    value = determinant(grid[None], orders[:, None])
+    row, column = np.nonzero(np.signbit(value[:, :-1]) != np.signbit(value[:, 1:]))
+    low, high, order = grid[column], grid[column + 1], orders[row]
+    at_low, at_high = value[row, column], value[row, column + 1]
+    for _ in range(12):  # regula falsi, the stale end's value halved (Illinois): to rounding in 8 to 11 steps
+        root = (low * at_high - high * at_low) / (at_high - at_low)
+        at_root = determinant(root, order)
+        crossed = np.signbit(at_root) != np.signbit(at_high)
+        low, at_low = np.where(crossed, high, low), np.where(crossed, at_high, at_low / 2)
+        high, at_high = root, at_root
+        if np.all(np.abs(high - low) < 1e-13 * high) or not np.any(at_root):
+            break
+    found = high < limit
+    return order[found], high[found]
+
+
+def _plate_shapes(edge: str, nu: float, mass: float, r: Array, root: Array, order: Array) -> Array:
+    from scipy.special import ive, jv
+
+    j1, j2, i1, i2 = _conditions(edge, nu, root, order)
+    second = np.abs(i2) > np.abs(i1)  # the better conditioned of the two
+    c = -np.where(second, j2, j1) / np.where(second, i2, i1)
+
+    # int_0^1 r (J + c I)^2 dr in closed form; I is taken relative to its value at the edge
+    j, dj = jv(order, root), jv(order, root) * order / root - jv(order + 1, root)
+    di = order / root + ive(order + 1, root) / ive(order, root)
+    ratio = (order / root) ** 2
+    square = 0.5 * (dj**2 + (1 - ratio) * j**2)
+    square += c**2 * 0.5 * ((1 + ratio) - di**2)
+    square += 2 * c * (j * di - dj) / (2 * root)
+    peak = 1 / np.sqrt(2 * square * mass * np.where(order == 0, 1.0, 0.5))
+
+    x = np.outer(r, root)
+    growing = ive(order, x) / ive(order, root) * np.exp(x - root)
+    return peak * (jv(order, x) + c * growing)

@@ -1,0 +1,174 @@
+"""Rectangular plates with any edges."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from .material import Material
+from .modes import Array, Indices, Modes, audible, path, require_choice, require_positive
+
+EDGES = ("free", "clamped", "supported")
+RESERVE = 2.0  # beam products up to this times the highest wanted frequency make the series
+LEAST_PRODUCTS = 400  # of which the series is made at least
+MOST_PRODUCTS = 2200
+MOST_FACTORS = 400  # beam modes along a side; k^4 of more would be lost in rounding
+
+Corner = tuple[float, float]
+
+
+def plate(
+    material: Material,
+    *,
+    length: float,
+    width: float,
+    thickness: float,
+    top: float,
+    edges: tuple[str, str, str, str] = ("free", "free", "free", "free"),
+    path_from: Corner = (0.0, 0.0),
+    path_to: Corner = (1.0, 1.0),
+    pickups: tuple[Corner, Corner] = ((0.17, 0.29), (0.86, 0.38)),
+) -> Modes:
+    """A thin rectangular plate (Kirchhoff), each edge free, clamped or simply supported.
+
+    Lengths in m; edges at x = 0, x = length, y = 0, y = width; strike path from a point to another, these and
+    the pickups as fractions (x, y) of the sides.
+
+    Ritz's method on D/2 int (lap w)^2 - 2 (1 - nu) (w_xx w_yy - w_xy^2) (Leissa, J. Sound Vib. 31, 1973), in
+    products of the modes of the two beams with the same edges; symmetrical edges split it by parity.
+    """
+    require_positive(length=length, width=width, thickness=thickness)
+    for edge in edges:
+        require_choice("edges", edge, EDGES)
+    areal = material.density * thickness
+    speed = math.sqrt(material.contact_modulus * thickness**3 / 12 / areal)  # sqrt(D / (rho h)), m^2/s
+    nu = material.poisson_ratio
+    wavenumber = math.sqrt(2 * math.pi * top / speed)
+    along = _Beam(edges[0], edges[1], length, wavenumber)
+    across = _Beam(edges[2], edges[3], width, wavenumber)
+
+    estimate = along.square[:, None] + across.square
+    ranked = np.sort(estimate, axis=None)
+    least, most = (ranked[min(count, ranked.size) - 1] for count in (LEAST_PRODUCTS, MOST_PRODUCTS))
+    # a limit in wavenumber, not in number, so that the two products of a square's doublets stay together
+    limit = (1 + 1e-9) * min(max(RESERVE * wavenumber**2, least), most)
+    ix, iy = np.nonzero(estimate <= limit)
+    complete = min(limit, along.square.max(), across.square.max()) / RESERVE  # a vast plate's series ends early
+    classes = 2 * along.parity[ix] + across.parity[iy]
+
+    squares, blocks = [], []
+    for group in np.unique(classes):
+        member = classes == group
+        jx, jy = ix[member], iy[member]
+        x, y = np.ix_(jx, jx), np.ix_(jy, jy)
+        mixed = along.curvature[x] * across.curvature.T[y]
+        energy = nu * (mixed + mixed.T) + 2 * (1 - nu) * along.slopes[x] * across.slopes[y]
+        energy += along.bends[x] * np.equal.outer(jy, jy) + np.equal.outer(jx, jx) * across.bends[y]
+        square, vector = np.linalg.eigh(energy)
+        squares.append(square)
+        blocks.append((jx, jy, vector))
+
+    frequency = speed * np.sqrt(np.maximum(np.concatenate(squares), 0)) / (2 * math.pi)
+    keep = audible(frequency, min(top, speed * complete / (2 * math.pi)))
+    frequency = frequency[keep]
+    rank = np.full(sum(square.size for square in squares), -1)
+    rank[keep] = np.arange(keep.size)
+
+    span = math.hypot((path_to[0] - path_from[0]) * length, (path_to[1] - path_from[1]) * width)
+    positions = path(math.sqrt(2 * math.pi * frequency[-1] / speed) * span)[:, None]
+    points = np.concatenate([np.asarray(path_from) * (1 - positions) + np.asarray(path_to) * positions, pickups])
+    value_x, value_y = along.value(points[:, 0]), across.value(points[:, 1])
+    shapes = np.empty((len(points), keep.size))
+    first = 0
+    for jx, jy, vector in blocks:
+        place = rank[first : first + jx.size]
+        heard = place >= 0
+        shapes[:, place[heard]] = (value_x[:, jx] * value_y[:, jy]) @ vector[:, heard]
+        first += jx.size
+    shapes /= math.sqrt(areal)
+    return Modes(
+        frequency=frequency,
+        decay=material.decay(frequency),
+        strike=shapes[:-2],
+        pickup=shapes[-2:],
+        mass=areal * length * width,
+    )
+
+
+class _Beam:
+    """Modes of a beam of unit stiffness and density, as Legendre series: the factors of a plate's shapes.
+
+    At a free edge these have neither curvature nor shear where a plate's shapes have some, and their series
+    converges slowly; two polynomials for each free edge, made orthogonal to the modes kept, mend that.
+    """
+
+    def __init__(self, low: str, high: str, length: float, wavenumber: float) -> None:
+        resolved = min(math.sqrt(RESERVE) * wavenumber * length / math.pi + 4, MOST_FACTORS)
+        degree = math.ceil(1.8 * resolved) + 14
+        norm = 2 / (2 * np.arange(degree + 1) + 1)
+        groups = [slice(0, None, 2), slice(1, None, 2)] if low == high else [slice(None)]  # even, odd
+        kept = math.ceil(resolved / len(groups))
+        mending = 2 * (low, high).count("free") // len(groups)
+
+        square, series, parity = [], [], []
+        for number, group in enumerate(groups):
+            bubbles, fourth, modes = _ritz_beam(low, high, np.arange(degree + 1)[group], degree, kept)
+            extra = bubbles[:mending] - bubbles[:mending] * norm @ modes.T @ modes
+            extra = np.linalg.qr((extra * np.sqrt(norm)).T)[0].T / np.sqrt(norm)
+            series.append(np.concatenate([modes, extra]))
+            square.append(np.concatenate([np.sqrt(fourth), np.zeros(mending)]))
+            parity.append(np.full(square[-1].size, number))
+        scale = 2 / length  # from d/dxi, -1 <= xi <= 1, to d/dx
+        self.square = np.concatenate(square) * scale**2  # k^2, and 0 for what must never be left out
+        self.parity = np.concatenate(parity)
+        self._series = np.concatenate(series) * math.sqrt(scale)  # int phi^2 dx = 1
+
+        norm /= scale
+        slope = legendre.legder(self._series, axis=1) * scale
+        bend = legendre.legder(slope, axis=1) * scale
+        self.slopes = slope * norm[:-1] @ slope.T  # int phi_i' phi_j'
+        self.bends = bend * norm[:-2] @ bend.T  # int phi_i'' phi_j''
+        self.curvature = bend * norm[:-2] @ self._series[:, :-2].T  # int phi_i'' phi_j
+
+    def value(self, fraction: Array) -> Array:
+        """The functions (len(fraction), n) at fractions of the length."""
+        return legendre.legvander(2 * fraction - 1, self._series.shape[1] - 1) @ self._series.T
+
+
+def _ritz_beam(low: str, high: str, orders: Indices, degree: int, kept: int) -> tuple[Array, Array, Array]:
+    """The lowest modes of a beam on -1..1 from Legendre polynomials of the given orders.
+
+    The basis is the cubics that satisfy the edges and the twice-integrated Legendre polynomials, which vanish
+    with their slopes at both ends: their bending energies are orthogonal, so high orders cost no accuracy.
+    Returns the series (n, degree + 1) of the latter, k^4 (n,) and the series of the modes, int phi^2 = 1.
+    """
+    from scipy.linalg import eigh, null_space
+
+    cubic = orders[orders < 4]
+    sign = (-1.0) ** cubic
+    slope = cubic * (cubic + 1) / 2
+    held = {"free": 0, "supported": 1, "clamped": 2}
+    conditions = [sign, -sign * slope][: held[low]] + [np.ones_like(sign), slope][: held[high]]
+    allowed = null_space(np.array(conditions)).T if conditions else np.eye(cubic.size)
+
+    k = orders[(orders >= 2) & (orders <= degree - 2)]
+    basis = np.zeros((len(allowed) + k.size, degree + 1))
+    basis[: len(allowed), cubic] = allowed
+    rows = len(allowed) + np.arange(k.size)
+    basis[rows, k + 2] = 1 / ((2 * k + 1) * (2 * k + 3))
+    basis[rows, k] = -2 / ((2 * k - 1) * (2 * k + 3))
+    basis[rows, k - 2] = 1 / ((2 * k + 1) * (2 * k - 1))
+    basis[rows] *= np.sqrt(k + 0.5)[:, None]  # each of unit bending energy
+
+    norm = 2 / (2 * np.arange(degree + 1) + 1)
+    inertia = basis * norm @ basis.T
+    energy = np.eye(len(basis))
+    bend = legendre.legder(basis[: len(allowed)], 2, axis=1)
+    energy[: len(bend), : len(bend)] = bend * norm[:-2] @ bend.T
+    # of 1 / (1 + k^4) the largest are wanted: these keep every digit, and rigid motions do no harm
+    inverse, vector = eigh(inertia, energy + inertia)
+    inverse, vector = inverse[: -kept - 1 : -1], vector[:, : -kept - 1 : -1]
+    modes = (vector / np.sqrt(inverse)).T @ basis
+    return basis[len(allowed) :], np.maximum(1 / inverse - 1, 0), modes

@@ -1,0 +1,61 @@
+"""Strings: stiff, between two rigid supports."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from .material import Material
+from .modes import MOST_MODES, Modes, audible, path, require_positive
+
+
+def string(
+    material: Material,
+    *,
+    length: float,
+    diameter: float,
+    top: float,
+    tension: float | None = None,
+    fundamental: float | None = None,
+    linear_density: float | None = None,
+    inharmonicity: float | None = None,
+    pickups: tuple[float, float] = (0.07, 0.89),
+) -> Modes:
+    """A stiff string: f_n = n f0 sqrt(1 + B n^2), pinned ends.
+
+    length and diameter in m; either tension (N) or fundamental f0 (Hz, that of the limp string);
+    linear_density (kg/m) if the string is wound, `diameter` then being its core's; inharmonicity B, by
+    default the core's pi^3 E d^4 / (64 T L^2) (Fletcher 1964). Strike path and pickups: fractions of the
+    length.
+    """
+    require_positive(
+        length=length,
+        diameter=diameter,
+        tension=tension,
+        fundamental=fundamental,
+        linear_density=linear_density,
+    )
+    density = linear_density or material.density * math.pi * diameter**2 / 4
+    if tension is not None and fundamental is None:
+        fundamental = math.sqrt(tension / density) / (2 * length)
+    elif fundamental is not None and tension is None:
+        tension = density * (2 * length * fundamental) ** 2
+    else:
+        raise ValueError(f"tension = {tension}, fundamental = {fundamental}: expected one of the two")
+    if inharmonicity is None:
+        inharmonicity = math.pi**3 * material.youngs_modulus * diameter**4 / (64 * tension * length**2)
+
+    order = np.arange(1.0, MOST_MODES + 1)
+    frequency = order * fundamental * np.sqrt(1 + inharmonicity * order**2)
+    keep = audible(frequency, top)
+    order, frequency = order[keep], frequency[keep]
+    mass = density * length
+    peak = math.sqrt(2 / mass)
+    return Modes(
+        frequency=frequency,
+        decay=material.decay(frequency),
+        strike=peak * np.sin(np.pi * np.outer(path(np.pi * order[-1]), order)),
+        pickup=peak * np.sin(np.pi * np.outer(pickups, order)),
+        mass=mass,
+    )

@@ -1,0 +1,247 @@
+"""The scalar contact step: what is stepped through, instead of known in closed form, takes this step.
+
+Over a step of h seconds the contact force is the quadratic through its values at three Gauss nodes, and the law
+f = k x^a (1 + mu v), x > 0 (contact.py), holds at the nodes. Whatever moves linearly enters by a few numbers: the
+compression that there would be without the force, and by how much the nodes' forces take it back. Along the exact flow
+this is Gauss collocation of order 6; for a free mass it is the Runge-Kutta method of that name, A-stable. A contact
+that sticks never pulls: where 1 + mu v < 0 the law gives 0.
+
+Where the steps would have to become too fine, `discrete_gradient` holds the force for the step at
+[V(x1) - V(x0)]/(x1 - x0) max(0, 1 + mu (x1 - x0)/h), with V = k x^(a+1)/(a+1): the work is at least the change of V, so
+energy can't grow, whatever the step, and the root is unique.
+"""
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from ..native.jit import kernel
+
+NODES = 3
+
+GAUSS = (legendre.leggauss(NODES)[0] + 1.0) / 2.0
+"""The nodes, in [0, 1] of a step."""
+
+CARDINAL = np.linalg.inv(
+    np.vander(GAUSS, increasing=True)
+)  # power series of the polynomials 1 at one node, 0 at others
+
+WEIGHTS = np.array([CARDINAL[:, j] @ (1.0 / np.arange(1, NODES + 1)) for j in range(NODES)])
+"""Integrals over the step."""
+
+INTEGRAL = np.array([[c ** np.arange(1, 4) / np.arange(1, 4) @ CARDINAL[:, j] for j in range(NODES)] for c in GAUSS])
+"""Integrals from the step's beginning up to a node (row): the Gauss method's matrix."""
+
+LAST = CARDINAL.sum(axis=0)
+"""The quadratic's value at the step's end."""
+
+WITHIN = 0.8
+"""Share of the longest step within a tolerance that is tried: of `better_step`."""
+
+_SOLVED = 1e-11  # relative change of the forces that ends Newton's method, whose error is then below its square
+_NEWTON_STEPS = 16
+_GROWTH = 4e-9  # share of its energy that a contact may gain in all
+_LEAST_GROWTH = 1e-15  # what rounding makes of it in a step
+_CLOSED = 1e-10  # of a step's greatest compression, that is left at the release
+_GRADIENT_STEPS = 200
+
+STEP = np.dtype(
+    [
+        # What is given: without the force, and what the nodes' forces (N) take off.
+        ("free_x", np.float64, NODES),  # m
+        ("free_v", np.float64, NODES),  # m/s
+        ("give_x", np.float64, (NODES, NODES)),  # m/N
+        ("give_v", np.float64, (NODES, NODES)),  # m/(s N)
+        # What is found; `f` also says where to start.
+        ("f", np.float64, NODES),  # N
+        ("x", np.float64, NODES),
+        ("v", np.float64, NODES),
+        ("linear", np.float64, (NODES, NODES + 1)),
+    ],
+    align=True,
+)
+"""One step: x_i = free_x_i - sum_j give_x_ij f_j, v_i = free_v_i - sum_j give_v_ij f_j."""
+
+
+@kernel
+def law(x, v, k, mu, a):
+    """Contact force in N: (1), never negative."""
+    return k * x**a * max(1.0 + mu * v, 0.0) if x > 0.0 else 0.0
+
+
+@kernel
+def elastic(x, k, a):
+    """Elastic energy V(x) in J: (13)."""
+    return k * x ** (a + 1.0) / (a + 1.0) if x > 0.0 else 0.0
+
+
+@kernel
+def captured(x, v, m, k, a, push):
+    """True if the mass can never leave while it is pushed like this.
+
+    E = m v^2/2 + k x^(a+1)/(a+1) - push x does not grow in contact, and isn't negative at x = 0.
+    """
+    return x > 0.0 and 0.5 * m * v * v + elastic(x, k, a) < push * x
+
+
+@kernel
+def solve(step, k, mu, a, negligible):
+    """Forces at the nodes by Newton's method from `step.f`, then from 0, where the law's convexity helps it.
+
+    Leaves the nodes' f, x, v in the step. Changes of a force below `negligible` (N) don't matter; that is needed where
+    1 + mu v is down to rounding. False if it doesn't converge: the step is too long.
+    """
+    for _ in range(2):
+        for _ in range(_NEWTON_STEPS):
+            change = 0.0
+            size = 0.0
+            for i in range(NODES):
+                x = step.free_x[i]
+                v = step.free_v[i]
+                for j in range(NODES):
+                    x -= step.give_x[i, j] * step.f[j]
+                    v -= step.give_v[i, j] * step.f[j]
+                step.x[i] = x
+                step.v[i] = v
+                stiffness = damping = force = 0.0
+                slack = 1.0 + mu * v
+                if x > 0.0 and slack > 0.0:
+                    power = k * x ** (a - 1.0)
+                    force = power * x * slack
+                    stiffness = a * power * slack
+                    damping = mu * power * x
+                for j in range(NODES):
+                    step.linear[i, j] = stiffness * step.give_x[i, j] + damping * step.give_v[i, j]
+                step.linear[i, i] += 1.0
+                step.linear[i, NODES] = force - step.f[i]
+            _eliminate(step.linear)
+            for i in range(NODES):
+                step.f[i] += step.linear[i, NODES]
+                change = max(change, abs(step.linear[i, NODES]))
+                size = max(size, abs(step.f[i]))
+            if change <= _SOLVED * size + negligible:
+                return True
+        for i in range(NODES):
+            step.f[i] = 0.0
+    return False
+
+
+@kernel
+def _eliminate(linear):
+    """Solve the linear equations; the solution takes the right side's place. Their diagonal is safely positive."""
+    for i in range(NODES):
+        reciprocal = 1.0 / linear[i, i]
+        for row in range(i + 1, NODES):
+            factor = linear[row, i] * reciprocal
+            for j in range(i + 1, NODES + 1):
+                linear[row, j] -= factor * linear[i, j]
+    for i in range(NODES - 1, -1, -1):
+        for j in range(i + 1, NODES):
+            linear[i, NODES] -= linear[i, j] * linear[j, NODES]
+        linear[i, NODES] /= linear[i, i]
+
+
+@kernel
+def allowance(gained, scale):
+    """Energy (J) that a step may gain, in a contact of about `scale`, after `gained`: half of what is left to gain."""
+    return max(0.5 * (_GROWTH * scale - gained), _LEAST_GROWTH * scale)
+
+
+@kernel
+def extrapolate(step, ratio):
+    """Let the next step's Newton start where the last step's force leads; the next is `ratio` times as long."""
+    f0, f1, f2 = step.f[0], step.f[1], step.f[2]
+    for i in range(NODES):
+        theta = 1.0 + ratio * GAUSS[i]
+        value = 0.0
+        for power in range(NODES - 1, -1, -1):
+            value = value * theta + CARDINAL[power, 0] * f0 + CARDINAL[power, 1] * f1 + CARDINAL[power, 2] * f2
+        step.f[i] = max(value, 0.0)
+
+
+@kernel
+def end_of(f):
+    """The quadratic through the nodes' values at the step's end."""
+    return LAST[0] * f[0] + LAST[1] * f[1] + LAST[2] * f[2]
+
+
+@kernel
+def discrete_gradient(x, free, give, h, k, mu, a):
+    """The change of x over a step of h seconds, and the force that is held for it.
+
+    Without the force x would change by `free` (m); a held one takes off `give` (m/N) > 0. The change that the law
+    allows is the root of an increasing convex function: Newton's method comes down to it from above.
+    """
+    stored = elastic(x, k, a)
+    high = free
+    low = free
+    if x > 0.0:
+        low = min(free, -x) - give * stored / x
+    if x >= 0.0 and free > 0.0:
+        # f is at least k x1^a/(a+1) where x1 > x, and takes off no more than `free`.
+        high = min(high, max(((a + 1.0) * free / (give * k)) ** (1.0 / a) - x, 0.0))
+    low = min(low, -abs(x))
+    change = high
+    for _ in range(_GRADIENT_STEPS):
+        f, slope = _held(x, stored, change, h, k, mu, a)
+        residual = change - free + give * f
+        step = residual / (1.0 + give * slope)
+        if abs(step) <= 2e-14 * (abs(change) + (abs(free) + give * f) / (1.0 + give * slope)):
+            break  # at what rounding makes of it
+        if residual > 0.0:
+            high = change
+        else:
+            low = change
+        if not low < change - step < high:
+            step = change - 0.5 * (low + high)
+        change -= step
+    return change, max(free - change, 0.0) / give
+
+
+@kernel
+def _held(x, stored, change, h, k, mu, a):
+    """[V(x + change) - V(x)]/change max(0, 1 + mu change/h), and its slope over the change; V(x) is `stored`."""
+    slack = 1.0 + mu * change / h
+    end = x + change
+    if slack <= 0.0 or (x <= 0.0 and end <= 0.0):
+        return 0.0, 0.0
+    if min(x, end) > 0.0 and abs(change) < 3e-2 * x:
+        # Nearly equal energies would cancel; their difference is the mean of k x^a.
+        mean = slope = 0.0
+        for j in range(NODES):
+            power = (x + GAUSS[j] * change) ** (a - 1.0)
+            mean += WEIGHTS[j] * k * power * (x + GAUSS[j] * change)
+            slope += WEIGHTS[j] * GAUSS[j] * k * a * power
+    else:
+        spring = k * end**a if end > 0.0 else 0.0
+        mean = (spring * end / (a + 1.0) - stored) / change
+        slope = (spring - mean) / change
+    return mean * slack, slope * slack + mean * mu / h
+
+
+@kernel
+def until_release(step, x, v, h, longest, closing):
+    """The length of the step, at most `longest`, that ends where x comes to 0; and whether that is being sought.
+
+    x and v (per unit of h) are those at the end of the step as tried. Newton's method from either side.
+    """
+    if step.x[0] < 0.0:
+        return h * GAUSS[0], False
+    for i in range(1, NODES):
+        if step.x[i] < 0.0:
+            share = step.x[i - 1] / (step.x[i - 1] - step.x[i])
+            return h * (GAUSS[i - 1] + share * (GAUSS[i] - GAUSS[i - 1])), True
+    near = _CLOSED * max(step.x[0], step.x[1], step.x[2])
+    if x < -near:
+        return (h - x / v, True) if v < 0.0 else (h * GAUSS[NODES - 1], False)
+    if closing and x > near:
+        return (h - x / v, True) if v < 0.0 and h - x / v <= longest else (h, False)
+    return h, closing or (x <= 0.0 and v <= 0.0)
+
+
+@kernel
+def better_step(rest, wanted):
+    """What to multiply a step with whose end leaves `rest` of what is `wanted` at most: WITHIN or more says it will do.
+
+    The rest grows with h^4 where the force is smooth, and less steeply where the contact begins.
+    """
+    return min(max(WITHIN * (wanted / max(rest, 1e-300)) ** 0.25, 0.2), 2.0)

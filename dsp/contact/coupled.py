@@ -1,0 +1,288 @@
+"""The contact with objects that move while they are touched, at the cost of a contact with a rigid wall.
+
+Over one sample, modes enter a contact by a few numbers only. The compression at the contact point is
+
+    x(t) = D(t) - int_0^t g(t - s) f(s) ds
+
+with D the compression if there were no force and g the impulse response of striker and modes together,
+g(t) = t/m + sum phi_i^2 exp(-sigma_i t) sin(omega_i t)/omega_i. No mode is above the Nyquist frequency, so over a
+sample both are polynomials. The bank says D's part (`observe`) and g's (`receptance`); what is left is a scalar
+equation, stepped through by Gauss collocation (collocation.py) in as many steps as the contact needs. A step's force is
+a quadratic, and what it does to the rest of the sample is again a polynomial, exactly. The modes get the force's FINE
+Legendre moments at the sample's end. The cost of a step does not depend on the number of modes.
+
+Contacts begin and end at the times where x is 0. The striker may be caught up by the object and touch it again, and it
+may be pressed on by a constant force. Energy can't grow: a step's work is int f dx, exact for polynomials, and steps
+that would give back more than the change of V = k x^(a+1)/(a+1) are refined; where that gets too fine, or too much for
+a sample, the force is held by the discrete gradient, which can't gain whatever the step.
+
+Lengths of steps are in samples, and so are the variables of polynomials; all else is in SI units.
+"""
+
+import math
+
+import numpy as np
+
+from ..native.jit import kernel
+from ..numerics.legendre import FINE
+from .collocation import NODES, STEP
+from .coupled_step import stay
+from .power_series import BINOMIAL, FORCE_AT, POWERS, QUADRATURE, QUADRATURE_WEIGHTS, TO_END, value_at
+
+_MOST_STEPS = 200  # in a sample; what is left of it then is one held step
+_LOOKS = 8  # at the gap, in a sample
+_AGES = 1e12  # samples that are as good as for ever
+
+COUPLED = np.dtype(
+    [
+        ("step", STEP),
+        ("force", np.float64, NODES),  # N, at GAUSS of the step
+        ("motion", np.float64, FINE),  # m: the compression without a force, from now to the sample's end
+        ("answer", np.float64, FINE),  # m/(N sample): g times a sample's length
+        ("power", np.float64, FINE),  # of the step's length
+        ("impulse", np.float64, FINE),  # N samples^(n+1): int (eta - s)^n f ds over the step
+        ("v", np.float64),  # the striker's velocity towards the object, m/s
+        ("position", np.float64),  # the striker's, m: its compression of the object at rest
+        ("period", np.float64),  # a sample, s
+        ("wait", np.float64),  # samples until the contact begins, negative once it has
+        ("m", np.float64),  # kg
+        ("k", np.float64),
+        ("mu", np.float64),
+        ("a", np.float64),
+        ("push", np.float64),  # constant force on the striker towards the object, N
+        ("mass", np.float64),  # effective, of striker and modes in the first instant, kg
+        ("tolerance", np.float64),
+        ("next", np.float64),  # samples: the step to try
+        ("gained", np.float64),  # J: by how much the energy is above the least so far
+        ("scale", np.float64),  # J: the greatest energy of the contact so far
+        ("touching", np.int64),
+        ("contacts", np.int64),
+        ("steps", np.int64),
+        ("held", np.int64),  # steps with the force held
+    ],
+    align=True,
+)
+"""A striker and what it meets."""
+
+
+@kernel
+def begin_coupled(contact, v, m, k, mu, a, push, fraction, rate, tolerance):
+    """A striker of mass m (kg) that touches at v (m/s) after `fraction` in [0, 1) of the coming sample.
+
+    `respond_with` must follow. `push` (N) presses it on; `tolerance` is for the momentum in a step (gate.py), or HELD.
+    """
+    contact.v = v - push / m * fraction / rate
+    contact.m = m
+    contact.k = k
+    contact.mu = mu
+    contact.a = a
+    contact.push = push
+    contact.period = 1.0 / rate
+    contact.wait = fraction
+    contact.tolerance = tolerance
+    contact.motion[0] = 0.0
+    contact.position = 0.0
+    contact.gained = 0.0
+    contact.scale = 0.0
+    contact.touching = 0
+    contact.contacts = 0
+    contact.steps = 0
+    contact.held = 0
+    for j in range(NODES):
+        contact.force[j] = 0.0
+
+
+@kernel
+def respond_with(contact, receptance):
+    """Let the contact meet modes of that receptance (FINE, m/(N s)): at its beginning, and when they are retuned."""
+    h = contact.period
+    for n in range(1, FINE):
+        total = 0.0
+        for k in range(n, FINE):
+            total += POWERS[n, k] * receptance[k]
+        contact.answer[n] = h * total
+    contact.answer[0] = 0.0
+    contact.answer[1] += h * h / contact.m
+    contact.mass = h * h / contact.answer[1]
+
+
+@kernel
+def step_coupled(contact, observed, moments):
+    """Take the contact through the coming sample; fill `moments` (FINE, N s) with the force's on the object.
+
+    `observed` (FINE, m) is how the object's point would move without it, by `bank.observe`; of two objects, the
+    difference of both, where the striker's moves against its place in the striker; it gets the moments' negative.
+    Several contacts on one object each see what those before them did, but not those after: take them in turn forwards
+    and backwards, or what the last ones do in a sample shifts the first. True while they touch.
+    """
+    _look(contact, observed)
+    for n in range(FINE):
+        moments[n] = 0.0
+    at = 0.0
+    for n in range(_MOST_STEPS + 1):
+        left = 1.0 - at
+        if left <= 0.0:
+            break
+        meets = released = False
+        if contact.wait >= 0.0:
+            eta = contact.wait
+            contact.wait = -1.0
+            meets = True
+        elif contact.touching or n == _MOST_STEPS:
+            eta, released = stay(contact, left, n == _MOST_STEPS)
+        else:
+            eta, meets = _fly(contact, left)
+        _move(contact, eta, at, moments)
+        at = 1.0 if eta >= left else at + eta
+        if meets or released:
+            contact.position -= contact.motion[0]
+            contact.motion[0] = 0.0
+        if meets and contact.motion[1] > 0.0:
+            _touch(contact)
+        elif contact.motion[0] > 0.0:
+            contact.touching = 1
+        elif contact.motion[0] < 0.0 or released:
+            contact.touching = 0
+            for j in range(NODES):
+                contact.force[j] = 0.0
+    return contact.touching > 0
+
+
+@kernel
+def _look(contact, observed):
+    """Find the compression over the sample, if no more force acted."""
+    place = 0.0
+    for k in range(FINE):
+        place += POWERS[0, k] * observed[k]
+    if contact.touching or contact.wait >= 0.0:
+        # What is compressed goes on without a step, whatever rounding says about the point.
+        contact.position = contact.motion[0] + place
+    else:
+        contact.motion[0] = min(contact.position - place, 0.0)
+    for n in range(1, FINE):
+        total = 0.0
+        for k in range(n, FINE):
+            total -= POWERS[n, k] * observed[k]
+        contact.motion[n] = total
+    h = contact.period
+    contact.motion[1] += h * contact.v
+    contact.motion[2] += 0.5 * h * h * contact.push / contact.m
+
+
+@kernel
+def _touch(contact):
+    """A contact begins at x = 0: the first step is a fifth of its natural time, or of strong dissipation's."""
+    v = contact.motion[1] / contact.period
+    time = (contact.mass / (contact.k * v ** (contact.a - 1.0))) ** (1.0 / (contact.a + 1.0))
+    contact.next = 0.2 * time / max(1.0, contact.mu * v) ** (1.0 / (contact.a + 1.0)) / contact.period
+    contact.touching = 1
+    contact.contacts += 1
+    for j in range(NODES):
+        contact.step.f[j] = 0.0
+
+
+@kernel
+def _fly(contact, left):
+    """Samples until x comes up to 0, at most `left`, and whether it does."""
+    high = low = 0.0
+    meets = False
+    slope = contact.motion[1]
+    for n in range(1, _LOOKS + 1):
+        before, low = low, left * n / _LOOKS
+        x, after = value_at(contact.motion, low)
+        high = low
+        if x <= 0.0 and slope > 0.0 and after < 0.0:
+            # It may have looked in between: at its greatest, about there.
+            high = before + (low - before) * slope / (slope - after)
+            x = value_at(contact.motion, high)[0]
+        slope = after
+        if x > 0.0:
+            low = before
+            meets = True
+            break
+    if not meets:
+        return left, False
+    # Newton's method within the bracket, from outside to the first point inside.
+    guess = high
+    for _ in range(50):
+        x, slope = value_at(contact.motion, guess)
+        if x > 0.0:
+            high = guess
+        else:
+            low = guess
+        guess -= x / slope
+        if not low < guess < high:
+            guess = 0.5 * (low + high)
+        if high - low <= 1e-15 * high:
+            break
+    return high, True
+
+
+@kernel
+def _move(contact, eta, at, moments):
+    """Go on by `eta` samples under the step's force: its part of the moments, and what becomes of the sample's rest."""
+    f = contact.force
+    h = contact.period
+    power = contact.power
+    power[0] = 1.0
+    for n in range(1, FINE):
+        power[n] = power[n - 1] * eta
+    for n in range(FINE):
+        contact.impulse[n] = eta * power[n] * (TO_END[n, 0] * f[0] + TO_END[n, 1] * f[1] + TO_END[n, 2] * f[2])
+    for k in range(FINE):
+        total = 0.0
+        for n in range(k, FINE):
+            change = contact.motion[n] * power[n - k] - contact.answer[n] * contact.impulse[n - k]
+            total += BINOMIAL[n, k] * change
+        contact.motion[k] = total
+    time = eta * h
+    contact.position += time * (contact.v + 0.5 * time * contact.push / contact.m)
+    contact.position -= h * h * contact.impulse[1] / contact.m
+    contact.v += (time * contact.push - h * contact.impulse[0]) / contact.m
+    for q in range(len(QUADRATURE)):
+        here = eta * h * QUADRATURE_WEIGHTS[q]
+        here *= FORCE_AT[q, 0] * f[0] + FORCE_AT[q, 1] * f[1] + FORCE_AT[q, 2] * f[2]
+        x = 2.0 * (at + eta * QUADRATURE[q]) - 1.0
+        before, legendre_k = 0.0, here
+        for k in range(FINE):
+            moments[k] += legendre_k
+            before, legendre_k = legendre_k, (2 * k + 1) / (k + 1) * x * legendre_k - k / (k + 1) * before
+
+
+@kernel
+def apart_for(contact, distance, speed):
+    """Whole samples from now for which striker and object surely stay apart: those may be left to `fly_on`.
+
+    Asked right after `step_coupled`; `distance` and `speed` bound the object's point, by `bank.reach`. 0 while they
+    touch, infinity if the striker is gone for good.
+    """
+    gap = -contact.motion[0]
+    if contact.touching or contact.wait >= 0.0 or gap <= 0.0:
+        return 0.0
+    if contact.push <= 0.0 and contact.v <= 0.0 and contact.position < -distance:
+        return math.inf
+    acceleration = max(contact.push, 0.0) / contact.m
+    # The closing gap, and the way back into the object's reach; the later one.
+    near = _until(gap, contact.v + speed, acceleration)
+    far = _until(-distance - contact.position, contact.v, acceleration)
+    samples = max(near, far, 0.0) / contact.period
+    return float(math.floor(samples)) if samples < _AGES else math.inf
+
+
+@kernel
+def _until(way, speed, acceleration):
+    """Seconds until way >= 0 is covered; 0 if there is none."""
+    if way <= 0.0:
+        return 0.0
+    root = math.sqrt(max(speed * speed + 2.0 * acceleration * way, 0.0))
+    if speed >= 0.0:
+        return 2.0 * way / max(speed + root, 1e-300)
+    return (root - speed) / acceleration if acceleration > 0.0 else math.inf
+
+
+@kernel
+def fly_on(contact, samples):
+    """Let a striker that is apart fly for whole samples, nobody looking."""
+    time = samples * contact.period
+    contact.position += time * (contact.v + 0.5 * time * contact.push / contact.m)
+    contact.v += time * contact.push / contact.m

@@ -1,0 +1,63 @@
+"""What moves over one sample, as power series in time: tables of their integrals, and their values.
+
+Time is in samples. Force over a step is a quadratic through its values at collocation.GAUSS of the step.
+"""
+
+import math
+
+import numpy as np
+from numpy.polynomial import Legendre, Polynomial, legendre
+
+from ..native.jit import kernel
+from ..numerics.legendre import FINE
+from .collocation import CARDINAL, GAUSS, NODES
+
+_nodes, _weights = legendre.leggauss(7)
+QUADRATURE, QUADRATURE_WEIGHTS = 0.5 * (_nodes + 1.0), 0.5 * _weights
+"""Over a step, for a force times FINE powers."""
+
+FORCE_AT = np.vander(QUADRATURE, NODES, increasing=True) @ CARDINAL
+"""Values of a quadratic at QUADRATURE."""
+
+BINOMIAL = np.array([[math.comb(n, k) for k in range(FINE)] for n in range(FINE)], np.float64)
+
+POWERS = np.zeros((FINE, FINE))
+"""Power series of the sample's Legendre polynomials: a column each."""
+
+for _k in range(FINE):
+    POWERS[: _k + 1, _k] = Legendre.basis(_k, domain=[0, 1]).convert(domain=[-1, 1], kind=Polynomial).coef
+
+
+def _moment_tables() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Integrals over a unit step with l_j, the quadratics that are 1 at one node and 0 at the others."""
+
+    def running(t: float) -> np.ndarray:
+        # int_0^t (t - s)^n s^p ds = n! p!/(n + p + 1)! t^(n + p + 1)
+        beta = [
+            [math.factorial(n) * math.factorial(p) / math.factorial(n + p + 1) * t ** (n + p + 1) for p in range(NODES)]
+            for n in range(FINE)
+        ]
+        return np.array(beta) @ CARDINAL
+
+    nodes, weights = legendre.leggauss(FINE)
+    double = sum(
+        0.5 * w * (t ** np.arange(NODES) @ CARDINAL)[None, :, None] * running(t)[:, None, :]
+        for t, w in zip((nodes + 1.0) / 2.0, weights, strict=True)
+    )
+    return np.stack([running(c) for c in GAUSS], axis=1), running(1.0), np.asarray(double)
+
+
+TO_NODE, TO_END, DOUBLE = _moment_tables()
+"""[n, i, j]: int_0^c_i (c_i - s)^n l_j ds; [n, j]: the same up to 1; [n, i, j]: int_0^1 l_i(t) int_0^t (t - s)^n l_j(s)
+ds dt."""
+
+
+@kernel
+def value_at(series, t):
+    """A power series and its derivative."""
+    value = series[FINE - 1]
+    slope = 0.0
+    for n in range(FINE - 2, -1, -1):
+        slope = slope * t + value
+        value = value * t + series[n]
+    return value, slope

@@ -1,0 +1,1 @@
+"""The compiled engine: commands in, gestures, contacts and modes, sound out."""

@@ -1,0 +1,1 @@
+"""Numbers that several rooms share: Legendre polynomials, random numbers, checks."""

@@ -1,0 +1,1 @@
+"""The modal bank: modes that ring and are driven."""

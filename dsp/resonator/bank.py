@@ -1,0 +1,303 @@
+"""The modal bank: modes that ring, and the injection of a contact's force into them.
+
+A mode obeys q'' + 2 sigma q' + (omega^2 + sigma^2) q = phi F with a mass-normalised shape phi (kg^-1/2). Its state is
+z with z' = (-sigma + i omega) z + phi F, so that omega q = Im z; |z|^2/2 is its energy (J) up to sigma/omega. What is
+kept is y = Im z at the last two samples: ringing is the two-pole recursion y <- a1 y1 + a2 y2, the fewest operations
+there are, in float64, where it is exact at any frequency and decay.
+
+Heard is omega q: the amplitude of the mode's velocity, in the phase of its displacement, which a blow leaves
+continuous.
+
+Modes are stored in lanes of LANES: an object's bank is a whole number of lanes, padded by modes at rest.
+
+A coupled contact (coupled.py) also looks at the modes: `observe` gives the point's motion over the coming sample in
+Legendre polynomials. Its table is the one that `inject` answers forces with, and so what a contact sees and what it
+does belong together, and no energy gets lost between them.
+"""
+
+import math
+
+import numpy as np
+
+from ..native.jit import kernel, simd_kernel
+from ..numerics.legendre import FINE
+from .simd import LANES, STRETCH, add_product, dot, push, ring_pushed
+
+_MOBILITY = 2 * FINE * LANES
+RESPONSES = _MOBILITY + 2 * LANES
+"""Coefficients of one group of modes: for injection by moment, by sample (last, last but one), by mode; then two rows
+that `observe` and `receptance` need."""
+
+NYQUIST_SHARE = 0.95
+"""No mode is made above this share of the Nyquist frequency."""
+
+DRIVER = np.dtype(
+    [("feed", np.int64), ("row", np.int64), ("weights", np.float64, 4), ("drift", np.float64, 4)], align=True
+)
+"""A force that goes on: the number of its moments, where in a shape table it acts, by the weights of four rows, and how
+these change from sample to sample."""
+
+_ONES = (1.0,) * LANES
+_BESSEL_START = 24  # where the downward recursion of the spherical Bessel functions starts; |z| <= 1.6 needs 18
+
+
+@simd_kernel
+def ring(y1, y2, a1, a2, balance, out, start, stop):
+    """Let modes ring from frame `start` to `stop`: out[0], out[1] (float64, at least `stop` long) are overwritten.
+
+    y1, y2, a1, a2, balance: float64 of one length, a multiple of LANES. The state is scaled by the modes' weights at
+    the left output, so that left is a sum, which costs no multiplication; `balance` is the weight at the right over
+    that at the left.
+    """
+    n = len(y1)
+    t = start
+    while t + 4 <= stop:
+        l0 = l1 = l2 = l3 = r0 = r1 = r2 = r3 = 0.0
+        for i in range(n):
+            p = a1[i]
+            q = a2[i]
+            u = y1[i]
+            v = y2[i]
+            v = p * u + q * v
+            l0 += v
+            r0 += balance[i] * v
+            u = p * v + q * u
+            l1 += u
+            r1 += balance[i] * u
+            v = p * u + q * v
+            l2 += v
+            r2 += balance[i] * v
+            u = p * v + q * u
+            l3 += u
+            r3 += balance[i] * u
+            y1[i] = u
+            y2[i] = v
+        out[0, t] = l0
+        out[0, t + 1] = l1
+        out[0, t + 2] = l2
+        out[0, t + 3] = l3
+        out[1, t] = r0
+        out[1, t + 1] = r1
+        out[1, t + 2] = r2
+        out[1, t + 3] = r3
+        t += 4
+    while t < stop:
+        l0 = r0 = 0.0
+        for i in range(n):
+            v = a1[i] * y1[i] + a2[i] * y2[i]
+            y2[i] = y1[i]
+            y1[i] = v
+            l0 += v
+            r0 += balance[i] * v
+        out[0, t] = l0
+        out[1, t] = r0
+        t += 1
+
+
+@simd_kernel
+def ring_driven(y1, y2, a1, a2, balance, response, shape, stride, drivers, count, feeds, work, out, frame):
+    """Let modes ring for STRETCH samples from a frame on, driven in each by `count` drivers; added to out[0], out[1].
+
+    drivers: records of DRIVER; feeds[feed, frame] are moments (N s). `work` (float64) has room for 4 STRETCH LANES
+    values. Else as in `ring` and `inject`.
+    """
+    size = 2 * STRETCH * LANES
+    pushes = work[:size]
+    totals = work[size : 2 * size]
+    for i in range(size):
+        totals[i] = 0.0
+    for first in range(0, len(y1), LANES):
+        group = first // LANES * RESPONSES
+        for i in range(size):
+            pushes[i] = 0.0
+        for j in range(count):
+            driver = drivers[j]
+            at = driver.row * stride + first
+            phi = dot(shape, at, stride, _four(driver.weights))
+            slope = dot(shape, at, stride, _four(driver.drift))
+            push(pushes, phi, slope, response, group, feeds, driver.feed, frame)
+        ring_pushed(y1, y2, a1, a2, balance, first, pushes, totals)
+    for t in range(STRETCH):
+        for channel in range(2):
+            total = 0.0
+            for i in range(LANES):
+                total += totals[(2 * t + channel) * LANES + i]
+            out[channel, frame + t] += total
+
+
+@simd_kernel
+def inject(y1, y2, response, shape, stride, row, weights, moments):
+    """Add a force over the coming sample, given by its moments (N s), to the modes before they take that sample.
+
+    The force acts at a point between four rows of the shape table (flat, `stride` modes a row, from `row`), weighted by
+    `weights`. `response` is the modes' table made by `set_mode`.
+    """
+    m = (moments[0], moments[1], moments[2], moments[3], moments[4], moments[5], moments[6], moments[7])
+    _inject(y1, y2, response, shape, stride, row, weights, m)
+
+
+@simd_kernel
+def inject_fine(y1, y2, response, shape, stride, row, weights, moments):
+    """The same with the FINE moments of a coupled contact."""
+    m = (
+        moments[0], moments[1], moments[2], moments[3], moments[4], moments[5],
+        moments[6], moments[7], moments[8], moments[9], moments[10], moments[11],
+    )  # fmt: skip
+    _inject(y1, y2, response, shape, stride, row, weights, m)
+
+
+@simd_kernel
+def _four(weights):
+    return weights[0], weights[1], weights[2], weights[3]
+
+
+@simd_kernel
+def _inject(y1, y2, response, shape, stride, row, weights, m):
+    w = _four(weights)
+    for first in range(0, len(y1), LANES):
+        group = first // LANES * RESPONSES
+        phi = dot(shape, row * stride + first, stride, w)
+        add_product(y1, first, phi, dot(response, group, 2 * LANES, m))
+        add_product(y2, first, phi, dot(response, group + LANES, 2 * LANES, m))
+
+
+@simd_kernel
+def observe(y1, y2, a1, a2, response, shape, stride, row, weights, work, coefficients):
+    """The point's displacement (m) over the coming sample, if no force acts: FINE Legendre coefficients.
+
+    Arguments as in `inject`; `work` (float64) has room for 3 n + FINE LANES values.
+    """
+    n = len(y1)
+    _shapes(n, shape, stride, row, weights, work)
+    # exp(s theta) = exp(s) exp(-s (1 - theta)): the reflected table, on the state a sample later.
+    for i in range(n):
+        mobility = work[i] * response[i // LANES * RESPONSES + _MOBILITY + i % LANES]
+        after = a1[i] * y1[i] + a2[i] * y2[i]
+        work[n + i] = mobility * (a1[i] * after + a2[i] * y1[i])
+        work[2 * n + i] = mobility * a2[i] * after
+    _project(n, response, work, coefficients)
+
+
+@simd_kernel
+def receptance(a1, a2, response, shape, stride, row, weights, work, coefficients):
+    """The point's displacement over a sample after a unit impulse there: FINE Legendre coefficients, m/(N s).
+
+    Arguments as in `observe`.
+    """
+    n = len(a1)
+    _shapes(n, shape, stride, row, weights, work)
+    for i in range(n):
+        struck = work[i] * work[i] * response[i // LANES * RESPONSES + _MOBILITY + LANES + i % LANES]
+        work[n + i] = struck * a1[i]
+        work[2 * n + i] = struck * a2[i]
+    _project(n, response, work, coefficients)
+
+
+@simd_kernel
+def reach(y1, y2, a1, a2, response, shape, stride, row, weights, work):
+    """What the ringing modes can't exceed at the point: its displacement (m) and velocity (m/s, up to sigma/omega).
+
+    Arguments as in `observe`.
+    """
+    n = len(y1)
+    _shapes(n, shape, stride, row, weights, work)
+    distance = speed = 0.0
+    for i in range(n):
+        scale = abs(response[i // LANES * RESPONSES + _MOBILITY + LANES + i % LANES])
+        if scale > 0.0:
+            mobility = response[i // LANES * RESPONSES + _MOBILITY + i % LANES]
+            square = y1[i] * y1[i] - a1[i] * y1[i] * y2[i] - a2[i] * y2[i] * y2[i]  # |z|^2 sin(theta)^2
+            moved = abs(work[i]) * math.sqrt(max(square, 0.0))
+            distance += moved * scale / math.sqrt(1.0 + 0.25 * a1[i] * a1[i] / a2[i])
+            speed += moved * mobility / scale * math.sqrt(-a2[i])
+    return distance, speed
+
+
+@simd_kernel
+def _shapes(n, shape, stride, row, weights, work):
+    """The modes' shapes at the point, into the first n values of `work`."""
+    w = _four(weights)
+    for i in range(n):
+        work[i] = 0.0
+    for first in range(0, n, LANES):
+        add_product(work, first, _ONES, dot(shape, row * stride + first, stride, w))
+
+
+@simd_kernel
+def _project(n, response, work, coefficients):
+    """coefficients[k] = (-1)^k sum (A_i Im R_ik + B_i Im(R_ik exp(-s_i))), A and B behind the shapes in `work`."""
+    totals = work[3 * n : 3 * n + FINE * LANES]
+    for k in range(FINE * LANES):
+        totals[k] = 0.0
+    for first in range(0, n, LANES):
+        group = first // LANES * RESPONSES
+        here = dot(work, n + first, 0, (1.0,))
+        before = dot(work, 2 * n + first, 0, (1.0,))
+        for k in range(FINE):
+            add_product(totals, k * LANES, here, dot(response, group + 2 * k * LANES, 0, (1.0,)))
+            add_product(totals, k * LANES, before, dot(response, group + (2 * k + 1) * LANES, 0, (1.0,)))
+    for k in range(FINE):
+        total = 0.0
+        for i in range(LANES):
+            total += totals[k * LANES + i]
+        coefficients[k] = -total if k % 2 == 1 else total
+
+
+@kernel
+def state_of(y1, y2, a1, a2):
+    """z of a mode from its last two samples: (Re z, Im z)."""
+    r = math.sqrt(-a2)
+    cosine = 0.5 * a1 / r
+    sine = math.sqrt(1.0 - cosine * cosine)
+    return (y1 * cosine - r * y2) / sine, y1
+
+
+@kernel
+def set_mode(i, frequency, decay, rate, weight, y1, y2, a1, a2, response):
+    """Give mode i a frequency (Hz) and decay (1/s) at a sampling rate (Hz); what it is ringing goes on without a step.
+
+    `weight` scales what it will answer to a force. frequency = 0 makes a mode that rests for ever.
+    """
+    base = (i // LANES) * RESPONSES + i % LANES
+    if frequency <= 0.0:
+        y1[i] = y2[i] = a1[i] = a2[i] = 0.0
+        for k in range(RESPONSES // LANES):
+            response[base + k * LANES] = 0.0
+        return
+    theta = 2.0 * math.pi * frequency / rate
+    loss = decay / rate
+    r = math.exp(-loss)
+    if a2[i] != 0.0:
+        re, im = state_of(y1[i], y2[i], a1[i], a2[i])
+        y2[i] = (im * math.cos(theta) - re * math.sin(theta)) / r
+    a1[i] = 2.0 * r * math.cos(theta)
+    a2[i] = -r * r
+    # exp(-s t) over the sample, s = -loss + i theta, in Legendre polynomials: (2k+1) (-1)^k exp(-s/2) i_k(s/2), with
+    # i_k the modified spherical Bessel functions, by Miller's downward recursion; sum (2k+1) i_k(z) = exp(z) scales it.
+    # (Reciprocals by the conjugate: numba's complex division can raise.)
+    z = complex(-0.5 * loss, 0.5 * theta)
+    reciprocal = z.conjugate() * (1.0 / (z.real * z.real + z.imag * z.imag))
+    upper = 0.0j
+    here = 1e-100 + 0.0j
+    total = (2 * _BESSEL_START + 1) * here
+    for k in range(_BESSEL_START, 0, -1):
+        upper, here = here, upper + (2 * k + 1) * reciprocal * here
+        total += (2 * k - 1) * here
+        if k <= FINE:
+            b = base + 2 * (k - 1) * LANES
+            response[b] = here.real
+            response[b + LANES] = here.imag
+    # exp(z)/total normalises the i_k and exp(-z) is the factor above: what is left is 1/total.
+    scale = total.conjugate() * (1.0 / (total.real * total.real + total.imag * total.imag))
+    before = complex(math.cos(theta), -math.sin(theta)) * (1.0 / r)
+    for k in range(FINE):
+        b = base + 2 * k * LANES
+        g = complex(response[b], response[b + LANES]) * scale * (weight * (2 * k + 1))
+        if k % 2 == 1:
+            g = -g
+        response[b] = g.imag
+        response[b + LANES] = (g * before).imag
+    omega = 2.0 * math.pi * frequency
+    heard = weight != 0.0
+    response[base + _MOBILITY] = 1.0 / (omega * weight * weight * r * math.sin(theta)) if heard else 0.0
+    response[base + _MOBILITY + LANES] = 1.0 / (omega * weight) if heard else 0.0

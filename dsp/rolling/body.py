@@ -1,0 +1,327 @@
+"""A body that rolls over a rough surface: its normal motion, event by event, and the force it gives.
+
+The lowest point of the body would follow the path of envelope.py; while it does not, it flies: y'' = -g, until the
+path catches it. What is heard are the contacts: where path and body overlap by x, they push each other apart by the
+contact law, m y'' = f(x, x') - m g (contact.py). A kink of the path, passed in contact, jumps x' by the speed times
+the jump in slope: a micro-impact; where the path falls away faster than the body, it leaves. A body that has come to
+rest on a flat path gives its weight, which nobody hears: the force that is handed on is f - m g.
+
+A flight ends by a quadratic, piece of the path by piece. Contacts go by the collocation step of collocation.py, with
+steps as long as its error allows. All of it is in seconds and metres: no sampling rate, quantum or block cuts a step.
+A roll that asks for more than EVENTS steps a second gets coarser ones, whose energy can't grow.
+"""
+
+import math
+
+import numpy as np
+
+from ..contact.collocation import NODES, STEP
+from ..native.jit import kernel
+from ..numerics.legendre import MOMENTS
+from .contact_step import path_at, touch
+from .moments import add_quadratic
+from .path import AHEAD, ENVELOPE, PIECES, lay, make_piece
+
+EVENTS = 120_000.0
+"""Flights and steps a second that a roll may need for long, divided by its coarseness."""
+
+_BURST = 200.0  # events that it may need at once
+_LONGEST = 5e-4  # s: of a flight or a step, after which speed and gravity are looked at
+_FIRST = 1e-5  # s: the first step to try
+_GLIDE = 0.02  # s: time constant of whatever is steered
+_FADE = 0.005  # s: time constant with which a roll that stopped is left
+_STOPPED = 0.02  # share of its speed at which it has
+_GONE = 1e-5  # -100 dB
+_SLOWEST = 1e-9  # m/s
+_SMALL = 1e-7  # share of a goal that isn't glided any more
+_TOLERANCE = 3e-4  # share of the momentum at hand by which a step may err, times coarseness
+_STIFFEST = 2e5  # rad/s: a body that swings faster on its contact is as good as one that doesn't
+_LEAST_PACE = 0.2  # share of its speed that a lopsided body keeps
+_MOST_LIFT = 0.9  # share of its weight that a lopsided body loses or gains
+_MOST_EVENTS = 4096  # for one call
+
+ROLL = np.dtype(
+    [
+        ("path", ENVELOPE),
+        ("step", STEP),
+        # What is asked for; it may be changed at any time, and is glided to.
+        ("asked_speed", np.float64),  # m/s; 0 ends the roll
+        ("asked_radius", np.float64),  # m
+        ("asked_mass", np.float64),  # kg
+        ("asked_gravity", np.float64),  # m/s^2
+        ("friction", np.float64),  # share of the weight that slows it down
+        ("asymmetry", np.float64),  # distance of its centre of mass from its middle over its radius
+        # The body and where it is.
+        ("k", np.float64),
+        ("mu", np.float64),
+        ("a", np.float64),
+        ("stiffness", np.float64),  # k, as far as it makes a difference
+        ("sunk", np.float64),  # m: compression under its weight
+        ("m", np.float64),
+        ("g", np.float64),
+        ("v", np.float64),  # m/s along the surface
+        ("top", np.float64),  # the speed last asked for
+        ("pace", np.float64),  # v, and
+        ("pull", np.float64),  # g, as asymmetry modulates them
+        ("angle", np.float64),
+        ("s", np.float64),  # m rolled since the beginning
+        ("t", np.float64),  # s since the beginning
+        ("y", np.float64),  # height of the lowest point, m
+        ("w", np.float64),  # its rate, m/s
+        ("piece", np.int64),  # of the path
+        ("along", np.float64),  # m into it
+        ("touching", np.int64),
+        ("next", np.float64),  # s: the step to try
+        ("tolerance", np.float64),
+        ("debt", np.float64),  # events beyond what is granted
+        ("presence", np.float64),  # 1, falling to 0 when the roll has stopped
+        ("ended", np.int64),
+        # The last event: what is heard from `since` on for `span` s is the quadratic through `force` (N) at GAUSS.
+        ("since", np.float64),
+        ("span", np.float64),
+        ("force", np.float64, NODES),
+        ("given", np.float64),  # s: up to where moments have been taken
+        ("level", np.float64, NODES + 1),  # of the path at a step's nodes and end
+        ("climb", np.float64, NODES + 1),  # its rate
+        ("v_in", np.float64),  # m/s: speed at which body and path last met
+        ("impacts", np.int64),  # times it met the surface
+        ("events", np.int64),
+        ("holds", np.int64),  # steps that had to be held ones
+    ],
+    align=True,
+)
+"""A rolling body. Its surface is path.surface, to be set up first."""
+
+
+@kernel
+def begin_roll(
+    roll, place, radius, m, k, mu, a, speed, gravity, friction, asymmetry, corners, roughness, coarseness
+):  # fmt: skip
+    """Put a body at rest on a surface at a place, rolling at `speed` (m/s).
+
+    radius (m), m (kg), k (N/m^a), gravity (m/s^2) > 0, mu (s/m) >= 0, a >= 1; friction and asymmetry >= 0; corners: 0
+    if it is round; roughness: factor on the surface's heights; coarseness >= 1: factor on the shortest wavelength that
+    it feels.
+    """
+    roll.asked_speed = roll.top = speed
+    roll.v = roll.pace = max(speed, _SLOWEST)
+    roll.asked_radius = roll.path.radius = radius
+    roll.asked_mass = roll.m = m
+    roll.asked_gravity = roll.g = roll.pull = gravity
+    roll.friction = friction
+    roll.asymmetry = asymmetry
+    roll.k = k
+    roll.stiffness = 0.0
+    roll.mu = mu
+    roll.a = a
+    roll.path.speed = roll.v
+    roll.path.corners = corners
+    roll.path.roughness = roughness
+    roll.path.coarseness = coarseness
+    roll.angle = 0.5 * math.pi
+    roll.s = roll.t = roll.since = roll.span = roll.given = roll.debt = 0.0
+    roll.presence = 1.0
+    roll.ended = roll.impacts = roll.events = roll.holds = 0
+    roll.along = 0.0
+    roll.piece = -1
+    roll.path.origin[0] = place
+    roll.path.start[0] = 0.0
+
+
+@kernel
+def _steer(roll):
+    """Bring speed, mass and gravity, after an event, nearer to what is asked for."""
+    roll.top = max(roll.top, roll.asked_speed)
+    slowed = min(roll.friction * roll.g * roll.span, roll.asked_speed)
+    roll.asked_speed -= slowed
+    roll.v = max(roll.v - slowed, _SLOWEST)
+    roll.tolerance = _TOLERANCE * roll.path.coarseness
+    roll.debt = max(roll.debt + 1.0 - EVENTS / roll.path.coarseness * roll.span, 0.0)
+    stopped = roll.asked_speed == 0.0 and roll.v <= max(_STOPPED * roll.top, _SLOWEST)
+    if stopped or roll.presence < 1.0:
+        goal = 0.0 if stopped else 1.0
+        roll.presence = _nearer(roll.presence, goal, -math.expm1(-roll.span / _FADE))
+        roll.ended = 1 if stopped and roll.presence < _GONE else 0
+    if roll.v == roll.asked_speed and roll.m == roll.asked_mass and roll.g == roll.asked_gravity and roll.stiffness > 0:
+        return
+    near = -math.expm1(-roll.span / _GLIDE)
+    roll.v = max(_nearer(roll.v, roll.asked_speed, near), _SLOWEST)
+    roll.m = _nearer(roll.m, roll.asked_mass, near)
+    roll.g = _nearer(roll.g, roll.asked_gravity, near)
+    # Where it rests, how fast it swings there, and how stiff a contact makes a difference.
+    stiffest = roll.m * roll.g / (roll.a * roll.g / (_STIFFEST * _STIFFEST)) ** roll.a
+    roll.stiffness = min(roll.k, stiffest)
+    roll.sunk = (roll.m * roll.g / roll.stiffness) ** (1.0 / roll.a)
+
+
+@kernel
+def _nearer(value, goal, share):
+    """A value that has gone a share of its way to a goal, or all of it where little is left."""
+    value += share * (goal - value)
+    return goal if abs(goal - value) < _SMALL * abs(goal) else value
+
+
+@kernel
+def _lean(roll):
+    """A lopsided body's speed and weight: its energy is (7/10) m v^2 and m g times the height of its centre of mass."""
+    radius = roll.path.radius
+    square = roll.v * roll.v
+    if roll.asymmetry == 0.0:
+        roll.pace = roll.path.speed = roll.v
+        roll.pull = roll.g
+        return
+    roll.angle += roll.pace * roll.span / radius
+    roll.angle -= 2.0 * math.pi * math.floor(roll.angle / (2.0 * math.pi))
+    high = roll.asymmetry * math.cos(roll.angle)
+    aside = roll.asymmetry * math.sin(roll.angle)
+    least = _LEAST_PACE * _LEAST_PACE * square
+    swung = square - 10.0 / 7.0 * roll.g * radius * high
+    roll.pace = math.sqrt(max(swung, least))
+    # The centre of mass falls with angle'^2 cos + angle'' sin: over a whole turn that comes to nothing.
+    lift = roll.pace * roll.pace / radius * high + (5.0 / 7.0 * roll.g * aside * aside if swung > least else 0.0)
+    roll.pull = roll.g - min(max(lift, -_MOST_LIFT * roll.g), _MOST_LIFT * roll.g)
+    roll.path.speed = roll.pace
+
+
+@kernel
+def _look_ahead(roll):
+    """Have the path ready; returns the time in s for which it is."""
+    path = roll.path
+    begun = roll.piece >= 0
+    anew = not begun or roll.asked_radius != path.radius
+    level = incline = 0.0
+    if anew:
+        i = max(roll.piece, 0) % PIECES
+        if begun:
+            level, incline = path_at(roll)
+        path.radius = roll.asked_radius
+        lay(path, path.origin[i] + np.int64((path.start[i] + roll.along) / path.surface.unit))
+        roll.piece = 0
+        roll.along = 0.0
+    while path.made < roll.piece + AHEAD:
+        make_piece(path)
+    if anew:
+        # On another path the body keeps its distance and its rate, or begins at rest.
+        if not begun:
+            _rest(roll)
+        new_level, new_incline = path_at(roll)
+        roll.y += new_level - level
+        roll.w += roll.pace * (new_incline - incline)
+    length = -roll.along
+    for i in range(roll.piece, path.made):
+        length += path.length[i % PIECES]
+        if length > _LONGEST * roll.pace:
+            break
+    return length / roll.pace
+
+
+@kernel
+def _rest(roll):
+    """Put the body where its contact carries its weight."""
+    roll.y = -roll.sunk
+    roll.w = 0.0
+    roll.touching = 1
+    roll.next = _FIRST
+    for i in range(NODES):
+        roll.step.f[i] = roll.m * roll.g
+
+
+@kernel
+def next_event(roll):
+    """Let the body go on by one event: a flight or a part of one, or a step in contact."""
+    _steer(roll)
+    _lean(roll)
+    longest = min(0.999 * _look_ahead(roll), _LONGEST)
+    roll.since = roll.t
+    if roll.touching == 1:
+        touch(roll, longest, roll.path.coarseness / EVENTS if roll.debt > _BURST else 0.0)
+    else:
+        _fly(roll, longest)
+    roll.t += roll.span
+    roll.s += roll.pace * roll.span
+    weight = roll.m * roll.g
+    for i in range(NODES):
+        roll.force[i] = roll.presence * (roll.force[i] - weight)
+    roll.events += 1
+
+
+@kernel
+def _fly(roll, longest):
+    """Fly until the path is met, or for the longest time."""
+    path = roll.path
+    v, g = roll.pace, roll.pull
+    roll.span = 0.0
+    for i in range(NODES):
+        roll.force[i] = 0.0
+    for _ in range(PIECES):
+        level, incline = path_at(roll)
+        gap = max(roll.y - level, 0.0)
+        rate = roll.w - v * incline
+        fall = g + v * v * path.curvature[roll.piece % PIECES]
+        end = (path.length[roll.piece % PIECES] - roll.along) / v
+        left = longest - roll.span
+        time = _meeting(gap, rate, fall)
+        met = time <= min(end, left)
+        if not met:
+            time = min(end, left)
+        roll.y += time * (roll.w - 0.5 * g * time)
+        roll.w -= g * time
+        roll.along += v * time
+        roll.span += time
+        if met:
+            level, incline = path_at(roll)
+            roll.y = level
+            _land(roll, v * incline - roll.w)
+            return
+        if left <= end:
+            return
+        roll.piece += 1
+        roll.along = 0.0
+
+
+@kernel
+def _meeting(gap, rate, fall):
+    """Time until gap + rate t - fall t^2/2 is 0, infinite if never."""
+    square = rate * rate + 2.0 * fall * gap
+    if square < 0.0 or (fall <= 0.0 and rate >= 0.0):
+        return math.inf
+    root = math.sqrt(square)
+    if rate > 0.0:
+        return (rate + root) / fall
+    if root - rate == 0.0:
+        return 0.0
+    return 2.0 * gap / (root - rate)
+
+
+@kernel
+def _land(roll, v_in):
+    """Begin a contact."""
+    roll.touching = 1
+    roll.v_in = v_in
+    roll.impacts += 1
+    speed = math.sqrt(v_in * v_in + roll.g * roll.sunk)
+    time = (roll.m / (roll.stiffness * speed ** (roll.a - 1.0))) ** (1.0 / (roll.a + 1.0))
+    roll.next = 0.05 * time / max(1.0, roll.mu * speed) ** (1.0 / (roll.a + 1.0))
+    for i in range(NODES):
+        roll.step.f[i] = 0.0
+
+
+@kernel
+def fill_roll(roll, origin, rate, moments):
+    """Moments (N s) of the force over each frame.
+
+    moments: (frames, MOMENTS) float64. Frame n is the sample from origin + n/rate to
+    origin + (n + 1)/rate, in s since the roll began. Call it for one stretch after the other.
+    """
+    frames = len(moments)
+    for n in range(frames):
+        for i in range(MOMENTS):
+            moments[n, i] = 0.0
+    end = origin + frames / rate
+    for _ in range(_MOST_EVENTS):
+        stop = roll.since + roll.span
+        add_quadratic(roll.force, roll.since, roll.span, roll.given, min(stop, end), origin, rate, moments)
+        roll.given = max(roll.given, min(stop, end))
+        if stop >= end or roll.ended == 1:
+            break
+        next_event(roll)

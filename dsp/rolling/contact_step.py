@@ -1,0 +1,172 @@
+"""A rolling body's contact, step by step: compression x = path - body, under the contact law and weight.
+
+The path enters a collocation step (collocation.py) at its nodes: what the compression would be without the force is
+known there exactly, kinks of the path and all. A step is accepted where the force's quadratic meets the law at its end
+to within a share of the momentum at hand, and where energy grows by no more than the path's work.
+"""
+
+import math
+
+from ..contact.collocation import (
+    GAUSS,
+    INTEGRAL,
+    NODES,
+    WEIGHTS,
+    better_step,
+    discrete_gradient,
+    elastic,
+    end_of,
+    extrapolate,
+    law,
+    solve,
+)
+from ..native.jit import kernel
+from .path import PIECES
+
+_GROWTH = 1e-9  # share of its energy that a step may gain
+_TRIALS = 24
+_KINK = 1e-3  # share of the speed at hand by which a kink must change the compression's rate to end a step
+_NEAR = 1e-9  # share of a piece at whose end it is as good as over
+_SOLVED = 1e-7  # share of the momentum that a solver's last change may be worth: its error is the square
+
+_TWICE = INTEGRAL @ INTEGRAL
+
+
+@kernel
+def path_at(roll):
+    """Height and slope of the path under the body."""
+    i = roll.piece % PIECES
+    path = roll.path
+    q = roll.along
+    level = path.level[i] + q * (path.incline[i] + 0.5 * path.curvature[i] * q)
+    return level, path.incline[i] + path.curvature[i] * q
+
+
+@kernel
+def _to_kink(roll, h, least):
+    """The length of a step of at most h s that ends before the path kinks, by a jump of its rate of `least` m/s."""
+    path = roll.path
+    passed = -roll.along
+    for piece in range(roll.piece, path.made - 1):
+        i = piece % PIECES
+        passed += path.length[i]
+        if passed >= roll.pace * h:
+            break
+        jump = path.incline[(piece + 1) % PIECES] - path.incline[i] - path.curvature[i] * path.length[i]
+        if roll.pace * jump > least:
+            return (passed - 0.5 * _NEAR * path.length[i]) / roll.pace
+    return h
+
+
+@kernel
+def _walk(roll, h):
+    """Put the path's heights and their rates at a step's nodes and end; returns the piece and place of the end."""
+    path = roll.path
+    piece = roll.piece
+    passed = -roll.along
+    for n in range(NODES + 1):
+        travelled = roll.pace * (h if n == NODES else h * GAUSS[n])
+        while travelled - passed > path.length[piece % PIECES] and piece < path.made - 1:
+            passed += path.length[piece % PIECES]
+            piece += 1
+        i = piece % PIECES
+        q = travelled - passed
+        roll.level[n] = path.level[i] + q * (path.incline[i] + 0.5 * path.curvature[i] * q)
+        roll.climb[n] = roll.pace * (path.incline[i] + path.curvature[i] * q)
+    return piece, q
+
+
+@kernel
+def _collocate(roll, h, k, momentum):
+    """Try a step in contact: whether it is solved, and the body's height and rate at its end."""
+    step = roll.step
+    y, w, g = roll.y, roll.w, roll.pull
+    lightness = h / roll.m
+    for i in range(NODES):
+        t = h * GAUSS[i]
+        step.free_x[i] = roll.level[i] - (y + t * (w - 0.5 * g * t))
+        step.free_v[i] = roll.climb[i] - (w - g * t)
+        for j in range(NODES):
+            step.give_v[i, j] = lightness * INTEGRAL[i, j]
+            step.give_x[i, j] = h * lightness * _TWICE[i, j]
+    solved = solve(step, k, roll.mu, roll.a, _SOLVED * momentum / h)
+    y += h * (w - 0.5 * g * h)
+    w -= g * h
+    for j in range(NODES):
+        w += lightness * WEIGHTS[j] * step.f[j]
+        y += h * lightness * WEIGHTS[j] * (1.0 - GAUSS[j]) * step.f[j]
+    return solved, y, w
+
+
+@kernel
+def _judge(roll, h, k, x, stored, momentum, y, w):
+    """What to multiply a step with for the tolerance, and whether it will do; x: the compression at its beginning."""
+    m, f = roll.m, roll.step.f
+    x_end = roll.level[NODES] - y
+    v_end = roll.climb[NODES] - w
+    kept = elastic(x_end, k, roll.a)
+    momentum = max(momentum, m * math.sqrt(v_end * v_end + 2.0 * kept / m))
+    rest = abs(end_of(f) - law(x_end, v_end, k, roll.mu, roll.a)) * h
+    # The path's work, and how uncertain it is where the path bends.
+    work = spread = 0.0
+    for i in range(NODES):
+        work += h * WEIGHTS[i] * f[i] * roll.climb[i]
+        spread += h * WEIGHTS[i] * f[i] * (abs(roll.climb[i] - roll.climb[0]) + abs(roll.climb[i] - roll.climb[NODES]))
+    gained = 0.5 * m * (w - roll.w) * (w + roll.w) + m * roll.pull * (y - roll.y) + kept - stored - work
+    room = spread + _GROWTH * (momentum * momentum / m + m * roll.pull * max(x, x_end, 0.0))
+    wanted = roll.tolerance * momentum
+    return better_step(rest, wanted), rest <= wanted and gained <= room
+
+
+@kernel
+def touch(roll, longest, least):
+    """A step in contact of at most `longest` s, and no less than `least` whatever its error."""
+    k = roll.stiffness
+    left = roll.path.length[roll.piece % PIECES]
+    if left - roll.along <= _NEAR * left:
+        roll.piece += 1
+        roll.along = 0.0
+    level, incline = path_at(roll)
+    x = level - roll.y
+    v = roll.pace * incline - roll.w
+    stored = elastic(x, k, roll.a)
+    momentum = roll.m * math.sqrt(v * v + 2.0 * stored / roll.m + roll.g * roll.sunk)
+    h = min(max(roll.next, least), longest)
+    if least == 0.0:
+        h = _to_kink(roll, h, _KINK * momentum / roll.m)
+    cut = h < roll.next
+    y = w = ratio = 0.0
+    good = False
+    piece = roll.piece
+    along = roll.along
+    for _ in range(_TRIALS):
+        piece, along = _walk(roll, h)
+        solved, y, w = _collocate(roll, h, k, momentum)
+        ratio = 0.25
+        if solved:
+            ratio, good = _judge(roll, h, k, x, stored, momentum, y, w)
+        if good or h <= least:
+            break
+        h = max(h * min(ratio, 0.7), least)
+        cut = False
+    if good:
+        roll.next = max(ratio * h, roll.next) if cut else ratio * h
+    else:
+        # Held over the step, which can't gain energy however long it is.
+        free = roll.level[NODES] - (roll.y + h * (roll.w - 0.5 * roll.pull * h)) - x
+        change, force = discrete_gradient(x, free, 0.5 * h * h / roll.m, h, k, roll.mu, roll.a)
+        y = roll.level[NODES] - (x + change)
+        w = roll.w + h * (force / roll.m - roll.pull)
+        for i in range(NODES):
+            roll.step.f[i] = force
+        roll.next = 2.0 * h
+        roll.holds += 1
+    for i in range(NODES):
+        roll.force[i] = roll.step.f[i]
+    extrapolate(roll.step, roll.next / h)
+    roll.y = y
+    roll.w = w
+    roll.piece = piece
+    roll.along = along
+    roll.span = h
+    roll.touching = 1 if roll.level[NODES] > y else 0

@@ -1,0 +1,54 @@
+"""The engine as a C function with PortAudio's callback signature: the one compiled thing that makes sound.
+
+Real time hands its address to PortAudio; offline and clock-driven rendering call the same code, so their bits agree.
+"""
+
+from typing import Any
+
+from numba import carray, cfunc, types
+
+from ..engine.clock import lock
+from ..engine.process import process
+from ..engine.queue import look_again
+from ..engine.state import QUANTUM, STATE
+from ..native.jit import WHOLE
+from ..native.system import flush_denormals, monotonic_ns, restore_denormals, thread_id
+
+SIGNATURE = types.intc(
+    types.voidptr, types.CPointer(types.float32), types.ulong, types.CPointer(types.float64), types.ulong, types.voidptr
+)  # (input, output, frames, times, status flags, state)
+
+OUTPUT_UNDERFLOW = 4
+"""The status flag that says that sound was missing before this block."""
+_NOW, _HEARD = 1, 2  # in PortAudio's times, s: of the callback, and of its first frame at the output
+_LATELY = 0.1  # s
+
+
+def _callback(_input, output, frames, times, flags, userdata):
+    """PaStreamCallback: fill `output` with `frames` frames of interleaved stereo from the state in `userdata`."""
+    entered = monotonic_ns()
+    mode = flush_denormals()
+    state = carray(userdata, (1,), STATE)[0]
+    if state.thread == 0:
+        state.thread = thread_id()
+    underflow = flags & OUTPUT_UNDERFLOW != 0
+    state.underflows += underflow
+    first = state.position - QUANTUM + state.consumed
+    if lock(state.clock, state.rate, entered, first, frames, underflow):
+        look_again(state)
+    process(state, carray(output, (frames, 2)), frames)
+    restore_denormals(mode)
+    load = (monotonic_ns() - entered) * 1e-9 * state.rate / max(frames, 1)
+    share = min(1.0, frames / state.rate)
+    state.latency_measured += (times[_HEARD] - times[_NOW] - state.latency_measured) * share
+    state.load += (load - state.load) * share
+    state.load_now += (load - state.load_now) * min(1.0, share / _LATELY)
+    state.load_peak = max(load, state.load_peak * (1.0 - share))
+    state.overruns += load > 1.0
+    state.callbacks += 1
+    return 0
+
+
+def compile_callback(cached: bool) -> Any:
+    """Compile the callback, or fetch it from numba's cache; only a fresh one can be inspected."""
+    return cfunc(SIGNATURE, error_model="numpy", forceinline=True, cache=cached, pipeline_class=WHOLE)(_callback)

@@ -1,0 +1,1 @@
+"""What a server writes: recordings and logs."""

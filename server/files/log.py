@@ -1,0 +1,104 @@
+"""Writes what an engine carries out as a score that renders to the same sound."""
+
+import time
+from importlib.metadata import version
+from itertools import chain
+from pathlib import Path
+
+from ...dsp.runtime.engine import Engine
+from ..osc.score import format_line
+from ..osc.wire import Argument, Message
+from ..scene.scene import Sent
+from .outfile import OutFile
+
+_LONGEST_STEM = 50  # characters of a name that is made another's
+
+
+class Log:
+    """A score of what was carried out, and when: on the very sample, in order, as it goes on.
+
+    Patterns stand as the objects that they matched; what was refused, or forgotten by a panic, is not there. Where the
+    clock was set so that an object came before its namesake had gone, it has another name. An existing file is left as
+    it is until `start`. OSError if it can't be opened.
+    """
+
+    def __init__(self, engine: Engine, path: Path) -> None:
+        self._engine = engine
+        self._file = OutFile(path)
+        self._waiting: dict[int, Sent] = {}  # by the number of the command
+        self._names: dict[int, str] = {}  # of the objects that are there, by serial
+        self.error: str | None = None
+        """Why it gave up, if it did."""
+        engine.note()
+
+    def start(self) -> None:
+        """Begin to write."""
+        self._file.begin()
+        day = time.strftime("%Y-%m-%d %H:%M:%S")
+        self._write(f"# carom {version('carom')}, {day}; render it at --rate {self._engine.rate:.0f}\n")
+
+    def expect(self, first: int, sent: list[Sent]) -> None:
+        """Remember what commands stand for, from the command with the number `first` on."""
+        for n, each in enumerate(sent):
+            # What a message asks of an object is one line, however many commands it takes.
+            if n == 0 or each.message is not sent[n - 1].message or each.serial != sent[n - 1].serial:
+                self._waiting[first + n] = each
+
+    def write(self) -> None:
+        """Write what has been carried out since the last call; a crash loses no more than what came after it."""
+        lines = []
+        for number, sample in self._engine.noted():
+            sent = self._waiting.pop(number, None)
+            if sent and sample >= 0.0 and not self.error:
+                try:
+                    lines.append(format_line(sample / self._engine.rate, self._named(sent)) + "\n")
+                except ValueError as error:
+                    self.error = f"the log {self._file.path} ended: {error}"
+        if lost := self._engine.counter("notes_lost"):
+            self.error = f"the log {self._file.path} ended: {lost} events were too many at once"
+        if lines and not self.error:
+            self._write("".join(lines))
+
+    def _named(self, sent: Sent) -> Message:
+        """A message as it is carried out, on the one object that it is about."""
+        message, serial = sent.message, sent.serial
+        if message.address == "/object/new":
+            stem, *rest = message.args
+            name, count = str(stem), 1
+            while name in self._names.values():
+                count += 1
+                name = f"{str(stem)[:_LONGEST_STEM]}~{count}"
+            self._names[serial] = name
+            return Message(message.address, (name, *rest))
+        if serial not in self._names:
+            return message
+        action = message.address.rsplit("/", 1)[1]
+        name = self._names.pop(serial) if action == "free" else self._names[serial]
+        return Message(f"/object/{name}/{action}", self._struck(sent) if sent.by else message.args)
+
+    def _struck(self, sent: Sent) -> tuple[Argument, ...]:
+        """Arguments that name the striking object as the log does; its mass alone, where it was told to go before."""
+        args = sent.message.args
+        first = next(n for n, arg in enumerate(args) if isinstance(arg, str))
+        keys = dict(zip(args[first::2], args[first + 1 :: 2], strict=True))
+        if sent.by in self._names:
+            keys["by"] = self._names[sent.by]
+        else:
+            keys = {key: value for key, value in keys.items() if key not in ("by", "by_position")}
+            keys["mass"] = sent.mass
+        return *args[:first], *chain.from_iterable(keys.items())
+
+    def _write(self, text: str) -> None:
+        try:
+            self._file.write(text.encode())
+        except OSError as error:
+            self.error = f"the log {self._file.path} ended: {error.strerror}"
+
+    def close(self) -> None:
+        """Write what is left, and the end; a file that was never started is taken away again."""
+        if self._file.begun:
+            self.write()
+            if not self.error:
+                # What rings or rolls on was heard up to here.
+                self._write(format_line(self._engine.position / self._engine.rate, Message("/panic")) + "\n")
+        self._file.close()

@@ -1,0 +1,243 @@
+"""The way in and out: UDP and TCP on one port, bounded queues of what has arrived, replies that never wait.
+
+Datagrams come from a thread of their own (intake.py); all else is done by one, between packets.
+"""
+
+import selectors
+import socket
+import sys
+import time
+from collections import Counter, deque
+from contextlib import suppress
+
+from ..osc.wire import Message, encode
+from .reply_budget import Allowance
+from .tcp import Connection, listen
+from .udp import Intake
+
+MOST_CONNECTIONS = 32
+
+RECEIVE_BUFFER = 1 << 22
+"""Bytes asked of the system for datagrams that come before the intake's turn; it gives what it permits."""
+
+_NEVER_WAIT = getattr(socket, "MSG_DONTWAIT", 0)
+_LINGER = 1.0  # s
+_TRIES = 16  # ports that may be free for UDP and not for TCP
+
+Source = tuple[str, int] | Connection
+"""Where a packet came from and its replies go: a UDP address or a TCP client."""
+
+
+class Network:
+    """The sockets of a port, and the clients of one of them. `close` it."""
+
+    def __init__(self, host: str, port: int) -> None:
+        """Listen on a port, 0 being any that is free; OSError if it can't be."""
+        self._replies_dropped = 0
+        self._warned: Counter[str] = Counter()
+        self._told = 0  # datagrams dropped, whose sender was told
+        self._streamed: deque[tuple[bytes | None, Connection]] = deque()  # None: the end of a stream
+        self._stream_next = False  # datagrams and streams take turns
+        self._connections: set[Connection] = set()
+        self._lingering: dict[Connection, float] = {}  # that will say no more, and until when they are answered
+        self._allowance = Allowance()
+        self._udp, self._listener = _bound(host, port)
+        self._intake = Intake(self._udp)
+        self._selector = selectors.DefaultSelector()
+        self._selector.register(self._intake.heard, selectors.EVENT_READ)
+        self._selector.register(self._listener, selectors.EVENT_READ)
+
+    @property
+    def address(self) -> tuple[str, int]:
+        """Where it listens: host and port."""
+        return self._udp.getsockname()[:2]
+
+    @property
+    def receive_buffer(self) -> int:
+        """Bytes that the system keeps of datagrams that were not read yet."""
+        size = self._udp.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
+        return size // 2 if sys.platform == "linux" else size  # Linux counts its own needs in
+
+    @property
+    def connections(self) -> int:
+        """TCP clients that are there, and may say more."""
+        return len(self._connections) - len(self._lingering)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """What was left out: datagrams for want of room here, or in the system's buffer, and replies."""
+        return {
+            "dropped": self._intake.dropped,
+            "dropped_by_system": _dropped_by_system(self._udp),
+            "replies_dropped": self._replies_dropped,
+        }
+
+    def receive(self, timeout: float) -> tuple[bytes, Source] | None:
+        """The next packet and its source, or None if none comes for so long (s)."""
+        deadline = time.monotonic() + timeout
+        wait = 0.0
+        while True:
+            self._gather(wait)
+            if arrived := self._next():
+                return arrived
+            wait = deadline - time.monotonic()
+            if wait <= 0.0:
+                return None
+
+    def _next(self) -> tuple[bytes, Source] | None:
+        self._stream_next = not self._stream_next
+        if self._stream_next:
+            return self._from_streams() or self._intake.take()
+        return self._intake.take() or self._from_streams()
+
+    def _from_streams(self) -> tuple[bytes, Source] | None:
+        while self._streamed:
+            packet, connection = self._streamed.popleft()
+            connection.queued -= 1
+            if packet is not None:
+                return packet, connection
+            self._part(connection)
+        return None
+
+    def send(self, message: Message, to: Source) -> None:
+        """Send a reply, or count it as dropped; OSError if its receiver is gone."""
+        packet = encode(message.address, *message.args)
+        if isinstance(to, Connection):
+            if not self.reaches(to):
+                raise ConnectionResetError("the client has left")
+            try:
+                sent = to.send(packet)
+            except OSError:
+                self._leave(to)
+                raise
+            self._watch(to)
+        elif sent := self._allowance.take(to[0]):
+            try:
+                self._udp.sendto(packet, _NEVER_WAIT, to)
+            except BlockingIOError:
+                sent = False
+        self._replies_dropped += not sent
+
+    def reaches(self, source: Source) -> bool:
+        """Can it be answered still, as far as is known?"""
+        return not isinstance(source, Connection) or source in self._connections
+
+    def dropped(self) -> tuple[int, tuple[str, int]] | None:
+        """How many datagrams found no room since the last call, and who sent the last of them; None if all did."""
+        new = self._intake.dropped - self._told
+        self._told += new
+        return (new, self._intake.loser) if new else None
+
+    def warnings(self) -> list[str]:
+        """What was left out since the last call, a line each."""
+        new = Counter(self.counts) - self._warned
+        self._warned += new
+        texts = {
+            "dropped": "{} datagrams left out: they came faster than they could be carried out",
+            "dropped_by_system": "{} datagrams lost: the system's receive buffer is too small, see carom doctor",
+            "replies_dropped": "{} replies left out: they were not taken, or too many for a host elsewhere",
+        }
+        return [texts[name].format(count) for name, count in new.items()]
+
+    def close(self) -> None:
+        for connection in tuple(self._connections):
+            self._leave(connection)
+        self._selector.close()
+        self._intake.close()
+        self._udp.close()
+        self._listener.close()
+
+    def _gather(self, timeout: float) -> None:
+        """Take what has arrived off the system's hands."""
+        for connection in [each for each, until in self._lingering.items() if until <= time.monotonic()]:
+            self._leave(connection)
+        for key, events in self._selector.select(timeout):
+            if key.fileobj is self._intake.heard:
+                self._intake.hush()
+            elif key.fileobj is self._listener:
+                self._accept()
+            else:
+                self._attend(key.data, events)
+
+    def _accept(self) -> None:
+        with suppress(OSError):  # it has left already
+            connection = Connection(self._listener.accept()[0])
+            self._connections.add(connection)
+            self._watch(connection)
+            if len(self._connections) > MOST_CONNECTIONS and self._lingering:
+                self._leave(next(iter(self._lingering)))
+            if len(self._connections) > MOST_CONNECTIONS:
+                connection.wrong = f"{MOST_CONNECTIONS} clients are connected already: expected one to leave first"
+                self._part(connection)
+
+    def _attend(self, connection: Connection, events: int) -> None:
+        try:
+            if events & selectors.EVENT_WRITE:
+                connection.flush()
+            # TCP makes a client wait, and loses nothing: none is given more room than for what it sent at one time.
+            if events & selectors.EVENT_READ and not connection.queued:
+                for packet in connection.packets():
+                    self._enqueue(packet, connection)
+                if connection.over:
+                    self._enqueue(None, connection)
+            self._watch(connection)
+        except OSError:
+            self._leave(connection)
+
+    def _enqueue(self, packet: bytes | None, connection: Connection) -> None:
+        self._streamed.append((packet, connection))
+        connection.queued += 1
+
+    def _watch(self, connection: Connection) -> None:
+        """Have the selector tell what matters of a client now."""
+        wanted = selectors.EVENT_READ * (not connection.over) | selectors.EVENT_WRITE * connection.waiting
+        key = self._selector.get_map().get(connection.socket)
+        if key and not wanted:
+            self._selector.unregister(connection.socket)
+        elif key and key.events != wanted:
+            self._selector.modify(connection.socket, wanted, connection)
+        elif wanted and not key:
+            self._selector.register(connection.socket, wanted, connection)
+
+    def _part(self, connection: Connection) -> None:
+        """Let a client go whose stream has ended, now that all in it was carried out."""
+        if not connection.wrong and self.reaches(connection):
+            self._lingering[connection] = time.monotonic() + _LINGER  # perhaps it only has no more to say
+            return
+        if self.reaches(connection):
+            with suppress(OSError):
+                self.send(Message("/fail", ("stream", str(connection.wrong))), connection)
+        self._leave(connection)
+
+    def _leave(self, connection: Connection) -> None:
+        if connection in self._connections:
+            self._connections.remove(connection)
+            self._lingering.pop(connection, None)
+            with suppress(KeyError):
+                self._selector.unregister(connection.socket)
+            connection.close()
+
+
+def _bound(host: str, port: int) -> tuple[socket.socket, socket.socket]:
+    """A UDP socket and a TCP listener on the same port."""
+    for attempt in range(_TRIES):
+        udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        try:
+            udp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
+            udp.bind((host, port))
+            return udp, listen(host, udp.getsockname()[1])
+        except OSError:
+            udp.close()
+            if port or attempt == _TRIES - 1:
+                raise
+    raise AssertionError
+
+
+def _dropped_by_system(udp: socket.socket) -> int:
+    """Datagrams that found no room in the system's buffer, where it tells (Linux)."""
+    memory_info, drops = 55, 8  # SO_MEMINFO, and where in its nine uint32 the drops stand
+    if sys.platform != "linux":
+        return 0
+    with suppress(OSError):
+        return int.from_bytes(udp.getsockopt(socket.SOL_SOCKET, memory_info, 36)[4 * drops :], sys.byteorder)
+    return 0

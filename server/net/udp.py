@@ -1,0 +1,162 @@
+"""Datagrams, taken off the system's hands by a compiled thread that waits for no Python, however long that is busy.
+
+The system's own buffer holds as little as 500 short datagrams, 2 ms of a burst, and an object takes .1 s to make. Where
+the thread may run in real time, a burst is safe on a busy machine, too.
+"""
+
+import os
+import socket
+import struct
+import sys
+import threading
+from contextlib import suppress
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numba import carray, cfunc, types
+
+from ...dsp.native.atomics import load_acquire, observe, publish, store_release
+from ...dsp.native.jit import kernel
+from ...dsp.runtime.code_cache import kept
+
+CAPACITY = 1 << 22
+"""Bytes of datagrams that can wait to be carried out, each with 24 of its own: some 50,000 short ones."""
+
+_LOOK = 0.05  # s between looks at whether to go on
+_HEAD = 3  # words before a datagram: its size, and two of the address that it came from
+_LARGEST = _HEAD + (1 << 16) // 8  # words
+_WORDS = CAPACITY // 8
+
+# The ring's words hold datagrams one after another; one begins where the largest would fit before the end, else at 0.
+_BOX = np.dtype(
+    [
+        ("written", np.int64, (1,)),  # words ever
+        ("read", np.int64, (1,)),
+        ("stopped", np.int64, (1,)),
+        ("dropped", np.int64, (1,)),  # datagrams
+        ("loser", np.int64, (2,)),  # address that the last of them came from
+        ("descriptor", np.int64),
+        ("bell", np.int64),
+        ("length", np.int32, (2,)),
+        ("fresh", np.int64, (_LARGEST,)),
+        ("ring", np.int64, (_WORDS,)),
+    ],
+    align=True,
+)
+_ENTRY = struct.Struct("=q2x2s4s8x")  # size, and of the sockaddr_in port and host
+
+_WINDOWS = sys.platform == "win32"
+_SIZE, _RESULT = (types.intc, types.intc) if _WINDOWS else (types.uintp, types.intp)
+_POINTER = types.uintp
+_recvfrom = types.ExternalFunction("recvfrom", _RESULT(types.intc, _POINTER, _SIZE, types.intc, _POINTER, _POINTER))
+_send = types.ExternalFunction("send", _RESULT(types.intc, _POINTER, _SIZE, types.intc))
+
+
+def _after(position, size):
+    """Where the next datagram begins, after one of `size` bytes."""
+    position += _HEAD + (size + 7) // 8
+    rest = _WORDS - position % _WORDS
+    return position + rest if rest < _LARGEST else position
+
+
+_beyond = kernel(_after)
+
+
+def _drain(address):
+    """Move what arrives into the ring until stopped; what finds no room there is counted."""
+    box = carray(address, (1,), _BOX)[0]
+    fresh, ring = box.fresh, box.ring
+    start = fresh.ctypes.data
+    written = load_acquire(box.written, 0)
+    while load_acquire(box.stopped, 0) == 0:
+        box.length[0] = 16
+        size = _recvfrom(box.descriptor, start + 8 * _HEAD, 1 << 16, 0, start + 8, box.length.ctypes.data)
+        if size < 0:  # nothing came for a while
+            continue
+        if written - load_acquire(box.read, 0) > _WORDS - _LARGEST:
+            box.loser[0], box.loser[1] = fresh[1], fresh[2]
+            store_release(box.dropped, 0, box.dropped[0] + 1)
+            continue
+        fresh[0] = size
+        at = written % _WORDS
+        for i in range(_HEAD + (size + 7) // 8):
+            ring[at + i] = fresh[i]
+        before = written
+        written = _beyond(written, size)
+        store_release(box.written, 0, written)
+        # Asked only now, as the reader may have looked in vain a moment ago.
+        if load_acquire(box.read, 0) == before:
+            _send(box.bell, start, 1, 0)
+
+
+@cache
+def _drainer() -> Any:
+    return kept(lambda cached: cfunc(types.void(types.voidptr), error_model="numpy", cache=cached)(_drain))
+
+
+class Intake:
+    """What arrives at a bound UDP socket. `close` it before the socket.
+
+    `heard` is a socket that can be read when something has arrived where nothing was before; `hush` reads it.
+    """
+
+    def __init__(self, udp: socket.socket) -> None:
+        self._box = np.zeros(1, _BOX)
+        record = self._box[0]
+        self._written, self._read = record["written"], record["read"]
+        self._stopped, self._dropped, self._loser = record["stopped"], record["dropped"], record["loser"]
+        self._ring = memoryview(record["ring"]).cast("B")
+        self.heard, self._bell = socket.socketpair()
+        self.heard.setblocking(False)
+        self._bell.setblocking(False)
+        record["descriptor"], record["bell"] = udp.fileno(), self._bell.fileno()
+        # Python's own time-outs would make the socket one that never waits.
+        wait = struct.pack("L", round(1e3 * _LOOK)) if _WINDOWS else struct.pack("ll", 0, round(1e6 * _LOOK))
+        udp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, wait)
+        # What ctypes calls runs without the GIL.
+        address = self._box.ctypes.data
+        self._thread = threading.Thread(target=_drainer().ctypes, args=(address,), name="carom-intake", daemon=True)
+        self._thread.start()
+        if hasattr(os, "sched_setscheduler") and self._thread.native_id:
+            lowest = os.sched_param(os.sched_get_priority_min(os.SCHED_FIFO))
+            with suppress(OSError):
+                os.sched_setscheduler(self._thread.native_id, os.SCHED_FIFO, lowest)
+
+    def hush(self) -> None:
+        """To be called before `take`, so that nothing arrives unheard."""
+        with suppress(BlockingIOError):
+            self.heard.recv(64)
+
+    def take(self) -> tuple[bytes, tuple[str, int]] | None:
+        """The next datagram and the address it came from; None where none waits."""
+        read = int(self._read[0])
+        if read == observe(self._written):
+            return None
+        at = 8 * (read % _WORDS)
+        size, port, host = _ENTRY.unpack_from(self._ring, at)
+        start = at + 8 * _HEAD
+        datagram = bytes(self._ring[start : start + size])
+        publish(self._read, _after(read, size))
+        return datagram, _address(port, host)
+
+    @property
+    def dropped(self) -> int:
+        """Datagrams that found no room."""
+        return int(observe(self._dropped))
+
+    @property
+    def loser(self) -> tuple[str, int]:
+        """Where the last of these came from."""
+        _, port, host = _ENTRY.unpack(bytes(8) + self._loser.tobytes())
+        return _address(port, host)
+
+    def close(self) -> None:
+        publish(self._stopped, 1)
+        self._thread.join()
+        self.heard.close()
+        self._bell.close()
+
+
+def _address(port: bytes, host: bytes) -> tuple[str, int]:
+    return socket.inet_ntoa(host), int.from_bytes(port, "big")

@@ -1,0 +1,1 @@
+"""OSC and its forms: packets, patterns, streams, addresses, scores, OSCQuery."""

@@ -1,0 +1,88 @@
+"""How packets follow each other in a stream: by SLIP, END on either side (OSC 1.1), or each after its size (OSC 1.0).
+
+Which of the two a client speaks, its first byte tells: a size below 64 KiB begins with a zero, SLIP with END or with
+the packet itself. Replies go out in the same framing.
+"""
+
+import struct
+from collections.abc import Iterator
+
+from .wire import MAX_DATAGRAM
+
+_END = b"\xc0"
+_ESCAPE = b"\xdb"
+_ESCAPED = {b"\xdc": _END, b"\xdd": _ESCAPE}
+_SIZE = struct.Struct(">i")
+
+
+class Broken(ValueError):
+    """A stream in which no packet can be found any more; the text says why."""
+
+
+class Slip:
+    """RFC 1055: packets between END bytes; what looks like END or ESC inside is escaped."""
+
+    def __init__(self) -> None:
+        self._rest = b""
+
+    def packets(self, data: bytes) -> Iterator[bytes]:
+        """The packets that are whole once `data` has come; Broken for a wrong escape or one longer than a datagram."""
+        *frames, self._rest = (self._rest + data).split(_END)
+        for frame in frames:
+            if frame:
+                yield _unescaped(frame)
+        if len(self._rest) > 2 * MAX_DATAGRAM:  # all of it escaped
+            raise Broken(f"SLIP: {len(self._rest)} bytes without an END: expected packets up to {MAX_DATAGRAM} bytes")
+
+    @staticmethod
+    def framed(packet: bytes) -> bytes:
+        return _END + packet.replace(_ESCAPE, b"\xdb\xdd").replace(_END, b"\xdb\xdc") + _END
+
+
+def _unescaped(frame: bytes) -> bytes:
+    head, *tails = frame.split(_ESCAPE)
+    parts = [head]
+    for tail in tails:
+        if tail[:1] not in _ESCAPED:
+            raise Broken(f"SLIP: ESC followed by {tail[:1].hex() or 'END'}: expected dc or dd")
+        parts += [_ESCAPED[tail[:1]], tail[1:]]
+    return b"".join(parts)
+
+
+class Sized:
+    """OSC 1.0 on a stream: each packet after its size, a big-endian int32."""
+
+    def __init__(self) -> None:
+        self._rest = b""
+
+    def packets(self, data: bytes) -> Iterator[bytes]:
+        """The packets that are whole once `data` has come; Broken for a size that none can have."""
+        stream = self._rest + data
+        at = 0
+        while len(stream) - at >= _SIZE.size:
+            (size,) = _SIZE.unpack_from(stream, at)
+            if not 0 < size <= MAX_DATAGRAM:
+                raise Broken(f"size = {size} bytes: expected 4, 8 ... {MAX_DATAGRAM // 4 * 4}")
+            if len(stream) - at - _SIZE.size < size:
+                break
+            at += _SIZE.size + size
+            yield stream[at - size : at]
+        self._rest = stream[at:]
+
+    @staticmethod
+    def framed(packet: bytes) -> bytes:
+        return _SIZE.pack(len(packet)) + packet
+
+
+Framing = Slip | Sized
+
+
+def framing(first: int) -> Framing:
+    """The framing of a stream that begins with this byte, or Broken."""
+    if first == 0:
+        return Sized()
+    if bytes([first]) in (_END, b"/", b"#"):
+        return Slip()
+    raise Broken(
+        f"a stream that begins with {first:02x}: expected SLIP (c0), or packets each after its int32 size (00)"
+    )

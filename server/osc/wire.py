@@ -1,0 +1,214 @@
+"""OSC 1.0 on the wire: datagrams checked and read, messages and bundles written, address patterns matched.
+
+python-osc writes the messages. Reading is done here, because its reader trusts sizes (a negative one loops
+for ever), drops the tags it does not know, pads short floats, makes dates of time tags, ignores what follows
+the last argument, and copies the rest of the datagram for each argument.
+"""
+
+import reprlib
+import struct
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from pythonosc.osc_message_builder import BuildError, OscMessageBuilder
+
+Argument = int | float | str | bytes | bool | None
+
+DEFAULT_PORT = 57140
+IMMEDIATELY = 1
+MAX_DATAGRAM = 65507  # bytes: the most that UDP over IPv4 carries
+MAX_DEPTH = 8  # of bundles in bundles
+MAX_ADDRESS = 1024  # characters: a pattern is matched with the name of every object
+
+_BUNDLE = b"#bundle\0"
+_SIZE = struct.Struct(">i")
+_TIME = struct.Struct(">Q")
+_UNIX_EPOCH = 2208988800 << 32  # 1 January 1970 as an NTP time tag
+_CODES = {"i": "i", "h": "q", "f": "f", "d": "d", "t": "Q", "r": "I", "m": "4s", "c": "I"}
+_SIZED = {tag: struct.Struct(">" + code) for tag, code in _CODES.items()}
+# 1.0 calls I infinitum, 1.1 impulse: a bang. A control that is banged is on.
+_CONSTANT = {"T": True, "F": False, "N": None, "I": True}
+
+
+class BadPacket(ValueError):
+    """A datagram that is not OSC; the text says what is wrong with it."""
+
+
+@dataclass(frozen=True)
+class Message:
+    """An address (or address pattern) and its arguments."""
+
+    address: str
+    args: tuple[Argument, ...] = ()
+
+
+@dataclass(frozen=True)
+class Bundle:
+    """Messages for one moment: a 64-bit NTP time tag, 1 being at once."""
+
+    time: int
+    messages: tuple[Message, ...]
+
+
+def parse(datagram: bytes) -> list[Bundle]:
+    """Reads a datagram whole, or raises BadPacket; in time proportional to its size.
+
+    A bare message becomes a bundle for IMMEDIATELY. Bundles in bundles come out flat, in the order written:
+    a bundle with others inside it is cut where they stand, and its pieces keep its time. Arrays are flat too:
+    their elements are arguments. Numbers are int (i h r t) or float (f d; NaN and infinities pass), s S c are
+    str, b and m (four bytes of MIDI) are bytes. A message without arguments may lack the type tags.
+    """
+    if len(datagram) > MAX_DATAGRAM:
+        raise BadPacket(f"{len(datagram)} bytes: expected at most {MAX_DATAGRAM}")
+    if len(datagram) % 4 or not datagram:
+        raise BadPacket(f"{len(datagram)} bytes: expected a multiple of 4, above 0")
+    if datagram.startswith(_BUNDLE):
+        return list(_bundles(datagram, 1))
+    return [Bundle(IMMEDIATELY, (_message(datagram),))]
+
+
+def _bundles(data: bytes, depth: int) -> Iterator[Bundle]:
+    if depth > MAX_DEPTH:
+        raise BadPacket(f"bundles nested deeper than {MAX_DEPTH}")
+    if len(data) < 16:
+        raise BadPacket(f"bundle of {len(data)} bytes: expected at least 16")
+    (time,) = _TIME.unpack_from(data, 8)
+    messages: list[Message] = []
+    start = 16
+    while start < len(data):
+        (size,) = _SIZE.unpack_from(data, start)
+        start += 4
+        if size <= 0 or size % 4 or size > len(data) - start:
+            raise BadPacket(f"bundle element of {size} bytes: expected 4, 8 ... {len(data) - start}")
+        element = data[start : start + size]
+        start += size
+        if not element.startswith(_BUNDLE):
+            messages.append(_message(element))
+            continue
+        if messages:
+            yield Bundle(time, tuple(messages))
+            messages = []
+        yield from _bundles(element, depth + 1)
+    if messages:
+        yield Bundle(time, tuple(messages))
+
+
+def _message(data: bytes) -> Message:
+    address, at = _string(data, 0, "address")
+    if not address.startswith("/"):
+        raise BadPacket(f"address {reprlib.repr(address)}: expected it to start with /")
+    if len(address) > MAX_ADDRESS:
+        raise BadPacket(f"address of {len(address)} characters: expected at most {MAX_ADDRESS}")
+    if at == len(data):
+        return Message(address)
+    if data[at : at + 1] != b",":
+        raise BadPacket("arguments without type tags")
+    tags, at = _string(data, at, "type tags")
+    args: list[Argument] = []
+    open_arrays = 0
+    for tag in tags[1:]:
+        name = f"argument {len(args) + 1}"
+        if tag in _SIZED:
+            value, at = _sized(data, at, tag, name)
+            if tag == "c":
+                value = _character(value, name)
+            args.append(value)
+        elif tag in "sS":
+            value, at = _string(data, at, name)
+            args.append(value)
+        elif tag == "b":
+            value, at = _blob(data, at, name)
+            args.append(value)
+        elif tag in _CONSTANT:
+            args.append(_CONSTANT[tag])
+        elif tag == "[":
+            open_arrays += 1
+        elif tag == "]" and open_arrays:
+            open_arrays -= 1
+        else:
+            raise BadPacket(f"{name} has the type tag {tag!r}: expected one of ihfdtrmcsSbTFNI or [ ]")
+    if open_arrays:
+        raise BadPacket("type tags: an array is not closed")
+    if at != len(data):
+        raise BadPacket(f"{len(data) - at} bytes after the last argument")
+    return Message(address, tuple(args))
+
+
+def _string(data: bytes, start: int, name: str) -> tuple[str, int]:
+    end = data.find(b"\0", start)
+    if end < 0:
+        raise BadPacket(f"{name}: a string without its closing zero")
+    try:
+        return data[start:end].decode(), end // 4 * 4 + 4
+    except UnicodeDecodeError:
+        raise BadPacket(f"{name}: a string that is not UTF-8") from None
+
+
+def _sized(data: bytes, start: int, tag: str, name: str) -> tuple[Any, int]:
+    kind = _SIZED[tag]
+    if start + kind.size > len(data):
+        raise BadPacket(f"{name} of type {tag} is cut short")
+    return kind.unpack_from(data, start)[0], start + kind.size
+
+
+def _character(code: int, name: str) -> str:
+    if not 0 < code < 128:
+        raise BadPacket(f"{name} of type c is {code}: expected an ASCII character")
+    return chr(code)
+
+
+def _blob(data: bytes, start: int, name: str) -> tuple[bytes, int]:
+    size, start = _sized(data, start, "i", name)
+    if not 0 <= size <= len(data) - start:
+        raise BadPacket(f"{name}: a blob of size {size}, with {len(data) - start} bytes left")
+    return data[start : start + size], start + size + -size % 4
+
+
+def encode(address: str, *args: Argument, real: str = "f") -> bytes:
+    """Writes a message, with the strict types i (h past 32 bits), s, b, T, F, N and, for float, `real`.
+
+    real: "f" is what every client reads (Pd knows no d, T, F and N); "d" loses nothing.
+    Raises ValueError for what OSC cannot carry.
+    """
+    if not address.startswith("/"):
+        raise ValueError(f"address {address!r}: expected it to start with /")
+    # The builder writes a zero inside a string as it is, and so ends the string there.
+    for text in (address, *args):
+        if isinstance(text, str) and "\0" in text:
+            raise ValueError(f"{address}: {text!r} contains a zero character")
+    builder = OscMessageBuilder(address)
+    try:
+        for value in args:
+            builder.add_arg(value, real if isinstance(value, float) else None)
+        return _fitting(builder.build().dgram)
+    except (BuildError, OverflowError, ValueError) as error:
+        raise ValueError(f"{address}: cannot send {reprlib.repr(args)}: {error}") from error
+
+
+def encode_bundle(time_tag: int, messages: Iterable[Message], real: str = "f") -> bytes:
+    """Writes one flat bundle for a 64-bit NTP time tag; floats and errors as in encode."""
+    # Not python-osc's bundle: it takes the time as float seconds, and so rounds the tag.
+    parts = [_BUNDLE, _TIME.pack(time_tag)]
+    for message in messages:
+        packet = encode(message.address, *message.args, real=real)
+        parts += [_SIZE.pack(len(packet)), packet]
+    return _fitting(b"".join(parts))
+
+
+def _fitting(packet: bytes) -> bytes:
+    if len(packet) > MAX_DATAGRAM:
+        raise ValueError(f"{len(packet)} bytes: a datagram holds at most {MAX_DATAGRAM}")
+    return packet
+
+
+def time_tag(unix_seconds: float) -> int:
+    """The 64-bit NTP time tag of a Unix time (s), up to 7 February 2036, when 32 bits of seconds end."""
+    if not 0 <= unix_seconds + _UNIX_EPOCH / 2**32 < 2**32:
+        raise ValueError(f"time {unix_seconds!r} s: expected a Unix time between 1900 and 7 February 2036")
+    return round(unix_seconds * 2**32) + _UNIX_EPOCH
+
+
+def unix_ns(tag: int) -> int:
+    """The Unix time (ns) of a 64-bit NTP time tag; 0 and 1, meaning now, are the caller's to see first."""
+    return (tag - _UNIX_EPOCH) * 1_000_000_000 >> 32

@@ -1,0 +1,1 @@
+"""Objects and gestures by name: messages become the engine's commands."""

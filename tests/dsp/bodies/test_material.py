@@ -1,0 +1,54 @@
+"""Materials: decay rates against published decay times, and Hertz against its limits."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from carom.dsp.bodies.material import Material, hertz
+
+STEEL = Material("steel", 7850, 2e11, 0.29, 5, 3e-8)
+CERAMIC = Material("ceramic", 2700, 7.2e10, 0.19, 6, 1e-7)
+
+
+@pytest.mark.parametrize(("frequency", "t60"), [(2056, 0.61), (2215, 0.54), (5031, 0.13)])
+def test_rayleigh_damping_gives_the_published_decay_times(frequency, t60):
+    assert math.log(1000) / CERAMIC.decay(frequency) == pytest.approx(t60, rel=0.03)
+
+
+def test_a_loss_factor_alone_is_2_2_over_f_t60():
+    wood = Material("wood", 750, 1.1e10, 0.25, 0, 0, loss_factor=2.5e-2)
+    t60 = math.log(1000) / wood.decay(np.array([200.0, 2000.0]))
+    assert 2.2 / (np.array([200.0, 2000.0]) * t60) == pytest.approx(2.5e-2, rel=2e-3)
+
+
+def test_the_three_losses_add():
+    parts = [Material("", 1, 1, 0, 7, 0), Material("", 1, 1, 0, 0, 2e-6), Material("", 1, 1, 0, 0, 0, 1e-3)]
+    whole = Material("", 1, 1, 0, 7, 2e-6, 1e-3)
+    frequency = np.geomspace(20, 20000, 9)
+    assert whole.decay(frequency) == pytest.approx(sum(part.decay(frequency) for part in parts), rel=1e-14)
+    assert whole.decay(0) == 3.5
+
+
+def test_hertz_of_a_steel_ball_on_a_steel_plane():
+    # 4/3 * (2e11 / (1 - .29^2) / 2) * sqrt(5 mm), worked by hand
+    assert hertz(STEEL, 5e-3, STEEL) == pytest.approx(1.0294e10, rel=1e-4)
+
+
+def test_a_rigid_partner_is_the_limit_of_a_stiff_one():
+    diamond = Material("stiff", 3500, 1e22, 0.1, 0, 0)
+    assert hertz(STEEL, 5e-3) == pytest.approx(hertz(STEEL, 5e-3, diamond), rel=1e-9)
+
+
+@given(st.floats(1e-4, 1), st.floats(1e-4, 1))
+def test_hertz_is_symmetrical_and_softer_between_balls_than_on_a_plane(a, b):
+    assert hertz(STEEL, a, CERAMIC, b) == pytest.approx(hertz(CERAMIC, b, STEEL, a), rel=1e-12)
+    assert hertz(STEEL, a, CERAMIC, b) < hertz(STEEL, a, CERAMIC)
+
+
+@pytest.mark.parametrize("radii", [(0.0, 1.0), (-1.0, 1.0), (1.0, 0.0), (math.nan, 1.0), (math.inf, math.inf)])
+def test_radii_that_make_no_contact_are_named(radii):
+    with pytest.raises(ValueError, match=f"radius = {radii[0]}"):
+        hertz(STEEL, radii[0], STEEL, radii[1])

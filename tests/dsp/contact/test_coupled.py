@@ -1,0 +1,284 @@
+"""Coupled contacts against DOP853, and their energy."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numba import carray, cfunc, from_dtype, types
+
+from carom.dsp.contact import coupled
+from carom.dsp.contact.accuracy import LEVELS, TOLERANCE, closed_form_will_do
+from carom.dsp.contact.coupled_step import HELD
+from carom.dsp.resonator import bank
+from carom.dsp.study import coupled_sampled
+from carom.dsp.study.coupled import Case, error, extreme_case, random_cases, simulate
+from tests.dsp.contact import pressed
+from tests.dsp.contact.coupled_reference import reference
+from tests.dsp.runtime.test_realtime_safety import forbidden
+
+EXACT = TOLERANCE[LEVELS.index("exact")]
+
+
+def errors(cases, tolerance):
+    """Errors of the object's velocity (dB), as a share of what the contact adds to it; contacts that are miscounted."""
+    found, miscounted = [], 0
+    for case in cases:
+        expected, _, contacts = reference(case)
+        run = simulate(case, tolerance)
+        alone = simulate(replace(case, v_in=0.0, m=1e-30, k=1e-30)).velocity if np.ndim(case.ringing) else 0.0
+        found.append(error(run.velocity - alone, expected - alone))
+        miscounted += run.contacts[-1] != contacts
+    return np.array(found), miscounted
+
+
+@pytest.fixture(scope="module")
+def heard():
+    return random_cases(200, seed=5)
+
+
+@pytest.mark.parametrize(("level", "tolerance"), list(zip(LEVELS, TOLERANCE, strict=True))[1:])
+def test_two_hundred_contacts_against_dop853(heard, level, tolerance):
+    found, miscounted = errors(heard, tolerance)
+    asked = -130.0 if level == "exact" else float(level)
+    assert np.median(found) < asked - 15 and np.quantile(found, 0.9) < asked
+    assert miscounted == 0
+
+
+def test_objects_that_already_ring():
+    random = np.random.default_rng(8)
+    cases = []
+    for case in random_cases(40, seed=8):
+        n = len(case.frequency)
+        z = 0.3 * math.sqrt(case.m / n) * (random.normal(size=n) + 1j * random.normal(size=n))
+        cases.append(replace(case, ringing=z))
+    found, miscounted = errors(cases, EXACT)
+    assert np.quantile(found, 0.9) < -120 and miscounted == 0
+
+
+def hits_on_light_objects(yielding, count, seed):
+    """Elastic hits on 24 modes with sum r = `yielding`."""
+    random = np.random.default_rng(seed)
+    for _ in range(count):
+        phi = random.normal(size=24)
+        phi *= math.sqrt(yielding / (0.01 * phi @ phi))
+        frequency = np.sort(random.uniform(200, 19_000, 24))
+        yield Case(frequency, np.full(24, 5.0), phi, 1.0, 0.01, 10 ** random.uniform(9, 12), 0.0, 1.5, samples=400)
+
+
+def test_light_objects_are_touched_again():
+    cases = list(hits_on_light_objects(3.0, 40, seed=2))
+    found, miscounted = errors(cases, EXACT)
+    assert np.quantile(found, 0.9) < -100 and miscounted == 0
+    assert np.mean([simulate(case).contacts[-1] for case in cases]) > 2
+
+
+def test_chaotic_contacts_keep_their_statistics():
+    """At sum r = 30 there are tens of micro-contacts: what they do on the average is asked for, not their waveform."""
+    cases = list(hits_on_light_objects(30.0, 60, seed=3))
+    runs = [simulate(case, TOLERANCE[1]) for case in cases]
+    truths = [reference(case, tolerance=1e-11) for case in cases]
+    counts = np.array([[run.contacts[-1], truth[2]] for run, truth in zip(runs, truths, strict=True)])
+    left = np.array([[run.striker[-1], truth[1][-1]] for run, truth in zip(runs, truths, strict=True)])
+    assert counts[:, 1].mean() > 15
+    assert counts[:, 0].mean() == pytest.approx(counts[:, 1].mean(), rel=0.03)
+    assert (left[:, 0] ** 2).mean() == pytest.approx((left[:, 1] ** 2).mean(), rel=0.03)
+    assert max(run.growth(case) for run, case in zip(runs, cases, strict=True)) < 1e-8
+
+
+@pytest.mark.parametrize("k", [1e8, 1e10, 1e12])
+@pytest.mark.parametrize("modes", [1, 4, 16, 64])
+def test_lossless_hits_keep_their_energy(modes, k):
+    random = np.random.default_rng(modes)
+    frequency = np.sort(np.geomspace(100, 20_000, 1000)[random.integers(0, 1000, modes)])
+    phi = random.normal(size=modes)
+    phi *= math.sqrt(0.5 / (0.01 * phi @ phi))
+    case = Case(frequency, np.zeros(modes), phi, 1.0, 0.01, k, 0.0, 1.5, samples=300, fraction=0.3)
+    for tolerance in (*TOLERANCE, 1e-7):
+        run = simulate(case, tolerance)
+        assert np.abs(run.energy / case.energy - 1).max() < (1e-8 if tolerance < 1e-3 else 1e-5)
+        assert run.growth(case) < 1e-8
+
+
+@pytest.mark.parametrize("tolerance", [HELD, 1e-1, 1e-3, EXACT])
+def test_extreme_contacts_stay_finite_passive_and_bounded(tolerance):
+    random = np.random.default_rng(17)
+    for _ in range(1_000):
+        case = extreme_case(random)
+        run = simulate(case, tolerance)
+        assert np.isfinite(run.energy).all() and np.isfinite(run.velocity).all()
+        assert run.growth(case) < 1e-8, case
+        assert run.steps <= 201 * case.samples
+
+
+class Modes:
+    """One group of modes, through the kernels that the engine calls."""
+
+    def __init__(self, frequency, sigma, phi, rate=48_000.0):
+        n = bank.LANES
+        self.state, self.tuning = np.zeros((2, n)), np.zeros((2, n))
+        self.response, self.shape = np.zeros(bank.RESPONSES), np.zeros(4 * n)
+        for i in range(len(frequency)):
+            bank.set_mode(i, frequency[i], sigma[i], rate, 1.0, *self.state, *self.tuning, self.response)
+        self.shape[n : n + len(phi)] = phi
+        self.point = (self.response, self.shape, n, 0, np.array([0.0, 1.0, 0.0, 0.0]))
+        self.work = np.zeros((3 + bank.FINE) * n)
+
+    def receptance(self):
+        seen = np.zeros(bank.FINE)
+        bank.receptance(*self.tuning, *self.point, self.work, seen)
+        return seen
+
+    def observe(self):
+        seen = np.zeros(bank.FINE)
+        bank.observe(*self.state, *self.tuning, *self.point, self.work, seen)
+        return seen
+
+    def reach(self):
+        return bank.reach(*self.state, *self.tuning, *self.point, self.work)
+
+    def step(self, moments):
+        bank.inject_fine(*self.state, *self.point, moments)
+        self.ring()
+
+    def ring(self):
+        self.state[:] = (self.tuning * self.state).sum(axis=0), self.state[0].copy()
+
+
+def contact_of(law, receptance, tolerance, push=0.0, fraction=0.0):
+    contact = np.zeros(1, coupled.COUPLED)[0]
+    coupled.begin_coupled(contact, *law, push, fraction, 48_000.0, tolerance)
+    coupled.respond_with(contact, receptance)
+    return contact
+
+
+def test_a_pressed_striker_comes_to_rest_and_leaves_when_released():
+    """At rest it compresses x_eq; let go, the bent modes and the contact throw it off, for good."""
+    frequency, sigma, phi = np.array([180.0, 470.0, 1100.0, 2900.0]), np.full(4, 60.0), np.full(4, 2.0)
+    law, push, rest = (0.3, 0.02, 1e7, 5.0, 1.5), 3.0, 12_000
+    modes = Modes(frequency, sigma, phi)
+    contact = contact_of(law, modes.receptance(), 1e-3, push)
+    velocities, apart, moments = [], [], np.zeros(bank.FINE)
+    for t in range(rest + 2_000):
+        if t == rest:
+            _, _, k, _, a = law
+            assert contact["motion"][0] == pytest.approx((push / k) ** (1 / a), rel=1e-5)
+            assert abs(contact["v"]) < 1e-5
+            assert contact["steps"] < 1.2 * rest  # where it lies, a step a sample is enough
+            contact["push"] = 0.0
+        coupled.step_coupled(contact, modes.observe(), moments)
+        modes.step(moments)
+        velocities.append(float(contact["v"]))
+        apart.append(coupled.apart_for(contact, *modes.reach()))
+    assert max(apart[1_000:rest]) == 0.0
+    gone = apart.index(math.inf)
+    assert gone > rest and set(apart[gone:]) == {math.inf}
+    assert velocities[gone] < 0 and set(velocities[gone:]) == {velocities[gone]}
+
+
+def bounced(longest):
+    """A weight that falls back on a ringing plate: contacts, samples looked at, its last velocity."""
+    modes = Modes(300.0 * np.arange(1, 5), np.full(4, 80.0), np.full(4, 2.0))
+    contact = contact_of((0.5, 0.002, 1e9, 0.2, 1.5), modes.receptance(), 1e-5, 0.002 * 9.81, 0.25)
+    looked = skip = 0
+    moments = np.zeros(bank.FINE)
+    for _ in range(20_000):
+        if skip > 0:
+            skip -= 1
+            coupled.fly_on(contact, 1)
+            modes.ring()
+            continue
+        looked += 1
+        coupled.step_coupled(contact, modes.observe(), moments)
+        modes.step(moments)
+        skip = int(min(coupled.apart_for(contact, *modes.reach()), longest - 1))
+    return contact["contacts"], looked, float(contact["v"])
+
+
+def test_a_striker_that_is_apart_may_fly_unseen():
+    """Skipping what `apart_for` allows changes nothing."""
+    contacts, looked, v = bounced(1)
+    skipping = bounced(1_000_000)
+    assert skipping[0] == contacts > 3
+    assert skipping[1] < 0.5 * looked
+    assert skipping[2] == pytest.approx(v, rel=1e-6)
+
+
+def test_two_objects_that_both_ring():
+    """The striker's own modes give way as the object's do: both banks together are one."""
+    random = np.random.default_rng(9)
+    frequency, phi = np.sort(random.uniform(100, 15_000, 16)), random.normal(size=16)
+    case = Case(frequency, np.full(16, 20.0), phi, 1.0, 0.02, 1e9, 0.3, 1.5, samples=200, fraction=0.6)
+    banks = [Modes(frequency[half], case.sigma[half], phi[half]) for half in (slice(0, 8), slice(8, 16))]
+    receptance = banks[0].receptance() + banks[1].receptance()
+    law = (case.v_in, case.m, case.k, case.mu, case.a)
+    contact = contact_of(law, receptance, EXACT, fraction=case.fraction)
+    velocities, moments = [], np.zeros(bank.FINE)
+    for _ in range(case.samples):
+        coupled.step_coupled(contact, banks[0].observe() - banks[1].observe(), moments)
+        banks[0].step(moments)
+        banks[1].step(-moments)
+        velocities.append(float(contact["v"]))
+    np.testing.assert_allclose(velocities, simulate(case, EXACT).striker, rtol=0, atol=1e-9)
+
+
+def test_bad_cases_are_named():
+    modes = (np.array([440.0]), np.array([1.0]), np.array([1.0]))
+    for name, value in (("m", 0.0), ("k", math.inf), ("mu", -1.0), ("a", 0.5), ("v_in", math.nan), ("push", math.nan)):
+        striker = {"v_in": 1.0, "m": 0.01, "k": 1e8, "mu": 0.0, "a": 1.5, "push": 0.0, name: value}
+        with pytest.raises(ValueError, match=f"{name} = "):
+            Case(*modes, **striker)
+    with pytest.raises(ValueError, match="frequency = 30000"):
+        Case(np.array([30_000.0]), modes[1], modes[2], 1.0, 0.01, 1e8, 0.0, 1.5)
+
+
+def test_sampled_methods_converge_to_the_coupled_solver():
+    """RK4 in many steps is a third, independent, way to the same sound."""
+    for case in random_cases(6, seed=4):
+        case = replace(case, fraction=0.0)
+        fine = coupled_sampled.sample(case, "rk4", 2_000)
+        assert error(fine.velocity, simulate(case).velocity) < -70
+        for method in ("am1", "heun", "verlet"):
+            assert error(coupled_sampled.sample(case, method, 2_000).velocity, fine.velocity) < -30
+
+
+PLACE = np.dtype(
+    [
+        ("contact", coupled.COUPLED),
+        ("pressed", pressed.PRESSED),
+        ("modes", np.float64, (4, bank.LANES)),
+        ("response", np.float64, bank.RESPONSES),
+        ("shape", np.float32, 4 * bank.LANES),
+        ("weights", np.float64, 4),
+        ("work", np.float64, (3 + bank.FINE) * bank.LANES),
+        ("seen", np.float64, bank.FINE),
+        ("moments", np.float64, bank.FINE),
+    ],
+    align=True,
+)
+
+
+def every_kernel(data):
+    """What the engine will call, one after the other."""
+    place = carray(data, (1,))[0]
+    contact, seen, moments, work = place.contact, place.seen, place.moments, place.work
+    y1, y2, a1, a2 = place.modes[0], place.modes[1], place.modes[2], place.modes[3]
+    response, shape, weights = place.response, place.shape, place.weights
+    coupled.begin_coupled(contact, 1.0, 0.01, 1e8, 0.5, 1.5, 0.0, 0.3, 48_000.0, 1e-5)
+    bank.receptance(a1, a2, response, shape, 8, 0, weights, work, seen)
+    coupled.respond_with(contact, seen)
+    bank.observe(y1, y2, a1, a2, response, shape, 8, 0, weights, work, seen)
+    coupled.step_coupled(contact, seen, moments)
+    bank.inject_fine(y1, y2, response, shape, 8, 0, weights, moments)
+    distance, speed = bank.reach(y1, y2, a1, a2, response, shape, 8, 0, weights, work)
+    apart = coupled.apart_for(contact, distance, speed)
+    coupled.fly_on(contact, apart)
+    pressed.begin_pressed(place.pressed, 0.0, 1.0, 0.01, 1e8, 0.5, 1.5, 0.1, 1e-5)
+    pressed.press(place.pressed, 1e-3)
+    return closed_form_will_do(1, distance, speed, apart, 1.0)
+
+
+def test_kernels_neither_allocate_nor_raise():
+    signature = types.boolean(types.CPointer(from_dtype(PLACE)))
+    compiled = cfunc(signature, error_model="numpy", forceinline=True)(every_kernel)
+    assert forbidden(compiled.inspect_llvm(), compiled.native_name) == set()

@@ -1,0 +1,282 @@
+"""Contacts in the engine with objects that give way, ring already, touch back, or are pressed on."""
+
+import math
+
+import numpy as np
+import pytest
+
+from carom.dsp.bodies.modes import listed
+from carom.dsp.contact.accuracy import LEVELS
+from carom.dsp.engine.state import COUPLED_MODES, QUANTUM, Command, End, Solver, Steering
+from carom.dsp.resonator.bank import state_of
+from carom.dsp.runtime.engine import NOW, Engine
+from carom.dsp.study.coupled import Case, error
+from carom.presets.library import Presets
+from tests.dsp.contact.coupled_reference import reference
+
+RATE = 48_000
+PRESETS = Presets()
+
+
+def add(engine, modes, level=0.05):
+    handle, size, rows = engine.lay_out(modes, level)
+    engine.send([(NOW, Command.NEW, handle, (handle.first, size, handle.table, rows, 1.0, 0.0, 1.0, 1.0, 0.0))])
+    return handle
+
+
+def body(modal_mass=0.1, n=24, t60=1.0, top=9_000):
+    return listed(
+        frequency=np.linspace(200, top, n), t60=np.full(n, t60), modal_mass=modal_mass, mass=1.0, top=20_000
+    )  # fmt: skip
+
+
+def strike(engine, handle, law, v_in=1.0, time=NOW, serial=0, other=None, gain=1.0, kind=Command.IMPACT, more=()):
+    by = (other.slot, other.serial, 0.5) if other else (0.0, 0.0, 0.0)
+    engine.send([(time, kind, handle, (v_in, 0.5, *law, gain, serial, *by, *more))])
+
+
+def modal(engine, handle, size):
+    """Frequencies (Hz), decays (1/s), shapes in the middle (kg^-1/2) and states z of an object's modes."""
+    state = engine.state[0]
+    place = state["objects"][handle.slot]
+    i = slice(handle.first, handle.first + size)
+    table = state["shape"][handle.table : handle.table + place["rows"] * place["size"]].astype(float)
+    rows = table.reshape(place["rows"], place["size"])
+    x = 0.5 * (place["rows"] - 1)
+    row = min(max(int(x) - 1, 0), place["rows"] - 4)
+    at = x - row
+    weights = [
+        -(at - 1) * (at - 2) * (at - 3) / 6, at * (at - 2) * (at - 3) / 2,
+        -at * (at - 1) * (at - 3) / 2, at * (at - 1) * (at - 2) / 6,
+    ]  # fmt: skip
+    phi = (np.array(weights)[:, None] * rows[row : row + 4]).sum(axis=0)[:size]
+    columns = zip(*(state[name][i] for name in ("y1", "y2", "a1", "a2", "weight")), strict=True)
+    z = np.array([complex(*state_of(*c[:4])) / c[4] if c[3] else 0j for c in columns])
+    return state["frequency"][i].copy(), state["sigma"][i].copy(), phi, z
+
+
+def velocity(engine, handle, size):
+    frequency, sigma, phi, z = modal(engine, handle, size)
+    return phi @ (z.real - sigma / (2 * np.pi * frequency) * z.imag)
+
+
+def energy(engine, handle, size):
+    frequency, sigma, _, z = modal(engine, handle, size)
+    damping = sigma / (2 * np.pi * frequency)
+    return 0.5 * float(((z.real - damping * z.imag) ** 2 + (1 + damping**2) * z.imag**2).sum())
+
+
+PAIRS = [
+    ("tom", "felt", 1.0), ("church-bell", "clapper", 1.0), ("piano-string", "felt-hammer", 2.0),
+    ("wood-block", "wood", 1.0), ("glass-plate", "steel", 1.0), ("marimba-bar", "yarn", 0.5),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "striker", "v_in"), PAIRS)
+def test_heavy_and_light_strikers_against_dop853(name, striker, v_in):
+    """Twelve milliseconds of the object's point, struck by built-in strikers."""
+    engine = Engine(RATE)
+    preset = PRESETS.object(name)
+    modes = preset.modes(engine.top_frequency)
+    law = PRESETS.striker(striker).contact(preset.material)
+    handle = add(engine, modes)
+    strike(engine, handle, law, v_in, time=3.25)
+    size = int((modes.frequency <= engine.top_frequency).sum())
+    heard = []
+    for _ in range(9):
+        engine.process(QUANTUM)
+        heard.append(velocity(engine, handle, size))
+    frequency, sigma, phi, _ = modal(engine, handle, size)
+    m, k, mu, a = law
+    case = Case(frequency, sigma, phi, v_in, m, k, mu, a, rate=RATE, samples=9 * QUANTUM - 4, fraction=0.25)
+    expected, _, contacts = reference(case, 1e-12)[:3]
+    at = np.arange(1, 10) * QUANTUM - 1 - 3 - 1  # samples after the one in which it began
+    assert 20 * math.log10(np.abs(np.array(heard) - expected[at]).max() / np.abs(expected).max()) < -60
+    assert engine.counter("impacts") + engine.counter("recontacts") == contacts
+
+
+def test_a_coin_rattles_on_a_tin_lid():
+    """Dozens of touches in milliseconds are chaos, of which the first are like DOP853's; energy is what can be said."""
+    engine = Engine(RATE)
+    preset = PRESETS.object("tin-lid")
+    modes = preset.modes(engine.top_frequency)
+    handle = add(engine, modes)
+    law = PRESETS.striker("coin").contact(preset.material)
+    strike(engine, handle, law, 1.0)
+    size = len(modes.frequency)
+    most = 0.0
+    for _ in range(40):
+        engine.process(QUANTUM)
+        most = max(most, energy(engine, handle, size))
+    assert engine.counter("recontacts") > 20 and 0.1 < most / (0.5 * law[0]) < 1.0 + 1e-6
+
+
+def test_an_object_that_rings_meets_the_striker_half_way():
+    engine = Engine(RATE)
+    law = (0.02, 1e6, 0.3, 1.5)
+    handle = add(engine, body())
+    strike(engine, handle, law, 2.0, time=0.0)
+    while engine.counter("contacts_active") or engine.position < 2000:
+        engine.process(QUANTUM)
+    frequency, sigma, phi, z = modal(engine, handle, 24)
+    start = engine.position + 5
+    strike(engine, handle, law, 1.0, time=start + 0.5)
+    later = z * np.exp((-sigma + 2j * np.pi * frequency) * 6 / RATE)
+    m, k, mu, a = law
+    case = Case(frequency, sigma, phi, 1.0, m, k, mu, a, rate=RATE, samples=400, fraction=0.5, ringing=later)
+    expected = reference(case)[0]
+    heard = []
+    for n in range(6):
+        engine.process(QUANTUM)
+        heard.append((64 * (n + 1) - 1 - 5 - 1, velocity(engine, handle, 24)))
+    at, got = np.array(heard).T
+    assert error(got, expected[at.astype(int)]) < -60
+    quiet = reference(Case(frequency, sigma, phi, 1.0, m, k, mu, a, rate=RATE, samples=400, fraction=0.5))[0]
+    assert error(expected - quiet, expected) > -20  # so that it rings matters
+
+
+@pytest.mark.parametrize("modal_mass", [0.01, 1.0])
+def test_two_that_ring_keep_the_energy_of_a_lossless_blow(modal_mass):
+    """A mass that is an object: kinetic energy before, and that of it and of both objects' modes after, undamped."""
+    engine = Engine(RATE)
+    engine.send([(NOW, Command.ACCURACY, None, (float(LEVELS.index("exact")),))])
+    one, other = (add(engine, body(modal_mass * ratio, n, t60=1e9)) for ratio, n in ((1.0, 24), (0.5, 16)))
+    law = (0.05, 1e9, 0.0, 1.5)
+    strike(engine, one, law, other=other)
+    v = []
+    while engine.position == 0 or engine.counter("contacts_active"):
+        engine.process(QUANTUM)
+        v += [float(c["coupled"]["v"]) for c in engine.state["contacts"][0] if c["solver"] == int(Solver.COUPLED)]
+    left = 0.5 * law[0] * v[-1] ** 2 if v else None
+    modes = energy(engine, one, 24), energy(engine, other, 16)
+    assert min(modes) > 1e-4
+    if left is None:  # it left within the first quantum
+        contact = max(engine.state["contacts"][0], key=lambda c: abs(c["coupled"]["v"]))
+        left = 0.5 * law[0] * contact["coupled"]["v"] ** 2
+    assert sum(modes) + left == pytest.approx(0.5 * law[0], rel=1e-6)
+
+
+def test_a_pressed_striker_rests_where_it_must_and_leaves_when_let_go():
+    engine = Engine(RATE)
+    handle = add(engine, body(modal_mass=10.0))
+    law, force = (0.02, 1e7, 5.0, 1.5), 4.0
+    strike(engine, handle, law, 0.01, serial=3, kind=Command.PRESS, more=(force,))
+    engine.process(int(1.5 * RATE))
+    (contact,) = (c for c in engine.state["contacts"][0] if c["serial"])
+    assert contact["coupled"]["motion"][0] == pytest.approx((force / law[1]) ** (1 / law[3]), rel=1e-4)
+    assert abs(contact["coupled"]["v"]) < 1e-4 and engine.ended() == []
+    before = np.abs(np.diff(engine.process(QUANTUM)[:, 0])).max()
+    engine.send([(NOW, Command.STEER, None, (3.0, float(Steering.STOP)))])
+    sound = engine.process(int(0.8 * RATE))
+    assert engine.counter("contacts_active") == 0 and engine.ended() == [(3, End.STOPPED)]
+    assert np.abs(np.diff(sound[:, 0])).max() > 10 * before  # heard
+
+
+def test_a_hand_damps():
+    """A soft and lossy striker that is pressed on: what is struck then dies away sooner."""
+
+    def left_after(seconds, press):
+        engine = Engine(RATE)
+        handle = add(engine, body(modal_mass=0.05, n=8, t60=4.0, top=2_000))
+        if press:
+            strike(engine, handle, (0.05, 2e5, 20.0, 1.5), 0.01, kind=Command.PRESS, serial=1, more=(2.0,))
+        engine.process(RATE // 2)
+        rest = energy(engine, handle, 8)
+        strike(engine, handle, (0.005, 1e7, 0.2, 1.5), 1.0)
+        engine.process(int(seconds * RATE))
+        return energy(engine, handle, 8) - rest
+
+    assert left_after(0.5, True) < 0.1 * left_after(0.5, False)
+
+
+@pytest.mark.parametrize("side", [0, 1])
+def test_what_is_retuned_under_a_press_is_felt_as_it_is(side):
+    """Either of the two that touch: a strike sounds as if it had been tuned so from the beginning."""
+
+    def sound(before, after):
+        engine = Engine(RATE)
+        pair = [add(engine, body(mass, n, t60=0.1)) for mass, n in ((0.1, 16), (0.01, 8))]
+        engine.send([(NOW, Command.TUNE, pair[side], (before,))])
+        strike(engine, pair[0], (0.05, 1e6, 3.0, 1.5), 0.01, other=pair[1], kind=Command.PRESS, serial=1, more=(4.0,))
+        engine.process(4800)
+        engine.send([(NOW, Command.TUNE, pair[side], (after,))])
+        engine.process(RATE)
+        strike(engine, pair[0], (0.002, 1e6, 0.3, 1.5))
+        return engine.process(4800)[:, 0].astype(float)
+
+    retuned, fresh = sound(1.0, 2.0), sound(2.0, 2.0)
+    assert np.abs(retuned - fresh).max() < 1e-6 * np.abs(fresh).max()
+    assert np.abs(sound(1.0, 1.0) - fresh).max() > 0.1 * np.abs(fresh).max()  # so the tuning matters
+
+
+def test_accuracy_moves_the_gate():
+    def coupled(level):
+        engine = Engine(RATE)
+        engine.send([(NOW, Command.ACCURACY, None, (float(LEVELS.index(level)),))])
+        handles = [add(engine, body(modal_mass=mass, t60=0.01)) for mass in np.geomspace(0.01, 1e6, 40)]
+        for handle in handles:
+            strike(engine, handle, (0.01, 1e8, 0.3, 1.5))
+        engine.process(4800)
+        return engine.counter("coupled")
+
+    counts = [coupled(level) for level in LEVELS]
+    assert counts == sorted(counts) and counts[0] < counts[1] < counts[2] < counts[3] == 40
+
+
+def test_what_is_coupled_is_bounded():
+    """512 heavy strikers at once on a light object: most are left out, and energy doesn't grow."""
+    engine = Engine(RATE)
+    n = 200
+    handle = add(engine, body(modal_mass=0.01, n=n, t60=0.5))
+    for _ in range(512):
+        strike(engine, handle, (0.1, 1e6, 0.1, 1.5))
+    most, contacts = 0, engine.state["contacts"][0]
+    for _ in range(60):
+        engine.process(QUANTUM)
+        most = max(most, engine.counter("coupled_modes"))
+        assert engine.counter("coupled_modes") == contacts["modes"][contacts["solver"] == int(Solver.COUPLED)].sum()
+    assert 0 < most <= COUPLED_MODES
+    taken = 512 - engine.counter("contacts_dropped")
+    assert energy(engine, handle, n) < taken * 0.5 * 0.1 and 10 < taken < 40 and engine.counter("faults") == 0
+
+
+def test_a_contact_is_not_held_for_those_before_it():
+    """In the place of one that chattered until it had to hold its force."""
+    engine = Engine(RATE)
+    engine.send([(NOW, Command.ACCURACY, None, (float(LEVELS.index("exact")),))])
+    light, heavy = (add(engine, body(modal_mass)) for modal_mass in (1e-4, 1.0))
+    strike(engine, light, (0.05, 1e9, 0.0, 1.5))
+    for _ in range(40):
+        engine.process(QUANTUM)
+        if engine.state["contacts"]["debt"].max() > 300:
+            break
+    engine.send([(NOW, Command.PANIC, None, ())])
+    engine.process(QUANTUM)
+    held = engine.counter("held")
+    strike(engine, heavy, (0.05, 1e6, 0.2, 1.5))
+    engine.process(4800)
+    assert engine.counter("coupled") == 2 and held == engine.counter("held") > 0
+
+
+def test_gain_makes_it_louder_and_nothing_else():
+    def sound(gain):
+        engine = Engine(RATE)
+        strike(engine, add(engine, body(modal_mass=0.02)), (0.05, 1e6, 0.2, 1.5), gain=gain)
+        return engine.process(4800).astype(float)
+
+    np.testing.assert_allclose(sound(0.1), 0.1 * sound(1.0), atol=1e-5)
+
+
+def test_strikers_at_once_take_turns():
+    """Two that touch an object together: who came first in the list must not matter."""
+
+    def sound(order):
+        engine = Engine(RATE)
+        handle = add(engine, body(modal_mass=0.05))
+        laws = [(0.05, 1e6, 0.2, 1.5), (0.02, 3e6, 0.4, 1.5)]
+        for n in order:
+            strike(engine, handle, laws[n], 1.0 + 0.3 * n, time=10.0)
+        return engine.process(2048)[:, 0].astype(float)
+
+    there, back = sound((0, 1)), sound((1, 0))
+    assert 0.0 < np.abs(there - back).max() < 3e-3 * np.abs(there).max()

@@ -1,0 +1,238 @@
+"""What is left out when there is too little time, in the order that is promised, and without clicks."""
+
+import numpy as np
+import pytest
+
+from carom.dsp.bodies.modes import listed
+from carom.dsp.engine.state import QUANTUM, Command, End, Quality, Steering
+from carom.dsp.runtime.engine import NOW, Engine
+
+RATE = 48_000.0
+
+
+def add(engine, modal_mass=0.1, t60=2.0, modes=24):
+    body = listed(
+        frequency=np.linspace(200, 9_000, modes), t60=np.full(modes, t60), modal_mass=modal_mass, mass=1.0, top=20_000
+    )  # fmt: skip
+    handle, size, rows = engine.lay_out(body, 0.05)
+    engine.send([(NOW, Command.NEW, handle, (handle.first, size, handle.table, rows, 1.0, 0.0, 1.0, 1.0, 0.0))])
+    return handle
+
+
+def settle(engine, quality, time=NOW):
+    engine.send([(time, Command.QUALITY, None, (float(quality),))])
+
+
+def strike(engine, handle, v_in=1.0, time=NOW):
+    engine.send([(time, Command.IMPACT, handle, (v_in, 0.5, 0.05, 1e7, 0.2, 1.5, 1.0))])
+
+
+def test_contacts_take_one_step_a_sample():
+    def held(quality):
+        engine = Engine(RATE)
+        settle(engine, quality)
+        strike(engine, add(engine))
+        engine.process(4800)
+        assert engine.counter("coupled") == 1
+        return engine.counter("held")
+
+    assert held(Quality.FULL) == 0 and held(Quality.HELD) > 10
+
+
+def test_quiet_modes_rest_earlier():
+    def until_silence(quality):
+        engine = Engine(RATE)
+        settle(engine, quality)
+        strike(engine, add(engine, t60=0.5))
+        engine.process(QUANTUM)
+        while engine.counter("sounding"):
+            engine.process(QUANTUM)
+        return engine.position
+
+    assert until_silence(Quality.QUIET) < 0.8 * until_silence(Quality.HELD)
+
+
+def roll(engine, handle, gesture=1, time=NOW):
+    values = (0.5, 0.5, 0.005, 1e9, 10.0, 1.5, 1.0, gesture, 0.0, 0.0, 0.0, 9.81, 0.008,
+              3e-7, 1e-3, 2.0, 0.0, 1.0, gesture, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)  # fmt: skip
+    engine.send([(time, Command.ROLL, handle, values)])
+
+
+def press(engine, handle, gesture=1, time=NOW, force=2.0):
+    engine.send([(time, Command.PRESS, handle, (0.01, 0.5, 0.05, 1e5, 5.0, 1.5, 1.0, gesture, 0, 0, 0, force))])
+
+
+def bounce(engine, handle, gesture=1, time=NOW):
+    engine.send(
+        [(time, Command.BOUNCE, handle, (0.5, 0.5, 0.005, 1e7, 0.05, 1.5, 1.0, gesture, 0, 0, 0, 9.81, 0, 0, 0, 0))]
+    )
+
+
+def tell(engine, gesture, what, value=0.0):
+    engine.send([(NOW, Command.STEER, None, (float(gesture), float(what), value))])
+
+
+def test_rolls_get_coarser_and_about_as_loud():
+    def rolled(quality):
+        engine = Engine(RATE)
+        settle(engine, quality)
+        roll(engine, add(engine))
+        sound = engine.process(96_000)[24_000:, 0].astype(float)
+        return int(engine.state["rolls"]["events"].max()), np.sqrt((sound**2).mean())
+
+    (events, loud), (fewer, coarse) = rolled(Quality.QUIET), rolled(Quality.COARSE)
+    assert fewer < 0.8 * events and abs(20 * np.log10(coarse / loud)) < 3
+
+
+@pytest.mark.parametrize("begin", [roll, press])
+def test_what_lasts_acts_on_fewer_modes(begin):
+    """Those that it no longer acts on ring out; all come back with the quality, and strikes have them at any time."""
+    engine = Engine(RATE)
+    handle = add(engine, t60=0.2, modes=1024)
+    begin(engine, handle)
+    engine.process(4_800)
+    assert engine.counter("live_modes") == 1024
+    settle(engine, Quality.COARSE)
+    engine.process(48_000)
+    assert engine.counter("live_modes") == 256
+    strike(engine, handle)
+    engine.process(QUANTUM)
+    assert engine.counter("live_modes") > 1_000
+    engine.process(48_000)
+    assert engine.counter("live_modes") == 256
+    settle(engine, Quality.FULL)
+    engine.process(4_800)
+    assert engine.counter("live_modes") == 1024 and engine.counter("contacts_active") == 1
+
+
+def rolled(engine):
+    """How far bodies have rolled, all but the first, m."""
+    return engine.state["rolls"]["s"][0, -2:-8:-1].copy()
+
+
+def test_the_newest_rolls_go_on_and_others_wait():
+    engine = Engine(RATE)
+    handles = [add(engine) for _ in range(7)]
+    for gesture, handle in enumerate(handles, 10):
+        roll(engine, handle, gesture)
+    engine.process(4_800)
+    settle(engine, Quality.NEWEST_4)
+    engine.process(QUANTUM)
+    engine.send([(NOW, Command.FREE, handles[0], (0.0,))])
+    engine.process(QUANTUM)
+    assert engine.ended() == [(10, End.STOPPED)]  # at once
+    before = rolled(engine)
+    engine.process(4_800)
+    assert ((rolled(engine) > before) == [False, False, True, True, True, True]).all()
+    tell(engine, 11, Steering.SPEED, 0.6)  # what is steered is new again
+    before = rolled(engine)
+    engine.process(4_800)
+    assert ((rolled(engine) > before) == [True, False, False, True, True, True]).all()
+    tell(engine, 12, Steering.STOP)
+    engine.process(24_000)
+    assert engine.ended() == [(12, End.STOPPED)] and engine.counter("rolls_active") == 5
+    settle(engine, Quality.RECENT)
+    before = rolled(engine)
+    engine.process(4_800)
+    assert np.allclose((rolled(engine) - before)[[0, 2, 3, 4, 5]], [0.06, 0.05, 0.05, 0.05, 0.05], rtol=0.02)
+
+
+def test_the_newest_bounces_go_on_and_others_hang_in_the_air():
+    def contacts(waits):
+        engine = Engine(RATE)
+        bounce(engine, add(engine))
+        engine.process(2_400)
+        if waits:
+            settle(engine, Quality.NEWEST_4)
+            for gesture in range(2, 6):
+                press(engine, add(engine, modes=8), gesture, force=1e-3)
+            engine.process(9_600)
+            assert engine.counter("impacts") == 1 + 4
+            settle(engine, Quality.FULL)
+        before = engine.counter("impacts")
+        engine.process(96_000)
+        return engine.counter("impacts") - before, engine.ended()[0]
+
+    assert contacts(True) == contacts(False)
+
+
+def test_what_presses_is_lifted_and_laid_on_again():
+    def loudness(quality):
+        """Of a strike beside the hand, once with it and once without."""
+        engine = Engine(RATE)
+        muted = add(engine)
+        press(engine, muted)
+        engine.process(24_000)
+        settle(engine, quality)
+        for gesture in range(2, 6):
+            press(engine, add(engine, modes=8), gesture, force=1e-3)
+        engine.process(48_000)
+        strike(engine, muted)
+        sound = engine.process(48_000)[24_000:]
+        found = np.sqrt((sound.astype(float) ** 2).mean())
+        settle(engine, Quality.FULL)
+        engine.process(48_000)
+        strike(engine, muted)
+        assert np.sqrt((engine.process(48_000)[24_000:].astype(float) ** 2).mean()) < 1e-5
+        assert engine.counter("contacts_active") == 5 and engine.ended() == []
+        tell(engine, 1, Steering.STOP)
+        engine.process(48_000)
+        assert engine.ended() == [(1, End.STOPPED)]
+        return found
+
+    assert loudness(Quality.NEWEST_8) < 1e-5 and loudness(Quality.NEWEST_4) > 1e-4
+
+
+def test_contacts_find_less_room():
+    def dropped(quality):
+        engine = Engine(RATE)
+        settle(engine, quality)
+        handles = [add(engine, modes=512) for _ in range(8)]
+        for handle in handles:
+            engine.send([(NOW, Command.IMPACT, handle, (0.5, 0.5, 0.5, 1e5, 0.2, 1.5, 1.0))])
+        engine.process(QUANTUM)
+        return engine.counter("contacts_dropped")
+
+    assert [dropped(quality) for quality in (4, 5, 6, 7, 8)] == [0, 1, 5, 7, 7]
+
+
+def test_what_nobody_touched_lately_fades_and_comes_back():
+    engine = Engine(RATE)
+    old, new = add(engine, t60=60.0), add(engine, t60=60.0)
+    strike(engine, old)
+    engine.process(int(RATE))
+    strike(engine, new)
+    engine.process(QUANTUM)
+    assert engine.counter("sounding") == 2
+    settle(engine, Quality.RECENT)
+    engine.process(int(0.3 * RATE))
+    assert engine.counter("sounding") == 1  # the one that was struck just now
+    strike(engine, old)
+    assert np.abs(engine.process(4 * QUANTUM)).max() > 0.01
+    assert engine.counter("sounding") == 2
+
+
+def test_a_fade_is_no_click():
+    """Nothing above the highest mode: the spectrum of the fade falls as a click's would not."""
+    engine = Engine(RATE)
+    strike(engine, add(engine, t60=60.0, modes=8))
+    engine.process(int(RATE))
+    settle(engine, Quality.RECENT)
+    sound = engine.process(8192)[:, 0].astype(float)
+    spectrum = np.abs(np.fft.rfft(sound * np.hanning(8192)))
+    frequencies = np.fft.rfftfreq(8192, 1 / RATE)
+    assert spectrum[frequencies > 15_000].max() < 1e-3 * spectrum.max()
+
+
+@pytest.mark.parametrize("block", [1, 37, 480])
+def test_block_size_changes_no_bit(block):
+    def run(size):
+        engine = Engine(RATE)
+        handles = [add(engine, modes=280) for _ in range(3)]
+        for n in range(12):
+            strike(engine, handles[n % 3], 0.5 + 0.1 * n, 300.0 * n)
+            (roll, bounce, press)[n // 3 % 3](engine, handles[n % 3], n + 1, 300.0 * n)
+            settle(engine, 7 * n % len(Quality), 300.0 * n + 77)
+        return np.concatenate([engine.process(size) for _ in range(-(-6000 // size))])[:6000]
+
+    np.testing.assert_array_equal(run(block), run(64))

@@ -1,0 +1,219 @@
+"""Modes against the exact solution of their equation, driven by DOP853's contact."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.polynomial.legendre import legval
+from scipy.integrate import solve_ivp
+
+from carom.dsp import contact
+from carom.dsp.contact import closed_form
+from carom.dsp.resonator import bank
+
+LANES = bank.LANES
+
+
+class Bank:
+    """One group of modes, driven and ringing through the compiled kernels."""
+
+    def __init__(self, frequency, decay, rate):
+        self.y1, self.y2, self.a1, self.a2 = np.zeros((4, LANES))
+        self.balance = np.linspace(-1, 1, LANES)
+        self.response = np.zeros(bank.RESPONSES)
+        self.shape = np.ones(4 * LANES, np.float32)
+        self.rate = rate
+        self.tune(frequency, decay)
+
+    def tune(self, frequency, decay):
+        for i, (f, d) in enumerate(zip(frequency, decay, strict=True)):
+            bank.set_mode(i, f, d, self.rate, 1.0, self.y1, self.y2, self.a1, self.a2, self.response)
+
+    def strike(self, moments):
+        bank.inject(self.y1, self.y2, self.response, self.shape, LANES, 0, np.array([0.0, 1.0, 0.0, 0.0]), moments)
+
+    def ring(self, frames):
+        out = np.zeros((2, frames))
+        bank.ring(self.y1, self.y2, self.a1, self.a2, self.balance, out, 0, frames)
+        return out
+
+    def step(self):
+        self.ring(1)
+        return self.y1.copy()
+
+
+def test_free_ringing_is_exact():
+    rate = 48_000.0
+    frequency = np.array([20.0, 55.0, 440.0, 1000.0, 5000.0, 12_000.0, 20_000.0, 22_800.0])
+    decay = np.array([0.1, 1.0, 7.0, 3.0, 30.0, 200.0, 50.0, 5.0])
+    modes = Bank(frequency, decay, rate)
+    blow = np.zeros(closed_form.MOMENTS)
+    blow[0] = 1e-3
+    modes.strike(blow)
+    start = modes.y1.copy()
+    z0 = np.array([complex(*bank.state_of(*v)) for v in zip(modes.y1, modes.y2, modes.a1, modes.a2, strict=True)])
+    frames = 30 * 48_000
+    out = modes.ring(frames)
+    exact = (z0 * np.exp((-decay + 2j * np.pi * frequency) * frames / rate)).imag
+    # Thirty seconds on: a thousandth of a cent would be a whole period at 20 kHz and 2e-8 of the frequency.
+    assert np.abs(modes.y1 - exact).max() < 1e-8 * np.abs(start).max()
+    t = np.arange(1, 201)[:, None]
+    heard = (z0 * np.exp((-decay + 2j * np.pi * frequency) * t / rate)).imag
+    np.testing.assert_allclose(out[0, :200], heard.sum(axis=1), atol=1e-12 * np.abs(z0).max())
+    np.testing.assert_allclose(out[1, :200], heard @ modes.balance, atol=1e-12 * np.abs(z0).max())
+
+
+def test_ringing_does_not_depend_on_how_it_is_cut():
+    def run(cuts):
+        modes = Bank(np.linspace(100, 20_000, LANES), np.full(LANES, 5.0), 48_000.0)
+        modes.strike(np.linspace(1, 0.1, closed_form.MOMENTS))
+        return np.concatenate([modes.ring(n) for n in cuts], axis=1)
+
+    np.testing.assert_allclose(run([64] * 4), run([1, 2, 3, 58, 63, 5, 124]), atol=1e-14)
+
+
+@pytest.mark.parametrize("frequency", [30.0, 700.0, 5000.0, 16_000.0, 22_800.0])
+@pytest.mark.parametrize("samples", [0.05, 0.3, 1.0, 2.7, 8.0, 50.0])
+def test_a_contact_drives_a_mode_within_94_db(samples, frequency):
+    """Every sample from the first touch on, against DOP853 of striker and mode together."""
+    rate, decay, m, v_in, mu, a, fraction = 48_000.0, 20.0, 0.01, 1.0, 0.5, 1.5, 0.37
+    k = 1e6 * (contact.contact_time(v_in, m, 1e6, mu, a) / (samples / rate)) ** (a + 1)
+    exact = driven_mode(v_in, m, k, mu, a, frequency, decay, rate, fraction, frames=int(samples) + 12)
+    modes = Bank(np.full(LANES, frequency), np.full(LANES, decay), rate)
+    state = np.zeros(1, closed_form.PULSE)[0]
+    closed_form.begin(state, v_in, m, k, mu, a, rate)
+    moments = np.zeros(closed_form.MOMENTS)
+    got = []
+    for n in range(len(exact)):
+        age = n + 1 - fraction
+        if state["time"] < state["duration"]:
+            closed_form.advance(state, min(age, state["duration"]), age - 1, moments)
+            modes.strike(moments)
+        got.append(modes.step()[0])
+    assert np.abs(np.array(got) - exact).max() < 2e-5 * np.abs(exact).max()
+
+
+def driven_mode(v_in, m, k, mu, a, frequency, decay, rate, fraction, frames):
+    """omega q, at `frames` samples, of a unit mass on a spring and damper that a contact drives."""
+    w = 2 * math.pi * frequency
+    length = (m * v_in**2 / k) ** (1 / (a + 1))
+    unit = length / v_in
+    s = complex(-decay, w) * unit
+
+    def motion(t, y):
+        f = max(y[0], 0.0) ** a * (1 + mu * v_in * y[1])
+        z = complex(y[2], y[3])
+        z = s * z + f
+        return [y[1], -f, z.real, z.imag]
+
+    def released(t, y):
+        return y[0] if t > 1e-3 else 1.0
+
+    released.terminal, released.direction = True, -1
+    start = (0, 1, 0, 0)
+    run = solve_ivp(
+        motion, (0, 100), start, "DOP853", events=released, rtol=1e-11, atol=1e-13, dense_output=True, first_step=1e-4
+    )
+    t = (np.arange(frames) + 1 - fraction) / rate / unit
+    end = run.t_events[0][0]
+    y = run.sol(np.minimum(t, end))
+    z = (y[2] + 1j * y[3]) * np.exp(s * np.maximum(t - end, 0)) * m * v_in
+    return z.imag
+
+
+def test_stretches_under_forces_are_blows_and_ringing():
+    random = np.random.default_rng(3)
+    count = 3 * LANES
+    tables = {name: np.zeros(count) for name in ("y1", "y2", "a1", "a2")}
+    response = np.zeros(count // LANES * bank.RESPONSES)
+    for i in range(count):
+        bank.set_mode(i, 50.0 + 900.0 * i, 5.0, 48_000.0, random.uniform(-2, 2), *tables.values(), response)
+    balance = random.uniform(-1, 1, count)
+    shape = random.normal(size=9 * count).astype(np.float32)
+    drivers = np.zeros(4, bank.DRIVER)
+    drivers["feed"], drivers["row"], drivers["weights"] = [2, 0, 1, 0], [5, 0, 3, 1], random.normal(size=(4, 4))
+    drivers["drift"][1] = 0.1 * random.normal(size=4)
+    feeds = random.normal(size=(3, 64, closed_form.MOMENTS))
+    one, other = ({name: table.copy() for name, table in tables.items()} for _ in range(2))
+    expected, out = np.zeros((2, 64)), np.ones((2, 64))
+    for frame in range(8, 64):
+        for feed, row, weights, drift in drivers[:3]:
+            place = weights + frame % bank.STRETCH * drift
+            bank.inject(one["y1"], one["y2"], response, shape, count, row, place, feeds[feed, frame])
+        bank.ring(*one.values(), balance, expected, frame, frame + 1)
+    for frame in range(8, 64, bank.STRETCH):
+        bank.ring_driven(
+            *other.values(), balance, response, shape, count, drivers, 3, feeds, np.empty(200), out, frame
+        )  # fmt: skip
+    scale = np.abs(expected).max()
+    np.testing.assert_allclose(out[:, 8:] - 1.0, expected[:, 8:], atol=1e-13 * scale)
+    np.testing.assert_allclose(other["y1"], one["y1"], atol=1e-13 * scale)
+    np.testing.assert_allclose(other["y2"], one["y2"], atol=1e-13 * scale)
+
+
+def test_retuning_keeps_amplitude_and_phase():
+    modes = Bank(np.full(LANES, 440.0), np.full(LANES, 3.0), 48_000.0)
+    blow = np.zeros(closed_form.MOMENTS)
+    blow[0] = 1.0
+    modes.strike(blow)
+    modes.ring(777)
+    before = [bank.state_of(*v) for v in zip(modes.y1, modes.y2, modes.a1, modes.a2, strict=True)]
+    modes.tune(np.linspace(100, 20_000, LANES), np.linspace(1, 100, LANES))
+    after = [bank.state_of(*v) for v in zip(modes.y1, modes.y2, modes.a1, modes.a2, strict=True)]
+    np.testing.assert_allclose(after, before, rtol=1e-9)
+
+
+def test_a_mode_without_frequency_rests():
+    modes = Bank(np.zeros(LANES), np.zeros(LANES), 48_000.0)
+    modes.strike(np.ones(closed_form.MOMENTS))
+    assert not modes.ring(64).any()
+
+
+def test_shapes_are_interpolated_between_rows():
+    modes = Bank(np.full(LANES, 440.0), np.full(LANES, 3.0), 48_000.0)
+    modes.shape = np.repeat(np.array([1.0, 2.0, 4.0, 8.0], np.float32), LANES)
+    one = np.zeros(closed_form.MOMENTS)
+    one[0] = 1.0
+    bank.inject(modes.y1, modes.y2, modes.response, modes.shape, LANES, 0, np.array([0.1, 0.2, 0.3, 0.4]), one)
+    expected = 0.1 + 0.4 + 1.2 + 3.2
+    np.testing.assert_allclose(modes.y2, expected * modes.response[LANES], rtol=1e-7)
+
+
+@pytest.mark.parametrize("rate", [8_000.0, 48_000.0, 192_000.0])
+def test_what_a_contact_sees_of_the_modes(rate):
+    """The point's motion over the coming sample, and after an impulse, against the exact modes; with any weights."""
+    random = np.random.default_rng(1)
+    frequency, decay = np.geomspace(20, 0.475 * rate, LANES), random.uniform(0, 200, LANES)
+    phi, omega = random.normal(size=LANES), 2 * np.pi * frequency
+    weight = 10 ** random.uniform(-9, 3, LANES) * np.resize((1, -1, -1), LANES)
+    z = random.normal(size=LANES) + 1j * random.normal(size=LANES)
+    s = (-decay + 1j * omega) / rate
+    state, tuning, response = np.zeros((2, LANES)), np.zeros((2, LANES)), np.zeros(bank.RESPONSES)
+    for i in range(LANES):
+        bank.set_mode(i, frequency[i], decay[i], rate, weight[i], *state, *tuning, response)
+    state[:] = (weight * z).imag, (weight * z * np.exp(-s)).imag
+    shape = np.zeros(4 * LANES)
+    shape[LANES : 2 * LANES] = phi
+    point = (response, shape, LANES, 0, np.array([0.0, 1.0, 0.0, 0.0]), np.zeros((3 + bank.FINE) * LANES))
+    theta = np.linspace(0, 1, 33)[:, None]
+    seen = np.zeros(bank.FINE)
+    bank.observe(*state, *tuning, *point, seen)
+    moves = (z * np.exp(s * theta)).imag / omega @ phi
+    assert np.abs(legval(2 * theta[:, 0] - 1, seen) - moves).max() < 1e-9 * (np.abs(phi * z) / omega).max()
+    bank.receptance(*tuning, *point, seen)
+    answers = np.exp(s * theta).imag / omega @ phi**2
+    assert np.abs(legval(2 * theta[:, 0] - 1, seen) - answers).max() < 1e-9 * (phi**2 / omega).max()
+    distance, speed = bank.reach(*state, *tuning, *point)
+    assert distance == pytest.approx((np.abs(phi * z) / omega).sum(), rel=1e-6)
+    assert speed == pytest.approx(np.abs(phi * z).sum(), rel=1e-6)
+
+
+def test_fine_moments_are_those_of_the_coarse_and_more():
+    coarse, fine = (Bank(np.linspace(100, 20_000, LANES), np.full(LANES, 5.0), 48_000.0) for _ in range(2))
+    moments = np.zeros(bank.FINE)
+    moments[: closed_form.MOMENTS] = np.linspace(1, 0.1, closed_form.MOMENTS)
+    coarse.strike(moments)
+    bank.inject_fine(
+        fine.y1, fine.y2, fine.response, fine.shape, LANES, 0, np.array([0.0, 1.0, 0.0, 0.0]), moments
+    )  # fmt: skip
+    np.testing.assert_array_equal(coarse.y1, fine.y1)

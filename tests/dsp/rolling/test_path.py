@@ -1,0 +1,108 @@
+"""The path of a body's lowest point by brute force, and what geometry says about it."""
+
+import numpy as np
+import pytest
+
+from carom.dsp.rolling import path, surface
+
+
+def make(roughness=1e-6, correlation=1e-3, slope=2.0, **more):
+    return surface.make_surface(roughness, correlation, slope, **more)
+
+
+def path_at(pieces, s):
+    i = np.searchsorted(pieces[:, 0], s, side="right") - 1
+    start, level, incline, curvature = pieces[i].T
+    q = s - start
+    return level + q * (incline + 0.5 * curvature * q)
+
+
+def brute_force(ground, radius, stride, s):
+    """The greatest of all circles' parabolas at each s."""
+    unit = ground["unit"]
+    reach = 2 * np.sqrt(2 * radius * 2 * surface.CREST * ground["height"].sum())
+    here = np.round(s / unit / stride).astype(np.int64) * stride
+    across = np.arange(-int(reach / unit / stride), int(reach / unit / stride) + 1) * stride
+    places = here[:, None] + across
+    z = surface.heights(ground, places)
+    return (z - (s[:, None] - places * unit) ** 2 / (2 * radius)).max(axis=1)
+
+
+@pytest.mark.parametrize(
+    ("roughness", "correlation", "slope", "radius", "speed"),
+    [(1e-6, 1e-3, 2.0, 8e-3, 0.5), (3e-5, 1e-3, 1.5, 2e-3, 1.0), (3e-4, 5e-3, 2.2, 0.05, 3.0)],
+)
+def test_path_is_the_highest_circle(roughness, correlation, slope, radius, speed):
+    ground = make(roughness, correlation, slope, seed=9)
+    length = 0.02 * speed
+    pieces = path.path_pieces(ground, radius, speed, length)
+    record = np.zeros(1, path.ENVELOPE)[0]
+    path._lay(record, ground, radius, 0.0, speed, 0)
+    path._pieces(record, 1e-12, np.empty((1, 4)))
+    unit, stride = ground["unit"], int(record["stride"])
+    start = record["origin"][0] * unit + record["start"][0]
+    ground["gain"] = record["surface"]["gain"]
+    s = np.random.default_rng(0).uniform(0, length, 400)
+    excess = path_at(pieces, s) - brute_force(ground, radius, stride, s + start)
+    assert excess.min() > -1e-9 * roughness
+    assert np.median(np.abs(excess)) < 1e-9 * roughness
+    # Only where it turns smoothly between two neighbouring points does the path lie above their circles.
+    turns = np.diff(pieces[:, 0])[pieces[:-1, 3] > -1 / radius]
+    assert excess.max() < stride * unit * turns.max() / (8 * radius)
+
+
+@pytest.mark.parametrize("speed", [0.05, 0.5, 4.0])
+def test_path_has_no_steps_and_only_kinks_upwards(speed):
+    pieces = path.path_pieces(make(2e-6), 8e-3, speed, 0.02)
+    step = np.diff(pieces[:, 0])
+    end = pieces[:-1, 1] + step * (pieces[:-1, 2] + 0.5 * pieces[:-1, 3] * step)
+    kink = pieces[1:, 2] - pieces[:-1, 2] - pieces[:-1, 3] * step
+    assert end == pytest.approx(pieces[1:, 1], abs=1e-15)
+    assert kink.min() > -1e-9
+    assert (kink > 1e-6).sum() > 10
+
+
+def test_flat_is_flat():
+    for radius in (1e-3, 1.0):
+        pieces = path.path_pieces(make(0.0), radius, 1.0, 0.05)
+        assert np.abs(pieces[:, 1:3]).max() < 1e-12
+
+
+@pytest.mark.parametrize("corners", [3, 6, 40])
+def test_corners(corners):
+    """A body with corners turns about one after the other: arcs of its radius, kinks of nearly 2 pi/n."""
+    pieces = path.path_pieces(make(0.0), 0.02, 0.5, 0.5, corners=corners)
+    step = np.diff(pieces[:, 0])
+    kink = pieces[1:, 2] - pieces[:-1, 2] - pieces[:-1, 3] * step
+    turns = kink[kink > 0.5 * kink.max()]
+    side = 2 * np.pi * 0.02 / corners
+    assert len(turns) == pytest.approx(0.5 / side, abs=1.1)
+    assert turns == pytest.approx(2 * np.pi / corners / (1 + path.EDGE), rel=0.02)
+    assert np.ptp(pieces[:, 1]) == pytest.approx(side**2 / 8 / (0.02 * (1 + path.EDGE)), rel=0.1)
+
+
+def test_smooth_surface_is_followed():
+    """A corrugation wider than the body is felt as it is, but for the lift of half the slope's square times R."""
+    ground = make(0.0, ripple=1e-4, wavelength=0.05)
+    pieces = path.path_pieces(ground, 5e-3, 1.0, 0.2)
+    s = np.linspace(0.01, 0.19, 1000)
+    touching = s  # the place that touches is R z' further on
+    for _ in range(50):
+        touching = s + 5e-3 * -1e-4 * 2 * np.pi / 0.05 * np.sin(2 * np.pi * touching / 0.05)
+    expected = 1e-4 * np.cos(2 * np.pi * touching / 0.05) - (s - touching) ** 2 / 1e-2
+    assert path_at(pieces, s) == pytest.approx(expected, abs=1e-8)
+
+
+@pytest.mark.parametrize("speed", [1e-4, 1.0, 100.0])
+@pytest.mark.parametrize("radius", [1e-4, 0.1, 10.0])
+@pytest.mark.parametrize("share", [1e-9, 1e-3, 0.1])
+def test_extremes_stay_bounded(speed, radius, share):
+    pieces = path.path_pieces(make(share * radius, 1e-3), radius, speed, 2e-3 * speed)
+    assert np.isfinite(pieces).all()
+    assert len(pieces) < 2e-3 * 2 * 2 * path.AUDIBLE + 10
+
+
+def test_bad_paths_are_named():
+    for key in ("radius", "speed", "length"):
+        with pytest.raises(ValueError, match=f"{key} = -1"):
+            path.path_pieces(make(), **{"radius": 1.0, "speed": 1.0, "length": 1.0, key: -1.0})

@@ -1,0 +1,87 @@
+"""The rough surface by its statistics and spectrum."""
+
+import itertools
+
+import numpy as np
+import pytest
+from scipy.signal import welch
+
+from carom.dsp.rolling import surface
+
+
+def make(roughness=1e-6, correlation=1e-3, slope=2.0, **more):
+    return surface.make_surface(roughness, correlation, slope, **more)
+
+
+@pytest.mark.parametrize("slope", [1.5, 2.0, 3.0])
+def test_spectrum(slope):
+    correlation, step = 1e-3, 64
+    ground = make(1e-6, correlation, slope, seed=3)
+    spacing = step * ground["unit"]
+    z = surface.heights(ground, step * np.arange(2**20))
+    assert z.std() == pytest.approx(1e-6, rel=0.03)
+    k, power = welch(z, 1 / spacing, nperseg=2**16)
+    edges = np.geomspace(2 / correlation, 0.05 / spacing, 20)
+    bands = [power[(k >= low) & (k < high)].mean() for low, high in itertools.pairwise(edges)]
+    fitted = np.polyfit(np.log(edges[:-1]), np.log(bands), 1)[0]
+    assert fitted == pytest.approx(-slope, abs=0.1)
+    # Flat below the corner.
+    low, lower = (power[(k > a / correlation) & (k < b / correlation)].mean() for a, b in ((0.01, 0.03), (0.03, 0.09)))
+    assert low == pytest.approx(lower, rel=0.25)
+
+
+def test_correlation_length():
+    ground = make(1e-6, 1e-3, 2.0, seed=5)
+    step = 128
+    z = surface.heights(ground, step * np.arange(2**20))
+    spectrum = np.abs(np.fft.rfft(z, 2 * len(z))) ** 2
+    correlation = np.fft.irfft(spectrum)
+    length = np.argmax(correlation < correlation[0] / np.e) * step * ground["unit"]
+    assert length == pytest.approx(1e-3, rel=0.1)
+
+
+def test_a_place_has_its_height_whenever_it_is_read():
+    places = np.random.default_rng(1).integers(-(2**60), 2**60, 500)
+    ground = make(seed=7)
+    z = surface.heights(ground, places)
+    assert np.array_equal(surface.heights(ground, places[::-1])[::-1], z)
+    assert np.array_equal(surface.heights(make(seed=7), np.sort(places))[np.argsort(np.argsort(places))], z)
+    assert np.abs(surface.heights(make(seed=8), places) - z).min() > 0.0
+
+
+def test_smooth_and_within_its_bound_far_from_the_origin():
+    ground = make(seed=2)
+    bound = surface.CREST * ground["height"].sum()
+    for origin in (0, 10**15, -(10**15)):
+        z = surface.heights(ground, origin + np.arange(100_000))
+        assert np.abs(z).max() < bound
+        # As steep as the finest octave can be.
+        assert np.abs(np.diff(z)).max() < 4 * np.abs(ground["height"]).max() / 10
+
+
+def test_no_repetition():
+    ground = make(seed=4)
+    step = 2**12
+    z = surface.heights(ground, step * np.arange(2**18))
+    spectrum = np.abs(np.fft.rfft(z - z.mean(), 2 * len(z))) ** 2
+    correlation = np.fft.irfft(spectrum)[: len(z) // 2]
+    assert np.abs(correlation[200:]).max() < 0.03 * correlation[0]
+
+
+def test_corrugation():
+    ground = make(0.0, ripple=2e-3, wavelength=0.03)
+    places = np.arange(0, 2**20, 997)
+    expected = 2e-3 * np.cos(2 * np.pi * places * ground["unit"] / 0.03)
+    assert surface.heights(ground, places) == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("roughness", -1e-9), ("roughness", np.nan), ("correlation", 0.0), ("correlation", np.inf), ("slope", 1.0),
+        ("slope", 6.0), ("ripple", -1.0), ("wavelength", 0.0), ("seed", -1),
+    ],
+)  # fmt: skip
+def test_bad_surfaces_are_named(key, value):
+    with pytest.raises(ValueError, match=rf"{key} = "):
+        surface.make_surface(**{"roughness": 1e-6, "correlation": 1e-3, key: value})

@@ -1,0 +1,81 @@
+"""Compiled code is thrown away where its sources have changed, and only there."""
+
+import importlib
+import logging
+import sys
+
+import numba
+import platformdirs
+import pytest
+
+from carom.dsp.runtime import engine
+from carom.dsp.runtime.code_cache import kept, key, sources
+
+FILES = {
+    "__init__.py": "",
+    "callback.py": "from .engine.process import run\nfrom .engine import clock\n",
+    "engine/__init__.py": "",
+    "engine/clock.py": "",
+    "engine/process.py": "from ..contact.deep.law import (\n    force,\n)\ndef run(): return force()\n",
+    "contact/__init__.py": "",
+    "contact/deep/__init__.py": "",
+    "contact/deep/law.py": "def force(): return 1\n",
+    "bodies/__init__.py": "",
+    "bodies/bar.py": "from ..contact.deep import law\n",
+    "study.py": "from . import callback\n",
+}
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch):
+    """A small package, imported; it is forgotten afterwards."""
+    for name, text in FILES.items():
+        path = tmp_path / "kernels" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    for module in ("kernels.callback", "kernels.bodies.bar", "kernels.study"):
+        importlib.import_module(module)
+    yield tmp_path / "kernels"
+    for module in [name for name in sys.modules if name.partition(".")[0] == "kernels"]:
+        del sys.modules[module]
+
+
+@pytest.mark.parametrize("name", ["callback.py", "engine/clock.py", "engine/process.py", "contact/deep/law.py"])
+def test_an_edit_of_a_file_that_is_imported_however_deep_changes_the_key(package, name):
+    before = key("kernels.callback")
+    (package / name).write_text(FILES[name] + "# edited\n")
+    assert key("kernels.callback") != before
+
+
+@pytest.mark.parametrize("name", ["bodies/bar.py", "study.py", "bodies/__init__.py"])
+def test_an_edit_of_a_file_that_is_not_imported_keeps_the_key(package, name):
+    before = key("kernels.callback")
+    (package / name).write_text(FILES[name] + "# edited\n")
+    assert key("kernels.callback") == before
+
+
+def test_the_callbacks_key_holds_its_kernels_and_neither_bodies_nor_study():
+    importlib.import_module("carom.dsp.study.wall")
+    importlib.import_module("carom.dsp.bodies.shapes")
+    held = set(sources(engine.compile_callback.__module__))
+    kernels = {"contact", "pulse", "coupled", "bank", "roll", "surface", "engine", "voice", "jit"}
+    assert {f"carom.dsp.{name}" for name in kernels} <= held
+    others = {"bar", "plate", "shapes", "materials", "study", "cost", "reference", "rolling", "host"}
+    assert held.isdisjoint(f"carom.dsp.{name}" for name in others)
+
+
+def compile_double(cached):
+    return numba.njit("int64(int64)", cache=cached)(lambda x: 2 * x)
+
+
+def test_only_what_is_compiled_is_announced(tmp_path, monkeypatch, caplog):
+    monkeypatch.setattr(platformdirs, "user_cache_path", lambda name: tmp_path / name)
+    monkeypatch.setattr("carom.dsp.runtime.code_cache._LONG", 0.0)
+    with caplog.at_level(logging.WARNING):
+        assert kept(compile_double)(21) == 42
+    assert [record.getMessage().startswith("the engine is being compiled") for record in caplog.records] == [True]
+    caplog.clear()
+    with caplog.at_level(logging.WARNING):
+        assert kept(compile_double)(21) == 42
+    assert not caplog.records

@@ -1,0 +1,183 @@
+"""The audio callback can't allocate, lock or touch Python: shown on every path through its compiled code."""
+
+import ctypes
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import llvmlite.binding as llvm
+import numpy as np
+import pytest
+from numba import carray, cfunc, njit, objmode, types
+
+from carom.dsp.runtime import callback, handover
+
+ALLOWED = {
+    # Of the C library: pure mathematics, the clock and the thread's number, which take no lock.
+    *("exp", "exp2", "expm1", "log", "log1p", "pow", "sin", "cos", "sqrt", "floor"),
+    *("clock_gettime", "gettid"),
+    # Of LLVM, as "llvm.NAME.TYPES": instructions, or calls of the functions above.
+    *("llvm.exp", "llvm.exp2", "llvm.log", "llvm.pow", "llvm.sin", "llvm.cos", "llvm.sqrt", "llvm.floor", "llvm.fabs"),
+    *("llvm.fma", "llvm.fmuladd", "llvm.copysign", "llvm.minnum", "llvm.maxnum"),
+    *("llvm.abs", "llvm.smin", "llvm.smax", "llvm.umin", "llvm.umax", "llvm.vector.reduce"),
+    *("llvm.memset", "llvm.memcpy", "llvm.memmove"),
+    *("llvm.masked.load", "llvm.masked.store", "llvm.masked.gather", "llvm.masked.scatter"),
+    *("llvm.lifetime.start", "llvm.lifetime.end", "llvm.assume", "llvm.experimental.noalias.scope.decl"),
+    *("llvm.x86.sse.stmxcsr", "llvm.x86.sse.ldmxcsr"),
+}
+
+CALLS = {"call", "invoke", "callbr"}
+
+
+def forbidden(assembly: str, entry: str) -> set[str]:
+    """What `entry` reaches, in LLVM assembly, that is neither defined there nor in ALLOWED."""
+    module = llvm.parse_assembly(assembly)
+    defined = {function.name: function for function in module.functions if not function.is_declaration}
+    seen: set[str] = set()
+    todo = [entry]
+    while todo:
+        name = todo.pop()
+        if name not in seen:
+            seen.add(name)
+            todo.extend(references(defined[name]) if name in defined else ())
+    return {name for name in seen if name not in defined and not allowed(name)}
+
+
+def references(function: llvm.ValueRef) -> Iterator[str]:
+    """Names of the functions that a function calls or takes the address of, and calls of what has no name."""
+    for block in function.blocks:
+        for instruction in block.instructions:
+            operands = list(instruction.operands)
+            yield from (o.name for o in operands if o.value_kind == llvm.ValueKind.function)
+            if instruction.opcode in CALLS and operands[-1].value_kind != llvm.ValueKind.function:
+                assembly = operands[-1].value_kind == llvm.ValueKind.inline_asm
+                yield "inline assembly" if assembly else "indirect call"
+
+
+def allowed(name: str) -> bool:
+    """Is a name in ALLOWED, or what is left of it without types at its end?"""
+    parts = name.split(".")
+    return any(".".join(parts[:n]) in ALLOWED for n in range(1, len(parts) + 1))
+
+
+def test_the_callback_reaches_no_allocator_no_python_and_no_lock() -> None:
+    compiled = callback.compile_callback(cached=False)
+    assert forbidden(compiled.inspect_llvm(), compiled.native_name) == set()
+
+
+def test_nor_does_what_a_device_calls_which_calls_nothing_but_the_callback() -> None:
+    compiled = handover.compile_lent(cached=False)
+    assert forbidden(compiled.inspect_llvm(), compiled.native_name) == {"indirect call"}
+
+
+SIGNATURE = types.intc(types.CPointer(types.float64), types.intc)
+
+mutex_lock = types.ExternalFunction("pthread_mutex_lock", types.intc(types.CPointer(types.float64)))
+at_an_address = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int)(abs)
+
+
+def allocates(data, n):
+    carray(data, (n,))[:] = np.empty(n)
+    return 0
+
+
+def makes_a_temporary(data, n):
+    x = carray(data, (n,))
+    x[:] = x * 2.0 + 1.0
+    return 0
+
+
+def appends(data, n):
+    values = [0.0]
+    for i in range(n):
+        values.append(data[i])
+    return len(values)
+
+
+def raises(data, n):
+    if n < 0:
+        raise ValueError
+    return 0
+
+
+def prints(data, n):
+    print(n)
+    return 0
+
+
+@njit
+def _in_python(n):
+    with objmode(m="intc"):
+        m = len(str(n))
+    return m
+
+
+def calls_python(data, n):
+    return _in_python(n)
+
+
+def locks(data, n):
+    return mutex_lock(data)
+
+
+@njit
+def _locks_deep_down(data, n):
+    return mutex_lock(data) if n == 0 else _locks_deep_down(data, n - 1) + 1
+
+
+def locks_deep_down(data, n):
+    return _locks_deep_down(data, n)
+
+
+def calls_an_address(data, n):
+    return at_an_address(n)
+
+
+@pytest.mark.parametrize(
+    ("body", "culprit"),
+    [
+        (allocates, "NRT_MemInfo_alloc_aligned"),
+        (makes_a_temporary, "NRT_MemInfo_alloc_aligned"),
+        (appends, "NRT_MemInfo_varsize_realloc"),
+        (raises, "numba_gil_ensure"),
+        (prints, "PySys_FormatStdout"),
+        (calls_python, "PyObject_CallFunctionObjArgs"),
+        (locks, "pthread_mutex_lock"),
+        (locks_deep_down, "pthread_mutex_lock"),
+        (calls_an_address, "indirect call"),
+    ],
+)
+def test_the_same_check_finds(body: Callable[..., int], culprit: str) -> None:
+    compiled: Any = cfunc(SIGNATURE, error_model="numpy", forceinline=True)(body)
+    assert culprit in forbidden(compiled.inspect_llvm(), compiled.native_name)
+
+
+def test_a_harmless_callback_passes_and_code_that_nothing_reaches_is_no_fault() -> None:
+    assembly = """
+        declare void @free(ptr)
+        declare double @llvm.exp.f64(double)
+        declare double @llvm.exotic.f64(double)
+        define double @entry(double %x) {
+            %y = call double @llvm.exp.f64(double %x)
+            ret double %y
+        }
+        define void @unreached(ptr %p) {
+            call void @free(ptr %p)
+            ret void
+        }
+        define ptr @takes_an_address() {
+            ret ptr @unreached
+        }
+        define void @runs_assembly() {
+            call void asm sideeffect "nop", ""()
+            ret void
+        }
+        define double @exotic(double %x) {
+            %y = call double @llvm.exotic.f64(double %x)
+            ret double %y
+        }
+    """
+    assert forbidden(assembly, "entry") == set()
+    assert forbidden(assembly, "unreached") == {"free"}
+    assert forbidden(assembly, "takes_an_address") == {"free"}
+    assert forbidden(assembly, "runs_assembly") == {"inline assembly"}
+    assert forbidden(assembly, "exotic") == {"llvm.exotic.f64"}

@@ -1,0 +1,49 @@
+"""Recordings and logs: older ones are left until new ones begin, and what is written is whole."""
+
+import os
+
+import pytest
+import soundfile
+
+from carom.dsp.runtime.engine import Engine
+from carom.server.files.log import Log
+from carom.server.files.outfile import OutFile
+from carom.server.files.recorder import Recorder
+
+
+@pytest.mark.parametrize("kind", [Log, Recorder])
+def test_an_older_file_is_left_until_a_new_one_begins(tmp_path, kind):
+    older = tmp_path / "older"
+    older.write_bytes(b"x" * 9_999)
+    kind(Engine(48_000), older).close()
+    kind(Engine(48_000), tmp_path / "newer").close()
+    assert older.read_bytes() == b"x" * 9_999 and not (tmp_path / "newer").exists()
+    for path in (older, tmp_path / "newer"):
+        keeper = kind(Engine(48_000), path)
+        keeper.start()
+        keeper.close()
+        assert b"x" not in path.read_bytes() and 0 < path.stat().st_size < 1_000
+
+
+def test_a_recording_has_every_sample_and_room_to_grow_beyond_4_gib(tmp_path):
+    engine = Engine(48_000)
+    recorder = Recorder(engine, tmp_path / "out.wav")
+    engine.process(100)
+    recorder.start()
+    engine.process(6_300)
+    recorder.close()
+    info = soundfile.info(tmp_path / "out.wav")
+    assert (info.frames, info.samplerate, info.format, info.subtype) == (6_400, 48_000, "WAVEX", "FLOAT")
+    assert b"JUNK" in (tmp_path / "out.wav").read_bytes()[:40]  # where RF64 has its sizes
+    with pytest.raises(OSError):
+        os.fstat(recorder._out.descriptor)
+
+
+def test_what_the_system_takes_in_pieces_is_written_whole(tmp_path, monkeypatch):
+    write = os.write
+    monkeypatch.setattr(os, "write", lambda descriptor, data: write(descriptor, data[:3]))
+    file = OutFile(tmp_path / "out")
+    file.begin()
+    file.write(b"0123456789")
+    file.close()
+    assert (tmp_path / "out").read_bytes() == b"0123456789"

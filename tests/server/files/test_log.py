@@ -1,0 +1,252 @@
+"""What is logged renders to what was heard, bit for bit."""
+
+import random
+import time
+
+import numpy as np
+import pytest
+import soundfile
+
+from carom.dsp.native.system import clock_ns
+from carom.dsp.runtime.engine import NOW, Engine, Stamp
+from carom.presets.library import Presets
+from carom.server.files.log import Log
+from carom.server.osc.score import read, sample_at
+from carom.server.osc.wire import Message
+from carom.server.render import Options, blocks
+from carom.server.scene.scene import Scene
+from tests.support import render_lines, serving
+
+PRESETS = Presets()
+
+
+@pytest.mark.parametrize("rate", [8_000, 44_100, 48_000, 192_000])
+def test_seconds_name_every_sample_that_the_engine_lets_live_events_fall_on(rate):
+    rng = random.Random(3)
+    for _ in range(5_000):
+        sample = rng.randrange(31 * 86_400 * rate * 256) / 256
+        assert sample_at(float(repr(sample / rate)), rate) == sample
+        whole = rng.randrange(10**6) * 64
+        assert sample_at(whole / rate, rate) == whole
+    assert sample_at(0.1234567, 48_000) == 0.1234567 * 48_000  # other times stay as they are
+
+
+def random_message(rng: random.Random) -> Message:
+    name = rng.choice("abcd")
+    match rng.randrange(16):
+        case 0 | 1:
+            return Message(
+                "/object/new", (name, rng.choice(("wood-block", "glockenspiel-bar", "triangle")), "gain", -6)
+            )
+        case 2:
+            return Message(f"/object/{rng.choice((name, '*'))}/free", (rng.randrange(2),))
+        case 3:
+            return Message("/panic")
+        case 4:
+            return Message("/contact", rng.choice((("closed",), ("verlet", 4), ("am1", "correction", "both"), ("no",))))
+        case 5:
+            action = rng.choice(("damp", "pan", "gain", "decay", "tune"))
+            return Message(f"/object/{rng.choice((name, '[a-c]'))}/{action}", (rng.uniform(0.01, 0.9),))
+        case 6:
+            height = rng.choice((0.0, 0.001, 0.02))
+            return Message(f"/object/{name}/bounce", (height, "irregularity", 0.5, *rng.choice(((), ("id", "x")))))
+        case 7:
+            speed = rng.choice((0.0, 0.3, 1.0))
+            return Message(f"/object/{name}/roll", (speed, "striker", "steel", *rng.choice(((), ("id", "x")))))
+        case 8:
+            return Message(f"/object/{name}/press", (0.5, "striker", "felt", *rng.choice(((), ("id", "y")))))
+        case 9:
+            what = rng.choice((("stop",), ("gain", -6.0), ("speed", 0.5), ("gravity", 5.0), ("force", 1.0)))
+            return Message(f"/gesture/{rng.choice(('x', '*', 'y', '[a-c]*'))}/{what[0]}", what[1:])
+        case 10:
+            by = ("by", rng.choice("abcd"), *rng.choice(((), ("by_position", 0.2), ("mass", 0.05))))
+            return Message(f"/object/{name}/{rng.choice(('impact', 'bounce'))}", (0.02, *by))
+        case _:
+            args = (rng.uniform(0.1, 2.0), rng.choice((0.3, 0.5)))
+            return Message(f"/object/{rng.choice((name, '*', '{a,b}'))}/impact", args)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_session_of_anything_at_any_time(tmp_path, seed):
+    """Messages of all kinds, for now, for later, too late, by samples and by the clock, refused, panicked away."""
+    rng = random.Random(seed)
+    engine = Engine(48_000)
+    scene = Scene(engine, PRESETS)
+    log = Log(engine, tmp_path / "log.txt")
+    scene.on_sent = log.expect
+    log.start()
+    sound = []
+    for _ in range(300):
+        when = rng.choice(
+            (
+                NOW,
+                max(0.0, engine.position + rng.randrange(-500, 20_000) + rng.randrange(256) / 256),
+                engine.stamp(clock_ns() + rng.randrange(-(10**7), 3 * 10**7)),
+            )
+        )
+        scene.perform([random_message(rng) for _ in range(rng.randrange(1, 4))], when)
+        if rng.random() < 0.7:
+            sound.append(engine.process(rng.choice((1, 64, 100, 1_000))))
+        log.write()
+    sound.append(engine.process(30_000))
+    log.close()
+    heard = np.concatenate(sound)
+    assert heard.any() and log.error is None
+    lines = read(tmp_path / "log.txt")
+    assert len(lines) > 100 and {"/panic", "/contact", "/object/new"} < {line.message.address for line in lines}
+    assert [line.time for line in lines] == sorted(line.time for line in lines)
+    options = Options(seconds=len(heard) / 48_000)
+    np.testing.assert_array_equal(np.concatenate(list(blocks(lines, Engine(48_000), PRESETS, options))), heard)
+
+
+def test_a_server_s_log_renders_to_its_recording(tmp_path):
+    (tmp_path / "log.txt").write_text("an older one")
+    options = ("--device", "none", "--record", "out.wav", "--log", "log.txt", "--contact", "heun", "--block", "100")
+    with serving(tmp_path, *options) as server:
+        with server.client() as client:
+            client.new("a", "glockenspiel-bar")
+            client.new("b", "wood-block", pan=0.5)
+            client.send("/contact", "closed")
+            for _ in range(3):
+                client.impact("*", 0.7, striker="wood")
+                client.impact("nobody", 1.0)
+                with client.bundle(at=time.time() + 0.1):
+                    client.send("/object/a/tune", 1.5)
+                    client.impact("a", 1.0)
+                with client.bundle(at=time.time() - 0.1):
+                    client.impact("b", 0.5)
+                time.sleep(0.15)
+            with client.bundle(at=time.time() + 0.3):
+                client.impact("a", 2.0)
+            client.ask("/sync", 1)
+            client.send("/panic")
+            client.send("/object/a/free")
+            client.new("a", "triangle")
+            client.impact("a", 1.0)
+            with client.bundle(at=time.time() + 3.0):
+                client.impact("a", 2.0)
+            time.sleep(0.5)
+        server.quit()
+    lines = read(tmp_path / "log.txt")
+    said = [line.message.address for line in lines]
+    assert said.count("/object/a/impact") == 3 + 3 + 1 and said.count("/object/b/impact") == 3 + 3
+    assert said[:1] == ["/contact"] and "/panic" in said and "/object/nobody/impact" not in said
+    recorded, rate = soundfile.read(tmp_path / "out.wav", dtype="float32")
+    np.testing.assert_array_equal(render_lines(lines, seconds=len(recorded) / rate), recorded)
+
+
+def test_a_crash_loses_little(tmp_path):
+    with serving(tmp_path, "--device", "none", "--record", "out.wav", "--log", "log.txt") as server:
+        with server.client() as client:
+            client.new("a", "wood-block")
+            for _ in range(15):
+                client.impact("a", 1.0)
+                time.sleep(0.1)
+            status = client.status().args
+        server.process.kill()
+        server.process.wait()
+    impacts = dict(zip(status[9::2], status[10::2], strict=True))["impacts"]
+    recorded, rate = soundfile.read(tmp_path / "out.wav", dtype="float32")
+    lines = read(tmp_path / "log.txt")
+    assert sum(line.message.address.endswith("impact") for line in lines) >= impacts - 10
+    assert len(recorded) / rate > 1.5 - 1.0 and len(recorded) / rate > lines[-1].time - 1.0
+    assert soundfile.info(tmp_path / "out.wav").frames == len(recorded)
+    rendered = render_lines(lines, seconds=min(len(recorded) / rate, lines[-1].time))
+    np.testing.assert_array_equal(rendered, recorded[: len(rendered)])
+
+
+def test_a_log_that_fails_is_told(tmp_path):
+    engine = Engine(48_000)
+    with pytest.raises(OSError, match="Is a directory"):
+        Log(engine, tmp_path)
+    log = Log(engine, tmp_path / "log.txt")
+    log.close()
+    assert not (tmp_path / "log.txt").exists()  # it was never begun
+
+
+@pytest.fixture
+def logged(tmp_path):
+    """An engine, its scene and its log."""
+    engine = Engine(48_000)
+    scene = Scene(engine, PRESETS)
+    log = Log(engine, tmp_path / "log.txt")
+    scene.on_sent = log.expect
+    log.start()
+    assert scene.perform([Message("/object/new", ("a", "wood-block"))], NOW)[0].address == "/done"
+    yield engine, scene, log
+    log.close()
+
+
+def test_a_log_that_missed_something_ends(logged, tmp_path):
+    """What is logged renders to what was heard, up to where it says that it ended."""
+    engine, scene, log = logged
+    engine.process(64)
+    log.write()
+    while not engine.counter("notes_lost"):
+        assert scene.perform([Message("/object/a/damp", (0.1,))] * 8_000, NOW) == []
+        engine.process(64)
+    log.write()
+    assert log.error is not None and "events were too many at once" in log.error
+    assert len(read(tmp_path / "log.txt")) == 1
+
+
+def test_a_server_that_runs_for_longer_than_a_score_lasts(logged, monkeypatch, tmp_path):
+    engine, scene, log = logged
+    engine.process(64)
+    monkeypatch.setattr("carom.server.osc.wire.score.LONGEST_SCORE", 0.01)
+    scene.perform([Message("/object/a/impact", (0.1,))], 4_800.0)
+    engine.process(9_600)
+    log.write()
+    assert log.error is not None and "time 0.1: expected seconds from 0 to 0.01" in log.error
+    monkeypatch.undo()
+    assert [line.message.address for line in read(tmp_path / "log.txt")] == []
+
+
+def test_what_waits_to_be_logged_is_forgotten_once_it_is(logged):
+    engine, scene, log = logged
+    for n in range(10):
+        scene.perform([Message("/object/a/impact", (0.1,)), Message("/object/a/damp", (0.1,))], 1e6 * (n % 2))
+    scene.perform([Message("/panic")], NOW)
+    engine.process(640)
+    log.write()
+    assert not log._waiting and log.error is None
+
+
+def test_a_name_that_is_free_is_given_again(logged, tmp_path):
+    engine, scene, log = logged
+    for message in (Message("/object/a/free", (1,)), Message("/object/new", ("a", "tom"))):
+        engine.process(6_400)
+        scene.perform([message], NOW)
+    engine.process(64)
+    log.write()
+    assert [line.message.args[0] for line in read(tmp_path / "log.txt")] == ["a", 1, "a"]
+
+
+def test_a_file_is_as_readable_as_any(logged, tmp_path):
+    (tmp_path / "plain").touch()
+    assert (tmp_path / "log.txt").stat().st_mode == (tmp_path / "plain").stat().st_mode
+
+
+@pytest.mark.parametrize("name", ["a", "n" * 64])
+def test_a_name_that_came_back_too_early(tmp_path, name):
+    """The clock was set: what was to be gone by then is still there when its name is given again."""
+    engine = Engine(48_000)
+    scene = Scene(engine, PRESETS)
+    log = Log(engine, tmp_path / "log.txt")
+    scene.on_sent = log.expect
+    log.start()
+    scene.perform([Message("/object/new", (name, "wood-block"))], NOW)
+    heard = [engine.process(64)]
+    scene.perform([Message(f"/object/{name}/free", (1,))], Stamp(100.0, clock_ns() + 50_000_000))
+    heard.append(engine.process(256))
+    new = [Message("/object/new", (name, "triangle")), Message(f"/object/{name}/impact", (1.0,))]
+    assert [reply.address for reply in scene.perform(new, NOW)] == ["/done"]
+    heard.append(engine.process(256))
+    time.sleep(0.06)
+    heard.append(engine.process(2_048))
+    log.close()
+    lines = read(tmp_path / "log.txt")
+    names = ["/object/new", "/object/new", f"/object/{name[:50]}~2/impact", f"/object/{name}/free", "/panic"]
+    assert [line.message.address for line in lines] == names
+    sound = np.concatenate(heard)
+    np.testing.assert_array_equal(render_lines(lines, seconds=len(sound) / 48_000), sound)

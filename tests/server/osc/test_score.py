@@ -1,0 +1,202 @@
+"""Scores: text that reads back as it was written, scsynth's binary form, and errors that say where."""
+
+import math
+import struct
+import time
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from carom.server.osc import score, wire
+from carom.server.osc.score import Line, ScoreError
+from carom.server.osc.wire import Message
+
+# Written by sclang 3.13: Score([[0.0, ["/object/new", "bell", "church-bell"]],
+# [0.5, ["/object/bell/impact", 1.0]], [1.25, [\panic]]]).writeOSCFile(...), without the group it puts first.
+SCLANG = (
+    b"\0\0\x008#bundle\0\0\0\0\0\0\0\0\0\0\0\0$/object/new\0,ss\0bell\0\0\0\0church-bell\0"
+    b"\0\0\x000#bundle\0\0\0\0\0\x80\0\0\0\0\0\0\x1c/object/bell/impact\0,f\0\0?\x80\0\0"
+    b"\0\0\0 #bundle\0\0\0\0\1@\0\0\0\0\0\0\x0c/panic\0\0,\0\0\0"
+)
+
+
+def written(folder: Path, data: bytes | str) -> Path:
+    path = folder / "score"
+    path.write_bytes(data if isinstance(data, bytes) else data.encode())
+    return path
+
+
+def test_text(tmp_path: Path) -> None:
+    path = written(
+        tmp_path,
+        "\ufeff# a scene\r\n"
+        "\n"
+        "0 /object/new bell church-bell  # its name and preset\n"
+        "  .5\t/object/bell/impact 1 -2. +3e-2 '4' \"5\" hit felt#1 # hard\n"
+        """1e1 /b "a \\"b\\" \\n\\u00e9" 'c "d" \\' '' "\t" -7\n"""
+        "0.25 '/object/*/damp' 1",
+    )
+    assert score.read(path) == [
+        Line(0.0, Message("/object/new", ("bell", "church-bell")), f"{path}:3"),
+        Line(0.5, Message("/object/bell/impact", (1, -2.0, 0.03, "4", "5", "hit", "felt#1")), f"{path}:4"),
+        Line(10.0, Message("/b", ('a "b" \n\xe9', 'c "d" \\', "", "\t", -7)), f"{path}:5"),
+        Line(0.25, Message("/object/*/damp", (1,)), f"{path}:6"),
+    ]
+    assert [type(arg) for arg in score.read(path)[1].message.args] == [int, float, float, str, str, str, str]
+
+
+@pytest.mark.parametrize(
+    "word",
+    ["nan", "inf", "Infinity", "1_000", "0x10", "-", "+", ".", "1.2.3", "1e", "1e+", "\u0661", "f#1"],
+)
+def test_words_that_are_no_numbers(tmp_path: Path, word: str) -> None:
+    (line,) = score.read(written(tmp_path, f"0 /a {word}"))
+    assert line.message.args == (word,)
+
+
+def test_line_ends_of_every_system(tmp_path: Path) -> None:
+    lines = score.read(written(tmp_path, "0 /a\r\n1 /b\r2 /c\n3 /d '\N{LINE SEPARATOR}'"))
+    assert [line.message.address for line in lines] == ["/a", "/b", "/c", "/d"]
+
+
+def test_empty(tmp_path: Path) -> None:
+    assert score.read(written(tmp_path, "")) == []
+    assert score.read(written(tmp_path, "# nothing\n")) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "reason"),
+    [
+        ("-1 /a", 1, "time -1: expected seconds from 0 to 2678400"),
+        ("0 /a\n\n-0.5 /a", 3, "time -0.5"),
+        ("nan /a", 1, "time 'nan'"),
+        ("inf /a", 1, "time 'inf'"),
+        ("1e400 /a", 1, "time inf"),
+        ("9" * 400 + " /a", 1, "expected seconds from 0 to 2678400"),
+        ("'0' /a", 1, "time '0'"),
+        ("/a 1", 1, "time '/a'"),
+        ("0", 1, "no address"),
+        ("0 # /a", 1, "no address"),
+        ("0 a", 1, "address 'a'"),
+        ("0 5 /a", 1, "address 5"),
+        ("0 ''", 1, "address ''"),
+        ("0 /a 'b", 1, "column 5: a quote"),
+        ('0 /a "b', 1, "column 5: a quote"),
+        ('0 /a "b\\"', 1, "column 5: a quote"),
+        ("0 /a it's", 1, "column 5: a quote"),
+        ("0 /a 'b'c", 1, "column 5: a quote"),
+        ('0 /a "\\q"', 1, "escape"),
+        ('0 /a "\\u0000"', 1, "zero character"),
+        ('0 /a "\\ud800"', 1, "cannot send"),
+        ("0 /a 9223372036854775808", 1, "cannot send"),
+        ("0 /a " + "9" * 5000, 1, "4300"),
+        ("0 /a 1e400", 1, "a number in /a is too large"),
+    ],
+)
+def test_errors_say_where(tmp_path: Path, text: str, line: int, reason: str) -> None:
+    path = written(tmp_path, text)
+    with pytest.raises(ScoreError) as refused:
+        score.read(path)
+    assert str(refused.value).startswith(f"{path}:{line}: ")
+    assert reason in str(refused.value)
+
+
+def test_not_utf8(tmp_path: Path) -> None:
+    path = written(tmp_path, b"0 /a\n1 /b caf\xe9\n")
+    with pytest.raises(ScoreError, match=r":2: byte 0xe9 is not UTF-8"):
+        score.read(path)
+
+
+def test_missing_file(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        score.read(tmp_path / "none")
+
+
+@pytest.mark.parametrize("word", ["1" * 50_000 + ".x", "a" * 50_000 + "'", "'" + '"' * 50_000, '"' + "\\" * 50_000])
+def test_long_lines_take_no_time(tmp_path: Path, word: str) -> None:
+    start = time.process_time()
+    with pytest.raises(ScoreError):
+        score.read(written(tmp_path, f"-1 /a {word}"))
+    assert time.process_time() - start < 1.0
+
+
+def test_binary(tmp_path: Path) -> None:
+    path = written(tmp_path, SCLANG)
+    assert score.read(path) == [
+        Line(0.0, Message("/object/new", ("bell", "church-bell")), f"{path}:1"),
+        Line(0.5, Message("/object/bell/impact", (1.0,)), f"{path}:2"),
+        Line(1.25, Message("/panic"), f"{path}:3"),
+    ]
+
+
+def test_binary_at_once_is_the_start(tmp_path: Path) -> None:
+    packet = wire.encode_bundle(wire.IMMEDIATELY, [Message("/a")])
+    (line,) = score.read(written(tmp_path, struct.pack(">i", len(packet)) + packet))
+    assert line.time == 0.0
+
+
+def test_binary_cut_anywhere(tmp_path: Path) -> None:
+    ends = {60: 1, 112: 2}  # after the first and the second packet
+    for size in range(1, len(SCLANG)):
+        path = written(tmp_path, SCLANG[:size])
+        if size in ends:
+            assert len(score.read(path)) == ends[size]
+        else:
+            number = 1 + sum(size > end for end in ends)
+            with pytest.raises(ScoreError, match=f":{number}: the file ends inside the packet"):
+                score.read(path)
+
+
+def test_binary_bad_packet(tmp_path: Path) -> None:
+    with pytest.raises(ScoreError, match=":1: bundle element of -4 bytes"):
+        score.read(written(tmp_path, b"\0\0\0\x14#bundle\0\0\0\0\0\0\0\0\0\xff\xff\xff\xfc"))
+
+
+@given(st.binary(max_size=60), st.sampled_from([b"", b"0 /a ", b"\0\0\0\x14", SCLANG]))
+def test_random_bytes(tmp_path_factory: pytest.TempPathFactory, tail: bytes, head: bytes) -> None:
+    path = written(tmp_path_factory.getbasetemp(), head + tail)
+    try:
+        lines = score.read(path)
+    except ScoreError:
+        return
+    assert all(0 <= line.time < math.inf and line.message.address.startswith("/") for line in lines)
+
+
+texts = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=9)
+arguments = st.one_of(
+    st.integers(-(2**63), 2**63 - 1),
+    st.floats(allow_nan=False, allow_infinity=False),
+    texts,
+    st.text("0123456789.eE+-'\"#\\ \n/", max_size=9),
+    st.booleans(),
+)
+messages = st.builds(Message, texts.map("/".__add__), st.lists(arguments, max_size=6).map(tuple))
+
+
+@given(st.lists(st.tuples(st.floats(0, 86_400), messages), max_size=4))
+def test_what_is_written_is_read(tmp_path_factory: pytest.TempPathFactory, events: list[tuple[float, Message]]) -> None:
+    text = "".join(score.format_line(at, message) + "\n" for at, message in events)
+    lines = score.read(written(tmp_path_factory.getbasetemp(), text))
+    assert [(line.time, line.message) for line in lines] == events
+    for line, (_, message) in zip(lines, events, strict=True):
+        for read, sent in zip(line.message.args, message.args, strict=True):
+            assert repr(read) == repr(int(sent) if isinstance(sent, bool) else sent)  # -0.0, and 1 is not 1.0
+
+
+def test_lines_are_plain_where_they_can_be() -> None:
+    message = Message("/object/bell/impact", (1, 0.1, "striker", "felt-2", "1", "", "a é", True))
+    assert score.format_line(2, message) == '2.0 /object/bell/impact 1 0.1 striker felt-2 "1" "" "a é" 1'
+
+
+@pytest.mark.parametrize("value", [b"x", None, math.nan, math.inf])
+def test_what_text_has_no_word_for(value: wire.Argument) -> None:
+    with pytest.raises(ValueError, match="cannot stand in a score"):
+        score.format_line(0.0, Message("/a", (value,)))
+
+
+@pytest.mark.parametrize("moment", [-1.0, math.nan, math.inf])
+def test_times_that_are_none(moment: float) -> None:
+    with pytest.raises(ValueError, match="expected seconds from 0 to 2678400"):
+        score.format_line(moment, Message("/a"))

@@ -1,0 +1,165 @@
+"""Gestures as they are rendered: alike at any sampling rate and block size, louder when faster, without clicks."""
+
+import numpy as np
+import pytest
+
+from carom.dsp import contact
+from carom.dsp.runtime.engine import Engine
+from carom.presets.library import Presets
+from carom.server.osc.score import read
+from carom.server.render import Options, blocks
+
+OBJECT = """description = "Seven modes below 16 kHz"
+source = "these tests"
+shape = "listed"
+level = 0.0  # dB
+
+[geometry]
+frequency = [310.0, 877.0, 1930.0, 3410.0, 5370.0, 8230.0, 12700.0]  # Hz
+t60 = [0.8, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1]  # s
+modal_mass = 0.2  # kg
+mass = 0.8  # kg
+
+[strike]
+striker = "steel"
+velocity = 1.0  # m/s
+position = 0.5  # 0..1 along the path
+"""
+
+EVERYTHING = """0 /object/new a seven gain -20
+0 /object/new pane glass-plate gain -20
+0 /object/new glass wine-glass gain -20
+0.013 /object/a/bounce 0.02 striker steel irregularity 0.3 seed 1 id ball
+0.020 /object/pane/roll 0.4 0.3 striker glass-marble surface glass travel 0.5 asymmetry 0.1 gain 20
+0.031 /object/pane/bounce 0.01 0.4 by glass striker glass-marble id tumbler
+0.037 /object/a/roll 0.1 striker pencil corners 6 surface wood id pencil
+0.050 /object/glass/impact 0.02 0.1 by pane
+0.111 /object/a/press 1 striker mute id hand
+0.150 /gesture/pencil/speed 0.3
+0.170 /object/pane/press 2 0.6 striker hand
+0.200 /gesture/*/position 0.8
+0.250 /gesture/hand/stop
+0.260 /object/pane/roll 0
+0.300 /gesture/tumbler/stop
+0.310 /object/glass/damp 0.7
+"""
+
+
+@pytest.fixture
+def render(tmp_path):
+    """Renders the text of a score over the built-in presets and `seven`, float64 (frames, 2)."""
+    (tmp_path / "objects").mkdir()
+    (tmp_path / "objects" / "seven.toml").write_text(OBJECT)
+
+    def render(text: str, seconds: float, rate: int = 48_000, block: int = 4096) -> np.ndarray:
+        path = tmp_path / "score.txt"
+        path.write_text(text)
+        options = Options(rate=rate, block=block, seconds=seconds)
+        return np.concatenate(list(blocks(read(path), Engine(rate), Presets([tmp_path]), options))).astype(float)
+
+    return render
+
+
+@pytest.mark.parametrize(
+    "roll",
+    [
+        "0.5 0.5 striker glass-marble surface glass",
+        "0.5 0.5 striker steel surface wood",
+        "0.05 0.5 striker steel surface glass friction 0.001",
+        "0.2 0.5 striker pencil surface polished-wood corners 6",
+        "0.3 0.5 striker steel surface corrugated asymmetry 0.2",
+    ],
+)
+def test_a_roll_sounds_the_same_at_any_rate(render, roll):
+    """Below 16 kHz, where all modes are: spectra of the same two seconds, phases and all, within -60 dB."""
+
+    def spectrum(rate: int) -> np.ndarray:
+        sound = render(f"0 /object/new a seven\n0.01 /object/a/roll {roll} seed 3\n", 2.0, rate)[:, 0]
+        fade = np.cos(np.linspace(0, np.pi / 2, len(sound), endpoint=False)) ** 2
+        return np.fft.rfft(sound * fade)[:32_000] / rate
+
+    reference = spectrum(96_000)
+    for rate in (44_100, 48_000):
+        assert np.linalg.norm(spectrum(rate) - reference) < 1e-3 * np.linalg.norm(reference)
+
+
+def test_block_size_changes_no_bit_of_gestures(render):
+    reference = render(EVERYTHING, 0.5)
+    assert 0.01 < np.abs(reference).max() < 1.0
+    for block in (1, 37, 480):
+        np.testing.assert_array_equal(render(EVERYTHING, 0.5, block=block), reference)
+
+
+def rolled(render, *keys: object, steer: str = "") -> np.ndarray:
+    text = " ".join(map(str, keys))
+    return render(f"0 /object/new a seven gain 30\n0 /object/a/roll {text} seed 2 id g\n{steer}", 2.0)[:, 0]
+
+
+def test_faster_and_over_rougher_ground_is_louder(render):
+    """With each step, whether it rides the ground or leaps; and no direct current."""
+
+    def level(*keys: object) -> float:
+        sound = rolled(render, *keys)[24_000:]
+        assert abs(sound.mean()) < 1e-2 * sound.std()
+        return 20 * np.log10(sound.std())
+
+    speeds = np.array([level(v, "striker", "glass-marble", "surface", "glass") for v in (0.01, 0.05, 0.2, 0.8)])
+    assert (np.diff(speeds) > 2.0).all()
+    heights = np.array(
+        [level(0.3, "striker", "glass-marble", "surface", "glass", "roughness", r) for r in (0.1, 0.5, 2.0, 8.0)]
+    )
+    assert (np.diff(heights) > 3.0).all()
+    assert heights[-1] - heights[0] < 60.0
+
+
+def test_a_roll_over_what_is_quite_smooth_is_silent(render):
+    assert np.abs(rolled(render, 0.5, "striker", "steel", "surface", "glass", "roughness", 0)).max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    "steer",
+    ["speed 0.9", "speed 0", "mass 0.02", "radius 0.02", "gravity 3", "position 0.9", "gain 6", "friction 1"],
+)
+def test_neither_the_start_nor_steering_clicks(render, steer):
+    """The sound bends nowhere more than it does while it rolls at its loudest."""
+    roll = (0.4, 0.3, "striker", "steel", "surface", "tile")
+    bend = np.abs(np.diff(rolled(render, *roll, steer=f"1 /gesture/g/{steer}\n"), 2))
+    loudest = max(bend[24_000:47_000].max(), bend[53_000:].max())
+    assert bend[:480].max() < loudest
+    assert bend[47_900:50_000].max() < 1.2 * loudest
+
+
+def test_flights_of_a_bounce_shrink_as_contacts_leave_it(render):
+    """Onsets, heard on something heavy and dull: each flight is that of the velocity the contact law leaves."""
+    heavy = "0 /object/new a seven modal_mass 1000 mass 10000 t60 0.01 gain 40\n"
+    sound = render(f"{heavy}0 /object/a/bounce 0.05 striker steel dissipation 0.2\n", 2.0)[:, 0]
+    loud = np.abs(sound)
+    hits = np.flatnonzero(loud > 0.1 * loud.max())
+    hits = hits[np.diff(hits, prepend=-1000) > 960][:9] / 48_000
+    assert hits[0] == pytest.approx(np.sqrt(2 * 0.05 / 9.80665), abs=1e-3)
+    speeds = 9.80665 * np.diff(hits) / 2
+    np.testing.assert_allclose(speeds[1:], -contact.release_velocity(speeds[:-1], 0.2), rtol=5e-3)
+
+
+def test_a_ringing_striker_rests_too(render):
+    """A lid dropped on a board, both ringing: it doesn't dance on for ever."""
+    text = """0 /object/new board wood-board thickness 0.04
+0 /object/new lid pot-lid
+0 /object/board/bounce 0.02 0.6 by lid by_position 0.95 striker coin dissipation 0.3
+"""
+    sound = render(text, 3.0)[:, 0]
+    assert np.abs(sound[-24_000:]).max() < 0.05 * np.abs(sound).max()
+
+
+def test_a_roll_sounds_the_same_beside_other_contacts(render):
+    """What else drives an object cuts its time into single samples; a roll's own is several of them at a time."""
+    rolls = """0 /object/new pane glass-plate
+0 /object/new glass wine-glass
+0.01 /object/pane/roll 0.4 striker glass-marble surface glass travel 0.3 seed 1 id one
+0.02 /object/pane/roll 0.3 by glass radius 0.01 gain 6 seed 2 id other
+"""
+    # 50 ms long, and not coupled to what rings
+    soft = "0.05 /contact heun\n0.05 /object/*/impact 0.01 0.3 mass 1e-3 stiffness 1 exponent 1 gain -120\n"
+    alone, beside = render(rolls, 0.2), render(rolls + soft, 0.2)
+    np.testing.assert_allclose(beside, alone, atol=2e-6 * np.abs(alone).max())
+    assert np.abs(alone).max() > 1e-3 and not np.array_equal(beside, alone)

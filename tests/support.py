@@ -1,0 +1,100 @@
+"""What tests share: rendering scores, a JACK server without hardware, a server in a process of its own."""
+
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from carom.clients.client import Client
+from carom.dsp.runtime.engine import Engine
+from carom.presets.library import Presets
+from carom.server.osc.score import Line
+from carom.server.render import Options, blocks
+
+CAROM = (sys.executable, "-m", "carom")
+
+
+Render = Callable[..., np.ndarray]
+
+
+def render_lines(lines: list[Line], **options) -> np.ndarray:
+    """The sound of a score, float32 (frames, 2)."""
+    chosen = Options(**options)
+    return np.concatenate(list(blocks(lines, Engine(chosen.rate), Presets(), chosen)))
+
+
+@dataclass
+class Jack:
+    """A JACK server without hardware, under a name of its own."""
+
+    name: str
+    process: subprocess.Popen[bytes] | None = None
+
+    def start(self, frames: int, rate: int = 48_000) -> None:
+        """Start it, with blocks of some frames, and wait until it is there."""
+        import jack
+
+        words = ["jackd", "-r", "-n", self.name, "-d", "dummy", "-r", str(rate), "-p", str(frames)]
+        self.process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        deadline = time.monotonic() + 10
+        while True:
+            try:
+                return jack.Client("carom-waits", no_start_server=True).close()
+            except jack.JackOpenError:
+                assert time.monotonic() < deadline, "jackd does not start"
+                time.sleep(0.1)
+
+    def kill(self) -> None:
+        """End it without its taking leave of anyone."""
+        assert self.process
+        self.process.kill()  # its place in JACK's registry is free once it is started again
+        self.process.wait()
+
+    def stop(self) -> None:
+        if self.process:
+            self.process.send_signal(signal.SIGCONT)
+            self.process.terminate()
+            self.process.wait(timeout=10)
+            self.process = None
+
+
+@dataclass
+class Running:
+    """A server in a process of its own."""
+
+    process: subprocess.Popen[str]
+    port: int
+
+    def client(self) -> Client:
+        return Client(port=self.port)
+
+    def quit(self) -> tuple[int, str]:
+        """End it; returns its exit code and what it said on stderr."""
+        with self.client() as client:
+            client.ask("/quit")
+        _, errors = self.process.communicate(timeout=30)
+        return self.process.returncode, errors
+
+
+@contextmanager
+def serving(folder: Path, *args: object, env: dict[str, str] | None = None) -> Iterator[Running]:
+    """A server on a free port, ready to be played."""
+    words = [*CAROM, "serve", "--port", "0", *map(str, args)]
+    pipe = subprocess.PIPE
+    process = subprocess.Popen(words, cwd=folder, stdout=pipe, stderr=pipe, text=True, env=env)
+    try:
+        assert process.stdout and process.stderr
+        ready = process.stdout.readline()
+        match = re.search(r"listens on \S+:(\d+)", ready)
+        assert match, process.stderr.read()
+        yield Running(process, int(match[1]))
+    finally:
+        process.kill()
+        process.communicate()
