@@ -38,7 +38,7 @@ KLANK_SECONDS = (1, 9)  # two renderings, whose difference has no start-up in it
 STARTUP = """
 from time import perf_counter
 start = perf_counter()
-from carom.dsp.host import Engine
+from carom.dsp.runtime.engine import Engine
 imported = perf_counter()
 engine = Engine(48000.0)
 made = perf_counter()
@@ -48,7 +48,7 @@ print(imported - start, made - imported, perf_counter() - made)
 
 COMPILE = """
 from time import perf_counter
-from carom.dsp.callback import compile_callback
+from carom.dsp.runtime.callback import compile_callback
 start = perf_counter()
 compile_callback(cached=False)
 print(perf_counter() - start)

@@ -4,8 +4,8 @@ import random
 import sys
 import time
 
-from ....server.osc.wire import DEFAULT_PORT
-from ...client import Client
+from carom.clients.client import Client
+from carom.server.osc.wire import DEFAULT_PORT
 
 PRESETS = ("glass-plate", "church-bell", "marimba-bar")
 STRIKERS = ("steel", "rubber", "wood")

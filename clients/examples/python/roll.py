@@ -4,8 +4,8 @@ import math
 import sys
 import time
 
-from ....server.osc.wire import DEFAULT_PORT
-from ...client import Client
+from carom.clients.client import Client
+from carom.server.osc.wire import DEFAULT_PORT
 
 port = int(sys.argv[1]) if len(sys.argv) > 1 else DEFAULT_PORT
 with Client(port=port) as carom:

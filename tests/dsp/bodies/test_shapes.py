@@ -10,7 +10,8 @@ from scipy.optimize import brentq
 from scipy.special import jn_zeros
 
 from carom.dsp.bodies import bar as bar_module
-from carom.dsp.bodies import modes, shapes
+from carom.dsp.bodies import modes as modal
+from carom.dsp.bodies import shapes
 from carom.dsp.bodies.material import Material
 from carom.dsp.bodies.ring import doublets
 
@@ -61,7 +62,7 @@ EVERY = {
 def test_modes_are_well_formed(shape):
     modes = EVERY[shape](top=12000)
     n = modes.frequency.size
-    assert 3 <= n <= modes.MOST_MODES
+    assert 3 <= n <= modal.MOST_MODES
     assert np.all(np.diff(modes.frequency) >= 0) and modes.frequency[0] >= 1 and modes.frequency[-1] <= 12000
     assert modes.strike.shape[1] == n and (len(modes.strike) == 1 or len(modes.strike) >= 4)
     assert modes.pickup.shape == (2, n) and modes.decay.shape == (n,) and np.all(modes.decay > 0)
@@ -90,7 +91,7 @@ def test_a_top_below_the_lowest_mode_is_an_error_that_says_so(shape):
 def test_cubic_interpolation_along_the_path_is_within_one_percent(shape, monkeypatch):
     coarse = EVERY[shape](top=12000)
     positions = len(coarse.strike)
-    monkeypatch.setattr(modes, "PATH_STEP", modes.PATH_STEP / 8)
+    monkeypatch.setattr(modal, "PATH_STEP", modal.PATH_STEP / 8)
     fine = EVERY[shape](top=12000)
     peak = np.abs(fine.strike).max(axis=0)
     x = np.linspace(0, 1, len(fine.strike)) * (positions - 1)
@@ -371,7 +372,7 @@ def test_a_huge_plate_keeps_the_lowest_modes_only():
     modes = shapes.plate(STEEL, length=2, width=1.5, thickness=0.001, edges=("supported",) * 4, top=20000)
     m, n = np.meshgrid(np.arange(1, 90), np.arange(1, 90))
     exact = np.sort((math.pi**2 * (m**2 + (n * 2 / 1.5) ** 2) * plate_unit(STEEL, 0.001, 2)).ravel())
-    assert modes.frequency == pytest.approx(exact[: modes.MOST_MODES], rel=1e-4)
+    assert modes.frequency == pytest.approx(exact[: modal.MOST_MODES], rel=1e-4)
 
 
 # discs and membranes
@@ -401,7 +402,7 @@ def test_membrane_by_bessel_zeros():
     modes = shapes.membrane(STEEL, radius=0.2, thickness=2e-4, tension=3000, top=20000)
     f1 = jn_zeros(0, 1)[0] / (2 * math.pi * 0.2) * math.sqrt(3000 / (7850 * 2e-4))
     assert modes.frequency[:5] / f1 == pytest.approx([1, 1.593, 2.136, 2.295, 2.653], abs=6e-4)
-    assert modes.frequency.size == modes.MOST_MODES
+    assert modes.frequency.size == modal.MOST_MODES
 
 
 @pytest.mark.parametrize("shape", ["disc", "membrane"])

@@ -56,13 +56,15 @@ def test_an_edit_of_a_file_that_is_not_imported_keeps_the_key(package, name):
 
 
 def test_the_callbacks_key_holds_its_kernels_and_neither_bodies_nor_study():
-    importlib.import_module("carom.dsp.study.wall")
-    importlib.import_module("carom.dsp.bodies.shapes")
+    for module in ("carom.dsp.study.wall", "carom.dsp.study.roll", "carom.dsp.bodies.plate"):
+        importlib.import_module(module)
     held = set(sources(engine.compile_callback.__module__))
-    kernels = {"contact", "pulse", "coupled", "bank", "roll", "surface", "engine", "voice", "jit"}
+    kernels = {"contact.law", "contact.closed_form", "contact.coupled", "resonator.bank", "rolling.body", "native.jit"}
+    kernels |= {"rolling.surface", "engine.process", "engine.render", "numerics.random"}
     assert {f"carom.dsp.{name}" for name in kernels} <= held
-    others = {"bar", "plate", "shapes", "materials", "study", "cost", "reference", "rolling", "host"}
-    assert held.isdisjoint(f"carom.dsp.{name}" for name in others)
+    rooms = {name.split(".")[2] for name in held}
+    assert rooms == {"native", "numerics", "contact", "resonator", "rolling", "engine", "runtime"}
+    assert {name for name in held if ".runtime." in name} == {"carom.dsp.runtime.callback"}
 
 
 def compile_double(cached):

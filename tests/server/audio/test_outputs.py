@@ -29,11 +29,11 @@ LEAD = 1.0  # s before the first event, for the recorder to connect
 
 PLAYER = """
 import sys, time
-from carom.dsp.host import Engine
-from carom.server.audio import open_output
-from carom.server.presets import Presets
-from carom.server.scene import Scene
-from carom.server.score import read, sample_at
+from carom.dsp.runtime.engine import Engine
+from carom.server.audio.outputs import open_output
+from carom.presets.library import Presets
+from carom.server.scene.scene import Scene
+from carom.server.osc.score import read, sample_at
 engine = Engine(48_000)
 scene = Scene(engine, Presets())
 for line in sorted(read(sys.argv[1]), key=lambda line: line.time):

@@ -193,7 +193,7 @@ def test_a_log_that_missed_something_ends(logged, tmp_path):
 def test_a_server_that_runs_for_longer_than_a_score_lasts(logged, monkeypatch, tmp_path):
     engine, scene, log = logged
     engine.process(64)
-    monkeypatch.setattr("carom.server.osc.wire.score.LONGEST_SCORE", 0.01)
+    monkeypatch.setattr("carom.server.osc.score.LONGEST_SCORE", 0.01)
     scene.perform([Message("/object/a/impact", (0.1,))], 4_800.0)
     engine.process(9_600)
     log.write()
