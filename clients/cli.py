@@ -14,7 +14,8 @@ from pathlib import Path
 from threading import Event
 
 from ..server.osc.wire import DEFAULT_PORT
-from .client import Client, CommandError
+from .actions import CommandError
+from .client import Client
 
 _RATE = 48_000
 
@@ -25,11 +26,12 @@ def main(argv: list[str] | None = None) -> int:
     """Run a command; returns the exit code: 0 done, 1 failed (one line on stderr says why), 2 wrong usage."""
     arguments = _parser().parse_args(argv)
     try:
-        return arguments.run(arguments)
+        code: int = arguments.run(arguments)
+        return code
     except KeyboardInterrupt:
         return 130
     except BrokenPipeError:
-        # Whoever read our output has seen enough; without this, Python complains once more as it ends.
+        # The reader of the output has left. Without this, Python complains once more as it ends.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except (CommandError, OSError, RuntimeError, ValueError) as error:
@@ -40,7 +42,7 @@ def main(argv: list[str] | None = None) -> int:
 
 
 def _expected(error: Exception) -> bool:
-    """Is it one of Carom's own errors, or the system's? Others are bugs, and keep their traceback."""
+    """Whether an error is Carom's own or the system's. Others are bugs, and keep their traceback."""
     return isinstance(error, OSError) or type(error).__module__.startswith("carom.")
 
 
@@ -51,7 +53,7 @@ def _plain(error: Exception) -> str:
 
 
 def _parser() -> argparse.ArgumentParser:
-    text = "Bodies that hit, heard: over OSC, or rendered from a score."
+    text = "Hear bodies hit, bounce and roll: play them over OSC, or render a score."
     parser = argparse.ArgumentParser(prog="carom", description=text)
     parser.add_argument("--version", action="version", version=f"carom {version('carom')}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
@@ -68,17 +70,17 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument("score", type=Path)
     _add_server(sub)
 
-    sub = command("send", _send, "send one message to a running server and print what it answers")
+    sub = command("send", _send, "send one message to a running server and print its replies")
     _add_server(sub)
     sub.add_argument("address")
     sub.add_argument("args", nargs="*", metavar="ARG")
 
-    sub = command("top", _top, "show what a running server does, live")
+    sub = command("top", _top, "show the state of a running server, live")
     sub.add_argument("--once", action="store_true", help="print it once")
     _add_server(sub)
 
     sub = command("chart", _chart, "measure speed against accuracy on this machine, and draw it")
-    sub.add_argument("folder", type=Path, help="where tables (CSV) and figures (SVG, PNG) go; made if missing")
+    sub.add_argument("folder", type=Path, help="for tables (CSV) and figures (SVG, PNG); made if missing")
     sub.add_argument("--quick", action="store_true", help="a coarse study")
 
     command("devices", _devices, "list the devices that can play")
@@ -87,46 +89,46 @@ def _parser() -> argparse.ArgumentParser:
     sub.add_argument("name", nargs="?")
     _add_presets(sub)
 
-    command("doctor", _doctor, "check what this machine has and what it lacks")
+    command("doctor", _doctor, "check what this machine lacks, and say what to do about it")
     return parser
 
 
 def _serve_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
-        "--port", type=int, default=DEFAULT_PORT, help="port for UDP and TCP, 0: any free one (%(default)s)"
+        "--port", type=int, default=DEFAULT_PORT, help="port for UDP and TCP, 0 for any free one (%(default)s)"
     )
-    sub.add_argument("--bind", default="127.0.0.1", help="address to listen on (%(default)s: this machine only)")
-    sub.add_argument("--device", help="index or part of a name from `carom devices`; none: play nowhere, by the clock")
-    sub.add_argument("--latency", type=float, help="s from computing a sound to hearing it (the device's lowest)")
+    sub.add_argument("--bind", default="127.0.0.1", help="address to listen on (%(default)s: for this machine only)")
+    sub.add_argument("--device", help="index or part of a name from `carom devices`; none: paced by the clock")
+    sub.add_argument("--latency", type=float, help="seconds from computing a sound to hearing it (the device's lowest)")
     sub.add_argument("--rate", type=int, default=_RATE, help="sampling rate in Hz (%(default)s)")
-    sub.add_argument("--block", type=int, default=0, help="frames a block (0: the device's)")
-    sub.add_argument("--record", type=Path, metavar="OUT.wav", help="keep what is played")
-    sub.add_argument("--oscquery", type=int, metavar="PORT", help="describe all addresses over HTTP, 0: any free port")
-    sub.add_argument("--log", type=Path, metavar="OUT.txt", help="keep what is done, as a score")
+    sub.add_argument("--block", type=int, default=0, help="frames per block (0: the device's)")
+    sub.add_argument("--record", type=Path, metavar="OUT.wav", help="record the sound")
+    sub.add_argument("--oscquery", type=int, metavar="PORT", help="describe all addresses over HTTP (0: any free port)")
+    sub.add_argument("--log", type=Path, metavar="OUT.txt", help="log all events, as a score")
     _add_contact(sub)
     _add_presets(sub)
 
 
 def _render_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("score", type=Path)
-    sub.add_argument("out", type=Path, help="ends in .wav or .flac")
+    sub.add_argument("out", type=Path, help="sound file; the name ends in .wav or .flac")
     sub.add_argument("--rate", type=int, default=_RATE, help="sampling rate in Hz (%(default)s)")
-    sub.add_argument("--block", type=int, default=4096, help="frames a block; changes no bit of it (%(default)s)")
+    sub.add_argument("--block", type=int, default=4096, help="frames per block (%(default)s); changes no sound")
     sub.add_argument("--format", choices=["16", "24", "float"], help="sample format (WAV: float, FLAC: 24)")
-    sub.add_argument("--seconds", type=float, help="length (until silence)")
-    sub.add_argument("--plot", type=Path, metavar="OUT.png", help="draw wave and spectrogram")
+    sub.add_argument("--seconds", type=float, help="length of the sound (until silence)")
+    sub.add_argument("--plot", type=Path, metavar="OUT.png", help="draw the wave and spectrogram of both channels")
     _add_contact(sub)
     _add_presets(sub)
 
 
 def _add_contact(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("--contact", metavar="METHOD", help="how contacts are solved: closed (default), am1, verlet, ...")
-    sub.add_argument("--correction", help="of a sampled METHOD: none, hybrid, release, both, ...")
-    sub.add_argument("--oversampling", type=int, metavar="N", help="steps a sample of a sampled METHOD")
+    sub.add_argument("--contact", metavar="METHOD", help="solver of contacts: closed (the default), am1, verlet, ...")
+    sub.add_argument("--correction", help="correction of a sampled METHOD: none, hybrid, release, both, ...")
+    sub.add_argument("--oversampling", type=int, metavar="N", help="steps per sample of a sampled METHOD")
 
 
 def _contact(arguments: argparse.Namespace) -> tuple[str | int, ...]:
-    """The arguments of the /contact that the options stand for; none where they say nothing."""
+    """The arguments of the /contact that the options ask for; none without options."""
     keys = {"correction": arguments.correction, "oversampling": arguments.oversampling}
     given = [part for key, value in keys.items() if value is not None for part in (key, value)]
     return (
@@ -137,14 +139,14 @@ def _contact(arguments: argparse.Namespace) -> tuple[str | int, ...]:
 
 
 def _add_presets(sub: argparse.ArgumentParser) -> None:
-    text = "folder with objects/, strikers/, materials/ of your own; may be given more than once"
+    text = "folder of your own presets: objects/, strikers/, materials/, surfaces/; may be given more than once"
     sub.add_argument("--presets", type=Path, action="append", default=[], metavar="DIR", help=text)
 
 
 def _add_server(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("--host", default="127.0.0.1", help="where the server is (%(default)s)")
-    sub.add_argument("--port", type=_port, default=DEFAULT_PORT, help="its port (%(default)s)")
-    sub.add_argument("--tcp", action="store_true", help="send over TCP, which loses nothing, instead of UDP")
+    sub.add_argument("--host", default="127.0.0.1", help="the server's name or address (%(default)s)")
+    sub.add_argument("--port", type=_port, default=DEFAULT_PORT, help="the server's port (%(default)s)")
+    sub.add_argument("--tcp", action="store_true", help="use TCP, which loses nothing, instead of UDP")
 
 
 def _port(word: str) -> int:
@@ -165,7 +167,10 @@ def _serve(arguments: argparse.Namespace) -> int:
         signal.signal(signal.SIGINT, lambda *_: server.stop())
         host, port = server.address
         if not local(host):
-            print(f"carom serve: whoever reaches this machine can play on it: it listens on {host}", file=sys.stderr)
+            print(
+                f"carom serve: warning: listening on {host}: anyone who can reach this machine can play on it",
+                file=sys.stderr,
+            )
         print(f"carom listens on {host}:{port}, plays on {server.player.name} at {arguments.rate} Hz", flush=True)
         if server.query:
             print(f"carom describes itself at http://{host}:{server.query.server_port}/ (OSCQuery)", flush=True)
@@ -177,7 +182,7 @@ def _render(arguments: argparse.Namespace) -> int:
     from rich.console import Console
     from rich.progress import Progress, TextColumn, TimeElapsedColumn
 
-    from ..presets.library import Presets
+    from ..presets import Presets
     from ..server.osc.score import read
     from ..server.render import Options, render
 
@@ -193,7 +198,7 @@ def _render(arguments: argparse.Namespace) -> int:
     with Progress(*columns, console=terminal, disable=not terminal.is_terminal, transient=True) as bar:
         task = bar.add_task(arguments.out.name, total=arguments.seconds)
 
-        # An exception that a signal raises at any moment may be swallowed inside a library's callback.
+        # An exception that a signal raises may be lost inside a library's callback: so the signal only sets a flag.
         interrupted = Event()
         for stop in (signal.SIGINT, signal.SIGTERM):
             signal.signal(stop, lambda *_: interrupted.set())
@@ -203,14 +208,17 @@ def _render(arguments: argparse.Namespace) -> int:
             if interrupted.is_set():
                 raise KeyboardInterrupt
 
-        engine = render(score, arguments.out, presets, options, progress)
+        warnings: list[str] = []
+        engine = render(score, arguments.out, presets, options, progress, warnings.append)
     for name, text in (
-        ("limited", "{} frames were turned down by the limiter: lower some gain"),
-        ("contacts_dropped", "{} contacts were left out: too many at once"),
-        ("faults", "{} times an object was silenced because its sound was not finite"),
+        ("limited", "the limiter turned down {} frames: lower some gain"),
+        ("contacts_dropped", "{} contacts were dropped: too many at once"),
+        ("faults", "objects were silenced {} times, because their sound was not finite"),
     ):
-        if count := engine.counter(name):
-            print(f"carom render: {text.format(count)}", file=sys.stderr)
+        if count := getattr(engine.stats, name):
+            warnings.append(text.format(count))
+    for warning in warnings:
+        print(f"carom render: {warning}", file=sys.stderr)
     if arguments.plot:
         plot(arguments.out)
     return 0
@@ -228,8 +236,7 @@ def _play(arguments: argparse.Namespace) -> int:
             # Up to a second ahead: enough for the server to be in time, little to lose if it goes.
             while (wait := start + line.time - time.time() - 1.0) > 0:
                 failed += _print_failures(client, min(wait, 0.1))
-            with client.bundle(start + line.time):
-                client.send(line.message.address, *line.message.args)
+            client.send(line.message.address, *line.message.args, at=start + line.time)
         last = lines[-1].time if lines else 0.0
         failed += _print_failures(client, max(0.0, start + last - time.time()) + 0.2)
     return 1 if failed else 0
@@ -275,7 +282,7 @@ def _chart(arguments: argparse.Namespace) -> int:
 
 
 def _devices(_: argparse.Namespace) -> int:
-    from ..server.audio.outputs import devices
+    from ..server.audio.portaudio import devices
 
     for device in devices():
         mark = "*" if device["default"] else " "
@@ -285,7 +292,7 @@ def _devices(_: argparse.Namespace) -> int:
 
 
 def _presets(arguments: argparse.Namespace) -> int:
-    from ..presets.library import KINDS, Presets
+    from ..presets import KINDS, Presets
 
     presets = Presets(arguments.presets)
     if arguments.name is None:

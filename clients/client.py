@@ -1,40 +1,45 @@
 """A Python client: makes objects on a Carom server and plays them, over OSC."""
 
-import select
-import socket
 import time
+from collections import deque
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from types import TracebackType
+from typing import SupportsFloat
 
 from ..server.osc import wire
-from ..server.osc.framing import Sized
+from .actions import Actions, CommandError, Value, key_pairs, message_of
+from .connection import Connection
 
-_PATIENCE = 5.0  # s that a server may take to take what is sent over TCP
-
-
-class CommandError(RuntimeError):
-    """The server answered /fail, or a message can't be sent; the text says why."""
+KEPT = 1_000
+"""Replies of each kind that a client keeps until they are asked for."""
 
 
-class Client:
-    """A socket to one server: UDP, or TCP, which loses nothing. Floats go as doubles, so that the server's log holds
-    what was asked for.
+class Client(Actions):
+    """A connection to one server: UDP, or TCP, which loses nothing.
 
-    A method, or with TCP the making of a client, raises ConnectionRefusedError if the host says that nothing listens.
+    host: name or address. port: of the server, the same for UDP and TCP. Floats go as doubles, so that the server's log
+    holds exactly what was asked for.
+
+    Each address of a score is a method. `at` is the Unix time (s, as `time.time()` gives it) at which its sound is
+    heard; None is as soon as possible. A NAME or ID may be an OSC pattern. Further keys go to the server as they are,
+    which checks them: they are those of the OSC address of the same name. Numbers may be numpy's, lists may be arrays.
+
+    All methods but `new`, `ask`, `ask_all` and `status` only send, or add to the bundle that is being made, and wait
+    for nothing: what the server refuses is told by `errors`.
+
+    Raises CommandError for a message that cannot be sent, and ConnectionRefusedError, for TCP already here, if the host
+    says that nothing listens.
     """
 
     def __init__(self, host: str = "127.0.0.1", port: int = wire.DEFAULT_PORT, tcp: bool = False) -> None:
-        self._server = f"{host}:{port}"
-        self._stream = Sized() if tcp else None
-        if tcp:
-            with _reaching(self._server):
-                self._socket = socket.create_connection((host, port), _PATIENCE)
-            self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        else:
-            self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-            self._socket.connect((host, port))
+        self._connection = Connection(host, port, tcp)
         self._bundle: list[wire.Message] | None = None
+        self._kept: dict[str, deque[wire.Message]] = {
+            address: deque(maxlen=KEPT) for address in ("/fail", "/gesture/end", "/warning")
+        }
+        self.dropped = 0
+        """Replies that were forgotten, the oldest first, as more than KEPT of their kind waited to be asked for."""
 
     def __enter__(self) -> "Client":
         return self
@@ -42,18 +47,27 @@ class Client:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._socket.close()
+        self.close()
 
-    def send(self, address: str, *args: wire.Argument) -> None:
-        """Sends a message, or adds it to the bundle being made; waits for nothing."""
+    def close(self) -> None:
+        """Close the connection."""
+        self._connection.close()
+
+    def _send(self, messages: list[wire.Message], at: SupportsFloat | None) -> None:
+        """Send messages that happen together, or add them to the bundle that is being made."""
         if self._bundle is None:
-            self._transmit(_encoded(address, args))
+            self._transmit(messages, at)
+        elif at is None:
+            self._bundle += messages
         else:
-            self._bundle.append(wire.Message(address, args))
+            raise CommandError(f"{messages[0].address}: at = {at}: a bundle has one time; expected bundle(at=...)")
 
     @contextmanager
-    def bundle(self, at: float | None = None) -> Iterator[None]:
-        """What is sent inside goes as one bundle, to happen together at a Unix time (s), or at once."""
+    def bundle(self, at: SupportsFloat | None = None) -> Iterator[None]:
+        """Send all messages of the block as one bundle, to happen together at a Unix time (s), or at once (None).
+
+        Nothing is sent if the block raises an exception.
+        """
         if self._bundle is not None:
             raise RuntimeError("a bundle inside a bundle")
         messages: list[wire.Message] = []
@@ -62,27 +76,38 @@ class Client:
             yield
         finally:
             self._bundle = None
-        tag = wire.IMMEDIATELY if at is None else wire.time_tag(at)
-        self._transmit(wire.encode_bundle(tag, messages, real="d"))
+        self._transmit(messages, at, bundled=True)
 
-    def ask(self, address: str, *args: wire.Argument, timeout: float = 2.0) -> wire.Message:
-        """Sends a message and waits (s) for its reply: /done, ADDRESS.reply or /synced.
+    def _transmit(self, messages: list[wire.Message], at: SupportsFloat | None, bundled: bool = False) -> None:
+        try:
+            if bundled or at is not None or len(messages) > 1:
+                packet = wire.encode_bundle(_time_tag(at), messages, real="d")
+            else:
+                packet = wire.encode(messages[0].address, *messages[0].args, real="d")
+        except ValueError as error:
+            raise CommandError(str(error)) from None
+        self._connection.transmit(packet)
 
-        Raises CommandError for /fail, TimeoutError for silence. Replies to earlier messages are dropped.
+    def ask(self, address: str, *args: Value, timeout: float = 2.0, at: SupportsFloat | None = None) -> wire.Message:
+        """Send a message and wait up to `timeout` seconds for its reply: /done, ADDRESS.reply or /synced.
+
+        Raises CommandError for /fail, TimeoutError for silence.
         """
         self._start_asking(address)
-        self.send(address, *args)
+        message = message_of(address, args, {})
+        self._send([message], at)
         for reply in self.replies(timeout):
             if reply.address == "/fail" and reply.args[:1] == (address,):
-                raise CommandError(": ".join(map(str, reply.args)))
-            if _answers(reply, address, args):
+                raise _error(reply)
+            if _answers(reply, message):
                 return reply
-        raise TimeoutError(f"{address}: no reply from {self._server} within {timeout} s")
+            self._keep(reply)
+        raise TimeoutError(f"{address}: no reply from {self._connection.server} within {timeout} s")
 
-    def ask_all(self, address: str, *args: wire.Argument, timeout: float = 2.0) -> list[wire.Message]:
-        """Sends a message and gathers all replies, /fail too, until (s) the server has carried it out.
+    def ask_all(self, address: str, *args: Value, timeout: float = 2.0) -> list[wire.Message]:
+        """Send a message and gather all replies, /fail too, until the server has carried it out.
 
-        Raises TimeoutError for silence. Replies to earlier messages are dropped.
+        Raises TimeoutError if that takes more than `timeout` seconds.
         """
         self._start_asking(address)
         self.send(address, *args)
@@ -96,94 +121,87 @@ class Client:
             gathered.append(reply)
             if address == "/quit" and reply.args[:1] == (address,):
                 return gathered
-        raise TimeoutError(f"{address}: no reply from {self._server} within {timeout} s")
+        raise TimeoutError(f"{address}: no reply from {self._connection.server} within {timeout} s")
 
     def _start_asking(self, address: str) -> None:
         if self._bundle is not None:
             raise RuntimeError(f"{address}: nothing answers before its bundle is sent")
-        with suppress(ConnectionRefusedError):
-            list(self.replies(0.0))
+        self._take_in()
+
+    def _take_in(self) -> None:
+        """Keep what has arrived so far."""
+        with suppress(ConnectionError):  # whoever sends next is told
+            for reply in self.replies(0.0):
+                self._keep(reply)
+
+    def _keep(self, reply: wire.Message) -> None:
+        """Keep a reply that nobody waits for, if it is of a kind that can be asked for."""
+        kept = self._kept.get(reply.address)
+        if kept is not None:
+            self.dropped += len(kept) == KEPT
+            kept.append(reply)
+
+    def _taken(self, address: str) -> list[wire.Message]:
+        self._take_in()
+        replies = list(self._kept[address])
+        self._kept[address].clear()
+        return replies
+
+    def errors(self) -> list[CommandError]:
+        """The server's /fail replies to messages that nobody waited for, since the last call, the oldest first.
+
+        The server takes some time to refuse a message: `ask("/sync", 1)` first waits until it has carried out all that
+        was sent before. Of more than KEPT errors the oldest are forgotten, and counted in `dropped`.
+        """
+        return [_error(reply) for reply in self._taken("/fail")]
+
+    def ended(self) -> list[str]:
+        """The ids of gestures that have ended since the last call, the oldest first.
+
+        The server tells those that this client gave an `id`, and after `send("/notify", 1)` all others too.
+        """
+        return [str(reply.args[0]) for reply in self._taken("/gesture/end")]
+
+    def warnings(self) -> list[str]:
+        """The server's warnings since the last call, the oldest first; it sends them after `send("/notify", 1)`."""
+        return [str(reply.args[0]) for reply in self._taken("/warning")]
 
     def replies(self, seconds: float) -> Iterator[wire.Message]:
-        """What the server sends, as it comes, for so long."""
-        deadline = time.monotonic() + seconds
-        while select.select([self._socket], [], [], max(0.0, deadline - time.monotonic()))[0]:
-            with _reaching(self._server):
-                data = self._socket.recv(wire.MAX_DATAGRAM)
-            if self._stream and not data:
-                raise ConnectionResetError(f"{self._server} has closed the connection")
-            for packet in self._stream.packets(data) if self._stream else [data]:
-                for bundle in wire.parse(packet):
-                    yield from bundle.messages
-
-    def _transmit(self, packet: bytes) -> None:
-        with _reaching(self._server):
-            self._socket.sendall(self._stream.framed(packet) if self._stream else packet)
-
-    def new(self, name: str, preset: str, **keys: wire.Argument) -> None:
-        """Makes an object and waits until it is there; keys override the preset's."""
-        self.ask("/object/new", name, preset, *_flat(keys))
-
-    def impact(self, name: str, velocity: float, position: float | None = None, **keys: wire.Argument) -> None:
-        """Strikes an object, or all that a pattern matches: velocity in m/s, position 0..1 along its path."""
-        self._gesture(name, "impact", velocity, position, keys)
-
-    def bounce(self, name: str, height: float, position: float | None = None, **keys: wire.Argument) -> None:
-        """Drops a striker on an object from a height (m), on which it bounces until it rests."""
-        self._gesture(name, "bounce", height, position, keys)
-
-    def roll(self, name: str, speed: float, position: float | None = None, **keys: wire.Argument) -> None:
-        """Rolls a ball over an object at a speed (m/s), or steers the roll of that `id` (else NAME's); 0 ends it."""
-        self._gesture(name, "roll", speed, position, keys)
-
-    def press(self, name: str, force: float, position: float | None = None, **keys: wire.Argument) -> None:
-        """Lays a striker on an object and presses with a force (N), until the gesture of that `id` is stopped."""
-        self._gesture(name, "press", force, position, keys)
-
-    def gesture(self, id: str, what: str, *value: float) -> None:
-        """Steers the running gestures of an id or a pattern: its speed, force, gain, ...; `stop` takes no value."""
-        self.send(f"/gesture/{id}/{what}", *value)
-
-    def damp(self, name: str, amount: float) -> None:
-        """Lays a hand on an object: 0 none, 1 the firmest."""
-        self.send(f"/object/{name}/damp", amount)
-
-    def free(self, name: str) -> None:
-        """Removes an object once it is silent."""
-        self.send(f"/object/{name}/free")
-
-    def _gesture(
-        self, name: str, what: str, value: float, position: float | None, keys: dict[str, wire.Argument]
-    ) -> None:
-        where = () if position is None else (position,)
-        self.send(f"/object/{name}/{what}", value, *where, *_flat(keys))
+        """All messages from the server, as they come, for some seconds; what is read here is not kept."""
+        return self._connection.messages(seconds)
 
     def status(self) -> wire.Message:
         """The server's counts, loads and rates: its /status.reply."""
         return self.ask("/status")
 
+    def new(self, name: str, preset: str, at: SupportsFloat | None = None, **keys: Value) -> None:
+        """Make an object from a preset and wait until it is there; keys change the preset, or are the object's first
+        gain, pan, tune, decay and damp."""
+        self.ask("/object/new", name, preset, *key_pairs(keys), at=at)
 
-@contextmanager
-def _reaching(server: str) -> Iterator[None]:
-    """A ConnectionRefusedError inside names the server."""
+    def gesture(self, id: str, what: str, *value: Value, at: SupportsFloat | None = None) -> None:
+        """Steer the running gestures of an id or pattern by the name of what changes; `stop` takes no value."""
+        self.send(f"/gesture/{id}/{what}", *value, at=at)
+
+
+def _time_tag(at: SupportsFloat | None) -> int:
+    """The time tag of a Unix time (s), or of now."""
+    if at is None:
+        return wire.IMMEDIATELY
     try:
-        yield
-    except ConnectionRefusedError as error:
-        raise ConnectionRefusedError(f"nothing listens at {server}: expected a running `carom serve`") from error
+        return wire.time_tag(float(at))
+    except (TypeError, ValueError) as error:
+        raise CommandError(f"at = {at!r}: expected a Unix time in s, as time.time() gives it ({error})") from None
 
 
-def _encoded(address: str, args: tuple[wire.Argument, ...]) -> bytes:
-    try:
-        return wire.encode(address, *args, real="d")
-    except ValueError as error:
-        raise CommandError(str(error)) from None
+def _error(reply: wire.Message) -> CommandError:
+    """The error that a /fail tells."""
+    return CommandError(": ".join(map(str, reply.args)))
 
 
-def _answers(reply: wire.Message, address: str, args: tuple[wire.Argument, ...]) -> bool:
+def _answers(reply: wire.Message, message: wire.Message) -> bool:
+    """Whether a reply is the one that a message waits for."""
+    address = message.address
     if address == "/sync":
-        return reply == wire.Message("/synced", args)
+        return reply == wire.Message("/synced", message.args)
     return reply.address == f"{address}.reply" or (reply.address == "/done" and reply.args[:1] == (address,))
-
-
-def _flat(keys: dict[str, wire.Argument]) -> list[wire.Argument]:
-    return [part for pair in keys.items() for part in pair]

@@ -1,4 +1,4 @@
-"""What this machine has, what it lacks, and what to do about it."""
+"""Checks of this machine: the engine, presets, devices, network and priority, and remedies."""
 
 import os
 import sys
@@ -8,17 +8,17 @@ from contextlib import closing
 from importlib.util import find_spec
 
 from ..dsp.runtime.engine import Engine
-from ..presets.library import PresetError, Presets
-from ..server.audio.outputs import AudioError, devices
+from ..presets import PresetError, Presets
+from ..server.audio.portaudio import AudioError, devices
 from ..server.net.network import RECEIVE_BUFFER, Network
 from ..server.osc.wire import DEFAULT_PORT
 
 Finding = tuple[bool | None, str, str]
-"""Well (True), worse than it could be (None) or broken (False); what was found; what to do about it."""
+"""Well (True), worse than it could be (None) or broken (False); the finding; the remedy."""
 
 
 def examine() -> Iterator[Finding]:
-    """Findings, one by one: engine, presets, devices, port, bursts, rights, extras."""
+    """Findings, one by one: engine, presets, devices, port, receive buffer, priority, matplotlib."""
     yield _engine()
     yield _presets()
     yield _sound()
@@ -45,7 +45,7 @@ def _presets() -> Finding:
         for name in presets.names("objects"):
             presets.object(name)
     except PresetError as error:
-        return False, f"presets: {error}", "install carom again"
+        return False, f"presets: {error}", "reinstall carom"
     return True, f"presets: {len(presets.names('objects'))} objects, {len(presets.names('strikers'))} strikers", ""
 
 
@@ -53,9 +53,9 @@ def _sound() -> Finding:
     try:
         found = devices()
     except AudioError as error:
-        return None, "no PortAudio: serve works with --device none only", str(error)
+        return None, "no PortAudio: `carom serve` works with --device none only", str(error)
     if not found:
-        return None, "PortAudio found no device", "serve --device none, or start JACK, PipeWire or PulseAudio"
+        return None, "PortAudio found no device", "start JACK, PipeWire or PulseAudio, or `carom serve --device none`"
     default = next((d["name"] for d in found if d["default"]), found[0]["name"])
     return True, f"sound: {len(found)} devices, default {default}", ""
 
@@ -64,7 +64,11 @@ def _port() -> Finding:
     try:
         network = Network("127.0.0.1", DEFAULT_PORT)
     except OSError as error:
-        return None, f"port {DEFAULT_PORT}: {error.strerror}", "a server may be running; another: serve --port 0"
+        return (
+            None,
+            f"port {DEFAULT_PORT}: {error.strerror}",
+            "a server may be running already; for a second one: `carom serve --port 0`",
+        )
     network.close()
     return True, f"port {DEFAULT_PORT} is free", ""
 
@@ -73,15 +77,15 @@ def _burst() -> Finding:
     with closing(Network("127.0.0.1", 0)) as network:
         given = network.receive_buffer
     if given >= RECEIVE_BUFFER:
-        return True, f"receive buffer: {given >> 10} KiB for datagrams that come while the server is busy", ""
+        return True, f"receive buffer: {given >> 10} KiB of datagrams can arrive while the server is busy", ""
     remedy = f"as root: sysctl -w net.core.rmem_max={RECEIVE_BUFFER}" if sys.platform == "linux" else ""
-    what = f"receive buffer: {given >> 10} KiB: a burst that comes while an object is made may be lost"
-    return None, what, remedy or f"let the system give {RECEIVE_BUFFER >> 10} KiB to a UDP socket, or send over TCP"
+    what = f"receive buffer: {given >> 10} KiB: a burst of datagrams may be lost while the server is busy"
+    return None, what, remedy or f"let the system grant a UDP socket {RECEIVE_BUFFER >> 10} KiB, or send over TCP"
 
 
 def _priority() -> Finding:
     if not hasattr(os, "sched_setscheduler"):
-        return True, "priority: left to the system's audio threads", ""
+        return True, "priority: the system's audio threads have their own", ""
     import resource
 
     soft, _ = resource.getrlimit(resource.RLIMIT_RTPRIO)

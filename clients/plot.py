@@ -1,23 +1,29 @@
-"""A picture of a sound: its wave and its spectrogram."""
+"""A picture of a sound: the wave and the spectrogram of each channel."""
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import soundfile
+from numpy.typing import NDArray
 
 _WINDOW = 4096
 _COLUMNS = 1500
 _FLOOR, _CEILING = -100.0, -10.0  # dBFS
 _LOWEST = 40.0  # Hz
+_NAMES = {1: ["mono"], 2: ["left", "right"]}
 
 
 class PlotError(RuntimeError):
-    """A picture that can't be drawn; the text says why."""
+    """The picture cannot be drawn; the text says why."""
 
 
 def plotter(picture: Path) -> Callable[[Path], None]:
-    """The function that draws a sound file into `picture`; PlotError where that can't work, before anything is done."""
+    """The function that draws a sound file into `picture`, a .png, .svg or .pdf file.
+
+    PlotError, before anything is drawn, if matplotlib is missing or the name or folder of the picture cannot be.
+    """
     try:
         import matplotlib
     except ImportError as error:
@@ -34,27 +40,34 @@ def _plot(sound: Path, picture: Path) -> None:
     from matplotlib import pyplot as plt
 
     samples, rate = soundfile.read(sound, always_2d=True)
-    wave = samples.mean(axis=1)
-    seconds = len(wave) / rate
-    times, frequencies, level = _spectrogram(wave, rate)
-    figure, (above, below) = plt.subplots(
-        2, 1, figsize=(11, 6), height_ratios=(1, 3), sharex=True, layout="constrained"
-    )  # fmt: skip
-    above.plot(np.arange(len(wave)) / rate, wave, linewidth=0.4, color="#204060")
-    above.set(ylim=(-1, 1), ylabel="amplitude", title=sound.name)
-    image = below.pcolormesh(times, frequencies, level, vmin=_FLOOR, vmax=_CEILING, cmap="magma", rasterized=True)
-    below.set(xlabel="time (s)", ylabel="frequency (Hz)", yscale="log", ylim=(_LOWEST, rate / 2), xlim=(0, seconds))
-    figure.colorbar(image, ax=below, label="dBFS")
+    frames, channels = samples.shape
+    names = _NAMES.get(channels, [f"channel {n}" for n in range(1, channels + 1)])
+    heights = [1.0] * channels + [2.5] * channels
+    figure, axes = plt.subplots(
+        2 * channels, 1, figsize=(11, 1.5 + 3.5 * channels), height_ratios=heights, sharex=True, layout="constrained"
+    )
+    time = np.arange(frames) / rate
+    for name, wave, ax in zip(names, samples.T, axes, strict=False):
+        ax.plot(time, wave, linewidth=0.4, color="#204060")
+        ax.set(ylim=(-1, 1), ylabel=f"{name}\namplitude")
+    for name, wave, ax in zip(names, samples.T, axes[channels:], strict=True):
+        image = ax.pcolormesh(
+            *_spectrogram(wave, rate), vmin=_FLOOR, vmax=_CEILING, cmap="magma", rasterized=True
+        )  # fmt: skip
+        ax.set(ylabel=f"{name}\nfrequency (Hz)", yscale="log", ylim=(_LOWEST, rate / 2))
+    axes[0].set(title=sound.name)
+    axes[-1].set(xlabel="time (s)", xlim=(0, frames / rate))
+    figure.colorbar(image, ax=axes[channels:], label="dBFS")
     figure.savefig(picture, dpi=110)
     plt.close(figure)
 
 
-def _spectrogram(wave: np.ndarray, rate: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _spectrogram(wave: NDArray[np.float64], rate: int) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
     """Times (s), frequencies (Hz) and levels (dBFS) of a Hann-windowed short-time spectrum."""
     padded = np.pad(wave, _WINDOW // 2)
     hop = max(_WINDOW // 16, len(wave) // _COLUMNS)
-    frames = np.lib.stride_tricks.sliding_window_view(padded, _WINDOW)[::hop]
-    window = np.hanning(_WINDOW)
-    spectrum = np.abs(np.fft.rfft(frames * window)) * 2 / window.sum()
+    windows = np.lib.stride_tricks.sliding_window_view(padded, _WINDOW)[::hop]
+    hann = np.hanning(_WINDOW)
+    spectrum = np.abs(np.fft.rfft(windows * hann)) * 2 / hann.sum()
     level = 20 * np.log10(spectrum + 1e-12).T
-    return np.arange(len(frames)) * hop / rate, np.fft.rfftfreq(_WINDOW, 1 / rate), level
+    return np.arange(len(windows)) * hop / rate, np.fft.rfftfreq(_WINDOW, 1 / rate), level

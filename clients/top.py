@@ -1,4 +1,4 @@
-"""A server's state as a live view in the terminal."""
+"""A live view of a server's state in the terminal."""
 
 import math
 import time
@@ -22,7 +22,7 @@ _SPOKEN = {"time", "device", "scheduling", "latency", "latency_requested", "late
 
 
 def top(client: Client, once: bool) -> None:
-    """Show the server's /status, once or until interrupted. TimeoutError or ConnectionError if it never answers."""
+    """Show the server's /status, once or until interrupted. TimeoutError or ConnectionError if it does not answer."""
     console = Console()
     first = view(client.status(), {})
     if once:
@@ -34,7 +34,7 @@ def top(client: Client, once: bool) -> None:
 
 
 def _views(client: Client) -> Iterator[RenderableType]:
-    """A picture every PERIOD."""
+    """A view every PERIOD; an error where the server does not answer."""
     before: dict[str, object] = {}
     while True:
         started = time.monotonic()
@@ -48,17 +48,17 @@ def _views(client: Client) -> Iterator[RenderableType]:
 
 
 def values(status: Message) -> dict[str, object]:
-    """A /status.reply by name: the nine values, then all that follow in pairs."""
+    """The values of a /status.reply by name: first nine by position, then pairs of name and value."""
     args = status.args
     return {**dict(zip(_NINE[1:], args[1:9], strict=True)), **dict(zip(map(str, args[9::2]), args[10::2], strict=True))}
 
 
 def view(status: Message, before: dict[str, object]) -> RenderableType:
-    """A picture of a /status.reply; counts of what goes wrong stand out where they have grown since `before`."""
+    """A view of a /status.reply; counts of trouble are red where they have changed since `before`."""
     now = values(status)
     head = Text.assemble(
         ("carom", "bold"), f"  {_clock(now['time'])}  {now['device']} at {now['rate']:.0f} Hz",
-        f" (really {now['rate_actual']:.1f}), {now['scheduling']}, latency {_latency(now)}",
+        f" (measured {now['rate_actual']:.1f}), {now['scheduling']}, latency {_latency(now)}",
     )  # fmt: skip
     load = Table.grid(padding=(0, 2))
     for name, share in (("load", now["load"]), ("peak", now["load_peak"])):
@@ -91,7 +91,7 @@ def _latency(now: dict[str, object]) -> str:
     told = [f"{1e3 * float(str(now['latency'])):.1f} ms"]
     requested, measured = float(str(now["latency_requested"])), float(str(now["latency_measured"]))
     if requested >= 0:
-        told.append(f"asked for {1e3 * requested:.1f}")
+        told.append(f"requested {1e3 * requested:.1f}")
     if measured > 0:
         told.append(f"measured {1e3 * measured:.1f}")
     return ", ".join(told)

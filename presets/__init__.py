@@ -1,1 +1,36 @@
-"""Built-in presets: materials, objects and strikers as TOML files, scores as text."""
+"""Presets: materials, strikers, surfaces and objects as TOML files, scores as text, and their public face.
+
+`Presets` finds them by name. What a value may be stands in `values`, the keys of each kind of file in `schema`,
+strikers, surfaces and objects in `kinds`, how objects' modes are made and kept in `making`, and the search through
+folders in `library`.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .kinds import ObjectPreset, StrikerPreset, SurfacePreset
+    from .library import BUILT_IN, KINDS, Presets
+    from .schema import PresetError
+
+__all__ = ["BUILT_IN", "KINDS", "ObjectPreset", "PresetError", "Presets", "StrikerPreset", "SurfacePreset"]
+
+_HOMES = {
+    "library": ("BUILT_IN", "KINDS", "Presets"),
+    "kinds": ("ObjectPreset", "StrikerPreset", "SurfacePreset"),
+    "schema": ("PresetError",),
+}
+
+
+def __getattr__(name: str) -> object:
+    """A public name, imported when it is first asked for: the shapes of objects need scipy, which is slow to load."""
+    for module, names in _HOMES.items():
+        if name in names:
+            return getattr(import_module(f"{__name__}.{module}"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -1,15 +1,15 @@
-"""Keeps the sound whole when there is too little time: quality steps down before it breaks up, and up again after.
+"""Chooses the quality by the load: it steps down before the sound breaks up, and up again when there is time.
 
-What it decides goes to the scene as /quality, so that a log of it renders to the same sound.
+Each choice goes to the session as /quality, so that a log renders to the same sound.
 """
 
 from ..dsp.engine.state import Quality
 from ..dsp.runtime.engine import Engine
 from .osc.wire import Message
 
-_TOO_MUCH = 0.8  # of the time there is, on average over a tenth of a second
-_LITTLE = 0.4  # on average over a second
-_BETWEEN = 0.2  # s from step to step downwards: as long as it takes to see what one brings
+_TOO_MUCH = 0.8  # load, averaged over a tenth of a second
+_LITTLE = 0.4  # load, averaged over a second
+_BETWEEN = 0.2  # s from step to step downwards: as long as it takes to see the effect of one
 _CALM = 4.0  # s of little load before a step upwards
 _LAST_FOR_BURSTS = Quality.QUIET
 
@@ -24,22 +24,21 @@ class Governor:
         self._overruns = 0
         self._best = Quality.FULL
 
-    def heed(self, message: Message) -> None:
-        """Don't go beyond the quality that a message asks for, if it does."""
+    def note_request(self, message: Message) -> None:
+        """If a message asks for a quality, never go beyond it from now on."""
         if message.address == "/quality":
             self._best = next((quality for quality in Quality if (quality,) == message.args), self._best)
 
     def decide(self, now: float) -> Quality | None:
-        """The quality from now (s) on, if it is to be another one; to be called regularly."""
-        quality = Quality(self._engine.counter("quality"))
-        load = self._engine.counter("load")
-        overruns = self._engine.counter("overruns")
-        # With little load on average it was the system that took the time; with more it was a burst of contacts.
+        """The quality to change to, None to stay; to be called every few hundredths of a second with the time (s)."""
+        quality, stats = self._engine.quality, self._engine.stats
+        load, overruns = stats.load, stats.overruns
+        # At little load an overrun is the system's doing, else that of a burst of contacts.
         burst = overruns > self._overruns and load > _LITTLE and quality < _LAST_FOR_BURSTS
         self._overruns = overruns
         if load > _LITTLE:
             self._calm_since = now
-        if burst or self._engine.counter("load_now") > _TOO_MUCH:
+        if burst or stats.load_now > _TOO_MUCH:
             if quality < max(Quality) and now - self._stepped >= _BETWEEN:
                 self._stepped = now
                 return Quality(quality + 1)

@@ -1,4 +1,4 @@
-"""What arrives, printed for whoever watches: never in the way of what plays."""
+"""Prints the messages that arrive, without ever holding up the server."""
 
 import queue
 import threading
@@ -6,24 +6,23 @@ from contextlib import suppress
 
 from .osc.wire import Message
 
-_WAITING = 1_000
+_MOST_WAITING = 1_000  # messages
 
 
-class Dump:
-    """Prints messages on stdout from a thread of its own; while nobody reads there, what doesn't fit is left out."""
+class Monitor:
+    """Prints messages on stdout from a thread of its own. While nobody reads there, it drops those that do not fit."""
 
     def __init__(self) -> None:
         self.on = True
-        self._lines: queue.Queue[str] = queue.Queue(_WAITING)
-        threading.Thread(target=self._print, name="carom-dump", daemon=True).start()
+        self._lines: queue.Queue[str] = queue.Queue(_MOST_WAITING)
+        threading.Thread(target=self._print, name="carom-monitor", daemon=True).start()
 
     def show(self, message: Message) -> None:
-        """Print a message, soon."""
+        """Print a message soon."""
         with suppress(queue.Full):
             self._lines.put_nowait(" ".join([ascii(message.address)[1:-1], *map(ascii, message.args)]))
 
     def _print(self) -> None:
-        # Until nobody is there to read any more.
-        with suppress(OSError):
+        with suppress(OSError):  # the reader has left
             while True:
                 print(self._lines.get(), flush=True)

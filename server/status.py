@@ -1,11 +1,10 @@
-"""What the server says of itself."""
+"""The replies to /status and /version, and warnings of what went wrong."""
 
 from importlib.metadata import version as installed_version
 
-from ..dsp.contact.accuracy import LEVELS
 from ..dsp.runtime.engine import Engine
 from .audio.supervisor import Player
-from .net.network import Network
+from .net.network import Network, Source
 from .osc.wire import Message
 
 _COUNTERS = (
@@ -20,65 +19,94 @@ _COUNTERS = (
     "underflows",
     "tap_lost",
 )
+_MOST_CLIENTS = 256  # whose last question is remembered
+
+
+class LowestGain:
+    """The limiter's lowest gain (amplitude, 1: it did nothing) since each client last asked."""
+
+    def __init__(self, engine: Engine) -> None:
+        self._engine = engine
+        self._since_any = 1.0
+        self._since: dict[Source, float] = {}  # who asked last comes last
+
+    def since_last_asked(self, client: Source) -> float:
+        """The lowest gain since this client last asked; at its first question, since any client did.
+
+        The audio thread lowers the engine's value while this reads it and sets it back to 1: of one quantum in between
+        the lowest gain may be lost, or be told again at the next question.
+        """
+        now = self._engine.take_limit_lowest()
+        self._since = {each: min(lowest, now) for each, lowest in self._since.items()}
+        answer = self._since.pop(client, min(self._since_any, now))
+        self._since[client] = self._since_any = 1.0
+        if len(self._since) > _MOST_CLIENTS:
+            del self._since[next(iter(self._since))]
+        return answer
 
 
 class Status:
-    """Answers /status and /version, and tells what went wrong since it was last asked."""
+    """Answers /status and /version, and tells what went wrong since the last look."""
 
     def __init__(self, engine: Engine, player: Player) -> None:
         self._engine = engine
         self._player = player
-        self._told = dict.fromkeys(_COUNTERS, 0)
+        self._lowest_gain = LowestGain(engine)
+        self._warned = dict.fromkeys(_COUNTERS, 0)
         self._object_faults = engine.state["objects"]["faults"].copy()
 
-    def reply(self, objects: int, network: Network, keeping: dict[str, str]) -> Message:
-        """/status.reply: the nine values of scsynth's (1, live modes, sounding objects, objects, contacts, average and
-        peak load in %, nominal and actual rate in Hz), then pairs of name and value; `keeping` says what becomes of the
-        files that are written."""
-        count = self._engine.counter
-        load = 100 * count("load"), 100 * count("load_peak")
+    def reply(self, client: Source, objects: int, network: Network, files: dict[str, str]) -> Message:
+        """/status.reply to a client, of a server with a number of objects and the states of its files.
+
+        It begins with scsynth's nine values (1, live modes, sounding objects, objects, contacts, average and peak load
+        in %, nominal and actual rate in Hz); pairs of name and value follow. Counters are since the server's start;
+        `limiter_lowest` is the limiter's lowest gain since this client last asked.
+        """
+        stats = self._engine.stats
+        load = 100 * stats.load, 100 * stats.load_peak
         rates = self._engine.rate, self._engine.measured_rate
-        nine = (1, count("live_modes"), count("sounding"), objects, count("contacts_active"), *load, *rates)
-        pairs = [item for name in _COUNTERS for item in (name, count(name))]
-        more = {
-            "queued": count("queued"),
-            "rolls": count("rolls_active"),
-            "accuracy": LEVELS[count("accuracy")],
-            "quality": count("quality"),
-            "overruns": count("overruns"),
-            "limiter_lowest": count("limit_lowest"),
+        nine = (1, stats.live_modes, stats.sounding, objects, stats.contacts_active, *load, *rates)
+        pairs = [item for name in _COUNTERS for item in (name, getattr(stats, name))]
+        more: dict[str, float | str] = {
+            "queued": self._engine.queued,
+            "rolls": stats.rolls_active,
+            "accuracy": self._engine.accuracy,
+            "quality": int(self._engine.quality),
+            "overruns": stats.overruns,
+            "limiter_lowest": self._lowest_gain.since_last_asked(client),
             "latency": self._player.latency,
             "latency_requested": -1.0 if self._player.requested is None else self._player.requested,
-            "latency_measured": count("latency_measured"),
-            "late_last_ms": 1e3 * count("late_last"),
-            "late_worst_ms": 1e3 * count("late_worst"),
+            "latency_measured": stats.latency_measured,
+            "late_last_ms": 1e3 * stats.late_last,
+            "late_worst_ms": 1e3 * stats.late_worst,
             "device": self._player.name,
             "reconnects": self._player.reconnects,
             "scheduling": self._player.scheduling,
             **network.counts,
             "connections": network.connections,
-            **keeping,
+            **files,
             "time": self._engine.position / self._engine.rate,
         }
         return Message("/status.reply", (*nine, *pairs, *(item for pair in more.items() for item in pair)))
 
     def warnings(self, names: dict[int, str]) -> list[str]:
-        """What went wrong since the last call, a line each; `names` are the objects' by slot."""
+        """A line for each thing that went wrong since the last call; `names` are the objects' by slot."""
         lines = []
+        stats = self._engine.stats
         for name, text in (
-            ("contacts_dropped", "{} contacts left out: too many at once"),
-            ("late", "{} events came too late for their time and were played at once, the last by {late_last:.1f} ms"),
-            ("tap_lost", "{} frames are missing in the recording: the disk is too slow"),
-            ("underflows", "{} times the device was not served in time"),
+            ("contacts_dropped", "{} contacts dropped: the engine was full"),
+            ("late", "{} late events were played at once; the last was {late_last:.1f} ms late"),
+            ("tap_lost", "{} frames are missing from the recording: the disk is too slow"),
+            ("underflows", "the device ran out of sound {} times"),
         ):
-            now = self._engine.counter(name)
-            if now > self._told[name]:
-                late_last = 1e3 * self._engine.counter("late_last")
-                lines.append(text.format(now - self._told[name], late_last=late_last))
-                self._told[name] = now
+            now = getattr(stats, name)
+            if now > self._warned[name]:
+                late_last = 1e3 * stats.late_last
+                lines.append(text.format(now - self._warned[name], late_last=late_last))
+                self._warned[name] = now
         faults = self._engine.state["objects"]["faults"][0]
         for slot in (faults > self._object_faults[0]).nonzero()[0]:
-            lines.append(f"object {names.get(int(slot), '(freed)')} was silenced: its sound was not finite")
+            lines.append(f"object {names.get(int(slot), '(freed)')} was silenced: its output was not finite")
         self._object_faults[0] = faults
         return lines
 

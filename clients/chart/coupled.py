@@ -1,7 +1,7 @@
 """What the study draws of contacts with objects that give way: errors, energy and counts against cost."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -9,10 +9,8 @@ from matplotlib.lines import Line2D
 
 from ...dsp.contact.sampled import METHODS
 from ...dsp.study.comparison import BANDS
-from .figures import COLOURS, TITLES
-
-if TYPE_CHECKING:
-    from .run import Row
+from .style import COLOURS, TITLES
+from .tables import Row
 
 _STYLES: dict[str, dict[str, Any]] = {
     **{name: {"color": COLOURS[name], "marker": "o", "markersize": 2.5, "label": TITLES[name]} for name in METHODS},
@@ -28,7 +26,7 @@ _WORST_ERROR = 20.0  # dB: worse ones are drawn there
 _LEAST_GROWTH, _MOST_GROWTH = 1e-10, 1e4
 
 
-def coupled(rows: "list[Row]") -> Figure:
+def coupled(rows: list[Row]) -> Figure:
     """Errors of the object's velocity, energy and contact counts against cost; a column for each of BANDS."""
     figure = Figure(figsize=(11, 8.4))
     axes = figure.subplots(3, len(BANDS), sharex=True, sharey="row")
@@ -58,19 +56,19 @@ def coupled(rows: "list[Row]") -> Figure:
     return figure
 
 
-def _us(rows: "list[Row]") -> list[float]:
+def _us(rows: list[Row]) -> list[float]:
     return [row["ns_per_contact"] / 1e3 for row in rows]
 
 
-def _growth(row: "Row") -> float:
-    return min(max(row["growth"], _LEAST_GROWTH), _MOST_GROWTH)
+def _growth(row: Row) -> float:
+    return min(max(float(row["growth"]), _LEAST_GROWTH), _MOST_GROWTH)
 
 
-def _plot(ax: Axes, rows: "list[Row]", value: "Callable[[Row], float]") -> None:
+def _plot(ax: Axes, rows: list[Row], value: Callable[[Row], float]) -> None:
     ax.plot(_us(rows), list(map(value, rows)), **_STYLES[rows[0]["solver"]])
 
 
-def _errors(ax: Axes, rows: "list[Row]") -> None:
+def _errors(ax: Axes, rows: list[Row]) -> None:
     median, ninety = ([min(row[name], _WORST_ERROR) for row in rows] for name in ("median_dB", "ninety_dB"))
     ax.vlines(_us(rows), median, ninety, color=_STYLES[rows[0]["solver"]]["color"], linewidth=1, alpha=0.5)
     _plot(ax, rows, lambda row: min(row["median_dB"], _WORST_ERROR))

@@ -1,1 +1,98 @@
-"""Carom: hear bodies hit, bounce and roll."""
+"""Carom: hear bodies hit, bounce and roll.
+
+Render a score to an array, or play a scene of your own, in this process and as fast as it computes:
+
+    import carom
+
+    with carom.Scene(rate=48000) as scene:
+        plate = scene.new("plate", "steel-plate", thickness=0.002)
+        plate.impact(1.5, position=0.3, striker="wood", at=0.1)  # m/s, and seconds
+        plate.bounce(0.2, striker="ping-pong", at=0.5)           # dropped from 0.2 m
+        sound = scene.render(seconds=2.0)
+    sound.save("plate.wav")                                      # sound.samples: float32 (96000, 2)
+
+`carom.render(score)` does the same for a score: a file's Path, a text, or lines. `carom.Client` plays on a running
+server (`carom serve`) over OSC. `carom.Presets` has the objects, strikers, materials and surfaces there are; on the
+command line, `carom presets` lists them. `carom.dsp` holds the contact law, its closed forms and the modes of bodies.
+
+Units are SI, but for levels (dB), tuning (semitones) and angles (degrees). What cannot be carried out raises an error
+that names the culprit, its value and what was expected: CommandError from a Scene or a Client, ScoreError, RenderError
+or PresetError elsewhere.
+
+Nothing is loaded before it is asked for. The very first sound on a machine compiles the engine (20 to 40 s).
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from . import dsp as dsp
+    from .clients.actions import CommandError as CommandError
+    from .clients.client import Client as Client
+    from .contacts import Contact as Contact
+    from .modes import ModeTable as ModeTable
+    from .offline import render as render
+    from .presets import PresetError as PresetError
+    from .presets import Presets as Presets
+    from .report import Report as Report
+    from .scene import Object as Object
+    from .scene import Scene as Scene
+    from .server.osc.score import ScoreError as ScoreError
+    from .server.render import RenderError as RenderError
+    from .sound import Sound as Sound
+
+    __version__: str
+
+_HOMES = {
+    "Client": "clients.client",
+    "CommandError": "clients.actions",
+    "Contact": "contacts",
+    "ModeTable": "modes",
+    "Object": "scene",
+    "PresetError": "presets",
+    "Presets": "presets",
+    "RenderError": "server.render",
+    "Report": "report",
+    "Scene": "scene",
+    "ScoreError": "server.osc.score",
+    "Sound": "sound",
+    "render": "offline",
+}
+"""The module of each public name."""
+
+__all__ = [
+    "Client",
+    "CommandError",
+    "Contact",
+    "ModeTable",
+    "Object",
+    "PresetError",
+    "Presets",
+    "RenderError",
+    "Report",
+    "Scene",
+    "ScoreError",
+    "Sound",
+    "__version__",
+    "dsp",
+    "render",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOMES:
+        value = getattr(import_module(f".{_HOMES[name]}", __name__), name)
+    elif name == "dsp":
+        value = import_module(".dsp", __name__)
+    elif name == "__version__":
+        from importlib.metadata import version
+
+        value = version("carom")
+    else:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

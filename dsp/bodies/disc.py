@@ -1,21 +1,26 @@
 """Round plates and membranes, by Bessel functions."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
+from functools import cache, lru_cache
+from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
-from .material import Material
-from .modes import MOST_MODES, Array, Modes, audible, path, require_choice, require_positive
-from .ring import doublets
+from .material import Array, Material
+from .modes import MOST_MODES, Indices, Modes, audible, path, read_only, require_choice, require_positive
+from .ring import Doublets, doublets
 
 EDGES = ("free", "clamped", "supported")
+_STEP = 0.6  # of the grid of wavenumbers
+_FALSI_STEPS = 12
+_TABLE_STEP = 0.2  # of Bessel functions: cubic Hermite interpolation errs by its fourth power over 384
+
 PICKUPS = ((0.83, 13.0), (0.61, -49.0))
 
-# radii (p,) in 0..1, roots (k,), orders (k,) -> mass-normalised radial shapes (p, k)
 Radial = Callable[[Array, Array, Array], Array]
+"""Radii (p,) in 0..1, roots (k,), orders (k,) -> mass-normalised radial shapes (p, k)."""
 
 
 def disc(
@@ -31,10 +36,10 @@ def disc(
 ) -> Modes:
     """A thin round plate (Kirchhoff), its edge free, clamped or simply supported.
 
-    radius and thickness in m; the strike path is a diameter, from edge (0) over the centre (0.5) to edge (1);
-    pickups: (fraction of the radius, angle in degrees from the end 1 of the path); split and imperfection as
-    in `doublets`. f = lambda^2 / (2 pi R^2) sqrt(D / (rho h)), lambda the roots of the edge's two conditions
-    on J_n(lambda r) + c I_n(lambda r) (Leissa, Vibration of Plates, NASA SP-160, 1969).
+    radius and thickness in m, top in Hz; the strike path is a diameter, from edge (0) over the centre (0.5) to edge
+    (1); pickups: (fraction of the radius, angle in degrees from the end 1 of the path); split and imperfection as in
+    `ring.doublets`. ValueError names what is out of range. f = lambda^2/(2 pi R^2) sqrt(D/(rho h)), lambda the roots of
+    the edge's two conditions on J_n(lambda r) + c I_n(lambda r) (Leissa, Vibration of Plates, NASA SP-160, 1969).
     """
     require_positive(radius=radius, thickness=thickness)
     require_choice("edge", edge, EDGES)
@@ -45,9 +50,12 @@ def disc(
     mass = areal * math.pi * radius**2
 
     def radial(r: Array, root: Array, order: Array) -> Array:
-        return _plate_shapes(edge, material.poisson_ratio, mass, r, root, order)
+        shapes, square = _plate_shapes(edge, material.poisson_ratio, r.tobytes(), root.tobytes(), order.tobytes())
+        return 1 / np.sqrt(2 * square * mass * np.where(order == 0, 1.0, 0.5)) * shapes
 
-    return _round(material, unit * root**2, order, root, mass, top, split, imperfection, pickups, radial)
+    return _round(
+        material, _Round(unit * root**2, order, root, mass, radial), Doublets(split, imperfection), top, pickups
+    )
 
 
 def membrane(
@@ -62,10 +70,10 @@ def membrane(
     imperfection: float = 20.0,
     pickups: tuple[tuple[float, float], tuple[float, float]] = PICKUPS,
 ) -> Modes:
-    """A round membrane held at its edge, in vacuo: f = j_(n,m) / (2 pi R) sqrt(T / (rho h)), j the zeros of
-    J_n.
+    """A round membrane held at its edge, in vacuo.
 
     radius and thickness in m; either tension T (N/m) or fundamental (Hz); the rest as for `disc`.
+    f = j_(n,m)/(2 pi R) sqrt(T/(rho h)), j_(n,m) the zeros of J_n.
     """
     require_positive(radius=radius, thickness=thickness, tension=tension, fundamental=fundamental)
     areal = material.density * thickness
@@ -83,9 +91,20 @@ def membrane(
 
         # int_0^1 r J_n(j r)^2 dr = J_(n+1)(j)^2 / 2
         peak = 1 / np.sqrt(mass * np.where(order == 0, 1.0, 0.5)) / np.abs(jv(order + 1, root))
-        return peak * _bessel(order, np.outer(r, root))
+        shapes: Array = peak * _bessel(order, np.outer(r, root))
+        return shapes
 
-    return _round(material, unit * root, order, root, mass, top, split, imperfection, pickups, radial)
+    return _round(material, _Round(unit * root, order, root, mass, radial), Doublets(split, imperfection), top, pickups)
+
+
+class _Round(NamedTuple):
+    """A round body: frequencies (Hz), orders and roots of its modes (k,), its mass (kg), and its radial shapes."""
+
+    frequency: Array
+    order: Array
+    root: Array
+    mass: float
+    radial: Radial
 
 
 def _enough(members: int) -> float:
@@ -93,19 +112,19 @@ def _enough(members: int) -> float:
     return math.sqrt(8 * MOST_MODES / members) + 8
 
 
+_RUNGS = (_enough(2) / 4, _enough(2) / 2, _enough(2), _enough(1))
+"""The limits up to which roots are searched: few searches serve all discs, and that for few modes takes little time."""
+
+
 def _round(
     material: Material,
-    frequency: Array,
-    order: Array,
-    root: Array,
-    mass: float,
+    body: _Round,
+    members: Doublets,
     top: float,
-    split: float,
-    imperfection: float,
     pickups: tuple[tuple[float, float], tuple[float, float]],
-    radial: Radial,
 ) -> Modes:
-    frequency, which, phase = doublets(frequency, order, split, imperfection)
+    frequency, order, root, mass, radial = body
+    frequency, which, phase = doublets(frequency, order, *members)
     keep = audible(frequency, top)
     frequency, phase = frequency[keep], phase[keep]
     base, member = np.unique(which[keep], return_inverse=True)
@@ -114,20 +133,21 @@ def _round(
     right = np.linspace(0, 1, path(2 * root.max()).size // 2 + 1)
     radius, degrees = np.transpose(pickups)
     along = radial(np.concatenate([right, radius]), root, order)[:, member]
-    diameter = np.concatenate([along[right.size - 1 : 0 : -1], along[: right.size]])
-    angle = np.repeat([math.pi, 0.0], [right.size - 1, right.size])
     order = order[member]
+    far, near = np.cos(np.outer([math.pi, 0.0], order) - phase)
+    diameter = np.concatenate([along[right.size - 1 : 0 : -1] * far, along[: right.size] * near])
     return Modes(
         frequency=frequency,
         decay=material.decay(frequency),
-        strike=diameter * np.cos(np.outer(angle, order) - phase),
+        strike=diameter,
         pickup=along[right.size :] * np.cos(np.outer(np.radians(degrees), order) - phase),
         mass=mass,
     )
 
 
+@lru_cache(maxsize=2)  # of single modes and of doublets; 50 ms each
 def _membrane_roots(limit: float) -> tuple[Array, Array]:
-    """Orders n and roots j of J_n(j) = 0, 0 < j < limit."""
+    """Orders n and roots j of J_n(j) = 0, 0 < j < limit; read-only."""
     from scipy.special import jn_zeros
 
     orders, roots = [], []
@@ -136,23 +156,34 @@ def _membrane_roots(limit: float) -> tuple[Array, Array]:
         zeros = zeros[zeros < limit]
         orders.append(np.full(zeros.size, float(n)))
         roots.append(zeros)
-    return np.concatenate(orders), np.concatenate(roots)
+    order, root = np.concatenate(orders), np.concatenate(roots)
+    read_only(order, root)
+    return order, root
 
 
 def _bessel(order: Array, x: Array) -> Array:
     """J_n(x) of whole orders (k,) at x (p, k), within 5e-6; from a table, as many points share few orders."""
-    from scipy.special import jv
-
-    step = 0.2  # cubic Hermite interpolation errs by step^4 / 384
-    grid = np.arange(0, x.max() + 2 * step, step)
-    table = jv(np.arange(-1, order.max() + 2)[:, None], grid)
-    slopes = (table[:-2] - table[2:]) * step / 2  # J_n' = (J_(n-1) - J_(n+1)) / 2
-    table = table[1:-1]
-    n, (t, cell) = order.astype(int), np.modf(x / step)
+    table, slopes = _bessel_table()
+    n, (t, cell) = order.astype(int), np.modf(x / _TABLE_STEP)
     i = cell.astype(int)
     left, right = table[n, i], table[n, i + 1]
     bow_left, bow_right = slopes[n, i] - (right - left), (right - left) - slopes[n, i + 1]
-    return left + t * (right - left) + t * (1 - t) * ((1 - t) * bow_left + t * bow_right)
+    value: Array = left + t * (right - left) + t * (1 - t) * ((1 - t) * bow_left + t * bow_right)
+    return value
+
+
+@cache  # 0.8 MB in all, 40 ms
+def _bessel_table() -> tuple[Array, Array]:
+    """J_n of the orders n from 0 and its change in a step, at the steps from 0, as far as roots go; read-only."""
+    from scipy.special import jv
+
+    step, most = _TABLE_STEP, _enough(1)
+    grid = np.arange(0, most + 2 * step, step)
+    table = jv(np.arange(-1.0, math.ceil(most) + 1)[:, None], grid)
+    slopes = (table[:-2] - table[2:]) * step / 2  # J_n' = (J_(n-1) - J_(n+1)) / 2
+    table = table[1:-1]
+    read_only(table, slopes)
+    return table, slopes
 
 
 def _conditions(edge: str, nu: float, root: Array, order: Array) -> tuple[Array, Array, Array, Array]:
@@ -182,35 +213,72 @@ def _conditions(edge: str, nu: float, root: Array, order: Array) -> tuple[Array,
     )
 
 
+class _Search(NamedTuple):
+    """A search for roots: the orders and the cells of the grid (k,) in which they lie, and after each step (s, k)
+    the roots, which of them are settled, and which are exact."""
+
+    order: Array
+    cell: Indices
+    root: Array
+    settled: npt.NDArray[np.bool_]
+    exact: npt.NDArray[np.bool_]
+
+
 def _plate_roots(edge: str, nu: float, limit: float) -> tuple[Array, Array]:
     """Orders n and roots lambda of the determinant of the edge's conditions, 0 < lambda < limit."""
+    search = _search(edge, nu, min(rung for rung in _RUNGS if rung >= limit))
+    mine = (search.order <= math.ceil(limit)) & (search.cell < _grid(limit).size - 1)
+    # These alone decide which step is their last, so that a root does not depend on the rung, to the bit.
+    over = search.settled[:, mine].all(axis=1) | search.exact[:, mine].all(axis=1)
+    order, root = search.order[mine], search.root[np.argmax(over) if over.any() else -1, mine]
+    found = root < limit
+    return order[found], root[found]
+
+
+@lru_cache(maxsize=64)  # 10 MB at most; up to 150 ms each, of use for discs of any size
+def _search(edge: str, nu: float, limit: float) -> _Search:
+    """The search for the roots up to a limit, read-only."""
 
     def determinant(root: Array, order: Array) -> Array:
         j1, j2, i1, i2 = _conditions(edge, nu, root, order)
         return j1 * i2 - j2 * i1
 
-    # for one n the roots lie about pi apart, the first of them above n / 2
-    grid = np.arange(0.6, limit + 1, 0.6)
+    # For one n the roots lie about pi apart, the first of them above n/2.
+    grid = _grid(limit)
     orders = np.arange(math.ceil(limit) + 1.0)
     value = determinant(grid[None], orders[:, None])
-    row, column = np.nonzero(np.signbit(value[:, :-1]) != np.signbit(value[:, 1:]))
-    low, high, order = grid[column], grid[column + 1], orders[row]
-    at_low, at_high = value[row, column], value[row, column + 1]
-    for _ in range(12):  # regula falsi, the stale end's value halved (Illinois): to rounding in 8 to 11 steps
+    row, cell = np.nonzero(np.signbit(value[:, :-1]) != np.signbit(value[:, 1:]))
+    low, high, order = grid[cell], grid[cell + 1], orders[row]
+    at_low, at_high = value[row, cell], value[row, cell + 1]
+    steps = []
+    for _ in range(_FALSI_STEPS):  # regula falsi, the stale end's value halved (Illinois): to rounding in 8 to 11 steps
         root = (low * at_high - high * at_low) / (at_high - at_low)
         at_root = determinant(root, order)
         crossed = np.signbit(at_root) != np.signbit(at_high)
         low, at_low = np.where(crossed, high, low), np.where(crossed, at_high, at_low / 2)
         high, at_high = root, at_root
-        if np.all(np.abs(high - low) < 1e-13 * high) or not np.any(at_root):
+        steps.append((root, np.abs(high - low) < 1e-13 * high, at_root == 0))
+        if steps[-1][1].all() or steps[-1][2].all():
             break
-    found = high < limit
-    return order[found], high[found]
+    search = _Search(order, cell, *map(np.array, zip(*steps, strict=True)))
+    read_only(*search)
+    return search
 
 
-def _plate_shapes(edge: str, nu: float, mass: float, r: Array, root: Array, order: Array) -> Array:
+def _grid(limit: float) -> Array:
+    """Wavenumbers at which the sign of a determinant is looked at, to find roots up to a limit."""
+    return np.arange(_STEP, limit + 1, _STEP)
+
+
+@lru_cache(maxsize=16)  # 20 MB at most; 100 ms each
+def _plate_shapes(edge: str, nu: float, *columns: bytes) -> tuple[Array, Array]:
+    """Radial shapes (p, k) J + c I and the integrals (k,) of r times their squares; read-only.
+
+    columns: bytes, which can be a key, of radii (p,) in 0..1, roots (k,), orders (k,).
+    """
     from scipy.special import ive, jv
 
+    r, root, order = (np.frombuffer(column) for column in columns)
     j1, j2, i1, i2 = _conditions(edge, nu, root, order)
     second = np.abs(i2) > np.abs(i1)  # the better conditioned of the two
     c = -np.where(second, j2, j1) / np.where(second, i2, i1)
@@ -222,8 +290,9 @@ def _plate_shapes(edge: str, nu: float, mass: float, r: Array, root: Array, orde
     square = 0.5 * (dj**2 + (1 - ratio) * j**2)
     square += c**2 * 0.5 * ((1 + ratio) - di**2)
     square += 2 * c * (j * di - dj) / (2 * root)
-    peak = 1 / np.sqrt(2 * square * mass * np.where(order == 0, 1.0, 0.5))
 
     x = np.outer(r, root)
     growing = ive(order, x) / ive(order, root) * np.exp(x - root)
-    return peak * (jv(order, x) + c * growing)
+    shapes: Array = jv(order, x) + c * growing
+    read_only(shapes, square)
+    return shapes, square

@@ -1,6 +1,4 @@
-"""Materials: elasticity, density, damping, and the stiffness of a Hertzian contact."""
-
-from __future__ import annotations
+"""Materials: elasticity, density, damping, and the contact law of two bodies by Hertz."""
 
 import math
 from dataclasses import dataclass
@@ -10,12 +8,22 @@ import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
 
+HERTZ_EXPONENT = 1.5
+
+CONTACT_RADIUS = 0.01
+"""m: the radius of contact of a body of which none is given. Rims, corners and edges of household things, and the tips
+of mallets, are round by 3 to 30 mm, and 10 mm is the middle of these. The contact time goes with the radius to the
+power of -1/5, so it is 1.25 times longer or shorter at either end.
+"""
+
 
 @dataclass(frozen=True)
 class Material:
     """An isotropic material with Rayleigh damping and a constant loss factor.
 
-    density kg/m^3, youngs_modulus Pa, poisson_ratio, alpha 1/s, beta s, loss_factor (dimensionless).
+    density (kg/m^3), youngs_modulus (Pa), poisson_ratio, alpha (1/s), beta (s), loss_factor: see `decay`.
+    dissipation (s/m) is the mu of Hunt and Crossley's law when a body of the material meets a rigid one at about 1 m/s:
+    what friction inside, yielding and waves take away in all. Its default gives a restitution of 0.88 at 1 m/s.
     """
 
     name: str
@@ -25,22 +33,23 @@ class Material:
     alpha: float
     beta: float
     loss_factor: float = 0.0
+    dissipation: float = 0.2
 
     @property
     def shear_modulus(self) -> float:
-        """G = E / (2 (1 + nu)), Pa."""
+        """G = E/(2 (1 + nu)) in Pa."""
         return self.youngs_modulus / (2 * (1 + self.poisson_ratio))
 
     @property
     def contact_modulus(self) -> float:
-        """E / (1 - nu^2), Pa: also the modulus of a plate in bending."""
+        """E/(1 - nu^2) in Pa: also the modulus of a plate in bending."""
         return self.youngs_modulus / (1 - self.poisson_ratio**2)
 
     def decay(self, frequency: npt.ArrayLike) -> Array:
-        """Amplitude decay rates sigma (1/s) of modes at `frequency` (Hz, any shape).
+        """Amplitude decay rates sigma (1/s) of modes at `frequency` (Hz), float64 of its shape.
 
-        A mode's amplitude falls as exp(-sigma t), sigma = (alpha + eta omega + beta omega^2) / 2,
-        so T60 = ln(1000) / sigma.
+        A mode's amplitude falls as exp(-sigma t), sigma = (alpha + loss_factor omega + beta omega^2)/2, so that
+        T60 = ln(1000)/sigma.
         """
         omega = 2 * np.pi * np.asarray(frequency, dtype=np.float64)
         return 0.5 * (self.alpha + omega * (self.loss_factor + self.beta * omega))
@@ -49,8 +58,9 @@ class Material:
 def hertz(body: Material, radius: float, other: Material | None = None, other_radius: float = math.inf) -> float:
     """Stiffness k (N/m^1.5) of the contact F = k x^1.5 between two spheres.
 
-    Radii in m; an infinite one is a plane. Without `other`, the second body is rigid.
-    k = 4/3 E* sqrt(R*), 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2, 1/R* = 1/R1 + 1/R2 (Hertz 1882).
+    Radii in m; an infinite one is a plane. Without `other`, the second body is rigid. ValueError names radii that make
+    no contact. k = 4/3 E* sqrt(R*), 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2, 1/R* = 1/R1 + 1/R2: H. Hertz, "Ueber die
+    Berührung fester elastischer Körper", 1882.
     """
     if not radius > 0 or not other_radius > 0:
         raise ValueError(f"radius = {radius}, other_radius = {other_radius}: expected positive lengths in m")
@@ -59,3 +69,25 @@ def hertz(body: Material, radius: float, other: Material | None = None, other_ra
     if curvature == 0:
         raise ValueError(f"radius = {radius}, other_radius = {other_radius}: expected at least one finite radius")
     return 4 / 3 / compliance / math.sqrt(curvature)
+
+
+def contact_between(striker: Material, struck: Material, radius: float = CONTACT_RADIUS) -> tuple[float, float, float]:
+    """The contact law of two elastic bodies: stiffness (N/m^1.5), dissipation (s/m) and exponent (1.5).
+
+    `radius` (m) is the striker's where they touch; the struck body is a plane there. ValueError if it is not positive.
+    Stiffness and exponent are those of Hertz (1882), see `hertz`.
+
+    The dissipation is mu = s_1 mu_1 + s_2 mu_2 with s_i = C_i/(C_1 + C_2), C_i = (1 - nu_i^2)/E_i: the mean of the
+    materials' own, each with the share s_i of the compression that its body takes. Both feel the same force, so s_i is
+    the body's share of the energy too, of which it loses the part 1 - e_i^2. So 1 - e^2 = s_1 (1 - e_1^2) +
+    s_2 (1 - e_2^2): the composite restitution of Coaplen, Stronge and Ravani (2004). As Hunt and Crossley's law has
+    1 - e^2 = (4/3) mu v to first order in mu v, the same mean holds for mu.
+
+    Limits: at 1 m/s the restitution is that of the composite rule within 0.006 for dissipations up to 0.2 s/m, and
+    within 0.023 up to 0.45. Away from 1 m/s the law itself errs: its 1 - e grows as v, that of bodies that yield much
+    more slowly (Johnson 1985: e goes as v^(-1/4)). Hertz holds for smooth bodies, small strain, and a contact that is
+    small beside the radius: a soft body that is squeezed flat is stiffer in truth.
+    """
+    stiffness = hertz(striker, radius, struck)
+    share = struck.contact_modulus / (striker.contact_modulus + struck.contact_modulus)  # of the striker: s_1
+    return stiffness, share * striker.dissipation + (1 - share) * struck.dissipation, HERTZ_EXPONENT

@@ -1,15 +1,15 @@
-"""The modes of a body, as every shape gives them, and what the shapes share in making them."""
-
-from __future__ import annotations
+"""The modes of a body, and the steps that all shapes share in computing them."""
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from .material import Array
+
 Indices = npt.NDArray[np.intp]
 
 MOST_MODES = 1024
@@ -21,10 +21,9 @@ PATH_STEP = 0.6  # rad of the shortest wave between two positions: cubic interpo
 class Modes:
     """The audible modes of a body: w(x, t) = sum_i phi_i(x) q_i(t), q'' + 2 sigma q' + omega^2 q = phi(x) F.
 
-    frequency (n,) Hz, ascending; decay (n,) 1/s, the sigma above;
-    strike (P, n) kg^-1/2: mass-normalised shapes at P equally spaced positions 0..1 along the strike path
-    (P = 1: the position does not matter); pickup (2, n) kg^-1/2: shapes at the left and right pickup;
-    mass: kg, of the whole body.
+    frequency (n,) in Hz, ascending. decay (n,) in 1/s: the sigma above. strike (P, n) in kg^-1/2: mass-normalised
+    shapes at P equally spaced positions 0..1 along the strike path; P = 1 where the position does not matter.
+    pickup (2, n) in kg^-1/2: shapes at the left and the right pickup. mass of the whole body in kg. All float64.
     """
 
     frequency: Array
@@ -43,11 +42,11 @@ def listed(
     top: float,
     weight: float | Sequence[float] = 1.0,
 ) -> Modes:
-    """Modes given one by one: frequencies (Hz), decay times T60 (s), modal masses (kg), weights at the
-    pickups.
+    """Modes given one by one, those up to `top` (Hz).
 
-    A single modal mass or weight holds for every mode; `mass` (kg) is that of the whole body.
-    A modal mass belongs to a shape that is 1 at the striking point; the position does not matter.
+    frequency (Hz), t60 (decay times, s), modal_mass (kg) and weight at the pickups: (n,) each; a single modal mass or
+    weight holds for every mode. mass (kg) is that of the whole body. A modal mass belongs to a shape that is 1 at the
+    striking point; the position does not matter. ValueError names what does not fit.
     """
     frequencies = np.asarray(frequency, dtype=np.float64)
     columns = {"t60": t60, "modal_mass": modal_mass, "weight": weight}
@@ -78,19 +77,25 @@ def audible(frequency: Array, top: float) -> Indices:
     return heard[:MOST_MODES]
 
 
+def read_only(*arrays: npt.NDArray[Any]) -> None:
+    """Make arrays that are kept for later safe from whoever gets them."""
+    for array in arrays:
+        array.flags.writeable = False
+
+
 def path(radians: float) -> Array:
     """Equally spaced positions 0..1 along a path that the shortest wave crosses in `radians` of phase."""
     return np.linspace(0, 1, max(5, 2 * math.ceil(radians / (2 * PATH_STEP)) + 1))
 
 
 def require_positive(**values: float | None) -> None:
-    """ValueError naming the first of the values that is given and is not a positive number."""
+    """Raise ValueError naming the first of the values that is given and is not a positive number."""
     for name, value in values.items():
         if value is not None and not 0 < value < math.inf:
             raise ValueError(f"{name} = {value}: expected a positive number")
 
 
 def require_choice(name: str, value: str, choices: Sequence[str]) -> None:
-    """ValueError naming `value` if it is none of `choices`."""
+    """Raise ValueError naming `value` if it is none of `choices`."""
     if value not in choices:
         raise ValueError(f"{name} = {value}: expected one of {', '.join(choices)}")

@@ -1,14 +1,13 @@
 """Rectangular plates with any edges."""
 
-from __future__ import annotations
-
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
 
-from .material import Material
-from .modes import Array, Indices, Modes, audible, path, require_choice, require_positive
+from .material import Array, Material
+from .modes import Indices, Modes, audible, path, require_choice, require_positive
 
 EDGES = ("free", "clamped", "supported")
 RESERVE = 2.0  # beam products up to this times the highest wanted frequency make the series
@@ -33,32 +32,49 @@ def plate(
 ) -> Modes:
     """A thin rectangular plate (Kirchhoff), each edge free, clamped or simply supported.
 
-    Lengths in m; edges at x = 0, x = length, y = 0, y = width; strike path from a point to another, these and
-    the pickups as fractions (x, y) of the sides.
+    Lengths in m, top in Hz; edges at x = 0, x = length, y = 0, y = width; the strike path leads from a point to
+    another; these and the pickups are fractions (x, y) of the sides. ValueError names what is out of range.
 
-    Ritz's method on D/2 int (lap w)^2 - 2 (1 - nu) (w_xx w_yy - w_xy^2) (Leissa, J. Sound Vib. 31, 1973), in
-    products of the modes of the two beams with the same edges; symmetrical edges split it by parity.
+    Ritz's method on D/2 int (lap w)^2 - 2 (1 - nu) (w_xx w_yy - w_xy^2) (Leissa, J. Sound Vib. 31, 1973), in products
+    of the modes of the two beams with the same edges; symmetrical edges split it by parity.
     """
     require_positive(length=length, width=width, thickness=thickness)
     for edge in edges:
         require_choice("edges", edge, EDGES)
     areal = material.density * thickness
     speed = math.sqrt(material.contact_modulus * thickness**3 / 12 / areal)  # sqrt(D / (rho h)), m^2/s
-    nu = material.poisson_ratio
     wavenumber = math.sqrt(2 * math.pi * top / speed)
     along = _Beam(edges[0], edges[1], length, wavenumber)
     across = _Beam(edges[2], edges[3], width, wavenumber)
+    blocks, complete = _solve(along, across, wavenumber, material.poisson_ratio)
+    squares = np.concatenate([block.square for block in blocks])
+    frequency = speed * np.sqrt(np.maximum(squares, 0)) / (2 * math.pi)
+    keep = audible(frequency, min(top, speed * complete / (2 * math.pi)))
+    frequency = frequency[keep]
 
+    span = math.hypot((path_to[0] - path_from[0]) * length, (path_to[1] - path_from[1]) * width)
+    positions = path(math.sqrt(2 * math.pi * frequency[-1] / speed) * span)[:, None]
+    points = np.concatenate([np.asarray(path_from) * (1 - positions) + np.asarray(path_to) * positions, pickups])
+    shapes = _shapes(blocks, keep, along.value(points[:, 0]), across.value(points[:, 1])) / math.sqrt(areal)
+    return Modes(
+        frequency=frequency,
+        decay=material.decay(frequency),
+        strike=shapes[:-2],
+        pickup=shapes[-2:],
+        mass=areal * length * width,
+    )
+
+
+def _solve(along: "_Beam", across: "_Beam", wavenumber: float, nu: float) -> tuple[list["_Block"], float]:
+    """Ritz's eigenvalue problem, block by block, and the square of the wavenumber up to which it has all modes."""
     estimate = along.square[:, None] + across.square
     ranked = np.sort(estimate, axis=None)
     least, most = (ranked[min(count, ranked.size) - 1] for count in (LEAST_PRODUCTS, MOST_PRODUCTS))
-    # a limit in wavenumber, not in number, so that the two products of a square's doublets stay together
+    # A limit in wavenumber, not in number, so that the two products of a square's doublets stay together.
     limit = (1 + 1e-9) * min(max(RESERVE * wavenumber**2, least), most)
     ix, iy = np.nonzero(estimate <= limit)
-    complete = min(limit, along.square.max(), across.square.max()) / RESERVE  # a vast plate's series ends early
     classes = 2 * along.parity[ix] + across.parity[iy]
-
-    squares, blocks = [], []
+    blocks = []
     for group in np.unique(classes):
         member = classes == group
         jx, jy = ix[member], iy[member]
@@ -67,34 +83,32 @@ def plate(
         energy = nu * (mixed + mixed.T) + 2 * (1 - nu) * along.slopes[x] * across.slopes[y]
         energy += along.bends[x] * np.equal.outer(jy, jy) + np.equal.outer(jx, jx) * across.bends[y]
         square, vector = np.linalg.eigh(energy)
-        squares.append(square)
-        blocks.append((jx, jy, vector))
+        blocks.append(_Block(jx, jy, square, vector))
+    # A vast plate's series ends early.
+    return blocks, float(min(limit, along.square.max(), across.square.max()) / RESERVE)
 
-    frequency = speed * np.sqrt(np.maximum(np.concatenate(squares), 0)) / (2 * math.pi)
-    keep = audible(frequency, min(top, speed * complete / (2 * math.pi)))
-    frequency = frequency[keep]
-    rank = np.full(sum(square.size for square in squares), -1)
+
+def _shapes(blocks: list["_Block"], keep: Indices, value_x: Array, value_y: Array) -> Array:
+    """The modes that are kept (points, n), from the beams' functions at the points (points, beam modes)."""
+    rank = np.full(sum(block.square.size for block in blocks), -1)
     rank[keep] = np.arange(keep.size)
-
-    span = math.hypot((path_to[0] - path_from[0]) * length, (path_to[1] - path_from[1]) * width)
-    positions = path(math.sqrt(2 * math.pi * frequency[-1] / speed) * span)[:, None]
-    points = np.concatenate([np.asarray(path_from) * (1 - positions) + np.asarray(path_to) * positions, pickups])
-    value_x, value_y = along.value(points[:, 0]), across.value(points[:, 1])
-    shapes = np.empty((len(points), keep.size))
+    shapes = np.empty((len(value_x), keep.size))
     first = 0
-    for jx, jy, vector in blocks:
-        place = rank[first : first + jx.size]
-        heard = place >= 0
-        shapes[:, place[heard]] = (value_x[:, jx] * value_y[:, jy]) @ vector[:, heard]
-        first += jx.size
-    shapes /= math.sqrt(areal)
-    return Modes(
-        frequency=frequency,
-        decay=material.decay(frequency),
-        strike=shapes[:-2],
-        pickup=shapes[-2:],
-        mass=areal * length * width,
-    )
+    for block in blocks:
+        column = rank[first : first + block.square.size]
+        kept = column >= 0
+        shapes[:, column[kept]] = (value_x[:, block.x] * value_y[:, block.y]) @ block.vector[:, kept]
+        first += block.square.size
+    return shapes
+
+
+class _Block(NamedTuple):
+    """The modes of one parity: beam products x, y (k,), fourth powers of wavenumbers (k,), their vectors (k, k)."""
+
+    x: Indices
+    y: Indices
+    square: Array
+    vector: Array
 
 
 class _Beam:
@@ -167,7 +181,7 @@ def _ritz_beam(low: str, high: str, orders: Indices, degree: int, kept: int) -> 
     energy = np.eye(len(basis))
     bend = legendre.legder(basis[: len(allowed)], 2, axis=1)
     energy[: len(bend), : len(bend)] = bend * norm[:-2] @ bend.T
-    # of 1 / (1 + k^4) the largest are wanted: these keep every digit, and rigid motions do no harm
+    # Of 1 / (1 + k^4) the largest are wanted: these keep every digit, and rigid motions do no harm.
     inverse, vector = eigh(inertia, energy + inertia)
     inverse, vector = inverse[: -kept - 1 : -1], vector[:, : -kept - 1 : -1]
     modes = (vector / np.sqrt(inverse)).T @ basis

@@ -1,7 +1,5 @@
 """Strings: stiff, between two rigid supports."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -24,10 +22,10 @@ def string(
 ) -> Modes:
     """A stiff string: f_n = n f0 sqrt(1 + B n^2), pinned ends.
 
-    length and diameter in m; either tension (N) or fundamental f0 (Hz, that of the limp string);
-    linear_density (kg/m) if the string is wound, `diameter` then being its core's; inharmonicity B, by
-    default the core's pi^3 E d^4 / (64 T L^2) (Fletcher 1964). Strike path and pickups: fractions of the
-    length.
+    length and diameter in m, top in Hz; either tension (N) or fundamental f0 (Hz, that of the limp string);
+    linear_density (kg/m) if the string is wound, `diameter` then being its core's; inharmonicity B, by default the
+    core's pi^3 E d^4/(64 T L^2) (Fletcher 1964). Strike path and pickups: fractions of the length. ValueError names
+    what is out of range.
     """
     require_positive(
         length=length,

@@ -1,11 +1,11 @@
-"""Which contacts the closed form may answer for: the gate before the coupled solver.
+"""The accuracy of the closed form on objects that give way: the choice between it and the coupled solver.
 
-On an object that gives way, the wall's pulse of the effective mass m* (ladder.py) is an approximation. What it neglects
-is told by sums over the modes: with r_i = m phi_i^2 and P_i the pulse's power spectrum at mode i over that at 0, the
-unrest sum r_i (1 - P_i), and for an object that rings already, what its velocity may change by while they touch,
-sum |phi_i z_i|/v_in at most. Errors of the object's velocity, as a share of its greatest, were measured on
-thousands of random contacts with up to 40 modes; UNREST is where nine of ten are below the level asked for. (Half of
-them are below it up to several times that.)
+On an object that gives way, the wall's pulse of the effective mass m* is an approximation. Sums over the modes tell its
+error. With r_i = m phi_i^2, and P_i the pulse's power spectrum at mode i over that at 0, they are the residual
+sum r_i (1 - P_i), and for an object that rings already sum |phi_i z_i|/v_in, by which its velocity may change at most
+while they touch. Errors of the object's velocity, as a share of its greatest, were measured on thousands of random
+contacts with up to 40 modes; RESIDUAL is where nine of ten are below the level asked for. (Half of them are below it up
+to several times that.)
 """
 
 import numpy as np
@@ -15,8 +15,8 @@ from ..native.jit import kernel
 LEVELS = ("-40", "-60", "-80", "exact")
 """Accuracies of the object's velocity, in dB; their places are their numbers."""
 
-UNREST = np.array([7e-3, 4e-4, 3e-5, 0.0])
-"""Unrest up to which the closed form has that accuracy."""
+RESIDUAL = np.array([7e-3, 4e-4, 3e-5, 0.0])
+"""Residual up to which the closed form has that accuracy."""
 
 TOLERANCE = np.array([1e-1, 1e-1, 1e-2, 1e-5])
 """Tolerances of the coupled solver for it."""
@@ -26,9 +26,12 @@ _CAUGHT_UP = 0.8  # of the speed a striker leaves with: swinging back with .94 o
 
 
 @kernel
-def closed_form_will_do(level, share, bound, stir, restitution):
-    """Whether the closed form has an accuracy (a number in LEVELS), given share = sum r_i P_i, bound = sum r_i,
-    stir = sum |phi_i z_i|/v_in and the restitution e: the object's modes swing back with up to
-    share (1 + e) v_in, and the striker leaves with e v_in."""
-    once = share * (1.0 + restitution) < _CAUGHT_UP * restitution
-    return share < _HEAVY and once and max(bound - share, 0.0) + stir < UNREST[level]
+def closed_form_will_do(level, seen_mass_ratio, mass_ratio, ringing_ratio, restitution):
+    """Whether the closed form has an accuracy (a number in LEVELS), given seen_mass_ratio = sum r_i P_i,
+    mass_ratio = sum r_i, ringing_ratio = sum |phi_i z_i|/v_in and the restitution e.
+
+    The object's modes swing back with up to seen_mass_ratio (1 + e) v_in, and the striker leaves with e v_in.
+    """
+    single_contact = seen_mass_ratio * (1.0 + restitution) < _CAUGHT_UP * restitution
+    residual = max(mass_ratio - seen_mass_ratio, 0.0) + ringing_ratio
+    return seen_mass_ratio < _HEAVY and single_contact and residual < RESIDUAL[level]

@@ -1,7 +1,7 @@
-"""The scalar contact step: what is stepped through, instead of known in closed form, takes this step.
+"""The step of contacts that have no closed form: one scalar equation.
 
 Over a step of h seconds the contact force is the quadratic through its values at three Gauss nodes, and the law
-f = k x^a (1 + mu v), x > 0 (contact.py), holds at the nodes. Whatever moves linearly enters by a few numbers: the
+f = k x^a (1 + mu v), x > 0 (law.py), holds at the nodes. Whatever moves linearly enters by a few numbers: the
 compression that there would be without the force, and by how much the nodes' forces take it back. Along the exact flow
 this is Gauss collocation of order 6; for a free mass it is the Runge-Kutta method of that name, A-stable. A contact
 that sticks never pulls: where 1 + mu v < 0 the law gives 0.
@@ -43,6 +43,11 @@ _GROWTH = 4e-9  # share of its energy that a contact may gain in all
 _LEAST_GROWTH = 1e-15  # what rounding makes of it in a step
 _CLOSED = 1e-10  # of a step's greatest compression, that is left at the release
 _GRADIENT_STEPS = 200
+_ROUNDED = 2e-14  # share of its parts that is left of a residual by rounding
+_NEARLY_EQUAL = 3e-2  # share of x below which a change makes energies too equal to subtract
+_LEAST_REST = 1e-300  # keeps a quotient finite
+_ORDER = 0.25  # a step's rest grows with the fourth power of its length
+_SHORTEN, _LENGTHEN = 0.2, 2.0  # a step by at most, at once
 
 STEP = np.dtype(
     [
@@ -64,13 +69,13 @@ STEP = np.dtype(
 
 @kernel
 def law(x, v, k, mu, a):
-    """Contact force in N: (1), never negative."""
+    """Contact force (N), never negative: equation (1) of Papetti, Avanzini, Rocchesso 2011 (see law.py) where x > 0."""
     return k * x**a * max(1.0 + mu * v, 0.0) if x > 0.0 else 0.0
 
 
 @kernel
 def elastic(x, k, a):
-    """Elastic energy V(x) in J: (13)."""
+    """Elastic energy V(x) in J: equation (13) of Papetti, Avanzini, Rocchesso 2011."""
     return k * x ** (a + 1.0) / (a + 1.0) if x > 0.0 else 0.0
 
 
@@ -185,7 +190,7 @@ def discrete_gradient(x, free, give, h, k, mu, a):
         f, slope = _held(x, stored, change, h, k, mu, a)
         residual = change - free + give * f
         step = residual / (1.0 + give * slope)
-        if abs(step) <= 2e-14 * (abs(change) + (abs(free) + give * f) / (1.0 + give * slope)):
+        if abs(step) <= _ROUNDED * (abs(change) + (abs(free) + give * f) / (1.0 + give * slope)):
             break  # at what rounding makes of it
         if residual > 0.0:
             high = change
@@ -204,7 +209,7 @@ def _held(x, stored, change, h, k, mu, a):
     end = x + change
     if slack <= 0.0 or (x <= 0.0 and end <= 0.0):
         return 0.0, 0.0
-    if min(x, end) > 0.0 and abs(change) < 3e-2 * x:
+    if min(x, end) > 0.0 and abs(change) < _NEARLY_EQUAL * x:
         # Nearly equal energies would cancel; their difference is the mean of k x^a.
         mean = slope = 0.0
         for j in range(NODES):
@@ -240,8 +245,9 @@ def until_release(step, x, v, h, longest, closing):
 
 @kernel
 def better_step(rest, wanted):
-    """What to multiply a step with whose end leaves `rest` of what is `wanted` at most: WITHIN or more says it will do.
+    """The factor from a step to the next one to try; `rest` is left at its end, of which `wanted` is allowed.
 
-    The rest grows with h^4 where the force is smooth, and less steeply where the contact begins.
+    WITHIN or more means that the step itself will do. The rest grows with h^4 where the force is smooth, and less
+    steeply where the contact begins.
     """
-    return min(max(WITHIN * (wanted / max(rest, 1e-300)) ** 0.25, 0.2), 2.0)
+    return min(max(WITHIN * (wanted / max(rest, _LEAST_REST)) ** _ORDER, _SHORTEN), _LENGTHEN)

@@ -20,6 +20,7 @@ Lengths of steps are in samples, and so are the variables of polynomials; all el
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -32,6 +33,23 @@ from .power_series import BINOMIAL, FORCE_AT, POWERS, QUADRATURE, QUADRATURE_WEI
 _MOST_STEPS = 200  # in a sample; what is left of it then is one held step
 _LOOKS = 8  # at the gap, in a sample
 _AGES = 1e12  # samples that are as good as for ever
+_FIRST = 0.2  # share of the contact's natural time: the first step to try
+_NEWTON_STEPS = 50
+_EXACT = 1e-15  # relative width of a bracket that ends the search
+_LEAST_SPEED = 1e-300  # m/s: keeps a quotient finite
+
+
+class ContactLaw(NamedTuple):
+    """A striker's mass and contact law f = k x^a (1 + mu v)."""
+
+    m: float
+    """kg"""
+    k: float
+    """N/m^a"""
+    mu: float
+    """s/m"""
+    a: float
+
 
 COUPLED = np.dtype(
     [
@@ -66,16 +84,17 @@ COUPLED = np.dtype(
 
 
 @kernel
-def begin_coupled(contact, v, m, k, mu, a, push, fraction, rate, tolerance):
-    """A striker of mass m (kg) that touches at v (m/s) after `fraction` in [0, 1) of the coming sample.
+def begin_coupled(contact, v, law, push, fraction, rate, tolerance):
+    """A striker, by its ContactLaw, that touches at v (m/s) after `fraction` in [0, 1) of the coming sample.
 
-    `respond_with` must follow. `push` (N) presses it on; `tolerance` is for the momentum in a step (gate.py), or HELD.
+    `respond_with` must follow. `push` (N) presses it on; `tolerance` is for the momentum in a step (accuracy.py), or
+    HELD.
     """
-    contact.v = v - push / m * fraction / rate
-    contact.m = m
-    contact.k = k
-    contact.mu = mu
-    contact.a = a
+    contact.v = v - push / law.m * fraction / rate
+    contact.m = law.m
+    contact.k = law.k
+    contact.mu = law.mu
+    contact.a = law.a
     contact.push = push
     contact.period = 1.0 / rate
     contact.wait = fraction
@@ -171,10 +190,10 @@ def _look(contact, observed):
 
 @kernel
 def _touch(contact):
-    """A contact begins at x = 0: the first step is a fifth of its natural time, or of strong dissipation's."""
+    """Begin a contact at x = 0: the first step is a share of its natural time, or of strong dissipation's."""
     v = contact.motion[1] / contact.period
     time = (contact.mass / (contact.k * v ** (contact.a - 1.0))) ** (1.0 / (contact.a + 1.0))
-    contact.next = 0.2 * time / max(1.0, contact.mu * v) ** (1.0 / (contact.a + 1.0)) / contact.period
+    contact.next = _FIRST * time / max(1.0, contact.mu * v) ** (1.0 / (contact.a + 1.0)) / contact.period
     contact.touching = 1
     contact.contacts += 1
     for j in range(NODES):
@@ -204,7 +223,7 @@ def _fly(contact, left):
         return left, False
     # Newton's method within the bracket, from outside to the first point inside.
     guess = high
-    for _ in range(50):
+    for _ in range(_NEWTON_STEPS):
         x, slope = value_at(contact.motion, guess)
         if x > 0.0:
             high = guess
@@ -213,7 +232,7 @@ def _fly(contact, left):
         guess -= x / slope
         if not low < guess < high:
             guess = 0.5 * (low + high)
-        if high - low <= 1e-15 * high:
+        if high - low <= _EXACT * high:
             break
     return high, True
 
@@ -253,8 +272,8 @@ def _move(contact, eta, at, moments):
 def apart_for(contact, distance, speed):
     """Whole samples from now for which striker and object surely stay apart: those may be left to `fly_on`.
 
-    Asked right after `step_coupled`; `distance` and `speed` bound the object's point, by `bank.reach`. 0 while they
-    touch, infinity if the striker is gone for good.
+    To be asked right after `step_coupled`; `distance` and `speed` bound the object's point, by `bank.reach`. 0 while
+    they touch, infinity if the striker is gone for good.
     """
     gap = -contact.motion[0]
     if contact.touching or contact.wait >= 0.0 or gap <= 0.0:
@@ -276,7 +295,7 @@ def _until(way, speed, acceleration):
         return 0.0
     root = math.sqrt(max(speed * speed + 2.0 * acceleration * way, 0.0))
     if speed >= 0.0:
-        return 2.0 * way / max(speed + root, 1e-300)
+        return 2.0 * way / max(speed + root, _LEAST_SPEED)
     return (root - speed) / acceleration if acceleration > 0.0 else math.inf
 
 

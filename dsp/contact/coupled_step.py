@@ -28,6 +28,8 @@ HELD = math.inf
 _TRIALS = 40
 _FINEST = 2.0**-16  # of the step tried first: where it comes to this, the force is held
 _LOSS = 1e-4  # of the contact's energy, times the tolerance, that a step may lose beyond what the law takes
+_RETRY = 0.25  # of a step whose equations are not solved
+_REFINE = 0.5  # of a step whose energy is not right
 _ROUNDING = 1e-14  # share of the momentum at hand that no force is asked for
 
 
@@ -49,7 +51,7 @@ def stay(contact, left, last):
             break
         solved, x, v = _collocate(contact, eta)
         if not solved:
-            eta *= 0.25
+            eta *= _RETRY
             closing = False
             continue
         whole, closing = until_release(contact.step, x, v * contact.period, eta, left, closing)
@@ -66,7 +68,7 @@ def stay(contact, left, last):
                 contact.force[j] = contact.step.f[j]
             extrapolate(contact.step, contact.next / eta)
             return eta, closing
-        eta *= 0.5
+        eta *= _REFINE
         closing = False
     eta = max(eta, finest)
     _hold(contact, eta)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.polynomial import Legendre, Polynomial, legendre
 
 from ..native.jit import kernel
+from ..numerics.checks import Array
 from ..numerics.legendre import FINE
 from .collocation import CARDINAL, GAUSS, NODES
 
@@ -28,16 +29,17 @@ for _k in range(FINE):
     POWERS[: _k + 1, _k] = Legendre.basis(_k, domain=[0, 1]).convert(domain=[-1, 1], kind=Polynomial).coef
 
 
-def _moment_tables() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _moment_tables() -> tuple[Array, Array, Array]:
     """Integrals over a unit step with l_j, the quadratics that are 1 at one node and 0 at the others."""
 
-    def running(t: float) -> np.ndarray:
+    def running(t: float) -> Array:
         # int_0^t (t - s)^n s^p ds = n! p!/(n + p + 1)! t^(n + p + 1)
         beta = [
             [math.factorial(n) * math.factorial(p) / math.factorial(n + p + 1) * t ** (n + p + 1) for p in range(NODES)]
             for n in range(FINE)
         ]
-        return np.array(beta) @ CARDINAL
+        integrals: Array = np.array(beta) @ CARDINAL
+        return integrals
 
     nodes, weights = legendre.leggauss(FINE)
     double = sum(

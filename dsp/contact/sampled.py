@@ -1,12 +1,13 @@
 """The sampled methods that the paper compares, on the rigid wall, and its two corrections.
 
 A method is one function `step(x, v, acceleration, h, m, k, mu, a)` that returns the three a step of h seconds later;
-a new one takes a place in METHODS and in `step`. Numbers in brackets are the paper's equations (see contact.py).
+a new one takes a place in METHODS and in `step`. Equations are those of Papetti, Avanzini, Rocchesso 2011 (see law.py).
 Verlet and Heun keep the acceleration of their predicted state for the next step, as printed there. Verlet's is taken
 with the velocity of the half step: it converges with order 1, and with its order of 2 only without dissipation.
 
-The hybrid correction takes only v from the method and puts x = x(v) by (3). The release correction replaces the
-velocity at release by the exact root of (6), or by the paper's (7) where that errs by less than 0.1 %.
+The hybrid correction takes only v from the method and puts x = x(v) by equation (3). The release correction replaces
+the velocity at release by the exact root of equation (6), or by the approximation (7) where that errs by less than 0.1
+%.
 """
 
 import math
@@ -36,6 +37,7 @@ CORRECTIONS = {
 
 _PAPER_BOUND = (0.798, 8.05)  # mu v_in between which the paper's release velocity errs by more than 0.1 %
 _NEWTON_STEPS = 100
+_SOLVED = 1e-14  # relative change of the acceleration that ends Newton's method
 
 SAMPLED = np.dtype(
     [
@@ -59,13 +61,13 @@ SAMPLED = np.dtype(
 
 @kernel
 def acceleration_of(x, v, m, k, mu, a):
-    """-f(x, v)/m in m/s^2: (1), (2)."""
+    """-f(x, v)/m in m/s^2: equations (1) and (2)."""
     return -k / m * x**a * (1.0 + mu * v) if x > 0.0 else 0.0
 
 
 @kernel
 def am1(x, v, acceleration, h, m, k, mu, a):
-    """One-step Adams-Moulton, the trapezoid rule, by Newton's method, safeguarded, on the new acceleration: (23)."""
+    """One-step Adams-Moulton (trapezoid rule), equation (23): safeguarded Newton's method on the new acceleration."""
     p = x + h * v + 0.25 * h * h * acceleration
     q = v + 0.5 * h * acceleration
     if p <= 0.0:
@@ -94,7 +96,7 @@ def am1(x, v, acceleration, h, m, k, mu, a):
         if not low < new - step < high:
             step = new - 0.5 * (low + high)
         new -= step
-        if abs(step) <= 1e-14 * abs(new):
+        if abs(step) <= _SOLVED * abs(new):
             break
     return p + 0.25 * h * h * new, q + 0.5 * h * new, new
 
@@ -106,7 +108,7 @@ def _am1_residual(new, p, q, h, m, k, mu, a):
 
 @kernel
 def verlet(x, v, acceleration, h, m, k, mu, a):
-    """Velocity Verlet: (24)."""
+    """Velocity Verlet: equation (24)."""
     x1 = x + h * v + 0.5 * h * h * acceleration
     half = v + 0.5 * h * acceleration
     new = acceleration_of(x1, half, m, k, mu, a)
@@ -115,7 +117,7 @@ def verlet(x, v, acceleration, h, m, k, mu, a):
 
 @kernel
 def heun(x, v, acceleration, h, m, k, mu, a):
-    """Heun's method: (25)."""
+    """Heun's method: equation (25)."""
     predicted = v + h * acceleration
     x1 = x + 0.5 * h * (v + predicted)
     new = acceleration_of(x1, predicted, m, k, mu, a)
@@ -124,7 +126,7 @@ def heun(x, v, acceleration, h, m, k, mu, a):
 
 @kernel
 def rk4(x, v, acceleration, h, m, k, mu, a):
-    """The classic Runge-Kutta method of order 4: (26)."""
+    """The classic Runge-Kutta method of order 4: equation (26)."""
     a1 = acceleration
     v2 = v + 0.5 * h * a1
     a2 = acceleration_of(x + 0.5 * h * v, v2, m, k, mu, a)
@@ -137,6 +139,7 @@ def rk4(x, v, acceleration, h, m, k, mu, a):
     return x1, v1, acceleration_of(x1, v1, m, k, mu, a)
 
 
+# The one parameter over eight chooses between methods that have eight.
 @kernel
 def step(method, x, v, acceleration, h, m, k, mu, a):
     """A step of the method of that number."""
@@ -150,7 +153,7 @@ def step(method, x, v, acceleration, h, m, k, mu, a):
 
 
 @kernel
-def start(contact, method, correction, v_in, m, k, mu, a):
+def begin_sampled(contact, method, correction, v_in, m, k, mu, a):
     """Begin a contact: x = 0, v = v_in."""
     contact.method = method
     contact.correction = correction
@@ -173,7 +176,7 @@ def start(contact, method, correction, v_in, m, k, mu, a):
 
 
 @kernel
-def follow(contact, h):
+def step_sampled(contact, h):
     """One step of h seconds, corrections included. True as long as the contact lasts.
 
     It ends at the first sample with x <= 0, or where the state is not finite; a hybrid one also where v has passed the

@@ -1,192 +1,215 @@
-"""What a contact does in a sample: its force by the solver it was given, into the modes of what it touches."""
+"""A contact's force: the solver that it gets, and what its force does to the modes, sample by sample.
+
+Every solver begins with `begin_contact` and goes on with an `_advance_...(state, contact, age)` of one signature, which
+leaves the force's moments over the sample and is true while the contact lasts.
+"""
 
 import math
 
-from ..contact.closed_form import advance, begin
-from ..contact.coupled import apart_for, begin_coupled, respond_with, step_coupled
+from ..contact.closed_form import advance_pulse, begin_pulse
+from ..contact.coupled import ContactLaw, apart_for, begin_coupled, respond_with, step_coupled
 from ..contact.coupled_step import HELD
-from ..contact.sampled import follow, start
+from ..contact.sampled import begin_sampled, step_sampled
 from ..native.jit import kernel
 from ..numerics.legendre import FINE, MOMENTS, add_held
-from ..resonator.bank import LANES, RESPONSES, inject, inject_fine, observe, receptance
-from .objects import highest_of, place, reach_of, sigma_of
+from ..resonator.bank import inject, inject_fine, observe, receptance
+from .objects import highest_of, modes_of, place, point_of, reach_of, sigma_of
 from .quality import modes_for, room_for_coupling
-from .solver_choice import needs_coupling, tolerance_of
-from .state import Solver
+from .solver_choice import choose_solver, soften_pulse, tolerance_of
+from .state import COUPLING, SAMPLING
+from .trace import trace_sample
 
-_CLOSED, _SAMPLED, _COUPLED = int(Solver.CLOSED), int(Solver.SAMPLED), int(Solver.COUPLED)
-
-_STEPS = 4  # of a coupled contact in a sample, on average; beyond, the force is held for each sample
+_STEPS = 4  # of a coupled contact per sample, on average; beyond, the force is held for each sample
 _BURST = 256  # that it may need at once
 _BY_ITSELF = 32  # modes that cost as much as a contact does by itself
 _TOO_STRONG = 1e3  # times its momentum that a sampled method may give in a step: it has failed, and would deafen
 _PATIENCE = 3.0  # exact durations for which a sampled contact is followed: it might never end
+_FEWEST_STEPS = 20  # that it may take in any case
 
 
 @kernel
-def meet(state, contact, pressed):
-    """Begin to touch; where `pressed`, the striker's push acts on it meanwhile. False if there is no room for it."""
-    state.impacts += 1
+def begin_contact(state, contact, pushed):
+    """Begin to touch; where `pushed`, the striker's push acts meanwhile. False if there is no room for it."""
+    state.stats.impacts += 1
+    state.contact_count += 1
+    contact.number = state.contact_count
     contact.touching = 1
-    place(contact.body[0], contact.position, state.objects[contact.body[0].slot].rows)
-    choose_modes(state, contact)
-    begin(contact.pulse, contact.v_in, contact.m, contact.k, contact.mu, contact.a, state.rate)
-    coupled = needs_coupling(state, contact) or pressed
-    if coupled and not _has_room(state, contact):
-        state.contacts_dropped += 1
+    place(contact.point[0], contact.now.position, state.objects[contact.point[0].slot].rows)
+    update_mode_count(state, contact)
+    begin_pulse(contact.pulse, contact.v_in, contact.m, contact.k, contact.mu, contact.a, state.rate)
+    solver, mass_ratio, seen_mass_ratio = choose_solver(state, contact)
+    if solver != COUPLING:
+        soften_pulse(state, contact, mass_ratio, seen_mass_ratio)
+    if pushed:
+        solver = COUPLING
+    if solver == COUPLING and not _has_room(state, contact):
+        state.stats.contacts_dropped += 1
         return False
-    if coupled:
-        contact.solver = _COUPLED
-        contact.unsettled = 1
-        contact.debt = 0
-        begin_coupled(
-            contact.coupled, contact.v_in, contact.m, contact.k, contact.mu, contact.a, contact.push,
-            contact.fraction, state.rate, tolerance_of(state),
-        )  # fmt: skip
-        state.coupled += 1
-        state.coupled_modes += contact.modes
-    elif state.contact_method > 0:
-        # A sampled contact can't begin between samples.
-        contact.solver = _SAMPLED
-        contact.oversampling = state.contact_oversampling
-        contact.fraction = 0.0
-        contact.steps = int(_PATIENCE * contact.pulse.duration * contact.oversampling) + 20
-        m = contact.pulse.momentum / contact.v_in  # the effective mass
-        start(
-            contact.sampled, state.contact_method - 1, state.contact_correction,
-            contact.v_in, m, contact.k, contact.mu, contact.a,
-        )  # fmt: skip
-    else:
-        contact.solver = _CLOSED
+    contact.solver = solver
+    if solver == COUPLING:
+        _begin_coupled(state, contact)
+    elif solver == SAMPLING:
+        _begin_sampled(state, contact)
     return True
 
 
 @kernel
-def _has_room(state, contact):
-    """May a contact be coupled to the modes that it touches?"""
-    contact.modes = _BY_ITSELF
-    for side in range(2):
-        if contact.body[side].slot >= 0:
-            contact.modes += contact.body[side].modes
-    return state.coupled_modes == 0 or state.coupled_modes + contact.modes <= room_for_coupling(state)
+def _begin_coupled(state, contact):
+    """Begin a contact that is solved together with the modes."""
+    contact.unsettled = 1
+    contact.debt = 0
+    law = ContactLaw(contact.m, contact.k, contact.mu, contact.a)
+    begin_coupled(contact.coupled, contact.v_in, law, contact.push, contact.fraction, state.rate, tolerance_of(state))
+    state.stats.coupled += 1
+    state.stats.coupled_modes += contact.modes
 
 
 @kernel
-def choose_modes(state, contact):
+def _begin_sampled(state, contact):
+    """Begin a contact that a sampled method follows: it can't begin between samples."""
+    choice = state.choices.method
+    contact.oversampling = choice.oversampling
+    contact.fraction = 0.0
+    contact.steps = int(_PATIENCE * contact.pulse.duration * contact.oversampling) + _FEWEST_STEPS
+    m = contact.pulse.momentum / contact.v_in  # the effective mass
+    begin_sampled(
+        contact.sampled, choice.method - 1, choice.correction, contact.v_in, m, contact.k, contact.mu, contact.a
+    )  # fmt: skip
+
+
+@kernel
+def _has_room(state, contact):
+    """True if a contact may be coupled to the modes that it touches."""
+    contact.modes = _BY_ITSELF
+    for side in range(2):
+        if contact.point[side].slot >= 0:
+            contact.modes += contact.point[side].modes
+    taken = state.stats.coupled_modes
+    return taken == 0 or taken + contact.modes <= room_for_coupling(state)
+
+
+@kernel
+def update_mode_count(state, contact):
     """Choose the modes that a contact acts on; true if they are others than before."""
     changed = False
     for side in range(2):
-        body = contact.body[side]
-        if body.slot >= 0:
-            modes = modes_for(state, state.objects[body.slot], contact.kind)
-            changed |= modes != body.modes
-            body.modes = modes
+        point = contact.point[side]
+        if point.slot >= 0:
+            modes = modes_for(state, state.objects[point.slot], contact.kind)
+            changed |= modes != point.modes
+            point.modes = modes
     return changed
 
 
 @kernel
-def let_modes_go(state, contact):
-    """A contact that was coupled is over."""
-    if contact.solver == _COUPLED:
-        state.coupled_modes -= contact.modes
-        contact.solver = _CLOSED
-
-
-@kernel
-def act(state, contact, age):
-    """Give the modes the force of a contact over the sample at whose end it is as old as `age`.
+def apply_contact_force(state, contact, frame):
+    """Give the modes the force of a contact over the sample that ends at a frame of the quantum.
 
     False where a closed or sampled contact ends.
     """
-    lasts = True
-    if contact.solver == _COUPLED:
-        _look(state, contact)
-        held, contacts, steps = contact.coupled.held, contact.coupled.contacts, contact.coupled.steps
-        contact.coupled.tolerance = HELD if contact.debt > _BURST else tolerance_of(state)
-        step_coupled(contact.coupled, state.observed, state.fine)
-        state.held += contact.coupled.held - held
-        contact.debt = max(contact.debt + contact.coupled.steps - steps - _STEPS, 0)
-        if contacts > 0:
-            state.recontacts += contact.coupled.contacts - contacts
+    scratch = state.scratch
+    sample = state.position + frame - 1
+    begin, end = contact.start + contact.fraction, math.inf
+    age = sample + 1 - contact.start - contact.fraction
+    if contact.solver == COUPLING:
+        began_earlier = contact.coupled.contacts > 0
+        lasts = _advance_coupled(state, contact, age)
+        trace_sample(state, contact, sample, 0.0 if began_earlier else begin, end, scratch.fine[0])
         for n in range(FINE):
-            state.fine[n] *= contact.gain
-    elif contact.solver == _SAMPLED:
-        lasts = _step_sampled(state, contact)
+            scratch.fine[n] *= contact.now.gain
     else:
-        advance(contact.pulse, min(age, contact.pulse.duration), age - 1.0, state.moments)
-        lasts = age < contact.pulse.duration  # a duration that is not a number has no end
-    if contact.solver != _COUPLED:
-        for n in range(MOMENTS):
-            state.moments[n] *= contact.gain
-    for side in range(2):
-        body = contact.body[side]
-        if body.slot < 0:
-            continue
-        obj = state.objects[body.slot]
-        obj.live = max(obj.live, body.modes)
-        obj.driven = max(obj.driven, body.modes)
-        first = obj.first
-        last = first + body.modes
-        response = state.response[first // LANES * RESPONSES : last // LANES * RESPONSES]
-        shape = state.shape[obj.table : obj.table + obj.rows * obj.size]
-        y1 = state.y1[first:last]
-        y2 = state.y2[first:last]
-        if contact.solver == _COUPLED:
-            inject_fine(y1, y2, response, shape, obj.size, body.row, body.weights, state.fine)
+        if contact.solver == SAMPLING:
+            lasts = _advance_sampled(state, contact, age)
         else:
-            inject(y1, y2, response, shape, obj.size, body.row, body.weights, state.moments)
+            lasts = _advance_closed(state, contact, age)
+            end = begin + contact.pulse.duration
+        trace_sample(state, contact, sample, begin, end, scratch.moments[0])
+        for n in range(MOMENTS):
+            scratch.moments[n] *= contact.now.gain
+    for side in range(2):
+        if contact.point[side].slot >= 0:
+            _drive(state, contact, contact.point[side])
     return lasts
 
 
 @kernel
-def _look(state, contact):
-    """Have `observed` say how the points that are touched move by themselves; tell the contact how they give way.
+def _drive(state, contact, point):
+    """Inject a contact's force over the sample into the modes of an object at its point."""
+    obj = state.objects[point.slot]
+    obj.live = max(obj.live, point.modes)
+    obj.driven_modes = max(obj.driven_modes, point.modes)
+    modes, where = modes_of(state, obj, 0, point.modes), point_of(state, obj, point)
+    if contact.solver == COUPLING:
+        inject_fine(modes, where, state.scratch.fine)
+    else:
+        inject(modes, where, state.scratch.moments)
 
-    A contact with a gain sees all as loud as if it had none.
+
+@kernel
+def _advance_closed(state, contact, age):
+    """The closed form over a sample."""
+    advance_pulse(contact.pulse, min(age, contact.pulse.duration), age - 1.0, state.scratch.moments)
+    return age < contact.pulse.duration  # a duration that is not a number has no end
+
+
+@kernel
+def _advance_coupled(state, contact, age):
+    """A contact that is solved together with the modes over a sample: it lasts until the striker is gone for good."""
+    coupled = contact.coupled
+    _observe(state, contact)
+    held, contacts, steps = coupled.held, coupled.contacts, coupled.steps
+    coupled.tolerance = HELD if contact.debt > _BURST else tolerance_of(state)
+    step_coupled(coupled, state.scratch.observed, state.scratch.fine)
+    state.stats.held += coupled.held - held
+    contact.debt = max(contact.debt + coupled.steps - steps - _STEPS, 0)
+    if contacts > 0:
+        state.stats.recontacts += coupled.contacts - contacts
+    return True
+
+
+@kernel
+def _observe(state, contact):
+    """Find how the points that are touched would move without the contact; tell it their receptance where that is new.
+
+    A contact with a gain sees a motion that is as large as if it had none.
     """
+    scratch = state.scratch
     for n in range(FINE):
-        state.observed[n] = state.given[n] = 0.0
+        scratch.observed[n] = scratch.receptance[n] = 0.0
     for side in range(2):
-        body = contact.body[side]
-        if body.slot < 0:
+        point = contact.point[side]
+        if point.slot < 0:
             continue
-        obj = state.objects[body.slot]
-        first = obj.first
-        last = first + body.modes
-        response = state.response[first // LANES * RESPONSES : last // LANES * RESPONSES]
-        shape = state.shape[obj.table : obj.table + obj.rows * obj.size]
-        a1 = state.a1[first:last]
-        a2 = state.a2[first:last]
+        obj = state.objects[point.slot]
+        modes, where = modes_of(state, obj, 0, point.modes), point_of(state, obj, point)
         if contact.unsettled == 1:
-            receptance(a1, a2, response, shape, obj.size, body.row, body.weights, state.work, state.fine)
+            receptance(modes, where, scratch.work, scratch.fine)
             for n in range(FINE):
-                state.given[n] += state.fine[n]
-            _weigh(state, contact, side, obj)
+                scratch.receptance[n] += scratch.fine[n]
+            _find_static(state, contact, side, obj)
         if obj.live > 0:
-            y1 = state.y1[first:last]
-            y2 = state.y2[first:last]
-            observe(y1, y2, a1, a2, response, shape, obj.size, body.row, body.weights, state.work, state.fine)
+            observe(modes, where, scratch.work, scratch.fine)
             for n in range(FINE):
-                state.observed[n] += state.fine[n] / contact.gain
+                scratch.observed[n] += scratch.fine[n] / contact.now.gain
     if contact.unsettled == 1:
-        respond_with(contact.coupled, state.given)
+        respond_with(contact.coupled, scratch.receptance)
         contact.unsettled = 0
 
 
 @kernel
-def _weigh(state, contact, side, obj):
-    """Put the static output for a push of 1 N into `lean`; the shapes are where `receptance` has left them."""
+def _find_static(state, contact, side, obj):
+    """Put the static output for a push of 1 N into `static`; `receptance` has left the shapes in `work`."""
     left = right = 0.0
-    for i in range(contact.body[side].modes):
-        frequency = state.frequency[obj.first + i] * obj.tune
+    for i in range(contact.point[side].modes):
+        frequency = state.bank.frequency[obj.first + i] * obj.settings.tune
         if 0.0 < frequency <= highest_of(state):
             omega = 2.0 * math.pi * frequency
             sigma = sigma_of(state, obj, i)
-            heard = state.work[i] * state.weight[obj.first + i] * omega / (omega * omega + sigma * sigma)
+            heard = state.scratch.work[i] * state.bank.weight[obj.first + i] * omega / (omega * omega + sigma * sigma)
             left += heard
-            right += heard * state.balance[obj.first + i]
-    contact.lean[side, 0] = left
-    contact.lean[side, 1] = right
+            right += heard * state.bank.balance[obj.first + i]
+    contact.static[side, 0] = left
+    contact.static[side, 1] = right
 
 
 @kernel
@@ -194,28 +217,28 @@ def flight(state, contact):
     """Samples for which a coupled striker that has left surely touches nothing; infinity if it never comes back."""
     distance = speed = 0.0
     for side in range(2):
-        body = contact.body[side]
-        if body.slot >= 0 and state.objects[body.slot].live > 0:
-            far, fast = reach_of(state, state.objects[body.slot], body)
-            distance += far / contact.gain
-            speed += fast / contact.gain
+        point = contact.point[side]
+        if point.slot >= 0 and state.objects[point.slot].live > 0:
+            far, fast = reach_of(state, state.objects[point.slot], point)
+            distance += far / contact.now.gain
+            speed += fast / contact.now.gain
     contact.reach = distance
     return apart_for(contact.coupled, distance, speed)
 
 
 @kernel
-def _step_sampled(state, contact):
-    """Moments of a sampled contact over a sample: what its steps give, each held for the step. True while it lasts."""
+def _advance_sampled(state, contact, age):
+    """A sampled method over a sample: the moments of its steps, each held for the step."""
     sampled = contact.sampled
     for n in range(MOMENTS):
-        state.moments[n] = 0.0
+        state.scratch.moments[n] = 0.0
     for i in range(contact.oversampling):
         before = sampled.v
-        lasts = follow(sampled, 1.0 / (state.rate * contact.oversampling))
+        lasts = step_sampled(sampled, 1.0 / (state.rate * contact.oversampling))
         given = sampled.m * (before - sampled.v)
         if not abs(given) < _TOO_STRONG * sampled.m * contact.v_in:
             return False  # the method has failed: what it gave so far stays
-        add_held(given, i / contact.oversampling, (i + 1) / contact.oversampling, state.moments)
+        add_held(given, i / contact.oversampling, (i + 1) / contact.oversampling, state.scratch.moments)
         contact.steps -= 1
         if not lasts or contact.steps <= 0:
             return False

@@ -1,153 +1,125 @@
-"""Strikers come and go: they are taken into an object's list of contacts, and out of it, and their ends are told."""
+"""How gestures begin: a striker gets a place among the contacts, and what its command says of it."""
 
 import math
 
 import numpy as np
 
-from ..native.atomics import store_release
 from ..native.jit import kernel
+from ..native.records import field, set_field
 from ..rolling.body import begin_roll
 from ..rolling.surface import begin_surface
-from .contact_force import let_modes_go
+from .commands import IN_BOUNCE, IN_PRESS, IN_ROLL, IN_STRIKE, KIND_BOUNCE, KIND_IMPACT, KIND_PRESS, KIND_ROLL
+from .contact_list import append_contact, report_end, schedule_contact
 from .objects import place
 from .quality import coarseness_of
-from .state import ENDED, Command, End, Solver
-from .steering import joined
+from .state import CLOSED, END_JOINED, END_NO_ROOM, END_RESTED, ROLLING
+from .steering import steer_existing_roll
 
 _SLOWEST = 1e-12  # m/s: a slower striker moves nothing, and its square may underflow
 
-_IMPACT, _BOUNCE, _ROLL, _PRESS = int(Command.IMPACT), int(Command.BOUNCE), int(Command.ROLL), int(Command.PRESS)
-_ROLLING = int(Solver.ROLLING)
-_RESTED, _NO_ROOM, _GONE, _JOINED = int(End.RESTED), int(End.NO_ROOM), int(End.GONE), int(End.JOINED)
+
+@kernel
+def _take(target, record, places):
+    """Copy what a record says of the parameters that can be steered."""
+    for i in range(len(places)):
+        if places[i] >= 0:
+            set_field(target, i, field(record, places[i]))
 
 
 @kernel
-def receive(state, obj, event):
-    """Take a striker into an object's list, to touch it at its time; a roll that is under way is steered."""
-    serial = int(event.values[7])
-    rolls = event.kind == _ROLL
-    full = state.contacts_active == len(state.contacts) or (rolls and state.rolls_active == len(state.rolls))
-    if rolls and joined(state, event):
-        tell_end(state, serial, _JOINED)
-    elif event.values[0] < _SLOWEST:
-        tell_end(state, serial, _RESTED)
+def start_gesture(state, obj, event):
+    """Take a striker into an object's list, to touch it at its time; a roll that goes on already is steered."""
+    rolls = event.kind == KIND_ROLL
+    speed = event.roll.speed if rolls else event.strike.velocity
+    stats = state.stats
+    full = stats.contacts_active == len(state.contacts) or (rolls and stats.rolls_active == len(state.rolls))
+    if rolls and steer_existing_roll(state, event):
+        report_end(state, event.gesture, END_JOINED)
+    elif speed < _SLOWEST:
+        report_end(state, event.gesture, END_RESTED)
     elif full:
-        state.impacts += 1
-        state.contacts_dropped += 1
-        tell_end(state, serial, _NO_ROOM)
+        stats.impacts += 1
+        stats.contacts_dropped += 1
+        report_end(state, event.gesture, END_NO_ROOM)
     else:
-        index = state.free_contact[len(state.contacts) - 1 - state.contacts_active]
-        state.contacts_active += 1
-        state.called[index] = 0 if event.kind == _IMPACT else event.order + 1
+        index = state.free_contact[len(state.contacts) - 1 - stats.contacts_active]
+        stats.contacts_active += 1
+        state.last_command[index] = 0 if event.kind == KIND_IMPACT else event.order + 1
         contact = state.contacts[index]
         _describe(state, contact, event)
         if rolls:
-            _begin_rolling(state, contact, event.values)
-        wait(state, contact)
-        contact.next = -1
-        if obj.contact < 0:
-            obj.contact = index
-        else:
-            last = obj.contact
-            while state.contacts[last].next >= 0:
-                last = state.contacts[last].next
-            state.contacts[last].next = index
+            _begin_rolling(state, contact, event)
+        schedule_contact(state, contact)
+        append_contact(state, obj, index)
 
 
 @kernel
 def _describe(state, contact, event):
     """Make a contact what a command says."""
-    values = event.values
+    strike = event.strike
     contact.kind = event.kind
+    contact.gesture = event.gesture
+    contact.command = event.number
+    contact.v_in = strike.velocity
+    contact.m, contact.k, contact.mu, contact.a = strike.mass, strike.stiffness, strike.dissipation, strike.exponent
+    _choose_points(state, contact, event)
     contact.touching = 0
-    contact.v_in, contact.position = values[0], values[1]
-    contact.m, contact.k, contact.mu, contact.a = values[2], values[3], values[4], values[5]
-    contact.gain = contact.loudness = values[6]
-    contact.moved_to = contact.position
-    contact.serial = int(values[7])
-    contact.body[0].slot = event.slot
-    contact.body[0].serial = event.serial
-    contact.body[1].slot = int(values[8])
-    contact.body[1].serial = int(values[9])
-    partner = state.objects[contact.body[1].slot]
-    if partner.used == 1 and partner.serial == contact.body[1].serial and partner.dying == 0:
-        place(contact.body[1], values[10], partner.rows)
-    else:
-        contact.body[1].slot = -1  # told to go, if there ever was one: its mass strikes alone
     contact.until = contact.gone_at = math.inf
     contact.origin = event.time
     contact.elapsed = 0.0
-    contact.gravity = contact.irregularity = contact.spin = 0.0
-    contact.push = contact.pushed_to = 0.0
-    contact.solver = contact.unsettled = contact.weighty = 0
-    if event.kind == _BOUNCE:
-        contact.gravity, contact.irregularity = values[11], values[12]
-        contact.random = np.uint64(values[13])
-        contact.elapsed = values[14]
-        contact.weighty = int(values[15])
-        contact.push = contact.pushed_to = contact.m * contact.gravity
-    elif event.kind == _PRESS:
-        contact.pushed_to = values[11]
-        contact.gain = contact.loudness = 1.0  # a hand that is softer is one that presses less
+    contact.spin = 0.0
+    contact.push = contact.push_target = 0.0
+    contact.solver = CLOSED
+    contact.unsettled = contact.has_weight = 0
+    target = contact.target
+    for i in range(len(IN_STRIKE)):
+        set_field(target, i, 0.0)
+    _take(target, strike, IN_STRIKE)
+    if event.kind == KIND_BOUNCE:
+        _take(target, event.bounce, IN_BOUNCE)
+        contact.random = np.uint64(event.bounce.seed)
+        contact.elapsed = event.bounce.delay
+        contact.has_weight = int(event.bounce.weight)
+        contact.push = contact.push_target = contact.m * target.gravity
+    elif event.kind == KIND_ROLL:
+        _take(target, event.roll, IN_ROLL)
+    elif event.kind == KIND_PRESS:
+        _take(target, event.press, IN_PRESS)
+        contact.push_target = target.force
+        target.gain = 1.0  # a hand that is softer is one that presses less
+    contact.now = contact.target
 
 
 @kernel
-def _begin_rolling(state, contact, values):
-    contact.roll = state.free_roll[len(state.rolls) - 1 - state.rolls_active]
-    state.rolls_active += 1
-    contact.solver = _ROLLING
+def _choose_points(state, contact, event):
+    """Say which object is touched, and which one touches it, if one does."""
+    touched, other = contact.point[0], contact.point[1]
+    touched.slot, touched.serial = event.slot, event.serial
+    other.slot, other.serial = event.by_slot, event.by_serial
+    partner = state.objects[other.slot]
+    if partner.used == 1 and partner.serial == other.serial and partner.dying == 0:
+        place(other, event.strike.by_position, partner.rows)
+    else:
+        other.slot = -1  # it was told to go, or there never was one: its mass strikes alone
+
+
+@kernel
+def _begin_rolling(state, contact, event):
+    """Give a rolling striker its body and its surface."""
+    stats = state.stats
+    contact.roll = state.free_roll[len(state.rolls) - 1 - stats.rolls_active]
+    stats.rolls_active += 1
+    contact.solver = ROLLING
     contact.touching = 1
-    contact.path = values[22]
+    state.contact_count += 1
+    contact.number = state.contact_count
+    contact.travel = event.roll.travel
     contact.rolled = 0.0
     roll = state.rolls[contact.roll]
-    begin_surface(roll.path.surface, values[13], values[14], values[15], values[16], values[17], np.int64(values[18]))
-    begin_roll(
-        roll, 0, values[12], contact.m, contact.k, contact.mu, contact.a, values[0], values[11], values[19], values[20],
-        values[24], values[21], coarseness_of(state),
+    profile = event.surface
+    begin_surface(
+        roll.path.surface, profile.roughness, profile.correlation, profile.slope, profile.ripple, profile.wavelength,
+        np.int64(event.roll.seed),
     )  # fmt: skip
-
-
-@kernel
-def wait(state, contact):
-    """Have a contact begin when its flight is over."""
-    time = contact.origin + contact.elapsed * state.rate
-    contact.start = math.floor(time)
-    contact.fraction = time - contact.start
-
-
-@kernel
-def tell_end(state, serial, end):
-    """Report what became of a gesture, if it was given a number."""
-    if serial == 0:
-        return
-    count = state.ended_count[0]
-    state.ended[count % ENDED, 0] = serial
-    state.ended[count % ENDED, 1] = end
-    store_release(state.ended_count, 0, count + 1)
-
-
-@kernel
-def drop(state, obj, before, index):
-    """Take a contact out of its object's list and give its place back."""
-    contact = state.contacts[index]
-    if before < 0:
-        obj.contact = contact.next
-    else:
-        state.contacts[before].next = contact.next
-    contact.serial = 0
-    state.called[index] = 0
-    let_modes_go(state, contact)
-    state.contacts_active -= 1
-    state.free_contact[len(state.contacts) - 1 - state.contacts_active] = index
-    if contact.kind == _ROLL:
-        state.rolls_active -= 1
-        state.free_roll[len(state.rolls) - 1 - state.rolls_active] = contact.roll
-
-
-@kernel
-def drop_all(state, obj):
-    """End every gesture on an object at once."""
-    while obj.contact >= 0:
-        contact = state.contacts[obj.contact]
-        tell_end(state, contact.serial, _GONE)
-        drop(state, obj, -1, obj.contact)
+    roll.target = contact.target
+    begin_roll(roll, 0, contact.k, contact.mu, contact.a, event.roll.corners, coarseness_of(state))

@@ -5,33 +5,39 @@ import math
 from ..native.jit import kernel
 from .state import QUANTUM
 
-_ATTACK = 1.0 / 32.0  # gain may fall this much a frame ahead of a peak, as far as the quantum shows it coming
+_ATTACK = 1.0 / 32.0  # gain may fall this much per frame ahead of a peak, as far as the quantum shows it coming
 _RELEASE = 0.1  # s
+_OVER = 0.9999  # gain above which a release is over
 
 
 @kernel
 def limit(state):
-    """Bring the mix within [-1, 1], both channels alike, and count the frames that were turned down."""
-    left = state.mix[0]
-    right = state.mix[1]
+    """Bring the mix within [-1, 1], both channels alike; count the frames that were turned down, and for whom."""
+    output = state.output
+    left = output.mix[0]
+    right = output.mix[1]
     peak = 0.0
     for n in range(QUANTUM):
         peak = max(peak, abs(left[n]), abs(right[n]))
-    if peak <= 1.0 and state.limit == 1.0:
+    if (peak <= 1.0 and output.limit == 1.0) or state.choices.limiter == 0:
         return
-    # Backwards: what each frame allows, and a slope down to it; `voices` is free by now.
-    gain = state.voices[0, 0]
+    # Backwards: the gain that each frame allows, and a slope down to it; `voices` is free by now.
+    gain = state.scratch.voices[0, 0]
     ahead = 1.0
     for n in range(QUANTUM - 1, -1, -1):
         ahead = min(ahead + _ATTACK, 1.0 / max(1.0, abs(left[n]), abs(right[n])))
         gain[n] = ahead
     release = 1.0 - math.exp(-1.0 / (_RELEASE * state.rate))
-    held = state.limit
+    held = output.limit
+    lowest = 1.0
     for n in range(QUANTUM):
         held = min(gain[n], held + (1.0 - held) * release)
-        if held < 1.0:
-            state.limited += 1
-        state.limit_lowest = min(state.limit_lowest, held)
+        state.stats.limited += held < 1.0
+        lowest = min(lowest, held)
         left[n] = min(max(left[n] * held, -1.0), 1.0)
         right[n] = min(max(right[n] * held, -1.0), 1.0)
-    state.limit = 1.0 if held > 0.9999 else held
+    output.limit = 1.0 if held > _OVER else held
+    state.stats.limit_lowest = min(state.stats.limit_lowest, lowest)
+    for i in range(state.active):
+        obj = state.objects[state.order[i]]
+        obj.limited_energy += obj.energy

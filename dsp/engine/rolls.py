@@ -1,4 +1,4 @@
-"""How objects ring from contact to contact; those that bodies roll on are driven by these meanwhile.
+"""How objects ring from contact to contact, driven meanwhile by the bodies that roll on them.
 
 A roll's force is known for the whole quantum, so its modes are driven several samples at a time.
 """
@@ -6,61 +6,50 @@ A roll's force is known for the whole quantum, so its modes are driven several s
 import math
 
 from ..native.jit import kernel
-from ..resonator.bank import LANES, RESPONSES, inject, ring, ring_driven
+from ..resonator.bank import Drive, Point, inject, ring, ring_driven
 from ..resonator.simd import STRETCH
-from .objects import place, weigh
+from .objects import modes_of, place, shapes_of, weigh
 from .state import QUANTUM
 
 
 @kernel
-def bring(state, index):
-    """Have the objects that a rolling contact acts on know it, in this quantum."""
+def register_roll(state, index):
+    """Put a rolling contact on the lists of the objects that it acts on, for this quantum."""
     contact = state.contacts[index]
     for side in range(2):
-        body = contact.body[side]
-        if body.slot >= 0:
-            obj = state.objects[body.slot]
-            body.next_rolled = obj.rolled
-            obj.rolled = 2 * index + side
-            obj.live = max(obj.live, body.modes)
-            obj.driven = max(obj.driven, body.modes)
+        point = contact.point[side]
+        if point.slot >= 0:
+            obj = state.objects[point.slot]
+            point.next_roll = obj.rolls_head
+            obj.rolls_head = 2 * index + side
+            obj.live = max(obj.live, point.modes)
+            obj.driven_modes = max(obj.driven_modes, point.modes)
 
 
 @kernel
 def ring_on(state, obj, voice, start, stop):
     """Let an object ring from frame `start` to `stop` into its voice."""
-    first = obj.first
-    last = first + obj.live
-    response = state.response[first // LANES * RESPONSES : last // LANES * RESPONSES]
-    shape = state.shape[obj.table : obj.table + obj.rows * obj.size]
+    scratch = state.scratch
+    shape = shapes_of(state, obj)
     frame = start
     while frame < stop:
         count = driven = rung = 0
         frames = stop - frame
-        if obj.rolled >= 0:
+        if obj.rolls_head >= 0:
             count, driven = _drivers(state, obj, frame)
             frames = STRETCH if frames >= STRETCH else 1
-        middle = first + driven
+        modes = modes_of(state, obj, 0, driven)
         if frames == STRETCH and count > 0:
             rung = driven
         else:
             for j in range(count):
-                driver = state.drivers[j]
-                inject(
-                    state.y1[first:middle], state.y2[first:middle], response, shape, obj.size, driver.row,
-                    driver.weights, state.feeds[driver.feed, frame],
-                )  # fmt: skip
-        begin = first + rung
-        ring(
-            state.y1[begin:last], state.y2[begin:last], state.a1[begin:last], state.a2[begin:last],
-            state.balance[begin:last], voice, frame, frame + frames,
-        )  # fmt: skip
+                driver = scratch.drivers[j]
+                where = Point(shape, obj.size, driver.row, driver.weights)
+                inject(modes, where, scratch.feeds[driver.feed, frame])
+        ring(modes_of(state, obj, rung, obj.live), voice, frame, frame + frames)
         if rung > 0:
-            ring_driven(
-                state.y1[first:middle], state.y2[first:middle], state.a1[first:middle], state.a2[first:middle],
-                state.balance[first:middle], response, shape, obj.size, state.drivers, count, state.feeds, state.work,
-                voice, frame,
-            )  # fmt: skip
+            drive = Drive(scratch.drivers, count, scratch.feeds)
+            ring_driven(modes, shape, obj.size, drive, scratch.work, voice, frame)
         frame += frames
 
 
@@ -68,35 +57,35 @@ def ring_on(state, obj, voice, start, stop):
 def _drivers(state, obj, frame):
     """List the rolls on an object as they are at a frame in `drivers`: how many, and how many modes they drive."""
     count = driven = 0
-    entry = obj.rolled
+    entry = obj.rolls_head
     while entry >= 0:
         contact = state.contacts[entry // 2]
-        body = contact.body[entry % 2]
-        driver = state.drivers[count]
+        point = contact.point[entry % 2]
+        driver = state.scratch.drivers[count]
         driver.feed = contact.roll
         for i in range(4):
             driver.drift[i] = 0.0
         if entry % 2 == 0:
-            place(body, _position(state, contact, frame), obj.rows)
-            if contact.path > 0.0:
-                weigh(driver.drift, _position(state, contact, frame + STRETCH) * (obj.rows - 1) - body.row)
+            place(point, _position(state, contact, frame), obj.rows)
+            if contact.travel > 0.0:
+                weigh(driver.drift, _position(state, contact, frame + STRETCH) * (obj.rows - 1) - point.row)
                 for i in range(4):
-                    driver.drift[i] = contact.gain * (driver.drift[i] - body.weights[i]) / STRETCH
-        driver.row = body.row
+                    driver.drift[i] = contact.now.gain * (driver.drift[i] - point.weights[i]) / STRETCH
+        driver.row = point.row
         for i in range(4):
-            driver.weights[i] = contact.gain * body.weights[i]
+            driver.weights[i] = contact.now.gain * point.weights[i]
         count += 1
-        driven = body.modes
-        entry = body.next_rolled
+        driven = point.modes
+        entry = point.next_roll
     return count, driven
 
 
 @kernel
 def _position(state, contact, frame):
     """Where a rolling body is along the object's strike path, on which it goes to and fro."""
-    position = contact.position
-    if contact.path > 0.0:
+    position = contact.now.position
+    if contact.travel > 0.0:
         rolled = (state.rolls[contact.roll].s - contact.rolled) * (frame / QUANTUM) + contact.rolled
-        position += rolled / contact.path
+        position += rolled / contact.travel
     position -= 2.0 * math.floor(0.5 * position)
     return min(position, 2.0 - position)

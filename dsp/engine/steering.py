@@ -1,113 +1,95 @@
 """How gestures that run are changed, and ended."""
 
-import numpy as np
-
 from ..native.jit import kernel
-from .state import Command, Steering
+from ..native.records import field, set_field
+from ..schema import STEERABLE
+from .commands import IN_ROLL, IN_STRIKE, KIND_BOUNCE, KIND_IMPACT, KIND_PRESS, KIND_ROLL, STEERS
 
-_IMPACT, _BOUNCE, _ROLL, _PRESS = int(Command.IMPACT), int(Command.BOUNCE), int(Command.ROLL), int(Command.PRESS)
-_STOP, _LOUDNESS, _POSITION = int(Steering.STOP), int(Steering.GAIN), int(Steering.POSITION)
-_GRAVITY, _IRREGULARITY, _FORCE = int(Steering.GRAVITY), int(Steering.IRREGULARITY), int(Steering.FORCE)
-_SPEED, _MASS, _ROUGHNESS = int(Steering.SPEED), int(Steering.MASS), int(Steering.ROUGHNESS)
-_RADIUS, _ASYMMETRY, _FRICTION = int(Steering.RADIUS), int(Steering.ASYMMETRY), int(Steering.FRICTION)
-
-
-_GIVEN = np.array([_POSITION, _MASS, _LOUDNESS, _GRAVITY, _RADIUS, _FRICTION, _ASYMMETRY, _ROUGHNESS])
-_PLACES = np.array([1, 2, 6, 11, 12, 19, 20, 21])
-"""What the bits of a ROLL say was given, and where in its values that is."""
+_GRAVITY, _FORCE = STEERABLE.index("gravity"), STEERABLE.index("force")
 
 
 @kernel
-def joined(state, event):
-    """Is the gesture of a ROLL a roll already? Then what was given with it steers that."""
-    values = event.values
+def steer_existing_roll(state, event):
+    """Steer the rolls of the event's gesture that go on on its object, by what was given; true if there are any."""
     found = False
     for i in range(len(state.contacts)):
         contact = state.contacts[i]
-        here = contact.body[0].slot == event.slot and contact.body[0].serial == event.serial
-        if contact.serial == int(values[7]) and contact.kind == _ROLL and contact.serial > 0 and here:
+        here = contact.point[0].slot == event.slot and contact.point[0].serial == event.serial
+        if contact.gesture == event.gesture and contact.kind == KIND_ROLL and contact.gesture > 0 and here:
             found = True
-            state.called[i] = event.order + 1
-            state.rolls[contact.roll].asked_speed = values[0]
-            for bit in range(len(_GIVEN)):
-                if int(values[23]) >> bit & 1:
-                    _steer_roll(state, contact, _GIVEN[bit], values[_PLACES[bit]])
+            state.last_command[i] = event.order + 1
+            state.rolls[contact.roll].target.speed = event.roll.speed
+            for n in range(len(IN_ROLL)):
+                if event.given >> n & 1:
+                    in_roll = IN_ROLL[n] >= 0
+                    value = field(event.roll, IN_ROLL[n]) if in_roll else field(event.strike, IN_STRIKE[n])
+                    _set_target(state, contact, n, value)
     return found
 
 
 @kernel
 def steer(state, event):
-    """Change a running gesture."""
-    serial, what, value = int(event.values[0]), int(event.values[1]), event.values[2]
+    """Give a running gesture's parameter a new target."""
     for i in range(len(state.contacts)):
         contact = state.contacts[i]
-        if contact.serial != serial:
-            continue
-        if contact.kind != _IMPACT:
-            state.called[i] = event.order + 1
-        if what == _STOP:
+        if contact.gesture == event.gesture:
+            _count_command(state, i, event.order)
+            if STEERS[contact.kind, event.parameter]:
+                _set_target(state, contact, event.parameter, event.value)
+
+
+@kernel
+def _set_target(state, contact, parameter, value):
+    """Give one parameter of a contact a new target."""
+    set_field(contact.target, parameter, value)
+    if contact.kind == KIND_ROLL:
+        set_field(state.rolls[contact.roll].target, parameter, value)
+    elif contact.kind == KIND_BOUNCE and parameter == _GRAVITY:
+        contact.push_target = contact.m * value
+    elif contact.kind == KIND_PRESS and parameter == _FORCE:
+        contact.push_target = value
+
+
+@kernel
+def stop_gesture(state, event):
+    """End a running gesture."""
+    for i in range(len(state.contacts)):
+        contact = state.contacts[i]
+        if contact.gesture == event.gesture:
+            _count_command(state, i, event.order)
             _stop(state, contact, event.time)
-        elif contact.kind == _ROLL:
-            _steer_roll(state, contact, what, value)
-        elif what == _LOUDNESS and contact.kind != _PRESS:
-            contact.loudness = value
-        elif what == _POSITION:
-            contact.moved_to = value
-        elif what == _GRAVITY and contact.kind == _BOUNCE:
-            contact.gravity = value
-            contact.pushed_to = contact.m * value
-        elif what == _IRREGULARITY:
-            contact.irregularity = value
-        elif what == _FORCE and contact.kind == _PRESS:
-            contact.pushed_to = value
 
 
 @kernel
-def _steer_roll(state, contact, what, value):
-    roll = state.rolls[contact.roll]
-    if what == _LOUDNESS:
-        contact.loudness = value
-    elif what == _POSITION:
-        contact.moved_to = value
-    elif what == _GRAVITY:
-        roll.asked_gravity = value
-    elif what == _SPEED:
-        roll.asked_speed = value
-    elif what == _MASS:
-        roll.asked_mass = value
-    elif what == _ROUGHNESS:
-        roll.path.roughness = value
-    elif what == _RADIUS:
-        roll.asked_radius = value
-    elif what == _ASYMMETRY:
-        roll.asymmetry = value
-    elif what == _FRICTION:
-        roll.friction = value
+def _count_command(state, index, order):
+    """Remember that a command was about a gesture that lasts: it counts as new."""
+    if state.contacts[index].kind != KIND_IMPACT:
+        state.last_command[index] = order + 1
 
 
 @kernel
-def is_running(state, serial):
-    """Is there anything of a gesture to be steered?"""
+def is_running(state, gesture):
+    """True if there is anything of a gesture to be steered."""
     found = False
     for i in range(len(state.contacts)):
-        found |= state.contacts[i].serial == serial
+        found |= state.contacts[i].gesture == gesture
     return found
 
 
 @kernel
 def _stop(state, contact, time):
-    """End a gesture: a bouncing striker doesn't come back, a rolling body halts, a pressing one is let go."""
+    """End a gesture: a bouncing striker doesn't come back, a rolling body halts, a pressing one is released."""
     contact.until = min(contact.until, time)
-    if contact.kind == _ROLL:
-        state.rolls[contact.roll].asked_speed = 0.0
+    if contact.kind == KIND_ROLL:
+        state.rolls[contact.roll].target.speed = 0.0
 
 
 @kernel
-def stop_all(state, obj, time):
+def stop_gestures_on(state, obj, time):
     """End all gestures on an object."""
     index = obj.contact
     while index >= 0:
         contact = state.contacts[index]
-        if contact.kind != _IMPACT or contact.touching == 1:  # a blow that was to come still does
+        if contact.kind != KIND_IMPACT or contact.touching == 1:  # a blow that was to come still does
             _stop(state, contact, time)
         index = contact.next

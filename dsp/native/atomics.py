@@ -1,5 +1,7 @@
 """Ordered memory access between Python's thread and the audio thread."""
 
+from typing import Any
+
 from llvmlite import ir
 from numba import njit, types
 from numba.core import cgutils
@@ -8,7 +10,7 @@ from numba.extending import intrinsic
 _I64 = ir.IntType(64)
 
 
-def _address(context, builder, array_type, array, index):
+def _address(context: Any, builder: Any, array_type: Any, array: Any, index: Any) -> Any:
     struct = context.make_array(array_type)(context, builder, array)
     return cgutils.get_item_pointer(context, builder, array_type, struct, [index], wraparound=False)
 

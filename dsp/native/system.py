@@ -1,6 +1,7 @@
 """The clock, the thread, denormals and calls of addresses: what kernels need of the machine and its system."""
 
 import sys
+from typing import Any
 
 from llvmlite import ir
 from numba import njit, types
@@ -80,7 +81,7 @@ def call_back(typingctx, address, out, frames, times, flags, state):
     return types.int32(types.int64, out, types.int64, times, types.int64, types.int64), codegen
 
 
-def _call(builder, name, returned, args):
+def _call(builder: Any, name: str, returned: ir.Type, args: list[Any]) -> Any:
     """Call a function of the system's library."""
     function = ir.FunctionType(returned, [arg.type for arg in args])
     return builder.call(cgutils.get_or_insert_function(builder.module, function, name), args)
@@ -117,11 +118,11 @@ def restore_denormals(typingctx, mode):
     return types.void(types.int32), codegen
 
 
-def _is_x86(context) -> bool:
+def _is_x86(context: Any) -> bool:
     return str(context.target_data and context._internal_codegen._llvm_module.triple).startswith("x86_64")
 
 
-def _sse(builder, name, register):
+def _sse(builder: Any, name: str, register: Any) -> None:
     pointer = builder.bitcast(register, ir.IntType(8).as_pointer())
     _call(builder, f"llvm.x86.sse.{name}", ir.VoidType(), [pointer])
 

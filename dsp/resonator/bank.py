@@ -16,12 +16,16 @@ does belong together, and no energy gets lost between them.
 """
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..native.jit import kernel, simd_kernel
 from ..numerics.legendre import FINE
 from .simd import LANES, STRETCH, add_product, dot, push, ring_pushed
+
+Array = NDArray[Any]
 
 _MOBILITY = 2 * FINE * LANES
 RESPONSES = _MOBILITY + 2 * LANES
@@ -37,18 +41,53 @@ DRIVER = np.dtype(
 """A force that goes on: the number of its moments, where in a shape table it acts, by the weights of four rows, and how
 these change from sample to sample."""
 
+
+class Modes(NamedTuple):
+    """Modes of the bank: float64 arrays of one length, a multiple of LANES, but for `response`."""
+
+    y1: Array
+    """The last sample."""
+    y2: Array
+    """The last but one."""
+    a1: Array
+    a2: Array
+    balance: Array
+    """Weight at the right output over that at the left."""
+    response: Array
+    """RESPONSES values for each LANES of modes, made by `set_mode`."""
+
+
+class Point(NamedTuple):
+    """Where a force acts: between four rows of a table of mode shapes, weighted."""
+
+    shape: Array
+    """Flat, float32 or float64: rows of `stride` modes each."""
+    stride: int
+    row: int
+    """The first of the four."""
+    weights: Array
+    """(4,) float64."""
+
+
+class Drive(NamedTuple):
+    """Forces that go on: the first `active` of `drivers` (records of DRIVER), with moments feeds[feed, frame] (N s)."""
+
+    drivers: Array
+    active: int
+    feeds: Array
+
+
 _ONES = (1.0,) * LANES
 _BESSEL_START = 24  # where the downward recursion of the spherical Bessel functions starts; |z| <= 1.6 needs 18
 
 
 @simd_kernel
-def ring(y1, y2, a1, a2, balance, out, start, stop):
+def ring(modes, out, start, stop):
     """Let modes ring from frame `start` to `stop`: out[0], out[1] (float64, at least `stop` long) are overwritten.
 
-    y1, y2, a1, a2, balance: float64 of one length, a multiple of LANES. The state is scaled by the modes' weights at
-    the left output, so that left is a sum, which costs no multiplication; `balance` is the weight at the right over
-    that at the left.
+    The state is scaled by the modes' weights at the left output, so that left is a sum, which costs no multiplication.
     """
+    y1, y2, a1, a2, balance = modes.y1, modes.y2, modes.a1, modes.a2, modes.balance
     n = len(y1)
     t = start
     while t + 4 <= stop:
@@ -95,28 +134,27 @@ def ring(y1, y2, a1, a2, balance, out, start, stop):
 
 
 @simd_kernel
-def ring_driven(y1, y2, a1, a2, balance, response, shape, stride, drivers, count, feeds, work, out, frame):
-    """Let modes ring for STRETCH samples from a frame on, driven in each by `count` drivers; added to out[0], out[1].
+def ring_driven(modes, shape, stride, drive, work, out, frame):
+    """Let modes ring for STRETCH samples from a frame on, driven in each; added to out[0], out[1].
 
-    drivers: records of DRIVER; feeds[feed, frame] are moments (N s). `work` (float64) has room for 4 STRETCH LANES
-    values. Else as in `ring` and `inject`.
+    shape, stride: as in Point. `work` (float64) has room for 4 STRETCH LANES values. Else as in `ring`.
     """
     size = 2 * STRETCH * LANES
     pushes = work[:size]
     totals = work[size : 2 * size]
     for i in range(size):
         totals[i] = 0.0
-    for first in range(0, len(y1), LANES):
+    for first in range(0, len(modes.y1), LANES):
         group = first // LANES * RESPONSES
         for i in range(size):
             pushes[i] = 0.0
-        for j in range(count):
-            driver = drivers[j]
+        for j in range(drive.active):
+            driver = drive.drivers[j]
             at = driver.row * stride + first
             phi = dot(shape, at, stride, _four(driver.weights))
             slope = dot(shape, at, stride, _four(driver.drift))
-            push(pushes, phi, slope, response, group, feeds, driver.feed, frame)
-        ring_pushed(y1, y2, a1, a2, balance, first, pushes, totals)
+            push(pushes, phi, slope, modes.response, group, drive.feeds, driver.feed, frame)
+        ring_pushed(modes.y1, modes.y2, modes.a1, modes.a2, modes.balance, first, pushes, totals)
     for t in range(STRETCH):
         for channel in range(2):
             total = 0.0
@@ -126,24 +164,21 @@ def ring_driven(y1, y2, a1, a2, balance, response, shape, stride, drivers, count
 
 
 @simd_kernel
-def inject(y1, y2, response, shape, stride, row, weights, moments):
-    """Add a force over the coming sample, given by its moments (N s), to the modes before they take that sample.
-
-    The force acts at a point between four rows of the shape table (flat, `stride` modes a row, from `row`), weighted by
-    `weights`. `response` is the modes' table made by `set_mode`.
-    """
+def inject(modes, point, moments):
+    """Add a force over the coming sample at a point, given by its moments (N s), to the modes before they take that
+    sample."""
     m = (moments[0], moments[1], moments[2], moments[3], moments[4], moments[5], moments[6], moments[7])
-    _inject(y1, y2, response, shape, stride, row, weights, m)
+    _inject(modes, point, m)
 
 
 @simd_kernel
-def inject_fine(y1, y2, response, shape, stride, row, weights, moments):
-    """The same with the FINE moments of a coupled contact."""
+def inject_fine(modes, point, moments):
+    """Add a force as `inject` does, by the FINE moments of a coupled contact."""
     m = (
         moments[0], moments[1], moments[2], moments[3], moments[4], moments[5],
         moments[6], moments[7], moments[8], moments[9], moments[10], moments[11],
     )  # fmt: skip
-    _inject(y1, y2, response, shape, stride, row, weights, m)
+    _inject(modes, point, m)
 
 
 @simd_kernel
@@ -152,23 +187,25 @@ def _four(weights):
 
 
 @simd_kernel
-def _inject(y1, y2, response, shape, stride, row, weights, m):
-    w = _four(weights)
-    for first in range(0, len(y1), LANES):
+def _inject(modes, point, m):
+    """Add a force, given by a tuple of moments."""
+    w = _four(point.weights)
+    for first in range(0, len(modes.y1), LANES):
         group = first // LANES * RESPONSES
-        phi = dot(shape, row * stride + first, stride, w)
-        add_product(y1, first, phi, dot(response, group, 2 * LANES, m))
-        add_product(y2, first, phi, dot(response, group + LANES, 2 * LANES, m))
+        phi = dot(point.shape, point.row * point.stride + first, point.stride, w)
+        add_product(modes.y1, first, phi, dot(modes.response, group, 2 * LANES, m))
+        add_product(modes.y2, first, phi, dot(modes.response, group + LANES, 2 * LANES, m))
 
 
 @simd_kernel
-def observe(y1, y2, a1, a2, response, shape, stride, row, weights, work, coefficients):
+def observe(modes, point, work, coefficients):
     """The point's displacement (m) over the coming sample, if no force acts: FINE Legendre coefficients.
 
-    Arguments as in `inject`; `work` (float64) has room for 3 n + FINE LANES values.
+    `work` (float64) has room for 3 n + FINE LANES values, n being the number of modes.
     """
+    y1, y2, a1, a2, response = modes.y1, modes.y2, modes.a1, modes.a2, modes.response
     n = len(y1)
-    _shapes(n, shape, stride, row, weights, work)
+    _shapes(n, point, work)
     # exp(s theta) = exp(s) exp(-s (1 - theta)): the reflected table, on the state a sample later.
     for i in range(n):
         mobility = work[i] * response[i // LANES * RESPONSES + _MOBILITY + i % LANES]
@@ -179,13 +216,14 @@ def observe(y1, y2, a1, a2, response, shape, stride, row, weights, work, coeffic
 
 
 @simd_kernel
-def receptance(a1, a2, response, shape, stride, row, weights, work, coefficients):
+def receptance(modes, point, work, coefficients):
     """The point's displacement over a sample after a unit impulse there: FINE Legendre coefficients, m/(N s).
 
-    Arguments as in `observe`.
+    `work` as in `observe`; its first n values are the modes' shapes at the point afterwards.
     """
+    a1, a2, response = modes.a1, modes.a2, modes.response
     n = len(a1)
-    _shapes(n, shape, stride, row, weights, work)
+    _shapes(n, point, work)
     for i in range(n):
         struck = work[i] * work[i] * response[i // LANES * RESPONSES + _MOBILITY + LANES + i % LANES]
         work[n + i] = struck * a1[i]
@@ -194,13 +232,14 @@ def receptance(a1, a2, response, shape, stride, row, weights, work, coefficients
 
 
 @simd_kernel
-def reach(y1, y2, a1, a2, response, shape, stride, row, weights, work):
-    """What the ringing modes can't exceed at the point: its displacement (m) and velocity (m/s, up to sigma/omega).
+def reach(modes, point, work):
+    """Bounds of the point's displacement (m) and velocity (m/s, up to sigma/omega) by the ringing modes.
 
-    Arguments as in `observe`.
+    `work` as in `observe`.
     """
+    y1, y2, a1, a2, response = modes.y1, modes.y2, modes.a1, modes.a2, modes.response
     n = len(y1)
-    _shapes(n, shape, stride, row, weights, work)
+    _shapes(n, point, work)
     distance = speed = 0.0
     for i in range(n):
         scale = abs(response[i // LANES * RESPONSES + _MOBILITY + LANES + i % LANES])
@@ -214,9 +253,10 @@ def reach(y1, y2, a1, a2, response, shape, stride, row, weights, work):
 
 
 @simd_kernel
-def _shapes(n, shape, stride, row, weights, work):
+def _shapes(n, point, work):
     """The modes' shapes at the point, into the first n values of `work`."""
-    w = _four(weights)
+    shape, stride, row = point.shape, point.stride, point.row
+    w = _four(point.weights)
     for i in range(n):
         work[i] = 0.0
     for first in range(0, n, LANES):
@@ -253,11 +293,12 @@ def state_of(y1, y2, a1, a2):
 
 
 @kernel
-def set_mode(i, frequency, decay, rate, weight, y1, y2, a1, a2, response):
+def set_mode(modes, i, frequency, decay, rate, weight):
     """Give mode i a frequency (Hz) and decay (1/s) at a sampling rate (Hz); what it is ringing goes on without a step.
 
     `weight` scales what it will answer to a force. frequency = 0 makes a mode that rests for ever.
     """
+    y1, y2, a1, a2, response = modes.y1, modes.y2, modes.a1, modes.a2, modes.response
     base = (i // LANES) * RESPONSES + i % LANES
     if frequency <= 0.0:
         y1[i] = y2[i] = a1[i] = a2[i] = 0.0

@@ -3,6 +3,8 @@
 It can't know that what is written lies nowhere in the tables. Here all is read before anything is written.
 """
 
+from typing import Any
+
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
@@ -23,13 +25,13 @@ _VECTOR = ir.VectorType(ir.DoubleType(), LANES)
 _TUPLE = types.UniTuple(types.float64, LANES)
 
 
-def _pointer(context, builder, array_type, array, index):
+def _pointer(context: Any, builder: Any, array_type: Any, array: Any, index: Any) -> Any:
     data = context.make_array(array_type)(context, builder, array).data
     element = context.get_data_type(array_type.dtype)
     return builder.bitcast(builder.gep(data, [index]), ir.VectorType(element, LANES).as_pointer())
 
 
-def _vector(builder, scalars):
+def _vector(builder: Any, scalars: Any) -> Any:
     vector = ir.Constant(_VECTOR, ir.Undefined)
     for i, scalar in enumerate(scalars):
         vector = builder.insert_element(vector, scalar, _I32(i))

@@ -18,9 +18,10 @@ import numpy as np
 from ..contact.collocation import NODES, STEP
 from ..native.jit import kernel
 from ..numerics.legendre import MOMENTS
-from .contact_step import path_at, touch
+from ..schema import SPEED, STEERED
+from .contact_step import path_at, step_contact
 from .moments import add_quadratic
-from .path import AHEAD, ENVELOPE, PIECES, lay, make_piece
+from .path import AHEAD, PATH, PIECES, make_piece, restart_path
 
 EVENTS = 120_000.0
 """Flights and steps a second that a roll may need for long, divided by its coarseness."""
@@ -28,7 +29,7 @@ EVENTS = 120_000.0
 _BURST = 200.0  # events that it may need at once
 _LONGEST = 5e-4  # s: of a flight or a step, after which speed and gravity are looked at
 _FIRST = 1e-5  # s: the first step to try
-_GLIDE = 0.02  # s: time constant of whatever is steered
+_GLIDE = SPEED.glide  # s: time constant of speed, mass and gravity
 _FADE = 0.005  # s: time constant with which a roll that stopped is left
 _STOPPED = 0.02  # share of its speed at which it has
 _GONE = 1e-5  # -100 dB
@@ -42,27 +43,21 @@ _MOST_EVENTS = 4096  # for one call
 
 ROLL = np.dtype(
     [
-        ("path", ENVELOPE),
+        ("path", PATH),
         ("step", STEP),
-        # What is asked for; it may be changed at any time, and is glided to.
-        ("asked_speed", np.float64),  # m/s; 0 ends the roll
-        ("asked_radius", np.float64),  # m
-        ("asked_mass", np.float64),  # kg
-        ("asked_gravity", np.float64),  # m/s^2
-        ("friction", np.float64),  # share of the weight that slows it down
-        ("asymmetry", np.float64),  # distance of its centre of mass from its middle over its radius
+        ("target", STEERED),  # of what can be steered; some are glided to
         # The body and where it is.
         ("k", np.float64),
         ("mu", np.float64),
         ("a", np.float64),
         ("stiffness", np.float64),  # k, as far as it makes a difference
-        ("sunk", np.float64),  # m: compression under its weight
+        ("rest_compression", np.float64),  # m: compression under its weight
         ("m", np.float64),
         ("g", np.float64),
         ("v", np.float64),  # m/s along the surface
-        ("top", np.float64),  # the speed last asked for
-        ("pace", np.float64),  # v, and
-        ("pull", np.float64),  # g, as asymmetry modulates them
+        ("top_speed", np.float64),  # the speed last asked for
+        ("modulated_speed", np.float64),  # v as asymmetry modulates it
+        ("modulated_gravity", np.float64),  # g as asymmetry modulates it
         ("angle", np.float64),
         ("s", np.float64),  # m rolled since the beginning
         ("t", np.float64),  # s since the beginning
@@ -74,7 +69,7 @@ ROLL = np.dtype(
         ("next", np.float64),  # s: the step to try
         ("tolerance", np.float64),
         ("debt", np.float64),  # events beyond what is granted
-        ("presence", np.float64),  # 1, falling to 0 when the roll has stopped
+        ("fade", np.float64),  # 1, falling to 0 when the roll has stopped
         ("ended", np.int64),
         # The last event: what is heard from `since` on for `span` s is the quadratic through `force` (N) at GAUSS.
         ("since", np.float64),
@@ -82,7 +77,7 @@ ROLL = np.dtype(
         ("force", np.float64, NODES),
         ("given", np.float64),  # s: up to where moments have been taken
         ("level", np.float64, NODES + 1),  # of the path at a step's nodes and end
-        ("climb", np.float64, NODES + 1),  # its rate
+        ("path_rate", np.float64, NODES + 1),  # its rate
         ("v_in", np.float64),  # m/s: speed at which body and path last met
         ("impacts", np.int64),  # times it met the surface
         ("events", np.int64),
@@ -94,33 +89,29 @@ ROLL = np.dtype(
 
 
 @kernel
-def begin_roll(
-    roll, place, radius, m, k, mu, a, speed, gravity, friction, asymmetry, corners, roughness, coarseness
-):  # fmt: skip
-    """Put a body at rest on a surface at a place, rolling at `speed` (m/s).
+def begin_roll(roll, place, k, mu, a, corners, coarseness):
+    """Put a body at rest on a surface at a place, rolling; roll.target says how.
 
-    radius (m), m (kg), k (N/m^a), gravity (m/s^2) > 0, mu (s/m) >= 0, a >= 1; friction and asymmetry >= 0; corners: 0
-    if it is round; roughness: factor on the surface's heights; coarseness >= 1: factor on the shortest wavelength that
-    it feels.
+    There speed (m/s), radius (m), mass (kg), gravity (m/s^2) > 0, friction, asymmetry and roughness >= 0. k (N/m^a),
+    mu (s/m) >= 0, a >= 1; corners: 0 if it is round; coarseness >= 1: factor on the shortest wavelength that it feels.
     """
-    roll.asked_speed = roll.top = speed
-    roll.v = roll.pace = max(speed, _SLOWEST)
-    roll.asked_radius = roll.path.radius = radius
-    roll.asked_mass = roll.m = m
-    roll.asked_gravity = roll.g = roll.pull = gravity
-    roll.friction = friction
-    roll.asymmetry = asymmetry
+    target = roll.target
+    roll.top_speed = target.speed
+    roll.v = roll.modulated_speed = max(target.speed, _SLOWEST)
+    roll.path.radius = target.radius
+    roll.m = target.mass
+    roll.g = roll.modulated_gravity = target.gravity
     roll.k = k
     roll.stiffness = 0.0
     roll.mu = mu
     roll.a = a
     roll.path.speed = roll.v
     roll.path.corners = corners
-    roll.path.roughness = roughness
+    roll.path.roughness = target.roughness
     roll.path.coarseness = coarseness
     roll.angle = 0.5 * math.pi
     roll.s = roll.t = roll.since = roll.span = roll.given = roll.debt = 0.0
-    roll.presence = 1.0
+    roll.fade = 1.0
     roll.ended = roll.impacts = roll.events = roll.holds = 0
     roll.along = 0.0
     roll.piece = -1
@@ -130,28 +121,34 @@ def begin_roll(
 
 @kernel
 def _steer(roll):
-    """Bring speed, mass and gravity, after an event, nearer to what is asked for."""
-    roll.top = max(roll.top, roll.asked_speed)
-    slowed = min(roll.friction * roll.g * roll.span, roll.asked_speed)
-    roll.asked_speed -= slowed
+    """Bring speed, mass and gravity, after an event, nearer to their targets."""
+    roll.path.roughness = roll.target.roughness
+    roll.top_speed = max(roll.top_speed, roll.target.speed)
+    slowed = min(roll.target.friction * roll.g * roll.span, roll.target.speed)
+    roll.target.speed -= slowed
     roll.v = max(roll.v - slowed, _SLOWEST)
     roll.tolerance = _TOLERANCE * roll.path.coarseness
     roll.debt = max(roll.debt + 1.0 - EVENTS / roll.path.coarseness * roll.span, 0.0)
-    stopped = roll.asked_speed == 0.0 and roll.v <= max(_STOPPED * roll.top, _SLOWEST)
-    if stopped or roll.presence < 1.0:
+    stopped = roll.target.speed == 0.0 and roll.v <= max(_STOPPED * roll.top_speed, _SLOWEST)
+    if stopped or roll.fade < 1.0:
         goal = 0.0 if stopped else 1.0
-        roll.presence = _nearer(roll.presence, goal, -math.expm1(-roll.span / _FADE))
-        roll.ended = 1 if stopped and roll.presence < _GONE else 0
-    if roll.v == roll.asked_speed and roll.m == roll.asked_mass and roll.g == roll.asked_gravity and roll.stiffness > 0:
+        roll.fade = _nearer(roll.fade, goal, -math.expm1(-roll.span / _FADE))
+        roll.ended = 1 if stopped and roll.fade < _GONE else 0
+    if (
+        roll.v == roll.target.speed
+        and roll.m == roll.target.mass
+        and roll.g == roll.target.gravity
+        and roll.stiffness > 0
+    ):
         return
     near = -math.expm1(-roll.span / _GLIDE)
-    roll.v = max(_nearer(roll.v, roll.asked_speed, near), _SLOWEST)
-    roll.m = _nearer(roll.m, roll.asked_mass, near)
-    roll.g = _nearer(roll.g, roll.asked_gravity, near)
+    roll.v = max(_nearer(roll.v, roll.target.speed, near), _SLOWEST)
+    roll.m = _nearer(roll.m, roll.target.mass, near)
+    roll.g = _nearer(roll.g, roll.target.gravity, near)
     # Where it rests, how fast it swings there, and how stiff a contact makes a difference.
     stiffest = roll.m * roll.g / (roll.a * roll.g / (_STIFFEST * _STIFFEST)) ** roll.a
     roll.stiffness = min(roll.k, stiffest)
-    roll.sunk = (roll.m * roll.g / roll.stiffness) ** (1.0 / roll.a)
+    roll.rest_compression = (roll.m * roll.g / roll.stiffness) ** (1.0 / roll.a)
 
 
 @kernel
@@ -162,25 +159,26 @@ def _nearer(value, goal, share):
 
 
 @kernel
-def _lean(roll):
+def _modulate(roll):
     """A lopsided body's speed and weight: its energy is (7/10) m v^2 and m g times the height of its centre of mass."""
     radius = roll.path.radius
     square = roll.v * roll.v
-    if roll.asymmetry == 0.0:
-        roll.pace = roll.path.speed = roll.v
-        roll.pull = roll.g
+    if roll.target.asymmetry == 0.0:
+        roll.modulated_speed = roll.path.speed = roll.v
+        roll.modulated_gravity = roll.g
         return
-    roll.angle += roll.pace * roll.span / radius
+    roll.angle += roll.modulated_speed * roll.span / radius
     roll.angle -= 2.0 * math.pi * math.floor(roll.angle / (2.0 * math.pi))
-    high = roll.asymmetry * math.cos(roll.angle)
-    aside = roll.asymmetry * math.sin(roll.angle)
+    high = roll.target.asymmetry * math.cos(roll.angle)
+    aside = roll.target.asymmetry * math.sin(roll.angle)
     least = _LEAST_PACE * _LEAST_PACE * square
     swung = square - 10.0 / 7.0 * roll.g * radius * high
-    roll.pace = math.sqrt(max(swung, least))
+    roll.modulated_speed = math.sqrt(max(swung, least))
     # The centre of mass falls with angle'^2 cos + angle'' sin: over a whole turn that comes to nothing.
-    lift = roll.pace * roll.pace / radius * high + (5.0 / 7.0 * roll.g * aside * aside if swung > least else 0.0)
-    roll.pull = roll.g - min(max(lift, -_MOST_LIFT * roll.g), _MOST_LIFT * roll.g)
-    roll.path.speed = roll.pace
+    falling = 5.0 / 7.0 * roll.g * aside * aside if swung > least else 0.0
+    lift = roll.modulated_speed * roll.modulated_speed / radius * high + falling
+    roll.modulated_gravity = roll.g - min(max(lift, -_MOST_LIFT * roll.g), _MOST_LIFT * roll.g)
+    roll.path.speed = roll.modulated_speed
 
 
 @kernel
@@ -188,14 +186,14 @@ def _look_ahead(roll):
     """Have the path ready; returns the time in s for which it is."""
     path = roll.path
     begun = roll.piece >= 0
-    anew = not begun or roll.asked_radius != path.radius
+    anew = not begun or roll.target.radius != path.radius
     level = incline = 0.0
     if anew:
         i = max(roll.piece, 0) % PIECES
         if begun:
             level, incline = path_at(roll)
-        path.radius = roll.asked_radius
-        lay(path, path.origin[i] + np.int64((path.start[i] + roll.along) / path.surface.unit))
+        path.radius = roll.target.radius
+        restart_path(path, path.origin[i] + np.int64((path.start[i] + roll.along) / path.surface.unit))
         roll.piece = 0
         roll.along = 0.0
     while path.made < roll.piece + AHEAD:
@@ -206,19 +204,19 @@ def _look_ahead(roll):
             _rest(roll)
         new_level, new_incline = path_at(roll)
         roll.y += new_level - level
-        roll.w += roll.pace * (new_incline - incline)
+        roll.w += roll.modulated_speed * (new_incline - incline)
     length = -roll.along
     for i in range(roll.piece, path.made):
         length += path.length[i % PIECES]
-        if length > _LONGEST * roll.pace:
+        if length > _LONGEST * roll.modulated_speed:
             break
-    return length / roll.pace
+    return length / roll.modulated_speed
 
 
 @kernel
 def _rest(roll):
     """Put the body where its contact carries its weight."""
-    roll.y = -roll.sunk
+    roll.y = -roll.rest_compression
     roll.w = 0.0
     roll.touching = 1
     roll.next = _FIRST
@@ -230,18 +228,18 @@ def _rest(roll):
 def next_event(roll):
     """Let the body go on by one event: a flight or a part of one, or a step in contact."""
     _steer(roll)
-    _lean(roll)
+    _modulate(roll)
     longest = min(0.999 * _look_ahead(roll), _LONGEST)
     roll.since = roll.t
     if roll.touching == 1:
-        touch(roll, longest, roll.path.coarseness / EVENTS if roll.debt > _BURST else 0.0)
+        step_contact(roll, longest, roll.path.coarseness / EVENTS if roll.debt > _BURST else 0.0)
     else:
         _fly(roll, longest)
     roll.t += roll.span
-    roll.s += roll.pace * roll.span
+    roll.s += roll.modulated_speed * roll.span
     weight = roll.m * roll.g
     for i in range(NODES):
-        roll.force[i] = roll.presence * (roll.force[i] - weight)
+        roll.force[i] = roll.fade * (roll.force[i] - weight)
     roll.events += 1
 
 
@@ -249,7 +247,7 @@ def next_event(roll):
 def _fly(roll, longest):
     """Fly until the path is met, or for the longest time."""
     path = roll.path
-    v, g = roll.pace, roll.pull
+    v, g = roll.modulated_speed, roll.modulated_gravity
     roll.span = 0.0
     for i in range(NODES):
         roll.force[i] = 0.0
@@ -299,7 +297,7 @@ def _land(roll, v_in):
     roll.touching = 1
     roll.v_in = v_in
     roll.impacts += 1
-    speed = math.sqrt(v_in * v_in + roll.g * roll.sunk)
+    speed = math.sqrt(v_in * v_in + roll.g * roll.rest_compression)
     time = (roll.m / (roll.stiffness * speed ** (roll.a - 1.0))) ** (1.0 / (roll.a + 1.0))
     roll.next = 0.05 * time / max(1.0, roll.mu * speed) ** (1.0 / (roll.a + 1.0))
     for i in range(NODES):

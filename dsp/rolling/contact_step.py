@@ -50,11 +50,11 @@ def _to_kink(roll, h, least):
     for piece in range(roll.piece, path.made - 1):
         i = piece % PIECES
         passed += path.length[i]
-        if passed >= roll.pace * h:
+        if passed >= roll.modulated_speed * h:
             break
         jump = path.incline[(piece + 1) % PIECES] - path.incline[i] - path.curvature[i] * path.length[i]
-        if roll.pace * jump > least:
-            return (passed - 0.5 * _NEAR * path.length[i]) / roll.pace
+        if roll.modulated_speed * jump > least:
+            return (passed - 0.5 * _NEAR * path.length[i]) / roll.modulated_speed
     return h
 
 
@@ -65,14 +65,14 @@ def _walk(roll, h):
     piece = roll.piece
     passed = -roll.along
     for n in range(NODES + 1):
-        travelled = roll.pace * (h if n == NODES else h * GAUSS[n])
+        travelled = roll.modulated_speed * (h if n == NODES else h * GAUSS[n])
         while travelled - passed > path.length[piece % PIECES] and piece < path.made - 1:
             passed += path.length[piece % PIECES]
             piece += 1
         i = piece % PIECES
         q = travelled - passed
         roll.level[n] = path.level[i] + q * (path.incline[i] + 0.5 * path.curvature[i] * q)
-        roll.climb[n] = roll.pace * (path.incline[i] + path.curvature[i] * q)
+        roll.path_rate[n] = roll.modulated_speed * (path.incline[i] + path.curvature[i] * q)
     return piece, q
 
 
@@ -80,12 +80,12 @@ def _walk(roll, h):
 def _collocate(roll, h, k, momentum):
     """Try a step in contact: whether it is solved, and the body's height and rate at its end."""
     step = roll.step
-    y, w, g = roll.y, roll.w, roll.pull
+    y, w, g = roll.y, roll.w, roll.modulated_gravity
     lightness = h / roll.m
     for i in range(NODES):
         t = h * GAUSS[i]
         step.free_x[i] = roll.level[i] - (y + t * (w - 0.5 * g * t))
-        step.free_v[i] = roll.climb[i] - (w - g * t)
+        step.free_v[i] = roll.path_rate[i] - (w - g * t)
         for j in range(NODES):
             step.give_v[i, j] = lightness * INTEGRAL[i, j]
             step.give_x[i, j] = h * lightness * _TWICE[i, j]
@@ -103,24 +103,37 @@ def _judge(roll, h, k, x, stored, momentum, y, w):
     """What to multiply a step with for the tolerance, and whether it will do; x: the compression at its beginning."""
     m, f = roll.m, roll.step.f
     x_end = roll.level[NODES] - y
-    v_end = roll.climb[NODES] - w
+    v_end = roll.path_rate[NODES] - w
     kept = elastic(x_end, k, roll.a)
     momentum = max(momentum, m * math.sqrt(v_end * v_end + 2.0 * kept / m))
     rest = abs(end_of(f) - law(x_end, v_end, k, roll.mu, roll.a)) * h
     # The path's work, and how uncertain it is where the path bends.
     work = spread = 0.0
     for i in range(NODES):
-        work += h * WEIGHTS[i] * f[i] * roll.climb[i]
-        spread += h * WEIGHTS[i] * f[i] * (abs(roll.climb[i] - roll.climb[0]) + abs(roll.climb[i] - roll.climb[NODES]))
-    gained = 0.5 * m * (w - roll.w) * (w + roll.w) + m * roll.pull * (y - roll.y) + kept - stored - work
-    room = spread + _GROWTH * (momentum * momentum / m + m * roll.pull * max(x, x_end, 0.0))
+        work += h * WEIGHTS[i] * f[i] * roll.path_rate[i]
+        bend = abs(roll.path_rate[i] - roll.path_rate[0]) + abs(roll.path_rate[i] - roll.path_rate[NODES])
+        spread += h * WEIGHTS[i] * f[i] * bend
+    gained = 0.5 * m * (w - roll.w) * (w + roll.w) + m * roll.modulated_gravity * (y - roll.y) + kept - stored - work
+    room = spread + _GROWTH * (momentum * momentum / m + m * roll.modulated_gravity * max(x, x_end, 0.0))
     wanted = roll.tolerance * momentum
     return better_step(rest, wanted), rest <= wanted and gained <= room
 
 
 @kernel
-def touch(roll, longest, least):
-    """A step in contact of at most `longest` s, and no less than `least` whatever its error."""
+def _hold(roll, h, k, x):
+    """Hold the force over a step, which can't gain energy however long it is; the body's height and rate at its end."""
+    free = roll.level[NODES] - (roll.y + h * (roll.w - 0.5 * roll.modulated_gravity * h)) - x
+    change, force = discrete_gradient(x, free, 0.5 * h * h / roll.m, h, k, roll.mu, roll.a)
+    for i in range(NODES):
+        roll.step.f[i] = force
+    roll.next = 2.0 * h
+    roll.holds += 1
+    return roll.level[NODES] - (x + change), roll.w + h * (force / roll.m - roll.modulated_gravity)
+
+
+@kernel
+def step_contact(roll, longest, least):
+    """Take a step in contact of at most `longest` s, and no less than `least` whatever its error."""
     k = roll.stiffness
     left = roll.path.length[roll.piece % PIECES]
     if left - roll.along <= _NEAR * left:
@@ -128,9 +141,9 @@ def touch(roll, longest, least):
         roll.along = 0.0
     level, incline = path_at(roll)
     x = level - roll.y
-    v = roll.pace * incline - roll.w
+    v = roll.modulated_speed * incline - roll.w
     stored = elastic(x, k, roll.a)
-    momentum = roll.m * math.sqrt(v * v + 2.0 * stored / roll.m + roll.g * roll.sunk)
+    momentum = roll.m * math.sqrt(v * v + 2.0 * stored / roll.m + roll.g * roll.rest_compression)
     h = min(max(roll.next, least), longest)
     if least == 0.0:
         h = _to_kink(roll, h, _KINK * momentum / roll.m)
@@ -152,15 +165,7 @@ def touch(roll, longest, least):
     if good:
         roll.next = max(ratio * h, roll.next) if cut else ratio * h
     else:
-        # Held over the step, which can't gain energy however long it is.
-        free = roll.level[NODES] - (roll.y + h * (roll.w - 0.5 * roll.pull * h)) - x
-        change, force = discrete_gradient(x, free, 0.5 * h * h / roll.m, h, k, roll.mu, roll.a)
-        y = roll.level[NODES] - (x + change)
-        w = roll.w + h * (force / roll.m - roll.pull)
-        for i in range(NODES):
-            roll.step.f[i] = force
-        roll.next = 2.0 * h
-        roll.holds += 1
+        y, w = _hold(roll, h, k, x)
     for i in range(NODES):
         roll.force[i] = roll.step.f[i]
     extrapolate(roll.step, roll.next / h)

@@ -50,7 +50,7 @@ _SMALL = 1e-5  # of a gain that isn't glided any more
 _OCTAVE = math.log(2.0)
 _WIDEST = 2.0**40  # places between two points
 
-ENVELOPE = np.dtype(
+PATH = np.dtype(
     [
         ("surface", SURFACE),
         ("radius", np.float64),  # m
@@ -184,7 +184,7 @@ def _settle(path):
 
 
 @kernel
-def lay(path, place):
+def restart_path(path, place):
     """Begin the path anew at a place: piece 0 begins in the middle of the arc there."""
     _refresh(path)
     _glide(path, 1.0)
@@ -242,14 +242,14 @@ def make_piece(path):
 
 
 @njit(error_model="numpy")
-def _lay(path, surface, radius, corners, speed, place):
+def _restart(path, surface, radius, corners, speed, place):
     path.surface = surface
     path.radius = radius
     path.corners = corners
     path.speed = speed
     path.roughness = 1.0
     path.coarseness = 1.0
-    lay(path, place)
+    restart_path(path, place)
 
 
 @njit(error_model="numpy")
@@ -277,7 +277,7 @@ def path_pieces(
     corners: int = 0,
     place: int = 0,
     most: int = 1_000_000,
-) -> NDArray:
+) -> NDArray[np.float64]:
     """The path of a body of a radius (m) over `length` (m) of a surface, as detailed as it is heard at a speed (m/s).
 
     Rows of where the piece begins (m from the first, which is at or just before `place`), and the path's height (m),
@@ -287,8 +287,8 @@ def path_pieces(
     radius, speed, length = (
         float(checked(name, value, 0.0)) for name, value in (("radius", radius), ("speed", speed), ("length", length))
     )
-    path = np.zeros(1, ENVELOPE)[0]
+    path = np.zeros(1, PATH)[0]
     angular = float(checked("corners", corners, 0.0, strict=False))
-    _lay(path, surface, radius, angular, speed, int(place))
+    _restart(path, surface, radius, angular, speed, int(place))
     pieces = np.empty((most, 4))
     return pieces[: _pieces(path, length, pieces)].copy()

@@ -145,7 +145,7 @@ def make_surface(
     (1, 5]; ripple, wavelength: amplitude (m, >= 0) and wavelength (m, > 0) of a corrugation. ValueError names what is
     out of range.
     """
-    surface = np.zeros(1, SURFACE)[0]
+    surface: np.void = np.zeros(1, SURFACE)[0]
     _begin(
         surface,
         float(checked("roughness", roughness, 0.0, strict=False)),
@@ -158,7 +158,7 @@ def make_surface(
     return surface
 
 
-def heights(surface: np.void, places: ArrayLike) -> NDArray:
+def heights(surface: np.void, places: ArrayLike) -> NDArray[np.float64]:
     """Heights in m at places (whole numbers of surface["unit"] metres), of their shape."""
     where = np.atleast_1d(np.asarray(places, np.int64))
     z = np.empty(where.shape)

@@ -32,20 +32,20 @@ def _callback(_input, output, frames, times, flags, userdata):
     if state.thread == 0:
         state.thread = thread_id()
     underflow = flags & OUTPUT_UNDERFLOW != 0
-    state.underflows += underflow
-    first = state.position - QUANTUM + state.consumed
+    state.stats.underflows += underflow
+    first = state.position - QUANTUM + state.output.consumed
     if lock(state.clock, state.rate, entered, first, frames, underflow):
-        look_again(state)
+        look_again(state.queue, state.position)
     process(state, carray(output, (frames, 2)), frames)
     restore_denormals(mode)
     load = (monotonic_ns() - entered) * 1e-9 * state.rate / max(frames, 1)
     share = min(1.0, frames / state.rate)
-    state.latency_measured += (times[_HEARD] - times[_NOW] - state.latency_measured) * share
-    state.load += (load - state.load) * share
-    state.load_now += (load - state.load_now) * min(1.0, share / _LATELY)
-    state.load_peak = max(load, state.load_peak * (1.0 - share))
-    state.overruns += load > 1.0
-    state.callbacks += 1
+    state.stats.latency_measured += (times[_HEARD] - times[_NOW] - state.stats.latency_measured) * share
+    state.stats.load += (load - state.stats.load) * share
+    state.stats.load_now += (load - state.stats.load_now) * min(1.0, share / _LATELY)
+    state.stats.load_peak = max(load, state.stats.load_peak * (1.0 - share))
+    state.stats.overruns += load > 1.0
+    state.stats.callbacks += 1
     return 0
 
 

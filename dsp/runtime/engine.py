@@ -1,7 +1,6 @@
 """The engine from Python: it checks, lays out memory and sends commands; the compiled callback does the rest."""
 
-import math
-from dataclasses import dataclass
+from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
@@ -9,26 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bodies.modes import Modes
-from ..engine.state import (
-    ENDED,
-    EVENTS,
-    MODES,
-    MODES_PER_OBJECT,
-    NOTES,
-    OBJECTS,
-    RING,
-    SHAPE_VALUES,
-    TAP,
-    Command,
-    End,
-    new_state,
-)
+from ..contact.accuracy import LEVELS
+from ..engine.commands import Command, Handle, Kind, write
+from ..engine.state import ENDED, EVENTS, NOTES, RING, TAP, TRACED, End, Quality, new_state
 from ..native.atomics import observe, publish
 from ..native.system import clock_ns
-from ..resonator.bank import LANES, NYQUIST_SHARE
-from .arena import Arena, EngineFull
+from ..resonator.bank import NYQUIST_SHARE
+from ..schema import Stats
+from .arena import EngineFull
 from .callback import compile_callback
 from .code_cache import kept
+from .memory import Memory
 
 NOW = -1.0
 """A time that is always past: a command for as soon as possible."""
@@ -38,11 +28,8 @@ KEPT_FOR_NOW = 2_048
 
 _SOON = 0.5  # s
 _STEADY = 1e-3  # s by which the clock may turn out to be wrong before what is said of it changes
-_QUIETEST = 1e-9  # share of the loudest weight below which no weight at the left output goes: -180 dB
 
 _NO_TIMES = np.zeros(3)
-
-_LEAST_ROWS = 4  # of a shape table: mode shapes are interpolated by cubics
 
 
 class Stamp(float):
@@ -62,16 +49,6 @@ def _callback() -> Any:
     return kept(compile_callback)
 
 
-@dataclass(frozen=True)
-class Handle:
-    """An object in the engine; commands to one that is gone are ignored."""
-
-    slot: int
-    serial: int
-    first: int
-    table: int
-
-
 class Engine:
     """A running engine at one sampling rate (Hz).
 
@@ -83,12 +60,9 @@ class Engine:
         self.state = new_state(rate)
         self._callback = _callback()
         self._record = self.state[0]
+        self._ring = self._record["ring"]
         self._pace: tuple[int, float, float] | None = None
-        self._modes = Arena("modes", MODES)
-        self._shapes = Arena("values of mode shapes", SHAPE_VALUES)
-        self._leaving: list[Handle] = []
-        self._slots = list(range(OBJECTS - 1, -1, -1))
-        self._serial = 0
+        self._memory = Memory(self._record)
         self._ends_read = 0
 
     @property
@@ -98,7 +72,7 @@ class Engine:
     @property
     def address(self) -> int:
         """Of the compiled callback, with PortAudio's signature."""
-        return self._callback.address
+        return int(self._callback.address)
 
     @property
     def pointer(self) -> int:
@@ -112,8 +86,13 @@ class Engine:
         return 1e9 / period if period else self.rate
 
     def set_latency(self, latency: float) -> None:
-        """Say how long (s) after its callback a sound is heard: what has a time begins that much earlier."""
+        """Say how long (s) after its callback a sound is heard: events that have a time begin that much earlier."""
         self._record["clock"]["latency"] = latency * self.rate
+
+    @property
+    def thread(self) -> int:
+        """The system's number of the thread in which the callback runs, 0: not known yet."""
+        return int(self._record["thread"])
 
     def forget_thread(self) -> None:
         """Let the next callback say in which thread it runs."""
@@ -144,9 +123,32 @@ class Engine:
         """Hz: modes above it are not made."""
         return NYQUIST_SHARE * 0.5 * self.rate
 
-    def counter(self, name: str) -> Any:
-        """A number of the state, such as `impacts` or `load`, by its name in STATE."""
-        return self._record[name].item()
+    @property
+    def stats(self) -> Stats:
+        """The engine's counts and measures, as they are now."""
+        return Stats(*self._record["stats"].item())
+
+    @property
+    def queued(self) -> int:
+        """Events that wait for their time."""
+        return int(self._record["queue"]["size"])
+
+    @property
+    def quality(self) -> Quality:
+        """How much is computed now."""
+        return Quality(int(self._record["choices"]["quality"]))
+
+    @property
+    def accuracy(self) -> str:
+        """The accuracy of coupled contacts now: one of LEVELS."""
+        return LEVELS[self._record["choices"]["accuracy"]]
+
+    def take_limit_lowest(self) -> float:
+        """The limiter's lowest gain since the last call. The audio thread may set it at the same moment: then a quantum
+        may be missed."""
+        lowest = float(self._record["stats"]["limit_lowest"])
+        self._record["stats"]["limit_lowest"] = 1.0
+        return lowest
 
     def process(self, frames: int) -> NDArray[np.float32]:
         """The next `frames` frames, float32 (frames, 2)."""
@@ -157,138 +159,150 @@ class Engine:
         return out
 
     def quiet(self) -> bool:
-        """Does nothing sound, and is nothing waiting to?"""
-        idle = self._record["queued"] == 0 and self._record["sounding"] == 0 and self._record["contacts_active"] == 0
-        return bool(idle and self.room() == RING and self._record["position"] > 0)
+        """True if nothing sounds, and nothing waits to."""
+        stats = self.stats
+        idle = self.queued == 0 and stats.sounding == 0 and stats.contacts_active == 0
+        return bool(idle and self.room() == RING and self.position > 0)
+
+    def comes_to_rest(self) -> bool:
+        """True if what goes on ends by itself: bounces, rolls that friction slows, or objects that ring."""
+        state = self._record
+        lasting = state["contacts"][state["last_command"] > 0]
+        friction = state["rolls"]["target"]["friction"][lasting["roll"][lasting["kind"] == Kind.ROLL]]
+        bounces = lasting["kind"] == Kind.BOUNCE
+        return len(lasting) == 0 or bool((friction > 0.0).any() or bounces.any())
 
     def room(self) -> int:
         """Commands that can be sent now."""
-        return RING - int(self._record["written"][0]) + int(observe(self._record["read"]))
+        return RING - int(self._ring["written"][0]) + int(observe(self._ring["read"]))
 
-    def send(self, commands: list[tuple[float, Command, Handle | None, tuple[float, ...]]]) -> None:
-        """Send (time in samples, command, object, values) all at once, or EngineFull and none of them."""
+    def send(self, commands: Sequence[Command]) -> None:
+        """Send commands all at once, or EngineFull and none of them."""
         if len(commands) > self.room():
             raise EngineFull(f"no room for {len(commands)} events: {self.room()} of {RING} can be queued now")
-        # What is for now must find room in the queue, however much waits there for later.
+        # An event for now must find room in the queue, however many wait there for later.
         soon = self.position + _SOON * self.rate
-        waiting = int(self._record["queued"]) + RING - self.room()
-        if waiting + len(commands) > EVENTS - KEPT_FOR_NOW and any(command[0] > soon for command in commands):
+        waiting = self.queued + RING - self.room()
+        if waiting + len(commands) > EVENTS - KEPT_FOR_NOW and any(command.time > soon for command in commands):
             raise EngineFull(
                 f"no room for {len(commands)} events ahead of their time: {waiting} of {EVENTS - KEPT_FOR_NOW} wait"
             )
-        written = int(self._record["written"][0])
-        ring = self._record["ring"]
-        for n, (when, kind, handle, values) in enumerate(commands):
-            entry = ring[(written + n) % RING]
-            entry["time"] = when
-            entry["clock"] = when.clock if isinstance(when, Stamp) else 0
-            entry["number"] = written + n
-            entry["kind"] = kind
-            entry["slot"] = handle.slot if handle else 0
-            entry["serial"] = handle.serial if handle else 0
-            entry["values"][: len(values)] = values
-            entry["values"][len(values) :] = 0.0
-        publish(self._record["written"], written + len(commands))
+        written = self.sent
+        entries = self._ring["entries"]
+        for number, command in enumerate(commands, written):
+            write(entries[number % RING], number, command)
+        publish(self._ring["written"], written + len(commands))
 
     def ended(self) -> list[tuple[int, End]]:
         """Gestures (by number) that have ended since the last call, and how: one for each that was sent."""
-        count = int(observe(self._record["ended_count"]))
+        count = int(observe(self._record["ends"]["written"]))
         first = max(self._ends_read, count - ENDED)
         self._ends_read = count
-        ended = self._record["ended"]
+        ended = self._record["ends"]["entries"]
         ends = ended[np.arange(first, count) % ENDED].tolist()
         return [(serial, End(end)) for serial, end in ends]
 
     @property
     def sent(self) -> int:
         """Commands sent so far: the number of the next."""
-        return int(self._record["written"][0])
+        return int(self._ring["written"][0])
 
     def note(self) -> None:
         """Keep what becomes of commands from here on for `noted`."""
-        self._record["noting"] = 1
+        self._record["notes"]["on"] = 1
 
     def noted(self) -> list[tuple[int, float]]:
         """What became of commands since the last call, in the order it did: number, and the sample at which it was
         carried out, or less than 0 for what never is."""
-        read = int(self._record["note_read"][0])
-        noted = int(observe(self._record["noted"]))
-        notes = self._record["notes"][np.arange(read, noted) % NOTES]
-        publish(self._record["note_read"], noted)
+        notes = self._taken("notes", NOTES)
         return list(zip(notes["number"].tolist(), notes["time"].tolist(), strict=True))
+
+    def _taken(self, name: str, size: int, entries: str = "entries") -> NDArray[Any]:
+        """The entries that a ring has got since the last call."""
+        ring = self._record[name]
+        read = int(ring["read"][0])
+        written = int(observe(ring["written"]))
+        taken: NDArray[Any] = ring[entries][np.arange(read, written) % size]
+        publish(ring["read"], written)
+        return taken
 
     def record(self) -> None:
         """Keep the sound from here on for `recorded`."""
-        self._record["recording"] = 1
+        self._record["tap"]["on"] = 1
 
     def recorded(self) -> NDArray[np.float32]:
         """What has sounded since the last call, float32 (frames, 2)."""
-        read = int(self._record["tap_read"][0])
-        tapped = int(observe(self._record["tapped"]))
-        frames = self._record["tap"][np.arange(read, tapped) % TAP]
-        publish(self._record["tap_read"], tapped)
-        return frames
+        return self._taken("tap", TAP, "frames")
 
-    def lay_out(self, modes: Modes, level: float) -> tuple[Handle, int, int]:
-        """Put an object's modes into the bank; returns its handle, padded number of modes and rows of shapes.
+    def trace(self, on: bool) -> None:
+        """Keep the forces of contacts from here on for `traced`, or no more."""
+        self._record["trace"]["on"] = on
+
+    def traced(self) -> NDArray[np.void]:
+        """(n,) of TRACE: the forces of contacts since the last call; call it every 1,024 frames, so that none is
+        lost."""
+        return self._taken("trace", TRACED)
+
+    def keep_stems(self, on: bool) -> None:
+        """Keep each object's share of the quantum computed last for `stems`, or no more."""
+        self._record["output"]["stems_on"] = on
+
+    def stems(self) -> NDArray[np.float64]:
+        """(OBJECTS, 2, QUANTUM) by slot: each object's share of the quantum computed last, before the limiter. A view:
+        call `process` quantum by quantum."""
+        stems: NDArray[np.float64] = self._record["output"]["stems"]
+        return stems
+
+    def set_limiter(self, on: bool) -> None:
+        """Keep the mix within full scale (the default), or leave it as it is."""
+        self._record["choices"]["limiter"] = on
+
+    def limited_energy(self) -> NDArray[np.float64]:
+        """(OBJECTS,) by slot: the sum of squares of each object's share of the mix, over the quanta that the limiter
+        turned down since the last call."""
+        energies = self._record["objects"]["limited_energy"]
+        taken: NDArray[np.float64] = energies.copy()
+        energies[:] = 0.0
+        return taken
+
+    @property
+    def compiled(self) -> bool:
+        """Whether this process compiled the engine, rather than load it."""
+        return bool(self._callback.cache_hits == 0)
+
+    def lay_out(self, modes: Modes, level: float) -> tuple[Handle, dict[str, float]]:
+        """Put an object's modes up to `top_frequency` into the bank; returns its handle, and the layout that its NEW
+        command takes.
 
         `level` (amplitude) is full scale per m/s at the pickups. EngineFull if there is no room.
         """
-        self._collect()
-        order = np.argsort(modes.decay, kind="stable")  # the longest ringing first: the rest falls silent from the end
-        order = order[modes.frequency[order] <= self.top_frequency]
-        count = len(order)
-        if count > MODES_PER_OBJECT:
-            raise EngineFull(f"{count} modes: an object holds at most {MODES_PER_OBJECT}")
-        if not self._slots:
-            raise EngineFull(f"no room for another object: all {OBJECTS} are taken")
-        size = max(LANES, math.ceil(count / LANES) * LANES)
-        strike = modes.strike if len(modes.strike) >= _LEAST_ROWS else np.repeat(modes.strike[:1], _LEAST_ROWS, axis=0)
-        rows = len(strike)
-        first = self._modes.take(size)
+        return self._memory.lay_out(modes, level, self.top_frequency)
+
+    def add(self, modes: Modes, level: float = 1.0, time: float = NOW, **settings: float) -> Handle:
+        """Make an object: lay out its modes and send its NEW command, with settings by name in the engine's units.
+
+        `level` as in `lay_out`. EngineFull if there is no room, ValueError for a setting that there is not; then
+        nothing is kept.
+        """
+        handle, layout = self.lay_out(modes, level)
         try:
-            table = self._shapes.take(rows * size)
-        except EngineFull:
-            self._modes.give(first)
+            self.send([Command(time, Kind.NEW, handle, {**layout, **settings})])
+        except (EngineFull, ValueError):
+            self.release(handle)
             raise
-        record = self._record
-        for name in ("y1", "y2", "a1", "a2", "weight", "balance", "frequency", "sigma"):
-            record[name][first : first + size] = 0.0
-        record["frequency"][first : first + count] = modes.frequency[order]
-        record["sigma"][first : first + count] = modes.decay[order]
-        left, right = modes.pickup[:, order] * level
-        least = max(_QUIETEST * max(np.abs(left).max(initial=0), np.abs(right).max(initial=0)), _QUIETEST**2)
-        weight = np.where(np.abs(left) > least, left, least)  # the bank divides by it
-        record["weight"][first : first + count] = weight
-        record["balance"][first : first + count] = right / weight
-        shape = record["shape"][table : table + rows * size].reshape(rows, size)
-        shape[:] = 0.0
-        shape[:, :count] = strike[:, order]
-        self._serial += 1
-        return Handle(self._slots.pop(), self._serial, first, table), size, rows
+        return handle
 
     def leave(self, handle: Handle) -> None:
-        """Remember that an object was told to go; its place is used again once the engine has let go of it."""
-        self._leaving.append(handle)
+        """Remember that an object was told to go; its place is used again once the engine has given it up."""
+        self._memory.leave(handle)
 
     def stay(self, handle: Handle) -> None:
         """Take back `leave`, where the command did not reach the engine."""
-        self._leaving.remove(handle)
+        self._memory.stay(handle)
 
     def release(self, handle: Handle) -> None:
         """Take back the place of an object that the engine doesn't have, or has no more."""
-        self._slots.append(handle.slot)
-        self._modes.give(handle.first)
-        self._shapes.give(handle.table)
-
-    def _collect(self) -> None:
-        """Take back the places of objects that the engine has let go of."""
-        objects = self._record["objects"]
-        # Only what was told to go and has been seen by the engine can be gone.
-        gone = [h for h in self._leaving if objects[h.slot]["serial"] == h.serial and not objects[h.slot]["used"]]
-        for handle in gone:
-            self._leaving.remove(handle)
-            self.release(handle)
+        self._memory.release(handle)
 
 
 def _sample(time: int, origin: int, begin: float, period: float) -> float:

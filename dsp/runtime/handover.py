@@ -1,9 +1,9 @@
-"""The engine on loan to a device: what may call it at any moment can have it taken away at any moment.
+"""The engine's callback as a device gets it: guarded by an atomic flag, so that it can be revoked at any moment.
 
-A device that stalls can't be told to stop, and may come back when something else runs the engine. So it is not the
-engine's callback that it is given, but one with a word of its own to ask first: only who turns that word from FREE to
-RUNNING runs the engine, and who turns it from FREE to TAKEN knows that nobody does, and that nobody will. Nobody waits:
-a device that finds the engine taken plays silence, and has been heard.
+A device that stalls can't be told to stop, and may come back when something else runs the engine. So a device gets a
+callback that first turns a flag from FREE to RUNNING. Only the thread that does so runs the engine. Python turns the
+flag from FREE to TAKEN, and then knows that no call is in the engine, and that none will be. Nobody waits: a device
+that finds the flag TAKEN plays silence.
 """
 
 import ctypes
@@ -21,10 +21,10 @@ from .code_cache import kept
 
 FREE, RUNNING, TAKEN = range(3)
 
-LOAN = np.dtype(
+HANDOVER = np.dtype(
     [
         ("turn", np.int64, 8),  # FREE, RUNNING or TAKEN
-        ("asked", np.int64, 8),  # times that the device has called
+        ("calls", np.int64, 8),  # times that the device has called
         ("callback", np.int64),  # address of the engine's callback
         ("state", np.int64),  # and of its user data
     ],
@@ -32,14 +32,14 @@ LOAN = np.dtype(
 )
 
 
-def _lent(_input, output, frames, times, flags, userdata):
-    """PaStreamCallback: what the engine's does, or silence while the LOAN in `userdata` is taken."""
-    loan = carray(userdata, (1,), LOAN)[0]
+def _guarded(_input, output, frames, times, flags, userdata):
+    """PaStreamCallback: what the engine's does, or silence while the HANDOVER in `userdata` is taken."""
+    handover = carray(userdata, (1,), HANDOVER)[0]
     out = carray(output, (frames, 2))
-    store_release(loan.asked, 0, loan.asked[0] + 1)
-    if exchange(loan.turn, 0, FREE, RUNNING):
-        call_back(loan.callback, out, frames, carray(times, (3,)), flags, loan.state)
-        store_release(loan.turn, 0, FREE)
+    store_release(handover.calls, 0, handover.calls[0] + 1)
+    if exchange(handover.turn, 0, FREE, RUNNING):
+        call_back(handover.callback, out, frames, carray(times, (3,)), flags, handover.state)
+        store_release(handover.turn, 0, FREE)
     else:
         for frame in range(frames):
             out[frame, 0] = 0.0
@@ -47,14 +47,14 @@ def _lent(_input, output, frames, times, flags, userdata):
     return 0
 
 
-def compile_lent(cached: bool) -> Any:
+def compile_guarded(cached: bool) -> Any:
     """Compile the callback, or fetch it from numba's cache; only a fresh one can be inspected."""
-    return cfunc(SIGNATURE, error_model="numpy", forceinline=True, cache=cached, pipeline_class=WHOLE)(_lent)
+    return cfunc(SIGNATURE, error_model="numpy", forceinline=True, cache=cached, pipeline_class=WHOLE)(_guarded)
 
 
 @cache
-def _lender() -> Any:
-    return kept(compile_lent)
+def _compiled() -> Any:
+    return kept(compile_guarded)
 
 
 @njit(error_model="numpy")
@@ -62,11 +62,11 @@ def _turn(turn, before, after):
     return exchange(turn, 0, before, after)
 
 
-class Loan:
-    """A callback, by its address and its user data's, on loan to one device. It is taken until it is given."""
+class Handover:
+    """The engine's callback, by its address and its user data's, for one device. It is revoked until it is allowed."""
 
     def __init__(self, callback: int, state: int) -> None:
-        self._record = np.zeros(1, LOAN)
+        self._record = np.zeros(1, HANDOVER)
         self._record["callback"], self._record["state"] = callback, state
         # The device may call until the process has ended, long after Python has cleared away everything else.
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(self._record))
@@ -76,7 +76,7 @@ class Loan:
     @property
     def address(self) -> int:
         """Of the callback to give to the device."""
-        return int(_lender().address)
+        return int(_compiled().address)
 
     @property
     def pointer(self) -> int:
@@ -84,15 +84,15 @@ class Loan:
         return self._record.ctypes.data
 
     @property
-    def asked(self) -> int:
+    def calls(self) -> int:
         """Times that the device has called, whether it was given the engine or silence."""
-        return int(observe(self._record[0]["asked"]))
+        return int(observe(self._record[0]["calls"]))
 
-    def give(self) -> None:
+    def allow(self) -> None:
         """Let the device's calls reach the engine."""
         _turn(self._word, TAKEN, FREE)
 
-    def take(self) -> bool:
+    def revoke(self) -> bool:
         """Have no call reach the engine from here on; false if one is in it at this moment."""
         _turn(self._word, FREE, TAKEN)
         return int(observe(self._word)) == TAKEN

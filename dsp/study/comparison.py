@@ -1,5 +1,7 @@
-"""What each solver makes of many coupled contacts, and what it costs: the sampled methods, the closed form, the coupled
-solver, and the engine's choice between the last two."""
+"""Accuracy and cost of each solver on many coupled contacts.
+
+The solvers are the sampled methods, the closed form, the coupled solver, and the engine's choice between the last two.
+"""
 
 import math
 from collections.abc import Callable, Iterator
@@ -7,30 +9,33 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..contact.accuracy import LEVELS, TOLERANCE
 from ..contact.coupled_step import HELD
 from ..contact.sampled import METHODS
+from ..numerics.checks import Array
 from . import cost
 from .coupled import CONVERGED, Case, Run, error, random_cases, simulate, simulation_loop
 from .coupled_closed import asking_loop, strike, striking_loop
 from .coupled_sampled import sample, sampling_loop
 
 BANDS = ((1e-3, 1e-2), (1e-2, 1e-1), (1e-1, 1.0), (1.0, 10.0))
-"""Ranges of sum r = sum m phi^2, the striker's mass over the object's at the point. In the last one contacts are
-chaotic: there statistics are worth a look, waveforms are not."""
+"""Ranges of sum m phi^2, the striker's mass over the object's at the point.
+
+In the last one contacts are chaotic: statistics mean something there, waveforms do not.
+"""
 
 _DEVIATION, _WRONG, _GROWTH, _STEPS, _NS = range(5)
 
 
 @dataclass(frozen=True)
 class Score:
-    """How a solver does on the contacts of a band.
+    """Accuracy and cost of a solver on the contacts of a band.
 
-    Setting: oversampling of a sampled method, tolerance of the coupled solver, dB asked of the engine. Errors of the
-    object's velocity: median, and what nine of ten are below (dB). Share of wrong contact counts; worst energy growth.
-    Median of steps, and of what a contact costs from the first touch to the last release, with the modes (ns).
+    setting: oversampling of a sampled method, tolerance of the coupled solver, or dB asked of the engine. median,
+    ninety: the median and the ninth decile of errors of the object's velocity (dB). wrong_counts: share of contacts
+    that are counted wrongly. growth: worst growth of the energy. steps, ns: medians of the steps, and of the cost from
+    the first touch to the last release, modes included (ns).
     """
 
     solver: str
@@ -69,12 +74,12 @@ def _solvers(oversamplings: tuple[int, ...]) -> list[_Solver]:
 
 
 def band_cases(band: tuple[float, float], count: int, seed: int) -> list[Case]:
-    """Contacts of a band that begin on a sample, as the sampled methods' do."""
+    """Random contacts of a band that begin on a sample, as the sampled methods need it."""
     return [replace(case, fraction=0.0) for case in random_cases(count, seed, band)]
 
 
 def scores(cases: list[Case], oversamplings: tuple[int, ...], repeats: int) -> Iterator[Score]:
-    """Every solver on cases, against the coupled solver at CONVERGED; costs by so many repeats."""
+    """Score every solver on cases against the coupled solver at CONVERGED; costs are the least of so many repeats."""
     exact = [simulate(case, CONVERGED) for case in cases]
     marks = {}
     for solver in _solvers(oversamplings):
@@ -90,8 +95,8 @@ def scores(cases: list[Case], oversamplings: tuple[int, ...], repeats: int) -> I
         yield _score("engine", float(level), np.where(np.array(choice)[:, None], coupled, marks["closed", 1]))
 
 
-def _marks(solver: _Solver, cases: list[Case], exact: list[Run], repeats: int) -> NDArray:
-    """Deviation (dB), whether contacts are miscounted, growth of energy, steps and ns of each case (cases, 5)."""
+def _marks(solver: _Solver, cases: list[Case], exact: list[Run], repeats: int) -> Array:
+    """Error (dB), whether contacts are miscounted, growth of energy, steps and cost (ns) of each case, (cases, 5)."""
     rows = []
     with np.errstate(over="ignore", invalid="ignore"):
         for case, truth in zip(cases, exact, strict=True):
@@ -106,13 +111,13 @@ def _marks(solver: _Solver, cases: list[Case], exact: list[Run], repeats: int) -
 
 
 def touched(run: Run) -> int:
-    """Samples from the start to the one in which the last contact ends."""
+    """Samples from the start to the one in which the last contact ends, that one included."""
     begun = np.flatnonzero(np.diff(run.contacts, prepend=0.0))
     inside = np.flatnonzero(run.compression > 0.0) + 1
     return min(1 + int(max(begun.max(initial=0), inside.max(initial=0))), len(run.contacts))
 
 
-def _score(solver: str, setting: float, marks: NDArray) -> Score:
+def _score(solver: str, setting: float, marks: Array) -> Score:
     median, ninety = np.quantile(marks[:, _DEVIATION], [0.5, 0.9], method="higher")
     growth, wrong = marks[:, _GROWTH].max(), marks[:, _WRONG].mean()
     steps, ns = np.median(marks[:, [_STEPS, _NS]], axis=0)

@@ -1,6 +1,6 @@
-"""What contacts cost on this machine, in ns: the shortest of many repeats of compiled loops.
+"""Cost of contacts on this machine in ns: the shortest of many repeats of compiled loops.
 
-Every method is compiled by itself, as if there were no other to choose.
+Every method is compiled by itself, without the choice between methods.
 """
 
 import time
@@ -10,11 +10,11 @@ from functools import cache
 import numpy as np
 from numba import njit
 
-from ..contact.closed_form import PULSE, advance, begin
+from ..contact.closed_form import PULSE, advance_pulse, begin_pulse
 from ..contact.law import paper_release_of, restitution_of
 from ..native.jit import kernel
 from ..numerics.legendre import MOMENTS
-from .wall import Law, most_steps, numbers, run, sampled
+from .wall import Law, floats, most_steps, new_contact, numbers, run
 
 _LOOP_NS = 100_000
 _NOWHERE = np.empty(0)
@@ -23,31 +23,32 @@ _NOWHERE = np.empty(0)
 @cache
 def _loop(method: int) -> Callable[..., float]:
     @njit(error_model="numpy")
-    def loop(contact, correction, v_in, m, k, mu, a, h, times, nowhere):
+    def loop(contact, correction, law, h, times, nowhere):
         steps = 0
-        most = most_steps(v_in, m, k, mu, a, h)
+        most = most_steps(law, h)
         for _ in range(times):
-            steps += run(contact, method, correction, v_in, m, k, mu, a, h, most, nowhere, nowhere)
+            steps += run(contact, (method, correction), law, h, most, nowhere, nowhere)
         return steps
 
-    return loop
+    compiled: Callable[..., float] = loop
+    return compiled
 
 
 @njit(error_model="numpy")
-def _pulse_loop(pulse, v_in, m, k, mu, a, rate, times):
+def _pulse_loop(pulse, law, rate, times):
     moments = np.zeros(MOMENTS)
     total = 0.0
     for _ in range(times):
-        begin(pulse, v_in, m, k, mu, a, rate)
+        begin_pulse(pulse, *law, rate)
         while pulse.time < pulse.duration:
-            advance(pulse, min(pulse.time + 1.0, pulse.duration), pulse.time, moments)
+            advance_pulse(pulse, min(pulse.time + 1.0, pulse.duration), pulse.time, moments)
             total += moments[0]
     return total
 
 
 @kernel
 def _nearly(v_in, i):
-    """A little different each time, or the loop would be taken out."""
+    """v_in, a little different each time: the compiler would take a constant out of the loop."""
     return v_in * (1.0 + 1e-12 * i)
 
 
@@ -69,30 +70,30 @@ def _paper_release_loop(v_in, mu, times):
 
 
 def contact_cost(method: str, correction: str, law: Law, rate: float, repeats: int = 20) -> float:
-    """ns of one contact by a sampled method at `rate` Hz."""
+    """Cost in ns of one contact by a sampled method with a correction at `rate` Hz."""
     number, corrected = numbers(method, correction)
-    loop, contact = _loop(number), sampled()
-    return cost_of(lambda times: loop(contact, corrected, *law, 1 / rate, times, _NOWHERE), repeats)
+    loop, arguments = _loop(number), (new_contact(), corrected, floats(law), 1.0 / float(rate))
+    return cost_of(lambda times: loop(*arguments, times, _NOWHERE), repeats)
 
 
 def pulse_cost(law: Law, rate: float, repeats: int = 20) -> float:
-    """ns of one contact's whole force pulse in closed form: what the engine needs of it, sample by sample."""
-    pulse = np.zeros(1, PULSE)[0]
-    return cost_of(lambda times: _pulse_loop(pulse, *law, rate, times), repeats)
+    """Cost in ns of one contact's force pulse in closed form: every sample's moments at `rate` Hz, as the engine's."""
+    arguments = np.zeros(1, PULSE)[0], floats(law), float(rate)
+    return cost_of(lambda times: _pulse_loop(*arguments, times), repeats)
 
 
 def release_cost(law: Law, repeats: int = 20) -> float:
-    """ns of the exact release velocity."""
+    """Cost in ns of the exact release velocity."""
     return cost_of(lambda times: _release_loop(law[0], law[3], times), repeats)
 
 
 def paper_release_cost(law: Law, repeats: int = 20) -> float:
-    """ns of the paper's approximation of the release velocity."""
+    """Cost in ns of the release velocity by equations (7) and (8) of Papetti, Avanzini, Rocchesso 2011."""
     return cost_of(lambda times: _paper_release_loop(law[0], law[3], times), repeats)
 
 
 def cost_of(loop: Callable[[int], object], repeats: int = 20) -> float:
-    """ns of one turn: the shortest of some loops, each of as many turns as about _LOOP_NS take."""
+    """Cost in ns of one turn of `loop(turns)`: the shortest of some runs of about 0.1 ms each."""
     loop(1)
     times = max(1, int(_LOOP_NS / max(_elapsed(loop, 1), 10)))
     times = max(1, int(times * _LOOP_NS / max(_elapsed(loop, times), 10)))

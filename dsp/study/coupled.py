@@ -1,4 +1,4 @@
-"""Coupled contacts by themselves: a striker and modes, sample by sample, through the engine's bank and solver."""
+"""Coupled contacts by themselves: a striker and modes, sample by sample, by the engine's bank and solver."""
 
 import math
 from collections.abc import Callable
@@ -10,33 +10,34 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ..contact.closed_form import contact_time
 from ..contact.collocation import elastic
-from ..contact.coupled import COUPLED, begin_coupled, respond_with, step_coupled
+from ..contact.coupled import COUPLED, ContactLaw, begin_coupled, respond_with, step_coupled
+from ..contact.pulse import contact_time
 from ..native.jit import kernel
-from ..numerics.checks import checked
+from ..numerics.checks import Array, checked, checked_scalar
 from ..numerics.legendre import FINE
-from ..resonator.bank import LANES, RESPONSES, inject_fine, observe, receptance, set_mode, state_of
+from ..resonator.bank import RESPONSES, Modes, Point, inject_fine, observe, receptance, set_mode, state_of
+from ..resonator.simd import LANES
 
 CONVERGED = 1e-7
-"""Tolerance of the coupled solver when it is what others are measured against; tests hold it against DOP853."""
+"""Tolerance of the coupled solver as the reference for other solvers; tests compare it with DOP853."""
 
 NOT_KEPT = np.empty((0, 5))
-"""No place for a run's samples."""
+"""Stands for the samples of a run that keeps none."""
 
 
 @dataclass(frozen=True)
 class Case:
     """A striker that meets modes `fraction` of a sample after the start.
 
-    Modes: frequency (Hz), sigma (1/s), mass-normalised shape phi (kg^-1/2) at the point and state z at the start
-    (`ringing`, complex, as bank.py), arrays of one length. The striker: v_in (m/s), m (kg), k (N/m^a), mu (s/m), a,
-    constant push (N). ValueError names what is out of range.
+    frequency (Hz), sigma (1/s), phi (kg^-1/2, the mass-normalised shapes at the point): one number for each mode, (n,).
+    ringing: the modes' state z at the start as in bank.py, complex, (n,) or one for all. The striker has v_in (m/s),
+    m (kg), k (N/m^a), mu (s/m), a, and a constant push (N). rate in Hz. ValueError names what is out of range.
     """
 
-    frequency: NDArray
-    sigma: NDArray
-    phi: NDArray
+    frequency: Array
+    sigma: Array
+    phi: Array
     v_in: float
     m: float
     k: float
@@ -46,23 +47,30 @@ class Case:
     samples: int = 1000
     push: float = 0.0
     fraction: float = 0.0
-    ringing: NDArray | complex = 0.0
+    ringing: NDArray[np.complex128] | complex = 0.0
 
     def __post_init__(self) -> None:
-        checked("rate", self.rate, 0.0)
-        checked("frequency", self.frequency, 0.0, 0.5 * self.rate)
-        checked("sigma", self.sigma, 0.0, strict=False)
-        checked("phi", self.phi, -math.inf)
+        checked_scalar("rate", self.rate, 0.0)
+        modes = {
+            "frequency": checked("frequency", self.frequency, 0.0, 0.5 * self.rate),
+            "sigma": checked("sigma", self.sigma, 0.0, strict=False),
+            "phi": checked("phi", self.phi),
+        }
+        for name, values in modes.items():
+            if values.shape != (len(self.frequency),):
+                raise ValueError(f"{name} has the shape {values.shape}: expected one number for each frequency")
+            object.__setattr__(self, name, values)
         for name in ("m", "k"):
-            checked(name, getattr(self, name), 0.0)
+            checked_scalar(name, getattr(self, name), 0.0)
         for name, least in (("v_in", 0.0), ("mu", 0.0), ("a", 1.0)):
-            checked(name, getattr(self, name), least, strict=False)
-        checked("push", self.push, -math.inf)
-        checked("fraction", self.fraction, 0.0, 1.0, strict=False)
+            checked_scalar(name, getattr(self, name), least, strict=False)
+        checked_scalar("push", self.push)
+        checked_scalar("samples", self.samples, 0.0, strict=False)
+        checked_scalar("fraction", self.fraction, 0.0, 1.0, strict=False)
 
     @property
     def energy(self) -> float:
-        """Striker's and modes' at the start, in J."""
+        """Energy of striker and modes at the start, in J."""
         z = np.broadcast_to(self.ringing, np.shape(self.frequency))
         damping = self.sigma / (2.0 * np.pi * self.frequency)
         modal = (z.real - damping * z.imag) ** 2 + (1.0 + damping**2) * z.imag**2
@@ -71,20 +79,23 @@ class Case:
 
 @dataclass(frozen=True)
 class Run:
-    """What became of a case, at each sample: velocity of the object's point and of the striker (m/s), compression (m),
-    total energy (J), contacts begun so far; and the number of steps, and of those with the force held."""
+    """The course of a case, (samples,) each, float64.
 
-    velocity: NDArray
-    striker: NDArray
-    compression: NDArray
-    energy: NDArray
-    contacts: NDArray
+    velocity of the object's point and of the striker (m/s), compression (m), total energy (J), contacts begun so far;
+    and the numbers of the solver's steps, and of those that held the force.
+    """
+
+    velocity: Array
+    striker: Array
+    compression: Array
+    energy: Array
+    contacts: Array
     steps: int = 0
     held: int = 0
 
     @classmethod
-    def of(cls, out: NDArray, steps: int = 0, held: int = 0) -> "Run":
-        """From its columns in that order, (samples, 5)."""
+    def of(cls, out: Array, steps: int = 0, held: int = 0) -> "Run":
+        """A run from its columns in the order of the fields, (samples, 5)."""
         velocity, striker, compression, energy, contacts = out.T
         return cls(velocity, striker, compression, energy, contacts, steps, held)
 
@@ -97,95 +108,93 @@ class Run:
         return float(rise) if math.isfinite(rise) else math.inf
 
 
-def error(velocity: NDArray, expected: NDArray) -> float:
-    """Greatest difference of velocities over their greatest, in dB."""
+def error(velocity: Array, expected: Array) -> float:
+    """Greatest difference of two courses of velocity over the greatest expected one, in dB."""
     return 20.0 * math.log10(max(np.abs(velocity - expected).max() / np.abs(expected).max(), 1e-20))
 
 
 class Bank(NamedTuple):
-    """Modes as bank.py keeps them, where they start from (2, n), and memory for a contact's work."""
+    """Modes as bank.py keeps them, their point, their start (2, n), and memory for a contact's work."""
 
-    y1: NDArray
-    y2: NDArray
-    a1: NDArray
-    a2: NDArray
-    start: NDArray
-    frequency: NDArray
-    sigma: NDArray
-    response: NDArray
-    shape: NDArray
-    weights: NDArray
-    work: NDArray
-    seen: NDArray
-    moments: NDArray
+    modes: Modes
+    point: Point
+    start: Array
+    frequency: Array
+    sigma: Array
+    work: Array
+    seen: Array
+    moments: Array
 
 
 def bank_of(case: Case) -> Bank:
-    """The case's modes, padded to whole LANES; `shape` has its phi in all four rows."""
+    """The case's modes, padded to whole LANES; the point's shape has their phi in all four rows."""
     count = len(case.frequency)
     n = -(-max(count, 1) // LANES) * LANES
-    y1, y2, a1, a2, frequency, sigma = np.zeros((6, n))
+    y1, y2, a1, a2, balance, frequency, sigma = np.zeros((7, n))
     frequency[:count], sigma[:count] = case.frequency, case.sigma
-    response, shape = np.zeros(n // LANES * RESPONSES), np.zeros((4, n))
+    modes = Modes(y1, y2, a1, a2, balance, np.zeros(n // LANES * RESPONSES))
+    shape = np.zeros((4, n))
     shape[:, :count] = case.phi
     for i in range(count):
-        set_mode(i, float(frequency[i]), float(sigma[i]), float(case.rate), 1.0, y1, y2, a1, a2, response)
+        set_mode(modes, i, float(frequency[i]), float(sigma[i]), float(case.rate), 1.0)
     z = np.zeros(n, complex)
     z[:count] = case.ringing
     angle = 2.0 * np.pi * frequency / case.rate
     start = np.stack([z.imag, (z.imag * np.cos(angle) - z.real * np.sin(angle)) * np.exp(sigma / case.rate)])
-    work, weights = np.zeros(3 * n + FINE * LANES), np.array([0.0, 1.0, 0.0, 0.0])
+    point = Point(shape.ravel(), n, 0, np.array([0.0, 1.0, 0.0, 0.0]))
     seen, moments = np.zeros((2, FINE))
-    return Bank(y1, y2, a1, a2, start, frequency, sigma, response, shape.ravel(), weights, work, seen, moments)
+    return Bank(modes, point, start, frequency, sigma, np.zeros(3 * n + FINE * LANES), seen, moments)
 
 
 @kernel
 def restart(bank):
-    """Bring the modes back to their start."""
-    for i in range(len(bank.y1)):
-        bank.y1[i] = bank.start[0, i]
-        bank.y2[i] = bank.start[1, i]
+    """Set the modes back to their start."""
+    modes = bank.modes
+    for i in range(len(modes.y1)):
+        modes.y1[i] = bank.start[0, i]
+        modes.y2[i] = bank.start[1, i]
 
 
 @kernel
-def ring_on(bank):
-    """Let the modes ring for a sample."""
-    for i in range(len(bank.y1)):
-        y = bank.a1[i] * bank.y1[i] + bank.a2[i] * bank.y2[i]
-        bank.y2[i] = bank.y1[i]
-        bank.y1[i] = y
+def ring_on(modes):
+    """Let the modes go on by a sample."""
+    for i in range(len(modes.y1)):
+        y = modes.a1[i] * modes.y1[i] + modes.a2[i] * modes.y2[i]
+        modes.y2[i] = modes.y1[i]
+        modes.y1[i] = y
 
 
 @kernel
 def motion_and_energy(bank):
-    """The velocity of the modes' point (m/s), and their energy (J)."""
+    """Velocity of the modes' point (m/s), and their energy (J)."""
     velocity = energy = 0.0
-    n = len(bank.y1)
+    modes = bank.modes
+    n = len(modes.y1)
     for i in range(n):
         if bank.frequency[i] > 0.0:
-            re, im = state_of(bank.y1[i], bank.y2[i], bank.a1[i], bank.a2[i])
+            re, im = state_of(modes.y1[i], modes.y2[i], modes.a1[i], modes.a2[i])
             damping = bank.sigma[i] / (2.0 * np.pi * bank.frequency[i])
             rate_of_q = re - damping * im
-            velocity += bank.shape[n + i] * rate_of_q
+            velocity += bank.point.shape[n + i] * rate_of_q
             energy += 0.5 * (rate_of_q * rate_of_q + (1.0 + damping * damping) * im * im)
     return velocity, energy
 
 
 @njit(error_model="numpy")
 def _simulate(contact, bank, striker, rate, tolerance, samples, times, out):
-    y1, y2, a1, a2, _, _, _, response, shape, weights, work, seen, moments = bank
-    n = len(y1)
+    modes, point, work, seen, moments = bank.modes, bank.point, bank.work, bank.seen, bank.moments
     v, m, k, mu, a, push, fraction = striker
+    law = ContactLaw(m, k, mu, a)
     for _ in range(times):
         restart(bank)
-        begin_coupled(contact, v, m, k, mu, a, push, fraction, rate, tolerance)
-        receptance(a1, a2, response, shape, n, 0, weights, work, seen)
+        begin_coupled(contact, v, law, push, fraction, rate, tolerance)
+        receptance(modes, point, work, seen)
         respond_with(contact, seen)
         for t in range(samples):
-            observe(y1, y2, a1, a2, response, shape, n, 0, weights, work, seen)
+            observe(modes, point, work, seen)
             step_coupled(contact, seen, moments)
-            inject_fine(y1, y2, response, shape, n, 0, weights, moments)
-            ring_on(bank)
+            inject_fine(modes, point, moments)
+            ring_on(modes)
             if t < len(out):
                 velocity, energy = motion_and_energy(bank)
                 out[t, 0] = velocity
@@ -202,7 +211,12 @@ def _simulation(case: Case, tolerance: float, contact: np.void) -> Callable[...,
 
 
 def simulate(case: Case, tolerance: float = 1e-5) -> Run:
-    """The case by the coupled solver (coupled.py) and the engine's bank of modes."""
+    """Simulate a case by the coupled solver (contact/coupled.py) and the engine's bank of modes.
+
+    tolerance: share of the momentum at hand by which a step may err, above 0.
+    """
+    if not tolerance > 0.0:
+        raise ValueError(f"tolerance = {tolerance:g}: expected above 0")
     contact = np.zeros(1, COUPLED)[0]
     out = np.empty((case.samples, 5))
     _simulation(case, tolerance, contact)(case.samples, 1, out)
@@ -210,13 +224,13 @@ def simulate(case: Case, tolerance: float = 1e-5) -> Run:
 
 
 def simulation_loop(case: Case, samples: int, tolerance: float) -> Callable[[int], None]:
-    """What computes so many samples of it, as often as it is told, and keeps nothing: for cost.py."""
+    """A function that simulates so many samples of a case the given number of times and keeps none, for `cost_of`."""
     simulation = _simulation(case, tolerance, np.zeros(1, COUPLED)[0])
     return lambda times: simulation(samples, times, NOT_KEPT)
 
 
 def random_cases(count: int, seed: int, yielding: tuple[float, float] = (1e-4, 1.0)) -> list[Case]:
-    """Contacts as they are heard: 1-40 modes up to 20 kHz, .05-50 samples, mu v_in 0-5, sum r within `yielding`."""
+    """Audible contacts: 1-40 modes up to 20 kHz, 0.05-50 samples, mu v_in 0-5, sum m phi^2 within `yielding`."""
     least, most = map(math.log10, yielding)
     random = np.random.default_rng(seed)
     cases = []
@@ -227,7 +241,7 @@ def random_cases(count: int, seed: int, yielding: tuple[float, float] = (1e-4, 1
         phi *= math.sqrt(10.0 ** random.uniform(least, most) / (m * phi @ phi))
         mu, a = random.uniform(0.0, 5.0), random.choice([1.0, 1.3, 1.5, 2.5])
         samples = 10.0 ** random.uniform(math.log10(0.05), math.log10(50.0))
-        k = (contact_time(1.0, m, 1.0, mu, a) * 48_000.0 / samples) ** (a + 1.0)
+        k = (float(contact_time(1.0, m, 1.0, mu, a)) * 48_000.0 / samples) ** (a + 1.0)
         frequency, sigma = np.sort(10.0 ** random.uniform(1.5, 4.3, n)), 10.0 ** random.uniform(0.0, 2.0, n)
         frames, fraction = int(2.0 * samples) + 40, random.uniform()
         cases.append(Case(frequency, sigma, phi, 1.0, m, k, mu, a, samples=frames, fraction=fraction))
@@ -235,7 +249,7 @@ def random_cases(count: int, seed: int, yielding: tuple[float, float] = (1e-4, 1
 
 
 def extreme_case(random: np.random.Generator) -> Case:
-    """A contact from anywhere: 1-256 modes, k to 1e16, mu to 1e3, a 1-4, 8-192 kHz, sum r to 30, pressed or not."""
+    """Any contact: 1-256 modes, k to 1e16, mu to 1e3, a 1-4, 8-192 kHz, sum m phi^2 to 30, pushed or not."""
     n = int(2.0 ** random.uniform(0.0, 8.0))
     rate = random.uniform(8e3, 192e3)
     m = 10.0 ** random.uniform(-5.0, 1.0)

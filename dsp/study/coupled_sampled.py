@@ -1,7 +1,7 @@
-"""Sampled methods on a coupled contact, to compare the coupled solver with.
+"""Sampled methods on a coupled contact, for comparison with the coupled solver.
 
-The methods are those of methods.py on the whole system of striker and modes, one step or several a sample; they begin
-on a sample. Explicit ones are stable while the contact and every mode take several steps, and not beyond.
+The methods are those of contact/sampled.py on the whole system of striker and modes, in one step or several per sample;
+contacts begin on a sample. Explicit methods are stable while the contact and every mode take several steps.
 """
 
 from collections.abc import Callable
@@ -9,22 +9,25 @@ from functools import partial
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from ..contact.collocation import elastic, law
 from ..contact.sampled import METHODS
 from ..native.jit import simd_kernel
+from ..numerics.checks import Array
 from .coupled import NOT_KEPT, Case, Run
 
 _STAGES = np.array([0.0, 0.5, 0.5, 1.0])  # of RK4, in steps
 _SHARES = np.array([1.0, 2.0, 2.0, 1.0]) / 6.0
+
+_NEWTON_STEPS = 200
+_SOLVED = 1e-13  # relative change of the force that ends Newton's method
 
 _WORK = 8  # rows of memory, each for the modes and, last, the striker
 
 
 @simd_kernel
 def _compression(row, phi):
-    """Of the contact, from places; its rate, from speeds."""
+    """The contact's compression from displacements, or its rate from velocities."""
     n = len(phi)
     give = 0.0
     for i in range(n):
@@ -34,7 +37,7 @@ def _compression(row, phi):
 
 @simd_kernel
 def _accelerate(place, speed, modes, striker, out):
-    """Accelerations of the modes and of the striker."""
+    """Put the accelerations of the modes and of the striker into `out`."""
     squares, losses, phi = modes
     m, k, mu, a = striker
     n = len(phi)
@@ -87,7 +90,7 @@ def _runge_kutta(place, speed, modes, striker, h, work):
 
 @simd_kernel
 def _prepare(modes, h, work):
-    """What the trapezoid rule needs of the modes: how they go on, and how they answer a force."""
+    """Put the trapezoid rule's coefficients of the modes into `work`: of free motion, and of the answer to a force."""
     squares, losses, phi = modes
     c = 0.5 * h
     for i in range(len(phi)):
@@ -99,7 +102,7 @@ def _prepare(modes, h, work):
 
 @simd_kernel
 def _trapezoid(place, speed, f, modes, striker, h, work):
-    """A step of the trapezoid rule, whose one unknown is the force at its end: Newton's method, safeguarded."""
+    """A step of the trapezoid rule; returns the force at its end, its one unknown, by safeguarded Newton's method."""
     phi = modes[2]
     m, k, mu, a = striker
     after, keeping, pulling, answer = work[1], work[3], work[4], work[5]
@@ -114,7 +117,7 @@ def _trapezoid(place, speed, f, modes, striker, h, work):
     x_free = _compression(place, phi) + c * (_compression(speed, phi) + v_free)
     low, high = 0.0, law(x_free, v_free, k, mu, a)
     new = min(f, high)
-    for _ in range(200):
+    for _ in range(_NEWTON_STEPS):
         x, v = x_free - c * give * new, v_free - give * new
         residual = new - law(x, v, k, mu, a)
         if residual > 0.0:
@@ -128,7 +131,7 @@ def _trapezoid(place, speed, f, modes, striker, h, work):
         if not low < new - step < high:
             step = new - 0.5 * (low + high)
         new -= step
-        if abs(step) <= 1e-13 * new:
+        if abs(step) <= _SOLVED * new:
             break
     for i in range(n):
         after[i] += answer[i] * new
@@ -140,7 +143,8 @@ def _trapezoid(place, speed, f, modes, striker, h, work):
 
 
 @njit(error_model="numpy")
-def _sample(method, substeps, modes, striker, v_in, h, work, samples, times, out):
+def _sample(scheme, modes, striker, v_in, work, samples, times, out):
+    method, substeps, h = scheme
     squares, _, phi = modes
     m, k, _, a = striker
     n = len(phi)
@@ -176,23 +180,26 @@ def _sample(method, substeps, modes, striker, v_in, h, work, samples, times, out
                 out[t, 4] = contacts
 
 
-def _sampling(case: Case, method: str, oversampling: int) -> Callable[[int, int, NDArray], None]:
+def _sampling(case: Case, method: str, oversampling: int) -> Callable[[int, int, Array], None]:
     omega, sigma = 2.0 * np.pi * np.asarray(case.frequency), np.asarray(case.sigma, np.float64)
     modes = (omega**2 + sigma**2, 2.0 * sigma, np.asarray(case.phi, np.float64))
     striker = tuple(map(float, (case.m, case.k, case.mu, case.a)))
     work = np.empty((_WORK, len(omega) + 1))
     h = 1.0 / (case.rate * oversampling)
-    return partial(_sample, METHODS.index(method), oversampling, modes, striker, float(case.v_in), h, work)
+    return partial(_sample, (METHODS.index(method), oversampling, h), modes, striker, float(case.v_in), work)
 
 
 def sample(case: Case, method: str, oversampling: int = 1) -> Run:
-    """The case by a method of methods.METHODS on the whole system; without push, begun on a sample, at rest."""
-    out = np.empty((case.samples, 5))
+    """A case by a method of contact/sampled.py's METHODS, at `oversampling` steps per sample.
+
+    The case's push, fraction and ringing are left out: contacts begin on a sample, with an object at rest.
+    """
+    out: Array = np.empty((case.samples, 5))
     _sampling(case, method, oversampling)(case.samples, 1, out)
     return Run.of(out, case.samples * oversampling)
 
 
 def sampling_loop(case: Case, samples: int, method: str, oversampling: int) -> Callable[[int], None]:
-    """What computes so many samples of it, as often as it is told, and keeps nothing: for cost.py."""
+    """A function that computes so many samples of a case the given number of times and keeps none, for `cost_of`."""
     sampling = _sampling(case, method, oversampling)
     return lambda times: sampling(samples, times, NOT_KEPT)

@@ -1,13 +1,14 @@
-"""References for experiments: the rigid wall's release velocity and force spectrum by slower, independent means."""
+"""References for experiments: the rigid wall's release velocity and force spectrum, by slower and independent means."""
 
 from decimal import Decimal, localcontext
 
 import numpy as np
-from numba import vectorize
 from numpy.polynomial import legendre
 from numpy.typing import ArrayLike, NDArray
 
-from ..contact.law import length_scale, potential, restitution_of
+from ..contact.law import potential, restitution_of, time_scale
+from ..numerics.checks import Array
+from ..numerics.elementwise import elementwise
 
 _DIGITS = 50
 _CLOSE = Decimal("1e-20")  # and so the next step below its square
@@ -19,7 +20,11 @@ _NODES, _WEIGHTS = legendre.leggauss(20)
 
 
 def restitution(w: float | Decimal) -> Decimal:
-    """E of w = mu v_in, the root of (6) to 25 digits for w > 1e-12: Newton's method in decimal arithmetic."""
+    """Coefficient of restitution E of w = mu v_in, to 25 digits for w > 1e-12.
+
+    The root of equation (6) of Papetti, Avanzini, Rocchesso 2011 (see contact/law.py), by Newton's method in decimal
+    arithmetic.
+    """
     if w == 0:
         return Decimal(1)
     with localcontext() as context:
@@ -38,7 +43,7 @@ def restitution(w: float | Decimal) -> Decimal:
 
 
 def release_velocity(v_in: float, mu: float) -> Decimal:
-    """Velocity at release (m/s, negative) to as many digits."""
+    """Velocity at release (m/s, negative), as exact as `restitution`."""
     with localcontext() as context:
         context.prec = _DIGITS
         v = Decimal(v_in)
@@ -46,39 +51,41 @@ def release_velocity(v_in: float, mu: float) -> Decimal:
 
 
 def release_error(v_out: float, v_in: float, mu: float) -> float:
-    """Relative error of a release velocity."""
+    """Relative error of a release velocity v_out (m/s)."""
     exact = release_velocity(v_in, mu)
     return float((Decimal(v_out) - exact) / exact)
 
 
-@vectorize
+@elementwise
 def _potential(distance, log1p_wd, u, w):
     return potential(distance, log1p_wd, u, w)
 
 
-def _inner_integrals() -> NDArray:
+def _inner_integrals() -> Array:
     """Matrix from a function's values at _NODES to its integrals from -1 to each of them."""
     degrees = np.arange(len(_NODES))
     cardinal = (degrees + 0.5)[:, None] * legendre.legvander(_NODES, len(_NODES) - 1).T * _WEIGHTS
-    return legendre.legval(_NODES, legendre.legint(cardinal, lbnd=-1)).T
+    return np.asarray(legendre.legval(_NODES, legendre.legint(cardinal, lbnd=-1)).T, np.float64)
 
 
 _INNER = _inner_integrals()
 
 
-def force_spectrum(v_in: float, m: float, k: float, mu: float, a: float, frequency: ArrayLike) -> NDArray:
-    """Fourier transform (N s) of the force pulse at frequencies in Hz, those up to 1000 waves in a contact.
+def force_spectrum(
+    v_in: float, m: float, k: float, mu: float, a: float, frequency: ArrayLike
+) -> NDArray[np.complex128]:
+    """Fourier transform (N s) of the force pulse at frequencies (Hz) of up to 1000 waves in a contact, of their shape.
 
     By 20 Gauss nodes in each of two times 398 panels; within 1e-13 of the momentum.
     """
     w = mu * v_in
-    unit = length_scale(v_in, m, k, a) / v_in
+    unit = time_scale(v_in, m, k, a)
     compressing = float(np.log1p(w)) / w if w else 1.0
     half = np.diff(_EDGES)[:, None] / 2
     zeta = _EDGES[:-1, None] + half * (1 + _NODES)
     Z = zeta ** (a + 1)
     times, impulses, ends = [], [], []
-    # Compression and release, each in the logarithmic velocity from its own end on: see pulse.py.
+    # Compression and release, each in the logarithmic velocity from its own end on: see closed_form.py.
     for span, z in ((compressing, w), (1 + restitution_of(w) - compressing, -w)):
         u, distance = (np.expm1(z * span * part) / z if z else span * part for part in (1 - Z, Z))
         slowness = unit * span * (a + 1) * (Z / ((a + 1) * _potential(distance, z * span * Z, u, z))) ** (a / (a + 1))
@@ -89,4 +96,4 @@ def force_spectrum(v_in: float, m: float, k: float, mu: float, a: float, frequen
         impulses.append(half * _WEIGHTS * m * v_in * (a + 1) * span * np.exp(z * span * (1 - Z)) * Z / zeta)
     times[1] = ends[0] + ends[1] - times[1]
     t, impulse = np.concatenate(times).ravel(), np.concatenate(impulses).ravel()
-    return impulse @ np.exp(-2j * np.pi * np.outer(t, np.asarray(frequency)))
+    return np.asarray(impulse @ np.exp(-2j * np.pi * np.outer(t, np.asarray(frequency))), np.complex128)

@@ -4,36 +4,25 @@ PortAudio is handed the compiled callback itself, so that no Python runs, and no
 and the engine. sounddevice offers the hook to library authors: `_StreamBase` with `wrap_callback=None`.
 """
 
-import atexit
-import ctypes
 import math
 import sys
-import tempfile
 import threading
 import time
-from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from ...dsp.native.atomics import publish
 from ...dsp.runtime.engine import Engine
-from ...dsp.runtime.handover import Loan
+from ...dsp.runtime.handover import Handover
 from ...dsp.runtime.pacer import pacer
+from .portaudio import AudioError, give_up, jack_rate, never_end, portaudio
 
 _CLOCK_BLOCK = 480
 _WRONG_RATE, _DEVICE_UNAVAILABLE = -9997, -9985  # PortAudio's errors
-_NO_START_SERVER = 1  # JACK's option
 _CALL = 0.2  # s for a call of the engine to end
 _PATIENCE = 3.0  # s for a device to be closed
-_PATIENCE_STALLED = 10.0  # s for it to come back by itself
-
-_spent = threading.Event()
-"""Set where PortAudio may not be touched again: its JACK server has gone, or a stream of its does not end."""
-
-
-class AudioError(RuntimeError):
-    """Sound can't be played; the text says why, and what might help."""
+_PATIENCE_STALLED = 10.0  # s for a stalled device to come back by itself
 
 
 class Output(Protocol):
@@ -44,22 +33,22 @@ class Output(Protocol):
     patience: float  # s for which it is worth waiting once it has stalled
 
     def prepare(self) -> None:
-        """Do what may take its time, or raise AudioError, before `start`."""
+        """Do all that may take long, before `start`. AudioError if that fails."""
 
     def start(self) -> None:
         """Run the engine; a device does so again after `rest`."""
 
     def rest(self) -> bool:
-        """Run the engine no more from here on; false if that can't be had yet, as a call of it goes on."""
+        """Stop running the engine; returns false while a call of it still goes on."""
 
     def active(self) -> bool:
-        """Is it there, even if it may have stalled?"""
+        """Whether the device is there, even if it has stalled."""
 
     def calls(self) -> int:
-        """Times that it has asked for sound."""
+        """How often it has asked for sound."""
 
     def close(self) -> bool:
-        """End it, at rest or not, in a few seconds at the most; false if it would not end."""
+        """End it, at rest or not, within a few seconds; returns false if it does not end."""
 
 
 class ClockOutput:
@@ -94,7 +83,7 @@ class ClockOutput:
         return True
 
     def calls(self) -> int:
-        return int(self._engine.counter("callbacks"))
+        return int(self._engine.stats.callbacks)
 
     def close(self) -> bool:
         return self.rest()
@@ -106,7 +95,7 @@ class DeviceOutput:
     def __init__(self, engine: Engine, device: int | str | None, block: int, latency: float | None) -> None:
         self._sd = portaudio()
         self._engine = engine  # the callback writes to its memory: it must live as long as the stream
-        self._loan = Loan(engine.address, engine.pointer)
+        self._handover = Handover(engine.address, engine.pointer)
         self._asked = "default" if device is None else str(device)
         self._api, self._own_rate = "", 0.0
         ffi = self._sd._ffi
@@ -116,8 +105,8 @@ class DeviceOutput:
             self._own_rate = float(found["default_samplerate"])
             self._stream = self._sd._StreamBase(
                 kind="output", samplerate=engine.rate, blocksize=block, device=device, channels=2, dtype="float32",
-                latency="low" if latency is None else latency, userdata=ffi.cast("void*", self._loan.pointer),
-                callback=ffi.cast("PaStreamCallback*", self._loan.address), wrap_callback=None,
+                latency="low" if latency is None else latency, userdata=ffi.cast("void*", self._handover.pointer),
+                callback=ffi.cast("PaStreamCallback*", self._handover.address), wrap_callback=None,
             )  # fmt: skip
         except (self._sd.PortAudioError, ValueError) as error:
             raise self._refused(error) from error
@@ -135,26 +124,26 @@ class DeviceOutput:
         return "JACK" in self._api and sys.platform == "linux"  # elsewhere it is a rarity
 
     def _refused(self, error: Exception) -> AudioError:
-        """Why it can't be opened; where that is a JACK server that has gone, PortAudio is spent."""
+        """Why the device cannot be opened. Gives PortAudio up where its JACK server has gone."""
         if self._on_jack() and _DEVICE_UNAVAILABLE in error.args:
-            _spent.set()
+            give_up()
         if _WRONG_RATE not in error.args:
             return self._error(str(error))
         asked = self._engine.rate
         if self._on_jack():
-            # PortAudio has the rate of the server that it met, which may have gone since, or come back at another.
-            self._own_rate = _jack_rate()
+            # PortAudio knows the rate of the server it first met, which may have gone, or come back at another rate.
+            self._own_rate = jack_rate()
             if not self._own_rate or abs(self._own_rate - asked) <= 1.0:
-                _spent.set()
-                return self._error("the JACK server that it was on has gone")
-        return self._error(f"{error}: {asked:.0f} Hz is asked for, its own is {self._own_rate:.0f}")
+                give_up()
+                return self._error("its JACK server has gone")
+        return self._error(f"{error}: expected its own rate, {self._own_rate:.0f} Hz, not {asked:.0f}")
 
     def _error(self, text: str) -> AudioError:
         hint = "`carom devices` lists what there is, `--device none` plays without one"
         return AudioError(f"device {self._asked}: {' '.join(text.split())}; {hint}")
 
     def prepare(self) -> None:
-        """Have the device ask for sound, and play silence until `start`."""
+        """Let the device ask for sound, and play silence until `start`."""
         self._prepared = True
         try:
             self._stream.start()
@@ -166,11 +155,11 @@ class DeviceOutput:
         if not self._prepared:
             self.prepare()
         self._engine.set_latency(self.latency)
-        self._loan.give()
+        self._handover.allow()
 
     def rest(self) -> bool:
         deadline = time.monotonic() + _CALL
-        while not (taken := self._loan.take()) and time.monotonic() < deadline:
+        while not (taken := self._handover.revoke()) and time.monotonic() < deadline:
             time.sleep(1e-3)
         return taken
 
@@ -178,22 +167,22 @@ class DeviceOutput:
         return bool(self._stream.active)
 
     def calls(self) -> int:
-        return self._loan.asked
+        return self._handover.calls
 
     def close(self) -> bool:
         self.rest()
         if self._on_jack():
-            # A server that goes just now would have PortAudio end the process: its thread is left to play silence.
-            _spent.set()
+            # If the server goes just now, PortAudio would end the process: so its thread is left to play silence.
+            give_up()
             if self._stream.active:
                 time.sleep(min(self.latency, _PATIENCE))  # until all that was computed is played
             return True
-        # A device that has stalled may never let it end, nor may the end of the process be held up by it.
+        # A stalled device may never let the stream end, and must not hold up the end of the process.
         closing = threading.Thread(target=self._close, name="carom-closing", daemon=True)
         closing.start()
         closing.join(_PATIENCE)
         if closing.is_alive():
-            _spent.set()
+            give_up()
             never_end()
         return not closing.is_alive()
 
@@ -203,104 +192,12 @@ class DeviceOutput:
         self._stream.close(ignore_errors=True)
 
 
-def portaudio() -> Any:
-    """The sounddevice module, or AudioError where PortAudio is missing."""
-    try:
-        import sounddevice
-    except OSError as error:
-        raise AudioError(
-            f"{error}: install PortAudio (Debian: apt install libportaudio2; macOS: brew install portaudio), "
-            "or serve with --device none"
-        ) from error
-    return sounddevice
-
-
-def never_end() -> None:
-    """Have PortAudio not told to end when the process does, but stay loaded, as its threads go on."""
-    atexit.unregister(portaudio()._exit_handler)
-    if sys.platform == "linux":
-        ctypes.CDLL(_library("portaudio"))
-
-
-def _leave_portaudio() -> None:
-    """Go on with a fresh copy of PortAudio, and never touch the present one again.
-
-    Told to stop a stream whose JACK server has gone, PortAudio 19.6 and 19.7 wait ten minutes for its thread, and then
-    an assertion ends the process, as another does when they are told to end
-    (https://github.com/PortAudio/portaudio/issues/820).
-    """
-    sd = portaudio()
-    never_end()
-    with tempfile.NamedTemporaryFile(suffix=".so") as copy:
-        copy.write(Path(_library("portaudio")).read_bytes())
-        copy.flush()
-        ctypes.CDLL(copy.name)  # which, unlike ffi, never unloads it
-        sd._lib = sd._ffi.dlopen(copy.name)
-    sd._initialized = 0
-    _spent.clear()
-
-
-def _library(name: str) -> str:
-    """Where a library was loaded from."""
-    for line in Path("/proc/self/maps").read_text().splitlines():
-        if f"/lib{name}" in line:
-            return line.split()[-1]
-    raise OSError(f"lib{name} is not loaded")
-
-
-def _jack_rate() -> float:
-    """The sampling rate (Hz) of the JACK server that is there now, 0: none.
-
-    JACK itself is asked, by the library that PortAudio uses.
-    """
-    jack = ctypes.CDLL(_library("jack"))
-    jack.jack_client_open.restype = ctypes.c_void_p
-    client = jack.jack_client_open(b"carom-asks", _NO_START_SERVER, ctypes.byref(ctypes.c_int()))
-    if not client:
-        return 0.0
-    try:
-        return float(jack.jack_get_sample_rate(ctypes.c_void_p(client)))
-    finally:
-        jack.jack_client_close(ctypes.c_void_p(client))
-
-
-def look_for_devices() -> None:
-    """Have PortAudio see what has come and gone; no stream may be open but those that were closed, or are gone.
-
-    Connected to a JACK server it stays as it is: if that goes, opening a stream tells, and then it is spent.
-    """
-    sd = portaudio()
-    if _spent.is_set():
-        _leave_portaudio()
-    elif sd._initialized:
-        if any("JACK" in api["name"] for api in sd.query_hostapis()):
-            return
-        sd._terminate()
-    sd._initialize()
-
-
 def open_output(engine: Engine, device: str | None, block: int, latency: float | None = None) -> Output:
-    """An output for an engine, to be started: None the default device, "none" no device, else its index or part of its
-    name.
+    """An output for an engine, to be started. AudioError if there is no such device.
 
-    Its latency (s) is asked for, None meaning the lowest; what it gives is the output's `latency`.
+    device: None for the default device, "none" for no device, else its index or part of its name. block: frames, 0 for
+    the device's own. latency: s to ask the device for, None for its lowest; the output's `latency` says what it gives.
     """
     if device == "none":
         return ClockOutput(engine, block, latency)
     return DeviceOutput(engine, int(device) if device and device.isdigit() else device, block, latency)
-
-
-def devices() -> list[dict[str, Any]]:
-    """PortAudio's output devices: index, name, hostapi, channels, default_samplerate, default."""
-    sd = portaudio()
-    apis = sd.query_hostapis()
-    default = sd.default.device[1]
-    return [
-        {
-            "index": index, "name": device["name"], "hostapi": apis[device["hostapi"]]["name"],
-            "channels": device["max_output_channels"], "default_samplerate": device["default_samplerate"],
-            "default": index == default,
-        }
-        for index, device in enumerate(sd.query_devices())
-        if device["max_output_channels"] > 0
-    ]  # fmt: skip

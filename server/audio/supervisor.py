@@ -1,4 +1,4 @@
-"""Keeps an engine playing: on its device while that is there, by the clock until it is there again."""
+"""Keeps an engine playing: on its device, or by the system's clock while the device is away."""
 
 import logging
 import os
@@ -9,30 +9,31 @@ from contextlib import suppress
 from queue import SimpleQueue
 
 from ...dsp.runtime.engine import Engine
-from .outputs import ClockOutput, DeviceOutput, Output, look_for_devices, never_end, open_output
+from .outputs import ClockOutput, DeviceOutput, Output, open_output
+from .portaudio import look_for_devices, never_end
 
-_PRIORITY = 70  # of SCHED_FIFO, where it may be had: below what runs the devices, above all else
-_STALLED = 2.0  # s without a callback after which time goes on by the clock
-_AGAIN = 1.0  # s between attempts to have it back
-_SHORT = 0.02  # s between looks at what may change at any moment
-_PATIENCE = 2.0  # s for what goes on to come to its end
+_PRIORITY = 70  # of SCHED_FIFO, where permitted: below the threads that run the devices, above all others
+_STALLED = 2.0  # s without a callback, after which the system's clock takes over
+_AGAIN = 1.0  # s between attempts to reopen the device
+_SHORT = 0.02  # s between looks at a stalled device
+_PATIENCE = 2.0  # s for a call or a thread to end
 
 
 class Player:
-    """An engine on an output that is kept up. AudioError if it can't be had to begin with."""
+    """An engine on an output, which is replaced and reopened as needed. AudioError if it cannot be opened at first."""
 
     def __init__(self, engine: Engine, device: str | None, block: int, latency: float | None) -> None:
         self._engine = engine
         self._device, self._block = device, block
         self.requested = latency
-        """Latency (s) that was asked for, if one was."""
+        """The latency (s) that was requested, or None."""
         self.reconnects = 0
         self.scheduling = "unknown"
-        """Of the thread that runs the callback: fifo, rr or other, where the system tells."""
+        """Scheduling of the callback's thread: fifo, rr or other; unknown where the system does not tell."""
         self._news: SimpleQueue[str] = SimpleQueue()
         self._leave = threading.Event()
         self._hand = threading.Lock()  # to hand the engine over, and to see that it still may be
-        self._mender: threading.Thread | None = None
+        self._thread: threading.Thread | None = None
         self._lost: Output | None = None
         self._told = ""
         self._callbacks = -1
@@ -48,7 +49,7 @@ class Player:
 
     @property
     def latency(self) -> float:
-        """s, as the output has it now."""
+        """The present output's latency (s)."""
         return self._output.latency
 
     def _open(self, device: str | None) -> Output:
@@ -62,8 +63,8 @@ class Player:
         self._alive = time.monotonic()
 
     def look(self) -> list[str]:
-        """See to the output, at least every second; returns what there is to tell."""
-        if self._mender is None or not self._mender.is_alive():
+        """Look after the output; call it at least every second. Returns the news since the last call."""
+        if self._thread is None or not self._thread.is_alive():
             self._watch()
         if self.scheduling == "unknown":
             self._schedule()
@@ -72,30 +73,30 @@ class Player:
     def _watch(self) -> None:
         if isinstance(self._output, ClockOutput):
             return
-        callbacks, now = self._engine.counter("callbacks"), time.monotonic()
-        if callbacks != self._callbacks or now - self._looked > _AGAIN:  # then this process, too, stood still
+        callbacks, now = self._engine.stats.callbacks, time.monotonic()
+        if callbacks != self._callbacks or now - self._looked > _AGAIN:  # else this process itself stood still
             self._callbacks, self._alive = callbacks, now
         self._looked = now
         if not self._output.active():
-            self._mend_it("is gone")
+            self._reconnect("disappeared")
         elif now - self._alive > max(_STALLED, 2.0 * self.latency, 2.0 * self._block / self._engine.rate):
-            self._mend_it("asks for no sound")
+            self._reconnect("stalled")
 
-    def _mend_it(self, trouble: str) -> None:
-        self._news.put(f"device {self.name} {trouble}: time goes on by the clock until it is back")
+    def _reconnect(self, trouble: str) -> None:
+        self._news.put(f"device {self.name} {trouble}: playing by the system's clock until it returns")
         self._lost, self._told = self._output, ""
-        # A thread of its own, as system calls on what is gone may take their time.
-        self._mender = threading.Thread(target=self._mend, args=[self._lost], name="carom-mender", daemon=True)
-        self._mender.start()
+        # A thread of its own, as system calls on a lost device may take long.
+        self._thread = threading.Thread(target=self._reopen, args=[self._lost], name="carom-reconnect", daemon=True)
+        self._thread.start()
 
-    def _mend(self, lost: Output) -> None:
-        """Go on by the clock, until the device is there again."""
+    def _reopen(self, lost: Output) -> None:
+        """Run the engine by the system's clock until the device is back."""
         while not lost.rest():
             if self._leave.is_set():
                 return
         clock = ClockOutput(self._engine, self._block, self.requested)
         self._hand_over(clock)
-        if not self._comes_round(lost):
+        if not self._recovers(lost):
             self._lost = None
             self._try(lost.close)
             while not self._leave.wait(_AGAIN) and not self._try(self._find):
@@ -106,14 +107,14 @@ class Player:
             self._news.put(f"device {self.name} is back")
 
     def _hand_over(self, output: Output) -> bool:
-        """Have an output run the engine, which is at rest, unless it is to stay so."""
+        """Let an output run the engine, which is at rest; returns false if the player has ended meanwhile."""
         with self._hand:
             if not self._leave.is_set():
                 self._start(output)
             return not self._leave.is_set()
 
-    def _comes_round(self, lost: Output) -> bool:
-        """Wait for a device that may only have stalled; false once it is gone, or not worth waiting for."""
+    def _recovers(self, lost: Output) -> bool:
+        """Wait for a device that may only have stalled; returns false once it is gone or its patience has run out."""
         calls, since = lost.calls(), time.monotonic()
         while lost.active() and time.monotonic() - since < lost.patience:
             if lost.calls() != calls or self._leave.wait(_SHORT):
@@ -121,7 +122,7 @@ class Player:
         return False
 
     def _find(self) -> bool:
-        """Have the device back, still silent, in the place of what was lost."""
+        """Reopen the device, still silent, in place of the lost one."""
         look_for_devices()
         found = self._open(self._device)
         found.prepare()
@@ -129,18 +130,18 @@ class Player:
         return True
 
     def _try(self, act: Callable[[], bool]) -> bool:
-        """Did it work? If not, tell why, once."""
+        """Act; returns false if that fails, and tells the reason once."""
         try:
             return act()
-        except Exception as error:  # the system's, and PortAudio's own when nothing is there at all
+        except Exception as error:  # the system's, or PortAudio's own where there is no device at all
             if str(error) != self._told:
                 self._told = str(error)
                 self._news.put(self._told)
             return False
 
     def _schedule(self) -> None:
-        """Let the callback's thread run before all others, where that is permitted."""
-        thread = self._engine.counter("thread")
+        """Give the callback's thread real-time priority, where that is permitted."""
+        thread = self._engine.thread
         if thread == 0 or not hasattr(os, "sched_setscheduler"):
             return
         real_time = {os.SCHED_FIFO: "fifo", os.SCHED_RR: "rr"}
@@ -150,10 +151,10 @@ class Player:
                     os.sched_setscheduler(thread, os.SCHED_FIFO, os.sched_param(priority()))
             self.scheduling = real_time.get(os.sched_getscheduler(thread), "other")
         except OSError:
-            pass  # it has ended
+            pass  # the thread has ended
 
     def rest(self) -> None:
-        """Run the engine no more, whatever becomes of the device; only a call that hangs in it is not waited for."""
+        """Stop running the engine, whatever the device does; a call of it that hangs is not waited for."""
         self._leave.set()
         deadline = time.monotonic() + _PATIENCE
         with self._hand:
@@ -161,21 +162,21 @@ class Player:
                 pass
 
     def close(self) -> None:
-        """End it, in a few seconds at the most."""
+        """End the player, within a few seconds."""
         self.rest()
         ended = True
-        if self._mender:
-            self._mender.join(_PATIENCE)
-            if ended := not self._mender.is_alive():
+        if self._thread:
+            self._thread.join(_PATIENCE)
+            if ended := not self._thread.is_alive():
                 ended = self._lost is None or self._lost is self._output or self._lost.close()
             else:
                 never_end()
         if not (self._output.close() and ended):
-            logging.getLogger(__name__).warning("the device does not end, and is left to itself")
+            logging.getLogger(__name__).warning("the device does not close: it is left open")
 
 
 def priority() -> int:
-    """The priority of SCHED_FIFO that this process may give; 0 where none, which the system refuses."""
+    """The priority of SCHED_FIFO that this process may give a thread; 0, which the system refuses, if none."""
     import resource
 
     limit = resource.getrlimit(resource.RLIMIT_RTPRIO)[0]

@@ -1,6 +1,7 @@
 """Writes what an engine carries out as a score that renders to the same sound."""
 
 import time
+from contextlib import suppress
 from importlib.metadata import version
 from itertools import chain
 from pathlib import Path
@@ -8,7 +9,7 @@ from pathlib import Path
 from ...dsp.runtime.engine import Engine
 from ..osc.score import format_line
 from ..osc.wire import Argument, Message
-from ..scene.scene import Sent
+from ..scene.transaction import Sent
 from .outfile import OutFile
 
 _LONGEST_STEM = 50  # characters of a name that is made another's
@@ -35,7 +36,7 @@ class Log:
         """Begin to write."""
         self._file.begin()
         day = time.strftime("%Y-%m-%d %H:%M:%S")
-        self._write(f"# carom {version('carom')}, {day}; render it at --rate {self._engine.rate:.0f}\n")
+        self._write([f"# carom {version('carom')}, {day}; render it at --rate {self._engine.rate:.0f}\n"])
 
     def expect(self, first: int, sent: list[Sent]) -> None:
         """Remember what commands stand for, from the command with the number `first` on."""
@@ -54,10 +55,10 @@ class Log:
                     lines.append(format_line(sample / self._engine.rate, self._named(sent)) + "\n")
                 except ValueError as error:
                     self.error = f"the log {self._file.path} ended: {error}"
-        if lost := self._engine.counter("notes_lost"):
+        if lost := self._engine.stats.notes_lost:
             self.error = f"the log {self._file.path} ended: {lost} events were too many at once"
         if lines and not self.error:
-            self._write("".join(lines))
+            self._write(lines)
 
     def _named(self, sent: Sent) -> Message:
         """A message as it is carried out, on the one object that it is about."""
@@ -88,11 +89,15 @@ class Log:
             keys["mass"] = sent.mass
         return *args[:first], *chain.from_iterable(keys.items())
 
-    def _write(self, text: str) -> None:
+    def _write(self, lines: list[str]) -> None:
+        """Append lines; where there is no room for all, as many as there is room for."""
         try:
-            self._file.write(text.encode())
+            self._file.write("".join(lines).encode())
         except OSError as error:
             self.error = f"the log {self._file.path} ended: {error.strerror}"
+            with suppress(OSError):
+                for line in lines:
+                    self._file.write(line.encode())
 
     def close(self) -> None:
         """Write what is left, and the end; a file that was never started is taken away again."""
@@ -100,5 +105,5 @@ class Log:
             self.write()
             if not self.error:
                 # What rings or rolls on was heard up to here.
-                self._write(format_line(self._engine.position / self._engine.rate, Message("/panic")) + "\n")
+                self._write([format_line(self._engine.position / self._engine.rate, Message("/panic")) + "\n"])
         self._file.close()

@@ -10,10 +10,23 @@ except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]
 
 
-class OutFile:
-    """A file to be written anew, opened beforehand to know that it can be; an older one is left as it is until then.
+def write_whole(descriptor: int, data: bytes) -> None:
+    """Write all data at a file's position. OSError where that fails; a file that had grown is cut to its old size."""
+    size = os.fstat(descriptor).st_size
+    try:
+        while data:
+            data = data[os.write(descriptor, data) :]
+    except OSError:
+        if stat.S_ISREG(os.fstat(descriptor).st_mode):
+            os.ftruncate(descriptor, size)
+            os.lseek(descriptor, 0, os.SEEK_END)
+        raise
 
-    OSError, naming it, if it can't be opened, or is being written by this or another process.
+
+class OutFile:
+    """A file that will be written anew. It is opened at once, to know that it can be, and keeps its content until then.
+
+    OSError, naming the file, if it cannot be opened, or if this or another process is writing it.
     """
 
     def __init__(self, path: Path) -> None:
@@ -21,8 +34,7 @@ class OutFile:
         self.begun = False
         self._new = not path.exists()
         self.descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
-        self._plain = stat.S_ISREG(os.fstat(self.descriptor).st_mode)
-        if self._plain and fcntl:
+        if fcntl and stat.S_ISREG(os.fstat(self.descriptor).st_mode):
             try:
                 fcntl.flock(self.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError as error:
@@ -30,7 +42,7 @@ class OutFile:
                 raise OSError(error.errno, "is being written already", str(path)) from error
 
     def begin(self) -> None:
-        """Empty it; OSError, naming it, where that can't be."""
+        """Empty the file. OSError, naming it, where that fails."""
         try:
             os.ftruncate(self.descriptor, 0)
         except OSError as error:
@@ -38,18 +50,11 @@ class OutFile:
         self.begun = True
 
     def write(self, data: bytes) -> None:
-        """Add to it, out of this process at once; OSError where not all of it can be, and then nothing is."""
-        before = os.lseek(self.descriptor, 0, os.SEEK_CUR) if self._plain else 0
-        try:
-            while data:
-                data = data[os.write(self.descriptor, data) :]
-        except OSError:
-            if self._plain:
-                os.ftruncate(self.descriptor, before)
-            raise
+        """Append data, which leaves this process at once. OSError where not all can be written, and then none is."""
+        write_whole(self.descriptor, data)
 
     def close(self) -> None:
-        """Close it; one that was never begun is taken away again."""
+        """Close the file, and remove it if it is new and was never begun."""
         os.close(self.descriptor)
         if self._new and not self.begun:
             self.path.unlink()

@@ -1,6 +1,6 @@
 """The way in and out: UDP and TCP on one port, bounded queues of what has arrived, replies that never wait.
 
-Datagrams come from a thread of their own (intake.py); all else is done by one, between packets.
+A thread of its own reads datagrams (udp.py). The server's thread does the rest, between packets.
 """
 
 import selectors
@@ -18,7 +18,7 @@ from .udp import Intake
 MOST_CONNECTIONS = 32
 
 RECEIVE_BUFFER = 1 << 22
-"""Bytes asked of the system for datagrams that come before the intake's turn; it gives what it permits."""
+"""Bytes asked of the system for datagrams that the reading thread has not taken yet; the system may give less."""
 
 _NEVER_WAIT = getattr(socket, "MSG_DONTWAIT", 0)
 _LINGER = 1.0  # s
@@ -29,17 +29,17 @@ Source = tuple[str, int] | Connection
 
 
 class Network:
-    """The sockets of a port, and the clients of one of them. `close` it."""
+    """The UDP socket and the TCP listener of a port, and the TCP clients. `close` it."""
 
     def __init__(self, host: str, port: int) -> None:
-        """Listen on a port, 0 being any that is free; OSError if it can't be."""
+        """Listen on a port, 0 for any free one. OSError if that fails."""
         self._replies_dropped = 0
         self._warned: Counter[str] = Counter()
         self._told = 0  # datagrams dropped, whose sender was told
         self._streamed: deque[tuple[bytes | None, Connection]] = deque()  # None: the end of a stream
         self._stream_next = False  # datagrams and streams take turns
         self._connections: set[Connection] = set()
-        self._lingering: dict[Connection, float] = {}  # that will say no more, and until when they are answered
+        self._lingering: dict[Connection, float] = {}  # their stream has ended: when replies to them end too
         self._allowance = Allowance()
         self._udp, self._listener = _bound(host, port)
         self._intake = Intake(self._udp)
@@ -50,22 +50,23 @@ class Network:
     @property
     def address(self) -> tuple[str, int]:
         """Where it listens: host and port."""
-        return self._udp.getsockname()[:2]
+        host, port = self._udp.getsockname()[:2]
+        return str(host), int(port)
 
     @property
     def receive_buffer(self) -> int:
-        """Bytes that the system keeps of datagrams that were not read yet."""
+        """Size (bytes) of the system's buffer for datagrams that were not read yet."""
         size = self._udp.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
-        return size // 2 if sys.platform == "linux" else size  # Linux counts its own needs in
+        return size // 2 if sys.platform == "linux" else size  # Linux doubles it for its own needs
 
     @property
     def connections(self) -> int:
-        """TCP clients that are there, and may say more."""
+        """How many TCP clients are connected and may still send."""
         return len(self._connections) - len(self._lingering)
 
     @property
     def counts(self) -> dict[str, int]:
-        """What was left out: datagrams for want of room here, or in the system's buffer, and replies."""
+        """How many datagrams found no room here or in the system's buffer, and how many replies were dropped."""
         return {
             "dropped": self._intake.dropped,
             "dropped_by_system": _dropped_by_system(self._udp),
@@ -73,7 +74,7 @@ class Network:
         }
 
     def receive(self, timeout: float) -> tuple[bytes, Source] | None:
-        """The next packet and its source, or None if none comes for so long (s)."""
+        """The next packet and its source, or None if none arrives within `timeout` seconds."""
         deadline = time.monotonic() + timeout
         wait = 0.0
         while True:
@@ -119,27 +120,28 @@ class Network:
         self._replies_dropped += not sent
 
     def reaches(self, source: Source) -> bool:
-        """Can it be answered still, as far as is known?"""
+        """Whether a source can still be answered, as far as is known."""
         return not isinstance(source, Connection) or source in self._connections
 
     def dropped(self) -> tuple[int, tuple[str, int]] | None:
-        """How many datagrams found no room since the last call, and who sent the last of them; None if all did."""
+        """How many datagrams found no room since the last call, and who sent the last one; None if none was lost."""
         new = self._intake.dropped - self._told
         self._told += new
         return (new, self._intake.loser) if new else None
 
     def warnings(self) -> list[str]:
-        """What was left out since the last call, a line each."""
+        """Texts about what was dropped since the last call."""
         new = Counter(self.counts) - self._warned
         self._warned += new
         texts = {
-            "dropped": "{} datagrams left out: they came faster than they could be carried out",
-            "dropped_by_system": "{} datagrams lost: the system's receive buffer is too small, see carom doctor",
-            "replies_dropped": "{} replies left out: they were not taken, or too many for a host elsewhere",
+            "dropped": "{} datagrams dropped: the queue was full",
+            "dropped_by_system": "{} datagrams lost: the system's receive buffer is too small, see `carom doctor`",
+            "replies_dropped": "{} replies dropped: a client reads too slowly, or asks for too many from another host",
         }
         return [texts[name].format(count) for name, count in new.items()]
 
     def close(self) -> None:
+        """Disconnect all clients and close the sockets."""
         for connection in tuple(self._connections):
             self._leave(connection)
         self._selector.close()
@@ -148,7 +150,7 @@ class Network:
         self._listener.close()
 
     def _gather(self, timeout: float) -> None:
-        """Take what has arrived off the system's hands."""
+        """Queue the packets that have arrived."""
         for connection in [each for each, until in self._lingering.items() if until <= time.monotonic()]:
             self._leave(connection)
         for key, events in self._selector.select(timeout):
@@ -160,7 +162,7 @@ class Network:
                 self._attend(key.data, events)
 
     def _accept(self) -> None:
-        with suppress(OSError):  # it has left already
+        with suppress(OSError):  # the client has left already
             connection = Connection(self._listener.accept()[0])
             self._connections.add(connection)
             self._watch(connection)
@@ -174,7 +176,7 @@ class Network:
         try:
             if events & selectors.EVENT_WRITE:
                 connection.flush()
-            # TCP makes a client wait, and loses nothing: none is given more room than for what it sent at one time.
+            # TCP makes a client wait and loses nothing: so a client is read again once all it sent is carried out.
             if events & selectors.EVENT_READ and not connection.queued:
                 for packet in connection.packets():
                     self._enqueue(packet, connection)
@@ -189,7 +191,7 @@ class Network:
         connection.queued += 1
 
     def _watch(self, connection: Connection) -> None:
-        """Have the selector tell what matters of a client now."""
+        """Let the selector watch a client for reading while its stream goes on, for writing while replies wait."""
         wanted = selectors.EVENT_READ * (not connection.over) | selectors.EVENT_WRITE * connection.waiting
         key = self._selector.get_map().get(connection.socket)
         if key and not wanted:
@@ -200,9 +202,9 @@ class Network:
             self._selector.register(connection.socket, wanted, connection)
 
     def _part(self, connection: Connection) -> None:
-        """Let a client go whose stream has ended, now that all in it was carried out."""
+        """Disconnect a client whose stream has ended, after all its packets were carried out."""
         if not connection.wrong and self.reaches(connection):
-            self._lingering[connection] = time.monotonic() + _LINGER  # perhaps it only has no more to say
+            self._lingering[connection] = time.monotonic() + _LINGER  # it may still read replies
             return
         if self.reaches(connection):
             with suppress(OSError):
@@ -234,7 +236,7 @@ def _bound(host: str, port: int) -> tuple[socket.socket, socket.socket]:
 
 
 def _dropped_by_system(udp: socket.socket) -> int:
-    """Datagrams that found no room in the system's buffer, where it tells (Linux)."""
+    """Datagrams that found no room in the system's buffer, where the system tells (Linux)."""
     memory_info, drops = 55, 8  # SO_MEMINFO, and where in its nine uint32 the drops stand
     if sys.platform != "linux":
         return 0

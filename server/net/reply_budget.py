@@ -1,22 +1,22 @@
-"""How much may be answered to whom: the sender of a datagram may be forged, and the answer hit somebody else."""
+"""Limits on replies: the sender of a datagram may be forged, so that the reply hits somebody else."""
 
 import time
 from collections import OrderedDict
 from ipaddress import ip_address
 
 _BURST = 1_000  # replies
-_RATE = 100.0  # replies a second
+_RATE = 100.0  # replies per second
 _HOSTS = 1_024  # remembered
 
 
 class Allowance:
-    """A budget of replies for each host. This machine's own have none: nobody elsewhere can send in their name."""
+    """A budget of replies for each host but this one: nobody elsewhere can send in its name."""
 
     def __init__(self) -> None:
         self._budgets: OrderedDict[str, tuple[float, float]] = OrderedDict()  # replies left, and when that was (s)
 
     def take(self, host: str) -> bool:
-        """Spend one reply to a host; False if it has none left."""
+        """Spend one reply to a host; returns False if it has none left."""
         if local(host):
             return True
         now = time.monotonic()
@@ -29,7 +29,7 @@ class Allowance:
 
 
 def local(host: str) -> bool:
-    """Is it this machine, and out of reach for others?"""
+    """Whether a host is this machine's loopback, which others cannot reach."""
     try:
         return ip_address(host).is_loopback
     except ValueError:

@@ -12,23 +12,23 @@ _MOST_WAITING = 1 << 20  # bytes of replies kept for a client that reads slowly
 
 
 class Connection:
-    """A client: packets cut from its stream, and replies kept until it takes them. Nothing here waits."""
+    """A client: packets cut from its stream, and replies kept until it takes them. No method blocks."""
 
     def __init__(self, sock: socket.socket) -> None:
         sock.setblocking(False)
         sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self.socket = sock
         self.queued = 0
-        """Packets of its that wait to be carried out."""
+        """How many of its packets wait to be carried out."""
         self.over = False
-        """Is its stream at an end?"""
+        """Whether its stream has ended."""
         self.wrong: str | None = None
-        """What ended the stream, if it was not the client."""
+        """Why the server ended the stream, or None."""
         self._framing: Framing | None = None
         self._unsent = bytearray()
 
     def packets(self) -> Iterator[bytes]:
-        """What has arrived, up to the end of the stream or of its sense; OSError when the client is gone."""
+        """The packets that have arrived, up to the stream's end or first fault. OSError when the client is gone."""
         try:
             data = self.socket.recv(_PIECE)
         except BlockingIOError:
@@ -45,7 +45,8 @@ class Connection:
             self.over = True
 
     def close(self) -> None:
-        # What is left unread when a socket is closed would make the system take back what was sent on it.
+        """Close the socket."""
+        # If data is left unread, the system drops replies that are still on their way.
         with suppress(OSError):
             for _ in range(_MOST_WAITING // _PIECE):
                 if not self.socket.recv(_PIECE):
@@ -53,7 +54,7 @@ class Connection:
         self.socket.close()
 
     def send(self, packet: bytes) -> bool:
-        """Send a packet, as soon as the client takes it; False if it takes too little, and this is left out."""
+        """Send a packet as soon as the client takes it; returns False, and drops it, if too much waits already."""
         packet = (self._framing or Slip).framed(packet)
         if len(self._unsent) + len(packet) > _MOST_WAITING:
             return False
@@ -62,7 +63,7 @@ class Connection:
         return True
 
     def flush(self) -> None:
-        """Send what the client takes now; OSError when it is gone."""
+        """Send as much as the client takes now. OSError when it is gone."""
         try:
             while self._unsent:
                 del self._unsent[: self.socket.send(self._unsent)]
@@ -71,16 +72,16 @@ class Connection:
 
     @property
     def waiting(self) -> bool:
-        """Are there replies that the client has not taken?"""
+        """Whether replies wait for the client to take them."""
         return bool(self._unsent)
 
 
 def listen(host: str, port: int) -> socket.socket:
-    """A socket that awaits clients; OSError where the port is taken."""
+    """A socket that listens for clients. OSError if the port is taken."""
     sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     try:
-        # Connections of a server before this one linger for a minute and hold its port. Windows has no such need, and
-        # means another thing by the word: that two may listen at once.
+        # Connections of an earlier server linger for a minute and hold the port. On Windows they do not, and there the
+        # option has another meaning: that two may listen at once.
         if sys.platform != "win32":
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         sock.bind((host, port))

@@ -1,6 +1,6 @@
-"""Datagrams, taken off the system's hands by a compiled thread that waits for no Python, however long that is busy.
+"""Datagrams, read by a compiled thread that waits for no Python, however long that is busy.
 
-The system's own buffer holds as little as 500 short datagrams, 2 ms of a burst, and an object takes .1 s to make. Where
+The system's own buffer holds as few as 500 short datagrams, 2 ms of a burst, and an object takes 0.1 s to make. Where
 the thread may run in real time, a burst is safe on a busy machine, too.
 """
 
@@ -53,7 +53,7 @@ _recvfrom = types.ExternalFunction("recvfrom", _RESULT(types.intc, _POINTER, _SI
 _send = types.ExternalFunction("send", _RESULT(types.intc, _POINTER, _SIZE, types.intc))
 
 
-def _after(position, size):
+def _after(position: int, size: int) -> int:
     """Where the next datagram begins, after one of `size` bytes."""
     position += _HEAD + (size + 7) // 8
     rest = _WORDS - position % _WORDS
@@ -63,8 +63,8 @@ def _after(position, size):
 _beyond = kernel(_after)
 
 
-def _drain(address):
-    """Move what arrives into the ring until stopped; what finds no room there is counted."""
+def _drain(address: Any) -> None:
+    """Move datagrams into the ring until stopped, and count those that find no room there. address: of a _BOX."""
     box = carray(address, (1,), _BOX)[0]
     fresh, ring = box.fresh, box.ring
     start = fresh.ctypes.data
@@ -85,7 +85,7 @@ def _drain(address):
         before = written
         written = _beyond(written, size)
         store_release(box.written, 0, written)
-        # Asked only now, as the reader may have looked in vain a moment ago.
+        # `read` is loaded after `written` is stored: the reader may have found nothing a moment before.
         if load_acquire(box.read, 0) == before:
             _send(box.bell, start, 1, 0)
 
@@ -96,9 +96,9 @@ def _drainer() -> Any:
 
 
 class Intake:
-    """What arrives at a bound UDP socket. `close` it before the socket.
+    """The datagrams that arrive at a bound UDP socket. `close` it before the socket.
 
-    `heard` is a socket that can be read when something has arrived where nothing was before; `hush` reads it.
+    `heard` is a socket that can be read when a datagram has arrived where none waited; `hush` reads it.
     """
 
     def __init__(self, udp: socket.socket) -> None:
@@ -111,7 +111,7 @@ class Intake:
         self.heard.setblocking(False)
         self._bell.setblocking(False)
         record["descriptor"], record["bell"] = udp.fileno(), self._bell.fileno()
-        # Python's own time-outs would make the socket one that never waits.
+        # Python's own time-outs would make the socket non-blocking.
         wait = struct.pack("L", round(1e3 * _LOOK)) if _WINDOWS else struct.pack("ll", 0, round(1e6 * _LOOK))
         udp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, wait)
         # What ctypes calls runs without the GIL.
@@ -124,12 +124,12 @@ class Intake:
                 os.sched_setscheduler(self._thread.native_id, os.SCHED_FIFO, lowest)
 
     def hush(self) -> None:
-        """To be called before `take`, so that nothing arrives unheard."""
+        """Empty `heard`. Call it before `take`, so that no datagram goes unnoticed."""
         with suppress(BlockingIOError):
             self.heard.recv(64)
 
     def take(self) -> tuple[bytes, tuple[str, int]] | None:
-        """The next datagram and the address it came from; None where none waits."""
+        """The next datagram and its sender's address, or None if none waits."""
         read = int(self._read[0])
         if read == observe(self._written):
             return None
@@ -142,16 +142,17 @@ class Intake:
 
     @property
     def dropped(self) -> int:
-        """Datagrams that found no room."""
+        """How many datagrams found no room."""
         return int(observe(self._dropped))
 
     @property
     def loser(self) -> tuple[str, int]:
-        """Where the last of these came from."""
+        """The sender's address of the last datagram that found no room."""
         _, port, host = _ENTRY.unpack(bytes(8) + self._loser.tobytes())
         return _address(port, host)
 
     def close(self) -> None:
+        """Stop reading."""
         publish(self._stopped, 1)
         self._thread.join()
         self.heard.close()

@@ -1,8 +1,9 @@
-"""OSCQuery: the address space as JSON over HTTP, for programs that look what there is to be played.
+"""OSCQuery: the address space as JSON over HTTP, for programs that look up what they can play.
 
-After Vidvox's proposal (github.com/Vidvox/OSCQueryProposal): GET of an address answers with all below it, `?TYPE` and
-the like with one attribute, `?HOST_INFO` with where to send OSC. All comes from the registry that checks messages.
-Values can't be asked for: messages only ever set them.
+By Vidvox's proposal (github.com/Vidvox/OSCQueryProposal): GET of an address answers with it and all below it, `?TYPE`
+and the like with one attribute, `?HOST_INFO` with the port for OSC. All comes from the registry that checks messages.
+The proposal has no word for keys: they stand in the description, with their ranges. Values can't be asked for: messages
+only ever set them.
 """
 
 import json
@@ -16,18 +17,20 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 from urllib.parse import unquote
 
-from .addresses import VERBS, Either, Number, Verb, Word
+from ...dsp.schema import Parameter as Number
+from .addresses import VERBS
+from .arguments import Either, Parameter, Verb
 
 _MOST_CLIENTS = 8
-_PATIENCE = 2.0  # s without a byte
-_TURN = 0.1  # s that a client waits for a place before another has to make way
+_TIMEOUT = 2.0  # s without a byte
+_TURN = 0.1  # s that a client waits for a place before the oldest loses its own
 
 _GIVEN = ("FULL_PATH", "CONTENTS", "DESCRIPTION", "TYPE", "ACCESS", "RANGE", "UNIT", "OVERLOADS")
 _NOT_GIVEN = ("VALUE", "TAGS", "CLIPMODE", "EXTENDED_TYPE", "CRITICAL")
 _UNITS = {"m/s": "speed.m/s", "dB": "gain.db"}  # the proposal's words, where it has one
 
 Names = Mapping[str, Collection[str]]
-"""What may stand for a word: objects for `NAME` in an address, gestures for `ID`, presets for the argument `preset`."""
+"""The choices for a word: objects for `NAME` in an address, gestures for `ID`, presets for the argument `preset`."""
 
 _ADDRESSES = tuple((tuple(address.split("/")[1:]), verb) for address, verb in VERBS.items())
 
@@ -58,12 +61,12 @@ def _leads(given: list[str], parts: tuple[str, ...], names: Names) -> bool:
 
 
 def _description(verb: Verb) -> str:
-    keys = f"; keys: {', '.join(key.name for key in verb.keys)}" if verb.keys else ""
+    keys = f"; keys: {', '.join(map(str, verb.keys))}" if verb.keys else ""
     return f"{verb.help}: {verb.usage()}{keys}"
 
 
 def _arguments(verb: Verb, names: Names) -> dict[str, Any]:
-    """What a method takes: the shortest list of arguments, and as overloads those with optional ones too."""
+    """The arguments of a method: the shortest list, and as overloads the longer ones with optional arguments."""
     least = max(len(verb.required), 1)
     arguments = (*verb.required, *verb.optional)
     if not arguments:
@@ -72,7 +75,7 @@ def _arguments(verb: Verb, names: Names) -> dict[str, Any]:
     return {"ACCESS": 2, **lists[0], **({"OVERLOADS": lists[1:]} if lists[1:] else {})}
 
 
-def _values(arguments: tuple[Number | Word | Either, ...], names: Names) -> dict[str, Any]:
+def _values(arguments: tuple[Parameter, ...], names: Names) -> dict[str, Any]:
     units = [_UNITS.get(a.unit, a.unit) or None if isinstance(a, Number) else None for a in arguments]
     return {
         "TYPE": "".join("f" if isinstance(a, Number) else "s" for a in arguments),
@@ -81,7 +84,7 @@ def _values(arguments: tuple[Number | Word | Either, ...], names: Names) -> dict
     }
 
 
-def _range(argument: Number | Word | Either, names: Names) -> dict[str, Any] | None:
+def _range(argument: Parameter, names: Names) -> dict[str, Any] | None:
     if isinstance(argument, Number):
         return {"MIN": argument.low, "MAX": argument.high}
     if isinstance(argument, Either):
@@ -106,7 +109,7 @@ class OscQuery(ThreadingHTTPServer):
 
     def process_request(self, request: Any, client_address: Any) -> None:
         if not self._places.acquire(timeout=_TURN):
-            # Who has been here longest makes way, so that nobody can occupy all places.
+            # The oldest client loses its place, so that nobody can occupy them all.
             with suppress(IndexError, OSError):
                 self._clients[0].shutdown(socket.SHUT_RDWR)
             self._places.acquire()
@@ -119,12 +122,12 @@ class OscQuery(ThreadingHTTPServer):
         super().shutdown_request(request)
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """A client that went away in the middle is nobody's concern."""
+        """Ignore a client that leaves in the middle of an answer."""
 
 
 class _Handler(BaseHTTPRequestHandler):
     server: OscQuery
-    timeout = _PATIENCE
+    timeout = _TIMEOUT
     server_version = "Carom"
     sys_version = ""
 
@@ -162,7 +165,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(body)
 
     def log_message(self, format: str, *args: Any) -> None:
-        """Nobody reads a log of questions."""
+        """Write no log of questions."""
 
 
 @contextmanager

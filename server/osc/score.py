@@ -2,7 +2,8 @@
 
 A line is `time address arguments`: seconds, then words with blanks between. Numbers are int or float; every
 other word, and any word in quotes, is a string. Single quotes keep what is between them, double quotes read
-escapes as JSON does. A word that starts with # makes the rest of the line a comment.
+escapes as JSON does. [ and ] enclose a list, with blanks or commas between its items: [free clamped], [440, 881.5].
+A word that starts with # makes the rest of the line a comment.
 """
 
 import io
@@ -16,10 +17,12 @@ from pathlib import Path
 
 from . import wire
 
-_WORD = r"""[^\s"'#][^\s"']*"""
-_TOKEN = re.compile(
-    rf"""\s*(?:(?P<comment>\#.*)|"(?P<escaped>(?:[^"\\]|\\.)*)"|'(?P<kept>[^']*)'|(?P<word>{_WORD}))(?=\s|$)"""
-)
+_WORD = r"""[^\s"'#\[\]][^\s"']*"""
+_LISTED_WORD = r"""[^\s"'#\[\],][^\s"'\[\],]*"""
+_QUOTED = r""""(?P<escaped>(?:[^"\\]|\\.)*)"|'(?P<kept>[^']*)'"""
+_TOKEN = re.compile(rf"\s*(?:(?P<comment>\#.*)|(?P<open>\[)|(?:{_QUOTED}|(?P<word>{_WORD}))(?=\s|$))")
+_ITEM = re.compile(rf"[\s,]*(?:(?P<open>\[)|(?P<close>\])|(?:{_QUOTED}|(?P<word>{_LISTED_WORD}))(?=[\s,\]]|$))")
+_BLANK = re.compile(r"\s|$")
 _INT = re.compile(r"[+-]?\d+", re.ASCII)
 _REAL = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 
@@ -49,7 +52,11 @@ def read(path: str | PathLike[str]) -> list[Line]:
 
     Raises ScoreError, and OSError for a file that cannot be read.
     """
-    data = Path(path).read_bytes()
+    return parse(Path(path).read_bytes(), path)
+
+
+def parse(data: bytes, path: str | PathLike[str]) -> list[Line]:
+    """Reads a score's bytes as `read` does; errors call it `path`."""
     # A binary score starts with a size below 16 MB, so with a zero, which no text has.
     return list(_binary(data, path) if data.startswith(b"\0") else _text(data, path))
 
@@ -76,20 +83,61 @@ def _words(line: str) -> Iterator[wire.Argument]:
     while at < len(line):
         token = _TOKEN.match(line, at)
         if token is None:
-            raise ValueError(f"column {at + 1}: a quote that is not closed, or not between blanks")
-        at = token.end()
+            raise ValueError(f"column {at + 1}: a quote that is not closed, or a quote or ] that is not between blanks")
         if token["comment"] is not None:
             return
-        if token["word"] is not None:
-            yield value(token["word"])
-        elif token["kept"] is not None:
-            yield token["kept"]
+        if token["open"] is not None:
+            items, at = _list(line, token.end())
+            yield items
         else:
-            yield json.loads(f'"{token["escaped"]}"', strict=False)
+            yield _spelled(token)
+            at = token.end()
 
 
-def value(word: str) -> int | float | str:
-    """The number that a bare word of a score spells, or else the word."""
+def _list(line: str, at: int) -> tuple[wire.Argument, int]:
+    """The list whose [ ends at a place of a line, and where it ends itself."""
+    start = at
+    lists: list[list[wire.Argument]] = [[]]  # those that are open, each inside the one before
+    while True:
+        item = _ITEM.match(line, at)
+        if item is None:
+            raise ValueError(f"column {start}: a list that is not closed, or has a quote or # inside a word")
+        at = item.end()
+        if item["open"] is not None:
+            if len(lists) == wire.MAX_DEPTH:
+                raise ValueError(f"column {at}: lists nested deeper than {wire.MAX_DEPTH}")
+            lists.append([])
+        elif item["close"] is None:
+            lists[-1].append(_spelled(item))
+        else:
+            items = tuple(lists.pop())
+            if not lists:
+                break
+            lists[-1].append(items)
+    if not _BLANK.match(line, at):
+        raise ValueError(f"column {at + 1}: expected a blank after a list")
+    return items, at
+
+
+def _spelled(token: re.Match[str]) -> wire.Argument:
+    """What a word, in quotes or not, stands for."""
+    if token["word"] is not None:
+        return _number_or_word(token["word"])
+    return token["kept"] if token["kept"] is not None else json.loads(f'"{token["escaped"]}"', strict=False)
+
+
+def value(text: str) -> wire.Argument:
+    """The number or the list that a text spells as in a score, or else the text."""
+    if text.startswith("["):
+        try:
+            items, end = _list(text, 1)
+        except ValueError:
+            return text
+        return text if text[end:].strip() else items
+    return _number_or_word(text)
+
+
+def _number_or_word(word: str) -> int | float | str:
     if _INT.fullmatch(word):
         return int(word)
     return float(word) if _REAL.fullmatch(word) else word
@@ -104,14 +152,19 @@ def _time(word: wire.Argument) -> float:
 def _message(words: list[wire.Argument]) -> wire.Message:
     match words:
         case [str(address), *args]:
-            for arg in args:
-                if isinstance(arg, float) and not math.isfinite(arg):
-                    raise ValueError(f"a number in {address} is too large")
+            if not all(map(_finite, args)):
+                raise ValueError(f"a number in {address} is too large")
             wire.encode(address, *args, real="d")  # so that whatever a score says could also have been sent
             return wire.Message(address, tuple(args))
         case [other, *_]:
             raise ValueError(f"address {other!r}: expected it to start with /")
     raise ValueError("no address after the time")
+
+
+def _finite(arg: wire.Argument) -> bool:
+    if isinstance(arg, tuple):
+        return all(map(_finite, arg))
+    return not isinstance(arg, float) or math.isfinite(arg)
 
 
 def _binary(data: bytes, path: str | PathLike[str]) -> Iterator[Line]:
@@ -146,15 +199,18 @@ def format_line(time: float, message: wire.Message) -> str:
 
     Raises ValueError for what text has no word for: bytes, None, NaN and infinities.
     """
-    return " ".join([repr(_time(time)), *map(_written, (message.address, *message.args))])
+    return " ".join([repr(_time(time)), *(_written(arg, _WORD) for arg in (message.address, *message.args))])
 
 
-def _written(arg: wire.Argument) -> str:
+def _written(arg: wire.Argument, bare_word: str) -> str:
+    """An argument as text; a string needs no quotes if it matches `bare_word` and spells no number."""
+    if isinstance(arg, tuple):
+        return f"[{' '.join(_written(item, _LISTED_WORD) for item in arg)}]"
     if isinstance(arg, str):
-        bare = re.fullmatch(_WORD, arg) and isinstance(value(arg), str)
+        bare = re.fullmatch(bare_word, arg) and isinstance(_number_or_word(arg), str)
         return arg if bare else json.dumps(arg, ensure_ascii=False)
     if isinstance(arg, int):
         return str(int(arg))
     if isinstance(arg, float) and math.isfinite(arg):
         return repr(float(arg))
-    raise ValueError(f"{arg!r} cannot stand in a score: expected a string or a finite number")
+    raise ValueError(f"{arg!r} cannot stand in a score: expected a string, a finite number or a list of such")

@@ -1,4 +1,4 @@
-"""OSC 1.0 on the wire: datagrams checked and read, messages and bundles written, address patterns matched.
+"""OSC on the wire: datagrams checked and read, messages and bundles written.
 
 python-osc writes the messages. Reading is done here, because its reader trusts sizes (a negative one loops
 for ever), drops the tags it does not know, pads short floats, makes dates of time tags, ignores what follows
@@ -13,12 +13,13 @@ from typing import Any
 
 from pythonosc.osc_message_builder import BuildError, OscMessageBuilder
 
-Argument = int | float | str | bytes | bool | None
+Argument = int | float | str | bytes | bool | tuple["Argument", ...] | None
+"""Of a message; a tuple is an array."""
 
 DEFAULT_PORT = 57140
 IMMEDIATELY = 1
 MAX_DATAGRAM = 65507  # bytes: the most that UDP over IPv4 carries
-MAX_DEPTH = 8  # of bundles in bundles
+MAX_DEPTH = 8  # of bundles in bundles, and of arrays in arrays
 MAX_ADDRESS = 1024  # characters: a pattern is matched with the name of every object
 
 _BUNDLE = b"#bundle\0"
@@ -55,9 +56,9 @@ def parse(datagram: bytes) -> list[Bundle]:
     """Reads a datagram whole, or raises BadPacket; in time proportional to its size.
 
     A bare message becomes a bundle for IMMEDIATELY. Bundles in bundles come out flat, in the order written:
-    a bundle with others inside it is cut where they stand, and its pieces keep its time. Arrays are flat too:
-    their elements are arguments. Numbers are int (i h r t) or float (f d; NaN and infinities pass), s S c are
-    str, b and m (four bytes of MIDI) are bytes. A message without arguments may lack the type tags.
+    a bundle with others inside it is cut where they stand, and its pieces keep its time. An array is one argument,
+    a tuple. Numbers are int (i h r t) or float (f d; NaN and infinities pass), s S c are str, b and m (four bytes
+    of MIDI) are bytes. A message without arguments may lack the type tags.
     """
     if len(datagram) > MAX_DATAGRAM:
         raise BadPacket(f"{len(datagram)} bytes: expected at most {MAX_DATAGRAM}")
@@ -105,34 +106,44 @@ def _message(data: bytes) -> Message:
     if data[at : at + 1] != b",":
         raise BadPacket("arguments without type tags")
     tags, at = _string(data, at, "type tags")
-    args: list[Argument] = []
-    open_arrays = 0
-    for tag in tags[1:]:
-        name = f"argument {len(args) + 1}"
-        if tag in _SIZED:
-            value, at = _sized(data, at, tag, name)
-            if tag == "c":
-                value = _character(value, name)
-            args.append(value)
-        elif tag in "sS":
-            value, at = _string(data, at, name)
-            args.append(value)
-        elif tag == "b":
-            value, at = _blob(data, at, name)
-            args.append(value)
-        elif tag in _CONSTANT:
-            args.append(_CONSTANT[tag])
-        elif tag == "[":
-            open_arrays += 1
-        elif tag == "]" and open_arrays:
-            open_arrays -= 1
-        else:
-            raise BadPacket(f"{name} has the type tag {tag!r}: expected one of ihfdtrmcsSbTFNI or [ ]")
-    if open_arrays:
-        raise BadPacket("type tags: an array is not closed")
+    arguments, at = _arguments(data, at, tags)
     if at != len(data):
         raise BadPacket(f"{len(data) - at} bytes after the last argument")
-    return Message(address, tuple(args))
+    return Message(address, arguments)
+
+
+def _arguments(data: bytes, at: int, tags: str) -> tuple[tuple[Argument, ...], int]:
+    """The arguments that begin at a place, by their type tags (",if..."), and where they end."""
+    arrays: list[list[Argument]] = [[]]  # the message's own arguments, then the arrays that are open, outermost first
+    number = 1  # of the next value, whether it stands in an array or not
+    for tag in tags[1:]:
+        name = f"argument {number}"
+        value: Argument
+        if tag in _SIZED:
+            read, at = _sized(data, at, tag, name)
+            value = _character(read, name) if tag == "c" else read
+        elif tag in "sS":
+            value, at = _string(data, at, name)
+        elif tag == "b":
+            value, at = _blob(data, at, name)
+        elif tag in _CONSTANT:
+            value = _CONSTANT[tag]
+        elif tag == "[":
+            if len(arrays) > MAX_DEPTH:
+                raise BadPacket(f"{name}: arrays nested deeper than {MAX_DEPTH}")
+            arrays.append([])
+            continue
+        elif tag == "]" and len(arrays) > 1:
+            array = tuple(arrays.pop())
+            arrays[-1].append(array)
+            continue
+        else:
+            raise BadPacket(f"{name} has the type tag {tag!r}: expected one of ihfdtrmcsSbTFNI or [ ]")
+        arrays[-1].append(value)
+        number += 1
+    if len(arrays) > 1:
+        raise BadPacket("type tags: an array is not closed")
+    return tuple(arrays[0]), at
 
 
 def _string(data: bytes, start: int, name: str) -> tuple[str, int]:
@@ -165,25 +176,54 @@ def _blob(data: bytes, start: int, name: str) -> tuple[bytes, int]:
     return data[start : start + size], start + size + -size % 4
 
 
-def encode(address: str, *args: Argument, real: str = "f") -> bytes:
-    """Writes a message, with the strict types i (h past 32 bits), s, b, T, F, N and, for float, `real`.
+def argument(value: object) -> Argument:
+    """An argument from what stands for one in Python: a list becomes a tuple, numpy's scalars and arrays plain values.
 
+    Raises ValueError for what OSC cannot carry.
+    """
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return tuple(map(argument, value))
+    if value is None or isinstance(value, int | float | str | bytes):
+        return value
+    raise ValueError(f"{reprlib.repr(value)}: expected a number, a string, bytes, a boolean, None or a list of such")
+
+
+def encode(address: str, *args: object, real: str = "f") -> bytes:
+    """Writes a message, with the strict types i (h past 32 bits), s, b, T, F, N, [ ] and, for float, `real`.
+
+    Lists, tuples and numpy's arrays become OSC arrays, nested at most MAX_DEPTH deep.
     real: "f" is what every client reads (Pd knows no d, T, F and N); "d" loses nothing.
     Raises ValueError for what OSC cannot carry.
     """
     if not address.startswith("/"):
         raise ValueError(f"address {address!r}: expected it to start with /")
-    # The builder writes a zero inside a string as it is, and so ends the string there.
-    for text in (address, *args):
-        if isinstance(text, str) and "\0" in text:
-            raise ValueError(f"{address}: {text!r} contains a zero character")
+    if "\0" in address:
+        raise ValueError(f"address {address!r} contains a zero character")
     builder = OscMessageBuilder(address)
     try:
         for value in args:
-            builder.add_arg(value, real if isinstance(value, float) else None)
+            _add(builder, argument(value), real, 0)
         return _fitting(builder.build().dgram)
-    except (BuildError, OverflowError, ValueError) as error:
+    except (BuildError, OverflowError, RecursionError, ValueError) as error:
         raise ValueError(f"{address}: cannot send {reprlib.repr(args)}: {error}") from error
+
+
+def _add(builder: OscMessageBuilder, value: Argument, real: str, depth: int) -> None:
+    """Add an argument to a message. python-osc would take a tuple of four for MIDI, and a list's floats for f."""
+    if isinstance(value, tuple):
+        if depth == MAX_DEPTH:
+            raise ValueError(f"arrays nested deeper than {MAX_DEPTH}")
+        builder.args.append((builder.ARG_TYPE_ARRAY_START, None))
+        for item in value:
+            _add(builder, item, real, depth + 1)
+        builder.args.append((builder.ARG_TYPE_ARRAY_STOP, None))
+        return
+    # The builder writes a zero inside a string as it is, and so ends the string there.
+    if isinstance(value, str) and "\0" in value:
+        raise ValueError("a string contains a zero character")
+    builder.add_arg(value, real if isinstance(value, float) else None)
 
 
 def encode_bundle(time_tag: int, messages: Iterable[Message], real: str = "f") -> bytes:

@@ -1,7 +1,7 @@
-"""Gestures by their ids: who started them, and how they ended.
+"""Gestures by their ids: who started them, which of them run, and how they ended.
 
 An id stands for a number in the engine, which decides what it means when the time of a message has come. Several
-gestures may share an id. Of each that was sent the engine tells once what became of it.
+gestures may share an id. The engine reports the end of each that was sent once.
 """
 
 from collections import deque
@@ -10,21 +10,24 @@ from typing import Any
 
 from ...dsp.engine.state import End
 from ...dsp.runtime.engine import Engine
+from ..osc.patterns import is_pattern, match
 
-_REMEMBERED = 4_096  # ids: to steer what has ended is no mistake
+_REMEMBERED = 4_096  # ids: one that is given again soon has the number that it had
 _MOST_ENDS = 65_536  # that wait to be told
 _LONGEST_STEM = 40  # characters of an object's name in an id for a gesture that was given none
 
 
 @dataclass(eq=False)
-class Id:
-    """A name of gestures: its number in the engine, and for each that hasn't ended the address that started it and who
-    sent that, the oldest first."""
+class GestureId:
+    """A name of gestures and its number in the engine."""
 
     name: str
     number: int
-    times: int = 0  # that it was given
-    started: deque[tuple[str, Any]] = field(default_factory=deque)
+    uses: int = 0
+    """How many gestures were sent with it."""
+    running: deque[tuple[str, Any]] = field(default_factory=deque)
+    """For each gesture that was sent and whose end is not known: the address that started it and the source of that
+    message, the oldest first."""
 
 
 @dataclass(frozen=True)
@@ -37,69 +40,80 @@ class Ended:
     end: End
 
 
-class Gestures:
+class GestureIds:
     """The gestures of an engine, by id."""
 
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
-        self._ids: dict[str, Id] = {}  # the most recently started last
-        self._numbers: dict[int, Id] = {}
+        self._ids: dict[str, GestureId] = {}  # the most recently used last
+        self._numbers: dict[int, GestureId] = {}
         self._ends: deque[Ended] = deque(maxlen=_MOST_ENDS)
-        self._named = 0
+        self._made = 0
         self._last = 0
 
-    def new(self, name: str, address: str, source: Any) -> Id:
-        """The id of a gesture about to be sent; `forget` it if it is not."""
+    def start(self, name: str, address: str, source: Any) -> GestureId:
+        """The id of a gesture about to be sent; `take_back` it if it is not."""
         id = self._ids.pop(name, None)
         if id is None:
             self._last += 1
-            id = Id(name, self._last)
+            id = GestureId(name, self._last)
             self._numbers[id.number] = id
         self._ids[name] = id
-        id.times += 1
-        id.started.append((address, source))
+        id.uses += 1
+        id.running.append((address, source))
         return id
 
-    def forget(self, id: Id) -> None:
-        """Take back `new`."""
-        id.started.pop()
-        id.times -= 1
-        if id.times == 0:
+    def take_back(self, id: GestureId) -> None:
+        """Undo `start`."""
+        id.running.pop()
+        id.uses -= 1
+        if id.uses == 0:
             del self._ids[id.name], self._numbers[id.number]
 
-    def numbered(self, name: str) -> str:
-        """An id for a gesture that was given none."""
-        self._named += 1
-        return f"{name[:_LONGEST_STEM]}-{self._named}"
+    def made_for(self, object_name: str) -> str:
+        """A new id for a gesture on an object that was given none."""
+        self._made += 1
+        return f"{object_name[:_LONGEST_STEM]}-{self._made}"
 
-    def goes_on(self, name: str, address: str) -> bool:
-        """Was something of that id sent to start at an address that hasn't ended yet?"""
-        return name in self._ids and any(started == address for started, _ in self._ids[name].started)
+    def is_running(self, name: str, address: str) -> bool:
+        """Whether a gesture of an id that an address started runs, or was sent to begin later."""
+        return name in self._ids and any(started == address for started, _ in self._ids[name].running)
 
-    def known(self) -> list[Id]:
-        """The ids of what runs or was started not long ago."""
-        return list(self._ids.values())
+    def running(self, pattern: str = "*") -> list[GestureId]:
+        """The ids that match a pattern and have gestures that run, or were sent to begin later."""
+        if is_pattern(pattern):
+            ids = list(self._ids.values())  # another thread may ask: OSCQuery's
+            return [id for id in ids if id.running and match(pattern, id.name)]
+        return [self._ids[pattern]] if pattern in self._ids and self._ids[pattern].running else []
+
+    def have_ended(self, pattern: str) -> bool:
+        """Whether an id matches a pattern whose gestures have all ended, not long ago."""
+        return any(not id.running and match(pattern, id.name) for id in self._ids.values())
 
     def end_at_once(self, name: str, address: str, source: Any) -> None:
-        """Tell of the end of a gesture that did not move."""
+        """Report the end of a gesture that did not move; `take_back_end` if it was not to be."""
         self._ends.append(Ended(name, address, source, End.RESTED))
 
+    def take_back_end(self) -> None:
+        """Undo `end_at_once`."""
+        self._ends.pop()
+
     def collect(self) -> None:
-        """Learn from the engine what has ended, and forget ids of long ago."""
+        """Learn from the engine which gestures have ended, and forget ids of long ago."""
         for number, end in self._engine.ended():
             id = self._numbers.get(number)
-            if id and id.started:
+            if id and id.running:
                 # A roll that was steered is still the one that began it.
-                address, source = id.started.pop() if end is End.JOINED else id.started.popleft()
+                address, source = id.running.pop() if end is End.JOINED else id.running.popleft()
                 if end is not End.JOINED:
                     self._ends.append(Ended(id.name, address, source, end))
         if len(self._ids) > _REMEMBERED:
-            over = [id for id in self._ids.values() if not id.started]
+            over = [id for id in self._ids.values() if not id.running]
             for id in over[: len(self._ids) - _REMEMBERED]:
                 del self._ids[id.name], self._numbers[id.number]
 
     def take_ends(self) -> list[Ended]:
-        """What has ended since the last call."""
+        """The gestures that have ended since the last call."""
         self.collect()
         ends = list(self._ends)
         self._ends.clear()

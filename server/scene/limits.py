@@ -1,19 +1,18 @@
-"""What a striker does by itself: its contact law, how long it touches, how it falls, whether it ever rests."""
+"""Contact laws of strikers, and the limits of a gesture: how long a contact lasts, whether a bounce ever rests."""
 
 import math
 
+from ...dsp.bodies.material import Material
+from ...dsp.contact.law import ELASTIC_TIME
 from ...dsp.rolling.surface import CREST
-from ...presets.library import SurfacePreset
-from ..osc.addresses import STRIKER, Refused
+from ...presets import Presets, SurfacePreset
+from ..osc.arguments import Refused
 
 LONGEST_CONTACT = 1.0
 """s: a striker so soft or heavy that it would stay longer is refused."""
 
 LONGEST_BOUNCE = 3_600.0
 """s: a bounce that would go on for longer on a rigid floor is refused."""
-
-GRAVITY = 9.80665
-"""m/s^2: the standard acceleration of free fall (CGPM 1901)."""
 
 _SMOOTH = 10.0  # times the surface's height that a body's radius has at least: its circle is taken for a parabola
 
@@ -23,16 +22,36 @@ Contact = tuple[float, float, float, float]
 LAW = ("mass", "stiffness", "dissipation", "exponent")
 
 
+class ContactLaws:
+    """The contact laws of strikers on materials. A striker's file is read when it is first asked for."""
+
+    def __init__(self, presets: Presets) -> None:
+        self._presets = presets
+        self._laws: dict[tuple[str, Material | None], Contact] = {}
+
+    def of(self, striker: str, material: Material | None) -> Contact:
+        """The law of a striker on an object of a material. PresetError if there is no such striker."""
+        if (striker, material) not in self._laws:
+            self._laws[striker, material] = self._presets.striker(striker).contact(material)
+        return self._laws[striker, material]
+
+    def forget(self) -> None:
+        """Read the files again from now on."""
+        self._laws.clear()
+
+
 def require_short(velocity: float, contact: Contact) -> None:
-    """Refuse a contact of more than LONGEST_CONTACT, by an upper estimate of its duration."""
+    """Refuse a contact of more than LONGEST_CONTACT, by an upper estimate of its duration.
+
+    It is that of `contact_time_bound`, with an upper estimate of the depth, so that nothing is compiled for it.
+    """
     mass, stiffness, dissipation, a = contact
     w = dissipation * velocity
     length = (mass * velocity**2 / stiffness) ** (1 / (a + 1))
     deepest = ((a + 1) * min(0.5, 1 / w if w else math.inf)) ** (1 / (a + 1))
-    duration = length / velocity * (3.3 + w * deepest)
+    duration = length / velocity * (ELASTIC_TIME + w * deepest)
     if duration > LONGEST_CONTACT:
-        law = zip(STRIKER[1:], contact, strict=True)
-        culprits = ", ".join(f"{number.name} = {value:g}" for number, value in law)
+        culprits = ", ".join(f"{name} = {value:g}" for name, value in zip(LAW, contact, strict=True))
         raise Refused(f"{culprits}: the contact would last {duration:.3g} s; expected under {LONGEST_CONTACT:g} s")
 
 

@@ -10,9 +10,10 @@ import numpy as np
 
 from carom.dsp.bodies.modes import Modes
 from carom.dsp.contact.accuracy import LEVELS
-from carom.dsp.contact.closed_form import contact_time
 from carom.dsp.contact.coupled_step import HELD
-from carom.dsp.engine.state import QUANTUM, Command
+from carom.dsp.contact.pulse import contact_time
+from carom.dsp.engine.commands import Command, Kind
+from carom.dsp.engine.state import QUANTUM
 from carom.dsp.native.atomics import publish
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.dsp.study.comparison import touched
@@ -82,20 +83,21 @@ def struck_engine(solver: str, modes: int, samples: float) -> Engine:
         pickup=np.full((2, modes), 1e-4 / phi),  # heard, but not limited
         mass=1.0,
     )
-    handle, size, rows = engine.lay_out(body, 1.0)
-    new = (handle.first, size, handle.table, rows, 1.0, 0.0, 1.0, 1.0, 0.0)
-    strike = (v_in, 0.5, m, stiffness(samples), mu, a, 1.0)
-    accuracy = (NOW, Command.ACCURACY, None, (float(LEVELS.index(struck.accuracy)),))
-    engine.send([accuracy, (NOW, Command.NEW, handle, new), (NOW, Command.IMPACT, handle, strike)])
+    strike = {
+        "velocity": v_in, "position": 0.5, "mass": m, "stiffness": stiffness(samples), "dissipation": mu, "exponent": a
+    }  # fmt: skip
+    engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index(struck.accuracy))])
+    handle = engine.add(body)
+    engine.send([Command(NOW, Kind.IMPACT, handle, strike)])
     engine.process(QUANTUM)
-    ring_of_commands = engine.state[0]["ring"]
-    ring_of_commands[:] = ring_of_commands[2]
+    entries = engine.state[0]["ring"]["entries"]
+    entries[:] = entries[2]
     return engine
 
 
 def run_quanta(engine: Engine, impacts: int) -> None:
     """Compute QUANTA quanta with an impact at the beginning of each, or none."""
-    written = engine.state[0]["written"]
+    written = engine.state[0]["ring"]["written"]
     for _ in range(QUANTA):
         publish(written, written[0] + impacts)
         engine.process(QUANTUM)
@@ -107,7 +109,7 @@ def measure_impacts(rounds: int) -> list[dict[str, Any]]:
     for solver, modes, samples in product(STRUCK, MODES, SAMPLES):
         engine = struck_engine(solver, modes, samples)
         best = minima({"none": partial(run_quanta, engine, 0), "some": partial(run_quanta, engine, 1)}, rounds)
-        assert engine.counter("coupled") == (engine.counter("impacts") if STRUCK[solver].coupled else 0)
+        assert engine.stats.coupled == (engine.stats.impacts if STRUCK[solver].coupled else 0)
         us = (best["some"] - best["none"]) / QUANTA * 1e6
         rows.append(dict(solver=solver, modes=modes, contact_samples=samples, us=us))
     return rows

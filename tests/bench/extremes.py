@@ -1,6 +1,6 @@
 """Coupled contacts from anywhere in the ranges Carom accepts: what no contact may ever do.
 
-    python tests/bench/extremes.py [COUNT]
+    python -m tests.bench.extremes [COUNT]
 
 Prints, for each tolerance of the coupled solver, the worst growth of energy over COUNT random contacts (100,000), the
 most steps, and how many were not finite.

@@ -1,6 +1,6 @@
-"""Throws seeded junk at a running server: mutated and random datagrams and streams, and times its answers in between.
+"""Throw seeded junk at a running server: mutated and random datagrams and streams, and time its answers in between.
 
-`python tests/bench/fuzz.py --count 1000000` starts a server of its own, and fails if that crashes, grows or is mute.
+`python -m tests.bench.fuzz --count 1000000` starts a server of its own, and fails if that crashes, grows or is mute.
 """
 
 import argparse

@@ -8,10 +8,12 @@ import numpy as np
 
 from carom.dsp.bodies.modes import Modes
 from carom.dsp.contact.accuracy import LEVELS
-from carom.dsp.engine.state import Command
-from carom.dsp.runtime.engine import NOW, Engine, Handle
+from carom.dsp.engine.commands import Command, Handle, Kind
+from carom.dsp.numerics.constants import STANDARD_GRAVITY
+from carom.dsp.runtime.engine import NOW, Engine
+from carom.dsp.schema import LAW
 from carom.presets.library import Presets
-from carom.server.scene.limits import GRAVITY, fall
+from carom.server.scene.limits import fall
 
 RATE = 48_000.0
 OBJECTS, MODES, GESTURES = 32, 64, 64
@@ -33,36 +35,30 @@ def made(engine: Engine) -> list[Handle]:
             pickup=np.full((2, MODES), 1e-3),
             mass=MASS,
         )
-        handle, size, rows = engine.lay_out(body, 1.0)
-        new = (handle.first, size, handle.table, rows, 1.0, 0.0, 1.0, 1.0, 0.0)
-        engine.send([(NOW, Command.NEW, handle, new)])
-        handles.append(handle)
+        handles.append(engine.add(body))
     return handles
 
 
 def started(accuracy: str, rolls: int, bounces: int) -> Engine:
     """An engine in which all objects ring, and so many bodies roll and bounce."""
     engine = Engine(RATE)
-    engine.send([(NOW, Command.ACCURACY, None, (float(LEVELS.index(accuracy)),))])
+    engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index(accuracy))])
     handles = made(engine)
     presets = Presets()
-    m, k, mu, a = presets.striker(STRIKER).contact(None)
+    law = {each.name: value for each, value in zip(LAW, presets.striker(STRIKER).contact(None), strict=True)}
     surface = presets.surface(SURFACE)
     radius = presets.striker(STRIKER).radius
     assert radius
-    for n in range(OBJECTS):
-        engine.send([(NOW, Command.IMPACT, handles[n], (0.3, 0.3, m, k, mu, a, 1.0))])
+    for handle in handles:
+        engine.send([Command(NOW, Kind.IMPACT, handle, {**law, "velocity": 0.3, "position": 0.3})])
     for n in range(rolls):
-        speed, position = 0.3 + 0.7 * n / rolls, 0.1 + 0.8 * n / rolls
-        values = (
-            speed, position, m, k, surface.dissipation, a, 1.0, n + 1, 0.0, 0.0, 0.0,
-            GRAVITY, radius, *surface.profile, float(n), 0.0, 0.0, 1.0, 0.0, 0.0, 0.0,
-        )  # fmt: skip
-        engine.send([(NOW, Command.ROLL, handles[n % OBJECTS], values)])
+        motion = {"speed": 0.3 + 0.7 * n / rolls, "position": 0.1 + 0.8 * n / rolls, "radius": radius, "seed": n}
+        values = {**law, "dissipation": surface.dissipation, **motion}
+        engine.send([Command(NOW, Kind.ROLL, handles[n % OBJECTS], values, gesture=n + 1, surface=surface.profile)])
     for n, height in enumerate(np.geomspace(1e-3, 0.3, bounces)):
-        v_in, seconds = fall(height, 0.0, GRAVITY)
-        values = (v_in, 0.3, m, k, mu, a, 1.0, rolls + n + 1, 0.0, 0.0, 0.0, GRAVITY, 0.1, float(n), seconds, 0.0)
-        engine.send([(NOW, Command.BOUNCE, handles[n % OBJECTS], values)])
+        velocity, delay = fall(height, 0.0, STANDARD_GRAVITY)
+        motion = {"velocity": velocity, "position": 0.3, "irregularity": 0.1, "seed": n, "delay": delay}
+        engine.send([Command(NOW, Kind.BOUNCE, handles[n % OBJECTS], {**law, **motion}, gesture=rolls + n + 1)])
     return engine
 
 
@@ -92,10 +88,11 @@ def measure(rounds: int) -> list[dict[str, Any]]:
         for _ in range(rounds):
             engine = started(accuracy, rolls, bounces)
             best = np.minimum(best, shares(engine))
-        assert engine.counter("contacts_active") >= 0.9 * (rolls + bounces)
-        assert engine.counter("contacts_dropped") == engine.counter("faults") == 0
+        stats = engine.stats
+        assert stats.contacts_active >= 0.9 * (rolls + bounces)
+        assert stats.contacts_dropped == stats.faults == 0
         load = float(best.mean())
-        impacts = (engine.counter("impacts") + engine.counter("recontacts") - OBJECTS) / SECONDS
+        impacts = (stats.impacts + stats.recontacts - OBJECTS) / SECONDS
         us = (load - ringing) / impacts * 1e6 if impacts else None
         ringing = load if not impacts else ringing
         rows.append(dict(

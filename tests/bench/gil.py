@@ -82,7 +82,7 @@ with serving(Options(port=0, device="system", block=64, record=files[0], log=fil
     listening = threading.Thread(target=server.run)
     listening.start()
     strike(server.address[1])
-    measure(lambda: server.engine.counter("callbacks"))
+    measure(lambda: server.engine.stats.callbacks)
     server.stop()
     listening.join()
 os._exit(0)

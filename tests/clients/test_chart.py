@@ -160,7 +160,7 @@ def test_a_file_in_its_place_is_said(carom, tmp_path):
 def test_a_folder_that_cannot_be_written_to_is_said(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(os, "access", lambda *_: False)
     assert main(["chart", str(tmp_path)]) == 1
-    assert capsys.readouterr().err == f"carom chart: {tmp_path}: can't be written to\n"
+    assert capsys.readouterr().err == f"carom chart: {tmp_path}: cannot be written to\n"
 
 
 def test_no_matplotlib_is_said(carom, tmp_path, monkeypatch):

@@ -5,12 +5,16 @@ import threading
 import time
 from collections.abc import Iterator
 
+import numpy as np
 import pytest
 
-from carom.clients.client import Client, CommandError
+from carom.clients.actions import CommandError
+from carom.clients.client import Client
 from carom.server.osc import wire
+from carom.server.osc.addresses import VERBS
 from carom.server.osc.framing import Sized
 from carom.server.osc.wire import Bundle, Message
+from tests.support import serving
 
 
 class Server:
@@ -22,6 +26,7 @@ class Server:
         self.port = self.socket.getsockname()[1]
         self.received: list[Bundle] = []
         self.answers: dict[str, list[Message]] = {}
+        self.bundles: dict[str, bytes] = {}
         self.sync = False
         self.thread = threading.Thread(target=self.run)
         self.thread.start()
@@ -36,6 +41,8 @@ class Server:
                     return
                 if message.address == "/sync" and self.sync:
                     self.socket.sendto(wire.encode("/synced", *message.args), sender)
+                if message.address in self.bundles:
+                    self.socket.sendto(self.bundles[message.address], sender)
                 for answer in self.answers.get(message.address, []):
                     self.socket.sendto(wire.encode(answer.address, *answer.args), sender)
 
@@ -94,13 +101,102 @@ def test_gestures(server: Server, client: Client) -> None:
     client.press("*", 2, id="hand")
     client.gesture("b*", "gain", -6)
     client.gesture("hand", "stop")
-    assert [bundle.messages[0] for bundle in arrived(server, 5)] == [
-        Message("/object/bell/bounce", (0.5, "striker", "ping-pong", "id", "ball")),
-        Message("/object/bell/roll", (0.3, 0.1, "radius", 0.01)),
-        Message("/object/*/press", (2, "id", "hand")),
-        Message("/gesture/b*/gain", (-6,)),
-        Message("/gesture/hand/stop"),
+    client.steer("ball", gain=-6, gravity=1.62)
+    client.steer("hand", force=3)
+    client.stop("*")
+    assert [bundle.messages for bundle in arrived(server, 8)] == [
+        (Message("/object/bell/bounce", (0.5, "striker", "ping-pong", "id", "ball")),),
+        (Message("/object/bell/roll", (0.3, 0.1, "radius", 0.01)),),
+        (Message("/object/*/press", (2, "id", "hand")),),
+        (Message("/gesture/b*/gain", (-6,)),),
+        (Message("/gesture/hand/stop"),),
+        (Message("/gesture/ball/gain", (-6,)), Message("/gesture/ball/gravity", (1.62,))),
+        (Message("/gesture/hand/force", (3,)),),
+        (Message("/gesture/*/stop"),),
     ]
+    with pytest.raises(CommandError, match="/gesture/ball: expected a value to steer"):
+        client.steer("ball")
+
+
+def say_everything(client: Client, at: float | None) -> None:
+    """Call every method that stands for an address of a score."""
+    client.new("a", "wood-block", at=at, gain=-6)
+    client.impact("a", 1.0, at=at)
+    client.bounce("a", 0.1, at=at)
+    client.roll("a", 0.3, at=at)
+    client.press("a", 1.0, at=at)
+    client.damp("a", 0.1, at=at)
+    client.gain("a", -3, at=at)
+    client.pan("a", 0.5, at=at)
+    client.tune("a", -1, at=at)
+    client.decay("a", 2, at=at)
+    client.free("a", at_once=True, at=at)
+    client.stop("x", at=at)
+    for verb in VERBS.values():
+        if verb.address.startswith("/gesture/") and verb.required:
+            client.steer("x", at=at, **{verb.address.rsplit("/", 1)[1]: 0.5})
+    client.accuracy("exact", at=at)
+    client.quality(1, at=at)
+    client.contact("heun", 4, at=at, correction="both")
+    client.panic(at=at)
+
+
+@pytest.mark.parametrize("at", [None, 1.8e9])
+def test_every_address_of_a_score_has_a_method_that_takes_a_time(server: Server, client: Client, at) -> None:
+    server.answers["/object/new"] = [Message("/done", ("/object/new", "a"))]
+    say_everything(client, at)
+    scored = {verb.address for verb in VERBS.values() if verb.scored}
+    bundles = arrived(server, len(scored))
+    said = [message for bundle in bundles for message in bundle.messages]
+    spelled = {m.address.replace("/object/a/", "/object/NAME/").replace("/x/", "/ID/") for m in said}
+    assert spelled == scored
+    assert {bundle.time for bundle in bundles} == {wire.IMMEDIATELY if at is None else wire.time_tag(1.8e9)}
+    assert Message("/object/a/free", (1,)) in said and Message("/contact", ("heun", 4, "correction", "both")) in said
+
+
+def test_a_server_takes_every_method(tmp_path) -> None:
+    """Nothing is refused but the ids that are not there."""
+    with serving(tmp_path, "--device", "none") as running, running.client() as client:
+        for at in (None, time.time() + 0.1):
+            say_everything(client, at)
+            client.ask("/sync", 1)
+            assert {str(error).split(": ")[1] for error in client.errors()} == {"x"}
+            time.sleep(0.2)
+
+
+def test_a_time_inside_a_bundle_and_what_is_no_time_are_refused(server: Server, client: Client) -> None:
+    with pytest.raises(CommandError, match=r"/object/a/impact: at = 1\.0: a bundle has one time"), client.bundle():
+        client.impact("a", 1.0, at=1.0)
+    for at in ("now", float("nan"), 1e12):
+        with pytest.raises(CommandError, match=f"at = '?{at}"):
+            client.impact("a", 1.0, at=at)  # type: ignore[arg-type]
+    client.send("/b")
+    assert arrived(server, 1) == [Bundle(wire.IMMEDIATELY, (Message("/b"),))]
+
+
+def test_numbers_of_numpy_are_numbers(server: Server, client: Client) -> None:
+    client.impact("a", np.float32(0.5), np.float64(0.25), mass=np.int64(2), at=np.float64(1.8e9))
+    client.send("/b", np.bool_(True), np.array(3), gain=np.float32(-6))
+    assert [bundle.messages[0].args for bundle in arrived(server, 2)] == [
+        (0.5, 0.25, "mass", 2),
+        (True, 3, "gain", -6.0),
+    ]
+
+
+def test_lists_and_arrays_become_tuples_of_numbers(client: Client, monkeypatch) -> None:
+    sent: list[object] = []
+    monkeypatch.setattr(wire, "encode", lambda address, *args, real: sent.append(args) or b"/x\0\0")
+    client.send("/a", edges=["free", "clamped"], frequency=np.array([440.0, 881.5]), table=(np.int64(1), [2.5]))
+    ((_, edges, _, frequency, _, table),) = sent
+    assert (edges, frequency, table) == (("free", "clamped"), (440.0, 881.5), (1, (2.5,)))
+    assert type(frequency[0]) is float and type(table[0]) is int
+
+
+def test_what_cannot_be_sent_is_told(client: Client) -> None:
+    with pytest.raises(CommandError, match="/a: cannot send"):
+        client.send("/a", object())
+    with pytest.raises(CommandError, match="/b: cannot send"), client.bundle():
+        client.send("/b", object())
 
 
 def test_bundle(server: Server, client: Client) -> None:
@@ -157,13 +253,50 @@ def test_ask_all(server: Server, client: Client) -> None:
         client.ask_all("/object/a/impact", 1.0, timeout=0.05)
 
 
-def test_answers_to_earlier_messages_are_dropped(server: Server, client: Client) -> None:
-    server.answers["/object/new"] = [Message("/fail", ("/object/new", "stale"))]
+def test_errors_of_earlier_messages_are_kept_until_asked_for(server: Server, client: Client) -> None:
+    server.answers["/object/new"] = [Message("/fail", ("/object/new", "stale")), Message("/gesture/end", ("ball",))]
     client.send("/object/new", "a", "nothing")
     arrived(server, 1)
     time.sleep(0.05)
-    server.answers["/object/new"] = [Message("/done", ("/object/new", "b"))]
+    late = [Message("/fail", ("/object/a/impact", "no such object")), Message("/warning", ("it is loud",))]
+    server.answers["/object/new"] = [*late, Message("/done", ("/other",)), Message("/done", ("/object/new", "b"))]
     client.new("b", "church-bell")
+    errors = client.errors()
+    assert [str(error) for error in errors] == ["/object/new: stale", "/object/a/impact: no such object"]
+    assert all(isinstance(error, CommandError) for error in errors)
+    assert (client.ended(), client.warnings()) == (["ball"], ["it is loud"])
+    assert (client.errors(), client.ended(), client.warnings(), client.dropped) == ([], [], [], 0)
+
+
+def test_of_too_many_errors_the_oldest_are_dropped_and_counted(server: Server, monkeypatch) -> None:
+    monkeypatch.setattr("carom.clients.client.KEPT", 3)
+    with Client(port=server.port) as client:
+        server.answers["/a"] = [Message("/fail", ("/a", str(n))) for n in range(5)]
+        server.sync = True
+        client.send("/a")
+        client.ask("/sync", 1)
+        assert [str(error) for error in client.errors()] == ["/a: 2", "/a: 3", "/a: 4"]
+        assert client.dropped == 2
+
+
+def test_what_comes_in_one_datagram_with_an_answer_is_not_lost(server: Server, client: Client) -> None:
+    both = (Message("/done", ("/a",)), Message("/fail", ("/b", "no")))
+    client.send("/hello")
+    arrived(server, 1)
+    server.bundles["/a"] = wire.encode_bundle(1, both)
+    assert client.ask("/a") == both[0]
+    assert [str(error) for error in client.errors()] == ["/b: no"]
+
+
+def test_errors_are_told_when_the_server_has_gone() -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as listener:
+        listener.bind(("127.0.0.1", 0))
+        listener.listen()
+        with Client(port=listener.getsockname()[1], tcp=True) as client:
+            here, _ = listener.accept()
+            here.sendall(Sized.framed(wire.encode("/fail", "/a", "no")))
+            here.close()
+            assert [str(error) for error in client.errors()] == ["/a: no"] and client.errors() == []
 
 
 def test_silence(server: Server, client: Client) -> None:

@@ -3,10 +3,12 @@
 import os
 import pty
 import re
-import select
 import signal
 import subprocess
+import threading
 import time
+from contextlib import suppress
+from functools import partial
 from itertools import islice
 
 from carom.clients.top import _views, view
@@ -38,7 +40,7 @@ def plain(text: str) -> str:
 def test_all_that_is_told_is_shown():
     text = plain(shown({}))
     for part in (
-        "1:02:05", "none at 48000 Hz", "really 47999.5", "fifo", "10.0 ms, asked for 20.0, measured 15.0", "12.5 %",
+        "1:02:05", "none at 48000 Hz", "measured 47999.5", "fifo", "10.0 ms, requested 20.0, measured 15.0", "12.5 %",
         "40.0 %", "-6.0 dB",
     ):  # fmt: skip
         assert part in text
@@ -92,26 +94,31 @@ def test_no_server_is_told(carom):
     assert run.returncode == 1 and run.stderr.count("\n") == 1
 
 
+def read_on(terminal: int, text: list[str]) -> None:
+    """Read a terminal until nobody writes to it any more: who writes to a full one would wait."""
+    with suppress(OSError):
+        while data := os.read(terminal, 65_536):
+            text.append(data.decode(errors="replace"))
+
+
 def test_live_on_a_terminal(server: Running):
     ours, theirs = pty.openpty()
     words = [*CAROM, "top", "--port", str(server.port)]
     env = os.environ | {"TERM": "xterm", "COLUMNS": "120", "LINES": "40"}
-    with subprocess.Popen(words, stdin=theirs, stdout=theirs, stderr=theirs, env=env) as process:
+    text: list[str] = []
+    heed = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # shells have what runs in the background ignore it
+    with subprocess.Popen(words, stdin=theirs, stdout=theirs, stderr=theirs, env=env, preexec_fn=heed) as process:
         os.close(theirs)
-        text = ""
+        reader = threading.Thread(target=read_on, args=(ours, text))
+        reader.start()
         deadline = time.monotonic() + 20
         with server.client() as client:
             client.new("a", "wood-block")
-            while not re.search(r"impacts\s+[2-9]", plain(text)) and time.monotonic() < deadline:
+            while not re.search(r"impacts\s+[2-9]", plain("".join(text[-20:]))) and time.monotonic() < deadline:
                 client.impact("a", 1.0)
-                while select.select([ours], [], [], 0.3)[0]:
-                    text += os.read(ours, 65_536).decode(errors="replace")
-                    if len(text) > 10**6:
-                        break
-                    if re.search(r"impacts\s+[2-9]", plain(text)):
-                        break
-                    client.impact("a", 1.0)
+                time.sleep(0.3)
         process.send_signal(signal.SIGINT)
         assert process.wait(timeout=10) == 130
+    reader.join()
     os.close(ours)
-    assert re.search(r"impacts\s+[2-9]", plain(text))
+    assert re.search(r"impacts\s+[2-9]", plain("".join(text)))

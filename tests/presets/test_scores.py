@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from carom.dsp.runtime.engine import Engine
-from carom.presets.library import Presets
+from carom.presets import Presets
 from carom.server.osc.score import read
 from carom.server.render import Options, blocks
 
@@ -21,7 +21,7 @@ def test_a_score_plays_is_heard_and_ends(path):
     assert 3 < len(sound) / 48_000 < 20
     assert 0.3 < np.abs(sound).max() < 0.9
     for counter in ("limited", "faults", "contacts_dropped", "sounding", "contacts_active", "rolls_active"):
-        assert engine.counter(counter) == 0, counter
+        assert getattr(engine.stats, counter) == 0, counter
     assert np.abs(sound.mean(axis=0)).max() < 0.01
     silence = sound[-480:]
     assert np.abs(silence).max() < 1e-3

@@ -7,9 +7,9 @@ import pytest
 
 from carom.dsp.resonator.bank import state_of
 from carom.dsp.runtime.engine import NOW, Engine
-from carom.presets.library import Presets
+from carom.presets import Presets
 from carom.server.osc.wire import Message
-from carom.server.scene.scene import Scene
+from carom.server.scene.session import Session
 
 PRESETS = Presets()
 RATE = 48_000
@@ -18,7 +18,7 @@ RATE = 48_000
 def struck(name: str, seconds: float) -> tuple[np.ndarray, Engine]:
     """An object's sound at its preset's own strike, and the engine that made it."""
     engine = Engine(RATE)
-    scene = Scene(engine, PRESETS)
+    scene = Session(engine, PRESETS)
     scene.perform([Message("/object/new", ("a", name))], NOW)
     assert scene.perform([Message("/object/a/impact", (PRESETS.object(name).velocity,))], NOW) == []
     return engine.process(round(seconds * RATE)).astype(float), engine
@@ -27,7 +27,7 @@ def struck(name: str, seconds: float) -> tuple[np.ndarray, Engine]:
 def touched(name: str) -> float:
     """How long (s) the striker of an object's own strike is there, and at least .03 s."""
     _, engine = struck(name, 0.03)
-    while engine.counter("contacts_active"):
+    while engine.stats.contacts_active:
         engine.process(64)
     return engine.position / RATE
 
@@ -43,7 +43,7 @@ def test_there_is_enough_to_play_with():
 def test_a_default_strike_is_as_loud_as_any_other(name):
     sound, engine = struck(name, 2.0)
     assert abs(20 * math.log10(np.abs(sound).max() / 0.35)) < 3
-    assert engine.counter("limited") == 0 and engine.counter("faults") == 0
+    assert engine.stats.limited == 0 and engine.stats.faults == 0
 
 
 @pytest.mark.parametrize("name", PRESETS.names("objects"))
@@ -92,7 +92,7 @@ def phasor(sound: np.ndarray, frequency: float, at: float) -> complex:
 def test_no_striker_gives_more_energy_than_it_brings(name):
     """Every built-in striker at 1 m/s, at the edge and inside: sum |z|^2/2 of the modes once the contact is over."""
     engine = Engine(RATE)
-    scene = Scene(engine, PRESETS)
+    scene = Session(engine, PRESETS)
     scene.perform([Message("/object/new", ("a", name))], NOW)
     engine.process(64)
     place = engine.state["objects"][0][scene.objects["a"].handle.slot]
@@ -103,8 +103,8 @@ def test_no_striker_gives_more_energy_than_it_brings(name):
             strike = Message("/object/a/impact", (1.0, position, "striker", striker))
             assert scene.perform([Message("/panic"), strike], NOW) == []
             engine.process(64)
-            while engine.counter("contacts_active"):
+            while engine.stats.contacts_active:
                 engine.process(64)
-            y1, y2, a1, a2, weight = (engine.state[key][0][span] for key in ("y1", "y2", "a1", "a2", "weight"))
+            y1, y2, a1, a2, weight = (engine.state["bank"][key][0][span] for key in ("y1", "y2", "a1", "a2", "weight"))
             modes = [(complex(*state_of(*m[:4])), m[4]) for m in zip(y1, y2, a1, a2, weight, strict=True) if m[3]]
             assert sum(abs(z / w) ** 2 for z, w in modes) < mass * (1 + 1e-6), (striker, position)

@@ -1,8 +1,10 @@
 """The governor: down step by step while there is too little time, up again when there is plenty, never without need."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 from carom.dsp.engine.state import Quality
+from carom.dsp.schema import Stats
 from carom.server.governor import Governor
 from carom.server.osc.wire import Message
 
@@ -11,22 +13,19 @@ class Loaded:
     """An engine that is as busy as one says."""
 
     def __init__(self):
-        self.counters = {"load": 0.0, "load_now": 0.0, "overruns": 0, "quality": 0}
-
-    def counter(self, name):
-        return self.counters[name]
+        self.stats, self.quality = Stats(), Quality.FULL
 
 
 def run(governor, engine, load, seconds, start, overruns=0):
     """Steps that it takes meanwhile, as (time, quality); overruns: at every look."""
-    engine.counters.update(load=load, load_now=load)
+    engine.stats = replace(engine.stats, load=load, load_now=load)
     steps = []
     for n in range(round(seconds / 0.02)):
-        engine.counters["overruns"] += overruns
+        engine.stats = replace(engine.stats, overruns=engine.stats.overruns + overruns)
         now = start + 0.02 * n
         quality = governor.decide(now)
         if quality is not None:
-            engine.counters["quality"] = int(quality)
+            engine.quality = quality
             steps.append((now, quality))
     return steps
 
@@ -48,7 +47,7 @@ def test_late_blocks_alone_are_the_systems_doing_or_a_bursts():
     engine = Loaded()
     governor = Governor(engine)
     assert run(governor, engine, 0.35, 5.0, 100.0, overruns=1) == []
-    engine.counters["overruns"] += 1
+    engine.stats = replace(engine.stats, overruns=engine.stats.overruns + 1)
     assert run(governor, engine, 0.5, 5.0, 200.0) == [(200.0, Quality.HELD)]  # once
     assert [quality for _, quality in run(governor, engine, 0.5, 5.0, 300.0, overruns=1)] == [Quality.QUIET]
 
@@ -56,9 +55,9 @@ def test_late_blocks_alone_are_the_systems_doing_or_a_bursts():
 def test_what_is_asked_for_is_not_exceeded():
     engine = Loaded()
     governor = Governor(engine)
-    governor.heed(Message("/quality", (2.0,)))
-    governor.heed(Message("/object/a/damp", (1.0,)))
-    governor.heed(Message("/quality", ("best",)))
-    governor.heed(Message("/quality", (9,)))
-    engine.counters["quality"] = 4
+    governor.note_request(Message("/quality", (2.0,)))
+    governor.note_request(Message("/object/a/damp", (1.0,)))
+    governor.note_request(Message("/quality", ("best",)))
+    governor.note_request(Message("/quality", (9,)))
+    engine.quality = Quality.RECENT
     assert [quality for _, quality in run(governor, engine, 0.1, 30.0, 100.0)] == [3, 2]

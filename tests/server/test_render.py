@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 import soundfile
 
+from carom.dsp.runtime.engine import Engine
 from carom.presets.library import BUILT_IN, Presets
 from carom.server.osc.score import ScoreError, read
-from carom.server.render import Options, RenderError, render
+from carom.server.render import Options, RenderError, blocks, render
 from tests.support import render_lines
 
 DEMO = BUILT_IN / "scores" / "demo.txt"
@@ -100,7 +101,7 @@ def rendering(tmp_path: Path, text: str, out: str = "x.wav", **options) -> None:
         ("0 /object/new a wood-bloc\n", r"score.txt:1: /object/new: no object 'wood-bloc'"),
         (STRIKE + "3 /object/b/impact 1\n", r"score.txt:3: /object/b/impact: b: no such object"),
         (STRIKE + "x /object/a/impact 1\n", r"score.txt:3: time 'x'"),
-        (STRIKE + "1 /status\n", r"score.txt:3: /status: .*only a running server"),
+        (STRIKE + "1 /status\n", r"score.txt:3: /status: .*server-only message"),
     ],
 )
 def test_a_broken_score_names_its_line_and_leaves_no_file(tmp_path, text, reason):
@@ -175,11 +176,59 @@ def test_lines_may_stand_in_any_order_of_time(render_text):
         np.testing.assert_array_equal(render_text("\n".join(lines[n] for n in order)), expected)
 
 
-def test_what_sounds_without_end_ends_some_time_after_the_last_event(render_text, monkeypatch):
+ENDLESS = {
+    "roll": "0 /object/new a wood-block\n0.1 /object/a/roll 0.3 striker steel\n",
+    "press": "0 /object/new a wood-block\n0.1 /object/a/press 3 id hand\n",
+}
+SETTLING = {
+    "bounce": "0 /object/new a wood-block gain -40\n0.1 /object/a/bounce 0.1 striker steel\n",
+    "roll with friction": "0 /object/new a wood-block\n0.1 /object/a/roll 0.3 striker steel friction 0.01\n",
+    "ringing": "0 /object/new a church-bell decay 0.3\n0.1 /object/a/impact 1\n",
+}
+
+
+def rendered(tmp_path: Path, text: str, **options) -> tuple[int, list[str]]:
+    """The length of a render in frames, and its warnings."""
+    (tmp_path / "s.txt").write_text(text)
+    chosen = Options(**options)
+    warnings: list[str] = []
+    parts = blocks(read(tmp_path / "s.txt"), Engine(chosen.rate), Presets(), chosen, warn=warnings.append)
+    return sum(map(len, parts)), warnings
+
+
+@pytest.mark.parametrize("kind", ENDLESS)
+def test_a_render_of_what_never_ends_stops_some_time_after_the_last_event_and_says_so(tmp_path, kind, monkeypatch):
     monkeypatch.setattr("carom.server.render.LONGEST_TAIL", 0.5)
-    roll = "0 /object/new a wood-block\n0.1 /object/a/roll 0.3 striker steel\n"
-    assert len(render_text(roll)) == 0.6 * 48_000
-    assert len(render_text(roll, seconds=0.7)) == 0.7 * 48_000
+    name = "a" if kind == "roll" else "hand"
+    going = f"the sound ends 0.5 s after the last event, though these gestures go on: {name}; stop them in the score"
+    for block in (64, 1_000, 4_096):
+        frames, warnings = rendered(tmp_path, ENDLESS[kind], block=block)
+        assert (frames, warnings) == (0.6 * 48_000, [f"{going}, or give a length in seconds"])
+    assert rendered(tmp_path, ENDLESS[kind], seconds=0.7) == (0.7 * 48_000, [])
+
+
+@pytest.mark.parametrize("kind", SETTLING)
+def test_a_render_goes_on_while_something_comes_to_rest(tmp_path, kind, monkeypatch):
+    whole, warnings = rendered(tmp_path, SETTLING[kind])
+    assert whole > 1.5 * 48_000 and warnings == []
+    monkeypatch.setattr("carom.server.render.LONGEST_TAIL", 0.5)
+    assert rendered(tmp_path, SETTLING[kind], block=777) == (whole, [])
+    monkeypatch.setattr("carom.server.render.LONGEST_REST", 1.0)
+    frames, (warning,) = rendered(tmp_path, SETTLING[kind])
+    assert frames == 52_800 and "the sound ends 1 s after the last event, though " in warning
+
+
+def test_a_render_ends_once_only_the_endless_is_left(tmp_path, monkeypatch):
+    """The bounce goes on beyond the limit, and is waited for; the press is not."""
+    monkeypatch.setattr("carom.server.render.LONGEST_TAIL", 0.5)
+    both = SETTLING["bounce"] + "0 /object/new b wood-block\n0.1 /object/b/press 3\n"
+    ends = [rendered(tmp_path, both, block=block) for block in (37, 1_000, 65_536)]
+    assert ends[0] == ends[1] == ends[2] and len(ends[0][1]) == 1 and "b-2" in ends[0][1][0]
+    bounced, _ = rendered(tmp_path, SETTLING["bounce"])
+    assert 48_000 < ends[0][0] <= bounced
+
+
+def test_a_render_without_a_sound_ends_with_its_last_event(render_text):
     assert len(render_text("0 /object/new a wood-block\n0.1 /object/a/gain -6\n")) == 4_800 + 64
 
 

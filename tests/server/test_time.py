@@ -3,6 +3,7 @@
 import os
 import shutil
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -94,17 +95,54 @@ def test_onsets_are_even_to_less_than_a_sample(tmp_path, request, send, device):
     heard = []
     while len(heard) < TAKES and min(heard, default=np.inf) >= 1.0:
         heard.append(jitter(tmp_path, device, send))
-    print(device, send.__name__, heard)
     assert min(heard) < 1.0
 
 
 def test_the_wall_clock_may_be_set_while_events_wait(monkeypatch):
     """A tag is turned into the engine's time as it arrives; what the wall clock does then is nothing to it."""
-    from carom.server import server
+    from carom.server import time_tags
     from carom.server.osc import wire
 
     wall = time.time_ns()
     monkeypatch.setattr(time, "time_ns", lambda: wall + 10**9)
-    at, clock = server._clocks()
-    assert at == wall + 10**9 and abs(clock - server.clock_ns()) < 10**8
+    at, clock = time_tags._clocks()
+    assert at == wall + 10**9 and abs(clock - time_tags.clock_ns()) < 10**8
     assert wire.unix_ns(wire.time_tag(1.5)) == 1_500_000_000
+
+
+def an_hour_late() -> None:
+    """An event of an hour ago is that late, and is carried out, however young the machine is."""
+    from carom.dsp.engine.commands import Command, Kind
+    from carom.dsp.native.system import clock_ns
+    from carom.dsp.runtime.engine import Engine
+
+    engine = Engine(RATE)
+    engine.process(64)
+    engine.send([Command(engine.stamp(clock_ns() - 3_600 * 10**9), Kind.SYNC, value=1.0)])
+    engine.process(64)
+    assert (engine.stats.late, engine.stats.synced) == (1, 1)
+    assert engine.stats.late_worst == pytest.approx(3_600, rel=1e-3)
+
+
+def test_an_hour_late_is_told_on_a_machine_that_is_a_minute_old():
+    """In a time namespace, where the system can make one."""
+    offsets = Path("/proc/self/timens_offsets")
+    here = int(offsets.read_text().split()[1]) if offsets.exists() else 0  # s: offsets count from the system's clock
+    namespace = ["unshare", "--fork", "--time", "--monotonic", str(here + 60 - int(time.monotonic()))]
+    if not shutil.which("unshare") or subprocess.run([*namespace, "true"], capture_output=True).returncode:
+        pytest.skip("no time namespace can be made")
+    code = f"import time; from {__name__} import an_hour_late; assert time.monotonic() < 120; an_hour_late()"
+    root = Path(__file__).parents[2]
+    subprocess.run([*namespace, sys.executable, "-c", code], cwd=root, check=True, timeout=120)
+
+
+def test_an_hour_late_is_told_here():
+    an_hour_late()
+
+
+def test_the_scores_grid_is_the_engines():
+    """Both say where events may fall between samples; the score cannot import the engine, which is compiled."""
+    from carom.dsp.engine import clock
+    from carom.server.osc import score
+
+    assert score._GRID == clock._GRID

@@ -6,12 +6,16 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 
 import pytest
 
-from carom.clients.client import Client, CommandError
+from carom.clients.actions import CommandError
+from carom.clients.client import Client
 from carom.dsp.engine.state import CONTACTS
+from carom.dsp.runtime.engine import Engine
 from carom.server.osc import wire
+from carom.server.osc.addresses import VERBS
 from carom.server.osc.wire import Message
 from carom.server.server import Options, ServeError, Server, serving
 
@@ -63,25 +67,25 @@ def late(server: Server, client: Client) -> None:
 
 
 def no_number(server: Server, client: Client) -> None:
-    server.engine.state["objects"]["faults"][0][server._scene.objects["a"].handle.slot] += 1
+    server.engine.state["objects"]["faults"][0][server._session.objects["a"].handle.slot] += 1
 
 
 def unheard(server: Server, client: Client) -> None:
-    server.engine.state["underflows"] += 1
+    server.engine.state["stats"]["underflows"] += 1
 
 
 def unwritten(server: Server, client: Client) -> None:
-    server.engine.state["tap_lost"] += 7
+    server.engine.state["stats"]["tap_lost"] += 7
 
 
 @pytest.mark.parametrize(
     ("wrong", "told"),
     [
-        (too_many_contacts, "5 contacts left out: too many at once"),
-        (late, r"1 events came too late for their time and were played at once, the last by [5-9]\d\d\.\d ms"),
-        (no_number, "object a was silenced: its sound was not finite"),
-        (unheard, "1 times the device was not served in time"),
-        (unwritten, "7 frames are missing in the recording: the disk is too slow"),
+        (too_many_contacts, "5 contacts dropped: the engine was full"),
+        (late, r"1 late events were played at once; the last was [5-9]\d\d\.\d ms late"),
+        (no_number, "object a was silenced: its output was not finite"),
+        (unheard, "the device ran out of sound 1 times"),
+        (unwritten, "7 frames are missing from the recording: the disk is too slow"),
     ],
 )
 def test_what_goes_wrong_is_told_each_time_once_to_those_who_asked(server, client, wrong, told):
@@ -97,11 +101,16 @@ def test_what_goes_wrong_is_told_each_time_once_to_those_who_asked(server, clien
         assert warnings(other, 0.0) == []
 
 
+def pretend(monkeypatch, numbers):
+    """Have engines say of some of their stats whatever `numbers` holds at the time."""
+    stats = Engine.stats.fget
+    monkeypatch.setattr(Engine, "stats", property(lambda engine: replace(stats(engine), **numbers)))
+
+
 def test_quality_steps_down_while_there_is_too_little_time_and_says_so(server, client, monkeypatch):
     load = {"load": 0.95, "load_now": 0.95}
-    counter = server.engine.counter
     client.ask("/notify", 1)
-    monkeypatch.setattr(server.engine, "counter", lambda name: load[name] if name in load else counter(name))
+    pretend(monkeypatch, load)
     assert warnings(client)[0] == "quality is now 1, held: the load is 95%"
     assert status(client)["quality"] >= 1
     load.update(load=0.1, load_now=0.1)
@@ -120,20 +129,20 @@ def test_a_disk_that_is_full_is_told_once_and_the_sound_goes_on(server, client, 
         pytest.skip("no disk that is always full")
     client.new("a", "wood-block")
     client.ask("/notify", 1)
-    keeper = server._keepers[{"log": "logging", "recording": "recording"}[kind]]
+    keeper = server._writers[{"log": "logging", "recording": "recording"}[kind]]
     full = os.open("/dev/full", os.O_RDWR)
     os.dup2(full, (keeper._file if kind == "log" else keeper._out).descriptor)
     os.close(full)
     client.impact("a", 0.1)
     (text,) = warnings(client, 0.5)
-    assert re.match(r"(the log|recording to) \S+ ended: ", text) and capfd.readouterr().err == f"{text}\n"
+    assert re.match(r"the (log|recording) \S+ ended: ", text) and capfd.readouterr().err == f"{text}\n"
     client.impact("a", 0.1)
     assert warnings(client) == [] and status(client)["impacts"] == 2
 
 
 def test_a_fault_of_the_server_ends_nothing(server, client, monkeypatch, capfd):
     with monkeypatch.context() as patch:
-        patch.setattr(server._scene, "perform", lambda *_: 1 / 0)
+        patch.setattr(server._session, "perform_calls", lambda *_: 1 / 0)
         client.send("/panic")
         (reply,) = client.replies(0.2)
     assert reply.args == ("datagram", "a fault of the server: ZeroDivisionError('division by zero')")
@@ -150,16 +159,31 @@ def test_status_is_in_the_units_that_it_says(server, client, monkeypatch):
         "load_peak": 0.5,
         "late_last": 0.0015,
     }
-    counter = server.engine.counter
     client.new("a", "wood-block")
     client.send("/accuracy", -80)
     client.ask("/sync", 1)
-    monkeypatch.setattr(server.engine, "counter", lambda name: numbers[name] if name in numbers else counter(name))
+    pretend(monkeypatch, numbers)
     assert client.status().args[:8] == (1, 24, 2, 1, 3, 25.0, 50.0, 48_000.0)
     told = status(client)
     assert (told["late_last_ms"], told["accuracy"], told["latency_requested"]) == (1.5, "-80", -1.0)
     assert told["time"] == pytest.approx(server.engine.position / 48_000, abs=0.5)
     assert told["dropped"] == told["connections"] == 0
+
+
+def test_the_limiters_lowest_gain_is_told_to_each_client_since_it_last_asked(server, client):
+    """A client that never asked is told of the time since anyone did."""
+    client.new("a", "church-bell")
+    with Client(port=server.address[1]) as other, Client(port=server.address[1]) as newcomer:
+        assert [status(each)["limiter_lowest"] for each in (client, other)] == [1.0, 1.0]
+        server.engine.state["stats"]["limit_lowest"] = 0.5
+        assert [status(client)["limiter_lowest"] for _ in range(2)] == [0.5, 1.0]
+        server.engine.state["stats"]["limit_lowest"] = 0.75
+        assert [status(each)["limiter_lowest"] for each in (newcomer, client, other)] == [0.75, 0.75, 0.5]
+        assert [status(each)["limiter_lowest"] for each in (newcomer, client, other)] == [1.0, 1.0, 1.0]
+        client.impact("a", 1000.0, gain=40)
+        client.ask("/sync", 1)
+        time.sleep(0.05)
+        assert float(str(status(other)["limiter_lowest"])) < 0.1
 
 
 def test_a_client_that_has_left_is_told_no_more_and_ends_nothing(server, client):
@@ -200,6 +224,10 @@ def test_only_so_many_are_notified_and_who_leaves_makes_room(server):
             stack.enter_context(Client(port=server.address[1])).ask("/notify", 1)
 
 
+def test_every_verb_for_the_server_is_served(server):
+    assert set(server._handlers) == {address for address, verb in VERBS.items() if not verb.scored}
+
+
 def test_what_is_answered_is_short_and_can_be_shown(client):
     for address in ("/\x1b[2J\n", "/" + "x" * 1_020):
         client.send(address)
@@ -211,7 +239,7 @@ def test_time_tags_reach_an_hour_ahead_and_back_to_the_beginning_of_time(server,
     client.new("a", "wood-block")
     strike = Message("/object/a/impact", (0.1,))
     for tag in (0, 2, wire.time_tag(0.0)):
-        client._transmit(wire.encode_bundle(tag, [strike]))
+        client._connection.transmit(wire.encode_bundle(tag, [strike]))
     with client.bundle(at=time.time() + 3_590):
         client.impact("a", 0.1)
     with client.bundle(at=time.time() + 3_610):

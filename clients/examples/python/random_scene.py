@@ -4,7 +4,7 @@ import random
 import sys
 import time
 
-from carom.clients.client import Client
+from carom import Client
 from carom.server.osc.wire import DEFAULT_PORT
 
 PRESETS = ("glass-plate", "church-bell", "marimba-bar")

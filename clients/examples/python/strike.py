@@ -3,7 +3,7 @@
 import sys
 import time
 
-from carom.clients.client import Client
+from carom import Client
 from carom.server.osc.wire import DEFAULT_PORT
 
 port = int(sys.argv[1]) if len(sys.argv) > 1 else DEFAULT_PORT

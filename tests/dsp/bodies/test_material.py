@@ -7,10 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from carom.dsp.bodies.material import Material, hertz
+from carom.dsp.bodies.material import CONTACT_RADIUS, Material, contact_between, hertz
+from carom.dsp.contact.law import restitution
 
 STEEL = Material("steel", 7850, 2e11, 0.29, 5, 3e-8)
 CERAMIC = Material("ceramic", 2700, 7.2e10, 0.19, 6, 1e-7)
+RUBBER = Material("rubber", 1100, 6e6, 0.49, 60, 0, 0.15, dissipation=0.45)
 
 
 @pytest.mark.parametrize(("frequency", "t60"), [(2056, 0.61), (2215, 0.54), (5031, 0.13)])
@@ -52,3 +54,57 @@ def test_hertz_is_symmetrical_and_softer_between_balls_than_on_a_plane(a, b):
 def test_radii_that_make_no_contact_are_named(radii):
     with pytest.raises(ValueError, match=f"radius = {radii[0]}"):
         hertz(STEEL, radii[0], STEEL, radii[1])
+
+
+# contacts of two bodies
+
+materials = st.builds(
+    Material,
+    st.just("any"),
+    density=st.just(1000.0),
+    youngs_modulus=st.floats(1e4, 2e12),
+    poisson_ratio=st.floats(0, 0.4999),
+    alpha=st.just(0.0),
+    beta=st.just(0.0),
+    dissipation=st.floats(0, 0.45),
+)
+
+
+def test_a_contact_of_two_steel_bodies_by_hand():
+    # stiffness as above, at twice the radius; the mean of equal dissipations is theirs
+    stiffness, dissipation, exponent = contact_between(STEEL, STEEL)
+    assert CONTACT_RADIUS == 0.01 and stiffness == pytest.approx(1.0294e10 * math.sqrt(2), rel=1e-4)
+    assert dissipation == pytest.approx(STEEL.dissipation) and exponent == 1.5
+
+
+@given(materials, materials, st.floats(1e-4, 10))
+def test_a_contact_is_between_its_bodies(a, b, radius):
+    stiffness, dissipation, exponent = contact_between(a, b, radius)
+    assert (stiffness, exponent) == (hertz(a, radius, b), 1.5)
+    low, high = sorted((a.dissipation, b.dissipation))
+    assert low * (1 - 1e-15) - 1e-300 <= dissipation <= high * (1 + 1e-15)  # the least numbers are inexact
+    assert contact_between(b, a, radius) == pytest.approx((stiffness, dissipation, exponent), rel=1e-12)
+
+
+@given(materials, materials, st.floats(0.01, 1))
+def test_each_body_loses_its_share_of_the_energy(a, b, v):
+    """The composite restitution of Coaplen, Stronge and Ravani, with the bounds that the docstring states at 1 m/s."""
+    shares = np.array([1 / a.contact_modulus, 1 / b.contact_modulus])
+    alone = np.array([float(restitution(v, each.dissipation)) for each in (a, b)])
+    composite = math.sqrt(1 - np.sum(shares / shares.sum() * (1 - alone**2)))
+    together = float(restitution(v, contact_between(a, b)[1]))
+    assert abs(together - composite) < (0.006 if max(a.dissipation, b.dissipation) <= 0.2 else 0.023)
+
+
+def test_a_soft_body_decides_what_it_meets():
+    """Rubber takes nearly all of the compression, and so nearly all of the loss."""
+    stiffness, dissipation, _ = contact_between(RUBBER, STEEL)
+    assert stiffness == pytest.approx(hertz(RUBBER, CONTACT_RADIUS), rel=1e-4)
+    assert dissipation == pytest.approx(RUBBER.dissipation, rel=1e-4)
+    assert contact_between(CERAMIC, STEEL)[0] > 500 * stiffness
+
+
+@pytest.mark.parametrize("radius", [0.0, -1.0, math.nan, math.inf])
+def test_a_radius_of_contact_is_a_positive_length(radius):
+    with pytest.raises(ValueError, match=f"radius = {radius}"):
+        contact_between(STEEL, CERAMIC, radius)

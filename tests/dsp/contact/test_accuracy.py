@@ -20,10 +20,10 @@ def passes(level, share, bound, stir, restitution):
 def let_through(case: Case, level: int) -> bool:
     """Does the engine leave the case to the closed form, ringing as it does?"""
     ask = coupled_closed.asking_loop(case, level)
-    state, bank = coupled_closed._memory()[0], bank_of(case)
-    n = len(bank.y1)
-    state["y1"][:n], state["y2"][:n] = bank.start
-    state["a1"][:n], state["a2"][:n], state["response"][: len(bank.response)] = bank.a1, bank.a2, bank.response
+    state, bank = coupled_closed.engine_state(), bank_of(case)
+    modes, record, n = bank.modes, state["bank"], len(bank.frequency)
+    record["y1"][:n], record["y2"][:n] = bank.start
+    record["a1"][:n], record["a2"][:n], record["response"][: len(modes.response)] = modes.a1, modes.a2, modes.response
     state["objects"]["live"][0] = n
     try:
         return not ask(1)

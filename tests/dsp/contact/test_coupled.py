@@ -9,6 +9,7 @@ from numba import carray, cfunc, from_dtype, types
 
 from carom.dsp.contact import coupled
 from carom.dsp.contact.accuracy import LEVELS, TOLERANCE, closed_form_will_do
+from carom.dsp.contact.coupled import ContactLaw
 from carom.dsp.contact.coupled_step import HELD
 from carom.dsp.resonator import bank
 from carom.dsp.study import coupled_sampled
@@ -117,28 +118,29 @@ class Modes:
     def __init__(self, frequency, sigma, phi, rate=48_000.0):
         n = bank.LANES
         self.state, self.tuning = np.zeros((2, n)), np.zeros((2, n))
-        self.response, self.shape = np.zeros(bank.RESPONSES), np.zeros(4 * n)
+        self.modes = bank.Modes(*self.state, *self.tuning, np.zeros(n), np.zeros(bank.RESPONSES))
         for i in range(len(frequency)):
-            bank.set_mode(i, frequency[i], sigma[i], rate, 1.0, *self.state, *self.tuning, self.response)
-        self.shape[n : n + len(phi)] = phi
-        self.point = (self.response, self.shape, n, 0, np.array([0.0, 1.0, 0.0, 0.0]))
+            bank.set_mode(self.modes, i, frequency[i], sigma[i], rate, 1.0)
+        shape = np.zeros(4 * n)
+        shape[n : n + len(phi)] = phi
+        self.point = bank.Point(shape, n, 0, np.array([0.0, 1.0, 0.0, 0.0]))
         self.work = np.zeros((3 + bank.FINE) * n)
 
     def receptance(self):
         seen = np.zeros(bank.FINE)
-        bank.receptance(*self.tuning, *self.point, self.work, seen)
+        bank.receptance(self.modes, self.point, self.work, seen)
         return seen
 
     def observe(self):
         seen = np.zeros(bank.FINE)
-        bank.observe(*self.state, *self.tuning, *self.point, self.work, seen)
+        bank.observe(self.modes, self.point, self.work, seen)
         return seen
 
     def reach(self):
-        return bank.reach(*self.state, *self.tuning, *self.point, self.work)
+        return bank.reach(self.modes, self.point, self.work)
 
     def step(self, moments):
-        bank.inject_fine(*self.state, *self.point, moments)
+        bank.inject_fine(self.modes, self.point, moments)
         self.ring()
 
     def ring(self):
@@ -147,7 +149,8 @@ class Modes:
 
 def contact_of(law, receptance, tolerance, push=0.0, fraction=0.0):
     contact = np.zeros(1, coupled.COUPLED)[0]
-    coupled.begin_coupled(contact, *law, push, fraction, 48_000.0, tolerance)
+    v, *law = law
+    coupled.begin_coupled(contact, v, ContactLaw(*law), push, fraction, 48_000.0, tolerance)
     coupled.respond_with(contact, receptance)
     return contact
 
@@ -246,7 +249,7 @@ PLACE = np.dtype(
     [
         ("contact", coupled.COUPLED),
         ("pressed", pressed.PRESSED),
-        ("modes", np.float64, (4, bank.LANES)),
+        ("modes", np.float64, (5, bank.LANES)),
         ("response", np.float64, bank.RESPONSES),
         ("shape", np.float32, 4 * bank.LANES),
         ("weights", np.float64, 4),
@@ -262,15 +265,17 @@ def every_kernel(data):
     """What the engine will call, one after the other."""
     place = carray(data, (1,))[0]
     contact, seen, moments, work = place.contact, place.seen, place.moments, place.work
-    y1, y2, a1, a2 = place.modes[0], place.modes[1], place.modes[2], place.modes[3]
-    response, shape, weights = place.response, place.shape, place.weights
-    coupled.begin_coupled(contact, 1.0, 0.01, 1e8, 0.5, 1.5, 0.0, 0.3, 48_000.0, 1e-5)
-    bank.receptance(a1, a2, response, shape, 8, 0, weights, work, seen)
+    modes = bank.Modes(
+        place.modes[0], place.modes[1], place.modes[2], place.modes[3], place.modes[4], place.response
+    )  # fmt: skip
+    point = bank.Point(place.shape, 8, 0, place.weights)
+    coupled.begin_coupled(contact, 1.0, ContactLaw(0.01, 1e8, 0.5, 1.5), 0.0, 0.3, 48_000.0, 1e-5)
+    bank.receptance(modes, point, work, seen)
     coupled.respond_with(contact, seen)
-    bank.observe(y1, y2, a1, a2, response, shape, 8, 0, weights, work, seen)
+    bank.observe(modes, point, work, seen)
     coupled.step_coupled(contact, seen, moments)
-    bank.inject_fine(y1, y2, response, shape, 8, 0, weights, moments)
-    distance, speed = bank.reach(y1, y2, a1, a2, response, shape, 8, 0, weights, work)
+    bank.inject_fine(modes, point, moments)
+    distance, speed = bank.reach(modes, point, work)
     apart = coupled.apart_for(contact, distance, speed)
     coupled.fly_on(contact, apart)
     pressed.begin_pressed(place.pressed, 0.0, 1.0, 0.01, 1e8, 0.5, 1.5, 0.1, 1e-5)

@@ -3,6 +3,7 @@
 import mpmath as mp
 import numpy as np
 import pytest
+from scipy.special import gamma
 
 from carom.dsp import contact
 
@@ -86,6 +87,47 @@ def test_force_is_the_law():
     assert contact.potential_energy(2.0, 3.0, 1.0) == pytest.approx(6.0)
 
 
+def test_energy_ends_where_the_trajectory_does():
+    """As `compression` does: beyond the release there is no such state."""
+    v_out = float(contact.release_velocity(1.0, 0.5))
+    assert contact.energy(v_out, 1.0, 0.01, 0.5) == pytest.approx(0.005 * v_out**2, rel=1e-12)
+    for v in (1.01 * v_out, 1.000001):
+        for call in (
+            lambda v=v: contact.energy([0.0, v], 1.0, 0.01, 0.5),
+            lambda v=v: contact.compression([0.0, v], 1.0, 0.01, 1e9, 0.5, 1.5),
+        ):
+            with pytest.raises(ValueError, match=rf"v = {v:g}: expected from v_out = {v_out:g} to v_in = 1"):
+                call()
+
+
+@pytest.mark.parametrize(("v_in", "m", "k", "a"), [(1.0, 1e-300, 1e300, 1.5), (1e-200, 1e300, 1e-300, 4.0)])
+def test_compression_reaches_to_the_ends_of_float64(v_in, m, k, a):
+    exact = ((mp.mpf(a) + 1) / 2 * mp.mpf(m) * mp.mpf(v_in) ** 2 / mp.mpf(k)) ** (1 / (mp.mpf(a) + 1))
+    assert abs(mp.mpf(float(contact.max_compression(v_in, m, k, 0.0, a))) / exact - 1) < 1e-12
+    assert contact.max_compression(1e-100, 1.0, 1e-300, 1e260, 1.0) > 0  # (mu v_in)^2 overflows
+
+
+def test_force_and_energy_reach_to_the_ends_of_float64():
+    assert contact.force(1e-200, 0.0, 1e300, 0.0, 2.0) == pytest.approx(1e-100, rel=1e-12)
+    assert contact.force(1e200, 0.0, 1e-300, 0.0, 2.0) == pytest.approx(1e100, rel=1e-12)
+    assert contact.potential_energy(1e-150, 1e300, 2.0) == pytest.approx(1e-150 / 3, rel=1e-12)
+    assert contact.release_velocity(1e300, 1e300) == pytest.approx(-1e-300, rel=1e-15)
+    assert contact.restitution(1e300, 1e300) == 0.0
+
+
+def test_bound_is_above_contact_time_and_near_it():
+    a, w = np.meshgrid([1.0, 1.3, 1.658, 2.0, 4.0, 6.0], [0.0, *np.geomspace(1e-3, 1e12, 60)])
+    law = (2.0, 0.01, 1e6, w / 2.0, a)
+    share = contact.contact_time(*law) / contact.contact_time_bound(*law)
+    assert share.min() > 0.684 and share.max() < 1.0
+    assert 0.97 < share[0].max() < 0.98  # without dissipation
+    # The elastic contact's duration, by the gamma function: 3.3 is above it for any exponent.
+    n = 1.0 / (np.linspace(1.0, 30.0, 5000) + 1.0)
+    elastic = 2.0 * (0.5 / n) ** n * np.sqrt(np.pi) * gamma(1.0 + n) / gamma(0.5 + n)
+    assert elastic.max() == pytest.approx(3.2213, abs=1e-4)
+    assert contact.contact_time(1.0, 1.0, 1.0, 0.0, 1.0 / n - 1.0) == pytest.approx(elastic, rel=1e-12)
+
+
 @pytest.mark.parametrize(
     ("call", "culprit"),
     [
@@ -96,6 +138,12 @@ def test_force_is_the_law():
         (lambda: contact.compression(0.5, 1.0, 0.1, 1e9, 0.5, 0.5), "a = 0.5"),
         (lambda: contact.compression(2.0, 1.0, 0.1, 1e9, 0.5, 1.5), "v = 2"),
         (lambda: contact.force(1.0, 1.0, float("inf"), 0.5, 1.5), "k = inf"),
+        (lambda: contact.force([1.0, float("nan")], 1.0, 1.0, 0.5, 1.5), "x = nan"),
+        (lambda: contact.force(1.0, float("nan"), 1.0, 0.5, 1.5), "v = nan"),
+        (lambda: contact.energy(float("nan"), 1.0, 0.1, 0.5), "v = nan"),
+        (lambda: contact.compression(float("nan"), 1.0, 0.1, 1e9, 0.5, 1.5), "v = nan"),
+        (lambda: contact.potential_energy(float("nan"), 1.0, 1.5), "x = nan"),
+        (lambda: contact.max_compression(1e200, 0.1, 1e9, 1e200, 1.5), "mu v_in = inf"),
     ],
 )
 def test_bad_values_are_named(call, culprit):

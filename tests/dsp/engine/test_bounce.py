@@ -9,11 +9,13 @@ from scipy.integrate import solve_ivp
 
 from carom.dsp import contact
 from carom.dsp.bodies.modes import listed
-from carom.dsp.engine.state import CONTACTS, QUANTUM, Command, End, Steering
-from carom.dsp.runtime.engine import NOW, Engine
+from carom.dsp.engine.commands import Kind
+from carom.dsp.engine.state import CONTACTS, QUANTUM, End
+from carom.dsp.numerics.constants import STANDARD_GRAVITY
+from carom.dsp.runtime.engine import Engine
+from tests.dsp.engine.support import RATE, free, gesture, numbered, panic, steer, stop
 
-RATE = 48_000.0
-G = 9.80665
+G = STANDARD_GRAVITY
 
 BALLS = {
     "ping-pong": (0.0027, 3.8e4, 0.13, 1.0),
@@ -25,14 +27,11 @@ BALLS = {
 def floor(engine, modal_mass=1e9, level=1e6):
     """An object that gives way to nothing."""
     modes = listed(frequency=[400.0, 1100.0], t60=[9.0, 9.0], modal_mass=modal_mass, mass=1e9, top=20_000)
-    handle, size, rows = engine.lay_out(modes, level)
-    engine.send([(NOW, Command.NEW, handle, (handle.first, size, handle.table, rows, 1.0, 0.0, 1.0, 1.0, 0.0))])
-    return handle
+    return engine.add(modes, level)
 
 
-def bounce(engine, handle, law, v_in, seconds=0.0, gravity=G, irregularity=0.0, seed=1, serial=7, time=0.0, weight=0.0):
-    values = (v_in, 0.5, *law, 1.0, serial, 0.0, 0.0, 0.0, gravity, irregularity, seed, seconds, weight)
-    engine.send([(time, Command.BOUNCE, handle, values)])
+def bounce(engine, handle, law, velocity, number=7, time=0.0, seed=1, **values):
+    engine.send([gesture(Kind.BOUNCE, handle, law, time, number, velocity=velocity, seed=seed, **values)])
 
 
 def follow(engine, contacts):
@@ -40,9 +39,9 @@ def follow(engine, contacts):
     found = {}
     while len(found) < contacts:
         engine.process(QUANTUM)
-        if engine.counter("contacts_active") == 0:
+        if engine.stats.contacts_active == 0:
             break
-        (record,) = (c for c in engine.state["contacts"][0] if c["serial"])
+        (record,) = numbered(engine)
         if not record["touching"]:
             found[float(record["elapsed"])] = float(record["v_in"]), float(record["spin"])
     return np.array([(t, v, s) for t, (v, s) in sorted(found.items())])
@@ -112,7 +111,7 @@ def test_energy_never_grows_and_it_comes_to_rest(irregularity):
     energy = found[:, 1] ** 2 + found[:, 2]
     assert (np.diff(energy) < 1e-15).all()
     assert (found[:, 2] / energy).max() == pytest.approx(np.sin(0.45 * math.pi * irregularity) ** 2, rel=0.1)
-    assert engine.ended() == [(7, End.RESTED)] and engine.counter("contacts_active") == 0
+    assert engine.ended() == [(7, End.RESTED)] and engine.stats.contacts_active == 0
     assert found[-1, 1] < 1e-3  # a marble of 5 g sinks in by .2 um and swings at some mm/s
 
 
@@ -151,14 +150,14 @@ def test_weight_in_contact(law):
     bounce(engine, floor(engine), law, 1.0, weight=1.0)
     for _ in range(int(1.1 * seconds * RATE / QUANTUM)):
         engine.process(QUANTUM)
-        (record,) = (c for c in engine.state["contacts"][0] if c["serial"])
+        (record,) = numbered(engine)
         if np.isfinite(record["gone_at"]):
             break
-    assert engine.counter("impacts") + engine.counter("recontacts") == pytest.approx(contacts, rel=1e-3)
+    assert engine.stats.impacts + engine.stats.recontacts == pytest.approx(contacts, rel=1e-3)
     assert record["gone_at"] / RATE - 0.5 == pytest.approx(seconds, rel=1e-3)
 
 
-def test_what_is_not_round_is_seeded():
+def test_irregular_bounces_are_seeded():
     def speeds(seed):
         engine = Engine(RATE)
         bounce(engine, floor(engine), BALLS["marble"], 1.0, irregularity=0.5, seed=seed)
@@ -170,7 +169,7 @@ def test_what_is_not_round_is_seeded():
 
 def test_a_thrown_ball_begins_when_it_has_fallen():
     engine = Engine(RATE)
-    bounce(engine, floor(engine), BALLS["marble"], 1.0, seconds=0.25, time=100.5)
+    bounce(engine, floor(engine), BALLS["marble"], 1.0, delay=0.25, time=100.5)
     sound = np.abs(engine.process(24_000)[:, 0])
     first = 100.5 + 0.25 * RATE
     assert sound[: int(first) + 1].max() == 0.0 and sound[int(first) + 1 : int(first) + 50].max() > 0.0
@@ -183,58 +182,58 @@ def test_block_size_changes_no_bit(block):
         handles = [floor(engine, modal_mass=0.1, level=1.0) for _ in range(2)]
         for i in range(12):
             law = (0.01, 10.0 ** (5 + i % 5), 0.5, 1.5)
-            bounce(engine, handles[i % 2], law, 0.02 + 0.05 * i, irregularity=0.4, seed=i, serial=i, time=97.3 * i)
-        engine.send([(3000.0, Command.STEER, None, (3.0, float(Steering.GRAVITY), 40.0))])
-        engine.send([(3500.0, Command.STEER, None, (4.0, float(Steering.STOP)))])
-        engine.send([(5000.0, Command.PANIC, None, ())])
+            bounce(engine, handles[i % 2], law, 0.02 + 0.05 * i, irregularity=0.4, seed=i, number=i, time=97.3 * i)
+        engine.send([steer(3, "gravity", 40.0, 3000.0)])
+        engine.send([stop(4, 3500.0)])
+        engine.send([panic(5000.0)])
         return np.concatenate([engine.process(size) for _ in range(math.ceil(6000 / size))])[:6000]
 
     np.testing.assert_array_equal(run(block), run(64))
 
 
-def test_it_can_be_stopped_and_steered():
+def test_a_bounce_can_be_stopped_and_steered():
     engine = Engine(RATE)
     handle = floor(engine)
     bounce(engine, handle, BALLS["marble"], 1.0)
-    engine.send([(0.1 * RATE, Command.STEER, None, (7.0, float(Steering.GRAVITY), 4 * G))])
+    engine.send([steer(7, "gravity", 4 * G, 0.1 * RATE)])
     times = follow(engine, 3)[:, 0]
     e = contact.restitution(1.0, 0.1)
     assert times[0] == pytest.approx(2 * e / G, rel=1e-3)
     assert times[1] - times[0] == pytest.approx(2 * contact.restitution(e, 0.1) * e / (4 * G), rel=5e-3)
-    engine.send([(NOW, Command.STEER, None, (7.0, float(Steering.STOP)))])
+    engine.send([stop(7)])
     engine.process(QUANTUM)
-    assert engine.counter("contacts_active") == 0 and engine.ended() == [(7, End.STOPPED)]
+    assert engine.stats.contacts_active == 0 and engine.ended() == [(7, End.STOPPED)]
 
 
 def test_ends_are_told_whatever_they_are():
     engine = Engine(RATE)
     handle = floor(engine)
-    for serial in range(1, CONTACTS + 3):
-        bounce(engine, handle, BALLS["marble"], 1.0, seconds=1.0, serial=serial)
+    for number in range(1, CONTACTS + 3):
+        bounce(engine, handle, BALLS["marble"], 1.0, delay=1.0, number=number)
     engine.process(QUANTUM)
     assert engine.ended() == [(CONTACTS + 1, End.NO_ROOM), (CONTACTS + 2, End.NO_ROOM)]
-    engine.send([(NOW, Command.FREE, handle, (0.0,))])
+    engine.send([free(handle, at_once=False)])
     engine.process(2 * QUANTUM)
-    assert engine.ended() == [(serial, End.STOPPED) for serial in range(1, CONTACTS + 1)]
+    assert engine.ended() == [(number, End.STOPPED) for number in range(1, CONTACTS + 1)]
     handle = floor(engine)
-    bounce(engine, handle, BALLS["marble"], 1.0, seconds=1.0)
-    engine.send([(NOW, Command.PANIC, None, ())])
+    bounce(engine, handle, BALLS["marble"], 1.0, delay=1.0)
+    engine.send([panic()])
     engine.process(2 * QUANTUM)
     assert engine.ended() == [(7, End.GONE)] and engine.quiet()
 
 
-def test_no_parameters_make_a_quantum_endless():
+def test_a_quantum_ends_whatever_the_parameters():
     engine = Engine(8_000.0)
     handle = floor(engine)
     for i, law in enumerate([(1e-9, 1e16, 1e-6, 1.0), (1e6, 1e16, 1e6, 4.0), (1e-9, 1e-3, 1e-3, 1.0)]):
         for v_in in (1e-11, 1e-3, 1000.0):
-            bounce(engine, handle, law, v_in, gravity=1000.0, irregularity=1.0, serial=i + 1)
-    before = engine.counter("impacts")
+            bounce(engine, handle, law, v_in, number=i + 1, gravity=1000.0, irregularity=1.0)
+    before = engine.stats.impacts
     for _ in range(200):
         engine.process(QUANTUM)
-        assert engine.counter("impacts") - before <= 9 * 8 * QUANTUM
-        before = engine.counter("impacts")
-    assert engine.counter("faults") == 0
+        assert engine.stats.impacts - before <= 9 * 8 * QUANTUM
+        before = engine.stats.impacts
+    assert engine.stats.faults == 0
 
 
 def test_an_object_that_strikes_rings_too():
@@ -242,16 +241,15 @@ def test_an_object_that_strikes_rings_too():
     engine = Engine(RATE)
     floors = [floor(engine, modal_mass=mass) for mass in (1e8, 1e9)]
     law = (0.01, 1e15, 0.3, 1.5)
-    values = (1.0, 0.5, *law, 1.0, 0.0, floors[1].slot, floors[1].serial, 0.5)
-    engine.send([(10.0, Command.IMPACT, floors[0], values)])
+    engine.send([gesture(Kind.IMPACT, floors[0], law, 10.0, by=floors[1], velocity=1.0, by_position=0.5)])
     engine.process(20)
     momentum = 0.01 * (1.0 - contact.release_velocity(1.0, 0.3))
-    state = engine.state[0]
+    bank = engine.state["bank"][0]
     for handle, modal_mass in zip(floors, (1e8, 1e9), strict=True):
         i = slice(handle.first, handle.first + 2)
-        turn = np.arccos(0.5 * state["a1"][i] / np.sqrt(-state["a2"][i]))
-        y1, y2 = state["y1"][i] / state["weight"][i], state["y2"][i] / state["weight"][i]
-        r = np.sqrt(-state["a2"][i])
+        y1, y2, a1, a2, weight = (bank[name][i] for name in ("y1", "y2", "a1", "a2", "weight"))
+        y1, y2, r = y1 / weight, y2 / weight, np.sqrt(-a2)
+        turn = np.arccos(0.5 * a1 / r)
         amplitude = np.hypot(y1, (y1 * np.cos(turn) - r * y2) / np.sin(turn))
         np.testing.assert_allclose(amplitude, momentum / math.sqrt(modal_mass), rtol=0.01)
 
@@ -259,8 +257,8 @@ def test_an_object_that_strikes_rings_too():
 def test_a_striking_object_may_go_in_flight():
     engine = Engine(RATE)
     one, other = floor(engine), floor(engine)
-    values = (1.0, 0.5, *BALLS["marble"], 1.0, 5.0, other.slot, other.serial, 0.5, G, 0.0, 1.0, 0.001)
-    engine.send([(0.0, Command.BOUNCE, one, values), (2000.0, Command.FREE, other, (1.0,))])
+    bounce(engine, one, BALLS["marble"], 1.0, by=other, by_position=0.5, delay=0.001)
+    engine.send([free(other, at_once=True, time=2000.0)])
     engine.process(48_000)
-    assert engine.counter("faults") == 0 and engine.counter("contacts_active") == 1
-    assert engine.counter("impacts") > 3
+    assert engine.stats.faults == 0 and engine.stats.contacts_active == 1
+    assert engine.stats.impacts > 3

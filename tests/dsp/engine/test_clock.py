@@ -7,12 +7,13 @@ import pytest
 from numba import njit
 
 from carom.dsp.engine.clock import CLOCK, lock, sample_at
-from carom.dsp.engine.process import _read_clock
-from carom.dsp.engine.state import QUANTUM, Command
+from carom.dsp.engine.commands import Command, Handle, Kind
+from carom.dsp.engine.events import _read_clock
+from carom.dsp.engine.state import QUANTUM
 from carom.dsp.native.system import clock_ns
-from carom.dsp.runtime.engine import NOW, Engine, Handle, Stamp
+from carom.dsp.runtime.engine import NOW, Engine, Stamp
+from tests.dsp.engine.support import RATE, panic, setting
 
-RATE = 48_000.0
 START = 10**15  # ns
 
 
@@ -45,7 +46,7 @@ def test_a_second_ahead_is_told_to_a_fraction_of_the_jitter(frames, wrong):
         assert np.std(late) < 1.0
 
 
-def test_it_begins_anew_after_a_gap_and_when_it_is_wrong():
+def test_the_clock_begins_anew_after_a_gap_and_when_it_is_wrong():
     clock = np.zeros(1, CLOCK)
 
     @njit
@@ -62,7 +63,7 @@ def test_it_begins_anew_after_a_gap_and_when_it_is_wrong():
 
 def nothing(when):
     """A command that changes nothing."""
-    return when, Command.CONTACT, None, (0.0, 0.0, 0.0)
+    return Command(when, Kind.ACCURACY, value=1)
 
 
 def test_a_stamp_is_the_sample_of_the_loop():
@@ -99,13 +100,13 @@ def test_events_fall_where_the_clock_says():
             frames += QUANTUM
         sleep(0.0005)
     notes = engine.noted()
-    assert len(notes) == 302 and engine.counter("queued") == 0
+    assert len(notes) == 302 and engine.queued == 0
     samples = np.array([sample for _, sample in notes])
     assert (np.diff(samples) >= 0).all() and (samples * 256 == np.round(samples * 256)).all()
     assert {number - 2 for number, _ in notes[:2]} == {300, 301}
     assert [number - 2 for number, _ in notes[2:]] == np.argsort(times, kind="stable").tolist()
-    assert 1 <= engine.counter("late") <= 2  # the one in the first lines may be, too
-    assert 0.05 < engine.counter("late_last") <= engine.counter("late_worst") < 0.5
+    assert 1 <= engine.stats.late <= 2  # the one in the first lines may be, too
+    assert 0.05 < engine.stats.late_last <= engine.stats.late_worst < 0.5
 
 
 def test_equal_times_keep_their_order_however_long_they_wait():
@@ -127,7 +128,7 @@ def test_equal_times_keep_their_order_however_long_they_wait():
 @njit
 def look(state, position):
     state.position = position
-    _read_clock(state, state.events[0])
+    _read_clock(state, state.queue.events[0])
 
 
 @pytest.mark.parametrize("seconds", [0.001, 1.0, 60.0, 3600.0])
@@ -136,15 +137,15 @@ def test_an_event_far_ahead_is_looked_at_a_few_times_and_never_too_late(seconds,
     """The device turns out to run .1 % faster or slower than was thought when the event came."""
     engine = Engine(RATE)
     state = engine.state[0]
-    clock, event = state["clock"], state["events"][0]
+    clock, event = state["clock"], state["queue"]["events"][0]
     clock["origin"], clock["period"] = START, 1e9 / RATE
-    event["clock"] = START + int(seconds * 1e9)
+    event["has_clock"], event["clock"] = 1, START + int(seconds * 1e9)
     position, looks = 0, 0
-    while event["clock"] > 0:
+    while event["has_clock"] == 1:
         look(state, position)
         clock["period"] = 1e9 / (RATE * (1 + drift))  # as the loop finds out meanwhile
         looks += 1
-        if event["clock"] > 0:
+        if event["has_clock"] == 1:
             assert event["time"] >= position + QUANTUM
             position = int(event["time"]) // QUANTUM * QUANTUM
     exact = seconds * RATE * (1 + (drift if looks > 1 else 0))
@@ -152,11 +153,11 @@ def test_an_event_far_ahead_is_looked_at_a_few_times_and_never_too_late(seconds,
     assert position <= exact + 0.01
 
 
-def test_what_is_never_carried_out_is_noted_too():
+def test_commands_that_are_never_carried_out_are_noted_too():
     engine = Engine(RATE)
     engine.note()
-    engine.send([(500.0, Command.CONTACT, None, (0.0, 0.0, 0.0)), (100.0, Command.PANIC, None, ())])
-    engine.send([(NOW, Command.GAIN, Handle(0, 1, 0, 0), (0.5,))])  # of an object that is not there
+    engine.send([nothing(500.0), panic(100.0)])
+    engine.send([setting(Handle(0, 1, 0, 0), "gain", 0.5)])  # of an object that is not there
     for _ in range(10):
         engine.process(QUANTUM)
     assert engine.noted() == [(2, -1.0), (1, 100.0), (0, -1.0)] and engine.noted() == []

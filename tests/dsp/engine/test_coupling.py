@@ -7,21 +7,17 @@ import pytest
 
 from carom.dsp.bodies.modes import listed
 from carom.dsp.contact.accuracy import LEVELS
-from carom.dsp.engine.state import COUPLED_MODES, QUANTUM, Command, End, Solver, Steering
+from carom.dsp.engine.commands import Command, Kind
+from carom.dsp.engine.state import COUPLED_MODES, QUANTUM, End, Solver
 from carom.dsp.resonator.bank import state_of
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.dsp.study.coupled import Case, error
 from carom.presets.library import Presets
 from tests.dsp.contact.coupled_reference import reference
+from tests.dsp.engine.support import gesture, numbered, panic, setting, stop, strike
 
 RATE = 48_000
 PRESETS = Presets()
-
-
-def add(engine, modes, level=0.05):
-    handle, size, rows = engine.lay_out(modes, level)
-    engine.send([(NOW, Command.NEW, handle, (handle.first, size, handle.table, rows, 1.0, 0.0, 1.0, 1.0, 0.0))])
-    return handle
 
 
 def body(modal_mass=0.1, n=24, t60=1.0, top=9_000):
@@ -30,17 +26,17 @@ def body(modal_mass=0.1, n=24, t60=1.0, top=9_000):
     )  # fmt: skip
 
 
-def strike(engine, handle, law, v_in=1.0, time=NOW, serial=0, other=None, gain=1.0, kind=Command.IMPACT, more=()):
-    by = (other.slot, other.serial, 0.5) if other else (0.0, 0.0, 0.0)
-    engine.send([(time, kind, handle, (v_in, 0.5, *law, gain, serial, *by, *more))])
+def press(engine, handle, law, force, by=None):
+    """A hand is number 3."""
+    hand = gesture(Kind.PRESS, handle, law, number=3, by=by, velocity=0.01, force=force, by_position=0.5)
+    engine.send([hand])
 
 
 def modal(engine, handle, size):
     """Frequencies (Hz), decays (1/s), shapes in the middle (kg^-1/2) and states z of an object's modes."""
-    state = engine.state[0]
-    place = state["objects"][handle.slot]
+    bank, place = engine.state["bank"][0], engine.state["objects"][0][handle.slot]
     i = slice(handle.first, handle.first + size)
-    table = state["shape"][handle.table : handle.table + place["rows"] * place["size"]].astype(float)
+    table = bank["shape"][handle.table : handle.table + place["rows"] * place["size"]].astype(float)
     rows = table.reshape(place["rows"], place["size"])
     x = 0.5 * (place["rows"] - 1)
     row = min(max(int(x) - 1, 0), place["rows"] - 4)
@@ -50,9 +46,9 @@ def modal(engine, handle, size):
         -at * (at - 1) * (at - 3) / 2, at * (at - 1) * (at - 2) / 6,
     ]  # fmt: skip
     phi = (np.array(weights)[:, None] * rows[row : row + 4]).sum(axis=0)[:size]
-    columns = zip(*(state[name][i] for name in ("y1", "y2", "a1", "a2", "weight")), strict=True)
+    columns = zip(*(bank[name][i] for name in ("y1", "y2", "a1", "a2", "weight")), strict=True)
     z = np.array([complex(*state_of(*c[:4])) / c[4] if c[3] else 0j for c in columns])
-    return state["frequency"][i].copy(), state["sigma"][i].copy(), phi, z
+    return bank["frequency"][i].copy(), bank["sigma"][i].copy(), phi, z
 
 
 def velocity(engine, handle, size):
@@ -79,8 +75,8 @@ def test_heavy_and_light_strikers_against_dop853(name, striker, v_in):
     preset = PRESETS.object(name)
     modes = preset.modes(engine.top_frequency)
     law = PRESETS.striker(striker).contact(preset.material)
-    handle = add(engine, modes)
-    strike(engine, handle, law, v_in, time=3.25)
+    handle = engine.add(modes, 0.05)
+    strike(engine, handle, law, 3.25, v_in)
     size = int((modes.frequency <= engine.top_frequency).sum())
     heard = []
     for _ in range(9):
@@ -92,7 +88,7 @@ def test_heavy_and_light_strikers_against_dop853(name, striker, v_in):
     expected, _, contacts = reference(case, 1e-12)[:3]
     at = np.arange(1, 10) * QUANTUM - 1 - 3 - 1  # samples after the one in which it began
     assert 20 * math.log10(np.abs(np.array(heard) - expected[at]).max() / np.abs(expected).max()) < -60
-    assert engine.counter("impacts") + engine.counter("recontacts") == contacts
+    assert engine.stats.impacts + engine.stats.recontacts == contacts
 
 
 def test_a_coin_rattles_on_a_tin_lid():
@@ -100,27 +96,27 @@ def test_a_coin_rattles_on_a_tin_lid():
     engine = Engine(RATE)
     preset = PRESETS.object("tin-lid")
     modes = preset.modes(engine.top_frequency)
-    handle = add(engine, modes)
+    handle = engine.add(modes, 0.05)
     law = PRESETS.striker("coin").contact(preset.material)
-    strike(engine, handle, law, 1.0)
+    strike(engine, handle, law)
     size = len(modes.frequency)
     most = 0.0
     for _ in range(40):
         engine.process(QUANTUM)
         most = max(most, energy(engine, handle, size))
-    assert engine.counter("recontacts") > 20 and 0.1 < most / (0.5 * law[0]) < 1.0 + 1e-6
+    assert engine.stats.recontacts > 20 and 0.1 < most / (0.5 * law[0]) < 1.0 + 1e-6
 
 
 def test_an_object_that_rings_meets_the_striker_half_way():
     engine = Engine(RATE)
     law = (0.02, 1e6, 0.3, 1.5)
-    handle = add(engine, body())
-    strike(engine, handle, law, 2.0, time=0.0)
-    while engine.counter("contacts_active") or engine.position < 2000:
+    handle = engine.add(body(), 0.05)
+    strike(engine, handle, law, 0.0, 2.0)
+    while engine.stats.contacts_active or engine.position < 2000:
         engine.process(QUANTUM)
     frequency, sigma, phi, z = modal(engine, handle, 24)
     start = engine.position + 5
-    strike(engine, handle, law, 1.0, time=start + 0.5)
+    strike(engine, handle, law, start + 0.5)
     later = z * np.exp((-sigma + 2j * np.pi * frequency) * 6 / RATE)
     m, k, mu, a = law
     case = Case(frequency, sigma, phi, 1.0, m, k, mu, a, rate=RATE, samples=400, fraction=0.5, ringing=later)
@@ -139,12 +135,12 @@ def test_an_object_that_rings_meets_the_striker_half_way():
 def test_two_that_ring_keep_the_energy_of_a_lossless_blow(modal_mass):
     """A mass that is an object: kinetic energy before, and that of it and of both objects' modes after, undamped."""
     engine = Engine(RATE)
-    engine.send([(NOW, Command.ACCURACY, None, (float(LEVELS.index("exact")),))])
-    one, other = (add(engine, body(modal_mass * ratio, n, t60=1e9)) for ratio, n in ((1.0, 24), (0.5, 16)))
+    engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index("exact"))])
+    one, other = (engine.add(body(modal_mass * ratio, n, t60=1e9), 0.05) for ratio, n in ((1.0, 24), (0.5, 16)))
     law = (0.05, 1e9, 0.0, 1.5)
-    strike(engine, one, law, other=other)
+    engine.send([gesture(Kind.IMPACT, one, law, by=other, velocity=1.0, by_position=0.5)])
     v = []
-    while engine.position == 0 or engine.counter("contacts_active"):
+    while engine.position == 0 or engine.stats.contacts_active:
         engine.process(QUANTUM)
         v += [float(c["coupled"]["v"]) for c in engine.state["contacts"][0] if c["solver"] == int(Solver.COUPLED)]
     left = 0.5 * law[0] * v[-1] ** 2 if v else None
@@ -158,31 +154,31 @@ def test_two_that_ring_keep_the_energy_of_a_lossless_blow(modal_mass):
 
 def test_a_pressed_striker_rests_where_it_must_and_leaves_when_let_go():
     engine = Engine(RATE)
-    handle = add(engine, body(modal_mass=10.0))
+    handle = engine.add(body(modal_mass=10.0), 0.05)
     law, force = (0.02, 1e7, 5.0, 1.5), 4.0
-    strike(engine, handle, law, 0.01, serial=3, kind=Command.PRESS, more=(force,))
+    press(engine, handle, law, force)
     engine.process(int(1.5 * RATE))
-    (contact,) = (c for c in engine.state["contacts"][0] if c["serial"])
+    (contact,) = numbered(engine)
     assert contact["coupled"]["motion"][0] == pytest.approx((force / law[1]) ** (1 / law[3]), rel=1e-4)
     assert abs(contact["coupled"]["v"]) < 1e-4 and engine.ended() == []
     before = np.abs(np.diff(engine.process(QUANTUM)[:, 0])).max()
-    engine.send([(NOW, Command.STEER, None, (3.0, float(Steering.STOP)))])
+    engine.send([stop(3)])
     sound = engine.process(int(0.8 * RATE))
-    assert engine.counter("contacts_active") == 0 and engine.ended() == [(3, End.STOPPED)]
+    assert engine.stats.contacts_active == 0 and engine.ended() == [(3, End.STOPPED)]
     assert np.abs(np.diff(sound[:, 0])).max() > 10 * before  # heard
 
 
 def test_a_hand_damps():
     """A soft and lossy striker that is pressed on: what is struck then dies away sooner."""
 
-    def left_after(seconds, press):
+    def left_after(seconds, pressed):
         engine = Engine(RATE)
-        handle = add(engine, body(modal_mass=0.05, n=8, t60=4.0, top=2_000))
-        if press:
-            strike(engine, handle, (0.05, 2e5, 20.0, 1.5), 0.01, kind=Command.PRESS, serial=1, more=(2.0,))
+        handle = engine.add(body(modal_mass=0.05, n=8, t60=4.0, top=2_000), 0.05)
+        if pressed:
+            press(engine, handle, (0.05, 2e5, 20.0, 1.5), 2.0)
         engine.process(RATE // 2)
         rest = energy(engine, handle, 8)
-        strike(engine, handle, (0.005, 1e7, 0.2, 1.5), 1.0)
+        strike(engine, handle, (0.005, 1e7, 0.2, 1.5))
         engine.process(int(seconds * RATE))
         return energy(engine, handle, 8) - rest
 
@@ -190,16 +186,16 @@ def test_a_hand_damps():
 
 
 @pytest.mark.parametrize("side", [0, 1])
-def test_what_is_retuned_under_a_press_is_felt_as_it_is(side):
+def test_an_object_that_is_retuned_under_a_press_is_felt_as_it_is(side):
     """Either of the two that touch: a strike sounds as if it had been tuned so from the beginning."""
 
     def sound(before, after):
         engine = Engine(RATE)
-        pair = [add(engine, body(mass, n, t60=0.1)) for mass, n in ((0.1, 16), (0.01, 8))]
-        engine.send([(NOW, Command.TUNE, pair[side], (before,))])
-        strike(engine, pair[0], (0.05, 1e6, 3.0, 1.5), 0.01, other=pair[1], kind=Command.PRESS, serial=1, more=(4.0,))
+        pair = [engine.add(body(mass, n, t60=0.1), 0.05) for mass, n in ((0.1, 16), (0.01, 8))]
+        engine.send([setting(pair[side], "tune", before)])
+        press(engine, pair[0], (0.05, 1e6, 3.0, 1.5), 4.0, by=pair[1])
         engine.process(4800)
-        engine.send([(NOW, Command.TUNE, pair[side], (after,))])
+        engine.send([setting(pair[side], "tune", after)])
         engine.process(RATE)
         strike(engine, pair[0], (0.002, 1e6, 0.3, 1.5))
         return engine.process(4800)[:, 0].astype(float)
@@ -212,56 +208,56 @@ def test_what_is_retuned_under_a_press_is_felt_as_it_is(side):
 def test_accuracy_moves_the_gate():
     def coupled(level):
         engine = Engine(RATE)
-        engine.send([(NOW, Command.ACCURACY, None, (float(LEVELS.index(level)),))])
-        handles = [add(engine, body(modal_mass=mass, t60=0.01)) for mass in np.geomspace(0.01, 1e6, 40)]
+        engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index(level))])
+        handles = [engine.add(body(modal_mass=mass, t60=0.01), 0.05) for mass in np.geomspace(0.01, 1e6, 40)]
         for handle in handles:
             strike(engine, handle, (0.01, 1e8, 0.3, 1.5))
         engine.process(4800)
-        return engine.counter("coupled")
+        return engine.stats.coupled
 
     counts = [coupled(level) for level in LEVELS]
     assert counts == sorted(counts) and counts[0] < counts[1] < counts[2] < counts[3] == 40
 
 
-def test_what_is_coupled_is_bounded():
+def test_coupled_contacts_are_bounded():
     """512 heavy strikers at once on a light object: most are left out, and energy doesn't grow."""
     engine = Engine(RATE)
     n = 200
-    handle = add(engine, body(modal_mass=0.01, n=n, t60=0.5))
+    handle = engine.add(body(modal_mass=0.01, n=n, t60=0.5), 0.05)
     for _ in range(512):
         strike(engine, handle, (0.1, 1e6, 0.1, 1.5))
     most, contacts = 0, engine.state["contacts"][0]
     for _ in range(60):
         engine.process(QUANTUM)
-        most = max(most, engine.counter("coupled_modes"))
-        assert engine.counter("coupled_modes") == contacts["modes"][contacts["solver"] == int(Solver.COUPLED)].sum()
+        most = max(most, engine.stats.coupled_modes)
+        assert engine.stats.coupled_modes == contacts["modes"][contacts["solver"] == int(Solver.COUPLED)].sum()
     assert 0 < most <= COUPLED_MODES
-    taken = 512 - engine.counter("contacts_dropped")
-    assert energy(engine, handle, n) < taken * 0.5 * 0.1 and 10 < taken < 40 and engine.counter("faults") == 0
+    taken = 512 - engine.stats.contacts_dropped
+    assert energy(engine, handle, n) < taken * 0.5 * 0.1 and 10 < taken < 40 and engine.stats.faults == 0
 
 
 def test_a_contact_is_not_held_for_those_before_it():
     """In the place of one that chattered until it had to hold its force."""
     engine = Engine(RATE)
-    engine.send([(NOW, Command.ACCURACY, None, (float(LEVELS.index("exact")),))])
-    light, heavy = (add(engine, body(modal_mass)) for modal_mass in (1e-4, 1.0))
+    engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index("exact"))])
+    light, heavy = (engine.add(body(modal_mass), 0.05) for modal_mass in (1e-4, 1.0))
     strike(engine, light, (0.05, 1e9, 0.0, 1.5))
     for _ in range(40):
         engine.process(QUANTUM)
         if engine.state["contacts"]["debt"].max() > 300:
             break
-    engine.send([(NOW, Command.PANIC, None, ())])
+    engine.send([panic()])
     engine.process(QUANTUM)
-    held = engine.counter("held")
+    held = engine.stats.held
     strike(engine, heavy, (0.05, 1e6, 0.2, 1.5))
     engine.process(4800)
-    assert engine.counter("coupled") == 2 and held == engine.counter("held") > 0
+    assert engine.stats.coupled == 2 and held == engine.stats.held > 0
 
 
 def test_gain_makes_it_louder_and_nothing_else():
     def sound(gain):
         engine = Engine(RATE)
-        strike(engine, add(engine, body(modal_mass=0.02)), (0.05, 1e6, 0.2, 1.5), gain=gain)
+        strike(engine, engine.add(body(modal_mass=0.02), 0.05), (0.05, 1e6, 0.2, 1.5), gain=gain)
         return engine.process(4800).astype(float)
 
     np.testing.assert_allclose(sound(0.1), 0.1 * sound(1.0), atol=1e-5)
@@ -272,10 +268,10 @@ def test_strikers_at_once_take_turns():
 
     def sound(order):
         engine = Engine(RATE)
-        handle = add(engine, body(modal_mass=0.05))
+        handle = engine.add(body(modal_mass=0.05), 0.05)
         laws = [(0.05, 1e6, 0.2, 1.5), (0.02, 3e6, 0.4, 1.5)]
         for n in order:
-            strike(engine, handle, laws[n], 1.0 + 0.3 * n, time=10.0)
+            strike(engine, handle, laws[n], 10.0, 1.0 + 0.3 * n)
         return engine.process(2048)[:, 0].astype(float)
 
     there, back = sound((0, 1)), sound((1, 0))

@@ -4,37 +4,33 @@ import numpy as np
 import pytest
 
 from carom.dsp.bodies.modes import listed
-from carom.dsp.engine.state import QUANTUM, Command, End, Quality, Steering
+from carom.dsp.engine.commands import Command, Kind
+from carom.dsp.engine.state import QUANTUM, End, Quality
 from carom.dsp.runtime.engine import NOW, Engine
+from tests.dsp.engine.support import RATE, free, gesture, steer, stop, strike
 
-RATE = 48_000.0
+LAW = (0.05, 1e7, 0.2, 1.5)
 
 
 def add(engine, modal_mass=0.1, t60=2.0, modes=24):
     body = listed(
         frequency=np.linspace(200, 9_000, modes), t60=np.full(modes, t60), modal_mass=modal_mass, mass=1.0, top=20_000
     )  # fmt: skip
-    handle, size, rows = engine.lay_out(body, 0.05)
-    engine.send([(NOW, Command.NEW, handle, (handle.first, size, handle.table, rows, 1.0, 0.0, 1.0, 1.0, 0.0))])
-    return handle
+    return engine.add(body, 0.05)
 
 
 def settle(engine, quality, time=NOW):
-    engine.send([(time, Command.QUALITY, None, (float(quality),))])
-
-
-def strike(engine, handle, v_in=1.0, time=NOW):
-    engine.send([(time, Command.IMPACT, handle, (v_in, 0.5, 0.05, 1e7, 0.2, 1.5, 1.0))])
+    engine.send([Command(time, Kind.QUALITY, value=quality)])
 
 
 def test_contacts_take_one_step_a_sample():
     def held(quality):
         engine = Engine(RATE)
         settle(engine, quality)
-        strike(engine, add(engine))
+        strike(engine, add(engine), LAW)
         engine.process(4800)
-        assert engine.counter("coupled") == 1
-        return engine.counter("held")
+        assert engine.stats.coupled == 1
+        return engine.stats.held
 
     assert held(Quality.FULL) == 0 and held(Quality.HELD) > 10
 
@@ -43,33 +39,28 @@ def test_quiet_modes_rest_earlier():
     def until_silence(quality):
         engine = Engine(RATE)
         settle(engine, quality)
-        strike(engine, add(engine, t60=0.5))
+        strike(engine, add(engine, t60=0.5), LAW)
         engine.process(QUANTUM)
-        while engine.counter("sounding"):
+        while engine.stats.sounding:
             engine.process(QUANTUM)
         return engine.position
 
     assert until_silence(Quality.QUIET) < 0.8 * until_silence(Quality.HELD)
 
 
-def roll(engine, handle, gesture=1, time=NOW):
-    values = (0.5, 0.5, 0.005, 1e9, 10.0, 1.5, 1.0, gesture, 0.0, 0.0, 0.0, 9.81, 0.008,
-              3e-7, 1e-3, 2.0, 0.0, 1.0, gesture, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)  # fmt: skip
-    engine.send([(time, Command.ROLL, handle, values)])
+def roll(engine, handle, number=1, time=NOW):
+    body = (0.005, 1e9, 10.0, 1.5)
+    engine.send([gesture(Kind.ROLL, handle, body, time, number, speed=0.5, radius=0.008, seed=number)])
 
 
-def press(engine, handle, gesture=1, time=NOW, force=2.0):
-    engine.send([(time, Command.PRESS, handle, (0.01, 0.5, 0.05, 1e5, 5.0, 1.5, 1.0, gesture, 0, 0, 0, force))])
+def press(engine, handle, number=1, time=NOW, force=2.0):
+    hand = (0.05, 1e5, 5.0, 1.5)
+    engine.send([gesture(Kind.PRESS, handle, hand, time, number, velocity=0.01, force=force)])
 
 
-def bounce(engine, handle, gesture=1, time=NOW):
-    engine.send(
-        [(time, Command.BOUNCE, handle, (0.5, 0.5, 0.005, 1e7, 0.05, 1.5, 1.0, gesture, 0, 0, 0, 9.81, 0, 0, 0, 0))]
-    )
-
-
-def tell(engine, gesture, what, value=0.0):
-    engine.send([(NOW, Command.STEER, None, (float(gesture), float(what), value))])
+def bounce(engine, handle, number=1, time=NOW):
+    ball = (0.005, 1e7, 0.05, 1.5)
+    engine.send([gesture(Kind.BOUNCE, handle, ball, time, number, velocity=0.5, seed=0)])
 
 
 def test_rolls_get_coarser_and_about_as_loud():
@@ -85,24 +76,24 @@ def test_rolls_get_coarser_and_about_as_loud():
 
 
 @pytest.mark.parametrize("begin", [roll, press])
-def test_what_lasts_acts_on_fewer_modes(begin):
+def test_rolls_and_presses_act_on_fewer_modes(begin):
     """Those that it no longer acts on ring out; all come back with the quality, and strikes have them at any time."""
     engine = Engine(RATE)
     handle = add(engine, t60=0.2, modes=1024)
     begin(engine, handle)
     engine.process(4_800)
-    assert engine.counter("live_modes") == 1024
+    assert engine.stats.live_modes == 1024
     settle(engine, Quality.COARSE)
     engine.process(48_000)
-    assert engine.counter("live_modes") == 256
-    strike(engine, handle)
+    assert engine.stats.live_modes == 256
+    strike(engine, handle, LAW)
     engine.process(QUANTUM)
-    assert engine.counter("live_modes") > 1_000
+    assert engine.stats.live_modes > 1_000
     engine.process(48_000)
-    assert engine.counter("live_modes") == 256
+    assert engine.stats.live_modes == 256
     settle(engine, Quality.FULL)
     engine.process(4_800)
-    assert engine.counter("live_modes") == 1024 and engine.counter("contacts_active") == 1
+    assert engine.stats.live_modes == 1024 and engine.stats.contacts_active == 1
 
 
 def rolled(engine):
@@ -113,24 +104,24 @@ def rolled(engine):
 def test_the_newest_rolls_go_on_and_others_wait():
     engine = Engine(RATE)
     handles = [add(engine) for _ in range(7)]
-    for gesture, handle in enumerate(handles, 10):
-        roll(engine, handle, gesture)
+    for number, handle in enumerate(handles, 10):
+        roll(engine, handle, number)
     engine.process(4_800)
     settle(engine, Quality.NEWEST_4)
     engine.process(QUANTUM)
-    engine.send([(NOW, Command.FREE, handles[0], (0.0,))])
+    engine.send([free(handles[0], at_once=False)])
     engine.process(QUANTUM)
     assert engine.ended() == [(10, End.STOPPED)]  # at once
     before = rolled(engine)
     engine.process(4_800)
     assert ((rolled(engine) > before) == [False, False, True, True, True, True]).all()
-    tell(engine, 11, Steering.SPEED, 0.6)  # what is steered is new again
+    engine.send([steer(11, "speed", 0.6)])  # what is steered is new again
     before = rolled(engine)
     engine.process(4_800)
     assert ((rolled(engine) > before) == [True, False, False, True, True, True]).all()
-    tell(engine, 12, Steering.STOP)
+    engine.send([stop(12)])
     engine.process(24_000)
-    assert engine.ended() == [(12, End.STOPPED)] and engine.counter("rolls_active") == 5
+    assert engine.ended() == [(12, End.STOPPED)] and engine.stats.rolls_active == 5
     settle(engine, Quality.RECENT)
     before = rolled(engine)
     engine.process(4_800)
@@ -144,19 +135,19 @@ def test_the_newest_bounces_go_on_and_others_hang_in_the_air():
         engine.process(2_400)
         if waits:
             settle(engine, Quality.NEWEST_4)
-            for gesture in range(2, 6):
-                press(engine, add(engine, modes=8), gesture, force=1e-3)
+            for number in range(2, 6):
+                press(engine, add(engine, modes=8), number, force=1e-3)
             engine.process(9_600)
-            assert engine.counter("impacts") == 1 + 4
+            assert engine.stats.impacts == 1 + 4
             settle(engine, Quality.FULL)
-        before = engine.counter("impacts")
+        before = engine.stats.impacts
         engine.process(96_000)
-        return engine.counter("impacts") - before, engine.ended()[0]
+        return engine.stats.impacts - before, engine.ended()[0]
 
     assert contacts(True) == contacts(False)
 
 
-def test_what_presses_is_lifted_and_laid_on_again():
+def test_a_hand_is_lifted_and_laid_on_again():
     def loudness(quality):
         """Of a strike beside the hand, once with it and once without."""
         engine = Engine(RATE)
@@ -164,18 +155,18 @@ def test_what_presses_is_lifted_and_laid_on_again():
         press(engine, muted)
         engine.process(24_000)
         settle(engine, quality)
-        for gesture in range(2, 6):
-            press(engine, add(engine, modes=8), gesture, force=1e-3)
+        for number in range(2, 6):
+            press(engine, add(engine, modes=8), number, force=1e-3)
         engine.process(48_000)
-        strike(engine, muted)
+        strike(engine, muted, LAW)
         sound = engine.process(48_000)[24_000:]
         found = np.sqrt((sound.astype(float) ** 2).mean())
         settle(engine, Quality.FULL)
         engine.process(48_000)
-        strike(engine, muted)
+        strike(engine, muted, LAW)
         assert np.sqrt((engine.process(48_000)[24_000:].astype(float) ** 2).mean()) < 1e-5
-        assert engine.counter("contacts_active") == 5 and engine.ended() == []
-        tell(engine, 1, Steering.STOP)
+        assert engine.stats.contacts_active == 5 and engine.ended() == []
+        engine.send([stop(1)])
         engine.process(48_000)
         assert engine.ended() == [(1, End.STOPPED)]
         return found
@@ -189,33 +180,33 @@ def test_contacts_find_less_room():
         settle(engine, quality)
         handles = [add(engine, modes=512) for _ in range(8)]
         for handle in handles:
-            engine.send([(NOW, Command.IMPACT, handle, (0.5, 0.5, 0.5, 1e5, 0.2, 1.5, 1.0))])
+            strike(engine, handle, (0.5, 1e5, 0.2, 1.5), velocity=0.5)
         engine.process(QUANTUM)
-        return engine.counter("contacts_dropped")
+        return engine.stats.contacts_dropped
 
     assert [dropped(quality) for quality in (4, 5, 6, 7, 8)] == [0, 1, 5, 7, 7]
 
 
-def test_what_nobody_touched_lately_fades_and_comes_back():
+def test_objects_that_nobody_touched_lately_fade_and_come_back():
     engine = Engine(RATE)
     old, new = add(engine, t60=60.0), add(engine, t60=60.0)
-    strike(engine, old)
+    strike(engine, old, LAW)
     engine.process(int(RATE))
-    strike(engine, new)
+    strike(engine, new, LAW)
     engine.process(QUANTUM)
-    assert engine.counter("sounding") == 2
+    assert engine.stats.sounding == 2
     settle(engine, Quality.RECENT)
     engine.process(int(0.3 * RATE))
-    assert engine.counter("sounding") == 1  # the one that was struck just now
-    strike(engine, old)
+    assert engine.stats.sounding == 1  # the one that was struck just now
+    strike(engine, old, LAW)
     assert np.abs(engine.process(4 * QUANTUM)).max() > 0.01
-    assert engine.counter("sounding") == 2
+    assert engine.stats.sounding == 2
 
 
 def test_a_fade_is_no_click():
     """Nothing above the highest mode: the spectrum of the fade falls as a click's would not."""
     engine = Engine(RATE)
-    strike(engine, add(engine, t60=60.0, modes=8))
+    strike(engine, add(engine, t60=60.0, modes=8), LAW)
     engine.process(int(RATE))
     settle(engine, Quality.RECENT)
     sound = engine.process(8192)[:, 0].astype(float)
@@ -230,7 +221,7 @@ def test_block_size_changes_no_bit(block):
         engine = Engine(RATE)
         handles = [add(engine, modes=280) for _ in range(3)]
         for n in range(12):
-            strike(engine, handles[n % 3], 0.5 + 0.1 * n, 300.0 * n)
+            strike(engine, handles[n % 3], LAW, 300.0 * n, 0.5 + 0.1 * n)
             (roll, bounce, press)[n // 3 % 3](engine, handles[n % 3], n + 1, 300.0 * n)
             settle(engine, 7 * n % len(Quality), 300.0 * n + 77)
         return np.concatenate([engine.process(size) for _ in range(-(-6000 // size))])[:6000]

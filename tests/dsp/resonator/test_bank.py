@@ -18,23 +18,22 @@ class Bank:
     """One group of modes, driven and ringing through the compiled kernels."""
 
     def __init__(self, frequency, decay, rate):
-        self.y1, self.y2, self.a1, self.a2 = np.zeros((4, LANES))
-        self.balance = np.linspace(-1, 1, LANES)
-        self.response = np.zeros(bank.RESPONSES)
-        self.shape = np.ones(4 * LANES, np.float32)
+        self.modes = bank.Modes(*np.zeros((4, LANES)), np.linspace(-1, 1, LANES), np.zeros(bank.RESPONSES))
+        self.y1, self.y2, self.a1, self.a2, self.balance, self.response = self.modes
+        self.point = bank.Point(np.ones(4 * LANES, np.float32), LANES, 0, np.array([0.0, 1.0, 0.0, 0.0]))
         self.rate = rate
         self.tune(frequency, decay)
 
     def tune(self, frequency, decay):
         for i, (f, d) in enumerate(zip(frequency, decay, strict=True)):
-            bank.set_mode(i, f, d, self.rate, 1.0, self.y1, self.y2, self.a1, self.a2, self.response)
+            bank.set_mode(self.modes, i, f, d, self.rate, 1.0)
 
     def strike(self, moments):
-        bank.inject(self.y1, self.y2, self.response, self.shape, LANES, 0, np.array([0.0, 1.0, 0.0, 0.0]), moments)
+        bank.inject(self.modes, self.point, moments)
 
     def ring(self, frames):
         out = np.zeros((2, frames))
-        bank.ring(self.y1, self.y2, self.a1, self.a2, self.balance, out, 0, frames)
+        bank.ring(self.modes, out, 0, frames)
         return out
 
     def step(self):
@@ -81,13 +80,13 @@ def test_a_contact_drives_a_mode_within_94_db(samples, frequency):
     exact = driven_mode(v_in, m, k, mu, a, frequency, decay, rate, fraction, frames=int(samples) + 12)
     modes = Bank(np.full(LANES, frequency), np.full(LANES, decay), rate)
     state = np.zeros(1, closed_form.PULSE)[0]
-    closed_form.begin(state, v_in, m, k, mu, a, rate)
+    closed_form.begin_pulse(state, v_in, m, k, mu, a, rate)
     moments = np.zeros(closed_form.MOMENTS)
     got = []
     for n in range(len(exact)):
         age = n + 1 - fraction
         if state["time"] < state["duration"]:
-            closed_form.advance(state, min(age, state["duration"]), age - 1, moments)
+            closed_form.advance_pulse(state, min(age, state["duration"]), age - 1, moments)
             modes.strike(moments)
         got.append(modes.step()[0])
     assert np.abs(np.array(got) - exact).max() < 2e-5 * np.abs(exact).max()
@@ -124,31 +123,28 @@ def driven_mode(v_in, m, k, mu, a, frequency, decay, rate, fraction, frames):
 def test_stretches_under_forces_are_blows_and_ringing():
     random = np.random.default_rng(3)
     count = 3 * LANES
-    tables = {name: np.zeros(count) for name in ("y1", "y2", "a1", "a2")}
-    response = np.zeros(count // LANES * bank.RESPONSES)
+    modes = bank.Modes(*np.zeros((5, count)), np.zeros(count // LANES * bank.RESPONSES))
     for i in range(count):
-        bank.set_mode(i, 50.0 + 900.0 * i, 5.0, 48_000.0, random.uniform(-2, 2), *tables.values(), response)
-    balance = random.uniform(-1, 1, count)
+        bank.set_mode(modes, i, 50.0 + 900.0 * i, 5.0, 48_000.0, random.uniform(-2, 2))
+    modes.balance[:] = random.uniform(-1, 1, count)
     shape = random.normal(size=9 * count).astype(np.float32)
     drivers = np.zeros(4, bank.DRIVER)
     drivers["feed"], drivers["row"], drivers["weights"] = [2, 0, 1, 0], [5, 0, 3, 1], random.normal(size=(4, 4))
     drivers["drift"][1] = 0.1 * random.normal(size=4)
     feeds = random.normal(size=(3, 64, closed_form.MOMENTS))
-    one, other = ({name: table.copy() for name, table in tables.items()} for _ in range(2))
+    one, other = (bank.Modes(*(table.copy() for table in modes)) for _ in range(2))
     expected, out = np.zeros((2, 64)), np.ones((2, 64))
     for frame in range(8, 64):
         for feed, row, weights, drift in drivers[:3]:
             place = weights + frame % bank.STRETCH * drift
-            bank.inject(one["y1"], one["y2"], response, shape, count, row, place, feeds[feed, frame])
-        bank.ring(*one.values(), balance, expected, frame, frame + 1)
+            bank.inject(one, bank.Point(shape, count, row, place), feeds[feed, frame])
+        bank.ring(one, expected, frame, frame + 1)
     for frame in range(8, 64, bank.STRETCH):
-        bank.ring_driven(
-            *other.values(), balance, response, shape, count, drivers, 3, feeds, np.empty(200), out, frame
-        )  # fmt: skip
+        bank.ring_driven(other, shape, count, bank.Drive(drivers, 3, feeds), np.empty(200), out, frame)
     scale = np.abs(expected).max()
     np.testing.assert_allclose(out[:, 8:] - 1.0, expected[:, 8:], atol=1e-13 * scale)
-    np.testing.assert_allclose(other["y1"], one["y1"], atol=1e-13 * scale)
-    np.testing.assert_allclose(other["y2"], one["y2"], atol=1e-13 * scale)
+    np.testing.assert_allclose(other.y1, one.y1, atol=1e-13 * scale)
+    np.testing.assert_allclose(other.y2, one.y2, atol=1e-13 * scale)
 
 
 def test_retuning_keeps_amplitude_and_phase():
@@ -171,16 +167,16 @@ def test_a_mode_without_frequency_rests():
 
 def test_shapes_are_interpolated_between_rows():
     modes = Bank(np.full(LANES, 440.0), np.full(LANES, 3.0), 48_000.0)
-    modes.shape = np.repeat(np.array([1.0, 2.0, 4.0, 8.0], np.float32), LANES)
+    shape = np.repeat(np.array([1.0, 2.0, 4.0, 8.0], np.float32), LANES)
     one = np.zeros(closed_form.MOMENTS)
     one[0] = 1.0
-    bank.inject(modes.y1, modes.y2, modes.response, modes.shape, LANES, 0, np.array([0.1, 0.2, 0.3, 0.4]), one)
+    bank.inject(modes.modes, bank.Point(shape, LANES, 0, np.array([0.1, 0.2, 0.3, 0.4])), one)
     expected = 0.1 + 0.4 + 1.2 + 3.2
     np.testing.assert_allclose(modes.y2, expected * modes.response[LANES], rtol=1e-7)
 
 
 @pytest.mark.parametrize("rate", [8_000.0, 48_000.0, 192_000.0])
-def test_what_a_contact_sees_of_the_modes(rate):
+def test_a_contact_sees_the_modes_as_they_are(rate):
     """The point's motion over the coming sample, and after an impulse, against the exact modes; with any weights."""
     random = np.random.default_rng(1)
     frequency, decay = np.geomspace(20, 0.475 * rate, LANES), random.uniform(0, 200, LANES)
@@ -188,22 +184,22 @@ def test_what_a_contact_sees_of_the_modes(rate):
     weight = 10 ** random.uniform(-9, 3, LANES) * np.resize((1, -1, -1), LANES)
     z = random.normal(size=LANES) + 1j * random.normal(size=LANES)
     s = (-decay + 1j * omega) / rate
-    state, tuning, response = np.zeros((2, LANES)), np.zeros((2, LANES)), np.zeros(bank.RESPONSES)
+    modes = bank.Modes(*np.zeros((5, LANES)), np.zeros(bank.RESPONSES))
     for i in range(LANES):
-        bank.set_mode(i, frequency[i], decay[i], rate, weight[i], *state, *tuning, response)
-    state[:] = (weight * z).imag, (weight * z * np.exp(-s)).imag
+        bank.set_mode(modes, i, frequency[i], decay[i], rate, weight[i])
+    modes.y1[:], modes.y2[:] = (weight * z).imag, (weight * z * np.exp(-s)).imag
     shape = np.zeros(4 * LANES)
     shape[LANES : 2 * LANES] = phi
-    point = (response, shape, LANES, 0, np.array([0.0, 1.0, 0.0, 0.0]), np.zeros((3 + bank.FINE) * LANES))
+    point, work = bank.Point(shape, LANES, 0, np.array([0.0, 1.0, 0.0, 0.0])), np.zeros((3 + bank.FINE) * LANES)
     theta = np.linspace(0, 1, 33)[:, None]
     seen = np.zeros(bank.FINE)
-    bank.observe(*state, *tuning, *point, seen)
+    bank.observe(modes, point, work, seen)
     moves = (z * np.exp(s * theta)).imag / omega @ phi
     assert np.abs(legval(2 * theta[:, 0] - 1, seen) - moves).max() < 1e-9 * (np.abs(phi * z) / omega).max()
-    bank.receptance(*tuning, *point, seen)
+    bank.receptance(modes, point, work, seen)
     answers = np.exp(s * theta).imag / omega @ phi**2
     assert np.abs(legval(2 * theta[:, 0] - 1, seen) - answers).max() < 1e-9 * (phi**2 / omega).max()
-    distance, speed = bank.reach(*state, *tuning, *point)
+    distance, speed = bank.reach(modes, point, work)
     assert distance == pytest.approx((np.abs(phi * z) / omega).sum(), rel=1e-6)
     assert speed == pytest.approx(np.abs(phi * z).sum(), rel=1e-6)
 
@@ -213,7 +209,5 @@ def test_fine_moments_are_those_of_the_coarse_and_more():
     moments = np.zeros(bank.FINE)
     moments[: closed_form.MOMENTS] = np.linspace(1, 0.1, closed_form.MOMENTS)
     coarse.strike(moments)
-    bank.inject_fine(
-        fine.y1, fine.y2, fine.response, fine.shape, LANES, 0, np.array([0.0, 1.0, 0.0, 0.0]), moments
-    )  # fmt: skip
+    bank.inject_fine(fine.modes, fine.point, moments)
     np.testing.assert_array_equal(coarse.y1, fine.y1)

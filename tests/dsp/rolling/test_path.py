@@ -36,8 +36,8 @@ def test_path_is_the_highest_circle(roughness, correlation, slope, radius, speed
     ground = make(roughness, correlation, slope, seed=9)
     length = 0.02 * speed
     pieces = path.path_pieces(ground, radius, speed, length)
-    record = np.zeros(1, path.ENVELOPE)[0]
-    path._lay(record, ground, radius, 0.0, speed, 0)
+    record = np.zeros(1, path.PATH)[0]
+    path._restart(record, ground, radius, 0.0, speed, 0)
     path._pieces(record, 1e-12, np.empty((1, 4)))
     unit, stride = ground["unit"], int(record["stride"])
     start = record["origin"][0] * unit + record["start"][0]

@@ -59,7 +59,7 @@ def test_smooth_and_within_its_bound_far_from_the_origin():
         assert np.abs(np.diff(z)).max() < 4 * np.abs(ground["height"]).max() / 10
 
 
-def test_no_repetition():
+def test_a_surface_does_not_repeat_itself():
     ground = make(seed=4)
     step = 2**12
     z = surface.heights(ground, step * np.arange(2**18))

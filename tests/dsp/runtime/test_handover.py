@@ -1,4 +1,4 @@
-"""The engine on loan: what was taken back is not run, whoever calls, and never by two at once."""
+"""The guarded callback: a revoked one does not run the engine, whoever calls, and never do two at once."""
 
 import ctypes
 import threading
@@ -11,19 +11,19 @@ from carom.dsp.native.atomics import publish
 from carom.dsp.native.system import monotonic_ns
 from carom.dsp.runtime.callback import SIGNATURE
 from carom.dsp.runtime.engine import Engine
-from carom.dsp.runtime.handover import Loan
+from carom.dsp.runtime.handover import Handover
 from carom.dsp.runtime.pacer import pacer
 
 RATE = 48_000
 
 
-def call(loan: Loan, frames: int) -> np.ndarray:
+def call(handover: Handover, frames: int) -> np.ndarray:
     """What a device hears that calls once."""
     out = np.full((frames, 2), np.nan, np.float32)
     kinds = ctypes.c_void_p, ctypes.c_void_p, ctypes.c_ulong, ctypes.c_void_p, ctypes.c_ulong, ctypes.c_void_p
     times = np.zeros(3)
-    done = ctypes.CFUNCTYPE(ctypes.c_int, *kinds)(loan.address)(
-        None, out.ctypes.data, frames, times.ctypes.data, 0, loan.pointer
+    done = ctypes.CFUNCTYPE(ctypes.c_int, *kinds)(handover.address)(
+        None, out.ctypes.data, frames, times.ctypes.data, 0, handover.pointer
     )
     assert done == 0  # go on
     return out
@@ -31,15 +31,15 @@ def call(loan: Loan, frames: int) -> np.ndarray:
 
 def test_a_device_hears_silence_while_the_engine_is_taken():
     engine = Engine(RATE)
-    loan = Loan(engine.address, engine.pointer)
+    handover = Handover(engine.address, engine.pointer)
     for asked, (turn, runs) in enumerate(
-        ((loan.take, 0), (loan.give, 1), (loan.take, 0), (loan.take, 0), (loan.give, 1))
+        ((handover.revoke, 0), (handover.allow, 1), (handover.revoke, 0), (handover.revoke, 0), (handover.allow, 1))
     ):
         turn()
-        before = engine.position, engine.counter("callbacks")
-        assert not call(loan, 64).any()
-        assert (engine.position, engine.counter("callbacks")) == (before[0] + 64 * runs, before[1] + runs)
-        assert loan.asked == asked + 1
+        before = engine.position, engine.stats.callbacks
+        assert not call(handover, 64).any()
+        assert (engine.position, engine.stats.callbacks) == (before[0] + 64 * runs, before[1] + runs)
+        assert handover.calls == asked + 1
 
 
 @cfunc(SIGNATURE)
@@ -55,24 +55,24 @@ def slow(_input, output, frames, times, flags, userdata):
     return 0
 
 
-def test_it_is_run_by_one_at_a_time():
+def test_the_engine_is_run_by_one_at_a_time():
     """Two devices that call without end; each is given what was taken from the other."""
     state = np.zeros(3, np.int64)
-    loans = [Loan(slow.address, state.ctypes.data) for _ in range(2)]
+    handovers = [Handover(slow.address, state.ctypes.data) for _ in range(2)]
     running = np.ones(1, np.int64)
     threads = []
-    for loan in loans:
-        args = running, loan.address, loan.pointer, 64 * 2.0e4, np.zeros((64, 2), np.float32), np.zeros(3)
+    for handover in handovers:
+        args = running, handover.address, handover.pointer, 64 * 2.0e4, np.zeros((64, 2), np.float32), np.zeros(3)
         threads.append(threading.Thread(target=pacer(), args=args))
         threads[-1].start()
     refused = 0
     for n in range(100):
-        loan = loans[n % 2]
-        loan.give()
-        asked = loan.asked
-        while loan.asked < asked + 2:
+        handover = handovers[n % 2]
+        handover.allow()
+        asked = handover.calls
+        while handover.calls < asked + 2:
             pass
-        while not loan.take():
+        while not handover.revoke():
             refused += 1
         before = state[1]
         assert state[0] == 0

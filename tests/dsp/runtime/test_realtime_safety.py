@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numba import carray, cfunc, njit, objmode, types
 
-from carom.dsp.runtime import callback, handover
+from carom.dsp.runtime import handover
 
 ALLOWED = {
     # Of the C library: pure mathematics, the clock and the thread's number, which take no lock.
@@ -59,13 +59,12 @@ def allowed(name: str) -> bool:
     return any(".".join(parts[:n]) in ALLOWED for n in range(1, len(parts) + 1))
 
 
-def test_the_callback_reaches_no_allocator_no_python_and_no_lock() -> None:
-    compiled = callback.compile_callback(cached=False)
-    assert forbidden(compiled.inspect_llvm(), compiled.native_name) == set()
+def test_the_callback_reaches_no_allocator_no_python_and_no_lock(callback_code) -> None:
+    assert forbidden(*callback_code) == set()
 
 
-def test_nor_does_what_a_device_calls_which_calls_nothing_but_the_callback() -> None:
-    compiled = handover.compile_lent(cached=False)
+def test_the_function_that_a_device_calls_calls_nothing_but_the_callback() -> None:
+    compiled = handover.compile_guarded(cached=False)
     assert forbidden(compiled.inspect_llvm(), compiled.native_name) == {"indirect call"}
 
 

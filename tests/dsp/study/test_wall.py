@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 
 from carom.dsp import contact
 from carom.dsp.contact.sampled import CORRECTIONS, METHODS
-from carom.dsp.study import cost, reference, wall
+from carom.dsp.study import cost, reference, spectrum_error, wall
 from carom.dsp.study.wall import PAPER_CASES, PAPER_RATE, RANGES, Outcome
 
 
@@ -108,15 +108,15 @@ def lasting(samples: float, law: wall.Law) -> wall.Law:
 def test_the_closed_spectrum_beats_every_method_on_short_contacts():
     for case in ("1", "2"):
         law = PAPER_CASES[case]
-        closed = wall.spectrum_error("closed", "none", law, PAPER_RATE)
+        closed = spectrum_error("closed", "none", law, PAPER_RATE)
         assert closed < -115
         for method in METHODS:
-            assert min(wall.spectrum_error(method, c, law, PAPER_RATE, 8) for c in CORRECTIONS) > closed + 30
+            assert min(spectrum_error(method, c, law, PAPER_RATE, 8) for c in CORRECTIONS) > closed + 30
 
 
 def test_a_fine_enough_method_has_the_exact_spectrum():
-    assert wall.spectrum_error("rk4", "none", PAPER_CASES["2"], PAPER_RATE, 128) < -105
-    assert wall.spectrum_error("rk4", "none", (1.0, 0.01, 1e14, 50.0, 1.5), PAPER_RATE) == np.inf
+    assert spectrum_error("rk4", "none", PAPER_CASES["2"], PAPER_RATE, 128) < -105
+    assert spectrum_error("rk4", "none", (1.0, 0.01, 1e14, 50.0, 1.5), PAPER_RATE) == np.inf
 
 
 @pytest.mark.parametrize("case", ["1", "2"])
@@ -153,3 +153,23 @@ def test_costs_grow_with_the_work():
     once, eight = (cost.contact_cost("heun", "none", law, n * PAPER_RATE, 30) for n in (1, 8))
     assert 5 < eight / once < 12
     assert cost.paper_release_cost(law, 30) < cost.release_cost(law, 30) < cost.pulse_cost(law, PAPER_RATE, 30)
+
+
+LAW = PAPER_CASES["1"]
+
+
+@pytest.mark.parametrize(
+    ("call", "culprit"),
+    [
+        (lambda: wall.deviations("heun", "none", (-1.0, *LAW[1:]), PAPER_RATE), "v_in = -1"),
+        (lambda: wall.deviations("euler", "none", LAW, PAPER_RATE), "method = euler: expected one of am1"),
+        (lambda: wall.path("heun", "some", LAW, PAPER_RATE), "correction = some: expected one of none"),
+        (lambda: wall.rebounds("heun", "none", LAW, 0.0, 3), "rate = 0"),
+        (lambda: wall.durations([(*LAW[:4], 0.5)], [PAPER_RATE]), "a = 0.5"),
+        (lambda: wall.durations([LAW, LAW], [PAPER_RATE]), r"laws of shape \(2, 5\), rates of shape \(1,\)"),
+        (lambda: wall.outcomes("heun", "none", [LAW[:4]], [PAPER_RATE]), r"laws of shape \(1, 4\)"),
+    ],
+)
+def test_bad_values_are_named(call, culprit):
+    with pytest.raises(ValueError, match=culprit):
+        call()

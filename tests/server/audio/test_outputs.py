@@ -32,10 +32,10 @@ import sys, time
 from carom.dsp.runtime.engine import Engine
 from carom.server.audio.outputs import open_output
 from carom.presets.library import Presets
-from carom.server.scene.scene import Scene
+from carom.server.scene.session import Session
 from carom.server.osc.score import read, sample_at
 engine = Engine(48_000)
-scene = Scene(engine, Presets())
+scene = Session(engine, Presets())
 for line in sorted(read(sys.argv[1]), key=lambda line: line.time):
     assert all(r.address == "/done" for r in scene.perform([line.message], sample_at(line.time + 1.0, 48_000)))
 output = open_output(engine, sys.argv[2], 0)
@@ -43,7 +43,7 @@ output.start()
 while engine.position < float(sys.argv[3]) * 48_000:
     time.sleep(0.01)
 output.close()
-print(engine.counter("underflows"))
+print(engine.stats.underflows)
 """
 
 

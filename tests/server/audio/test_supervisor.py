@@ -12,7 +12,7 @@ import soundfile
 
 from carom.dsp.native.atomics import publish
 from carom.dsp.runtime.engine import Engine
-from carom.dsp.runtime.handover import Loan
+from carom.dsp.runtime.handover import Handover
 from carom.dsp.runtime.pacer import pacer
 from carom.server.audio import supervisor as player_module
 from carom.server.audio.supervisor import Player, priority
@@ -42,15 +42,15 @@ class Device:
     name, latency, patience = "fake", 0.01, 60.0
 
     def __init__(self, engine: Engine) -> None:
-        self._loan = Loan(engine.address, engine.pointer)
+        self._handover = Handover(engine.address, engine.pointer)
         self.gone, self.closed = False, 0
         self.come_round()
-        self.start, self.rest = self._loan.give, self._loan.take
+        self.start, self.rest = self._handover.allow, self._handover.revoke
 
     def come_round(self) -> None:
         self._running = np.ones(1, np.int64)
         memory = np.zeros((480, 2), np.float32), np.zeros(3)
-        args = self._running, self._loan.address, self._loan.pointer, 48_000.0, *memory
+        args = self._running, self._handover.address, self._handover.pointer, 48_000.0, *memory
         self._thread = threading.Thread(target=pacer(), args=args, daemon=True)
         self._thread.start()
 
@@ -65,7 +65,7 @@ class Device:
         return not self.gone
 
     def calls(self) -> int:
-        return self._loan.asked
+        return self._handover.calls
 
     def close(self) -> bool:
         self.closed += 1
@@ -101,7 +101,7 @@ def test_a_device_that_stalls_is_stood_in_for_until_it_comes_round(devices):
     for times in range(1, 3):
         within(5, lambda: goes_on(engine))
         device.stall()
-        within(5, lambda: told(player, "device fake asks for no sound: time goes on by the clock"))
+        within(5, lambda: told(player, "device fake stalled: playing by the system's clock until it returns"))
         within(5, lambda: player.name == "none" and goes_on(engine))
         device.come_round()
         within(5, lambda: told(player, "device fake is back"))
@@ -180,7 +180,7 @@ def test_the_thread_runs_in_real_time_where_that_is_permitted():
     player = Player(engine, "none", 0, None)
     try:
         within(5, lambda: player.look() is not None and player.scheduling != "unknown")
-        thread = engine.counter("thread")
+        thread = engine.thread
         assert thread in map(int, os.listdir("/proc/self/task")) and thread != threading.get_native_id()
         permitted = player.scheduling == "fifo"
         assert permitted == (os.sched_getscheduler(thread) == os.SCHED_FIFO)
@@ -194,7 +194,7 @@ def test_the_thread_runs_in_real_time_where_that_is_permitted():
 def test_a_thread_that_ends_while_it_is_looked_at_is_no_fault(monkeypatch):
     engine = Engine(48_000)
     player = Player(engine, "none", 0, None)
-    within(5, lambda: engine.counter("thread"))
+    within(5, lambda: engine.thread)
     answers = iter([os.SCHED_FIFO])
 
     def scheduler(_thread: int) -> int:
@@ -238,7 +238,7 @@ def test_a_lost_device_is_told_and_had_back(tmp_path, jack):
             jack.start(512)
             within(20, lambda: status(client)["device"] == "system")
             told = " ".join(str(reply.args[0]) for reply in listener.replies(0.3) if reply.address == "/warning")
-        assert "device system is gone" in told and "device system is back" in told
+        assert "device system disappeared" in told and "device system is back" in told
         client.impact("a", 1.0)
         client.ask("/sync", 1)  # which the device's callback answers
         assert status(client)["reconnects"] == 1
@@ -272,7 +272,7 @@ def test_a_device_that_came_back_at_another_rate_is_had_back_at_its_own(tmp_path
         within(10, lambda: status(client)["device"] == "none")
         jack.start(1024, rate=44_100)
         within(10, lambda: warned("Invalid sample rate"))
-        assert warned("48000 Hz is asked for, its own is 44100;")
+        assert warned("expected its own rate, 44100 Hz, not 48000;")
         jack.kill()
         jack.start(1024)
         within(10, lambda: status(client)["device"] == "system")

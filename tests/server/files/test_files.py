@@ -33,7 +33,7 @@ def test_a_recording_has_every_sample_and_room_to_grow_beyond_4_gib(tmp_path):
     engine.process(6_300)
     recorder.close()
     info = soundfile.info(tmp_path / "out.wav")
-    assert (info.frames, info.samplerate, info.format, info.subtype) == (6_400, 48_000, "WAVEX", "FLOAT")
+    assert (info.frames, info.samplerate, info.format, info.subtype) == (6_400, 48_000, "WAV", "FLOAT")
     assert b"JUNK" in (tmp_path / "out.wav").read_bytes()[:40]  # where RF64 has its sizes
     with pytest.raises(OSError):
         os.fstat(recorder._out.descriptor)

@@ -1,5 +1,7 @@
 """What is logged renders to what was heard, bit for bit."""
 
+import errno
+import os
 import random
 import time
 
@@ -14,7 +16,7 @@ from carom.server.files.log import Log
 from carom.server.osc.score import read, sample_at
 from carom.server.osc.wire import Message
 from carom.server.render import Options, blocks
-from carom.server.scene.scene import Scene
+from carom.server.scene.session import Session
 from tests.support import render_lines, serving
 
 PRESETS = Presets()
@@ -71,7 +73,7 @@ def test_a_session_of_anything_at_any_time(tmp_path, seed):
     """Messages of all kinds, for now, for later, too late, by samples and by the clock, refused, panicked away."""
     rng = random.Random(seed)
     engine = Engine(48_000)
-    scene = Scene(engine, PRESETS)
+    scene = Session(engine, PRESETS)
     log = Log(engine, tmp_path / "log.txt")
     scene.on_sent = log.expect
     log.start()
@@ -168,7 +170,7 @@ def test_a_log_that_fails_is_told(tmp_path):
 def logged(tmp_path):
     """An engine, its scene and its log."""
     engine = Engine(48_000)
-    scene = Scene(engine, PRESETS)
+    scene = Session(engine, PRESETS)
     log = Log(engine, tmp_path / "log.txt")
     scene.on_sent = log.expect
     log.start()
@@ -182,7 +184,7 @@ def test_a_log_that_missed_something_ends(logged, tmp_path):
     engine, scene, log = logged
     engine.process(64)
     log.write()
-    while not engine.counter("notes_lost"):
+    while not engine.stats.notes_lost:
         assert scene.perform([Message("/object/a/damp", (0.1,))] * 8_000, NOW) == []
         engine.process(64)
     log.write()
@@ -231,7 +233,7 @@ def test_a_file_is_as_readable_as_any(logged, tmp_path):
 def test_a_name_that_came_back_too_early(tmp_path, name):
     """The clock was set: what was to be gone by then is still there when its name is given again."""
     engine = Engine(48_000)
-    scene = Scene(engine, PRESETS)
+    scene = Session(engine, PRESETS)
     log = Log(engine, tmp_path / "log.txt")
     scene.on_sent = log.expect
     log.start()
@@ -250,3 +252,28 @@ def test_a_name_that_came_back_too_early(tmp_path, name):
     assert [line.message.address for line in lines] == names
     sound = np.concatenate(heard)
     np.testing.assert_array_equal(render_lines(lines, seconds=len(sound) / 48_000), sound)
+
+
+def test_a_log_without_room_keeps_whole_lines(logged, tmp_path, monkeypatch):
+    """All lines that fit, however many are written at once."""
+    engine, scene, log = logged
+    engine.process(64)
+    log.write()
+    room = 300
+
+    def write(descriptor: int, data: bytes) -> int:
+        if os.fstat(descriptor).st_size + len(data) > room:
+            raise OSError(errno.EFBIG, "File too large")
+        return real(descriptor, data)
+
+    real = os.write
+    monkeypatch.setattr(os, "write", write)
+    for n in range(20):
+        scene.perform([Message("/object/a/damp", (0.01 * n,))], NOW)
+    engine.process(64)
+    log.write()
+    monkeypatch.undo()
+    assert log.error == f"the log {tmp_path / 'log.txt'} ended: File too large"
+    lines = read(tmp_path / "log.txt")
+    assert len(lines) > 5 and 300 - 40 < (tmp_path / "log.txt").stat().st_size <= 300
+    assert [line.message.args for line in lines[1:]] == [(0.01 * n,) for n in range(len(lines) - 1)]

@@ -12,7 +12,9 @@ from itertools import product
 
 import pytest
 
-from carom.server.osc.addresses import VERBS, Number, Refused, Verb
+from carom.dsp.schema import STEERABLE, gestures_steered_by
+from carom.server.osc.addresses import VERBS
+from carom.server.osc.arguments import Number, Refused, Verb
 from carom.server.osc.oscquery import OscQuery, answering, node
 from tests.support import serving
 
@@ -72,6 +74,23 @@ def test_an_impact_is_one_float_or_two():
     assert (impact["TYPE"], impact["UNIT"], impact["ACCESS"]) == ("f", ["speed.m/s"], 2)
     assert impact["RANGE"] == [{"MIN": velocity.low, "MAX": velocity.high}]
     assert [overload["TYPE"] for overload in impact["OVERLOADS"]] == ["ff"]
+
+
+def test_keys_and_steerable_numbers_are_told_with_their_ranges():
+    for action in ("impact", "bounce", "roll", "press"):
+        description = node(f"/object/bell/{action}", NAMES)["DESCRIPTION"]
+        for key in VERBS[f"/object/NAME/{action}"].keys:
+            assert str(key) in description
+    assert (
+        "friction 0 to 10, usually 0 to 0.2, gravity 0.01 to 1000 m/s^2, "
+        in node("/object/bell/roll", NAMES)["DESCRIPTION"]
+    )
+    steered = node("/gesture/g1", NAMES)["CONTENTS"]
+    assert steered.keys() == {"stop", *STEERABLE}
+    for name in STEERABLE:
+        for number in gestures_steered_by(name).values():
+            assert steered[name]["RANGE"] == [{"MIN": number.low, "MAX": number.high}]
+        assert all(gesture in steered[name]["DESCRIPTION"] for gesture in gestures_steered_by(name))
 
 
 def test_words_have_their_choices():

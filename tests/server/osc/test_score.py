@@ -56,6 +56,33 @@ def test_words_that_are_no_numbers(tmp_path: Path, word: str) -> None:
     assert line.message.args == (word,)
 
 
+@pytest.mark.parametrize(
+    ("text", "items"),
+    [
+        ("[free clamped free clamped]", ("free", "clamped", "free", "clamped")),
+        ("[free,clamped, free ,clamped]", ("free", "clamped", "free", "clamped")),
+        ("[440 881.5, 1e3]", (440, 881.5, 1000.0)),
+        ("[ 440\t881.5, ]", (440, 881.5)),
+        ("[]", ()),
+        ("[ , ]", ()),
+        ("[7]", (7,)),
+        ("""["a b" 'c]',"d,", '1']""", ("a b", "c]", "d,", "1")),
+        ("[[1 2][3,4] [] a]", ((1, 2), (3, 4), (), "a")),
+        ("[f#1 a-b]", ("f#1", "a-b")),
+        ("[" * 8 + "]" * 8, ((((((((),),),),),),),)),
+    ],
+)
+def test_lists(tmp_path: Path, text: str, items: wire.Argument) -> None:
+    (line,) = score.read(written(tmp_path, f"0 /a edges {text} 2 # end"))
+    assert repr(line.message.args) == repr(("edges", items, 2))
+    assert score.value(text) == items
+
+
+@pytest.mark.parametrize("text", ["[1", "[1]x", "[1] 2", "[", "]", "[a # b]", "[" * 9 + "]" * 9, "a[1]", "a]", ""])
+def test_texts_that_are_no_list(text: str) -> None:
+    assert score.value(text) == text
+
+
 def test_line_ends_of_every_system(tmp_path: Path) -> None:
     lines = score.read(written(tmp_path, "0 /a\r\n1 /b\r2 /c\n3 /d '\N{LINE SEPARATOR}'"))
     assert [line.message.address for line in lines] == ["/a", "/b", "/c", "/d"]
@@ -91,6 +118,15 @@ def test_empty(tmp_path: Path) -> None:
         ('0 /a "\\u0000"', 1, "zero character"),
         ('0 /a "\\ud800"', 1, "cannot send"),
         ("0 /a 9223372036854775808", 1, "cannot send"),
+        ("0 /a [1 9223372036854775808]", 1, "cannot send"),
+        ("0 /a [1 [1e400]]", 1, "a number in /a is too large"),
+        ("0 /a [free clamped", 1, "column 6: a list that is not closed"),
+        ("0 /a [free # clamped]", 1, "column 6: a list that is not closed"),
+        ("0 /a [free]clamped", 1, "column 12: expected a blank after a list"),
+        ("0 /a ]", 1, "] that is not between blanks"),
+        ("0 /a " + "[" * 9 + "]" * 9, 1, "column 14: lists nested deeper than 8"),
+        ("0 [/a]", 1, "address ('/a',): expected"),
+        ("[0] /a", 1, "time (0,): expected"),
         ("0 /a " + "9" * 5000, 1, "4300"),
         ("0 /a 1e400", 1, "a number in /a is too large"),
     ],
@@ -114,7 +150,18 @@ def test_missing_file(tmp_path: Path) -> None:
         score.read(tmp_path / "none")
 
 
-@pytest.mark.parametrize("word", ["1" * 50_000 + ".x", "a" * 50_000 + "'", "'" + '"' * 50_000, '"' + "\\" * 50_000])
+@pytest.mark.parametrize(
+    "word",
+    [
+        "1" * 50_000 + ".x",
+        "a" * 50_000 + "'",
+        "'" + '"' * 50_000,
+        '"' + "\\" * 50_000,
+        "[" * 50_000,
+        "[" + "1 " * 25_000,
+        "[" + "[]," * 20_000,
+    ],
+)
 def test_long_lines_take_no_time(tmp_path: Path, word: str) -> None:
     start = time.process_time()
     with pytest.raises(ScoreError):
@@ -165,13 +212,14 @@ def test_random_bytes(tmp_path_factory: pytest.TempPathFactory, tail: bytes, hea
 
 
 texts = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=9)
-arguments = st.one_of(
+scalars = st.one_of(
     st.integers(-(2**63), 2**63 - 1),
     st.floats(allow_nan=False, allow_infinity=False),
     texts,
-    st.text("0123456789.eE+-'\"#\\ \n/", max_size=9),
+    st.text("0123456789.eE+-'\"#\\ \n/[],", max_size=9),
     st.booleans(),
 )
+arguments = scalars | st.recursive(scalars, lambda items: st.lists(items, max_size=4).map(tuple), max_leaves=8)
 messages = st.builds(Message, texts.map("/".__add__), st.lists(arguments, max_size=6).map(tuple))
 
 
@@ -182,7 +230,13 @@ def test_what_is_written_is_read(tmp_path_factory: pytest.TempPathFactory, event
     assert [(line.time, line.message) for line in lines] == events
     for line, (_, message) in zip(lines, events, strict=True):
         for read, sent in zip(line.message.args, message.args, strict=True):
-            assert repr(read) == repr(int(sent) if isinstance(sent, bool) else sent)  # -0.0, and 1 is not 1.0
+            assert repr(read) == repr(as_numbers(sent))  # -0.0, and 1 is not 1.0
+
+
+def as_numbers(sent: wire.Argument) -> wire.Argument:
+    if isinstance(sent, tuple):
+        return tuple(map(as_numbers, sent))
+    return int(sent) if isinstance(sent, bool) else sent
 
 
 def test_lines_are_plain_where_they_can_be() -> None:
@@ -190,7 +244,7 @@ def test_lines_are_plain_where_they_can_be() -> None:
     assert score.format_line(2, message) == '2.0 /object/bell/impact 1 0.1 striker felt-2 "1" "" "a é" 1'
 
 
-@pytest.mark.parametrize("value", [b"x", None, math.nan, math.inf])
+@pytest.mark.parametrize("value", [b"x", None, math.nan, math.inf, (1, (math.inf,)), (None,)])
 def test_what_text_has_no_word_for(value: wire.Argument) -> None:
     with pytest.raises(ValueError, match="cannot stand in a score"):
         score.format_line(0.0, Message("/a", (value,)))

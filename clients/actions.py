@@ -1,0 +1,149 @@
+"""The addresses of a score as methods, which a client and a scene share."""
+
+from abc import ABC, abstractmethod
+from typing import Any, SupportsFloat
+
+from ..server.osc.wire import Message
+
+Value = Any
+"""An argument: a number, a string, bytes, None, or a list or tuple of these; NumPy's scalars and arrays too."""
+
+
+class CommandError(RuntimeError):
+    """A message was refused, or cannot be sent; the text says why."""
+
+
+class Actions(ABC):
+    """Every address of a score as a method, but `/object/new`. A method makes messages; a subclass sends them.
+
+    name, id: of objects and gestures, or an OSC pattern. at: the time (s) at which the sound is heard, on the clock
+    that the subclass states; None is as soon as possible. keys: those of the OSC address of the same name. Numbers may
+    be NumPy's, lists may be arrays.
+    """
+
+    @abstractmethod
+    def _send(self, messages: list[Message], at: SupportsFloat | None) -> None:
+        """Send messages that happen together at a time (s), or as soon as possible (None)."""
+
+    def send(self, address: str, *args: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+        """Send any message, say `send("/object/bar/gain", -6, at=1.0)`."""
+        self._send([message_of(address, args, keys)], at)
+
+    def _send_keyed(
+        self, address: str, value: Value, optional: Value, at: SupportsFloat | None, keys: dict[str, Value]
+    ) -> None:
+        """Send a message of a value, of a second one unless it is None, and of keys."""
+        self.send(address, value, *(() if optional is None else (optional,)), *key_pairs(keys), at=at)
+
+    def impact(
+        self,
+        name: str,
+        velocity: SupportsFloat,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Value,
+    ) -> None:
+        """Strike an object at a velocity (m/s), at a position 0 to 1 along its strike path (None: the preset's)."""
+        self._send_keyed(f"/object/{name}/impact", velocity, position, at, keys)
+
+    def bounce(
+        self,
+        name: str,
+        height: SupportsFloat,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Value,
+    ) -> None:
+        """Drop a striker on an object from a height (m); it bounces until it rests."""
+        self._send_keyed(f"/object/{name}/bounce", height, position, at, keys)
+
+    def roll(
+        self,
+        name: str,
+        speed: SupportsFloat,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Value,
+    ) -> None:
+        """Roll a ball over an object at a speed (m/s), or steer the roll of that `id` (else NAME's); 0 ends it."""
+        self._send_keyed(f"/object/{name}/roll", speed, position, at, keys)
+
+    def press(
+        self,
+        name: str,
+        force: SupportsFloat,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Value,
+    ) -> None:
+        """Lay a striker on an object and press with a force (N), until the gesture of that `id` is stopped."""
+        self._send_keyed(f"/object/{name}/press", force, position, at, keys)
+
+    def damp(self, name: str, amount: SupportsFloat, at: SupportsFloat | None = None) -> None:
+        """Lay a hand on an object: 0 none, 1 the firmest."""
+        self.send(f"/object/{name}/damp", amount, at=at)
+
+    def gain(self, name: str, level: SupportsFloat, at: SupportsFloat | None = None) -> None:
+        """Set an object's level (dB)."""
+        self.send(f"/object/{name}/gain", level, at=at)
+
+    def pan(self, name: str, place: SupportsFloat, at: SupportsFloat | None = None) -> None:
+        """Place an object between left (-1) and right (1)."""
+        self.send(f"/object/{name}/pan", place, at=at)
+
+    def tune(self, name: str, semitones: SupportsFloat, at: SupportsFloat | None = None) -> None:
+        """Move all frequencies of an object by some semitones from the preset's."""
+        self.send(f"/object/{name}/tune", semitones, at=at)
+
+    def decay(self, name: str, ratio: SupportsFloat, at: SupportsFloat | None = None) -> None:
+        """Multiply all decay times of the preset by a ratio."""
+        self.send(f"/object/{name}/decay", ratio, at=at)
+
+    def free(self, name: str, at_once: bool = False, at: SupportsFloat | None = None) -> None:
+        """Remove an object once it is silent, or at once, with a short fade; its name is free."""
+        self.send(f"/object/{name}/free", *([1] if at_once else []), at=at)
+
+    def steer(self, id: str, at: SupportsFloat | None = None, **values: Value) -> None:
+        """Change the running gestures of an id or pattern, all values together: `steer("ball", speed=0.8, gain=-6)`."""
+        if not values:
+            raise CommandError(f"/gesture/{id}: expected a value to steer, such as speed=0.5")
+        self._send([message_of(f"/gesture/{id}/{name}", (value,), {}) for name, value in values.items()], at)
+
+    def stop(self, id: str, at: SupportsFloat | None = None) -> None:
+        """End the running gestures of an id or pattern."""
+        self.send(f"/gesture/{id}/stop", at=at)
+
+    def accuracy(self, level: str | int, at: SupportsFloat | None = None) -> None:
+        """Set the accuracy of later contacts with objects that yield: -40, -60 (dB, the default), -80 or "exact"."""
+        self.send("/accuracy", level, at=at)
+
+    def quality(self, level: int, at: SupportsFloat | None = None) -> None:
+        """Set how much is left out from then on to save time, from 0 (nothing, the default) to 8."""
+        self.send("/quality", level, at=at)
+
+    def contact(
+        self, method: str, oversampling: int | None = None, at: SupportsFloat | None = None, **keys: Value
+    ) -> None:
+        """Choose how contacts are solved from then on: closed (exact, the default), am1, verlet, heun or rk4."""
+        self._send_keyed("/contact", method, oversampling, at, keys)
+
+    def panic(self, at: SupportsFloat | None = None) -> None:
+        """Silence everything at once; objects stay."""
+        self.send("/panic", at=at)
+
+
+def message_of(address: str, args: tuple[Value, ...], keys: dict[str, Value]) -> Message:
+    """A message of arguments, followed by keys and their values."""
+    return Message(address, tuple(map(plain, (*args, *key_pairs(keys)))))
+
+
+def key_pairs(keys: dict[str, Value]) -> list[Value]:
+    """Keys and their values in turn, as messages hold them."""
+    return [part for pair in keys.items() for part in pair]
+
+
+def plain(value: Value) -> Any:
+    """A value as Python's own types, lists as tuples; NumPy's scalars and arrays know how to become such."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    return tuple(map(plain, value)) if isinstance(value, list | tuple) else value

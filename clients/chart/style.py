@@ -1,0 +1,58 @@
+"""How charts look: colours, names and legends, and the files that they are drawn into."""
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any, Literal
+
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from ...dsp.contact.sampled import METHODS
+from .tables import Row
+
+Draw = Callable[[], Figure]
+"""Draws one figure."""
+
+_STYLE: dict[Any, Any] = {
+    "font.size": 9.0,
+    "axes.grid": True,
+    "grid.alpha": 0.3,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "legend.frameon": False,
+    "lines.linewidth": 1.3,
+    "svg.hashsalt": "carom",
+    "svg.fonttype": "none",
+    "figure.constrained_layout.use": True,
+}
+COLOURS = {"am1": "#3b75af", "verlet": "#2a8f4f", "heun": "#d98a00", "rk4": "#b0307a", "closed": "#000000"}
+TITLES = {"am1": "AM1", "verlet": "Verlet", "heun": "Heun", "rk4": "RK4", "closed": "closed form"}
+LINES: dict[str, Literal["-", ":", "--"]] = {"none": "-", "hybrid": ":", "both": "--"}
+LEAST_ERROR = 1e-15  # %: no error is drawn below
+
+
+def save(draw: Draw, path: Path) -> None:
+    """Draw a figure into `path` with the endings .svg and .png."""
+    with rc_context(_STYLE):
+        figure = draw()
+        figure.savefig(path.with_suffix(".svg"), metadata={"Date": None})
+        figure.set_layout_engine("none")  # the layout of the SVG is kept
+        figure.savefig(path.with_suffix(".png"), dpi=110)
+
+
+def pick(rows: Iterable[Row], **wanted: Any) -> list[Row]:
+    """The rows whose columns have the wanted values."""
+    return [row for row in rows if all(row[name] == value for name, value in wanted.items())]
+
+
+def method_legend(closed: bool = True) -> list[Line2D]:
+    """Legend entries of the sampled methods and, if `closed`, the closed form."""
+    names = [*METHODS, *(["closed"] if closed else [])]
+    return [Line2D([], [], color=COLOURS[name], marker="o", markersize=4, label=TITLES[name]) for name in names]
+
+
+def correction_legend() -> list[Line2D]:
+    """Legend entries of the corrections."""
+    says = {"none": "no correction", "hybrid": "x = x(v)", "both": "x = x(v) and v_out"}
+    return [Line2D([], [], color="gray", linestyle=line, label=says[name]) for name, line in LINES.items()]

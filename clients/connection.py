@@ -1,0 +1,71 @@
+"""A socket to a Carom server, UDP or TCP: packets out, messages in."""
+
+import select
+import socket
+import time
+from collections import deque
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from ..server.osc import wire
+from ..server.osc.framing import Sized
+
+_PATIENCE = 5.0  # s that a server may take to accept what is sent over TCP
+
+
+class Connection:
+    """A socket to one server. ConnectionRefusedError, here and later, if the host says that nothing listens."""
+
+    def __init__(self, host: str, port: int, tcp: bool) -> None:
+        self.server = f"{host}:{port}"
+        self._stream = Sized() if tcp else None
+        self._inbox: deque[wire.Message] = deque()  # read from the socket, but not asked for yet
+        if tcp:
+            with self._reaching():
+                self._socket = socket.create_connection((host, port), _PATIENCE)
+            self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        else:
+            self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+            self._socket.connect((host, port))
+
+    def close(self) -> None:
+        """Close the socket."""
+        self._socket.close()
+
+    def transmit(self, packet: bytes) -> None:
+        """Send a packet; over TCP, wait until the system has taken it."""
+        with self._reaching():
+            self._socket.sendall(self._stream.framed(packet) if self._stream else packet)
+
+    def messages(self, seconds: float) -> Iterator[wire.Message]:
+        """The messages that arrive within some seconds, as they come. One that is not taken stays for the next call.
+
+        Raises ConnectionResetError when a TCP server closes the connection.
+        """
+        deadline = time.monotonic() + seconds
+        while self._inbox or self._receive(max(0.0, deadline - time.monotonic())):
+            while self._inbox:
+                yield self._inbox.popleft()
+
+    def _receive(self, seconds: float) -> bool:
+        """Read the socket once; returns false if nothing arrives within some seconds."""
+        if not select.select([self._socket], [], [], seconds)[0]:
+            return False
+        with self._reaching():
+            data = self._socket.recv(wire.MAX_DATAGRAM)
+        if self._stream and not data:
+            raise ConnectionResetError(f"{self.server} has closed the connection")
+        for packet in self._stream.packets(data) if self._stream else [data]:
+            for bundle in wire.parse(packet):
+                self._inbox.extend(bundle.messages)
+        return True
+
+    @contextmanager
+    def _reaching(self) -> Iterator[None]:
+        """A ConnectionRefusedError inside names the server."""
+        try:
+            yield
+        except ConnectionRefusedError as error:
+            raise ConnectionRefusedError(
+                f"nothing listens at {self.server}: expected a running `carom serve`"
+            ) from error

@@ -1,0 +1,65 @@
+"""A sound as it is computed, piece by piece, with what is kept beside it."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._perform import TRACED, Performer
+from .contacts import assemble
+from .dsp.engine.state import QUANTUM, TRACE
+from .report import Meter
+from .sound import Sound
+
+
+class Capture:
+    """Gathers the pieces of a sound that begins at the sample `start`; it has reached the sample `end`.
+
+    A piece ends with a `step` (frames) at the latest.
+    """
+
+    def __init__(self, performer: Performer, start: int) -> None:
+        self._performer = performer
+        self._start = self.end = start
+        self._pieces: list[NDArray[np.float32]] = []
+        self._stems: dict[str, list[tuple[int, NDArray[np.float64]]]] = {}
+        self._traces: list[NDArray[np.void]] = []
+        self._meter = Meter(performer.engine)
+        self.warnings: list[str] = []
+        self.step = QUANTUM if performer.stems else TRACED
+
+    def room(self) -> int:
+        """Frames that the next piece may have."""
+        return self.step - self.end % self.step
+
+    def add(self, piece: NDArray[np.float32]) -> None:
+        """Take a piece, float32 (frames, 2), that was computed just now."""
+        first = self.end
+        self._pieces.append(piece)
+        self.end += len(piece)
+        self._meter.look()
+        if self._performer.stems:
+            for name, part in self._performer.stem_pieces(first % QUANTUM, len(piece)).items():
+                self._stems.setdefault(name, []).append((first - self._start, part))
+        if self._performer.contacts:
+            self._traces.append(self._performer.traced(self.end))
+
+    def sound(self) -> Sound:
+        """The whole."""
+        rate = round(self._performer.engine.rate)
+        contacts = None
+        if self._performer.contacts:
+            trace = np.concatenate([np.empty(0, TRACE), *filter(len, self._traces)])
+            contacts = assemble(trace, rate, self._start, self._performer.striking)
+        return Sound(
+            samples=np.concatenate(self._pieces),
+            rate=rate,
+            start=self._start / rate,
+            report=self._meter.report(self._start, self.end, self._performer.limited_objects(), self.warnings),
+            stems={name: self._stem(pieces) for name, pieces in self._stems.items()} if self._performer.stems else None,
+            contacts=contacts,
+        )
+
+    def _stem(self, pieces: list[tuple[int, NDArray[np.float64]]]) -> NDArray[np.float32]:
+        stem = np.zeros((self.end - self._start, 2), np.float32)
+        for first, piece in pieces:
+            stem[first : first + len(piece)] = piece
+        return stem

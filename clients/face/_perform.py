@@ -1,0 +1,221 @@
+"""The one place where the public face meets the server's scene and the engine."""
+
+import inspect
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import wraps
+from os import PathLike
+from pathlib import Path
+from threading import Lock
+from typing import Any, SupportsFloat, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .clients.actions import Actions, CommandError
+from .contacts import Striking
+from .dsp.bodies.modes import Modes
+from .dsp.engine.commands import Handle
+from .dsp.engine.state import TRACE
+from .dsp.runtime.engine import NOW, Engine
+from .dsp.schema import Parameter as Number
+from .modes import Settings
+from .presets import Presets
+from .server.osc.addresses import VERBS
+from .server.osc.arguments import Parameter
+from .server.osc.score import LONGEST_SCORE, sample_at
+from .server.osc.wire import Argument, Message
+from .server.render import Options
+from .server.scene.session import Session
+from .server.scene.transaction import Sent
+
+Acting = TypeVar("Acting", bound=Actions)
+
+Folders = Presets | str | PathLike[str] | Iterable[str | PathLike[str]]
+"""Presets, or folders of your own presets, which are looked through first."""
+
+TRACED = 1_024
+"""Frames that can be computed between two looks at the trace, or at what was limited."""
+
+_compiling = Lock()  # so that threads which make the first scenes at once compile the engine once
+
+
+@dataclass(frozen=True)
+class Placed:
+    """An object in the engine: where it is, its modes as they were laid out, its level (amplitude), and the position at
+    which it is struck if nothing is said."""
+
+    handle: Handle
+    modes: Modes
+    level: float
+    position: float = 0.0
+
+
+class _Engine(Engine):
+    """An engine that remembers the modes of its objects, by serial, for as long as they have a place."""
+
+    def __init__(self, rate: float) -> None:
+        super().__init__(rate)
+        self.placed: dict[int, Placed] = {}
+
+    def lay_out(self, modes: Modes, level: float) -> tuple[Handle, dict[str, float]]:
+        handle, layout = super().lay_out(modes, level)
+        self.placed[handle.serial] = Placed(handle, modes, level)
+        return handle, layout
+
+    def release(self, handle: Handle) -> None:
+        super().release(handle)
+        del self.placed[handle.serial]
+
+
+class Performer:
+    """An engine and a scene of its own, and what is told of both. Errors are CommandErrors.
+
+    rate: Hz; limiter: whether the mix is kept within full scale; stems, contacts: whether they are kept.
+    """
+
+    def __init__(self, rate: int, presets: Folders, limiter: bool, stems: bool, contacts: bool) -> None:
+        Options(rate=rate)  # refuses a rate that can't be
+        self.presets = chosen(presets)
+        with _compiling:
+            self.engine = _Engine(rate)
+        self.scene = Session(self.engine, self.presets)
+        self.scene.on_sent = self._remember
+        self.stems = stems
+        self.contacts = contacts
+        self._names: dict[int, str] = {}  # of objects, by serial
+        self._striking: dict[int, Striking] = {}  # by command
+        self._trace = np.empty(0, TRACE)  # what was traced beyond the end of the last sound
+        self.engine.set_limiter(limiter)
+        self.engine.keep_stems(stems)
+        self.engine.trace(contacts)
+
+    def perform(self, messages: Sequence[Message], at: SupportsFloat | None) -> None:
+        """Carry out messages together at a time (s; None: now). CommandError says what was refused, and why."""
+        time = NOW if at is None else self._sample(at, messages[0].address)
+        replies = self.scene.perform(messages, time)
+        refused = [": ".join(map(str, reply.args)) for reply in replies if reply.address == "/fail"]
+        if refused:
+            raise CommandError("; ".join(refused))
+
+    def _sample(self, at: SupportsFloat, address: str) -> float:
+        try:
+            seconds = float(at)
+        except (TypeError, ValueError):
+            seconds = math.nan
+        if 0.0 <= seconds <= LONGEST_SCORE:
+            sample = sample_at(seconds, self.engine.rate)
+            if sample >= self.engine.position:
+                return sample
+        raise CommandError(
+            f"{address}: at = {at!r}: expected seconds from {self.time!r}, up to where the sound is computed, "
+            f"to {LONGEST_SCORE}"
+        )
+
+    @property
+    def time(self) -> float:
+        """s up to which the sound is computed."""
+        return self.engine.position / self.engine.rate
+
+    def _remember(self, first: int, sent: list[Sent]) -> None:
+        for number, each in enumerate(sent, first):
+            if each.message.address == "/object/new":
+                self._names[each.serial] = str(each.message.args[0])
+            elif self.contacts and each.serial:
+                striker = self._names.get(each.by, "") if each.by else ""
+                gesture = each.message.address.rsplit("/", 1)[1]
+                self._striking[number] = Striking(
+                    self._names[each.serial], striker, str(_keys(each.message.args).get("id", "")), gesture
+                )
+
+    def ended(self) -> list[str]:
+        """The ids of gestures that have ended since the last call."""
+        return [ended.id for ended in self.scene.take_ends()]
+
+    def newest(self, name: str) -> Placed:
+        """The object of that name, which was made last."""
+        return replace(self.engine.placed[max(self.engine.placed)], position=self.scene.objects[name].preset.position)
+
+    def settings(self, placed: Placed) -> Settings | None:
+        """What an object has been told; None before it is there."""
+        record = self.engine.state[0]["objects"][placed.handle.slot]
+        if record["serial"] != placed.handle.serial:
+            return None
+        return Settings(*(float(value) for value in record["settings"].item()))
+
+    def slots(self) -> dict[int, str]:
+        """The names of the objects by their places in the engine."""
+        return {placed.handle.slot: self._names[serial] for serial, placed in self.engine.placed.items()}
+
+    def limited_objects(self) -> dict[str, float]:
+        """Each object's share (0 to 1) of the energy that the limiter turned down since the last call."""
+        energies: dict[str, float] = {}
+        energy = self.engine.limited_energy()
+        for slot, name in self.slots().items():
+            energies[name] = energies.get(name, 0.0) + float(energy[slot])
+        total = sum(energies.values())
+        return {name: each / total for name, each in energies.items() if each > 0.0}
+
+    def stem_pieces(self, first: int, frames: int) -> dict[str, NDArray[np.float64]]:
+        """Each object's part, (frames, 2), of the last quantum, from its frame `first` on, before the limiter."""
+        stems = self.engine.stems()
+        pieces: dict[str, NDArray[np.float64]] = {}
+        for slot, name in self.slots().items():
+            piece = stems[slot, :, first : first + frames].T
+            pieces[name] = pieces[name] + piece if name in pieces else piece.copy()
+        return pieces
+
+    def traced(self, end: int) -> NDArray[np.void]:
+        """The trace, of TRACE, since the last call, up to the sample `end`; what is beyond comes with the next."""
+        trace = self.engine.traced()
+        if len(self._trace):
+            trace = np.concatenate([self._trace, trace])
+        beyond = trace["sample"] >= end
+        self._trace = trace[beyond]
+        return trace[~beyond]
+
+    def striking(self, command: int) -> Striking:
+        """What a command said of its contacts."""
+        return self._striking[command]
+
+
+def chosen(presets: Folders) -> Presets:
+    """The presets that are meant."""
+    if isinstance(presets, Presets):
+        return presets
+    if isinstance(presets, str | PathLike):
+        presets = [presets]
+    return Presets([Path(folder) for folder in presets])
+
+
+def documented(cls: type[Acting]) -> type[Acting]:
+    """Decorator: the help of each method whose address takes keys ends with them, their ranges and meanings.
+
+    The methods of Actions stay as they are: a Client starts without the table of addresses.
+    """
+    for verb in VERBS.values():
+        if verb.keys and hasattr(Actions, verb.action):
+            setattr(cls, verb.action, _with_keys(getattr(cls, verb.action), verb.keys))
+    return cls
+
+
+def _with_keys(method: Callable[..., None], keys: Iterable[Parameter]) -> Callable[..., None]:
+    """A method that does the same; its help ends with keys."""
+
+    @wraps(method)
+    def same(*args: Any, **kwargs: Any) -> None:
+        method(*args, **kwargs)
+
+    lines = [inspect.getdoc(method) or "", "", "Keys:"]
+    for key in keys:
+        kind = f"{key.low:g} to {key.high:g} {key.unit}".rstrip() if isinstance(key, Number) else "a name"
+        lines.append(f"  {key.name}: {kind}" + (f"; {key.help}" if key.help else ""))
+    same.__doc__ = "\n".join(lines)
+    return same
+
+
+def _keys(args: tuple[Argument, ...]) -> dict[str, Argument]:
+    """The keys of a message and their values."""
+    first = next((n for n, arg in enumerate(args) if isinstance(arg, str)), len(args))
+    return {str(key): value for key, value in zip(args[first::2], args[first + 1 :: 2], strict=True)}

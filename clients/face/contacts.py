@@ -1,0 +1,78 @@
+"""Contacts as they were played: when, between whom, and with which force."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Striking:
+    """What a command said of its contacts: names, empty where there is none."""
+
+    object: str
+    striker: str
+    id: str
+    gesture: str
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """A contact as it was played.
+
+    object: the name of the object touched; striker: that of the object that touched it (its key `by`), else empty;
+    id: the gesture's `id`, else empty; gesture: impact, bounce, roll or press.
+    start: s on the scene's clock, between samples as it falls; duration: s until the last force ends; both as far as
+    this sound goes: a contact that outlasts it goes on in the next one.
+    impulse: N s that the striker gave the object. A gesture's `gain` makes it louder, and is not in here.
+    first: the frame of the sound in which the force begins; force: (n,) N, the mean force over each frame from there.
+
+    A bounce has a contact for each time that the striker comes back from a flight. A roll or a press is one contact; a
+    roll's force is the excess over its weight, so that its sum tends to 0.
+    """
+
+    object: str
+    striker: str
+    id: str
+    gesture: str
+    start: float
+    duration: float
+    impulse: float
+    first: int
+    force: NDArray[np.float64] = field(repr=False)
+
+    @property
+    def peak(self) -> float:
+        """The largest of the mean forces, N."""
+        return float(self.force.max())
+
+
+def assemble(
+    trace: NDArray[np.void], rate: float, start: int, striking: Callable[[int], Striking]
+) -> tuple[Contact, ...]:
+    """The contacts of a trace, by start.
+
+    trace: (n,) of TRACE, of the sound that begins at the sample `start` of a scene; rate: Hz; striking: what a command
+    (by number) said.
+    """
+    order = np.argsort(trace["contact"], kind="stable")
+    places = np.flatnonzero(np.diff(trace["contact"][order])) + 1
+    runs = [run for run in np.split(trace[order], places) if len(run)]
+    contacts = [_contact(run, rate, start, striking(int(run["command"][0]))) for run in runs]
+    return tuple(sorted(contacts, key=lambda contact: contact.start))
+
+
+def _contact(run: NDArray[np.void], rate: float, start: int, striking: Striking) -> Contact:
+    first = int(run["sample"][0])
+    force = np.zeros(int(run["sample"][-1]) - first + 1)
+    # A striker may leave and come back within one contact: no entries, no force. It may do so within one sample.
+    np.add.at(force, run["sample"] - first, run["impulse"] * rate)
+    return Contact(
+        striking.object, striking.striker, striking.id, striking.gesture,
+        start=float(run["begin"][0]) / rate,
+        duration=float(run["end"][-1] - run["begin"][0]) / rate,
+        impulse=float(run["impulse"].sum()),
+        first=first - start,
+        force=force,
+    )  # fmt: skip

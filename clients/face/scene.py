@@ -1,0 +1,210 @@
+"""A scene in this process: objects that are made, struck, bounced and rolled on, and computed as fast as it goes."""
+
+from __future__ import annotations
+
+from types import TracebackType
+from typing import SupportsFloat
+
+from ._capture import Capture
+from ._perform import Folders, Performer, Placed, documented
+from .clients.actions import Actions, CommandError, Value, plain
+from .dsp.schema import SETTINGS
+from .modes import ModeTable, Settings, mode_table
+from .server.osc.score import LONGEST_SCORE
+from .server.osc.wire import Message
+from .sound import Sound
+
+
+@documented
+class Scene(Actions):
+    """An engine in this process, without a server: what a score can say as methods, and `render` for the sound.
+
+        with carom.Scene() as scene:
+            bar = scene.new("bar", "marimba-bar")
+            scene.impact("bar", 1.0, position=0.3, at=0.25)
+            sound = scene.render(seconds=1.5)
+
+    rate: Hz, 8000 to 192000. limiter: False leaves the sum of all objects as it is, beyond full scale too.
+    stems: keep each object's part of the sound; contacts: keep each contact's time, force and impulse (see Sound).
+    presets: folders of your own presets, looked through first, or a carom.Presets.
+
+    `at` is a time in s from the scene's beginning, between samples where it falls there; None is as soon as possible.
+    Sound is computed once `render` asks for it, and nothing can happen before what is computed; else the calls may come
+    in any order of time. Some 6,000 events can wait for theirs: render a scene of more in parts.
+    A name may be a pattern (`*`, `[a-c]`, `{a,b}`): it means the objects there are at that time.
+    Keys are those of the OSC address of the same name; numbers may be NumPy's, lists may be arrays.
+    Equal calls make equal sounds, bit by bit, and those of the score that says the same.
+    Any number of scenes may be at work, each in one thread at a time.
+
+    CommandError: a message was refused, and changed nothing. Where `steer` sets several values, the error names all
+    that were refused; the others count. ValueError: a rate or length that cannot be.
+    """
+
+    def __init__(
+        self,
+        rate: int = 48_000,
+        *,
+        limiter: bool = True,
+        stems: bool = False,
+        contacts: bool = False,
+        presets: Folders = (),
+    ) -> None:
+        self._performer: Performer | None = Performer(rate, presets, limiter, stems, contacts)
+        self.rate = rate
+        """Hz."""
+        self._frames = 0
+
+    def __enter__(self) -> Scene:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Give its memory back. Sounds stay; the scene and its objects can do nothing more."""
+        self._performer = None
+
+    @property
+    def _open(self) -> Performer:
+        if self._performer is None:
+            raise CommandError("the scene is closed")
+        return self._performer
+
+    @property
+    def time(self) -> float:
+        """The earliest time (s) of what is asked for now.
+
+        The engine computes 64 frames at a time. After a `render` of no whole multiple of that, the time lies up to 63
+        frames behind the end of the sound that was given.
+        """
+        return self._open.time
+
+    def render(self, seconds: float | None = None, *, frames: int | None = None) -> Sound:
+        """The sound of the next seconds, or frames, from the end of the last one on. ValueError unless one is given."""
+        if (seconds is None) == (frames is None):
+            raise ValueError(f"seconds = {seconds}, frames = {frames}: expected one of the two")
+        if frames is None and not 0.5 / self.rate < plain(seconds) <= LONGEST_SCORE:
+            raise ValueError(f"seconds = {seconds}: expected at least a frame, and at most {LONGEST_SCORE}")
+        if frames is not None and not (plain(frames) == int(frames) and 1 <= frames <= LONGEST_SCORE * self.rate):
+            raise ValueError(f"frames = {frames}: expected a whole number from 1 to {LONGEST_SCORE * self.rate}")
+        capture = Capture(self._open, self._frames)
+        self._frames += int(frames) if frames is not None else round(plain(seconds) * self.rate)
+        while left := self._frames - capture.end:
+            capture.add(self._open.engine.process(min(left, capture.room())))
+        return capture.sound()
+
+    def _send(self, messages: list[Message], at: SupportsFloat | None) -> None:
+        self._open.perform(messages, at)
+
+    def new(self, name: str, preset: str, at: SupportsFloat | None = None, **keys: Value) -> Object:
+        """Make an object from a preset. Keys change the preset (length, material, ...), or are the object's first gain,
+        pan, tune, decay and damp."""
+        self.send("/object/new", name, preset, at=at, **keys)
+        return Object(self, name, self._open.newest(name), _settings(keys))
+
+    def ended(self) -> list[str]:
+        """The ids of gestures that have ended since the last call, up to the scene's time, the oldest first."""
+        return self._open.ended()
+
+
+class Object:
+    """An object of a scene; its methods are the scene's, without the name.
+
+    name: its name; mass: of the whole body, kg.
+    """
+
+    def __init__(self, scene: Scene, name: str, placed: Placed, settings: Settings) -> None:
+        self.scene = scene
+        self.name = name
+        self.mass = placed.modes.mass
+        self._placed = placed
+        self._first_settings = settings
+
+    def __repr__(self) -> str:
+        return f"<carom.Object {self.name}>"
+
+    def modes(self, position: SupportsFloat | None = None) -> ModeTable:
+        """The modes that a strike at a position 0 to 1 (None: the preset's) excites: frequencies, decays, gains.
+
+        They are as the object is tuned, damped and placed at the time to which its scene is computed; before the object
+        is there, and after its scene is closed, as it was made. ValueError for a position beyond 0 to 1.
+        """
+        place = self._placed.position if position is None else plain(position)
+        if not 0.0 <= place <= 1.0:
+            raise ValueError(f"position = {position}: expected 0 to 1")
+        performer = self.scene._performer
+        settings = (performer and performer.settings(self._placed)) or self._first_settings
+        return mode_table(self._placed.modes, self._placed.level, settings, place, self.scene.rate)
+
+    def impact(
+        self,
+        velocity: SupportsFloat,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Value,
+    ) -> None:
+        """Strike it at a velocity (m/s), at a position 0 to 1 along its strike path (None: the preset's)."""
+        self.scene.impact(self.name, velocity, position, at, **keys)
+
+    def bounce(
+        self,
+        height: SupportsFloat,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Value,
+    ) -> None:
+        """Drop a striker on it from a height (m); it bounces until it rests."""
+        self.scene.bounce(self.name, height, position, at, **keys)
+
+    def roll(
+        self,
+        speed: SupportsFloat,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Value,
+    ) -> None:
+        """Roll a ball over it at a speed (m/s), or steer the roll of that `id` (None: its own); 0 ends it."""
+        self.scene.roll(self.name, speed, position, at, **keys)
+
+    def press(
+        self,
+        force: SupportsFloat,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Value,
+    ) -> None:
+        """Lay a striker on it and press with a force (N), until the gesture of that `id` is stopped."""
+        self.scene.press(self.name, force, position, at, **keys)
+
+    def damp(self, amount: SupportsFloat, at: SupportsFloat | None = None) -> None:
+        """Lay a hand on it: 0 none, 1 the firmest."""
+        self.scene.damp(self.name, amount, at)
+
+    def gain(self, level: SupportsFloat, at: SupportsFloat | None = None) -> None:
+        """Set its level, dB."""
+        self.scene.gain(self.name, level, at)
+
+    def pan(self, place: SupportsFloat, at: SupportsFloat | None = None) -> None:
+        """Place it between left (-1) and right (1)."""
+        self.scene.pan(self.name, place, at)
+
+    def tune(self, semitones: SupportsFloat, at: SupportsFloat | None = None) -> None:
+        """Move all its frequencies, semitones."""
+        self.scene.tune(self.name, semitones, at)
+
+    def decay(self, ratio: SupportsFloat, at: SupportsFloat | None = None) -> None:
+        """Make all its decay times that many times longer, or shorter."""
+        self.scene.decay(self.name, ratio, at)
+
+    def free(self, at_once: bool = False, at: SupportsFloat | None = None) -> None:
+        """Remove it once it is silent, or at once, with a short fade; its name is free."""
+        self.scene.free(self.name, at_once, at)
+
+
+def _settings(keys: dict[str, Value]) -> Settings:
+    """What an object was told as it was made."""
+    return Settings(
+        **{name: each.in_engine(float(keys.get(name, each.default or 0.0))) for name, each in SETTINGS.items()}
+    )

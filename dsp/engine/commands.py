@@ -1,0 +1,198 @@
+"""Commands on their way into the engine: what they ask for, and the record that carries what they say."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..schema import BY_POSITION, GESTURES, SETTINGS, STEERABLE, STRIKE, VELOCITY, Gesture, Parameter, record_of
+
+
+class Kind(IntEnum):
+    """What a command asks for."""
+
+    NEW = 0
+    FREE = 1  # value 1: at once; 0: once silent
+    IMPACT = 2
+    BOUNCE = 3
+    ROLL = 4  # a roll of that gesture on that object that goes on already takes on what is `given`
+    PRESS = 5
+    STEER = 6  # a parameter of a gesture
+    STOP = 7  # a gesture
+    SET = 8  # a setting of an object
+    PANIC = 9
+    SYNC = 10  # value: a number that appears in the stats
+    METHOD = 11  # how contacts with objects that do not give way are solved
+    ACCURACY = 12  # value: a place in accuracy.LEVELS
+    QUALITY = 13  # value: a Quality
+
+
+# The same as plain numbers, which kernels compare with.
+KIND_NEW, KIND_FREE = int(Kind.NEW), int(Kind.FREE)
+KIND_IMPACT, KIND_BOUNCE, KIND_ROLL, KIND_PRESS = int(Kind.IMPACT), int(Kind.BOUNCE), int(Kind.ROLL), int(Kind.PRESS)
+KIND_STEER, KIND_STOP, KIND_SET = int(Kind.STEER), int(Kind.STOP), int(Kind.SET)
+KIND_PANIC, KIND_SYNC, KIND_METHOD = int(Kind.PANIC), int(Kind.SYNC), int(Kind.METHOD)
+KIND_ACCURACY, KIND_QUALITY = int(Kind.ACCURACY), int(Kind.QUALITY)
+
+GESTURE_KINDS = (Kind.IMPACT, Kind.BOUNCE, Kind.ROLL, Kind.PRESS)
+"""Commands that bring a striker."""
+
+_DELAY = Parameter("delay", 0.0, np.inf, "s", "from the beginning of a bounce to its first contact", default=0.0)
+
+
+def _own(gesture: Gesture, *more: Parameter) -> dict[str, Parameter]:
+    """The parameters of a gesture's own record: all but those of the record that every gesture fills."""
+    given = (*((gesture.argument,) if gesture.argument.steerable else ()), *gesture.keys, *more)
+    return {each.name: each for each in given if each.name not in _STRIKE}
+
+
+_STRIKE = {each.name: each for each in (VELOCITY, *STRIKE, BY_POSITION)}
+_BOUNCE = _own(GESTURES["bounce"], _DELAY)
+_ROLL = _own(GESTURES["roll"])
+_PRESS = _own(GESTURES["press"])
+
+STRIKE_RECORD = record_of(*_STRIKE)
+BOUNCE_RECORD = record_of(*_BOUNCE)
+ROLL_RECORD = record_of(*_ROLL)
+PRESS_RECORD = record_of(*_PRESS)
+SETTINGS_RECORD = record_of(*SETTINGS)
+
+
+def _places(record: np.dtype[np.void]) -> NDArray[np.int64]:
+    """For each parameter that can be steered its place in a record, -1 where it is not there."""
+    names = list(record.names or ())
+    return np.array([names.index(name) if name in names else -1 for name in STEERABLE])
+
+
+IN_STRIKE, IN_BOUNCE = _places(STRIKE_RECORD), _places(BOUNCE_RECORD)
+IN_ROLL, IN_PRESS = _places(ROLL_RECORD), _places(PRESS_RECORD)
+
+STEERS = np.array(
+    [
+        [kind.name.lower() in GESTURES and name in GESTURES[kind.name.lower()].steerable for name in STEERABLE]
+        for kind in Kind
+    ]
+)
+"""Whether a gesture of a kind can be steered by a parameter."""
+for _kind in GESTURE_KINDS:
+    STEERS[_kind] = [name in GESTURES[_kind.name.lower()].steerable for name in STEERABLE]
+
+PROFILE = record_of("roughness", "correlation", "slope", "ripple", "wavelength")
+"""A surface: rms height (m), correlation length (m), slope of its spectrum; amplitude (m), length (m) of a ripple."""
+
+LAYOUT = np.dtype([(name, np.int64) for name in ("first", "size", "table", "rows")], align=True)
+"""Where a new object's modes and shapes are: its first mode, how many (padded), first value and rows of its shapes."""
+
+METHOD = np.dtype([(name, np.int64) for name in ("method", "correction", "oversampling")], align=True)
+"""How contacts are solved: 0 closed form, else 1 + method; correction; steps per sample."""
+
+COMMAND = np.dtype(
+    [
+        ("time", np.float64),  # samples since the start; what is past is now
+        ("has_clock", np.int64),  # 1: `clock` says when, and `time` is an early guess
+        ("clock", np.int64),  # CLOCK_MONOTONIC in ns
+        ("number", np.int64),  # of all commands sent
+        ("kind", np.int64),  # a Kind
+        ("slot", np.int64),
+        ("serial", np.int64),  # of the object meant: commands to one that is gone are ignored
+        ("order", np.int64),  # of arrival, set by the engine
+        ("value", np.float64),  # as Kind says
+        ("gesture", np.int64),  # its number, 0: none
+        ("parameter", np.int64),  # its place in schema.STEERABLE or schema.SETTINGS
+        ("given", np.int64),  # of a roll: bits of the places in schema.STEERABLE that were given
+        ("by_slot", np.int64),  # of the object that strikes, if one does
+        ("by_serial", np.int64),  # else 0
+        ("strike", STRIKE_RECORD),
+        ("bounce", BOUNCE_RECORD),
+        ("roll", ROLL_RECORD),
+        ("press", PRESS_RECORD),
+        ("surface", PROFILE),  # of a roll
+        ("settings", SETTINGS_RECORD),  # of a new object
+        ("layout", LAYOUT),  # of a new object
+        ("method", METHOD),
+    ],
+    align=True,
+)
+
+
+@dataclass(frozen=True)
+class Handle:
+    """An object in the engine; commands to one that is gone are ignored."""
+
+    slot: int
+    serial: int
+    first: int
+    table: int
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command from Python: when (samples), what, to which object, and the values of its records by name.
+
+    `values` are in the engine's units: gains as amplitudes, tune as a ratio. Those that have a default may be left out.
+    """
+
+    time: float
+    kind: Kind
+    handle: Handle | None = None
+    values: Mapping[str, float] = field(default_factory=dict)
+    value: float = 0.0
+    gesture: int = 0
+    parameter: str = ""
+    given: Collection[str] = ()
+    by: Handle | None = None
+    surface: tuple[float, ...] = (0.0, 1.0, 2.0, 0.0, 1.0)
+
+
+_DEFAULTS = {
+    each.name: each.in_engine(each.default)
+    for record in (_STRIKE, _BOUNCE, _ROLL, _PRESS, SETTINGS)
+    for each in record.values()
+    if each.default is not None
+} | {BY_POSITION.name: 0.0, VELOCITY.name: 0.0}
+
+_RECORDS = {
+    Kind.NEW: ("layout", "settings"),
+    Kind.IMPACT: ("strike",),
+    Kind.BOUNCE: ("strike", "bounce"),
+    Kind.ROLL: ("strike", "roll"),
+    Kind.PRESS: ("strike", "press"),
+    Kind.METHOD: ("method",),
+}
+_FIELDS = {kind: [(name, tuple(COMMAND[name].names or ())) for name in names] for kind, names in _RECORDS.items()}
+_TAKEN = {kind: {name for _, names in records for name in names} for kind, records in _FIELDS.items()}
+_PLACES = {name: place for place, name in enumerate(STEERABLE)}
+_SETTING_PLACES = {name: place for place, name in enumerate(SETTINGS)}
+
+
+def write(entry: np.void, number: int, command: Command) -> None:
+    """Write a command into an entry of COMMAND. ValueError names a value that is missing or that its kind has not."""
+    kind = command.kind
+    clock = getattr(command.time, "clock", None)
+    entry["time"] = command.time
+    entry["has_clock"], entry["clock"] = (0, 0) if clock is None else (1, clock)
+    entry["number"], entry["kind"] = number, kind
+    entry["slot"], entry["serial"] = (command.handle.slot, command.handle.serial) if command.handle else (0, 0)
+    entry["by_slot"], entry["by_serial"] = (command.by.slot, command.by.serial) if command.by else (0, 0)
+    entry["value"], entry["gesture"] = command.value, command.gesture
+    if kind in (Kind.STEER, Kind.SET):
+        places = _PLACES if kind is Kind.STEER else _SETTING_PLACES
+        if command.parameter not in places:
+            raise ValueError(f"{kind.name}: parameter = {command.parameter!r}: expected one of {', '.join(places)}")
+        entry["parameter"] = places[command.parameter]
+    if kind in _FIELDS:
+        values = command.values
+        if unknown := values.keys() - _TAKEN[kind]:
+            raise ValueError(f"{kind.name}: it has no {', '.join(sorted(unknown))}")
+        for record, names in _FIELDS[kind]:
+            try:
+                entry[record] = tuple(values[name] if name in values else _DEFAULTS[name] for name in names)
+            except KeyError as error:
+                raise ValueError(f"{kind.name}: {error.args[0]} is missing") from None
+    if kind is Kind.ROLL:
+        if unknown := set(command.given) - _PLACES.keys():
+            raise ValueError(f"{kind.name}: given {', '.join(sorted(unknown))}: expected some of {', '.join(_PLACES)}")
+        entry["given"] = sum(1 << _PLACES[name] for name in command.given)
+        entry["surface"] = command.surface

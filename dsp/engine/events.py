@@ -1,0 +1,223 @@
+"""Commands become events: they join the queue, wait for their time, and are carried out."""
+
+import numpy as np
+
+from ..native.atomics import load_acquire, store_release
+from ..native.jit import kernel
+from ..native.records import set_field
+from ..schema import SETTINGS
+from .clock import sample_at
+from .commands import (
+    KIND_ACCURACY,
+    KIND_BOUNCE,
+    KIND_FREE,
+    KIND_IMPACT,
+    KIND_METHOD,
+    KIND_NEW,
+    KIND_PANIC,
+    KIND_PRESS,
+    KIND_QUALITY,
+    KIND_ROLL,
+    KIND_SET,
+    KIND_STEER,
+    KIND_STOP,
+    KIND_SYNC,
+)
+from .contact_list import report_end
+from .gestures import start_gesture
+from .queue import has_room, order_heap, pop, push, sink, swap
+from .render import pan_gains, silence
+from .state import END_GONE, NOTES, QUANTUM, RING
+from .steering import is_running, steer, stop_gesture, stop_gestures_on
+
+_RETUNES = np.array([name in ("tune", "decay", "damp") for name in SETTINGS])
+_WANDER = 1.0 / 512.0  # share by which an event's sample, guessed from the clock, may be too late
+
+
+@kernel
+def take_commands(state):
+    """Move commands from the ring to the queue, as far as it has room."""
+    written = load_acquire(state.ring.written, 0)
+    read = state.ring.read[0]
+    while read < written and has_room(state.queue):
+        command = state.ring.entries[read % RING]
+        time = sample_at(state.clock, command.clock) if command.has_clock == 1 else command.time
+        if time < state.position:
+            if time >= 0.0 or command.has_clock == 1:
+                period = 1e-9 * state.clock.period if command.has_clock == 1 else 1.0 / state.rate
+                _count_late(state, (state.position - time) * period)
+            command.has_clock = 0
+        if time < state.position or command.has_clock == 1:
+            # Past events and those for now keep the order in which they came; one with a clock is looked at at once.
+            command.time = state.position
+        push(state.queue, command)
+        read += 1
+    store_release(state.ring.read, 0, read)
+
+
+@kernel
+def _count_late(state, seconds):
+    """Count an event that came after its time."""
+    state.stats.late += 1
+    state.stats.late_last = seconds
+    state.stats.late_worst = max(state.stats.late_worst, seconds)
+
+
+@kernel
+def take_due(state):
+    """Remove the next event of this quantum from the queue: its index in the pool, or -1. Events for objects that are
+    gone are dropped."""
+    queue = state.queue
+    while queue.size > 0 and queue.events[queue.heap[0]].time < state.position + QUANTUM:
+        first = queue.events[queue.heap[0]]
+        if first.has_clock == 1:
+            _read_clock(state, first)
+            sink(queue, 0)
+            continue
+        index = pop(queue)
+        event = queue.events[index]
+        # Where the clock was set back meanwhile, an event that was overtaken comes now: notes are in order.
+        event.time = queue.last_time = max(event.time, queue.last_time)
+        ignored = _is_ignored(state, event)
+        _note(state, event.number, -1.0 if ignored else event.time)
+        if not ignored:
+            return index
+        if _is_gesture(event.kind):
+            report_end(state, event.gesture, END_GONE)
+    return -1
+
+
+@kernel
+def _read_clock(state, event):
+    """Give an event of the clock its sample if that lies in this quantum, else look again before it is due.
+
+    The guess that is kept is early, by more than the clock's pace may turn out to be wrong: so nothing is overtaken,
+    and an event an hour ahead is looked at some five times.
+    """
+    time = max(sample_at(state.clock, event.clock), float(state.position))
+    end = state.position + QUANTUM
+    if time < end:
+        event.has_clock = 0
+        event.time = time
+    else:
+        event.time = max(float(end), time - 1.0 - (time - end) * _WANDER)
+
+
+@kernel
+def _is_ignored(state, event):
+    """True if an event is meant for an object or a gesture that is gone."""
+    obj = state.objects[event.slot]
+    if event.kind == KIND_STEER or event.kind == KIND_STOP:
+        return not is_running(state, event.gesture)
+    return event.serial > 0 and event.kind != KIND_NEW and (
+        obj.used == 0 or obj.serial != event.serial or obj.dying > 0
+    )  # fmt: skip
+
+
+@kernel
+def _is_gesture(kind):
+    """True for commands that bring a striker."""
+    return kind in (KIND_IMPACT, KIND_BOUNCE, KIND_ROLL, KIND_PRESS)
+
+
+@kernel
+def _note(state, number, time):
+    """Keep what became of a command for a log, if it keeps up."""
+    notes = state.notes
+    if notes.on == 0:
+        return
+    written = notes.written[0]
+    if written - load_acquire(notes.read, 0) >= NOTES:
+        state.stats.notes_lost += 1
+        return
+    notes.entries[written % NOTES].number = number
+    notes.entries[written % NOTES].time = time
+    store_release(notes.written, 0, written + 1)
+
+
+@kernel
+def carry_out(state, event):
+    """Do what an event asks for."""
+    kind = event.kind
+    if _is_gesture(kind):
+        start_gesture(state, state.objects[event.slot], event)
+    elif kind == KIND_STEER:
+        steer(state, event)
+    elif kind == KIND_STOP:
+        stop_gesture(state, event)
+    elif kind == KIND_SET:
+        _set(state.objects[event.slot], event)
+    elif kind == KIND_NEW:
+        _new(state, event)
+    elif kind == KIND_FREE:
+        obj = state.objects[event.slot]
+        obj.dying = 2 if event.value != 0.0 else 1
+        stop_gestures_on(state, obj, event.time)
+    elif kind == KIND_PANIC:
+        _panic(state, event.order)
+    elif kind == KIND_SYNC:
+        state.stats.synced = int(event.value)
+    else:
+        _choose(state.choices, event)
+
+
+@kernel
+def _choose(choices, event):
+    """Change how the engine computes."""
+    if event.kind == KIND_QUALITY:
+        choices.quality = int(event.value)
+    elif event.kind == KIND_ACCURACY:
+        choices.accuracy = int(event.value)
+    elif event.kind == KIND_METHOD:
+        choices.method = event.method
+
+
+@kernel
+def _set(obj, event):
+    """Change a setting of an object; its modes get new coefficients where it is about them."""
+    set_field(obj.settings, event.parameter, event.value)
+    if _RETUNES[event.parameter]:
+        obj.stale_modes = obj.size
+
+
+@kernel
+def _new(state, event):
+    """Make the object whose modes and shapes Python has laid out."""
+    obj = state.objects[event.slot]
+    obj.used = 1
+    obj.serial = event.serial
+    obj.dying = 0
+    obj.first, obj.size = event.layout.first, event.layout.size
+    obj.table, obj.rows = event.layout.table, event.layout.rows
+    obj.settings = event.settings
+    obj.live = 0
+    obj.stale_modes = obj.size
+    obj.retuning = 0
+    obj.contact = -1
+    obj.faults = 0
+    obj.limited_energy = 0.0
+    obj.gain[0], obj.gain[1] = pan_gains(obj)
+    for i in range(obj.first, obj.first + obj.size):
+        state.bank.a2[i] = 0.0
+    state.order[state.active] = event.slot
+    state.active += 1
+
+
+@kernel
+def _panic(state, order):
+    """Silence everything at once and forget the strikes and changes that arrived before and still wait."""
+    queue = state.queue
+    kept = 0
+    for i in range(queue.size):
+        event = queue.events[queue.heap[i]]
+        if event.order > order or event.kind == KIND_NEW or event.kind == KIND_FREE or event.kind == KIND_SYNC:
+            swap(queue, kept, i)
+            kept += 1
+        else:
+            _note(state, event.number, -1.0)
+            if _is_gesture(event.kind):
+                report_end(state, event.gesture, END_GONE)
+    queue.size = kept
+    order_heap(queue)
+    for i in range(state.active):
+        silence(state, state.objects[state.order[i]])

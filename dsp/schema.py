@@ -1,0 +1,254 @@
+"""Every gesture, parameter, setting and counter of the engine, declared once.
+
+From these declarations come the engine's records (engine/commands.py, engine/state.py), the check of OSC messages, the
+addresses that steer gestures, OSCQuery's ranges, the ranges of presets, the methods' keys in Python and the tables in
+the documentation. To add a parameter to a gesture, add it to the gesture's `keys` here and read it in the kernel.
+"""
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+
+from .numerics.constants import STANDARD_GRAVITY
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number that users give: its name, the range that is allowed (bounds included), its unit and its meaning."""
+
+    name: str
+    low: float
+    high: float
+    unit: str = ""
+    help: str = ""
+    default: float | None = None
+    """The value where none is given; None: it comes from the striker or the object, or it must be given."""
+    useful: tuple[float, float] | None = None
+    """The range that a fader should cover; None: all that is allowed."""
+    steerable: bool = False
+    """A running gesture takes a new value."""
+    glide: float = 0.0
+    """Time constant in s with which a running gesture approaches a new value; 0: at once."""
+    whole: bool = False
+    """Only whole numbers are allowed."""
+    steered: str = ""
+    """When a running gesture takes a new value, if not at once."""
+
+    def __str__(self) -> str:
+        usual = f", usually {self.useful[0]:g} to {self.useful[1]:g}" if self.useful else ""
+        return f"{self.name} {self.low:g} to {self.high:g} {self.unit}".rstrip() + usual
+
+    def in_engine(self, value: float) -> float:
+        """A value as the engine takes it: dB as an amplitude, semitones as a ratio of frequencies, others unchanged."""
+        if self.unit == "dB":
+            return float(10.0 ** (value / 20.0))
+        if self.unit == "semitones":
+            return float(2.0 ** (value / 12.0))
+        return value
+
+
+@dataclass(frozen=True)
+class Gesture:
+    """Something that strikes an object: its first argument, and the keys that may follow."""
+
+    name: str
+    help: str
+    argument: Parameter
+    keys: tuple[Parameter, ...] = ()
+    fixed: tuple[str, ...] = ()
+    """Keys that can be steered elsewhere, but not in this gesture."""
+
+    @property
+    def steerable(self) -> tuple[str, ...]:
+        """Names of the parameters that a running gesture takes anew."""
+        given = (self.argument, *STRIKE, *self.keys)
+        named = {each.name: each.steerable for each in given}
+        return tuple(name for name, steerable in named.items() if steerable and name not in self.fixed)
+
+
+# What any striker has. Presets have the same ranges.
+MASS = Parameter("mass", 1e-9, 1e6, "kg", "overrides the striker preset", useful=(1e-4, 10.0))
+STIFFNESS = Parameter("stiffness", 1e-3, 1e16, "N/m^a", "overrides the striker preset", useful=(1e3, 1e12))
+DISSIPATION = Parameter(
+    "dissipation", 0.0, 1e6, "s/m", "overrides the striker preset, or a roll's surface", useful=(0.0, 10.0)
+)
+EXPONENT = Parameter("exponent", 1.0, 4.0, "", "overrides the striker preset", useful=(1.0, 3.0))
+LAW = (MASS, STIFFNESS, DISSIPATION, EXPONENT)
+"""The contact law f = k x^a (1 + mu v): m, k, mu, a."""
+
+POSITION = Parameter(
+    "position", 0.0, 1.0, "", "where it is struck, from one end of the object's strike path to the other",
+    steerable=True, glide=0.02,
+)  # fmt: skip
+GAIN = Parameter(
+    "gain", -120.0, 40.0, "dB", "of this gesture", default=0.0, useful=(-40.0, 12.0), steerable=True, glide=0.02
+)
+BY_POSITION = Parameter("by_position", 0.0, 1.0, "", "where on that object")
+BY_RADIUS = Parameter(
+    "by_radius", 1e-4, 10.0, "m",
+    "of that object where it touches, for the law that both materials make; 0.01 if not given", useful=(1e-3, 0.1),
+)  # fmt: skip
+STRIKE = (*LAW, POSITION, GAIN)
+"""The parameters that all gestures share."""
+
+VELOCITY = Parameter(
+    "velocity", 0.0, 1000.0, "m/s", "of the striker as it meets the object; 0 does nothing", useful=(0.0, 5.0)
+)
+HEIGHT = Parameter("height", 0.0, 1000.0, "m", "it falls from", useful=(0.0, 2.0))
+THROW = Parameter(
+    "velocity", -100.0, 100.0, "m/s", "thrown downwards, or upwards", default=0.0,
+    useful=(-5.0, 5.0),
+)  # fmt: skip
+SPEED = Parameter(
+    "speed", 0.0, 100.0, "m/s", "along the surface; 0 stops it", useful=(0.0, 5.0), steerable=True, glide=0.02
+)
+RADIUS = Parameter(
+    "radius", 1e-4, 10.0, "m", "of the body; the striker's if it is a ball", useful=(1e-3, 0.2), steerable=True
+)
+FORCE = Parameter("force", 0.0, 1e5, "N", "that presses it on", useful=(0.0, 50.0), steerable=True, glide=0.1)
+GRAVITY = Parameter(
+    "gravity", 0.01, 1000.0, "m/s^2", "", default=STANDARD_GRAVITY, useful=(1.0, 30.0), steerable=True, glide=0.02
+)
+SEED = Parameter(
+    "seed", 0, 2**31 - 1, "", "of its random numbers; another one for each gesture if none is given", whole=True
+)
+
+IMPACT = Gesture("impact", "strikes it once; `by` another object, that one rings too", VELOCITY)
+BOUNCE = Gesture(
+    "bounce", "drops or throws the striker on it, which bounces until it rests", HEIGHT,
+    (
+        THROW,
+        dataclasses.replace(GRAVITY, steered="from its next flight on"),
+        Parameter(
+            "irregularity", 0.0, 1.0, "", "how far from round: energy comes and goes between flight and rotation",
+            default=0.0, steerable=True, steered="from its next contact on",
+        ),
+        SEED,
+        Parameter(
+            "weight", 0, 1, "", "1: gravity acts in every contact too, not only near rest", default=0.0
+        ),
+    ),
+)  # fmt: skip
+ROLL = Gesture(
+    "roll", "rolls the striker over it until 0, or steers the roll of that id (NAME if none)", SPEED,
+    (
+        dataclasses.replace(MASS, steerable=True, glide=0.02),
+        RADIUS,
+        Parameter(
+            "roughness", 0.0, 100.0, "times", "the surface's own", default=1.0, useful=(0.0, 10.0), steerable=True,
+        ),
+        Parameter(
+            "asymmetry", 0.0, 1.0, "", "how far the centre of mass is from the middle, as a share of the radius",
+            default=0.0, steerable=True,
+        ),
+        Parameter(
+            "friction", 0.0, 10.0, "", "share of its weight that slows it down", default=0.0, useful=(0.0, 0.2),
+            steerable=True,
+        ),
+        GRAVITY,
+        SEED,
+        Parameter("corners", 0, 100, "", "of the body; 0: it is round", default=0.0, whole=True),
+        Parameter(
+            "travel", 0.0, 1e3, "m", "length of the strike path, which it rolls to and fro; 0: it stays",
+            default=0.0, useful=(0.0, 2.0),
+        ),
+    ),
+)  # fmt: skip
+PRESS = Gesture(
+    "press", "lays the striker on it and presses, until it is stopped: a hand, a mute", FORCE, fixed=("gain",)
+)
+GESTURES = {gesture.name: gesture for gesture in (IMPACT, BOUNCE, ROLL, PRESS)}
+
+STEERABLE = tuple(dict.fromkeys(name for gesture in GESTURES.values() for name in gesture.steerable))
+"""Names of all parameters that a gesture can take anew while it runs; their places are their numbers."""
+
+
+def gestures_steered_by(name: str) -> dict[str, Parameter]:
+    """The gestures that a steerable parameter steers, by name, each with the parameter as it has it."""
+    found = {}
+    for gesture in GESTURES.values():
+        own = {each.name: each for each in (*STRIKE, *gesture.keys, gesture.argument)}
+        if name in gesture.steerable:
+            found[gesture.name] = own[name]
+    return found
+
+
+# What can be set of an object.
+SETTINGS = {
+    setting.name: setting
+    for setting in (
+        Parameter("gain", -120.0, 40.0, "dB", "its level", default=0.0, useful=(-40.0, 12.0)),
+        Parameter("pan", -1.0, 1.0, "", "its place from left, -1, to right, 1", default=0.0),
+        Parameter(
+            "tune", -60.0, 60.0, "semitones", "moves all its frequencies up or down", default=0.0, useful=(-24.0, 24.0)
+        ),
+        Parameter(
+            "decay",
+            0.001,
+            100.0,
+            "times",
+            "makes all its decay times longer or shorter",
+            default=1.0,
+            useful=(0.1, 10.0),
+        ),
+        Parameter("damp", 0.0, 1.0, "", "a hand on it, until changed: 0 none, 1 the firmest", default=0.0),
+    )
+}
+
+
+def _counter(help: str, unit: str = "") -> int:
+    return dataclasses.field(default=0, metadata={"help": help, "unit": unit})
+
+
+def _measure(help: str, unit: str = "") -> float:
+    return dataclasses.field(default=0.0, metadata={"help": help, "unit": unit})
+
+
+@dataclass(frozen=True)
+class Stats:
+    """What the engine counts and measures. Counters only rise; `metadata` of each field holds its meaning and unit."""
+
+    impacts: int = _counter("contacts that began, or were left out")
+    contacts_dropped: int = _counter("contacts left out because there was no room")
+    coupled: int = _counter("contacts that were coupled to the modes")
+    recontacts: int = _counter("times that an object caught up with the striker that had just left it")
+    held: int = _counter("steps of coupled contacts in which the force was held")
+    late: int = _counter("events that came after their time and were played at once")
+    faults: int = _counter("times that an object was silenced because its sound was not finite")
+    limited: int = _counter("frames that the limiter turned down", "frames")
+    tap_lost: int = _counter("frames missing in the recording", "frames")
+    notes_lost: int = _counter("events missing in the log")
+    trace_lost: int = _counter("samples missing in the record of contacts", "samples")
+    underflows: int = _counter("blocks that the device was not served in time")
+    overruns: int = _counter("callbacks that took longer than the sound they made")
+    callbacks: int = _counter("callbacks")
+    synced: int = _counter("the number of the last sync that was carried out")
+    contacts_active: int = _counter("contacts that go on or wait")
+    rolls_active: int = _counter("bodies that roll")
+    coupled_modes: int = _counter("modes that are coupled to contacts")
+    live_modes: int = _counter("modes that ring")
+    sounding: int = _counter("objects that sound")
+    sounded: int = _counter("the end of the last quantum in which an object sounded", "samples")
+    limit_lowest: float = _measure("the lowest gain of the limiter since it was last asked for")
+    load: float = _measure("share of the time there is that the callback takes, over a second")
+    load_now: float = _measure("the same over a tenth of a second")
+    load_peak: float = _measure("the highest share, falling slowly")
+    late_last: float = _measure("by how much the last late event was late", "s")
+    late_worst: float = _measure("by how much the latest event was late", "s")
+    latency_measured: float = _measure("from callback to sound, as the device says", "s")
+
+
+def record_of(*names: str) -> np.dtype[np.void]:
+    """A record of float64 fields of these names."""
+    return np.dtype([(name, np.float64) for name in names], align=True)
+
+
+STATS = np.dtype(
+    [(field.name, np.int64 if field.type in (int, "int") else np.float64) for field in dataclasses.fields(Stats)],
+    align=True,
+)
+"""The counters as the engine holds them."""
+
+STEERED = record_of(*STEERABLE)
+"""A value for each steerable parameter."""

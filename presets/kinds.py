@@ -1,0 +1,221 @@
+"""What presets become: strikers, surfaces and objects, made from the data of a file."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, Protocol
+
+from ..dsp import bodies as shapes
+from ..dsp.bodies.material import CONTACT_RADIUS, HERTZ_EXPONENT, Material, contact_between, hertz
+from .making import made
+from .schema import BALL, DESCRIPTION, LAW, OBJECT, SHAPES, STRIKE, STRIKER, SURFACE, Fields, PresetError, check
+from .values import Many, Row, shown
+
+STAND_IN = "steel"
+"""The material of an object that has none, where it strikes another one or is struck by it."""
+
+
+class Library(Protocol):
+    """Where a preset finds the others that it names."""
+
+    def material(self, name: str) -> Material: ...
+
+    def striker(self, name: str) -> StrikerPreset: ...
+
+
+@dataclass(frozen=True)
+class StrikerPreset:
+    """A striker, given by its contact law or as a ball (a tip) of a material."""
+
+    name: str
+    description: str
+    source: str
+    dissipation: float
+    mass: float
+    stiffness: float | None = None
+    exponent: float = HERTZ_EXPONENT
+    material: Material | None = None
+    radius: float | None = None
+
+    @classmethod
+    def from_data(cls, name: str, where: str, data: Mapping[str, object], library: Library) -> StrikerPreset:
+        """A striker from its file's data. `where` begins the text of a PresetError."""
+        required = (*DESCRIPTION, *(BALL if "material" in data or "radius" in data else LAW))
+        fields = {key: domain for key, domain in STRIKER.items() if key in (*required, "mass")}
+        values = check(where, data, fields, required)
+        if "material" in values:
+            material = values["material"] = _material(values["material"], where, library)
+            values.setdefault("mass", material.density * 4 / 3 * math.pi * values["radius"] ** 3)
+        return cls(name, **values)
+
+    def contact(self, material: Material | None) -> tuple[float, float, float, float]:
+        """Mass (kg), stiffness (N/m^a), dissipation (s/m) and exponent a against an object of `material`.
+
+        A ball's stiffness is Hertz's with a plane of the material, a rigid one if None.
+        """
+        stiffness = self.stiffness
+        if self.material is not None and self.radius is not None:
+            stiffness = hertz(self.material, self.radius, material)
+        assert stiffness is not None
+        return self.mass, stiffness, self.dissipation, self.exponent
+
+
+@dataclass(frozen=True)
+class SurfacePreset:
+    """A surface that bodies roll on.
+
+    It has an rms roughness (m), a correlation length (m), the slope of its power spectrum above that, the dissipation
+    (s/m) of the contact of a rolling body, and the amplitude (m) and wavelength (m) of a corrugation.
+    """
+
+    name: str
+    description: str
+    source: str
+    roughness: float
+    correlation: float
+    slope: float
+    dissipation: float
+    ripple: float = 0.0
+    wavelength: float = 1.0
+
+    @classmethod
+    def from_data(cls, name: str, where: str, data: Mapping[str, object]) -> SurfacePreset:
+        """A surface from its file's data. `where` begins the text of a PresetError."""
+        required = (*DESCRIPTION, "roughness", "correlation", "slope", "dissipation")
+        return cls(name, **check(where, data, SURFACE, required))
+
+    @property
+    def profile(self) -> tuple[float, float, float, float, float]:
+        """Roughness (m), correlation (m), slope, ripple (m) and wavelength (m)."""
+        return self.roughness, self.correlation, self.slope, self.ripple, self.wavelength
+
+
+@dataclass(frozen=True)
+class ObjectPreset:
+    """An object: shape, geometry and material, and how it is struck by default."""
+
+    name: str
+    description: str
+    source: str
+    shape: str
+    geometry: Mapping[str, Any]
+    material: Material | None
+    striker: str
+    velocity: float
+    position: float
+    level: float
+    pickups: tuple[Any, Any] | None
+    where: str = field(repr=False)
+    _data: Mapping[str, Any] = field(repr=False, compare=False)
+    _library: Library = field(repr=False, compare=False)
+
+    @classmethod
+    def from_data(cls, name: str, where: str, data: dict[str, Any], library: Library) -> ObjectPreset:
+        """An object from its file's data. `where` begins the text of a PresetError; without it, keys stand alone."""
+        values = check(where, data, OBJECT, ("description", "source", "shape", "level"))
+        shape = SHAPES[values["shape"]]
+        titles = {key: f"{where}[{key}] " if where else "" for key in ("geometry", "damping", "strike", "pickup")}
+        geometry = check(titles["geometry"], data.get("geometry", {}), shape.fields, shape.required)
+        one, other = ([key for key in geometry if key in side] for side in shape.either)
+        if one and other:
+            raise PresetError(f"{titles['geometry']}{one[0]} and {other[0]}: expected one of the two")
+        damping = check(titles["damping"], data.get("damping", {}), shape.damping, ())
+        strike = check(titles["strike"], data.get("strike", {}), STRIKE, tuple(STRIKE))
+        try:
+            library.striker(strike["striker"])
+        except PresetError as error:
+            raise PresetError(f"{titles['strike']}striker = {shown(strike['striker'])}: {error}") from None
+        pickup = check(titles["pickup"], data.get("pickup", {}), shape.pickups, ())
+        if len(pickup) == 1:
+            raise PresetError(f"{titles['pickup']}{next(iter(pickup))}: expected left and right")
+        material = None
+        if "material" in values:
+            material = replace(_material(values["material"], where, library), **damping)
+        elif shape.has_material:
+            raise PresetError(f"{where}material is missing: expected {OBJECT['material']}")
+        return cls(
+            name=name,
+            description=values["description"],
+            source=values["source"],
+            shape=values["shape"],
+            geometry=geometry,
+            material=material,
+            level=values["level"],
+            pickups=(pickup["left"], pickup["right"]) if pickup else None,
+            where=titles["geometry"],
+            _data=data,
+            _library=library,
+            **strike,
+        )
+
+    def modes(self, top: float) -> shapes.Modes:
+        """Its modes up to `top` (Hz), in arrays that are read-only, as equal objects share them.
+
+        PresetError if the geometry gives none or contradicts itself.
+        """
+        shape = SHAPES[self.shape]
+        arguments = dict(self.geometry)
+        if self.pickups:
+            arguments["pickups"] = self.pickups
+        if shape.has_material:
+            arguments["material"] = self.material
+        try:
+            return made(shape.make, top, arguments)
+        except ValueError as error:
+            raise PresetError(f"{self.where}{error}") from None
+
+    def struck_by(self, striker: ObjectPreset, radius: float = CONTACT_RADIUS) -> tuple[float, float, float]:
+        """Stiffness (N/m^a), dissipation (s/m) and exponent a of its contact with another object.
+
+        They come from both materials; `radius` (m) is the striker's where they touch. See `contact_between`.
+        """
+        return contact_between(striker._contact_material, self._contact_material, radius)
+
+    @cached_property
+    def _contact_material(self) -> Material:
+        return self.material or self._library.material(STAND_IN)
+
+    @property
+    def _sections(self) -> dict[str, tuple[str, Fields]]:
+        """For every key that `replace` takes: the section of the file where it stands ("": none), and its fields."""
+        shape = SHAPES[self.shape]
+        sections = {"geometry": shape.fields, "damping": shape.damping, "strike": STRIKE}
+        own = {key: (section, fields) for section, fields in sections.items() for key in fields}
+        return {**own, "material": ("", OBJECT), "level": ("", OBJECT)}
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The keys that `replace` takes."""
+        return tuple(self._sections)
+
+    def replace(self, /, **changes: object) -> ObjectPreset:
+        """The preset with other values of its geometry, damping, strike, material (a name) or level.
+
+        A list may be a list, a tuple, or a text like "free,clamped,free,clamped". A key that excludes others (tension,
+        fundamental) takes their place. PresetError names the key.
+        """
+        sections, either = self._sections, SHAPES[self.shape].either
+        data: dict[str, Any] = copy.deepcopy(dict(self._data))
+        for key, value in changes.items():
+            if key not in sections:
+                raise PresetError(f"{key} = {shown(value)}: expected one of {', '.join(sections)}")
+            section, fields = sections[key]
+            domain = fields[key]
+            table = data.setdefault(section, {}) if section else data
+            table[key] = domain.parse(value) if isinstance(domain, Row | Many) and isinstance(value, str) else value
+            for side, other in (either, either[::-1]):
+                if key in side:
+                    for rival in other - changes.keys():
+                        data["geometry"].pop(rival, None)
+        return ObjectPreset.from_data(self.name, "", data, self._library)
+
+
+def _material(name: str, where: str, library: Library) -> Material:
+    try:
+        return library.material(name)
+    except PresetError as error:
+        raise PresetError(f"{where}material = {shown(name)}: {error}") from None

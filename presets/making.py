@@ -1,0 +1,94 @@
+"""The modes of presets: made one by one, and kept for the next object of the same shape, geometry and material."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable, Hashable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import cache
+from threading import Lock
+from typing import Any
+
+from threadpoolctl import ThreadpoolController
+
+from ..dsp.bodies.modes import Modes, read_only
+
+KEPT_BYTES = 64_000_000
+"""Of modes that are kept. Those of all presets take 13 MB at 48 kHz; the largest object there can be takes 130 MB."""
+
+
+def made(make: Callable[..., Modes], top: float, arguments: Mapping[str, Any]) -> Modes:
+    """The modes that a shape makes of hashable arguments, up to `top` (Hz); their arrays are read-only."""
+    key = (make, top, *sorted(arguments.items()))
+    modes = _kept.get(key)
+    if modes is None:
+        with _blas.on_one_thread():
+            modes = make(top=top, **arguments)
+        read_only(modes.frequency, modes.decay, modes.strike, modes.pickup)
+        _kept.put(key, modes)
+    return modes
+
+
+class _Kept:
+    """The modes used last, of no more than KEPT_BYTES; any thread may ask for them."""
+
+    def __init__(self) -> None:
+        self._lock = Lock()
+        self._modes: OrderedDict[Hashable, Modes] = OrderedDict()
+        self._bytes = 0
+
+    def get(self, key: Hashable) -> Modes | None:
+        with self._lock:
+            if key in self._modes:
+                self._modes.move_to_end(key)
+            return self._modes.get(key)
+
+    def put(self, key: Hashable, modes: Modes) -> None:
+        with self._lock:
+            if key in self._modes:  # another thread was faster
+                return
+            self._modes[key] = modes
+            self._bytes += _bytes(modes)
+            while self._bytes > KEPT_BYTES:
+                self._bytes -= _bytes(self._modes.popitem(last=False)[1])
+
+
+def _bytes(modes: Modes) -> int:
+    return modes.strike.nbytes + modes.pickup.nbytes + modes.frequency.nbytes + modes.decay.nbytes
+
+
+class _Blas:
+    """BLAS, as many threads of Python use it at once.
+
+    On machines of few cores its waiting threads cost tens of times the work, and disturb the audio.
+    """
+
+    def __init__(self) -> None:
+        self._lock = Lock()
+        self._users = 0
+        self._limit: Any = None
+
+    @contextmanager
+    def on_one_thread(self) -> Iterator[None]:
+        """Let BLAS use one thread of its own, from the first user to come to the last one to go."""
+        with self._lock:
+            if self._users == 0:
+                self._limit = _controller().limit(limits=1, user_api="blas")
+            self._users += 1
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._users -= 1
+                if self._users == 0:
+                    self._limit.restore_original_limits()
+
+
+@cache  # to look through all libraries takes longer than many an object
+def _controller() -> Any:
+    import scipy.linalg  # noqa: F401 - slow to load, and its BLAS must be there to be found
+
+    return ThreadpoolController()
+
+
+_kept, _blas = _Kept(), _Blas()

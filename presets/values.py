@@ -1,0 +1,201 @@
+"""What a value of a preset may be: numbers in a range, words, and lists of these.
+
+`fit` gives a value as it is used, or raises Unfit. A list's `parse` gives the list that a text spells, for senders that
+can't send one.
+"""
+
+from __future__ import annotations
+
+import re
+import reprlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
+LONGEST_LIST = 1024  # values: an object has no more modes
+_LONGEST_SHOWN = 300  # characters: lists in lists have many, each of them short
+_SEPARATOR = re.compile(r"[,\s]+")
+
+
+class Unfit(ValueError):
+    """A value that does not fit; the text is "VALUE: expected WHAT", after "item N = " inside a list."""
+
+    def __init__(self, value: object, expected: object, item: int | None = None) -> None:
+        self.value, self.expected, self.item = value, expected, item
+        place = "" if item is None else f": item {item}"
+        super().__init__(f"{place} = {shown(value)}: expected {expected}")
+
+
+def shown(value: object) -> str:
+    """A value as an error names it, cut where it is long. A tuple looks like the list that it stands for."""
+    text = reprlib.repr(list(value) if isinstance(value, tuple) else value)
+    return text if len(text) <= _LONGEST_SHOWN else f"{text[: _LONGEST_SHOWN - 3]}..."
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number in a range, bounds included, and its unit."""
+
+    low: float
+    high: float
+    unit: str = ""
+
+    def __str__(self) -> str:
+        return f"a number from {self.low:g} to {self.high:g} {self.unit}".rstrip()
+
+    def fit(self, value: object) -> float:
+        if isinstance(value, bool) or not isinstance(value, int | float) or not self.low <= value <= self.high:
+            raise Unfit(value, self)
+        return float(value)
+
+
+@dataclass(frozen=True)
+class Whole(Quantity):
+    """A whole number in a range; it may be written as a float."""
+
+    def __str__(self) -> str:
+        return f"a whole number from {self.low:g} to {self.high:g}"
+
+    def fit(self, value: object) -> int:
+        number = super().fit(value)
+        if not number.is_integer():
+            raise Unfit(value, self)
+        return int(number)
+
+
+@dataclass(frozen=True)
+class Text:
+    """Any text."""
+
+    def __str__(self) -> str:
+        return "a text"
+
+    def fit(self, value: object) -> str:
+        if not isinstance(value, str):
+            raise Unfit(value, self)
+        return value
+
+
+@dataclass(frozen=True)
+class Name(Text):
+    """The name of a preset."""
+
+    def __str__(self) -> str:
+        return "a name of up to 64 letters, digits, _ and -"
+
+    def fit(self, value: object) -> str:
+        if not isinstance(value, str) or not NAME.fullmatch(value):
+            raise Unfit(value, self)
+        return value
+
+
+@dataclass(frozen=True)
+class Choice(Text):
+    """One of a few words."""
+
+    options: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return f"one of {', '.join(self.options)}"
+
+    def fit(self, value: object) -> str:
+        if not isinstance(value, str) or value not in self.options:
+            raise Unfit(value, self)
+        return value
+
+
+@dataclass(frozen=True)
+class Row:
+    """A list of a fixed length, whose items fit one domain each."""
+
+    items: tuple[Quantity | Choice, ...]
+
+    def __str__(self) -> str:
+        if len(set(self.items)) == 1:
+            return f"a list of {len(self.items)}, each {self.items[0]}"
+        return f"a list of {len(self.items)}: {', then '.join(map(str, self.items))}"
+
+    def fit(self, value: object) -> tuple[Any, ...]:
+        if not isinstance(value, list | tuple) or len(value) != len(self.items):
+            raise Unfit(value, self)
+        return _fit_items(self.items, value)
+
+    def parse(self, text: str) -> object:
+        return _parse_items(text)
+
+
+@dataclass(frozen=True)
+class Many:
+    """A list of 1 to LONGEST_LIST items of one domain."""
+
+    item: Quantity
+
+    def __str__(self) -> str:
+        return f"a list of 1 to {LONGEST_LIST}, each {self.item}"
+
+    def fit(self, value: object) -> Any:
+        if not isinstance(value, list | tuple) or not 0 < len(value) <= LONGEST_LIST:
+            raise Unfit(value, self)
+        return _fit_items((self.item,) * len(value), value)
+
+    def parse(self, text: str) -> object:
+        return _parse_items(text)
+
+
+@dataclass(frozen=True)
+class OneOrMany(Many):
+    """One value, or a list of such."""
+
+    def __str__(self) -> str:
+        return f"{self.item}, or a list of such"
+
+    def fit(self, value: object) -> Any:
+        if isinstance(value, list | tuple):
+            return super().fit(value)
+        try:
+            return self.item.fit(value)
+        except Unfit:
+            raise Unfit(value, self) from None
+
+    def parse(self, text: str) -> object:
+        items = _parse_items(text)
+        return items[0] if len(items) == 1 else items
+
+
+@dataclass(frozen=True)
+class Section:
+    """A TOML table with keys of its own."""
+
+    def __str__(self) -> str:
+        return "a section of keys"
+
+    def fit(self, value: object) -> dict[str, Any]:
+        if not isinstance(value, dict):
+            raise Unfit(value, self)
+        return value
+
+
+Domain = Quantity | Text | Row | Many | Section
+
+
+def _fit_items(domains: Sequence[Quantity | Choice], values: Sequence[object]) -> tuple[Any, ...]:
+    fitted = []
+    for number, (domain, value) in enumerate(zip(domains, values, strict=True), 1):
+        try:
+            fitted.append(domain.fit(value))
+        except Unfit as error:
+            raise Unfit(error.value, error.expected, number) from None
+    return tuple(fitted)
+
+
+def _parse_items(text: str) -> list[float | str]:
+    """The items of a text like "440, 881.5" or "free clamped"; a word that is no number stays a word."""
+    return [_number_or_word(word) for word in _SEPARATOR.split(text.strip(", \t\n")) if word]
+
+
+def _number_or_word(word: str) -> float | str:
+    try:
+        return float(word)
+    except ValueError:
+        return word

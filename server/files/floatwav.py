@@ -1,0 +1,74 @@
+"""Float WAV files with headers that every reader takes: RIFF, or RF64 (EBU Tech 3306) above 4 GiB.
+
+libsndfile writes the format chunk of float samples without the size of its extension. The WAVE format asks for that
+size in all formats but PCM, and sox warns where it is missing.
+"""
+
+import os
+import struct
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .outfile import write_whole
+
+_CHANNELS = 2
+_FRAME = _CHANNELS * 4  # bytes
+_IEEE_FLOAT = 3  # WAVE_FORMAT_IEEE_FLOAT
+_SIZES = 28  # bytes of an RF64's size chunk, for which a RIFF file keeps a JUNK chunk
+_UNKNOWN = 0xFFFF_FFFF  # in RF64: the size chunk has the size
+_MOST = 0xFFFF_FFFF  # bytes that a RIFF file counts
+
+
+def header(rate: int, frames: int) -> bytes:
+    """The bytes before the samples of a float32 stereo file of some frames at a rate (Hz)."""
+    size = frames * _FRAME
+    fact_and_format = struct.pack(
+        "<4sIHHIIHHH4sII",
+        b"fmt ", 18, _IEEE_FLOAT, _CHANNELS, rate, rate * _FRAME, _FRAME, 32, 0,
+        b"fact", 4, min(frames, _UNKNOWN),
+    )  # fmt: skip
+    whole = 4 + 8 + _SIZES + len(fact_and_format) + 8 + size  # after the first eight bytes
+    if whole <= _MOST:
+        start = struct.pack("<4sI4s4sI28x", b"RIFF", whole, b"WAVE", b"JUNK", _SIZES)
+        return start + fact_and_format + struct.pack("<4sI", b"data", size)
+    sizes = struct.pack("<4sIQQQI", b"ds64", _SIZES, whole, size, frames, 0)
+    start = struct.pack("<4sI4s", b"RF64", _UNKNOWN, b"WAVE") + sizes
+    return start + fact_and_format + struct.pack("<4sI", b"data", _UNKNOWN)
+
+
+class FloatWav:
+    """Writes float32 stereo to an open, empty file, whose descriptor stays open.
+
+    The sizes in the header are right after every write, so the file can be read at any time.
+    """
+
+    def __init__(self, descriptor: int, rate: int) -> None:
+        """Write the header of a file at a rate (Hz). OSError where that fails."""
+        self._descriptor = descriptor
+        self._rate = rate
+        self._frames = 0
+        write_whole(descriptor, header(rate, 0))
+
+    def write(self, frames: NDArray[Any]) -> None:
+        """Append frames, (frames, 2). OSError where not all of them can be written, and then none is."""
+        if len(frames) == 0:
+            return
+        write_whole(self._descriptor, np.ascontiguousarray(frames, "<f4").tobytes())
+        self._frames += len(frames)
+        os.lseek(self._descriptor, 0, os.SEEK_SET)
+        write_whole(self._descriptor, header(self._rate, self._frames))
+        os.lseek(self._descriptor, 0, os.SEEK_END)
+
+    def close(self) -> None:
+        """Do nothing: the file is whole after every write."""
+
+    def __enter__(self) -> "FloatWav":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()

@@ -1,0 +1,169 @@
+"""The arguments of an address: their names, kinds and ranges, and the check of a message's arguments by them."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from ...dsp.schema import Parameter as Number
+from .wire import Argument
+
+_LONGEST_SHOWN = 40  # characters of a value in an error
+
+
+class Refused(ValueError):
+    """A message that the server does not carry out. The text names the culprit, its value and what was expected."""
+
+
+class GestureEnded(Refused):
+    """A message that steers a gesture that has ended."""
+
+
+def shown(value: Argument) -> str:
+    """A value as an error names it."""
+    if isinstance(value, float) and math.isfinite(value):
+        return f"{value:g}"
+    text = str(value) if isinstance(value, str) else repr(value)
+    return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 3] + "..."
+
+
+def check_number(number: Number, value: Argument) -> float:
+    """A numeric argument as a float; Refused if it is no number, out of range, or not whole where it must be."""
+    if not isinstance(value, (int, float)) or not number.low <= value <= number.high:
+        unit = f" {number.unit}" if number.unit else ""
+        raise Refused(f"{number.name} = {shown(value)}: expected a number from {number.low:g} to {number.high:g}{unit}")
+    if number.whole and value != int(value):
+        raise Refused(f"{number.name} = {value:g}: expected a whole number")
+    return float(value)
+
+
+@dataclass(frozen=True)
+class Word:
+    """An argument that is a name."""
+
+    name: str
+    help: str = ""
+
+    def check(self, value: Argument) -> str:
+        """The value; Refused if it is no text, or an empty one."""
+        if isinstance(value, str) and value:
+            return value
+        raise Refused(f"{self.name} = {shown(value)}: expected a name")
+
+    def __str__(self) -> str:
+        return self.name
+
+
+@dataclass(frozen=True)
+class Either:
+    """An argument that is one of a few words; a number stands for the word that is written like it."""
+
+    name: str
+    words: tuple[str, ...]
+    help: str = ""
+
+    def check(self, value: Argument) -> str:
+        """The word; Refused if it is none of them."""
+        word = f"{value:g}" if isinstance(value, int | float) else value
+        if isinstance(word, str) and word in self.words:
+            return word
+        raise Refused(f"{self.name} = {shown(value)}: expected {', '.join(self.words)}")
+
+    def __str__(self) -> str:
+        return self.name
+
+
+Parameter = Number | Word | Either
+
+
+@dataclass
+class Values:
+    """The checked arguments of a message, by name: those that it gives, and the defaults of its numbers."""
+
+    numbers: dict[str, float] = field(default_factory=dict)
+    words: dict[str, str] = field(default_factory=dict)
+    others: dict[str, Argument] = field(default_factory=dict)
+    defaults: dict[str, float] = field(default_factory=dict)
+
+    def number(self, name: str) -> float:
+        """A number as it is given, else its default."""
+        return self.numbers[name] if name in self.numbers else self.defaults[name]
+
+    def add(self, parameter: Parameter, value: Argument) -> None:
+        """Check a value and keep it; Refused if it does not fit or was given before."""
+        if parameter.name in self.numbers or parameter.name in self.words:
+            raise Refused(f"{parameter.name} = {shown(value)}: given twice")
+        if isinstance(parameter, Number):
+            self.numbers[parameter.name] = check_number(parameter, value)
+        else:
+            self.words[parameter.name] = parameter.check(value)
+
+
+@dataclass(frozen=True)
+class Verb:
+    """An address and its arguments: required ones, optional positional numbers, then key value pairs."""
+
+    address: str
+    """As it is sent, but for a part in capitals, which stands for the name of an object or the id of a gesture."""
+    help: str
+    required: tuple[Parameter, ...] = ()
+    optional: tuple[Number, ...] = ()
+    keys: tuple[Number | Word, ...] = ()
+    open_keys: bool = False
+    """Whether it takes keys that are not declared here: who carries the message out checks them."""
+    scored: bool = True
+    """Whether a score may hold it; the others are for a running server alone."""
+
+    @property
+    def action(self) -> str:
+        """The last part of the address, such as `impact` or `gain`."""
+        return self.address.rsplit("/", 1)[1]
+
+    @cached_property
+    def named(self) -> dict[str, Number | Word]:
+        """The declared keys by name; an optional argument can be given as one."""
+        return {key.name: key for key in (*self.keys, *self.optional)}
+
+    @cached_property
+    def defaults(self) -> dict[str, float]:
+        """The defaults of its numbers, by name."""
+        numbers = (key for key in self.named.values() if isinstance(key, Number))
+        return {number.name: number.default for number in numbers if number.default is not None}
+
+    def parse(self, args: tuple[Argument, ...]) -> Values:
+        """Checked values by name; Refused names the argument that does not fit."""
+        if len(args) < len(self.required):
+            missing = self.required[len(args)]
+            raise Refused(f"{missing.name} is missing: expected {self.usage()}")
+        values = Values(defaults=self.defaults)
+        for parameter, value in zip(self.required, args, strict=False):
+            values.add(parameter, value)
+        rest = list(args[len(self.required) :])
+        for number in self.optional:
+            if rest and not isinstance(rest[0], str):
+                values.add(number, rest.pop(0))
+        for key, value in _pairs(rest, self):
+            if key in self.named:
+                values.add(self.named[key], value)
+            elif key in values.others:
+                raise Refused(f"{key} = {shown(value)}: given twice")
+            elif self.open_keys:
+                values.others[key] = value
+            else:
+                raise Refused(f"{key}: no such key; expected {', '.join(self.named) or 'none'}")
+        return values
+
+    def usage(self) -> str:
+        """The address and the names of its arguments, optional ones in brackets."""
+        words = [a.name for a in self.required] + [f"[{a.name}]" for a in self.optional]
+        return " ".join([self.address, *words, *(["[key value ...]"] if self.keys or self.open_keys else [])])
+
+
+def _pairs(rest: list[Argument], verb: Verb) -> Iterator[tuple[str, Argument]]:
+    for i in range(0, len(rest), 2):
+        key = rest[i]
+        if not isinstance(key, str):
+            raise Refused(f"{shown(key)}: expected a key; {verb.usage()}")
+        if i + 1 == len(rest):
+            raise Refused(f"{key}: its value is missing")
+        yield key, rest[i + 1]

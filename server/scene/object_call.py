@@ -1,0 +1,127 @@
+"""A message to one object: the object, what strikes it, and the id of the gesture that it starts."""
+
+import re
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, field
+from functools import partial
+from itertools import chain
+
+from ...dsp.bodies.material import CONTACT_RADIUS
+from ...dsp.schema import BY_RADIUS
+from ...presets.kinds import STAND_IN
+from ..osc.addresses import Call
+from ..osc.arguments import Refused, Values, shown
+from ..osc.patterns import is_pattern
+from ..osc.wire import Argument, Message
+from .objects import PlayedObject
+from .transaction import Transaction
+
+_NAME = re.compile(r"[^\s#*,/?\[\]{}]{1,64}")
+_FORBIDDEN = "# * , / ? [ ] { } or space"
+_MOST_LISTED = 8  # names in an error
+
+
+def require_name(key: str, name: str) -> None:
+    """Refuse a name that can't be a part of an address."""
+    if not _NAME.fullmatch(name) or not name.isprintable():
+        raise Refused(f"{key} = {shown(name)}: expected 1 to 64 printable characters, none of them {_FORBIDDEN}")
+
+
+def listed(names: Collection[str]) -> str:
+    """The first of some names, for an error."""
+    return ", ".join(list(names)[:_MOST_LISTED]) or "none"
+
+
+@dataclass
+class ObjectCall:
+    """A call to one of the objects that the NAME in its address matches, and its checked arguments."""
+
+    transaction: Transaction
+    call: Call
+    values: Values
+    name: str
+    obj: PlayedObject
+    chosen_keys: dict[str, Argument] = field(default_factory=dict)
+    """The keys that the message left to be chosen, such as a seed."""
+
+    @property
+    def address(self) -> str:
+        """The address without a pattern."""
+        assert self.call.verb
+        return f"/object/{self.name}/{self.call.verb.action}"
+
+    @property
+    def canonical(self) -> Message:
+        """The message with the keys that it left to be chosen; the NAME in its address stays a pattern."""
+        message = self.call.message
+        return Message(message.address, (*message.args, *chain.from_iterable(self.chosen_keys.items())))
+
+    @property
+    def striker(self) -> str:
+        """The preset of what strikes the object."""
+        return self.values.words.get("striker", self.obj.preset.striker)
+
+    def striking_object(self) -> PlayedObject | None:
+        """The object that `by` names, None if it is not given; Refused if there is no other object of that name."""
+        if "by" not in self.values.words:
+            return None
+        name, objects, time = self.values.words["by"], self.transaction.objects, self.transaction.time
+        by = None if is_pattern(name) else objects.at(name, time).get(name)
+        if by is None or by is self.obj:
+            others = [other for other, obj in objects.at("*", time).items() if obj is not self.obj]
+            raise Refused(f"by = {shown(name)}: expected another object; there are {listed(others)}")
+        return by
+
+    @property
+    def by_materials(self) -> bool:
+        """True if the contact is that of two objects, by their materials, and not a striker's."""
+        return "by" in self.values.words and "striker" not in self.values.words
+
+    @property
+    def contact_radius(self) -> float:
+        """The radius (m) of the object that strikes where it touches: that on which it rolls, if it does."""
+        numbers = self.values.numbers
+        return numbers.get(BY_RADIUS.name, numbers.get("radius", CONTACT_RADIUS))
+
+    def say(self, key: str, value: Argument) -> None:
+        """Let the canonical message say the value of a key that was not given."""
+        if key not in self.values.numbers:
+            self.chosen_keys[key] = value
+
+    def warn_of_stand_ins(self, by: PlayedObject) -> None:
+        """Tell the sender, once for each, which of the two objects have no material."""
+        for name, obj in ((self.name, self.obj), (self.values.words["by"], by)):
+            if obj.preset.material is None and not obj.warned_of_stand_in:
+                obj.warned_of_stand_in = True
+                self.transaction.on_undo(partial(setattr, obj, "warned_of_stand_in", False))
+                text = f"{name} has no material: where it and another object meet, it counts as {STAND_IN}"
+                self.transaction.replies.append(Message("/warning", (text,)))
+
+    def id(self, choose: Callable[[str], str]) -> str:
+        """The id of the gesture: the given one, else one that is chosen for the object's name."""
+        if "id" in self.values.words:
+            return self.values.words["id"]
+        self.chosen_keys["id"] = id = choose(self.name)
+        return id
+
+    def start(self, id: str) -> int:
+        """The number of a gesture that begins."""
+        require_name("id", id)
+        gestures = self.transaction.gestures
+        started = gestures.start(id, self.address, self.transaction.source)
+        self.transaction.on_undo(lambda: gestures.take_back(started))
+        return started.number
+
+    def end_at_once(self) -> None:
+        """Nothing moves: whoever gave an id is told that its gesture is over."""
+        if "id" in self.values.words:
+            id = self.values.words["id"]
+            require_name("id", id)
+            self.transaction.gestures.end_at_once(id, self.address, self.transaction.source)
+            self.transaction.on_undo(self.transaction.gestures.take_back_end)
+
+    def seed(self, number: int) -> float:
+        """The seed of a gesture's random numbers: the given one, else the gesture's number."""
+        if "seed" not in self.values.numbers:
+            self.chosen_keys["seed"] = number
+        return self.values.numbers.get("seed", number)

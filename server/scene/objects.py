@@ -1,0 +1,84 @@
+"""The objects that an engine plays, by name. A name may be another's later, so it is looked up for a time."""
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+
+from ...dsp.engine.commands import Handle
+from ...dsp.runtime.engine import Engine
+from ...presets import ObjectPreset
+from ..osc.patterns import is_pattern, match
+
+
+@dataclass(eq=False)
+class PlayedObject:
+    """An object in the engine: the preset that it was made from, its mass (kg) and its time (samples)."""
+
+    handle: Handle
+    preset: ObjectPreset
+    mass: float
+    born: float
+    """Nothing happens to it before."""
+    freed: float = math.inf
+    """From then on its name is free."""
+    warned_of_stand_in: bool = False
+    """Whether its maker was told which material stands in for the one that it lacks."""
+
+
+class ObjectTable(Mapping[str, PlayedObject]):
+    """Objects by name: for each name the one that has it, or is the next to have it."""
+
+    def __init__(self, engine: Engine) -> None:
+        self._engine = engine
+        self._newest: dict[str, PlayedObject] = {}
+        self.replaced: list[tuple[str, PlayedObject]] = []
+        """Objects that are still there, with a name that was given to a newer one."""
+
+    def __getitem__(self, name: str) -> PlayedObject:
+        return self._newest[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(list(self._newest))  # another thread may ask: OSCQuery's
+
+    def __len__(self) -> int:
+        return len(self._newest)
+
+    def at(self, pattern: str, time: float) -> dict[str, PlayedObject]:
+        """The objects whose names match a pattern and that are there, or the next to be, at a time (samples)."""
+        now = max(time, float(self._engine.position))
+        if is_pattern(pattern):
+            named = [(name, obj) for name, obj in (*self.replaced, *self._newest.items()) if match(pattern, name)]
+        else:  # most are not patterns, and to look through all objects for one takes long
+            named = [(name, obj) for name, obj in self.replaced if name == pattern]
+            named += [(pattern, self._newest[pattern])] if pattern in self._newest else []
+        found: dict[str, PlayedObject] = {}
+        for name, obj in named:
+            if obj.freed > now:
+                found.setdefault(name, obj)
+        return found
+
+    def start_of(self, obj: PlayedObject, time: float) -> float:
+        """The time (samples) of a command to an object: one for now waits for an object that is yet to be."""
+        return max(time, obj.born) if obj.born > self._engine.position else time
+
+    def add(self, name: str, obj: PlayedObject) -> Callable[[], None]:
+        """Give a name to a new object; returns how to undo it."""
+        before = self._newest.get(name)
+        self._newest[name] = obj
+        if before is None:
+            return lambda: self._newest.__delitem__(name)
+        entry = name, before
+        self.replaced.append(entry)
+
+        def undo() -> None:
+            self._newest[name] = before
+            self.replaced.remove(entry)
+
+        return undo
+
+    def forget_gone(self) -> None:
+        """Forget the objects whose time is over."""
+        gone = self._engine.position
+        self.replaced = [(name, obj) for name, obj in self.replaced if obj.freed > gone]
+        for name in [name for name, obj in self._newest.items() if obj.freed <= gone]:
+            del self._newest[name]

@@ -1,0 +1,88 @@
+"""A session: messages in, engine commands out, alike for a live server and a score."""
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
+
+from ...dsp.engine.state import RING
+from ...dsp.runtime.arena import EngineFull
+from ...dsp.runtime.engine import Engine
+from ...presets import PresetError, Presets
+from ..osc.addresses import Call, calls
+from ..osc.arguments import GestureEnded, Refused
+from ..osc.wire import Message
+from .gesture_ids import Ended, GestureIds
+from .limits import ContactLaws
+from .objects import ObjectTable
+from .transaction import Sent, Transaction
+from .translate import translate
+
+
+class Session:
+    """The objects and gestures of an engine, by name, and the messages that make and change them."""
+
+    def __init__(self, engine: Engine, presets: Presets, steers_ended: bool = False) -> None:
+        """steers_ended: steering a gesture that has ended is answered by /warning, not /fail. A score can't know when
+        friction ends a roll."""
+        self.engine = engine
+        self.presets = presets
+        self.objects = ObjectTable(engine)
+        self.gestures = GestureIds(engine)
+        self._laws = ContactLaws(presets)
+        self._steers_ended = steers_ended
+        self.on_sent: Callable[[int, list[Sent]], object] = lambda first, sent: None
+        """Called with all commands that are sent: the number of the first, and what each stands for."""
+
+    def perform(self, messages: Iterable[Message], time: float, source: Any = None) -> list[Message]:
+        """Carry out messages of a source together at a time (samples); returns /done and /fail replies.
+
+        A message that is refused leaves no trace and does not hold up the others. Either all their commands reach the
+        engine or, where it has no room for them, none.
+        """
+        return self.perform_calls([call for message in messages for call in calls(message)], time, source)
+
+    def perform_calls(self, calls: Sequence[Call], time: float, source: Any = None) -> list[Message]:
+        """As `perform`, for messages whose patterns are expanded."""
+        self.gestures.collect()
+        self.objects.forget_gone()
+        transaction = Transaction(self.engine, self.presets, self._laws, self.objects, self.gestures, time, source)
+        accepted: list[str] = []
+        try:
+            for place, call in enumerate(calls):
+                savepoint = transaction.savepoint()
+                try:
+                    translate(transaction, call)
+                except (Refused, PresetError, EngineFull) as error:
+                    transaction.undo_to(savepoint)
+                    harmless = self._steers_ended and isinstance(error, GestureEnded)
+                    reply = warning if harmless else fail
+                    transaction.replies.append(reply(call.message.address, str(error)))
+                else:
+                    accepted.append(call.message.address)
+                if len(transaction.commands) > RING:  # they will never be sent: spare the time to translate the rest
+                    accepted += [rest.message.address for rest in calls[place + 1 :]]
+                    break
+            first = self.engine.sent
+            self.engine.send(transaction.commands)
+        except EngineFull as error:
+            failed = [reply for reply in transaction.replies if reply.address == "/fail"]
+            transaction.undo_to()
+            return failed + [fail(address, str(error)) for address in accepted]
+        except BaseException:
+            transaction.undo_to()
+            raise
+        self.on_sent(first, transaction.sent)
+        return transaction.replies
+
+    def take_ends(self) -> list[Ended]:
+        """The gestures that have ended since the last call."""
+        return self.gestures.take_ends()
+
+
+def warning(address: str, reason: str) -> Message:
+    """The reply to a message that is carried out as far as there is anything to do."""
+    return Message("/warning", (f"{address}: {reason}",))
+
+
+def fail(address: str, reason: str) -> Message:
+    """The reply to a message that is not carried out."""
+    return Message("/fail", (address, reason))

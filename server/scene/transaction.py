@@ -1,0 +1,61 @@
+"""What messages ask of the engine together: either all of it is sent, or none of it leaves a trace."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+from ...dsp.engine.commands import Command
+from ...dsp.runtime.engine import Engine
+from ...presets import Presets
+from ..osc.wire import Message
+from .gesture_ids import GestureIds
+from .limits import ContactLaws
+from .objects import ObjectTable
+
+
+class Sent(NamedTuple):
+    """What a command stands for: the canonical message, which leaves no choice open; the serials of its object and of
+    the one that strikes it (0: none); and the mass (kg) that strikes."""
+
+    message: Message
+    serial: int
+    by: int
+    mass: float
+
+
+@dataclass
+class Transaction:
+    """Messages of one source that are carried out at one time (samples), and all that they act on."""
+
+    engine: Engine
+    presets: Presets
+    laws: ContactLaws
+    objects: ObjectTable
+    gestures: GestureIds
+    time: float
+    source: Any
+    commands: list[Command] = field(default_factory=list)
+    sent: list[Sent] = field(default_factory=list)
+    """What each of the commands stands for."""
+    replies: list[Message] = field(default_factory=list)
+    _undo: list[Callable[[], object]] = field(default_factory=list)
+
+    def add(self, command: Command, sent: Sent) -> None:
+        """Add a command."""
+        self.commands.append(command)
+        self.sent.append(sent)
+
+    def on_undo(self, action: Callable[[], object]) -> None:
+        """Do an action if what was asked for so far is not carried out; the latest comes first."""
+        self._undo.append(action)
+
+    def savepoint(self) -> tuple[int, int, int]:
+        """Where the transaction stands, for `undo_to`."""
+        return len(self.commands), len(self.replies), len(self._undo)
+
+    def undo_to(self, savepoint: tuple[int, int, int] = (0, 0, 0)) -> None:
+        """Take back all that was done since a savepoint, or since the beginning."""
+        commands, replies, undo = savepoint
+        del self.commands[commands:], self.sent[commands:], self.replies[replies:]
+        while len(self._undo) > undo:
+            self._undo.pop()()

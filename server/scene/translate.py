@@ -1,0 +1,301 @@
+"""What each message means: one handler for every address that a score may hold.
+
+A handler adds commands to a transaction, each with named values in SI units and with the canonical message, which says
+the same and leaves no choice open.
+"""
+
+import math
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import replace
+
+from ...dsp.contact.accuracy import LEVELS
+from ...dsp.contact.sampled import CORRECTIONS, METHODS
+from ...dsp.engine.commands import Command, Kind
+from ...dsp.runtime.engine import NOW
+from ...dsp.schema import BOUNCE, GAIN, ROLL, SETTINGS, STEERABLE, STRIKE, Gesture
+from ...presets import ObjectPreset
+from ..osc.addresses import VERBS, Call, unknown
+from ..osc.arguments import GestureEnded, Refused, Values, shown
+from ..osc.wire import Message
+from .limits import LAW, Contact, fall, require_rest, require_rollable, require_short
+from .object_call import ObjectCall, listed, require_name
+from .objects import PlayedObject
+from .transaction import Sent, Transaction
+
+_SHARED = {each.name for each in STRIKE} | {"velocity"}
+_SURFACE = "wood"
+_ANY_RADIUS = 0.01  # m: of a roll that is steered, and so has one
+_APPROACH = 0.01  # m/s: how fast a pressing striker is laid on
+
+
+def translate(transaction: Transaction, call: Call) -> None:
+    """Add what a call asks for to a transaction. Refused, PresetError or EngineFull say why not."""
+    if call.verb is None:
+        raise unknown(call.message.address)
+    handler = HANDLERS.get(call.verb.address)
+    if handler is None:
+        raise Refused("server-only message; not allowed in a score")
+    handler(transaction, call, call.verb.parse(call.message.args))
+
+
+def sync(number: int) -> Command:
+    """A command that reports its number once all that was sent before it is done."""
+    return Command(NOW, Kind.SYNC, value=number)
+
+
+# Messages to the engine
+
+
+def _panic(transaction: Transaction, call: Call, values: Values) -> None:
+    _add(transaction, call.message, Command(NOW, Kind.PANIC))
+
+
+def _quality(transaction: Transaction, call: Call, values: Values) -> None:
+    _add(transaction, call.message, Command(NOW, Kind.QUALITY, value=values.numbers["quality"]))
+
+
+def _accuracy(transaction: Transaction, call: Call, values: Values) -> None:
+    accuracy = LEVELS.index(values.words["accuracy"])
+    _add(transaction, call.message, Command(NOW, Kind.ACCURACY, value=accuracy))
+
+
+def _contact(transaction: Transaction, call: Call, values: Values) -> None:
+    method = values.words["method"]
+    correction = values.words.get("correction", "none")
+    if method != "closed" and method not in METHODS:
+        raise Refused(f"method = {shown(method)}: expected closed, {', '.join(METHODS)}")
+    if correction not in CORRECTIONS:
+        raise Refused(f"correction = {shown(correction)}: expected {', '.join(CORRECTIONS)}")
+    oversampling = values.number("oversampling")
+    choice: dict[str, float] = {"method": 0, "correction": 0, "oversampling": 0}
+    if method != "closed":
+        number = 1 + METHODS.index(method)
+        choice = {"method": number, "correction": CORRECTIONS[correction], "oversampling": oversampling}
+    elif correction != "none" or oversampling != 1:
+        raise Refused("closed: it is exact already; expected neither correction nor oversampling")
+    _add(transaction, call.message, Command(NOW, Kind.METHOD, values=choice))
+
+
+# Messages to objects
+
+
+def _new(transaction: Transaction, call: Call, values: Values) -> None:
+    engine, objects = transaction.engine, transaction.objects
+    name = values.words["name"]
+    require_name("name", name)
+    if name == "new":
+        raise Refused("name = new: expected another name, as /object/new is an address")
+    if objects.at(name, transaction.time):
+        raise Refused(f"name = {name}: there is such an object already; free it first")
+    preset = _changed(transaction.presets.object(values.words["preset"]), values)
+    transaction.laws.forget()
+    transaction.laws.of(preset.striker, preset.material)
+    modes = preset.modes(engine.top_frequency)
+    handle, layout = engine.lay_out(modes, 10 ** (preset.level / 20))
+    transaction.on_undo(lambda: engine.release(handle))
+    obj = PlayedObject(handle, preset, modes.mass, transaction.time)
+    transaction.on_undo(objects.add(name, obj))
+    settings = {name: setting.in_engine(values.number(name)) for name, setting in SETTINGS.items()}
+    _add(transaction, call.message, Command(NOW, Kind.NEW, values={**layout, **settings}), obj)
+    transaction.replies.append(Message("/done", ("/object/new", name)))
+
+
+def _changed(preset: ObjectPreset, values: Values) -> ObjectPreset:
+    """A preset with what the keys of /object/new change of it."""
+    for key, value in values.others.items():
+        if key not in preset.keys:
+            known = dict.fromkeys((*VERBS["/object/new"].named, *preset.keys))
+            raise Refused(f"{key} = {shown(value)}: expected one of {', '.join(known)}")
+    given = {**values.numbers, **values.words}
+    changes = {key: value for key, value in given.items() if key not in ("name", "preset", *SETTINGS)}
+    return preset.replace(**values.others, **changes) if values.others or changes else preset
+
+
+def _set(to: ObjectCall) -> None:
+    ((setting, value),) = to.values.numbers.items()
+    change = Command(NOW, Kind.SET, value=SETTINGS[setting].in_engine(value), parameter=setting)
+    _add(to.transaction, to.canonical, change, to.obj)
+
+
+def _free(to: ObjectCall) -> None:
+    engine, obj, before = to.transaction.engine, to.obj, to.obj.freed
+    if before == math.inf:
+        engine.leave(obj.handle)
+        to.transaction.on_undo(lambda: engine.stay(obj.handle))
+    to.transaction.on_undo(lambda: setattr(obj, "freed", before))
+    start = to.transaction.objects.start_of(obj, to.transaction.time)
+    obj.freed = min(before, max(start, float(engine.position)))
+    _add(to.transaction, to.canonical, Command(NOW, Kind.FREE, value=to.values.number("at_once")), obj)
+
+
+# Gestures
+
+
+def _impact(to: ObjectCall) -> None:
+    velocity = to.values.numbers["velocity"]
+    if velocity == 0.0:
+        to.end_at_once()
+        return
+    by = to.striking_object()
+    law = _law(to, by)
+    require_short(velocity, law)
+    number = to.start(to.values.words["id"]) if "id" in to.values.words else 0
+    _strike(to, by, law, Command(NOW, Kind.IMPACT, gesture=number, values={"velocity": velocity}))
+
+
+def _bounce(to: ObjectCall) -> None:
+    values = to.values
+    by = to.striking_object()
+    law = _law(to, by)
+    gravity = values.number("gravity")
+    velocity, seconds = fall(values.numbers["height"], values.number("velocity"), gravity)
+    if velocity == 0.0:
+        to.end_at_once()
+        return
+    require_short(velocity, law)
+    require_rest(velocity, law, gravity)
+    number = to.start(to.id(to.transaction.gestures.made_for))
+    motion = {**_own_values(to, BOUNCE), "velocity": velocity, "delay": seconds, "seed": to.seed(number)}
+    _strike(to, by, law, Command(NOW, Kind.BOUNCE, gesture=number, values=motion))
+
+
+def _roll(to: ObjectCall) -> None:
+    values, presets = to.values, to.transaction.presets
+    surface = presets.surface(values.words.get("surface", _SURFACE))
+    by = to.striking_object()
+    id = to.id(lambda name: name)
+    goes_on = to.transaction.gestures.is_running(id, to.address)
+    law = _law(to, by, {"dissipation": surface.dissipation}, LAW[1:] if goes_on else LAW)
+    speed, roughness = values.numbers["speed"], values.number("roughness")
+    own_radius = to.contact_radius if to.by_materials else presets.striker(to.striker).radius
+    radius = values.numbers.get("radius", own_radius)
+    if to.by_materials and not goes_on:
+        to.say("radius", radius)
+    if speed > 0.0 and not goes_on:
+        if not radius:
+            raise Refused("radius is missing: the striker has none")
+        require_rollable(radius, surface, roughness)
+    number = to.start(id)
+    motion = {**_own_values(to, ROLL), "speed": speed, "radius": radius or _ANY_RADIUS, "seed": to.seed(number)}
+    given = [name for name in ROLL.steerable if name in values.numbers]
+    command = Command(NOW, Kind.ROLL, gesture=number, values=motion, given=given, surface=surface.profile)
+    _strike(to, by, law, command)
+
+
+def _own_values(to: ObjectCall, gesture: Gesture) -> dict[str, float]:
+    """The values of a gesture's own keys that are given or have a default."""
+    numbers, defaults = to.values.numbers, to.values.defaults
+    return {
+        key.name: numbers.get(key.name, defaults.get(key.name, 0.0)) for key in gesture.keys if key.name not in _SHARED
+    }
+
+
+def _press(to: ObjectCall) -> None:
+    by = to.striking_object()
+    law = _law(to, by)
+    require_short(_APPROACH, law)
+    number = to.start(to.id(to.transaction.gestures.made_for))
+    motion = {"velocity": _APPROACH, "force": to.values.numbers["force"]}
+    _strike(to, by, law, Command(NOW, Kind.PRESS, gesture=number, values=motion))
+
+
+def _law(
+    to: ObjectCall, by: PlayedObject | None, changes: Mapping[str, float] | None = None, said: Collection[str] = LAW
+) -> Contact:
+    """The contact law of a gesture: its striker's, with `changes`; given keys win.
+
+    Where an object strikes, its mass does. Unless a striker is named, the rest comes from the materials of both. The
+    canonical message says the values of the keys `said`: a mass that is said would steer a roll that goes on.
+    """
+    preset = to.obj.preset
+    law = dict(zip(LAW, to.transaction.laws.of(to.striker, preset.material), strict=True))
+    if by:
+        law["mass"] = by.mass
+    if by and to.by_materials:
+        law.update(zip(LAW[1:], preset.struck_by(by.preset, to.contact_radius), strict=True))
+        to.warn_of_stand_ins(by)
+    law.update(changes or {})
+    if by:
+        for key in said:
+            to.say(key, law[key])
+    mass, stiffness, dissipation, exponent = (to.values.numbers.get(key, value) for key, value in law.items())
+    return mass, stiffness, dissipation, exponent
+
+
+def _strike(to: ObjectCall, by: PlayedObject | None, law: Contact, command: Command) -> None:
+    """Add the command of a gesture, with the values that every gesture has."""
+    numbers = to.values.numbers
+    values = {
+        **command.values,
+        **dict(zip(LAW, law, strict=True)),
+        "position": numbers.get("position", to.obj.preset.position),
+        "gain": GAIN.in_engine(to.values.number("gain")),
+        "by_position": numbers.get("by_position", by.preset.position) if by else 0.0,
+    }
+    _add(to.transaction, to.canonical, replace(command, values=values), to.obj, by)
+
+
+def _steer(transaction: Transaction, call: Call, values: Values) -> None:
+    assert call.verb
+    action = call.verb.action
+    ids = transaction.gestures.running(call.target)
+    if not ids:
+        running = listed([id.name for id in reversed(transaction.gestures.running())])
+        error = GestureEnded if transaction.gestures.have_ended(call.target) else Refused
+        raise error(f"{call.target}: no such gesture is running; running are {running}")
+    for id in ids:
+        message = Message(f"/gesture/{id.name}/{action}", call.message.args)
+        if action == "stop":
+            _add(transaction, message, Command(NOW, Kind.STOP, gesture=id.number))
+        else:
+            value = GAIN.in_engine(values.numbers[action]) if action == GAIN.name else values.numbers[action]
+            _add(transaction, message, Command(NOW, Kind.STEER, gesture=id.number, parameter=action, value=value))
+
+
+def _on_objects(handle: Callable[[ObjectCall], None]) -> "Handler":
+    """A handler that acts on every object that the NAME of an address matches."""
+
+    def handle_all(transaction: Transaction, call: Call, values: Values) -> None:
+        objects = transaction.objects.at(call.target, transaction.time)
+        if not objects:
+            there = listed(transaction.objects.at("*", transaction.time))
+            raise Refused(f"{call.target}: no such object; there are {there}")
+        for name, obj in objects.items():
+            handle(ObjectCall(transaction, call, values, name, obj))
+
+    return handle_all
+
+
+Handler = Callable[[Transaction, Call, Values], None]
+HANDLERS: dict[str, Handler] = {
+    "/object/new": _new,
+    "/object/NAME/impact": _on_objects(_impact),
+    "/object/NAME/bounce": _on_objects(_bounce),
+    "/object/NAME/roll": _on_objects(_roll),
+    "/object/NAME/press": _on_objects(_press),
+    **dict.fromkeys((f"/object/NAME/{setting}" for setting in SETTINGS), _on_objects(_set)),
+    "/object/NAME/free": _on_objects(_free),
+    **dict.fromkeys((f"/gesture/ID/{action}" for action in ("stop", *STEERABLE)), _steer),
+    "/accuracy": _accuracy,
+    "/quality": _quality,
+    "/contact": _contact,
+    "/panic": _panic,
+}
+"""By address of the verb."""
+
+
+# Commands
+
+
+def _add(
+    transaction: Transaction, message: Message, command: Command, obj: PlayedObject | None = None,
+    by: PlayedObject | None = None,
+) -> None:  # fmt: skip
+    """Add a command to an object (None: to the engine), for when that and the one that strikes it are there; `message`
+    is what it stands for."""
+    time = transaction.time
+    for each in (obj, by):
+        time = max(time, transaction.objects.start_of(each, transaction.time)) if each else time
+    placed = replace(command, time=time, handle=obj.handle if obj else None, by=by.handle if by else None)
+    serial, by_serial = (each.handle.serial if each else 0 for each in (obj, by))
+    transaction.add(placed, Sent(message, serial, by_serial, command.values.get("mass", 0.0)))

@@ -1,0 +1,99 @@
+"""Ground truth: the contacts as played, and each object's stem."""
+
+import numpy as np
+import pytest
+
+import carom
+from carom.contacts import Striking, assemble
+from carom.dsp.engine.state import TRACE
+
+RATE = 1000.0
+
+
+def trace(*entries):
+    return np.array(list(entries), TRACE)
+
+
+def test_entries_are_assembled_into_contacts_by_start():
+    said = {7: Striking("bell", "", "ding", "impact"), 9: Striking("bell", "cup", "", "bounce")}
+    entries = trace(
+        (9, 3, 120, 120.5, 121.0, 0.2),
+        (7, 4, 119, 119.25, 120.0, 0.1),
+        (9, 3, 121, 121.0, 121.75, 0.3),
+        (7, 4, 120, 120.0, 121.0, 0.4),
+        (7, 4, 122, 122.5, 122.6, 0.2),
+        (7, 4, 122, 122.8, 122.9, 0.2),
+    )
+    first, second = assemble(entries, RATE, 100, said.__getitem__)
+    assert (first.object, first.striker, first.id, first.gesture) == ("bell", "", "ding", "impact")
+    assert (second.object, second.striker, second.id, second.gesture) == ("bell", "cup", "", "bounce")
+    assert first.start == pytest.approx(0.11925) and first.duration == pytest.approx(3.65e-3)
+    assert first.first == 19 and first.impulse == pytest.approx(0.9) and first.peak == pytest.approx(400.0)
+    np.testing.assert_allclose(first.force, [100.0, 400.0, 0.0, 400.0])
+    np.testing.assert_allclose(second.force, [200.0, 300.0])
+    assert assemble(trace(), RATE, 0, said.__getitem__) == ()
+
+
+SCORE = """
+0      /object/new a steel-plate
+0      /object/new b wood-block pan -1
+0.0101 /object/a/impact 1.0 mass 1e-6 stiffness 1e9 dissipation 0 exponent 1.5 id tick gain -20
+0.1    /object/b/bounce 0.02 striker ping-pong
+0.15   /object/a/impact 0.5 by b
+"""
+
+
+def test_contacts_are_told_as_they_were_played():
+    sound = carom.render(SCORE, seconds=0.4, contacts=True)
+    contacts = sound.contacts
+    assert contacts is not None and len(contacts) == sound.report.contacts > 3
+    tick = contacts[0]
+    assert (tick.object, tick.striker, tick.id, tick.gesture) == ("a", "", "tick", "impact")
+    # A light striker without loss leaves as fast as it came, after Hertz's 2.9432 x/v, x = (5 m v^2/(4 k))^(2/5).
+    assert tick.impulse == pytest.approx(2e-6, rel=1e-3)
+    assert tick.start == pytest.approx(0.0101, abs=1e-9)
+    assert tick.duration == pytest.approx(2.9432 * (1.25e-6 / 1e9) ** 0.4, rel=1e-3)
+    assert {(c.object, c.striker, c.gesture) for c in contacts[1:]} == {("b", "", "bounce"), ("a", "b", "impact")}
+    for contact in contacts:
+        assert contact.impulse == pytest.approx(contact.force.sum() / 48_000)
+        assert contact.first == int(contact.start * 48_000) and contact.duration > 0.0
+
+
+def test_contacts_of_cut_sounds_are_those_of_the_whole():
+    def play(scene):
+        scene.new("a", "steel-plate").impact(0.5, at=0.01, striker="felt")
+        return scene
+
+    with carom.Scene(contacts=True) as scene:
+        (whole,) = play(scene).render(frames=2000).contacts
+    with carom.Scene(contacts=True) as scene:
+        play(scene)
+        parts = [contact for _ in range(20) for contact in scene.render(frames=100).contacts]
+    np.testing.assert_array_equal(np.concatenate([part.force for part in parts]), whole.force)
+    assert len(parts) > 1 and sum(part.impulse for part in parts) == pytest.approx(whole.impulse)
+
+
+def test_stems_add_up_to_the_sound():
+    sound = carom.render(SCORE, seconds=0.4, stems=True)
+    assert set(sound.stems) == {"a", "b"} and sound.report.limited == ()
+    np.testing.assert_allclose(sum(sound.stems.values()), sound.samples, atol=1e-6)
+    alone = carom.render("\n".join(SCORE.splitlines()[:4]), seconds=0.1)
+    np.testing.assert_allclose(sound.stems["a"][:4800], alone.samples, atol=1e-7)
+    assert np.abs(sound.stems["b"][:, 0]).max() > 1e-4 and np.abs(sound.stems["b"][:, 1]).max() < 1e-6
+
+
+def test_stems_of_cut_sounds_are_those_of_the_whole():
+    def play(scene):
+        scene.new("a", "wood-block").impact(0.5, at=0.01)
+        scene.free("a", at=0.02)
+        scene.new("a", "marimba-bar", at=0.03)
+        scene.impact("a", 0.5, at=0.035)
+        return scene
+
+    with carom.Scene(stems=True) as scene:
+        whole = play(scene).render(frames=3000).stems["a"]
+    with carom.Scene(stems=True) as scene:
+        play(scene)
+        parts = [scene.render(frames=100).stems.get("a", np.zeros((100, 2), np.float32)) for _ in range(30)]
+    assert np.abs(whole).max() > 0.01
+    np.testing.assert_array_equal(np.concatenate(parts), whole)

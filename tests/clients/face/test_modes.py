@@ -1,0 +1,82 @@
+"""Object.modes: an object's modes as labels, against what it sounds like."""
+
+import numpy as np
+import pytest
+
+import carom
+from carom.presets.library import Presets
+
+RATE = 48_000
+# Light and stiff: over within a ten-thousandth of a sample, without loss, so that it gives 2 m v.
+CLICK = dict(mass=1e-7, stiffness=1e16, dissipation=0.0, exponent=1.5)
+
+
+def synthesised(table, impulse, frames):
+    """The sound of an impulse at t = 0, sample by sample, (frames, 2)."""
+    t = np.arange(frames)[:, None] / RATE
+    waves = np.exp(-table.decays * t) * np.sin(2 * np.pi * table.frequencies * t)
+    return impulse * waves @ table.gains
+
+
+@pytest.mark.parametrize("position", [0.0, 0.07, 0.5, 0.83, 1.0])
+@pytest.mark.parametrize(
+    ("preset", "keys"),
+    [
+        ("steel-plate", {"pan": 0.4, "gain": -3}),
+        ("church-bell", {"tune": 5.0}),
+        ("marimba-bar", {"damp": 0.3, "decay": 2}),
+    ],
+)
+def test_modes_add_up_to_the_sound(preset, keys, position):
+    with carom.Scene(RATE) as scene:
+        obj = scene.new("a", preset, level=90, **keys)  # so that no mode is too quiet to be kept
+        table = obj.modes(position)
+        obj.impact(1.0, position, **CLICK)
+        sound = scene.render(0.2).samples
+        again = obj.modes(position)
+    expected = synthesised(table, 2 * CLICK["mass"], len(sound))
+    np.testing.assert_allclose(sound, expected, atol=2e-4 * np.abs(expected).max())
+    for before, after in zip(table, again, strict=True):
+        np.testing.assert_allclose(after, before, rtol=1e-12)
+
+
+def test_modes_are_those_of_the_preset_below_the_top():
+    modes = Presets().object("church-bell").modes(20_000.0)
+    with carom.Scene(RATE) as scene:
+        bell = scene.new("bell", "church-bell")
+        table = bell.modes()
+        assert bell.mass == modes.mass
+        np.testing.assert_array_equal(table.frequencies, modes.frequency)
+        np.testing.assert_array_equal(table.decays, modes.decay)
+        assert table.gains.shape == (len(modes.frequency), 2) and np.all(np.diff(table.frequencies) > 0)
+
+
+def test_modes_follow_what_the_object_is_told():
+    with carom.Scene(RATE) as scene:
+        plate = scene.new("p", "steel-plate")
+        table = plate.modes()
+        plate.tune(24)
+        plate.damp(1.0)
+        plate.pan(-1)
+        scene.render(frames=64)
+        tuned = plate.modes()
+        assert np.all(np.abs(tuned.gains[:, 1]) < 1e-15 * np.abs(tuned.gains[:, 0]).max())
+        assert len(tuned.frequencies) < len(table.frequencies) and tuned.frequencies.max() <= 0.475 * RATE
+        np.testing.assert_allclose(tuned.frequencies, table.frequencies[: len(tuned.frequencies)] * 4, rtol=1e-12)
+        np.testing.assert_allclose(tuned.decays, table.decays[: len(tuned.decays)] + 200.0)
+
+
+def test_the_preset_s_position_is_the_default():
+    with carom.Scene(RATE) as scene:
+        plate = scene.new("p", "steel-plate", position=0.2)
+        np.testing.assert_array_equal(plate.modes().gains, plate.modes(np.float64(0.2)).gains)
+        with pytest.raises(ValueError, match=r"position = 1\.5: expected 0 to 1"):
+            plate.modes(1.5)
+
+
+def test_modes_can_be_read_after_the_scene_is_closed():
+    with carom.Scene() as scene:
+        plate = scene.new("plate", "steel-plate")
+        inside = plate.modes(0.3)
+    for before, after in zip(inside, plate.modes(0.3), strict=True):
+        np.testing.assert_array_equal(before, after)

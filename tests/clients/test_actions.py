@@ -1,0 +1,79 @@
+"""The methods that a client and a scene share."""
+
+import inspect
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import carom
+from carom.clients.actions import Actions, CommandError
+from carom.server.osc.addresses import VERBS
+from carom.server.osc.wire import Message
+
+SHARED = sorted(name for name in vars(Actions) if not name.startswith("_"))
+
+
+class Kept(Actions):
+    """Keeps what is sent together, and when."""
+
+    def __init__(self):
+        self.sent = []
+
+    def _send(self, messages, at):
+        self.sent.append((at, *messages))
+
+
+@pytest.mark.parametrize("name", SHARED)
+def test_a_client_and_a_scene_take_the_same_and_say_the_same(name):
+    shared, client, scene = (getattr(each, name) for each in (Actions, carom.Client, carom.Scene))
+    assert client is shared
+    assert inspect.signature(scene) == inspect.signature(shared)
+    assert inspect.getdoc(scene).partition("\n\nKeys:")[0] == inspect.getdoc(shared)
+
+
+def test_every_address_of_a_score_is_shared_but_that_of_new():
+    said = {verb.action for verb in VERBS.values() if verb.scored and not verb.address.startswith("/gesture/")}
+    assert set(SHARED) == said - {"new"} | {"send", "steer", "stop"}
+
+
+def test_the_keys_are_listed_for_a_scene_alone():
+    taking = {verb.action for verb in VERBS.values() if verb.keys} - {"new"}
+    assert taking == {"impact", "bounce", "roll", "press", "contact"}
+    for name in SHARED:
+        assert ("\n\nKeys:\n  " in inspect.getdoc(getattr(carom.Scene, name))) == (name in taking)
+        assert "Keys:" not in inspect.getdoc(getattr(carom.Client, name))
+
+
+def test_arguments_go_before_keys_and_become_plain():
+    kept = Kept()
+    kept.impact("a", np.float32(0.5), at=np.float64(2.0), edges=np.array(["free", "clamped"]), at_rest=[1, (2,)])
+    kept.press("a", 1, 0.25)
+    kept.contact("heun", correction="both")
+    kept.contact("rk4", np.int64(4))
+    kept.free("a", at=1.0)
+    kept.free("a", at_once=True)
+    assert kept.sent == [
+        (2.0, Message("/object/a/impact", (0.5, "edges", ("free", "clamped"), "at_rest", (1, (2,))))),
+        (None, Message("/object/a/press", (1, 0.25))),
+        (None, Message("/contact", ("heun", "correction", "both"))),
+        (None, Message("/contact", ("rk4", 4))),
+        (1.0, Message("/object/a/free")),
+        (None, Message("/object/a/free", (1,))),
+    ]
+    assert all(type(arg).__module__ == "builtins" for _, message in kept.sent for arg in message.args)
+
+
+def test_values_are_steered_together():
+    kept = Kept()
+    kept.steer("ball", at=1.0, gain=-6, gravity=np.float64(1.62))
+    assert kept.sent == [(1.0, Message("/gesture/ball/gain", (-6,)), Message("/gesture/ball/gravity", (1.62,)))]
+    with pytest.raises(CommandError, match="/gesture/ball: expected a value to steer"):
+        kept.steer("ball")
+    assert len(kept.sent) == 1
+
+
+def test_a_client_loads_neither_numpy_nor_the_engine():
+    script = "import sys, carom.clients.client; print(*{'numpy', 'numba', 'carom.dsp'} & sys.modules.keys())"
+    assert subprocess.check_output([sys.executable, "-c", script], text=True).strip() == ""

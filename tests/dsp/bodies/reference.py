@@ -1,0 +1,60 @@
+"""Bodies that the tests share, and what is known of them otherwise."""
+
+import math
+
+import numpy as np
+from scipy.integrate import simpson
+from scipy.interpolate import CubicSpline
+from scipy.optimize import brentq
+
+from carom.dsp import bodies
+from carom.dsp.bodies import Material
+
+STEEL = Material("steel", 7850, 2e11, 0.3, 5, 3e-8)
+GLASSY = Material("nu = .225", 2500, 7e10, 0.225, 1, 1e-7)
+FREE_ROOTS = [brentq(lambda x: math.cos(x) * math.cosh(x) - 1, x - 1, x + 1) for x in np.pi * np.arange(1.5, 8)]
+
+
+def euler_bernoulli(material, roots, length, thickness):
+    speed = math.sqrt(material.youngs_modulus / (12 * material.density)) * thickness
+    return np.square(roots) / (2 * math.pi * length**2) * speed
+
+
+def plate_unit(material, thickness, side):
+    """Hz of lambda^2 = 1."""
+    rigidity = material.contact_modulus * thickness**3 / 12
+    return math.sqrt(rigidity / (material.density * thickness)) / (2 * math.pi * side**2)
+
+
+def integral_along(modes):
+    """int_0^1 phi_i phi_j over the strike path, by an interpolating spline."""
+    x = np.linspace(0, 1, 2001)
+    value = CubicSpline(np.linspace(0, 1, len(modes.strike)), modes.strike)(x)
+    return simpson(value[:, :, None] * value[:, None, :], x=x, axis=0)
+
+
+EVERY = {
+    "bar": lambda **more: bodies.bar(STEEL, length=0.5, width=0.03, thickness=0.008, **more),
+    "undercut": lambda **more: bodies.bar(STEEL, length=0.4, width=0.05, thickness=0.02, undercut=0.75, **more),
+    "tube": lambda **more: bodies.bar(STEEL, length=1.4, diameter=0.038, wall=0.0015, **more),
+    "tine": lambda **more: bodies.bar(STEEL, length=0.2, width=0.01, thickness=0.001, ends="cantilever", **more),
+    "string": lambda **more: bodies.string(STEEL, length=0.62, diameter=0.001, tension=670, **more),
+    "plate": lambda **more: bodies.plate(STEEL, length=0.4, width=0.3, thickness=0.003, **more),
+    "clamped plate": lambda **more: bodies.plate(
+        STEEL,
+        length=0.3,
+        width=0.2,
+        thickness=0.002,
+        edges=("clamped", "free", "supported", "clamped"),
+        **more,
+    ),
+    "disc": lambda **more: bodies.disc(STEEL, radius=0.2, thickness=0.003, split=0.004, **more),
+    "clamped disc": lambda **more: bodies.disc(STEEL, radius=0.1, thickness=0.001, edge="clamped", **more),
+    "membrane": lambda **more: bodies.membrane(STEEL, radius=0.15, thickness=2e-4, fundamental=900, **more),
+    "ring": lambda **more: bodies.ring(STEEL, radius=0.06, thickness=0.003, length=0.01, split=0.002, **more),
+    "glass": lambda **more: bodies.glass(STEEL, radius=0.04, height=0.08, thickness=0.001, rows=3, split=0.002, **more),
+    "listed": lambda **more: bodies.listed(
+        frequency=[300.0, 100.0, 200.0], t60=[1, 3, 2], modal_mass=[3.0, 1.0, 2.0], mass=8, **more
+    ),
+}
+"""Every shape, with enough modes to be demanding, and doublets where it has them."""

@@ -1,0 +1,82 @@
+"""The registry of addresses: what is declared is carried out, documented, and named by its errors."""
+
+import subprocess
+import sys
+
+import pytest
+
+from carom.dsp.schema import GESTURES, SETTINGS, STEERABLE, Parameter, gestures_steered_by
+from carom.server.osc.addresses import VERBS, calls, table
+from carom.server.osc.arguments import Refused, check_number
+from carom.server.osc.wire import Message
+from carom.server.scene.translate import HANDLERS
+
+
+def test_every_verb_that_a_score_may_hold_is_carried_out():
+    assert set(HANDLERS) == {address for address, verb in VERBS.items() if verb.scored}
+
+
+def test_the_table_names_every_address_and_argument():
+    text = table()
+    for verb in VERBS.values():
+        assert f"`{verb.address}`" in text
+        for argument in (*verb.required, *verb.optional, *verb.keys):
+            assert f"`{argument.name}`{str(argument).removeprefix(argument.name)}" in text
+    assert (
+        "| `gravity` 0.01 to 1000 m/s^2, usually 1 to 30 | steers a bounce (from its next flight on) or a roll |"
+        in text
+    )
+
+
+def test_the_module_prints_the_table():
+    run = subprocess.run([sys.executable, "-m", "carom.server.osc.addresses"], capture_output=True, text=True)
+    assert (run.stdout, run.stderr) == (table() + "\n", "")
+
+
+@pytest.mark.parametrize("name", STEERABLE)
+def test_what_steers_a_gesture_has_the_range_of_what_starts_it(name):
+    (number,) = VERBS[f"/gesture/ID/{name}"].required
+    gestures = gestures_steered_by(name)
+    assert gestures and gestures.keys() <= GESTURES.keys()
+    for gesture in gestures:
+        verb = VERBS[f"/object/NAME/{gesture}"]
+        (same,) = (each for each in (*verb.required, *verb.optional, *verb.keys) if each.name == name)
+        assert isinstance(same, Parameter)
+        assert (same.low, same.high, same.unit) == (number.low, number.high, number.unit)
+
+
+def test_defaults_are_in_range_and_given_values_win():
+    for verb in VERBS.values():
+        for number in (*verb.required, *verb.optional, *verb.keys):
+            if isinstance(number, Parameter) and number.default is not None:
+                assert check_number(number, number.default) == number.default
+    roll = VERBS["/object/NAME/roll"].parse((1.0, "friction", 0.5))
+    assert (roll.number("friction"), roll.number("roughness"), roll.number("gravity")) == (0.5, 1.0, 9.80665)
+    assert "roughness" not in roll.numbers
+
+
+@pytest.mark.parametrize(
+    ("address", "found"),
+    [
+        ("/object/a/impact", [("/object/NAME/impact", "a")]),
+        ("/object/a*/{gain,pan}", [("/object/NAME/gain", "a*"), ("/object/NAME/pan", "a*")]),
+        ("/gesture/*/st?p", [("/gesture/ID/stop", "*")]),
+        ("/object/new", [("/object/new", "")]),
+        ("/pani[c]", [("/panic", "")]),
+        ("/qui?", [(None, "")]),
+        ("/object/a/kick", [(None, "a")]),
+        ("/object/a", [(None, "")]),
+        ("/object//gain", [("/object/NAME/gain", "")]),
+        ("", [(None, "")]),
+    ],
+)
+def test_an_address_is_matched_once(address, found):
+    made = calls(Message(address, (1,)))
+    assert [(call.verb.address if call.verb else None, call.target) for call in made] == found
+    assert all(call.message.args == (1,) for call in made)
+
+
+def test_settings_can_be_given_with_a_new_object():
+    assert set(SETTINGS) < VERBS["/object/new"].named.keys()
+    with pytest.raises(Refused, match="gain = 50: expected a number from -120 to 40 dB"):
+        VERBS["/object/new"].parse(("a", "tom", "gain", 50))

@@ -1,0 +1,112 @@
+"""Messages that are refused: why, and that they leave nothing."""
+
+import math
+
+import pytest
+
+from tests.server.scene.support import refusal, say
+
+
+@pytest.mark.parametrize(
+    ("address", "args", "reason"),
+    [
+        ("/nothing", (), "no such address; expected one of /object/new"),
+        ("/object/new", (), "name is missing: expected /object/new name preset"),
+        ("/object/new", ("b",), "preset is missing"),
+        ("/object/new", ("b", 3), "preset = 3: expected a name"),
+        ("/object/new", ("b", "church-bel"), "no object 'church-bel': did you mean church-bell?"),
+        ("/object/new", ("a", "church-bell"), "name = a: there is such an object already"),
+        ("/object/new", ("b c", "church-bell"), "name = b c: expected 1 to 64 printable characters"),
+        ("/object/new", ("b" * 65, "church-bell"), "expected 1 to 64 printable characters"),
+        ("/object/new", ("b\x07", "church-bell"), "expected 1 to 64 printable characters"),
+        ("/object/new", ("new", "church-bell"), "name = new: expected another name"),
+        ("/object/new", ("", "church-bell"), "name = : expected a name"),
+        ("/object/new", ("b", "church-bell", "length", 1, "length", 2), "length = 2: given twice"),
+        ("/object/new", ("b", "church-bell", "striker", "wood", "striker", "felt"), "striker = felt: given twice"),
+        ("/object/new", ("b", "church-bell", "gain", "loud"), "gain = loud: expected a number from -120 to 40 dB"),
+        ("/object/new", ("b", "glass-plate", "length", -1.0), "length = -1.0: expected a number"),
+        (
+            "/object/new",
+            ("b", "glass-plate", "colour", 1),
+            "colour = 1: expected one of gain, pan, tune, decay, damp, position, striker, length, width, thickness, ",
+        ),
+        ("/object/new", ("b", "glass-plate", "gain", 1, "length", 1, "c", [1]), "c = [1]: expected one of gain, pan"),
+        ("/object/new", ("b", "glass-plate", "striker", "feather"), "no striker 'feather'"),
+        ("/object/new", ("b", "glass-plate", "length"), "length: its value is missing"),
+        ("/object/x/impact", (1.0,), "x: no such object; there are a"),
+        ("/object/a/kick", (1.0,), "unknown action 'kick'; expected impact, bounce"),
+        ("/object/a/impact", (), "velocity is missing"),
+        ("/object/a/impact", (-1,), "velocity = -1: expected a number from 0 to 1000 m/s"),
+        ("/object/a/impact", (math.nan,), "velocity = nan"),
+        ("/object/a/impact", (math.inf,), "velocity = inf"),
+        ("/object/a/impact", (1e30,), "velocity = 1e+30"),
+        ("/object/a/impact", ("fast",), "velocity = fast"),
+        ("/object/a/impact", (None,), "velocity = None"),
+        ("/object/a/impact", (1.0, 1.5), "position = 1.5: expected a number from 0 to 1"),
+        ("/object/a/impact", (1.0, 0.5, "position", 0.2), "position = 0.2: given twice"),
+        ("/object/a/impact", (1.0, "mass", 0.0), "mass = 0: expected a number from 1e-09 to 1e+06 kg"),
+        ("/object/a/impact", (1.0, "exponent", 0.5), "exponent = 0.5: expected a number from 1 to 4"),
+        ("/object/a/impact", (1.0, "loudness", 1), "loudness: no such key; expected striker, mass"),
+        ("/object/a/impact", (1.0, 0.5, 0.5), "0.5: expected a key"),
+        ("/object/a/impact", (1.0, "mass", 1e3, "stiffness", 1.0), "the contact would last"),
+        ("/object/a/impact", (0.0, "id", "a b"), "id = a b: expected 1 to 64 printable characters"),
+        ("/quality", (1.5,), "quality = 1.5: expected a whole number"),
+        ("/accuracy", (-50,), "accuracy = -50: expected -40, -60, -80, exact"),
+        ("/object/a/damp", (2.0,), "damp = 2: expected a number from 0 to 1"),
+        ("/object/a/pan", (-2.0,), "pan = -2"),
+    ],
+)
+def test_bad_messages_are_told_why(session, address, args, reason):
+    say(session, "/object/new", "a", "church-bell")
+    before = session.engine.room(), list(session.objects)
+    assert reason in refusal(session, address, *args)
+    assert (session.engine.room(), list(session.objects)) == before
+
+
+@pytest.mark.parametrize("key", ["preset", "striker", "material"])
+def test_overlong_names_are_refused(session, key):
+    words = ("b", "a" * 300) if key == "preset" else ("b", "glass-plate", key, "\x01" * 30_000)
+    assert len(refusal(session, "/object/new", *words)) < 1000
+
+
+@pytest.mark.parametrize(
+    ("args", "reason"),
+    [
+        ((), "height is missing"),
+        ((-0.1,), "height = -0.1: expected a number from 0 to 1000 m"),
+        ((float("nan"),), "height = nan: expected"),
+        ((1e9,), "height = 1e+09: expected"),
+        ((1, "gravity", 0), "gravity = 0: expected"),
+        ((1, "gravity", -9.81), "gravity = -9.81: expected"),
+        ((1, "mass", 0), "mass = 0: expected"),
+        ((1, "mass", float("inf")), "mass = inf: expected"),
+        ((1, "dissipation", 0), "dissipation = 0: the bounce would never end"),
+        ((1, "dissipation", 1e-5), "dissipation = 1e-05: the bounce might last"),
+        ((1, "irregularity", 2), "irregularity = 2: expected"),
+        ((1, "seed", 0.5), "seed = 0.5: expected a whole number"),
+        ((1, "id", "a b"), "id = a b: expected 1 to 64"),
+        ((1, "id", 3), "id = 3: expected a name"),
+        ((1, "stiffness", 1e-3, "mass", 1e6), "the contact would last"),
+    ],
+)
+def test_a_bounce_that_can_not_be_is_refused_and_leaves_nothing(played, args, reason):
+    assert reason in refusal(played, "/object/pane/bounce", *args)
+    assert played.gestures.running() == [] and played.engine.room() == 8192 - 2
+
+
+@pytest.mark.parametrize(
+    ("action", "args", "reason"),
+    [
+        ("roll", ("striker", "felt-hammer"), "radius is missing: the striker has none"),
+        ("roll", ("striker", "steel", "radius", 1e-3, "roughness", 100), "radius = 0.001: expected at least"),
+        ("roll", ("striker", "steel", "radius", 8e-4, "surface", "corrugated"), "radius = 0.0008: expected at least"),
+        ("roll", ("striker", "steel", "corners", 0.5), "corners = 0.5: expected a whole number"),
+        ("roll", ("striker", "steel", "surface", "mud"), "no surface 'mud'"),
+        ("press", ("mass", 1e6, "stiffness", 1e-3), "the contact would last"),
+        ("impact", ("id", "x" * 65), "expected 1 to 64 printable characters"),
+        ("impact", ("id", "x\x07"), "expected 1 to 64 printable characters"),
+    ],
+)
+def test_other_gestures_that_can_not_be_leave_nothing_either(played, action, args, reason):
+    assert reason in refusal(played, f"/object/pane/{action}", 1.0, *args)
+    assert played.gestures.running() == [] and played.engine.room() == 8192 - 2

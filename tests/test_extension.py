@@ -1,0 +1,97 @@
+"""A new steerable parameter of a roll is added in two places, and is then everywhere."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+
+# The patch: file, anchor, and what stands in the anchor's place. An anchor must be found once.
+PATCH = (
+    (
+        "dsp/schema.py",
+        "        RADIUS,\n",
+        "        RADIUS,\n"
+        '        Parameter("looseness", 0.0, 1.0, "", "share of the force that is lost", 0.0, steerable=True),\n',
+    ),
+    (
+        "dsp/rolling/body.py",
+        "roll.fade * (roll.force[i] - weight)",
+        "(1.0 - roll.target.looseness) * roll.fade * (roll.force[i] - weight)",
+    ),
+)
+
+SCRIPT = """
+import subprocess, sys, time
+from pathlib import Path
+
+import numpy as np
+import soundfile
+
+import carom
+from carom.server.osc.addresses import VERBS, table
+from carom.server.osc.oscquery import node
+
+def level(sound):
+    return 20 * np.log10(np.sqrt(np.mean(np.square(np.asarray(sound, float)))))
+
+ROLL = "0 /object/new board wood-board\\n0 /object/board/roll 0.5 striker glass-marble surface wood seed 1 id marble"
+plain = level(carom.render(ROLL, seconds=0.5).samples)
+
+def is_halved(sound):
+    assert abs(level(sound) - plain + 20 * np.log10(2)) < 0.1, (level(sound), plain)
+
+# by a score, as a key and steered
+is_halved(carom.render(ROLL + " looseness 0.5", seconds=0.5).samples)
+is_halved(carom.render(ROLL + "\\n0 /gesture/marble/looseness 0.5", seconds=0.5).samples)
+
+# by a scene in this process, as a key and steered
+for steered in (False, True):
+    with carom.Scene() as scene:
+        scene.new("board", "wood-board")
+        keys = {} if steered else {"looseness": 0.5}
+        scene.roll("board", 0.5, striker="glass-marble", surface="wood", seed=1, id="marble", **keys)
+        if steered:
+            scene.steer("marble", looseness=0.5)
+        is_halved(scene.render(0.5).samples)
+
+# over OSC, by a client: the server's recording
+words = [sys.executable, "-m", "carom", "serve", "--port", "0", "--device", "none", "--record", "out.wav"]
+server = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+port = int(server.stdout.readline().split(",")[0].rsplit(":", 1)[1])
+with carom.Client(port=port) as client:
+    client.new("board", "wood-board")
+    client.roll("board", 0.5, striker="glass-marble", surface="wood", seed=1, id="marble", looseness=0.9)
+    client.steer("marble", looseness=0.5)
+    client.ask("/sync", 1)
+    time.sleep(1.0)
+    client.ask("/quit")
+server.wait(timeout=20)
+sound, _ = soundfile.read("out.wav")
+start = np.flatnonzero(np.abs(sound).sum(axis=1) > 0)[0]
+is_halved(sound[start : start + 24_000])
+
+# described
+found = node("/gesture/marble/looseness", {"ID": ["marble"], "NAME": []})
+assert found["RANGE"] == [{"MIN": 0.0, "MAX": 1.0}] and "steers a roll" in found["DESCRIPTION"], found
+assert "looseness" in node("/object/board/roll", {"ID": [], "NAME": ["board"]})["DESCRIPTION"]
+assert "| `looseness` 0 to 1 | roll | share of the force that is lost; 0 if not given |" in table()
+assert "looseness: 0 to 1; share of the force that is lost" in carom.Scene.roll.__doc__
+"""
+
+
+def test_a_steerable_parameter_is_added_in_two_places_and_heard_everywhere(tmp_path):
+    package = tmp_path / "carom"
+    shutil.copytree(ROOT / "clients" / "face", package)
+    for folder in ("dsp", "server", "clients", "presets"):
+        shutil.copytree(ROOT / folder, package / folder, ignore=shutil.ignore_patterns("__pycache__", "face"))
+    assert len(PATCH) <= 3
+    for name, anchor, replacement in PATCH:
+        text = (package / name).read_text()
+        assert text.count(anchor) == 1, (name, anchor)
+        (package / name).write_text(text.replace(anchor, replacement))
+    (tmp_path / "script.py").write_text(SCRIPT)
+    env = os.environ | {"PYTHONPATH": str(tmp_path)}
+    subprocess.run([sys.executable, "script.py"], cwd=tmp_path, env=env, check=True, timeout=300)

@@ -1,0 +1,119 @@
+"""The house rules that a test can hold: rooms, sizes, what the wheel takes along."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+CODE = ("dsp", "server", "clients", "presets", "tests")
+LONGEST_FILE, LONGEST_FUNCTION, MOST_PARAMETERS, MOST_IN_DSP = 350, 50, 8, 12
+
+EXCEPTIONS = {
+    "bodies/bar.py:bar": "a face: its keywords are a preset's keys",
+    "bodies/disc.py:membrane": "a face: its keywords are a preset's keys",
+    "bodies/plate.py:plate": "a face: its keywords are a preset's keys",
+    "bodies/ring.py:glass": "a face: its keywords are a preset's keys",
+    "bodies/string.py:string": "a face: its keywords are a preset's keys",
+    "study/roll.py:make_roll": "a face: keywords with defaults",
+    "contact/sampled.py:step": "chooses between methods of eight parameters",
+    "resonator/simd.py:push": "an intrinsic: its typing context, and arrays one by one",
+    "resonator/simd.py:ring_pushed": "an intrinsic: its typing context, and arrays one by one",
+    "contact/coupled_reference.py:_integrate": "a reference: plain numbers and arrays, to be read beside the equations",
+    "contact/pressed.py:begin_pressed": "a reference: the contact law as plain numbers",
+    "contact/pressed.py:_begin_pressed": "the same, compiled",
+    "resonator/test_bank.py:driven_mode": "a reference: the contact law as plain numbers",
+    "rolling/test_body.py:brute_force": "a reference: the contact law as plain numbers",
+}
+"""Functions that are longer, or take more, each with the reason."""
+
+
+def sources() -> list[Path]:
+    return [path for folder in CODE for path in sorted((ROOT / folder).rglob("*.py"))]
+
+
+def named(path: Path) -> str:
+    return path.relative_to(ROOT).as_posix()
+
+
+def test_files_are_short():
+    lengths = {named(path): path.read_text().count("\n") for path in sources()}
+    assert {name: length for name, length in lengths.items() if length > LONGEST_FILE} == {}
+
+
+def test_functions_are_short_and_take_few_parameters():
+    found = {}
+    for path in sources():
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.FunctionDef):
+                length = node.end_lineno - node.lineno + 1
+                given = node.args
+                count = len(given.args) + len(given.kwonlyargs) + len(given.posonlyargs)
+                if length > LONGEST_FUNCTION or count > MOST_PARAMETERS:
+                    found[f"{path.parent.name}/{path.name}:{node.name}"] = (length, count)
+    assert set(found) == set(EXCEPTIONS), found
+
+
+def test_dsp_is_rooms_not_a_corridor():
+    assert len(list((ROOT / "dsp").glob("*.py"))) <= MOST_IN_DSP
+    assert all((room / "__init__.py").exists() for room in (ROOT / "dsp").iterdir() if any(room.glob("*.py")))
+
+
+def test_no_command_is_read_by_position():
+    for path in sources():
+        if path != Path(__file__):
+            for node in ast.walk(ast.parse(path.read_text())):
+                if isinstance(node, ast.Subscript) and isinstance(node.value, ast.Name | ast.Attribute):
+                    name = node.value.id if isinstance(node.value, ast.Name) else node.value.attr
+                    index = node.slice
+                    positional = isinstance(index, ast.Constant) and isinstance(index.value, int)
+                    assert not (name == "values" and positional), f"{named(path)}:{node.lineno}"
+
+
+def test_every_folder_is_packed():
+    """The list of packages in pyproject.toml is the tree's."""
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
+    folders = {ROOT / place: name for name, place in settings["package-dir"].items()}
+    found = set()
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
+    if listed.returncode:
+        pytest.skip("no git checkout")
+    for name in listed.stdout.splitlines():
+        parent = (ROOT / name).parent
+        for folder in (parent, *parent.parents):
+            if folder in folders and (parent.name != "charts"):
+                parts = parent.relative_to(folder).parts
+                found.add(".".join((folders[folder], *parts)))
+                break
+    assert found == set(settings["packages"])
+
+
+KERNELS = {"kernel", "simd_kernel", "njit", "intrinsic", "elementwise"}
+
+
+def test_all_but_kernels_have_hints():
+    """mypy is told to forgive functions without hints where kernels are: this finds the others there."""
+    found = []
+    for path in (path for path in sources() if path.parts[-2] != "tests" and "tests" not in path.parts):
+        module = ast.parse(path.read_text())
+        functions = [each for each in ast.walk(module) if isinstance(each, ast.FunctionDef)]
+        inner = {each for outer in functions for each in ast.walk(outer) if each is not outer}
+        for node in functions:
+            names = [each.id for part in node.decorator_list for each in ast.walk(part) if isinstance(each, ast.Name)]
+            given = [each for each in (*node.args.args, *node.args.kwonlyargs) if each.arg != "self"]
+            hinted = node.returns is not None or (given and all(each.annotation for each in given))
+            compiled = KERNELS.intersection(names) or node.name in COMPILED_BY_CALL
+            if node not in inner and not hinted and not compiled:
+                found.append(f"{named(path)}:{node.lineno} {node.name}")
+    assert found == []
+
+
+COMPILED_BY_CALL = {"_callback", "_guarded", "_pace", "_drain"}
+"""Functions that are compiled by a call, not by a decorator."""
