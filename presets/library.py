@@ -6,8 +6,9 @@ import difflib
 import os
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable
 from functools import lru_cache
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,8 @@ else:
 BUILT_IN = Path(__file__).resolve().parent
 KINDS = ("materials", "strikers", "surfaces", "objects")
 
+Folder = str | PathLike[str]
+
 _SETTLED = 3_000_000_000
 """ns after an edit from which on the next one surely gives a file another time: some file systems count by 2 s."""
 
@@ -34,7 +37,9 @@ class Presets:
     Files are read when asked for, so an edited one counts from then on.
     """
 
-    def __init__(self, folders: Sequence[Path] = ()) -> None:
+    def __init__(self, folders: Folder | Iterable[Folder] = ()) -> None:
+        """folders: one, or several. PresetError names one that is none."""
+        folders = [folders] if isinstance(folders, str | PathLike) else list(folders)
         for folder in folders:
             if not Path(folder).is_dir():
                 raise PresetError(f"{folder}: expected a folder with {', '.join(KINDS)}")

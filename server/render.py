@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import SupportsIndex
 
 import numpy as np
 import soundfile
@@ -48,8 +49,8 @@ class Options:
     contact: tuple[Argument, ...] = ()
 
     def __post_init__(self) -> None:
-        if not LOWEST_RATE <= self.rate <= HIGHEST_RATE:
-            raise RenderError(f"rate = {self.rate}: expected {LOWEST_RATE} to {HIGHEST_RATE} Hz")
+        if not isinstance(self.rate, SupportsIndex) or not LOWEST_RATE <= int(self.rate) <= HIGHEST_RATE:
+            raise RenderError(f"rate = {self.rate}: expected {LOWEST_RATE} to {HIGHEST_RATE} Hz, a whole number")
         if not 1 <= self.block <= 1 << 20:
             raise RenderError(f"block = {self.block}: expected 1 to {1 << 20} frames")
         _require_format(self.format)

@@ -53,10 +53,16 @@ class Capture:
             samples=np.concatenate(self._pieces),
             rate=rate,
             start=self._start / rate,
-            report=self._meter.report(self._start, self.end, self._performer.limited_objects(), self.warnings),
+            report=self._meter.report(self._start, self.end, self._performer.limited_objects(), self._warnings()),
             stems={name: self._stem(pieces) for name, pieces in self._stems.items()} if self._performer.stems else None,
             contacts=contacts,
         )
+
+    def _warnings(self) -> list[str]:
+        """What was said since the last sound."""
+        said = [*self.warnings, *self._performer.warnings]
+        self._performer.warnings.clear()
+        return said
 
     def _stem(self, pieces: list[tuple[int, NDArray[np.float64]]]) -> NDArray[np.float32]:
         stem = np.zeros((self.end - self._start, 2), np.float32)

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import wraps
 from os import PathLike
-from pathlib import Path
 from threading import Lock
 from typing import Any, SupportsFloat, TypeVar
 
@@ -75,15 +74,18 @@ class Performer:
     rate: Hz; limiter: whether the mix is kept within full scale; stems, contacts: whether they are kept.
     """
 
-    def __init__(self, rate: int, presets: Folders, limiter: bool, stems: bool, contacts: bool) -> None:
+    def __init__(
+        self, rate: int, presets: Folders, limiter: bool, stems: bool, contacts: bool, steers_ended: bool = False
+    ) -> None:
         Options(rate=rate)  # refuses a rate that can't be
         self.presets = chosen(presets)
         with _compiling:
             self.engine = _Engine(rate)
-        self.scene = Session(self.engine, self.presets)
+        self.scene = Session(self.engine, self.presets, steers_ended)
         self.scene.on_sent = self._remember
         self.stems = stems
         self.contacts = contacts
+        self.warnings: list[str] = []  # for the next report
         self._names: dict[int, str] = {}  # of objects, by serial
         self._striking: dict[int, Striking] = {}  # by command
         self._trace = np.empty(0, TRACE)  # what was traced beyond the end of the last sound
@@ -95,6 +97,7 @@ class Performer:
         """Carry out messages together at a time (s; None: now). CommandError says what was refused, and why."""
         time = NOW if at is None else self._sample(at, messages[0].address)
         replies = self.scene.perform(messages, time)
+        self.warnings += [str(reply.args[0]) for reply in replies if reply.address == "/warning"]
         refused = [": ".join(map(str, reply.args)) for reply in replies if reply.address == "/fail"]
         if refused:
             raise CommandError("; ".join(refused))
@@ -102,7 +105,7 @@ class Performer:
     def _sample(self, at: SupportsFloat, address: str) -> float:
         try:
             seconds = float(at)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             seconds = math.nan
         if 0.0 <= seconds <= LONGEST_SCORE:
             sample = sample_at(seconds, self.engine.rate)
@@ -167,11 +170,11 @@ class Performer:
         return pieces
 
     def traced(self, end: int) -> NDArray[np.void]:
-        """The trace, of TRACE, since the last call, up to the sample `end`; what is beyond comes with the next."""
+        """The trace, of TRACE, since the last call, of frames before `end`; later ones come with the next call."""
         trace = self.engine.traced()
         if len(self._trace):
             trace = np.concatenate([self._trace, trace])
-        beyond = trace["sample"] >= end
+        beyond = trace["sample"] + 1 >= end  # a force reaches the frame with which its sample ends
         self._trace = trace[beyond]
         return trace[~beyond]
 
@@ -182,11 +185,7 @@ class Performer:
 
 def chosen(presets: Folders) -> Presets:
     """The presets that are meant."""
-    if isinstance(presets, Presets):
-        return presets
-    if isinstance(presets, str | PathLike):
-        presets = [presets]
-    return Presets([Path(folder) for folder in presets])
+    return presets if isinstance(presets, Presets) else Presets(presets)
 
 
 def documented(cls: type[Acting]) -> type[Acting]:

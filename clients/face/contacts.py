@@ -24,9 +24,11 @@ class Contact:
     object: the name of the object touched; striker: that of the object that touched it (its key `by`), else empty;
     id: the gesture's `id`, else empty; gesture: impact, bounce, roll or press.
     start: s on the scene's clock, between samples as it falls; duration: s until the last force ends; both as far as
-    this sound goes: a contact that outlasts it goes on in the next one.
+    this sound goes: a contact that outlasts it goes on in the next one. Both are exact in closed form; a contact that
+    is coupled to the modes ends with a frame.
     impulse: N s that the striker gave the object. A gesture's `gain` makes it louder, and is not in here.
-    first: the frame of the sound in which the force begins; force: (n,) N, the mean force over each frame from there.
+    first: the first frame of the sound that the force reaches; force: (n,) N, its mean over the sample that ends with
+    each frame from there on.
 
     A bounce has a contact for each time that the striker comes back from a flight. A roll or a press is one contact; a
     roll's force is the excess over its weight, so that its sum tends to 0.
@@ -73,6 +75,6 @@ def _contact(run: NDArray[np.void], rate: float, start: int, striking: Striking)
         start=float(run["begin"][0]) / rate,
         duration=float(run["end"][-1] - run["begin"][0]) / rate,
         impulse=float(run["impulse"].sum()),
-        first=first - start,
+        first=first + 1 - start,
         force=force,
     )  # fmt: skip

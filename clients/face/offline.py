@@ -37,7 +37,7 @@ def render(
     """
     lines = _lines(score)
     choice = (contact,) if isinstance(contact, str) else tuple(map(plain, contact))
-    performer = Performer(rate, presets, limiter, stems, contacts)
+    performer = Performer(rate, presets, limiter, stems, contacts, steers_ended=True)
     capture = Capture(performer, 0)
     options = Options(rate=rate, block=capture.step, seconds=seconds, contact=choice)
     for piece in blocks(lines, performer.engine, performer.presets, options, performer.scene, capture.warnings.append):

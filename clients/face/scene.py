@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from types import TracebackType
-from typing import SupportsFloat
+from typing import NoReturn, SupportsFloat, SupportsIndex
 
 from ._capture import Capture
 from ._perform import Folders, Performer, Placed, documented
@@ -50,7 +51,7 @@ class Scene(Actions):
         presets: Folders = (),
     ) -> None:
         self._performer: Performer | None = Performer(rate, presets, limiter, stems, contacts)
-        self.rate = rate
+        self.rate = int(rate)
         """Hz."""
         self._frames = 0
 
@@ -85,15 +86,19 @@ class Scene(Actions):
         """The sound of the next seconds, or frames, from the end of the last one on. ValueError unless one is given."""
         if (seconds is None) == (frames is None):
             raise ValueError(f"seconds = {seconds}, frames = {frames}: expected one of the two")
-        if frames is None and not 0.5 / self.rate < plain(seconds) <= LONGEST_SCORE:
+        most = LONGEST_SCORE * self.rate
+        if frames is None and not 0.5 < _number(seconds) * self.rate <= most:
             raise ValueError(f"seconds = {seconds}: expected at least a frame, and at most {LONGEST_SCORE}")
-        if frames is not None and not (plain(frames) == int(frames) and 1 <= frames <= LONGEST_SCORE * self.rate):
-            raise ValueError(f"frames = {frames}: expected a whole number from 1 to {LONGEST_SCORE * self.rate}")
+        if frames is not None and not (1 <= _number(frames) <= most and _number(frames).is_integer()):
+            raise ValueError(f"frames = {frames}: expected a whole number from 1 to {most}")
         capture = Capture(self._open, self._frames)
-        self._frames += int(frames) if frames is not None else round(plain(seconds) * self.rate)
+        self._frames += round(_number(seconds) * self.rate) if frames is None else int(_number(frames))
         while left := self._frames - capture.end:
             capture.add(self._open.engine.process(min(left, capture.room())))
         return capture.sound()
+
+    def __reduce_ex__(self, protocol: SupportsIndex) -> NoReturn:
+        raise TypeError("a Scene is an engine at work: it cannot be copied or pickled")
 
     def _send(self, messages: list[Message], at: SupportsFloat | None) -> None:
         self._open.perform(messages, at)
@@ -131,7 +136,7 @@ class Object:
         They are as the object is tuned, damped and placed at the time to which its scene is computed; before the object
         is there, and after its scene is closed, as it was made. ValueError for a position beyond 0 to 1.
         """
-        place = self._placed.position if position is None else plain(position)
+        place = self._placed.position if position is None else _number(position)
         if not 0.0 <= place <= 1.0:
             raise ValueError(f"position = {position}: expected 0 to 1")
         performer = self.scene._performer
@@ -201,6 +206,12 @@ class Object:
     def free(self, at_once: bool = False, at: SupportsFloat | None = None) -> None:
         """Remove it once it is silent, or at once, with a short fade; its name is free."""
         self.scene.free(self.name, at_once, at)
+
+
+def _number(value: object) -> float:
+    """A number as a float, NaN for anything else."""
+    value = plain(value)
+    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else math.nan
 
 
 def _settings(keys: dict[str, Value]) -> Settings:

@@ -119,3 +119,9 @@ def test_the_report_names_the_objects_that_were_limited():
     assert report.limited_objects["a"] > 0.8 > 0.2 > report.limited_objects["b"] > 0.0
     assert sum(report.limited_objects.values()) == pytest.approx(1.0)
     assert "mostly a" in str(report)
+
+
+def test_steering_a_gesture_that_has_ended_is_a_warning():
+    score = "0 /object/new a wood-block\n0 /object/a/bounce 0.01 striker steel id ball\n2 /gesture/ball/stop"
+    (warning,) = carom.render(score).report.warnings
+    assert "no such gesture is running" in warning

@@ -1,5 +1,8 @@
 """carom.Scene: a score's addresses as methods, in this process."""
 
+import copy
+import math
+import pickle
 import threading
 
 import numpy as np
@@ -230,3 +233,46 @@ def test_the_gestures_that_ended_are_told():
         assert scene.ended() == ["hit"]
         scene.render(1.0)
         assert scene.ended() == ["palm"] and scene.ended() == []
+
+
+def test_a_contact_that_crosses_renders_is_whole():
+    """The force of three sounds is that of one."""
+    forces = []
+    for lengths in ([72_000], [24_000] * 3):
+        with carom.Scene(contacts=True) as scene:
+            scene.new("a", "wood-board")
+            scene.press("a", 5.0, striker="hand", at=0.01)
+            force = np.zeros(72_000)
+            for n, frames in enumerate(lengths):
+                for contact in scene.render(frames=frames).contacts:
+                    start = n * frames + contact.first
+                    assert contact.first >= 0 and contact.first + len(contact.force) <= frames
+                    force[start : start + len(contact.force)] += contact.force
+            forces.append(force)
+    np.testing.assert_array_equal(*forces)
+    assert forces[0][-1] > 0.0
+
+
+def test_a_scene_is_not_copied():
+    with carom.Scene() as scene:
+        for duplicate in (copy.copy, copy.deepcopy, pickle.dumps):
+            with pytest.raises(TypeError, match="a Scene is an engine at work"):
+                duplicate(scene)
+
+
+@pytest.mark.parametrize("lengths", [{"frames": math.inf}, {"frames": math.nan}, {"frames": [5]}, {"seconds": "1"}])
+def test_lengths_that_are_none_are_named(scene, lengths):
+    with pytest.raises(ValueError, match=rf"{next(iter(lengths))} = .*: expected"):
+        scene.render(**lengths)
+
+
+def test_warnings_are_in_the_report(tmp_path):
+    preset = (carom.Presets().path("objects", "church-bell")).read_text()
+    (tmp_path / "objects").mkdir()
+    (tmp_path / "objects" / "plain.toml").write_text(preset.replace('material = "bell-bronze"\n', ""))
+    with carom.Scene(presets=tmp_path) as scene:
+        scene.new("board", "wood-board")
+        scene.new("bell", "plain")
+        scene.impact("board", 1.0, by="bell", gain=-60)
+        assert any("bell has no material" in text for text in scene.render(0.1).report.warnings)
+        assert scene.render(0.1).report.warnings == ()
