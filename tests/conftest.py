@@ -7,9 +7,14 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
+from hypothesis import settings
 
 from carom.server.osc.score import read
 from tests.support import CAROM, Jack, Render, Running, render_lines, serving
+
+# The first example may compile a function, and another process may run: no example has a time limit.
+settings.register_profile("carom", deadline=None)
+settings.load_profile("carom")
 
 
 @pytest.fixture

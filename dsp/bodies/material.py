@@ -79,9 +79,9 @@ def contact_between(striker: Material, struck: Material, radius: float = CONTACT
 
     The dissipation is mu = s_1 mu_1 + s_2 mu_2 with s_i = C_i/(C_1 + C_2), C_i = (1 - nu_i^2)/E_i: the mean of the
     materials' own, each with the share s_i of the compression that its body takes. Both feel the same force, so s_i is
-    the body's share of the energy too, of which it loses the part 1 - e_i^2. So 1 - e^2 = s_1 (1 - e_1^2) +
-    s_2 (1 - e_2^2): the composite restitution of Coaplen, Stronge and Ravani (2004). As Hunt and Crossley's law has
-    1 - e^2 = (4/3) mu v to first order in mu v, the same mean holds for mu.
+    the body's share of the energy too, of which it loses the part 1 - e_i^2. So the composite restitution is
+    1 - e^2 = s_1 (1 - e_1^2) + s_2 (1 - e_2^2). As Hunt and Crossley's law has 1 - e^2 = (4/3) mu v to first order in
+    mu v, the same mean holds for mu. The rule is derived here, not measured.
 
     Limits: at 1 m/s the restitution is that of the composite rule within 0.006 for dissipations up to 0.2 s/m, and
     within 0.023 up to 0.45. Away from 1 m/s the law itself errs: its 1 - e grows as v, that of bodies that yield much

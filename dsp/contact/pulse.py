@@ -128,7 +128,7 @@ def contact_time(v_in: ArrayLike, m: ArrayLike, k: ArrayLike, mu: ArrayLike, a: 
 
 
 def force_pulse(t: ArrayLike, v_in: ArrayLike, m: ArrayLike, k: ArrayLike, mu: ArrayLike, a: ArrayLike) -> Array:
-    """Force f(t) in N at times t (s) since the contact began, 0 outside it; within 1e-11 of its peak.
+    """Force f(t) in N at times t (s) since the contact began, 0 outside it; within 1e-10 of its peak.
 
     All arguments broadcast; float64 of their shape. ValueError names a time that is not finite, and what else is out of
     range, as in `contact_time`.
@@ -139,7 +139,7 @@ def force_pulse(t: ArrayLike, v_in: ArrayLike, m: ArrayLike, k: ArrayLike, mu: A
 def force_nodes(v_in: float, m: float, k: float, mu: float, a: float) -> tuple[Array, Array]:
     """Quadrature nodes of one force pulse: times (s, ascending) since contact, and impulses (N s), each (n,) float64.
 
-    The sum of impulses times exp(-s t) is the pulse's Laplace transform, within 1e-11 of m (v_in - v_out) for
+    The sum of impulses times exp(-s t) is the pulse's Laplace transform, within 3e-10 of m (v_in - v_out) for
     |s| tau <= 40. n is some 100 to 250. Arguments as in `contact_time`, but one number each.
     """
     names = ("v_in", "m", "k", "mu", "a")

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from carom.presets import PresetError, Presets
@@ -138,7 +138,6 @@ def test_wrong_changes_name_the_key_and_no_file(changes, message):
     assert str(caught.value).startswith(message)
 
 
-@settings(deadline=None)  # the first to ask for modes waits for them
 @given(
     st.sampled_from([name for name in PRESETS.names("objects")]),
     st.dictionaries(

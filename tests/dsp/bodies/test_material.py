@@ -88,7 +88,7 @@ def test_a_contact_is_between_its_bodies(a, b, radius):
 
 @given(materials, materials, st.floats(0.01, 1))
 def test_each_body_loses_its_share_of_the_energy(a, b, v):
-    """The composite restitution of Coaplen, Stronge and Ravani, with the bounds that the docstring states at 1 m/s."""
+    """The composite restitution of the energies, with the bounds that the docstring states at 1 m/s."""
     shares = np.array([1 / a.contact_modulus, 1 / b.contact_modulus])
     alone = np.array([float(restitution(v, each.dissipation)) for each in (a, b)])
     composite = math.sqrt(1 - np.sum(shares / shares.sum() * (1 - alone**2)))

@@ -82,7 +82,7 @@ def test_nodes_are_the_pulses_transform(a, w):
     assert impulse.sum() == pytest.approx(momentum, rel=1e-11)
     # The integral of f exp(-s t), by parts: of v, then of x. That needs no force.
     motion, _ = solution(*law)
-    for s in (0.5j, 4.0j, 1.0 + 3.0j):
+    for s in (0.5j, 4.0j, 1.0 + 3.0j, 40.0j, 40.0):
         found = (impulse * np.exp(-s * t / duration)).sum()
 
         def compressed(r, s=s):
