@@ -5,33 +5,59 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test serve bench study lint clean
+CHECK := $(BIN)/check-jsonschema --quiet --builtin-schema
+LAST := $(VENV)/.test-time
+
+.PHONY: help demo quick test coverage serve bench levels study lint clean
+
+help:  ## list the targets
+	@sed -n 's/^\([a-z]*\):.*## /  \1\t/p' Makefile
 
 demo: $(READY)  ## render the demo score to demo.wav and draw demo.png
-	$(BIN)/carom render presets/scores/demo.txt demo.wav --plot demo.png
+	@echo "rendering presets/scores/demo.txt"
+	@$(BIN)/carom render presets/scores/demo.txt demo.wav --plot demo.png
 	@echo "demo.wav and demo.png are here"
 
-test: $(READY) lint  ## linters, types and tests
-	$(BIN)/python -m pytest
+quick: $(READY)  ## the tests that are fast: less than a minute, once the engine is compiled
+	@$(BIN)/python -m pytest -m "not slow"
 
-lint: $(READY)
-	$(BIN)/ruff check .
-	$(BIN)/ruff format --check .
-	rm -rf build $(VENV)/wheel
-	$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir $(VENV)/wheel .
-	$(BIN)/python -m zipfile -e $(VENV)/wheel/*.whl $(VENV)/wheel
-	PYTHONPATH=$(VENV)/wheel $(BIN)/lint-imports
-	$(BIN)/mypy
+test: $(READY) lint  ## linters, types and all tests: some ten minutes on two cores
+	@echo "all tests: $$(cat $(LAST) 2>/dev/null || echo 'some ten minutes on two cores'); make quick runs the fast ones"
+	@begun=$$(date +%s); $(BIN)/python -m pytest || exit; \
+	  echo "$$((($$(date +%s) - begun + 59) / 60)) minutes the last time" >$(LAST)
+
+coverage: $(READY)  ## all tests, and which lines of the Python side they run (kernels are compiled, and not seen)
+	@$(BIN)/coverage erase
+	@$(BIN)/coverage run -m pytest
+	@$(BIN)/coverage combine --quiet
+	@$(BIN)/coverage report
+
+lint: $(READY)  ## linters, import contracts and types
+	@$(BIN)/ruff check --quiet .
+	@$(BIN)/ruff format --quiet --check .
+	@$(CHECK) vendor.github-workflows .github/workflows/*.yml
+	@$(CHECK) custom.github-workflows-require-timeout .github/workflows/*.yml
+	@$(CHECK) vendor.github-issue-forms .github/ISSUE_TEMPLATE/bug.yml .github/ISSUE_TEMPLATE/idea.yml
+	@$(CHECK) vendor.github-issue-config .github/ISSUE_TEMPLATE/config.yml
+	@$(CHECK) vendor.dependabot .github/dependabot.yml
+	@$(CHECK) vendor.citation-file-format CITATION.cff
+	@rm -rf build $(VENV)/wheel
+	@$(BIN)/python -m pip wheel -qq --no-deps --no-build-isolation --wheel-dir $(VENV)/wheel .
+	@$(BIN)/python -m zipfile -e $(VENV)/wheel/*.whl $(VENV)/wheel
+	@PYTHONPATH=$(VENV)/wheel $(BIN)/lint-imports --no-logo
+	@$(BIN)/mypy
 
 serve: $(READY)  ## listen for OSC and play on the default device, or on none where there is no PortAudio
-	@if $(BIN)/carom devices 2>/dev/null | grep -q .; then $(BIN)/carom serve; else \
-	  echo "no PortAudio, or no device: playing on none (Debian: apt install libportaudio2)" >&2; \
-	  $(BIN)/carom serve --device none; fi
+	@if $(BIN)/carom devices >/dev/null; then $(BIN)/carom serve; else $(BIN)/carom serve --device none; fi
 
 bench: $(READY)  ## measure speed; figures go to bench.json
 	$(BIN)/python -m tests.bench.bench --json bench.json
 
-study: $(READY)  ## what takes an hour: extreme contacts, a long evening, threads that hog, a million packets
+levels: $(READY)  ## make the built-in objects equally loud at their default gestures
+	$(BIN)/python -m tests.bench.loudness
+
+study: $(READY)  ## what takes an hour: recordings, extreme contacts, a long evening, threads that hog, a million packets
+	$(BIN)/python -m tests.bench.recordings
 	$(BIN)/python -m tests.bench.extremes
 	$(BIN)/python -m tests.bench.soak --minutes 10
 	$(BIN)/python -m tests.bench.overload
@@ -43,10 +69,11 @@ $(READY): pyproject.toml
 	  { echo "Python 3.10 or newer is needed; found $$($(PYTHON) --version). Try make PYTHON=python3.11" >&2; exit 1; }
 	@$(PYTHON) -c 'import ensurepip' 2>/dev/null || \
 	  { echo "Python lacks venv (Debian: apt install python3-venv)" >&2; exit 1; }
-	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --upgrade pip
-	$(BIN)/python -m pip install --quiet --editable '.[dev]'
+	@echo "setting up $(VENV): a minute or two, some 700 MB"
+	@$(PYTHON) -m venv $(VENV)
+	@$(BIN)/python -m pip install -qq --upgrade pip
+	@$(BIN)/python -m pip install -qq --editable '.[dev]'
 	@touch $@
 
 clean:
-	rm -rf $(VENV) build *.egg-info demo.wav demo.png bench.json
+	rm -rf $(VENV) build dist *.egg-info demo.wav demo.png bench.json .coverage .coverage.*

@@ -79,6 +79,17 @@ class Actions(ABC):
         """Lay a striker on an object and press with a force (N), until the gesture of that `id` is stopped."""
         self._send_keyed(f"/object/{name}/press", force, position, at, keys)
 
+    def spin(
+        self,
+        name: str,
+        duration: SupportsFloat,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Value,
+    ) -> None:
+        """Let a coin, a lid or a ring spin down on an object; it lies still after a duration (s)."""
+        self._send_keyed(f"/object/{name}/spin", duration, position, at, keys)
+
     def damp(self, name: str, amount: SupportsFloat, at: SupportsFloat | None = None) -> None:
         """Lay a hand on an object: 0 none, 1 the firmest."""
         self.send(f"/object/{name}/damp", amount, at=at)
@@ -88,8 +99,17 @@ class Actions(ABC):
         self.send(f"/object/{name}/gain", level, at=at)
 
     def pan(self, name: str, place: SupportsFloat, at: SupportsFloat | None = None) -> None:
-        """Place an object between left (-1) and right (1)."""
+        """Place an object between left (-1) and right (1); on a ring of channels from behind (-1) over left, in front
+        (0) and right to behind (1)."""
         self.send(f"/object/{name}/pan", place, at=at)
+
+    def gains(self, name: str, *gains: Value, at: SupportsFloat | None = None) -> None:
+        """Place an object by a factor for each channel, one by one or as a list; without any, by its pan again."""
+        self.send(f"/object/{name}/gains", *gains, at=at)
+
+    def distance(self, name: str, metres: SupportsFloat, at: SupportsFloat | None = None) -> None:
+        """Set how far (m) the listener is from an object: twice as far is half the pressure."""
+        self.send(f"/object/{name}/distance", metres, at=at)
 
     def tune(self, name: str, semitones: SupportsFloat, at: SupportsFloat | None = None) -> None:
         """Move all frequencies of an object by some semitones from the preset's."""
@@ -127,8 +147,16 @@ class Actions(ABC):
         """Choose how contacts are solved from then on: closed (exact, the default), am1, verlet, heun or rk4."""
         self._send_keyed("/contact", method, oversampling, at, keys)
 
+    def main_gain(self, level: SupportsFloat, at: SupportsFloat | None = None) -> None:
+        """Set the level of everything (dB)."""
+        self.send("/gain", level, at=at)
+
+    def limiter(self, on: bool, at: SupportsFloat | None = None) -> None:
+        """Keep the sound within full scale (the default), or leave it as it is."""
+        self.send("/limiter", "on" if on else "off", at=at)
+
     def panic(self, at: SupportsFloat | None = None) -> None:
-        """Silence everything at once; objects stay."""
+        """End everything: what sounds fades within 11 ms; objects stay."""
         self.send("/panic", at=at)
 
 

@@ -176,7 +176,7 @@ class Client(Actions):
 
     def new(self, name: str, preset: str, at: SupportsFloat | None = None, **keys: Value) -> None:
         """Make an object from a preset and wait until it is there; keys change the preset, or are the object's first
-        gain, pan, tune, decay and damp."""
+        gain, pan, gains, distance, tune, decay and damp."""
         self.ask("/object/new", name, preset, *key_pairs(keys), at=at)
 
     def gesture(self, id: str, what: str, *value: Value, at: SupportsFloat | None = None) -> None:

@@ -8,10 +8,13 @@ import numpy as np
 import soundfile
 from numpy.typing import NDArray
 
+from ..dsp.numerics.constants import FULL_SCALE_PRESSURE
+
 _WINDOW = 4096
 _COLUMNS = 1500
 _FLOOR, _CEILING = -100.0, -10.0  # dBFS
 _LOWEST = 40.0  # Hz
+_LEAST_PRESSURE = 20e-6  # Pa
 _NAMES = {1: ["mono"], 2: ["left", "right"]}
 
 
@@ -19,8 +22,8 @@ class PlotError(RuntimeError):
     """The picture cannot be drawn; the text says why."""
 
 
-def plotter(picture: Path) -> Callable[[Path], None]:
-    """The function that draws a sound file into `picture`, a .png, .svg or .pdf file.
+def plotter(picture: Path, calibrated: bool = False) -> Callable[[Path], None]:
+    """The function that draws a sound file, calibrated in pascals or not, into `picture`, a .png, .svg or .pdf file.
 
     PlotError, before anything is drawn, if matplotlib is missing or the name or folder of the picture cannot be.
     """
@@ -33,10 +36,10 @@ def plotter(picture: Path) -> Callable[[Path], None]:
         raise PlotError(f"{picture}: expected a name that ends in .png, .svg or .pdf")
     if not picture.parent.is_dir():
         raise PlotError(f"{picture}: there is no folder {picture.parent}")
-    return lambda sound: _plot(sound, picture)
+    return lambda sound: _plot(sound, picture, calibrated)
 
 
-def _plot(sound: Path, picture: Path) -> None:
+def _plot(sound: Path, picture: Path, calibrated: bool) -> None:
     from matplotlib import pyplot as plt
 
     samples, rate = soundfile.read(sound, always_2d=True)
@@ -49,15 +52,15 @@ def _plot(sound: Path, picture: Path) -> None:
     time = np.arange(frames) / rate
     for name, wave, ax in zip(names, samples.T, axes, strict=False):
         ax.plot(time, wave, linewidth=0.4, color="#204060")
-        ax.set(ylim=(-1, 1), ylabel=f"{name}\namplitude")
+        highest = max(float(np.abs(samples).max(initial=0.0)), _LEAST_PRESSURE) if calibrated else 1.0
+        ax.set(ylim=(-highest, highest), ylabel=f"{name}\n{'pressure (Pa)' if calibrated else 'amplitude'}")
     for name, wave, ax in zip(names, samples.T, axes[channels:], strict=True):
-        image = ax.pcolormesh(
-            *_spectrogram(wave, rate), vmin=_FLOOR, vmax=_CEILING, cmap="magma", rasterized=True
-        )  # fmt: skip
+        drawn = _spectrogram(wave / FULL_SCALE_PRESSURE if calibrated else wave, rate)
+        image = ax.pcolormesh(*drawn, vmin=_FLOOR, vmax=_CEILING, cmap="magma", rasterized=True)
         ax.set(ylabel=f"{name}\nfrequency (Hz)", yscale="log", ylim=(_LOWEST, rate / 2))
     axes[0].set(title=sound.name)
     axes[-1].set(xlabel="time (s)", xlim=(0, frames / rate))
-    figure.colorbar(image, ax=axes[channels:], label="dBFS")
+    figure.colorbar(image, ax=axes[channels:], label="dB re 20 Pa" if calibrated else "dBFS")
     figure.savefig(picture, dpi=110)
     plt.close(figure)
 

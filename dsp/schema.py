@@ -76,6 +76,11 @@ DISSIPATION = Parameter(
 EXPONENT = Parameter("exponent", 1.0, 4.0, "", "overrides the striker preset", useful=(1.0, 3.0))
 LAW = (MASS, STIFFNESS, DISSIPATION, EXPONENT)
 """The contact law f = k x^a (1 + mu v): m, k, mu, a."""
+RESTITUTION = Parameter(
+    "restitution", 1e-6, 1.0, "",
+    "in place of dissipation: share of its speed that a rigid wall leaves it, the same at every speed; not of rolls",
+    useful=(0.1, 1.0),
+)  # fmt: skip
 
 POSITION = Parameter(
     "position", 0.0, 1.0, "", "where it is struck, from one end of the object's strike path to the other",
@@ -89,7 +94,7 @@ BY_RADIUS = Parameter(
     "by_radius", 1e-4, 10.0, "m",
     "of that object where it touches, for the law that both materials make; 0.01 if not given", useful=(1e-3, 0.1),
 )  # fmt: skip
-STRIKE = (*LAW, POSITION, GAIN)
+STRIKE = (*LAW, RESTITUTION, POSITION, GAIN)
 """The parameters that all gestures share."""
 
 VELOCITY = Parameter(
@@ -110,6 +115,10 @@ FORCE = Parameter("force", 0.0, 1e5, "N", "that presses it on", useful=(0.0, 50.
 GRAVITY = Parameter(
     "gravity", 0.01, 1000.0, "m/s^2", "", default=STANDARD_GRAVITY, useful=(1.0, 30.0), steerable=True, glide=0.02
 )
+IRREGULARITY = Parameter(
+    "irregularity", 0.0, 1.0, "", "how far from round: energy comes and goes between flight and rotation",
+    default=0.0, steerable=True, steered="from its next contact on",
+)  # fmt: skip
 SEED = Parameter(
     "seed", 0, 2**31 - 1, "", "of its random numbers; another one for each gesture if none is given", whole=True
 )
@@ -120,10 +129,7 @@ BOUNCE = Gesture(
     (
         THROW,
         dataclasses.replace(GRAVITY, steered="from its next flight on"),
-        Parameter(
-            "irregularity", 0.0, 1.0, "", "how far from round: energy comes and goes between flight and rotation",
-            default=0.0, steerable=True, steered="from its next contact on",
-        ),
+        IRREGULARITY,
         SEED,
         Parameter(
             "weight", 0, 1, "", "1: gravity acts in every contact too, not only near rest", default=0.0
@@ -158,7 +164,31 @@ ROLL = Gesture(
 PRESS = Gesture(
     "press", "lays the striker on it and presses, until it is stopped: a hand, a mute", FORCE, fixed=("gain",)
 )
-GESTURES = {gesture.name: gesture for gesture in (IMPACT, BOUNCE, ROLL, PRESS)}
+DURATION = Parameter(
+    "duration", 0.0, 3600.0, "s", "until it lies still; 0 does nothing", useful=(0.0, 10.0)
+)  # fmt: skip
+SPIN = Gesture(
+    "spin", "lets a coin, a lid or a ring spin down on it: contacts ever faster and fainter, then silence", DURATION,
+    (
+        Parameter("angle", 0.1, 80.0, "degrees", "of its tilt at first", default=20.0, useful=(1.0, 40.0)),
+        Parameter(
+            "radius", 1e-3, 10.0, "m", "of the disc", default=0.0116,
+            useful=(0.005, 0.2),
+        ),
+        Parameter(
+            "quickening", 0.1, 0.9, "", "n, where t before its end the rate of contacts goes as t^-n: 1/3 by rolling "
+            "friction, 1/2 where it loses power evenly", default=0.4, useful=(0.3, 0.5),
+        ),
+        Parameter(
+            "flat", 0.001, 1.0, "", "length of the flat on its rim that hits once a turn, as a share of the radius",
+            default=0.2, steerable=True, steered="from its next contact on",
+        ),
+        dataclasses.replace(IRREGULARITY, help="how much its contacts differ in time and strength"),
+        dataclasses.replace(GRAVITY, steered="from its next contact on"),
+        SEED,
+    ),
+)  # fmt: skip
+GESTURES = {gesture.name: gesture for gesture in (IMPACT, BOUNCE, ROLL, PRESS, SPIN)}
 
 STEERABLE = tuple(dict.fromkeys(name for gesture in GESTURES.values() for name in gesture.steerable))
 """Names of all parameters that a gesture can take anew while it runs; their places are their numbers."""
@@ -179,7 +209,23 @@ SETTINGS = {
     setting.name: setting
     for setting in (
         Parameter("gain", -120.0, 40.0, "dB", "its level", default=0.0, useful=(-40.0, 12.0)),
-        Parameter("pan", -1.0, 1.0, "", "its place from left, -1, to right, 1", default=0.0),
+        Parameter(
+            "pan",
+            -1.0,
+            1.0,
+            "",
+            "its place from left, -1, to right, 1; on a ring from behind over left, front (0) and right to behind",
+            default=0.0,
+        ),
+        Parameter(
+            "distance",
+            0.1,
+            1000.0,
+            "m",
+            "to the listener: twice as far is half the pressure",
+            default=1.0,
+            useful=(0.5, 20.0),
+        ),
         Parameter(
             "tune", -60.0, 60.0, "semitones", "moves all its frequencies up or down", default=0.0, useful=(-24.0, 24.0)
         ),
@@ -195,6 +241,11 @@ SETTINGS = {
         Parameter("damp", 0.0, 1.0, "", "a hand on it, until changed: 0 none, 1 the firmest", default=0.0),
     )
 }
+
+# What can be set of the whole.
+CHANNELS = Parameter("channels", 1, 64, "", "of the output; 2: left and right, else a ring", default=2, whole=True)
+MAIN_GAIN = Parameter("gain", -120.0, 40.0, "dB", "of everything", default=0.0, useful=(-40.0, 12.0))
+OWN_GAIN = Parameter("gain", -100.0, 100.0, "", "factor of one channel", useful=(0.0, 1.0))
 
 
 def _counter(help: str, unit: str = "") -> int:
@@ -217,6 +268,7 @@ class Stats:
     late: int = _counter("events that came after their time and were played at once")
     faults: int = _counter("times that an object was silenced because its sound was not finite")
     limited: int = _counter("frames that the limiter turned down", "frames")
+    strikers_cut: int = _counter("strikers whose sound was cut short or left out, as too many sounded")
     tap_lost: int = _counter("frames missing in the recording", "frames")
     notes_lost: int = _counter("events missing in the log")
     trace_lost: int = _counter("samples missing in the record of contacts", "samples")

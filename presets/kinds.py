@@ -10,13 +10,37 @@ from functools import cached_property
 from typing import Any, Protocol
 
 from ..dsp import bodies as shapes
+from ..dsp.bodies.added import Added, Complete
 from ..dsp.bodies.material import CONTACT_RADIUS, HERTZ_EXPONENT, Material, contact_between, hertz
+from ..dsp.bodies.striker import StrikerSound
+from ..dsp.wording import expected
 from .making import made
-from .schema import BALL, DESCRIPTION, LAW, OBJECT, SHAPES, STRIKE, STRIKER, SURFACE, Fields, PresetError, check
+from .schema import (
+    ADDED,
+    BALL,
+    DESCRIPTION,
+    GESTURE_LEVELS,
+    LAW,
+    LOST,
+    OBJECT,
+    SECTIONS,
+    SHAPES,
+    SOUNDS,
+    STRIKE,
+    STRIKER,
+    SURFACE,
+    Fields,
+    PresetError,
+    check,
+)
+from .sounding import sound_of
 from .values import Many, Row, shown
 
 STAND_IN = "steel"
 """The material of an object that has none, where it strikes another one or is struck by it."""
+
+STEREO_WIDTH = 0.5
+"""Of an object's image, unless its preset says it: 0 is a point, 1 from the left output to the right one."""
 
 
 class Library(Protocol):
@@ -34,26 +58,35 @@ class StrikerPreset:
     name: str
     description: str
     source: str
-    dissipation: float
     mass: float
+    dissipation: float = 0.0
+    restitution: float | None = None
+    """In place of the dissipation."""
     stiffness: float | None = None
     exponent: float = HERTZ_EXPONENT
     material: Material | None = None
     radius: float | None = None
+    sound: StrikerSound | None = None
+    """What it sounds like itself."""
 
     @classmethod
     def from_data(cls, name: str, where: str, data: Mapping[str, object], library: Library) -> StrikerPreset:
         """A striker from its file's data. `where` begins the text of a PresetError."""
         required = (*DESCRIPTION, *(BALL if "material" in data or "radius" in data else LAW))
-        fields = {key: domain for key, domain in STRIKER.items() if key in (*required, "mass")}
+        fields = {key: domain for key, domain in STRIKER.items() if key in (*required, *LOST, "mass", *SOUNDS)}
         values = check(where, data, fields, required)
+        if len(values.keys() & set(LOST)) != 1:
+            raise PresetError(f"{where}dissipation, restitution: expected one of the two")
         if "material" in values:
             material = values["material"] = _material(values["material"], where, library)
             values.setdefault("mass", material.density * 4 / 3 * math.pi * values["radius"] ** 3)
-        return cls(name, **values)
+        sections = {key: values.pop(key) for key in SOUNDS if key in values}
+        ball = None if "mass" in data else values.get("radius")
+        return cls(name, **values, sound=sound_of(where, sections, values["mass"], ball))
 
     def contact(self, material: Material | None) -> tuple[float, float, float, float]:
-        """Mass (kg), stiffness (N/m^a), dissipation (s/m) and exponent a against an object of `material`.
+        """Mass (kg), stiffness (N/m^a), dissipation (s/m; 0 where there is a restitution) and exponent a against an
+        object of `material`.
 
         A ball's stiffness is Hertz's with a plane of the material, a rigid one if None.
         """
@@ -108,7 +141,13 @@ class ObjectPreset:
     velocity: float
     position: float
     level: float
-    pickups: tuple[Any, Any] | None
+    gesture_levels: Mapping[str, float]
+    glide: float | None
+    """Rise of its tension (1/J) with the energy that rings; None: by its geometry and material."""
+    stereo_width: float
+    added: tuple[Added, ...]
+    written: Material | None
+    """The material of the preset's file, which the decay times of what is added were given for."""
     where: str = field(repr=False)
     _data: Mapping[str, Any] = field(repr=False, compare=False)
     _library: Library = field(repr=False, compare=False)
@@ -118,7 +157,7 @@ class ObjectPreset:
         """An object from its file's data. `where` begins the text of a PresetError; without it, keys stand alone."""
         values = check(where, data, OBJECT, ("description", "source", "shape", "level"))
         shape = SHAPES[values["shape"]]
-        titles = {key: f"{where}[{key}] " if where else "" for key in ("geometry", "damping", "strike", "pickup")}
+        titles = {key: f"{where}[{key}] " if where else "" for key in SECTIONS}
         geometry = check(titles["geometry"], data.get("geometry", {}), shape.fields, shape.required)
         one, other = ([key for key in geometry if key in side] for side in shape.either)
         if one and other:
@@ -129,14 +168,12 @@ class ObjectPreset:
             library.striker(strike["striker"])
         except PresetError as error:
             raise PresetError(f"{titles['strike']}striker = {shown(strike['striker'])}: {error}") from None
-        pickup = check(titles["pickup"], data.get("pickup", {}), shape.pickups, ())
-        if len(pickup) == 1:
-            raise PresetError(f"{titles['pickup']}{next(iter(pickup))}: expected left and right")
         material = None
         if "material" in values:
             material = replace(_material(values["material"], where, library), **damping)
         elif shape.has_material:
             raise PresetError(f"{where}material is missing: expected {OBJECT['material']}")
+        added = tuple(_added(key, titles[key], values[key]) for key in ADDED if key in values)
         return cls(
             name=name,
             description=values["description"],
@@ -145,7 +182,11 @@ class ObjectPreset:
             geometry=geometry,
             material=material,
             level=values["level"],
-            pickups=(pickup["left"], pickup["right"]) if pickup else None,
+            gesture_levels={name: values[key] for name, key in GESTURE_LEVELS.items() if key in values},
+            glide=values.get("glide"),
+            stereo_width=values.get("stereo_width", STEREO_WIDTH),
+            added=added,
+            written=material,
             where=titles["geometry"],
             _data=data,
             _library=library,
@@ -159,14 +200,14 @@ class ObjectPreset:
         """
         shape = SHAPES[self.shape]
         arguments = dict(self.geometry)
-        if self.pickups:
-            arguments["pickups"] = self.pickups
         if shape.has_material:
             arguments["material"] = self.material
         try:
-            return made(shape.make, top, arguments)
+            make = Complete(shape.make, self.added, self.written) if self.added else shape.make
+            modes = made(make, top, arguments, self.stereo_width)
         except ValueError as error:
             raise PresetError(f"{self.where}{error}") from None
+        return modes if self.glide is None else replace(modes, glide=self.glide)
 
     def struck_by(self, striker: ObjectPreset, radius: float = CONTACT_RADIUS) -> tuple[float, float, float]:
         """Stiffness (N/m^a), dissipation (s/m) and exponent a of its contact with another object.
@@ -185,7 +226,8 @@ class ObjectPreset:
         shape = SHAPES[self.shape]
         sections = {"geometry": shape.fields, "damping": shape.damping, "strike": STRIKE}
         own = {key: (section, fields) for section, fields in sections.items() for key in fields}
-        return {**own, "material": ("", OBJECT), "level": ("", OBJECT)}
+        given = ("material", "level", *GESTURE_LEVELS.values(), "stereo_width", "glide")
+        return {**own, **dict.fromkeys(given, ("", OBJECT))}
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -193,7 +235,8 @@ class ObjectPreset:
         return tuple(self._sections)
 
     def replace(self, /, **changes: object) -> ObjectPreset:
-        """The preset with other values of its geometry, damping, strike, material (a name) or level.
+        """The preset with other values of its geometry, damping, strike, material (a name), levels, stereo width
+        or glide.
 
         A list may be a list, a tuple, or a text like "free,clamped,free,clamped". A key that excludes others (tension,
         fundamental) takes their place. PresetError names the key.
@@ -202,7 +245,7 @@ class ObjectPreset:
         data: dict[str, Any] = copy.deepcopy(dict(self._data))
         for key, value in changes.items():
             if key not in sections:
-                raise PresetError(f"{key} = {shown(value)}: expected one of {', '.join(sections)}")
+                raise PresetError(f"{key} = {shown(value)}: {expected(key, sections)}")
             section, fields = sections[key]
             domain = fields[key]
             table = data.setdefault(section, {}) if section else data
@@ -211,7 +254,16 @@ class ObjectPreset:
                 if key in side:
                     for rival in other - changes.keys():
                         data["geometry"].pop(rival, None)
-        return ObjectPreset.from_data(self.name, "", data, self._library)
+        return replace(ObjectPreset.from_data(self.name, "", data, self._library), written=self.written)
+
+
+def _added(section: str, where: str, data: Mapping[str, object]) -> Added:
+    addition = ADDED[section]
+    values = check(where, data, addition.fields, addition.required)
+    try:
+        return addition.make(**values)
+    except ValueError as error:
+        raise PresetError(f"{where}{error}") from None
 
 
 def _material(name: str, where: str, library: Library) -> Material:

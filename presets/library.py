@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 import sys
 import time
@@ -13,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ..dsp.bodies.material import Material
+from ..dsp.wording import expected
 from .kinds import ObjectPreset, StrikerPreset, SurfacePreset
 from .schema import MATERIAL, PresetError, check
 from .values import NAME, Name, shown
@@ -48,17 +48,13 @@ class Presets:
     def names(self, kind: str) -> list[str]:
         """All names of a kind: materials, strikers, surfaces or objects. ValueError for another kind."""
         if kind not in KINDS:
-            raise ValueError(f"kind = {kind!r}: expected one of {', '.join(KINDS)}")
+            raise ValueError(f"kind = {kind!r}: {expected(kind, KINDS)}")
         files = (path for folder in self._folders for path in (folder / kind).glob("*.toml"))
-        return sorted({path.stem for path in files if NAME.fullmatch(path.stem)})
+        return sorted({path.stem for path in files if NAME.fullmatch(path.stem) and path.is_file()})
 
     def material(self, name: str) -> Material:
         """The material of that name. PresetError if there is none, or its file is wrong."""
-        where, data = self._read("materials", name)
-        required = ("source", "density", "youngs_modulus", "poisson_ratio", "alpha", "beta")
-        values = check(where, data, MATERIAL, required)
-        values.pop("source")
-        return Material(name, **values)
+        return _material(name, *self._read("materials", name))
 
     def striker(self, name: str) -> StrikerPreset:
         """The striker of that name. PresetError if there is none, or its file is wrong."""
@@ -71,6 +67,19 @@ class Presets:
     def object(self, name: str) -> ObjectPreset:
         """The object of that name. PresetError if there is none, or its file is wrong."""
         return ObjectPreset.from_data(name, *self._read("objects", name), self)
+
+    def load(self, kind: str, path: Path) -> Material | StrikerPreset | SurfacePreset | ObjectPreset:
+        """The preset of a kind in any file; the presets that it names are found here. PresetError if it is wrong."""
+        where, data = read_file(path)
+        if kind == "materials":
+            return _material(path.stem, where, data)
+        if kind == "strikers":
+            return StrikerPreset.from_data(path.stem, where, data, self)
+        if kind == "surfaces":
+            return SurfacePreset.from_data(path.stem, where, data)
+        if kind == "objects":
+            return ObjectPreset.from_data(path.stem, where, data, self)
+        raise ValueError(f"kind = {kind!r}: {expected(kind, KINDS)}")
 
     def description(self, kind: str, name: str) -> str:
         """What a preset says of itself, or its source. PresetError if there is none."""
@@ -87,20 +96,28 @@ class Presets:
             path = f"{folder}/{kind}/{name}.toml"
             if os.path.isfile(path):
                 return Path(path)
-        known = self.names(kind)
-        close = difflib.get_close_matches(name, known)
-        hint = f"did you mean {' or '.join(close)}?" if close else f"expected one of {', '.join(known)}"
-        raise PresetError(f"no {singular} {name!r}: {hint}")
+        raise PresetError(f"no {singular} {name!r}: {expected(name, self.names(kind))}")
 
     def _read(self, kind: str, name: str) -> tuple[str, dict[str, Any]]:
         """How an error about a preset's file begins, and the file's data."""
-        path = self.path(kind, name)
-        try:
-            return f"{path}: ", _data(path)
-        except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-            raise PresetError(f"{path}: not TOML: {error}") from None
-        except OSError as error:
-            raise PresetError(f"{path}: {error.strerror}") from None
+        return read_file(self.path(kind, name))
+
+
+def read_file(path: Path) -> tuple[str, dict[str, Any]]:
+    """How an error about a file begins, and its data, which nobody may change. PresetError if it cannot be read."""
+    try:
+        return f"{path}: ", _data(path)
+    except (ValueError, RecursionError) as error:  # not only TOMLDecodeError: an integer may have too many digits
+        raise PresetError(f"{path}: not TOML: {error}") from None
+    except OSError as error:
+        raise PresetError(f"{path}: {error.strerror}") from None
+
+
+def _material(name: str, where: str, data: dict[str, Any]) -> Material:
+    required = ("source", "density", "youngs_modulus", "poisson_ratio", "alpha", "beta")
+    values = check(where, data, MATERIAL, required)
+    values.pop("source")
+    return Material(name, **values)
 
 
 def _data(path: Path) -> dict[str, Any]:

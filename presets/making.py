@@ -11,20 +11,24 @@ from typing import Any
 
 from threadpoolctl import ThreadpoolController
 
+from ..dsp.bodies.heard import placed
 from ..dsp.bodies.modes import Modes, read_only
 
 KEPT_BYTES = 64_000_000
 """Of modes that are kept. Those of all presets take 13 MB at 48 kHz; the largest object there can be takes 130 MB."""
 
 
-def made(make: Callable[..., Modes], top: float, arguments: Mapping[str, Any]) -> Modes:
-    """The modes that a shape makes of hashable arguments, up to `top` (Hz); their arrays are read-only."""
-    key = (make, top, *sorted(arguments.items()))
+def made(make: Callable[..., Modes], top: float, arguments: Mapping[str, Any], width: float) -> Modes:
+    """The modes that a shape makes of hashable arguments, up to `top` (Hz), in a stereo image of a width (0 to 1).
+
+    Their arrays are read-only.
+    """
+    key = (make, top, width, *sorted(arguments.items()))
     modes = _kept.get(key)
     if modes is None:
         with _blas.on_one_thread():
-            modes = make(top=top, **arguments)
-        read_only(modes.frequency, modes.decay, modes.strike, modes.pickup)
+            modes = placed(make(top=top, **arguments), width)
+        read_only(modes.frequency, modes.decay, modes.strike, modes.pressure)
         _kept.put(key, modes)
     return modes
 
@@ -54,7 +58,7 @@ class _Kept:
 
 
 def _bytes(modes: Modes) -> int:
-    return modes.strike.nbytes + modes.pickup.nbytes + modes.frequency.nbytes + modes.decay.nbytes
+    return modes.strike.nbytes + modes.pressure.nbytes + modes.frequency.nbytes + modes.decay.nbytes
 
 
 class _Blas:

@@ -6,13 +6,18 @@ import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..dsp import bodies as shapes
 from ..dsp import schema
+from ..dsp.bodies.added import Added
 from ..dsp.bodies.bar import ENDS
 from ..dsp.bodies.disc import EDGES as DISC_EDGES
+from ..dsp.bodies.heard import BAFFLES
+from ..dsp.bodies.material import LOSSES
 from ..dsp.bodies.plate import EDGES as PLATE_EDGES
+from ..dsp.bodies.radiation.board import BOARDS
+from ..dsp.wording import expected
 from .values import Choice, Domain, Many, Name, OneOrMany, Quantity, Row, Section, Text, Unfit, Whole, shown
 
 Fields = Mapping[str, Domain]
@@ -27,8 +32,8 @@ def check(where: str, table: Mapping[str, object], fields: Fields, required: Seq
     checked = {}
     for key, value in table.items():
         if key not in fields:
-            known = f"one of {', '.join(fields)}" if fields else "no key"
-            raise PresetError(f"{where}{key} = {shown(value)}: expected {known}")
+            known = expected(key, fields) if fields else "expected no key"
+            raise PresetError(f"{where}{key} = {shown(value)}: {known}")
         try:
             checked[key] = fields[key].fit(value)
         except Unfit as error:
@@ -42,14 +47,45 @@ def check(where: str, table: Mapping[str, object], fields: Fields, required: Seq
 # Contacts: strikers, and the surfaces and materials that they meet.
 
 LAW_FIELDS: Mapping[str, Quantity] = {
-    each.name: Quantity(each.low, each.high, each.unit) for each in (*schema.LAW, schema.RADIUS)
+    each.name: Quantity(each.low, each.high, each.unit) for each in (*schema.LAW, schema.RESTITUTION, schema.RADIUS)
 }
-LAW = ("mass", "stiffness", "dissipation", "exponent")
-BALL = ("material", "radius", "dissipation")
+LAW = ("mass", "stiffness", "exponent")
+BALL = ("material", "radius")
 """The keys of a striker that is a ball; its `mass` is given only if it is not that of a solid one."""
+LOST = ("dissipation", "restitution")
+"""What a striker loses is said by one of these."""
+SOUNDS = ("click", "ringing", "snap")
+"""Sections that say how a striker sounds itself."""
 
 DESCRIPTION: Fields = {"description": Text(), "source": Text()}
-STRIKER: Fields = {**DESCRIPTION, **LAW_FIELDS, "material": Name()}
+STRIKER: Fields = {
+    **DESCRIPTION,
+    **LAW_FIELDS,
+    "material": Name(),
+    **dict.fromkeys(SOUNDS, Section()),
+}
+CLICK: Fields = {
+    "shape": Choice(("sphere", "disc")),
+    "radius": LAW_FIELDS["radius"],
+    "thickness": Quantity(0, 10, "m"),
+    "tilt": Quantity(0, 90, "degrees"),
+}
+"""What a blow moves as a whole: a sphere, or a disc whose axis is tilted against the force."""
+RINGING: Fields = {
+    "frequency": Many(Quantity(1, 96000, "Hz")),
+    "t60": OneOrMany(Quantity(1e-4, 200, "s")),
+    "modal_mass": OneOrMany(Quantity(1e-9, 1e6, "kg")),
+    "radiated": OneOrMany(Quantity(0, 1)),
+}
+"""A striker's own modes: frequencies, decay times, modal masses where it touches, and the shares of the loss that are
+sound."""
+SNAP: Fields = {
+    "momentum": Quantity(0, 1, "N s"),
+    "exponent": Quantity(0, 10),
+    "scatter": Quantity(0, 20, "dB"),
+    "delay": Quantity(0, 1, "s"),
+}
+"""A second pulse, which alone moves these modes."""
 SURFACE: Fields = {
     **DESCRIPTION,
     "roughness": Quantity(0, 0.1, "m"),
@@ -63,12 +99,16 @@ DAMPING: Fields = {
     "alpha": Quantity(0, 1e4, "1/s"),
     "beta": Quantity(0, 1e-3, "s"),
     "loss_factor": Quantity(0, 1),
+    "loss_exponent": Quantity(0, 3),
+    "losses": Choice(LOSSES),
 }
+"""`losses` says whether radiation is in them already ("measured") or not ("material")."""
 MATERIAL: Fields = {
     "source": Text(),
     "density": Quantity(1, 3e4, "kg/m3"),
     "youngs_modulus": Quantity(1e4, 2e12, "Pa"),
     "poisson_ratio": Quantity(0, 0.4999),
+    "shear": Quantity(1e3, 1e12, "Pa"),
     "dissipation": LAW_FIELDS["dissipation"],
     **DAMPING,
 }
@@ -81,19 +121,31 @@ FRACTION = Quantity(0, 1)
 ANGLE = Quantity(-360, 360, "degrees")
 FREQUENCY = Quantity(1, 20000, "Hz")
 POINT = Row((FRACTION, FRACTION))
+BAFFLE = Choice(BAFFLES)
 ROUND: Fields = {"split": Quantity(0, 0.1), "imperfection": ANGLE}
+
+
+class Addition(NamedTuple):
+    """A class of modes that are added to a shape's, and what its arguments may be."""
+
+    make: Callable[..., Added]
+    fields: Fields
+
+    @property
+    def required(self) -> tuple[str, ...]:
+        parameters = inspect.signature(self.make).parameters
+        return tuple(key for key in self.fields if parameters[key].default is inspect.Parameter.empty)
 
 
 @dataclass(frozen=True)
 class Shape:
-    """A function that makes modes, what its arguments may be, and where its pickups are.
+    """A function that makes modes, and what its arguments may be.
 
     A key of one `either` set excludes those of the other: two ways to say one thing.
     """
 
     make: Callable[..., shapes.Modes]
     fields: Fields
-    pickup: Domain | None = None
     either: tuple[frozenset[str], frozenset[str]] = (frozenset(), frozenset())
 
     @cached_property
@@ -108,10 +160,6 @@ class Shape:
     def damping(self) -> Fields:
         """What of its material's damping an object may give anew."""
         return DAMPING if self.has_material else {}
-
-    @property
-    def pickups(self) -> Fields:
-        return {"left": self.pickup, "right": self.pickup} if self.pickup else {}
 
     @property
     def required(self) -> tuple[str, ...]:
@@ -129,12 +177,18 @@ SHAPES: Mapping[str, Shape] = {
             "thickness": THICKNESS,
             "undercut": Quantity(0, 0.95),
             "undercut_span": Quantity(0.1, 1),
+            "across": Quantity(-1, 1),
+            "tilt": Quantity(-90, 90, "degrees"),
             "diameter": THICKNESS,
             "wall": THICKNESS,
+            **ROUND,
             "ends": Choice(ENDS),
+            "board": Choice(tuple(BOARDS)),
         },
-        FRACTION,
-        (frozenset({"width", "thickness", "undercut", "undercut_span"}), frozenset({"diameter", "wall"})),
+        (
+            frozenset({"width", "thickness", "undercut", "undercut_span", "across", "tilt"}),
+            frozenset({"diameter", "wall", *ROUND}),
+        ),
     ),
     "string": Shape(
         shapes.string,
@@ -146,7 +200,6 @@ SHAPES: Mapping[str, Shape] = {
             "linear_density": Quantity(1e-6, 10, "kg/m"),
             "inharmonicity": Quantity(0, 0.1),
         },
-        FRACTION,
         TUNING,
     ),
     "plate": Shape(
@@ -158,13 +211,12 @@ SHAPES: Mapping[str, Shape] = {
             "edges": Row((Choice(PLATE_EDGES),) * 4),
             "path_from": POINT,
             "path_to": POINT,
+            "baffle": BAFFLE,
         },
-        POINT,
     ),
     "disc": Shape(
         shapes.disc,
-        {"radius": LENGTH, "thickness": THICKNESS, "edge": Choice(DISC_EDGES), **ROUND},
-        Row((FRACTION, ANGLE)),
+        {"radius": LENGTH, "thickness": THICKNESS, "edge": Choice(DISC_EDGES), **ROUND, "baffle": BAFFLE},
     ),
     "membrane": Shape(
         shapes.membrane,
@@ -174,15 +226,14 @@ SHAPES: Mapping[str, Shape] = {
             "tension": Quantity(1, 1e6, "N/m"),
             "fundamental": FREQUENCY,
             **ROUND,
+            "baffle": BAFFLE,
         },
-        Row((FRACTION, ANGLE)),
         TUNING,
     ),
-    "ring": Shape(shapes.ring, {"radius": LENGTH, "thickness": THICKNESS, "length": LENGTH, **ROUND}, ANGLE),
+    "ring": Shape(shapes.ring, {"radius": LENGTH, "thickness": THICKNESS, "length": LENGTH, **ROUND}),
     "glass": Shape(
         shapes.glass,
         {"radius": LENGTH, "height": LENGTH, "thickness": THICKNESS, "rows": Whole(1, 3), **ROUND},
-        ANGLE,
     ),
     "listed": Shape(
         shapes.listed,
@@ -191,16 +242,67 @@ SHAPES: Mapping[str, Shape] = {
             "t60": OneOrMany(Quantity(1e-3, 200, "s")),
             "modal_mass": OneOrMany(Quantity(1e-6, 1e5, "kg")),
             "mass": Quantity(1e-5, 1e6, "kg"),
-            "weight": OneOrMany(Quantity(-100, 100)),
+            "weight": OneOrMany(Quantity(-1000, 1000, "Pa per m/s")),
+            "order": OneOrMany(Whole(0, 64)),
+            "radius": LENGTH,
+            "height": LENGTH,
         },
+        (frozenset({"weight"}), frozenset({"order", "radius", "height"})),
     ),
 }
 
+# What is added to a shape's modes.
+
+LEVEL = Quantity(-120, 60, "dB")
+T60 = Quantity(1e-3, 200, "s")
+MODAL_MASS = Quantity(1e-6, 1e9, "kg")
+RATIO = Quantity(1e-3, 1e4)
+ADDED: Mapping[str, Addition] = {
+    "partials": Addition(
+        shapes.Partials,
+        {
+            "frequency": Many(FREQUENCY),
+            "ratio": Many(RATIO),
+            "t60": OneOrMany(T60),
+            "level": OneOrMany(LEVEL),
+            "modal_mass": OneOrMany(MODAL_MASS),
+        },
+    ),
+    "noise": Addition(
+        shapes.Noise,
+        {
+            "edges": Many(FREQUENCY),
+            "edge_ratio": Many(RATIO),
+            "t60": OneOrMany(T60),
+            "level": OneOrMany(LEVEL),
+            "modes": OneOrMany(Whole(1, 512)),
+            "modal_mass": OneOrMany(MODAL_MASS),
+        },
+    ),
+    "cavity": Addition(
+        shapes.Cavity,
+        {
+            "volume": Quantity(1e-8, 10, "m3"),
+            "area": Quantity(1e-8, 10, "m2"),
+            "neck": THICKNESS,
+            "level": LEVEL,
+            "t60": T60,
+        },
+    ),
+}
+"""Sections of an object's preset, each with the class that it fills."""
+
+SECTIONS = ("geometry", "damping", "strike", *ADDED)
 STRIKE: Fields = {"striker": Name(), "velocity": Quantity(1e-3, 100, "m/s"), "position": FRACTION}
+GESTURE_LEVELS = {name: f"{name}_level" for name in schema.GESTURES if name not in ("impact", "press")}
+"""Keys of an object's file: a level in dB for gestures of that name on it, by their names."""
+
 OBJECT: Fields = {
     **DESCRIPTION,
     "shape": Choice(tuple(SHAPES)),
     "material": Name(),
-    "level": Quantity(-120, 120, "dB"),
-    **dict.fromkeys(("geometry", "damping", "strike", "pickup"), Section()),
+    **dict.fromkeys(("level", *GESTURE_LEVELS.values()), Quantity(-120, 120, "dB")),
+    "glide": Quantity(0, 1e6, "1/J"),
+    "stereo_width": FRACTION,
+    **dict.fromkeys(SECTIONS, Section()),
 }

@@ -12,6 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from ..dsp.wording import suggestion
+
 NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
 LONGEST_LIST = 1024  # values: an object has no more modes
 _LONGEST_SHOWN = 300  # characters: lists in lists have many, each of them short
@@ -24,7 +26,8 @@ class Unfit(ValueError):
     def __init__(self, value: object, expected: object, item: int | None = None) -> None:
         self.value, self.expected, self.item = value, expected, item
         place = "" if item is None else f": item {item}"
-        super().__init__(f"{place} = {shown(value)}: expected {expected}")
+        meant = suggestion(value, expected.options) if isinstance(expected, Choice) else ""
+        super().__init__(f"{place} = {shown(value)}: {meant or f'expected {expected}'}")
 
 
 def shown(value: object) -> str:

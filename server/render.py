@@ -1,21 +1,25 @@
 """Offline rendering: a score through the engine into a sound file, or into arrays."""
 
-import os
-import tempfile
+import math
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import SupportsIndex
 
 import numpy as np
-import soundfile
 from numpy.typing import NDArray
 
 from ..dsp.engine.state import QUANTUM, RING
 from ..dsp.runtime.engine import Engine
+from ..dsp.schema import CHANNELS, MAIN_GAIN, Parameter
 from ..presets import Presets
-from .files.soundfiles import WAV_BYTES, open_sound
+from .files.spool import Spool, StemSpools
+from .files.whole import RenderError, require_format, writing
+from .limiting import LimiterWatch, Limiting
+from .osc.addresses import VERBS
+from .osc.arguments import Refused, check_number
 from .osc.score import LONGEST_SCORE, Line, ScoreError, sample_at
 from .osc.wire import Argument, Message
 from .scene.limits import LONGEST_BOUNCE
@@ -28,34 +32,106 @@ LONGEST_REST = LONGEST_BOUNCE + LONGEST_TAIL
 """s after a score's last event, after which a render ends even if what goes on would come to rest."""
 
 _PIECE = 1_024  # frames
-_ENDINGS = {".wav": "WAV", ".flac": "FLAC"}
-_SUBTYPES = {"16": "PCM_16", "24": "PCM_24", "float": "FLOAT"}
 _MOST_NAMES = 8  # of gestures, in a warning
 
 
-class RenderError(ValueError):
-    """The render cannot be made; the text says why."""
+_PEAK = Parameter("normalize", -100.0, 0.0, "dBFS")
 
 
 @dataclass(frozen=True)
 class Options:
     """How to render: rate in Hz, block in frames, sample format 16, 24 or float (None: 24 for FLAC, else float),
-    seconds (None: until silence), and the arguments of a /contact to begin with."""
+    seconds (None: until silence), and the arguments of a /contact to begin with.
+
+    channels, gain (dB) and limiter hold from the start, in place of what the score says of them at time 0 (None: as it
+    says, else 2 channels, 0 dB, and on). calibrated: samples are pascals, without a limiter, as floats. normalize: the
+    peak (dBFS) to which the whole is brought; without a limiter, unless one is asked for.
+    """
 
     rate: int = 48_000
     block: int = 4_096
     format: str | None = None
     seconds: float | None = None
     contact: tuple[Argument, ...] = ()
+    channels: int | None = None
+    gain: float | None = None
+    limiter: bool | None = None
+    calibrated: bool = False
+    normalize: float | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.rate, SupportsIndex) or not LOWEST_RATE <= int(self.rate) <= HIGHEST_RATE:
             raise RenderError(f"rate = {self.rate}: expected {LOWEST_RATE} to {HIGHEST_RATE} Hz, a whole number")
         if not 1 <= self.block <= 1 << 20:
             raise RenderError(f"block = {self.block}: expected 1 to {1 << 20} frames")
-        _require_format(self.format)
+        require_format(self.format)
         if self.seconds is not None and not 1 / self.rate <= self.seconds <= LONGEST_SCORE:
             raise RenderError(f"seconds = {self.seconds:g}: expected at least a frame and at most {LONGEST_SCORE}")
+        for number, value in ((CHANNELS, self.channels), (MAIN_GAIN, self.gain), (_PEAK, self.normalize)):
+            require(number, value)
+        if self.calibrated:
+            self._require_pascals()
+
+    def _require_pascals(self) -> None:
+        if self.limiter:
+            raise RenderError("limiter = on: expected none, as calibrated samples are pascals")
+        if self.normalize is not None:
+            raise RenderError(f"normalize = {self.normalize:g}: expected none, as calibrated samples are pascals")
+        if self.format not in (None, "float"):
+            raise RenderError(f"format = {self.format}: expected float, as calibrated samples are pascals")
+
+    @property
+    def head(self) -> list[Message]:
+        """The messages with which the render begins."""
+        limiter = False if self.calibrated or (self.normalize is not None and self.limiter is None) else self.limiter
+        return [
+            *([Message("/contact", self.contact)] if self.contact else []),
+            *([Message("/limiter", ("on" if limiter else "off",))] if limiter is not None else []),
+            *([Message("/gain", (self.gain,))] if self.gain is not None else []),
+        ]
+
+    def gain_of(self, peak: float, warn: Callable[[str], object]) -> float:
+        """The gain (amplitude) that normalizes a sound with this largest magnitude; 1 for silence, of which it warns,
+        and where nothing is to be normalized."""
+        if self.normalize is None:
+            return 1.0
+        if peak == 0.0:
+            warn("the sound is silence: it is not normalized")
+            return 1.0
+        return float(10.0 ** (self.normalize / 20.0)) / peak
+
+    def channels_of(self, score: Sequence[Line]) -> int:
+        """How many channels the render of a score has. ScoreError names a line that says no number of them."""
+        said = [line for line in score if line.message.address == "/channels"]
+        if self.channels is not None or not said:
+            return self.channels or int(CHANNELS.default or 0)
+        try:
+            return int(VERBS["/channels"].parse(said[0].message.args).numbers["channels"])
+        except Refused as error:
+            raise ScoreError(f"{said[0].where}: /channels: {error}") from None
+
+    def without_head(self, score: Sequence[Line]) -> list[Line]:
+        """The lines of a score but for those at time 0 in whose place the options are."""
+        given = {message.address for message in self.head} | ({"/channels"} if self.channels is not None else set())
+        return [line for line in score if line.time > 0.0 or line.message.address not in given]
+
+
+def require(number: Parameter, value: object) -> None:
+    """RenderError if a value, which is not None, is not as a parameter allows."""
+    try:
+        if value is not None:
+            check_number(number, value)  # type: ignore[arg-type]
+    except Refused as error:
+        raise RenderError(str(error)) from None
+
+
+@dataclass(frozen=True)
+class Rendered:
+    """What became of a render: its engine, what the limiter did, and by how many dB it was normalized, if it was."""
+
+    engine: Engine
+    limiting: Limiting
+    normalized: float | None = None
 
 
 class _Timeline:
@@ -125,19 +201,20 @@ def blocks(
     session: Session | None = None,
     warn: Callable[[str], object] = lambda text: None,
 ) -> Iterator[NDArray[np.float32]]:
-    """The sound of a score, block by block, each float32 (frames, 2); ScoreError names a line that is refused.
+    """The sound of a score, block by block, each float32 (frames, channels); ScoreError names a line that is refused.
 
-    session: of the engine, if it has one already.
+    engine: one of `options.channels_of(score)` channels. session: of the engine, if it has one already.
     Without `seconds` the sound ends with the quantum in which the last object falls silent. If all that goes on would
     go on for ever (a press, a roll without friction) it ends LONGEST_TAIL after the last event, and in any case
     LONGEST_REST after it; `warn` is told of either, and of lines that have no effect. The block size does not matter.
     """
-    if not score:
+    lines = options.without_head(score)
+    if not lines:
         raise RenderError("the score is empty: expected lines of time, address and arguments")
-    session = session or Session(engine, presets, steers_ended=True)
-    if options.contact:
-        _perform(session, Line(0.0, Message("/contact", options.contact), "contact"), warn)
-    timeline = _Timeline(score, options)
+    session = session or Session(engine, presets, steers_ended=True, calibrated=options.calibrated)
+    for message in options.head:
+        _perform(session, Line(0.0, message, message.address[1:]), warn)
+    timeline = _Timeline(lines, options)
     written = 0
     while timeline.end is None or written < timeline.end:
         stop = written + options.block if timeline.end is None else min(written + options.block, timeline.end)
@@ -175,79 +252,38 @@ def render(
     options: Options,
     progress: Callable[[float], object] = lambda seconds: None,
     warn: Callable[[str], object] = lambda text: None,
-) -> Engine:
-    """Render a score to a WAV or FLAC file, told by its ending; returns the engine, for its counters.
+    stems: Path | None = None,
+) -> Rendered:
+    """Render a score to a WAV or FLAC file, told by its ending.
 
     The file appears under its name once it is whole. `progress` is told the seconds computed, `warn` that the sound
-    ends early, as in `blocks`. RenderError, ScoreError or OSError say what went wrong.
+    ends early, as in `blocks`. stems: a folder, made if missing, for a file of the same kind for each object, with its
+    part of the sound before the limiter. RenderError, ScoreError or OSError say what went wrong.
     """
-    with writing(out, options.rate, options.format) as write:
-        engine = Engine(options.rate)
-        for sound in blocks(score, engine, presets, options, warn=warn):
-            write(sound)
+    engine = Engine(options.rate, options.channels_of(score))
+    session = Session(engine, presets, steers_ended=True, calibrated=options.calibrated)
+    watch = LimiterWatch(engine, lambda: session.objects.slots)
+    with ExitStack() as stack:
+        format = "float" if options.calibrated else options.format
+        write = stack.enter_context(writing(out, options.rate, engine.channels, format))
+        if stems:
+            stems.mkdir(exist_ok=True)
+            options = replace(options, block=QUANTUM)
+            engine.keep_stems(True)
+        folder = Path(stack.enter_context(TemporaryDirectory(prefix=".carom-", dir=stems or out.parent)))
+        spool, parts = Spool(folder / "whole", engine.channels), StemSpools(folder, engine.channels)
+        keep = write if options.normalize is None else spool.append
+        frames = 0
+        for sound in blocks(score, engine, presets, options, session, warn):
+            if stems:
+                parts.add(session.objects.slots, engine.stems(), engine.sounding_stems(), frames)
+            watch.look()
+            keep(sound)
+            frames += len(sound)
             progress(engine.position / options.rate)
-    return engine
-
-
-@contextmanager
-def writing(out: Path, rate: int, format: str | None) -> Iterator[Callable[[NDArray[np.float32]], None]]:
-    """A function that appends float32 (frames, 2) to a WAV or FLAC file, told by its ending, at a rate in Hz.
-
-    format: as in Options. The file appears under its name once it is whole. RenderError or OSError say what went wrong.
-    """
-    container = _ENDINGS.get(out.suffix.lower())
-    if container is None:
-        raise RenderError(f"{out}: expected a name that ends in {' or '.join(_ENDINGS)}")
-    _require_format(format)
-    subtype = _SUBTYPES[format or ("24" if container == "FLAC" else "float")]
-    if not soundfile.check_format(container, subtype):
-        raise RenderError(f"format = {format}: {container} holds 16 or 24")
-    if not out.parent.is_dir():
-        raise RenderError(f"{out}: there is no folder {out.parent}")
-    with _appearing(out) as descriptor:
-        with _naming(out):
-            file = open_sound(descriptor, rate, container, subtype)
-
-        def write(sound: NDArray[np.float32]) -> None:
-            with _naming(out):
-                file.write(sound)
-            if container == "WAV" and os.fstat(descriptor).st_size > WAV_BYTES:
-                raise RenderError(f"{out}: longer than the 4 GiB that a WAV file holds; FLAC holds more")
-
-        try:
-            yield write
-        finally:
-            with _naming(out):
-                file.close()
-
-
-def _require_format(format: str | None) -> None:
-    if format not in (None, *_SUBTYPES):
-        raise RenderError(f"format = {format}: expected {', '.join(_SUBTYPES)}")
-
-
-@contextmanager
-def _naming(out: Path) -> Iterator[None]:
-    """An error of writing inside names the file."""
-    try:
-        yield
-    except soundfile.LibsndfileError as error:
-        raise RenderError(f"{out}: {error} Is the disk full?") from error
-    except OSError as error:
-        raise OSError(error.errno, error.strerror, str(out)) from error
-
-
-@contextmanager
-def _appearing(out: Path) -> Iterator[int]:
-    """A new file (its descriptor) that takes its name once it is whole, and is removed if it never is."""
-    descriptor, name = tempfile.mkstemp(prefix=f"{out.name}.", suffix=".part", dir=out.parent)
-    part = Path(name)
-    try:
-        yield descriptor
-        umask = os.umask(0)
-        os.umask(umask)
-        os.chmod(part, 0o666 & ~umask)  # mkstemp's are private
-        os.replace(part, out)
-    finally:
-        os.close(descriptor)
-        part.unlink(missing_ok=True)
+        gain = options.gain_of(spool.peak, warn)
+        for piece in spool.pieces(gain):
+            write(piece)
+        if stems:
+            parts.save(lambda name: stems / f"{name}{out.suffix}", options.rate, format, frames, gain)
+    return Rendered(engine, watch.take(), None if options.normalize is None else 20.0 * math.log10(gain))

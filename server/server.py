@@ -6,11 +6,9 @@ import time
 import traceback
 from collections.abc import Callable, Collection, Iterator
 from contextlib import ExitStack, closing, contextmanager, suppress
-from dataclasses import dataclass
-from pathlib import Path
 
 from ..dsp.contact.sampled import METHODS
-from ..dsp.engine.state import CONTACTS, COUPLED_MODES, End
+from ..dsp.engine.state import CONTACTS, COUPLED_MODES, ROLLS, End
 from ..dsp.native.system import clock_ns
 from ..dsp.runtime.arena import EngineFull
 from ..dsp.runtime.engine import NOW, Engine
@@ -21,58 +19,21 @@ from .files.recorder import Recorder
 from .governor import Governor
 from .monitor import Monitor
 from .net.network import Network, Source
+from .options import Options, ServeError
 from .osc.addresses import calls
 from .osc.arguments import Refused, Values, Verb
 from .osc.oscquery import OscQuery, answering
-from .osc.wire import DEFAULT_PORT, Argument, BadPacket, Bundle, Message, parse
-from .render import HIGHEST_RATE, LOWEST_RATE
+from .osc.wire import Argument, BadPacket, Bundle, Message, parse
 from .scene.gesture_ids import Ended
 from .scene.session import Session, fail
 from .scene.translate import sync
 from .status import Status, version
+from .subscribers import Subscribers
 from .time_tags import time_of
 
 _POLL = 0.02  # s between looks at the engine
 _LONGEST_TEXT = 1_000  # characters of a reply
-_MOST_SUBSCRIBERS = 32
-_LONGEST_LATENCY = 2.0  # s
 _MOST_PRINTED = 1_000  # texts that are remembered, so that none is repeated
-
-
-class ServeError(ValueError):
-    """A server can't start. The text names the option, its value and what was expected."""
-
-
-@dataclass(frozen=True)
-class Options:
-    """How to serve: port (0: any free one) and address, device (None: the default), latency to ask it for in s
-    (None: its lowest), rate in Hz, block in frames (0: the device's), files to record the sound and to log the events
-    to, folders of presets, the arguments of a /contact to begin with, a port for
-    OSCQuery (None: none, 0: any free one)."""
-
-    port: int = DEFAULT_PORT
-    bind: str = "127.0.0.1"
-    device: str | None = None
-    latency: float | None = None
-    rate: int = 48_000
-    block: int = 0
-    record: Path | None = None
-    log: Path | None = None
-    presets: tuple[Path, ...] = ()
-    contact: tuple[Argument, ...] = ()
-    oscquery: int | None = None
-
-    def __post_init__(self) -> None:
-        for name, value, low, high in (
-            ("port", self.port, 0, 65_535),
-            ("rate", self.rate, LOWEST_RATE, HIGHEST_RATE),
-            ("block", self.block, 0, 65_536),
-            ("oscquery", self.oscquery or 0, 0, 65_535),
-        ):
-            if not low <= value <= high:
-                raise ServeError(f"{name} = {value}: expected {low} to {high}")
-        if self.latency is not None and not 0 <= self.latency <= _LONGEST_LATENCY:
-            raise ServeError(f"latency = {self.latency:g}: expected 0 to {_LONGEST_LATENCY:g} s")
 
 
 class Server:
@@ -92,9 +53,9 @@ class Server:
         self.address = network.address
         self._network = network
         self._session = Session(engine, presets)
-        self._status = Status(engine, player)
+        self._status = Status(engine, player, lambda: self._session.objects.slots)
         self._governor = Governor(engine)
-        self._subscribers: set[Source] = set()
+        self._subscribers = Subscribers(network, self._reply)
         self._syncs: dict[int, tuple[int, Source]] = {}
         self._sync_count = 0
         self._monitor: Monitor | None = None
@@ -151,6 +112,7 @@ class Server:
                 due = time.monotonic() + _POLL
 
     def _receive(self, packet: bytes, source: Source) -> None:
+        self._subscribers.hear(source)
         try:
             self._answer(packet, source)
         except Exception as error:  # a fault of the server must not end it
@@ -209,13 +171,10 @@ class Server:
 
     def _notify(self, values: Values, source: Source) -> None:
         on = bool(values.numbers["on"])
-        self._subscribers = set(filter(self._network.reaches, self._subscribers))
-        if not on:
-            self._subscribers.discard(source)
-        elif len(self._subscribers) >= _MOST_SUBSCRIBERS and source not in self._subscribers:
-            raise Refused(f"{_MOST_SUBSCRIBERS} clients are notified already; expected one to send /notify 0 first")
-        else:
+        if on:
             self._subscribers.add(source)
+        else:
+            self._subscribers.remove(source)
         self._reply(Message("/done", ("/notify",)), source)
         for writer in self._open_writers():
             if on and writer.error:
@@ -242,7 +201,7 @@ class Server:
         try:
             self._network.send(Message(message.address, tuple(args)), to)
         except OSError:
-            self._subscribers.discard(to)  # the client can't be reached
+            self._subscribers.remove(to)  # the client can't be reached
 
     def _poll(self) -> None:
         if self._log:
@@ -263,8 +222,7 @@ class Server:
         if lost := self._network.dropped():
             count, sender = lost
             self._reply(fail("datagram", f"{count} datagrams dropped: the queue was full"), sender)
-        names = {obj.handle.slot: name for name, obj in self._session.objects.items()}
-        for warning in (*self._status.warnings(names), *self._network.warnings(), *self.player.look()):
+        for warning in (*self._status.warnings(), *self._network.warnings(), *self.player.look()):
             self._warn(warning)
 
     def _print_once(self, text: str) -> bool:
@@ -278,15 +236,18 @@ class Server:
         return True
 
     def _report_end(self, ended: Ended) -> None:
-        clients: set[Source] = {ended.source} | self._subscribers
+        clients: set[Source] = {ended.source, *self._subscribers}
         for client in clients:
             self._reply(Message("/gesture/end", (ended.id,)), client)
         if ended.end is End.NO_ROOM:
-            text = f"{ended.id}: engine full: {CONTACTS} contacts or {COUPLED_MODES} coupled modes in use"
+            what = f"{CONTACTS} contacts or {COUPLED_MODES} coupled modes"
+            if ended.address.endswith("/roll") and self.engine.stats.rolls_active == ROLLS:
+                what = f"{ROLLS} rolls"
+            text = f"{ended.id}: engine full: {what} in use"
             self._reply(fail(ended.address, text), ended.source)
 
     def _warn(self, text: str) -> None:
-        for subscriber in tuple(self._subscribers):
+        for subscriber in self._subscribers:
             self._reply(Message("/warning", (text,)), subscriber)
 
 
@@ -303,11 +264,11 @@ def serving(options: Options) -> Iterator[Server]:
         with _named(options.bind, options.port):
             network = stack.enter_context(closing(Network(options.bind, options.port)))
         presets = Presets(options.presets)
-        engine = Engine(options.rate)
+        engine = options.engine()
         recorder = Recorder(engine, options.record) if options.record else None
         if recorder:
             stack.callback(recorder.close)
-        log = Log(engine, options.log) if options.log else None
+        log = Log(engine, options.log, options.head) if options.log else None
         if log:
             stack.callback(log.close)
         player = Player(engine, options.device, options.block, options.latency)

@@ -1,9 +1,12 @@
 """The replies to /status and /version, and warnings of what went wrong."""
 
+import math
+from collections.abc import Callable, Mapping
 from importlib.metadata import version as installed_version
 
 from ..dsp.runtime.engine import Engine
 from .audio.supervisor import Player
+from .limiting import LimiterWatch
 from .net.network import Network, Source
 from .osc.wire import Message
 
@@ -13,6 +16,7 @@ _COUNTERS = (
     "recontacts",
     "held",
     "contacts_dropped",
+    "strikers_cut",
     "late",
     "limited",
     "faults",
@@ -20,6 +24,8 @@ _COUNTERS = (
     "tap_lost",
 )
 _MOST_CLIENTS = 256  # whose last question is remembered
+_RESTS = 0.2  # s without the limiter, after which what it did is told
+_SAID_EVERY = 2.0  # s after which it is told in any case
 
 
 class LowestGain:
@@ -27,7 +33,7 @@ class LowestGain:
 
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
-        self._since_any = 1.0
+        self._since_any = self._since_told = 1.0
         self._since: dict[Source, float] = {}  # who asked last comes last
 
     def since_last_asked(self, client: Source) -> float:
@@ -36,22 +42,37 @@ class LowestGain:
         The audio thread lowers the engine's value while this reads it and sets it back to 1: of one quantum in between
         the lowest gain may be lost, or be told again at the next question.
         """
-        now = self._engine.take_limit_lowest()
-        self._since = {each: min(lowest, now) for each, lowest in self._since.items()}
-        answer = self._since.pop(client, min(self._since_any, now))
+        self._collect()
+        answer = self._since.pop(client, self._since_any)
         self._since[client] = self._since_any = 1.0
         if len(self._since) > _MOST_CLIENTS:
             del self._since[next(iter(self._since))]
         return answer
 
+    def since_last_told(self) -> float:
+        """The lowest gain since the last call of this, for a warning."""
+        self._collect()
+        answer, self._since_told = self._since_told, 1.0
+        return answer
+
+    def _collect(self) -> None:
+        now = self._engine.take_limit_lowest()
+        self._since = {each: min(lowest, now) for each, lowest in self._since.items()}
+        self._since_any, self._since_told = min(self._since_any, now), min(self._since_told, now)
+
 
 class Status:
     """Answers /status and /version, and tells what went wrong since the last look."""
 
-    def __init__(self, engine: Engine, player: Player) -> None:
+    def __init__(self, engine: Engine, player: Player, names: Callable[[], Mapping[int, str]]) -> None:
+        """names: of the objects, by their places in the engine."""
         self._engine = engine
         self._player = player
+        self._names = names
         self._lowest_gain = LowestGain(engine)
+        self._watch = LimiterWatch(engine, names, self._lowest_gain.since_last_told)
+        self._limited_from: int | None = None
+        self._limited_to = 0
         self._warned = dict.fromkeys(_COUNTERS, 0)
         self._object_faults = engine.state["objects"]["faults"].copy()
 
@@ -69,6 +90,9 @@ class Status:
         pairs = [item for name in _COUNTERS for item in (name, getattr(stats, name))]
         more: dict[str, float | str] = {
             "queued": self._engine.queued,
+            "channels": self._engine.channels,
+            "gain": 20.0 * math.log10(self._engine.gain),
+            "limiter": "on" if self._engine.limiter else "off",
             "rolls": stats.rolls_active,
             "accuracy": self._engine.accuracy,
             "quality": int(self._engine.quality),
@@ -89,12 +113,13 @@ class Status:
         }
         return Message("/status.reply", (*nine, *pairs, *(item for pair in more.items() for item in pair)))
 
-    def warnings(self, names: dict[int, str]) -> list[str]:
-        """A line for each thing that went wrong since the last call; `names` are the objects' by slot."""
-        lines = []
+    def warnings(self) -> list[str]:
+        """A line for each thing that went wrong since the last call."""
+        lines = self._limiter_warnings()
         stats = self._engine.stats
         for name, text in (
             ("contacts_dropped", "{} contacts dropped: the engine was full"),
+            ("strikers_cut", "{} strikers were cut short or left out: too many sounded"),
             ("late", "{} late events were played at once; the last was {late_last:.1f} ms late"),
             ("tap_lost", "{} frames are missing from the recording: the disk is too slow"),
             ("underflows", "the device ran out of sound {} times"),
@@ -106,9 +131,23 @@ class Status:
                 self._warned[name] = now
         faults = self._engine.state["objects"]["faults"][0]
         for slot in (faults > self._object_faults[0]).nonzero()[0]:
-            lines.append(f"object {names.get(int(slot), '(freed)')} was silenced: its output was not finite")
+            lines.append(f"object {self._names().get(int(slot), '(freed)')} was silenced: its output was not finite")
         self._object_faults[0] = faults
         return lines
+
+    def _limiter_warnings(self) -> list[str]:
+        """What the limiter did, once it has rested for a while, or has gone on for long."""
+        now = self._engine.position
+        if self._watch.look():
+            self._limited_from = now if self._limited_from is None else self._limited_from
+            self._limited_to = now
+        if self._limited_from is None:
+            return []
+        rests = now - self._limited_to > _RESTS * self._engine.rate
+        if not rests and now - self._limited_from < _SAID_EVERY * self._engine.rate:
+            return []
+        self._limited_from = None
+        return [self._watch.take().said()]
 
 
 def version() -> Message:

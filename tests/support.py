@@ -25,9 +25,10 @@ Render = Callable[..., np.ndarray]
 
 
 def render_lines(lines: list[Line], **options) -> np.ndarray:
-    """The sound of a score, float32 (frames, 2)."""
+    """The sound of a score, float32 (frames, channels)."""
     chosen = Options(**options)
-    return np.concatenate(list(blocks(lines, Engine(chosen.rate), Presets(), chosen)))
+    engine = Engine(chosen.rate, chosen.channels_of(lines))
+    return np.concatenate(list(blocks(lines, engine, Presets(), chosen)))
 
 
 @dataclass
@@ -37,11 +38,12 @@ class Jack:
     name: str
     process: subprocess.Popen[bytes] | None = None
 
-    def start(self, frames: int, rate: int = 48_000) -> None:
+    def start(self, frames: int, rate: int = 48_000, channels: int = 2) -> None:
         """Start it, with blocks of some frames, and wait until it is there."""
         import jack
 
         words = ["jackd", "-r", "-n", self.name, "-d", "dummy", "-r", str(rate), "-p", str(frames)]
+        words += ["-P", str(channels)]
         self.process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         deadline = time.monotonic() + 10
         while True:

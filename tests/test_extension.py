@@ -6,6 +6,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[1]
 
 # The patch: file, anchor, and what stands in the anchor's place. An anchor must be found once.
@@ -29,8 +33,10 @@ from pathlib import Path
 
 import numpy as np
 import soundfile
+from numba.core import event
 
 import carom
+from carom.dsp.runtime.compile_notice import CALLBACK_PASSES
 from carom.server.osc.addresses import VERBS, table
 from carom.server.osc.oscquery import node
 
@@ -38,7 +44,10 @@ def level(sound):
     return 20 * np.log10(np.sqrt(np.mean(np.square(np.asarray(sound, float)))))
 
 ROLL = "0 /object/new board wood-board\\n0 /object/board/roll 0.5 striker glass-marble surface wood seed 1 id marble"
-plain = level(carom.render(ROLL, seconds=0.5).samples)
+with event.install_recorder("numba:run_pass") as passes:  # while it compiles, a user sees progress by their number
+    plain = level(carom.render(ROLL, seconds=0.5).samples)
+count = sum(each.is_start for _, each in passes.buffer)
+assert 0.8 < count / CALLBACK_PASSES < 1.25, count
 
 def is_halved(sound):
     assert abs(level(sound) - plain + 20 * np.log10(2)) < 0.1, (level(sound), plain)

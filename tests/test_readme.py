@@ -16,6 +16,8 @@ from carom.presets.library import Presets
 from carom.server.osc.addresses import table
 from carom.server.osc.wire import DEFAULT_PORT
 
+pytestmark = pytest.mark.slow
+
 README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
 
 

@@ -9,8 +9,8 @@ from matplotlib.lines import Line2D
 
 from ...dsp.contact.sampled import METHODS
 from ...dsp.study.comparison import BANDS
-from .style import COLOURS, TITLES
-from .tables import Row
+from .style import COLOURS
+from .tables import TITLES, Row
 
 _STYLES: dict[str, dict[str, Any]] = {
     **{name: {"color": COLOURS[name], "marker": "o", "markersize": 2.5, "label": TITLES[name]} for name in METHODS},

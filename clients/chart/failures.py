@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from ...dsp.contact.sampled import CORRECTIONS, METHODS
 from ...dsp.study.wall import Outcome
-from .style import COLOURS, LEAST_ERROR, LINES, TITLES, Draw, method_legend
-from .tables import Failures
+from .style import COLOURS, LEAST_ERROR, LINES, Draw, method_legend
+from .tables import TITLES, Failures
 
 _FAILURES = {
     Outcome.NOT_FINITE: "#222222",

@@ -1,6 +1,9 @@
-"""The reference paper's figures 1-5, 7, 8, 11 and 12, drawn anew (Papetti, Avanzini, Rocchesso 2011)."""
+"""The reference paper's figures, drawn anew (Papetti, Avanzini, Rocchesso 2011)."""
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,8 +15,8 @@ from ...dsp import contact
 from ...dsp.contact.sampled import METHODS
 from ...dsp.study import wall
 from ...dsp.study.wall import PAPER_CASES, PAPER_RATE
-from .style import COLOURS, LEAST_ERROR, TITLES, Draw
-from .tables import Sequences
+from .style import COLOURS, LEAST_ERROR, Draw
+from .tables import TITLES, Sequences
 
 _M, _K, _MU, _A = 1e-2, 1e9, 0.5, 1.5  # the paper's, unless it says otherwise
 
@@ -26,8 +29,11 @@ def drawings(sequences: Sequences) -> dict[str, Draw]:
         "paper-3": _paper_3,
         "paper-4": _paper_4,
         "paper-5": _paper_5,
+        "paper-6": lambda: _phase_and_energy(6, "I", _METHODS),
         "paper-7": _paper_7,
-        "paper-8": _paper_8,
+        "paper-8": lambda: _phase_and_energy(8, "2", _METHODS),
+        "paper-9": lambda: _phase_and_energy(9, "1", _CORRECTED),
+        "paper-10": lambda: _phase_and_energy(10, "2", _CORRECTED),
         "paper-11": _paper_11,
         "paper-12": lambda: _paper_12(sequences["2"]),
     }
@@ -126,14 +132,42 @@ def _energy_of(x: NDArray[np.float64], v: NDArray[np.float64], law: wall.Law) ->
     return np.asarray(0.5 * m * v**2 + contact.potential_energy(x, k, a))
 
 
-def _draw_energy(ax: Axes, law: wall.Law) -> None:
+@dataclass(frozen=True)
+class _Run:
+    """A method with a correction, its label and its colour."""
+
+    method: str
+    correction: str
+    label: str
+    colour: str
+
+
+_METHODS = [_Run(method, "none", TITLES[method], COLOURS[method]) for method in METHODS]
+_CORRECTED = [
+    _Run("heun", "none", "Heun", "#d98a00"),
+    _Run("heun", "hybrid", "Heun, x = x(v)", "#3b75af"),
+    _Run("heun", "both", "Heun, x = x(v) and v_out", "#b0307a"),
+]
+_LINE: dict[str, Any] = {"marker": "o", "markersize": 3, "linewidth": 0.6}
+
+
+def _draw_phase(ax: Axes, law: wall.Law, runs: Sequence[_Run]) -> None:
+    v_in, m, k, mu, a = law
+    v = _velocities(v_in, mu)
+    ax.plot(contact.compression(v, v_in, m, k, mu, a) * 1e6, v, color="black")
+    for run in runs:
+        x, v = wall.path(run.method, run.correction, law, PAPER_RATE)
+        ax.plot(x * 1e6, v, color=run.colour, **_LINE)
+    ax.set(xlabel="compression x (um)", ylabel="v (m/s)")
+
+
+def _draw_energy(ax: Axes, law: wall.Law, runs: Sequence[_Run]) -> None:
     v_in, m, _, mu, _ = law
     v = _velocities(v_in, mu)
     ax.plot(v, contact.energy(v, v_in, m, mu) * 1e3, color="black", label="exact")
-    for method in METHODS:
-        x, v = wall.path(method, "none", law, PAPER_RATE)
-        ax.plot(v, _energy_of(x, v, law) * 1e3, "-o", color=COLOURS[method], markersize=3, linewidth=0.6)
-        ax.lines[-1].set_label(TITLES[method])
+    for run in runs:
+        x, v = wall.path(run.method, run.correction, law, PAPER_RATE)
+        ax.plot(v, _energy_of(x, v, law) * 1e3, color=run.colour, label=run.label, **_LINE)
     ax.invert_xaxis()
     ax.set(xlabel="v (m/s)", ylabel="H (mJ)")
 
@@ -141,24 +175,19 @@ def _draw_energy(ax: Axes, law: wall.Law) -> None:
 def _paper_7() -> Figure:
     figure = Figure(figsize=(6, 4.2))
     ax = figure.subplots()
-    _draw_energy(ax, PAPER_CASES["1"])
+    _draw_energy(ax, PAPER_CASES["1"], _METHODS)
     ax.set_title("Figure 7: case 1, energy")
     ax.legend()
     return figure
 
 
-def _paper_8() -> Figure:
-    law = PAPER_CASES["2"]
-    v_in, m, k, mu, a = law
+def _phase_and_energy(number: int, case: str, runs: Sequence[_Run]) -> Figure:
+    """Figure 6, 8, 9 or 10: phase portrait and energy of a case."""
     figure = Figure(figsize=(11, 4.2))
     left, right = figure.subplots(1, 2)
-    v = _velocities(v_in, mu)
-    left.plot(contact.compression(v, v_in, m, k, mu, a) * 1e6, v, color="black")
-    for method in METHODS:
-        x, v = wall.path(method, "none", law, PAPER_RATE)
-        left.plot(x * 1e6, v, "-o", color=COLOURS[method], markersize=3, linewidth=0.6)
-    left.set(xlabel="compression x (um)", ylabel="v (m/s)", title="Figure 8: case 2, phase portrait")
-    _draw_energy(right, law)
+    _draw_phase(left, PAPER_CASES[case], runs)
+    _draw_energy(right, PAPER_CASES[case], runs)
+    left.set_title(f"Figure {number}: case {case}, phase portrait")
     right.set_title("and energy")
     right.legend()
     return figure

@@ -11,8 +11,8 @@ from matplotlib.lines import Line2D
 from ...dsp.contact.sampled import METHODS
 from ...dsp.study.spectrum import SPECTRUM_TOP
 from ...dsp.study.wall import PAPER_CASES, Outcome, pareto
-from .style import COLOURS, LEAST_ERROR, LINES, Draw, correction_legend, method_legend, pick
-from .tables import Row, Sequences
+from .style import COLOURS, LEAST_ERROR, LINES, Draw, correction_legend, method_legend
+from .tables import Row, Sequences, pick
 
 
 def drawings(rows: list[Row], sequences: Sequences) -> dict[str, Draw]:

@@ -1,6 +1,6 @@
 """Speed against accuracy: the study of the sampled methods and the closed form, run on this machine.
 
-Tables go to CSV, figures to SVG and PNG.
+Tables go to CSV, figures to SVG and PNG, and all of it to a page, index.html, and to tables.md.
 """
 
 import os
@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ...dsp.study import comparison
 from ...dsp.study.wall import PAPER_CASES
-from . import tables
+from . import pages, report, tables
 from .tables import Extent, Row
 
 
@@ -64,7 +64,8 @@ def chart(folder: Path, extent: Extent) -> Iterator[tuple[str, float]]:
 
     yield "where methods fail", 0.5
     found = tables.failures(extent)
-    tables.write(folder / "failures.csv", tables.counts(found))
+    counted = tables.counts(found)
+    tables.write(folder / "failures.csv", counted)
 
     coupled_rows: list[Row] = []
     for i, band in enumerate(comparison.BANDS):
@@ -74,7 +75,8 @@ def chart(folder: Path, extent: Extent) -> Iterator[tuple[str, float]]:
 
     yield "rebounds", 0.8
     sequences = {case: tables.speeds(PAPER_CASES[case]) for case in tables.REBOUND_CASES}
-    tables.write(folder / "rebounds.csv", tables.rebound_rows(sequences))
+    rebounds = tables.rebound_rows(sequences)
+    tables.write(folder / "rebounds.csv", rebounds)
 
     drawings = {
         **rigid.drawings(rows, sequences),
@@ -85,4 +87,6 @@ def chart(folder: Path, extent: Extent) -> Iterator[tuple[str, float]]:
     for i, (name, draw) in enumerate(drawings.items()):
         yield f"figures: {name}", 0.85 + 0.15 * i / len(drawings)
         style.save(draw, folder / name)
+    made = report.tables(rows, counted, rebounds, coupled_rows)
+    pages.write(folder, made, list(drawings), "The whole study" if extent == FULL else "A coarse study")
     yield "done", 1.0

@@ -1,6 +1,6 @@
 """How charts look: colours, names and legends, and the files that they are drawn into."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Literal
 
@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ...dsp.contact.sampled import METHODS
-from .tables import Row
+from .tables import TITLES
 
 Draw = Callable[[], Figure]
 """Draws one figure."""
@@ -27,7 +27,6 @@ _STYLE: dict[Any, Any] = {
     "figure.constrained_layout.use": True,
 }
 COLOURS = {"am1": "#3b75af", "verlet": "#2a8f4f", "heun": "#d98a00", "rk4": "#b0307a", "closed": "#000000"}
-TITLES = {"am1": "AM1", "verlet": "Verlet", "heun": "Heun", "rk4": "RK4", "closed": "closed form"}
 LINES: dict[str, Literal["-", ":", "--"]] = {"none": "-", "hybrid": ":", "both": "--"}
 LEAST_ERROR = 1e-15  # %: no error is drawn below
 
@@ -39,11 +38,6 @@ def save(draw: Draw, path: Path) -> None:
         figure.savefig(path.with_suffix(".svg"), metadata={"Date": None})
         figure.set_layout_engine("none")  # the layout of the SVG is kept
         figure.savefig(path.with_suffix(".png"), dpi=110)
-
-
-def pick(rows: Iterable[Row], **wanted: Any) -> list[Row]:
-    """The rows whose columns have the wanted values."""
-    return [row for row in rows if all(row[name] == value for name, value in wanted.items())]
 
 
 def method_legend(closed: bool = True) -> list[Line2D]:

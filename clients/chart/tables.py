@@ -2,7 +2,7 @@
 
 import csv
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,9 @@ Row = dict[str, Any]
 
 Sequences = dict[str, dict[tuple[str, str], NDArray[np.float64]]]
 """Speeds after each rebound, by case, then by method and correction."""
+
+TITLES = {"am1": "AM1", "verlet": "Verlet", "heun": "Heun", "rk4": "RK4", "closed": "closed form"}
+"""How the methods and the closed form are called."""
 
 SEED = 2011
 REBOUNDS = (100, 10_000)
@@ -54,6 +57,11 @@ class Failures:
     samples: NDArray[np.float64]  # durations
     outcomes: dict[tuple[str, str], NDArray[np.int64]]  # by method and correction
     errors: dict[tuple[str, str], NDArray[np.float64]]  # of v_out, %
+
+
+def pick(rows: Iterable[Row], **wanted: Any) -> list[Row]:
+    """The rows whose columns have the wanted values."""
+    return [row for row in rows if all(row[name] == value for name, value in wanted.items())]
 
 
 def write(path: Path, rows: Sequence[Row]) -> None:

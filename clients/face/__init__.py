@@ -37,8 +37,8 @@ if TYPE_CHECKING:
     from .report import Report as Report
     from .scene import Object as Object
     from .scene import Scene as Scene
+    from .server.files.whole import RenderError as RenderError
     from .server.osc.score import ScoreError as ScoreError
-    from .server.render import RenderError as RenderError
     from .sound import Sound as Sound
 
     __version__: str
@@ -51,7 +51,7 @@ _HOMES = {
     "Object": "scene",
     "PresetError": "presets",
     "Presets": "presets",
-    "RenderError": "server.render",
+    "RenderError": "server.files.whole",
     "Report": "report",
     "Scene": "scene",
     "ScoreError": "server.osc.score",
@@ -89,7 +89,9 @@ def __getattr__(name: str) -> Any:
 
         value = version("carom")
     else:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        from .dsp.wording import expected
+
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}; {expected(name, __all__)}")
     globals()[name] = value
     return value
 

@@ -22,8 +22,10 @@ class Capture:
         self._pieces: list[NDArray[np.float32]] = []
         self._stems: dict[str, list[tuple[int, NDArray[np.float64]]]] = {}
         self._traces: list[NDArray[np.void]] = []
-        self._meter = Meter(performer.engine)
+        self._meter = Meter(performer.engine, performer.slots)
         self.warnings: list[str] = []
+        self.peak = 0.0
+        """The largest magnitude of a sample."""
         self.step = QUANTUM if performer.stems else TRACED
 
     def room(self) -> int:
@@ -31,9 +33,10 @@ class Capture:
         return self.step - self.end % self.step
 
     def add(self, piece: NDArray[np.float32]) -> None:
-        """Take a piece, float32 (frames, 2), that was computed just now."""
+        """Take a piece, float32 (frames, channels), that was computed just now."""
         first = self.end
         self._pieces.append(piece)
+        self.peak = max(self.peak, float(np.abs(piece).max(initial=0.0)))
         self.end += len(piece)
         self._meter.look()
         if self._performer.stems:
@@ -43,19 +46,20 @@ class Capture:
             self._traces.append(self._performer.traced(self.end))
 
     def sound(self) -> Sound:
-        """The whole."""
+        """The whole, up to now."""
         rate = round(self._performer.engine.rate)
         contacts = None
         if self._performer.contacts:
             trace = np.concatenate([np.empty(0, TRACE), *filter(len, self._traces)])
             contacts = assemble(trace, rate, self._start, self._performer.striking)
         return Sound(
-            samples=np.concatenate(self._pieces),
+            samples=np.concatenate([np.empty((0, self._performer.engine.channels), np.float32), *self._pieces]),
             rate=rate,
             start=self._start / rate,
-            report=self._meter.report(self._start, self.end, self._performer.limited_objects(), self._warnings()),
+            report=self._meter.report(self._start, self.end, self._warnings()),
             stems={name: self._stem(pieces) for name, pieces in self._stems.items()} if self._performer.stems else None,
             contacts=contacts,
+            calibrated=self._performer.calibrated,
         )
 
     def _warnings(self) -> list[str]:
@@ -65,7 +69,7 @@ class Capture:
         return said
 
     def _stem(self, pieces: list[tuple[int, NDArray[np.float64]]]) -> NDArray[np.float32]:
-        stem = np.zeros((self.end - self._start, 2), np.float32)
+        stem = np.zeros((self.end - self._start, self._performer.engine.channels), np.float32)
         for first, piece in pieces:
             stem[first : first + len(piece)] = piece
         return stem

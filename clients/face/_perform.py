@@ -18,11 +18,12 @@ from .dsp.bodies.modes import Modes
 from .dsp.engine.commands import Handle
 from .dsp.engine.state import TRACE
 from .dsp.runtime.engine import NOW, Engine
+from .dsp.schema import SETTINGS
 from .dsp.schema import Parameter as Number
-from .modes import Settings
+from .modes import Settings, gains_of
 from .presets import Presets
 from .server.osc.addresses import VERBS
-from .server.osc.arguments import Parameter
+from .server.osc.arguments import Key
 from .server.osc.score import LONGEST_SCORE, sample_at
 from .server.osc.wire import Argument, Message
 from .server.render import Options
@@ -54,8 +55,8 @@ class Placed:
 class _Engine(Engine):
     """An engine that remembers the modes of its objects, by serial, for as long as they have a place."""
 
-    def __init__(self, rate: float) -> None:
-        super().__init__(rate)
+    def __init__(self, rate: float, channels: int) -> None:
+        super().__init__(rate, channels)
         self.placed: dict[int, Placed] = {}
 
     def lay_out(self, modes: Modes, level: float) -> tuple[Handle, dict[str, float]]:
@@ -71,17 +72,23 @@ class _Engine(Engine):
 class Performer:
     """An engine and a scene of its own, and what is told of both. Errors are CommandErrors.
 
-    rate: Hz; limiter: whether the mix is kept within full scale; stems, contacts: whether they are kept.
+    stems, contacts: whether they are kept. steers_ended: as for a Session.
     """
 
     def __init__(
-        self, rate: int, presets: Folders, limiter: bool, stems: bool, contacts: bool, steers_ended: bool = False
+        self,
+        options: Options,
+        channels: int,
+        presets: Folders,
+        stems: bool,
+        contacts: bool,
+        steers_ended: bool = False,
     ) -> None:
-        Options(rate=rate)  # refuses a rate that can't be
         self.presets = chosen(presets)
+        self.calibrated = options.calibrated
         with _compiling:
-            self.engine = _Engine(rate)
-        self.scene = Session(self.engine, self.presets, steers_ended)
+            self.engine = _Engine(options.rate, channels)
+        self.scene = Session(self.engine, self.presets, steers_ended, options.calibrated)
         self.scene.on_sent = self._remember
         self.stems = stems
         self.contacts = contacts
@@ -89,7 +96,6 @@ class Performer:
         self._names: dict[int, str] = {}  # of objects, by serial
         self._striking: dict[int, Striking] = {}  # by command
         self._trace = np.empty(0, TRACE)  # what was traced beyond the end of the last sound
-        self.engine.set_limiter(limiter)
         self.engine.keep_stems(stems)
         self.engine.trace(contacts)
 
@@ -140,28 +146,24 @@ class Performer:
         """The object of that name, which was made last."""
         return replace(self.engine.placed[max(self.engine.placed)], position=self.scene.objects[name].preset.position)
 
-    def settings(self, placed: Placed) -> Settings | None:
-        """What an object has been told; None before it is there."""
+    def heard(self, placed: Placed) -> tuple[Settings, NDArray[np.float64]] | None:
+        """What an object has been told, and its gain in each channel; None before it is there."""
         record = self.engine.state[0]["objects"][placed.handle.slot]
         if record["serial"] != placed.handle.serial:
             return None
-        return Settings(*(float(value) for value in record["settings"].item()))
+        settings = Settings(**{name: float(record["settings"][name]) for name in SETTINGS})
+        gains = gains_of(settings, self.engine.channels, self.engine.gain)
+        if record["place"]["has_own"]:
+            own = record["place"]["own"][: self.engine.channels]
+            gains = settings.gain / settings.distance * self.engine.gain * own
+        return settings, gains
 
     def slots(self) -> dict[int, str]:
         """The names of the objects by their places in the engine."""
         return {placed.handle.slot: self._names[serial] for serial, placed in self.engine.placed.items()}
 
-    def limited_objects(self) -> dict[str, float]:
-        """Each object's share (0 to 1) of the energy that the limiter turned down since the last call."""
-        energies: dict[str, float] = {}
-        energy = self.engine.limited_energy()
-        for slot, name in self.slots().items():
-            energies[name] = energies.get(name, 0.0) + float(energy[slot])
-        total = sum(energies.values())
-        return {name: each / total for name, each in energies.items() if each > 0.0}
-
     def stem_pieces(self, first: int, frames: int) -> dict[str, NDArray[np.float64]]:
-        """Each object's part, (frames, 2), of the last quantum, from its frame `first` on, before the limiter."""
+        """Each object's part, (frames, channels), of the last quantum, from its frame `first` on."""
         stems = self.engine.stems()
         pieces: dict[str, NDArray[np.float64]] = {}
         for slot, name in self.slots().items():
@@ -199,7 +201,7 @@ def documented(cls: type[Acting]) -> type[Acting]:
     return cls
 
 
-def _with_keys(method: Callable[..., None], keys: Iterable[Parameter]) -> Callable[..., None]:
+def _with_keys(method: Callable[..., None], keys: Iterable[Key]) -> Callable[..., None]:
     """A method that does the same; its help ends with keys."""
 
     @wraps(method)

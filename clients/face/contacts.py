@@ -22,7 +22,7 @@ class Contact:
     """A contact as it was played.
 
     object: the name of the object touched; striker: that of the object that touched it (its key `by`), else empty;
-    id: the gesture's `id`, else empty; gesture: impact, bounce, roll or press.
+    id: the gesture's `id`, else empty; gesture: impact, bounce, roll, press or spin.
     start: s on the scene's clock, between samples as it falls; duration: s until the last force ends; both as far as
     this sound goes: a contact that outlasts it goes on in the next one. Both are exact in closed form; a contact that
     is coupled to the modes ends with a frame.
@@ -30,8 +30,8 @@ class Contact:
     first: the first frame of the sound that the force reaches; force: (n,) N, its mean over the sample that ends with
     each frame from there on.
 
-    A bounce has a contact for each time that the striker comes back from a flight. A roll or a press is one contact; a
-    roll's force is the excess over its weight, so that its sum tends to 0.
+    A bounce has a contact for each time that the striker comes back from a flight, a spin one for each turn. A roll or
+    a press is one contact; a roll's force is the excess over its weight, so that its sum tends to 0.
     """
 
     object: str

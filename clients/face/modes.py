@@ -7,18 +7,47 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .dsp.bodies.modes import Modes
-from .dsp.engine.objects import sigma_of, weigh
-from .dsp.engine.render import pan_gains
+from .dsp.engine.channels import pan_gains
+from .dsp.engine.objects import GONE, sigma_of, weigh
 from .dsp.resonator.bank import NYQUIST_SHARE
+from .dsp.runtime.relief import relief
 
 _ROWS = 4  # between which mode shapes are interpolated
+
+
+class Click(NamedTuple):
+    """A body's sound as a whole, wherever it is struck.
+
+    An impulse of J (N s) at t = 0 adds, at the output c,
+    J gains[c] exp(-decay t) (cos(w t) - decay/w sin(w t)), w = 2 pi frequency.
+    """
+
+    frequency: float
+    """Hz"""
+    decay: float
+    """1/s"""
+    gains: NDArray[np.float64]
+    """(channels,) of full scale, or in Pa where the scene is calibrated, per N s."""
+
+
+class Relief(NamedTuple):
+    """Heavily damped sines that an object adds to its modes, of the form of ModeTable's: with them a slow force, that
+    merely bends the body, is not heard. They are over long before the modes are."""
+
+    frequencies: NDArray[np.float64]
+    """(m,) Hz."""
+    decays: NDArray[np.float64]
+    """(m,) 1/s."""
+    gains: NDArray[np.float64]
+    """(m, channels), as ModeTable's."""
 
 
 class ModeTable(NamedTuple):
     """Modes of an object struck at one position, by ascending frequency; each array is float64.
 
-    An impulse of J (N s) at t = 0 sounds, at the left and right output c, as
-    J sum_i gains[i, c] exp(-decays[i] t) sin(2 pi frequencies[i] t).
+    An impulse of J (N s) at t = 0 sounds, in channel c, as
+    J sum_i gains[i, c] exp(-decays[i] t) sin(2 pi frequencies[i] t),
+    and as `click` and `relief` say besides.
     """
 
     frequencies: NDArray[np.float64]
@@ -26,32 +55,65 @@ class ModeTable(NamedTuple):
     decays: NDArray[np.float64]
     """(n,) 1/s: a level falls by 60 dB in ln(1000)/decay."""
     gains: NDArray[np.float64]
-    """(n, 2) of full scale per N s; a mode may be in opposite phase (< 0), or silent at this position (0)."""
+    """(n, channels) of full scale, or in Pa where the scene is calibrated, per N s; a mode may be in opposite phase
+    (< 0), or silent at this position (0)."""
+    click: Click | None = None
+    """What a body that is free to move adds as a whole; None if it is held."""
+    relief: Relief | None = None
+    """What the modes have beside them, so that slow forces are not heard."""
 
 
 class Settings(NamedTuple):
-    """The settings of an object as the engine has them: amplitude, pan (-1 to 1), ratios of frequencies and of decay
-    times, damping (0 to 1)."""
+    """The settings of an object as the engine has them: amplitude, pan (-1 to 1), distance (m), ratios of frequencies
+    and of decay times, damping (0 to 1)."""
 
     gain: float
     pan: float
+    distance: float
     tune: float
     decay: float
     damp: float
 
 
-def mode_table(modes: Modes, level: float, settings: Settings, position: float, rate: float) -> ModeTable:
-    """The table of modes that were laid out at a level (amplitude), struck at a position (0 to 1), for a rate in Hz."""
+def gains_of(settings: Settings, channels: int, main: float = 1.0) -> NDArray[np.float64]:
+    """(channels,): the gain of each channel for an object that its pan places; main: the main gain (amplitude)."""
+    gains = np.zeros(channels)
+    pan_gains.py_func(gains, channels, settings.pan, settings.gain / settings.distance * main)
+    return gains
+
+
+def mode_table(
+    modes: Modes, level: float, settings: Settings, gains: NDArray[np.float64], position: float, rate: float
+) -> ModeTable:
+    """The table of modes that were laid out at a level (amplitude), heard with gains (channels,), struck at a position
+    (0 to 1), for a rate in Hz."""
     frequencies = modes.frequency * settings.tune
     made = modes.frequency <= NYQUIST_SHARE * 0.5 * rate
     heard = np.flatnonzero(made & (frequencies <= NYQUIST_SHARE * 0.5 * rate))
     state = SimpleNamespace(bank=SimpleNamespace(sigma=modes.decay), rate=rate)
     obj = SimpleNamespace(first=0, settings=settings)
     decays = np.array([sigma_of.py_func(state, obj, i) for i in heard])
-    sides = pan_gains.py_func(obj)
+    sides = modes.pressure
+    if len(gains) != 2:
+        sides = np.copysign(np.sqrt(0.5 * (sides**2).sum(axis=0)), sides[:1])
     shape = _shape_at(modes.strike, position)[heard]
-    gains = level * (modes.pickup[:, heard] * shape).T * np.array(sides)
-    return ModeTable(frequencies[heard], decays, gains)
+    click = modes.click.below(NYQUIST_SHARE * 0.5 * rate) if modes.click else None
+    whole = Click(click.frequency, click.decay, level * click.strength * gains) if click else None
+    still = _relief(modes, level * sides[:, made], settings.tune, gains, position, NYQUIST_SHARE * 0.5 * rate)
+    return ModeTable(frequencies[heard], decays, level * (sides[:, heard] * shape).T * gains, whole, still)
+
+
+def _relief(
+    modes: Modes, sides: NDArray[np.float64], tune: float, gains: NDArray[np.float64], position: float, top: float
+) -> Relief:
+    """The relief of modes that are heard on sides (2, n) by these weights, as the engine has it (engine/objects.py)."""
+    made = modes.frequency <= top
+    found = relief(modes.frequency[made], modes.decay[made], sides, modes.strike[:, made], top)
+    frequency = found.frequency * tune
+    share = np.minimum(1.0, top / frequency)
+    each = [_shape_at(shape, position) * np.where(share > GONE, share, 0.0) for shape in found.shape]
+    sized = np.stack(each if len(gains) == 2 else [each[0]] * len(gains), axis=1) * gains
+    return Relief(frequency * share, found.decay * tune * share, sized)
 
 
 def _shape_at(strike: NDArray[np.float64], position: float) -> NDArray[np.float64]:

@@ -1,8 +1,12 @@
 """Scores to sounds."""
 
+import math
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from os import PathLike
 from typing import Any
+
+import numpy as np
 
 from ._capture import Capture
 from ._perform import Folders, Performer
@@ -17,7 +21,11 @@ def render(
     score: PathLike[str] | str | Iterable[Line | Sequence[Any]],
     rate: int = 48_000,
     *,
-    limiter: bool = True,
+    limiter: bool | None = None,
+    gain: float | None = None,
+    channels: int | None = None,
+    calibrated: bool = False,
+    normalize: float | None = None,
     seconds: float | None = None,
     stems: bool = False,
     contacts: bool = False,
@@ -30,19 +38,36 @@ def render(
 
     score: a Path to a file of text or of scsynth's binary form, a text, or lines in any order of time, each
     (time in s, address, argument, ...). rate: Hz, 8000 to 192000. seconds: its length (None: until silence).
-    limiter, stems, contacts, presets: as for a Scene. contact: how contacts are solved from the start, as the address
-    /contact takes it: "verlet", or ("verlet", 4, "correction", "both").
+    limiter, gain, channels, calibrated, stems, contacts, presets: as for a Scene; the first three hold in place of what
+    the score says at time 0 (None: as it says). normalize: the peak (dBFS) to which the whole is brought, which the
+    report notes; without a limiter, unless one is asked for. contact: how contacts are solved from the start, as the
+    address /contact takes it: "verlet", or ("verlet", 4, "correction", "both").
     ScoreError names a line that cannot be read or was refused; RenderError or PresetError say what else cannot be;
     OSError, that the file cannot be read.
     """
     lines = _lines(score)
     choice = (contact,) if isinstance(contact, str) else tuple(map(plain, contact))
-    performer = Performer(rate, presets, limiter, stems, contacts, steers_ended=True)
+    options = Options(
+        rate, seconds=seconds, contact=choice, channels=plain(channels), gain=plain(gain), limiter=limiter,
+        calibrated=calibrated, normalize=plain(normalize),
+    )  # fmt: skip
+    performer = Performer(options, options.channels_of(lines), presets, stems, contacts, steers_ended=True)
     capture = Capture(performer, 0)
-    options = Options(rate=rate, block=capture.step, seconds=seconds, contact=choice)
+    options = replace(options, block=capture.step)
     for piece in blocks(lines, performer.engine, performer.presets, options, performer.scene, capture.warnings.append):
         capture.add(piece)
-    return capture.sound()
+    return _normalized(capture, options)
+
+
+def _normalized(capture: Capture, options: Options) -> Sound:
+    """The sound that was captured, with the peak that is asked for."""
+    gain = options.gain_of(capture.peak, capture.warnings.append)
+    sound = capture.sound()
+    if options.normalize is None:
+        return sound
+    stems = sound.stems and {name: stem * np.float32(gain) for name, stem in sound.stems.items()}
+    report = replace(sound.report, normalized_db=20.0 * math.log10(gain))
+    return replace(sound, samples=sound.samples * np.float32(gain), stems=stems, report=report)
 
 
 def _lines(score: PathLike[str] | str | Iterable[Line | Sequence[Any]]) -> list[Line]:

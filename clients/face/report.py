@@ -1,14 +1,15 @@
 """What an engine did that a listener might want to know: limiting, contacts left out, faults."""
 
-import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from .dsp.runtime.engine import Engine
+from .server.limiting import LimiterWatch, Limiting
 
 _COUNTERS = {
     "contacts": "impacts",
     "contacts_dropped": "contacts_dropped",
+    "strikers_cut": "strikers_cut",
     "steps_held": "held",
     "late": "late",
     "faults": "faults",
@@ -22,7 +23,9 @@ class Report:
 
     limited: spans (start, end) in s of the sound in which the limiter turned it down, to 1,024 frames (64 with stems);
     limited_db: by how much at most, dB; limited_objects: for each object its share (0 to 1) of the energy then.
+    normalized_db: by how much the sound was brought to the peak that was asked for (None: it was not).
     contacts: how many began, or were left out; contacts_dropped: left out, as too many went on at once;
+    strikers_cut: strikers whose own sound was cut short or left out, as too many sounded;
     steps_held: steps of contacts solved with the modes that took the force as constant, to save time.
     late: events that came after their time; faults: times that an object was silenced as its sound was not finite.
     compiled: whether this process compiled the engine (it loads it where it was compiled before).
@@ -32,8 +35,10 @@ class Report:
     limited: tuple[tuple[float, float], ...] = ()
     limited_db: float = 0.0
     limited_objects: dict[str, float] = field(default_factory=dict)
+    normalized_db: float | None = None
     contacts: int = 0
     contacts_dropped: int = 0
+    strikers_cut: int = 0
     steps_held: int = 0
     late: int = 0
     faults: int = 0
@@ -44,15 +49,13 @@ class Report:
         """A line for each thing that can be heard, "nothing to report" where there is none."""
         lines = list(self.warnings)
         if self.limited:
-            seconds = sum(end - start for start, end in self.limited)
-            objects = sorted(self.limited_objects, key=self.limited_objects.__getitem__, reverse=True)
-            culprit = f", mostly {objects[0]}" if objects else ""
-            lines.append(
-                f"the limiter turned {seconds:.3g} s down{culprit}, from {self.limited[0][0]:.3g} s on, "
-                f"by {self.limited_db:.3g} dB at most: lower some gain"
-            )
+            lines.append(Limiting(self.limited, self.limited_db, self.limited_objects).said())
+        if self.normalized_db is not None:
+            lines.append(f"normalized by {self.normalized_db:+.3g} dB")
         if self.contacts_dropped:
             lines.append(f"{self.contacts_dropped} contacts were left out: too many at once")
+        if self.strikers_cut:
+            lines.append(f"{self.strikers_cut} strikers were cut short or left out: too many sounded")
         if self.late:
             lines.append(f"{self.late} events came after their time")
         if self.faults:
@@ -63,14 +66,11 @@ class Report:
 class Meter:
     """Watches an engine while it computes, from the making of the meter on."""
 
-    def __init__(self, engine: Engine) -> None:
+    def __init__(self, engine: Engine, names: Callable[[], Mapping[int, str]]) -> None:
+        """names: of the objects, by their places in the engine."""
         self._engine = engine
         self._counts = self._counted()
-        self._seen = engine.position
-        self._limited = engine.stats.limited
-        self._lowest = 1.0
-        self._spans: list[tuple[int, int]] = []
-        engine.take_limit_lowest()
+        self._watch = LimiterWatch(engine, names)
 
     def _counted(self) -> dict[str, int]:
         stats = self._engine.stats
@@ -78,25 +78,16 @@ class Meter:
 
     def look(self) -> None:
         """Take notice of all that was computed since the last look."""
-        start, self._seen = self._seen, self._engine.position
-        limited = self._engine.stats.limited
-        if limited == self._limited:
-            return
-        self._limited = limited
-        self._lowest = min(self._lowest, self._engine.take_limit_lowest())
-        if self._spans and self._spans[-1][1] == start:
-            start = self._spans.pop()[0]
-        self._spans.append((start, self._seen))
+        self._watch.look()
 
-    def report(self, start: int, end: int, limited_objects: dict[str, float], warnings: Sequence[str] = ()) -> Report:
+    def report(self, start: int, end: int, warnings: Sequence[str] = ()) -> Report:
         """What happened to a sound that begins and ends at these samples."""
-        rate = self._engine.rate
         counts = self._counted()
-        spans = [(max(first, start), min(last, end)) for first, last in self._spans]
+        limiting = self._watch.take().within(start / self._engine.rate, end / self._engine.rate)
         return Report(
-            limited=tuple(((first - start) / rate, (last - start) / rate) for first, last in spans),
-            limited_db=20.0 * math.log10(1.0 / self._lowest),
-            limited_objects=limited_objects,
+            limited=limiting.spans,
+            limited_db=limiting.db,
+            limited_objects=limiting.objects,
             compiled=self._engine.compiled,
             warnings=tuple(warnings),
             **{name: counts[name] - before for name, before in self._counts.items()},

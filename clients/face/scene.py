@@ -10,9 +10,10 @@ from ._capture import Capture
 from ._perform import Folders, Performer, Placed, documented
 from .clients.actions import Actions, CommandError, Value, plain
 from .dsp.schema import SETTINGS
-from .modes import ModeTable, Settings, mode_table
+from .modes import ModeTable, Settings, gains_of, mode_table
 from .server.osc.score import LONGEST_SCORE
 from .server.osc.wire import Message
+from .server.render import Options
 from .sound import Sound
 
 
@@ -25,7 +26,9 @@ class Scene(Actions):
             scene.impact("bar", 1.0, position=0.3, at=0.25)
             sound = scene.render(seconds=1.5)
 
-    rate: Hz, 8000 to 192000. limiter: False leaves the sum of all objects as it is, beyond full scale too.
+    rate: Hz, 8000 to 192000. limiter: False leaves the sum of all objects as it is, beyond full scale too (None: it is
+    on, unless calibrated). gain: of everything, dB. channels: 1 to 64; 2 are left and right, any other number a ring
+    around the listener. calibrated: samples are pascals, whatever the levels of presets, and nothing limits them.
     stems: keep each object's part of the sound; contacts: keep each contact's time, force and impulse (see Sound).
     presets: folders of your own presets, looked through first, or a carom.Presets.
 
@@ -38,21 +41,28 @@ class Scene(Actions):
     Any number of scenes may be at work, each in one thread at a time.
 
     CommandError: a message was refused, and changed nothing. Where `steer` sets several values, the error names all
-    that were refused; the others count. ValueError: a rate or length that cannot be.
+    that were refused; the others count. ValueError: an option or a length that cannot be.
     """
 
     def __init__(
         self,
         rate: int = 48_000,
         *,
-        limiter: bool = True,
+        limiter: bool | None = None,
+        gain: float = 0.0,
+        channels: int = 2,
+        calibrated: bool = False,
         stems: bool = False,
         contacts: bool = False,
         presets: Folders = (),
     ) -> None:
-        self._performer: Performer | None = Performer(rate, presets, limiter, stems, contacts)
+        options = Options(rate, limiter=limiter, gain=plain(gain), channels=plain(channels), calibrated=calibrated)
+        self._performer: Performer | None = Performer(options, options.channels_of(()), presets, stems, contacts)
+        self._performer.perform(options.head, None)
         self.rate = int(rate)
         """Hz."""
+        self.channels = self._performer.engine.channels
+        """Of its sounds."""
         self._frames = 0
 
     def __enter__(self) -> Scene:
@@ -105,7 +115,7 @@ class Scene(Actions):
 
     def new(self, name: str, preset: str, at: SupportsFloat | None = None, **keys: Value) -> Object:
         """Make an object from a preset. Keys change the preset (length, material, ...), or are the object's first gain,
-        pan, tune, decay and damp."""
+        pan, gains, distance, tune, decay and damp."""
         self.send("/object/new", name, preset, at=at, **keys)
         return Object(self, name, self._open.newest(name), _settings(keys))
 
@@ -140,8 +150,10 @@ class Object:
         if not 0.0 <= place <= 1.0:
             raise ValueError(f"position = {position}: expected 0 to 1")
         performer = self.scene._performer
-        settings = (performer and performer.settings(self._placed)) or self._first_settings
-        return mode_table(self._placed.modes, self._placed.level, settings, place, self.scene.rate)
+        settings, gains = self._first_settings, gains_of(self._first_settings, self.scene.channels)
+        if performer and (heard := performer.heard(self._placed)):
+            settings, gains = heard
+        return mode_table(self._placed.modes, self._placed.level, settings, gains, place, self.scene.rate)
 
     def impact(
         self,
@@ -183,6 +195,16 @@ class Object:
         """Lay a striker on it and press with a force (N), until the gesture of that `id` is stopped."""
         self.scene.press(self.name, force, position, at, **keys)
 
+    def spin(
+        self,
+        duration: SupportsFloat,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Value,
+    ) -> None:
+        """Let a coin, a lid or a ring spin down on it; it lies still after a duration (s)."""
+        self.scene.spin(self.name, duration, position, at, **keys)
+
     def damp(self, amount: SupportsFloat, at: SupportsFloat | None = None) -> None:
         """Lay a hand on it: 0 none, 1 the firmest."""
         self.scene.damp(self.name, amount, at)
@@ -192,8 +214,17 @@ class Object:
         self.scene.gain(self.name, level, at)
 
     def pan(self, place: SupportsFloat, at: SupportsFloat | None = None) -> None:
-        """Place it between left (-1) and right (1)."""
+        """Place it between left (-1) and right (1); on a ring of channels from behind (-1) over left, in front (0) and
+        right to behind (1)."""
         self.scene.pan(self.name, place, at)
+
+    def gains(self, *gains: Value, at: SupportsFloat | None = None) -> None:
+        """Place it by a factor for each channel, one by one or as a list; without any, by its pan again."""
+        self.scene.gains(self.name, *gains, at=at)
+
+    def distance(self, metres: SupportsFloat, at: SupportsFloat | None = None) -> None:
+        """Set how far (m) the listener is from it: twice as far is half the pressure."""
+        self.scene.distance(self.name, metres, at)
 
     def tune(self, semitones: SupportsFloat, at: SupportsFloat | None = None) -> None:
         """Move all its frequencies, semitones."""

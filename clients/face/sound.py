@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .contacts import Contact
+from .dsp.numerics.constants import FULL_SCALE_PRESSURE
 from .report import Report
 
 
@@ -28,13 +29,15 @@ class Picture:
 
 @dataclass(frozen=True, eq=False)
 class Sound:
-    """A sound in stereo, and what there is to know about it.
+    """A sound, and what there is to know about it.
 
-    samples: float32 (frames, 2), left and right; 1.0 is full scale, which it exceeds only where it was computed
-    without a limiter. rate: Hz. start: s on the scene's clock at which it begins. report: what happened meanwhile.
-    stems: for each object, float32 (frames, 2), its part of the sound before the limiter: without one, the sum of the
-    stems is the sound, up to rounding; None unless they were asked for.
+    samples: float32 (frames, channels), of two channels left and right. 1.0 is full scale, which it exceeds only where
+    it was computed without a limiter; where it is calibrated, 1.0 is a pascal. rate: Hz. start: s on the scene's clock
+    at which it begins. report: what happened meanwhile.
+    stems: for each object, float32 (frames, channels), its part of the sound before the limiter: without one, the sum
+    of the stems is the sound, up to rounding; None unless they were asked for.
     contacts: every contact as it was played, by start; None unless they were asked for.
+    calibrated: whether samples are pascals.
 
     A notebook shows it as a player. `numpy.asarray(sound)` gives the samples.
     """
@@ -45,6 +48,14 @@ class Sound:
     report: Report = field(default_factory=Report)
     stems: Mapping[str, NDArray[np.float32]] | None = field(default=None, repr=False)
     contacts: tuple[Contact, ...] | None = field(default=None, repr=False)
+    calibrated: bool = False
+
+    @property
+    def pressure(self) -> NDArray[np.float32]:
+        """The sound pressure in Pa, float32 (frames, channels). ValueError unless the sound is calibrated."""
+        if not self.calibrated:
+            raise ValueError("pressure: its levels are those of presets; expected a sound made with calibrated=True")
+        return self.samples
 
     @property
     def duration(self) -> float:
@@ -64,12 +75,15 @@ class Sound:
         """Write it to a WAV or FLAC file, told by the name's ending, in place of any that is there.
 
         format: "16", "24" or "float" (None: "float" for WAV, "24" for FLAC; FLAC has no "float"). In "16" and "24"
-        samples beyond full scale are clipped to it.
+        samples beyond full scale are clipped to it. A calibrated sound is in pascals, and is only written as "float".
         RenderError where that cannot be; OSError where the file cannot be written.
         """
-        from .server.render import writing
+        from .server.files.whole import RenderError, writing
 
-        with writing(Path(path), self.rate, format) as write:
+        if self.calibrated and format not in (None, "float"):
+            raise RenderError(f"format = {format}: expected float, as calibrated samples are pascals")
+        format = "float" if self.calibrated else format
+        with writing(Path(path), self.rate, self.samples.shape[1], format) as write:
             write(self.samples)
 
     def plot(self, path: str | PathLike[str] | None = None) -> Picture | None:
@@ -81,18 +95,20 @@ class Sound:
 
         with tempfile.TemporaryDirectory() as folder:
             picture = Path(path) if path is not None else Path(folder, "sound.png")
-            draw = plotter(picture)
+            draw = plotter(picture, self.calibrated)
             wave = Path(folder, picture.stem + ".wav")
             self.save(wave)
             draw(wave)
             return Picture(picture.read_bytes()) if path is None else None
 
     def _repr_html_(self) -> str:
-        """A player; 16 bits, and turned down to full scale if it exceeds that."""
+        """A player; 16 bits, turned down to full scale if it exceeds that, and of more than two channels their sum."""
         import soundfile
 
-        peak = max(1.0, float(np.abs(self.samples).max(initial=0.0)))
+        heard = self.samples if self.samples.shape[1] <= 2 else self.samples.sum(axis=1, keepdims=True)
+        full = FULL_SCALE_PRESSURE if self.calibrated else 1.0
+        peak = max(full, float(np.abs(heard).max(initial=0.0)))
         memory = io.BytesIO()
-        soundfile.write(memory, self.samples / peak, self.rate, format="FLAC", subtype="PCM_16")
+        soundfile.write(memory, heard / peak, self.rate, format="FLAC", subtype="PCM_16")
         data = base64.b64encode(memory.getvalue()).decode()
         return f'<audio controls src="data:audio/flac;base64,{data}"></audio>'

@@ -1,20 +1,26 @@
 """Modes of bodies from shape and material, computed once, in Python.
 
 Each shape is a function of a `Material` and of named dimensions; it returns the `Modes` up to `top` (Hz). Dimensions
-are keywords, as many as the shape has: the names that a preset's TOML file gives them.
+are keywords, as many as the shape has: the names that a preset's TOML file gives them. `Partials`, `Noise` and `Cavity`
+add what a shape lacks.
 """
 
+from .added import Cavity, Noise, Partials
 from .bar import bar
 from .disc import disc, membrane
+from .listed import listed
 from .material import Material, hertz
-from .modes import Modes, listed
+from .modes import Modes
 from .plate import plate
 from .ring import glass, ring
 from .string import string
 
 __all__ = [
+    "Cavity",
     "Material",
     "Modes",
+    "Noise",
+    "Partials",
     "bar",
     "disc",
     "glass",

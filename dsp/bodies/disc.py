@@ -2,25 +2,28 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from . import acceleration
+from .heard import BAFFLES, heard, loaded
 from .material import Array, Material
 from .modes import MOST_MODES, Indices, Modes, audible, path, read_only, require_choice, require_positive
+from .radiation.air import plate_mass
+from .radiation.round import Loads, Round
 from .ring import Doublets, doublets
+from .tension import CONE, membrane_glide
 
 EDGES = ("free", "clamped", "supported")
 _STEP = 0.6  # of the grid of wavenumbers
 _FALSI_STEPS = 12
 _TABLE_STEP = 0.2  # of Bessel functions: cubic Hermite interpolation errs by its fourth power over 384
-
-PICKUPS = ((0.83, 13.0), (0.61, -49.0))
-
-Radial = Callable[[Array, Array, Array], Array]
-"""Radii (p,) in 0..1, roots (k,), orders (k,) -> mass-normalised radial shapes (p, k)."""
+_SIGN_AT = (0.83, math.radians(13.0))  # radius and angle: whose sign a mode's sound has
+_NEARLY = 1.1  # times the highest frequency wanted: a pair's lower member and the air's mass bring a mode below it
 
 
 def disc(
@@ -32,30 +35,35 @@ def disc(
     edge: str = "free",
     split: float = 0.0,
     imperfection: float = 20.0,
-    pickups: tuple[tuple[float, float], tuple[float, float]] = PICKUPS,
+    baffle: str = "free",
 ) -> Modes:
     """A thin round plate (Kirchhoff), its edge free, clamped or simply supported.
 
     radius and thickness in m, top in Hz; the strike path is a diameter, from edge (0) over the centre (0.5) to edge
-    (1); pickups: (fraction of the radius, angle in degrees from the end 1 of the path); split and imperfection as in
-    `ring.doublets`. ValueError names what is out of range. f = lambda^2/(2 pi R^2) sqrt(D/(rho h)), lambda the roots of
-    the edge's two conditions on J_n(lambda r) + c I_n(lambda r) (Leissa, Vibration of Plates, NASA SP-160, 1969).
+    (1); split and imperfection as in `ring.doublets`, baffle as in `heard.BAFFLES`. ValueError names what is out of
+    range. f = lambda^2/(2 pi R^2) sqrt(D/(rho h)), lambda the roots of the edge's two conditions on
+    J_n(lambda r) + c I_n(lambda r) (Leissa, Vibration of Plates, NASA SP-160, 1969), lowered by the air.
     """
     require_positive(radius=radius, thickness=thickness)
     require_choice("edge", edge, EDGES)
+    require_choice("baffle", baffle, BAFFLES)
     areal = material.density * thickness
     rigidity = material.contact_modulus * thickness**3 / 12
     unit = math.sqrt(rigidity / areal) / (2 * math.pi * radius**2)
     order, root = _plate_roots(edge, material.poisson_ratio, min(math.sqrt(top / unit), _enough(2 if split else 1)))
     mass = areal * math.pi * radius**2
 
-    def radial(r: Array, root: Array, order: Array) -> Array:
-        shapes, square = _plate_shapes(edge, material.poisson_ratio, r.tobytes(), root.tobytes(), order.tobytes())
-        return 1 / np.sqrt(2 * square * mass * np.where(order == 0, 1.0, 0.5)) * shapes
+    growing, square = _plate_waves(edge, material.poisson_ratio, root, order)
+    scale = 1 / np.sqrt(2 * square * mass * np.where(order == 0, 1.0, 0.5))
 
-    return _round(
-        material, _Round(unit * root**2, order, root, mass, radial), Doublets(split, imperfection), top, pickups
-    )
+    def radial(r: Array, mode: Indices) -> Array:
+        columns = (each.tobytes() for each in (r, root[mode], order[mode], growing[mode]))
+        return scale[mode] * _plate_shapes(*columns)
+
+    body = _Round(unit * root**2, mass, Round(radius, areal, baffle, order, root, growing, scale), radial)
+    made = _round(material, body, Doublets(split, imperfection), top)
+    moves = edge == "free" and baffle == "free"
+    return replace(made, click=acceleration.disc(mass, radius, thickness)) if moves else made
 
 
 def membrane(
@@ -68,43 +76,50 @@ def membrane(
     fundamental: float | None = None,
     split: float = 0.0,
     imperfection: float = 20.0,
-    pickups: tuple[tuple[float, float], tuple[float, float]] = PICKUPS,
+    baffle: str = "free",
 ) -> Modes:
-    """A round membrane held at its edge, in vacuo.
+    """A round membrane held at its edge.
 
-    radius and thickness in m; either tension T (N/m) or fundamental (Hz); the rest as for `disc`.
-    f = j_(n,m)/(2 pi R) sqrt(T/(rho h)), j_(n,m) the zeros of J_n.
+    radius and thickness in m; either tension T (N/m) or fundamental (Hz, without the air, whose mass lowers it); the
+    rest as for `disc`. f = j_(n,m)/(2 pi R) sqrt(T/(rho h)), j_(n,m) the zeros of J_n.
     """
+    from scipy.special import jv
+
     require_positive(radius=radius, thickness=thickness, tension=tension, fundamental=fundamental)
+    require_choice("baffle", baffle, BAFFLES)
     areal = material.density * thickness
     order, root = _membrane_roots(_enough(2 if split else 1))
     if tension is not None and fundamental is None:
         unit = math.sqrt(tension / areal) / (2 * math.pi * radius)
     elif fundamental is not None and tension is None:
         unit = fundamental / float(root.min())
+        tension = areal * (2 * math.pi * radius * unit) ** 2
     else:
         raise ValueError(f"tension = {tension}, fundamental = {fundamental}: expected one of the two")
     mass = areal * math.pi * radius**2
 
-    def radial(r: Array, root: Array, order: Array) -> Array:
-        from scipy.special import jv
+    # int_0^1 r J_n(j r)^2 dr = J_(n+1)(j)^2 / 2
+    scale = 1 / np.sqrt(mass * np.where(order == 0, 1.0, 0.5)) / np.abs(jv(order + 1, root))
 
-        # int_0^1 r J_n(j r)^2 dr = J_(n+1)(j)^2 / 2
-        peak = 1 / np.sqrt(mass * np.where(order == 0, 1.0, 0.5)) / np.abs(jv(order + 1, root))
-        shapes: Array = peak * _bessel(order, np.outer(r, root))
+    def radial(r: Array, mode: Indices) -> Array:
+        shapes: Array = scale[mode] * _bessel(order[mode], np.outer(r, root[mode]))
         return shapes
 
-    return _round(material, _Round(unit * root, order, root, mass, radial), Doublets(split, imperfection), top, pickups)
+    body = _Round(unit * root, mass, Round(radius, areal, baffle, order, root, np.zeros_like(root), scale), radial)
+    modes = _round(material, body, Doublets(split, imperfection), top)
+    return replace(modes, glide=membrane_glide(material, radius, thickness, tension), cone=CONE * mass)
 
 
 class _Round(NamedTuple):
-    """A round body: frequencies (Hz), orders and roots of its modes (k,), its mass (kg), and its radial shapes."""
+    """A round body: its modes' frequencies without air (Hz, (k,)), and its mass (kg).
+
+    radial: radii (p,) in 0..1 and modes by number (k,) -> their mass-normalised radial shapes (p, k).
+    """
 
     frequency: Array
-    order: Array
-    root: Array
     mass: float
-    radial: Radial
+    surface: Round
+    radial: Callable[[Array, Indices], Array]
 
 
 def _enough(members: int) -> float:
@@ -116,33 +131,27 @@ _RUNGS = (_enough(2) / 4, _enough(2) / 2, _enough(2), _enough(1))
 """The limits up to which roots are searched: few searches serve all discs, and that for few modes takes little time."""
 
 
-def _round(
-    material: Material,
-    body: _Round,
-    members: Doublets,
-    top: float,
-    pickups: tuple[tuple[float, float], tuple[float, float]],
-) -> Modes:
-    frequency, order, root, mass, radial = body
-    frequency, which, phase = doublets(frequency, order, *members)
+def _round(material: Material, body: _Round, pairs: Doublets, top: float) -> Modes:
+    order, root = body.surface.order, body.surface.root
+    near = np.argsort(body.frequency, kind="stable")
+    near = near[body.frequency[near] <= _NEARLY * top][:MOST_MODES]
+    alone = body.frequency[near]
+    if not near.size:
+        audible(alone, top)  # says so
+    guess = plate_mass(body.surface.areal, root[near] / body.surface.radius, alone)
+    air = loaded(alone, Loads(body.surface.only(near)), guess)
+    frequency, which, phase = doublets(air.frequency, order[near], *pairs)
     keep = audible(frequency, top)
     frequency, phase = frequency[keep], phase[keep]
     base, member = np.unique(which[keep], return_inverse=True)
-    order, root = order[base], root[base]
 
-    right = np.linspace(0, 1, path(2 * root.max()).size // 2 + 1)
-    radius, degrees = np.transpose(pickups)
-    along = radial(np.concatenate([right, radius]), root, order)[:, member]
-    order = order[member]
-    far, near = np.cos(np.outer([math.pi, 0.0], order) - phase)
-    diameter = np.concatenate([along[right.size - 1 : 0 : -1] * far, along[: right.size] * near])
-    return Modes(
-        frequency=frequency,
-        decay=material.decay(frequency),
-        strike=diameter,
-        pickup=along[right.size :] * np.cos(np.outer(np.radians(degrees), order) - phase),
-        mass=mass,
-    )
+    right = np.linspace(0, 1, path(2 * root[near[base]].max()).size // 2 + 1)
+    radius, angle = _SIGN_AT
+    along = body.radial(np.append(right, radius), near[base]) * air.shrinking[base]
+    along, order = along[:, member], order[near[base]][member]
+    far, near_side, sign = np.cos(np.outer([math.pi, 0.0, angle], order) - phase)
+    diameter = np.concatenate([along[right.size - 1 : 0 : -1] * far, along[: right.size] * near_side])
+    return heard(material, frequency, air.resistance[base][member], (diameter, along[-1] * sign), body.mass)
 
 
 @lru_cache(maxsize=2)  # of single modes and of doublets; 50 ms each
@@ -270,15 +279,10 @@ def _grid(limit: float) -> Array:
     return np.arange(_STEP, limit + 1, _STEP)
 
 
-@lru_cache(maxsize=16)  # 20 MB at most; 100 ms each
-def _plate_shapes(edge: str, nu: float, *columns: bytes) -> tuple[Array, Array]:
-    """Radial shapes (p, k) J + c I and the integrals (k,) of r times their squares; read-only.
-
-    columns: bytes, which can be a key, of radii (p,) in 0..1, roots (k,), orders (k,).
-    """
+def _plate_waves(edge: str, nu: float, root: Array, order: Array) -> tuple[Array, Array]:
+    """The c (k,) of the shapes J_n(root r) + c I_n(root r) / I_n(root), and the integrals of r times their squares."""
     from scipy.special import ive, jv
 
-    r, root, order = (np.frombuffer(column) for column in columns)
     j1, j2, i1, i2 = _conditions(edge, nu, root, order)
     second = np.abs(i2) > np.abs(i1)  # the better conditioned of the two
     c = -np.where(second, j2, j1) / np.where(second, i2, i1)
@@ -290,9 +294,20 @@ def _plate_shapes(edge: str, nu: float, *columns: bytes) -> tuple[Array, Array]:
     square = 0.5 * (dj**2 + (1 - ratio) * j**2)
     square += c**2 * 0.5 * ((1 + ratio) - di**2)
     square += 2 * c * (j * di - dj) / (2 * root)
+    return c, square
 
+
+@lru_cache(maxsize=16)  # 20 MB at most; 100 ms each
+def _plate_shapes(*columns: bytes) -> Array:
+    """Radial shapes (p, k) J + c I, read-only.
+
+    columns: bytes, which can be a key, of radii (p,) in 0..1, roots, orders and c (k,).
+    """
+    from scipy.special import ive, jv
+
+    r, root, order, c = (np.frombuffer(column) for column in columns)
     x = np.outer(r, root)
     growing = ive(order, x) / ive(order, root) * np.exp(x - root)
     shapes: Array = jv(order, x) + c * growing
-    read_only(shapes, square)
-    return shapes, square
+    read_only(shapes)
+    return shapes

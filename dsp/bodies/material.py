@@ -10,6 +10,9 @@ Array = npt.NDArray[np.float64]
 
 HERTZ_EXPONENT = 1.5
 
+LOSS_FACTOR_AT = 1000.0  # Hz
+LOSSES = ("material", "measured")
+
 CONTACT_RADIUS = 0.01
 """m: the radius of contact of a body of which none is given. Rims, corners and edges of household things, and the tips
 of mallets, are round by 3 to 30 mm, and 10 mm is the middle of these. The contact time goes with the radius to the
@@ -19,11 +22,15 @@ power of -1/5, so it is 1.25 times longer or shorter at either end.
 
 @dataclass(frozen=True)
 class Material:
-    """An isotropic material with Rayleigh damping and a constant loss factor.
+    """An isotropic material with Rayleigh damping and a loss factor.
 
-    density (kg/m^3), youngs_modulus (Pa), poisson_ratio, alpha (1/s), beta (s), loss_factor: see `decay`.
+    density (kg/m^3), youngs_modulus (Pa), poisson_ratio, alpha (1/s), beta (s), loss_factor, loss_exponent: see
+    `decay`. They hold what the material and its support take away, not what the body radiates.
     dissipation (s/m) is the mu of Hunt and Crossley's law when a body of the material meets a rigid one at about 1 m/s:
     what friction inside, yielding and waves take away in all. Its default gives a restitution of 0.88 at 1 m/s.
+    losses: "material" if the damping is the material's own, so that a body loses what it radiates besides; "measured"
+    if it was measured on bodies that sound, and holds that already.
+    shear (Pa): the shear modulus of what is not isotropic, as wood along its grain; bars bend and twist by it.
     """
 
     name: str
@@ -34,11 +41,14 @@ class Material:
     beta: float
     loss_factor: float = 0.0
     dissipation: float = 0.2
+    loss_exponent: float = 1.0
+    losses: str = "material"
+    shear: float | None = None
 
     @property
     def shear_modulus(self) -> float:
-        """G = E/(2 (1 + nu)) in Pa."""
-        return self.youngs_modulus / (2 * (1 + self.poisson_ratio))
+        """G in Pa: `shear` where it is given, else E/(2 (1 + nu))."""
+        return self.shear or self.youngs_modulus / (2 * (1 + self.poisson_ratio))
 
     @property
     def contact_modulus(self) -> float:
@@ -48,11 +58,13 @@ class Material:
     def decay(self, frequency: npt.ArrayLike) -> Array:
         """Amplitude decay rates sigma (1/s) of modes at `frequency` (Hz), float64 of its shape.
 
-        A mode's amplitude falls as exp(-sigma t), sigma = (alpha + loss_factor omega + beta omega^2)/2, so that
-        T60 = ln(1000)/sigma.
+        A mode's amplitude falls as exp(-sigma t), sigma = (alpha + loss_factor omega_1 (f/1 kHz)^loss_exponent +
+        beta omega^2)/2 with omega_1 = 2 pi 1 kHz, so that T60 = ln(1000)/sigma. An exponent of 1 is a loss factor that
+        is the same at all frequencies; else `loss_factor` is that at 1 kHz.
         """
-        omega = 2 * np.pi * np.asarray(frequency, dtype=np.float64)
-        return 0.5 * (self.alpha + omega * (self.loss_factor + self.beta * omega))
+        f = np.asarray(frequency, dtype=np.float64)
+        losses = self.loss_factor * LOSS_FACTOR_AT * (f / LOSS_FACTOR_AT) ** self.loss_exponent
+        return np.pi * losses + 0.5 * (self.alpha + self.beta * (2 * np.pi * f) ** 2)
 
 
 def hertz(body: Material, radius: float, other: Material | None = None, other_radius: float = math.inf) -> float:

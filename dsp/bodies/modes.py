@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from .acceleration import Click
 from .material import Array
 
 Indices = npt.NDArray[np.intp]
@@ -23,49 +24,32 @@ class Modes:
 
     frequency (n,) in Hz, ascending. decay (n,) in 1/s: the sigma above. strike (P, n) in kg^-1/2: mass-normalised
     shapes at P equally spaced positions 0..1 along the strike path; P = 1 where the position does not matter.
-    pickup (2, n) in kg^-1/2: shapes at the left and the right pickup. mass of the whole body in kg. All float64.
+    pressure (2, n) in Pa per unit modal velocity (q' of 1 sqrt(kg) m/s), left and right: the sound pressure at 1 m,
+    rms over directions, G with (L^2 + R^2)/2 = G^2; both have the sign of the shape at one point of the body. mass of
+    the whole body in kg. All float64. click: the body's sound as a whole, if it is free to move.
+    glide in 1/J and cone in kg: how far the tension rises with the energy that rings, Delta T/T = glide x energy, and
+    about a striker as it touches, tau (1 + tau) = glide x cone x velocity^2 (tension.py); 0 where it does not.
+
+    A mode that radiates the power R q'^2/2 has G = sqrt(rho c R/(4 pi)), and R/2 is in its decay.
     """
 
     frequency: Array
     decay: Array
     strike: Array
-    pickup: Array
+    pressure: Array
     mass: float
+    click: Click | None = None
+    glide: float = 0.0
+    cone: float = 0.0
 
 
-def listed(
-    *,
-    frequency: Sequence[float],
-    t60: Sequence[float],
-    modal_mass: float | Sequence[float],
-    mass: float,
-    top: float,
-    weight: float | Sequence[float] = 1.0,
-) -> Modes:
-    """Modes given one by one, those up to `top` (Hz).
-
-    frequency (Hz), t60 (decay times, s), modal_mass (kg) and weight at the pickups: (n,) each; a single modal mass or
-    weight holds for every mode. mass (kg) is that of the whole body. A modal mass belongs to a shape that is 1 at the
-    striking point; the position does not matter. ValueError names what does not fit.
-    """
-    frequencies = np.asarray(frequency, dtype=np.float64)
-    columns = {"t60": t60, "modal_mass": modal_mass, "weight": weight}
+def columns(size: int, of: str, **given: float | Sequence[float]) -> list[Array]:
+    """Each of the values given, one or as many as there are frequencies or the like, as an array (size,)."""
     try:
-        t60s, masses, weights = (np.broadcast_to(column, frequencies.shape) for column in columns.values())
+        return [np.broadcast_to(np.asarray(values, np.float64), (size,)) for values in given.values()]
     except ValueError:
-        counts = ", ".join(f"{np.size(column)} of {name}" for name, column in columns.items())
-        raise ValueError(f"{counts}: expected {frequencies.size}, as many as frequencies, or one") from None
-    if not (np.all(frequencies > 0) and np.all(t60s > 0) and np.all(masses > 0)):
-        raise ValueError("frequency, t60, modal_mass: expected positive numbers")
-    keep = audible(frequencies, top)
-    shape = (1 / np.sqrt(masses[keep]))[None]
-    return Modes(
-        frequency=frequencies[keep],
-        decay=math.log(1000) / t60s[keep],
-        strike=shape,
-        pickup=np.repeat(weights[keep] * shape, 2, axis=0),
-        mass=mass,
-    )
+        counts = ", ".join(f"{np.size(values)} of {name}" for name, values in given.items())
+        raise ValueError(f"{counts}: expected {size}, as many as {of}, or one") from None
 
 
 def audible(frequency: Array, top: float) -> Indices:

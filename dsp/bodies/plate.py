@@ -1,19 +1,26 @@
 """Rectangular plates with any edges."""
 
 import math
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
 
+from . import acceleration
+from .heard import BAFFLES, heard, loaded
 from .material import Array, Material
 from .modes import Indices, Modes, audible, path, require_choice, require_positive
+from .radiation.air import plate_mass
+from .radiation.plate import Group, Loads, Rectangle
 
 EDGES = ("free", "clamped", "supported")
 RESERVE = 2.0  # beam products up to this times the highest wanted frequency make the series
 LEAST_PRODUCTS = 400  # of which the series is made at least
 MOST_PRODUCTS = 2200
 MOST_FACTORS = 400  # beam modes along a side; k^4 of more would be lost in rounding
+
+_SIGN_AT = (0.17, 0.29)  # fractions of the sides: whose sign a mode's sound has
 
 Corner = tuple[float, float]
 
@@ -28,12 +35,12 @@ def plate(
     edges: tuple[str, str, str, str] = ("free", "free", "free", "free"),
     path_from: Corner = (0.0, 0.0),
     path_to: Corner = (1.0, 1.0),
-    pickups: tuple[Corner, Corner] = ((0.17, 0.29), (0.86, 0.38)),
+    baffle: str = "free",
 ) -> Modes:
     """A thin rectangular plate (Kirchhoff), each edge free, clamped or simply supported.
 
     Lengths in m, top in Hz; edges at x = 0, x = length, y = 0, y = width; the strike path leads from a point to
-    another; these and the pickups are fractions (x, y) of the sides. ValueError names what is out of range.
+    another, fractions (x, y) of the sides; baffle as in `heard.BAFFLES`. ValueError names what is out of range.
 
     Ritz's method on D/2 int (lap w)^2 - 2 (1 - nu) (w_xx w_yy - w_xy^2) (Leissa, J. Sound Vib. 31, 1973), in products
     of the modes of the two beams with the same edges; symmetrical edges split it by parity.
@@ -41,6 +48,7 @@ def plate(
     require_positive(length=length, width=width, thickness=thickness)
     for edge in edges:
         require_choice("edges", edge, EDGES)
+    require_choice("baffle", baffle, BAFFLES)
     areal = material.density * thickness
     speed = math.sqrt(material.contact_modulus * thickness**3 / 12 / areal)  # sqrt(D / (rho h)), m^2/s
     wavenumber = math.sqrt(2 * math.pi * top / speed)
@@ -52,17 +60,22 @@ def plate(
     keep = audible(frequency, min(top, speed * complete / (2 * math.pi)))
     frequency = frequency[keep]
 
+    groups = _groups(blocks, keep)
+    waves = np.sqrt(2 * math.pi * frequency / speed)
+    surface = Rectangle((length / 2, width / 2), areal, speed, along.value, across.value, groups, baffle)
+    air = loaded(frequency, Loads(surface, frequency), plate_mass(areal, waves, frequency))
+    order = np.argsort(air.frequency, kind="stable")  # the air may bring neighbours past each other
+
     span = math.hypot((path_to[0] - path_from[0]) * length, (path_to[1] - path_from[1]) * width)
-    positions = path(math.sqrt(2 * math.pi * frequency[-1] / speed) * span)[:, None]
-    points = np.concatenate([np.asarray(path_from) * (1 - positions) + np.asarray(path_to) * positions, pickups])
-    shapes = _shapes(blocks, keep, along.value(points[:, 0]), across.value(points[:, 1])) / math.sqrt(areal)
-    return Modes(
-        frequency=frequency,
-        decay=material.decay(frequency),
-        strike=shapes[:-2],
-        pickup=shapes[-2:],
-        mass=areal * length * width,
-    )
+    positions = path(waves[-1] * span)[:, None]
+    points = np.concatenate([np.asarray(path_from) * (1 - positions) + np.asarray(path_to) * positions, [_SIGN_AT]])
+    shapes = _shapes(groups, along.value(points[:, 0]), across.value(points[:, 1])) / math.sqrt(areal) * air.shrinking
+    shapes, resistance = shapes[:, order], air.resistance[order]
+    mass = areal * length * width
+    made = heard(material, air.frequency[order], resistance, (shapes[:-1], shapes[-1]), mass)
+    if baffle != "free" or set(edges) != {"free"}:
+        return made
+    return replace(made, click=acceleration.rectangle(mass, length, width, length * width * thickness))
 
 
 def _solve(along: "_Beam", across: "_Beam", wavenumber: float, nu: float) -> tuple[list["_Block"], float]:
@@ -88,17 +101,22 @@ def _solve(along: "_Beam", across: "_Beam", wavenumber: float, nu: float) -> tup
     return blocks, float(min(limit, along.square.max(), across.square.max()) / RESERVE)
 
 
-def _shapes(blocks: list["_Block"], keep: Indices, value_x: Array, value_y: Array) -> Array:
-    """The modes that are kept (points, n), from the beams' functions at the points (points, beam modes)."""
+def _groups(blocks: list["_Block"], keep: Indices) -> list[Group]:
+    """The modes that are kept, of each block."""
     rank = np.full(sum(block.square.size for block in blocks), -1)
     rank[keep] = np.arange(keep.size)
-    shapes = np.empty((len(value_x), keep.size))
-    first = 0
-    for block in blocks:
-        column = rank[first : first + block.square.size]
-        kept = column >= 0
-        shapes[:, column[kept]] = (value_x[:, block.x] * value_y[:, block.y]) @ block.vector[:, kept]
-        first += block.square.size
+    groups = []
+    for block, first in zip(blocks, np.cumsum([0, *(block.square.size for block in blocks)]), strict=False):
+        mode = rank[first : first + block.square.size]
+        groups.append(Group(mode[mode >= 0], block.x, block.y, block.vector[:, mode >= 0]))
+    return groups
+
+
+def _shapes(groups: list[Group], value_x: Array, value_y: Array) -> Array:
+    """The modes (points, n), from the beams' functions at the points (points, beam modes)."""
+    shapes = np.empty((len(value_x), sum(group.mode.size for group in groups)))
+    for group in groups:
+        shapes[:, group.mode] = (value_x[:, group.x] * value_y[:, group.y]) @ group.vector
     return shapes
 
 

@@ -1,13 +1,25 @@
 """Rings, tube walls, glasses and bowls: walls that bend around their circumference."""
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
+from . import acceleration
+from .heard import Loaded, heard, loaded
 from .material import Array, Material
 from .modes import MOST_MODES, Indices, Modes, audible, path, require_positive
+from .radiation import wall as wall_air
+from .radiation.air import DENSITY, Load
+from .radiation.sampling import between, members
+from .radiation.thin import Profile
 
+_SIGN_AT = np.radians([13.0])  # around the wall: whose sign a mode's sound has
+_SOLVED = 16  # orders of which the air's load is solved; above, of some
+_NEARLY = 1.1  # times the highest frequency wanted: a pair's lower member and the air's mass bring a mode below it
 CANTILEVER = np.array([1.8751040687, 4.6940911330, 7.8547574382])
 """Roots of cos(b) cosh(b) = -1: a wall held at its foot and free at its rim bends as a cantilever along its height."""
 
@@ -28,20 +40,21 @@ def ring(
     top: float,
     split: float = 0.0,
     imperfection: float = 20.0,
-    pickups: tuple[float, float] = (13.0, -49.0),
 ) -> Modes:
     """A free ring or tube wall in in-plane bending, its radial displacement cos n theta, n >= 2.
 
     radius (of the middle line), thickness (radial) and length (axial) in m, top in Hz; the strike path is half the
-    circumference from angle 0, the pickups are angles in degrees; split and imperfection as in `doublets`. ValueError
-    names what is out of range. omega = n (n^2 - 1)/sqrt(n^2 + 1) sqrt(E h^2/(12 rho R^4)) (Hoppe 1871), lowered by
-    shear and rotation where waves are short.
+    circumference from angle 0; split and imperfection as in `doublets`. ValueError names what is out of range.
+    omega = n (n^2 - 1)/sqrt(n^2 + 1) sqrt(E h^2/(12 rho R^4)) (Hoppe 1871), lowered by shear and rotation where waves
+    are short, and by the air.
     """
     require_positive(radius=radius, thickness=thickness, length=length)
     order = np.arange(2.0, MOST_MODES + 2)
     mass = 2 * math.pi * radius * thickness * length * material.density
     frequency = _bending(material, radius, thickness, order)
-    return _around(material, frequency, order, Doublets(split, imperfection), (mass, mass / 2), top, pickups)
+    wall = _Wall(radius, length / 2, thickness * material.density, mass, mass / 2)
+    made = _around(material, wall, [(frequency, _uniform)], Doublets(split, imperfection), top)
+    return replace(made, click=acceleration.ring(mass, radius, length, mass / material.density))
 
 
 def glass(
@@ -54,24 +67,28 @@ def glass(
     rows: int = 1,
     split: float = 0.0,
     imperfection: float = 20.0,
-    pickups: tuple[float, float] = (13.0, -49.0),
 ) -> Modes:
     """A wine glass or bowl, held at its foot: cos n theta around it, a cantilever's shape m up its wall.
 
-    Lengths in m, top in Hz; rows: the number of m, 1 to 3; the strike path is half the rim from angle 0, the pickups
-    are angles at the rim in degrees; split and imperfection as in `doublets`. ValueError names what is out of range.
+    Lengths in m, top in Hz; rows: the number of m, 1 to 3; the strike path is half the rim from angle 0; split and
+    imperfection as in `doublets`. ValueError names what is out of range. The air moves through its open foot, too: a
+    bowl's bottom is left out.
     omega = omega_ring(n) sqrt(1 + b_m^4/(n^2 - 1)^2 (R/H)^4): for n = 2, m = 1 this is French's formula (Am. J. Phys.
     51, 1983), whose factor 4/3 is 1.875^4/9 rounded. Stretching of the wall is left out, as there.
     """
     require_positive(radius=radius, height=height, thickness=thickness)
     if not 1 <= rows <= CANTILEVER.size:
         raise ValueError(f"rows = {rows}: expected 1 to {CANTILEVER.size}")
-    order, row = (grid.ravel() for grid in np.meshgrid(np.arange(2.0, MOST_MODES + 2), CANTILEVER[:rows]))
+    order = np.arange(2.0, MOST_MODES + 2)
     mass = 2 * math.pi * radius * thickness * height * material.density
-    frequency = _bending(material, radius, thickness, order)
-    frequency *= np.sqrt(1 + row**4 / (order**2 - 1) ** 2 * (radius / height) ** 4)
+    ring = _bending(material, radius, thickness, order)
+    made = [
+        (ring * np.sqrt(1 + root**4 / (order**2 - 1) ** 2 * (radius / height) ** 4), partial(_cantilever, root))
+        for root in CANTILEVER[:rows]
+    ]
     # A cantilever's tip moves by twice the rms of its length, whatever its mode.
-    return _around(material, frequency, order, Doublets(split, imperfection), (mass, mass / 8), top, pickups)
+    wall = _Wall(radius, height / 2, thickness * material.density, mass, mass / 8)
+    return _around(material, wall, made, Doublets(split, imperfection), top)
 
 
 def doublets(frequency: Array, order: Array, split: float, imperfection: float) -> tuple[Array, Indices, Array]:
@@ -106,30 +123,68 @@ def _bending(material: Material, radius: float, thickness: float, order: Array) 
     return hoppe / np.sqrt(1 + (order * thickness / radius) ** 2 / 12 * (1 + shear))
 
 
-def _around(
-    material: Material,
-    frequency: Array,
-    order: Array,
-    members: Doublets,
-    masses: tuple[float, float],
-    top: float,
-    pickups: tuple[float, float],
-) -> Modes:
-    """The modes of a wall, from the frequencies of its orders; masses (kg): its own, and of radial motion alone."""
-    mass, modal_mass = masses
-    frequency, which, phase = doublets(frequency, order, *members)
-    keep = audible(frequency, top)
-    frequency, order, phase = frequency[keep], order[which[keep]], phase[keep]
+class _Wall(NamedTuple):
+    """A wall's middle radius and half its height (m), kg/m^2, its mass and that of its radial motion alone (kg)."""
+
+    radius: float
+    half: float
+    areal: float
+    mass: float
+    modal_mass: float
+
+
+class _Row(NamedTuple):
+    """Modes of one profile up the wall, by order: orders, peaks (kg^-1/2), and what the air makes of them, (k,)."""
+
+    order: Array
+    peak: Array
+    air: Loaded
+
+
+def _row(wall: _Wall, frequency: Array, profile: Profile, top: float) -> _Row:
+    """A row, from the frequencies (Hz) of its orders from 2 up."""
+    count = int(np.searchsorted(frequency, _NEARLY * top))
+    order = np.arange(2.0, count + 2)
     # An inextensible wall also moves along its circumference, by 1/n of its radial motion.
-    peak = 1 / np.sqrt(modal_mass * (1 + 1 / order**2))
+    peak = 1 / np.sqrt(wall.modal_mass * (1 + 1 / order**2))
+    solved = members(count, _SOLVED)
+
+    def load(now: Array) -> Load:
+        found = wall_air.load_of(order[solved], wall.radius, wall.half, profile, now[solved])
+        scaled = Load(found.resistance * peak[solved] ** 2, found.mass * peak[solved] ** 2)
+        return between(np.log(order[solved]), scaled, np.log(order))
+
+    guess = 2 * DENSITY * wall.radius / (order * wall.areal)
+    return _Row(order, peak, loaded(frequency[:count], load, guess))
+
+
+def _around(
+    material: Material, wall: _Wall, rows: Sequence[tuple[Array, Profile]], pairs: Doublets, top: float
+) -> Modes:
+    """The modes of a wall, from the frequencies of the orders from 2 up in each row, and the row's profile."""
+    made = [_row(wall, frequency, profile, top) for frequency, profile in rows]
+    order, peak = (np.concatenate([row[i] for row in made]) for i in (0, 1))
+    frequency, resistance, shrinking = (np.concatenate([row.air[i] for row in made]) for i in range(3))
+    frequency, which, phase = doublets(frequency, order, *pairs)
+    keep = audible(frequency, top)
+    which = which[keep]
+    frequency, phase, order = frequency[keep], phase[keep], order[which]
+    height = peak[which] * shrinking[which]
 
     def shape(angle: Array) -> Array:
-        return np.asarray(peak * np.cos(np.outer(angle, order) - phase), np.float64)
+        return np.asarray(height * np.cos(np.outer(angle, order) - phase), np.float64)
 
-    return Modes(
-        frequency=frequency,
-        decay=material.decay(frequency),
-        strike=shape(math.pi * path(math.pi * order.max())),
-        pickup=shape(np.radians(pickups)),
-        mass=mass,
-    )
+    strike = shape(math.pi * path(math.pi * order.max()))
+    return heard(material, frequency, resistance[which], (strike, shape(_SIGN_AT)[0]), wall.mass)
+
+
+def _uniform(z: Array) -> Array:
+    return np.ones_like(z)
+
+
+def _cantilever(root: float, z: Array) -> Array:
+    """A cantilever's shape, 1 or -1 at its tip z = 1, its foot at z = -1."""
+    y = root * (z + 1) / 2
+    ratio = (math.cosh(root) + math.cos(root)) / (math.sinh(root) + math.sin(root))
+    shape: Array = (np.cosh(y) - np.cos(y) - ratio * (np.sinh(y) - np.sin(y))) / 2
+    return shape

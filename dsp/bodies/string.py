@@ -1,11 +1,17 @@
 """Strings: stiff, between two rigid supports."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
+from .heard import heard
 from .material import Material
 from .modes import MOST_MODES, Modes, audible, path, require_positive
+from .radiation.board import PIANO
+from .tension import string_glide
+
+_SIGN_AT = 0.07  # of the length: whose sign a mode's sound has
 
 
 def string(
@@ -18,14 +24,15 @@ def string(
     fundamental: float | None = None,
     linear_density: float | None = None,
     inharmonicity: float | None = None,
-    pickups: tuple[float, float] = (0.07, 0.89),
 ) -> Modes:
     """A stiff string: f_n = n f0 sqrt(1 + B n^2), pinned ends.
 
     length and diameter in m, top in Hz; either tension (N) or fundamental f0 (Hz, that of the limp string);
     linear_density (kg/m) if the string is wound, `diameter` then being its core's; inharmonicity B, by default the
-    core's pi^3 E d^4/(64 T L^2) (Fletcher 1964). Strike path and pickups: fractions of the length. ValueError names
-    what is out of range.
+    core's pi^3 E d^4/(64 T L^2) (Fletcher 1964). The strike path is the length. ValueError names what is out of range.
+
+    Its own sound is nothing beside that of the board at its end: what goes into the board is lost to the string, and
+    its share that radiates is heard. See `radiation.board`.
     """
     require_positive(
         length=length,
@@ -50,10 +57,8 @@ def string(
     order, frequency = order[keep], frequency[keep]
     mass = density * length
     peak = math.sqrt(2 / mass)
-    return Modes(
-        frequency=frequency,
-        decay=material.decay(frequency),
-        strike=peak * np.sin(np.pi * np.outer(path(np.pi * order[-1]), order)),
-        pickup=peak * np.sin(np.pi * np.outer(pickups, order)),
-        mass=mass,
-    )
+    force = tension * math.pi * order / length * peak / (2 * math.pi * frequency)  # at the bridge, per modal velocity
+    lost = force**2 * PIANO.conductance(frequency)
+    strike, sign = (peak * np.sin(np.pi * np.outer(at, order)) for at in (path(np.pi * order[-1]), [_SIGN_AT]))
+    modes = heard(material, frequency, lost * PIANO.radiated_share(frequency), (strike, sign[0]), mass, lost)
+    return replace(modes, glide=string_glide(material, length, diameter, tension))

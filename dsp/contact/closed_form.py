@@ -27,6 +27,8 @@ from .law import potential, restitution_of, time_scale
 
 _NODES, _WEIGHTS = (g.copy() for g in legendre.leggauss(12))
 _PIECE_NODES, _PIECE_WEIGHTS = (g.copy() for g in legendre.leggauss(6))
+_WIDE_NODES, _WIDE_WEIGHTS = (g.copy() for g in legendre.leggauss(12))
+_WIDE = 0.4  # of zeta: a piece that is as long takes more nodes, as do contacts of some samples
 _DEGREE = len(_NODES)
 
 NODES = 2 * len(_PIECE_NODES)
@@ -151,10 +153,12 @@ def _add_piece(pulse, phase, zeta, u, shift, moments):
     middle = 0.5 * (pulse.zeta + zeta)
     half = 0.5 * (zeta - pulse.zeta)
     scale = pulse.momentum * (a + 1.0) * span * abs(half)
-    for j in range(len(_PIECE_NODES)):
-        node = middle + half * _PIECE_NODES[j]
+    wide = abs(zeta - pulse.zeta) > _WIDE
+    nodes, weights = (_WIDE_NODES, _WIDE_WEIGHTS) if wide else (_PIECE_NODES, _PIECE_WEIGHTS)
+    for j in range(len(nodes)):
+        node = middle + half * nodes[j]
         Z = node ** (a + 1.0)
-        weight = scale * _PIECE_WEIGHTS[j] * math.exp(w * span * (1.0 - Z)) * Z / node
+        weight = scale * weights[j] * math.exp(w * span * (1.0 - Z)) * Z / node
         t = _time(pulse.time_series[phase], node)
         if phase == 1:
             t = pulse.duration - t

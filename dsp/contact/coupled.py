@@ -67,6 +67,8 @@ COUPLED = np.dtype(
         ("k", np.float64),
         ("mu", np.float64),
         ("a", np.float64),
+        ("w", np.float64),  # mu v, where it is kept from touch to touch; 0: mu is
+        ("slowest", np.float64),  # m/s: a slower touch gets the mu of this speed
         ("push", np.float64),  # constant force on the striker towards the object, N
         ("mass", np.float64),  # effective, of striker and modes in the first instant, kg
         ("tolerance", np.float64),
@@ -95,6 +97,7 @@ def begin_coupled(contact, v, law, push, fraction, rate, tolerance):
     contact.k = law.k
     contact.mu = law.mu
     contact.a = law.a
+    contact.w = 0.0
     contact.push = push
     contact.period = 1.0 / rate
     contact.wait = fraction
@@ -190,8 +193,13 @@ def _look(contact, observed):
 
 @kernel
 def _touch(contact):
-    """Begin a contact at x = 0: the first step is a share of its natural time, or of strong dissipation's."""
+    """Begin a contact at x = 0: the first step is a share of its natural time, or of strong dissipation's.
+
+    Where a restitution was given, mu follows from the speed at which striker and object meet.
+    """
     v = contact.motion[1] / contact.period
+    if contact.w > 0.0:
+        contact.mu = contact.w / max(v, contact.slowest)
     time = (contact.mass / (contact.k * v ** (contact.a - 1.0))) ** (1.0 / (contact.a + 1.0))
     contact.next = _FIRST * time / max(1.0, contact.mu * v) ** (1.0 / (contact.a + 1.0)) / contact.period
     contact.touching = 1

@@ -7,7 +7,18 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from ..schema import BY_POSITION, GESTURES, SETTINGS, STEERABLE, STRIKE, VELOCITY, Gesture, Parameter, record_of
+from ..schema import (
+    BY_POSITION,
+    GESTURES,
+    RESTITUTION,
+    SETTINGS,
+    STEERABLE,
+    STRIKE,
+    VELOCITY,
+    Gesture,
+    Parameter,
+    record_of,
+)
 
 
 class Kind(IntEnum):
@@ -19,26 +30,39 @@ class Kind(IntEnum):
     BOUNCE = 3
     ROLL = 4  # a roll of that gesture on that object that goes on already takes on what is `given`
     PRESS = 5
-    STEER = 6  # a parameter of a gesture
-    STOP = 7  # a gesture
-    SET = 8  # a setting of an object
-    PANIC = 9
-    SYNC = 10  # value: a number that appears in the stats
-    METHOD = 11  # how contacts with objects that do not give way are solved
-    ACCURACY = 12  # value: a place in accuracy.LEVELS
-    QUALITY = 13  # value: a Quality
+    SPIN = 6
+    STEER = 7  # a parameter of a gesture
+    STOP = 8  # a gesture
+    SET = 9  # a setting of an object
+    PANIC = 10
+    SYNC = 11  # value: a number that appears in the stats
+    METHOD = 12  # how contacts with objects that do not give way are solved
+    ACCURACY = 13  # value: a place in accuracy.LEVELS
+    QUALITY = 14  # value: a Quality
+    GAIN = 15  # of everything; value: amplitude
+    LIMITER = 16  # value 1: on; 0: off
+    PLACE = 17  # an object, by a gain of its own (value) in a channel; channel -1: by its pan again
 
 
 # The same as plain numbers, which kernels compare with.
 KIND_NEW, KIND_FREE = int(Kind.NEW), int(Kind.FREE)
 KIND_IMPACT, KIND_BOUNCE, KIND_ROLL, KIND_PRESS = int(Kind.IMPACT), int(Kind.BOUNCE), int(Kind.ROLL), int(Kind.PRESS)
+KIND_SPIN = int(Kind.SPIN)
 KIND_STEER, KIND_STOP, KIND_SET = int(Kind.STEER), int(Kind.STOP), int(Kind.SET)
 KIND_PANIC, KIND_SYNC, KIND_METHOD = int(Kind.PANIC), int(Kind.SYNC), int(Kind.METHOD)
 KIND_ACCURACY, KIND_QUALITY = int(Kind.ACCURACY), int(Kind.QUALITY)
+KIND_GAIN, KIND_LIMITER, KIND_PLACE = int(Kind.GAIN), int(Kind.LIMITER), int(Kind.PLACE)
 
-GESTURE_KINDS = (Kind.IMPACT, Kind.BOUNCE, Kind.ROLL, Kind.PRESS)
+GESTURE_KINDS = (Kind.IMPACT, Kind.BOUNCE, Kind.ROLL, Kind.PRESS, Kind.SPIN)
 """Commands that bring a striker."""
 
+_LEVEL = Parameter(
+    "gesture_level", 0.0, np.inf, "", "amplitude of such gestures on the object, times their gain", default=1.0
+)
+_SOUND = (
+    Parameter("sound", 0, np.inf, "", "its place among the strikers that are laid out", default=0.0),
+    Parameter("sound_serial", 0, np.inf, "", "its serial there; 0: it does not sound", default=0.0),
+)
 _DELAY = Parameter("delay", 0.0, np.inf, "s", "from the beginning of a bounce to its first contact", default=0.0)
 
 
@@ -48,15 +72,17 @@ def _own(gesture: Gesture, *more: Parameter) -> dict[str, Parameter]:
     return {each.name: each for each in given if each.name not in _STRIKE}
 
 
-_STRIKE = {each.name: each for each in (VELOCITY, *STRIKE, BY_POSITION)}
+_STRIKE = {each.name: each for each in (VELOCITY, *STRIKE, BY_POSITION, _LEVEL, *_SOUND)}
 _BOUNCE = _own(GESTURES["bounce"], _DELAY)
 _ROLL = _own(GESTURES["roll"])
 _PRESS = _own(GESTURES["press"])
+_SPIN = _own(GESTURES["spin"], GESTURES["spin"].argument)
 
 STRIKE_RECORD = record_of(*_STRIKE)
 BOUNCE_RECORD = record_of(*_BOUNCE)
 ROLL_RECORD = record_of(*_ROLL)
 PRESS_RECORD = record_of(*_PRESS)
+SPIN_RECORD = record_of(*_SPIN)
 SETTINGS_RECORD = record_of(*SETTINGS)
 
 
@@ -68,6 +94,7 @@ def _places(record: np.dtype[np.void]) -> NDArray[np.int64]:
 
 IN_STRIKE, IN_BOUNCE = _places(STRIKE_RECORD), _places(BOUNCE_RECORD)
 IN_ROLL, IN_PRESS = _places(ROLL_RECORD), _places(PRESS_RECORD)
+IN_SPIN = _places(SPIN_RECORD)
 
 STEERS = np.array(
     [
@@ -82,8 +109,15 @@ for _kind in GESTURE_KINDS:
 PROFILE = record_of("roughness", "correlation", "slope", "ripple", "wavelength")
 """A surface: rms height (m), correlation length (m), slope of its spectrum; amplitude (m), length (m) of a ripple."""
 
-LAYOUT = np.dtype([(name, np.int64) for name in ("first", "size", "table", "rows")], align=True)
-"""Where a new object's modes and shapes are: its first mode, how many (padded), first value and rows of its shapes."""
+_PLACES_OF_NEW = ("first", "size", "table", "rows", "felt", "bent")
+_SCALES_OF_NEW = ("level", "glide", "cone")
+LAYOUT = np.dtype(
+    [*((name, np.int64) for name in _PLACES_OF_NEW), *((name, np.float64) for name in _SCALES_OF_NEW)], align=True
+)
+"""Where a new object's modes and shapes are: its first mode, how many (padded), first value and rows of its shapes, how
+many modes contacts feel, and of how many slow forces are heard; the output that 1 Pa is; and how far its tension rises:
+for the energy that rings, 1/J, and about a striker, kg (bodies/tension.py).
+"""
 
 METHOD = np.dtype([(name, np.int64) for name in ("method", "correction", "oversampling")], align=True)
 """How contacts are solved: 0 closed form, else 1 + method; correction; steps per sample."""
@@ -101,6 +135,7 @@ COMMAND = np.dtype(
         ("value", np.float64),  # as Kind says
         ("gesture", np.int64),  # its number, 0: none
         ("parameter", np.int64),  # its place in schema.STEERABLE or schema.SETTINGS
+        ("channel", np.int64),  # of a place
         ("given", np.int64),  # of a roll: bits of the places in schema.STEERABLE that were given
         ("by_slot", np.int64),  # of the object that strikes, if one does
         ("by_serial", np.int64),  # else 0
@@ -108,6 +143,7 @@ COMMAND = np.dtype(
         ("bounce", BOUNCE_RECORD),
         ("roll", ROLL_RECORD),
         ("press", PRESS_RECORD),
+        ("spin", SPIN_RECORD),
         ("surface", PROFILE),  # of a roll
         ("settings", SETTINGS_RECORD),  # of a new object
         ("layout", LAYOUT),  # of a new object
@@ -131,7 +167,8 @@ class Handle:
 class Command:
     """A command from Python: when (samples), what, to which object, and the values of its records by name.
 
-    `values` are in the engine's units: gains as amplitudes, tune as a ratio. Those that have a default may be left out.
+    `values` are in the engine's units: gains as amplitudes, tune as a ratio. Those that have a default may be left out;
+    a restitution of 0 leaves dissipation as it is.
     """
 
     time: float
@@ -144,14 +181,17 @@ class Command:
     given: Collection[str] = ()
     by: Handle | None = None
     surface: tuple[float, ...] = (0.0, 1.0, 2.0, 0.0, 1.0)
+    channel: int = -1
 
 
-_DEFAULTS = {
-    each.name: each.in_engine(each.default)
-    for record in (_STRIKE, _BOUNCE, _ROLL, _PRESS, SETTINGS)
-    for each in record.values()
-    if each.default is not None
-} | {BY_POSITION.name: 0.0, VELOCITY.name: 0.0}
+_PARAMETERS = {
+    "strike": _STRIKE, "bounce": _BOUNCE, "roll": _ROLL, "press": _PRESS, "spin": _SPIN, "settings": SETTINGS
+}  # fmt: skip
+_DEFAULTS: dict[str, dict[str, float]] = {
+    record: {each.name: each.in_engine(each.default) for each in parameters.values() if each.default is not None}
+    for record, parameters in _PARAMETERS.items()
+}
+_DEFAULTS["strike"] |= {BY_POSITION.name: 0.0, VELOCITY.name: 0.0, RESTITUTION.name: 0.0}
 
 _RECORDS = {
     Kind.NEW: ("layout", "settings"),
@@ -159,6 +199,7 @@ _RECORDS = {
     Kind.BOUNCE: ("strike", "bounce"),
     Kind.ROLL: ("strike", "roll"),
     Kind.PRESS: ("strike", "press"),
+    Kind.SPIN: ("strike", "spin"),
     Kind.METHOD: ("method",),
 }
 _FIELDS = {kind: [(name, tuple(COMMAND[name].names or ())) for name in names] for kind, names in _RECORDS.items()}
@@ -176,7 +217,7 @@ def write(entry: np.void, number: int, command: Command) -> None:
     entry["number"], entry["kind"] = number, kind
     entry["slot"], entry["serial"] = (command.handle.slot, command.handle.serial) if command.handle else (0, 0)
     entry["by_slot"], entry["by_serial"] = (command.by.slot, command.by.serial) if command.by else (0, 0)
-    entry["value"], entry["gesture"] = command.value, command.gesture
+    entry["value"], entry["gesture"], entry["channel"] = command.value, command.gesture, command.channel
     if kind in (Kind.STEER, Kind.SET):
         places = _PLACES if kind is Kind.STEER else _SETTING_PLACES
         if command.parameter not in places:
@@ -187,8 +228,9 @@ def write(entry: np.void, number: int, command: Command) -> None:
         if unknown := values.keys() - _TAKEN[kind]:
             raise ValueError(f"{kind.name}: it has no {', '.join(sorted(unknown))}")
         for record, names in _FIELDS[kind]:
+            defaults = _DEFAULTS.get(record, {})
             try:
-                entry[record] = tuple(values[name] if name in values else _DEFAULTS[name] for name in names)
+                entry[record] = tuple(values[name] if name in values else defaults[name] for name in names)
             except KeyError as error:
                 raise ValueError(f"{kind.name}: {error.args[0]} is missing") from None
     if kind is Kind.ROLL:

@@ -13,10 +13,11 @@ from ..contact.sampled import begin_sampled, step_sampled
 from ..native.jit import kernel
 from ..numerics.legendre import FINE, MOMENTS, add_held
 from ..resonator.bank import inject, inject_fine, observe, receptance
-from .objects import highest_of, modes_of, place, point_of, reach_of, sigma_of
+from .objects import frequency_of, highest_of, modes_of, place, point_of, reach_of, relief_of, sigma_of
 from .quality import modes_for, room_for_coupling
 from .solver_choice import choose_solver, soften_pulse, tolerance_of
 from .state import COUPLING, SAMPLING
+from .strikers import begin_striker, drive_striker
 from .trace import trace_sample
 
 _STEPS = 4  # of a coupled contact per sample, on average; beyond, the force is held for each sample
@@ -34,8 +35,11 @@ def begin_contact(state, contact, pushed):
     state.contact_count += 1
     contact.number = state.contact_count
     contact.touching = 1
+    contact.force = contact.force_before = 0.0
     place(contact.point[0], contact.now.position, state.objects[contact.point[0].slot].rows)
     update_mode_count(state, contact)
+    if contact.w > 0.0:
+        contact.mu = contact.w / max(contact.v_in, _resting_speed(contact))
     begin_pulse(contact.pulse, contact.v_in, contact.m, contact.k, contact.mu, contact.a, state.rate)
     solver, mass_ratio, seen_mass_ratio = choose_solver(state, contact)
     if solver != COUPLING:
@@ -50,7 +54,18 @@ def begin_contact(state, contact, pushed):
         _begin_coupled(state, contact)
     elif solver == SAMPLING:
         _begin_sampled(state, contact)
+    begin_striker(state, contact)
     return True
+
+
+@kernel
+def _resting_speed(contact):
+    """The speed (m/s) of a striker that rocks on its contact under what pushes it: sqrt(F x/m), k x^a = F.
+
+    A restitution is that of blows. Slower ones, near rest, get the dissipation of this speed.
+    """
+    push = contact.push_target
+    return math.sqrt(push / contact.m * (push / contact.k) ** (1.0 / contact.a)) if push > 0.0 else 0.0
 
 
 @kernel
@@ -60,6 +75,8 @@ def _begin_coupled(state, contact):
     contact.debt = 0
     law = ContactLaw(contact.m, contact.k, contact.mu, contact.a)
     begin_coupled(contact.coupled, contact.v_in, law, contact.push, contact.fraction, state.rate, tolerance_of(state))
+    contact.coupled.w = contact.w
+    contact.coupled.slowest = _resting_speed(contact)
     state.stats.coupled += 1
     state.stats.coupled_modes += contact.modes
 
@@ -115,8 +132,10 @@ def apply_contact_force(state, contact, frame):
         began_earlier = contact.coupled.contacts > 0
         lasts = _advance_coupled(state, contact, age)
         trace_sample(state, contact, sample, 0.0 if began_earlier else begin, end, scratch.fine[0])
+        contact.force_before, contact.force = contact.force, scratch.fine[0] * state.rate
         for n in range(FINE):
             scratch.fine[n] *= contact.now.gain
+        impulse = scratch.fine[0]
     else:
         if contact.solver == SAMPLING:
             lasts = _advance_sampled(state, contact, age)
@@ -124,8 +143,12 @@ def apply_contact_force(state, contact, frame):
             lasts = _advance_closed(state, contact, age)
             end = begin + contact.pulse.duration
         trace_sample(state, contact, sample, begin, end, scratch.moments[0])
+        contact.force_before, contact.force = contact.force, scratch.moments[0] * state.rate
         for n in range(MOMENTS):
             scratch.moments[n] *= contact.now.gain
+        impulse = scratch.moments[0]
+    if contact.sound >= 0 and impulse != 0.0:
+        drive_striker(state, contact)
     for side in range(2):
         if contact.point[side].slot >= 0:
             _drive(state, contact, contact.point[side])
@@ -138,6 +161,7 @@ def _drive(state, contact, point):
     obj = state.objects[point.slot]
     obj.live = max(obj.live, point.modes)
     obj.driven_modes = max(obj.driven_modes, point.modes)
+    obj.driven_gain = max(obj.driven_gain, contact.now.gain)
     modes, where = modes_of(state, obj, 0, point.modes), point_of(state, obj, point)
     if contact.solver == COUPLING:
         inject_fine(modes, where, state.scratch.fine)
@@ -200,12 +224,15 @@ def _observe(state, contact):
 def _find_static(state, contact, side, obj):
     """Put the static output for a push of 1 N into `static`; `receptance` has left the shapes in `work`."""
     left = right = 0.0
-    for i in range(contact.point[side].modes):
-        frequency = state.bank.frequency[obj.first + i] * obj.settings.tune
-        if 0.0 < frequency <= highest_of(state):
+    for i in range(min(contact.point[side].modes, obj.bent)):
+        frequency, sigma, weight = frequency_of(state, obj, i), 0.0, 0.0
+        if i >= obj.felt:
+            frequency, sigma, weight = relief_of(state, obj, i)
+        elif frequency <= highest_of(state):
+            sigma, weight = sigma_of(state, obj, i), state.bank.weight[obj.first + i]
+        if frequency > 0.0:
             omega = 2.0 * math.pi * frequency
-            sigma = sigma_of(state, obj, i)
-            heard = state.scratch.work[i] * state.bank.weight[obj.first + i] * omega / (omega * omega + sigma * sigma)
+            heard = state.scratch.work[i] * weight * omega / (omega * omega + sigma * sigma)
             left += heard
             right += heard * state.bank.balance[obj.first + i]
     contact.static[side, 0] = left

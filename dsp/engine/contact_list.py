@@ -2,10 +2,14 @@
 
 import math
 
+import numpy as np
+
 from ..native.atomics import store_release
 from ..native.jit import kernel
+from ..numerics.random import STEP, mixed
 from .commands import KIND_ROLL
 from .state import CLOSED, COUPLING, END_GONE, ENDED
+from .strikers import release_voice
 
 
 @kernel
@@ -27,6 +31,14 @@ def schedule_contact(state, contact):
     time = contact.origin + contact.elapsed * state.rate
     contact.start = math.floor(time)
     contact.fraction = time - contact.start
+
+
+@kernel
+def next_random(contact):
+    """The next number of a contact's own sequence, in [0, 1)."""
+    contact.random += STEP
+    z = mixed(contact.random)
+    return np.float64(z >> np.uint64(11)) * 2.0**-53
 
 
 @kernel
@@ -60,6 +72,7 @@ def end_contact(state, obj, before, index):
     contact.gesture = 0
     state.last_command[index] = 0
     release_modes(state, contact)
+    release_voice(state, contact)
     stats = state.stats
     stats.contacts_active -= 1
     state.free_contact[len(state.contacts) - 1 - stats.contacts_active] = index

@@ -13,7 +13,7 @@ from ..native.jit import kernel
 from ..native.records import field, set_field
 from ..rolling.body import fill_roll
 from ..schema import FORCE, STEERABLE, gestures_steered_by
-from .commands import KIND_BOUNCE, KIND_PRESS, KIND_ROLL
+from .commands import KIND_BOUNCE, KIND_PRESS, KIND_ROLL, KIND_SPIN
 from .contact_force import apply_contact_force, begin_contact, update_mode_count
 from .contact_list import end_contact, release_modes, report_end, schedule_contact
 from .flights import follow_coupled, is_pushed, leave, release_striker
@@ -21,6 +21,7 @@ from .objects import place
 from .quality import coarseness_of, must_wait
 from .rolls import register_roll
 from .state import COUPLING, END_NO_ROOM, END_STOPPED, QUANTUM, ROLLING
+from .strikers import roll_striker
 from .trace import trace_roll
 
 _LAID = FORCE.glide  # s: also of a striker's weight
@@ -41,7 +42,7 @@ def update_contacts(state, obj):
         after = contact.next
         _glide(contact, state.rate, obj)
         _look_at_partner(state, contact, obj)
-        waits = must_wait(state, index) and not (contact.kind == KIND_BOUNCE and contact.touching == 1)
+        waits = must_wait(state, index) and not (_comes_back(contact) and contact.touching == 1)
         ended = _wait_longer(state, contact) if waits else _go_on(state, index)
         if ended:
             report_end(state, contact.gesture, END_STOPPED)
@@ -81,8 +82,8 @@ def _look_at_partner(state, contact, obj):
             contact.unsettled = 1
         else:
             obj.shares_contact = partner.shares_contact = 1
-            contact.unsettled |= partner.stale_modes > 0
-    contact.unsettled |= obj.stale_modes > 0
+            contact.unsettled |= partner.stale_modes > 0 or partner.detuned == 1
+    contact.unsettled |= obj.stale_modes > 0 or obj.detuned == 1
 
 
 @kernel
@@ -103,14 +104,21 @@ def _go_on(state, index):
 @kernel
 def _wait_longer(state, contact):
     """Have time stand still for a gesture for a quantum; true if it has been told to end."""
+    contact.force = contact.force_before = 0.0
     if contact.kind == KIND_PRESS:
         _lift(state, contact, QUANTUM)
         return contact.start >= contact.until
     contact.origin += QUANTUM
-    if contact.kind == KIND_BOUNCE:
+    if _comes_back(contact):
         schedule_contact(state, contact)
         return contact.start >= contact.until
     return state.rolls[contact.roll].target.speed == 0.0
+
+
+@kernel
+def _comes_back(contact):
+    """True for gestures that are many contacts."""
+    return contact.kind == KIND_BOUNCE or contact.kind == KIND_SPIN
 
 
 @kernel
@@ -158,9 +166,12 @@ def _roll_on(state, index):
     since = (state.position - 1 - contact.origin) / state.rate
     fill_roll(roll, since, state.rate, state.scratch.feeds[contact.roll])
     state.stats.impacts += roll.impacts - met
-    trace_roll(state, contact, state.scratch.feeds[contact.roll])
+    feed = state.scratch.feeds[contact.roll]
+    trace_roll(state, contact, feed)
+    contact.force_before, contact.force = feed[QUANTUM - 2, 0] * state.rate, feed[QUANTUM - 1, 0] * state.rate
     if roll.ended == 0:
         register_roll(state, index)
+        roll_striker(state, contact)
     return roll.ended == 1
 
 

@@ -6,27 +6,32 @@ from ..native.atomics import load_acquire, store_release
 from ..native.jit import kernel
 from ..native.records import set_field
 from ..schema import SETTINGS
+from .channels import ask_gains
 from .clock import sample_at
 from .commands import (
     KIND_ACCURACY,
     KIND_BOUNCE,
     KIND_FREE,
+    KIND_GAIN,
     KIND_IMPACT,
+    KIND_LIMITER,
     KIND_METHOD,
     KIND_NEW,
     KIND_PANIC,
+    KIND_PLACE,
     KIND_PRESS,
     KIND_QUALITY,
     KIND_ROLL,
     KIND_SET,
+    KIND_SPIN,
     KIND_STEER,
     KIND_STOP,
     KIND_SYNC,
 )
 from .contact_list import report_end
 from .gestures import start_gesture
+from .panic import let_fade
 from .queue import has_room, order_heap, pop, push, sink, swap
-from .render import pan_gains, silence
 from .state import END_GONE, NOTES, QUANTUM, RING
 from .steering import is_running, steer, stop_gesture, stop_gestures_on
 
@@ -117,7 +122,7 @@ def _is_ignored(state, event):
 @kernel
 def _is_gesture(kind):
     """True for commands that bring a striker."""
-    return kind in (KIND_IMPACT, KIND_BOUNCE, KIND_ROLL, KIND_PRESS)
+    return kind in (KIND_IMPACT, KIND_BOUNCE, KIND_ROLL, KIND_PRESS, KIND_SPIN)
 
 
 @kernel
@@ -147,6 +152,8 @@ def carry_out(state, event):
         stop_gesture(state, event)
     elif kind == KIND_SET:
         _set(state.objects[event.slot], event)
+    elif kind == KIND_PLACE:
+        _place(state.objects[event.slot].place, event)
     elif kind == KIND_NEW:
         _new(state, event)
     elif kind == KIND_FREE:
@@ -170,6 +177,10 @@ def _choose(choices, event):
         choices.accuracy = int(event.value)
     elif event.kind == KIND_METHOD:
         choices.method = event.method
+    elif event.kind == KIND_GAIN:
+        choices.gain = event.value
+    elif event.kind == KIND_LIMITER:
+        choices.limiter = int(event.value)
 
 
 @kernel
@@ -181,6 +192,14 @@ def _set(obj, event):
 
 
 @kernel
+def _place(place, event):
+    """Give an object a gain of its own in a channel, or have its pan place it again."""
+    place.has_own = int(event.channel >= 0)
+    if event.channel >= 0:
+        place.own[event.channel] = event.value
+
+
+@kernel
 def _new(state, event):
     """Make the object whose modes and shapes Python has laid out."""
     obj = state.objects[event.slot]
@@ -189,14 +208,22 @@ def _new(state, event):
     obj.dying = 0
     obj.first, obj.size = event.layout.first, event.layout.size
     obj.table, obj.rows = event.layout.table, event.layout.rows
+    obj.felt, obj.bent, obj.level = event.layout.felt, event.layout.bent, event.layout.level
+    obj.glide, obj.cone = event.layout.glide, event.layout.cone
+    obj.rang, obj.amplified = 0.0, 1.0
+    obj.stretch, obj.detuned = 0.0, 0
     obj.settings = event.settings
     obj.live = 0
     obj.stale_modes = obj.size
     obj.retuning = 0
-    obj.contact = -1
+    obj.contact = obj.voice = -1
     obj.faults = 0
     obj.limited_energy = 0.0
-    obj.gain[0], obj.gain[1] = pan_gains(obj)
+    obj.fading = 0
+    obj.place.has_own = 0
+    ask_gains(state, obj)
+    for channel in range(state.output.channels):
+        obj.place.gain[channel] = obj.place.asked[channel]
     for i in range(obj.first, obj.first + obj.size):
         state.bank.a2[i] = 0.0
     state.order[state.active] = event.slot
@@ -205,7 +232,7 @@ def _new(state, event):
 
 @kernel
 def _panic(state, order):
-    """Silence everything at once and forget the strikes and changes that arrived before and still wait."""
+    """Let everything fade and forget the strikes and changes that arrived before and still wait."""
     queue = state.queue
     kept = 0
     for i in range(queue.size):
@@ -219,5 +246,4 @@ def _panic(state, order):
                 report_end(state, event.gesture, END_GONE)
     queue.size = kept
     order_heap(queue)
-    for i in range(state.active):
-        silence(state, state.objects[state.order[i]])
+    let_fade(state)

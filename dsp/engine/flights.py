@@ -6,15 +6,13 @@ acts in contact too, until its energy says that it can't leave any more.
 
 import math
 
-import numpy as np
-
 from ..contact.collocation import captured, elastic
 from ..contact.coupled import fly_on
 from ..native.jit import kernel
-from ..numerics.random import STEP, mixed
-from .commands import KIND_BOUNCE, KIND_IMPACT, KIND_PRESS
+from .commands import KIND_BOUNCE, KIND_IMPACT, KIND_PRESS, KIND_SPIN
 from .contact_force import flight
-from .contact_list import release_modes, report_end, schedule_contact
+from .contact_list import next_random, release_modes, report_end, schedule_contact
+from .spins import turn_on
 from .state import END_RESTED, END_STOPPED, SAMPLING
 
 _SHORTEST_ROUND = 20e-6  # s from contact to contact of a bounce: a quicker one presses like a weight at rest
@@ -35,7 +33,7 @@ def is_pushed(contact):
     Its weight does below some sqrt(g x_e): as fast moves a striker that rocks on its contact, about where it rests.
     """
     if contact.kind != KIND_BOUNCE or contact.has_weight == 1:
-        return contact.kind != KIND_IMPACT
+        return contact.kind != KIND_IMPACT and contact.kind != KIND_SPIN
     deepest = (contact.m * contact.target.gravity / contact.k) ** (1.0 / contact.a)
     return contact.v_in < _SLOW * math.sqrt(contact.target.gravity * deepest)
 
@@ -43,6 +41,8 @@ def is_pushed(contact):
 @kernel
 def leave(state, contact, frame):
     """End a touch of closed form or sampled. True if the striker comes back."""
+    if contact.kind == KIND_SPIN:
+        return turn_on(state, contact, frame)
     if contact.kind != KIND_BOUNCE:
         report_end(state, contact.gesture, END_RESTED)
         return False
@@ -63,7 +63,7 @@ def _fly_off(state, contact, rebound, gap):
     """
     release_modes(state, contact)
     total = math.sqrt(max(rebound, 0.0) ** 2 + contact.spin)
-    tilt = contact.target.irregularity * _TILT * _random(contact)
+    tilt = contact.target.irregularity * _TILT * next_random(contact)
     v_out = total * math.cos(tilt)
     contact.spin = (total * math.sin(tilt)) ** 2
     contact.v_in = math.sqrt(v_out * v_out + 2.0 * contact.target.gravity * gap)
@@ -85,6 +85,8 @@ def follow_coupled(state, contact, frame):
     """Look at a coupled contact after a sample: false where it is over."""
     coupled = contact.coupled
     now = float(state.position + frame)
+    if contact.kind == KIND_SPIN and _has_left(contact, now):
+        return turn_on(state, contact, frame)
     if now >= contact.gone_at or not math.isfinite(coupled.v):
         report_end(state, contact.gesture, END_RESTED if contact.until == math.inf else END_STOPPED)
         return False
@@ -113,6 +115,15 @@ def follow_coupled(state, contact, frame):
 
 
 @kernel
+def _has_left(contact, now):
+    """True if a coupled contact has touched and is over, at a time in samples."""
+    coupled = contact.coupled
+    return (
+        (coupled.touching == 0 and coupled.contacts > 0) or now >= contact.gone_at or not math.isfinite(coupled.v)
+    )  # fmt: skip
+
+
+@kernel
 def _release_spent(state, contact, now):
     """Release a striker that rests on the object, has no more energy to give, or has touched it for long."""
     compression = max(contact.coupled.motion[0], 0.0)
@@ -120,19 +131,11 @@ def _release_spent(state, contact, now):
     rests = contact.kind != KIND_PRESS and now - contact.begun > _LONGEST_TOUCH * state.rate
     if contact.kind == KIND_BOUNCE:
         rests |= captured(compression, v, m, contact.k, contact.a, contact.push)
-    elif contact.kind == KIND_IMPACT:
+    elif contact.kind != KIND_PRESS:
         energy = 0.5 * m * v * v + elastic(compression, contact.k, contact.a)
         rests |= energy < _SPENT * 0.5 * m * contact.v_in * contact.v_in
     if rests:
         release_striker(state, contact, now)  # gently: nobody hears it go
-
-
-@kernel
-def _random(contact):
-    """The next number of a contact's own sequence, in [0, 1)."""
-    contact.random += STEP
-    z = mixed(contact.random)
-    return np.float64(z >> np.uint64(11)) * 2.0**-53
 
 
 @kernel

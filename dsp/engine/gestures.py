@@ -4,14 +4,27 @@ import math
 
 import numpy as np
 
+from ..contact.loss import loss_of
 from ..native.jit import kernel
 from ..native.records import field, set_field
 from ..rolling.body import begin_roll
 from ..rolling.surface import begin_surface
-from .commands import IN_BOUNCE, IN_PRESS, IN_ROLL, IN_STRIKE, KIND_BOUNCE, KIND_IMPACT, KIND_PRESS, KIND_ROLL
+from .commands import (
+    IN_BOUNCE,
+    IN_PRESS,
+    IN_ROLL,
+    IN_SPIN,
+    IN_STRIKE,
+    KIND_BOUNCE,
+    KIND_IMPACT,
+    KIND_PRESS,
+    KIND_ROLL,
+    KIND_SPIN,
+)
 from .contact_list import append_contact, report_end, schedule_contact
 from .objects import place
 from .quality import coarseness_of
+from .spins import begin_spin
 from .state import CLOSED, END_JOINED, END_NO_ROOM, END_RESTED, ROLLING
 from .steering import steer_existing_roll
 
@@ -30,7 +43,7 @@ def _take(target, record, places):
 def start_gesture(state, obj, event):
     """Take a striker into an object's list, to touch it at its time; a roll that goes on already is steered."""
     rolls = event.kind == KIND_ROLL
-    speed = event.roll.speed if rolls else event.strike.velocity
+    speed = _speed_of(event)
     stats = state.stats
     full = stats.contacts_active == len(state.contacts) or (rolls and stats.rolls_active == len(state.rolls))
     if rolls and steer_existing_roll(state, event):
@@ -54,6 +67,14 @@ def start_gesture(state, obj, event):
 
 
 @kernel
+def _speed_of(event):
+    """How fast (m/s) a striker comes; of a spin the time (s) it takes: 0 does nothing."""
+    if event.kind == KIND_ROLL:
+        return event.roll.speed
+    return event.spin.duration if event.kind == KIND_SPIN else event.strike.velocity
+
+
+@kernel
 def _describe(state, contact, event):
     """Make a contact what a command says."""
     strike = event.strike
@@ -62,6 +83,9 @@ def _describe(state, contact, event):
     contact.command = event.number
     contact.v_in = strike.velocity
     contact.m, contact.k, contact.mu, contact.a = strike.mass, strike.stiffness, strike.dissipation, strike.exponent
+    contact.w = 0.0
+    if strike.restitution > 0.0:
+        contact.w, contact.mu = loss_of(strike.restitution), 0.0
     _choose_points(state, contact, event)
     contact.touching = 0
     contact.until = contact.gone_at = math.inf
@@ -71,10 +95,17 @@ def _describe(state, contact, event):
     contact.push = contact.push_target = 0.0
     contact.solver = CLOSED
     contact.unsettled = contact.has_weight = 0
+    contact.force = contact.force_before = 0.0
+    contact.level = strike.gesture_level
+    contact.sound = contact.voice = -1
+    if strike.sound_serial > 0.0:
+        contact.sound, contact.sound_serial = int(strike.sound), int(strike.sound_serial)
+        state.stats.strikers_cut += state.strikers[contact.sound].serial != contact.sound_serial
     target = contact.target
     for i in range(len(IN_STRIKE)):
         set_field(target, i, 0.0)
     _take(target, strike, IN_STRIKE)
+    target.gain *= contact.level
     if event.kind == KIND_BOUNCE:
         _take(target, event.bounce, IN_BOUNCE)
         contact.random = np.uint64(event.bounce.seed)
@@ -83,11 +114,15 @@ def _describe(state, contact, event):
         contact.push = contact.push_target = contact.m * target.gravity
     elif event.kind == KIND_ROLL:
         _take(target, event.roll, IN_ROLL)
+    elif event.kind == KIND_SPIN:
+        _take(target, event.spin, IN_SPIN)
     elif event.kind == KIND_PRESS:
         _take(target, event.press, IN_PRESS)
         contact.push_target = target.force
         target.gain = 1.0  # a hand that is softer is one that presses less
     contact.now = contact.target
+    if event.kind == KIND_SPIN:
+        begin_spin(contact, event.spin)
 
 
 @kernel

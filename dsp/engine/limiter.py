@@ -12,20 +12,28 @@ _OVER = 0.9999  # gain above which a release is over
 
 @kernel
 def limit(state):
-    """Bring the mix within [-1, 1], both channels alike; count the frames that were turned down, and for whom."""
+    """Bring the mix within [-1, 1], all channels alike; count the frames that were turned down, and for whom.
+
+    A limiter that is switched off lets go as it does after a peak.
+    """
     output = state.output
-    left = output.mix[0]
-    right = output.mix[1]
+    mix, channels = output.mix, output.channels
     peak = 0.0
-    for n in range(QUANTUM):
-        peak = max(peak, abs(left[n]), abs(right[n]))
-    if (peak <= 1.0 and output.limit == 1.0) or state.choices.limiter == 0:
+    if state.choices.limiter == 1:
+        for channel in range(channels):
+            for n in range(QUANTUM):
+                peak = max(peak, abs(mix[channel, n]))
+    if peak <= 1.0 and output.limit == 1.0:
         return
     # Backwards: the gain that each frame allows, and a slope down to it; `voices` is free by now.
     gain = state.scratch.voices[0, 0]
     ahead = 1.0
     for n in range(QUANTUM - 1, -1, -1):
-        ahead = min(ahead + _ATTACK, 1.0 / max(1.0, abs(left[n]), abs(right[n])))
+        loudest = 1.0
+        if state.choices.limiter == 1:
+            for channel in range(channels):
+                loudest = max(loudest, abs(mix[channel, n]))
+        ahead = min(ahead + _ATTACK, 1.0 / loudest)
         gain[n] = ahead
     release = 1.0 - math.exp(-1.0 / (_RELEASE * state.rate))
     held = output.limit
@@ -34,8 +42,10 @@ def limit(state):
         held = min(gain[n], held + (1.0 - held) * release)
         state.stats.limited += held < 1.0
         lowest = min(lowest, held)
-        left[n] = min(max(left[n] * held, -1.0), 1.0)
-        right[n] = min(max(right[n] * held, -1.0), 1.0)
+        for channel in range(channels):
+            mix[channel, n] *= held
+            if state.choices.limiter == 1:
+                mix[channel, n] = min(max(mix[channel, n], -1.0), 1.0)
     output.limit = 1.0 if held > _OVER else held
     state.stats.limit_lowest = min(state.stats.limit_lowest, lowest)
     for i in range(state.active):

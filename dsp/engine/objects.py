@@ -1,10 +1,15 @@
 """An object as contacts see it: where it is touched, how its modes decay, how far it can swing."""
 
+import math
+
 from ..native.jit import kernel
 from ..resonator.bank import NYQUIST_SHARE, RESPONSES, Modes, Point, reach
+from ..resonator.mode import mode_energy
 from ..resonator.simd import LANES
 
 _HAND = 200.0  # 1/s: decay that a hand adds at damp = 1
+GONE = 0.35  # of a relief's frequency, where the middle of its modes lies an octave above the highest there is
+_FADE = 500.0  # 1/s: decay added to a mode that was tuned above the Nyquist share
 _HEAVIEST = 10.0  # of a mode's decay a sample, in nepers: it is gone in one, and more only costs digits
 
 
@@ -27,6 +32,24 @@ def weigh(weights, x):
 
 
 @kernel
+def pitch_of(obj):
+    """Factor on an object's frequencies: as it is tuned and as tense as it is now."""
+    return obj.settings.tune * math.sqrt(1.0 + obj.stretch)
+
+
+@kernel
+def frequency_of(state, obj, i):
+    """Frequency (Hz) of an object's mode i as it is now; of one that is stretched by its own ringing too (mode.py)."""
+    at = obj.first + i
+    frequency = state.bank.frequency[at] * obj.settings.tune
+    if obj.stretch == 0.0:
+        return frequency
+    bank = state.bank
+    own = 0.5 * obj.glide * mode_energy(bank.y1[at], bank.y2[at], bank.a1[at], bank.a2[at], bank.weight[at])
+    return frequency * math.sqrt(1.0 + obj.stretch + min(own, 0.5 * obj.stretch))
+
+
+@kernel
 def sigma_of(state, obj, i):
     """Decay (1/s) of an object's mode i as it is now, with a hand on it."""
     return min(
@@ -39,6 +62,33 @@ def sigma_of(state, obj, i):
 def highest_of(state):
     """Frequency (Hz) above which modes are silent."""
     return NYQUIST_SHARE * 0.5 * state.rate
+
+
+@kernel
+def relief_of(state, obj, i):
+    """Frequency (Hz), decay (1/s) and weight of an object's mode i, a relief (see runtime/relief.py), as it is now.
+
+    It follows the pitch, up to the highest frequency there is, where it answers slow forces as it would above. Where
+    the modes that it belongs to are silent, it is.
+    """
+    pitch = pitch_of(obj)
+    frequency = state.bank.frequency[obj.first + i] * pitch
+    share = min(1.0, highest_of(state) / max(frequency, 1e-9))
+    weight = state.bank.weight[obj.first + i] * share if share > GONE else 0.0
+    return frequency * share, state.bank.sigma[obj.first + i] * pitch * share, weight
+
+
+@kernel
+def ringing_of(state, obj, i):
+    """How mode i of an object rings now: frequency (Hz), decay (1/s) and the weight of its answer to forces.
+
+    Nothing excites a mode above `highest_of`, and its ringing fades there.
+    """
+    frequency, sigma = frequency_of(state, obj, i), sigma_of(state, obj, i)
+    highest = highest_of(state)
+    if frequency > highest:
+        return highest, sigma + _FADE, 0.0
+    return frequency, sigma, state.bank.weight[obj.first + i]
 
 
 @kernel

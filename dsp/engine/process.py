@@ -14,8 +14,9 @@ from .state import QUANTUM, TAP
 
 @kernel
 def process(state, out, frames):
-    """Write `frames` frames of stereo sound to out, float32 (frames, 2)."""
+    """Write `frames` frames of sound to out, float32 (frames, channels)."""
     output = state.output
+    channels = output.channels
     done = 0
     while done < frames:
         if output.consumed == QUANTUM:
@@ -23,8 +24,8 @@ def process(state, out, frames):
             output.consumed = 0
         count = min(frames - done, QUANTUM - output.consumed)
         for n in range(count):
-            out[done + n, 0] = output.ready[output.consumed + n, 0]
-            out[done + n, 1] = output.ready[output.consumed + n, 1]
+            for channel in range(channels):
+                out[done + n, channel] = output.ready[(output.consumed + n) * channels + channel]
         done += count
         output.consumed += count
 
@@ -56,8 +57,8 @@ def _make_ready(state):
     """Hand the mix over to whoever asks for frames, and move on in time."""
     output = state.output
     for n in range(QUANTUM):
-        output.ready[n, 0] = output.mix[0, n]
-        output.ready[n, 1] = output.mix[1, n]
+        for channel in range(output.channels):
+            output.ready[n * output.channels + channel] = output.mix[channel, n]
     state.position += QUANTUM
     if state.stats.sounding > 0:
         state.stats.sounded = state.position
@@ -73,8 +74,7 @@ def _tap(state):
     if written + QUANTUM - load_acquire(tap.read, 0) > TAP:
         state.stats.tap_lost += QUANTUM
         return
-    for n in range(QUANTUM):
-        at = (written + n) % TAP
-        tap.frames[at, 0] = state.output.ready[n, 0]
-        tap.frames[at, 1] = state.output.ready[n, 1]
+    channels = state.output.channels
+    for n in range(QUANTUM * channels):
+        tap.frames[written % TAP * channels + n] = state.output.ready[n]
     store_release(tap.written, 0, written + QUANTUM)

@@ -24,6 +24,7 @@ def register_roll(state, index):
             obj.rolls_head = 2 * index + side
             obj.live = max(obj.live, point.modes)
             obj.driven_modes = max(obj.driven_modes, point.modes)
+            obj.driven_gain = max(obj.driven_gain, contact.now.gain)
 
 
 @kernel

@@ -10,7 +10,7 @@ from ..contact.accuracy import RESIDUAL, TOLERANCE, closed_form_will_do
 from ..contact.closed_form import NODES, add_phasors, pulse_node
 from ..contact.coupled_step import HELD
 from ..native.jit import kernel
-from .objects import reach_of, shape_at
+from .objects import pitch_of, reach_of, shape_at
 from .quality import holds_steps
 from .state import CLOSED, COUPLING, SAMPLING
 
@@ -54,7 +54,7 @@ def _ratios(state, contact):
         point = contact.point[side]
         if point.slot >= 0:
             obj = state.objects[point.slot]
-            for i in range(obj.size):
+            for i in range(obj.felt):
                 phi = shape_at(state, obj, point, i)
                 mass_ratio += contact.m * phi * phi
             if obj.live > 0:
@@ -101,19 +101,19 @@ def _seen_mass_ratio(state, contact):
         if point.slot < 0:
             continue
         obj = state.objects[point.slot]
-        re = state.scratch.spectrum[0, : obj.size]
-        im = state.scratch.spectrum[1, : obj.size]
-        for i in range(obj.size):
+        re = state.scratch.spectrum[0, : obj.felt]
+        im = state.scratch.spectrum[1, : obj.felt]
+        for i in range(obj.felt):
             re[i] = im[i] = 0.0
         total = 0.0
-        frequency = state.bank.frequency[obj.first : obj.first + obj.size]
+        frequency = state.bank.frequency[obj.first : obj.first + obj.felt]
         for phase in range(2):
             for j in range(NODES // 2):
                 t, impulse = pulse_node(pulse, phase, j)
                 total += impulse
-                add_phasors(impulse, t * obj.settings.tune / state.rate, frequency, re, im)
-        highest = _RESOLVED * state.rate / (2.0 * math.pi * pulse.duration * obj.settings.tune)
-        for i in range(obj.size):
+                add_phasors(impulse, t * pitch_of(obj) / state.rate, frequency, re, im)
+        highest = _RESOLVED * state.rate / (2.0 * math.pi * pulse.duration * pitch_of(obj))
+        for i in range(obj.felt):
             if frequency[i] < highest:
                 phi = shape_at(state, obj, point, i)
                 share += contact.m * phi * phi * (re[i] * re[i] + im[i] * im[i]) / (total * total)

@@ -6,16 +6,16 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contact.closed_form import PULSE
-from ..contact.coupled import COUPLED
-from ..contact.sampled import SAMPLED
 from ..numerics.legendre import FINE, MOMENTS
 from ..resonator.bank import DRIVER, RESPONSES
 from ..resonator.simd import LANES
 from ..rolling.body import ROLL
-from ..schema import STATS, STEERED
+from ..schema import STATS
+from .channels import MOST_CHANNELS, PLACE
 from .clock import CLOCK
 from .commands import COMMAND, METHOD, SETTINGS_RECORD
+from .contact_record import CONTACT
+from .striker_state import STRIKER, STRIKERS, VOICE, VOICES
 
 QUANTUM = 64
 """Frames the engine computes at a time, on a grid of its own: the sound can't depend on the device's block size."""
@@ -53,7 +53,7 @@ class Quality(IntEnum):
     QUIET = 2  # modes below -80 dB are put to rest
     COARSE = 3  # rolls have fewer and stronger micro-impacts; they and presses act on the 256 longest ringing modes
     RECENT = 4  # objects that nobody has touched for half a second fade out
-    NEWEST_32 = 5  # of bounces, rolls and presses all but the newest wait; contacts are coupled to half as many modes
+    NEWEST_32 = 5  # of gestures that last all but the newest wait; contacts are coupled to half as many modes
     NEWEST_16 = 6
     NEWEST_8 = 7
     NEWEST_4 = 8
@@ -110,87 +110,39 @@ OBJECT = np.dtype(
         ("dying", np.int64),  # to be freed: 1 once silent, 2 after a short fade
         ("first", np.int64),  # mode
         ("size", np.int64),  # modes, a multiple of LANES
+        ("felt", np.int64),  # its first modes, that contacts feel and settings change
+        ("bent", np.int64),  # those and their reliefs, which slow forces bend; the others are its click
         ("live", np.int64),  # modes before the first that is at rest
         ("stale_modes", np.int64),  # that wait for new coefficients
         ("retuning", np.int64),  # the first of them
         ("table", np.int64),  # first value of its mode shapes, `rows` rows of `size` values
         ("rows", np.int64),
+        ("glide", np.float64),  # 1/J: rise of its tension, as a share of it, for the energy that rings
+        ("cone", np.float64),  # kg: how far it does about a striker
+        ("rang", np.float64),  # J: energy of its modes as last looked at, with the gains of gestures in it
+        ("amplified", np.float64),  # that over what it were without these gains
+        ("stretch", np.float64),  # that rise now; 0 where nobody would hear it
+        ("detuned", np.int64),  # 1: modes answer forces as at another stretch, and must be told if they are touched
         ("contact", np.int64),  # head of its list of contacts, -1: none
+        ("voice", np.int64),  # head of its list of strikers that sound, -1: none
+        ("level", np.float64),  # output per Pa
         ("faults", np.int64),  # times it was silenced for not being finite
         ("settings", SETTINGS_RECORD),
-        ("gain", np.float64, 2),  # left and right, gliding to what the settings ask for
-        ("gain_before", np.float64, 2),  # at the quantum's beginning
+        ("place", PLACE),
         ("static", np.float64, 2),  # output of its static deflection under pressing strikers, left and right
         ("static_before", np.float64, 2),
+        ("fading", np.int64),  # modes of it that a panic lets fade
+        ("faded", np.int64),  # frames since that panic
+        ("driven", np.float64, (11, 2, 2)),  # output of the forces that acted then: panic.py; left and right, and slope
         ("last_driven_at", np.int64),  # samples at the beginning of the last quantum in which a force acted on it
         ("limited_energy", np.float64),  # sum of squares of its share of the mix where the limiter turned it down
         # In this quantum:
         ("has_contact", np.int64),  # a contact touches it
         ("shares_contact", np.int64),  # with another object
         ("driven_modes", np.int64),  # its first modes that a force acted on
+        ("driven_gain", np.float64),  # the highest gain of a gesture whose force acted on it
         ("rolls_head", np.int64),  # head of the list of rolls on it, 2 contact + side; -1: none
         ("energy", np.float64),  # sum of squares of its share of the mix
-    ],
-    align=True,
-)
-
-POINT = np.dtype(
-    [
-        ("slot", np.int64),  # of an object; -1: none
-        ("serial", np.int64),
-        ("modes", np.int64),  # of it that the contact acts on, its first
-        ("row", np.int64),  # of the shape table, the first of four
-        ("weights", np.float64, 4),
-        ("next_roll", np.int64),  # of the list of rolls on the object
-    ],
-    align=True,
-)
-"""The point at which an object is touched."""
-
-CONTACT = np.dtype(
-    [
-        ("pulse", PULSE),
-        ("sampled", SAMPLED),
-        ("coupled", COUPLED),
-        ("point", POINT, 2),  # on the object touched, and on the object that touches it, if one does
-        ("kind", np.int64),  # of the gesture: KIND_IMPACT, ...
-        ("gesture", np.int64),  # its number, 0: none
-        ("command", np.int64),  # number of the command that brought the striker
-        ("number", np.int64),  # of the contact
-        ("touching", np.int64),  # 0: it waits for its beginning
-        ("solver", np.int64),  # a Solver
-        ("modes", np.int64),  # places that a coupled contact takes among COUPLED_MODES
-        ("unsettled", np.int64),  # 1: a coupled contact must be told the receptance of the objects
-        ("oversampling", np.int64),  # steps per sample of a sampled contact
-        ("steps", np.int64),  # that a sampled contact may still take
-        ("v_in", np.float64),  # m/s
-        ("m", np.float64),
-        ("k", np.float64),
-        ("mu", np.float64),
-        ("a", np.float64),
-        ("now", STEERED),  # what can be steered, gliding
-        ("target", STEERED),  # to this
-        ("start", np.int64),  # sample at or before the contact's beginning
-        ("fraction", np.float64),  # from there to the beginning
-        ("origin", np.float64),  # samples: when the gesture began
-        ("elapsed", np.float64),  # s, from there to the contact
-        ("until", np.float64),  # samples: when it was stopped
-        ("gone_at", np.float64),  # samples: when a striker that was released is forgotten
-        ("begun", np.float64),  # samples: when it last began to touch
-        ("reach", np.float64),  # m: how far the objects' ringing reaches
-        ("debt", np.int64),  # steps of a coupled contact beyond those granted
-        ("static", np.float64, (2, 2)),  # static output of each object at left and right for a push of 1 N
-        ("push", np.float64),  # N: on a coupled striker, gliding
-        ("push_target", np.float64),  # to this
-        # A roll:
-        ("roll", np.int64),
-        ("rolled", np.float64),  # m until this quantum
-        ("travel", np.float64),  # m: length of the object's strike path, 0: the body stays where it is
-        # A bounce:
-        ("has_weight", np.int64),  # 1: its weight acts in every contact
-        ("spin", np.float64),  # energy in rotation, as the square of a velocity
-        ("random", np.uint64),
-        ("next", np.int64),
     ],
     align=True,
 )
@@ -205,6 +157,10 @@ BANK = np.dtype(
         ("balance", np.float64, MODES),
         ("frequency", np.float64, MODES),
         ("sigma", np.float64, MODES),
+        ("fading_y1", np.float64, MODES),  # what a panic lets fade, with its coefficients
+        ("fading_y2", np.float64, MODES),
+        ("fading_a1", np.float64, MODES),
+        ("fading_a2", np.float64, MODES),
         ("response", np.float64, MODES // LANES * RESPONSES),
         ("shape", np.float32, SHAPE_VALUES),
     ],
@@ -216,6 +172,7 @@ SCRATCH = np.dtype(
     [
         ("work", np.float64, 3 * MODES_PER_OBJECT + FINE * LANES),
         ("voices", np.float64, (OBJECTS, 2, QUANTUM)),  # of the objects that are rendered together
+        ("share", np.float64, QUANTUM),  # of one object in one channel
         ("feeds", np.float64, (ROLLS, QUANTUM, MOMENTS)),  # moments of the rolls' forces over a quantum
         ("spectrum", np.float64, (2, MODES_PER_OBJECT)),
         ("moments", np.float64, MOMENTS),
@@ -225,6 +182,7 @@ SCRATCH = np.dtype(
         ("drivers", DRIVER, ROLLS),  # of the rolls on one object, at one time
         ("group", np.int64, OBJECTS),  # slots of those that are rendered together
         ("group_size", np.int64),
+        ("striker", np.float64, (2, QUANTUM)),  # sound of one
     ],
     align=True,
 )
@@ -247,12 +205,14 @@ QUEUE = np.dtype(
 
 OUTPUT = np.dtype(
     [
-        ("mix", np.float64, (2, QUANTUM)),
-        ("ready", np.float32, (QUANTUM, 2)),
+        ("channels", np.int64),
+        ("mix", np.float64, (MOST_CHANNELS, QUANTUM)),
+        ("ready", np.float32, QUANTUM * MOST_CHANNELS),  # frame by frame
         ("consumed", np.int64),  # frames of `ready` that have left
         ("limit", np.float64),  # the limiter's gain
         ("stems_on", np.int64),
-        ("stems", np.float64, (OBJECTS, 2, QUANTUM)),  # each slot's share of the mix, where they are asked for
+        ("stems", np.float64, (OBJECTS, MOST_CHANNELS, QUANTUM)),  # each slot's share, where they are asked for
+        ("stem_sounds", np.int64, OBJECTS),  # 1: that is not silence
     ],
     align=True,
 )
@@ -262,14 +222,16 @@ CHOICES = np.dtype(
         ("quality", np.int64),  # a Quality
         ("accuracy", np.int64),  # a place in accuracy.LEVELS
         ("method", METHOD),
-        ("limiter", np.int64),  # 0: off; Python sets it
+        ("gain", np.float64),  # amplitude: of everything
+        ("limiter", np.int64),  # 0: off
     ],
     align=True,
 )
 """How the engine computes, as commands choose it."""
 
 TAP_RING = np.dtype(
-    [("on", np.int64), ("frames", np.float32, (TAP, 2)), ("written", np.int64, 8), ("read", np.int64, 8)], align=True
+    [("on", np.int64), ("frames", np.float32, TAP * MOST_CHANNELS), ("written", np.int64, 8), ("read", np.int64, 8)],
+    align=True,
 )
 NOTE_RING = np.dtype(
     [("on", np.int64), ("entries", NOTE, NOTES), ("written", np.int64, 8), ("read", np.int64, 8)], align=True
@@ -290,15 +252,15 @@ STATE = np.dtype(
         ("active", np.int64),  # objects in `order`
         ("contacts", CONTACT, CONTACTS),
         ("free_contact", np.int64, CONTACTS),  # stack
-        (
-            "last_command",
-            np.int64,
-            CONTACTS,
-        ),  # 1 + arrival of the last one about a gesture that lasts; 0: none
+        ("last_command", np.int64, CONTACTS),  # 1 + arrival of the last one about a gesture that lasts; 0: none
         ("contact_count", np.int64),  # numbers given to contacts so far
         ("oldest_running", np.int64),  # the least of these that may go on in this quantum
         ("rolls", ROLL, ROLLS),
         ("free_roll", np.int64, ROLLS),  # stack
+        ("strikers", STRIKER, STRIKERS),  # kinds that sound
+        ("voices", VOICE, VOICES),
+        ("free_voice", np.int64, VOICES),  # stack
+        ("voices_active", np.int64),
         ("choices", CHOICES),
         ("output", OUTPUT),
         ("rate", np.float64),
@@ -316,19 +278,24 @@ STATE = np.dtype(
 )
 
 
-def new_state(rate: float) -> NDArray[np.void]:
-    """A fresh engine state, (1,) of STATE, 64-byte aligned, for a sampling rate in Hz."""
+def new_state(rate: float, channels: int = 2) -> NDArray[np.void]:
+    """A fresh engine state, (1,) of STATE, 64-byte aligned, for a sampling rate in Hz and a number of channels."""
     # A map of zeros takes memory page by page as it is used; NumPy's zeros would take huge pages at a touch.
     state: NDArray[np.void] = np.frombuffer(mmap.mmap(-1, STATE.itemsize), STATE)
     record = state[0]
     record["rate"] = rate
+    record["output"]["channels"] = channels
     record["output"]["consumed"] = QUANTUM
     record["output"]["limit"] = 1.0
     record["stats"]["limit_lowest"] = 1.0
-    record["objects"]["contact"] = -1
+    record["objects"]["contact"] = record["objects"]["voice"] = -1
+    record["contacts"]["sound"] = record["contacts"]["voice"] = -1
+    record["contacts"]["index"] = np.arange(CONTACTS)
     record["queue"]["heap"] = np.arange(EVENTS)
     record["free_contact"] = np.arange(CONTACTS)
     record["free_roll"] = np.arange(ROLLS)
+    record["free_voice"] = np.arange(VOICES)
     record["choices"]["accuracy"] = 1
+    record["choices"]["gain"] = 1.0
     record["choices"]["limiter"] = 1
     return state

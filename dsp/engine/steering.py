@@ -5,7 +5,7 @@ from ..native.records import field, set_field
 from ..schema import STEERABLE
 from .commands import IN_ROLL, IN_STRIKE, KIND_BOUNCE, KIND_IMPACT, KIND_PRESS, KIND_ROLL, STEERS
 
-_GRAVITY, _FORCE = STEERABLE.index("gravity"), STEERABLE.index("force")
+_GAIN, _GRAVITY, _FORCE = STEERABLE.index("gain"), STEERABLE.index("gravity"), STEERABLE.index("force")
 
 
 @kernel
@@ -41,6 +41,8 @@ def steer(state, event):
 @kernel
 def _set_target(state, contact, parameter, value):
     """Give one parameter of a contact a new target."""
+    if parameter == _GAIN:
+        value *= contact.level
     set_field(contact.target, parameter, value)
     if contact.kind == KIND_ROLL:
         set_field(state.rolls[contact.roll].target, parameter, value)

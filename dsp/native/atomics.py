@@ -17,7 +17,7 @@ def _address(context: Any, builder: Any, array_type: Any, array: Any, index: Any
 
 @intrinsic
 def load_acquire(typingctx, array, index):
-    """array[index] (int64), with what its writer did before it."""
+    """Load array[index] (int64) with acquire ordering."""
 
     def codegen(context, builder, signature, args):
         pointer = _address(context, builder, signature.args[0], *args)
@@ -28,7 +28,7 @@ def load_acquire(typingctx, array, index):
 
 @intrinsic
 def store_release(typingctx, array, index, value):
-    """array[index] = value (int64), after all that was done before it."""
+    """Store an int64 in array[index] with release ordering."""
 
     def codegen(context, builder, signature, args):
         array, index, value = args
@@ -41,7 +41,7 @@ def store_release(typingctx, array, index, value):
 
 @intrinsic
 def exchange(typingctx, array, index, before, after):
-    """Make array[index] (int64) `after` if it is `before`, in one step that no thread can come between; was it?"""
+    """Compare-and-swap on array[index] (int64): store `after` if it holds `before`; returns whether it did."""
 
     def codegen(context, builder, signature, args):
         array, index, before, after = args
@@ -60,5 +60,5 @@ def publish(counter, value):
 
 @njit(error_model="numpy")
 def observe(counter):
-    """counter[0], after which all that its writer wrote before it can be read."""
+    """Load counter[0]. What its writer wrote before it can be read from then on."""
     return load_acquire(counter, 0)

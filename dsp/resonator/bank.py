@@ -27,8 +27,9 @@ from .simd import LANES, STRETCH, add_product, dot, push, ring_pushed
 
 Array = NDArray[Any]
 
-_MOBILITY = 2 * FINE * LANES
-RESPONSES = _MOBILITY + 2 * LANES
+MOBILITY = 2 * FINE * LANES
+"""Where the rows begin that `observe` and `receptance` need."""
+RESPONSES = MOBILITY + 2 * LANES
 """Coefficients of one group of modes: for injection by moment, by sample (last, last but one), by mode; then two rows
 that `observe` and `receptance` need."""
 
@@ -54,7 +55,7 @@ class Modes(NamedTuple):
     balance: Array
     """Weight at the right output over that at the left."""
     response: Array
-    """RESPONSES values for each LANES of modes, made by `set_mode`."""
+    """RESPONSES values for each LANES of modes, made by `coefficients.set_mode`."""
 
 
 class Point(NamedTuple):
@@ -78,7 +79,6 @@ class Drive(NamedTuple):
 
 
 _ONES = (1.0,) * LANES
-_BESSEL_START = 24  # where the downward recursion of the spherical Bessel functions starts; |z| <= 1.6 needs 18
 
 
 @simd_kernel
@@ -208,7 +208,7 @@ def observe(modes, point, work, coefficients):
     _shapes(n, point, work)
     # exp(s theta) = exp(s) exp(-s (1 - theta)): the reflected table, on the state a sample later.
     for i in range(n):
-        mobility = work[i] * response[i // LANES * RESPONSES + _MOBILITY + i % LANES]
+        mobility = work[i] * response[i // LANES * RESPONSES + MOBILITY + i % LANES]
         after = a1[i] * y1[i] + a2[i] * y2[i]
         work[n + i] = mobility * (a1[i] * after + a2[i] * y1[i])
         work[2 * n + i] = mobility * a2[i] * after
@@ -225,7 +225,7 @@ def receptance(modes, point, work, coefficients):
     n = len(a1)
     _shapes(n, point, work)
     for i in range(n):
-        struck = work[i] * work[i] * response[i // LANES * RESPONSES + _MOBILITY + LANES + i % LANES]
+        struck = work[i] * work[i] * response[i // LANES * RESPONSES + MOBILITY + LANES + i % LANES]
         work[n + i] = struck * a1[i]
         work[2 * n + i] = struck * a2[i]
     _project(n, response, work, coefficients)
@@ -242,9 +242,9 @@ def reach(modes, point, work):
     _shapes(n, point, work)
     distance = speed = 0.0
     for i in range(n):
-        scale = abs(response[i // LANES * RESPONSES + _MOBILITY + LANES + i % LANES])
+        scale = abs(response[i // LANES * RESPONSES + MOBILITY + LANES + i % LANES])
         if scale > 0.0:
-            mobility = response[i // LANES * RESPONSES + _MOBILITY + i % LANES]
+            mobility = response[i // LANES * RESPONSES + MOBILITY + i % LANES]
             square = y1[i] * y1[i] - a1[i] * y1[i] * y2[i] - a2[i] * y2[i] * y2[i]  # |z|^2 sin(theta)^2
             moved = abs(work[i]) * math.sqrt(max(square, 0.0))
             distance += moved * scale / math.sqrt(1.0 + 0.25 * a1[i] * a1[i] / a2[i])
@@ -290,55 +290,3 @@ def state_of(y1, y2, a1, a2):
     cosine = 0.5 * a1 / r
     sine = math.sqrt(1.0 - cosine * cosine)
     return (y1 * cosine - r * y2) / sine, y1
-
-
-@kernel
-def set_mode(modes, i, frequency, decay, rate, weight):
-    """Give mode i a frequency (Hz) and decay (1/s) at a sampling rate (Hz); what it is ringing goes on without a step.
-
-    `weight` scales what it will answer to a force. frequency = 0 makes a mode that rests for ever.
-    """
-    y1, y2, a1, a2, response = modes.y1, modes.y2, modes.a1, modes.a2, modes.response
-    base = (i // LANES) * RESPONSES + i % LANES
-    if frequency <= 0.0:
-        y1[i] = y2[i] = a1[i] = a2[i] = 0.0
-        for k in range(RESPONSES // LANES):
-            response[base + k * LANES] = 0.0
-        return
-    theta = 2.0 * math.pi * frequency / rate
-    loss = decay / rate
-    r = math.exp(-loss)
-    if a2[i] != 0.0:
-        re, im = state_of(y1[i], y2[i], a1[i], a2[i])
-        y2[i] = (im * math.cos(theta) - re * math.sin(theta)) / r
-    a1[i] = 2.0 * r * math.cos(theta)
-    a2[i] = -r * r
-    # exp(-s t) over the sample, s = -loss + i theta, in Legendre polynomials: (2k+1) (-1)^k exp(-s/2) i_k(s/2), with
-    # i_k the modified spherical Bessel functions, by Miller's downward recursion; sum (2k+1) i_k(z) = exp(z) scales it.
-    # (Reciprocals by the conjugate: numba's complex division can raise.)
-    z = complex(-0.5 * loss, 0.5 * theta)
-    reciprocal = z.conjugate() * (1.0 / (z.real * z.real + z.imag * z.imag))
-    upper = 0.0j
-    here = 1e-100 + 0.0j
-    total = (2 * _BESSEL_START + 1) * here
-    for k in range(_BESSEL_START, 0, -1):
-        upper, here = here, upper + (2 * k + 1) * reciprocal * here
-        total += (2 * k - 1) * here
-        if k <= FINE:
-            b = base + 2 * (k - 1) * LANES
-            response[b] = here.real
-            response[b + LANES] = here.imag
-    # exp(z)/total normalises the i_k and exp(-z) is the factor above: what is left is 1/total.
-    scale = total.conjugate() * (1.0 / (total.real * total.real + total.imag * total.imag))
-    before = complex(math.cos(theta), -math.sin(theta)) * (1.0 / r)
-    for k in range(FINE):
-        b = base + 2 * k * LANES
-        g = complex(response[b], response[b + LANES]) * scale * (weight * (2 * k + 1))
-        if k % 2 == 1:
-            g = -g
-        response[b] = g.imag
-        response[b + LANES] = (g * before).imag
-    omega = 2.0 * math.pi * frequency
-    heard = weight != 0.0
-    response[base + _MOBILITY] = 1.0 / (omega * weight * weight * r * math.sin(theta)) if heard else 0.0
-    response[base + _MOBILITY + LANES] = 1.0 / (omega * weight) if heard else 0.0

@@ -25,7 +25,7 @@ _LATELY = 0.1  # s
 
 
 def _callback(_input, output, frames, times, flags, userdata):
-    """PaStreamCallback: fill `output` with `frames` frames of interleaved stereo from the state in `userdata`."""
+    """PaStreamCallback: fill `output` with `frames` frames, channel by channel, from the state in `userdata`."""
     entered = monotonic_ns()
     mode = flush_denormals()
     state = carray(userdata, (1,), STATE)[0]
@@ -36,7 +36,7 @@ def _callback(_input, output, frames, times, flags, userdata):
     first = state.position - QUANTUM + state.output.consumed
     if lock(state.clock, state.rate, entered, first, frames, underflow):
         look_again(state.queue, state.position)
-    process(state, carray(output, (frames, 2)), frames)
+    process(state, carray(output, (frames, state.output.channels)), frames)
     restore_denormals(mode)
     load = (monotonic_ns() - entered) * 1e-9 * state.rate / max(frames, 1)
     share = min(1.0, frames / state.rate)

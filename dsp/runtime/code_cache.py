@@ -12,18 +12,18 @@ import logging
 import shutil
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
-from threading import Timer
 from typing import Any
 
 import numba
 import platformdirs
 from numba.core import event
 
+from .compile_notice import CompileNotice
+
 _VERSIONS_KEPT = 4
-_LONG = 2.0  # s of compiling after which something is said
-_COMPILING = "the engine is being compiled; only the first time takes so long"
 _log = logging.getLogger(__name__)
 
 
@@ -60,48 +60,42 @@ def key(module: str) -> str:
     return digest.hexdigest()[:16]
 
 
-def kept(compiled: Callable[[bool], Any]) -> Any:
-    """What `compiled(cached)` compiles of its module, from the user's cache where that can be written."""
+def kept(compiled: Callable[[bool], Any], passes: int = 0) -> Any:
+    """What `compiled(cached)` compiles of its module, from the user's cache where that can be written.
+
+    passes: of numba, that compiling is expected to take; CompileNotice shows progress by them.
+    """
     module = compiled.__module__
     folder = platformdirs.user_cache_path("carom") / module / key(module)
     _forget_old(folder)
     elsewhere, collecting = numba.config.CACHE_DIR, gc.isenabled()
     numba.config.CACHE_DIR = str(folder)
     gc.disable()  # a compiler keeps most of the millions of objects that it makes: looking through them takes a while
-    notice = _Notice()
+    notice = CompileNotice(passes)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
         with event.install_listener("numba:run_pass", notice):
-            return compiled(True)
-    except OSError as error:
-        _say_that_it_is_not_kept(str(error))
-        with event.install_listener("numba:run_pass", notice):
-            return compiled(False)
+            return _from_folder(folder, compiled)
     finally:
-        notice.cancel()
+        notice.close()
         numba.config.CACHE_DIR = elsewhere
         if collecting:
             gc.enable()
 
 
-class _Notice(event.Listener):
-    """Says that code is being compiled, once that takes long. Code that is only loaded runs none of numba's passes."""
-
-    def __init__(self) -> None:
-        self._timer: Timer | None = None
-
-    def on_start(self, event: Any) -> None:
-        if self._timer is None:
-            self._timer = Timer(_LONG, _log.warning, [_COMPILING])
-            self._timer.daemon = True
-            self._timer.start()
-
-    def on_end(self, event: Any) -> None:
-        pass
-
-    def cancel(self) -> None:
-        if self._timer:
-            self._timer.cancel()
+def _from_folder(folder: Path, compiled: Callable[[bool], Any]) -> Any:
+    """What is kept in a folder, or compiled into it; compiled alone where the folder cannot be written."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        return compiled(True)
+    except OSError as error:
+        _say_that_it_is_not_kept(str(error))
+    except Exception as error:  # a damaged file makes the unpickler and LLVM raise all kinds of errors
+        _log.warning("the compiled code in %s is damaged (%r) and is compiled anew", folder, error)
+        shutil.rmtree(folder, ignore_errors=True)
+        with suppress(OSError):
+            folder.mkdir(parents=True, exist_ok=True)
+            return compiled(True)
+    return compiled(False)
 
 
 def _forget_old(folder: Path) -> None:
@@ -113,5 +107,5 @@ def _forget_old(folder: Path) -> None:
 
 @cache
 def _say_that_it_is_not_kept(why: str) -> None:
-    text = "compiled code can't be kept, every start will compile: %s; XDG_CACHE_HOME may name another place"
+    text = "cannot write the code cache (%s): every start will compile; XDG_CACHE_HOME may name another folder"
     _log.warning(text, why)

@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bodies.modes import Modes
+from ..bodies.striker import StrikerSound
 from ..contact.accuracy import LEVELS
+from ..engine.channels import MOST_CHANNELS
 from ..engine.commands import Command, Handle, Kind, write
-from ..engine.state import ENDED, EVENTS, NOTES, RING, TAP, TRACED, End, Quality, new_state
+from ..engine.state import ENDED, EVENTS, RING, TAP, End, Quality, new_state
 from ..native.atomics import observe, publish
 from ..native.system import clock_ns
 from ..resonator.bank import NYQUIST_SHARE
@@ -18,7 +20,9 @@ from ..schema import Stats
 from .arena import EngineFull
 from .callback import compile_callback
 from .code_cache import kept
+from .compile_notice import CALLBACK_PASSES
 from .memory import Memory
+from .strikers import Strikers
 
 NOW = -1.0
 """A time that is always past: a command for as soon as possible."""
@@ -46,28 +50,40 @@ class Stamp(float):
 
 @cache
 def _callback() -> Any:
-    return kept(compile_callback)
+    return kept(compile_callback, CALLBACK_PASSES)
+
+
+def prepare() -> None:
+    """Load the engine's code, or compile it, which takes 20 to 40 s; after this, an Engine takes milliseconds."""
+    _callback()
 
 
 class Engine:
-    """A running engine at one sampling rate (Hz).
+    """A running engine at one sampling rate (Hz), with a number of channels, 1 to MOST_CHANNELS (channels.py).
 
     `process` computes sound here and now; a sound card's thread may do the same through `address` and `pointer`, while
     one other thread at a time makes objects and sends commands.
     """
 
-    def __init__(self, rate: float) -> None:
-        self.state = new_state(rate)
+    def __init__(self, rate: float, channels: int = 2) -> None:
+        if not 1 <= channels <= MOST_CHANNELS:
+            raise ValueError(f"channels = {channels}: expected 1 to {MOST_CHANNELS}")
+        self.state = new_state(rate, channels)
         self._callback = _callback()
         self._record = self.state[0]
         self._ring = self._record["ring"]
         self._pace: tuple[int, float, float] | None = None
         self._memory = Memory(self._record)
+        self._strikers = Strikers(self._record, self.top_frequency)
         self._ends_read = 0
 
     @property
     def rate(self) -> float:
         return float(self._record["rate"])
+
+    @property
+    def channels(self) -> int:
+        return int(self._record["output"]["channels"])
 
     @property
     def address(self) -> int:
@@ -143,6 +159,16 @@ class Engine:
         """The accuracy of coupled contacts now: one of LEVELS."""
         return LEVELS[self._record["choices"]["accuracy"]]
 
+    @property
+    def gain(self) -> float:
+        """The main gain (amplitude) now."""
+        return float(self._record["choices"]["gain"])
+
+    @property
+    def limiter(self) -> bool:
+        """Whether the limiter is on now."""
+        return bool(self._record["choices"]["limiter"])
+
     def take_limit_lowest(self) -> float:
         """The limiter's lowest gain since the last call. The audio thread may set it at the same moment: then a quantum
         may be missed."""
@@ -151,8 +177,8 @@ class Engine:
         return lowest
 
     def process(self, frames: int) -> NDArray[np.float32]:
-        """The next `frames` frames, float32 (frames, 2)."""
-        out = np.empty((frames, 2), np.float32)
+        """The next `frames` frames, float32 (frames, channels)."""
+        out = np.empty((frames, self.channels), np.float32)
         call = self._callback.ctypes
         times = _NO_TIMES.ctypes.data_as(call.argtypes[3])
         call(None, out.ctypes.data_as(call.argtypes[1]), frames, times, 0, self.pointer)
@@ -165,12 +191,12 @@ class Engine:
         return bool(idle and self.room() == RING and self.position > 0)
 
     def comes_to_rest(self) -> bool:
-        """True if what goes on ends by itself: bounces, rolls that friction slows, or objects that ring."""
+        """True if what goes on ends by itself: bounces, spins, rolls that friction slows, or objects that ring."""
         state = self._record
         lasting = state["contacts"][state["last_command"] > 0]
         friction = state["rolls"]["target"]["friction"][lasting["roll"][lasting["kind"] == Kind.ROLL]]
-        bounces = lasting["kind"] == Kind.BOUNCE
-        return len(lasting) == 0 or bool((friction > 0.0).any() or bounces.any())
+        ending = np.isin(lasting["kind"], (Kind.BOUNCE, Kind.SPIN))
+        return len(lasting) == 0 or bool((friction > 0.0).any() or ending.any())
 
     def room(self) -> int:
         """Commands that can be sent now."""
@@ -214,15 +240,15 @@ class Engine:
     def noted(self) -> list[tuple[int, float]]:
         """What became of commands since the last call, in the order it did: number, and the sample at which it was
         carried out, or less than 0 for what never is."""
-        notes = self._taken("notes", NOTES)
+        notes = self._taken("notes", self._record["notes"]["entries"])
         return list(zip(notes["number"].tolist(), notes["time"].tolist(), strict=True))
 
-    def _taken(self, name: str, size: int, entries: str = "entries") -> NDArray[Any]:
-        """The entries that a ring has got since the last call."""
+    def _taken(self, name: str, entries: NDArray[Any]) -> NDArray[Any]:
+        """Which of its entries a ring has got since the last call."""
         ring = self._record[name]
         read = int(ring["read"][0])
         written = int(observe(ring["written"]))
-        taken: NDArray[Any] = ring[entries][np.arange(read, written) % size]
+        taken: NDArray[Any] = entries[np.arange(read, written) % len(entries)]
         publish(ring["read"], written)
         return taken
 
@@ -231,8 +257,9 @@ class Engine:
         self._record["tap"]["on"] = 1
 
     def recorded(self) -> NDArray[np.float32]:
-        """What has sounded since the last call, float32 (frames, 2)."""
-        return self._taken("tap", TAP, "frames")
+        """What has sounded since the last call, float32 (frames, channels)."""
+        frames = self._record["tap"]["frames"]
+        return self._taken("tap", frames[: TAP * self.channels].reshape(TAP, self.channels))
 
     def trace(self, on: bool) -> None:
         """Keep the forces of contacts from here on for `traced`, or no more."""
@@ -241,21 +268,22 @@ class Engine:
     def traced(self) -> NDArray[np.void]:
         """(n,) of TRACE: the forces of contacts since the last call; call it every 1,024 frames, so that none is
         lost."""
-        return self._taken("trace", TRACED)
+        return self._taken("trace", self._record["trace"]["entries"])
 
     def keep_stems(self, on: bool) -> None:
         """Keep each object's share of the quantum computed last for `stems`, or no more."""
         self._record["output"]["stems_on"] = on
 
     def stems(self) -> NDArray[np.float64]:
-        """(OBJECTS, 2, QUANTUM) by slot: each object's share of the quantum computed last, before the limiter. A view:
-        call `process` quantum by quantum."""
-        stems: NDArray[np.float64] = self._record["output"]["stems"]
+        """(OBJECTS, channels, QUANTUM) by slot: each object's share of the quantum computed last, before the limiter. A
+        view: call `process` quantum by quantum."""
+        stems: NDArray[np.float64] = self._record["output"]["stems"][:, : self.channels]
         return stems
 
-    def set_limiter(self, on: bool) -> None:
-        """Keep the mix within full scale (the default), or leave it as it is."""
-        self._record["choices"]["limiter"] = on
+    def sounding_stems(self) -> list[int]:
+        """The slots whose stems are not silent."""
+        sounding: list[int] = np.flatnonzero(self._record["output"]["stem_sounds"]).tolist()
+        return sounding
 
     def limited_energy(self) -> NDArray[np.float64]:
         """(OBJECTS,) by slot: the sum of squares of each object's share of the mix, over the quanta that the limiter
@@ -274,7 +302,7 @@ class Engine:
         """Put an object's modes up to `top_frequency` into the bank; returns its handle, and the layout that its NEW
         command takes.
 
-        `level` (amplitude) is full scale per m/s at the pickups. EngineFull if there is no room.
+        `level` (amplitude) is full scale per Pa at 1 m. EngineFull if there is no room.
         """
         return self._memory.lay_out(modes, level, self.top_frequency)
 
@@ -291,6 +319,13 @@ class Engine:
             self.release(handle)
             raise
         return handle
+
+    def lay_out_striker(self, sound: StrikerSound) -> dict[str, float]:
+        """Find the place of a striker that sounds, or give it one.
+
+        Returns the values `sound` and `sound_serial`, which the commands of its gestures take.
+        """
+        return self._strikers.lay_out(sound)
 
     def leave(self, handle: Handle) -> None:
         """Remember that an object was told to go; its place is used again once the engine has given it up."""

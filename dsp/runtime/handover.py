@@ -27,6 +27,7 @@ HANDOVER = np.dtype(
         ("calls", np.int64, 8),  # times that the device has called
         ("callback", np.int64),  # address of the engine's callback
         ("state", np.int64),  # and of its user data
+        ("channels", np.int64),
     ],
     align=True,
 )
@@ -35,15 +36,15 @@ HANDOVER = np.dtype(
 def _guarded(_input, output, frames, times, flags, userdata):
     """PaStreamCallback: what the engine's does, or silence while the HANDOVER in `userdata` is taken."""
     handover = carray(userdata, (1,), HANDOVER)[0]
-    out = carray(output, (frames, 2))
     store_release(handover.calls, 0, handover.calls[0] + 1)
     if exchange(handover.turn, 0, FREE, RUNNING):
+        out = carray(output, (frames, handover.channels))
         call_back(handover.callback, out, frames, carray(times, (3,)), flags, handover.state)
         store_release(handover.turn, 0, FREE)
     else:
-        for frame in range(frames):
-            out[frame, 0] = 0.0
-            out[frame, 1] = 0.0
+        samples = carray(output, (frames * handover.channels,))
+        for n in range(len(samples)):
+            samples[n] = 0.0
     return 0
 
 
@@ -65,9 +66,9 @@ def _turn(turn, before, after):
 class Handover:
     """The engine's callback, by its address and its user data's, for one device. It is revoked until it is allowed."""
 
-    def __init__(self, callback: int, state: int) -> None:
+    def __init__(self, callback: int, state: int, channels: int) -> None:
         self._record = np.zeros(1, HANDOVER)
-        self._record["callback"], self._record["state"] = callback, state
+        self._record["callback"], self._record["state"], self._record["channels"] = callback, state, channels
         # The device may call until the process has ended, long after Python has cleared away everything else.
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(self._record))
         self._word = self._record[0]["turn"]

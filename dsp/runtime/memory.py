@@ -4,13 +4,16 @@ import math
 
 import numpy as np
 
+from ..bodies.material import Array
 from ..bodies.modes import Modes
 from ..engine.commands import Handle
 from ..engine.state import MODES, MODES_PER_OBJECT, OBJECTS, SHAPE_VALUES
 from ..resonator.simd import LANES
 from .arena import Arena, EngineFull
+from .relief import relief
 
 _QUIETEST = 1e-9  # share of the loudest weight below which no weight at the left output goes: -180 dB
+_FAINT = 1e-6  # weight at the left of what is heard at the right alone: -120 dB
 _LEAST_ROWS = 4  # of a shape table: mode shapes are interpolated by cubics
 
 
@@ -19,6 +22,7 @@ class Memory:
 
     def __init__(self, record: np.void) -> None:
         self._bank, self._objects = record["bank"], record["objects"]
+        self._has_sides = record["output"]["channels"] == 2
         self._modes = Arena("modes", MODES)
         self._shapes = Arena("values of mode shapes", SHAPE_VALUES)
         self._leaving: list[Handle] = []
@@ -30,13 +34,19 @@ class Memory:
         self._collect()
         order = np.argsort(modes.decay, kind="stable")  # the longest ringing first: the rest falls silent from the end
         order = order[modes.frequency[order] <= top]
-        count = len(order)
+        click = modes.click
+        sides = modes.pressure[:, order] * level
+        if not self._has_sides:  # a mode is heard at one point, with the power of both sides
+            sides = np.tile(np.copysign(np.sqrt(0.5 * (sides**2).sum(axis=0)), sides[0]), (2, 1))
+        strike = modes.strike if len(modes.strike) >= _LEAST_ROWS else np.repeat(modes.strike[:1], _LEAST_ROWS, axis=0)
+        still = relief(modes.frequency[order], modes.decay[order], sides, strike[:, order], top)
+        felt, bands = len(order), len(still.frequency)
+        count = felt + 2 * bands + (click is not None)
         if count > MODES_PER_OBJECT:
             raise EngineFull(f"{count} modes: an object holds at most {MODES_PER_OBJECT}")
         if not self._slots:
             raise EngineFull(f"no room for another object: all {OBJECTS} are taken")
         size = max(LANES, math.ceil(count / LANES) * LANES)
-        strike = modes.strike if len(modes.strike) >= _LEAST_ROWS else np.repeat(modes.strike[:1], _LEAST_ROWS, axis=0)
         rows = len(strike)
         first = self._modes.take(size)
         try:
@@ -44,22 +54,43 @@ class Memory:
         except EngineFull:
             self._modes.give(first)
             raise
-        record = self._bank
-        for name in ("y1", "y2", "a1", "a2", "weight", "balance", "frequency", "sigma"):
-            record[name][first : first + size] = 0.0
-        record["frequency"][first : first + count] = modes.frequency[order]
-        record["sigma"][first : first + count] = modes.decay[order]
-        left, right = modes.pickup[:, order] * level
-        least = max(_QUIETEST * max(np.abs(left).max(initial=0), np.abs(right).max(initial=0)), _QUIETEST**2)
-        weight = np.where(np.abs(left) > least, left, least)  # the bank divides by it
-        record["weight"][first : first + count] = weight
-        record["balance"][first : first + count] = right / weight
-        shape = record["shape"][table : table + rows * size].reshape(rows, size)
-        shape[:] = 0.0
-        shape[:, :count] = strike[:, order]
+        shape = self._cleared(first, size, table, rows)
+        self._fill(first, slice(0, felt), modes.frequency[order], modes.decay[order], *_weights(sides))
+        shape[:, :felt] = strike[:, order]
+        for side, weights in enumerate(((1.0, 0.0), (_FAINT, 1 / _FAINT))):
+            span = slice(felt + side * bands, felt + (side + 1) * bands)
+            self._fill(first, span, still.frequency, still.decay, *weights)
+            shape[:, span] = still.shape[side]
+        if click:  # the last mode: it is moved by any force, wherever that acts, and is heard alike on both sides
+            span = slice(felt + 2 * bands, count)
+            self._fill(first, span, click.frequency, click.decay, level * click.strength, 1.0)
+            shape[:, span] = 1.0
         self._serial += 1
-        layout: dict[str, float] = {"first": first, "size": size, "table": table, "rows": rows}
+        layout: dict[str, float] = {
+            "first": first,
+            "size": size,
+            "table": table,
+            "rows": rows,
+            "felt": felt,
+            "bent": felt + 2 * bands,
+            "level": level,
+            "glide": modes.glide,
+            "cone": modes.cone,
+        }
         return Handle(self._slots.pop(), self._serial, first, table), layout
+
+    def _cleared(self, first: int, size: int, table: int, rows: int) -> Array:
+        """The table of shapes (rows, size) of an object, empty as its modes are."""
+        for name in set(self._bank.dtype.names) - {"response", "shape"}:
+            self._bank[name][first : first + size] = 0.0
+        shape: Array = self._bank["shape"][table : table + rows * size].reshape(rows, size)
+        shape[:] = 0.0
+        return shape
+
+    def _fill(self, first: int, span: slice, *values: Array | float) -> None:
+        """Write frequency, sigma, weight and balance of an object's modes."""
+        for name, value in zip(("frequency", "sigma", "weight", "balance"), values, strict=True):
+            self._bank[name][first + span.start : first + span.stop] = value
 
     def leave(self, handle: Handle) -> None:
         """Remember that an object was told to go; its place is used again once the engine has given it up."""
@@ -83,3 +114,11 @@ class Memory:
         for handle in gone:
             self._leaving.remove(handle)
             self.release(handle)
+
+
+def _weights(sides: Array) -> tuple[Array, Array]:
+    """Weights at the left output, by which the bank divides, and those at the right over them, of (2, n) weights."""
+    left, right = sides
+    least = max(_QUIETEST * np.abs(sides).max(initial=0), _QUIETEST**2)
+    weight = np.where(np.abs(left) > least, left, least)
+    return weight, right / weight

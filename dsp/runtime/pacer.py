@@ -13,7 +13,7 @@ from ..native.system import call_back, monotonic_ns, pause_ns
 from .callback import OUTPUT_UNDERFLOW
 from .code_cache import kept
 
-_LONGEST_PAUSE = 20_000_000  # ns in which it does not look whether it is still wanted
+_LONGEST_PAUSE = 20_000_000  # ns: the loop looks at least this often whether to stop
 _SLEPT = 1_000_000_000  # ns behind after which the machine is thought to have slept: no rush to catch up
 
 _SIGNATURE = types.void(
@@ -24,8 +24,8 @@ _SIGNATURE = types.void(
 def _pace(running, callback, state, rate, out, times):
     """Have blocks of `out`'s size computed as their time comes, while running[0] is not 0.
 
-    running: int64 (1,). callback, state: addresses. rate: Hz. out: float32 (frames, 2). times: float64 (3,), in which
-    the callback reads them as PortAudio's.
+    running: int64 (1,). callback, state: addresses. rate: Hz. out: float32 (frames, channels). times: float64 (3,), in
+    which the callback reads them as PortAudio's.
     """
     frames = len(out)
     started = monotonic_ns()

@@ -16,7 +16,8 @@ from ..contact.pulse import contact_time
 from ..native.jit import kernel
 from ..numerics.checks import Array, checked, checked_scalar
 from ..numerics.legendre import FINE
-from ..resonator.bank import RESPONSES, Modes, Point, inject_fine, observe, receptance, set_mode, state_of
+from ..resonator.bank import RESPONSES, Modes, Point, inject_fine, observe, receptance, state_of
+from ..resonator.coefficients import set_mode
 from ..resonator.simd import LANES
 
 CONVERGED = 1e-7

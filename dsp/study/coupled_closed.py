@@ -71,7 +71,7 @@ def _striking(case: Case, method: int) -> tuple[np.void, Bank, float]:
     state["bank"]["frequency"][:n] = bank.frequency
     state["bank"]["shape"][: 4 * n] = bank.point.shape
     obj, contact = state["objects"][0], state["contacts"][0]
-    obj["size"], obj["rows"], obj["settings"]["tune"] = n, 4, 1.0
+    obj["size"], obj["felt"], obj["bent"], obj["rows"], obj["settings"]["tune"] = n, n, n, 4, 1.0
     for name in ("v_in", "m", "k", "mu", "a"):
         contact[name] = getattr(case, name)
     contact["now"]["gain"], contact["now"]["position"] = 1.0, 0.5
@@ -102,7 +102,7 @@ def striking_loop(case: Case, samples: int) -> Callable[[int], object]:
 def asking_loop(case: Case, accuracy: int) -> Callable[[int], bool]:
     """A function that decides the given number of times whether the engine couples the contact, and returns that.
 
-    accuracy: a place in contact/accuracy.py's LEVELS. As `striking_loop` for the rest.
+    accuracy: a place in contact/accuracy.py's LEVELS. Use one such function up before the next is made.
     """
     striking = _striking(case, 0)
     striking[0]["choices"]["accuracy"] = accuracy

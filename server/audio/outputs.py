@@ -62,7 +62,7 @@ class ClockOutput:
         self.latency = max(frames / engine.rate, latency or 0.0)
         self._engine = engine
         self._running = np.ones(1, np.int64)
-        memory = np.zeros((frames, 2), np.float32), np.zeros(3)
+        memory = np.zeros((frames, engine.channels), np.float32), np.zeros(3)
         args = self._running, engine.address, engine.pointer, engine.rate, *memory
         self._thread = threading.Thread(target=pacer(), args=args, name="carom-clock", daemon=True)
 
@@ -95,7 +95,7 @@ class DeviceOutput:
     def __init__(self, engine: Engine, device: int | str | None, block: int, latency: float | None) -> None:
         self._sd = portaudio()
         self._engine = engine  # the callback writes to its memory: it must live as long as the stream
-        self._handover = Handover(engine.address, engine.pointer)
+        self._handover = Handover(engine.address, engine.pointer, engine.channels)
         self._asked = "default" if device is None else str(device)
         self._api, self._own_rate = "", 0.0
         ffi = self._sd._ffi
@@ -104,8 +104,9 @@ class DeviceOutput:
             self._api = str(self._sd.query_hostapis(found["hostapi"])["name"])
             self._own_rate = float(found["default_samplerate"])
             self._stream = self._sd._StreamBase(
-                kind="output", samplerate=engine.rate, blocksize=block, device=device, channels=2, dtype="float32",
-                latency="low" if latency is None else latency, userdata=ffi.cast("void*", self._handover.pointer),
+                kind="output", samplerate=engine.rate, blocksize=block, device=device, channels=engine.channels,
+                dtype="float32", latency="low" if latency is None else latency,
+                userdata=ffi.cast("void*", self._handover.pointer),
                 callback=ffi.cast("PaStreamCallback*", self._handover.address), wrap_callback=None,
             )  # fmt: skip
         except (self._sd.PortAudioError, ValueError) as error:

@@ -14,22 +14,28 @@ from numpy.typing import NDArray
 
 from .outfile import write_whole
 
-_CHANNELS = 2
-_FRAME = _CHANNELS * 4  # bytes
-_IEEE_FLOAT = 3  # WAVE_FORMAT_IEEE_FLOAT
+_SAMPLE = 4  # bytes
+_IEEE_FLOAT, _EXTENSIBLE = 3, 0xFFFE  # WAVE_FORMAT_...
+_FLOAT_GUID = bytes.fromhex("0300000000001000800000aa00389b71")  # KSDATAFORMAT_SUBTYPE_IEEE_FLOAT
 _SIZES = 28  # bytes of an RF64's size chunk, for which a RIFF file keeps a JUNK chunk
 _UNKNOWN = 0xFFFF_FFFF  # in RF64: the size chunk has the size
 _MOST = 0xFFFF_FFFF  # bytes that a RIFF file counts
 
 
-def header(rate: int, frames: int) -> bytes:
-    """The bytes before the samples of a float32 stereo file of some frames at a rate (Hz)."""
-    size = frames * _FRAME
+def header(rate: int, frames: int, channels: int) -> bytes:
+    """The bytes before the samples of a float32 file of some frames and channels at a rate (Hz).
+
+    More than two channels are declared as having no places of loudspeakers, as the standard asks.
+    """
+    frame = channels * _SAMPLE
+    size = frames * frame
+    placed = channels <= 2
+    extension = b"" if placed else struct.pack("<HI", 8 * _SAMPLE, 0) + _FLOAT_GUID
     fact_and_format = struct.pack(
-        "<4sIHHIIHHH4sII",
-        b"fmt ", 18, _IEEE_FLOAT, _CHANNELS, rate, rate * _FRAME, _FRAME, 32, 0,
-        b"fact", 4, min(frames, _UNKNOWN),
-    )  # fmt: skip
+        "<4sIHHIIHHH",
+        b"fmt ", 18 + len(extension), _IEEE_FLOAT if placed else _EXTENSIBLE, channels, rate, rate * frame, frame,
+        8 * _SAMPLE, len(extension),
+    ) + extension + struct.pack("<4sII", b"fact", 4, min(frames, _UNKNOWN))  # fmt: skip
     whole = 4 + 8 + _SIZES + len(fact_and_format) + 8 + size  # after the first eight bytes
     if whole <= _MOST:
         start = struct.pack("<4sI4s4sI28x", b"RIFF", whole, b"WAVE", b"JUNK", _SIZES)
@@ -40,26 +46,27 @@ def header(rate: int, frames: int) -> bytes:
 
 
 class FloatWav:
-    """Writes float32 stereo to an open, empty file, whose descriptor stays open.
+    """Writes float32 samples to an open, empty file, whose descriptor stays open.
 
     The sizes in the header are right after every write, so the file can be read at any time.
     """
 
-    def __init__(self, descriptor: int, rate: int) -> None:
+    def __init__(self, descriptor: int, rate: int, channels: int) -> None:
         """Write the header of a file at a rate (Hz). OSError where that fails."""
         self._descriptor = descriptor
         self._rate = rate
+        self._channels = channels
         self._frames = 0
-        write_whole(descriptor, header(rate, 0))
+        write_whole(descriptor, header(rate, 0, channels))
 
     def write(self, frames: NDArray[Any]) -> None:
-        """Append frames, (frames, 2). OSError where not all of them can be written, and then none is."""
+        """Append frames, (frames, channels). OSError where not all of them can be written, and then none is."""
         if len(frames) == 0:
             return
         write_whole(self._descriptor, np.ascontiguousarray(frames, "<f4").tobytes())
         self._frames += len(frames)
         os.lseek(self._descriptor, 0, os.SEEK_SET)
-        write_whole(self._descriptor, header(self._rate, self._frames))
+        write_whole(self._descriptor, header(self._rate, self._frames, self._channels))
         os.lseek(self._descriptor, 0, os.SEEK_END)
 
     def close(self) -> None:

@@ -1,6 +1,7 @@
 """Writes what an engine carries out as a score that renders to the same sound."""
 
 import time
+from collections.abc import Sequence
 from contextlib import suppress
 from importlib.metadata import version
 from itertools import chain
@@ -23,8 +24,10 @@ class Log:
     it is until `start`. OSError if it can't be opened.
     """
 
-    def __init__(self, engine: Engine, path: Path) -> None:
+    def __init__(self, engine: Engine, path: Path, head: Sequence[Message] = ()) -> None:
+        """head: messages that were carried out before anything else; so a render is like what was heard."""
         self._engine = engine
+        self._head = head
         self._file = OutFile(path)
         self._waiting: dict[int, Sent] = {}  # by the number of the command
         self._names: dict[int, str] = {}  # of the objects that are there, by serial
@@ -36,7 +39,12 @@ class Log:
         """Begin to write."""
         self._file.begin()
         day = time.strftime("%Y-%m-%d %H:%M:%S")
-        self._write([f"# carom {version('carom')}, {day}; render it at --rate {self._engine.rate:.0f}\n"])
+        self._write(
+            [
+                f"# carom {version('carom')}, {day}; render it at --rate {self._engine.rate:.0f}\n",
+                *(format_line(0.0, message) + "\n" for message in self._head),
+            ]
+        )
 
     def expect(self, first: int, sent: list[Sent]) -> None:
         """Remember what commands stand for, from the command with the number `first` on."""
@@ -57,7 +65,7 @@ class Log:
                     self.error = f"the log {self._file.path} ended: {error}"
         if lost := self._engine.stats.notes_lost:
             self.error = f"the log {self._file.path} ended: {lost} events were too many at once"
-        if lines and not self.error:
+        if not self.error:
             self._write(lines)
 
     def _named(self, sent: Sent) -> Message:
@@ -92,6 +100,7 @@ class Log:
     def _write(self, lines: list[str]) -> None:
         """Append lines; where there is no room for all, as many as there is room for."""
         try:
+            self._file.require_name()
             self._file.write("".join(lines).encode())
         except OSError as error:
             self.error = f"the log {self._file.path} ended: {error.strerror}"

@@ -1,5 +1,6 @@
 """Files that a server writes as it goes."""
 
+import errno
 import os
 import stat
 from pathlib import Path
@@ -32,6 +33,7 @@ class OutFile:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.begun = False
+        self._target = path.resolve()  # what a symbolic link leads to
         self._new = not path.exists()
         self.descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
         if fcntl and stat.S_ISREG(os.fstat(self.descriptor).st_mode):
@@ -53,8 +55,14 @@ class OutFile:
         """Append data, which leaves this process at once. OSError where not all can be written, and then none is."""
         write_whole(self.descriptor, data)
 
+    def require_name(self) -> None:
+        """OSError if the file has been removed, so that what is written to it is lost."""
+        status = os.fstat(self.descriptor)
+        if stat.S_ISREG(status.st_mode) and status.st_nlink == 0:
+            raise OSError(errno.ENOENT, "it was removed", str(self.path))
+
     def close(self) -> None:
         """Close the file, and remove it if it is new and was never begun."""
         os.close(self.descriptor)
         if self._new and not self.begun:
-            self.path.unlink()
+            self._target.unlink(missing_ok=True)

@@ -37,7 +37,7 @@ class Recorder:
         """Begin to write, from the engine's first sample on. OSError if that fails."""
         self._out.begin()
         try:
-            self._file = FloatWav(self._out.descriptor, round(self._engine.rate))
+            self._file = FloatWav(self._out.descriptor, round(self._engine.rate), self._engine.channels)
         except OSError as error:
             self._out.begun = False
             raise OSError(error.errno, error.strerror, str(self._out.path)) from error
@@ -50,6 +50,7 @@ class Recorder:
     def _write(self) -> None:
         assert self._file
         try:
+            self._out.require_name()
             self._file.write(self._engine.recorded())
         except OSError as error:
             self.error = f"the recording {self._out.path} ended: {error.strerror}"

@@ -17,21 +17,21 @@ class SoundWriter(Protocol):
     """A sound file that is being written."""
 
     def write(self, frames: NDArray[Any], /) -> None:
-        """Append frames, (frames, 2)."""
+        """Append frames, (frames, channels)."""
 
     def close(self) -> None:
         """Complete the file; its descriptor stays open."""
 
 
-def open_sound(descriptor: int, rate: int, container: str, subtype: str) -> SoundWriter:
-    """Write stereo at a rate (Hz) to an open, empty file: container WAV or FLAC, subtype as libsndfile names it.
+def open_sound(descriptor: int, rate: int, channels: int, container: str, subtype: str) -> SoundWriter:
+    """Write sound at a rate (Hz) to an open, empty file: container WAV or FLAC, subtype as libsndfile names it.
 
     Errors here and in `write`: OSError for float WAV, LibsndfileError for the rest.
     """
     if (container, subtype) == ("WAV", "FLOAT"):
-        return FloatWav(descriptor, rate)
+        return FloatWav(descriptor, rate, channels)
     # libsndfile gets the descriptor itself, so that it sees errors of writing.
-    file = soundfile.SoundFile(descriptor, "w", rate, 2, subtype=subtype, format=container, closefd=False)
+    file = soundfile.SoundFile(descriptor, "w", rate, channels, subtype=subtype, format=container, closefd=False)
     # The peak chunk holds the time of day, and equal sounds would not be equal files. soundfile has no word for this.
     soundfile._snd.sf_command(file._file, _SET_ADD_PEAK_CHUNK, soundfile._ffi.NULL, 0)
     writer: SoundWriter = file

@@ -17,6 +17,9 @@ from .udp import Intake
 
 MOST_CONNECTIONS = 32
 
+LONGEST_SILENCE = 45.0
+"""s after which a client that sends nothing may lose its place to another one."""
+
 RECEIVE_BUFFER = 1 << 22
 """Bytes asked of the system for datagrams that the reading thread has not taken yet; the system may give less."""
 
@@ -36,7 +39,7 @@ class Network:
         self._replies_dropped = 0
         self._warned: Counter[str] = Counter()
         self._told = 0  # datagrams dropped, whose sender was told
-        self._streamed: deque[tuple[bytes | None, Connection]] = deque()  # None: the end of a stream
+        self._turns: deque[Connection] = deque()  # clients with packets that wait, each once
         self._stream_next = False  # datagrams and streams take turns
         self._connections: set[Connection] = set()
         self._lingering: dict[Connection, float] = {}  # their stream has ended: when replies to them end too
@@ -92,9 +95,12 @@ class Network:
         return self._intake.take() or self._from_streams()
 
     def _from_streams(self) -> tuple[bytes, Source] | None:
-        while self._streamed:
-            packet, connection = self._streamed.popleft()
-            connection.queued -= 1
+        """A packet of the client whose turn it is: clients take turns, however much each has sent."""
+        while self._turns:
+            connection = self._turns.popleft()
+            packet = connection.arrived.popleft()
+            if connection.arrived:
+                self._turns.append(connection)
             if packet is not None:
                 return packet, connection
             self._part(connection)
@@ -166,18 +172,28 @@ class Network:
             connection = Connection(self._listener.accept()[0])
             self._connections.add(connection)
             self._watch(connection)
-            if len(self._connections) > MOST_CONNECTIONS and self._lingering:
-                self._leave(next(iter(self._lingering)))
+            if len(self._connections) > MOST_CONNECTIONS:
+                self._make_room()
             if len(self._connections) > MOST_CONNECTIONS:
                 connection.wrong = f"{MOST_CONNECTIONS} clients are connected already: expected one to leave first"
                 self._part(connection)
+
+    def _make_room(self) -> None:
+        """Disconnect a client whose stream has ended, or the one that has been silent for longest, if for long."""
+        if self._lingering:
+            self._leave(next(iter(self._lingering)))
+            return
+        silent = min(self._connections, key=lambda connection: connection.heard_at)
+        if time.monotonic() - silent.heard_at > LONGEST_SILENCE:
+            silent.wrong = f"silent for {LONGEST_SILENCE:g} s, and another client needs the place"
+            self._part(silent)
 
     def _attend(self, connection: Connection, events: int) -> None:
         try:
             if events & selectors.EVENT_WRITE:
                 connection.flush()
             # TCP makes a client wait and loses nothing: so a client is read again once all it sent is carried out.
-            if events & selectors.EVENT_READ and not connection.queued:
+            if events & selectors.EVENT_READ and not connection.arrived:
                 for packet in connection.packets():
                     self._enqueue(packet, connection)
                 if connection.over:
@@ -187,8 +203,9 @@ class Network:
             self._leave(connection)
 
     def _enqueue(self, packet: bytes | None, connection: Connection) -> None:
-        self._streamed.append((packet, connection))
-        connection.queued += 1
+        if not connection.arrived:
+            self._turns.append(connection)
+        connection.arrived.append(packet)
 
     def _watch(self, connection: Connection) -> None:
         """Let the selector watch a client for reading while its stream goes on, for writing while replies wait."""

@@ -2,6 +2,8 @@
 
 import socket
 import sys
+import time
+from collections import deque
 from collections.abc import Iterator
 from contextlib import suppress
 
@@ -17,9 +19,12 @@ class Connection:
     def __init__(self, sock: socket.socket) -> None:
         sock.setblocking(False)
         sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        _keep_alive(sock)
         self.socket = sock
-        self.queued = 0
-        """How many of its packets wait to be carried out."""
+        self.arrived: deque[bytes | None] = deque()
+        """Its packets that wait to be carried out; None: the end of its stream."""
+        self.heard_at = time.monotonic()
+        """When it last sent something, or connected."""
         self.over = False
         """Whether its stream has ended."""
         self.wrong: str | None = None
@@ -33,6 +38,7 @@ class Connection:
             data = self.socket.recv(_PIECE)
         except BlockingIOError:
             return
+        self.heard_at = time.monotonic()
         if not data:
             self.over = True
             return
@@ -74,6 +80,14 @@ class Connection:
     def waiting(self) -> bool:
         """Whether replies wait for the client to take them."""
         return bool(self._unsent)
+
+
+def _keep_alive(sock: socket.socket) -> None:
+    """Have the system ask a silent client whether it is still there; one that is not is gone within a minute."""
+    sock.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+    for option, value in (("TCP_KEEPIDLE", 20), ("TCP_KEEPINTVL", 10), ("TCP_KEEPCNT", 3)):  # s, s, questions
+        if hasattr(socket, option):
+            sock.setsockopt(socket.IPPROTO_TCP, getattr(socket, option), value)
 
 
 def listen(host: str, port: int) -> socket.socket:

@@ -3,16 +3,22 @@
 `python -m carom.server.osc.addresses` prints it as the README's tables.
 """
 
+import difflib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
 from ...dsp.schema import (
     BY_POSITION,
     BY_RADIUS,
+    CHANNELS,
     GAIN,
     GESTURES,
     LAW,
+    MAIN_GAIN,
+    OWN_GAIN,
     POSITION,
+    RESTITUTION,
     SETTINGS,
     STEERABLE,
     gestures_steered_by,
@@ -20,7 +26,8 @@ from ...dsp.schema import (
 from ...dsp.schema import (
     Parameter as Number,
 )
-from .arguments import Either, Parameter, Refused, Verb, Word
+from ...dsp.wording import near
+from .arguments import Either, Numbers, Parameter, Refused, Verb, Word
 from .patterns import is_pattern, match
 from .wire import Message
 
@@ -29,6 +36,7 @@ STRIKER = Word("striker", "a preset; the object's own if none is given")
 STRIKE: tuple[Number | Word, ...] = (
     STRIKER,
     *LAW,
+    RESTITUTION,
     Word("by", "an object that strikes, and rings too"),
     BY_POSITION,
     BY_RADIUS,
@@ -57,12 +65,14 @@ def _steers(name: str) -> str:
     return f"steers {', '.join(named[:-1])} or {named[-1]}" if named[1:] else f"steers {named[0]}"
 
 
+GAINS = Numbers(OWN_GAIN, int(CHANNELS.high), "gains")
+
 _OBJECTS = (
     Verb(
         "/object/new",
         "makes an object from a preset; further keys change the preset (length, material, ...)",
         (Word("name"), Word("preset")),
-        keys=(*SETTINGS.values(), POSITION, STRIKER),
+        keys=(*SETTINGS.values(), GAINS, POSITION, STRIKER),
         open_keys=True,
     ),
     *(
@@ -71,6 +81,11 @@ _OBJECTS = (
     ),
     *(Verb(f"/object/NAME/{name}", setting.help, (setting,)) for name, setting in SETTINGS.items()),
     Verb(
+        "/object/NAME/gains",
+        "a factor for each channel, which places it instead of its pan; none: by its pan again",
+        many=GAINS,
+    ),
+    Verb(
         "/object/NAME/free",
         "removes it once silent, or with 1 at once (a 70 ms fade); its name is free",
         optional=(Number("at_once", 0, 1, default=0),),
@@ -78,7 +93,10 @@ _OBJECTS = (
 )
 
 _RUNNING = (
-    Verb("/gesture/ID/stop", "ends it: a bouncing striker does not come back, a rolling body halts, a hand lets go"),
+    Verb(
+        "/gesture/ID/stop",
+        "ends it: a bouncing striker or a disc does not come back, a rolling body halts, a hand lets go",
+    ),
     *(
         Verb(f"/gesture/ID/{name}", _steers(name), (next(iter(gestures_steered_by(name).values())),))
         for name in STEERABLE
@@ -95,7 +113,7 @@ _ENGINE = (
         "/quality",
         "how much is computed from now on; each step adds to those before it. 0: everything. 1: coupled contacts "
         "take one step per sample. 2: modes below -80 dB rest. 3: rolls have fewer micro-impacts. 4: objects "
-        "untouched for 0.5 s fade out. 5, 6, 7, 8: only the newest 32, 16, 8, 4 bounces, rolls and presses run; older "
+        "untouched for 0.5 s fade out. 5, 6, 7, 8: only the newest 32, 16, 8, 4 gestures that last run; older "
         "ones wait. Under load the server goes further by itself",
         (Number("quality", 0, 8, whole=True),),
     ),
@@ -106,7 +124,19 @@ _ENGINE = (
         (Number("oversampling", 1, 64, default=1, whole=True),),
         (Word("correction", "none, hybrid, release, both, paper-release, paper-both"),),
     ),
-    Verb("/panic", "silences everything at once; objects stay"),
+    Verb("/gain", "the level of everything", (MAIN_GAIN,)),
+    Verb(
+        "/limiter",
+        "on (or 1, the default): the sound stays within full scale. off (or 0): it is left as it is",
+        (Either("limiter", ("on", "off", "1", "0")),),
+    ),
+    Verb(
+        "/channels",
+        "says how many channels a score is for: a render of it has as many; a server refuses another number than its "
+        "own",
+        (CHANNELS,),
+    ),
+    Verb("/panic", "ends everything: what sounds fades within 11 ms; objects stay"),
 )
 
 _SERVER = (
@@ -173,12 +203,41 @@ def _matched(pattern: str) -> list[str]:
 
 def unknown(address: str) -> Refused:
     """The error for an address that nothing has."""
+    meant = _meant(address)
+    if meant:
+        return Refused(f"no such address; did you mean {' or '.join(meant)}?")
     parts = address.split("/")
     if len(parts) == 4:
         actions = [verb.action for (container, _), verb in _TARGETED.items() if container == parts[1]]
         if actions:
             return Refused(f"unknown action '{parts[3]}'; expected {', '.join(actions)}")
     return Refused(f"no such address; expected one of {', '.join(VERBS)}")
+
+
+def _meant(address: str) -> list[str]:
+    """Up to two addresses that a wrong one may stand for: its parts are near theirs, or one is missing or misplaced."""
+    given = [part for part in address.split("/") if part]
+    if not 1 <= len(given) <= 3:
+        return []
+    whole = [verb for verb in VERBS if _are_near(given, verb.split("/")[1:])]
+    acting = [verb for verb in _TARGETED.values() if near(given[-1], [verb.action])]
+    there = [verb for verb in acting if len(given) > 1 and near(given[0], [verb.address.split("/")[1]])]
+    found = whole or [_filled(verb.address, given, bool(there)) for verb in there or acting]
+    return sorted(found, key=lambda each: -difflib.SequenceMatcher(None, each, address).ratio())[:2]
+
+
+def _are_near(given: Sequence[str], known: Sequence[str]) -> bool:
+    return len(given) == len(known) and all(near(one, [other]) for one, other in zip(given, known, strict=True))
+
+
+def _filled(template: str, given: Sequence[str], has_container: bool) -> str:
+    """The template of an address with the name that was given, if one was."""
+    _, container, name, action = template.split("/")
+    if len(given) == 3:
+        name = given[1]
+    elif len(given) == 2 and not has_container:
+        name = given[0]
+    return f"/{container}/{name}/{action}"
 
 
 def table() -> str:
@@ -191,7 +250,9 @@ def table() -> str:
 
     lines = ["| address | arguments | does |", "|---|---|---|"]
     for verb in VERBS.values():
-        arguments = ", ".join([*map(_marked, verb.required), *(f"[{_marked(number)}]" for number in verb.optional)])
+        many = [f"[{_marked(verb.many)}]"] if verb.many else []
+        optional = [f"[{_marked(number)}]" for number in verb.optional]
+        arguments = ", ".join([*map(_marked, verb.required), *optional, *many])
         lines.append(f"| `{verb.address}` | {arguments}{listed(verb)} | {verb.help} |")
     keys: dict[str, list[str]] = {_row(key): ["all"] for key in STRIKE}
     for name, own in KEYS.items():
@@ -207,7 +268,7 @@ def _row(key: Parameter) -> str:
     return f"| {_marked(key)} | {{}} | {key.help}{_default(key)} |"
 
 
-def _marked(parameter: Parameter) -> str:
+def _marked(parameter: Parameter | Numbers) -> str:
     """A parameter in Markdown."""
     return str(parameter).replace(parameter.name, f"`{parameter.name}`", 1)
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from ...dsp.schema import Parameter as Number
+from ...dsp.wording import expected
 from .wire import Argument
 
 _LONGEST_SHOWN = 40  # characters of a value in an error
@@ -67,13 +68,35 @@ class Either:
         word = f"{value:g}" if isinstance(value, int | float) else value
         if isinstance(word, str) and word in self.words:
             return word
-        raise Refused(f"{self.name} = {shown(value)}: expected {', '.join(self.words)}")
+        raise Refused(f"{self.name} = {shown(value)}: {expected(value, self.words)}")
 
     def __str__(self) -> str:
         return self.name
 
 
+@dataclass(frozen=True)
+class Numbers:
+    """Any number of arguments that are numbers of one kind: one after the other, or a list of them."""
+
+    number: Number
+    most: int
+    name: str
+    help: str = ""
+
+    def check(self, arguments: tuple[Argument, ...]) -> tuple[float, ...]:
+        """The numbers; Refused if they are too many, or one is not as it should be."""
+        first = arguments[0] if len(arguments) == 1 else None
+        given = first if isinstance(first, tuple) else arguments
+        if len(given) > self.most:
+            raise Refused(f"{len(given)} {self.name}: expected at most {self.most}")
+        return tuple(check_number(self.number, value) for value in given)
+
+    def __str__(self) -> str:
+        return f"{self.name}, up to {self.most} of {self.number.low:g} to {self.number.high:g}"
+
+
 Parameter = Number | Word | Either
+Key = Number | Word | Numbers
 
 
 @dataclass
@@ -84,16 +107,20 @@ class Values:
     words: dict[str, str] = field(default_factory=dict)
     others: dict[str, Argument] = field(default_factory=dict)
     defaults: dict[str, float] = field(default_factory=dict)
+    many: tuple[float, ...] = ()
+    """Those of an argument that is any number of numbers."""
 
     def number(self, name: str) -> float:
         """A number as it is given, else its default."""
         return self.numbers[name] if name in self.numbers else self.defaults[name]
 
-    def add(self, parameter: Parameter, value: Argument) -> None:
+    def add(self, parameter: Parameter | Numbers, value: Argument) -> None:
         """Check a value and keep it; Refused if it does not fit or was given before."""
         if parameter.name in self.numbers or parameter.name in self.words:
             raise Refused(f"{parameter.name} = {shown(value)}: given twice")
-        if isinstance(parameter, Number):
+        if isinstance(parameter, Numbers):
+            self.many = parameter.check((value,))
+        elif isinstance(parameter, Number):
             self.numbers[parameter.name] = check_number(parameter, value)
         else:
             self.words[parameter.name] = parameter.check(value)
@@ -108,7 +135,9 @@ class Verb:
     help: str
     required: tuple[Parameter, ...] = ()
     optional: tuple[Number, ...] = ()
-    keys: tuple[Number | Word, ...] = ()
+    keys: tuple[Key, ...] = ()
+    many: Numbers | None = None
+    """Numbers that may follow instead of optional ones and keys."""
     open_keys: bool = False
     """Whether it takes keys that are not declared here: who carries the message out checks them."""
     scored: bool = True
@@ -120,7 +149,7 @@ class Verb:
         return self.address.rsplit("/", 1)[1]
 
     @cached_property
-    def named(self) -> dict[str, Number | Word]:
+    def named(self) -> dict[str, Key]:
         """The declared keys by name; an optional argument can be given as one."""
         return {key.name: key for key in (*self.keys, *self.optional)}
 
@@ -138,6 +167,9 @@ class Verb:
         values = Values(defaults=self.defaults)
         for parameter, value in zip(self.required, args, strict=False):
             values.add(parameter, value)
+        if self.many:
+            values.many = self.many.check(args[len(self.required) :])
+            return values
         rest = list(args[len(self.required) :])
         for number in self.optional:
             if rest and not isinstance(rest[0], str):
@@ -150,12 +182,13 @@ class Verb:
             elif self.open_keys:
                 values.others[key] = value
             else:
-                raise Refused(f"{key}: no such key; expected {', '.join(self.named) or 'none'}")
+                raise Refused(f"{key}: no such key; {expected(key, self.named)}")
         return values
 
     def usage(self) -> str:
         """The address and the names of its arguments, optional ones in brackets."""
         words = [a.name for a in self.required] + [f"[{a.name}]" for a in self.optional]
+        words += [f"[{self.many.name} ...]"] if self.many else []
         return " ".join([self.address, *words, *(["[key value ...]"] if self.keys or self.open_keys else [])])
 
 

@@ -9,13 +9,15 @@ only ever set them.
 import json
 import socket
 import threading
+import time
 from collections import deque
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from ipaddress import ip_address
 from typing import Any
-from urllib.parse import unquote
+from urllib.parse import unquote, urlsplit
 
 from ...dsp.schema import Parameter as Number
 from .addresses import VERBS
@@ -24,6 +26,8 @@ from .arguments import Either, Parameter, Verb
 _MOST_CLIENTS = 8
 _TIMEOUT = 2.0  # s without a byte
 _TURN = 0.1  # s that a client waits for a place before the oldest loses its own
+
+_REST = 3.0  # times as long as an answer took to make, the next one waits
 
 _GIVEN = ("FULL_PATH", "CONTENTS", "DESCRIPTION", "TYPE", "ACCESS", "RANGE", "UNIT", "OVERLOADS")
 _NOT_GIVEN = ("VALUE", "TAGS", "CLIPMODE", "EXTENDED_TYPE", "CRITICAL")
@@ -68,9 +72,9 @@ def _description(verb: Verb) -> str:
 def _arguments(verb: Verb, names: Names) -> dict[str, Any]:
     """The arguments of a method: the shortest list, and as overloads the longer ones with optional arguments."""
     least = max(len(verb.required), 1)
-    arguments = (*verb.required, *verb.optional)
+    arguments = (*verb.required, *verb.optional, *((verb.many.number,) if verb.many else ()))
     if not arguments:
-        return {"ACCESS": 0}
+        return {"ACCESS": 2, "TYPE": "", "RANGE": []}
     lists = [_values(arguments[:count], names) for count in range(least, len(arguments) + 1)]
     return {"ACCESS": 2, **lists[0], **({"OVERLOADS": lists[1:]} if lists[1:] else {})}
 
@@ -105,6 +109,7 @@ class OscQuery(ThreadingHTTPServer):
         self.osc_port = osc_port
         self.names = names
         self._clients: deque[socket.socket] = deque()
+        self.turn = threading.Lock()
         self._places = threading.BoundedSemaphore(_MOST_CLIENTS)
 
     def process_request(self, request: Any, client_address: Any) -> None:
@@ -133,11 +138,17 @@ class _Handler(BaseHTTPRequestHandler):
 
     def do_GET(self) -> None:
         path, _, attribute = self.path.partition("?")
+        if not (self._is_ours(self.headers.get("Host")) and self._is_ours(self.headers.get("Origin"))):
+            self.send_error(HTTPStatus.FORBIDDEN, "another site's name: expected this server's own address")
+            return
+        if not path.startswith("/"):
+            self.send_error(HTTPStatus.BAD_REQUEST, "expected an address that begins with /")
+            return
         if attribute == "HOST_INFO":
             self._answer(self._host_info())
         elif attribute and attribute not in (*_GIVEN, *_NOT_GIVEN):
             self.send_error(HTTPStatus.BAD_REQUEST, "no such attribute")
-        elif (found := node(unquote(path).rstrip("/") or "/", self.server.names())) is None:
+        elif (found := self._node(unquote(path).rstrip("/") or "/")) is None:
             self.send_error(HTTPStatus.NOT_FOUND, "no such address")
         elif not attribute:
             self._answer(found)
@@ -146,6 +157,28 @@ class _Handler(BaseHTTPRequestHandler):
         else:
             self.send_response(HTTPStatus.NO_CONTENT)
             self.end_headers()
+
+    def _is_ours(self, given: str | None) -> bool:
+        """Whether a Host or an Origin is this server: an address, localhost, or this machine's name; or is not given.
+
+        A page of another site that makes its own name lead here (DNS rebinding) is told nothing.
+        """
+        if not given:
+            return True
+        name = urlsplit(given if "//" in given else f"//{given}").hostname or ""
+        if name in ("localhost", socket.gethostname().lower()) or name.endswith(".local"):
+            return True
+        with suppress(ValueError):
+            return bool(ip_address(name))
+        return False
+
+    def _node(self, path: str) -> dict[str, Any] | None:
+        """The node of an address. One at a time, with pauses: the sound's messages need Python's lock too."""
+        with self.server.turn:
+            start = time.perf_counter()
+            found = node(path, self.server.names())
+            time.sleep(_REST * (time.perf_counter() - start))
+        return found
 
     def _host_info(self) -> dict[str, Any]:
         return {

@@ -1,10 +1,30 @@
 """OSC's address patterns, matched without backtracking."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from functools import lru_cache, reduce
 from operator import or_
+from typing import Protocol
+
+MOST_WORK = 500_000.0
+"""What the patterns of a packet may cost, in the units of `work`: some 50 ms."""
+
+
+class TooMuch(ValueError):
+    """Patterns cost more than they may; the text names the one that was too many."""
+
+
+class Versioned(Protocol):
+    """A table of names that counts how often these change."""
+
+    version: int
+
+    @property
+    def names(self) -> Collection[str]: ...
+
+
+_STARS = re.compile(r"\*+")
 
 
 def is_pattern(address: str) -> bool:
@@ -20,6 +40,9 @@ def match(pattern: str, part: str) -> bool:
     All ways to match are followed at once, as the bits of one integer: bit i says that the pattern so far can
     match the first i characters. So a step costs len(part) bits of work, and no pattern makes it try again.
     """
+    pieces = _pieces(pattern)
+    if pieces is not None:
+        return _in_order(pieces, part)
     steps = _steps(pattern)
     if steps is None:
         return False
@@ -40,6 +63,58 @@ def match(pattern: str, part: str) -> bool:
         if not reached:
             return False
     return bool(reached >> len(part))
+
+
+def work(pattern: str) -> int:
+    """How long it takes at most to match a pattern against one name, in units of some 0.1 µs."""
+    return 4 + len(pattern) // (8 if _pieces(pattern) is not None else 1)
+
+
+@lru_cache(maxsize=16)
+def _pieces(pattern: str) -> tuple[str, ...] | None:
+    """What stands between the stars of a pattern that has no other sign; else None."""
+    return tuple(_STARS.sub("*", pattern).split("*")) if not any(sign in pattern for sign in "?[{") else None
+
+
+def _in_order(pieces: tuple[str, ...], part: str) -> bool:
+    """Whether a part begins with the first piece, ends with the last, and has the others in between in their order."""
+    first, *others = pieces
+    if not others:
+        return part == first
+    end = len(part) - len(others[-1])
+    if not part.startswith(first) or end < len(first) or not part.endswith(others[-1]):
+        return False
+    at = len(first)
+    for piece in others[:-1]:
+        at = part.find(piece, at, end)
+        if at < 0:
+            return False
+        at += len(piece)
+    return True
+
+
+class Selection:
+    """The names that patterns match, as long as that costs no more than `work` in all. Results are kept.
+
+    A packet is carried out with one of these, so that no packet can hold up the others for long.
+    """
+
+    def __init__(self, work: float = MOST_WORK) -> None:
+        self._left = work
+        self._kept: dict[tuple[str, int], tuple[int, tuple[str, ...]]] = {}
+
+    def names(self, pattern: str, table: Versioned) -> tuple[str, ...]:
+        """The names of a table that a pattern matches, in its order. TooMuch if the work is used up."""
+        version, kept = self._kept.get((pattern, id(table)), (-1, ()))
+        fresh = version != table.version
+        # Whoever asks will do something for each of the names.
+        self._left -= 8 + len(kept) + (work(pattern) * len(table.names) if fresh else 0)
+        if self._left < 0:
+            raise TooMuch(f"{pattern[:40]}: patterns match too much; expected fewer of them in a packet")
+        if fresh:
+            kept = tuple(name for name in table.names if match(pattern, name))
+            self._kept[pattern, id(table)] = table.version, kept
+        return kept
 
 
 @dataclass(frozen=True)
@@ -68,7 +143,8 @@ def _steps(pattern: str) -> tuple[str | tuple[str, ...] | _Set, ...] | None:
             inside = pattern[start + 1 : end]
             steps.append(tuple(inside.split(",")) if character == "{" else _set(inside))
         elif character in "*?":
-            steps.append(character)
+            if not (character == "*" and steps and steps[-1] == "*"):
+                steps.append(character)
         else:
             steps.append((character,))
         start = end + 1

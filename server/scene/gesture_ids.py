@@ -5,12 +5,13 @@ gestures may share an id. The engine reports the end of each that was sent once.
 """
 
 from collections import deque
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
 from ...dsp.engine.state import End
 from ...dsp.runtime.engine import Engine
-from ..osc.patterns import is_pattern, match
+from ..osc.patterns import Selection, is_pattern
 
 _REMEMBERED = 4_096  # ids: one that is given again soon has the number that it had
 _MOST_ENDS = 65_536  # that wait to be told
@@ -50,6 +51,8 @@ class GestureIds:
         self._ends: deque[Ended] = deque(maxlen=_MOST_ENDS)
         self._made = 0
         self._last = 0
+        self.version = 0
+        """Counts the changes of `names`."""
 
     def start(self, name: str, address: str, source: Any) -> GestureId:
         """The id of a gesture about to be sent; `take_back` it if it is not."""
@@ -58,6 +61,7 @@ class GestureIds:
             self._last += 1
             id = GestureId(name, self._last)
             self._numbers[id.number] = id
+            self.version += 1
         self._ids[name] = id
         id.uses += 1
         id.running.append((address, source))
@@ -69,6 +73,7 @@ class GestureIds:
         id.uses -= 1
         if id.uses == 0:
             del self._ids[id.name], self._numbers[id.number]
+            self.version += 1
 
     def made_for(self, object_name: str) -> str:
         """A new id for a gesture on an object that was given none."""
@@ -79,16 +84,28 @@ class GestureIds:
         """Whether a gesture of an id that an address started runs, or was sent to begin later."""
         return name in self._ids and any(started == address for started, _ in self._ids[name].running)
 
-    def running(self, pattern: str = "*") -> list[GestureId]:
-        """The ids that match a pattern and have gestures that run, or were sent to begin later."""
+    @property
+    def names(self) -> Collection[str]:
+        """All ids that are known."""
+        return self._ids
+
+    def running(self) -> list[GestureId]:
+        """The ids of gestures that run, or were sent to begin later; any thread may ask."""
+        return [id for id in list(self._ids.values()) if id.running]
+
+    def newest_running(self) -> Iterator[str]:
+        """Their names, the one that was used last first."""
+        return (id.name for id in reversed(self._ids.values()) if id.running)
+
+    def selected(self, pattern: str, selection: Selection) -> list[GestureId]:
+        """Those of them whose id is, or matches, a pattern. TooMuch as `Selection.names`."""
         if is_pattern(pattern):
-            ids = list(self._ids.values())  # another thread may ask: OSCQuery's
-            return [id for id in ids if id.running and match(pattern, id.name)]
+            return [id for name in selection.names(pattern, self) if (id := self._ids[name]).running]
         return [self._ids[pattern]] if pattern in self._ids and self._ids[pattern].running else []
 
-    def have_ended(self, pattern: str) -> bool:
+    def have_ended(self, pattern: str, selection: Selection) -> bool:
         """Whether an id matches a pattern whose gestures have all ended, not long ago."""
-        return any(not id.running and match(pattern, id.name) for id in self._ids.values())
+        return any(not self._ids[name].running for name in selection.names(pattern, self))
 
     def end_at_once(self, name: str, address: str, source: Any) -> None:
         """Report the end of a gesture that did not move; `take_back_end` if it was not to be."""
@@ -111,6 +128,7 @@ class GestureIds:
             over = [id for id in self._ids.values() if not id.running]
             for id in over[: len(self._ids) - _REMEMBERED]:
                 del self._ids[id.name], self._numbers[id.number]
+            self.version += 1
 
     def take_ends(self) -> list[Ended]:
         """The gestures that have ended since the last call."""

@@ -1,8 +1,10 @@
 """Contact laws of strikers, and the limits of a gesture: how long a contact lasts, whether a bounce ever rests."""
 
 import math
+from typing import NamedTuple
 
 from ...dsp.bodies.material import Material
+from ...dsp.bodies.striker import StrikerSound
 from ...dsp.contact.law import ELASTIC_TIME
 from ...dsp.rolling.surface import CREST
 from ...presets import Presets, SurfacePreset
@@ -16,8 +18,27 @@ LONGEST_BOUNCE = 3_600.0
 
 _SMOOTH = 10.0  # times the surface's height that a body's radius has at least: its circle is taken for a parabola
 
-Contact = tuple[float, float, float, float]
-"""Mass (kg), stiffness (N/m^a), dissipation (s/m), exponent."""
+
+class Contact(NamedTuple):
+    """A contact law; a restitution above 0 takes the place of the dissipation."""
+
+    mass: float
+    """kg"""
+    stiffness: float
+    """N/m^a"""
+    dissipation: float
+    """s/m"""
+    exponent: float
+    restitution: float = 0.0
+
+    def loss(self, velocity: float) -> float:
+        """An upper bound of mu v_in at a velocity (m/s)."""
+        return 1.5 * (1 - self.restitution) / self.restitution if self.restitution else self.dissipation * velocity
+
+    def __str__(self) -> str:
+        without = "dissipation" if self.restitution else "restitution"
+        return ", ".join(f"{name} = {value:g}" for name, value in self._asdict().items() if name != without)
+
 
 LAW = ("mass", "stiffness", "dissipation", "exponent")
 
@@ -28,16 +49,25 @@ class ContactLaws:
     def __init__(self, presets: Presets) -> None:
         self._presets = presets
         self._laws: dict[tuple[str, Material | None], Contact] = {}
+        self._sounds: dict[str, StrikerSound | None] = {}
 
     def of(self, striker: str, material: Material | None) -> Contact:
         """The law of a striker on an object of a material. PresetError if there is no such striker."""
         if (striker, material) not in self._laws:
-            self._laws[striker, material] = self._presets.striker(striker).contact(material)
+            preset = self._presets.striker(striker)
+            self._laws[striker, material] = Contact(*preset.contact(material), preset.restitution or 0.0)
         return self._laws[striker, material]
+
+    def sound_of(self, striker: str) -> StrikerSound | None:
+        """What a striker sounds like itself. PresetError if there is no such striker."""
+        if striker not in self._sounds:
+            self._sounds[striker] = self._presets.striker(striker).sound
+        return self._sounds[striker]
 
     def forget(self) -> None:
         """Read the files again from now on."""
         self._laws.clear()
+        self._sounds.clear()
 
 
 def require_short(velocity: float, contact: Contact) -> None:
@@ -45,14 +75,12 @@ def require_short(velocity: float, contact: Contact) -> None:
 
     It is that of `contact_time_bound`, with an upper estimate of the depth, so that nothing is compiled for it.
     """
-    mass, stiffness, dissipation, a = contact
-    w = dissipation * velocity
-    length = (mass * velocity**2 / stiffness) ** (1 / (a + 1))
+    a, w = contact.exponent, contact.loss(velocity)
+    length = (contact.mass * velocity**2 / contact.stiffness) ** (1 / (a + 1))
     deepest = ((a + 1) * min(0.5, 1 / w if w else math.inf)) ** (1 / (a + 1))
     duration = length / velocity * (ELASTIC_TIME + w * deepest)
     if duration > LONGEST_CONTACT:
-        culprits = ", ".join(f"{name} = {value:g}" for name, value in zip(LAW, contact, strict=True))
-        raise Refused(f"{culprits}: the contact would last {duration:.3g} s; expected under {LONGEST_CONTACT:g} s")
+        raise Refused(f"{contact}: the contact would last {duration:.3g} s; expected under {LONGEST_CONTACT:g} s")
 
 
 def fall(height: float, velocity: float, gravity: float) -> tuple[float, float]:
@@ -62,22 +90,34 @@ def fall(height: float, velocity: float, gravity: float) -> tuple[float, float]:
     return v_in, 2 * height / (v_in + velocity) if velocity > 0 else (v_in - velocity) / gravity
 
 
+def rim_speed(flat: float, radius: float, angle: float, gravity: float) -> float:
+    """Velocity (m/s) at which a spinning disc's flat first hits; angle in degrees. See `dsp/engine/spins.py`."""
+    return 2 * flat * math.sqrt(gravity * radius * math.sin(math.radians(angle)))
+
+
 def require_rest(velocity: float, contact: Contact, gravity: float) -> None:
     """Refuse a bounce that does not rest within LONGEST_BOUNCE on a rigid floor.
 
-    From contact to contact v falls by (2/3) mu v^2 and 2 v/g goes by: 3/(mu g) ln(v_in/v_rest) in all.
+    From contact to contact v falls by (2/3) mu v^2 and 2 v/g goes by: 3/(mu g) ln(v_in/v_rest) in all. With a
+    restitution e it is 2 e v/(g (1 - e)).
     """
-    mass, stiffness, dissipation, a = contact
+    mass, stiffness, dissipation, a, e = contact
+    if e > 0.0:
+        if e == 1.0:
+            raise Refused("restitution = 1: the bounce would never end; expected below 1")
+        _require_end(f"restitution = {e:g}", 2 * e * velocity / (gravity * (1 - e)))
+        return
     if dissipation == 0.0:
         raise Refused("dissipation = 0: the bounce would never end; expected above 0")
     v_e = math.sqrt(gravity * (mass * gravity / stiffness) ** (1 / a))
     v_rest = 2.5 * math.sqrt(dissipation * v_e) * v_e
     duration = 3 / (dissipation * gravity) * math.log1p(velocity / v_rest) if v_rest else math.inf
+    _require_end(f"dissipation = {dissipation:g}", duration)
+
+
+def _require_end(culprit: str, duration: float) -> None:
     if duration > LONGEST_BOUNCE:
-        raise Refused(
-            f"dissipation = {dissipation:g}: the bounce might last {duration:.3g} s; "
-            f"expected under {LONGEST_BOUNCE:g} s"
-        )
+        raise Refused(f"{culprit}: the bounce might last {duration:.3g} s; expected under {LONGEST_BOUNCE:g} s")
 
 
 def require_rollable(radius: float, surface: SurfacePreset, roughness: float) -> None:

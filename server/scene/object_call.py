@@ -1,10 +1,10 @@
 """A message to one object: the object, what strikes it, and the id of the gesture that it starts."""
 
 import re
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import partial
-from itertools import chain
+from itertools import chain, islice
 
 from ...dsp.bodies.material import CONTACT_RADIUS
 from ...dsp.schema import BY_RADIUS
@@ -14,7 +14,7 @@ from ..osc.arguments import Refused, Values, shown
 from ..osc.patterns import is_pattern
 from ..osc.wire import Argument, Message
 from .objects import PlayedObject
-from .transaction import Transaction
+from .transaction import MOST_COMPARED, Transaction
 
 _NAME = re.compile(r"[^\s#*,/?\[\]{}]{1,64}")
 _FORBIDDEN = "# * , / ? [ ] { } or space"
@@ -27,9 +27,9 @@ def require_name(key: str, name: str) -> None:
         raise Refused(f"{key} = {shown(name)}: expected 1 to 64 printable characters, none of them {_FORBIDDEN}")
 
 
-def listed(names: Collection[str]) -> str:
+def listed(names: Iterable[str]) -> str:
     """The first of some names, for an error."""
-    return ", ".join(list(names)[:_MOST_LISTED]) or "none"
+    return ", ".join(islice(names, _MOST_LISTED)) or "none"
 
 
 @dataclass
@@ -68,8 +68,9 @@ class ObjectCall:
         name, objects, time = self.values.words["by"], self.transaction.objects, self.transaction.time
         by = None if is_pattern(name) else objects.at(name, time).get(name)
         if by is None or by is self.obj:
-            others = [other for other, obj in objects.at("*", time).items() if obj is not self.obj]
-            raise Refused(f"by = {shown(name)}: expected another object; there are {listed(others)}")
+            others = [other for other in islice(objects.there(time), MOST_COMPARED) if other != self.name]
+            known = self.transaction.suggestion(name, others) or f"there are {listed(others)}"
+            raise Refused(f"by = {shown(name)}: expected another object; {known}")
         return by
 
     @property

@@ -1,13 +1,13 @@
 """The objects that an engine plays, by name. A name may be another's later, so it is looked up for a time."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 
 from ...dsp.engine.commands import Handle
 from ...dsp.runtime.engine import Engine
 from ...presets import ObjectPreset
-from ..osc.patterns import is_pattern, match
+from ..osc.patterns import Selection, is_pattern
 
 
 @dataclass(eq=False)
@@ -31,8 +31,12 @@ class ObjectTable(Mapping[str, PlayedObject]):
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
         self._newest: dict[str, PlayedObject] = {}
+        self.version = 0
+        """Counts the changes of `names`."""
         self.replaced: list[tuple[str, PlayedObject]] = []
         """Objects that are still there, with a name that was given to a newer one."""
+        self.slots: dict[int, str] = {}
+        """By place in the engine, the name of the object that was there last."""
 
     def __getitem__(self, name: str) -> PlayedObject:
         return self._newest[name]
@@ -43,11 +47,21 @@ class ObjectTable(Mapping[str, PlayedObject]):
     def __len__(self) -> int:
         return len(self._newest)
 
-    def at(self, pattern: str, time: float) -> dict[str, PlayedObject]:
-        """The objects whose names match a pattern and that are there, or the next to be, at a time (samples)."""
+    @property
+    def names(self) -> Collection[str]:
+        """All names that are given, also to objects that have a namesake by now."""
+        return {**{name: None for name, _ in self.replaced}, **self._newest}.keys()
+
+    def at(self, pattern: str, time: float, selection: Selection | None = None) -> dict[str, PlayedObject]:
+        """The objects whose names match a pattern and that are there, or the next to be, at a time (samples).
+
+        TooMuch as `Selection.names`.
+        """
         now = max(time, float(self._engine.position))
         if is_pattern(pattern):
-            named = [(name, obj) for name, obj in (*self.replaced, *self._newest.items()) if match(pattern, name)]
+            names = dict.fromkeys((selection or Selection()).names(pattern, self))
+            named = [(name, obj) for name, obj in self.replaced if name in names]
+            named += [(name, self._newest[name]) for name in names if name in self._newest]
         else:  # most are not patterns, and to look through all objects for one takes long
             named = [(name, obj) for name, obj in self.replaced if name == pattern]
             named += [(pattern, self._newest[pattern])] if pattern in self._newest else []
@@ -57,28 +71,42 @@ class ObjectTable(Mapping[str, PlayedObject]):
                 found.setdefault(name, obj)
         return found
 
+    def there(self, time: float) -> Iterator[str]:
+        """The names of the objects that are there, or the next to be, at a time (samples)."""
+        now = max(time, float(self._engine.position))
+        return (name for name, obj in self._newest.items() if obj.freed > now)
+
     def start_of(self, obj: PlayedObject, time: float) -> float:
         """The time (samples) of a command to an object: one for now waits for an object that is yet to be."""
         return max(time, obj.born) if obj.born > self._engine.position else time
 
     def add(self, name: str, obj: PlayedObject) -> Callable[[], None]:
         """Give a name to a new object; returns how to undo it."""
+        self.slots[obj.handle.slot] = name
         before = self._newest.get(name)
         self._newest[name] = obj
+        self.version += 1
         if before is None:
-            return lambda: self._newest.__delitem__(name)
+            return lambda: self._forget(name)
         entry = name, before
         self.replaced.append(entry)
 
         def undo() -> None:
             self._newest[name] = before
             self.replaced.remove(entry)
+            self.version += 1
 
         return undo
 
     def forget_gone(self) -> None:
         """Forget the objects whose time is over."""
         gone = self._engine.position
-        self.replaced = [(name, obj) for name, obj in self.replaced if obj.freed > gone]
+        if self.replaced:
+            self.replaced = [(name, obj) for name, obj in self.replaced if obj.freed > gone]
+            self.version += 1
         for name in [name for name, obj in self._newest.items() if obj.freed <= gone]:
-            del self._newest[name]
+            self._forget(name)
+
+    def _forget(self, name: str) -> None:
+        del self._newest[name]
+        self.version += 1

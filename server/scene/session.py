@@ -9,10 +9,12 @@ from ...dsp.runtime.engine import Engine
 from ...presets import PresetError, Presets
 from ..osc.addresses import Call, calls
 from ..osc.arguments import GestureEnded, Refused
+from ..osc.patterns import TooMuch
 from ..osc.wire import Message
 from .gesture_ids import Ended, GestureIds
 from .limits import ContactLaws
 from .objects import ObjectTable
+from .scale import Scale
 from .transaction import Sent, Transaction
 from .translate import translate
 
@@ -20,15 +22,16 @@ from .translate import translate
 class Session:
     """The objects and gestures of an engine, by name, and the messages that make and change them."""
 
-    def __init__(self, engine: Engine, presets: Presets, steers_ended: bool = False) -> None:
+    def __init__(self, engine: Engine, presets: Presets, steers_ended: bool = False, calibrated: bool = False) -> None:
         """steers_ended: steering a gesture that has ended is answered by /warning, not /fail. A score can't know when
-        friction ends a roll."""
+        friction ends a roll. calibrated: the sound is in Pa: presets' levels do not count, and there is no limiter."""
         self.engine = engine
         self.presets = presets
         self.objects = ObjectTable(engine)
         self.gestures = GestureIds(engine)
         self._laws = ContactLaws(presets)
         self._steers_ended = steers_ended
+        self._scale = Scale(calibrated)
         self.on_sent: Callable[[int, list[Sent]], object] = lambda first, sent: None
         """Called with all commands that are sent: the number of the first, and what each stands for."""
 
@@ -44,14 +47,16 @@ class Session:
         """As `perform`, for messages whose patterns are expanded."""
         self.gestures.collect()
         self.objects.forget_gone()
-        transaction = Transaction(self.engine, self.presets, self._laws, self.objects, self.gestures, time, source)
+        transaction = Transaction(
+            self.engine, self.presets, self._laws, self.objects, self.gestures, self._scale, time, source
+        )
         accepted: list[str] = []
         try:
             for place, call in enumerate(calls):
                 savepoint = transaction.savepoint()
                 try:
                     translate(transaction, call)
-                except (Refused, PresetError, EngineFull) as error:
+                except (Refused, TooMuch, PresetError, EngineFull) as error:
                     transaction.undo_to(savepoint)
                     harmless = self._steers_ended and isinstance(error, GestureEnded)
                     reply = warning if harmless else fail

@@ -1,16 +1,23 @@
 """What messages ask of the engine together: either all of it is sent, or none of it leaves a trace."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from ...dsp.engine.commands import Command
 from ...dsp.runtime.engine import Engine
+from ...dsp.wording import suggestion
 from ...presets import Presets
+from ..osc.patterns import Selection
 from ..osc.wire import Message
 from .gesture_ids import GestureIds
 from .limits import ContactLaws
 from .objects import ObjectTable
+from .scale import Scale
+
+MOST_COMPARED = 128
+"""Names among which a near one is looked for."""
+_MOST_SUGGESTIONS = 8
 
 
 class Sent(NamedTuple):
@@ -32,18 +39,27 @@ class Transaction:
     laws: ContactLaws
     objects: ObjectTable
     gestures: GestureIds
+    scale: Scale
     time: float
     source: Any
     commands: list[Command] = field(default_factory=list)
     sent: list[Sent] = field(default_factory=list)
     """What each of the commands stands for."""
     replies: list[Message] = field(default_factory=list)
+    selection: Selection = field(default_factory=Selection)
+    """What the patterns of its messages match."""
+    _compared: int = 0
     _undo: list[Callable[[], object]] = field(default_factory=list)
 
     def add(self, command: Command, sent: Sent) -> None:
         """Add a command."""
         self.commands.append(command)
         self.sent.append(sent)
+
+    def suggestion(self, word: str, known: Collection[str]) -> str:
+        """Names near a word; none for the later ones of many refusals, as to find them takes 1 ms."""
+        self._compared += 1
+        return suggestion(word, known) if self._compared <= _MOST_SUGGESTIONS else ""
 
     def on_undo(self, action: Callable[[], object]) -> None:
         """Do an action if what was asked for so far is not carried out; the latest comes first."""

@@ -7,20 +7,21 @@ the same and leaves no choice open.
 import math
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
+from itertools import islice
 
-from ...dsp.contact.accuracy import LEVELS
-from ...dsp.contact.sampled import CORRECTIONS, METHODS
 from ...dsp.engine.commands import Command, Kind
 from ...dsp.runtime.engine import NOW
-from ...dsp.schema import BOUNCE, GAIN, ROLL, SETTINGS, STEERABLE, STRIKE, Gesture
+from ...dsp.schema import BOUNCE, GAIN, ROLL, SETTINGS, SPIN, STEERABLE, STRIKE, Gesture
+from ...dsp.wording import expected
 from ...presets import ObjectPreset
 from ..osc.addresses import VERBS, Call, unknown
 from ..osc.arguments import GestureEnded, Refused, Values, shown
 from ..osc.wire import Message
-from .limits import LAW, Contact, fall, require_rest, require_rollable, require_short
+from .engine_messages import ENGINE_HANDLERS, Handler
+from .limits import LAW, Contact, fall, require_rest, require_rollable, require_short, rim_speed
 from .object_call import ObjectCall, listed, require_name
 from .objects import PlayedObject
-from .transaction import Sent, Transaction
+from .transaction import MOST_COMPARED, Sent, Transaction
 
 _SHARED = {each.name for each in STRIKE} | {"velocity"}
 _SURFACE = "wood"
@@ -43,39 +44,6 @@ def sync(number: int) -> Command:
     return Command(NOW, Kind.SYNC, value=number)
 
 
-# Messages to the engine
-
-
-def _panic(transaction: Transaction, call: Call, values: Values) -> None:
-    _add(transaction, call.message, Command(NOW, Kind.PANIC))
-
-
-def _quality(transaction: Transaction, call: Call, values: Values) -> None:
-    _add(transaction, call.message, Command(NOW, Kind.QUALITY, value=values.numbers["quality"]))
-
-
-def _accuracy(transaction: Transaction, call: Call, values: Values) -> None:
-    accuracy = LEVELS.index(values.words["accuracy"])
-    _add(transaction, call.message, Command(NOW, Kind.ACCURACY, value=accuracy))
-
-
-def _contact(transaction: Transaction, call: Call, values: Values) -> None:
-    method = values.words["method"]
-    correction = values.words.get("correction", "none")
-    if method != "closed" and method not in METHODS:
-        raise Refused(f"method = {shown(method)}: expected closed, {', '.join(METHODS)}")
-    if correction not in CORRECTIONS:
-        raise Refused(f"correction = {shown(correction)}: expected {', '.join(CORRECTIONS)}")
-    oversampling = values.number("oversampling")
-    choice: dict[str, float] = {"method": 0, "correction": 0, "oversampling": 0}
-    if method != "closed":
-        number = 1 + METHODS.index(method)
-        choice = {"method": number, "correction": CORRECTIONS[correction], "oversampling": oversampling}
-    elif correction != "none" or oversampling != 1:
-        raise Refused("closed: it is exact already; expected neither correction nor oversampling")
-    _add(transaction, call.message, Command(NOW, Kind.METHOD, values=choice))
-
-
 # Messages to objects
 
 
@@ -91,12 +59,14 @@ def _new(transaction: Transaction, call: Call, values: Values) -> None:
     transaction.laws.forget()
     transaction.laws.of(preset.striker, preset.material)
     modes = preset.modes(engine.top_frequency)
-    handle, layout = engine.lay_out(modes, 10 ** (preset.level / 20))
+    handle, layout = engine.lay_out(modes, transaction.scale.object(preset))
     transaction.on_undo(lambda: engine.release(handle))
     obj = PlayedObject(handle, preset, modes.mass, transaction.time)
     transaction.on_undo(objects.add(name, obj))
     settings = {name: setting.in_engine(values.number(name)) for name, setting in SETTINGS.items()}
     _add(transaction, call.message, Command(NOW, Kind.NEW, values={**layout, **settings}), obj)
+    if values.many:
+        _place(transaction, call.message, values.many, obj)
     transaction.replies.append(Message("/done", ("/object/new", name)))
 
 
@@ -105,7 +75,7 @@ def _changed(preset: ObjectPreset, values: Values) -> ObjectPreset:
     for key, value in values.others.items():
         if key not in preset.keys:
             known = dict.fromkeys((*VERBS["/object/new"].named, *preset.keys))
-            raise Refused(f"{key} = {shown(value)}: expected one of {', '.join(known)}")
+            raise Refused(f"{key} = {shown(value)}: {expected(key, known)}")
     given = {**values.numbers, **values.words}
     changes = {key: value for key, value in given.items() if key not in ("name", "preset", *SETTINGS)}
     return preset.replace(**values.others, **changes) if values.others or changes else preset
@@ -115,6 +85,23 @@ def _set(to: ObjectCall) -> None:
     ((setting, value),) = to.values.numbers.items()
     change = Command(NOW, Kind.SET, value=SETTINGS[setting].in_engine(value), parameter=setting)
     _add(to.transaction, to.canonical, change, to.obj)
+
+
+def _gains(to: ObjectCall) -> None:
+    if to.values.many:
+        _place(to.transaction, to.canonical, to.values.many, to.obj)
+    else:
+        _add(to.transaction, to.canonical, Command(NOW, Kind.PLACE), to.obj)
+
+
+def _place(transaction: Transaction, message: Message, gains: tuple[float, ...], obj: PlayedObject) -> None:
+    """Give an object gains of its own, 0 in channels for which none is given; `message` stands for all commands."""
+    channels = transaction.engine.channels
+    if len(gains) > channels:
+        raise Refused(f"{len(gains)} gains: expected at most {channels}, one for each channel")
+    for channel in range(channels):
+        gain = gains[channel] if channel < len(gains) else 0.0
+        _add(transaction, message, Command(NOW, Kind.PLACE, value=gain, channel=channel), obj)
 
 
 def _free(to: ObjectCall) -> None:
@@ -165,7 +152,10 @@ def _roll(to: ObjectCall) -> None:
     by = to.striking_object()
     id = to.id(lambda name: name)
     goes_on = to.transaction.gestures.is_running(id, to.address)
-    law = _law(to, by, {"dissipation": surface.dissipation}, LAW[1:] if goes_on else LAW)
+    if "restitution" in values.numbers:
+        raise Refused(f"restitution = {values.numbers['restitution']:g}: what rolls has none; expected dissipation")
+    rubbing = {"dissipation": surface.dissipation, "restitution": 0.0}
+    law = _law(to, by, rubbing, LAW[1:] if goes_on else LAW)
     speed, roughness = values.numbers["speed"], values.number("roughness")
     own_radius = to.contact_radius if to.by_materials else presets.striker(to.striker).radius
     radius = values.numbers.get("radius", own_radius)
@@ -199,50 +189,76 @@ def _press(to: ObjectCall) -> None:
     _strike(to, by, law, Command(NOW, Kind.PRESS, gesture=number, values=motion))
 
 
+def _spin(to: ObjectCall) -> None:
+    values = to.values
+    duration = values.numbers["duration"]
+    if duration == 0.0:
+        to.end_at_once()
+        return
+    by = to.striking_object()
+    law = _law(to, by)
+    require_short(rim_speed(*map(values.number, ("flat", "radius", "angle", "gravity"))), law)
+    number = to.start(to.id(to.transaction.gestures.made_for))
+    motion = {**_own_values(to, SPIN), "duration": duration, "seed": to.seed(number)}
+    _strike(to, by, law, Command(NOW, Kind.SPIN, gesture=number, values=motion))
+
+
 def _law(
     to: ObjectCall, by: PlayedObject | None, changes: Mapping[str, float] | None = None, said: Collection[str] = LAW
 ) -> Contact:
     """The contact law of a gesture: its striker's, with `changes`; given keys win.
 
     Where an object strikes, its mass does. Unless a striker is named, the rest comes from the materials of both. The
-    canonical message says the values of the keys `said`: a mass that is said would steer a roll that goes on.
+    canonical message says the values of the keys `said`: a mass that is said would steer a roll that goes on. A
+    restitution that is given takes the striker's dissipation's place, and the other way round.
     """
-    preset = to.obj.preset
-    law = dict(zip(LAW, to.transaction.laws.of(to.striker, preset.material), strict=True))
+    preset, given = to.obj.preset, to.values.numbers
+    law = to.transaction.laws.of(to.striker, preset.material)._asdict()
     if by:
         law["mass"] = by.mass
     if by and to.by_materials:
-        law.update(zip(LAW[1:], preset.struck_by(by.preset, to.contact_radius), strict=True))
+        law.update(zip(LAW[1:], preset.struck_by(by.preset, to.contact_radius), strict=True), restitution=0.0)
         to.warn_of_stand_ins(by)
     law.update(changes or {})
+    if "dissipation" in given and "restitution" in given:
+        raise Refused(
+            f"dissipation = {given['dissipation']:g}, restitution = {given['restitution']:g}: expected one of the two"
+        )
+    if "dissipation" in given:
+        law["restitution"] = 0.0
+    law.update((key, given[key]) for key in law if key in given)
     if by:
         for key in said:
-            to.say(key, law[key])
-    mass, stiffness, dissipation, exponent = (to.values.numbers.get(key, value) for key, value in law.items())
-    return mass, stiffness, dissipation, exponent
+            lost = "restitution" if key == "dissipation" and law["restitution"] else key
+            to.say(lost, law[lost])
+    return Contact(**law)
 
 
 def _strike(to: ObjectCall, by: PlayedObject | None, law: Contact, command: Command) -> None:
     """Add the command of a gesture, with the values that every gesture has."""
-    numbers = to.values.numbers
+    numbers, transaction = to.values.numbers, to.transaction
+    sound = None if by else transaction.laws.sound_of(to.striker)
     values = {
         **command.values,
-        **dict(zip(LAW, law, strict=True)),
+        **(transaction.engine.lay_out_striker(sound) if sound else {}),
+        **law._asdict(),
         "position": numbers.get("position", to.obj.preset.position),
         "gain": GAIN.in_engine(to.values.number("gain")),
+        "gesture_level": to.transaction.scale.gesture(to.obj.preset, command.kind.name.lower()),
         "by_position": numbers.get("by_position", by.preset.position) if by else 0.0,
     }
-    _add(to.transaction, to.canonical, replace(command, values=values), to.obj, by)
+    _add(transaction, to.canonical, replace(command, values=values), to.obj, by)
 
 
 def _steer(transaction: Transaction, call: Call, values: Values) -> None:
     assert call.verb
     action = call.verb.action
-    ids = transaction.gestures.running(call.target)
+    ids = transaction.gestures.selected(call.target, transaction.selection)
     if not ids:
-        running = listed([id.name for id in reversed(transaction.gestures.running())])
-        error = GestureEnded if transaction.gestures.have_ended(call.target) else Refused
-        raise error(f"{call.target}: no such gesture is running; running are {running}")
+        running = list(islice(transaction.gestures.newest_running(), MOST_COMPARED))
+        known = transaction.suggestion(call.target, running) or f"running are {listed(running)}"
+        error = GestureEnded if transaction.gestures.have_ended(call.target, transaction.selection) else Refused
+        raise error(f"{call.target}: no such gesture is running; {known}")
     for id in ids:
         message = Message(f"/gesture/{id.name}/{action}", call.message.args)
         if action == "stop":
@@ -252,34 +268,33 @@ def _steer(transaction: Transaction, call: Call, values: Values) -> None:
             _add(transaction, message, Command(NOW, Kind.STEER, gesture=id.number, parameter=action, value=value))
 
 
-def _on_objects(handle: Callable[[ObjectCall], None]) -> "Handler":
+def _on_objects(handle: Callable[[ObjectCall], None]) -> Handler:
     """A handler that acts on every object that the NAME of an address matches."""
 
     def handle_all(transaction: Transaction, call: Call, values: Values) -> None:
-        objects = transaction.objects.at(call.target, transaction.time)
+        objects = transaction.objects.at(call.target, transaction.time, transaction.selection)
         if not objects:
-            there = listed(transaction.objects.at("*", transaction.time))
-            raise Refused(f"{call.target}: no such object; there are {there}")
+            there = list(islice(transaction.objects.there(transaction.time), MOST_COMPARED))
+            known = transaction.suggestion(call.target, there) or f"there are {listed(there)}"
+            raise Refused(f"{call.target}: no such object; {known}")
         for name, obj in objects.items():
             handle(ObjectCall(transaction, call, values, name, obj))
 
     return handle_all
 
 
-Handler = Callable[[Transaction, Call, Values], None]
 HANDLERS: dict[str, Handler] = {
     "/object/new": _new,
     "/object/NAME/impact": _on_objects(_impact),
     "/object/NAME/bounce": _on_objects(_bounce),
     "/object/NAME/roll": _on_objects(_roll),
     "/object/NAME/press": _on_objects(_press),
+    "/object/NAME/spin": _on_objects(_spin),
     **dict.fromkeys((f"/object/NAME/{setting}" for setting in SETTINGS), _on_objects(_set)),
+    "/object/NAME/gains": _on_objects(_gains),
     "/object/NAME/free": _on_objects(_free),
     **dict.fromkeys((f"/gesture/ID/{action}" for action in ("stop", *STEERABLE)), _steer),
-    "/accuracy": _accuracy,
-    "/quality": _quality,
-    "/contact": _contact,
-    "/panic": _panic,
+    **ENGINE_HANDLERS,
 }
 """By address of the verb."""
 

@@ -26,7 +26,8 @@ from rich.table import Table
 
 from carom.dsp.engine.state import QUANTUM, new_state
 from carom.dsp.native.jit import kernel as compiled
-from carom.dsp.resonator.bank import RESPONSES, Modes, Point, inject, ring, set_mode
+from carom.dsp.resonator.bank import RESPONSES, Modes, Point, inject, ring
+from carom.dsp.resonator.coefficients import set_mode
 from carom.dsp.resonator.simd import LANES
 from tests.bench import clips, contacts, gestures, klank, ringing
 from tests.bench.rounds import Contenders, minima

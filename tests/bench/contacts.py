@@ -80,7 +80,7 @@ def struck_engine(solver: str, modes: int, samples: float) -> Engine:
         frequency=frequencies(modes),
         decay=np.full(modes, struck.decay),
         strike=np.full((4, modes), phi),
-        pickup=np.full((2, modes), 1e-4 / phi),  # heard, but not limited
+        pressure=np.full((2, modes), 1e-4 / phi),  # heard, but not limited
         mass=1.0,
     )
     strike = {

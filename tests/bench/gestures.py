@@ -32,7 +32,7 @@ def made(engine: Engine) -> list[Handle]:
             frequency=np.geomspace(150.0, 12_000.0, MODES) * random.uniform(0.9, 1.1, MODES),
             decay=np.full(MODES, 1.0),
             strike=np.cos(np.outer(np.linspace(0, 1, 16), np.arange(MODES) * math.pi)) * math.sqrt(2 / MASS),
-            pickup=np.full((2, MODES), 1e-3),
+            pressure=np.full((2, MODES), 1e-3),
             mass=MASS,
         )
         handles.append(engine.add(body))

@@ -10,6 +10,8 @@ import pytest
 
 from tests.bench import bench, contacts, gestures, ringing, rounds
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 
 

@@ -33,14 +33,15 @@ def test_a_client_and_a_scene_take_the_same_and_say_the_same(name):
     assert inspect.getdoc(scene).partition("\n\nKeys:")[0] == inspect.getdoc(shared)
 
 
-def test_every_address_of_a_score_is_shared_but_that_of_new():
+def test_every_address_of_a_score_is_shared_but_those_that_only_begin_it():
+    """The gain of everything has another name than that of an object."""
     said = {verb.action for verb in VERBS.values() if verb.scored and not verb.address.startswith("/gesture/")}
-    assert set(SHARED) == said - {"new"} | {"send", "steer", "stop"}
+    assert set(SHARED) == said - {"new", "channels"} | {"main_gain", "send", "steer", "stop"}
 
 
 def test_the_keys_are_listed_for_a_scene_alone():
     taking = {verb.action for verb in VERBS.values() if verb.keys} - {"new"}
-    assert taking == {"impact", "bounce", "roll", "press", "contact"}
+    assert taking == {"impact", "bounce", "roll", "press", "spin", "contact"}
     for name in SHARED:
         assert ("\n\nKeys:\n  " in inspect.getdoc(getattr(carom.Scene, name))) == (name in taking)
         assert "Keys:" not in inspect.getdoc(getattr(carom.Client, name))
@@ -52,6 +53,11 @@ def test_arguments_go_before_keys_and_become_plain():
     kept.press("a", 1, 0.25)
     kept.contact("heun", correction="both")
     kept.contact("rk4", np.int64(4))
+    kept.gains("a", 0.5, np.float64(1.0), at=2.0)
+    kept.gains("a", np.array([0.5, 1.0]))
+    kept.gains("a")
+    kept.main_gain(np.float32(-6))
+    kept.limiter(False)
     kept.free("a", at=1.0)
     kept.free("a", at_once=True)
     assert kept.sent == [
@@ -59,6 +65,11 @@ def test_arguments_go_before_keys_and_become_plain():
         (None, Message("/object/a/press", (1, 0.25))),
         (None, Message("/contact", ("heun", "correction", "both"))),
         (None, Message("/contact", ("rk4", 4))),
+        (2.0, Message("/object/a/gains", (0.5, 1.0))),
+        (None, Message("/object/a/gains", ((0.5, 1.0),))),
+        (None, Message("/object/a/gains")),
+        (None, Message("/gain", (-6.0,))),
+        (None, Message("/limiter", ("off",))),
         (1.0, Message("/object/a/free")),
         (None, Message("/object/a/free", (1,))),
     ]

@@ -28,6 +28,7 @@ def drawn(monkeypatch):
     pyplot.close("all")
 
 
+@pytest.mark.slow
 def test_each_channel_has_its_wave_and_its_spectrogram(drawn, tmp_path):
     """440 Hz left and 3 kHz right; opposite phases do not cancel."""
     time = np.arange(RATE // 2) / RATE
@@ -49,6 +50,7 @@ def test_each_channel_has_its_wave_and_its_spectrogram(drawn, tmp_path):
         assert levels.max() == pytest.approx(level, abs=1.5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("channels", "names"), [(1, ["mono"]), (3, ["channel 1", "channel 2", "channel 3"])])
 def test_other_numbers_of_channels_are_named(drawn, tmp_path, channels, names):
     axes = drawn(np.zeros((5_000, channels)), tmp_path)

@@ -11,6 +11,8 @@ from contextlib import suppress
 from functools import partial
 from itertools import islice
 
+import pytest
+
 from carom.clients.top import _views, view
 from carom.server.osc.wire import Message
 from tests.support import CAROM, Running
@@ -83,6 +85,7 @@ def test_a_server_that_is_silent_for_a_while_is_shown_again(monkeypatch):
     assert re.search(r"\x1b\[1;31m\s+3\x1b", text)  # later than at first
 
 
+@pytest.mark.slow
 def test_once(server: Running):
     words = [*CAROM, "top", "--port", str(server.port), "--once"]
     run = subprocess.run(words, capture_output=True, text=True, timeout=30, check=True)
@@ -101,6 +104,7 @@ def read_on(terminal: int, text: list[str]) -> None:
             text.append(data.decode(errors="replace"))
 
 
+@pytest.mark.slow
 def test_live_on_a_terminal(server: Running):
     ours, theirs = pty.openpty()
     words = [*CAROM, "top", "--port", str(server.port)]

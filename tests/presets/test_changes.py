@@ -119,7 +119,7 @@ def test_whole_numbers_may_come_as_floats():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"lenght": 1}, "lenght = 1: expected one of length, width"),
+        ({"lenght": 1}, "lenght = 1: did you mean length?"),
         ({"length": 1000.0}, "length = 1000.0: expected a number from 0.001 to 20 m"),
         ({"length": math.nan}, "length = nan: expected"),
         ({"length": None}, "length = None: expected"),
@@ -153,6 +153,6 @@ def test_any_numbers_give_a_body_or_an_error_that_says_why(name, changes):
         assert str(error)
     else:
         assert modes.frequency.size <= 1024
-        for array in (modes.frequency, modes.decay, modes.strike, modes.pickup):
+        for array in (modes.frequency, modes.decay, modes.strike, modes.pressure):
             assert np.all(np.isfinite(array))
         assert math.isfinite(modes.mass) and modes.mass > 0

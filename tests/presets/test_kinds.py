@@ -2,8 +2,10 @@
 
 import math
 
+import numpy as np
 import pytest
 
+from carom.dsp import bodies
 from carom.dsp.bodies.material import contact_between, hertz
 from carom.presets import PresetError, Presets
 from tests.presets.examples import BAR, GROUND, LISTED, with_object
@@ -75,7 +77,7 @@ def test_a_surface_is_its_profile(folder):
     [
         ("dissipation = 0.5", "", "dissipation is missing"),
         ("slope = 2", "slope = 1", "slope = 1: expected a number from 1.01 to 5"),
-        ("slope = 2", "slop = 2", "slop = 2: expected one of description"),
+        ("slope = 2", "slop = 2", "slop = 2: did you mean slope?"),
         ("correlation = 0.01", "", "correlation is missing"),
     ],
 )
@@ -121,17 +123,83 @@ def test_an_objects_own_damping_replaces_its_materials(folder):
     assert damped.material.beta == plain.material.beta
 
 
-def test_pickups_are_where_the_preset_puts_them(folder):
-    ends = with_object(folder, BAR + "[pickup]\nleft = 0\nright = 1\n").object("mine").modes(5000)
-    assert ends.pickup == pytest.approx(ends.strike[[0, -1]])
-    other = with_object(folder, BAR + "[pickup]\nleft = 1\nright = 0\n").object("mine").modes(5000)
-    assert other.pickup == pytest.approx(ends.strike[[-1, 0]])
+def test_losses_that_were_measured_hold_what_is_radiated(folder):
+    own = with_object(folder, BAR).object("mine")
+    whole = with_object(folder, BAR + '[damping]\nlosses = "measured"\n').object("mine")
+    one, other = own.modes(5000), whole.modes(5000)
+    assert other.decay == pytest.approx(whole.material.decay(other.frequency))
+    radiated = 2 * math.pi * (one.pressure**2).mean(axis=0) / (1.2 * 343)  # sigma = R/2 = 2 pi G^2/(rho c)
+    assert one.decay - other.decay == pytest.approx(radiated) and np.all(radiated > 0)
+    assert other.pressure == pytest.approx(one.pressure * np.minimum(1, np.sqrt(other.decay / radiated)))
+    little = with_object(folder, BAR + '[damping]\nlosses = "measured"\nalpha = 0\nloss_factor = 1e-8\n').object("mine")
+    assert (little.modes(5000).pressure ** 2).mean(axis=0) == pytest.approx(
+        little.modes(5000).decay * 1.2 * 343 / (2 * math.pi)
+    )  # no more than is lost
+
+
+def test_the_stereo_width_keeps_the_power(folder):
+    point, wide = (
+        with_object(folder, f"stereo_width = {width}\n" + BAR).object("mine").modes(20000) for width in (0, 1)
+    )
+    assert point.pressure[0] == pytest.approx(point.pressure[1], rel=1e-15)
+    assert (wide.pressure**2).sum(axis=0) == pytest.approx((point.pressure**2).sum(axis=0))
+    assert np.array_equal(np.sign(wide.pressure), np.sign(point.pressure))
+    sides = np.abs(wide.pressure[1] / wide.pressure[0])
+    assert sides.min() < 0.5 and sides.max() > 2
+    usual = with_object(folder, BAR).object("mine").modes(20000)
+    assert 0.5 < np.abs(np.log(usual.pressure[1] / usual.pressure[0])).max() < np.abs(np.log(sides)).max()
+
+
+MORE = """
+[partials]
+ratio = [1.5, 6]
+t60 = 0.5
+level = [-6, -20]
+[noise]
+edges = [2e3, 4e3]
+t60 = 0.1
+level = -20
+modes = 30
+[cavity]
+volume = 2e-4
+area = 6e-4
+neck = 0.01
+level = -3
+"""
+
+
+def test_an_object_has_the_modes_that_its_preset_adds(folder):
+    plain, more = (with_object(folder, BAR + text).object("mine") for text in ("", MORE))
+    assert more.modes(20000).frequency.size == plain.modes(20000).frequency.size + 2 + 30 + 1
+    assert more.modes(20000) is with_object(folder, BAR + MORE).object("mine").modes(20000)
+    lowest = plain.modes(20000).frequency[0]
+    assert {1.5 * lowest, 6 * lowest} <= set(more.modes(20000).frequency)
+
+
+def test_a_change_of_material_changes_the_losses_of_what_is_added(folder):
+    steel = with_object(folder, BAR + MORE).object("mine")
+    assert decay_of_the_second_partial(steel) == pytest.approx(math.log(1000) / 0.5)
+    for wooden in (steel.replace(material="wood"), steel.replace(length=0.2).replace(material="wood", velocity=2)):
+        inside = wooden.material.decay(6 * lowest_of(wooden))
+        assert inside < decay_of_the_second_partial(wooden) < inside + math.log(1000) / 0.5
+        back = wooden.replace(material="steel")
+        assert decay_of_the_second_partial(back) == pytest.approx(math.log(1000) / 0.5)
+
+
+def lowest_of(preset):
+    return bodies.bar(preset.material, top=20000, **preset.geometry).frequency[0]
+
+
+def decay_of_the_second_partial(preset):
+    modes = preset.modes(20000)
+    (decay,) = modes.decay[np.isclose(modes.frequency, 6 * lowest_of(preset), rtol=1e-12)]
+    return decay
 
 
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("length = 0.3", "lenght = 0.3", "[geometry] lenght = 0.3: expected one of length, width"),
+        ("length = 0.3", "lenght = 0.3", "[geometry] lenght = 0.3: did you mean length?"),
         ("length = 0.3", "", "[geometry] length is missing: expected a number from 0.001 to 20 m"),
         ("length = 0.3", 'length = "long"', "[geometry] length = 'long': expected a number from 0.001 to 20 m"),
         ("length = 0.3", "length = true", "[geometry] length = True: expected a number"),
@@ -150,15 +218,45 @@ def test_pickups_are_where_the_preset_puts_them(folder):
         ("velocity = 1", "velocity = 0", "[strike] velocity = 0: expected a number from 0.001 to 100 m/s"),
         ("position = 0.5", "position = 1.5", "[strike] position = 1.5: expected a number from 0 to 1"),
         ("[geometry]", "[geomtry]", "geomtry = "),
-        ("[strike]", "[pickup]\nleft = 0.1\n[strike]", "[pickup] left: expected left and right"),
+        ("level = -3", "level = -3\nstereo_width = 2", "stereo_width = 2: expected a number from 0 to 1"),
+        ("[strike]", '[damping]\nlosses = "all"\n[strike]', "[damping] losses = 'all': expected one of material, mea"),
         ("[strike]", "[damping]\nalpha = -1\n[strike]", "[damping] alpha = -1: expected a number from 0"),
         ("level = -3", "strike = 3", "strike = 3: expected a section of keys"),
+        (
+            "[strike]",
+            "[partials]\nratio = [2]\nt60 = 1\n[strike]",
+            "[partials] level is missing: expected a number from",
+        ),
+        (
+            "[strike]",
+            "[partials]\nt60 = 1\nlevel = -9\n[strike]",
+            "[partials] frequency and ratio: expected one of the",
+        ),
+        (
+            "[strike]",
+            "[noise]\nedges = [900, 500]\nt60 = 1\nlevel = -9\n[strike]",
+            "[noise] edges = [900.0, 500.0]: expected two or more, in ascending order",
+        ),
+        (
+            "[strike]",
+            "[noise]\nedges = [500, 900]\nt60 = 1\nlevel = -9\nmodes = 2.5\n[strike]",
+            "[noise] modes = 2.5: expected a whole number from 1 to 512",
+        ),
+        (
+            "[strike]",
+            "[cavity]\nvolume = 1e-3\n[strike]",
+            "[cavity] area is missing: expected a number from 1e-08 to 10",
+        ),
         ("[geometry]", "[geometry", "not TOML"),
     ],
 )
 def test_wrong_objects_are_named(folder, old, new, message):
     assert old in BAR
-    text = BAR.replace(old, new, 1) if old != "level = -3" else "strike = 3\n" + BAR.split("[strike]")[0]
+    text = (
+        BAR.replace(old, new, 1)
+        if (old, new) != ("level = -3", "strike = 3")
+        else "strike = 3\n" + BAR.split("[strike]")[0]
+    )
     with pytest.raises(PresetError) as caught:
         with_object(folder, text).object("mine")
     assert message in str(caught.value)

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.signal import find_peaks
 
 from carom.dsp.resonator.bank import state_of
 from carom.dsp.runtime.engine import NOW, Engine
@@ -15,18 +16,18 @@ PRESETS = Presets()
 RATE = 48_000
 
 
-def struck(name: str, seconds: float) -> tuple[np.ndarray, Engine]:
-    """An object's sound at its preset's own strike, and the engine that made it."""
+def struck(name: str, seconds: float, *keys: str | float) -> tuple[np.ndarray, Engine]:
+    """An object's sound at its preset's own strike, and the engine that made it. keys: of /object/new."""
     engine = Engine(RATE)
     scene = Session(engine, PRESETS)
-    scene.perform([Message("/object/new", ("a", name))], NOW)
+    scene.perform([Message("/object/new", ("a", name, *keys))], NOW)
     assert scene.perform([Message("/object/a/impact", (PRESETS.object(name).velocity,))], NOW) == []
     return engine.process(round(seconds * RATE)).astype(float), engine
 
 
 def touched(name: str) -> float:
     """How long (s) the striker of an object's own strike is there, and at least .03 s."""
-    _, engine = struck(name, 0.03)
+    _, engine = struck(name, 0.03, "glide", 0)
     while engine.stats.contacts_active:
         engine.process(64)
     return engine.position / RATE
@@ -39,29 +40,27 @@ def test_there_is_enough_to_play_with():
     assert len({o.material.name for o in objects if o.material}) >= 8
 
 
-@pytest.mark.parametrize("name", PRESETS.names("objects"))
-def test_a_default_strike_is_as_loud_as_any_other(name):
-    sound, engine = struck(name, 2.0)
-    assert abs(20 * math.log10(np.abs(sound).max() / 0.35)) < 3
-    assert engine.stats.limited == 0 and engine.stats.faults == 0
-
-
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PRESETS.names("objects"))
 def test_partials_and_decays_are_the_presets(name):
-    """Once the contact is over, damped sines of the preset's frequencies and decays, and nothing else, are heard."""
+    """Once the contact is over, damped sines of the preset's frequencies and decays, and nothing else, are heard.
+
+    Strings and membranes are told not to glide; test_glide.py has them glide.
+    """
     modes = PRESETS.object(name).modes(0.95 * RATE / 2)
     over = touched(name)
     seconds = over + min(0.5, 5.0 / modes.decay.min())
-    sound = struck(name, seconds)[0][round(over * RATE) :, 0]
-    loud = modes.decay * over < 14  # the others are over
+    sound = struck(name, seconds, "glide", 0)[0][round(over * RATE) :, 0]
+    loud = modes.decay * over < 20  # the others are over
     if loud.sum() > 64:
-        return assert_alone_in_tune(modes, struck(name, 2.0)[0][:, 0])
+        return assert_alone_in_tune(modes, struck(name, 2.0, "glide", 0)[0][:, 0])
     s = -modes.decay[loud] + 2j * np.pi * modes.frequency[loud]
     waves = np.exp(s * np.arange(len(sound))[:, None] / RATE)
     columns = np.concatenate([waves.real, waves.imag], axis=1)
     amplitudes, *_ = np.linalg.lstsq(columns, sound)
     # .1 cent off at 500 Hz would leave 5 %, 1 % of T60 about 1 %.
-    assert np.linalg.norm(columns @ amplitudes - sound) < 1e-4 * np.linalg.norm(sound)
+    silence = 1e-7 * math.sqrt(len(sound))  # modes are put to rest at -120 dB
+    assert np.linalg.norm(columns @ amplitudes - sound) < 1e-4 * np.linalg.norm(sound) + silence
 
 
 def assert_alone_in_tune(modes, sound):
@@ -80,6 +79,16 @@ def assert_alone_in_tune(modes, sound):
     assert -math.log(abs(second / first)) / span == pytest.approx(modes.decay[i], rel=0.01)
 
 
+@pytest.mark.parametrize("seconds", [0.4, 1.0, 2.0])
+def test_a_glockenspiel_bar_has_thirty_partials(seconds):
+    """Peaks above -40 dB below 12 kHz that stand 6 dB out of what is around them."""
+    sound = struck("glockenspiel-bar", seconds)[0][:, 0]
+    spectrum = np.abs(np.fft.rfft(sound * np.hanning(len(sound)), 4 * len(sound)))
+    level = 20 * np.log10(spectrum / spectrum.max() + 1e-9)
+    peaks, _ = find_peaks(level[: round(12_000 * 4 * seconds)], height=-40, prominence=6)
+    assert len(peaks) >= 30
+
+
 def phasor(sound: np.ndarray, frequency: float, at: float) -> complex:
     """The partial at a frequency around a time, in that frequency's frame; 0.2 s of a steep window."""
     n = round(0.2 * RATE)
@@ -88,6 +97,7 @@ def phasor(sound: np.ndarray, frequency: float, at: float) -> complex:
     return (sound[start : start + n] * np.exp(-2j * np.pi * frequency * t) * np.kaiser(n, 14)).sum()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PRESETS.names("objects"))
 def test_no_striker_gives_more_energy_than_it_brings(name):
     """Every built-in striker at 1 m/s, at the edge and inside: sum |z|^2/2 of the modes once the contact is over."""

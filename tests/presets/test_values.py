@@ -66,6 +66,7 @@ def test_a_text_spells_its_numbers_exactly(numbers, separator):
     assert Many(NUMBER).fit(Many(NUMBER).parse(separator.join(map(repr, numbers)))) == tuple(numbers)
 
 
+@pytest.mark.slow
 @given(st.text())
 def test_any_text_is_parsed(text):
     for domain in (Many(NUMBER), POINT, OneOrMany(NUMBER)):
@@ -75,6 +76,7 @@ def test_any_text_is_parsed(text):
             assert ": expected a" in str(error)
 
 
+@pytest.mark.slow
 @given(st.recursive(st.floats() | st.text() | st.none(), lambda inner: st.lists(inner) | st.lists(inner).map(tuple)))
 def test_errors_stay_short(value):
     assert len(shown(value)) <= 300

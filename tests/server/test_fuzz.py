@@ -9,6 +9,7 @@ from tests.bench.fuzz import KNOWN, Junk, fuzz, still_plays
 from tests.support import serving
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [7, 8])
 def test_junk_does_no_harm(tmp_path, seed):
     with serving(tmp_path, "--device", "none", "--record", "out.wav") as server:

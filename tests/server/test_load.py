@@ -13,6 +13,8 @@ from carom.server.osc import wire
 from tests.server.support import counted
 from tests.support import Running
 
+pytestmark = pytest.mark.slow
+
 HOSTILE = [
     b"",
     b"/",

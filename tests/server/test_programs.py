@@ -13,6 +13,8 @@ import soundfile
 from tests.server.support import counted, onsets
 from tests.support import Running, serving
 
+pytestmark = pytest.mark.slow
+
 EXAMPLES = Path(__file__).parents[2] / "clients" / "examples"
 
 

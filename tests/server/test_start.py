@@ -12,6 +12,8 @@ import soundfile
 
 from tests.support import CAROM, Running, serving
 
+pytestmark = pytest.mark.slow
+
 
 def failing(folder: Path, *args: str, env: dict[str, str] | None = None) -> str:
     """What a `serve` that can't start says, in one line, before it exits with 1."""

@@ -17,6 +17,8 @@ from pythonosc.udp_client import UDPClient
 from carom.server.osc.score import read
 from tests.support import Running, serving
 
+pytestmark = pytest.mark.slow
+
 RATE = 48_000
 SETTLED = 20  # events after which sclang's beat, and
 SECONDS = {"none": 1.0, "system": 7.0}  # after which the clock of a device, are steady

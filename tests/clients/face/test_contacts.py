@@ -36,7 +36,7 @@ def test_entries_are_assembled_into_contacts_by_start():
 
 SCORE = """
 0      /object/new a steel-plate
-0      /object/new b wood-block pan -1
+0      /object/new b ceramic-tile pan -1
 0.0101 /object/a/impact 1.0 mass 1e-6 stiffness 1e9 dissipation 0 exponent 1.5 id tick gain -20
 0.1    /object/b/bounce 0.02 striker ping-pong
 0.15   /object/a/impact 0.5 by b

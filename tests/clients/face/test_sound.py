@@ -71,6 +71,7 @@ def test_a_notebook_plays_it(sound):
     np.testing.assert_allclose(played, loud.samples / 8.0, atol=2**-15)
 
 
+@pytest.mark.slow
 def test_it_is_drawn_into_a_file_or_for_a_notebook(sound, tmp_path):
     assert sound.plot(tmp_path / "s.svg") is None
     assert b"<svg" in (tmp_path / "s.svg").read_bytes() and len(list(tmp_path.iterdir())) == 1

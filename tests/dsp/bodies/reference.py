@@ -12,6 +12,8 @@ from carom.dsp.bodies import Material
 
 STEEL = Material("steel", 7850, 2e11, 0.3, 5, 3e-8)
 GLASSY = Material("nu = .225", 2500, 7e10, 0.225, 1, 1e-7)
+HEAVY = Material("steel that no air moves", 7850e9, 2e20, 0.3, 5, 3e-8)
+"""Of the same frequencies as STEEL without air."""
 FREE_ROOTS = [brentq(lambda x: math.cos(x) * math.cosh(x) - 1, x - 1, x + 1) for x in np.pi * np.arange(1.5, 8)]
 
 
@@ -34,25 +36,37 @@ def integral_along(modes):
 
 
 EVERY = {
-    "bar": lambda **more: bodies.bar(STEEL, length=0.5, width=0.03, thickness=0.008, **more),
-    "undercut": lambda **more: bodies.bar(STEEL, length=0.4, width=0.05, thickness=0.02, undercut=0.75, **more),
-    "tube": lambda **more: bodies.bar(STEEL, length=1.4, diameter=0.038, wall=0.0015, **more),
-    "tine": lambda **more: bodies.bar(STEEL, length=0.2, width=0.01, thickness=0.001, ends="cantilever", **more),
-    "string": lambda **more: bodies.string(STEEL, length=0.62, diameter=0.001, tension=670, **more),
-    "plate": lambda **more: bodies.plate(STEEL, length=0.4, width=0.3, thickness=0.003, **more),
-    "clamped plate": lambda **more: bodies.plate(
-        STEEL,
+    "bar": lambda material=STEEL, **more: bodies.bar(material, length=0.5, width=0.03, thickness=0.008, **more),
+    "undercut": lambda material=STEEL, **more: bodies.bar(
+        material, length=0.4, width=0.05, thickness=0.02, undercut=0.75, **more
+    ),
+    "tube": lambda material=STEEL, **more: bodies.bar(material, length=1.4, diameter=0.038, wall=0.0015, **more),
+    "tine": lambda material=STEEL, **more: bodies.bar(
+        material, length=0.2, width=0.01, thickness=0.001, ends="cantilever", **more
+    ),
+    "string": lambda material=STEEL, **more: bodies.string(material, length=0.62, diameter=0.001, tension=670, **more),
+    "plate": lambda material=STEEL, **more: bodies.plate(material, length=0.4, width=0.3, thickness=0.003, **more),
+    "clamped plate": lambda material=STEEL, **more: bodies.plate(
+        material,
         length=0.3,
         width=0.2,
         thickness=0.002,
         edges=("clamped", "free", "supported", "clamped"),
         **more,
     ),
-    "disc": lambda **more: bodies.disc(STEEL, radius=0.2, thickness=0.003, split=0.004, **more),
-    "clamped disc": lambda **more: bodies.disc(STEEL, radius=0.1, thickness=0.001, edge="clamped", **more),
-    "membrane": lambda **more: bodies.membrane(STEEL, radius=0.15, thickness=2e-4, fundamental=900, **more),
-    "ring": lambda **more: bodies.ring(STEEL, radius=0.06, thickness=0.003, length=0.01, split=0.002, **more),
-    "glass": lambda **more: bodies.glass(STEEL, radius=0.04, height=0.08, thickness=0.001, rows=3, split=0.002, **more),
+    "disc": lambda material=STEEL, **more: bodies.disc(material, radius=0.2, thickness=0.003, split=0.004, **more),
+    "clamped disc": lambda material=STEEL, **more: bodies.disc(
+        material, radius=0.1, thickness=0.001, edge="clamped", **more
+    ),
+    "membrane": lambda material=STEEL, **more: bodies.membrane(
+        material, radius=0.15, thickness=2e-4, fundamental=900, **more
+    ),
+    "ring": lambda material=STEEL, **more: bodies.ring(
+        material, radius=0.06, thickness=0.003, length=0.01, split=0.002, **more
+    ),
+    "glass": lambda material=STEEL, **more: bodies.glass(
+        material, radius=0.04, height=0.08, thickness=0.001, rows=3, split=0.002, **more
+    ),
     "listed": lambda **more: bodies.listed(
         frequency=[300.0, 100.0, 200.0], t60=[1, 3, 2], modal_mass=[3.0, 1.0, 2.0], mass=8, **more
     ),

@@ -2,42 +2,48 @@
 
 import math
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
 from carom.dsp import bodies
-from tests.dsp.bodies.reference import FREE_ROOTS, STEEL, euler_bernoulli
+from carom.dsp.bodies.radiation.air import IMPEDANCE
+from carom.dsp.bodies.radiation.board import BOX
+from tests.dsp.bodies.reference import FREE_ROOTS, HEAVY, euler_bernoulli, integral_along
+from tests.dsp.bodies.solid import Solid
+
+STRAIGHT = {"across": 0.0, "tilt": 0.0}  # a blow that only bends a bar
 
 
 @pytest.mark.parametrize(("ratio", "deviation"), [(40, {1: -0.2, 6: -4.0}), (10, {1: -3.4, 3: -15.0})])
 def test_timoshenko_lowers_a_free_bar_as_published(ratio, deviation):
-    modes = bodies.bar(STEEL, length=1, width=0.02, thickness=1 / ratio, top=20000)
-    thin = euler_bernoulli(STEEL, FREE_ROOTS, 1, 1 / ratio)
+    modes = bodies.bar(HEAVY, length=1, width=0.02, thickness=1 / ratio, top=20000, **STRAIGHT)
+    thin = euler_bernoulli(HEAVY, FREE_ROOTS, 1, 1 / ratio)
     for n, percent in deviation.items():
         assert 100 * (modes.frequency[n - 1] / thin[n - 1] - 1) == pytest.approx(percent, abs=0.1)
 
 
 def test_thin_cantilever_and_free_bar_are_euler_bernoullis():
-    tine = bodies.bar(STEEL, length=0.3, width=0.02, thickness=0.0003, ends="cantilever", top=4000)
+    tine = bodies.bar(HEAVY, length=0.3, width=0.02, thickness=0.0003, ends="cantilever", top=4000, **STRAIGHT)
     assert tine.frequency[:3] == pytest.approx(
-        euler_bernoulli(STEEL, [1.8751041, 4.6940911, 7.8547574], 0.3, 0.0003), rel=1e-4
+        euler_bernoulli(HEAVY, [1.8751041, 4.6940911, 7.8547574], 0.3, 0.0003), rel=1e-4
     )
-    free = bodies.bar(STEEL, length=0.3, width=0.02, thickness=0.0003, top=4000)
-    assert free.frequency[:7] == pytest.approx(euler_bernoulli(STEEL, FREE_ROOTS, 0.3, 0.0003), rel=2e-4)
+    free = bodies.bar(HEAVY, length=0.3, width=0.02, thickness=0.0003, top=4000, **STRAIGHT)
+    assert free.frequency[:7] == pytest.approx(euler_bernoulli(HEAVY, FREE_ROOTS, 0.3, 0.0003), rel=2e-4)
 
 
 def test_the_ends_of_a_thin_bar_move_twice_the_rms():
-    modes = bodies.bar(STEEL, length=0.3, width=0.02, thickness=0.0003, top=2000)
+    modes = bodies.bar(HEAVY, length=0.3, width=0.02, thickness=0.0003, top=2000, **STRAIGHT)
     assert np.abs(modes.strike[[0, -1]]) * math.sqrt(modes.mass) == pytest.approx(2, rel=1e-3)
 
 
 def test_a_thick_free_bar_solves_timoshenkos_frequency_equation():
     # moment and shear of the four exponential solutions, at both ends: the determinant vanishes
-    nu, e, rho, length, h = STEEL.poisson_ratio, STEEL.youngs_modulus, STEEL.density, 1.0, 0.1
+    nu, e, rho, length, h = HEAVY.poisson_ratio, HEAVY.youngs_modulus, HEAVY.density, 1.0, 0.1
     kappa = 10 * (1 + nu) / (12 + 11 * nu)
-    g, moment, area = STEEL.shear_modulus, h**3 / 12, h
+    g, moment, area = HEAVY.shear_modulus, h**3 / 12, h
 
     def determinant(frequency):
         omega2 = (2 * math.pi * frequency) ** 2
@@ -54,24 +60,26 @@ def test_a_thick_free_bar_solves_timoshenkos_frequency_equation():
         value = np.linalg.det(np.array(rows))
         return value.real if abs(value.real) > abs(value.imag) else value.imag
 
-    modes = bodies.bar(STEEL, length=length, width=0.02, thickness=h, top=6000)
+    modes = bodies.bar(HEAVY, length=length, width=0.02, thickness=h, top=6000, **STRAIGHT)
     for frequency in modes.frequency[:6]:
         exact = brentq(determinant, frequency * 0.995, frequency * 1.005)
         assert frequency == pytest.approx(exact, rel=1e-8)
 
 
-def test_the_ritz_series_of_a_bar_has_converged(monkeypatch):
-    coarse = bodies.bar(STEEL, length=0.5, width=0.03, thickness=0.02, undercut=0.8, top=20000)
-    module = sys.modules["carom.dsp.bodies.bar"]  # its name in the package is the function's
-    wavenumber = module._wavenumber
-    monkeypatch.setattr(module, "_wavenumber", lambda *arguments: 1.6 * wavenumber(*arguments))
-    fine = bodies.bar(STEEL, length=0.5, width=0.03, thickness=0.02, undercut=0.8, top=20000)
+@pytest.mark.parametrize("blow", [STRAIGHT, {"across": 1.0, "tilt": 30.0}])
+def test_the_ritz_series_of_a_bar_has_converged(monkeypatch, blow):
+    arguments = {"length": 0.5, "width": 0.03, "thickness": 0.02, "undercut": 0.8, "top": 20000, **blow}
+    coarse = bodies.bar(HEAVY, **arguments)
+    ritz = sys.modules["carom.dsp.bodies.ritz"]
+    monkeypatch.setattr(ritz, "_TERMS_PER_RADIAN", 1.6 * ritz._TERMS_PER_RADIAN)
+    fine = bodies.bar(HEAVY, **arguments)
     assert coarse.frequency == pytest.approx(fine.frequency, rel=1e-3)
 
 
 def test_an_undercut_tunes_the_second_mode_up_to_two_octaves():
     def ratio(undercut):
-        modes = bodies.bar(STEEL, length=0.35, width=0.05, thickness=0.02, undercut=undercut, top=20000)
+        arguments = {"length": 0.35, "width": 0.05, "thickness": 0.02, "undercut": undercut, **STRAIGHT}
+        modes = bodies.bar(HEAVY, top=20000, **arguments)
         return modes.frequency[1] / modes.frequency[0]
 
     assert ratio(0.0) == pytest.approx(2.7, abs=0.06)
@@ -79,11 +87,101 @@ def test_an_undercut_tunes_the_second_mode_up_to_two_octaves():
 
 
 def test_a_tube_rings_between_a_rod_and_a_shell():
-    rod, tube = (bodies.bar(STEEL, length=1.5, diameter=0.038, wall=wall, top=5000) for wall in (None, 0.0015))
-    assert rod.mass == pytest.approx(STEEL.density * math.pi / 4 * 0.038**2 * 1.5)
-    assert tube.mass == pytest.approx(STEEL.density * math.pi * 0.0365 * 0.0015 * 1.5)
+    rod, tube = (bodies.bar(HEAVY, length=1.5, diameter=0.038, wall=wall, top=5000) for wall in (None, 0.0015))
+    assert rod.mass == pytest.approx(HEAVY.density * math.pi / 4 * 0.038**2 * 1.5)
+    assert tube.mass == pytest.approx(HEAVY.density * math.pi * 0.0365 * 0.0015 * 1.5)
     # radius of gyration: d/4 for a rod, sqrt(D^2 + d^2)/4 for a tube
     assert tube.frequency[0] / rod.frequency[0] == pytest.approx(math.hypot(0.038, 0.035) / 0.038, rel=0.02)
+
+
+# Timoshenko and Goodier, Theory of Elasticity, art. 109: J = k w t^3
+@pytest.mark.parametrize(("slenderness", "k"), [(1.0, 0.1406), (1.5, 0.196), (2.0, 0.229), (3.0, 0.263), (5.0, 0.291)])
+@pytest.mark.parametrize("ends", ["free", "cantilever"])
+def test_a_long_bar_twists_as_a_shaft(slenderness, k, ends):
+    t, length = 0.01, 3.0
+    w = slenderness * t
+    arguments = {"length": length, "width": w, "thickness": t, "ends": ends, "top": 3000}
+    bent = bodies.bar(HEAVY, **arguments, **STRAIGHT).frequency
+    both = bodies.bar(HEAVY, **arguments, across=1.0, tilt=0.0).frequency
+    twisted = np.setdiff1d(both, bent)
+    polar = w * t * (w**2 + t**2) / 12
+    speed = math.sqrt(HEAVY.shear_modulus * k * w * t**3 / (HEAVY.density * polar))
+    order = np.arange(1, twisted.size + 1) - (0.5 if ends == "cantilever" else 0.0)
+    assert twisted.size >= 3 and both.size == bent.size + twisted.size
+    assert twisted[:3] == pytest.approx(order[:3] * speed / (2 * length), rel=2e-3)
+
+
+def test_twists_are_orthonormal_over_the_polar_inertia():
+    w, t, length = 0.04, 0.01, 2.0
+    arguments = {"length": length, "width": w, "thickness": t, "top": 3000}
+    bent = bodies.bar(HEAVY, **arguments, **STRAIGHT)
+    both = bodies.bar(HEAVY, **arguments, across=-0.6, tilt=0.0)
+    twist = ~np.isin(both.frequency, bent.frequency)
+    inertia = HEAVY.density * w * t * (w**2 + t**2) / 12 * length  # of the whole bar
+    angle = both.strike[:, twist] / (-0.6 * w / 2)
+    product = inertia * integral_along(replace(both, strike=angle))
+    # the inertia of warping takes a little
+    assert product == pytest.approx(np.eye(twist.sum()), abs=6e-3)
+
+
+@pytest.mark.parametrize("ends", ["free", "cantilever"])
+def test_a_tilted_blow_bends_a_bar_as_one_on_its_edge_too(ends):
+    length, w, t, tilt = 0.4, 0.04, 0.015, 30.0
+    face = bodies.bar(HEAVY, length=length, width=w, thickness=t, ends=ends, top=9000, **STRAIGHT)
+    both = bodies.bar(HEAVY, length=length, width=w, thickness=t, ends=ends, top=9000, across=0.0, tilt=tilt)
+    edge = bodies.bar(HEAVY, length=length, width=t, thickness=w, ends=ends, top=9000, **STRAIGHT)
+    column = [int(np.argmin(np.abs(both.frequency - frequency))) for frequency in edge.frequency]
+    assert both.frequency[column] == pytest.approx(edge.frequency, rel=1e-9)
+    ends_of = np.abs(both.strike[[0, -1]][:, column])
+    assert ends_of == pytest.approx(math.sin(math.radians(tilt)) * np.abs(edge.strike[[0, -1]]), rel=1e-6, abs=1e-9)
+    column = [int(np.argmin(np.abs(both.frequency - frequency))) for frequency in face.frequency]
+    ends_of = np.abs(both.strike[[0, -1]][:, column])
+    assert ends_of == pytest.approx(math.cos(math.radians(tilt)) * np.abs(face.strike[[0, -1]]), rel=1e-6, abs=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("sides", "undercut", "count", "within"), [((0.14, 0.025, 0.008), 0.0, 4, 0.1), ((0.36, 0.055, 0.02), 0.5, 6, 0.2)]
+)
+def test_a_bar_answers_a_blow_as_the_solid_body(sides, undercut, count, within):
+    """Frequencies within 1.5 %, and the displacement along the blow where it strikes, against elasticity in 3-D."""
+    across, tilt = 0.4, math.radians(20)
+    length, width, thickness = sides
+    solid = [Solid(HEAVY, sides, undercut, odd) for odd in (True, False)]
+    top = solid[0].frequency[count - 1] * 1.03
+    arguments = {"length": length, "width": width, "thickness": thickness, "undercut": undercut, "undercut_span": 1.0}
+    modes = bodies.bar(HEAVY, top=top, across=across, tilt=20.0, **arguments)
+    x = np.linspace(-1, 1, len(modes.strike))
+    for body in solid:
+        moved = body.displacement(x, across, 1.0)
+        blow = moved[1] * math.sin(tilt) + moved[2] * math.cos(tilt)
+        bends = np.sum(moved[1:] ** 2, axis=(0, 1)) > 0.2 * np.sum(moved[0] ** 2, axis=0)  # not along its length
+        heard = bends & (body.frequency < modes.frequency[-1] * 1.005)
+        assert heard.sum() >= 3
+        for frequency, shape in zip(body.frequency[heard], blow.T[heard], strict=True):
+            nearest = int(np.argmin(np.abs(modes.frequency - frequency)))
+            assert modes.frequency[nearest] == pytest.approx(frequency, rel=0.015)
+            found = modes.strike[:, nearest] * np.sign(shape @ modes.strike[:, nearest])
+            assert found == pytest.approx(shape, abs=within * np.abs(shape).max())
+
+
+def test_a_straight_blow_on_the_middle_line_only_bends():
+    straight = bodies.bar(HEAVY, length=0.3, width=0.03, thickness=0.01, top=15000, **STRAIGHT)
+    skew = bodies.bar(HEAVY, length=0.3, width=0.03, thickness=0.01, top=15000)
+    assert skew.frequency.size >= 2 * straight.frequency.size and skew.mass == straight.mass
+    assert np.isin(straight.frequency, skew.frequency).all()
+
+
+def test_a_split_rod_bends_in_two_planes():
+    arguments = {"length": 0.5, "diameter": 0.01, "top": 12000}
+    even = bodies.bar(HEAVY, **arguments)
+    uneven = bodies.bar(HEAVY, **arguments, split=0.004, imperfection=30.0)
+    assert uneven.frequency[0::2] == pytest.approx(even.frequency * 0.998)
+    assert uneven.frequency[1::2] == pytest.approx(even.frequency * 1.002)
+    # what both planes answer together is what one does
+    answer = (uneven.strike[[0, -1]] ** 2).reshape(2, -1, 2).sum(axis=2)
+    assert answer == pytest.approx(even.strike[[0, -1]] ** 2, rel=1e-9)
+    assert uneven.strike[0, 1] ** 2 == pytest.approx(even.strike[0, 0] ** 2 / 4)
 
 
 @pytest.mark.parametrize(
@@ -99,4 +197,18 @@ def test_a_tube_rings_between_a_rod_and_a_shell():
 )
 def test_impossible_bars_are_named(arguments, message):
     with pytest.raises(ValueError, match=message):
-        bodies.bar(STEEL, length=1, top=20000, **arguments)
+        bodies.bar(HEAVY, length=1, top=20000, **arguments)
+
+
+def test_a_tongue_is_heard_through_the_board_that_it_is_clamped_in():
+    """Its root bears omega .783 sqrt(M) per unit modal velocity in the lowest mode: .783 is 2 (sigma_1/beta_1)."""
+    tongue = {"length": 0.06, "width": 0.005, "thickness": 0.0005, "ends": "cantilever", "top": 4000, **STRAIGHT}
+    alone, mounted = bodies.bar(HEAVY, **tongue), bodies.bar(HEAVY, **tongue, board="box")
+    omega = 2 * np.pi * alone.frequency[0]
+    lost = (omega * 2 * 0.734095514 / 1.875104069) ** 2 * alone.mass * BOX.conductance(alone.frequency[0])
+    assert 2 * (mounted.decay - alone.decay)[0] == pytest.approx(lost, rel=1e-3)
+    heard = (mounted.pressure**2).mean(axis=0) - (alone.pressure**2).mean(axis=0)
+    passed = lost * BOX.radiated_share(alone.frequency[0])
+    assert heard[0] == pytest.approx(IMPEDANCE / (4 * np.pi) * passed, rel=1e-3)
+    with pytest.raises(ValueError, match="board = box, ends = free"):
+        bodies.bar(HEAVY, **(tongue | {"ends": "free"}), board="box")

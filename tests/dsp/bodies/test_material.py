@@ -1,12 +1,14 @@
 """Materials: decay rates against published decay times, and Hertz against its limits."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from carom.dsp import bodies
 from carom.dsp.bodies.material import CONTACT_RADIUS, Material, contact_between, hertz
 from carom.dsp.contact.law import restitution
 
@@ -32,6 +34,15 @@ def test_the_three_losses_add():
     frequency = np.geomspace(20, 20000, 9)
     assert whole.decay(frequency) == pytest.approx(sum(part.decay(frequency) for part in parts), rel=1e-14)
     assert whole.decay(0) == 3.5
+
+
+def test_a_given_shear_modulus_takes_the_place_of_the_isotropic_one():
+    wood = Material("wood", 750, 1.1e10, 0.25, 5, 0, 0.03, shear=9e8)
+    assert (STEEL.shear_modulus, wood.shear_modulus) == (2e11 / 2.58, 9e8)
+    twisting = {"length": 0.4, "width": 0.04, "thickness": 0.01, "top": 4000, "across": 1.0, "tilt": 0.0}
+    alike = replace(wood, shear=None)
+    first, second = (set(bodies.bar(each, **twisting).frequency) for each in (wood, alike))
+    assert min(first) == pytest.approx(min(second), rel=0.03) and len(first) > len(second)
 
 
 def test_hertz_of_a_steel_ball_on_a_steel_plane():
@@ -108,3 +119,11 @@ def test_a_soft_body_decides_what_it_meets():
 def test_a_radius_of_contact_is_a_positive_length(radius):
     with pytest.raises(ValueError, match=f"radius = {radius}"):
         contact_between(STEEL, CERAMIC, radius)
+
+
+def test_an_exponent_makes_decay_times_a_power_law():
+    string = Material("string", 7850, 2e11, 0.29, 0, 0, loss_factor=9e-4, loss_exponent=0.7)
+    t60 = math.log(1000) / string.decay(np.array([250.0, 1000.0, 2000.0, 4000.0]))
+    assert t60[1:] / t60[:-1] == pytest.approx([4**-0.7, 2**-0.7, 2**-0.7], rel=1e-12)
+    assert 2.2 / (1000 * t60[1]) == pytest.approx(9e-4, rel=2e-3)
+    assert string.decay(0.0) == 0.0

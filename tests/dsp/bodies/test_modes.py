@@ -1,14 +1,14 @@
 """All shapes alike: frequencies, shapes and masses; and modes that are listed."""
 
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from carom.dsp import bodies
-from carom.dsp.bodies import Material
 from carom.dsp.bodies.modes import MOST_MODES
-from tests.dsp.bodies.reference import EVERY, STEEL, integral_along
+from tests.dsp.bodies.reference import EVERY, HEAVY, integral_along
 
 
 @pytest.mark.parametrize("shape", EVERY)
@@ -18,8 +18,8 @@ def test_modes_are_well_formed(shape):
     assert 3 <= n <= MOST_MODES
     assert np.all(np.diff(modes.frequency) >= 0) and modes.frequency[0] >= 1 and modes.frequency[-1] <= 12000
     assert modes.strike.shape[1] == n and (len(modes.strike) == 1 or len(modes.strike) >= 4)
-    assert modes.pickup.shape == (2, n) and modes.decay.shape == (n,) and np.all(modes.decay > 0)
-    for array in (modes.frequency, modes.decay, modes.strike, modes.pickup):
+    assert modes.pressure.shape == (2, n) and modes.decay.shape == (n,) and np.all(modes.decay > 0)
+    for array in (modes.frequency, modes.decay, modes.strike, modes.pressure):
         assert array.dtype == np.float64 and np.all(np.isfinite(array))
 
 
@@ -63,7 +63,7 @@ def test_cubic_interpolation_along_the_path_is_within_one_percent(shape, monkeyp
 
 @pytest.mark.parametrize("shape", ["string", "tine", "bar"])
 def test_shapes_of_one_dimension_are_orthonormal_over_the_mass(shape):
-    modes = EVERY[shape](top=3000)
+    modes = EVERY[shape](HEAVY, top=3000, **({} if shape == "string" else {"across": 0.0, "tilt": 0.0}))
     product = integral_along(modes) * modes.mass
     # the spline errs a little; rotary inertia takes (k r)^2 of a bar's modal mass, r its radius of gyration
     rotary = {"string": 5e-4, "tine": 1.2e-3, "bar": 9e-3}[shape]
@@ -72,7 +72,7 @@ def test_shapes_of_one_dimension_are_orthonormal_over_the_mass(shape):
 
 @pytest.mark.parametrize("shape", ["bar", "plate", "disc", "ring", "glass", "membrane", "string"])
 def test_a_body_of_twice_the_mass_answers_half_as_much(shape):
-    heavy = Material("heavy", 2 * STEEL.density, 2 * STEEL.youngs_modulus, STEEL.poisson_ratio, 5, 3e-8)
+    heavy = replace(HEAVY, density=2 * HEAVY.density, youngs_modulus=2 * HEAVY.youngs_modulus)
     arguments = {
         "bar": {"length": 0.5, "width": 0.03, "thickness": 0.008},
         "string": {"length": 0.6, "diameter": 0.001, "fundamental": 261.6},
@@ -82,7 +82,7 @@ def test_a_body_of_twice_the_mass_answers_half_as_much(shape):
         "glass": {"radius": 0.04, "height": 0.08, "thickness": 0.001},
         "membrane": {"radius": 0.2, "thickness": 2e-4, "fundamental": 300},
     }[shape]
-    one, two = (getattr(bodies, shape)(material, top=5000, **arguments) for material in (STEEL, heavy))
+    one, two = (getattr(bodies, shape)(material, top=5000, **arguments) for material in (HEAVY, heavy))
     assert two.mass == pytest.approx(2 * one.mass)
     assert two.frequency == pytest.approx(one.frequency)
     # which vectors span a degenerate pair is free, how far they answer together is not
@@ -94,7 +94,19 @@ def test_listed_modes_are_taken_as_they_are():
     assert list(modes.frequency) == [100, 300]
     assert np.exp(-modes.decay * [3, 1]) == pytest.approx(1e-3)
     assert modes.strike == pytest.approx(np.array([[1, 0.5]]))
-    assert modes.pickup == pytest.approx(np.array([[1, 0.25], [1, 0.25]]))
+    assert modes.pressure == pytest.approx(np.array([[1, 0.25], [1, 0.25]]))
+
+
+def test_listed_modes_radiate_as_the_body_that_is_named():
+    given = {"frequency": [500.0], "t60": 0.01, "modal_mass": 2.0, "mass": 8, "top": 20000}
+    k = 2 * np.pi * 500 / 343
+    ball = bodies.listed(**given, order=0, radius=0.1)
+    # a pulsating sphere of 1 m/s: p = rho c (k a)^2/sqrt(1 + (k a)^2)/(k r)
+    assert ball.pressure[0] * np.sqrt(2) == pytest.approx(1.2 * 343 * k * 0.01 / np.hypot(1, 0.1 * k))
+    bell = bodies.listed(**given, order=2, radius=0.1, height=0.1)
+    assert 1e-4 < bell.pressure[0, 0] / ball.pressure[0, 0] < 0.1
+    lossless = bodies.listed(**given | {"t60": 1e3}, order=0, radius=0.1)
+    assert lossless.pressure[0] ** 2 == pytest.approx(lossless.decay * 1.2 * 343 / (2 * np.pi))
 
 
 @pytest.mark.parametrize(
@@ -103,6 +115,10 @@ def test_listed_modes_are_taken_as_they_are():
         ({"t60": [1, 2, 3]}, "3 of t60.*expected 2"),
         ({"modal_mass": [1, 2, 3]}, "3 of modal_mass.*expected 2"),
         ({"t60": [1, 0]}, "expected positive numbers"),
+        ({"order": [1, 2, 3], "radius": 0.1}, "3 of order: expected 2"),
+        ({"order": 2}, "order = 2, radius = None, height = None: expected order and radius together"),
+        ({"height": 0.1}, "height = 0.1: expected order and radius together"),
+        ({"weight": 1, "order": 2, "radius": 0.1}, "weight and order: expected one of the two"),
     ],
 )
 def test_listed_modes_that_do_not_fit_are_named(change, message):

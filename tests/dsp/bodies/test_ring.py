@@ -6,22 +6,22 @@ import numpy as np
 import pytest
 
 from carom.dsp import bodies
-from carom.dsp.bodies.bar import _wavenumber
+from carom.dsp.bodies.bending import _wavenumber
 from carom.dsp.bodies.ring import doublets
-from tests.dsp.bodies.reference import GLASSY, STEEL
+from tests.dsp.bodies.reference import GLASSY, HEAVY
 
 
 def test_ring_and_glass_have_their_modal_masses():
-    ring = bodies.ring(STEEL, radius=0.06, thickness=0.003, length=0.01, top=20000)
-    assert ring.mass == pytest.approx(2 * math.pi * 0.06 * 0.003 * 0.01 * 7850)
+    ring = bodies.ring(HEAVY, radius=0.06, thickness=0.003, length=0.01, top=20000)
+    assert ring.mass == pytest.approx(2 * math.pi * 0.06 * 0.003 * 0.01 * HEAVY.density)
     order = np.arange(2, 2 + ring.frequency.size)
     assert ring.strike[0] ** 2 == pytest.approx(2 / ring.mass / (1 + 1 / order**2))  # half radial, 1/n^2 of it along
-    glass = bodies.glass(STEEL, radius=0.04, height=0.08, thickness=0.001, top=20000)
+    glass = bodies.glass(HEAVY, radius=0.04, height=0.08, thickness=0.001, top=20000)
     assert glass.strike[0, 0] ** 2 == pytest.approx(8 / glass.mass / (1 + 1 / 4))
 
 
 def test_a_thin_ring_is_hoppes():
-    modes = bodies.ring(STEEL, radius=0.5, thickness=0.001, length=0.02, top=100)
+    modes = bodies.ring(HEAVY, radius=0.5, thickness=0.001, length=0.02, top=100)
     n = np.arange(2, 2 + modes.frequency.size)
     hoppe = n * (n**2 - 1) / np.sqrt(n**2 + 1) * math.sqrt(2e11 * 1e-6 / (12 * 7850 * 0.5**4)) / (2 * math.pi)
     assert modes.frequency == pytest.approx(hoppe, rel=1e-3)
@@ -29,10 +29,10 @@ def test_a_thin_ring_is_hoppes():
 
 def test_short_waves_on_a_ring_are_a_timoshenko_bars():
     radius, thickness, n = 0.3, 0.02, 12
-    ring = bodies.ring(STEEL, radius=radius, thickness=thickness, length=0.02, top=20000)
+    ring = bodies.ring(HEAVY, radius=radius, thickness=thickness, length=0.02, top=20000)
     section = (np.array([0.02 * thickness]), np.array([0.02 * thickness**3 / 12]), 5 / 6)
     curvature = (n**2 - 1) / (n * math.sqrt(n**2 + 1))  # what the ring's closing changes
-    assert _wavenumber(STEEL, section, ring.frequency[n - 2] / curvature) == pytest.approx(n / radius, rel=0.01)
+    assert _wavenumber(HEAVY, section, ring.frequency[n - 2] / curvature) == pytest.approx(n / radius, rel=0.01)
 
 
 def test_a_wine_glass_by_frenchs_formula():
@@ -49,8 +49,8 @@ def test_a_tall_glass_is_a_ring():
 
 
 def test_split_doublets_beat_and_share_their_motion():
-    even = bodies.ring(STEEL, radius=0.06, thickness=0.003, length=0.01, top=18000)
-    split = bodies.ring(STEEL, radius=0.06, thickness=0.003, length=0.01, top=18000, split=0.004, imperfection=20)
+    even = bodies.ring(HEAVY, radius=0.06, thickness=0.003, length=0.01, top=18000)
+    split = bodies.ring(HEAVY, radius=0.06, thickness=0.003, length=0.01, top=18000, split=0.004, imperfection=20)
     pairs = split.frequency[: 2 * (split.frequency.size // 2)].reshape(-1, 2)
     assert pairs[:, 1] / pairs[:, 0] - 1 == pytest.approx(0.004, rel=1e-2)
     assert np.mean(pairs, axis=1) == pytest.approx(even.frequency[: len(pairs)])

@@ -37,6 +37,7 @@ def deviation(case: Case) -> float:
     return error(coupled_closed.strike(replace(case, ringing=0.0)).velocity, simulate(case, 1e-4).velocity - alone)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("ringing", "least"), [(False, 0.7), (True, 0.5)])
 def test_nine_of_ten_let_through_are_as_accurate_as_asked(ringing, least):
     random = np.random.default_rng(7)
@@ -68,6 +69,7 @@ def test_light_objects_never_pass():
     assert not passes(0, math.nan, 1.0, 0.0, 1.0)
 
 
+@pytest.mark.slow
 def test_strikers_that_are_caught_up_never_pass():
     """Where much is dissipated they leave slowly, and an object that hardly gives way touches them again."""
     again = 0

@@ -29,6 +29,7 @@ def _force(state, t, v_in, m, k, force):
         force[i] = k * (length_scale(v_in, m, k, a) * y) ** a * (1.0 + w * u)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("a", [1.0, 1.2, 1.5, 2.5, 4.0])
 def test_twelve_nodes_are_as_exact_as_the_module_says(a):
     v_in, m, k = 2.0, 0.01, 1e6
@@ -56,6 +57,7 @@ def _transform(state, s):
     return total
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("w", "bound"), [(0.0, 1.1e-4), (1.0, 1.1e-4), (5.0, 3.1e-3), (24.0, 3.1e-2), (1e3, 3.1e-2)])
 def test_six_nodes_a_phase_are_as_exact_as_the_kernel_says(w, bound):
     state = np.zeros(1, closed_form.PULSE)[0]
@@ -97,6 +99,7 @@ WEIGHT = [(2 * n + 1) * spherical_jn(n, 0.95 * math.pi / 2) for n in range(close
 """What a mode at 0.95 of the Nyquist frequency makes of a moment; lower ones make less."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("samples", [0.2, 1.5, 6.0])
 def test_moments_are_the_forces(samples):
     v_in, m, mu, a, rate = 1.0, 0.01, 0.5, 1.5, 48_000.0
@@ -126,6 +129,7 @@ def test_moments_are_the_forces(samples):
 EXTREMES = [(1e-6, 1e-9, 1e16, 0.0, 1.0), (10.0, 1e3, 1e16, 1e3, 4.0), (1e3, 1e-9, 1e16, 1e3, 1.0)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("contact_law", EXTREMES)
 def test_extremes_stay_finite_and_keep_their_momentum(contact_law):
     v_in, m, _, mu, _ = contact_law

@@ -12,6 +12,8 @@ from carom.dsp import contact
 from carom.dsp.contact import collocation
 from tests.dsp.contact import pressed
 
+pytestmark = pytest.mark.slow
+
 
 @njit(error_model="numpy")
 def gradient(x, free, give, h, k, mu, a):

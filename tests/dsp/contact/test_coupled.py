@@ -11,12 +11,14 @@ from carom.dsp.contact import coupled
 from carom.dsp.contact.accuracy import LEVELS, TOLERANCE, closed_form_will_do
 from carom.dsp.contact.coupled import ContactLaw
 from carom.dsp.contact.coupled_step import HELD
-from carom.dsp.resonator import bank
+from carom.dsp.resonator import bank, coefficients
 from carom.dsp.study import coupled_sampled
 from carom.dsp.study.coupled import Case, error, extreme_case, random_cases, simulate
 from tests.dsp.contact import pressed
 from tests.dsp.contact.coupled_reference import reference
 from tests.dsp.runtime.test_realtime_safety import forbidden
+
+pytestmark = pytest.mark.slow
 
 EXACT = TOLERANCE[LEVELS.index("exact")]
 
@@ -120,7 +122,7 @@ class Modes:
         self.state, self.tuning = np.zeros((2, n)), np.zeros((2, n))
         self.modes = bank.Modes(*self.state, *self.tuning, np.zeros(n), np.zeros(bank.RESPONSES))
         for i in range(len(frequency)):
-            bank.set_mode(self.modes, i, frequency[i], sigma[i], rate, 1.0)
+            coefficients.set_mode(self.modes, i, frequency[i], sigma[i], rate, 1.0)
         shape = np.zeros(4 * n)
         shape[n : n + len(phi)] = phi
         self.point = bank.Point(shape, n, 0, np.array([0.0, 1.0, 0.0, 0.0]))

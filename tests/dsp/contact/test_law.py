@@ -42,6 +42,7 @@ def test_restitution_falls_by_two_thirds_of_w():
     assert 1 - contact.restitution(w, 1.0) == pytest.approx(2 / 3 * w, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_paper_approximation_errs_as_the_paper_says():
     w = np.geomspace(1e-3, 50, 20_000)
     error = np.abs(contact.paper_release_velocity(w, 1.0) / contact.release_velocity(w, 1.0) - 1)

@@ -18,6 +18,7 @@ def test_contact_time(a, w):
     assert contact.contact_time(2.0, 0.01, 1e6, w / 2, a) == pytest.approx(duration, rel=1e-11)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("w", [0.0, 1e-6, 1.0, 100.0, 1e6])
 @pytest.mark.parametrize("a", [1.0, 1.5, 4.0])
 def test_contact_time_is_exact(a, w):
@@ -25,6 +26,7 @@ def test_contact_time_is_exact(a, w):
     assert abs(contact.contact_time(2.0, 0.01, 1e6, w / 2, a) / exact - 1) < 1e-13
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "law",
     [
@@ -72,6 +74,7 @@ def test_force_pulse_broadcasts():
     np.testing.assert_array_equal(force[1], contact.force_pulse(t, 2.0, 0.01, 1e6, 0.5, 1.5))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("a", "w"), LAWS)
 def test_nodes_are_the_pulses_transform(a, w):
     law = v_in, m, _, mu, _ = 1.0, 0.01, 1e8, w, a

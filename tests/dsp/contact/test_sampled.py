@@ -23,12 +23,14 @@ def in_order(case: str, what: str) -> list[float]:
     return [getattr(wall.deviations(m, "none", PAPER_CASES[case], PAPER_RATE), what) for m in sampled.METHODS]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", PAPER_CASES)
 def test_deviations_are_the_papers(case):
     np.testing.assert_allclose(in_order(case, "dev_x"), DEV_X[case], rtol=0, atol=SHOWN)
     np.testing.assert_allclose(in_order(case, "dev_h"), DEV_H[case], rtol=0, atol=SHOWN)
 
 
+@pytest.mark.slow
 def test_small_deviations_round_as_printed():
     am1, _, heun, rk4 = in_order("I", "dev_h")
     assert (round(am1, 4), round(heun, 4)) == (3e-4, 4e-4) and rk4 < 1e-5

@@ -4,7 +4,7 @@ from collections.abc import Collection
 
 import numpy as np
 
-from carom.dsp.bodies.modes import Modes, listed
+from carom.dsp.bodies import Modes, listed
 from carom.dsp.engine.commands import Command, Handle, Kind
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.dsp.schema import LAW
@@ -76,6 +76,11 @@ def free(handle: Handle, at_once: bool, time: float = NOW) -> Command:
 def panic(time: float = NOW) -> Command:
     """A command that silences everything."""
     return Command(time, Kind.PANIC)
+
+
+def set_limiter(engine: Engine, on: bool) -> None:
+    """Switch the limiter on or off."""
+    engine.send([Command(NOW, Kind.LIMITER, value=float(on))])
 
 
 def active(engine: Engine) -> int:

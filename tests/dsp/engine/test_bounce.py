@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from carom.dsp import contact
-from carom.dsp.bodies.modes import listed
+from carom.dsp.bodies import listed
 from carom.dsp.engine.commands import Kind
 from carom.dsp.engine.state import CONTACTS, QUANTUM, End
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
@@ -71,6 +71,7 @@ def exact_chain(law, v, contacts):
             v = e * v
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", BALLS)
 def test_every_contact_comes_at_its_time_and_speed(name):
     engine = Engine(RATE)
@@ -143,6 +144,7 @@ def weighty_bounce(m, k, mu, a, v):
     raise AssertionError("it never rests")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", [(0.01, 1e9, 0.5, 1.5), (0.05, 1e7, 2.0, 1.5), (0.0027, 3.8e4, 3.0, 1.0)])
 def test_weight_in_contact(law):
     contacts, seconds = weighty_bounce(*law, 1.0)

@@ -81,6 +81,7 @@ def test_a_stamp_is_the_sample_of_the_loop():
     assert engine.stamp(START + 10_000_000) < before - 900
 
 
+@pytest.mark.slow
 def test_events_fall_where_the_clock_says():
     """Times up to .4 s ahead, taken by callbacks in real time: on the grid, in order, none overtaken."""
     engine = Engine(RATE)

@@ -17,16 +17,18 @@ RECORDS = {
     Kind.BOUNCE: ("strike", "bounce"),
     Kind.ROLL: ("strike", "roll"),
     Kind.PRESS: ("strike", "press"),
+    Kind.SPIN: ("strike", "spin"),
     Kind.METHOD: ("method",),
 }
 """The records that a command of a kind fills."""
 
 NEEDED = {
-    Kind.NEW: ("first", "size", "table", "rows"),
+    Kind.NEW: ("first", "size", "table", "rows", "felt", "bent", "level", "glide", "cone"),
     Kind.IMPACT: ("mass", "stiffness", "dissipation", "exponent", "position"),
     Kind.BOUNCE: ("mass", "stiffness", "dissipation", "exponent", "position", "seed"),
     Kind.ROLL: ("mass", "stiffness", "dissipation", "exponent", "position", "speed", "radius", "seed"),
     Kind.PRESS: ("mass", "stiffness", "dissipation", "exponent", "position", "force"),
+    Kind.SPIN: ("mass", "stiffness", "dissipation", "exponent", "position", "duration", "seed"),
     Kind.METHOD: ("method", "correction", "oversampling"),
 }
 """The values that have no default."""
@@ -53,7 +55,7 @@ def test_every_value_lands_in_the_field_of_its_name(kind):
     values = some(fields(kind))
     entry = written(Command(NOW, kind, HERE, values))
     assert {name: entry[record][name] for name, record in fields(kind).items()} == values
-    others = {"strike", "bounce", "roll", "press", "settings", "layout", "method"} - set(RECORDS[kind])
+    others = {"strike", "bounce", "roll", "press", "spin", "settings", "layout", "method"} - set(RECORDS[kind])
     assert not any(entry[record][name] for record in others for name in COMMAND[record].names)
 
 
@@ -74,13 +76,15 @@ def test_values_that_are_unknown_are_named(kind):
 
 def test_defaults_are_the_schemas_in_the_engines_units():
     bounce = written(Command(NOW, Kind.BOUNCE, HERE, some(NEEDED[Kind.BOUNCE])))
-    assert bounce["strike"]["gain"] == 1.0 and bounce["strike"]["velocity"] == bounce["strike"]["by_position"] == 0.0
+    assert bounce["strike"]["gain"] == bounce["strike"]["gesture_level"] == 1.0
+    assert bounce["strike"]["velocity"] == bounce["strike"]["by_position"] == 0.0
     assert bounce["bounce"]["gravity"] == STANDARD_GRAVITY
     assert bounce["bounce"]["irregularity"] == bounce["bounce"]["delay"] == bounce["bounce"]["weight"] == 0.0
     roll = written(Command(NOW, Kind.ROLL, HERE, some(NEEDED[Kind.ROLL])))["roll"]
     assert roll["roughness"] == 1.0 and roll["friction"] == roll["asymmetry"] == roll["travel"] == 0.0
     new = written(Command(NOW, Kind.NEW, HERE, some(NEEDED[Kind.NEW])))["settings"]
-    assert new.item() == (1.0, 0.0, 1.0, 1.0, 0.0) and new.dtype.names == ("gain", "pan", "tune", "decay", "damp")
+    assert new.dtype.names == ("gain", "pan", "distance", "tune", "decay", "damp")
+    assert new.item() == (1.0, 0.0, 1.0, 1.0, 1.0, 0.0)
 
 
 def test_objects_and_numbers_are_written():

@@ -1,11 +1,12 @@
 """Contacts in the engine with objects that give way, ring already, touch back, or are pressed on."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from carom.dsp.bodies.modes import listed
+from carom.dsp.bodies import listed
 from carom.dsp.contact.accuracy import LEVELS
 from carom.dsp.engine.commands import Command, Kind
 from carom.dsp.engine.state import COUPLED_MODES, QUANTUM, End, Solver
@@ -68,12 +69,13 @@ PAIRS = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "striker", "v_in"), PAIRS)
 def test_heavy_and_light_strikers_against_dop853(name, striker, v_in):
     """Twelve milliseconds of the object's point, struck by built-in strikers."""
     engine = Engine(RATE)
     preset = PRESETS.object(name)
-    modes = preset.modes(engine.top_frequency)
+    modes = replace(preset.modes(engine.top_frequency), glide=0.0)
     law = PRESETS.striker(striker).contact(preset.material)
     handle = engine.add(modes, 0.05)
     strike(engine, handle, law, 3.25, v_in)
@@ -107,6 +109,7 @@ def test_a_coin_rattles_on_a_tin_lid():
     assert engine.stats.recontacts > 20 and 0.1 < most / (0.5 * law[0]) < 1.0 + 1e-6
 
 
+@pytest.mark.slow
 def test_an_object_that_rings_meets_the_striker_half_way():
     engine = Engine(RATE)
     law = (0.02, 1e6, 0.3, 1.5)

@@ -6,7 +6,7 @@ import pytest
 from carom.dsp.engine.commands import Kind
 from carom.dsp.engine.state import QUANTUM
 from carom.dsp.runtime.engine import Engine
-from tests.dsp.engine.support import HARD, RATE, bell, free, gesture, setting, strike
+from tests.dsp.engine.support import HARD, RATE, bell, free, gesture, set_limiter, setting, strike
 
 FRAMES = 100 * QUANTUM
 EPSILON = np.finfo(np.float32).eps
@@ -24,7 +24,7 @@ def scene(level=2.0):
 
 
 def with_shares(engine, frames, block):
-    """The sound in blocks, and each slot's share of it: (frames, 2) and (OBJECTS, 2, frames)."""
+    """The sound in blocks, and each slot's share of it: (frames, 2) and (OBJECTS, channels, frames)."""
     engine.keep_stems(True)
     blocks, shares = [], []
     for _ in range(0, frames, block):
@@ -70,7 +70,7 @@ def test_keeping_shares_changes_no_bit():
 def test_without_the_limiter_the_sum_is_left_as_it_is():
     """A thousand times as loud is a thousand times the sound, and what is limited is none of it."""
     (loud, _), (soft, _), (limited, _) = scene(2_000.0), scene(), scene(2_000.0)
-    loud.set_limiter(False)
+    set_limiter(loud, False)
     sound, shares = with_shares(loud, FRAMES, QUANTUM)
     assert np.abs(sound).max() > 10.0 and loud.stats.limited == 0 and loud.stats.limit_lowest == 1.0
     np.testing.assert_allclose(shares.sum(axis=0).T, sound, rtol=EPSILON, atol=1e-30)
@@ -81,11 +81,11 @@ def test_without_the_limiter_the_sum_is_left_as_it_is():
 
 def test_the_limiter_can_be_switched_on_and_off_again():
     engine, _ = scene(2_000.0)
-    engine.set_limiter(False)
+    set_limiter(engine, False)
     assert np.abs(engine.process(10 * QUANTUM)).max() > 1.0
-    engine.set_limiter(True)
+    set_limiter(engine, True)
     assert np.abs(engine.process(10 * QUANTUM)).max() <= 1.0
-    engine.set_limiter(False)
+    set_limiter(engine, False)
     assert np.abs(engine.process(10 * QUANTUM)).max() > 1.0
 
 
@@ -93,7 +93,7 @@ def test_shares_are_taken_before_the_limiter():
     engine, _ = scene(2_000.0)
     sound, shares = with_shares(engine, FRAMES, QUANTUM)
     plain, _ = scene(2_000.0)
-    plain.set_limiter(False)
+    set_limiter(plain, False)
     np.testing.assert_allclose(shares.sum(axis=0).T, plain.process(FRAMES), rtol=EPSILON, atol=1e-30)
     assert np.abs(sound).max() <= 1.0
 

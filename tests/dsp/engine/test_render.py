@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from carom.dsp.bodies.modes import Modes, listed
+from carom.dsp.bodies import Modes, listed
 from carom.dsp.engine.state import QUANTUM
 from carom.dsp.runtime.engine import Engine
 from tests.dsp.engine.support import RATE, bell, setting, strike
@@ -39,7 +39,7 @@ def test_modes_above_the_nyquist_share_are_left_out():
     bank, obj = engine.state["bank"][0], engine.state["objects"][0][handle.slot]
     strike(engine, handle)
     engine.process(QUANTUM)
-    assert (bank["frequency"][obj["first"] : obj["first"] + obj["size"]] > 0).sum() == 2
+    assert (bank["frequency"][obj["first"] : obj["first"] + obj["felt"]] > 0).sum() == obj["felt"] == 2
     engine.send([setting(handle, "tune", 1.01)])
     engine.process(QUANTUM)
     lane = obj["first"] + 1
@@ -74,7 +74,7 @@ def test_modes_fall_silent_one_group_after_another():
 
 
 def test_a_mode_is_heard_at_either_side():
-    """One that only the right pickup hears rings on as long as it is heard there."""
+    """One that only the right output hears rings on as long as it is heard there."""
     modes = Modes(np.array([500.0]), np.array([3.0]), np.full((4, 1), 0.1), np.array([[0.0], [0.1]]), 1.0)
     engine = Engine(RATE)
     strike(engine, engine.add(modes, 1e3), law=(1e-4, 1e9, 0.5, 1.5))

@@ -21,7 +21,7 @@ HAND = (0.05, 1e5, 5.0, 1.5)
 
 NEW = {
     "position": 0.9, "gain": 0.25, "gravity": 30.0, "irregularity": 0.8, "speed": 0.9, "mass": 0.02,
-    "radius": 0.02, "roughness": 0.3, "asymmetry": 0.4, "friction": 0.05, "force": 9.0,
+    "radius": 0.02, "roughness": 0.3, "asymmetry": 0.4, "friction": 0.05, "force": 9.0, "flat": 0.6,
 }  # fmt: skip
 """What each parameter is steered to: nothing that it is by itself in `begin`."""
 
@@ -48,6 +48,7 @@ def begin(kind):
         "impact": lambda: gesture(Kind.IMPACT, handle, SOFT, 1000.0, 7, velocity=1.0),
         "bounce": lambda: gesture(Kind.BOUNCE, handle, BALL, 100.0, 7, velocity=0.2, seed=1),
         "roll": lambda: gesture(Kind.ROLL, handle, BALL, 100.0, 7, speed=0.4, radius=0.008, seed=1),
+        "spin": lambda: gesture(Kind.SPIN, handle, BALL, 100.0, 7, duration=0.5, irregularity=0.1, seed=1),
         "press": lambda: gesture(Kind.PRESS, handle, HAND, 100.0, 7, velocity=0.01, force=2.0),
     }[kind]
     engine.send([command()])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from carom.dsp import contact
-from carom.dsp.bodies.modes import Modes, listed
+from carom.dsp.bodies import Modes, listed
 from carom.dsp.contact.accuracy import LEVELS
 from carom.dsp.engine.commands import Command, Kind
 from carom.dsp.engine.state import CONTACTS, QUANTUM, TRACED
@@ -116,6 +116,7 @@ def test_a_bounce_gives_contact_by_contact_what_it_loses():
         v, t = e * v, t + lasts + 2.0 * e * v / STANDARD_GRAVITY
 
 
+@pytest.mark.slow
 def test_a_roll_gives_what_the_study_says():
     """The same body on the same surface, by itself: to the bit but for the cut into quanta."""
     engine = traced_engine()

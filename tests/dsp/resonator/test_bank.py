@@ -9,7 +9,8 @@ from scipy.integrate import solve_ivp
 
 from carom.dsp import contact
 from carom.dsp.contact import closed_form
-from carom.dsp.resonator import bank
+from carom.dsp.resonator import bank, coefficients
+from carom.dsp.resonator.bank import state_of
 
 LANES = bank.LANES
 
@@ -26,7 +27,7 @@ class Bank:
 
     def tune(self, frequency, decay):
         for i, (f, d) in enumerate(zip(frequency, decay, strict=True)):
-            bank.set_mode(self.modes, i, f, d, self.rate, 1.0)
+            coefficients.set_mode(self.modes, i, f, d, self.rate, 1.0)
 
     def strike(self, moments):
         bank.inject(self.modes, self.point, moments)
@@ -41,6 +42,7 @@ class Bank:
         return self.y1.copy()
 
 
+@pytest.mark.slow
 def test_free_ringing_is_exact():
     rate = 48_000.0
     frequency = np.array([20.0, 55.0, 440.0, 1000.0, 5000.0, 12_000.0, 20_000.0, 22_800.0])
@@ -50,7 +52,7 @@ def test_free_ringing_is_exact():
     blow[0] = 1e-3
     modes.strike(blow)
     start = modes.y1.copy()
-    z0 = np.array([complex(*bank.state_of(*v)) for v in zip(modes.y1, modes.y2, modes.a1, modes.a2, strict=True)])
+    z0 = np.array([complex(*state_of(*v)) for v in zip(modes.y1, modes.y2, modes.a1, modes.a2, strict=True)])
     frames = 30 * 48_000
     out = modes.ring(frames)
     exact = (z0 * np.exp((-decay + 2j * np.pi * frequency) * frames / rate)).imag
@@ -62,6 +64,7 @@ def test_free_ringing_is_exact():
     np.testing.assert_allclose(out[1, :200], heard @ modes.balance, atol=1e-12 * np.abs(z0).max())
 
 
+@pytest.mark.slow
 def test_ringing_does_not_depend_on_how_it_is_cut():
     def run(cuts):
         modes = Bank(np.linspace(100, 20_000, LANES), np.full(LANES, 5.0), 48_000.0)
@@ -120,12 +123,13 @@ def driven_mode(v_in, m, k, mu, a, frequency, decay, rate, fraction, frames):
     return z.imag
 
 
+@pytest.mark.slow
 def test_stretches_under_forces_are_blows_and_ringing():
     random = np.random.default_rng(3)
     count = 3 * LANES
     modes = bank.Modes(*np.zeros((5, count)), np.zeros(count // LANES * bank.RESPONSES))
     for i in range(count):
-        bank.set_mode(modes, i, 50.0 + 900.0 * i, 5.0, 48_000.0, random.uniform(-2, 2))
+        coefficients.set_mode(modes, i, 50.0 + 900.0 * i, 5.0, 48_000.0, random.uniform(-2, 2))
     modes.balance[:] = random.uniform(-1, 1, count)
     shape = random.normal(size=9 * count).astype(np.float32)
     drivers = np.zeros(4, bank.DRIVER)
@@ -153,9 +157,9 @@ def test_retuning_keeps_amplitude_and_phase():
     blow[0] = 1.0
     modes.strike(blow)
     modes.ring(777)
-    before = [bank.state_of(*v) for v in zip(modes.y1, modes.y2, modes.a1, modes.a2, strict=True)]
+    before = [state_of(*v) for v in zip(modes.y1, modes.y2, modes.a1, modes.a2, strict=True)]
     modes.tune(np.linspace(100, 20_000, LANES), np.linspace(1, 100, LANES))
-    after = [bank.state_of(*v) for v in zip(modes.y1, modes.y2, modes.a1, modes.a2, strict=True)]
+    after = [state_of(*v) for v in zip(modes.y1, modes.y2, modes.a1, modes.a2, strict=True)]
     np.testing.assert_allclose(after, before, rtol=1e-9)
 
 
@@ -175,6 +179,7 @@ def test_shapes_are_interpolated_between_rows():
     np.testing.assert_allclose(modes.y2, expected * modes.response[LANES], rtol=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [8_000.0, 48_000.0, 192_000.0])
 def test_a_contact_sees_the_modes_as_they_are(rate):
     """The point's motion over the coming sample, and after an impulse, against the exact modes; with any weights."""
@@ -186,7 +191,7 @@ def test_a_contact_sees_the_modes_as_they_are(rate):
     s = (-decay + 1j * omega) / rate
     modes = bank.Modes(*np.zeros((5, LANES)), np.zeros(bank.RESPONSES))
     for i in range(LANES):
-        bank.set_mode(modes, i, frequency[i], decay[i], rate, weight[i])
+        coefficients.set_mode(modes, i, frequency[i], decay[i], rate, weight[i])
     modes.y1[:], modes.y2[:] = (weight * z).imag, (weight * z * np.exp(-s)).imag
     shape = np.zeros(4 * LANES)
     shape[LANES : 2 * LANES] = phi

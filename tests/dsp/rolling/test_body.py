@@ -18,6 +18,8 @@ from carom.dsp.rolling.body import fill_roll
 from carom.dsp.study import roll
 from tests.dsp.rolling.support import GLASS, MARBLE, STEEL_BALL, STONE, WHEEL, WOOD, flat, ground
 
+pytestmark = pytest.mark.slow
+
 
 @njit
 def brute_force(pieces, v, m, k, mu, a, g, dt, steps, each):

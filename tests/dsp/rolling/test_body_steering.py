@@ -7,6 +7,8 @@ from carom.dsp.numerics.constants import STANDARD_GRAVITY
 from carom.dsp.study import roll
 from tests.dsp.rolling.support import MARBLE, flat, ground
 
+pytestmark = pytest.mark.slow
+
 
 def steered(on, body, changes, seconds=0.5):
     """Force of a roll that is given new targets half way through; coarseness changes at once."""

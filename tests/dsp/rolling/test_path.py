@@ -5,6 +5,8 @@ import pytest
 
 from carom.dsp.rolling import path, surface
 
+pytestmark = pytest.mark.slow
+
 
 def make(roughness=1e-6, correlation=1e-3, slope=2.0, **more):
     return surface.make_surface(roughness, correlation, slope, **more)

@@ -13,6 +13,7 @@ def make(roughness=1e-6, correlation=1e-3, slope=2.0, **more):
     return surface.make_surface(roughness, correlation, slope, **more)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("slope", [1.5, 2.0, 3.0])
 def test_spectrum(slope):
     correlation, step = 1e-3, 64

@@ -3,6 +3,7 @@
 import importlib
 import logging
 import sys
+from pathlib import Path
 
 import numba
 import platformdirs
@@ -55,6 +56,7 @@ def test_an_edit_of_a_file_that_is_not_imported_keeps_the_key(package, name):
     assert key("kernels.callback") == before
 
 
+@pytest.mark.slow
 def test_the_callbacks_key_holds_its_kernels_and_neither_bodies_nor_study():
     for module in ("carom.dsp.study.wall", "carom.dsp.study.roll", "carom.dsp.bodies.plate"):
         importlib.import_module(module)
@@ -73,11 +75,31 @@ def compile_double(cached):
 
 def test_only_what_is_compiled_is_announced(tmp_path, monkeypatch, caplog):
     monkeypatch.setattr(platformdirs, "user_cache_path", lambda name: tmp_path / name)
-    monkeypatch.setattr("carom.dsp.runtime.code_cache._LONG", 0.0)
+    monkeypatch.setattr("carom.dsp.runtime.compile_notice._LONG", 0.0)
     with caplog.at_level(logging.WARNING):
         assert kept(compile_double)(21) == 42
-    assert [record.getMessage().startswith("the engine is being compiled") for record in caplog.records] == [True]
+    assert [record.getMessage().startswith("compiling the engine") for record in caplog.records] == [True]
     caplog.clear()
     with caplog.at_level(logging.WARNING):
         assert kept(compile_double)(21) == 42
+    assert not caplog.records
+
+
+def damage(path: Path, way: str) -> None:
+    data = path.read_bytes()
+    path.write_bytes({"empty": b"", "half": data[: len(data) // 2], "noise": bytes(len(data))}[way])
+
+
+@pytest.mark.parametrize("way", ["empty", "half", "noise"])
+@pytest.mark.parametrize("ending", ["*.nbi", "*.nbc"])
+def test_damaged_code_is_compiled_anew(tmp_path, monkeypatch, caplog, way, ending):
+    monkeypatch.setattr(platformdirs, "user_cache_path", lambda name: tmp_path / name)
+    assert kept(compile_double)(21) == 42
+    (file,) = tmp_path.rglob(ending)
+    damage(file, way)
+    with caplog.at_level(logging.WARNING):
+        assert kept(compile_double)(21) == 42
+    assert "damaged" in caplog.text
+    caplog.clear()
+    assert kept(compile_double)(21) == 42
     assert not caplog.records

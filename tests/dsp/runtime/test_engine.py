@@ -42,7 +42,7 @@ def test_an_object_is_added_with_its_settings_and_at_its_time():
     engine.process(QUANTUM)
     settings = engine.state["objects"][0][one.slot]["settings"]
     assert dict(zip(settings.dtype.names, settings.item(), strict=True)) == {
-        "gain": 0.5, "pan": 0.0, "tune": 2.0, "decay": 1.0, "damp": 0.0
+        "gain": 0.5, "pan": 0.0, "distance": 1.0, "tune": 2.0, "decay": 1.0, "damp": 0.0
     }  # fmt: skip
     assert active(engine) == 1 and later.serial == one.serial + 1
     engine.process(1000)

@@ -31,7 +31,7 @@ def call(handover: Handover, frames: int) -> np.ndarray:
 
 def test_a_device_hears_silence_while_the_engine_is_taken():
     engine = Engine(RATE)
-    handover = Handover(engine.address, engine.pointer)
+    handover = Handover(engine.address, engine.pointer, 2)
     for asked, (turn, runs) in enumerate(
         ((handover.revoke, 0), (handover.allow, 1), (handover.revoke, 0), (handover.revoke, 0), (handover.allow, 1))
     ):
@@ -58,7 +58,7 @@ def slow(_input, output, frames, times, flags, userdata):
 def test_the_engine_is_run_by_one_at_a_time():
     """Two devices that call without end; each is given what was taken from the other."""
     state = np.zeros(3, np.int64)
-    handovers = [Handover(slow.address, state.ctypes.data) for _ in range(2)]
+    handovers = [Handover(slow.address, state.ctypes.data, 2) for _ in range(2)]
     running = np.ones(1, np.int64)
     threads = []
     for handover in handovers:

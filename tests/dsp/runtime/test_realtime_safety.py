@@ -11,6 +11,8 @@ from numba import carray, cfunc, njit, objmode, types
 
 from carom.dsp.runtime import handover
 
+pytestmark = pytest.mark.slow
+
 ALLOWED = {
     # Of the C library: pure mathematics, the clock and the thread's number, which take no lock.
     *("exp", "exp2", "expm1", "log", "log1p", "pow", "sin", "cos", "sqrt", "floor"),

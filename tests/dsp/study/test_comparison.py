@@ -15,6 +15,8 @@ from carom.dsp.study.coupled_closed import asking_loop, strike, striking_loop
 from carom.dsp.study.coupled_sampled import sample, sampling_loop
 from carom.dsp.study.wall import path
 
+pytestmark = pytest.mark.slow
+
 
 def test_the_closed_form_gains_no_energy():
     for case in random_cases(40, seed=3, yielding=(1e-3, 3.0)):

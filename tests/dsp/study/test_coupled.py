@@ -7,6 +7,8 @@ import pytest
 
 from carom.dsp.study import Case, simulate
 
+pytestmark = pytest.mark.slow
+
 STRIKER = {"v_in": 1.0, "m": 0.05, "k": 1e7, "mu": 0.3, "a": 1.5, "samples": 60}
 
 

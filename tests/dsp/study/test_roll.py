@@ -12,6 +12,8 @@ from carom.dsp.rolling.path import path_pieces
 from carom.dsp.rolling.surface import make_surface
 from carom.dsp.study import roll
 
+pytestmark = pytest.mark.slow
+
 BALL = {"radius": 8e-3, "m": 5e-3, "speed": 0.3}
 
 

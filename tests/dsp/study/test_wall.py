@@ -51,6 +51,7 @@ def scattered():
     return wall.scattered_laws(100_000, seed=7)
 
 
+@pytest.mark.slow
 def test_scattered_laws_cover_their_ranges(scattered):
     laws, rates = scattered
     assert len(laws) >= 100_000 and wall.durations(laws, rates).max() <= 300
@@ -66,6 +67,7 @@ def test_scattered_laws_are_the_seeds():
     assert first.shape != other.shape or (first != other).any()
 
 
+@pytest.mark.slow
 def test_the_closed_form_never_fails(scattered):
     laws, rates = scattered
     outcomes, v_out = wall.outcomes("closed", "none", laws, rates)
@@ -77,6 +79,7 @@ def test_the_closed_form_never_fails(scattered):
             assert abs(-v_out[i] / exact - 1) < 1e-15
 
 
+@pytest.mark.slow
 def test_sampled_methods_fail_below_two_samples(scattered):
     laws, rates = scattered
     short = wall.durations(laws, rates) < 0.5
@@ -119,6 +122,7 @@ def test_a_fine_enough_method_has_the_exact_spectrum():
     assert spectrum_error("rk4", "none", (1.0, 0.01, 1e14, 50.0, 1.5), PAPER_RATE) == np.inf
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", ["1", "2"])
 def test_ten_thousand_corrected_rebounds_add_up_to_nothing(case):
     law = PAPER_CASES[case]
@@ -148,6 +152,7 @@ def test_the_exact_release_costs_less_than_twenty_samples_of_verlet():
     assert cost.release_cost(law, 50) < cost.contact_cost("verlet", "none", law, PAPER_RATE, 50)
 
 
+@pytest.mark.slow
 def test_costs_grow_with_the_work():
     law = PAPER_CASES["1"]
     once, eight = (cost.contact_cost("heun", "none", law, n * PAPER_RATE, 30) for n in (1, 8))

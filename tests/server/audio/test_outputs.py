@@ -13,6 +13,8 @@ from carom.server.audio.outputs import AudioError, open_output
 from carom.server.osc.score import Line, read
 from tests.support import render_lines
 
+pytestmark = pytest.mark.slow
+
 SCORE = """0 /object/new bell church-bell pan -0.2
 0 /object/new glass wine-glass pan 0.5
 0 /object/new lid tin-lid pan 0.3 gain -10
@@ -32,11 +34,13 @@ import sys, time
 from carom.dsp.runtime.engine import Engine
 from carom.server.audio.outputs import open_output
 from carom.presets.library import Presets
+from carom.server.render import Options
 from carom.server.scene.session import Session
 from carom.server.osc.score import read, sample_at
-engine = Engine(48_000)
+score = read(sys.argv[1])
+engine = Engine(48_000, Options().channels_of(score))
 scene = Session(engine, Presets())
-for line in sorted(read(sys.argv[1]), key=lambda line: line.time):
+for line in sorted(score, key=lambda line: line.time):
     assert all(r.address == "/done" for r in scene.perform([line.message], sample_at(line.time + 1.0, 48_000)))
 output = open_output(engine, sys.argv[2], 0)
 output.start()
@@ -51,17 +55,18 @@ def shifted(lines: list[Line]) -> list[Line]:
     return [Line(line.time + LEAD, line.message, line.where) for line in lines]
 
 
-def test_jack_hears_what_a_render_gives(jack, tmp_path):
+@pytest.mark.parametrize("channels", [2, 5])
+def test_jack_hears_what_a_render_gives(jack, tmp_path, channels):
     """A score through PortAudio on jackd's dummy driver, recorded by a JACK client: the offline render's samples.
 
     A virtual machine that is stopped for a while loses a block; three takes, of which one must be whole.
     """
-    jack.start(2048)  # blocks long enough for a machine that is busy
+    jack.start(2048, channels=channels)  # blocks long enough for a machine that is busy
     score = tmp_path / "score.txt"
-    score.write_text(SCORE)
+    score.write_text(f"0 /channels {channels}\n{SCORE}")
     expected = render_lines(shifted(read(score)))
     for take in range(3):
-        heard = one_take(score, len(expected) / 48_000 + 1.0)
+        heard = one_take(score, len(expected) / 48_000 + 1.0, channels)
         try:
             return assert_heard(heard, expected)
         except AssertionError:
@@ -69,9 +74,9 @@ def test_jack_hears_what_a_render_gives(jack, tmp_path):
                 raise
 
 
-def one_take(score: Path, seconds: float) -> np.ndarray:
+def one_take(score: Path, seconds: float, channels: int) -> np.ndarray:
     """A score as JACK hears it."""
-    with recording(seconds + 5.0) as recorder:
+    with recording(seconds + 5.0, channels) as recorder:
         player = subprocess.Popen(
             [sys.executable, "-c", PLAYER, str(score), "system", str(seconds)], stdout=subprocess.PIPE, text=True
         )
@@ -95,7 +100,7 @@ def first_sound(sound: np.ndarray) -> int:
 class recording:  # noqa: N801 - used as a context, like the standard library's
     """Records every client's output from a JACK server, for up to some seconds."""
 
-    def __init__(self, seconds: float) -> None:
+    def __init__(self, seconds: float, channels: int) -> None:
         import jack
 
         deadline = time.monotonic() + 10
@@ -107,8 +112,8 @@ class recording:  # noqa: N801 - used as a context, like the standard library's
                 if time.monotonic() > deadline:
                     raise
                 time.sleep(0.1)
-        self._inputs = [self._client.inports.register(f"in_{side}") for side in "lr"]
-        self._sound = np.zeros((round(seconds * 48_000), 2), np.float32)
+        self._inputs = [self._client.inports.register(f"in_{n}") for n in range(channels)]
+        self._sound = np.zeros((round(seconds * 48_000), channels), np.float32)
         self._frames = 0
         self._client.set_process_callback(self._process)
 
@@ -132,7 +137,7 @@ class recording:  # noqa: N801 - used as a context, like the standard library's
         while time.monotonic() < deadline:
             ports = self._client.get_ports(is_audio=True, is_output=True)
             playing = [p for p in ports if not p.name.startswith(("system:", "carom-recorder:"))]
-            if len(playing) == 2:
+            if len(playing) == len(self._inputs):
                 for source, target in zip(playing, self._inputs, strict=True):
                     self._client.connect(source, target)
                 return

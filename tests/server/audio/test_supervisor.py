@@ -18,6 +18,8 @@ from carom.server.audio import supervisor as player_module
 from carom.server.audio.supervisor import Player, priority
 from tests.support import serving
 
+pytestmark = pytest.mark.slow
+
 
 def within(seconds: float, done: Callable[[], object]) -> None:
     deadline = time.monotonic() + seconds
@@ -42,7 +44,7 @@ class Device:
     name, latency, patience = "fake", 0.01, 60.0
 
     def __init__(self, engine: Engine) -> None:
-        self._handover = Handover(engine.address, engine.pointer)
+        self._handover = Handover(engine.address, engine.pointer, 2)
         self.gone, self.closed = False, 0
         self.come_round()
         self.start, self.rest = self._handover.allow, self._handover.revoke

@@ -47,3 +47,24 @@ def test_what_the_system_takes_in_pieces_is_written_whole(tmp_path, monkeypatch)
     file.write(b"0123456789")
     file.close()
     assert (tmp_path / "out").read_bytes() == b"0123456789"
+
+
+@pytest.mark.parametrize("kind", [Log, Recorder])
+def test_a_link_that_leads_nowhere_is_kept(tmp_path, kind):
+    link = tmp_path / "link"
+    link.symlink_to(tmp_path / "target")
+    kind(Engine(48_000), link).close()
+    assert link.is_symlink() and not (tmp_path / "target").exists()
+
+
+def test_a_file_that_is_removed_is_written_no_more(tmp_path):
+    engine = Engine(48_000)
+    log, recorder = Log(engine, tmp_path / "log"), Recorder(engine, tmp_path / "out.wav")
+    for keeper, name in ((log, "log"), (recorder, "out.wav")):
+        keeper.start()
+        (tmp_path / name).unlink()
+    log.write()
+    engine.process(64)
+    recorder.close()
+    assert log.error and recorder.error and "removed" in log.error and "removed" in recorder.error
+    log.close()

@@ -26,7 +26,7 @@ FRAMES = np.random.default_rng(1).normal(0.0, 0.1, (1_000, 2)).astype("f4")
 
 def written(path: Path, *parts: np.ndarray) -> Path:
     descriptor = os.open(path, os.O_RDWR | os.O_CREAT)
-    with FloatWav(descriptor, 44_100) as file:
+    with FloatWav(descriptor, 44_100, 2) as file:
         for part in parts:
             file.write(part)
     os.close(descriptor)
@@ -110,7 +110,7 @@ def test_pcm_renders_are_plain_wav(tmp_path, format):
 
 def test_a_file_can_be_read_while_it_grows(tmp_path):
     descriptor = os.open(tmp_path / "x.wav", os.O_RDWR | os.O_CREAT)
-    file = FloatWav(descriptor, 44_100)
+    file = FloatWav(descriptor, 44_100, 2)
     for count in range(3):
         assert soundfile.info(tmp_path / "x.wav").frames == 1_000 * count
         assert_header_is_whole(tmp_path / "x.wav")
@@ -121,7 +121,7 @@ def test_a_file_can_be_read_while_it_grows(tmp_path):
 @pytest.mark.parametrize("frames", [(2**32 - 100) // 8, 2**29, 2**33])
 def test_a_header_counts_any_number_of_frames(tmp_path, frames):
     path = tmp_path / "x.wav"
-    path.write_bytes(header(48_000, frames))
+    path.write_bytes(header(48_000, frames, 2))
     os.truncate(path, path.stat().st_size + 8 * frames)  # a hole, which takes no room
     info = soundfile.info(path)
     assert (info.frames, info.samplerate, info.subtype) == (frames, 48_000, "FLOAT")
@@ -133,7 +133,7 @@ def test_a_header_counts_any_number_of_frames(tmp_path, frames):
 def test_a_disk_that_fills_up_leaves_the_file_whole(tmp_path, monkeypatch):
     path = tmp_path / "x.wav"
     descriptor = os.open(path, os.O_RDWR | os.O_CREAT)
-    file = FloatWav(descriptor, 44_100)
+    file = FloatWav(descriptor, 44_100, 2)
     file.write(FRAMES)
     room = 3_000
 
@@ -158,4 +158,27 @@ def test_a_disk_that_fills_up_leaves_the_file_whole(tmp_path, monkeypatch):
 
 
 def test_a_header_keeps_its_size():
-    assert len(header(48_000, 0)) == len(header(48_000, 2**40))
+    for channels in (1, 2, 3, 64):
+        assert len(header(48_000, 0, channels)) == len(header(48_000, 2**40, channels))
+
+
+@pytest.mark.parametrize("channels", [1, 3, 8, 64])
+def test_any_number_of_channels_comes_back(tmp_path, channels):
+    """More than two have no places of loudspeakers, which the extensible format says."""
+    frames = np.random.default_rng(channels).normal(0.0, 0.1, (500, channels)).astype("f4")
+    descriptor = os.open(tmp_path / "x.wav", os.O_RDWR | os.O_CREAT)
+    with FloatWav(descriptor, 44_100, channels) as file:
+        file.write(frames[:100])
+        file.write(frames[100:])
+    os.close(descriptor)
+    heard, rate = soundfile.read(tmp_path / "x.wav", dtype="float32", always_2d=True)
+    np.testing.assert_array_equal(heard, frames)
+    format = chunks(tmp_path / "x.wav")[b"fmt "]
+    tag, count, hertz, per_second, frame, bits, more = struct.unpack("<HHIIHHH", format[:18])
+    assert (rate, hertz, count, frame, bits) == (44_100, 44_100, channels, 4 * channels, 32)
+    assert per_second == 44_100 * frame and more == len(format) - 18
+    if channels > 2:
+        valid, places, guid = struct.unpack("<HI16s", format[18:])
+        assert (tag, valid, places, guid[:2]) == (0xFFFE, 32, 0, b"\3\0")
+    else:
+        assert tag == 3

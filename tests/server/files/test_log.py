@@ -56,9 +56,13 @@ def random_message(rng: random.Random) -> Message:
             speed = rng.choice((0.0, 0.3, 1.0))
             return Message(f"/object/{name}/roll", (speed, "striker", "steel", *rng.choice(((), ("id", "x")))))
         case 8:
+            if rng.random() < 0.5:
+                return Message(f"/object/{name}/spin", (rng.choice((0.0, 0.05, 1.0)), "irregularity", 0.4))
             return Message(f"/object/{name}/press", (0.5, "striker", "felt", *rng.choice(((), ("id", "y")))))
         case 9:
-            what = rng.choice((("stop",), ("gain", -6.0), ("speed", 0.5), ("gravity", 5.0), ("force", 1.0)))
+            what = rng.choice(
+                (("stop",), ("gain", -6.0), ("speed", 0.5), ("gravity", 5.0), ("force", 1.0), ("flat", 0.4))
+            )
             return Message(f"/gesture/{rng.choice(('x', '*', 'y', '[a-c]*'))}/{what[0]}", what[1:])
         case 10:
             by = ("by", rng.choice("abcd"), *rng.choice(((), ("by_position", 0.2), ("mass", 0.05))))
@@ -68,6 +72,7 @@ def random_message(rng: random.Random) -> Message:
             return Message(f"/object/{rng.choice((name, '*', '{a,b}'))}/impact", args)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_a_session_of_anything_at_any_time(tmp_path, seed):
     """Messages of all kinds, for now, for later, too late, by samples and by the clock, refused, panicked away."""
@@ -101,6 +106,7 @@ def test_a_session_of_anything_at_any_time(tmp_path, seed):
     np.testing.assert_array_equal(np.concatenate(list(blocks(lines, Engine(48_000), PRESETS, options))), heard)
 
 
+@pytest.mark.slow
 def test_a_server_s_log_renders_to_its_recording(tmp_path):
     (tmp_path / "log.txt").write_text("an older one")
     options = ("--device", "none", "--record", "out.wav", "--log", "log.txt", "--contact", "heun", "--block", "100")
@@ -132,11 +138,52 @@ def test_a_server_s_log_renders_to_its_recording(tmp_path):
     lines = read(tmp_path / "log.txt")
     said = [line.message.address for line in lines]
     assert said.count("/object/a/impact") == 3 + 3 + 1 and said.count("/object/b/impact") == 3 + 3
-    assert said[:1] == ["/contact"] and "/panic" in said and "/object/nobody/impact" not in said
+    assert (
+        said[:4] == ["/channels", "/limiter", "/gain", "/contact"]
+        and "/panic" in said
+        and "/object/nobody/impact" not in said
+    )
     recorded, rate = soundfile.read(tmp_path / "out.wav", dtype="float32")
     np.testing.assert_array_equal(render_lines(lines, seconds=len(recorded) / rate), recorded)
 
 
+@pytest.mark.slow
+def test_a_log_s_head_says_channels_limiter_and_gain(tmp_path):
+    """It renders to the recording of a server that was started with other ones, and changed while it played."""
+    options = ("--device", "none", "--record", "out.wav", "--log", "log.txt")
+    with serving(tmp_path, *options, "--channels", "3", "--gain", "9.5", "--limiter", "off") as server:
+        with server.client() as client:
+            client.new("a", "glockenspiel-bar", gains=[0.2, -1.0], distance=2.0)
+            client.new("b", "wood-block", pan=0.5)
+            for _ in range(3):
+                client.impact("*", 0.7, striker="wood")
+                time.sleep(0.1)
+            client.main_gain(30.0)
+            client.gains("a")
+            client.gains("b", [0.0, 0.0, 4.0])
+            client.limiter(True)
+            for _ in range(3):
+                client.impact("*", 2.0, striker="steel")
+                time.sleep(0.1)
+            client.distance("*", 0.3)
+            client.limiter(False)
+            client.panic()
+            client.impact("a", 1.0)
+            time.sleep(0.1)
+            assert dict(zip((args := client.status().args)[9::2], args[10::2], strict=True))["limited"] > 0
+        server.quit()
+    lines = read(tmp_path / "log.txt")
+    said = [(line.time, line.message) for line in lines[:3]]
+    assert said == [
+        (0.0, Message("/channels", (3,))), (0.0, Message("/limiter", ("off",))), (0.0, Message("/gain", (9.5,)))
+    ]  # fmt: skip
+    assert sum(line.message.address == "/object/b/gains" for line in lines) == 1
+    recorded, rate = soundfile.read(tmp_path / "out.wav", dtype="float32")
+    assert recorded.shape[1] == 3 and np.abs(recorded).max() > 1e-3
+    np.testing.assert_array_equal(render_lines(lines, seconds=len(recorded) / rate), recorded)
+
+
+@pytest.mark.slow
 def test_a_crash_loses_little(tmp_path):
     with serving(tmp_path, "--device", "none", "--record", "out.wav", "--log", "log.txt") as server:
         with server.client() as client:
@@ -179,6 +226,7 @@ def logged(tmp_path):
     log.close()
 
 
+@pytest.mark.slow
 def test_a_log_that_missed_something_ends(logged, tmp_path):
     """What is logged renders to what was heard, up to where it says that it ended."""
     engine, scene, log = logged

@@ -15,6 +15,7 @@ from carom.server.osc.wire import Message
 from tests.server.net.sockets import A, client, ended, replies, send_in_time, taken, udp
 
 
+@pytest.mark.slow
 def test_udp_and_tcp_share_a_port_and_replies_go_where_messages_came_from(net, stack):
     datagrams, sized, slip = udp(stack), client(net, stack), client(net, stack)
     datagrams.sendto(A, net.address)
@@ -39,6 +40,7 @@ def test_a_packet_in_pieces_and_many_in_one(net, stack):
     assert len(taken(net)) >= 1000
 
 
+@pytest.mark.slow
 def test_what_came_before_the_end_is_answered(net, stack):
     one = client(net, stack)
     one.sendall(Sized.framed(A) * 3)
@@ -54,6 +56,7 @@ def test_what_came_before_the_end_is_answered(net, stack):
     assert net.receive(0.0) is None and ended(one)
 
 
+@pytest.mark.slow
 def test_those_that_linger_make_room(net, stack):
     for _ in range(2 * MOST_CONNECTIONS):
         one = client(net, stack)
@@ -63,6 +66,7 @@ def test_those_that_linger_make_room(net, stack):
     assert net.connections == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("junk", [b"GET / HTTP/1.1\r\n\r\n", b"\xff" * 9, b"\0\xff\xff\xff\xff", b"\xc0a\xdbb\xc0"])
 def test_a_broken_stream_is_told_and_closed(net, stack, junk):
     one = client(net, stack)
@@ -97,6 +101,7 @@ def test_connections_are_bounded(net, stack):
     assert len(taken(net)) == 1
 
 
+@pytest.mark.slow
 def test_a_client_that_does_not_read_loses_replies_and_holds_up_nobody(net, stack):
     lazy, eager = client(net, stack), client(net, stack)
     for sock in (lazy, eager):
@@ -130,9 +135,10 @@ def test_a_client_that_sends_without_end_waits_its_turn(net, stack):
         except BlockingIOError:
             net.receive(0.0)
     assert sent > 1 << 20
-    assert len(net._streamed) <= 2 * (1 << 16) // len(Sized.framed(A))
+    assert sum(len(each.arrived) for each in net._turns) <= 2 * (1 << 16) // len(Sized.framed(A))
 
 
+@pytest.mark.slow
 def test_a_client_that_resets_is_forgotten(net, stack):
     one = client(net, stack)
     one.sendall(Sized.framed(A))
@@ -143,6 +149,7 @@ def test_a_client_that_resets_is_forgotten(net, stack):
     assert net.connections == 0
 
 
+@pytest.mark.slow
 def test_streams_are_heard_in_a_flood_of_datagrams(net, stack):
     one, flood = client(net, stack), udp(stack)
     send_in_time(flood, [A] * 2000, net)
@@ -182,3 +189,26 @@ def test_a_client_that_is_gone_before_it_can_be_told(net, stack):
     one.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
     one.close()
     assert taken(net) == [] and net.connections == 0
+
+
+def test_clients_take_turns_however_much_one_pours(net, stack):
+    loud, quiet = client(net, stack), client(net, stack)
+    loud.sendall(Sized.framed(A) * 1000)
+    first = net.receive(1.0)
+    assert first
+    quiet.sendall(Sized.framed(A))
+    time.sleep(0.02)
+    sources = [source for source in (net.receive(0.1)[1] for _ in range(4))]
+    assert len({*sources}) == 2
+
+
+def test_a_client_that_has_long_been_silent_makes_room(net, stack, monkeypatch):
+    silent = [client(net, stack) for _ in range(MOST_CONNECTIONS)]
+    net.receive(0.05)
+    monkeypatch.setattr("carom.server.net.network.LONGEST_SILENCE", 0.05)
+    time.sleep(0.1)
+    new = client(net, stack)
+    new.sendall(Sized.framed(A))
+    assert net.receive(1.0)
+    assert "silent for" in str(replies(silent[0], Slip())[0].args[1])
+    assert net.connections == MOST_CONNECTIONS

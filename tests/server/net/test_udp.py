@@ -12,6 +12,8 @@ from carom.server.net.network import RECEIVE_BUFFER
 from carom.server.net.udp import CAPACITY
 from tests.server.net.sockets import A, send_in_time, taken, udp
 
+pytestmark = pytest.mark.slow
+
 
 def test_datagrams_beyond_the_queue_are_counted_and_their_sender_told(net, stack):
     large = bytes(60_000)

@@ -23,8 +23,8 @@ def test_the_table_names_every_address_and_argument():
         for argument in (*verb.required, *verb.optional, *verb.keys):
             assert f"`{argument.name}`{str(argument).removeprefix(argument.name)}" in text
     assert (
-        "| `gravity` 0.01 to 1000 m/s^2, usually 1 to 30 | steers a bounce (from its next flight on) or a roll |"
-        in text
+        "| `gravity` 0.01 to 1000 m/s^2, usually 1 to 30 | steers a bounce (from its next flight on), a roll or a spin "
+        "(from its next contact on) |" in text
     )
 
 

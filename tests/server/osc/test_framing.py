@@ -75,6 +75,7 @@ def test_random_streams_end_or_go_on(kind):
             assert all(list(kind().packets(stream)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", FRAMINGS)
 def test_a_packet_in_single_bytes_takes_no_time(kind):
     stream = kind.framed(bytes(range(256)) * 255)

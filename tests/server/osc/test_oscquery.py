@@ -172,6 +172,7 @@ def test_junk_is_refused_and_disturbs_nothing(query, capfd):
     assert capfd.readouterr() == ("", "")
 
 
+@pytest.mark.slow
 def test_clients_that_occupy_it_make_way(query):
     with ExitStack() as stack:
         for _ in range(24):
@@ -194,6 +195,7 @@ def test_many_questions_at_once(query):
     assert sum(status == 200 for status, _ in answers) >= 20
 
 
+@pytest.mark.slow
 def test_it_knows_what_the_server_plays(tmp_path):
     with serving(tmp_path, "--device", "none", "--oscquery", "0") as server:
         assert server.process.stdout
@@ -213,3 +215,30 @@ def test_it_knows_what_the_server_plays(tmp_path):
             client.new("b", "wood-block")  # what has gone is forgotten with the next message
         assert get(port, "/object")[1]["CONTENTS"].keys() == {"new", "b"}
         assert server.quit() == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("header", "value", "status"),
+    [
+        ("Host", "127.0.0.1:57141", 200),
+        ("Host", "localhost", 200),
+        ("Host", "[::1]:57141", 200),
+        ("Host", "evil.example", 403),
+        ("Origin", "http://evil.example", 403),
+        ("Origin", "null", 403),
+        ("Origin", "http://127.0.0.1:57141", 200),
+    ],
+)
+def test_another_sites_page_is_told_nothing(header, value, status):
+    query = OscQuery("127.0.0.1", 0, 57140, lambda: NAMES)
+    with answering(query), closing(http.client.HTTPConnection("127.0.0.1", query.server_port, timeout=5)) as client:
+        client.request("GET", "/panic", headers={header: value})
+        assert client.getresponse().status == status
+
+
+def test_a_question_for_no_address_is_refused():
+    query = OscQuery("127.0.0.1", 0, 57140, lambda: NAMES)
+    with answering(query), closing(http.client.HTTPConnection("127.0.0.1", query.server_port, timeout=5)) as client:
+        client.putrequest("GET", "*")
+        client.endheaders()
+        assert client.getresponse().status == 400

@@ -59,6 +59,7 @@ steps = st.one_of(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=500)
 @given(st.lists(steps, max_size=6).map("".join), st.text("abc-!", max_size=7))
 def test_match_agrees_with_naive_on_well_formed_patterns(pattern: str, part: str) -> None:

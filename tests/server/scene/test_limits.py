@@ -5,7 +5,7 @@ from contextlib import nullcontext
 import pytest
 
 from carom.server.osc.arguments import Refused
-from carom.server.scene.limits import fall, require_rest, require_short
+from carom.server.scene.limits import Contact, fall, require_rest, require_short
 
 GRAVITY = 9.80665  # m/s^2: the standard acceleration of free fall
 
@@ -21,10 +21,12 @@ def test_a_fall_is_a_parabola(velocity):
 @pytest.mark.parametrize(
     ("contact", "short"),
     [
-        ((0.08, 1.0, 0.0, 1.0), True),  # pi sqrt(m/k) = 0.89 s
-        ((0.11, 1.0, 0.0, 1.0), False),  # 1.04 s
-        ((0.0225, 1.0, 0.0, 1.0), True),  # 0.47 s,
-        ((0.0225, 1.0, 10.0, 1.0), False),  # but it sticks
+        (Contact(0.08, 1.0, 0.0, 1.0), True),  # pi sqrt(m/k) = 0.89 s
+        (Contact(0.11, 1.0, 0.0, 1.0), False),  # 1.04 s
+        (Contact(0.0225, 1.0, 0.0, 1.0), True),  # 0.47 s,
+        (Contact(0.0225, 1.0, 10.0, 1.0), False),  # but it sticks
+        (Contact(0.0225, 1.0, 0.0, 1.0, 0.5), True),
+        (Contact(0.0225, 1.0, 0.0, 1.0, 0.1), False),
     ],
 )
 def test_a_contact_lasts_a_second_at_most(contact, short):
@@ -33,6 +35,11 @@ def test_a_contact_lasts_a_second_at_most(contact, short):
 
 
 def test_a_bounce_lasts_an_hour_at_most():
-    require_rest(1.0, (0.01, 1e9, 0.0012, 1.5), GRAVITY)
+    require_rest(1.0, Contact(0.01, 1e9, 0.0012, 1.5), GRAVITY)
     with pytest.raises(Refused, match="the bounce might last"):
-        require_rest(1.0, (0.01, 1e9, 0.00085, 1.5), GRAVITY)
+        require_rest(1.0, Contact(0.01, 1e9, 0.00085, 1.5), GRAVITY)
+    require_rest(1.0, Contact(0.01, 1e9, 0.0, 1.5, 0.9999), GRAVITY)
+    with pytest.raises(Refused, match=r"restitution = 0.99999: the bounce might last"):
+        require_rest(1.0, Contact(0.01, 1e9, 0.0, 1.5, 0.99999), GRAVITY)
+    with pytest.raises(Refused, match="restitution = 1: the bounce would never end"):
+        require_rest(1.0, Contact(0.01, 1e9, 0.0, 1.5, 1.0), GRAVITY)

@@ -23,6 +23,7 @@ def test_a_bundle_is_carried_out_but_for_what_is_wrong_in_it(session):
     assert session.engine.stats.impacts == 1
 
 
+@pytest.mark.slow
 def test_a_full_queue_refuses_whole_bundles_and_forgets_nothing(session):
     say(session, "/object/new", "a", "wood-block")
     strikes = [Message("/object/a/impact", (1.0,))] * (RING - 1)
@@ -61,6 +62,7 @@ def full(session, address, *args, time=NOW):
     assert [reply.address for reply in say(session, address, *args, time=time)] == ["/fail"]
 
 
+@pytest.mark.slow
 def test_what_found_no_room_left_nothing(session):
     say(session, "/object/new", "b", "wood-block")
     full(session, "/object/b/free", 1)
@@ -81,6 +83,7 @@ def test_what_found_no_room_left_nothing(session):
     assert b.slot != c.slot and b.first != c.first  # what was given back was given back once
 
 
+@pytest.mark.slow
 def test_too_many_contacts_leave_the_rest_alone(session):
     say(session, "/object/new", "a", "glass-plate")
     say(session, "/object/new", "b", "wood-block")

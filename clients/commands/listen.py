@@ -1,0 +1,48 @@
+"""carom listen: print what a running server tells, as it comes."""
+
+import argparse
+import math
+import time
+from collections.abc import Iterator
+
+from ...server.osc.wire import Message
+from ..client import Client
+from .options import add_server, client
+from .parser import Command, number
+
+_PERIOD = 2.0  # s after which the server is asked again, so that one that has gone, or is new, is noticed
+_PATIENCE = 2 * _PERIOD + 1.0  # s without an answer
+
+
+def _options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--seconds", type=number, default=math.inf, help="how long to listen (until interrupted)")
+    add_server(parser)
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    with client(arguments) as server:
+        try:
+            for message in _heard(server, arguments.seconds):
+                print(message.address, *message.args, flush=True)
+        finally:
+            server.send("/notify", 0)
+    return 0
+
+
+def _heard(server: Client, seconds: float) -> Iterator[Message]:
+    """The messages that a server sends to those that it notifies. TimeoutError if it does not answer."""
+    server.ask("/notify", 1)
+    answered = time.monotonic()
+    end = answered + seconds
+    while (now := time.monotonic()) < end:
+        for message in server.replies(min(_PERIOD, end - now)):
+            if message == Message("/done", ("/notify",)):
+                answered = time.monotonic()
+            else:
+                yield message
+        if time.monotonic() > answered + _PATIENCE:
+            raise TimeoutError("the server does not answer any more")
+        server.send("/notify", 1)
+
+
+COMMAND = Command("listen", "", "print what a running server tells: warnings, ends of gestures", _options, _run)

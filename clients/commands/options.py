@@ -1,0 +1,78 @@
+"""The options that several commands share."""
+
+import argparse
+import signal
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ...server.osc.wire import DEFAULT_PORT
+from ..client import Client
+from .parser import one_of, whole
+
+RATE = 48_000
+"""Hz, where no other rate is given."""
+
+
+SWITCH: dict[str, Any] = {"choices": ("on", "off"), "type": one_of("on", "off")}
+"""What an option takes that is on or off; `switch` reads it."""
+
+
+def switch(word: str | None) -> bool | None:
+    """Whether an option is on; None if it is not given."""
+    return None if word is None else word == "on"
+
+
+def no_options(parser: argparse.ArgumentParser) -> None:
+    """Add no option."""
+
+
+def add_contact(parser: argparse.ArgumentParser) -> None:
+    """Add the options that choose how contacts are solved; `contact` reads them."""
+    parser.add_argument(
+        "--contact", metavar="METHOD", help="solver of contacts: closed (the default), am1, verlet, ..."
+    )
+    parser.add_argument("--correction", help="correction of a sampled METHOD: none, hybrid, release, both, ...")
+    parser.add_argument("--oversampling", type=whole, metavar="N", help="steps per sample of a sampled METHOD")
+
+
+def contact(arguments: argparse.Namespace) -> tuple[str | int, ...]:
+    """The arguments of the /contact that the options ask for; none without options."""
+    keys = {"correction": arguments.correction, "oversampling": arguments.oversampling}
+    given = [part for key, value in keys.items() if value is not None for part in (key, value)]
+    return (
+        ("closed" if arguments.contact is None else arguments.contact, *given)
+        if given or arguments.contact is not None
+        else ()
+    )
+
+
+def add_presets(parser: argparse.ArgumentParser) -> None:
+    """Add the option for folders of presets."""
+    text = "folder of your own presets: objects/, strikers/, materials/, surfaces/; may be given more than once"
+    parser.add_argument("--presets", type=Path, action="append", default=[], metavar="DIR", help=text)
+
+
+def add_server(parser: argparse.ArgumentParser) -> None:
+    """Add the options that say where the server is; `client` reads them."""
+    parser.add_argument("--host", default="127.0.0.1", help="the server's name or address (%(default)s)")
+    parser.add_argument("--port", type=_port, default=DEFAULT_PORT, help="the server's port (%(default)s)")
+    parser.add_argument("--tcp", action="store_true", help="use TCP, which loses nothing, instead of UDP")
+
+
+def client(arguments: argparse.Namespace) -> Client:
+    """A client of the server that the options name."""
+    return Client(arguments.host, arguments.port, arguments.tcp)
+
+
+def _port(word: str) -> int:
+    if word.isdecimal() and 0 < int(word) < 65_536:
+        return int(word)
+    raise argparse.ArgumentTypeError(f"{word}: expected 1 to 65535")
+
+
+def on_end(act: Callable[[], object]) -> None:
+    """Act when the system asks this program to end."""
+    for name in ("SIGTERM", "SIGINT", "SIGHUP"):
+        if hasattr(signal, name):  # Windows has no SIGHUP
+            signal.signal(getattr(signal, name), lambda *_: act())

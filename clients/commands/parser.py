@@ -1,0 +1,149 @@
+"""The parser of the command line: an error is one line with the culprit, the near word and the command's usage."""
+
+import argparse
+import re
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, NoReturn
+
+from ...dsp.wording import expected, suggestion
+
+_VALUE = re.compile(r"[-+]?\d*\.?\d+([eE][-+]?\d+)?")  # a number
+_NUMBER = re.compile(r"-\.?\d")  # how a negative number begins, "-3.5e-1" too, and what no option looks like
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command: its name, its arguments as the usage shows them, a line of help, its options, and what it does.
+
+    `run` returns the exit code. Its errors are told in one line if they are Carom's own or the system's.
+    """
+
+    name: str
+    usage: str
+    help: str
+    add_options: Callable[[argparse.ArgumentParser], None]
+    run: Callable[[argparse.Namespace], int]
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose errors are one line, and which takes options and arguments in any order."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**{"allow_abbrev": False, **options})
+
+    def error(self, message: str) -> NoReturn:
+        """End with the error and the usage of this command in one line."""
+        self.exit(2, f"{self.prog}: {message} ({' '.join(self.format_usage().split())})\n")
+
+    def actions(self) -> list[argparse.Action]:
+        """The options and arguments of the command."""
+        return list(self._actions)
+
+    def ordered(self, words: Sequence[str]) -> list[str]:
+        """The words with options first, then -- and the arguments, as argparse then takes each for what it is.
+
+        A word that begins with - is an option, but for -, negative numbers and those after --. It is an error if there
+        is no such option.
+        """
+        known = {option: action for action in self._actions for option in action.option_strings}
+        options: list[str] = []
+        others: list[str] = []
+        waiting = list(reversed(words))
+        while waiting:
+            word = waiting.pop()
+            name, equals, _ = word.partition("=")
+            if word == "--":
+                others += reversed(waiting)
+                break
+            if not _is_option(word):
+                others.append(word)
+            elif name not in known:
+                self.error(f"{name}: no such option; {_options(name, known)}")
+            elif equals or not waiting or _is_option(waiting[-1]) or not _takes(known[name], waiting[-1]):
+                options.append(word)
+            else:
+                options.append(f"{word}={waiting.pop()}")
+        self._require_room(others)
+        return [*options, "--", *others] if others else options
+
+    def _require_room(self, words: Sequence[str]) -> None:
+        """End with an error if there are more arguments than the command takes."""
+        actions = [action for action in self._actions if not action.option_strings]
+        if len(words) > len(actions) and not any(action.nargs in ("*", "+") for action in actions):
+            self.error(f"{words[len(actions)]}: one argument too many")
+
+
+def _is_option(word: str) -> bool:
+    return word.startswith("-") and word != "-" and not _NUMBER.match(word)
+
+
+def _takes(option: argparse.Action, word: str) -> bool:
+    """Whether an option takes the word that follows: one whose value may be left out only takes a number."""
+    return option.nargs != 0 and (option.nargs != "?" or bool(_VALUE.fullmatch(word)))
+
+
+def _options(option: str, known: Iterable[str]) -> str:
+    return suggestion(option, known) or f"expected {', '.join(known)}, or -- before an argument that begins with -"
+
+
+def parser_of(commands: Sequence[Command], version: str) -> tuple[Parser, dict[str, Parser]]:
+    """The parser of the whole line, and those of the commands by name."""
+    text = "Hear bodies hit, bounce and roll: play them over OSC, or render a score."
+    parser = Parser(prog="carom", usage="%(prog)s COMMAND ...", description=text)
+    parser.add_argument("--version", action="version", version=f"carom {version}")
+    chosen = parser.add_subparsers(dest="command", metavar="COMMAND", title="commands", prog=parser.prog)
+    parsers = {}
+    for command in commands:
+        text = command.help[0].upper() + command.help[1:] + "."
+        usage = f"%(prog)s [options] {command.usage}".rstrip()
+        sub = chosen.add_parser(command.name, help=command.help, description=text, usage=usage)
+        sub.set_defaults(run=command.run)
+        command.add_options(sub)
+        parsers[command.name] = sub
+    return parser, parsers
+
+
+def parse(parser: Parser, parsers: dict[str, Parser], words: Sequence[str]) -> argparse.Namespace:
+    """The arguments that the words give; `help COMMAND` is `COMMAND --help`.
+
+    SystemExit, with one line on stderr, where they are wrong.
+    """
+    if not words:
+        parser.error(f"no command; expected one of {', '.join(parsers)}")
+    if words[0] == "help":
+        words = [*words[1:2], "--help"]
+    if not words[0].startswith("-") and words[0] not in parsers:
+        parser.error(f"{words[0]}: no such command; {expected(words[0], parsers)}")
+    if words[0] in parsers:
+        arguments = parsers[words[0]].parse_args(parsers[words[0]].ordered(words[1:]))
+        arguments.command = words[0]
+        return arguments
+    return parser.parse_args(parser.ordered(words))
+
+
+def one_of(*words: str) -> Callable[[str], str]:
+    """The type of an option that is one of a few words."""
+
+    def check(word: str) -> str:
+        if word in words:
+            return word
+        raise argparse.ArgumentTypeError(f"{word!r}: {expected(word, words)}")
+
+    return check
+
+
+def whole(word: str) -> int:
+    """The type of an option that is a whole number."""
+    try:
+        return int(word)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{word!r}: expected a whole number") from None
+
+
+def number(word: str) -> float:
+    """The type of an option that is a number."""
+    try:
+        return float(word)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{word!r}: expected a number") from None

@@ -1,0 +1,125 @@
+"""carom render: turn scores into sound files."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Iterator
+from threading import Event
+from typing import TYPE_CHECKING
+
+from ..errors import tell
+from .options import RATE, SWITCH, add_contact, add_presets, contact, on_end, switch
+from .parser import Command, number, one_of, whole
+
+if TYPE_CHECKING:
+    from ...presets import Presets
+    from ...server.render import Options
+    from ..rendering import Result, Task
+
+FORMATS = ("16", "24", "float")
+"""Of samples."""
+
+MOST_JOBS = 256
+
+PEAK = -1.0
+"""dBFS: of a render that is normalized, if nothing else is said."""
+
+
+def _options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("scores", nargs="+", metavar="SCORE", help="a text or binary score; - for stdin")
+    out = "sound file, .wav or .flac; - for WAV on stdout; for several scores a folder, or a name such as 'out/{}.flac'"
+    parser.add_argument("out", metavar="OUT", help=out)
+    parser.add_argument("--jobs", type=whole, metavar="N", help="scores to render at once (one for each processor)")
+    parser.add_argument("--rate", type=whole, default=RATE, help="sampling rate in Hz (%(default)s)")
+    parser.add_argument("--block", type=whole, default=4096, help="frames per block (%(default)s); changes no sound")
+    parser.add_argument("--format", choices=FORMATS, type=one_of(*FORMATS), help="sample format (WAV: float, FLAC: 24)")
+    parser.add_argument("--seconds", type=number, help="length of the sound (until silence)")
+    parser.add_argument("--plot", metavar="OUT.png", help="draw the wave and spectrogram of each channel")
+    parser.add_argument("--stems", metavar="DIR", help="folder for a file of each object's part of the sound")
+    parser.add_argument("--calibrated", action="store_true", help="samples are pascals: floats, and no limiter")
+    parser.add_argument("--channels", type=whole, metavar="N", help="1 to 64 (as the score says, else 2: stereo)")
+    parser.add_argument("--gain", type=number, metavar="DB", help="of everything (as the score says, else 0)")
+    parser.add_argument("--limiter", **SWITCH, help="keep within full scale (as the score says, else on)")
+    normalize = f"bring the whole to this peak ({PEAK:g} if none is given), without a limiter unless it is on"
+    parser.add_argument("--normalize", type=number, nargs="?", const=PEAK, metavar="DBFS", help=normalize)
+    add_contact(parser)
+    add_presets(parser)
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    from ...dsp.runtime.engine import prepare
+    from ...presets import Presets
+    from ...server.files.whole import RenderError
+    from ...server.render import Options
+    from ..rendering import render_all, tasks
+
+    keys = ("rate", "block", "format", "seconds", "channels", "gain", "calibrated", "normalize")
+    given = {key: getattr(arguments, key) for key in keys}
+    options = Options(**given, contact=contact(arguments), limiter=switch(arguments.limiter))
+    todo = tasks(arguments.scores, arguments.out, arguments.plot, arguments.stems)
+    jobs = min(len(todo), _processors() if arguments.jobs is None else arguments.jobs)
+    if not 1 <= jobs <= MOST_JOBS:
+        raise RenderError(f"jobs = {arguments.jobs}: expected 1 to {MOST_JOBS}")
+    presets = Presets(arguments.presets)
+    prepare()  # once, before processes that share the compiled code, and before there is another progress bar
+
+    # An exception that a signal raises may be lost inside a library's callback: so the signal only sets a flag.
+    interrupted = Event()
+    on_end(interrupted.set)
+    if len(todo) > 1:
+        return _render_many(render_all(todo, options, arguments.presets, jobs, interrupted.is_set), len(todo))
+    _render_one(todo[0], options, presets, interrupted)
+    return 0
+
+
+def _render_one(task: Task, options: Options, presets: Presets, interrupted: Event) -> None:
+    """Carry out a task, with its progress in seconds of sound on a terminal."""
+    from rich.console import Console
+    from rich.progress import Progress, TextColumn, TimeElapsedColumn
+
+    from ..rendering import render_task
+    from ..streams import score_name
+
+    columns = (TextColumn("{task.description}"), TextColumn("{task.completed:.1f} s of sound"), TimeElapsedColumn())
+    terminal = Console(stderr=True)
+    with Progress(*columns, console=terminal, disable=not terminal.is_terminal, transient=True) as bar:
+        shown = bar.add_task(score_name(task.score), total=options.seconds)
+
+        def progress(seconds: float) -> None:
+            bar.update(shown, completed=seconds)
+            if interrupted.is_set():
+                raise KeyboardInterrupt
+
+        warnings = render_task(task, options, presets, progress)
+    for warning in warnings:
+        tell("render", warning)
+
+
+def _render_many(results: Iterator[Result], count: int) -> int:
+    """Tell results as they come, with progress in scores on a terminal; returns the exit code."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
+
+    from ..streams import score_name
+
+    failed = False
+    terminal = Console(stderr=True)
+    columns = (BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=terminal, disable=not terminal.is_terminal, transient=True) as bar:
+        shown = bar.add_task("", total=count)
+        for result in results:
+            bar.advance(shown)
+            name = score_name(result.task.score)
+            for text in (*result.warnings, *([result.failure] if result.failure else [])):
+                tell("render", text if text.startswith(name) else f"{name}: {text}")
+            failed |= result.failure is not None
+    return 1 if failed else 0
+
+
+def _processors() -> int:
+    """The processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+COMMAND = Command("render", "SCORE [SCORE ...] OUT", "turn scores into sound files", _options, _run)

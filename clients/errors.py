@@ -1,0 +1,34 @@
+"""Which errors a command tells in one line, and how."""
+
+import sys
+from pathlib import Path
+
+from ..dsp.wording import near
+from .actions import CommandError
+
+KINDS = (CommandError, OSError, RuntimeError, ValueError)
+"""Errors that may be Carom's own or the system's; `is_expected` tells these from bugs."""
+
+
+def is_expected(error: Exception) -> bool:
+    """Whether an error is Carom's own or the system's. Others are bugs, and keep their traceback."""
+    return isinstance(error, OSError) or type(error).__module__.startswith("carom.")
+
+
+def plain(error: Exception) -> str:
+    """An error as one line; for a file that is missing, with the near name in its folder."""
+    if not isinstance(error, OSError) or error.filename is None:
+        return str(error)
+    text = f"{error.filename}: {error.strerror}"
+    missing = Path(error.filename)
+    if isinstance(error, FileNotFoundError) and missing.parent.is_dir():
+        # Without their endings, which make all names alike.
+        names = {path.stem: path.name for path in sorted(missing.parent.iterdir())}
+        if found := near(missing.stem, names):
+            return f"{text}; did you mean {' or '.join(names[stem] for stem in found)}?"
+    return text
+
+
+def tell(command: str, text: str) -> None:
+    """Print a line about a command on stderr."""
+    print(f"carom {command}: {text}", file=sys.stderr)

@@ -1,0 +1,66 @@
+"""Checks of preset files: what kind of preset a file holds, and whether it is sound."""
+
+import errno
+import os
+from pathlib import Path
+from typing import NamedTuple
+
+from ..dsp.bodies.material import Material
+from ..presets import KINDS, ObjectPreset, PresetError, Presets, StrikerPreset
+from ..presets.library import read_file
+from .errors import plain
+
+_TOP = 20_000.0  # Hz up to which modes are made
+
+
+class CheckError(RuntimeError):
+    """There is nothing to check; the text says why."""
+
+
+class Checked(NamedTuple):
+    """A file, the kind of preset that it holds, and in words what that is or why it is wrong."""
+
+    file: str
+    kind: str
+    holds: str
+    error: str
+
+
+def checked(path: Path, presets: Presets) -> Checked:
+    """Check a preset's file as it is used: its keys and values, the presets that it names, an object's modes.
+
+    Its kind is that of its folder (objects, strikers, materials, surfaces), elsewhere that of its keys.
+    """
+    kind = ""
+    if not path.exists():
+        missing = FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
+        return Checked(str(path), kind, "", plain(missing))
+    try:
+        kind = path.resolve().parent.name
+        if kind not in KINDS:
+            kind = _kind_of(path)
+        return Checked(str(path), kind, _holds(presets.load(kind, path)), "")
+    except PresetError as error:
+        return Checked(str(path), kind, "", str(error))
+
+
+def _kind_of(path: Path) -> str:
+    """The kind of preset that a file's keys tell."""
+    data = read_file(path)[1]
+    for key, kind in (("shape", "objects"), ("youngs_modulus", "materials"), ("roughness", "surfaces")):
+        if key in data:
+            return kind
+    return "strikers"
+
+
+def _holds(preset: object) -> str:
+    """What a preset is, in a few words. PresetError if an object's geometry gives no modes."""
+    if isinstance(preset, ObjectPreset):
+        modes = preset.modes(_TOP)
+        low, high = modes.frequency[0], modes.frequency[-1]
+        of = f" of {preset.material.name}" if preset.material else ""
+        what = f"{preset.shape}{of}, {modes.mass:.3g} kg"
+        return f"an object: {what}, {modes.frequency.size} modes from {low:.1f} to {high:.0f} Hz"
+    if isinstance(preset, StrikerPreset):
+        return f"a striker of {preset.mass:.3g} kg"
+    return "a material" if isinstance(preset, Material) else "a surface"

@@ -1,0 +1,154 @@
+"""Scores to sound files: one in this process, many in several at once."""
+
+import signal
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from dataclasses import dataclass, replace
+from multiprocessing import get_context
+from multiprocessing.synchronize import Event
+from pathlib import Path
+from typing import Any
+
+from ..presets import Presets
+from ..server.files.whole import RenderError
+from ..server.render import Options, render
+from .errors import KINDS, is_expected, plain
+from .plot import plotter
+from .streams import STREAM, read_score, score_name, sound_file
+
+PLACE = "{}"
+"""In the name of a file to be written: stands for the score's name without its ending."""
+
+_LOOK = 0.2  # s between looks at whether to go on
+
+
+@dataclass(frozen=True)
+class Task:
+    """A score to read, a sound file to write, a picture of that and a folder for stems (None: none); - is stdin and
+    stdout."""
+
+    score: str
+    out: str
+    plot: Path | None
+    stems: Path | None = None
+
+
+@dataclass(frozen=True)
+class Result:
+    """What there is to say of a task that is done: warnings, and why it failed (None: it did not)."""
+
+    task: Task
+    warnings: list[str]
+    failure: str | None
+
+
+def tasks(scores: Sequence[str], out: str, plot: str | None, stems: str | None = None) -> list[Task]:
+    """A task for each score. `out` and `plot` are files, or folders or names with {} for several scores; `stems` is a
+    folder, in which each of several scores has its own.
+
+    RenderError for names that cannot be.
+    """
+    made = [Task(score, _placed(score, out, ".wav"), None) for score in scores]
+    if plot is not None:
+        made = [Task(task.score, task.out, Path(_placed(task.score, plot, ".png"))) for task in made]
+    if stems is not None:
+        made = [replace(task, stems=_stems(task.score, stems, len(scores) > 1)) for task in made]
+    if len(scores) > 1:
+        for name, target in (("OUT", out), ("--plot", plot)):
+            if target is not None and PLACE not in target and not Path(target).is_dir():
+                raise RenderError(
+                    f"{name} = {target}: expected a folder, or a name with {PLACE}, for {len(scores)} scores"
+                )
+        _require_different(made)
+    return made
+
+
+def _placed(score: str, out: str, ending: str) -> str:
+    """The file to write for a score."""
+    stem = Path(score_name(score)).stem
+    if out != STREAM and (out.endswith("/") or Path(out).is_dir()):
+        return str(Path(out, stem + ending))
+    return out.replace(PLACE, stem)
+
+
+def _stems(score: str, folder: str, several: bool) -> Path:
+    """The folder for a score's stems."""
+    stem = Path(score_name(score)).stem
+    return Path(folder, stem) if several and PLACE not in folder else Path(folder.replace(PLACE, stem))
+
+
+def _require_different(made: Sequence[Task]) -> None:
+    before: dict[str, str] = {}
+    for task in made:
+        if task.out in before:
+            raise RenderError(
+                f"{task.score}: {before[task.out]} is rendered to {task.out} already; rename one of the two"
+            )
+        before[task.out] = task.score
+
+
+def render_task(task: Task, options: Options, presets: Presets, progress: Callable[[float], object]) -> list[str]:
+    """Carry out a task; returns warnings. `progress` is told the seconds computed."""
+    score = read_score(task.score)
+    draw = plotter(task.plot, options.calibrated) if task.plot else None
+    warnings: list[str] = []
+    with sound_file(task.out) as out:
+        done = render(score, out, presets, options, progress, warnings.append, task.stems)
+        if draw:
+            draw(out)
+    if limited := done.limiting.said():
+        warnings.append(limited)
+    if done.normalized is not None:
+        warnings.append(f"normalized by {done.normalized:+.3g} dB")
+    for name, text in (
+        ("contacts_dropped", "{} contacts were dropped: too many at once"),
+        ("faults", "objects were silenced {} times, because their sound was not finite"),
+    ):
+        if count := getattr(done.engine.stats, name):
+            warnings.append(text.format(count))
+    return warnings
+
+
+def render_all(
+    todo: Sequence[Task], options: Options, folders: Sequence[Path], jobs: int, interrupted: Callable[[], bool]
+) -> Iterator[Result]:
+    """Carry out tasks in so many processes at once, and yield the results as they come.
+
+    KeyboardInterrupt, once nothing runs any more, if `interrupted` says so.
+    """
+    context = get_context("spawn")
+    stop = context.Event()
+    with ProcessPoolExecutor(jobs, context, _begin, (stop, options, folders)) as pool:
+        waiting: set[Future[Result]] = {pool.submit(_carry_out, task) for task in todo}
+        while waiting:
+            done, waiting = wait(waiting, _LOOK, FIRST_COMPLETED)
+            if interrupted():
+                stop.set()
+                pool.shutdown(cancel_futures=True)
+                raise KeyboardInterrupt
+            for future in done:
+                yield future.result()
+
+
+_process: dict[str, Any] = {}
+"""What a process of `render_all` was started with."""
+
+
+def _begin(stop: Event, options: Options, folders: Sequence[Path]) -> None:
+    for each in (signal.SIGINT, signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)):  # the first process ends us
+        signal.signal(each, signal.SIG_IGN)
+    _process.update(stop=stop, options=options, presets=Presets(folders))
+
+
+def _carry_out(task: Task) -> Result:
+    try:
+        return Result(task, render_task(task, _process["options"], _process["presets"], _go_on), None)
+    except KINDS as error:
+        if not is_expected(error):
+            raise
+        return Result(task, [], plain(error))
+
+
+def _go_on(seconds: float) -> None:
+    if _process["stop"].is_set():
+        raise KeyboardInterrupt

@@ -1,0 +1,75 @@
+"""One strike on one object: its score, its sound file, or its sound on the default device."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..dsp.runtime.engine import Engine
+from ..presets import Presets
+from ..server.audio.portaudio import AudioError, devices, portaudio
+from ..server.osc.score import Line
+from ..server.osc.wire import Argument, Message
+from ..server.render import Options, blocks, render
+from .streams import sound_file
+
+
+@dataclass(frozen=True)
+class Strike:
+    """A strike on an object of a preset; None stands for what the preset says. Velocity in m/s, position 0 to 1."""
+
+    preset: str
+    velocity: float | None = None
+    position: float | None = None
+    striker: str | None = None
+
+    def score(self, presets: Presets) -> list[Line]:
+        """The strike as a score. PresetError if there is no such object or striker."""
+        name = self.preset
+        velocity = presets.object(name).velocity if self.velocity is None else self.velocity
+        position = () if self.position is None else (self.position,)
+        keys: tuple[Argument, ...] = ()
+        if self.striker is not None:
+            presets.striker(self.striker)
+            keys = ("striker", self.striker)
+        messages = (
+            Message("/object/new", (name, name)),
+            Message(f"/object/{name}/impact", (velocity, *position, *keys)),
+        )
+        return [Line(0.0, message, name) for message in messages]
+
+
+def write(strike: Strike, presets: Presets, options: Options, out: str) -> list[str]:
+    """Write a strike's sound to a .wav or .flac file, or to stdout; returns warnings."""
+    warnings: list[str] = []
+    with sound_file(out) as path:
+        done = render(strike.score(presets), path, presets, options, warn=warnings.append)
+    limited = done.limiting.said()
+    return [*warnings, limited] if limited else warnings
+
+
+def play(strike: Strike, presets: Presets, options: Options) -> list[str]:
+    """Play a strike's sound on the default device and wait for its end; returns warnings. AudioError says why not."""
+    warnings: list[str] = []
+    pieces = blocks(strike.score(presets), Engine(options.rate), presets, options, warn=warnings.append)
+    sound = np.concatenate(list(pieces))
+    device = portaudio()
+    try:
+        device.play(sound, options.rate, blocking=True)
+    except device.PortAudioError as error:
+        raise AudioError(f"the default device: {error}; {_file_instead(strike.preset)}") from error
+    return warnings
+
+
+def device_rate(preset: str) -> int:
+    """The sampling rate (Hz) of the default device. AudioError, with what to do instead, if there is none."""
+    try:
+        found = [device for device in devices() if device["default"]]
+    except AudioError as error:
+        raise AudioError(f"{error}; {_file_instead(preset)}") from error
+    if not found:
+        raise AudioError(f"no device can play; {_file_instead(preset)}")
+    return int(found[0]["default_samplerate"])
+
+
+def _file_instead(preset: str) -> str:
+    return f"name a file instead: carom strike {preset} {preset}.wav"

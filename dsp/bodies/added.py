@@ -1,0 +1,216 @@
+"""What a real body has beside the modes of its shape, as measured: single partials, bands of noise, a cavity.
+
+Each is a dataclass of what a preset's section of the same name says, and becomes modes of the body. They are driven by
+the contacts' forces as all modes are, wherever along the path it is struck, and hold the losses that they are given.
+
+Levels are in dB against the loudest of the shape's own modes: that of the highest rms along the path of its shape times
+its sound pressure. So much louder or softer a partial rings after an ideal blow, infinitely short, at a point
+where that mode moves by its rms. A fit to a recording first divides the recording by the spectrum of its blow's force.
+
+How heavy added modes are does not change what is heard, only how far a contact feels them. Unless it is said, all modes
+of a section together yield to a force as a rigid body of LOAD times the body's mass does: contacts don't feel that.
+"""
+
+import math
+import zlib
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any, Protocol
+
+import numpy as np
+
+from .material import Array, Material
+from .modes import MOST_MODES, Modes, columns
+from .radiation.air import IMPEDANCE, SPEED
+
+LOAD = 100.0
+
+Values = float | tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Lines:
+    """Modes to add: frequency (Hz), t60 (s), level (dB), each (n,), and modal masses (kg) (n,) or None."""
+
+    frequency: Array
+    t60: Array
+    level: Array
+    modal_mass: Array | None
+
+
+class Added(Protocol):
+    """What gives modes to add to a body whose lowest mode is at `lowest` (Hz)."""
+
+    def lines(self, lowest: float) -> Lines: ...
+
+
+@dataclass(frozen=True)
+class Partials:
+    """Partials one by one: n of `frequency` (Hz) or `ratio` (to the shape's lowest mode), with n or one of the others.
+
+    t60: decay times (s). level (dB) and modal_mass (kg): see above. ValueError names what does not fit.
+    """
+
+    t60: Values
+    level: Values
+    frequency: tuple[float, ...] = ()
+    ratio: tuple[float, ...] = ()
+    modal_mass: Values | None = None
+
+    def __post_init__(self) -> None:
+        self.lines(1.0)
+
+    def lines(self, lowest: float) -> Lines:
+        frequency = _either(lowest, frequency=self.frequency, ratio=self.ratio)
+        masses = {} if self.modal_mass is None else {"modal_mass": self.modal_mass}
+        t60, level, *mass = columns(frequency.size, "frequencies", t60=self.t60, level=self.level, **masses)
+        return Lines(frequency, t60, level, mass[0] if mass else None)
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Bands in which modes are too dense to be told apart: n + 1 `edges` (Hz) or `edge_ratio`, n or one of the others.
+
+    edge_ratio: edges as multiples of the shape's lowest frequency. t60: decay times (s). level (dB): of all modes of a
+    band together, the root of the sum of their squares. modes: how many a band gets, equally loud, one at a
+    pseudo-random place in each of as many equal parts; the band's edges alone decide which. modal_mass (kg): of each.
+    ValueError names what does not fit.
+    """
+
+    t60: Values
+    level: Values
+    edges: tuple[float, ...] = ()
+    edge_ratio: tuple[float, ...] = ()
+    modes: float | tuple[float, ...] = 24
+    modal_mass: Values | None = None
+
+    def __post_init__(self) -> None:
+        edges = self.edges or self.edge_ratio
+        if len(edges) == 1 or any(high <= low for low, high in pairwise(edges)):
+            raise ValueError(f"edges = {list(edges)}: expected two or more, in ascending order")
+        self.lines(1.0)
+
+    def lines(self, lowest: float) -> Lines:
+        edges = _either(lowest, edges=self.edges, edge_ratio=self.edge_ratio)
+        masses = {} if self.modal_mass is None else {"modal_mass": self.modal_mass}
+        t60, level, count, *mass = columns(
+            edges.size - 1, "bands", t60=self.t60, level=self.level, modes=self.modes, **masses
+        )
+        counts = count.astype(int)
+        written = self.edges or self.edge_ratio
+        frequency = [
+            low + (high - low) / number * (np.arange(number) + _random(written[band], number))
+            for band, ((low, high), number) in enumerate(zip(pairwise(edges), counts, strict=True))
+        ]
+        level = level - 10 * np.log10(counts)
+        return Lines(
+            np.concatenate(frequency),
+            np.repeat(t60, counts),
+            np.repeat(level, counts),
+            np.repeat(mass[0], counts) if mass else None,
+        )
+
+
+@dataclass(frozen=True)
+class Cavity:
+    """The air in a hollow body, open through a hole or slit: Helmholtz's resonator.
+
+    volume (m^3) behind an opening of an area (m^2) in a wall of a thickness `neck` (m). f = c/(2 pi) sqrt(A/(V L')), L'
+    the neck and at both its ends the air that moves along, .85 sqrt(A/pi). What it radiates, as a source much smaller
+    than its wave, is its loss: sigma = c k^2 A/(8 pi L') (Kinsler et al., Fundamentals of Acoustics, ch. 10), unless a
+    t60 (s) says that it loses more. level (dB): see above.
+    """
+
+    volume: float
+    area: float
+    neck: float
+    level: float
+    t60: float | None = None
+
+    def lines(self, lowest: float) -> Lines:
+        moving = self.neck + 2 * 0.85 * math.sqrt(self.area / math.pi)
+        k = math.sqrt(self.area / (self.volume * moving))
+        decay = SPEED * k**2 * self.area / (8 * math.pi * moving)
+        t60 = self.t60 or math.log(1000) / decay
+        frequency, t60s, level = (np.array([value]) for value in (SPEED * k / (2 * math.pi), t60, self.level))
+        return Lines(frequency, t60s, level, None)
+
+
+@dataclass(frozen=True)
+class Complete:
+    """A shape's function that makes modes, with modes that are added to its own.
+
+    written: the material that their decay times are meant with. In a body of another one, what they lose inside goes as
+    the materials' decay rates do.
+    """
+
+    make: Callable[..., Modes]
+    added: tuple[Added, ...]
+    written: Material | None
+
+    def __call__(self, *, top: float, **arguments: Any) -> Modes:
+        """The modes up to `top` (Hz); where there would be more than MOST_MODES, without the shape's highest."""
+        own = self.make(top=top, **arguments)
+        loudness = np.sqrt(np.mean(own.strike**2, axis=0) * np.mean(own.pressure**2, axis=0))
+        parts = [
+            _modes(each.lines(float(own.frequency[0])), float(loudness.max()), own.mass, top) for each in self.added
+        ]
+        room = MOST_MODES - sum(part.frequency.size for part in parts)
+        if room < 1:
+            raise ValueError(f"{MOST_MODES - room} modes are added: expected fewer than {MOST_MODES}")
+        material = arguments.get("material")
+        frequency = np.concatenate([own.frequency[:room], *(part.frequency for part in parts)])
+        decay = np.concatenate([part.decay for part in parts])
+        if material is not None and self.written is not None and material != self.written:
+            decay = _decays(decay, frequency[own.frequency[:room].size :], self.written, material)
+        order = np.argsort(frequency, kind="stable")
+        strikes = [own.strike[:, :room], *(np.repeat(part.strike, len(own.strike), axis=0) for part in parts)]
+        return replace(
+            own,
+            frequency=frequency[order],
+            decay=np.concatenate([own.decay[:room], decay])[order],
+            strike=np.concatenate(strikes, axis=1)[:, order],
+            pressure=np.concatenate([own.pressure[:, :room], *(part.pressure for part in parts)], axis=1)[:, order],
+        )
+
+
+def _modes(lines: Lines, loudest: float, mass: float, top: float) -> Modes:
+    """Lines as modes up to `top` (Hz), their weights of pseudo-random signs."""
+    masses = np.full(lines.frequency.shape, LOAD * lines.frequency.size * mass)
+    masses = masses if lines.modal_mass is None else lines.modal_mass
+    loudness = loudest * 10 ** (lines.level / 20)  # Pa per N s
+    # A mode of mass M radiates 4 pi loudness^2 M/(rho c) (1/s), and no more than it loses.
+    masses = np.minimum(masses, IMPEDANCE * math.log(1000) / lines.t60 / (2 * math.pi * loudness**2))
+    shape = 1 / np.sqrt(masses)
+    sign = np.where(_random(len(masses), len(masses)) < 0.5, -1.0, 1.0)
+    weight = sign * loudness / shape
+    keep = lines.frequency <= top
+    return Modes(
+        frequency=lines.frequency[keep],
+        decay=math.log(1000) / lines.t60[keep],
+        strike=shape[None, keep],
+        pressure=np.repeat(weight[None, keep], 2, axis=0),
+        mass=mass,
+    )
+
+
+def _decays(decay: Array, frequency: Array, written: Material, material: Material) -> Array:
+    """Decay rates (1/s) of modes that were given for a body of another material; what exceeds its loss stays."""
+    inside, other = written.decay(frequency), material.decay(frequency)
+    changed: Array = np.maximum(decay - inside, 0) + other * decay / np.maximum(decay, inside)
+    return changed
+
+
+def _either(lowest: float, **given: tuple[float, ...]) -> Array:
+    """Frequencies (Hz) from those that are given in Hz or as multiples of the lowest."""
+    (absolute, frequency), (relative, ratio) = given.items()
+    if bool(frequency) == bool(ratio):
+        raise ValueError(f"{absolute} and {relative}: expected one of the two")
+    return np.array(frequency or [lowest * each for each in ratio])
+
+
+def _random(seed: float, count: int) -> Array:
+    """Numbers (count,) in 0..1, always the same for the same seed."""
+    numbers: Array = np.random.PCG64(zlib.crc32(repr(float(seed)).encode())).random_raw(count) / 2.0**64
+    return numbers

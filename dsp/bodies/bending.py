@@ -1,0 +1,96 @@
+"""Bars in bending, thick ones too."""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from .material import Array, Material
+from .ritz import basis, converged, quadrature, terms_for
+
+
+class Section(NamedTuple):
+    """Area (m^2) and second moment (m^4) (p,) at points of a bar, and the shear coefficient (Cowper 1966)."""
+
+    area: Array
+    moment: Array
+    shear: float
+
+
+class Motion(NamedTuple):
+    """Modes of one kind of a bar's motion.
+
+    frequency (n,) in Hz, ascending. shape: positions (p,) in 0..1 -> (p, n), mass-normalised: a deflection in kg^-1/2,
+    or an angle of twist in kg^-1/2 / m; slope: its derivative by the length. terms: of the series of both.
+    wavenumber (rad/m): that of the shortest wave.
+    """
+
+    frequency: Array
+    shape: Callable[[Array], Array]
+    slope: Callable[[Array], Array]
+    terms: int
+    wavenumber: float
+
+
+def bending(
+    material: Material, length: float, clamped: bool, top: float, section: Callable[[Array], Section]
+) -> Motion:
+    """Modes of a bar that bends in one plane, up to `top` (Hz), of sections at points in -1..1; free or clamped at -1.
+
+    Ritz's method on 1/2 int E I psi'^2 + kappa G A (w' - psi)^2, masses rho A and rho I (Timoshenko 1921), with
+    Legendre polynomials for the deflection w and the rotation psi.
+    """
+    thinnest = section(np.zeros(1))
+    terms = terms_for(length / 2 * _wavenumber(material, thinnest, top))
+    frequency, vector = _solve(material, section, length / 2, terms, clamped)
+    kept = converged(terms, 0 if clamped else 2)
+    frequency = frequency[kept][frequency[kept] <= top]
+    series = vector[: terms + 1, kept][:, : frequency.size]
+    return Motion(
+        frequency,
+        lambda positions: basis(2 * positions - 1, terms + 1, clamped)[0] @ series,
+        lambda positions: basis(2 * positions - 1, terms + 1, clamped)[1] @ series * (2 / length),
+        terms + 2,
+        _wavenumber(material, thinnest, frequency[-1]) if frequency.size else 0.0,
+    )
+
+
+def _solve(
+    material: Material, section: Callable[[Array], Section], half: float, terms: int, clamped: bool
+) -> tuple[Array, Array]:
+    """Ritz's eigenvalue problem of a bar of length 2 `half` (m).
+
+    Returns all its frequencies (Hz), and the series of w and psi (2 terms + 1, modes) in `basis`.
+    """
+    from scipy.linalg import eigh
+
+    nodes, weights = quadrature(4 * terms)
+    area, moment, kappa = section(nodes)
+    w, slope = basis(nodes, terms + 1, clamped)
+    psi, bend = basis(nodes, terms, clamped)  # one degree less, so that thin bars can be free of shear
+
+    # Psi is kept times half, so that both unknowns are lengths and x is in -1..1.
+    ei = weights * material.youngs_modulus * moment / half**3
+    kga = weights * kappa * material.shear_modulus * area / half
+    stiffness = np.block(
+        [
+            [slope.T * kga @ slope, -slope.T * kga @ psi],
+            [-psi.T * kga @ slope, bend.T * ei @ bend + psi.T * kga @ psi],
+        ]
+    )
+    inertia = np.zeros_like(stiffness)
+    inertia[: terms + 1, : terms + 1] = w.T * (weights * material.density * area * half) @ w
+    inertia[terms + 1 :, terms + 1 :] = psi.T * (weights * material.density * moment / half) @ psi
+    eigenvalue, vector = eigh(stiffness, inertia)
+    return np.sqrt(np.maximum(eigenvalue, 0)) / (2 * np.pi), vector
+
+
+def _wavenumber(material: Material, section: Section, frequency: float) -> float:
+    """The larger wavenumber (rad/m) of Timoshenko's dispersion relation for a section at a frequency (Hz)."""
+    (area,), (moment,), kappa = section
+    e, rho, kg = material.youngs_modulus, material.density, kappa * material.shear_modulus
+    square = (2 * np.pi * frequency) ** 2
+    b = rho * moment * (1 + e / kg) * square
+    c = rho * area * square - rho**2 * moment / kg * square**2
+    return math.sqrt((b + math.sqrt(b**2 + 4 * e * moment * c)) / (2 * e * moment))

@@ -1,0 +1,86 @@
+"""How a body's modes are heard: what the air does to them, their sound pressure, their places in the stereo image."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from .material import Array, Material
+from .modes import Modes
+from .radiation.air import IMPEDANCE, Load
+
+BAFFLES = ("free", "wall", "closed")
+"""free: the air moves around the edge from one side to the other. wall: in a wall, both sides radiate, one is heard.
+closed: in a wall and closed behind, one side radiates."""
+
+_LEAST_MASS = -0.5  # of the air: a cavity's stiffness counts as less than none, but never makes a mode unstable
+_SETTLED = 3e-3  # of a frequency: the load does not change much over this
+_GOLDEN = (math.sqrt(5) - 1) / 2
+
+
+class Loaded(NamedTuple):
+    """Modes in air: frequencies (Hz), resistances (1/s) and, for the air's mass, what their shapes shrink by, (n,)."""
+
+    frequency: Array
+    resistance: Array
+    shrinking: Array
+
+
+def loaded(frequency: Array, load: Callable[[Array], Load], guess: Array) -> Loaded:
+    """The air's load on modes that have these frequencies (Hz) without air; `load` gives it for frequencies in air.
+
+    guess (n,): about its mass. The mass mu lowers the frequency by sqrt(1 + mu), and shapes and resistances are those
+    of the greater modal mass. One mode's load on another is left out.
+    """
+    now = frequency / np.sqrt(1 + guess)
+    found = load(now)
+    mass = np.maximum(found.mass, _LEAST_MASS)
+    if np.any(np.abs(frequency / np.sqrt(1 + mass) - now) > _SETTLED * now):
+        found = load(frequency / np.sqrt(1 + mass))
+        mass = np.maximum(found.mass, _LEAST_MASS)
+    return Loaded(frequency / np.sqrt(1 + mass), found.resistance / (1 + mass), 1 / np.sqrt(1 + mass))
+
+
+def heard(
+    material: Material,
+    frequency: Array,
+    resistance: Array,
+    shapes: tuple[Array, Array],
+    mass: float,
+    passed_on: Array | None = None,
+) -> Modes:
+    """The modes of a body in air; shapes: those along the strike path, and those (n,) of which the sign is heard.
+
+    What a mode radiates, or passes on to what radiates for it (passed_on, 1/s as the resistance), adds to the losses
+    of its material, unless these were measured with it. Then it is in them, and no more than them.
+    """
+    decay = material.decay(frequency)
+    if material.losses == "material":
+        decay = decay + (resistance if passed_on is None else passed_on) / 2
+    strike, sign = shapes
+    return Modes(
+        frequency=frequency,
+        decay=decay,
+        strike=strike,
+        pressure=pressure(np.minimum(resistance, 2 * decay), sign),
+        mass=mass,
+    )
+
+
+def pressure(resistance: Array, sign: Array) -> Array:
+    """Sound pressure (2, n) at 1 m per unit modal velocity, alike on both sides: G = sqrt(rho c R/(4 pi))."""
+    size = np.sqrt(IMPEDANCE * resistance / (4 * math.pi))
+    return np.tile(np.where(sign < 0, -size, size), (2, 1))
+
+
+def placed(modes: Modes, width: float) -> Modes:
+    """The modes at places of their own in the stereo image, between -width and width (0 to 1), by equal power.
+
+    The places follow the golden ratio, so that neighbours lie apart and a mode's place does not depend on the others.
+    """
+    place = 2 * ((np.arange(1, modes.frequency.size + 1) * _GOLDEN) % 1) - 1
+    angle = math.pi / 4 * (1 + width * place)
+    sides = math.sqrt(2) * np.stack([np.cos(angle), np.sin(angle)])
+    return replace(modes, pressure=modes.pressure * sides)

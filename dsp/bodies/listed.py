@@ -1,0 +1,85 @@
+"""Modes that are given one by one."""
+
+import math
+from collections.abc import Sequence
+from functools import partial
+
+import numpy as np
+
+from .heard import pressure
+from .material import Array
+from .modes import Modes, audible, columns
+from .radiation.air import IMPEDANCE, wavenumber
+from .radiation.closed import sphere_efficiency
+from .radiation.thin import open_cylinder
+
+Each = float | Sequence[float]
+
+_LIP = 1.5  # radii over the order: the height from its lip in which a bell's motion falls by 1/e, estimated
+
+
+def listed(
+    *,
+    frequency: Sequence[float],
+    t60: Each,
+    modal_mass: Each,
+    mass: float,
+    top: float,
+    weight: Each | None = None,
+    order: Each | None = None,
+    radius: float | None = None,
+    height: float | None = None,
+) -> Modes:
+    """Modes given one by one, those up to `top` (Hz).
+
+    frequency (Hz), t60 (decay times, s, what is radiated included) and modal_mass (kg): (n,) each; a single one holds
+    for every mode. mass (kg) is that of the whole body. A modal mass belongs to a shape that is 1 at the striking
+    point; the position does not matter. ValueError names what does not fit.
+
+    How loud they are is given by `weight`, sound pressure at 1 m (Pa, rms over directions) per m/s of the striking
+    point (1 unless given), or by the body: with `radius` (m) and `height` (m) that of a bell, a thin open cylinder of
+    which mode i moves as cos(order_i theta), most at its lip; with `radius` alone a sphere, moving as the Legendre
+    polynomial of that order; then no mode radiates more than it loses.
+    """
+    frequencies = np.asarray(frequency, dtype=np.float64)
+    if (order is None) != (radius is None) or (height is not None and radius is None):
+        raise ValueError(f"order = {order}, radius = {radius}, height = {height}: expected order and radius together")
+    if weight is not None and order is not None:
+        raise ValueError("weight and order: expected one of the two")
+    given = {"t60": t60, "modal_mass": modal_mass, "weight": 1.0 if weight is None else weight, "order": order or 0}
+    t60s, masses, weights, orders = columns(frequencies.size, "frequencies", **given)
+    if not (np.all(frequencies > 0) and np.all(t60s > 0) and np.all(masses > 0)):
+        raise ValueError("frequency, t60, modal_mass: expected positive numbers")
+    keep = audible(frequencies, top)
+    frequencies, masses = frequencies[keep], masses[keep]
+    decay = math.log(1000) / t60s[keep]
+    shape = 1 / np.sqrt(masses)
+    if radius is None:
+        sound = np.tile(weights[keep] * shape, (2, 1))
+    else:
+        resistance = _of_body(frequencies, orders[keep], radius, height) / masses
+        sound = pressure(np.minimum(resistance, 2 * decay), shape)
+    return Modes(
+        frequency=frequencies,
+        decay=decay,
+        strike=shape[None],
+        pressure=sound,
+        mass=mass,
+    )
+
+
+def _of_body(frequency: Array, order: Array, radius: float, height: float | None) -> Array:
+    """What modes of unit motion at their lip, or pole, radiate (kg/s)."""
+    k = wavenumber(frequency)
+    each = [(int(m), float(at)) for m, at in zip(order, k, strict=True)]
+    if height is None:
+        area = 4 * math.pi * radius**2
+        efficiency = [float(sphere_efficiency(m, np.array(at * radius))) / (2 * m + 1) for m, at in each]
+        return IMPEDANCE * area * np.array(efficiency)
+    half = height / 2
+    return np.array([open_cylinder(m, at, radius, half, partial(_lip, m * half / radius)).real for m, at in each])
+
+
+def _lip(steepness: float, z: Array) -> Array:
+    motion: Array = np.exp(-(1 - z) * steepness / _LIP)
+    return motion

@@ -1,0 +1,148 @@
+"""Rectangular surfaces, flat and thin: free in air, or in a wall.
+
+Free: the jump of pressure across the surface falls to zero at the edges as a square root. It is expanded in products of
+psi_p(z) = sqrt(1 - z^2) U_p(z) along both sides, whose transform is pi (p + 1) (-i)^p J_(p+1)(x)/x; Galerkin's method
+makes the velocity that it causes that of the plate: M c = b, and b.c is the impedance. In a wall: Rayleigh's integral
+over Legendre series of the velocity. The four parities part. Time goes as exp(-i omega t).
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from ..material import Array
+from .air import Complex
+from .quadrature import bessel, panels, segment, spherical_bessel
+
+_REACH = 20.0  # beyond the terms: from there on products of Bessel functions are taken as their means, by Debye
+_TAIL, _FARTHEST = 32, 1e4  # nodes of that part, and how far it goes
+_PANEL = 10.0  # of the grid of wavenumbers, for the rule's 16 nodes
+
+Parts = Mapping[tuple[int, int], Array]
+"""For parities (x, y), 0 even and 1 odd: coefficients (terms of that parity along x, along y, modes)."""
+
+
+class Side(NamedTuple):
+    """A side of a rectangle: half its length (m), terms along it, and products of transforms at a grid of x.
+
+    products: for each parity (terms, terms, x), without (-i)^p, the weights of the grid and the half length included.
+    """
+
+    half: float
+    terms: int
+    x: Array
+    products: tuple[Array, Array]
+
+
+def side(half: float, terms: int) -> Side:
+    """The side's table, which serves all frequencies."""
+    reach = terms + _REACH
+    unit, share = panels(math.ceil(reach / _PANEL))
+    near, near_weights = reach * unit, reach * share
+    y, w = segment(math.log(reach), math.log(_FARTHEST * reach), _TAIL)
+    far = np.exp(y)
+    transform = _transforms(terms, near)
+    size, angle = _debye(terms, far)
+    weights = half * np.concatenate([near_weights, w * far])
+    products = []
+    for odd in (0, 1):
+        own, large, turn = transform[odd::2], size[odd::2], angle[odd::2]
+        mean = large[:, None] * large * np.cos(turn[:, None] - turn) / 2
+        products.append(np.concatenate([own[:, None] * own, mean], axis=2) * weights)
+    return Side(half, terms, np.concatenate([near, far]), (products[0], products[1]))
+
+
+def _debye(terms: int, x: Array) -> tuple[Array, Array]:
+    """`_transforms` for x beyond the terms, as amplitudes and angles of cosines (Debye): (terms, x) each."""
+    n = np.arange(1, terms + 1)[:, None]
+    root = np.sqrt(x**2 - n**2)
+    size = math.pi * n / x * np.sqrt(2 / (math.pi * root))
+    angle = root - n * np.arccos(n / x) + math.pi * ((n - 1) // 2)  # the terms' signs
+    return size, angle
+
+
+def _transforms(terms: int, x: Array) -> Array:
+    """pi (p + 1) J_(p+1)(x)/x, the signs of a parity's terms included: (terms, *x.shape)."""
+    p = np.arange(terms).reshape(-1, *(1,) * x.ndim)
+    safe = np.maximum(x, 1e-9)
+    found: Array = (-1.0) ** (p // 2) * math.pi * (p + 1) * bessel(terms + 1, safe)[1:] / safe
+    return found
+
+
+def jump_terms(terms: int, values: Callable[[Array], Array], half: float) -> Array:
+    """int f psi_p of functions of fractions of the side, (points) -> (points, n), by length: (terms, n)."""
+    t, w = segment(0, math.pi, 4 * terms + 60)
+    psi = np.sin(np.outer(np.arange(1, terms + 1), t)) * np.sin(t) * w
+    projected: Array = half * psi @ values((1 + np.cos(t)) / 2)
+    return projected
+
+
+def legendre_terms(terms: int, values: Callable[[Array], Array], half: float) -> Array:
+    """Legendre series of functions of fractions of the side, whose transforms are sums of j_p: (terms, n)."""
+    z, w = segment(-1, 1, 4 * terms + 60)
+    basis = legendre.legvander(z, terms - 1) * w[:, None]
+    p = np.arange(terms)
+    series: Array = half * (2 * p[:, None] + 1) * (-1.0) ** (p // 2)[:, None] * (basis.T @ values((1 + z) / 2))
+    return series
+
+
+def free_rectangle(k: float, along: Side, across: Side, projected: Parts) -> Complex:
+    """Impedances, over 2 rho c k, of modes given by their `jump_terms`, at k = omega/c."""
+    kz = np.sqrt(np.maximum((along.x[:, None] / along.half) ** 2 + (across.x / across.half) ** 2 - k**2, 0))
+    rays = _rays(k, along.half, across.half)
+    field_x = along.half * _transforms(along.terms, rays.x)
+    field_y = across.half * _transforms(across.terms, rays.y)
+    weights_x, weights_y = rays.u_weights * k**3 * rays.u_cosine**3, rays.v_weights * rays.v_cosine**2
+    total: Complex = np.zeros(next(iter(projected.values())).shape[2], np.complex128)
+    for (odd_x, odd_y), b in projected.items():
+        p, q, _ = b.shape
+        x, y = field_x[odd_x::2][:p], field_y[odd_y::2][:q].transpose(1, 0, 2)
+        pairs_x = (x[:, None] * x * weights_x).reshape(p * p, -1)
+        pairs_y = ((y * weights_y) @ y.transpose(0, 2, 1)).reshape(-1, q * q)
+        near_x, near_y = (
+            each.products[odd][:n, :n].reshape(n * n, -1) for each, odd, n in ((along, odd_x, p), (across, odd_y, q))
+        )
+        matrix = (pairs_x @ pairs_y + 1j * (near_x @ kz @ near_y.T)) / math.pi**2
+        matrix = matrix.reshape(p, p, q, q).transpose(0, 2, 1, 3).reshape(p * q, p * q)
+        flat = b.reshape(p * q, -1)
+        total += (flat * np.linalg.solve(matrix, flat + 0j)).sum(axis=0)
+    return total
+
+
+def walled_rectangle(k: float, halves: tuple[float, float], series: Parts) -> Array:
+    """Resistances, over rho c, of modes given by their `legendre_terms`, on one side: k^2/(4 pi^2) int |V|^2."""
+    rays = _rays(k, *halves)
+    terms = [2 * max(part.shape[axis] for part in series.values()) for axis in (0, 1)]
+    field_x, field_y = spherical_bessel(terms[0], rays.x), spherical_bessel(terms[1], rays.y)
+    total = np.zeros(next(iter(series.values())).shape[2])
+    for (odd_x, odd_y), part in series.items():
+        p, q, modes = part.shape
+        x, y = field_x[odd_x::2][:p], field_y[odd_y::2][:q].transpose(1, 2, 0)
+        velocity = y @ (x.T @ part.reshape(p, -1)).reshape(-1, q, modes)
+        total += rays.u_weights * rays.u_cosine @ (rays.v_weights @ velocity**2)
+    resistance: Array = k**2 / math.pi**2 * total
+    return resistance
+
+
+class _Rays(NamedTuple):
+    """Waves that leave a rectangle through a quarter of a half space: k_x = k sin u, k_y = k cos u sin v.
+
+    Weights and cosines of u (m,) and v (n,); k_x and k_y times half the sides, x (m,) and y (m, n).
+    """
+
+    u_weights: Array
+    u_cosine: Array
+    v_weights: Array
+    v_cosine: Array
+    x: Array
+    y: Array
+
+
+def _rays(k: float, half_x: float, half_y: float) -> _Rays:
+    u, u_weights = segment(0, math.pi / 2, 10 + 0.7 * k * half_x)
+    v, v_weights = segment(0, math.pi / 2, 10 + 0.7 * k * half_y)
+    y = k * half_y * np.outer(np.cos(u), np.sin(v))
+    return _Rays(u_weights, np.cos(u), v_weights, np.cos(v), k * half_x * np.sin(u), y)

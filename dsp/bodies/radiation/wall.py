@@ -1,0 +1,44 @@
+"""The air's load on the walls of rings, tubes, glasses and bells: thin cylinders that bend around themselves."""
+
+import math
+
+import numpy as np
+
+from ..material import Array
+from .air import DENSITY, IMPEDANCE, Load, load, wavenumber
+from .closed import radial_function
+from .quadrature import segment
+from .thin import Profile, open_cylinder
+
+_LONG = 8.0  # radii: of a tube as long as this the inside radiates nothing that counts (0.4 dB)
+
+
+def load_of(order: Array, radius: float, half: float, profile: Profile, frequency: Array) -> Load:
+    """The load on modes profile(z) cos(m theta) of orders m (n,), of unit displacement: for a modal mass of 1 kg.
+
+    A cylinder of a middle radius and a length 2 `half`, in m, its ends open; z is -1..1 along it.
+    """
+    k = wavenumber(frequency)
+    if 2 * half > _LONG * radius:
+        return _long(order, radius, half, profile, frequency)
+    impedance = [open_cylinder(int(m), each, radius, half, profile) for m, each in zip(order, k, strict=True)]
+    return load(np.array(impedance), frequency)
+
+
+def _long(order: Array, radius: float, half: float, profile: Profile, frequency: Array) -> Load:
+    """R = rho c eps/pi^2 int |V(k cos t)|^2/(sin t |H_m'(k a sin t)|^2) dt; the mass of the air inside and outside."""
+    k = wavenumber(frequency)
+    resistance = np.empty_like(k)
+    for i, (m, each) in enumerate(zip(order, k, strict=True)):
+        t, w = segment(0, math.pi / 2, 16 + 0.8 * each * half)
+        z, wz = segment(-1, 1, 40 + each * half)
+        velocity = profile(z) * wz * half
+        phase = each * half * np.outer(np.cos(t), z)
+        power = (np.cos(phase) @ velocity) ** 2 + (np.sin(phase) @ velocity) ** 2
+        around = 2 * math.pi if m == 0 else math.pi
+        outward = radial_function(int(m), each * radius * np.sin(t)) * np.sin(t)
+        resistance[i] = 2 * IMPEDANCE * around / math.pi**2 * (w * power / outward).sum()
+    z, wz = segment(-1, 1, 64)
+    square = half * (profile(z) ** 2 * wz).sum()
+    mass = 2 * DENSITY * math.pi * radius**2 * square / np.maximum(order, 1)
+    return Load(resistance, mass)

@@ -1,0 +1,45 @@
+"""What all Ritz series along a bar share: Legendre polynomials on -1..1, their quadrature, and how many there are."""
+
+import math
+from functools import lru_cache
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from .material import Array
+from .modes import read_only
+
+MOST_TERMS = 160  # of a series
+_TERMS_PER_RADIAN, _MORE_TERMS = 1.25, 12  # of the half bar's waves: a Ritz series needs pi terms per wave at least
+_CONVERGED = 0.6  # share of the modes of a Ritz series that mean something
+
+
+def terms_for(waves: float) -> int:
+    """Terms of a series for shapes of up to `waves` (rad) along half the bar."""
+    return min(MOST_TERMS, math.ceil(_TERMS_PER_RADIAN * waves) + _MORE_TERMS)
+
+
+def converged(terms: int, rigid: int) -> slice:
+    """Which of a series' modes, by ascending frequency, are exact enough; the first `rigid` are no vibration."""
+    return slice(rigid, rigid + math.ceil(_CONVERGED * terms))
+
+
+@lru_cache(maxsize=MOST_TERMS)  # all there can be, 1 MB; to find them takes as long as the modes
+def quadrature(points: int) -> tuple[Array, Array]:
+    """Nodes and weights of Gauss and Legendre in -1..1, read-only."""
+    nodes, weights = legendre.leggauss(points)
+    read_only(nodes, weights)
+    return nodes, weights
+
+
+def basis(x: Array, terms: int, clamped: bool, derivatives: int = 1) -> list[Array]:
+    """Values and derivatives (len(x), terms) of normalised Legendre polynomials, zero at -1 where clamped."""
+    degree = np.arange(terms + 1)
+    scale = np.diag(np.sqrt(degree + 0.5))
+    if clamped:
+        scale = (np.eye(terms + 1) + np.eye(terms + 1, k=-1))[:, :terms]  # P_k + P_(k+1) vanishes at -1
+        scale = scale * np.sqrt(degree[:terms] + 0.5)
+    found = [legendre.legvander(x, terms) @ scale]
+    for order in range(1, derivatives + 1):
+        found.append(legendre.legvander(x, terms - order) @ legendre.legder(scale, order))
+    return [np.asarray(value[:, :terms], np.float64) for value in found]

@@ -1,0 +1,341 @@
+"""Strikers that sound: voices that the force of a contact moves, as it moves the object that is struck.
+
+A voice is heard with the object: in its stem, with its gain, at its place. It has the sign of the object's own click:
+the two bodies are accelerated against each other, but stand apart by about a wavelength where they are heard, so that
+their powers add, not their amplitudes; the sum of equal clicks is up to 3 dB too loud.
+
+A voice belongs to a contact while that lasts and to the object until it has rung out. Where all are taken the quietest
+is cut short, which is counted.
+"""
+
+import math
+
+import numpy as np
+
+from ..native.jit import kernel
+from ..numerics.legendre import FALL, MOMENTS, RISE
+from ..numerics.random import STEP, mixed
+from ..resonator.bank import Drive, Modes, Point, inject, inject_fine, ring, ring_driven, state_of
+from ..resonator.coefficients import set_click, set_mode
+from ..resonator.simd import LANES, STRETCH
+from .commands import KIND_ROLL, KIND_SPIN
+from .contact_record import RIM
+from .quality import silence_of
+from .state import COUPLING
+from .striker_state import STRIKER_MODES, VOICES
+
+_NEW = 1e300  # loudness of a voice that has just begun: it is not the quietest
+_GONE = 0.02  # s: time constant of a force that dies away
+_NOTHING = 1e-6  # N
+_FINE = 2.0**40  # steps per m/s in which a velocity is told from another
+_SAME = 1e-9  # relative difference of radii that are one
+
+
+@kernel
+def begin_striker(state, contact):
+    """Give a contact that begins a voice, if its striker sounds, and a second pulse, if it has one."""
+    if not _sounds(state, contact):
+        return
+    _take_voice(state, contact, True)
+    striker = state.strikers[contact.sound]
+    if striker.momentum > 0.0:
+        voice = state.voices[contact.voice]
+        voice.snap = contact.now.gain * _second_pulse(striker, contact)
+        voice.snap_at = contact.start + contact.fraction + striker.delay * state.rate
+
+
+@kernel
+def roll_striker(state, contact):
+    """Have a rolling body's voice moved by its force in this quantum, if it has one or one is free."""
+    if not _sounds(state, contact):
+        return
+    _take_voice(state, contact, False)
+    if contact.voice >= 0:
+        voice = state.voices[contact.voice]
+        obj = state.objects[voice.slot]
+        voice.roll = contact.roll
+        voice.driven = 1
+        voice.share[0] = contact.now.gain * obj.level / state.rolls[contact.roll].m
+
+
+@kernel
+def _sounds(state, contact):
+    """True if a contact's striker sounds, and its kind is still kept."""
+    return contact.sound >= 0 and state.strikers[contact.sound].serial == contact.sound_serial
+
+
+@kernel
+def drive_striker(state, contact):
+    """Give a contact's voice the force over the sample. One that has rung out meanwhile begins anew."""
+    if not _sounds(state, contact):
+        return
+    _take_voice(state, contact, False)
+    if contact.voice < 0:
+        return
+    voice = state.voices[contact.voice]
+    voice.driven = 1
+    where = Point(voice.struck, 0, 0, voice.share)
+    if contact.solver == COUPLING:
+        inject_fine(_modes_of(voice), where, state.scratch.fine)
+    else:
+        inject(_modes_of(voice), where, state.scratch.moments)
+
+
+@kernel
+def release_voice(state, contact):
+    """Leave a contact's voice to itself."""
+    if contact.voice >= 0:
+        state.voices[contact.voice].contact = -1
+        contact.voice = -1
+
+
+@kernel
+def _take_voice(state, contact, needed):
+    """Give a contact a voice where it has none: a free one, or the quietest of all if it is `needed`."""
+    if contact.voice >= 0:
+        return
+    if state.voices_active == VOICES:
+        if not needed:
+            return
+        _cut_quietest(state)
+    index = state.free_voice[VOICES - 1 - state.voices_active]
+    state.voices_active += 1
+    voice = state.voices[index]
+    obj = state.objects[contact.point[0].slot]
+    voice.slot = contact.point[0].slot
+    voice.next = obj.voice
+    obj.voice = index
+    voice.contact = contact.index
+    contact.voice = index
+    voice.roll = -1
+    voice.driven = 0
+    voice.snap = voice.energy = voice.held = 0.0
+    voice.loudness = _NEW
+    for i in range(4):
+        voice.share[i] = 0.0
+    voice.share[0] = obj.level * (RIM if contact.kind == KIND_SPIN else 1.0) / contact.m
+    _become(state, voice, contact)
+
+
+@kernel
+def _become(state, voice, contact):
+    """Let a voice be that of a contact's striker, at rest."""
+    striker = state.strikers[contact.sound]
+    if striker.prepared == 0:
+        _prepare(striker, state.rate)
+    voice.size = striker.size
+    for i in range(striker.size):
+        voice.y1[i] = voice.y2[i] = 0.0
+        voice.a1[i], voice.a2[i] = striker.a1[i], striker.a2[i]
+        voice.balance[i] = 1.0
+        voice.struck[i], voice.snapped[i] = striker.struck[i], striker.snapped[i]
+    for i in range(striker.size // LANES * (len(striker.response) // (STRIKER_MODES // LANES))):
+        voice.response[i] = striker.response[i]
+    if striker.clicks == 1 and contact.kind == KIND_ROLL:
+        ratio = state.rolls[contact.roll].target.radius / striker.radius
+        if abs(ratio - 1.0) > _SAME:  # what rolls is as large as it was said to be: of the same form
+            set_click(
+                _modes_of(voice), 0, striker.frequency[0] / ratio, striker.sigma[0] / ratio, state.rate,
+                striker.weight[0] * ratio,
+            )  # fmt: skip
+
+
+@kernel
+def _prepare(striker, rate):
+    """Compute the coefficients of a kind of striker.
+
+    Its modes sound in the phase of their velocity: what the force bends slowly is not heard. Where there is a second
+    pulse it alone moves them, and they begin at 0.
+    """
+    n = striker.size
+    snaps = striker.momentum > 0.0
+    modes = Modes(
+        striker.struck[:n], striker.struck[:n], striker.a1[:n], striker.a2[:n], striker.struck[:n], striker.response
+    )
+    for i in range(n):
+        striker.a2[i] = 0.0
+        frequency, sigma, weight = striker.frequency[i], striker.sigma[i], striker.weight[i]
+        if i < striker.clicks or frequency == 0.0:
+            set_click(modes, i, frequency, sigma, rate, weight)
+        elif snaps:
+            set_mode(modes, i, frequency, sigma, rate, complex(weight, 0.0))
+        else:
+            set_mode(modes, i, frequency, sigma, rate, weight * complex(-sigma / (2.0 * math.pi * frequency), 1.0))
+    for i in range(n):
+        striker.snapped[i] = 1.0 if i >= striker.clicks and snaps else 0.0
+        striker.struck[i] = 1.0 - striker.snapped[i]
+    striker.prepared = 1
+
+
+@kernel
+def _second_pulse(striker, contact):
+    """The momentum (N s) of the second pulse of a contact: it grows as a power of the velocity, and scatters.
+
+    It gives the modes no more energy than the contact takes from the striker.
+    """
+    v, e = contact.v_in, contact.pulse.restitution
+    # Equal blows at equal times are equal.
+    seed = mixed(np.uint64(np.int64(v * _FINE)) + mixed(np.uint64(np.int64(contact.start)) + STEP))
+    first = (np.float64(seed >> np.uint64(11)) + 1.0) * 2.0**-53
+    second = np.float64(mixed(seed + STEP) >> np.uint64(11)) * 2.0**-53
+    normal = math.sqrt(-2.0 * math.log(first)) * math.cos(2.0 * math.pi * second)
+    momentum = striker.momentum * v**striker.exponent * 10.0 ** (0.05 * striker.scatter * normal)
+    return min(momentum, v * math.sqrt(max(1.0 - e * e, 0.0) * contact.m / striker.mobility))
+
+
+@kernel
+def _modes_of(voice):
+    n = voice.size
+    return Modes(voice.y1[:n], voice.y2[:n], voice.a1[:n], voice.a2[:n], voice.balance[:n], voice.response)
+
+
+@kernel
+def ring_strikers(state, obj, out, start, stop):
+    """Add the strikers that sound on an object to its voice, from frame `start` to `stop`."""
+    index = obj.voice
+    while index >= 0:
+        voice = state.voices[index]
+        frame = start
+        while frame < stop:
+            frame = _ring_on(state, voice, out, frame, stop)
+        index = voice.next
+
+
+@kernel
+def _ring_on(state, voice, out, frame, stop):
+    """Let a voice ring from a frame to another, at most `stop`, which is returned: forces act at its beginning."""
+    modes = _modes_of(voice)
+    sound = state.scratch.striker
+    if voice.snap > 0.0:
+        due = max(-math.floor(state.position - voice.snap_at), frame)
+        if due == frame:
+            _snap(state, voice, modes, frame)
+        stop = min(stop, due) if due > frame else stop
+    if voice.held != 0.0:
+        stop = frame + 1
+        _hold(state, voice, modes)
+        ring(modes, sound, frame, stop)
+    elif voice.roll < 0:
+        ring(modes, sound, frame, stop)
+    elif stop - frame < STRETCH:
+        stop = frame + 1
+        inject(modes, Point(voice.struck, 0, 0, voice.share), state.scratch.feeds[voice.roll, frame])
+        ring(modes, sound, frame, stop)
+    else:
+        stop = frame + STRETCH
+        driver = state.scratch.drivers[0]
+        driver.feed, driver.row = voice.roll, 0
+        for i in range(4):
+            driver.weights[i] = voice.share[i]
+            driver.drift[i] = 0.0
+        for n in range(frame, stop):
+            sound[0, n] = sound[1, n] = 0.0
+        drive = Drive(state.scratch.drivers, 1, state.scratch.feeds)
+        ring_driven(modes, voice.struck, 0, drive, state.scratch.work, sound, frame)
+    energy = 0.0
+    for n in range(frame, stop):
+        out[0, n] += sound[0, n]
+        out[1, n] += sound[1, n]
+        energy += sound[0, n] * sound[0, n]
+    voice.energy += energy
+    return stop
+
+
+@kernel
+def let_voice_go(state, contact):
+    """Leave a contact's voice to itself in a panic: its force dies away, so that its end makes no sound."""
+    if contact.voice >= 0:
+        voice = state.voices[contact.voice]
+        voice.snap = 0.0
+        voice.roll = -1
+        voice.held = contact.now.gain * contact.force
+
+
+@kernel
+def _hold(state, voice, modes):
+    """Give a voice the force that dies away over a sample."""
+    moments = state.scratch.moments
+    for n in range(MOMENTS):
+        moments[n] = 0.0
+    moments[0] = voice.held / state.rate
+    inject(modes, Point(voice.struck, 0, 0, voice.share), moments)
+    voice.held *= 1.0 - 1.0 / (_GONE * state.rate)
+    voice.driven = 1
+    if abs(voice.held) < _NOTHING:
+        voice.held = 0.0
+
+
+@kernel
+def _snap(state, voice, modes, frame):
+    """Give a voice its second pulse, at its time in the sample that ends at a frame."""
+    moments = state.scratch.moments
+    x = min(max(2.0 * (voice.snap_at - state.position - frame) + 1.0, -1.0), 1.0)
+    moments[0] = voice.snap
+    moments[1] = voice.snap * x
+    for n in range(1, MOMENTS - 1):
+        moments[n + 1] = RISE[n] * x * moments[n] - FALL[n] * moments[n - 1]
+    inject(modes, Point(voice.snapped, 0, 0, voice.share), moments)
+    voice.snap = 0.0
+    voice.driven = 1
+
+
+@kernel
+def rest_strikers(state, obj):
+    """At the end of a quantum free the voices on an object that nobody hears any more."""
+    threshold = silence_of(state) / max(1.0, obj.settings.gain)
+    before = -1
+    index = obj.voice
+    while index >= 0:
+        voice = state.voices[index]
+        after = voice.next
+        heard = voice.driven == 1 or voice.snap > 0.0
+        for i in range(voice.size):
+            if not heard and voice.a2[i] != 0.0:
+                re, im = state_of(voice.y1[i], voice.y2[i], voice.a1[i], voice.a2[i])
+                heard = re * re + im * im > threshold * threshold
+        voice.loudness, voice.energy = voice.energy, 0.0
+        voice.driven = 0
+        voice.roll = -1
+        if heard:
+            before = index
+        else:
+            _free(state, obj, before, index)
+        index = after
+
+
+@kernel
+def silence_strikers(state, obj):
+    """End the sound of all strikers on an object."""
+    while obj.voice >= 0:
+        _free(state, obj, -1, obj.voice)
+
+
+@kernel
+def _cut_quietest(state):
+    """Free the voice that was the quietest in the last quantum."""
+    quietest = 0
+    for i in range(1, VOICES):
+        if state.voices[i].loudness < state.voices[quietest].loudness:
+            quietest = i
+    obj = state.objects[state.voices[quietest].slot]
+    before = -1
+    index = obj.voice
+    while index != quietest:
+        before = index
+        index = state.voices[index].next
+    _free(state, obj, before, quietest)
+    state.stats.strikers_cut += 1
+
+
+@kernel
+def _free(state, obj, before, index):
+    """Take a voice, which follows `before` (-1: the first), out of an object's list."""
+    voice = state.voices[index]
+    if before < 0:
+        obj.voice = voice.next
+    else:
+        state.voices[before].next = voice.next
+    if voice.contact >= 0:
+        state.contacts[voice.contact].voice = -1
+    state.voices_active -= 1
+    state.free_voice[VOICES - 1 - state.voices_active] = index

@@ -1,0 +1,105 @@
+"""The coefficients of a mode: how it rings, and how it answers the moments of a force over a sample."""
+
+import math
+
+from ..native.jit import kernel
+from ..numerics.legendre import FINE
+from .bank import MOBILITY, NYQUIST_SHARE, RESPONSES
+from .mode import ring_at
+from .simd import LANES
+
+_BESSEL_START = 24  # where the downward recursion of the spherical Bessel functions starts; |z| <= 1.6 needs 18
+_SAMPLED = 0.25 * NYQUIST_SHARE  # of the rate: a click of a higher frequency would alias, were it only sampled
+_EMPHASIS = 0.1  # of such a click: makes up for high frequencies that momenta of whole samples lack
+_COSINE = 0.98  # of a pole's angle, at most: a mode turns
+
+
+@kernel
+def set_mode(modes, i, frequency, decay, rate, weight):
+    """Give mode i a frequency (Hz) and decay (1/s) at a sampling rate (Hz); what it is ringing goes on without a step.
+
+    `weight` scales what it will answer to a force; where it is complex, the output is Im(weight z): a mode whose output
+    has a phase, which no contact feels. frequency = 0 makes a mode that rests for ever.
+    """
+    response = modes.response
+    base = (i // LANES) * RESPONSES + i % LANES
+    if frequency <= 0.0:
+        modes.y1[i] = modes.y2[i] = modes.a1[i] = modes.a2[i] = 0.0
+        for k in range(RESPONSES // LANES):
+            response[base + k * LANES] = 0.0
+        return
+    theta = 2.0 * math.pi * frequency / rate
+    loss = decay / rate
+    r = math.exp(-loss)
+    ring_at(modes, i, frequency, decay, rate)
+    # exp(-s t) over the sample, s = -loss + i theta, in Legendre polynomials: (2k+1) (-1)^k exp(-s/2) i_k(s/2), with
+    # i_k the modified spherical Bessel functions, by Miller's downward recursion; sum (2k+1) i_k(z) = exp(z) scales it.
+    # (Reciprocals by the conjugate: numba's complex division can raise.)
+    z = complex(-0.5 * loss, 0.5 * theta)
+    reciprocal = z.conjugate() * (1.0 / (z.real * z.real + z.imag * z.imag))
+    upper = 0.0j
+    here = 1e-100 + 0.0j
+    total = (2 * _BESSEL_START + 1) * here
+    for k in range(_BESSEL_START, 0, -1):
+        upper, here = here, upper + (2 * k + 1) * reciprocal * here
+        total += (2 * k - 1) * here
+        if k <= FINE:
+            b = base + 2 * (k - 1) * LANES
+            response[b] = here.real
+            response[b + LANES] = here.imag
+    # exp(z)/total normalises the i_k and exp(-z) is the factor above: what is left is 1/total.
+    scale = total.conjugate() * (weight * (1.0 / (total.real * total.real + total.imag * total.imag)))
+    before = complex(math.cos(theta), -math.sin(theta)) * (1.0 / r)
+    for k in range(FINE):
+        b = base + 2 * k * LANES
+        g = complex(response[b], response[b + LANES]) * scale * (2.0 * k + 1.0)
+        if k % 2 == 1:
+            g = -g
+        response[b] = g.imag
+        response[b + LANES] = (g * before).imag
+    _set_mobility(response, base, 2.0 * math.pi * frequency, r * math.sin(theta), weight)
+
+
+@kernel
+def _set_mobility(response, base, omega, sine, weight):
+    """Set what `observe` and `receptance` need of a mode: nothing where its output has a phase."""
+    real, felt = weight.real, weight.real != 0.0 and weight.imag == 0.0
+    response[base + MOBILITY] = 1.0 / (omega * real * real * sine) if felt else 0.0
+    response[base + MOBILITY + LANES] = 1.0 / (omega * real) if felt else 0.0
+
+
+@kernel
+def set_unfelt(modes, i, frequency, decay, rate, weight):
+    """Give mode i coefficients as `set_mode` does, but no contact feels it."""
+    set_mode(modes, i, frequency, decay, rate, complex(weight, 0.0))
+    base = (i // LANES) * RESPONSES + i % LANES
+    modes.response[base + MOBILITY] = modes.response[base + MOBILITY + LANES] = 0.0
+
+
+@kernel
+def set_click(modes, i, frequency, decay, rate, strength):
+    """Give mode i the coefficients of a body's click (see bodies/acceleration.py), of a strength in output per N s.
+
+    One above the highest frequency of modes becomes one of that, with what it is at low frequencies (`Click.below`).
+
+    Up to half of the highest frequency its samples are those of the air. Above, these would alias, by 10 dB and more:
+    there it answers the momentum of each sample by A (1 - z^-1)/(1 - a1 z^-1 - a2 z^-2), which is exact at low
+    frequencies; a ball's is within 4 dB up to 0.6 of the Nyquist frequency, wherever between two samples it is struck.
+    """
+    if frequency <= 0.0:
+        set_mode(modes, i, frequency, decay, rate, 0.0j)
+        return
+    slower = min(0.5 * NYQUIST_SHARE * rate / frequency, 1.0)
+    frequency, decay, strength = frequency * slower, decay * slower, strength * slower * slower
+    omega = 2.0 * math.pi * frequency
+    set_mode(modes, i, frequency, decay, rate, strength * complex(-decay / omega, 1.0))
+    if frequency > _SAMPLED * rate:
+        base = (i // LANES) * RESPONSES + i % LANES
+        for k in range(2 * FINE):
+            modes.response[base + k * LANES] = 0.0
+        modes.a1[i] -= _EMPHASIS
+        modes.a2[i] = min(modes.a2[i], -((0.5 * modes.a1[i] / _COSINE) ** 2))
+        a1, a2 = modes.a1[i], modes.a2[i]
+        first = strength / (omega * omega + decay * decay) * rate * rate * (1.0 - a1 - a2)
+        modes.response[base] = -first / a2
+        modes.response[base + LANES] = (1.0 + a1 / a2) * first / a2

@@ -1,0 +1,50 @@
+"""A mode by its last two samples: its energy, and how it rings on at another frequency.
+
+The tension of a membrane or a string rises with what rings on it: its rise is stretched length, and so goes with the
+square of the slope. By Kirchhoff (1876), Carrier (1945) and Berger (1955) the tension is one number T for the whole
+body, T(t) = T_0 (1 + 2 g V(t)), with V the potential energy of all modes and g, in 1/J, a constant of the body
+(`Modes.glide`). Averaged over a period V is half of the energy E, so the tension of all modes rises by the share g E.
+A mode of energy E_i beats with itself: its share of V is largest where it is displaced itself, which raises its own
+stiffness by half as much again, g E_i/2 (the 3/4 of Duffing's oscillator).
+"""
+
+import math
+
+from ..native.jit import kernel, simd_kernel
+from .bank import state_of
+
+
+@kernel
+def mode_energy(y1, y2, a1, a2, weight):
+    """A mode's energy (J), |z|^2/2, its samples being scaled by a weight that is not 0."""
+    scale = 4.0 * a2 + a1 * a1  # -4 r^2 sin(theta)^2
+    square = (y1 * y1 - a1 * y1 * y2 - a2 * y2 * y2) * 4.0 * a2
+    return 0.5 * square / (scale * weight * weight) if scale != 0.0 else 0.0
+
+
+@simd_kernel
+def energy_of(modes, weights, count):
+    """The energy (J) of the first `count` modes at most, their samples being scaled by weights (n,) that are not 0."""
+    y1, y2, a1, a2 = modes.y1, modes.y2, modes.a1, modes.a2
+    total = 0.0
+    for i in range(min(len(y1), count)):
+        scale = (4.0 * a2[i] + a1[i] * a1[i]) * weights[i] * weights[i]
+        square = (y1[i] * y1[i] - a1[i] * y1[i] * y2[i] - a2[i] * y2[i] * y2[i]) * 4.0 * a2[i]
+        total += 0.5 * square / (scale if scale != 0.0 else -1.0)
+    return total
+
+
+@kernel
+def ring_at(modes, i, frequency, decay, rate):
+    """Let mode i ring on at a frequency > 0 (Hz) and decay (1/s), with the energy that it has, and without a step.
+
+    It answers forces as before.
+    """
+    y1, y2, a1, a2 = modes.y1, modes.y2, modes.a1, modes.a2
+    theta = 2.0 * math.pi * frequency / rate
+    r = math.exp(-decay / rate)
+    if a2[i] != 0.0:
+        re, im = state_of(y1[i], y2[i], a1[i], a2[i])
+        y2[i] = (im * math.cos(theta) - re * math.sin(theta)) / r
+    a1[i] = 2.0 * r * math.cos(theta)
+    a2[i] = -r * r

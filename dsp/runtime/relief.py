@@ -1,0 +1,42 @@
+"""What keeps a slow force from being heard.
+
+A mode is heard by omega q, with a weight that holds at its own frequency. Below, a mode that is merely bent hardly
+radiates, for sound pressure follows acceleration, but omega q = phi F/omega follows the force: without more, a blow by
+a soft mallet would thump as no body does. So the modes of a band of two octaves have one heavily damped mode beside
+them, which no contact feels: it answers slow forces by what they answer, with the opposite sign, up to about twice the
+band's middle. What is left falls as the frequency; where modes ring it makes no difference.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..bodies.material import Array
+
+OCTAVES = 2.0
+REACH = 2.0  # times the middle of a band: a relief's natural frequency
+DAMPING = 0.7  # its damping ratio
+TURN = (1 - DAMPING**2) ** 0.5  # frequency over natural frequency
+
+
+class Relief(NamedTuple):
+    """Heavily damped modes: frequency (Hz) and decay (1/s) (b,), and what each answers on each side (s, P, b)."""
+
+    frequency: Array
+    decay: Array
+    shape: Array
+
+
+def relief(frequency: Array, decay: Array, sides: Array, strike: Array, top: float) -> Relief:
+    """The relief of modes: frequency (Hz), decay (1/s) (n,), weights (s, n), shapes (P, n); none above `top` (Hz)."""
+    if not frequency.size:
+        return Relief(np.empty(0), np.empty(0), np.empty((len(sides), len(strike), 0)))
+    omega = 2 * np.pi * frequency
+    bent = strike * sides[:, None] * omega / (omega**2 + decay**2)
+    size = np.sqrt((bent**2).mean(axis=(0, 1))) + 1e-300
+    band = np.floor(np.log2(frequency / frequency.min()) / OCTAVES).astype(int)
+    bands = [band == each for each in np.unique(band)]
+    middle = np.array([np.exp(np.average(np.log(omega[each]), weights=size[each])) for each in bands])
+    natural = np.minimum(REACH * middle, 2 * np.pi * top / TURN)
+    static = np.stack([bent[..., each].sum(axis=-1) for each in bands], axis=-1)
+    return Relief(TURN * natural / (2 * np.pi), DAMPING * natural, -static * natural / TURN)

@@ -1,0 +1,57 @@
+"""The kinds of strikers that sound, in the engine's memory: each is laid out once, and found again by what it is."""
+
+import math
+from collections import OrderedDict
+from dataclasses import astuple
+
+import numpy as np
+
+from ..bodies.striker import Snap, StrikerSound
+from ..engine.striker_state import STRIKER_MODES, STRIKERS
+from ..resonator.simd import LANES
+
+
+class Strikers:
+    """The places of strikers that sound in a record of STATE.
+
+    Where all are taken the one that was asked for least recently makes room. Its gestures that still wait for their
+    time are then silent strikers, and counted.
+    """
+
+    def __init__(self, record: np.void, top: float) -> None:
+        """top: Hz, above which modes are left out."""
+        self._places = record["strikers"]
+        self._top = top
+        self._known: OrderedDict[StrikerSound, dict[str, float]] = OrderedDict()
+        self._serial = 0
+
+    def lay_out(self, sound: StrikerSound) -> dict[str, float]:
+        """The place and the serial of a striker's sound."""
+        if sound in self._known:
+            self._known.move_to_end(sound)
+            return self._known[sound]
+        place = len(self._known)
+        if place == STRIKERS:
+            place = int(self._known.popitem(last=False)[1]["sound"])
+        self._serial += 1
+        self._write(self._places[place], sound)
+        self._known[sound] = {"sound": place, "sound_serial": self._serial}
+        return self._known[sound]
+
+    def _write(self, entry: np.void, sound: StrikerSound) -> None:
+        entry["serial"] = entry["prepared"] = 0  # nobody takes what is half written
+        modes: list[tuple[float, ...]] = [sound.click] if sound.click else []
+        entry["clicks"] = len(modes)
+        if sound.ringing:
+            each = zip(sound.ringing.frequency, sound.ringing.decay, sound.ringing.weight, strict=True)
+            modes += [mode for mode in each if mode[0] <= self._top]
+        columns = np.zeros((3, STRIKER_MODES))
+        columns[:, : len(modes)] = np.reshape(modes, (-1, 3)).T
+        entry["frequency"], entry["sigma"], entry["weight"] = columns
+        entry["weight"] *= sound.mass
+        entry["size"] = max(1, math.ceil(len(modes) / LANES)) * LANES
+        entry["radius"] = sound.radius
+        snap = sound.snap or Snap(0.0, 1.0, 0.0, 0.0)
+        entry["momentum"], entry["exponent"], entry["scatter"], entry["delay"] = astuple(snap)
+        entry["mobility"] = sound.ringing.mobility if sound.ringing else 1.0
+        entry["serial"] = self._serial

@@ -1,0 +1,41 @@
+"""What an error says where a word is not known: the nearest of the words that are known, else all of them."""
+
+import difflib
+from collections.abc import Iterable
+
+_LONGEST = 64  # characters of a word that is compared: a longer one is no misspelt name
+_MOST_LETTERS = 4_096  # of the known words that are compared: more would hold up a server
+_AS_NEAR = 0.1  # of likeness, 0 to 1, by which others may be less near than the nearest
+_SHORTEST_PART = 3  # letters that are looked for inside the known words
+
+
+def near(word: str, known: Iterable[str]) -> list[str]:
+    """Up to three known words that a misspelt or cut one may stand for, the nearest first."""
+    if len(word) > _LONGEST or not any(letter.isalpha() for letter in word):  # a number is not misspelt, but wrong
+        return []
+    folded: dict[str, str] = {}
+    letters = 0
+    for each in known:
+        letters += len(each)
+        if letters > _MOST_LETTERS:
+            break
+        folded.setdefault(each.casefold(), each)
+    wanted = word.casefold()
+    found = difflib.get_close_matches(wanted, folded)
+    likeness = [difflib.SequenceMatcher(None, each, wanted).ratio() for each in found]
+    found = [each for each, like in zip(found, likeness, strict=True) if like > likeness[0] - _AS_NEAR]
+    if not found and len(wanted) >= _SHORTEST_PART:
+        found = [each for each in folded if wanted in each][:3]
+    return [folded[each] for each in found]
+
+
+def suggestion(word: object, known: Iterable[str]) -> str:
+    """The question whether a near word is meant; "" where there is none, or where `word` is no text."""
+    found = near(word, known) if isinstance(word, str) else []
+    return f"did you mean {' or '.join(found)}?" if found else ""
+
+
+def expected(word: object, known: Iterable[str]) -> str:
+    """The question whether a near word is meant, or else all the words that are expected."""
+    words = list(known)
+    return suggestion(word, words) or f"expected one of {', '.join(words) or 'none'}"

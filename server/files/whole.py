@@ -1,0 +1,91 @@
+"""Sound files that appear under their names once they are whole."""
+
+import os
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import soundfile
+from numpy.typing import NDArray
+
+from .soundfiles import WAV_BYTES, open_sound
+
+_ENDINGS = {".wav": "WAV", ".flac": "FLAC"}
+_SUBTYPES = {"16": "PCM_16", "24": "PCM_24", "float": "FLOAT"}
+_MOST_IN_FLAC = 8  # channels
+
+
+class RenderError(ValueError):
+    """The render cannot be made; the text says why."""
+
+
+@contextmanager
+def writing(
+    out: Path, rate: int, channels: int, format: str | None = None
+) -> Iterator[Callable[[NDArray[np.float32]], None]]:
+    """A function that appends float32 (frames, channels) to a WAV or FLAC file, told by its ending, at a rate in Hz.
+
+    format: 16, 24 or float (None: 24 for FLAC, else float). The file appears under its name once it is whole.
+    RenderError or OSError say what went wrong.
+    """
+    container = _ENDINGS.get(out.suffix.lower())
+    if container is None:
+        raise RenderError(f"{out}: expected a name that ends in {' or '.join(_ENDINGS)}")
+    require_format(format)
+    subtype = _SUBTYPES[format or ("24" if container == "FLAC" else "float")]
+    if not soundfile.check_format(container, subtype):
+        raise RenderError(f"format = {format}: {container} holds 16 or 24")
+    if container == "FLAC" and channels > _MOST_IN_FLAC:
+        raise RenderError(f"{out}: {channels} channels: FLAC holds at most {_MOST_IN_FLAC}")
+    if not out.parent.is_dir():
+        raise RenderError(f"{out}: there is no folder {out.parent}")
+    with _appearing(out) as descriptor:
+        with _naming(out):
+            file = open_sound(descriptor, rate, channels, container, subtype)
+
+        def write(sound: NDArray[np.float32]) -> None:
+            with _naming(out):
+                file.write(sound)
+            if container == "WAV" and os.fstat(descriptor).st_size > WAV_BYTES:
+                raise RenderError(f"{out}: longer than the 4 GiB that a WAV file holds; FLAC holds more")
+
+        try:
+            yield write
+        finally:
+            with _naming(out):
+                file.close()
+
+
+def require_format(format: str | None) -> None:
+    """RenderError for a sample format that there is not."""
+    if format not in (None, *_SUBTYPES):
+        raise RenderError(f"format = {format}: expected {', '.join(_SUBTYPES)}")
+
+
+@contextmanager
+def _naming(out: Path) -> Iterator[None]:
+    """An error of writing inside names the file."""
+    try:
+        yield
+    except soundfile.LibsndfileError as error:
+        raise RenderError(f"{out}: {error} Is the disk full?") from error
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(out)) from error
+
+
+@contextmanager
+def _appearing(out: Path) -> Iterator[int]:
+    """A new file (its descriptor) that takes its name once it is whole, and is removed if it never is."""
+    descriptor, name = tempfile.mkstemp(prefix=f"{out.name}.", suffix=".part", dir=out.parent)
+    part = Path(name)
+    try:
+        yield descriptor
+        umask = os.umask(0)
+        os.umask(umask)
+        os.chmod(part, 0o666 & ~umask)  # mkstemp's are private
+        os.replace(part, out)
+    finally:
+        os.close(descriptor)
+        part.unlink(missing_ok=True)

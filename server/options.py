@@ -1,0 +1,68 @@
+"""The options of a server."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..dsp.engine.commands import Command, Kind
+from ..dsp.runtime.engine import NOW, Engine
+from ..dsp.schema import CHANNELS, MAIN_GAIN
+from .osc.wire import DEFAULT_PORT, Argument, Message
+from .render import HIGHEST_RATE, LOWEST_RATE
+
+_LONGEST_LATENCY = 2.0  # s
+
+
+class ServeError(ValueError):
+    """A server can't start. The text names the option, its value and what was expected."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """How to serve: port (0: any free one) and address, device (None: the default), latency to ask it for in s
+    (None: its lowest), rate in Hz, block in frames (0: the device's), files to record the sound and to log the events
+    to, folders of presets, the arguments of a /contact to begin with, a port for OSCQuery (None: none, 0: any free
+    one), channels, the main gain in dB, and whether the limiter is on."""
+
+    port: int = DEFAULT_PORT
+    bind: str = "127.0.0.1"
+    device: str | None = None
+    latency: float | None = None
+    rate: int = 48_000
+    block: int = 0
+    record: Path | None = None
+    log: Path | None = None
+    presets: tuple[Path, ...] = ()
+    contact: tuple[Argument, ...] = ()
+    oscquery: int | None = None
+    channels: int = 2
+    gain: float = 0.0
+    limiter: bool = True
+
+    def __post_init__(self) -> None:
+        for name, value, low, high in (
+            ("port", self.port, 0, 65_535),
+            ("rate", self.rate, LOWEST_RATE, HIGHEST_RATE),
+            ("block", self.block, 0, 65_536),
+            ("oscquery", self.oscquery or 0, 0, 65_535),
+            ("channels", self.channels, CHANNELS.low, CHANNELS.high),
+            ("gain", self.gain, MAIN_GAIN.low, MAIN_GAIN.high),
+        ):
+            if not low <= value <= high:
+                raise ServeError(f"{name} = {value:g}: expected {low:g} to {high:g}")
+        if self.latency is not None and not 0 <= self.latency <= _LONGEST_LATENCY:
+            raise ServeError(f"latency = {self.latency:g}: expected 0 to {_LONGEST_LATENCY:g} s")
+
+    def engine(self) -> Engine:
+        """An engine that begins with them."""
+        engine = Engine(self.rate, self.channels)
+        gain = Command(NOW, Kind.GAIN, value=MAIN_GAIN.in_engine(self.gain))
+        engine.send([gain, Command(NOW, Kind.LIMITER, value=self.limiter)])
+        return engine
+
+    @property
+    def head(self) -> list[Message]:
+        """The messages that a log begins with."""
+        limiter = "on" if self.limiter else "off"
+        return [
+            Message("/channels", (self.channels,)), Message("/limiter", (limiter,)), Message("/gain", (self.gain,))
+        ]  # fmt: skip

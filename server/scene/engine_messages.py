@@ -1,0 +1,85 @@
+"""What messages to the engine as a whole mean, alike in a score and on a server."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from ...dsp.contact.accuracy import LEVELS
+from ...dsp.contact.sampled import CORRECTIONS, METHODS
+from ...dsp.engine.commands import Command, Kind
+from ...dsp.runtime.engine import NOW
+from ...dsp.schema import MAIN_GAIN
+from ...dsp.wording import expected
+from ..osc.addresses import Call
+from ..osc.arguments import Refused, Values, shown
+from ..osc.wire import Message
+from .transaction import Sent, Transaction
+
+Handler = Callable[[Transaction, Call, Values], None]
+"""Adds what a call asks for, by its checked values, to a transaction."""
+
+
+def _send(transaction: Transaction, message: Message, command: Command) -> None:
+    """Add a command that is about no object; `message` is what it stands for."""
+    transaction.add(replace(command, time=transaction.time), Sent(message, 0, 0, 0.0))
+
+
+def _panic(transaction: Transaction, call: Call, values: Values) -> None:
+    _send(transaction, call.message, Command(NOW, Kind.PANIC))
+
+
+def _quality(transaction: Transaction, call: Call, values: Values) -> None:
+    _send(transaction, call.message, Command(NOW, Kind.QUALITY, value=values.numbers["quality"]))
+
+
+def _accuracy(transaction: Transaction, call: Call, values: Values) -> None:
+    accuracy = LEVELS.index(values.words["accuracy"])
+    _send(transaction, call.message, Command(NOW, Kind.ACCURACY, value=accuracy))
+
+
+def _gain(transaction: Transaction, call: Call, values: Values) -> None:
+    gain = MAIN_GAIN.in_engine(values.numbers["gain"])
+    _send(transaction, call.message, Command(NOW, Kind.GAIN, value=gain))
+
+
+def _limiter(transaction: Transaction, call: Call, values: Values) -> None:
+    on = values.words["limiter"] in ("on", "1")
+    if on and transaction.scale.calibrated:
+        text = "/limiter: no effect: samples are pascals, which nothing limits"
+        transaction.replies.append(Message("/warning", (text,)))
+        return
+    _send(transaction, call.message, Command(NOW, Kind.LIMITER, value=float(on)))
+
+
+def _channels(transaction: Transaction, call: Call, values: Values) -> None:
+    asked, there = int(values.numbers["channels"]), transaction.engine.channels
+    if asked != there:
+        raise Refused(f"channels = {asked}: expected {there}, as many as were opened at the start")
+
+
+def _contact(transaction: Transaction, call: Call, values: Values) -> None:
+    method = values.words["method"]
+    correction = values.words.get("correction", "none")
+    if method != "closed" and method not in METHODS:
+        raise Refused(f"method = {shown(method)}: {expected(method, ('closed', *METHODS))}")
+    if correction not in CORRECTIONS:
+        raise Refused(f"correction = {shown(correction)}: {expected(correction, CORRECTIONS)}")
+    oversampling = values.number("oversampling")
+    choice: dict[str, float] = {"method": 0, "correction": 0, "oversampling": 0}
+    if method != "closed":
+        number = 1 + METHODS.index(method)
+        choice = {"method": number, "correction": CORRECTIONS[correction], "oversampling": oversampling}
+    elif correction != "none" or oversampling != 1:
+        raise Refused("closed: it is exact already; expected neither correction nor oversampling")
+    _send(transaction, call.message, Command(NOW, Kind.METHOD, values=choice))
+
+
+ENGINE_HANDLERS: dict[str, Handler] = {
+    "/accuracy": _accuracy,
+    "/quality": _quality,
+    "/contact": _contact,
+    "/gain": _gain,
+    "/limiter": _limiter,
+    "/channels": _channels,
+    "/panic": _panic,
+}
+"""By address."""

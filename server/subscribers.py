@@ -1,0 +1,48 @@
+"""The clients that asked for /notify."""
+
+import time
+from collections.abc import Callable, Iterator
+
+from .net.network import LONGEST_SILENCE, Network, Source
+from .osc.arguments import Refused
+from .osc.wire import Message
+
+_MOST = 32
+
+
+class Subscribers:
+    """Clients that are told of what no message caused; one that has long been silent makes room for a new one."""
+
+    def __init__(self, network: Network, reply: Callable[[Message, Source], None]) -> None:
+        self._network = network
+        self._reply = reply
+        self._heard: dict[Source, float] = {}  # when each last sent something
+
+    def __iter__(self) -> Iterator[Source]:
+        return iter(tuple(self._heard))
+
+    def add(self, source: Source) -> None:
+        """Add a client, or hear from one again. Refused where there is no room."""
+        for each in self:
+            if not self._network.reaches(each):
+                del self._heard[each]
+        if source not in self._heard and len(self._heard) >= _MOST:
+            self._make_room()
+        self._heard[source] = time.monotonic()
+
+    def _make_room(self) -> None:
+        silent = min(self._heard, key=self._heard.__getitem__)
+        if time.monotonic() - self._heard[silent] <= LONGEST_SILENCE:
+            raise Refused(f"{_MOST} clients are notified already; expected one to send /notify 0 first")
+        text = "another client took your place: send /notify 1 to be notified again"
+        self._reply(Message("/warning", (text,)), silent)
+        self.remove(silent)
+
+    def remove(self, source: Source) -> None:
+        """Forget a client, if it is one."""
+        self._heard.pop(source, None)
+
+    def hear(self, source: Source) -> None:
+        """Remember that a client has sent something."""
+        if source in self._heard:
+            self._heard[source] = time.monotonic()

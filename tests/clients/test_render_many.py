@@ -1,0 +1,97 @@
+"""carom render: scores from stdin, sounds to stdout, and many scores at once."""
+
+import os
+import pty
+import signal
+import subprocess
+import time
+
+import pytest
+import soundfile
+
+from tests.support import CAROM
+
+pytestmark = pytest.mark.slow
+
+STRIKE = "0 /object/new a wood-block\n0.01 /object/a/impact 1\n"
+
+
+@pytest.fixture
+def scores(tmp_path):
+    """Three scores, each a little longer."""
+    names = [f"s{n}.txt" for n in range(3)]
+    for n, name in enumerate(names):
+        (tmp_path / name).write_text(STRIKE + f"{0.1 * n} /object/a/impact 0.5\n")
+    return names
+
+
+def test_a_score_comes_from_stdin_and_its_sound_goes_to_stdout(carom, tmp_path):
+    (tmp_path / "s.txt").write_text(STRIKE)
+    carom("render", "s.txt", "s.wav", check=True)
+    with (tmp_path / "s.txt").open("rb") as score:
+        run = subprocess.run([*CAROM, "render", "-", "-"], stdin=score, capture_output=True, cwd=tmp_path, check=True)
+    assert run.stdout == (tmp_path / "s.wav").read_bytes() and run.stderr == b""
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["s.txt", "s.wav"]
+    run = subprocess.run([*CAROM, "render", "-", "x.wav"], input=b"0 /objct/new\n", capture_output=True, cwd=tmp_path)
+    assert run.returncode == 1 and run.stderr.startswith(b"carom render: stdin:1: /objct/new: no such address")
+
+
+def test_a_terminal_gets_no_sound(tmp_path):
+    (tmp_path / "s.txt").write_text(STRIKE)
+    master, slave = pty.openpty()
+    run = subprocess.run([*CAROM, "render", "s.txt", "-"], stdout=slave, stderr=subprocess.PIPE, cwd=tmp_path)
+    os.close(slave)
+    os.close(master)
+    assert run.returncode == 1 and b"stdout is a terminal" in run.stderr
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_many_scores_are_the_same_sounds_as_each_by_itself(carom, tmp_path, scores, jobs):
+    (tmp_path / "out").mkdir()
+    carom("render", *scores, "out/{}.flac", "--plot", "out", "--jobs", jobs, check=True)
+    made = {f"s{n}.{ending}" for n in range(3) for ending in ("flac", "png")}
+    assert {path.name for path in (tmp_path / "out").iterdir()} == made
+    carom("render", scores[2], "alone.flac", check=True)
+    assert (tmp_path / "out" / "s2.flac").read_bytes() == (tmp_path / "alone.flac").read_bytes()
+
+
+def test_a_bad_score_does_not_stop_the_others(carom, tmp_path, scores):
+    (tmp_path / "bad.txt").write_text("0 /object/a/impact 1\n")
+    (tmp_path / "out").mkdir()
+    run = carom("render", "bad.txt", *scores, "none.txt", "out")
+    assert run.returncode == 1 and sorted(run.stderr.splitlines()) == [
+        "carom render: bad.txt:1: /object/a/impact: a: no such object; there are none",
+        "carom render: none.txt: No such file or directory",
+    ]
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["s0.wav", "s1.wav", "s2.wav"]
+    assert soundfile.info(tmp_path / "out" / "s2.wav").duration > 0.2
+
+
+@pytest.mark.parametrize(
+    ("words", "error"),
+    [
+        (("s0.txt", "s1.txt", "x.wav"), "OUT = x.wav: expected a folder, or a name with {}, for 2 scores"),
+        (("s0.txt", "s1.txt", "-"), "OUT = -: expected a folder"),
+        (("s0.txt", "s1.txt", "{}.wav", "--plot", "x.png"), "--plot = x.png: expected a folder"),
+        (("s0.txt", "./s0.txt", "{}.wav"), "./s0.txt: s0.txt is rendered to s0.wav already"),
+        (("s0.txt", "s1.txt", "{}.wav", "--jobs", "0"), "jobs = 0: expected 1 to 256"),
+        (("s0.txt", "s1.txt", "{}.mp3"), "expected a name that ends in .wav or .flac"),
+    ],
+)
+def test_names_that_cannot_be_are_told(carom, tmp_path, scores, words, error):
+    run = carom("render", *words)
+    assert run.returncode == 1 and error in run.stderr
+    assert sorted(path.name for path in tmp_path.iterdir()) == scores
+
+
+@pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM])
+def test_many_renders_that_are_stopped_leave_nothing(tmp_path, scores, stop):
+    (tmp_path / "out").mkdir()
+    words = [*CAROM, "render", *scores, "out", "--seconds", "80000", "--jobs", "2"]
+    with subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as render:
+        while not list(tmp_path.glob("out/*.wav.*")):
+            time.sleep(0.05)
+        render.send_signal(stop)
+        _, errors = render.communicate(timeout=30)
+        assert render.returncode == 130 and errors == ""
+    assert not list((tmp_path / "out").iterdir())

@@ -1,0 +1,51 @@
+"""carom strike: one line to a sound."""
+
+import numpy as np
+import pytest
+import soundfile
+
+from carom.presets import Presets
+from carom.server.osc.score import parse
+from tests.support import Jack, render_lines
+
+pytestmark = pytest.mark.slow
+
+
+def test_a_strike_is_the_score_that_says_the_same(carom, tmp_path):
+    carom("strike", "glass-plate", "a.wav", "--velocity", "5e-1", "--position", "0.2", "--striker", "wood", check=True)
+    score = b"0 /object/new p glass-plate\n0 /object/p/impact 0.5 0.2 striker wood\n"
+    samples, rate = soundfile.read(tmp_path / "a.wav", dtype="float32")
+    assert rate == 48_000 and np.array_equal(samples, render_lines(parse(score, "s")))
+
+
+def test_its_velocity_is_the_presets(carom, tmp_path):
+    velocity = Presets().object("wood-block").velocity
+    carom("strike", "wood-block", "a.flac", "--rate", "44100", "--seconds", "0.1", check=True)
+    carom("strike", "wood-block", "b.flac", "--rate", "44100", "--seconds", "0.1", "--velocity", velocity, check=True)
+    assert (tmp_path / "a.flac").read_bytes() == (tmp_path / "b.flac").read_bytes()
+    assert soundfile.info(tmp_path / "a.flac").frames == 4_410
+
+
+def test_the_default_device_plays_it(carom, jack: Jack):
+    jack.start(256, 44_100)
+    run = carom("strike", "wood-block", "--seconds", "0.3")
+    assert (run.returncode, run.stderr) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("words", "error"),
+    [
+        (("wood-blok",), "no object 'wood-blok': did you mean wood-block?"),
+        (("wood-block", "a.wav", "--striker", "stel"), "no striker 'stel': did you mean steel?"),
+        (("wood-block", "a.wav", "--velocity", "-1"), "velocity = -1: expected a number from 0 to 1000 m/s"),
+        (("wood-block", "a.mp3"), "a.mp3: expected a name that ends in .wav or .flac"),
+        (("wood-block",), "no device can play; name a file instead: carom strike wood-block wood-block.wav"),
+    ],
+)
+def test_what_cannot_be_struck_is_told(carom, tmp_path, monkeypatch, words, error):
+    monkeypatch.setenv("JACK_NO_START_SERVER", "1")
+    run = carom("strike", *words)
+    if "no device" in error and run.returncode == 0:
+        pytest.skip("this machine has a device")
+    assert run.returncode == 1 and error in run.stderr and run.stderr.count("\n") == 1
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,117 @@
+"""Whole bodies in air: what is solved, what lies between, and what follows from it for frequencies and decays."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.special import jn_zeros
+
+from carom.dsp import bodies
+from carom.dsp.bodies.radiation import round as loads
+from carom.dsp.bodies.radiation.air import DENSITY, IMPEDANCE, SPEED
+from carom.dsp.bodies.radiation.board import PIANO
+from carom.dsp.bodies.radiation.sampling import members
+from tests.dsp.bodies.reference import EVERY, HEAVY, STEEL
+
+FILM = bodies.Material("film", 1390, 5e9, 0.38, 5, 0)
+
+
+def decibels(ratio):
+    return 10 * np.log10(ratio)
+
+
+def radiated(modes):
+    return 4 * math.pi * (modes.pressure**2).mean(axis=0) / IMPEDANCE
+
+
+@pytest.mark.parametrize("shape", [name for name in EVERY if name not in ("string", "listed")])
+def test_a_body_loses_what_it_radiates(shape):
+    """One number for both: sigma = R/2, p^2/(rho c) 4 pi = R."""
+    modes = EVERY[shape](top=12000)
+    assert modes.decay == pytest.approx(STEEL.decay(modes.frequency) + radiated(modes) / 2, rel=1e-9)
+    assert np.array_equal(modes.pressure[0], modes.pressure[1])
+
+
+@pytest.mark.parametrize("shape", [name for name in EVERY if name != "listed"])
+def test_air_lowers_every_mode_a_little(shape):
+    light, heavy = (EVERY[shape](material, top=8000) for material in (STEEL, HEAVY))
+    if shape == "string" or shape == "membrane":  # tuned, so their tension differs with the material
+        return
+    count = min(light.frequency.size, heavy.frequency.size)
+    ratio = light.frequency[:count] / heavy.frequency[:count]
+    assert np.all(ratio < 1 + 1e-9) and np.all(ratio > 0.97)
+
+
+def test_a_heads_air_as_measured_on_drums():
+    """A tom's head: 103 Hz without air falls to 82, and the ratios spread, as of real drums."""
+    given = {"radius": 0.165, "thickness": 0.00025, "fundamental": 103.0, "top": 400}
+    modes = bodies.membrane(FILM, **given)
+    assert modes.frequency[0] == pytest.approx(82, abs=1)
+    assert modes.frequency[1:4] / modes.frequency[0] == pytest.approx([1.74, 2.4, 2.6], abs=0.04)
+    roots = np.sort(np.concatenate([jn_zeros(order, 2) for order in range(9)]))
+    assert np.all(modes.frequency < 103 * roots[: modes.frequency.size] / roots[0])
+
+
+def test_a_head_in_a_wall_is_damped_more_than_an_open_one():
+    given = {"radius": 0.165, "thickness": 0.00025, "fundamental": 103.0, "top": 400}
+    lost = {baffle: radiated(bodies.membrane(FILM, baffle=baffle, **given))[0] for baffle in ("free", "wall", "closed")}
+    assert lost["free"] < 0.05 * lost["closed"] < 0.05 * lost["wall"]
+    # a slow head on one side of a wall is a source of volume: R = rho c k^2/(2 pi) |int phi|^2
+    low = bodies.membrane(FILM, **given | {"fundamental": 20.0, "top": 40}, baffle="closed")
+    k = 2 * math.pi * low.frequency[0] / SPEED
+    areal, root = 1390 * 0.00025, 2.404826
+    mean = 2 / root * low.frequency[0] / 20.0  # shapes shrink as frequencies do
+    volume = math.pi * 0.165**2 * mean / math.sqrt(areal * math.pi * 0.165**2)
+    assert radiated(low)[0] == pytest.approx(IMPEDANCE * k**2 / (2 * math.pi) * volume**2, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("shape", "rms"),
+    [
+        (lambda: bodies.membrane(FILM, radius=0.2, thickness=0.0003, fundamental=85.0, top=20000), 0.1),
+        (lambda: bodies.disc(STEEL, radius=0.2, thickness=0.003, top=20000), 0.3),
+        (lambda: bodies.disc(STEEL, radius=0.1, thickness=0.0003, edge="clamped", top=20000), 0.3),
+    ],
+)
+def test_modes_that_are_not_solved_lie_where_solved_ones_would(monkeypatch, shape, rms):
+    usual = radiated(shape())
+    for name, value in (("_SLOW", 0.0), ("_CLOSED", 1e9), ("_FAST", 1e9), ("_SETTLED", 1e-6)):
+        monkeypatch.setattr(loads, name, value)
+    off = decibels(usual / radiated(shape()))
+    assert np.sqrt((off**2).mean()) < rms and np.abs(off).max() < 4
+
+
+def test_some_of_many_orders_are_solved():
+    assert list(members(5, 16)) == [0, 1, 2, 3, 4]
+    chosen = members(200, 16)
+    assert list(chosen[:16]) == list(range(16)) and chosen[-1] == 199 and chosen.size < 32
+    assert members(0, 16).size == 0
+    # a broad ring of many orders has all their loads, falling where they are too slow to radiate
+    ring = bodies.ring(STEEL, radius=1.0, thickness=0.002, length=0.1, top=20000)
+    assert ring.frequency.size > 60 and np.all(np.isfinite(ring.pressure))
+
+
+def test_a_boards_curve_and_a_strings_loss():
+    frequency = np.geomspace(50, 10000, 60)
+    mean = PIANO.conductance(frequency[frequency > 150])
+    assert np.all((mean > 5e-4) & (mean < 3e-3))  # a piano's: 1e-3 s/kg within a factor of two (Giordano 1998)
+    share = PIANO.radiated_share(frequency)
+    assert np.all((share > 0) & (share < 1)) and share[frequency > 2000].min() > 0.1
+    given = {"length": 0.62, "diameter": 0.001, "tension": 670.0, "linear_density": 0.006345, "top": 5000}
+    wire = bodies.Material("wire", 7850, 2e11, 0.29, 0, 0)
+    modes = bodies.string(wire, **given)
+    # The loss of a string of impedance Z at a board of conductance Y: sigma = 2 f1 Z Y (Fletcher, Rossing)
+    impedance, lowest = math.sqrt(670 * 0.006345), math.sqrt(670 / 0.006345) / (2 * 0.62)
+    assert modes.decay[:10] == pytest.approx(2 * lowest * impedance * PIANO.conductance(modes.frequency[:10]), rel=0.05)
+    assert radiated(modes) / 2 == pytest.approx(modes.decay * PIANO.radiated_share(modes.frequency))
+    measured = bodies.string(bodies.Material("wire", 7850, 2e11, 0.29, 3, 0, losses="measured"), **given)
+    assert np.all(measured.decay == 1.5) and np.all(radiated(measured) <= 3 * (1 + 1e-12))
+
+
+def test_a_glass_of_light_plastic_moves_the_air():
+    given = {"radius": 0.035, "height": 0.09, "thickness": 0.0005, "top": 4000}
+    light = bodies.glass(bodies.Material("light", 1000, 2e9, 0.35, 1, 0), **given)
+    alone = bodies.glass(bodies.Material("alone", 1000e9, 2e18, 0.35, 1, 0), **given)
+    mass = (alone.frequency[0] / light.frequency[0]) ** 2 - 1
+    # both sides of a wall of order 2 move rho a/2 each, less near the open rim, where a cantilever moves most
+    assert 0.4 < mass / (DENSITY * 0.035 / (1000 * 0.0005) / (1 + 1 / 4)) < 0.95

@@ -1,0 +1,139 @@
+"""Bodies click as wholes: their sound as the air has it, to six digits, and nothing that contacts or settings feel."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.polynomial.legendre import leggauss
+from scipy.integrate import solve_ivp
+
+from carom.dsp.bodies import acceleration
+from carom.dsp.bodies.modes import Modes
+from carom.dsp.bodies.radiation import air
+from carom.dsp.runtime.engine import Engine
+from tests.dsp.engine.support import RATE, bell, impact, set_limiter, setting, strike
+
+C, RHO = air.SPEED, air.DENSITY
+
+
+def body(click, modes=None, mass=1.0):
+    """A body that clicks, with modes of another, or with none."""
+    if modes is None:
+        modes = Modes(np.empty(0), np.empty(0), np.empty((1, 0)), np.empty((2, 0)), mass)
+    return Modes(modes.frequency, modes.decay, modes.strike, modes.pressure, mass, click)
+
+
+def steel(radius):
+    """The law of a steel ball on something as hard."""
+    return 7850 * 4 / 3 * math.pi * radius**3, 2.5e11 * math.sqrt(radius), 0.08, 1.5
+
+
+def struck(law, radius, time, rate=RATE):
+    """The sound (512, 2) of a sphere that is struck with its own mass at 1 m/s."""
+    engine = Engine(rate)
+    set_limiter(engine, False)
+    strike(engine, engine.add(body(acceleration.sphere(law[0], radius))), law, time)
+    return engine.process(512).astype(float)
+
+
+def sphere_by_quadrature(law, v_in, radius, times):
+    """Pressure (Pa) at times (s) of a sphere whose acceleration is a contact's force by its mass.
+
+    p = rho a c/sqrt(3) int A(t - s) exp(-c s/a) (cos(c s/a) - sin(c s/a)) ds (Koss and Alfredson 1973), A by DOP853.
+    """
+    m, k, mu, a = law
+    unit = (m * v_in**2 / k) ** (1 / (a + 1)) / v_in
+
+    def motion(_, y):
+        return [y[1], -(max(y[0], 0.0) ** a) * (1 + mu * v_in * y[1])]
+
+    def released(t, y):
+        return y[0] if t > 1e-3 else 1.0
+
+    released.terminal, released.direction = True, -1
+    run = solve_ivp(
+        motion, (0, 100), (0, 1), "DOP853", events=released, rtol=1e-13, atol=1e-14, dense_output=True, first_step=1e-4
+    )
+    b, (nodes, weights) = C / radius * unit, leggauss(100)
+    pressure = []
+    for t in np.asarray(times) / unit:
+        edges = np.linspace(0, min(max(t, 0), run.t_events[0][0]), 9)
+        s = (edges[:-1] + np.diff(edges) * (nodes[:, None] + 1) / 2).ravel()
+        w = (np.diff(edges) / 2 * weights[:, None]).ravel()
+        x, v = run.sol(s)
+        age = b * np.maximum(t - s, 0)  # before the contact there is no stretch to sum over
+        force = np.maximum(x, 0) ** a * (1 + mu * v_in * v)
+        pressure.append(w @ (force * np.exp(-age) * (np.cos(age) - np.sin(age))))
+    return RHO * radius * C / (math.sqrt(3) * m) * m * v_in * np.array(pressure)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rate", [48_000.0, 96_000.0])
+@pytest.mark.parametrize("radius", [0.005, 0.008, 0.0125])
+def test_a_steel_ball_clicks_as_koss_and_alfredson_say(rate, radius):
+    """Sample by sample to 1e-6 of its peak; the contact lasts from one to seven samples."""
+    law = steel(radius)
+    expected = sphere_by_quadrature(law, 1.0, radius, (np.arange(512) - 100.37) / rate)
+    assert np.abs(expected).max() > 0.3
+    sound = struck(law, radius, 100.37, rate)
+    np.testing.assert_allclose(sound[:, 0], expected, atol=1e-6 * np.abs(expected).max())
+    np.testing.assert_array_equal(sound[:, 0], sound[:, 1])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("radius", [0.0008, 0.0015, 0.003, 0.004])
+def test_a_bead_whose_click_would_alias_has_the_right_spectrum(radius):
+    """Wherever between two samples it is struck; frequencies above hearing don't fold down on it."""
+    law = steel(radius)
+    expected = sphere_by_quadrature(law, 1.0, radius, np.arange(32 * 32) / (32 * RATE))
+    exact = np.abs(np.fft.rfft(expected, 32 * 512))[:257] / 32
+    frequency = np.fft.rfftfreq(512, 1 / RATE)
+    for time in (100.0, 100.4, 100.9):
+        error = 20 * np.log10(np.abs(np.fft.rfft(struck(law, radius, time)[:, 0]))[1:] / exact[1:])
+        assert np.abs(error[frequency[1:] < 1000]).max() < 0.1
+        assert np.abs(error[frequency[1:] < 0.6 * RATE / 2]).max() < 4.0
+
+
+def test_no_contact_feels_a_click():
+    """A light body gives way by its modes alone: with a click it is the same, plus the click."""
+
+    def sound(click):
+        engine = Engine(RATE)
+        set_limiter(engine, False)
+        engine.trace(True)
+        handle = engine.add(body(click, bell(n=9, modal_mass=0.05)))
+        engine.send([impact(handle, time=40.0 * i, velocity=1.0 + i) for i in range(4)])
+        out = engine.process(960).astype(float)
+        return out[:, 0], engine.traced()["impulse"], engine.stats
+
+    click = acceleration.disc(10.0, 0.1)
+    plain, forces, stats = sound(None)
+    clicking, same_forces, _ = sound(click)
+    assert stats.coupled == 4
+    np.testing.assert_allclose(same_forces, forces, rtol=1e-9, atol=1e-12 * forces.max())
+    assert np.abs(clicking - plain).max() > 1e-4
+
+
+@pytest.mark.parametrize(("name", "value"), [("tune", 2.0), ("decay", 0.1), ("damp", 1.0)])
+def test_settings_of_the_modes_leave_the_click(name, value):
+    def sound(*settings):
+        engine = Engine(RATE)
+        set_limiter(engine, False)
+        handle = engine.add(body(acceleration.sphere(0.1, 0.03)))
+        engine.send([setting(handle, *each) for each in settings])
+        strike(engine, handle, time=100.0)
+        return engine.process(512)
+
+    np.testing.assert_array_equal(sound((name, value)), sound())
+
+
+def test_gain_and_pan_act_on_a_click():
+    def sound(**settings):
+        engine = Engine(RATE)
+        strike(engine, engine.add(body(acceleration.sphere(0.1, 0.02)), **settings), time=100.0)
+        return engine.process(512).astype(float)
+
+    plain = sound()
+    np.testing.assert_allclose(sound(gain=0.5), 0.5 * plain, atol=1e-7)
+    left = sound(pan=-1.0)
+    np.testing.assert_allclose(left, plain * [math.sqrt(2), 0], atol=1e-7)

@@ -1,0 +1,60 @@
+"""What the files around the code say of it: versions, Pythons, commands."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+TESTS = (ROOT / ".github" / "workflows" / "test.yml").read_text()
+
+
+def test_the_version_is_one():
+    assert re.search(rf"^version: {re.escape(PROJECT['version'])}$", (ROOT / "CITATION.cff").read_text(), re.M)
+
+
+def test_every_python_that_is_promised_is_tested():
+    promised = [line.rsplit(" ", 1)[1] for line in PROJECT["classifiers"] if re.search(r":: 3\.\d+$", line)]
+    assert promised == re.findall(r'"(3\.\d+)"', re.search(r"^        python: \[(.*)\]$", TESTS, re.M)[1])
+    assert PROJECT["requires-python"] == f">={promised[0]}"
+
+
+def test_the_lowest_and_the_highest_numba_are_tested():
+    (allowed,) = (each.removeprefix("numba") for each in PROJECT["dependencies"] if each.startswith("numba"))
+    lowest, highest = re.findall(r'- numba: "(.*)"', TESTS)
+    assert highest == allowed and lowest.startswith(allowed.split(",")[0])
+
+
+@pytest.mark.parametrize("path", ["CONTRIBUTING.md", ".github/pull_request_template.md", "SECURITY.md"])
+def test_the_commands_that_are_named_are_there(path):
+    text = (ROOT / path).read_text()
+    targets = set(re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(), re.M))
+    assert set(re.findall(r"`make (\w+)`", text)) <= targets
+    for command in set(re.findall(r"`carom (\w+)", text)):
+        assert (ROOT / "clients" / "commands" / f"{command}.py").exists(), command
+    for name in re.findall(r"`([\w./]+/[\w./]+)`", text):
+        assert (ROOT / name).exists(), name
+
+
+def test_every_file_that_is_published_is_in_the_tree():
+    for line in (ROOT / "MANIFEST.in").read_text().splitlines():
+        word, *names = line.split()
+        if word in ("include", "graft"):
+            assert all((ROOT / name).exists() for name in names), line
+
+
+def test_no_workflow_runs_what_is_not_there():
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
+    if listed.returncode:
+        pytest.skip("no git checkout")
+    for workflow in (ROOT / ".github" / "workflows").glob("*.yml"):
+        for name in re.findall(r"presets/[\w/]+\.txt", workflow.read_text()):
+            assert name in listed.stdout.splitlines()
