@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import signal
 import subprocess
 from collections.abc import Callable, Iterator
 
@@ -15,6 +16,9 @@ from tests.support import CAROM, Jack, Render, Running, render_lines, serving
 # The first example may compile a function, and another process may run: no example has a time limit.
 settings.register_profile("carom", deadline=None)
 settings.load_profile("carom")
+
+# Where the tests run in the background of a shell, interrupts are ignored: processes that they start would inherit that.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture

@@ -1,8 +1,8 @@
 """carom listen: what a server tells, as it comes."""
 
+import select
 import signal
 import subprocess
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -19,9 +19,23 @@ def listening(server: Running, *words: str) -> Iterator[subprocess.Popen[str]]:
     words = (*CAROM, "listen", "--port", str(server.port), *words)
     pipe = subprocess.PIPE
     with subprocess.Popen(words, stdout=pipe, stderr=pipe, text=True) as process:
-        time.sleep(3.0)
-        yield process
-        process.kill()
+        try:
+            _wait_until_notified(server, process)
+            yield process
+        finally:
+            process.kill()
+
+
+def _wait_until_notified(server: Running, process: subprocess.Popen[str]) -> None:
+    """Strike until the first end of a blow is told, and read on to the end of the last."""
+    assert process.stdout
+    with server.client() as client:
+        client.new("first", "wood-block")
+        while not select.select([process.stdout], [], [], 0.2)[0]:
+            client.impact("first", 0.1, id="early")
+        client.impact("first", 0.1, id="last")
+        while (line := process.stdout.readline()) != "/gesture/end last\n":
+            assert line == "/gesture/end early\n"
 
 
 def play(server: Running, name: str = "block") -> None:

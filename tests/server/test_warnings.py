@@ -78,7 +78,6 @@ def unwritten(server: Server, client: Client) -> None:
     server.engine.state["stats"]["tap_lost"] += 7
 
 
-@pytest.mark.xfail(reason="contacts on light objects end sooner")
 @pytest.mark.parametrize(
     ("wrong", "told"),
     [
