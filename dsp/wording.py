@@ -5,6 +5,7 @@ from collections.abc import Iterable
 
 _LONGEST = 64  # characters of a word that is compared: a longer one is no misspelt name
 _MOST_LETTERS = 4_096  # of the known words that are compared: more would hold up a server
+_NEAR = 0.7  # of likeness, 0 to 1, for a word of another length
 _AS_NEAR = 0.1  # of likeness, 0 to 1, by which others may be less near than the nearest
 _SHORTEST_PART = 3  # letters that are looked for inside the known words
 
@@ -23,7 +24,11 @@ def near(word: str, known: Iterable[str]) -> list[str]:
     wanted = word.casefold()
     found = difflib.get_close_matches(wanted, folded)
     likeness = [difflib.SequenceMatcher(None, each, wanted).ratio() for each in found]
-    found = [each for each, like in zip(found, likeness, strict=True) if like > likeness[0] - _AS_NEAR]
+    found = [
+        each
+        for each, like in zip(found, likeness, strict=True)
+        if like > likeness[0] - _AS_NEAR and (like > _NEAR or len(each) == len(wanted))
+    ]
     if not found and len(wanted) >= _SHORTEST_PART:
         found = [each for each in folded if wanted in each][:3]
     return [folded[each] for each in found]

@@ -17,7 +17,7 @@ from tests.support import CAROM, Jack, Render, Running, render_lines, serving
 settings.register_profile("carom", deadline=None)
 settings.load_profile("carom")
 
-# Where the tests run in the background of a shell, interrupts are ignored: processes that they start would inherit that.
+# In the background of a shell interrupts are ignored, which the processes that tests start would inherit.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
