@@ -16,7 +16,7 @@ _ROWS = 4  # between which mode shapes are interpolated
 
 
 class Click(NamedTuple):
-    """A body's sound as a whole, wherever it is struck.
+    """A heavily damped sound of a body, wherever it is struck.
 
     An impulse of J (N s) at t = 0 adds, at the output c,
     J gains[c] exp(-decay t) (cos(w t) - decay/w sin(w t)), w = 2 pi frequency.
@@ -47,7 +47,7 @@ class ModeTable(NamedTuple):
 
     An impulse of J (N s) at t = 0 sounds, in channel c, as
     J sum_i gains[i, c] exp(-decays[i] t) sin(2 pi frequencies[i] t),
-    and as `click` and `relief` say besides.
+    and as `clicks` and `relief` say besides.
     """
 
     frequencies: NDArray[np.float64]
@@ -57,8 +57,8 @@ class ModeTable(NamedTuple):
     gains: NDArray[np.float64]
     """(n, channels) of full scale, or in Pa where the scene is calibrated, per N s; a mode may be in opposite phase
     (< 0), or silent at this position (0)."""
-    click: Click | None = None
-    """What a body that is free to move adds as a whole; None if it is held."""
+    clicks: tuple[Click, ...] = ()
+    """What it adds at once, as a whole if it is free to move, and from about the point that is struck if it is thin."""
     relief: Relief | None = None
     """What the modes have beside them, so that slow forces are not heard."""
 
@@ -97,10 +97,10 @@ def mode_table(
     if len(gains) != 2:
         sides = np.copysign(np.sqrt(0.5 * (sides**2).sum(axis=0)), sides[:1])
     shape = _shape_at(modes.strike, position)[heard]
-    click = modes.click.below(NYQUIST_SHARE * 0.5 * rate) if modes.click else None
-    whole = Click(click.frequency, click.decay, level * click.strength * gains) if click else None
+    below = [click.below(NYQUIST_SHARE * 0.5 * rate) for click in modes.clicks]
+    clicks = tuple(Click(each.frequency, each.decay, level * each.strength * gains) for each in below)
     still = _relief(modes, level * sides[:, made], settings.tune, gains, position, NYQUIST_SHARE * 0.5 * rate)
-    return ModeTable(frequencies[heard], decays, level * (sides[:, heard] * shape).T * gains, whole, still)
+    return ModeTable(frequencies[heard], decays, level * (sides[:, heard] * shape).T * gains, clicks, still)
 
 
 def _relief(

@@ -103,9 +103,9 @@ def bar(
     if span.clamped:
         return made
     if width is not None:
-        return replace(made, click=acceleration.rectangle(mass, length, width, area * length))
+        return replace(made, clicks=(acceleration.rectangle(mass, length, width, area * length),))
     assert diameter is not None
-    return replace(made, click=acceleration.cylinder(mass, length, diameter))
+    return replace(made, clicks=(acceleration.cylinder(mass, length, diameter),))
 
 
 class _Span(NamedTuple):

@@ -13,6 +13,7 @@ from . import acceleration
 from .heard import BAFFLES, heard, loaded
 from .material import Array, Material
 from .modes import MOST_MODES, Indices, Modes, audible, path, read_only, require_choice, require_positive
+from .near import critical_frequency, near_field
 from .radiation.air import plate_mass
 from .radiation.round import Loads, Round
 from .ring import Doublets, doublets
@@ -63,7 +64,10 @@ def disc(
     body = _Round(unit * root**2, mass, Round(radius, areal, baffle, order, root, growing, scale), radial)
     made = _round(material, body, Doublets(split, imperfection), top)
     moves = edge == "free" and baffle == "free"
-    return replace(made, click=acceleration.disc(mass, radius, thickness)) if moves else made
+    if not moves:
+        return made
+    whole = acceleration.disc(mass, radius, thickness)
+    return replace(made, clicks=near_field(areal, whole, critical_frequency(areal, rigidity)))
 
 
 def membrane(
@@ -107,7 +111,8 @@ def membrane(
 
     body = _Round(unit * root, mass, Round(radius, areal, baffle, order, root, np.zeros_like(root), scale), radial)
     modes = _round(material, body, Doublets(split, imperfection), top)
-    return replace(modes, glide=membrane_glide(material, radius, thickness, tension), cone=CONE * mass)
+    clicks = near_field(areal, acceleration.disc(mass, radius)) if baffle == "free" else ()
+    return replace(modes, clicks=clicks, glide=membrane_glide(material, radius, thickness, tension), cone=CONE * mass)
 
 
 class _Round(NamedTuple):

@@ -11,6 +11,7 @@ from . import acceleration
 from .heard import BAFFLES, heard, loaded
 from .material import Array, Material
 from .modes import Indices, Modes, audible, path, require_choice, require_positive
+from .near import critical_frequency, near_field
 from .radiation.air import plate_mass
 from .radiation.plate import Group, Loads, Rectangle
 
@@ -75,7 +76,8 @@ def plate(
     made = heard(material, air.frequency[order], resistance, (shapes[:-1], shapes[-1]), mass)
     if baffle != "free" or set(edges) != {"free"}:
         return made
-    return replace(made, click=acceleration.rectangle(mass, length, width, length * width * thickness))
+    whole = acceleration.rectangle(mass, length, width, length * width * thickness)
+    return replace(made, clicks=near_field(areal, whole, critical_frequency(areal, areal * speed**2)))
 
 
 def _solve(along: "_Beam", across: "_Beam", wavenumber: float, nu: float) -> tuple[list["_Block"], float]:

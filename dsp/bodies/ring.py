@@ -54,7 +54,7 @@ def ring(
     frequency = _bending(material, radius, thickness, order)
     wall = _Wall(radius, length / 2, thickness * material.density, mass, mass / 2)
     made = _around(material, wall, [(frequency, _uniform)], Doublets(split, imperfection), top)
-    return replace(made, click=acceleration.ring(mass, radius, length, mass / material.density))
+    return replace(made, clicks=(acceleration.ring(mass, radius, length, mass / material.density),))
 
 
 def glass(

@@ -34,14 +34,14 @@ class Memory:
         self._collect()
         order = np.argsort(modes.decay, kind="stable")  # the longest ringing first: the rest falls silent from the end
         order = order[modes.frequency[order] <= top]
-        click = modes.click
+        clicks = modes.clicks
         sides = modes.pressure[:, order] * level
         if not self._has_sides:  # a mode is heard at one point, with the power of both sides
             sides = np.tile(np.copysign(np.sqrt(0.5 * (sides**2).sum(axis=0)), sides[0]), (2, 1))
         strike = modes.strike if len(modes.strike) >= _LEAST_ROWS else np.repeat(modes.strike[:1], _LEAST_ROWS, axis=0)
         still = relief(modes.frequency[order], modes.decay[order], sides, strike[:, order], top)
         felt, bands = len(order), len(still.frequency)
-        count = felt + 2 * bands + (click is not None)
+        count = felt + 2 * bands + len(clicks)
         if count > MODES_PER_OBJECT:
             raise EngineFull(f"{count} modes: an object holds at most {MODES_PER_OBJECT}")
         if not self._slots:
@@ -61,10 +61,11 @@ class Memory:
             span = slice(felt + side * bands, felt + (side + 1) * bands)
             self._fill(first, span, still.frequency, still.decay, *weights)
             shape[:, span] = still.shape[side]
-        if click:  # the last mode: it is moved by any force, wherever that acts, and is heard alike on both sides
-            span = slice(felt + 2 * bands, count)
-            self._fill(first, span, click.frequency, click.decay, level * click.strength, 1.0)
-            shape[:, span] = 1.0
+        # The last modes are moved by any force, wherever that acts, and are heard alike on both sides.
+        frequency, decay, strength = np.reshape(clicks, (-1, 3)).T
+        span = slice(felt + 2 * bands, count)
+        self._fill(first, span, frequency, decay, level * strength, 1.0)
+        shape[:, span] = 1.0
         self._serial += 1
         layout: dict[str, float] = {
             "first": first,
