@@ -16,6 +16,7 @@ from .modes import MOST_MODES, Indices, Modes, audible, path, read_only, require
 from .near import critical_frequency, near_field
 from .radiation.air import plate_mass
 from .radiation.round import Loads, Round
+from .residual import with_residual
 from .ring import Doublets, doublets
 from .tension import CONE, membrane_glide
 
@@ -63,11 +64,10 @@ def disc(
 
     body = _Round(unit * root**2, mass, Round(radius, areal, baffle, order, root, growing, scale), radial)
     made = _round(material, body, Doublets(split, imperfection), top)
-    moves = edge == "free" and baffle == "free"
-    if not moves:
+    if baffle != "free":
         return made
     whole = acceleration.disc(mass, radius, thickness)
-    return replace(made, clicks=near_field(areal, whole, critical_frequency(areal, rigidity)))
+    return replace(made, clicks=near_field(areal, whole, critical_frequency(areal, rigidity), held=edge != "free"))
 
 
 def membrane(
@@ -85,21 +85,24 @@ def membrane(
     """A round membrane held at its edge.
 
     radius and thickness in m; either tension T (N/m) or fundamental (Hz, without the air, whose mass lowers it); the
-    rest as for `disc`. f = j_(n,m)/(2 pi R) sqrt(T/(rho h)), j_(n,m) the zeros of J_n.
+    rest as for `disc`. f = k/(2 pi) sqrt((T + D k^2)/(rho h)), k R the zeros of J_n: the film's own stiffness D, as if
+    supported at the edge, speeds up short waves, those of a tom's head above some 2 kHz. The modes that there is no room for are felt as one
+    (residual.py).
     """
     from scipy.special import jv
 
     require_positive(radius=radius, thickness=thickness, tension=tension, fundamental=fundamental)
     require_choice("baffle", baffle, BAFFLES)
     areal = material.density * thickness
+    rigidity = material.contact_modulus * thickness**3 / 12
     order, root = _membrane_roots(_enough(2 if split else 1))
-    if tension is not None and fundamental is None:
-        unit = math.sqrt(tension / areal) / (2 * math.pi * radius)
-    elif fundamental is not None and tension is None:
-        unit = fundamental / float(root.min())
-        tension = areal * (2 * math.pi * radius * unit) ** 2
-    else:
+    if (tension is None) == (fundamental is None):
         raise ValueError(f"tension = {tension}, fundamental = {fundamental}: expected one of the two")
+    if tension is None:
+        longest = float(root.min()) / radius
+        tension = areal * (2 * math.pi * fundamental / longest) ** 2 - rigidity * longest**2
+        if tension <= 0:
+            raise ValueError(f"fundamental = {fundamental}: expected more; so low it is that of the film's stiffness")
     mass = areal * math.pi * radius**2
 
     # int_0^1 r J_n(j r)^2 dr = J_(n+1)(j)^2 / 2
@@ -109,9 +112,14 @@ def membrane(
         shapes: Array = scale[mode] * _bessel(order[mode], np.outer(r, root[mode]))
         return shapes
 
-    body = _Round(unit * root, mass, Round(radius, areal, baffle, order, root, np.zeros_like(root), scale), radial)
+    wave = root / radius
+    frequency = wave / (2 * math.pi) * np.sqrt((tension + rigidity * wave**2) / areal)
+    body = _Round(frequency, mass, Round(radius, areal, baffle, order, root, np.zeros_like(root), scale), radial)
     modes = _round(material, body, Doublets(split, imperfection), top)
-    clicks = near_field(areal, acceleration.disc(mass, radius)) if baffle == "free" else ()
+    if modes.frequency.size == MOST_MODES:
+        shortest = float(np.sort(np.repeat(wave, 2 if split else 1))[MOST_MODES - 1])
+        modes = with_residual(modes, tension, rigidity, areal, shortest, 2 * radius)
+    clicks = near_field(areal, acceleration.disc(mass, radius), math.inf, held=True) if baffle == "free" else ()
     return replace(modes, clicks=clicks, glide=membrane_glide(material, radius, thickness, tension), cone=CONE * mass)
 
 

@@ -26,8 +26,8 @@ class Modes:
     shapes at P equally spaced positions 0..1 along the strike path; P = 1 where the position does not matter.
     pressure (2, n) in Pa per unit modal velocity (q' of 1 sqrt(kg) m/s), left and right: the sound pressure at 1 m,
     rms over directions, G with (L^2 + R^2)/2 = G^2; both have the sign of the shape at one point of the body. mass of
-    the whole body in kg. All float64. clicks: what it radiates at once wherever it is struck, as a whole if it is free to
-    move, and from about that point if it is thin (near.py).
+    the whole body in kg. All float64. clicks: what it radiates at once, wherever
+    it is struck: as a whole if it is free to move (acceleration.py), about that point if it is thin (near.py).
     glide in 1/J and cone in kg: how far the tension rises with the energy that rings, Delta T/T = glide x energy, and
     about a striker as it touches, tau (1 + tau) = glide x cone x velocity^2 (tension.py); 0 where it does not.
 

@@ -74,10 +74,11 @@ def plate(
     shapes, resistance = shapes[:, order], air.resistance[order]
     mass = areal * length * width
     made = heard(material, air.frequency[order], resistance, (shapes[:-1], shapes[-1]), mass)
-    if baffle != "free" or set(edges) != {"free"}:
+    if baffle != "free":
         return made
     whole = acceleration.rectangle(mass, length, width, length * width * thickness)
-    return replace(made, clicks=near_field(areal, whole, critical_frequency(areal, areal * speed**2)))
+    critical, held = critical_frequency(areal, areal * speed**2), set(edges) != {"free"}
+    return replace(made, clicks=near_field(areal, whole, critical, held))
 
 
 def _solve(along: "_Beam", across: "_Beam", wavenumber: float, nu: float) -> tuple[list["_Block"], float]:

@@ -41,7 +41,7 @@ SCENES = {
 def body(n, t60, modal_mass, click=None):
     """One that sounds below 2.4 kHz alone, where it is left alone."""
     modes = listed(frequency=np.linspace(150, 2400, n), t60=[t60] * n, modal_mass=modal_mass, mass=5.0, top=20_000)
-    return replace(modes, click=click)
+    return replace(modes, clicks=(click,) if click else ())
 
 
 def made(scene, then=(), block=4096, frames=9600, click=None):

@@ -1,12 +1,14 @@
 """Whole bodies in air: what is solved, what lies between, and what follows from it for frequencies and decays."""
 
 import math
+import sys
 
 import numpy as np
 import pytest
 from scipy.special import jn_zeros
 
 from carom.dsp import bodies
+from carom.dsp.bodies.heard import loaded
 from carom.dsp.bodies.radiation import round as loads
 from carom.dsp.bodies.radiation.air import DENSITY, IMPEDANCE, SPEED
 from carom.dsp.bodies.radiation.board import PIANO
@@ -68,16 +70,24 @@ def test_a_head_in_a_wall_is_damped_more_than_an_open_one():
 @pytest.mark.parametrize(
     ("shape", "rms"),
     [
-        (lambda: bodies.membrane(FILM, radius=0.2, thickness=0.0003, fundamental=85.0, top=20000), 0.1),
+        (lambda: bodies.membrane(FILM, radius=0.2, thickness=0.0003, fundamental=85.0, top=20000), 0.7),
         (lambda: bodies.disc(STEEL, radius=0.2, thickness=0.003, top=20000), 0.3),
         (lambda: bodies.disc(STEEL, radius=0.1, thickness=0.0003, edge="clamped", top=20000), 0.3),
     ],
 )
 def test_modes_that_are_not_solved_lie_where_solved_ones_would(monkeypatch, shape, rms):
-    usual = radiated(shape())
+    """By mode, before they are sorted: two of one frequency may change places."""
+    found = []
+    monkeypatch.setattr(
+        sys.modules[bodies.disc.__module__], "loaded", lambda *given: found.append(loaded(*given)) or found[-1]
+    )
+    shape()
     for name, value in (("_SLOW", 0.0), ("_CLOSED", 1e9), ("_FAST", 1e9), ("_SETTLED", 1e-6)):
         monkeypatch.setattr(loads, name, value)
-    off = decibels(usual / radiated(shape()))
+    shape()
+    usual, solved = (each.resistance for each in found)
+    heard = solved > 1e-12 * solved.max()
+    off = decibels(usual[heard] / solved[heard])
     assert np.sqrt((off**2).mean()) < rms and np.abs(off).max() < 4
 
 
