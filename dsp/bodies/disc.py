@@ -86,8 +86,8 @@ def membrane(
 
     radius and thickness in m; either tension T (N/m) or fundamental (Hz, without the air, whose mass lowers it); the
     rest as for `disc`. f = k/(2 pi) sqrt((T + D k^2)/(rho h)), k R the zeros of J_n: the film's own stiffness D, as if
-    supported at the edge, speeds up short waves, those of a tom's head above some 2 kHz. The modes that there is no room for are felt as one
-    (residual.py).
+    supported at the edge, speeds up short waves, those of a tom's head above some 2 kHz. The modes that there is no
+    room for are felt as one (residual.py).
     """
     from scipy.special import jv
 
@@ -98,11 +98,12 @@ def membrane(
     order, root = _membrane_roots(_enough(2 if split else 1))
     if (tension is None) == (fundamental is None):
         raise ValueError(f"tension = {tension}, fundamental = {fundamental}: expected one of the two")
-    if tension is None:
+    if fundamental is not None:
         longest = float(root.min()) / radius
         tension = areal * (2 * math.pi * fundamental / longest) ** 2 - rigidity * longest**2
         if tension <= 0:
             raise ValueError(f"fundamental = {fundamental}: expected more; so low it is that of the film's stiffness")
+    assert tension is not None
     mass = areal * math.pi * radius**2
 
     # int_0^1 r J_n(j r)^2 dr = J_(n+1)(j)^2 / 2
