@@ -51,10 +51,10 @@ class _Plan:
         self.waves, x = waves, waves.x[:, None]
         terms = max(4, math.ceil((max(x.max(), waves.root.max()) - waves.order) / 2) + _MARGIN)
         self.degree = waves.order + 2 * np.arange(terms) + 1
-        t, w = segment(0, math.pi / 2, 16 + 0.75 * x.max())
+        t, w = segment(0, math.pi / 2, 16 + 0.6 * x.max())
         low = x * np.sin(t)
         span = self.degree[-1] + 12.0
-        y, wy = segment(0, math.sqrt(span), 16 + 0.7 * span)
+        y, wy = segment(0, math.sqrt(span), 16 + 0.6 * span)
         high = x + y**2
         self.below = t.size
         # sqrt(x^2 - s^2) - i s, and beyond x i (sqrt(s^2 - x^2) - s) without cancellation; static parts are known
