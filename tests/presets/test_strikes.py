@@ -76,3 +76,15 @@ def test_a_hammer_stroke_is_as_wide_and_as_dull_as_a_hands(name, keys, shortest,
 )
 def test_yarn_stays_for_1_to_2_ms_and_rawhide_for_1_ms(name, striker, shortest, longest):
     assert shortest < width(force(name, 1.5, striker=striker)) < longest
+
+
+@pytest.mark.parametrize("name", PRESETS.names("objects"))
+def test_hardly_anything_is_heard_below_30_hz(name):
+    """What does not radiate there is not heard: under half a percent of a strike's energy."""
+    with carom.Scene(48_000, limiter=False) as scene:
+        scene.new("a", name, stereo_width=0).impact(PRESETS.object(name).velocity, at=0.01)
+        sound = scene.render(2.0).samples[:, 0].astype(float)
+    sound *= np.cos(np.clip(np.linspace(-1, 1, len(sound)), 0, 1) * np.pi / 2) ** 2
+    power = np.abs(np.fft.rfft(sound)) ** 2
+    below = np.fft.rfftfreq(len(sound), 1 / 48_000) < 30
+    assert power[below].sum() < 0.005 * power.sum()
