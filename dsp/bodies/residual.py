@@ -23,7 +23,10 @@ _ABOVE = 1.2  # times the frequency from which on modes are left out: that of th
 
 
 def with_residual(modes: Modes, tension: float, rigidity: float, areal: float, wave: float, length: float) -> Modes:
-    """The modes of a membrane with one for all those in waves shorter than `wave` (rad/m); length (m): of its path."""
+    """The modes of a membrane, with one in the place of the highest for all in waves of `wave` (rad/m) or shorter.
+
+    length (m): of its strike path.
+    """
     lowest = math.sqrt((tension + rigidity * wave**2) * wave**2 / areal)
     flexibility = math.log(1 + tension / (rigidity * wave**2)) / (4 * math.pi * tension)
     conductance = lowest / (4 * (tension + 2 * rigidity * wave**2))
@@ -33,8 +36,8 @@ def with_residual(modes: Modes, tension: float, rigidity: float, areal: float, w
     held = np.sqrt(1 - np.exp(-2 * wave * np.minimum(places, length - places)))  # nothing moves at the edge
     return replace(
         modes,
-        frequency=np.append(modes.frequency, omega / (2 * math.pi)),
-        decay=np.append(modes.decay, shape**2 / (2 * conductance)),
-        strike=np.column_stack([modes.strike, shape * held]),
-        pressure=np.column_stack([modes.pressure, np.zeros(2)]),
+        frequency=np.append(modes.frequency[:-1], omega / (2 * math.pi)),
+        decay=np.append(modes.decay[:-1], shape**2 / (2 * conductance)),
+        strike=np.column_stack([modes.strike[:, :-1], shape * held]),
+        pressure=np.column_stack([modes.pressure[:, :-1], np.zeros(2)]),
     )

@@ -26,8 +26,10 @@ def test_every_object_is_a_body_that_can_be_struck(name):
     assert np.all((t60 > 1e-4) & (t60 < 60))
     for array in (modes.strike, modes.pressure):
         assert np.all(np.isfinite(array)) and np.abs(array).max() > 0
-    # physical modal masses: a good part of the body's, but for the sharp peak a disc's modes have at its centre
-    assert 0.005 < 1 / np.max(modes.strike**2) / modes.mass < 2
+    # physical modal masses: a good part of the body's, but for the sharp peak a disc's modes have at its centre and for
+    # the one that stands for many and is not heard (dsp/bodies/residual.py)
+    heard = modes.pressure.any(axis=0)
+    assert 0.005 < 1 / np.max(modes.strike[:, heard] ** 2) / modes.mass < 2
     contact = PRESETS.striker(preset.striker).contact(preset.material)
     assert all(math.isfinite(value) and value > 0 for value in contact)
     assert preset.description and preset.source
