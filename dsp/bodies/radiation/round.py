@@ -15,6 +15,7 @@ _FAST = 1.5  # times the speed of sound: faster waves radiate from both sides of
 _CLOSED, _WAVES = 1.08, 3.0  # the same, and by how many wavenumbers: faster ones radiate as on an endless plate
 _SLOW = 0.35  # the same: of slower ones not all need be solved, from some orders and numbers on
 _ALL_ORDERS, _DENSE, _MANY = 12, 6, 600
+_WORTH = 6  # modes of an order that are solved in two parts
 _SETTLED = 1e-3  # of a frequency: a solution for one as near as this serves
 
 
@@ -62,7 +63,7 @@ class Loads:
         skipped = self._between(speed)
         stale = ~closed & ~skipped & (np.abs(self._solved_at / frequency - 1) > _SETTLED)
         walled = (speed > _FAST) | (body.baffle != "free")
-        rows = _families(body.order, stale & ~walled)
+        rows = [part for row in _families(body.order, stale & ~walled) for part in self._parts(row)]
         for row, impedance in zip(rows, free_disc([self._waves(row, x) for row in rows], body.radius), strict=True):
             self._impedance[row] = impedance
         for row in _families(body.order, stale & walled):
@@ -85,6 +86,11 @@ class Loads:
         neighbours = np.where(self._odd, self._above, self._next)
         inside: npt.NDArray[np.bool_] = slow & (self._odd | alternate) & (neighbours >= 0) & slow[neighbours]
         return inside
+
+    def _parts(self, row: Indices) -> list[Indices]:
+        """The slow modes of an order and the fast ones, if there are many: slow ones need fewer terms and points."""
+        row = row[np.argsort(self._body.root[row])]
+        return [row] if row.size < _WORTH else np.array_split(row, 2)
 
     def _waves(self, row: Indices, x: Array) -> Waves:
         body = self._body
