@@ -97,7 +97,7 @@ def mode_table(
     if len(gains) != 2:
         sides = np.copysign(np.sqrt(0.5 * (sides**2).sum(axis=0)), sides[:1])
     shape = _shape_at(modes.strike, position)[heard]
-    click = modes.click.below(NYQUIST_SHARE * 0.5 * rate) if modes.click else None
+    click = modes.click
     whole = Click(click.frequency, click.decay, level * click.strength * gains) if click else None
     still = _relief(modes, level * sides[:, made], settings.tune, gains, position, NYQUIST_SHARE * 0.5 * rate)
     return ModeTable(frequencies[heard], decays, level * (sides[:, heard] * shape).T * gains, whole, still)

@@ -16,17 +16,17 @@ from ..native.jit import kernel
 from ..numerics.legendre import FALL, MOMENTS, RISE
 from ..numerics.random import STEP, mixed
 from ..resonator.bank import Drive, Modes, Point, inject, inject_fine, ring, ring_driven, state_of
-from ..resonator.coefficients import set_click, set_mode
+from ..resonator.click import set_click
+from ..resonator.coefficients import set_mode
 from ..resonator.simd import LANES, STRETCH
 from .commands import KIND_ROLL, KIND_SPIN
 from .contact_record import RIM
+from .fade import fade_length, going_on, left_of, pace_of, tilt_of
 from .quality import silence_of
 from .state import COUPLING
 from .striker_state import STRIKER_MODES, VOICES
 
 _NEW = 1e300  # loudness of a voice that has just begun: it is not the quietest
-_GONE = 0.02  # s: time constant of a force that dies away
-_NOTHING = 1e-6  # N
 _FINE = 2.0**40  # steps per m/s in which a velocity is told from another
 _SAME = 1e-9  # relative difference of radii that are one
 
@@ -109,7 +109,8 @@ def _take_voice(state, contact, needed):
     contact.voice = index
     voice.roll = -1
     voice.driven = 0
-    voice.snap = voice.energy = voice.held = 0.0
+    voice.fades = voice.faded = 0
+    voice.snap = voice.energy = voice.held = voice.held_slope = 0.0
     voice.loudness = _NEW
     for i in range(4):
         voice.share[i] = 0.0
@@ -131,7 +132,7 @@ def _become(state, voice, contact):
         voice.struck[i], voice.snapped[i] = striker.struck[i], striker.snapped[i]
     for i in range(striker.size // LANES * (len(striker.response) // (STRIKER_MODES // LANES))):
         voice.response[i] = striker.response[i]
-    if striker.clicks == 1 and contact.kind == KIND_ROLL:
+    if striker.clicks > 0 and contact.kind == KIND_ROLL:
         ratio = state.rolls[contact.roll].target.radius / striker.radius
         if abs(ratio - 1.0) > _SAME:  # what rolls is as large as it was said to be: of the same form
             set_click(
@@ -154,9 +155,13 @@ def _prepare(striker, rate):
     )
     for i in range(n):
         striker.a2[i] = 0.0
+    for i in range(n):
         frequency, sigma, weight = striker.frequency[i], striker.sigma[i], striker.weight[i]
-        if i < striker.clicks or frequency == 0.0:
-            set_click(modes, i, frequency, sigma, rate, weight)
+        if i < striker.clicks:
+            if i == 0:
+                set_click(modes, i, frequency, sigma, rate, weight)
+        elif frequency == 0.0:
+            set_mode(modes, i, 0.0, 0.0, rate, 0.0j)
         elif snaps:
             set_mode(modes, i, frequency, sigma, rate, complex(weight, 0.0))
         else:
@@ -211,7 +216,7 @@ def _ring_on(state, voice, out, frame, stop):
         if due == frame:
             _snap(state, voice, modes, frame)
         stop = min(stop, due) if due > frame else stop
-    if voice.held != 0.0:
+    if voice.held != 0.0 or voice.held_slope != 0.0:
         stop = frame + 1
         _hold(state, voice, modes)
         ring(modes, sound, frame, stop)
@@ -233,6 +238,12 @@ def _ring_on(state, voice, out, frame, stop):
         drive = Drive(state.scratch.drivers, 1, state.scratch.feeds)
         ring_driven(modes, voice.struck, 0, drive, state.scratch.work, sound, frame)
     energy = 0.0
+    if voice.fades == 1:
+        for n in range(frame, stop):
+            left = left_of(state.rate, voice.faded + n - frame + 1)
+            sound[0, n] *= left
+            sound[1, n] *= left
+        voice.faded += stop - frame
     for n in range(frame, stop):
         out[0, n] += sound[0, n]
         out[1, n] += sound[1, n]
@@ -243,12 +254,26 @@ def _ring_on(state, voice, out, frame, stop):
 
 @kernel
 def let_voice_go(state, contact):
-    """Leave a contact's voice to itself in a panic: its force dies away, so that its end makes no sound."""
-    if contact.voice >= 0:
-        voice = state.voices[contact.voice]
+    """Let the force on a contact's voice die away in a panic, so that its end makes no sound."""
+    if contact.voice < 0:
+        return
+    voice = state.voices[contact.voice]
+    scale = 1.0 if voice.roll >= 0 else contact.now.gain  # a roll's share holds it
+    k = pace_of(contact.force, (contact.force - contact.force_before) * state.rate)
+    q, u, v = going_on(scale * contact.force, scale * contact.force_before, k, state.rate)
+    voice.held, voice.held_slope, voice.held_ratio = u, v, q
+
+
+@kernel
+def fade_voices(state, obj):
+    """Let all strikers that sound on an object fade, in a panic; their second pulses don't come any more."""
+    index = obj.voice
+    while index >= 0:
+        voice = state.voices[index]
         voice.snap = 0.0
         voice.roll = -1
-        voice.held = contact.now.gain * contact.force
+        voice.fades = 1
+        index = voice.next
 
 
 @kernel
@@ -257,12 +282,11 @@ def _hold(state, voice, modes):
     moments = state.scratch.moments
     for n in range(MOMENTS):
         moments[n] = 0.0
-    moments[0] = voice.held / state.rate
+    q, u, v = voice.held_ratio, voice.held, voice.held_slope
+    moments[0] = u
+    moments[1], _ = tilt_of(q, u, v)
     inject(modes, Point(voice.struck, 0, 0, voice.share), moments)
-    voice.held *= 1.0 - 1.0 / (_GONE * state.rate)
-    voice.driven = 1
-    if abs(voice.held) < _NOTHING:
-        voice.held = 0.0
+    voice.held, voice.held_slope = q * (u + v), q * v
 
 
 @kernel
@@ -293,6 +317,7 @@ def rest_strikers(state, obj):
             if not heard and voice.a2[i] != 0.0:
                 re, im = state_of(voice.y1[i], voice.y2[i], voice.a1[i], voice.a2[i])
                 heard = re * re + im * im > threshold * threshold
+        heard = heard and voice.faded < fade_length(state.rate)
         voice.loudness, voice.energy = voice.energy, 0.0
         voice.driven = 0
         voice.roll = -1

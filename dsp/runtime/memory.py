@@ -8,6 +8,7 @@ from ..bodies.material import Array
 from ..bodies.modes import Modes
 from ..engine.commands import Handle
 from ..engine.state import MODES, MODES_PER_OBJECT, OBJECTS, SHAPE_VALUES
+from ..resonator.click import CLICK_MODES
 from ..resonator.simd import LANES
 from .arena import Arena, EngineFull
 from .relief import relief
@@ -41,7 +42,10 @@ class Memory:
         strike = modes.strike if len(modes.strike) >= _LEAST_ROWS else np.repeat(modes.strike[:1], _LEAST_ROWS, axis=0)
         still = relief(modes.frequency[order], modes.decay[order], sides, strike[:, order], top)
         felt, bands = len(order), len(still.frequency)
-        count = felt + 2 * bands + (click is not None)
+        bent = felt + 2 * bands
+        if click and bent % LANES > LANES - CLICK_MODES:  # all of a click in one group: contacts act on whole groups
+            bent = math.ceil(bent / LANES) * LANES
+        count = bent + CLICK_MODES if click else bent
         if count > MODES_PER_OBJECT:
             raise EngineFull(f"{count} modes: an object holds at most {MODES_PER_OBJECT}")
         if not self._slots:
@@ -61,10 +65,10 @@ class Memory:
             span = slice(felt + side * bands, felt + (side + 1) * bands)
             self._fill(first, span, still.frequency, still.decay, *weights)
             shape[:, span] = still.shape[side]
-        if click:  # the last mode: it is moved by any force, wherever that acts, and is heard alike on both sides
-            span = slice(felt + 2 * bands, count)
-            self._fill(first, span, click.frequency, click.decay, level * click.strength, 1.0)
-            shape[:, span] = 1.0
+        if click:  # it is moved by any force, wherever that acts, and is heard alike on both sides
+            self._fill(first, slice(bent, bent + 1), click.frequency, click.decay, level * click.strength, 1.0)
+            self._bank["balance"][first + bent : first + count] = 1.0
+            shape[:, bent:count] = 1.0
         self._serial += 1
         layout: dict[str, float] = {
             "first": first,
@@ -72,7 +76,7 @@ class Memory:
             "table": table,
             "rows": rows,
             "felt": felt,
-            "bent": felt + 2 * bands,
+            "bent": bent,
             "level": level,
             "glide": modes.glide,
             "cone": modes.cone,
