@@ -28,7 +28,7 @@ def let_fade(state):
         while index >= 0:
             contact = state.contacts[index]
             let_voice_go(state, contact)
-            if contact.touching == 1 and (contact.force != 0.0 or contact.force_before != 0.0):
+            if contact.touching == 1 and (contact.forces[0] != 0.0 or contact.forces[1] != 0.0):
                 for side in range(2):
                     _let_go(state, contact, contact.point[side])
             index = contact.next
@@ -65,8 +65,10 @@ def _age(state, obj, left):
     for k in range(len(RATES)):
         share = left * math.exp(-RATES[k] * seconds)
         for side in range(2):
-            obj.driven[k, side, 0] = share * (obj.driven[k, side, 0] + obj.driven[k, side, 1] * seconds)
-            obj.driven[k, side, 1] *= share
+            value, slope, bend = obj.driven[k, side, 0], obj.driven[k, side, 1], obj.driven[k, side, 2]
+            obj.driven[k, side, 0] = share * (value + (slope + bend * seconds) * seconds)
+            obj.driven[k, side, 1] = share * (slope + 2.0 * bend * seconds)
+            obj.driven[k, side, 2] = share * bend
 
 
 @kernel
@@ -74,37 +76,49 @@ def _let_go(state, contact, point):
     """Let a contact's force on the modes that fade die away.
 
     A mode takes the momentum p[n] of a sample and its first moment p'[n] into its state, x[n + 1] = M (x[n] + b p[n] +
-    b' p'[n]). For p[n] = q^n (u + v n), x is q^n (c + d n) and what rings freely, with (q - M) d = M (b v + b' v') and
-    (q - M) c = M (b u + b' u') - q d.
+    b' p'[n]). For p[n] = q^n (u + v n + w n^2), x is q^n (c + d n + e n^2) and what rings freely, with (q - M) e = M W,
+    (q - M) d = M V - 2 q e and (q - M) c = M U - q (d + e), W = b w + b' w' and so on.
     """
     if point.slot < 0:
         return
     bank, obj = state.bank, state.objects[point.slot]
-    k = pace_of(contact.force, (contact.force - contact.force_before) * state.rate)
-    q, u, v = going_on(contact.force, contact.force_before, k, state.rate)
-    tilt, tilting = tilt_of(q, u, v)
+    k = pace_of(contact.forces, state.rate)
+    q, u, v, w = going_on(contact.forces, k, state.rate)
+    u1, v1, w1 = tilt_of(q, u, v, w)
     for n in range(min(point.modes, obj.fading)):
         i = obj.first + n
         a1, a2 = bank.fading_a1[i], bank.fading_a2[i]
         if a2 == 0.0:
             continue
         at = i // LANES * RESPONSES + i % LANES
-        last, before = bank.response[at], bank.response[at + LANES]
-        turned, turned_before = bank.response[at + 2 * LANES], bank.response[at + 3 * LANES]
-        u2, u1 = u * last + tilt * turned, u * before + tilt * turned_before  # b u + b' u'
-        v2, v1 = v * last + tilting * turned, v * before + tilting * turned_before
-        phi, inverse = contact.now.gain * shape_at(state, obj, point, n), 1.0 / (q * (q - a1) - a2)
-        first, second = a1 * v2 + a2 * v1, v2
-        d1, d2 = (q * first + a2 * second) * inverse, (first + (q - a1) * second) * inverse
-        first, second = a1 * u2 + a2 * u1 - q * d1, u2 - q * d2
-        c1, c2 = (q * first + a2 * second) * inverse, (first + (q - a1) * second) * inverse
-        bank.fading_y1[i] -= c1 * phi
-        bank.fading_y2[i] -= c2 * phi
+        b = bank.response[at], bank.response[at + LANES]
+        b1 = bank.response[at + 2 * LANES], bank.response[at + 3 * LANES]
+        e = _steady(q, a1, a2, _driven(a1, a2, b, b1, w, w1), (0.0, 0.0))
+        d = _steady(q, a1, a2, _driven(a1, a2, b, b1, v, v1), (2.0 * e[0], 2.0 * e[1]))
+        c = _steady(q, a1, a2, _driven(a1, a2, b, b1, u, u1), (d[0] + e[0], d[1] + e[1]))
+        phi = contact.now.gain * shape_at(state, obj, point, n)
+        bank.fading_y1[i] -= c[0] * phi
+        bank.fading_y2[i] -= c[1] * phi
         balance = 1.0
         for side in range(2):
-            obj.driven[k, side, 0] += c1 * phi * balance
-            obj.driven[k, side, 1] += d1 * phi * state.rate * balance
+            obj.driven[k, side, 0] += c[0] * phi * balance
+            obj.driven[k, side, 1] += d[0] * phi * state.rate * balance
+            obj.driven[k, side, 2] += e[0] * phi * state.rate * state.rate * balance
             balance = bank.balance[i]
+
+
+@kernel
+def _driven(a1, a2, b, b1, p, p1):
+    """M (b p + b' p')."""
+    last, before = b[0] * p + b1[0] * p1, b[1] * p + b1[1] * p1
+    return a1 * last + a2 * before, last
+
+
+@kernel
+def _steady(q, a1, a2, push, less):
+    """x of (q - M) x = push - q less."""
+    first, second, inverse = push[0] - q * less[0], push[1] - q * less[1], 1.0 / (q * (q - a1) - a2)
+    return (q * first + a2 * second) * inverse, (first + (q - a1) * second) * inverse
 
 
 @kernel
@@ -119,12 +133,12 @@ def mix_fading(state):
 @kernel
 def _add_driven(state, obj, k, side, voice):
     """Add the output of the forces that die away at one of the rates."""
-    value, slope = obj.driven[k, side, 0], obj.driven[k, side, 1]
-    if value == 0.0 and slope == 0.0:
+    value, slope, bend = obj.driven[k, side, 0], obj.driven[k, side, 1], obj.driven[k, side, 2]
+    if value == 0.0 and slope == 0.0 and bend == 0.0:
         return
     for n in range(QUANTUM):
         seconds = (obj.faded + n + 1) / state.rate
-        voice[side, n] += math.exp(-RATES[k] * seconds) * (value + slope * seconds)
+        voice[side, n] += math.exp(-RATES[k] * seconds) * (value + (slope + bend * seconds) * seconds)
 
 
 @kernel

@@ -51,9 +51,8 @@ VOICE = np.dtype(
         ("loudness", np.float64),  # sum of squares of the last quantum
         ("energy", np.float64),  # the same, of this quantum so far
         ("share", np.float64, 4),  # of the moments: output per Pa over the striker's mass, and three zeros
-        ("held", np.float64),  # N s: of a force that goes on by itself after a panic, over the coming sample
-        ("held_slope", np.float64),  # N s: by which it grows from sample to sample,
-        ("held_ratio", np.float64),  # and by which both shrink
+        ("held", np.float64, 3),  # N s: u, v and w of a force that goes on by itself after a panic (fade.py),
+        ("held_ratio", np.float64),  # and q; 0: there is none
         ("fades", np.int64),  # 1: there was a panic
         ("faded", np.int64),  # frames since then
         ("snap", np.float64),  # N s: of a second pulse that is to come, 0: none

@@ -110,7 +110,7 @@ def _take_voice(state, contact, needed):
     voice.roll = -1
     voice.driven = 0
     voice.fades = voice.faded = 0
-    voice.snap = voice.energy = voice.held = voice.held_slope = 0.0
+    voice.snap = voice.energy = voice.held_ratio = 0.0
     voice.loudness = _NEW
     for i in range(4):
         voice.share[i] = 0.0
@@ -216,7 +216,7 @@ def _ring_on(state, voice, out, frame, stop):
         if due == frame:
             _snap(state, voice, modes, frame)
         stop = min(stop, due) if due > frame else stop
-    if voice.held != 0.0 or voice.held_slope != 0.0:
+    if voice.held_ratio > 0.0:
         stop = frame + 1
         _hold(state, voice, modes)
         ring(modes, sound, frame, stop)
@@ -258,10 +258,9 @@ def let_voice_go(state, contact):
     if contact.voice < 0:
         return
     voice = state.voices[contact.voice]
-    scale = 1.0 if voice.roll >= 0 else contact.now.gain  # a roll's share holds it
-    k = pace_of(contact.force, (contact.force - contact.force_before) * state.rate)
-    q, u, v = going_on(scale * contact.force, scale * contact.force_before, k, state.rate)
-    voice.held, voice.held_slope, voice.held_ratio = u, v, q
+    gain = 1.0 if contact.kind == KIND_ROLL else contact.now.gain  # a roll's share holds it
+    q, u, v, w = going_on(contact.forces, pace_of(contact.forces, state.rate), state.rate)
+    voice.held_ratio, voice.held[0], voice.held[1], voice.held[2] = q, gain * u, gain * v, gain * w
 
 
 @kernel
@@ -282,11 +281,11 @@ def _hold(state, voice, modes):
     moments = state.scratch.moments
     for n in range(MOMENTS):
         moments[n] = 0.0
-    q, u, v = voice.held_ratio, voice.held, voice.held_slope
+    q, u, v, w = voice.held_ratio, voice.held[0], voice.held[1], voice.held[2]
     moments[0] = u
-    moments[1], _ = tilt_of(q, u, v)
+    moments[1], _, _ = tilt_of(q, u, v, w)
     inject(modes, Point(voice.struck, 0, 0, voice.share), moments)
-    voice.held, voice.held_slope = q * (u + v), q * v
+    voice.held[0], voice.held[1], voice.held[2] = q * (u + v + w), q * (v + 2.0 * w), q * w
 
 
 @kernel

@@ -119,7 +119,7 @@ def test_a_striker_after_a_panic_is_as_in_silence():
     both = with_striker("strike", STRIKERS["ringing"], [lambda _: panic(5000.0), *again])
     fresh = with_striker("strike", STRIKERS["ringing"], [lambda _: panic(0.0), *again])
     begin = 5000 // QUANTUM * QUANTUM
-    assert np.abs(faded[begin : begin + 100]).max() > 0.1 * np.abs(faded).max()
+    assert np.abs(faded[begin : begin + 100]).max() > 1e-3 * np.abs(faded).max()
     np.testing.assert_allclose(both[begin:], (faded + fresh)[begin:], atol=1e-6 * np.abs(fresh).max())
 
 
