@@ -237,7 +237,7 @@ def _law(
 def _strike(to: ObjectCall, by: PlayedObject | None, law: Contact, command: Command) -> None:
     """Add the command of a gesture, with the values that every gesture has."""
     numbers, transaction = to.values.numbers, to.transaction
-    sound = None if by else transaction.laws.sound_of(to.striker)
+    sound = None if by or to.is_point_mass else transaction.laws.sound_of(to.striker)
     values = {
         **command.values,
         **(transaction.engine.lay_out_striker(sound) if sound else {}),
