@@ -148,7 +148,7 @@ def _retune(state, obj, count):
         elif i < obj.bent:
             frequency, sigma, weight = relief_of(state, obj, i)
             set_unfelt(modes, i, frequency, sigma, state.rate, weight)
-        elif modes.a2[i] == 0.0:  # not yet made: no setting changes it
+        elif modes.a2[i] == 0.0:  # not yet made: no setting changes it, and all of its modes are made at once
             bank, j = state.bank, obj.first + i
             if bank.frequency[j] > 0.0:
                 set_click(modes, i, bank.frequency[j], bank.sigma[j], state.rate, bank.weight[j])

@@ -15,20 +15,18 @@ import numpy as np
 from ..native.jit import kernel
 from ..numerics.legendre import FALL, MOMENTS, RISE
 from ..numerics.random import STEP, mixed
-from ..resonator.bank import Drive, Modes, Point, inject, inject_fine, ring, ring_driven, state_of
-from ..resonator.click import set_click
-from ..resonator.coefficients import set_mode
-from ..resonator.simd import LANES, STRETCH
+from ..resonator.bank import Drive, Point, inject, inject_fine, ring, ring_driven, state_of
+from ..resonator.simd import STRETCH
 from .commands import KIND_ROLL, KIND_SPIN
 from .contact_record import RIM
 from .fade import fade_length, going_on, left_of, pace_of, tilt_of
 from .quality import silence_of
 from .state import COUPLING
-from .striker_state import STRIKER_MODES, VOICES
+from .striker_modes import become, modes_of_voice
+from .striker_state import VOICES
 
 _NEW = 1e300  # loudness of a voice that has just begun: it is not the quietest
 _FINE = 2.0**40  # steps per m/s in which a velocity is told from another
-_SAME = 1e-9  # relative difference of radii that are one
 
 
 @kernel
@@ -76,9 +74,9 @@ def drive_striker(state, contact):
     voice.driven = 1
     where = Point(voice.struck, 0, 0, voice.share)
     if contact.solver == COUPLING:
-        inject_fine(_modes_of(voice), where, state.scratch.fine)
+        inject_fine(modes_of_voice(voice), where, state.scratch.fine)
     else:
-        inject(_modes_of(voice), where, state.scratch.moments)
+        inject(modes_of_voice(voice), where, state.scratch.moments)
 
 
 @kernel
@@ -115,61 +113,7 @@ def _take_voice(state, contact, needed):
     for i in range(4):
         voice.share[i] = 0.0
     voice.share[0] = obj.level * (RIM if contact.kind == KIND_SPIN else 1.0) / contact.m
-    _become(state, voice, contact)
-
-
-@kernel
-def _become(state, voice, contact):
-    """Let a voice be that of a contact's striker, at rest."""
-    striker = state.strikers[contact.sound]
-    if striker.prepared == 0:
-        _prepare(striker, state.rate)
-    voice.size = striker.size
-    for i in range(striker.size):
-        voice.y1[i] = voice.y2[i] = 0.0
-        voice.a1[i], voice.a2[i] = striker.a1[i], striker.a2[i]
-        voice.balance[i] = 1.0
-        voice.struck[i], voice.snapped[i] = striker.struck[i], striker.snapped[i]
-    for i in range(striker.size // LANES * (len(striker.response) // (STRIKER_MODES // LANES))):
-        voice.response[i] = striker.response[i]
-    if striker.clicks > 0 and contact.kind == KIND_ROLL:
-        ratio = state.rolls[contact.roll].target.radius / striker.radius
-        if abs(ratio - 1.0) > _SAME:  # what rolls is as large as it was said to be: of the same form
-            set_click(
-                _modes_of(voice), 0, striker.frequency[0] / ratio, striker.sigma[0] / ratio, state.rate,
-                striker.weight[0] * ratio,
-            )  # fmt: skip
-
-
-@kernel
-def _prepare(striker, rate):
-    """Compute the coefficients of a kind of striker.
-
-    Its modes sound in the phase of their velocity: what the force bends slowly is not heard. Where there is a second
-    pulse it alone moves them, and they begin at 0.
-    """
-    n = striker.size
-    snaps = striker.momentum > 0.0
-    modes = Modes(
-        striker.struck[:n], striker.struck[:n], striker.a1[:n], striker.a2[:n], striker.struck[:n], striker.response
-    )
-    for i in range(n):
-        striker.a2[i] = 0.0
-    for i in range(n):
-        frequency, sigma, weight = striker.frequency[i], striker.sigma[i], striker.weight[i]
-        if i < striker.clicks:
-            if i == 0:
-                set_click(modes, i, frequency, sigma, rate, weight)
-        elif frequency == 0.0:
-            set_mode(modes, i, 0.0, 0.0, rate, 0.0j)
-        elif snaps:
-            set_mode(modes, i, frequency, sigma, rate, complex(weight, 0.0))
-        else:
-            set_mode(modes, i, frequency, sigma, rate, weight * complex(-sigma / (2.0 * math.pi * frequency), 1.0))
-    for i in range(n):
-        striker.snapped[i] = 1.0 if i >= striker.clicks and snaps else 0.0
-        striker.struck[i] = 1.0 - striker.snapped[i]
-    striker.prepared = 1
+    become(state, voice, contact)
 
 
 @kernel
@@ -189,12 +133,6 @@ def _second_pulse(striker, contact):
 
 
 @kernel
-def _modes_of(voice):
-    n = voice.size
-    return Modes(voice.y1[:n], voice.y2[:n], voice.a1[:n], voice.a2[:n], voice.balance[:n], voice.response)
-
-
-@kernel
 def ring_strikers(state, obj, out, start, stop):
     """Add the strikers that sound on an object to its voice, from frame `start` to `stop`."""
     index = obj.voice
@@ -209,7 +147,7 @@ def ring_strikers(state, obj, out, start, stop):
 @kernel
 def _ring_on(state, voice, out, frame, stop):
     """Let a voice ring from a frame to another, at most `stop`, which is returned: forces act at its beginning."""
-    modes = _modes_of(voice)
+    modes = modes_of_voice(voice)
     sound = state.scratch.striker
     if voice.snap > 0.0:
         due = max(-math.floor(state.position - voice.snap_at), frame)

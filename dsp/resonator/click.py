@@ -44,7 +44,7 @@ def set_click(modes, i, frequency, decay, rate, strength):
 
     They have been at rest; no contact feels them.
     """
-    s = complex(-decay, 2.0 * math.pi * frequency) / rate
+    s = complex(-decay / rate, 2.0 * math.pi * frequency / rate)
     own = _polar(max(math.exp(s.real), _LEAST), min(s.imag, _WIDEST))
     weight = strength * complex(s.real / s.imag, 1.0)
     _set_section(modes, i, own, _NEAR, _FAR, own, s, weight)

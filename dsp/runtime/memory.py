@@ -42,10 +42,8 @@ class Memory:
         strike = modes.strike if len(modes.strike) >= _LEAST_ROWS else np.repeat(modes.strike[:1], _LEAST_ROWS, axis=0)
         still = relief(modes.frequency[order], modes.decay[order], sides, strike[:, order], top)
         felt, bands = len(order), len(still.frequency)
-        bent = felt + 2 * bands
-        if click and bent % LANES > LANES - CLICK_MODES:  # all of a click in one group: contacts act on whole groups
-            bent = math.ceil(bent / LANES) * LANES
-        count = bent + CLICK_MODES if click else bent
+        bent = _start_of_click(felt + 2 * bands)
+        count = bent + CLICK_MODES if click else felt + 2 * bands
         if count > MODES_PER_OBJECT:
             raise EngineFull(f"{count} modes: an object holds at most {MODES_PER_OBJECT}")
         if not self._slots:
@@ -66,9 +64,9 @@ class Memory:
             self._fill(first, span, still.frequency, still.decay, *weights)
             shape[:, span] = still.shape[side]
         if click:  # it is moved by any force, wherever that acts, and is heard alike on both sides
-            self._fill(first, slice(bent, bent + 1), click.frequency, click.decay, level * click.strength, 1.0)
-            self._bank["balance"][first + bent : first + count] = 1.0
-            shape[:, bent:count] = 1.0
+            span = slice(bent, count)
+            self._fill(first, span, click.frequency, click.decay, level * click.strength, 1.0)
+            shape[:, span] = 1.0
         self._serial += 1
         layout: dict[str, float] = {
             "first": first,
@@ -118,6 +116,11 @@ class Memory:
         for handle in gone:
             self._leaving.remove(handle)
             self.release(handle)
+
+
+def _start_of_click(count: int) -> int:
+    """Where the modes of a click begin, after `count` others: in one group, as contacts act on whole groups."""
+    return count if count % LANES <= LANES - CLICK_MODES else math.ceil(count / LANES) * LANES
 
 
 def _weights(sides: Array) -> tuple[Array, Array]:

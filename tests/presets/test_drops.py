@@ -1,6 +1,7 @@
 """A ball and a die that are dropped: their sound in Pa at 1 m against a derivation from the force of the blow."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -96,27 +97,38 @@ def dropped(folder, name, striker, height):
     return sound[int(seconds * RATE) - 8 :][:1900]
 
 
+class Drop(NamedTuple):
+    """What falls on what: its tip (m), that sphere's radius (m) as which it clicks, the plate's mass in kg/m^2."""
+
+    body: str
+    plate: str
+    elastic: tuple[tuple[float, float], tuple[float, float]]
+    mass: float
+    tip: float
+    dissipation: float
+    radius: float
+    surface_mass: float
+
+
+DROPS = [
+    Drop("ball", "steel-plate thickness 0.01", (STEEL, STEEL), BALL_MASS, 0.008, 0.08, 0.008, 78.5),
+    # A cube of 16 mm clicks as a sphere of its volume, and meets the wood with a corner of 2 mm.
+    Drop("die", "wood-board", (PLASTIC, WOOD), 0.0049, 0.002, 0.1, 0.016 * (3 / 4 / math.pi) ** (1 / 3), 13.5),
+]
+
+
 @pytest.mark.parametrize("height", [0.01, 0.05, 0.2])
-@pytest.mark.parametrize(
-    ("body", "plate", "elastic", "mass", "tip", "mu", "radius", "surface_mass"),
-    [
-        ("ball", "steel-plate thickness 0.01", (STEEL, STEEL), BALL_MASS, 0.008, 0.08, 0.008, 78.5),
-        # A cube of 16 mm clicks as a sphere of its volume, and meets the wood with a corner of 2 mm.
-        ("die", "wood-board", (PLASTIC, WOOD), 0.0049, 0.002, 0.1, 0.016 * (3 / 4 / math.pi) ** (1 / 3), 13.5),
-    ],
-)
-def test_peaks_are_those_of_the_force_of_the_blow(
-    folder, height, body, plate, elastic, mass, tip, mu, radius, surface_mass
-):
+@pytest.mark.parametrize("drop", DROPS, ids=[drop.body for drop in DROPS])
+def test_peaks_are_those_of_the_force_of_the_blow(folder, height, drop):
     """Up to 0.4 of the rate: the body's own sound within 1.5 dB, with what it strikes within 3 dB.
 
     Its own is the difference to a silent one of the same law. The derivation's plates are rigid where they are struck,
     and infinite: it leaves out what they give way, some tenths of a dB, and what comes back from their edges.
     """
-    force = hertz_force(mass, tip, math.sqrt(2 * G * height), mu, *elastic)
-    own = sphere_click(force, mass, radius)
-    whole = own + on_axis(np.pad(force, (0, len(own) - len(force))), surface_mass)
-    sound, plate_alone = (dropped(folder, plate, f"{kind}-{body}", height) for kind in ("dropped", "silent"))
+    force = hertz_force(drop.mass, drop.tip, math.sqrt(2 * G * height), drop.dissipation, *drop.elastic)
+    own = sphere_click(force, drop.mass, drop.radius)
+    whole = own + on_axis(np.pad(force, (0, len(own) - len(force))), drop.surface_mass)
+    sound, plate_alone = (dropped(folder, drop.plate, f"{kind}-{drop.body}", height) for kind in ("dropped", "silent"))
     assert 20 * math.log10(peak(sound - plate_alone, RATE) / peak(own, FINE * RATE)) == pytest.approx(0, abs=1.5)
     assert 20 * math.log10(peak(sound, RATE) / peak(whole, FINE * RATE)) == pytest.approx(0, abs=3)
 
