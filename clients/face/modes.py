@@ -97,8 +97,7 @@ def mode_table(
     if len(gains) != 2:
         sides = np.copysign(np.sqrt(0.5 * (sides**2).sum(axis=0)), sides[:1])
     shape = _shape_at(modes.strike, position)[heard]
-    below = [click.below(NYQUIST_SHARE * 0.5 * rate) for click in modes.clicks]
-    clicks = tuple(Click(each.frequency, each.decay, level * each.strength * gains) for each in below)
+    clicks = tuple(Click(each.frequency, each.decay, level * each.strength * gains) for each in modes.clicks)
     still = _relief(modes, level * sides[:, made], settings.tune, gains, position, NYQUIST_SHARE * 0.5 * rate)
     return ModeTable(frequencies[heard], decays, level * (sides[:, heard] * shape).T * gains, clicks, still)
 

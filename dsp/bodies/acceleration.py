@@ -45,16 +45,6 @@ class Click(NamedTuple):
     strength: float
     """Pa per N s"""
 
-    def below(self, top: float) -> "Click":
-        """The click with a frequency of at most `top` (Hz); what it is at low frequencies stays as it is.
-
-        A sphere's is then too quiet by no more than 1 dB at `top`, and by 0.07 dB an octave below it.
-        """
-        if self.frequency <= top:
-            return self
-        ratio = top / self.frequency
-        return Click(top, self.decay * ratio, self.strength * ratio**2)
-
 
 def sphere(mass: float, radius: float) -> Click:
     """The click of a sphere, exact; mass in kg, radius in m."""

@@ -9,7 +9,7 @@ import numpy as np
 from .acceleration import Click
 from .radiation.air import IMPEDANCE
 
-MOST_MODES = 15
+MOST_MODES = 13
 """Of a striker, besides its click."""
 
 

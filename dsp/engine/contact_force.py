@@ -13,6 +13,7 @@ from ..contact.sampled import begin_sampled, step_sampled
 from ..native.jit import kernel
 from ..numerics.legendre import FINE, MOMENTS, add_held
 from ..resonator.bank import inject, inject_fine, observe, receptance
+from .fade import note_force
 from .objects import frequency_of, highest_of, modes_of, place, point_of, reach_of, relief_of, sigma_of
 from .quality import modes_for, room_for_coupling
 from .solver_choice import choose_solver, soften_pulse, tolerance_of
@@ -35,7 +36,7 @@ def begin_contact(state, contact, pushed):
     state.contact_count += 1
     contact.number = state.contact_count
     contact.touching = 1
-    contact.force = contact.force_before = 0.0
+    contact.forces[:] = 0.0
     place(contact.point[0], contact.now.position, state.objects[contact.point[0].slot].rows)
     update_mode_count(state, contact)
     if contact.w > 0.0:
@@ -132,7 +133,7 @@ def apply_contact_force(state, contact, frame):
         began_earlier = contact.coupled.contacts > 0
         lasts = _advance_coupled(state, contact, age)
         trace_sample(state, contact, sample, 0.0 if began_earlier else begin, end, scratch.fine[0])
-        contact.force_before, contact.force = contact.force, scratch.fine[0] * state.rate
+        note_force(contact.forces, scratch.fine[0] * state.rate)
         for n in range(FINE):
             scratch.fine[n] *= contact.now.gain
         impulse = scratch.fine[0]
@@ -143,7 +144,7 @@ def apply_contact_force(state, contact, frame):
             lasts = _advance_closed(state, contact, age)
             end = begin + contact.pulse.duration
         trace_sample(state, contact, sample, begin, end, scratch.moments[0])
-        contact.force_before, contact.force = contact.force, scratch.moments[0] * state.rate
+        note_force(contact.forces, scratch.moments[0] * state.rate)
         for n in range(MOMENTS):
             scratch.moments[n] *= contact.now.gain
         impulse = scratch.moments[0]

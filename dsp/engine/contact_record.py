@@ -52,8 +52,7 @@ CONTACT = np.dtype(
         ("fraction", np.float64),  # from there to the beginning
         ("origin", np.float64),  # samples: when the gesture began
         ("elapsed", np.float64),  # s, from there to the contact
-        ("force", np.float64),  # N: its mean over the last sample, before the gesture's gain
-        ("force_before", np.float64),  # over the last but one
+        ("forces", np.float64, 3),  # N: its means over the last samples, newest first, before the gesture's gain
         ("level", np.float64),  # amplitude: of such gestures on this object, times their gain
         ("until", np.float64),  # samples: when it was stopped
         ("gone_at", np.float64),  # samples: when a striker that was released is forgotten

@@ -104,7 +104,7 @@ def _go_on(state, index):
 @kernel
 def _wait_longer(state, contact):
     """Have time stand still for a gesture for a quantum; true if it has been told to end."""
-    contact.force = contact.force_before = 0.0
+    contact.forces[:] = 0.0
     if contact.kind == KIND_PRESS:
         _lift(state, contact, QUANTUM)
         return contact.start >= contact.until
@@ -168,7 +168,8 @@ def _roll_on(state, index):
     state.stats.impacts += roll.impacts - met
     feed = state.scratch.feeds[contact.roll]
     trace_roll(state, contact, feed)
-    contact.force_before, contact.force = feed[QUANTUM - 2, 0] * state.rate, feed[QUANTUM - 1, 0] * state.rate
+    for n in range(len(contact.forces)):
+        contact.forces[n] = feed[QUANTUM - 1 - n, 0] * state.rate
     if roll.ended == 0:
         register_roll(state, index)
         roll_striker(state, contact)

@@ -95,7 +95,7 @@ def _describe(state, contact, event):
     contact.push = contact.push_target = 0.0
     contact.solver = CLOSED
     contact.unsettled = contact.has_weight = 0
-    contact.force = contact.force_before = 0.0
+    contact.forces[:] = 0.0
     contact.level = strike.gesture_level
     contact.sound = contact.voice = -1
     if strike.sound_serial > 0.0:

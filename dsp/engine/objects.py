@@ -45,7 +45,8 @@ def frequency_of(state, obj, i):
     if obj.stretch == 0.0:
         return frequency
     bank = state.bank
-    own = 0.5 * obj.glide * mode_energy(bank.y1[at], bank.y2[at], bank.a1[at], bank.a2[at], bank.weight[at])
+    energy = mode_energy(bank.y1[at], bank.y2[at], bank.a1[at], bank.a2[at], bank.weight[at]) / obj.amplified
+    own = 0.5 * obj.glide * energy
     return frequency * math.sqrt(1.0 + obj.stretch + min(own, 0.5 * obj.stretch))
 
 

@@ -1,27 +1,21 @@
 """A panic: every gesture ends, and what sounds fades smoothly, whatever is played from then on.
 
 The modes of an object are free at once. What they rang is put beside them, with their coefficients, rings on by itself
-and fades. A force that acts at that moment goes on as exp(-a t) (A + B t), with its value and its slope of then: to let
-go of an object at once would sound. The faster it was changing, the sooner it is gone. A mode answers it by a motion of
-the same form, and rings freely about that.
+and fades. A force that acts at that moment dies away (fade.py). A mode answers it by a motion of the same form, and
+rings freely about that. Strikers that sound ring on where they are, and fade likewise.
 """
 
 import math
-
-import numpy as np
 
 from ..native.jit import kernel
 from ..resonator.bank import RESPONSES, Modes, ring
 from ..resonator.simd import LANES
 from .contact_list import end_contacts
+from .fade import RATES, fade_length, going_on, left_of, pace_of, tilt_of
 from .mix import add_share, is_finite, sides_of
 from .objects import shape_at
 from .state import QUANTUM
-from .strikers import let_voice_go
-
-_FADE = 0.01  # s
-_RATES = np.array([0.0, *100.0 * 2.0 ** np.arange(10)])  # 1/s: a force takes the first a that is no slower than itself,
-_STEADY = 25.0  # 1/s: and the very first if it changes more slowly than that
+from .strikers import fade_voices, let_voice_go
 
 
 @kernel
@@ -34,11 +28,12 @@ def let_fade(state):
         while index >= 0:
             contact = state.contacts[index]
             let_voice_go(state, contact)
-            if contact.touching == 1 and (contact.force != 0.0 or contact.force_before != 0.0):
+            if contact.touching == 1 and (contact.forces[0] != 0.0 or contact.forces[1] != 0.0):
                 for side in range(2):
                     _let_go(state, contact, contact.point[side])
             index = contact.next
     for i in range(state.active):
+        fade_voices(state, state.objects[state.order[i]])
         end_contacts(state, state.objects[state.order[i]])
 
 
@@ -48,7 +43,7 @@ def _set_aside(state, obj):
     if obj.live == 0:
         return
     bank = state.bank
-    left = _left(state, obj.faded) if obj.fading > 0 else 0.0
+    left = left_of(state.rate, obj.faded) if obj.fading > 0 else 0.0
     for i in range(obj.first, obj.first + max(obj.live, obj.fading)):
         before = left if i < obj.first + obj.fading else 0.0
         bank.fading_y1[i] = before * bank.fading_y1[i] + bank.y1[i]
@@ -67,68 +62,63 @@ def _set_aside(state, obj):
 def _age(state, obj, left):
     """Let the output of an earlier panic's forces begin now, at a share that is left of it."""
     seconds = obj.faded / state.rate
-    for k in range(len(_RATES)):
-        share = left * math.exp(-_RATES[k] * seconds)
+    for k in range(len(RATES)):
+        share = left * math.exp(-RATES[k] * seconds)
         for side in range(2):
-            obj.driven[k, side, 0] = share * (obj.driven[k, side, 0] + obj.driven[k, side, 1] * seconds)
-            obj.driven[k, side, 1] *= share
+            value, slope, bend = obj.driven[k, side, 0], obj.driven[k, side, 1], obj.driven[k, side, 2]
+            obj.driven[k, side, 0] = share * (value + (slope + bend * seconds) * seconds)
+            obj.driven[k, side, 1] = share * (slope + 2.0 * bend * seconds)
+            obj.driven[k, side, 2] = share * bend
 
 
 @kernel
 def _let_go(state, contact, point):
     """Let a contact's force on the modes that fade die away.
 
-    A mode takes the momentum p[n] of a sample into its state, x[n + 1] = M (x[n] + b p[n]). For p[n] = q^n (u + v n), x
-    is q^n (c + d n) and what rings freely, with (q - M) d = M b v and (q - M) c = M b u - q d.
+    A mode takes the momentum p[n] of a sample and its first moment p'[n] into its state, x[n + 1] = M (x[n] + b p[n] +
+    b' p'[n]). For p[n] = q^n (u + v n + w n^2), x is q^n (c + d n + e n^2) and what rings freely, with (q - M) e = M W,
+    (q - M) d = M V - 2 q e and (q - M) c = M U - q (d + e), W = b w + b' w' and so on.
     """
     if point.slot < 0:
         return
     bank, obj = state.bank, state.objects[point.slot]
-    k = _pace(contact.force, (contact.force - contact.force_before) * state.rate)
-    q = math.exp(-_RATES[k] / state.rate)
-    v = q * (contact.force - contact.force_before + contact.force * _RATES[k] / state.rate) / state.rate
-    u = q * contact.force / state.rate + v
+    k = pace_of(contact.forces, state.rate)
+    q, u, v, w = going_on(contact.forces, k, state.rate)
+    u1, v1, w1 = tilt_of(q, u, v, w)
     for n in range(min(point.modes, obj.fading)):
         i = obj.first + n
         a1, a2 = bank.fading_a1[i], bank.fading_a2[i]
         if a2 == 0.0:
             continue
         at = i // LANES * RESPONSES + i % LANES
-        last, before = bank.response[at], bank.response[at + LANES]
-        first, second = a1 * last + a2 * before, last  # M b
-        phi, inverse = contact.now.gain * shape_at(state, obj, point, n), 1.0 / (q * (q - a1) - a2)
-        d1, d2 = v * (q * first + a2 * second) * inverse, v * (first + (q - a1) * second) * inverse
-        first, second = u * first - q * d1, u * second - q * d2
-        c1, c2 = (q * first + a2 * second) * inverse, (first + (q - a1) * second) * inverse
-        bank.fading_y1[i] -= c1 * phi
-        bank.fading_y2[i] -= c2 * phi
+        b = bank.response[at], bank.response[at + LANES]
+        b1 = bank.response[at + 2 * LANES], bank.response[at + 3 * LANES]
+        e = _steady(q, a1, a2, _driven(a1, a2, b, b1, w, w1), (0.0, 0.0))
+        d = _steady(q, a1, a2, _driven(a1, a2, b, b1, v, v1), (2.0 * e[0], 2.0 * e[1]))
+        c = _steady(q, a1, a2, _driven(a1, a2, b, b1, u, u1), (d[0] + e[0], d[1] + e[1]))
+        phi = contact.now.gain * shape_at(state, obj, point, n)
+        bank.fading_y1[i] -= c[0] * phi
+        bank.fading_y2[i] -= c[1] * phi
         balance = 1.0
         for side in range(2):
-            obj.driven[k, side, 0] += c1 * phi * balance
-            obj.driven[k, side, 1] += d1 * phi * state.rate * balance
+            obj.driven[k, side, 0] += c[0] * phi * balance
+            obj.driven[k, side, 1] += d[0] * phi * state.rate * balance
+            obj.driven[k, side, 2] += e[0] * phi * state.rate * state.rate * balance
             balance = bank.balance[i]
 
 
 @kernel
-def _pace(value, slope):
-    """Which of the rates a force of some value (N) and slope (N/s) takes."""
-    k = 0
-    while k < len(_RATES) - 1 and max(_RATES[k], _STEADY) * abs(value) < abs(slope):
-        k += 1
-    return k
+def _driven(a1, a2, b, b1, p, p1):
+    """M (b p + b' p')."""
+    last, before = b[0] * p + b1[0] * p1, b[1] * p + b1[1] * p1
+    return a1 * last + a2 * before, last
 
 
 @kernel
-def _length(state):
-    """Frames that a fade lasts."""
-    return QUANTUM * max(int(_FADE * state.rate / QUANTUM + 0.5), 1)
-
-
-@kernel
-def _left(state, frames):
-    """What is left of a sound some frames after a panic, 1 to 0, without a step in slope or curvature."""
-    x = min(frames / _length(state), 1.0)
-    return 1.0 - x * x * x * (10.0 - x * (15.0 - 6.0 * x))
+def _steady(q, a1, a2, push, less):
+    """x of (q - M) x = push - q less."""
+    first, second, inverse = push[0] - q * less[0], push[1] - q * less[1], 1.0 / (q * (q - a1) - a2)
+    return (q * first + a2 * second) * inverse, (first + (q - a1) * second) * inverse
 
 
 @kernel
@@ -143,12 +133,12 @@ def mix_fading(state):
 @kernel
 def _add_driven(state, obj, k, side, voice):
     """Add the output of the forces that die away at one of the rates."""
-    value, slope = obj.driven[k, side, 0], obj.driven[k, side, 1]
-    if value == 0.0 and slope == 0.0:
+    value, slope, bend = obj.driven[k, side, 0], obj.driven[k, side, 1], obj.driven[k, side, 2]
+    if value == 0.0 and slope == 0.0 and bend == 0.0:
         return
     for n in range(QUANTUM):
         seconds = (obj.faded + n + 1) / state.rate
-        voice[side, n] += math.exp(-_RATES[k] * seconds) * (value + slope * seconds)
+        voice[side, n] += math.exp(-RATES[k] * seconds) * (value + (slope + bend * seconds) * seconds)
 
 
 @kernel
@@ -162,15 +152,15 @@ def _mix(state, slot):
     )  # fmt: skip
     ring(modes, voice, 0, QUANTUM)
     for side in range(sides_of(state)):
-        for k in range(len(_RATES)):
+        for k in range(len(RATES)):
             _add_driven(state, obj, k, side, voice)
         for n in range(QUANTUM):
-            voice[side, n] *= _left(state, obj.faded + n + 1)
+            voice[side, n] *= left_of(state.rate, obj.faded + n + 1)
     state.stats.sounding += obj.energy == 0.0  # else it was counted
     state.stats.live_modes += obj.fading
     if is_finite(state, voice):
         add_share(state, slot, voice)
     obj.faded += QUANTUM
-    if obj.faded >= _length(state):
+    if obj.faded >= fade_length(state.rate):
         obj.fading = 0
         _age(state, obj, 0.0)

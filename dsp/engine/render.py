@@ -5,7 +5,8 @@ Objects that share a contact are rendered together, sample by sample; every othe
 
 from ..native.jit import kernel
 from ..resonator.bank import state_of
-from ..resonator.coefficients import set_click, set_mode, set_unfelt
+from ..resonator.click import set_click
+from ..resonator.coefficients import set_mode, set_unfelt
 from ..resonator.simd import LANES
 from .contact_list import end_contacts
 from .contacts import next_driven_frame, run_contacts, update_contacts
@@ -147,9 +148,12 @@ def _retune(state, obj, count):
         elif i < obj.bent:
             frequency, sigma, weight = relief_of(state, obj, i)
             set_unfelt(modes, i, frequency, sigma, state.rate, weight)
-        else:
+        elif modes.a2[i] == 0.0:  # not yet made: no setting changes it, and all of its modes are made at once
             bank, j = state.bank, obj.first + i
-            set_click(modes, i, bank.frequency[j], bank.sigma[j], state.rate, bank.weight[j])
+            if bank.frequency[j] > 0.0:
+                set_click(modes, i, bank.frequency[j], bank.sigma[j], state.rate, bank.weight[j])
+            else:
+                set_mode(modes, i, 0.0, 0.0, state.rate, 0.0j)
         obj.retuning = (i + 1) % obj.size
     obj.stale_modes -= count
 

@@ -133,7 +133,7 @@ OBJECT = np.dtype(
         ("static_before", np.float64, 2),
         ("fading", np.int64),  # modes of it that a panic lets fade
         ("faded", np.int64),  # frames since that panic
-        ("driven", np.float64, (11, 2, 2)),  # output of the forces that acted then: panic.py; left and right, and slope
+        ("driven", np.float64, (11, 2, 3)),  # output of the forces that acted then, left and right: see panic.py
         ("last_driven_at", np.int64),  # samples at the beginning of the last quantum in which a force acted on it
         ("limited_energy", np.float64),  # sum of squares of its share of the mix where the limiter turned it down
         # In this quantum:

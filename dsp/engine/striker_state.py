@@ -8,7 +8,7 @@ from ..resonator.simd import LANES
 STRIKERS = 256
 """Kinds of strikers that are kept at once."""
 STRIKER_MODES = 2 * LANES
-"""Modes of a striker, its click among them."""
+"""Modes of a striker, those of its click among them."""
 VOICES = 256
 """Strikers that can sound at once."""
 
@@ -25,7 +25,7 @@ STRIKER = np.dtype(
     [
         ("serial", np.int64),  # of what is laid out here; 0: nothing
         ("prepared", np.int64),  # 1: the coefficients are those of the modes
-        ("clicks", np.int64),  # 1: the first mode is its click
+        ("clicks", np.int64),  # how many modes, the first, are its click
         ("radius", np.float64),  # m: of the body that clicks; a roll may have another
         ("frequency", np.float64, STRIKER_MODES),
         ("sigma", np.float64, STRIKER_MODES),
@@ -51,7 +51,10 @@ VOICE = np.dtype(
         ("loudness", np.float64),  # sum of squares of the last quantum
         ("energy", np.float64),  # the same, of this quantum so far
         ("share", np.float64, 4),  # of the moments: output per Pa over the striker's mass, and three zeros
-        ("held", np.float64),  # N: a force that goes on by itself after a panic, and dies away
+        ("held", np.float64, 3),  # N s: u, v and w of a force that goes on by itself after a panic (fade.py),
+        ("held_ratio", np.float64),  # and q; 0: there is none
+        ("fades", np.int64),  # 1: there was a panic
+        ("faded", np.int64),  # frames since then
         ("snap", np.float64),  # N s: of a second pulse that is to come, 0: none
         ("snap_at", np.float64),  # samples
         ("y1", np.float64, STRIKER_MODES),

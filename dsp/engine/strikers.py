@@ -15,20 +15,18 @@ import numpy as np
 from ..native.jit import kernel
 from ..numerics.legendre import FALL, MOMENTS, RISE
 from ..numerics.random import STEP, mixed
-from ..resonator.bank import Drive, Modes, Point, inject, inject_fine, ring, ring_driven, state_of
-from ..resonator.coefficients import set_click, set_mode
-from ..resonator.simd import LANES, STRETCH
+from ..resonator.bank import Drive, Point, inject, inject_fine, ring, ring_driven, state_of
+from ..resonator.simd import STRETCH
 from .commands import KIND_ROLL, KIND_SPIN
 from .contact_record import RIM
+from .fade import fade_length, going_on, left_of, pace_of, tilt_of
 from .quality import silence_of
 from .state import COUPLING
-from .striker_state import STRIKER_MODES, VOICES
+from .striker_modes import become, modes_of_voice
+from .striker_state import VOICES
 
 _NEW = 1e300  # loudness of a voice that has just begun: it is not the quietest
-_GONE = 0.02  # s: time constant of a force that dies away
-_NOTHING = 1e-6  # N
 _FINE = 2.0**40  # steps per m/s in which a velocity is told from another
-_SAME = 1e-9  # relative difference of radii that are one
 
 
 @kernel
@@ -76,9 +74,9 @@ def drive_striker(state, contact):
     voice.driven = 1
     where = Point(voice.struck, 0, 0, voice.share)
     if contact.solver == COUPLING:
-        inject_fine(_modes_of(voice), where, state.scratch.fine)
+        inject_fine(modes_of_voice(voice), where, state.scratch.fine)
     else:
-        inject(_modes_of(voice), where, state.scratch.moments)
+        inject(modes_of_voice(voice), where, state.scratch.moments)
 
 
 @kernel
@@ -109,62 +107,13 @@ def _take_voice(state, contact, needed):
     contact.voice = index
     voice.roll = -1
     voice.driven = 0
-    voice.snap = voice.energy = voice.held = 0.0
+    voice.fades = voice.faded = 0
+    voice.snap = voice.energy = voice.held_ratio = 0.0
     voice.loudness = _NEW
     for i in range(4):
         voice.share[i] = 0.0
     voice.share[0] = obj.level * (RIM if contact.kind == KIND_SPIN else 1.0) / contact.m
-    _become(state, voice, contact)
-
-
-@kernel
-def _become(state, voice, contact):
-    """Let a voice be that of a contact's striker, at rest."""
-    striker = state.strikers[contact.sound]
-    if striker.prepared == 0:
-        _prepare(striker, state.rate)
-    voice.size = striker.size
-    for i in range(striker.size):
-        voice.y1[i] = voice.y2[i] = 0.0
-        voice.a1[i], voice.a2[i] = striker.a1[i], striker.a2[i]
-        voice.balance[i] = 1.0
-        voice.struck[i], voice.snapped[i] = striker.struck[i], striker.snapped[i]
-    for i in range(striker.size // LANES * (len(striker.response) // (STRIKER_MODES // LANES))):
-        voice.response[i] = striker.response[i]
-    if striker.clicks == 1 and contact.kind == KIND_ROLL:
-        ratio = state.rolls[contact.roll].target.radius / striker.radius
-        if abs(ratio - 1.0) > _SAME:  # what rolls is as large as it was said to be: of the same form
-            set_click(
-                _modes_of(voice), 0, striker.frequency[0] / ratio, striker.sigma[0] / ratio, state.rate,
-                striker.weight[0] * ratio,
-            )  # fmt: skip
-
-
-@kernel
-def _prepare(striker, rate):
-    """Compute the coefficients of a kind of striker.
-
-    Its modes sound in the phase of their velocity: what the force bends slowly is not heard. Where there is a second
-    pulse it alone moves them, and they begin at 0.
-    """
-    n = striker.size
-    snaps = striker.momentum > 0.0
-    modes = Modes(
-        striker.struck[:n], striker.struck[:n], striker.a1[:n], striker.a2[:n], striker.struck[:n], striker.response
-    )
-    for i in range(n):
-        striker.a2[i] = 0.0
-        frequency, sigma, weight = striker.frequency[i], striker.sigma[i], striker.weight[i]
-        if i < striker.clicks or frequency == 0.0:
-            set_click(modes, i, frequency, sigma, rate, weight)
-        elif snaps:
-            set_mode(modes, i, frequency, sigma, rate, complex(weight, 0.0))
-        else:
-            set_mode(modes, i, frequency, sigma, rate, weight * complex(-sigma / (2.0 * math.pi * frequency), 1.0))
-    for i in range(n):
-        striker.snapped[i] = 1.0 if i >= striker.clicks and snaps else 0.0
-        striker.struck[i] = 1.0 - striker.snapped[i]
-    striker.prepared = 1
+    become(state, voice, contact)
 
 
 @kernel
@@ -184,12 +133,6 @@ def _second_pulse(striker, contact):
 
 
 @kernel
-def _modes_of(voice):
-    n = voice.size
-    return Modes(voice.y1[:n], voice.y2[:n], voice.a1[:n], voice.a2[:n], voice.balance[:n], voice.response)
-
-
-@kernel
 def ring_strikers(state, obj, out, start, stop):
     """Add the strikers that sound on an object to its voice, from frame `start` to `stop`."""
     index = obj.voice
@@ -204,14 +147,14 @@ def ring_strikers(state, obj, out, start, stop):
 @kernel
 def _ring_on(state, voice, out, frame, stop):
     """Let a voice ring from a frame to another, at most `stop`, which is returned: forces act at its beginning."""
-    modes = _modes_of(voice)
+    modes = modes_of_voice(voice)
     sound = state.scratch.striker
     if voice.snap > 0.0:
         due = max(-math.floor(state.position - voice.snap_at), frame)
         if due == frame:
             _snap(state, voice, modes, frame)
         stop = min(stop, due) if due > frame else stop
-    if voice.held != 0.0:
+    if voice.held_ratio > 0.0:
         stop = frame + 1
         _hold(state, voice, modes)
         ring(modes, sound, frame, stop)
@@ -233,6 +176,12 @@ def _ring_on(state, voice, out, frame, stop):
         drive = Drive(state.scratch.drivers, 1, state.scratch.feeds)
         ring_driven(modes, voice.struck, 0, drive, state.scratch.work, sound, frame)
     energy = 0.0
+    if voice.fades == 1:
+        for n in range(frame, stop):
+            left = left_of(state.rate, voice.faded + n - frame + 1)
+            sound[0, n] *= left
+            sound[1, n] *= left
+        voice.faded += stop - frame
     for n in range(frame, stop):
         out[0, n] += sound[0, n]
         out[1, n] += sound[1, n]
@@ -243,12 +192,25 @@ def _ring_on(state, voice, out, frame, stop):
 
 @kernel
 def let_voice_go(state, contact):
-    """Leave a contact's voice to itself in a panic: its force dies away, so that its end makes no sound."""
-    if contact.voice >= 0:
-        voice = state.voices[contact.voice]
+    """Let the force on a contact's voice die away in a panic, so that its end makes no sound."""
+    if contact.voice < 0:
+        return
+    voice = state.voices[contact.voice]
+    gain = 1.0 if contact.kind == KIND_ROLL else contact.now.gain  # a roll's share holds it
+    q, u, v, w = going_on(contact.forces, pace_of(contact.forces, state.rate), state.rate)
+    voice.held_ratio, voice.held[0], voice.held[1], voice.held[2] = q, gain * u, gain * v, gain * w
+
+
+@kernel
+def fade_voices(state, obj):
+    """Let all strikers that sound on an object fade, in a panic; their second pulses don't come any more."""
+    index = obj.voice
+    while index >= 0:
+        voice = state.voices[index]
         voice.snap = 0.0
         voice.roll = -1
-        voice.held = contact.now.gain * contact.force
+        voice.fades = 1
+        index = voice.next
 
 
 @kernel
@@ -257,12 +219,11 @@ def _hold(state, voice, modes):
     moments = state.scratch.moments
     for n in range(MOMENTS):
         moments[n] = 0.0
-    moments[0] = voice.held / state.rate
+    q, u, v, w = voice.held_ratio, voice.held[0], voice.held[1], voice.held[2]
+    moments[0] = u
+    moments[1], _, _ = tilt_of(q, u, v, w)
     inject(modes, Point(voice.struck, 0, 0, voice.share), moments)
-    voice.held *= 1.0 - 1.0 / (_GONE * state.rate)
-    voice.driven = 1
-    if abs(voice.held) < _NOTHING:
-        voice.held = 0.0
+    voice.held[0], voice.held[1], voice.held[2] = q * (u + v + w), q * (v + 2.0 * w), q * w
 
 
 @kernel
@@ -293,6 +254,7 @@ def rest_strikers(state, obj):
             if not heard and voice.a2[i] != 0.0:
                 re, im = state_of(voice.y1[i], voice.y2[i], voice.a1[i], voice.a2[i])
                 heard = re * re + im * im > threshold * threshold
+        heard = heard and voice.faded < fade_length(state.rate)
         voice.loudness, voice.energy = voice.energy, 0.0
         voice.driven = 0
         voice.roll = -1

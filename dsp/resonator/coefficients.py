@@ -4,14 +4,11 @@ import math
 
 from ..native.jit import kernel
 from ..numerics.legendre import FINE
-from .bank import MOBILITY, NYQUIST_SHARE, RESPONSES
+from .bank import MOBILITY, RESPONSES
 from .mode import ring_at
 from .simd import LANES
 
 _BESSEL_START = 24  # where the downward recursion of the spherical Bessel functions starts; |z| <= 1.6 needs 18
-_SAMPLED = 0.25 * NYQUIST_SHARE  # of the rate: a click of a higher frequency would alias, were it only sampled
-_EMPHASIS = 0.1  # of such a click: makes up for high frequencies that momenta of whole samples lack
-_COSINE = 0.98  # of a pole's angle, at most: a mode turns
 
 
 @kernel
@@ -74,32 +71,3 @@ def set_unfelt(modes, i, frequency, decay, rate, weight):
     set_mode(modes, i, frequency, decay, rate, complex(weight, 0.0))
     base = (i // LANES) * RESPONSES + i % LANES
     modes.response[base + MOBILITY] = modes.response[base + MOBILITY + LANES] = 0.0
-
-
-@kernel
-def set_click(modes, i, frequency, decay, rate, strength):
-    """Give mode i the coefficients of a body's click (see bodies/acceleration.py), of a strength in output per N s.
-
-    One above the highest frequency of modes becomes one of that, with what it is at low frequencies (`Click.below`).
-
-    Up to half of the highest frequency its samples are those of the air. Above, these would alias, by 10 dB and more:
-    there it answers the momentum of each sample by A (1 - z^-1)/(1 - a1 z^-1 - a2 z^-2), which is exact at low
-    frequencies; a ball's is within 4 dB up to 0.6 of the Nyquist frequency, wherever between two samples it is struck.
-    """
-    if frequency <= 0.0:
-        set_mode(modes, i, frequency, decay, rate, 0.0j)
-        return
-    slower = min(0.5 * NYQUIST_SHARE * rate / frequency, 1.0)
-    frequency, decay, strength = frequency * slower, decay * slower, strength * slower * slower
-    omega = 2.0 * math.pi * frequency
-    set_mode(modes, i, frequency, decay, rate, strength * complex(-decay / omega, 1.0))
-    if frequency > _SAMPLED * rate:
-        base = (i // LANES) * RESPONSES + i % LANES
-        for k in range(2 * FINE):
-            modes.response[base + k * LANES] = 0.0
-        modes.a1[i] -= _EMPHASIS
-        modes.a2[i] = min(modes.a2[i], -((0.5 * modes.a1[i] / _COSINE) ** 2))
-        a1, a2 = modes.a1[i], modes.a2[i]
-        first = strength / (omega * omega + decay * decay) * rate * rate * (1.0 - a1 - a2)
-        modes.response[base] = -first / a2
-        modes.response[base + LANES] = (1.0 + a1 / a2) * first / a2

@@ -8,6 +8,7 @@ from ..bodies.material import Array
 from ..bodies.modes import Modes
 from ..engine.commands import Handle
 from ..engine.state import MODES, MODES_PER_OBJECT, OBJECTS, SHAPE_VALUES
+from ..resonator.click import CLICK_MODES
 from ..resonator.simd import LANES
 from .arena import Arena, EngineFull
 from .relief import relief
@@ -34,14 +35,15 @@ class Memory:
         self._collect()
         order = np.argsort(modes.decay, kind="stable")  # the longest ringing first: the rest falls silent from the end
         order = order[modes.frequency[order] <= top]
-        clicks = modes.clicks
         sides = modes.pressure[:, order] * level
         if not self._has_sides:  # a mode is heard at one point, with the power of both sides
             sides = np.tile(np.copysign(np.sqrt(0.5 * (sides**2).sum(axis=0)), sides[0]), (2, 1))
         strike = modes.strike if len(modes.strike) >= _LEAST_ROWS else np.repeat(modes.strike[:1], _LEAST_ROWS, axis=0)
         still = relief(modes.frequency[order], modes.decay[order], sides, strike[:, order], top)
         felt, bands = len(order), len(still.frequency)
-        count = felt + 2 * bands + len(clicks)
+        starts = _starts_of_clicks(felt + 2 * bands, len(modes.clicks))
+        bent = starts[0] if starts else felt + 2 * bands
+        count = starts[-1] + CLICK_MODES if starts else bent
         if count > MODES_PER_OBJECT:
             raise EngineFull(f"{count} modes: an object holds at most {MODES_PER_OBJECT}")
         if not self._slots:
@@ -62,10 +64,10 @@ class Memory:
             self._fill(first, span, still.frequency, still.decay, *weights)
             shape[:, span] = still.shape[side]
         # The last modes are moved by any force, wherever that acts, and are heard alike on both sides.
-        frequency, decay, strength = np.reshape(clicks, (-1, 3)).T
-        span = slice(felt + 2 * bands, count)
-        self._fill(first, span, frequency, decay, level * strength, 1.0)
-        shape[:, span] = 1.0
+        for start, click in zip(starts, modes.clicks, strict=True):
+            span = slice(start, start + CLICK_MODES)
+            self._fill(first, span, click.frequency, click.decay, level * click.strength, 1.0)
+            shape[:, span] = 1.0
         self._serial += 1
         layout: dict[str, float] = {
             "first": first,
@@ -73,7 +75,7 @@ class Memory:
             "table": table,
             "rows": rows,
             "felt": felt,
-            "bent": felt + 2 * bands,
+            "bent": bent,
             "level": level,
             "glide": modes.glide,
             "cone": modes.cone,
@@ -115,6 +117,16 @@ class Memory:
         for handle in gone:
             self._leaving.remove(handle)
             self.release(handle)
+
+
+def _starts_of_clicks(count: int, clicks: int) -> list[int]:
+    """Where the modes of each click begin, after `count` others: in one group, as contacts act on whole groups."""
+    starts = []
+    for _ in range(clicks):
+        count = count if count % LANES <= LANES - CLICK_MODES else math.ceil(count / LANES) * LANES
+        starts.append(count)
+        count += CLICK_MODES
+    return starts
 
 
 def _weights(sides: Array) -> tuple[Array, Array]:

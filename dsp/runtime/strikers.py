@@ -8,6 +8,7 @@ import numpy as np
 
 from ..bodies.striker import Snap, StrikerSound
 from ..engine.striker_state import STRIKER_MODES, STRIKERS
+from ..resonator.click import CLICK_MODES
 from ..resonator.simd import LANES
 
 
@@ -40,7 +41,7 @@ class Strikers:
 
     def _write(self, entry: np.void, sound: StrikerSound) -> None:
         entry["serial"] = entry["prepared"] = 0  # nobody takes what is half written
-        modes: list[tuple[float, ...]] = [sound.click] if sound.click else []
+        modes: list[tuple[float, ...]] = [sound.click] * CLICK_MODES if sound.click else []
         entry["clicks"] = len(modes)
         if sound.ringing:
             each = zip(sound.ringing.frequency, sound.ringing.decay, sound.ringing.weight, strict=True)

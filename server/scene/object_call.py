@@ -79,6 +79,11 @@ class ObjectCall:
         return "by" in self.values.words and "striker" not in self.values.words
 
     @property
+    def is_point_mass(self) -> bool:
+        """True if a mass and a stiffness strike the object, and no striker that is named: they sound of nothing."""
+        return "striker" not in self.values.words and {"mass", "stiffness"} <= self.values.numbers.keys()
+
+    @property
     def contact_radius(self) -> float:
         """The radius (m) of the object that strikes where it touches: that on which it rolls, if it does."""
         numbers = self.values.numbers

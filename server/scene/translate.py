@@ -153,7 +153,9 @@ def _roll(to: ObjectCall) -> None:
     id = to.id(lambda name: name)
     goes_on = to.transaction.gestures.is_running(id, to.address)
     if "restitution" in values.numbers:
-        raise Refused(f"restitution = {values.numbers['restitution']:g}: what rolls has none; expected dissipation")
+        raise Refused(
+            f"restitution = {values.numbers['restitution']:g}: a body that rolls has none; expected dissipation"
+        )
     rubbing = {"dissipation": surface.dissipation, "restitution": 0.0}
     law = _law(to, by, rubbing, LAW[1:] if goes_on else LAW)
     speed, roughness = values.numbers["speed"], values.number("roughness")
@@ -237,7 +239,7 @@ def _law(
 def _strike(to: ObjectCall, by: PlayedObject | None, law: Contact, command: Command) -> None:
     """Add the command of a gesture, with the values that every gesture has."""
     numbers, transaction = to.values.numbers, to.transaction
-    sound = None if by else transaction.laws.sound_of(to.striker)
+    sound = None if by or to.is_point_mass else transaction.laws.sound_of(to.striker)
     values = {
         **command.values,
         **(transaction.engine.lay_out_striker(sound) if sound else {}),

@@ -106,7 +106,7 @@ def test_no_striker_gives_more_energy_than_it_brings(name):
     scene.perform([Message("/object/new", ("a", name))], NOW)
     engine.process(64)
     place = engine.state["objects"][0][scene.objects["a"].handle.slot]
-    span = slice(place["first"], place["first"] + place["size"])
+    span = slice(place["first"], place["first"] + place["felt"])
     for striker in PRESETS.names("strikers"):
         mass = PRESETS.striker(striker).mass
         for position in (0.01, 0.3):

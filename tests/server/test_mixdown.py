@@ -48,20 +48,20 @@ def rendered(tmp_path: Path, text: str, name: str = "x.wav", stems: str | None =
 # Full scale and pascals
 
 
-@pytest.mark.xfail(reason="not yet at home with strikers that sound")
-def test_a_sample_is_a_share_of_full_scale_by_the_preset_s_level_or_a_pascal():
-    """Of a soft strike, so that no contact is the end of another."""
+@pytest.mark.parametrize("striker", ["drumstick", "coin"])
+def test_a_sample_is_a_share_of_full_scale_by_the_preset_s_level_or_a_pascal(striker):
+    """The object and its striker. Loud, as modes are put to rest by how loud they are."""
     level = Presets().object("tom").level
-    text = "0 /object/new a tom gain 6\n0.01 /object/a/impact 0.2\n"
+    text = f"0 /object/new a tom gain 20\n0.01 /object/a/impact 2 striker {striker}\n"
     pascals = heard(text, calibrated=True)
     share = heard(text, limiter=False)
     assert np.abs(pascals).max() > 1e-3
     expected = pascals * 10 ** (level / 20) / FULL_SCALE_PRESSURE
     np.testing.assert_allclose(share, expected, atol=1e-4 * np.abs(expected).max())
-    changed = heard(text.replace("tom gain 6", "tom gain 6 level 60 roll_level 10"), calibrated=True)
+    changed = heard(text.replace("tom gain 20", "tom gain 20 level 60 roll_level 10"), calibrated=True)
     np.testing.assert_array_equal(changed, pascals)
-    louder = heard(text.replace("gain 6", "gain 26"), calibrated=True)
-    np.testing.assert_allclose(louder, 10 * pascals, atol=1e-3 * np.abs(louder).max())
+    louder = heard(text.replace("gain 20", "gain 40"), calibrated=True)
+    np.testing.assert_allclose(louder, 10 * pascals, atol=1e-4 * np.abs(louder).max())
 
 
 def test_pascals_are_not_limited():
@@ -106,30 +106,33 @@ def test_pascals_are_written_as_floats(tmp_path):
 # The levels of gestures
 
 ROLLED = "0 /object/new a {}\n0.01 /object/a/roll 0.4 striker glass-marble id ball seed 1\n"
-BOUNCED = "0 /object/new a {}\n0 /object/a/bounce 0.01 striker glass-marble seed 1\n"
+# Where modes are put to rest, which goes by how loud they are, decides how long a bounce goes on as it did: it is loud.
+BOUNCED = "0 /object/new a {} gain 40\n0 /object/a/bounce 0.01 striker glass-marble seed 1\n"
 
 
 def with_levels(tmp_path: Path) -> Presets:
-    """The tom with levels of its own for gestures."""
+    """The tom and the board with levels of their own for gestures."""
     (tmp_path / "objects").mkdir()
-    text = Presets().path("objects", "tom").read_text()
-    text = re.sub(r"^(roll|bounce|spin)_level = .*\n", "", text, flags=re.M)
-    text = text.replace("\n[geometry]", "roll_level = 20\nbounce_level = -20\n\n[geometry]", 1)
-    (tmp_path / "objects" / "mine.toml").write_text(text)
+    for name in ("tom", "wood-board"):
+        text = Presets().path("objects", name).read_text()
+        text = re.sub(r"^(roll|bounce|spin)_level = .*\n", "", text, flags=re.M)
+        (tmp_path / "objects" / f"plain-{name}.toml").write_text(text)
+        text = text.replace("\n[geometry]", "roll_level = 20\nbounce_level = -20\n\n[geometry]", 1)
+        (tmp_path / "objects" / f"my-{name}.toml").write_text(text)
     return Presets(tmp_path)
 
 
-@pytest.mark.xfail(reason="not yet at home with strikers that sound")
 @pytest.mark.parametrize(
-    ("text", "gain"),
+    ("name", "text", "gain"),
     [
-        (ROLLED, 10.0),
-        (BOUNCED, 0.1),
-        ("0 /object/new a {}\n0 /object/a/impact 0.2\n", 1.0),
-        ("0 /object/new a {}\n0 /object/a/impact 0.2\n0.1 /object/a/press 1\n", 1.0),
+        ("tom", ROLLED, 10.0),
+        ("wood-board", BOUNCED, 0.1),
+        ("tom", "0 /object/new a {}\n0 /object/a/impact 0.2\n", 1.0),
+        ("tom", "0 /object/new a {}\n0 /object/a/impact 0.2\n0.1 /object/a/press 1\n", 1.0),
     ],
 )
-def test_a_preset_says_how_loud_gestures_on_it_are(tmp_path, text, gain):
+def test_a_preset_says_how_loud_gestures_on_it_are(tmp_path, name, text, gain):
+    """The object's sound and the striker's alike, and its pitch glides by no more."""
     presets = with_levels(tmp_path)
 
     def sound(name: str, **options) -> np.ndarray:
@@ -137,14 +140,13 @@ def test_a_preset_says_how_loud_gestures_on_it_are(tmp_path, text, gain):
         lines = parse(text.format(name).encode(), "score")
         return np.concatenate(list(blocks(lines, Engine(48_000), presets, chosen)))
 
-    plain, levelled = sound("tom", limiter=False), sound("mine", limiter=False)
-    # What is quieter rests sooner.
-    np.testing.assert_allclose(levelled, gain * plain, atol=1e-3 * np.abs(levelled).max())
-    np.testing.assert_array_equal(sound("mine", calibrated=True), sound("tom", calibrated=True))
+    plain, levelled = sound(f"plain-{name}", limiter=False), sound(f"my-{name}", limiter=False)
+    np.testing.assert_allclose(levelled, gain * plain, atol=1e-4 * np.abs(levelled).max())
+    np.testing.assert_array_equal(sound(f"my-{name}", calibrated=True), sound(f"plain-{name}", calibrated=True))
 
 
-@pytest.mark.xfail(reason="not yet at home with strikers that sound")
-def test_a_gesture_that_is_steered_keeps_its_level(tmp_path):
+@pytest.mark.parametrize("line", ["0.1 /gesture/ball/gain -6", "0.1 /object/a/roll 0.4 id ball gain -6"])
+def test_a_gesture_that_is_steered_keeps_its_level(tmp_path, line):
     presets = with_levels(tmp_path)
 
     def sound(name: str, *lines: str) -> np.ndarray:
@@ -152,10 +154,9 @@ def test_a_gesture_that_is_steered_keeps_its_level(tmp_path):
         chosen = Options(seconds=0.6, limiter=False)
         return np.concatenate(list(blocks(parse(text.encode(), "score"), Engine(48_000), presets, chosen)))
 
-    for line in ("0.1 /gesture/ball/gain -6", "0.1 /object/a/roll 0.4 id ball gain -6"):
-        plain, levelled = sound("tom", line), sound("mine", line)
-        np.testing.assert_allclose(levelled, 10 * plain, atol=1e-3 * np.abs(levelled).max())
-        assert np.abs(plain[-9600:]).max() < 0.8 * np.abs(sound("tom")[-9600:]).max()
+    plain, levelled = sound("plain-tom", line), sound("my-tom", line)
+    np.testing.assert_allclose(levelled, 10 * plain, atol=1e-4 * np.abs(levelled).max())
+    assert np.abs(plain[-9600:]).max() < 0.8 * np.abs(sound("plain-tom")[-9600:]).max()
 
 
 # The head of a score

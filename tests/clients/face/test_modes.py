@@ -4,6 +4,10 @@ import numpy as np
 import pytest
 
 import carom
+from carom.dsp.numerics.legendre import MOMENTS
+from carom.dsp.resonator.bank import RESPONSES, Modes, Point, inject, ring
+from carom.dsp.resonator.click import set_click
+from carom.dsp.resonator.simd import LANES
 from carom.presets.library import Presets
 
 RATE = 48_000
@@ -18,11 +22,20 @@ def synthesised(table, impulse, frames):
     sound = waves @ table.gains
     frequencies, decays, gains = table.relief
     sound += np.exp(-decays * t) * np.sin(2 * np.pi * frequencies * t) @ gains
-    for frequency, decay, gains in table.clicks:
-        angle = 2 * np.pi * frequency * t[1:]  # it begins at once: between this sample and the one before
-        wave = np.cos(angle) - decay / (2 * np.pi * frequency) * np.sin(angle)
-        sound[1:] += np.exp(-decay * t[1:]) * wave * gains
+    for click in table.clicks:
+        sound += clicked(click.frequency, click.decay, frames)[:, None] * click.gains
     return impulse * sound
+
+
+def clicked(frequency, decay, frames):
+    """What the bank makes of a click of a strength of 1 and an impulse that comes with the first sample."""
+    y1, y2, a1, a2 = np.zeros((4, LANES))
+    modes = Modes(y1, y2, a1, a2, np.ones(LANES), np.zeros(RESPONSES))
+    set_click(modes, 0, frequency, decay, float(RATE), 1.0)
+    inject(modes, Point(np.ones(LANES), 0, 0, np.array([1.0, 0, 0, 0])), (-1.0) ** np.arange(MOMENTS))
+    out = np.zeros((2, frames))
+    ring(modes, out, 1, frames)
+    return out[0]
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""Bodies click as wholes: their sound as the air has it, to six digits, and nothing that contacts or settings feel."""
+"""Bodies click as wholes: their sound as the air has it, and nothing that contacts or settings feel."""
 
 import math
 
@@ -67,31 +67,35 @@ def sphere_by_quadrature(law, v_in, radius, times):
     return RHO * radius * C / (math.sqrt(3) * m) * m * v_in * np.array(pressure)
 
 
-@pytest.mark.slow
+def spectrum_by_quadrature(law, radius, rate, frames=512):
+    """Frequencies (shares of the rate, up to a half) and the spectrum of that pressure, with twice what lies above."""
+    fine = 32
+    pressure = sphere_by_quadrature(law, 1.0, radius, np.arange(4 * frames) / (fine * rate))
+    spectrum = np.fft.rfft(pressure, fine * frames)[: frames + 1] / fine
+    return np.arange(frames // 2 + 1) / frames, spectrum[: frames // 2 + 1], np.abs(spectrum[frames // 2 :])[::-1]
+
+
 @pytest.mark.parametrize("rate", [48_000.0, 96_000.0])
-@pytest.mark.parametrize("radius", [0.005, 0.008, 0.0125])
+@pytest.mark.parametrize("radius", [0.0008, 0.002, 0.005, 0.008, 0.0125])
 def test_a_steel_ball_clicks_as_koss_and_alfredson_say(rate, radius):
-    """Sample by sample to 1e-6 of its peak; the contact lasts from one to seven samples."""
-    law = steel(radius)
-    expected = sphere_by_quadrature(law, 1.0, radius, (np.arange(512) - 100.37) / rate)
-    assert np.abs(expected).max() > 0.3
-    sound = struck(law, radius, 100.37, rate)
-    np.testing.assert_allclose(sound[:, 0], expected, atol=1e-6 * np.abs(expected).max())
-    np.testing.assert_array_equal(sound[:, 0], sound[:, 1])
+    """Within what click.py says, up to 0.42 of the rate and wherever between two samples it is struck.
 
-
-@pytest.mark.slow
-@pytest.mark.parametrize("radius", [0.0008, 0.0015, 0.003, 0.004])
-def test_a_bead_whose_click_would_alias_has_the_right_spectrum(radius):
-    """Wherever between two samples it is struck; frequencies above hearing don't fold down on it."""
+    Contacts last from a tenth of a sample to seven. The click is late by 1.5 to 1.65 samples up to 0.3 of the rate.
+    """
     law = steel(radius)
-    expected = sphere_by_quadrature(law, 1.0, radius, np.arange(32 * 32) / (32 * RATE))
-    exact = np.abs(np.fft.rfft(expected, 32 * 512))[:257] / 32
-    frequency = np.fft.rfftfreq(512, 1 / RATE)
-    for time in (100.0, 100.4, 100.9):
-        error = 20 * np.log10(np.abs(np.fft.rfft(struck(law, radius, time)[:, 0]))[1:] / exact[1:])
-        assert np.abs(error[frequency[1:] < 1000]).max() < 0.1
-        assert np.abs(error[frequency[1:] < 0.6 * RATE / 2]).max() < 4.0
+    share, exact, above = spectrum_by_quadrature(law, radius, rate)
+    level, below = np.abs(exact), slice(1, 216)
+    folded = above / level * (share / (1 - share)) ** 4
+    for time in (100.0, 100.37, 100.9):
+        sound = struck(law, radius, time, rate)
+        np.testing.assert_array_equal(sound[:, 0], sound[:, 1])
+        heard = np.fft.rfft(sound[:, 0])
+        error = np.abs(np.abs(heard) / level - 1)[below]
+        assert (error < 0.012 + folded[below]).all()
+        clean = (share > 0.04) & (share < 0.3) & (folded < 2e-3)
+        early = (np.exp(2j * np.pi * share * time) * heard / exact)[clean]
+        late = -np.angle(early) / (2 * np.pi * share[clean])
+        assert clean.sum() > 20 and late.min() > 1.5 and late.max() < 1.65
 
 
 def test_no_contact_feels_a_click():

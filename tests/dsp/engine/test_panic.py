@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
-from carom.dsp.bodies import listed
+from carom.dsp.bodies import acceleration, listed
 from carom.dsp.bodies.acceleration import Click
+from carom.dsp.bodies.striker import Ringing, Snap, StrikerSound
 from carom.dsp.engine.commands import Command, Kind
 from carom.dsp.engine.state import QUANTUM
 from carom.dsp.runtime.engine import NOW, Engine
@@ -75,6 +76,69 @@ def test_no_click_and_then_silence(scene, at):
     assert np.abs(whole[begin : begin + FADE]).max() > 1e-4 and not ended[begin + FADE :].any()
     assert beyond(ended, whole) < -60
     assert np.abs(ended[begin : begin + FADE]).max() < 2.0 * np.abs(whole[begin - 1000 : begin + 1000]).max()
+
+
+LOW = Ringing((700.0, 1500.0, 2300.0), (20.0, 25.0, 30.0), (3.0, 2.0, 1.0), 90.0)
+HIGH_MODES = Ringing((9000.0, 12_000.0), (500.0, 400.0), (30.0, 20.0), 900.0)
+STRIKERS = {
+    "ball": StrikerSound(BALL[0], acceleration.sphere(BALL[0], 0.02), 0.02),
+    "small ball": StrikerSound(BALL[0], acceleration.sphere(BALL[0], 0.004), 0.004),
+    "ringing": StrikerSound(BALL[0], acceleration.sphere(BALL[0], 0.02), 0.02, LOW),
+    "snapping": StrikerSound(BALL[0], None, 1.0, HIGH_MODES, Snap(1e-3, 1.0, 0.0, 1e-3)),
+}
+
+
+def with_striker(scene, sound, then=(), block=4096, frames=9600):
+    """The sound of a scene on what hardly sounds itself, by a striker that does."""
+    engine = Engine(RATE)
+    values = engine.lay_out_striker(sound)
+    engine.send([Command(NOW, Kind.LIMITER, value=0.0)])
+    one, other = (engine.add(body(1, 0.1, 1e12)) for _ in range(2))
+    scene = [replace(each, values={**each.values, **values, "gain": 0.7}) for each in SCENES[scene](one, other)]
+    engine.send([*scene, *(each(one) for each in then)])
+    return np.concatenate([engine.process(min(block, frames - n)) for n in range(0, frames, block)]).astype(float)
+
+
+@pytest.mark.parametrize("sound", STRIKERS.values(), ids=STRIKERS)
+@pytest.mark.parametrize("scene", ["strike", "in a soft contact", "roll"])
+def test_strikers_fade_without_a_click(scene, sound):
+    whole = with_striker(scene, sound)
+    for at in (4800, 4864, 5000):
+        ended = with_striker(scene, sound, [lambda _, at=at: panic(float(at))])
+        begin = at // QUANTUM * QUANTUM
+        np.testing.assert_array_equal(ended[:begin], whole[:begin])
+        assert not ended[begin + FADE :].any()
+        assert beyond(ended, whole) < -60
+
+
+def test_a_striker_after_a_panic_is_as_in_silence():
+    """In the same quantum: the sum of one that fades and of a fresh one."""
+    again = [lambda one: impact(one, BALL, 5001.5, **values)]
+    values = Engine(RATE).lay_out_striker(STRIKERS["ringing"])
+    faded = with_striker("strike", STRIKERS["ringing"], [lambda _: panic(5000.0)])
+    both = with_striker("strike", STRIKERS["ringing"], [lambda _: panic(5000.0), *again])
+    fresh = with_striker("strike", STRIKERS["ringing"], [lambda _: panic(0.0), *again])
+    begin = 5000 // QUANTUM * QUANTUM
+    assert np.abs(faded[begin : begin + 100]).max() > 1e-3 * np.abs(faded).max()
+    np.testing.assert_allclose(both[begin:], (faded + fresh)[begin:], atol=1e-6 * np.abs(fresh).max())
+
+
+@pytest.mark.parametrize("force", [1.0, 10.0, 100.0])
+def test_a_hand_that_presses_is_let_go_without_a_click(force):
+    """Of a plate that rings under it, and of one that it has brought to rest."""
+
+    def made(*then):
+        engine = Engine(RATE)
+        engine.send([Command(NOW, Kind.LIMITER, value=0.0)])
+        one = engine.add(body(24, 1.0, 0.5))
+        hand = gesture(Kind.PRESS, one, (0.1, 3e6, 3.0, 2.0), 500.0, 3, velocity=0.01, force=force)
+        engine.send([hand, impact(one, BALL, 4000.0), *then])
+        return engine.process(14_400).astype(float)
+
+    whole = made()
+    for at in (4800, 5000, 12_000):
+        ended = made(panic(float(at)))
+        assert beyond(ended, whole) < -60
 
 
 @pytest.mark.parametrize("frequency", [600.0, 2000.0, 15_000.0])

@@ -14,7 +14,7 @@ from carom.dsp.engine.state import QUANTUM
 from carom.dsp.engine.striker_state import STRIKERS, VOICES
 from carom.dsp.runtime.engine import Engine
 from tests.dsp.engine.support import HARD, RATE, bell, free, gesture, impact, panic, set_limiter, setting, stop
-from tests.dsp.engine.test_clicks import sphere_by_quadrature, steel
+from tests.dsp.engine.test_clicks import spectrum_by_quadrature, steel
 
 RADIUS = 0.008
 BALL = steel(RADIUS)
@@ -42,15 +42,15 @@ def sound_of(*commands, engine, frames=2048):
     return engine.process(frames).astype(float)
 
 
-@pytest.mark.parametrize("rate", [48_000.0, 96_000.0])
 @pytest.mark.parametrize("mass", [1.0, 1.7])
-def test_a_ball_clicks_as_koss_and_alfredson_say(rate, mass):
-    """Sample by sample to 1e-6, also with another mass than its own: it is accelerated less."""
-    engine = started(rate)
+def test_a_ball_clicks_as_koss_and_alfredson_say(mass):
+    """Up to 0.36 of the rate, also with another mass than its own: it is accelerated less."""
+    engine = started()
     law = (mass * BALL[0], *BALL[1:])
     sound = sound_of(impact(wall(engine), law, 100.37, **engine.lay_out_striker(BALL_SOUND)), engine=engine, frames=512)
-    expected = sphere_by_quadrature(law, 1.0, RADIUS, (np.arange(512) - 100.37) / rate)
-    np.testing.assert_allclose(sound[:, 0], expected, atol=1e-6 * np.abs(expected).max())
+    _, exact, _ = spectrum_by_quadrature(law, RADIUS, RATE)
+    heard = np.fft.rfft(sound[:, 0])
+    np.testing.assert_allclose(np.abs(heard[1:184]), np.abs(exact[1:184]), rtol=0.03)
     np.testing.assert_allclose(sound[:, 0], sound[:, 1], atol=1e-12)
 
 
