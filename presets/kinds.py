@@ -29,6 +29,7 @@ from .schema import (
     STRIKE,
     STRIKER,
     SURFACE,
+    SURFACE_REQUIRED,
     Fields,
     PresetError,
     check,
@@ -118,8 +119,7 @@ class SurfacePreset:
     @classmethod
     def from_data(cls, name: str, where: str, data: Mapping[str, object]) -> SurfacePreset:
         """A surface from its file's data. `where` begins the text of a PresetError."""
-        required = (*DESCRIPTION, "roughness", "correlation", "slope", "dissipation")
-        return cls(name, **check(where, data, SURFACE, required))
+        return cls(name, **check(where, data, SURFACE, SURFACE_REQUIRED))
 
     @property
     def profile(self) -> tuple[float, float, float, float, float]:

@@ -95,6 +95,7 @@ SURFACE: Fields = {
     "wavelength": Quantity(1e-5, 100, "m"),
     "dissipation": LAW_FIELDS["dissipation"],
 }
+SURFACE_REQUIRED = (*DESCRIPTION, "roughness", "correlation", "slope", "dissipation")
 DAMPING: Fields = {
     "alpha": Quantity(0, 1e4, "1/s"),
     "beta": Quantity(0, 1e-3, "s"),
@@ -112,6 +113,7 @@ MATERIAL: Fields = {
     "dissipation": LAW_FIELDS["dissipation"],
     **DAMPING,
 }
+MATERIAL_REQUIRED = ("source", "density", "youngs_modulus", "poisson_ratio", "alpha", "beta")
 
 # Objects: shapes and their geometry.
 

@@ -1,6 +1,6 @@
-"""The address space: every address, declared once for checking, for the README, for OSCQuery and for clients.
+"""The address space: every address, declared once for checking, for the documents, for OSCQuery and for clients.
 
-`python -m carom.server.osc.addresses` prints it as the README's tables.
+`python -m carom.server.osc.addresses` prints it as the tables of server/README.md.
 """
 
 import difflib
@@ -242,6 +242,11 @@ def _filled(template: str, given: Sequence[str], has_container: bool) -> str:
 
 def table() -> str:
     """The address space as two Markdown tables: addresses, and the keys of gestures."""
+    return f"{address_table()}\n\n{key_table()}"
+
+
+def address_table() -> str:
+    """Every address, its arguments and its meaning, as a Markdown table."""
 
     def listed(verb: Verb) -> str:
         shared = len(STRIKE) if verb.keys[: len(STRIKE)] == STRIKE else 0
@@ -254,11 +259,16 @@ def table() -> str:
         optional = [f"[{_marked(number)}]" for number in verb.optional]
         arguments = ", ".join([*map(_marked, verb.required), *optional, *many])
         lines.append(f"| `{verb.address}` | {arguments}{listed(verb)} | {verb.help} |")
+    return "\n".join(lines)
+
+
+def key_table() -> str:
+    """The keys of gestures, as a Markdown table."""
     keys: dict[str, list[str]] = {_row(key): ["all"] for key in STRIKE}
     for name, own in KEYS.items():
         for key in own:
             keys.setdefault(_row(key), []).append(name)
-    lines += ["", "| a gesture's key | of | meaning |", "|---|---|---|"]
+    lines = ["| a gesture's key | of | meaning |", "|---|---|---|"]
     lines += [row.format(", ".join(gestures)) for row, gestures in keys.items()]
     return "\n".join(lines)
 

@@ -13,6 +13,7 @@ from carom.dsp.engine.commands import Kind
 from carom.dsp.engine.state import CONTACTS, QUANTUM, End
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
 from carom.dsp.runtime.engine import Engine
+from tests import accuracy
 from tests.dsp.engine.support import RATE, free, gesture, numbered, panic, steer, stop
 
 G = STANDARD_GRAVITY
@@ -79,8 +80,8 @@ def test_every_contact_comes_at_its_time_and_speed(name):
     expected = np.array(list(exact_chain(BALLS[name], 2.0, 101)))[1:]
     found = follow(engine, 100)
     assert len(found) == 100
-    assert np.abs(found[:, 0] - expected[:, 0]).max() < 1e-9
-    assert np.abs(found[:, 1] / expected[:, 1] - 1).max() < 1e-10
+    assert np.abs(found[:, 0] - expected[:, 0]).max() < accuracy.BOUNCE_TIMES.bound
+    assert np.abs(found[:, 1] / expected[:, 1] - 1).max() < accuracy.BOUNCE_SPEEDS.bound
     assert (np.diff(found[:, 1]) < 0).all()
 
 
@@ -155,8 +156,8 @@ def test_weight_in_contact(law):
         (record,) = numbered(engine)
         if np.isfinite(record["gone_at"]):
             break
-    assert engine.stats.impacts + engine.stats.recontacts == pytest.approx(contacts, rel=1e-3)
-    assert record["gone_at"] / RATE - 0.5 == pytest.approx(seconds, rel=1e-3)
+    assert engine.stats.impacts + engine.stats.recontacts == pytest.approx(contacts, rel=accuracy.WEIGHTY.bound)
+    assert record["gone_at"] / RATE - 0.5 == pytest.approx(seconds, rel=accuracy.WEIGHTY.bound)
 
 
 def test_irregular_bounces_are_seeded():
