@@ -138,8 +138,8 @@ def failure_table(failures: Sequence[Row]) -> Table:
     rows[0] += (_short(float(closed["failed_percent"])),)
     rows[1:] = [(*row, "") for row in rows[1:]]
     note = (
-        f"Of {closed['points']:,.0f} contacts over all parameters, the share (%) that fails: the mass leaves with 0.1 % "
-        "more energy than it came with, or had so much on the way, it never leaves, or numbers overflow."
+        f"Of {closed['points']:,.0f} contacts over all parameters, the share (%) that fails: the mass leaves with "
+        "0.1 % more energy than it came with, or had so much on the way, it never leaves, or numbers overflow."
     )
     return Table("Failures", ("% that fail", *_HEAD, TITLES["closed"]), tuple(rows), note)
 

@@ -43,7 +43,9 @@ def choices() -> str:
     ]  # fmt: skip
     enough = f"cheapest sampled run within {study.ENOUGH:g} dB"
     head = ("samples", "mu v_in", "closed form", "µs", enough, "µs", "cheapest one as exact as the closed form", "µs")
-    return table(head, [[cell or "none" if place in (4, 6) else cell for place, cell in enumerate(row)] for row in rows])
+    return table(
+        head, [[cell or "none" if place in (4, 6) else cell for place, cell in enumerate(row)] for row in rows]
+    )
 
 
 def _made() -> str:
@@ -88,11 +90,15 @@ def _kernels(rows: list[dict[str, Any]], klank: dict[str, Any] | None) -> str:
         found = {(row["objects"], row["modes"]): row for row in rows if row["kernel"] == kernel}
         lines.append((name, *(_number(found[size]["ns"]) for size in sizes)))
         if found[sizes[0]]["c_ns"]:
-            lines.append(("the same in C, `-O3 -march=native -ffast-math`", *(_number(found[size]["c_ns"]) for size in sizes)))
+            lines.append(
+                ("the same in C, `-O3 -march=native -ffast-math`", *(_number(found[size]["c_ns"]) for size in sizes))
+            )
     head = [f"{modes} modes" if objects == 1 else f"{objects} x {modes}" for objects, modes in sizes]
     made = f"### Modes\n\n{table(('ns per mode and sample, stereo', *head), lines)}"
     if klank:
-        made += f"\n\nscsynth's Klank, in mono, takes {klank['ring_ratio']:.3g} times as long for {klank['modes']} modes."
+        made += (
+            f"\n\nscsynth's Klank, in mono, takes {klank['ring_ratio']:.3g} times as long for {klank['modes']} modes."
+        )
     return made
 
 
@@ -113,10 +119,7 @@ def _impacts(rows: list[dict[str, Any]], long: list[dict[str, Any]]) -> str:
     ]
     head = (f"µs per impact, {' / '.join(map(str, modes))} modes", *(f"{length:g} samples" for length in samples))
     held = [(says[row["solver"]], row["modes"], _number(row["us_per_sample"])) for row in long]
-    return (
-        f"### Contacts\n\n{table(head, lines)}\n\n"
-        f"{table(('contact that lasts', 'modes', 'µs per sample'), held)}"
-    )
+    return f"### Contacts\n\n{table(head, lines)}\n\n{table(('contact that lasts', 'modes', 'µs per sample'), held)}"
 
 
 def _gestures(rows: list[dict[str, Any]]) -> str:
@@ -132,9 +135,13 @@ def _gestures(rows: list[dict[str, Any]]) -> str:
 
 
 def _starts(bench: dict[str, Any]) -> str:
-    lines = [(f"start with a {row['cache']} code cache, to the first block", f"{row['all']:.3g} s") for row in bench["startup"]]
+    lines = [
+        (f"start with a {row['cache']} code cache, to the first block", f"{row['all']:.3g} s")
+        for row in bench["startup"]
+    ]
     lines += [
-        (f"a clip of one second with labels, objects as the {row['objects']}", f"{row['ms']:.3g} ms") for row in bench["clips"]
+        (f"a clip of one second with labels, objects as the {row['objects']}", f"{row['ms']:.3g} ms")
+        for row in bench["clips"]
     ]
     lines.append(("an empty `Scene`", f"{bench['empty_scene']['ms']:.3g} ms"))
     return f"### Starts and clips\n\n{table(('', 'takes'), lines)}"

@@ -1,4 +1,4 @@
-"""Tables of the presets: the keys of every kind of file with what their values may be, and the presets that there are."""
+"""Tables of the presets: the keys of every kind of file, the values that they may have, and all presets there are."""
 
 from collections.abc import Collection
 from pathlib import Path
