@@ -62,6 +62,9 @@ chart: $(READY)  ## measure speed against accuracy; figures go to tests/measured
 levels: $(READY)  ## make the built-in objects equally loud at their default gestures
 	$(BIN)/python -m tests.bench.loudness
 
+sounds: $(READY)  ## render the sounds that the README links to
+	@$(BIN)/python -m tests.documents.sounds
+
 documents: $(READY)  ## write the tables of all README files
 	@$(BIN)/python -m tests.documents.pages
 

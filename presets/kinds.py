@@ -1,4 +1,4 @@
-"""What presets become: strikers, surfaces and objects, made from the data of a file."""
+"""Presets as objects: strikers, surfaces and objects, made from the data of a file."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class StrikerPreset:
     material: Material | None = None
     radius: float | None = None
     sound: StrikerSound | None = None
-    """What it sounds like itself."""
+    """Its own sound."""
 
     @classmethod
     def from_data(cls, name: str, where: str, data: Mapping[str, object], library: Library) -> StrikerPreset:

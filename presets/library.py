@@ -82,7 +82,7 @@ class Presets:
         raise ValueError(f"kind = {kind!r}: {expected(kind, KINDS)}")
 
     def description(self, kind: str, name: str) -> str:
-        """What a preset says of itself, or its source. PresetError if there is none."""
+        """The description of a preset, or its source. PresetError if there is none."""
         data = self._read(kind, name)[1]
         return str(data.get("description", data.get("source", "")))
 

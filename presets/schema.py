@@ -53,7 +53,7 @@ LAW = ("mass", "stiffness", "exponent")
 BALL = ("material", "radius")
 """The keys of a striker that is a ball; its `mass` is given only if it is not that of a solid one."""
 LOST = ("dissipation", "restitution")
-"""What a striker loses is said by one of these."""
+"""The keys that give a striker's losses; a file has one of them."""
 SOUNDS = ("click", "ringing", "snap")
 """Sections that say how a striker sounds itself."""
 
@@ -70,7 +70,7 @@ CLICK: Fields = {
     "thickness": Quantity(0, 10, "m"),
     "tilt": Quantity(0, 90, "degrees"),
 }
-"""What a blow moves as a whole: a sphere, or a disc whose axis is tilted against the force."""
+"""The body that a blow moves as a whole: a sphere, or a disc whose axis is tilted against the force."""
 RINGING: Fields = {
     "frequency": Many(Quantity(1, 96000, "Hz")),
     "t60": OneOrMany(Quantity(1e-4, 200, "s")),
@@ -160,7 +160,7 @@ class Shape:
 
     @property
     def damping(self) -> Fields:
-        """What of its material's damping an object may give anew."""
+        """The keys of its material's damping that an object may give anew."""
         return DAMPING if self.has_material else {}
 
     @property

@@ -178,7 +178,7 @@ class Status:
         return lines
 
     def _limiter_warnings(self) -> list[str]:
-        """What the limiter did, once it has rested for a while, or has gone on for long."""
+        """A line about the limiter, once it has rested for a while, or has gone on for long."""
         now = self._engine.position
         if self._watch.look():
             self._limited_from = now if self._limited_from is None else self._limited_from

@@ -22,7 +22,7 @@ PRINTED: dict[tuple[str, str], tuple[float, ...]] = {
     ("2", "err_v_out"): (2.551, 0.839, -4.692, -0.105),
     ("2", "dev_H"): (7.885, 9.475, 23.387, 0.410),
 }
-"""What Papetti, Avanzini, Rocchesso 2011 print for AM1, Verlet, Heun and RK4 by case and figure, in %."""
+"""The figures that Papetti, Avanzini, Rocchesso 2011 print for AM1, Verlet, Heun and RK4 by case and figure, in %."""
 
 _FIGURES = {"dev_x": "%dev(x)", "err_v_out": "%err(v_out)", "dev_H": "%dev(H)"}
 _SOLVERS = {**TITLES, "coupled": "coupled solver", "engine": "the engine's choice"}

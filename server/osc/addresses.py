@@ -57,7 +57,7 @@ KEYS: dict[str, tuple[Number | Word, ...]] = {
 
 
 def _steers(name: str) -> str:
-    """What a steerable parameter does: "steers a bounce (from its next flight on) or a roll"."""
+    """The effect of a steerable parameter: "steers a bounce (from its next flight on) or a roll"."""
     named = [
         f"{'an' if gesture == 'impact' else 'a'} {gesture}{f' ({number.steered})' if number.steered else ''}"
         for gesture, number in gestures_steered_by(name).items()
@@ -136,7 +136,7 @@ _ENGINE = (
         "own",
         (CHANNELS,),
     ),
-    Verb("/panic", "ends everything: what sounds fades within 11 ms; objects stay"),
+    Verb("/panic", "ends everything: all sound fades within 11 ms; objects stay"),
 )
 
 _SERVER = (

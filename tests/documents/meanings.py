@@ -72,7 +72,7 @@ MEANINGS = {
     ("surface", "slope"): "of the power spectrum above 1/correlation",
     ("surface", "ripple"): "amplitude of a regular corrugation",
     ("surface", "wavelength"): "of the corrugation",
-    ("surface", "dissipation"): "mu of what rolls on it",
+    ("surface", "dissipation"): "mu of a body that rolls on it",
     # Shapes.
     ("", "length"): "",
     ("", "width"): "",

@@ -27,7 +27,7 @@ def struck(name: str, seconds: float, *keys: str | float) -> tuple[np.ndarray, E
 
 
 def touched(name: str) -> float:
-    """How long (s) the striker of an object's own strike is there, and at least .03 s."""
+    """How long (s) the striker of an object's own strike is there, and at least 0.03 s."""
     _, engine = struck(name, 0.03, "glide", 0)
     while engine.stats.contacts_active:
         engine.process(64)
@@ -59,13 +59,13 @@ def test_partials_and_decays_are_the_presets(name):
     waves = np.exp(s * np.arange(len(sound))[:, None] / RATE)
     columns = np.concatenate([waves.real, waves.imag], axis=1)
     amplitudes, *_ = np.linalg.lstsq(columns, sound)
-    # .1 cent off at 500 Hz would leave 5 %, 1 % of T60 about 1 %.
+    # 0.1 cent off at 500 Hz would leave 5 %, 1 % of T60 about 1 %.
     silence = 1e-7 * math.sqrt(len(sound))  # modes are put to rest at -120 dB
     assert np.linalg.norm(columns @ amplitudes - sound) < accuracy.PARTIALS.bound * np.linalg.norm(sound) + silence
 
 
 def assert_alone_in_tune(modes, sound):
-    """Where partials are too many to be told apart: one that stands alone, within .1 cent and 1 % of T60."""
+    """Where partials are too many to be told apart: one that stands alone, within 0.1 cent and 1 % of T60."""
     spectrum = np.abs(np.fft.rfft(sound * np.hanning(len(sound))))
     gaps = np.diff(modes.frequency, prepend=0.0, append=np.inf)
     heard = spectrum[np.round(modes.frequency * 2.0).astype(int)] > 1e-3 * spectrum.max()

@@ -95,7 +95,7 @@ def test_rates_change_no_contact():
 
 
 def test_restitution_follows_two_thirds_of_mu_v():
-    """A table-tennis ball bounces with .943 above .6 m/s and .948 below .3."""
+    """A table-tennis ball bounces with 0.943 above 0.6 m/s and 0.948 below 0.3."""
     engine = Engine(RATE)
     bounce(engine, floor(engine), BALLS["ping-pong"], 3.0)
     speeds = follow(engine, 100)[:, 1]
@@ -114,7 +114,7 @@ def test_energy_never_grows_and_it_comes_to_rest(irregularity):
     assert (np.diff(energy) < 1e-15).all()
     assert (found[:, 2] / energy).max() == pytest.approx(np.sin(0.45 * math.pi * irregularity) ** 2, rel=0.1)
     assert engine.ended() == [(7, End.RESTED)] and engine.stats.contacts_active == 0
-    assert found[-1, 1] < 1e-3  # a marble of 5 g sinks in by .2 um and swings at some mm/s
+    assert found[-1, 1] < 1e-3  # a marble of 5 g sinks in by 0.2 um and swings at some mm/s
 
 
 def weighty_bounce(m, k, mu, a, v):
