@@ -54,7 +54,7 @@ FIELDS = {
     "late_worst_ms": "by how much the latest event was late, ms",
     "device": "the device that plays",
     "reconnects": "times that a lost device was opened again",
-    "scheduling": "of the audio thread: real-time or not",
+    "scheduling": "of the audio thread: fifo or rr (real-time), other, or unknown",
     "dropped": "datagrams that found no room in the server",
     "dropped_by_system": "datagrams that found no room in the system's buffer",
     "replies_dropped": "replies that were not sent, as a client reads too slowly or asks for too many",

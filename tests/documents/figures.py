@@ -7,7 +7,8 @@ from typing import Any
 
 from carom.clients.chart import report
 from carom.clients.chart.tables import Row
-from tests.accuracy import PROMISES
+from tests.accuracy import GROWTH, PROMISES
+from tests.bench import fuzz, gil, overload, soak
 from tests.documents import study
 from tests.documents.markdown import table
 
@@ -45,6 +46,32 @@ def choices() -> str:
     head = ("samples", "mu v_in", "closed form", "µs", enough, "µs", "cheapest one as exact as the closed form", "µs")
     return table(
         head, [[cell or "none" if place in (4, 6) else cell for place, cell in enumerate(row)] for row in rows]
+    )
+
+
+def endurance() -> str:
+    """The bounds beyond which the scripts of `make study` fail."""
+    rows = [
+        ("extremes", "100,000 extreme contacts at each tolerance", f"energy grows by {GROWTH.bound:g} of a contact's"),
+        (
+            "soak", f"ten minutes of {soak.RATE:,} impacts per second and {soak.ROLLS} rolls, none dropped, none late",
+            f"{1e3 * soak.SLOWEST:.0f} ms per answer, {soak.MOST_GROWTH:g} MB of memory",
+        ),
+        (
+            "overload", "rolls and presses that need several times the time there is, after ten seconds",
+            f"{overload.MOST:g} % load, {1e3 * overload.LAG:.0f} ms behind",
+        ),
+        (
+            "fuzz", "a million mutated and random packets, over UDP and TCP: no crash, and the next strike sounds",
+            f"{1e3 * fuzz.HANG:.0f} ms of the server's time per {fuzz.BATCH} packets",
+        ),
+        (
+            "gil", f"{gil.FRAMES} frames per block on JACK while Python threads hog the interpreter, to a render's bits",
+            f"{100 * gil.WORST:g} % more blocks lost than without them",
+        ),
+    ]  # fmt: skip
+    return table(
+        ("script", "what it does", "fails beyond"), [(f"[{row[0]}](bench/{row[0]}.py)", *row[1:]) for row in rows]
     )
 
 

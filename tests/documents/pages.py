@@ -29,6 +29,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "rebounds": figures.rebounds,
     "choices": figures.choices,
     "yielding": figures.yielding,
+    "endurance": figures.endurance,
 }
 """What writes each part, by its name."""
 

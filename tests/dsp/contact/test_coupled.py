@@ -100,7 +100,7 @@ def test_lossless_hits_keep_their_energy(modes, k):
     case = Case(frequency, np.zeros(modes), phi, 1.0, 0.01, k, 0.0, 1.5, samples=300, fraction=0.3)
     for tolerance in (*TOLERANCE, 1e-7):
         run = simulate(case, tolerance)
-        assert np.abs(run.energy / case.energy - 1).max() < (1e-8 if tolerance < 1e-3 else 1e-5)
+        assert np.abs(run.energy / case.energy - 1).max() < (accuracy.LOSSLESS.bound if tolerance < 1e-3 else 1e-5)
         assert run.growth(case) < 1e-8
 
 
