@@ -88,4 +88,4 @@ $(READY): pyproject.toml
 	@touch $@
 
 clean:
-	rm -rf $(VENV) build dist *.egg-info demo.wav demo.png bench.json .coverage .coverage.*
+	rm -rf $(VENV) build dist *.egg-info demo.wav demo.png .coverage .coverage.*

@@ -66,7 +66,7 @@ def endurance() -> str:
             f"{1e3 * fuzz.HANG:.0f} ms of the server's time per {fuzz.BATCH} packets",
         ),
         (
-            "gil", f"{gil.FRAMES} frames per block on JACK while Python threads hog the interpreter, to a render's bits",
+            "gil", f"{gil.FRAMES} frames per block on JACK while Python threads hog it, to a render's bits",
             f"{100 * gil.WORST:g} % more blocks lost than without them",
         ),
     ]  # fmt: skip
