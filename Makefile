@@ -62,7 +62,7 @@ chart: $(READY)  ## measure speed against accuracy; figures go to tests/measured
 levels: $(READY)  ## make the built-in objects equally loud at their default gestures
 	$(BIN)/python -m tests.bench.loudness
 
-sounds: $(READY)  ## render the sounds that the README links to
+sounds: $(READY)  ## render the sounds and draw the pictures of the documents
 	@$(BIN)/python -m tests.documents.sounds
 
 documents: $(READY)  ## write the tables of all README files

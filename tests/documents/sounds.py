@@ -1,27 +1,34 @@
-"""The sounds that the README links to: `make sounds` renders them from the scores of the same names."""
+"""The sounds and the pictures of scores in the documents: `make sounds` renders and draws them."""
 
 from pathlib import Path
 
 import numpy as np
 import soundfile
+from PIL import Image
 
 import carom
 from carom.presets import BUILT_IN
 
 ROOT = Path(__file__).parents[2]
 SOUNDS = ("bell", "walk", "ping-pong", "marble")
+PICTURES = ("demo", "coin", "marble")
 RATE, SECONDS = 44_100, 10.0
 PEAK = 0.89  # of full scale
 MOST_BYTES = 150_000
+COLOURS = 128  # of a picture: a third of the bytes, and no difference to see
 
 
 def path(name: str) -> Path:
     return ROOT / "clients" / "sounds" / f"{name}.ogg"
 
 
+def score(name: str) -> Path:
+    return BUILT_IN / "scores" / f"{name}.txt"
+
+
 def rendered(name: str) -> np.ndarray:
     """The sound of a score, mono (frames,), its silent end cut off."""
-    sound = carom.render(BUILT_IN / "scores" / f"{name}.txt", rate=RATE, limiter=False).samples.mean(axis=1)
+    sound = carom.render(score(name), rate=RATE, limiter=False).samples.mean(axis=1)
     heard = np.flatnonzero(np.abs(sound) > 1e-4 * np.abs(sound).max())
     sound = sound[: min(heard[-1] + 1, round(SECONDS * RATE))]
     return sound * (PEAK / np.abs(sound).max())
@@ -40,6 +47,10 @@ def main() -> None:
     for name in SOUNDS:
         path(name).parent.mkdir(exist_ok=True)
         soundfile.write(path(name), rendered(name), RATE, format="OGG", subtype="VORBIS")
+    for name in PICTURES:
+        picture = score(name).with_suffix(".png")
+        carom.render(score(name)).plot(picture)
+        Image.open(picture).convert("RGB").quantize(COLOURS).save(picture, optimize=True)
 
 
 if __name__ == "__main__":
