@@ -6,7 +6,7 @@ MEANINGS = {
     ("", "material"): "a material preset",
     # Objects.
     ("object", "shape"): "the function that makes the modes",
-    ("object", "level"): "full scale per Pa at 1 m",
+    ("object", "level"): "gain; at 0 dB, full scale is 20 Pa",
     ("object", "bounce_level"): "of bounces on it, added to `level`",
     ("object", "roll_level"): "of rolls on it, added to `level`",
     ("object", "spin_level"): "of spins on it, added to `level`",
