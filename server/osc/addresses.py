@@ -82,7 +82,7 @@ _OBJECTS = (
     *(Verb(f"/object/NAME/{name}", setting.help, (setting,)) for name, setting in SETTINGS.items()),
     Verb(
         "/object/NAME/gains",
-        "a factor for each channel, which places it instead of its pan; none: by its pan again",
+        "gives it a factor for each channel in place of its pan; without arguments its pan counts again",
         many=GAINS,
     ),
     Verb(
@@ -132,8 +132,7 @@ _ENGINE = (
     ),
     Verb(
         "/channels",
-        "says how many channels a score is for: a render of it has as many; a server refuses another number than its "
-        "own",
+        "sets the number of channels that a score is rendered with; a server refuses any other number than its own",
         (CHANNELS,),
     ),
     Verb("/panic", "ends everything: all sound fades within 11 ms; objects stay"),

@@ -103,9 +103,10 @@ def speed() -> str:
 def _machine(bench: dict[str, Any]) -> str:
     on = bench["machine"]
     rough = " Fewer rounds than usual, and rougher figures." if bench["quick"] else ""
+    busy = f" Load of the machine before: {on['load_before']:.1f}." if on.get("load_before") else ""
     return (
         f"{bench['date']}, {on['cpu']}, {on['cores']} cores, {on['system'].partition('-')[0]}, Python {on['python']}, "
-        f"numba {on['numba']}, numpy {on['numpy']}.{rough}"
+        f"numba {on['numba']}, numpy {on['numpy']}.{rough}{busy}"
     )
 
 
@@ -161,14 +162,16 @@ def _gestures(rows: list[dict[str, Any]]) -> str:
     return f"### Gestures on 32 objects of 64 modes\n\n{table(head, lines)}"
 
 
+_CLIPS = {"preset": "objects as their presets are", "geometry": "each object of a new geometry"}
+
+
 def _starts(bench: dict[str, Any]) -> str:
     lines = [
         (f"start with a {row['cache']} code cache, to the first block", f"{row['all']:.3g} s")
         for row in bench["startup"]
     ]
     lines += [
-        (f"a clip of one second with labels, objects as the {row['objects']}", f"{row['ms']:.3g} ms")
-        for row in bench["clips"]
+        (f"a clip of one second with labels, {_CLIPS[row['objects']]}", f"{row['ms']:.3g} ms") for row in bench["clips"]
     ]
     lines.append(("an empty `Scene`", f"{bench['empty_scene']['ms']:.3g} ms"))
     return f"### Starts and clips\n\n{table(('', 'takes'), lines)}"
