@@ -1,4 +1,4 @@
-"""What the documents keep of a study by `carom chart`: its small tables, and of the errors the choices that follow.
+"""The parts of a study by `carom chart` that the documents keep: small tables, three figures, and a table of choices.
 
 `make chart` runs the study and this, into tests/measured.
 """
@@ -13,8 +13,11 @@ from typing import Any
 from carom.clients.chart.tables import TITLES, Row, pick, write
 from carom.dsp.contact.sampled import METHODS
 
-MEASURED = Path(__file__).parents[1] / "measured"
+ROOT = Path(__file__).parents[2]
+MEASURED = ROOT / "tests" / "measured"
 KEPT = ("failures.csv", "rebounds.csv", "coupled.csv")
+CHARTS = ("error-cost.svg", "failures.svg", "coupled.svg")
+"""The figures that tests/README.md shows."""
 MADE = "study.txt"
 """When and where the study ran."""
 _CORRECTIONS = {"none": "", "release": " with v_out", "hybrid": " with x(v)", "both": " with both"}
@@ -64,6 +67,8 @@ def main() -> None:
     MEASURED.mkdir(exist_ok=True)
     for name in KEPT:
         shutil.copy(folder / name, MEASURED / name)
+    for name in CHARTS:
+        shutil.copy(folder / name, ROOT / "clients" / "charts" / name)
     write(MEASURED / "choices.csv", choices(read(folder / "errors.csv")))
     made = (folder / "tables.md").read_text(encoding="utf-8").partition("\n")[0]
     (MEASURED / MADE).write_text(f"{made}\n", encoding="utf-8")
