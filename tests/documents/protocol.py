@@ -6,7 +6,7 @@ from carom.dsp.engine import state
 from carom.dsp.schema import Stats
 from carom.server.osc.score import LONGEST_SCORE
 from carom.server.render import HIGHEST_RATE, LOWEST_RATE
-from carom.server.scene.limits import LONGEST_BOUNCE
+from carom.server.scene.limits import LONGEST_BOUNCE, LONGEST_CONTACT
 from carom.server.status import FIELDS, FIRST
 from tests.documents.markdown import table
 
@@ -30,6 +30,7 @@ def limits() -> str:
         ("of these, rolls", state.ROLLS),
         ("modes that are coupled to contacts", state.COUPLED_MODES),
         ("events that wait", state.EVENTS),
+        ("length of a contact", f"{LONGEST_CONTACT:g} s"),
         ("length of a bounce", f"{LONGEST_BOUNCE:,.0f} s"),
         ("length of a score", f"{LONGEST_SCORE / 86_400:g} days"),
         ("sampling rate", f"{LOWEST_RATE:,} to {HIGHEST_RATE:,} Hz"),
