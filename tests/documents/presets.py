@@ -101,7 +101,7 @@ def scores() -> str:
 def _comment(path: Path) -> str:
     lines = []
     for line in path.read_text(encoding="utf-8").splitlines():
-        if not line.startswith("#"):
+        if not line.startswith("#") or line.startswith("# time "):  # the head of its columns
             break
         lines.append(line.lstrip("# ").split("   ")[0])
     return " ".join(lines)
