@@ -58,9 +58,9 @@ class ModeTable(NamedTuple):
     """(n, channels) of full scale, or in Pa where the scene is calibrated, per N s; a mode may be in opposite phase
     (< 0), or silent at this position (0)."""
     click: Click | None = None
-    """The click of a body that is free to move as a whole; None if it is held."""
+    """What a body that is free to move adds as a whole; None if it is held."""
     relief: Relief | None = None
-    """A correction beside the modes, so that slow forces are not heard."""
+    """What the modes have beside them, so that slow forces are not heard."""
 
 
 class Settings(NamedTuple):

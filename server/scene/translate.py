@@ -153,7 +153,7 @@ def _roll(to: ObjectCall) -> None:
     id = to.id(lambda name: name)
     goes_on = to.transaction.gestures.is_running(id, to.address)
     if "restitution" in values.numbers:
-        raise Refused(f"restitution = {values.numbers['restitution']:g}: a roll takes none; expected dissipation")
+        raise Refused(f"restitution = {values.numbers['restitution']:g}: what rolls has none; expected dissipation")
     rubbing = {"dissipation": surface.dissipation, "restitution": 0.0}
     law = _law(to, by, rubbing, LAW[1:] if goes_on else LAW)
     speed, roughness = values.numbers["speed"], values.number("roughness")
