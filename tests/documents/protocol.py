@@ -28,7 +28,6 @@ def limits() -> str:
         ("values of mode shapes", state.SHAPE_VALUES),
         ("contacts, and gestures that last", state.CONTACTS),
         ("of these, rolls", state.ROLLS),
-        ("modes that are coupled to contacts", state.COUPLED_MODES),
         ("events that wait", state.EVENTS),
         ("length of a contact", f"{LONGEST_CONTACT:g} s"),
         ("length of a bounce", f"{LONGEST_BOUNCE:,.0f} s"),
