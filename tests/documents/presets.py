@@ -5,7 +5,7 @@ from pathlib import Path
 
 from carom.presets import BUILT_IN, KINDS, Presets
 from carom.presets import schema as known
-from carom.presets.values import Choice, Many, OneOrMany, Quantity, Row, Whole
+from carom.presets.values import Choice, Many, Name, OneOrMany, Quantity, Row, Whole
 from tests.documents.markdown import table
 from tests.documents.meanings import MEANINGS
 
@@ -26,6 +26,8 @@ def _value(domain: known.Domain) -> str:
             return f"{low:g} to {high:g} {unit}".rstrip() + ", whole" * isinstance(domain, Whole)
         case Choice(options):
             return ", ".join(f"`{word}`" for word in options)
+        case Name():
+            return "a preset's name"
     return str(domain)
 
 
