@@ -70,9 +70,7 @@ def endurance() -> str:
             f"{100 * gil.WORST:g} % more blocks lost than without them",
         ),
     ]  # fmt: skip
-    return table(
-        ("script", "what it does", "fails beyond"), [(f"[{row[0]}](bench/{row[0]}.py)", *row[1:]) for row in rows]
-    )
+    return table(("script", "load", "fails beyond"), [(f"[{row[0]}](bench/{row[0]}.py)", *row[1:]) for row in rows])
 
 
 def _made() -> str:

@@ -65,7 +65,10 @@ MEANINGS = {
     ("material", "density"): "",
     ("material", "youngs_modulus"): "",
     ("material", "poisson_ratio"): "",
-    ("material", "shear"): "shear modulus of what is not isotropic; from the two above if not given",
+    (
+        "material",
+        "shear",
+    ): "shear modulus of a material that is not isotropic, such as wood; from the two above if not given",
     ("material", "dissipation"): "mu of its contacts with other objects; 0.2 if not given",
     ("surface", "roughness"): "rms of the heights",
     ("surface", "correlation"): "length above which heights are independent",

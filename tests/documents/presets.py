@@ -97,7 +97,7 @@ def scores() -> str:
     rows = [
         (f"[{path.name}](scores/{path.name})", _comment(path)) for path in sorted((BUILT_IN / "scores").glob("*.txt"))
     ]
-    return table(("score", "what happens"), rows)
+    return table(("score", "events"), rows)
 
 
 def _comment(path: Path) -> str:
