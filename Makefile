@@ -68,7 +68,7 @@ sounds: $(READY)  ## render the sounds and draw the pictures of the documents
 documents: $(READY)  ## write the tables of all README files
 	@$(BIN)/python -m tests.documents.pages
 
-study: $(READY)  ## what takes an hour: recordings, extreme contacts, a long evening, threads that hog, a million packets
+study: $(READY)  ## the hour-long stress tests: recordings, extreme contacts, a long evening, threads that hog, a million packets
 	$(BIN)/python -m tests.bench.recordings
 	$(BIN)/python -m tests.bench.extremes
 	$(BIN)/python -m tests.bench.soak --minutes 10
