@@ -8,7 +8,7 @@ READY := $(VENV)/.ready
 CHECK := $(BIN)/check-jsonschema --quiet --builtin-schema
 LAST := $(VENV)/.test-time
 
-.PHONY: help demo quick test coverage serve bench levels study lint clean
+.PHONY: help demo quick test coverage serve bench chart levels sounds documents study lint clean
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z]*\):.*## /  \1\t/p' Makefile
@@ -50,13 +50,25 @@ lint: $(READY)  ## linters, import contracts and types
 serve: $(READY)  ## listen for OSC and play on the default device, or on none where there is no PortAudio
 	@if $(BIN)/carom devices >/dev/null; then $(BIN)/carom serve; else $(BIN)/carom serve --device none; fi
 
-bench: $(READY)  ## measure speed; figures go to bench.json
-	$(BIN)/python -m tests.bench.bench --json bench.json
+bench: $(READY)  ## measure speed; figures go to tests/measured, and from there into tests/README.md
+	$(BIN)/python -m tests.bench.bench --json tests/measured/bench.json
+	@$(BIN)/python -m tests.documents.pages
+
+chart: $(READY)  ## measure speed against accuracy; figures go to tests/measured, and from there into tests/README.md
+	$(BIN)/carom chart build/chart
+	@$(BIN)/python -m tests.documents.study build/chart
+	@$(BIN)/python -m tests.documents.pages
 
 levels: $(READY)  ## make the built-in objects equally loud at their default gestures
 	$(BIN)/python -m tests.bench.loudness
 
-study: $(READY)  ## what takes an hour: recordings, extreme contacts, a long evening, threads that hog, a million packets
+sounds: $(READY)  ## render the sounds and draw the pictures of the documents
+	@$(BIN)/python -m tests.documents.sounds
+
+documents: $(READY)  ## write the tables of all README files
+	@$(BIN)/python -m tests.documents.pages
+
+study: $(READY)  ## the hour-long stress tests: recordings, extreme contacts, a long evening, threads that hog, a million packets
 	$(BIN)/python -m tests.bench.recordings
 	$(BIN)/python -m tests.bench.extremes
 	$(BIN)/python -m tests.bench.soak --minutes 10
@@ -76,4 +88,4 @@ $(READY): pyproject.toml
 	@touch $@
 
 clean:
-	rm -rf $(VENV) build dist *.egg-info demo.wav demo.png bench.json .coverage .coverage.*
+	rm -rf $(VENV) build dist *.egg-info demo.wav demo.png .coverage .coverage.*

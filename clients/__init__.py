@@ -1,1 +1,1 @@
-"""What drives the server: a Python client, the command line, and examples for other programs."""
+"""Clients of the server: a Python client, the command line, and examples for other programs."""

@@ -156,7 +156,7 @@ class Actions(ABC):
         self.send("/limiter", "on" if on else "off", at=at)
 
     def panic(self, at: SupportsFloat | None = None) -> None:
-        """End everything: what sounds fades within 11 ms; objects stay."""
+        """End everything: all sound fades within 11 ms; objects stay."""
         self.send("/panic", at=at)
 
 

@@ -54,7 +54,7 @@ def _kind_of(path: Path) -> str:
 
 
 def _holds(preset: object) -> str:
-    """What a preset is, in a few words. PresetError if an object's geometry gives no modes."""
+    """A preset in a few words. PresetError if an object's geometry gives no modes."""
     if isinstance(preset, ObjectPreset):
         modes = preset.modes(_TOP)
         low, high = modes.frequency[0], modes.frequency[-1]

@@ -35,7 +35,7 @@ class Task:
 
 @dataclass(frozen=True)
 class Result:
-    """What there is to say of a task that is done: warnings, and why it failed (None: it did not)."""
+    """The outcome of a task: warnings, and why it failed (None: it did not)."""
 
     task: Task
     warnings: list[str]
@@ -131,7 +131,7 @@ def render_all(
 
 
 _process: dict[str, Any] = {}
-"""What a process of `render_all` was started with."""
+"""The arguments that a process of `render_all` was started with."""
 
 
 def _begin(stop: Event, options: Options, folders: Sequence[Path]) -> None:

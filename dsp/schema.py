@@ -78,7 +78,7 @@ LAW = (MASS, STIFFNESS, DISSIPATION, EXPONENT)
 """The contact law f = k x^a (1 + mu v): m, k, mu, a."""
 RESTITUTION = Parameter(
     "restitution", 1e-6, 1.0, "",
-    "in place of dissipation: share of its speed that a rigid wall leaves it, the same at every speed; not of rolls",
+    "in place of dissipation: the share of its speed that it keeps at a rigid wall, at any speed; not for rolls",
     useful=(0.1, 1.0),
 )  # fmt: skip
 
@@ -89,7 +89,7 @@ POSITION = Parameter(
 GAIN = Parameter(
     "gain", -120.0, 40.0, "dB", "of this gesture", default=0.0, useful=(-40.0, 12.0), steerable=True, glide=0.02
 )
-BY_POSITION = Parameter("by_position", 0.0, 1.0, "", "where on that object")
+BY_POSITION = Parameter("by_position", 0.0, 1.0, "", "the point of that object that strikes")
 BY_RADIUS = Parameter(
     "by_radius", 1e-4, 10.0, "m",
     "of that object where it touches, for the law that both materials make; 0.01 if not given", useful=(1e-3, 0.1),
@@ -100,7 +100,7 @@ STRIKE = (*LAW, RESTITUTION, POSITION, GAIN)
 VELOCITY = Parameter(
     "velocity", 0.0, 1000.0, "m/s", "of the striker as it meets the object; 0 does nothing", useful=(0.0, 5.0)
 )
-HEIGHT = Parameter("height", 0.0, 1000.0, "m", "it falls from", useful=(0.0, 2.0))
+HEIGHT = Parameter("height", 0.0, 1000.0, "m", "from which it falls", useful=(0.0, 2.0))
 THROW = Parameter(
     "velocity", -100.0, 100.0, "m/s", "thrown downwards, or upwards", default=0.0,
     useful=(-5.0, 5.0),
@@ -123,7 +123,7 @@ SEED = Parameter(
     "seed", 0, 2**31 - 1, "", "of its random numbers; another one for each gesture if none is given", whole=True
 )
 
-IMPACT = Gesture("impact", "strikes it once; `by` another object, that one rings too", VELOCITY)
+IMPACT = Gesture("impact", "strikes it once; with `by`, another object strikes it, and rings too", VELOCITY)
 BOUNCE = Gesture(
     "bounce", "drops or throws the striker on it, which bounces until it rests", HEIGHT,
     (

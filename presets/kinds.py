@@ -1,4 +1,4 @@
-"""What presets become: strikers, surfaces and objects, made from the data of a file."""
+"""Presets as objects: strikers, surfaces and objects, made from the data of a file."""
 
 from __future__ import annotations
 
@@ -29,6 +29,7 @@ from .schema import (
     STRIKE,
     STRIKER,
     SURFACE,
+    SURFACE_REQUIRED,
     Fields,
     PresetError,
     check,
@@ -67,7 +68,7 @@ class StrikerPreset:
     material: Material | None = None
     radius: float | None = None
     sound: StrikerSound | None = None
-    """What it sounds like itself."""
+    """Its own sound."""
 
     @classmethod
     def from_data(cls, name: str, where: str, data: Mapping[str, object], library: Library) -> StrikerPreset:
@@ -118,8 +119,7 @@ class SurfacePreset:
     @classmethod
     def from_data(cls, name: str, where: str, data: Mapping[str, object]) -> SurfacePreset:
         """A surface from its file's data. `where` begins the text of a PresetError."""
-        required = (*DESCRIPTION, "roughness", "correlation", "slope", "dissipation")
-        return cls(name, **check(where, data, SURFACE, required))
+        return cls(name, **check(where, data, SURFACE, SURFACE_REQUIRED))
 
     @property
     def profile(self) -> tuple[float, float, float, float, float]:

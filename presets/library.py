@@ -14,7 +14,7 @@ from typing import Any
 from ..dsp.bodies.material import Material
 from ..dsp.wording import expected
 from .kinds import ObjectPreset, StrikerPreset, SurfacePreset
-from .schema import MATERIAL, PresetError, check
+from .schema import MATERIAL, MATERIAL_REQUIRED, PresetError, check
 from .values import NAME, Name, shown
 
 if sys.version_info >= (3, 11):
@@ -82,7 +82,7 @@ class Presets:
         raise ValueError(f"kind = {kind!r}: {expected(kind, KINDS)}")
 
     def description(self, kind: str, name: str) -> str:
-        """What a preset says of itself, or its source. PresetError if there is none."""
+        """The description of a preset, or its source. PresetError if there is none."""
         data = self._read(kind, name)[1]
         return str(data.get("description", data.get("source", "")))
 
@@ -114,8 +114,7 @@ def read_file(path: Path) -> tuple[str, dict[str, Any]]:
 
 
 def _material(name: str, where: str, data: dict[str, Any]) -> Material:
-    required = ("source", "density", "youngs_modulus", "poisson_ratio", "alpha", "beta")
-    values = check(where, data, MATERIAL, required)
+    values = check(where, data, MATERIAL, MATERIAL_REQUIRED)
     values.pop("source")
     return Material(name, **values)
 

@@ -53,7 +53,7 @@ LAW = ("mass", "stiffness", "exponent")
 BALL = ("material", "radius")
 """The keys of a striker that is a ball; its `mass` is given only if it is not that of a solid one."""
 LOST = ("dissipation", "restitution")
-"""What a striker loses is said by one of these."""
+"""The keys that give a striker's losses; a file has one of them."""
 SOUNDS = ("click", "ringing", "snap")
 """Sections that say how a striker sounds itself."""
 
@@ -70,7 +70,7 @@ CLICK: Fields = {
     "thickness": Quantity(0, 10, "m"),
     "tilt": Quantity(0, 90, "degrees"),
 }
-"""What a blow moves as a whole: a sphere, or a disc whose axis is tilted against the force."""
+"""The body that a blow moves as a whole: a sphere, or a disc whose axis is tilted against the force."""
 RINGING: Fields = {
     "frequency": Many(Quantity(1, 96000, "Hz")),
     "t60": OneOrMany(Quantity(1e-4, 200, "s")),
@@ -95,6 +95,7 @@ SURFACE: Fields = {
     "wavelength": Quantity(1e-5, 100, "m"),
     "dissipation": LAW_FIELDS["dissipation"],
 }
+SURFACE_REQUIRED = (*DESCRIPTION, "roughness", "correlation", "slope", "dissipation")
 DAMPING: Fields = {
     "alpha": Quantity(0, 1e4, "1/s"),
     "beta": Quantity(0, 1e-3, "s"),
@@ -112,6 +113,7 @@ MATERIAL: Fields = {
     "dissipation": LAW_FIELDS["dissipation"],
     **DAMPING,
 }
+MATERIAL_REQUIRED = ("source", "density", "youngs_modulus", "poisson_ratio", "alpha", "beta")
 
 # Objects: shapes and their geometry.
 
@@ -158,7 +160,7 @@ class Shape:
 
     @property
     def damping(self) -> Fields:
-        """What of its material's damping an object may give anew."""
+        """The keys of its material's damping that an object may give anew."""
         return DAMPING if self.has_material else {}
 
     @property

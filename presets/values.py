@@ -1,4 +1,4 @@
-"""What a value of a preset may be: numbers in a range, words, and lists of these.
+"""The domains of a preset's values: numbers in a range, words, and lists of these.
 
 `fit` gives a value as it is used, or raises Unfit. A list's `parse` gives the list that a text spells, for senders that
 can't send one.

@@ -1,4 +1,4 @@
-"""What the limiter does: when it turns the sound down, by how much, and because of which objects."""
+"""The limiter's work: when it turns the sound down, by how much, and because of which objects."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -11,7 +11,7 @@ _MOST_NAMED = 3
 
 @dataclass(frozen=True)
 class Limiting:
-    """What the limiter did: spans (s, from and to) in which it turned the sound down, by how many dB at most, and for
+    """The limiter's work: spans (s, from and to) in which it turned the sound down, by how many dB at most, and for
     each object its share (0 to 1) of the energy in them, the largest first."""
 
     spans: tuple[tuple[float, float], ...] = ()
@@ -75,7 +75,7 @@ class LimiterWatch:
         return True
 
     def take(self) -> Limiting:
-        """What the limiter did since the last call, as far as it was looked at."""
+        """Its work since the last call, as far as it was looked at."""
         total = sum(self._energies.values())
         shares = sorted(((name, each / total) for name, each in self._energies.items()), key=lambda each: -each[1])
         rate = self._engine.rate

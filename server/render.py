@@ -127,7 +127,7 @@ def require(number: Parameter, value: object) -> None:
 
 @dataclass(frozen=True)
 class Rendered:
-    """What became of a render: its engine, what the limiter did, and by how many dB it was normalized, if it was."""
+    """The outcome of a render: its engine, the limiter's work, and the gain (dB) that normalized it, if one did."""
 
     engine: Engine
     limiting: Limiting

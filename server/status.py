@@ -23,6 +23,48 @@ _COUNTERS = (
     "underflows",
     "tap_lost",
 )
+FIRST = (
+    "1",
+    "modes that ring",
+    "objects that sound",
+    "objects",
+    "contacts that go on or wait",
+    "average load, % of the time that the sound leaves for its computation",
+    "peak load, %, falling slowly",
+    "nominal sampling rate, Hz",
+    "sampling rate as measured, Hz",
+)
+"""The values that /status.reply begins with, those of scsynth's."""
+
+FIELDS = {
+    **dict.fromkeys(_COUNTERS, ""),
+    "queued": "events that wait for their time",
+    "channels": "of the output",
+    "gain": "of everything, dB",
+    "limiter": "on or off",
+    "rolls": "bodies that roll",
+    "accuracy": "as `/accuracy` sets it",
+    "quality": "as `/quality` asks for it or the load demands it, 0 to 8",
+    "overruns": "",
+    "limiter_lowest": "the limiter's lowest gain since this client last asked, 1: it did nothing",
+    "latency": "of the device, s",
+    "latency_requested": "as `--latency` asks for it, s; -1: not asked for",
+    "latency_measured": "",
+    "late_last_ms": "by how much the last late event was late, ms",
+    "late_worst_ms": "by how much the latest event was late, ms",
+    "device": "the device that plays",
+    "reconnects": "times that a lost device was opened again",
+    "scheduling": "of the audio thread: fifo or rr (real-time), other, or unknown",
+    "dropped": "datagrams that found no room in the server",
+    "dropped_by_system": "datagrams that found no room in the system's buffer",
+    "replies_dropped": "replies that were not sent, as a client reads too slowly or asks for too many",
+    "connections": "TCP clients",
+    "recording": "yes, no, or why the recording ended",
+    "logging": "yes, no, or why the log ended",
+    "time": "of the sound since the server's start, s",
+}
+"""The names that follow in /status.reply and their meanings; an empty one is that of the engine's statistics."""
+
 _MOST_CLIENTS = 256  # whose last question is remembered
 _RESTS = 0.2  # s without the limiter, after which what it did is told
 _SAID_EVERY = 2.0  # s after which it is told in any case
@@ -136,7 +178,7 @@ class Status:
         return lines
 
     def _limiter_warnings(self) -> list[str]:
-        """What the limiter did, once it has rested for a while, or has gone on for long."""
+        """A line about the limiter, once it has rested for a while, or has gone on for long."""
         now = self._engine.position
         if self._watch.look():
             self._limited_from = now if self._limited_from is None else self._limited_from

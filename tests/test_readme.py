@@ -1,4 +1,4 @@
-"""What the README says runs, and its tables are the program's own."""
+"""What the pages show runs, as a user types it: scores, commands, Python, SuperCollider, a preset."""
 
 import os
 import re
@@ -6,42 +6,26 @@ import shutil
 import socket
 import subprocess
 import sys
+from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
 import soundfile
 
-from carom.presets.library import Presets
-from carom.server.osc.addresses import table
 from carom.server.osc.wire import DEFAULT_PORT
+from tests.documents.pages import PAGES, ROOT
+from tests.support import serving
 
 pytestmark = pytest.mark.slow
 
-README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+_BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+_RUN = ("score", "toml", "sh", "python")
 
 
-def blocks(*languages: str) -> list[tuple[str, str]]:
-    found = re.findall(r"^```(\w+)\n(.*?)^```", README, re.MULTILINE | re.DOTALL)
-    return [(language, text) for language, text in found if language in languages]
-
-
-def test_the_address_table_is_the_programs():
-    assert table() in README
-
-
-def with_port(text: str, port: int) -> str:
-    """What the README says, to a port that is free, as the default may not be."""
-    for said, meant in (
-        (str(DEFAULT_PORT), str(port)),
-        ("carom serve", f"carom serve --port {port}"),
-        ("carom send", f"carom send --port {port}"),
-        ("carom play", f"carom play --port {port}"),
-        ("carom top", f"carom top --port {port}"),
-        ("Client()", f"Client(port={port})"),
-    ):
-        text = text.replace(said, meant)
-    return text
+def blocks(page: str, *languages: str) -> list[tuple[str, str]]:
+    text = (ROOT / page).read_text(encoding="utf-8")
+    return [(language, text) for language, text in _BLOCK.findall(text) if language in languages]
 
 
 def free_port() -> int:
@@ -50,60 +34,86 @@ def free_port() -> int:
         return sock.getsockname()[1]
 
 
-def test_the_tour_runs(tmp_path):
-    """The score, every command and every Python example, in the order they stand, as a user types them."""
-    if not shutil.which("oscsend"):
-        pytest.skip("oscsend is not installed")
-    carom = tmp_path / "carom"
-    carom.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m carom "$@"\n')
-    carom.chmod(0o755)
-    env = os.environ | {"PATH": f"{tmp_path}:{os.environ['PATH']}"}
-    port = free_port()
-    with ExitStack() as stack:
-        for language, text in blocks("score", "sh", "python"):
-            text = with_port(text, port)
-            if language == "score":
-                (tmp_path / "strike.txt").write_text(text)
-            elif language == "python":
-                subprocess.run([sys.executable, "-c", text], cwd=tmp_path, env=env, check=True, timeout=60)
+def with_port(text: str, port: int) -> str:
+    """What a page says, to a port that is free, as the default may not be."""
+    for command in ("serve", "send", "play", "top"):
+        text = text.replace(f"carom {command} ", f"carom {command} --port {port} ")
+    return text.replace(str(DEFAULT_PORT), str(port)).replace("Client()", f"Client(port={port})")
+
+
+class Reader:
+    """Someone who types a page's examples in the order they stand, in a folder of their own."""
+
+    def __init__(self, folder: Path, stack: ExitStack) -> None:
+        self.folder, self._stack = folder, stack
+        self.port = free_port()
+        self._server: subprocess.Popen[bytes] | None = None
+        carom = folder / "carom"
+        carom.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m carom "$@"\n')
+        carom.chmod(0o755)
+        self._env = os.environ | {"PATH": f"{folder}:{os.environ['PATH']}"}
+
+    def score(self, text: str) -> None:
+        (self.folder / "strike.txt").write_text(text)
+
+    def toml(self, text: str) -> None:
+        (self.folder / "objects").mkdir()
+        (self.folder / "objects" / "mine.toml").write_text(text)
+
+    def python(self, text: str) -> None:
+        if "Client()" in text and self._server is None:
+            self._serve(f"carom serve --port {self.port} --device none")
+        exec(compile(with_port(text, self.port), "example", "exec"), {"__name__": "example"})
+
+    def sh(self, text: str) -> None:
+        for line in with_port(text, self.port).splitlines():
+            if line.endswith("&"):
+                self._serve(line.rstrip("& "))
             else:
-                for line in text.splitlines():
-                    if line.endswith("&"):
-                        words = line.rstrip("& ").split()
-                        server = stack.enter_context(
-                            subprocess.Popen(words, cwd=tmp_path, env=env, stdout=subprocess.PIPE)
-                        )
-                        stack.callback(server.kill)
-                        assert server.stdout and b"listens" in server.stdout.readline()
-                    else:
-                        subprocess.run(line, shell=True, cwd=tmp_path, env=env, check=True, timeout=60)
-        assert server.wait(timeout=10) == 0
-    assert soundfile.info(tmp_path / "session.wav").duration > 3
-    assert soundfile.info(tmp_path / "strike.wav").duration > 2 and (tmp_path / "strike.png").exists()
+                self._run(line)
+            if line.endswith("/quit"):
+                assert self._server and self._server.wait(timeout=10) == 0
+
+    def _run(self, line: str) -> None:
+        subprocess.run(line, shell=True, cwd=self.folder, env=self._env, check=True, timeout=60)
+
+    def _serve(self, line: str) -> None:
+        run = subprocess.Popen(line.split(), cwd=self.folder, env=self._env, stdout=subprocess.PIPE)
+        self._server = self._stack.enter_context(run)
+        self._stack.callback(run.kill)
+        assert run.stdout and b"listens" in run.stdout.readline()
 
 
-def test_the_preset_it_shows_is_one(tmp_path):
-    ((_, text),) = blocks("toml")
-    (tmp_path / "objects").mkdir()
-    (tmp_path / "objects" / "mine.toml").write_text(text)
-    presets = Presets([tmp_path])
-    assert len(presets.object("mine").modes(20_000).frequency) > 3
-    kinds = ("objects", "strikers", "materials", "surfaces")
-    counted = re.search(r"(\d+) objects over .*?(\d+) strikers, (\d+) materials, (\d+) surfaces", README, re.DOTALL)
-    assert counted and [int(n) for n in counted.groups()] == [
-        len(presets.names(kind)) - (kind == "objects") for kind in kinds
-    ]
+@pytest.mark.parametrize("page", PAGES)
+def test_its_examples_run(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    found = blocks(page, *_RUN)
+    if "oscsend" in "".join(text for _, text in found) and not shutil.which("oscsend"):
+        pytest.skip("oscsend is not installed")
+    with ExitStack() as stack:
+        reader = Reader(tmp_path, stack)
+        for language, text in found:
+            example: Callable[[str], None] = getattr(reader, language)
+            example(text)
+    for sound in (*tmp_path.glob("*.wav"), *tmp_path.glob("*.flac")):
+        samples, _ = soundfile.read(sound)
+        assert len(samples) and abs(samples).max() > 0.01, sound.name
 
 
-def test_the_sclang_it_shows_plays(tmp_path):
+def test_every_block_has_a_language():
+    for page in PAGES:
+        found = {language for language, _ in _BLOCK.findall((ROOT / page).read_text(encoding="utf-8"))}
+        assert found <= {*_RUN, "supercollider"}, page
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "supercollider")])
+def test_its_sclang_plays(page, tmp_path):
     if not shutil.which("sclang"):
         pytest.skip("sclang is not installed")
-    from tests.support import serving
-
-    ((_, text),) = blocks("supercollider")
+    ((_, text),) = blocks(page, "supercollider")
     with serving(tmp_path, "--device", "none") as server:
         script = tmp_path / "readme.scd"
-        script.write_text(f"({text.replace('57140', str(server.port))} fork {{ 1.wait; 0.exit }};)")
+        script.write_text(f"({text.replace(str(DEFAULT_PORT), str(server.port))} fork {{ 1.wait; 0.exit }};)")
         env = os.environ | {"QT_QPA_PLATFORM": "offscreen", "QTWEBENGINE_DISABLE_SANDBOX": "1", "HOME": str(tmp_path)}
         subprocess.run(["sclang", str(script)], env=env, check=True, timeout=60, capture_output=True)
         with server.client() as client:

@@ -1,4 +1,4 @@
-"""What the study draws of contacts with objects that give way: errors, energy and counts against cost."""
+"""Figures of contacts with objects that yield: errors, energy and counts against cost."""
 
 from collections.abc import Callable
 from typing import Any
@@ -39,7 +39,7 @@ def coupled(rows: list[Row]) -> Figure:
             _plot(axes[2, column], some, lambda row: row["wrong_counts_percent"])
         chaotic = "\n(chaotic)" if band == BANDS[-1] else ""
         axes[0, column].set_title(f"m/M from {band[0]:g} to {band[1]:g}{chaotic}")
-        axes[2, column].set_xlabel("cost of a contact (us)")
+        axes[2, column].set_xlabel("cost of a contact (µs)")
     axes[0, 0].set(xscale="log", ylim=(-180, _WORST_ERROR + 5))
     axes[1, 0].set(yscale="log", ylim=(_LEAST_GROWTH / 3, _MOST_GROWTH * 3))
     for ax in axes.flat:
@@ -50,7 +50,7 @@ def coupled(rows: list[Row]) -> Figure:
     handles = [Line2D([], [], **style) for style in _STYLES.values()]
     figure.legend(handles=handles, loc="outside lower center", ncols=4)
     figure.suptitle(
-        "Contacts with objects that give way, by the striker's mass m over the object's M at the point\n"
+        "Contacts with objects that yield, by the striker's mass m over the object's M at the point\n"
         "Along a line the oversampling grows, or the tolerance falls from none (a held force) to 1e-5"
     )
     return figure

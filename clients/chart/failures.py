@@ -88,7 +88,7 @@ def _failure_legend(figure: Figure, points: int) -> None:
     for colour, label in (("white", _SAYS[Outcome.SOUND]), ("#d9d9d9", "no contact")):
         handles.insert(0, Line2D([], [], linestyle="", marker="s", color=colour, markeredgecolor="gray", label=label))
     figure.legend(handles=handles, loc="outside lower center", ncols=7)
-    figure.suptitle(f"{points} contacts over all parameters: what goes wrong, by its share")
+    figure.suptitle(f"{points} contacts over all parameters: share of each failure")
 
 
 def _failures(found: Failures, y: NDArray[np.float64], label: str) -> Figure:

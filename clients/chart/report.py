@@ -22,7 +22,7 @@ PRINTED: dict[tuple[str, str], tuple[float, ...]] = {
     ("2", "err_v_out"): (2.551, 0.839, -4.692, -0.105),
     ("2", "dev_H"): (7.885, 9.475, 23.387, 0.410),
 }
-"""What Papetti, Avanzini, Rocchesso 2011 print for AM1, Verlet, Heun and RK4 by case and figure, in %."""
+"""The figures that Papetti, Avanzini, Rocchesso 2011 print for AM1, Verlet, Heun and RK4 by case and figure, in %."""
 
 _FIGURES = {"dev_x": "%dev(x)", "err_v_out": "%err(v_out)", "dev_H": "%dev(H)"}
 _SOLVERS = {**TITLES, "coupled": "coupled solver", "engine": "the engine's choice"}
@@ -49,9 +49,9 @@ def tables(
         _cases(),
         _corrected(errors),
         _costs(errors),
-        _failed(failures),
-        _rebounds(rebounds),
-        _coupled(coupled),
+        failure_table(failures),
+        rebound_table(rebounds),
+        yielding_table(coupled),
     ]
 
 
@@ -128,7 +128,8 @@ def _costs(errors: Sequence[Row]) -> Table:
     return Table("Cost per sample", ("", *_HEAD), tuple(rows), note)
 
 
-def _failed(failures: Sequence[Row]) -> Table:
+def failure_table(failures: Sequence[Row]) -> Table:
+    """How often each method fails."""
     rows: list[tuple[str, ...]] = [
         (says, *_by_method(failures, "failed_percent", _short, correction=correction))
         for correction, says in SAYS.items()
@@ -137,13 +138,14 @@ def _failed(failures: Sequence[Row]) -> Table:
     rows[0] += (_short(float(closed["failed_percent"])),)
     rows[1:] = [(*row, "") for row in rows[1:]]
     note = (
-        f"Of {closed['points']} contacts over all parameters, the share (%) that fails: the mass leaves with 0.1 % "
-        "more energy than it came with, or had so much on the way, it never leaves, or numbers overflow."
+        f"Of {closed['points']:,.0f} contacts over all parameters, the share (%) that fails: the mass leaves with "
+        "0.1 % more energy than it came with, or had so much on the way, it never leaves, or numbers overflow."
     )
     return Table("Failures", ("% that fail", *_HEAD, TITLES["closed"]), tuple(rows), note)
 
 
-def _rebounds(rebounds: Sequence[Row]) -> Table:
+def rebound_table(rebounds: Sequence[Row]) -> Table:
+    """The errors on the energy after many rebounds."""
     rows: list[tuple[str, ...]] = []
     for case in REBOUND_CASES:
         for count in REBOUNDS:
@@ -154,7 +156,8 @@ def _rebounds(rebounds: Sequence[Row]) -> Table:
     return Table("Rebounds", ("case", "rebounds", "", *_HEAD), tuple(rows), note)
 
 
-def _coupled(coupled: Sequence[Row]) -> Table:
+def yielding_table(coupled: Sequence[Row]) -> Table:
+    """Every solver on objects that yield."""
     rows: list[tuple[str, ...]] = []
     for band in BANDS:
         for row in pick(coupled, sum_r_from=band[0]):

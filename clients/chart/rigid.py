@@ -148,7 +148,7 @@ def _rebounds(sequences: Sequences) -> Figure:
                 error = 100 * np.abs((speed[reached] / exact[reached]) ** 2 - 1)
                 ax.plot(reached + 1, np.maximum(error, 1e-14), line, color=COLOURS[method])
         ax.set(xscale="log", yscale="log", xlabel="rebounds", title=f"case {case}")
-    ax.figure.axes[0].set_ylabel("accumulated error on H (% of what is left)")
+    ax.figure.axes[0].set_ylabel("accumulated error on H (% of the energy left)")
     paper = Line2D([], [], color="gray", linestyle="-.", label="x = x(v) and the paper's v^_out")
     handles = [*method_legend(closed=False), *correction_legend(), paper]
     figure.legend(handles=handles, loc="outside lower center", ncols=8)

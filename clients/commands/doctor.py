@@ -1,4 +1,4 @@
-"""carom doctor: check what this machine lacks, and say what to do about it."""
+"""carom doctor: check this machine for missing parts, and say how to get them."""
 
 import argparse
 
@@ -18,4 +18,4 @@ def _run(_: argparse.Namespace) -> int:
     return 1 if broken else 0
 
 
-COMMAND = Command("doctor", "", "check what this machine lacks, and say what to do about it", no_options, _run)
+COMMAND = Command("doctor", "", "check this machine for missing parts, and say how to get them", no_options, _run)

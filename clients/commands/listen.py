@@ -1,4 +1,4 @@
-"""carom listen: print what a running server tells, as it comes."""
+"""carom listen: print a running server's warnings and the ends of gestures, as they come."""
 
 import argparse
 import math
@@ -45,4 +45,4 @@ def _heard(server: Client, seconds: float) -> Iterator[Message]:
         server.send("/notify", 1)
 
 
-COMMAND = Command("listen", "", "print what a running server tells: warnings, ends of gestures", _options, _run)
+COMMAND = Command("listen", "", "print a running server's warnings, and the ends of gestures", _options, _run)

@@ -15,7 +15,7 @@ RATE = 48_000
 
 
 SWITCH: dict[str, Any] = {"choices": ("on", "off"), "type": one_of("on", "off")}
-"""What an option takes that is on or off; `switch` reads it."""
+"""The settings of an option that is on or off; `switch` reads it."""
 
 
 def switch(word: str | None) -> bool | None:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def _options(parser: argparse.ArgumentParser) -> None:
     names = "presets to show, a kind to list (objects, strikers, materials, surfaces), or files to check"
     parser.add_argument("names", nargs="*", metavar="NAME", help=names)
-    parser.add_argument("--check", action="store_true", help="check the files NAME, and say what each holds")
+    parser.add_argument("--check", action="store_true", help="check the files NAME, and describe each")
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--names", dest="bare", action="store_true", help="print names alone, one on each line")
     add_presets(parser)

@@ -38,8 +38,10 @@ def _options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--plot", metavar="OUT.png", help="draw the wave and spectrogram of each channel")
     parser.add_argument("--stems", metavar="DIR", help="folder for a file of each object's part of the sound")
     parser.add_argument("--calibrated", action="store_true", help="samples are pascals: floats, and no limiter")
-    parser.add_argument("--channels", type=whole, metavar="N", help="1 to 64 (as the score says, else 2: stereo)")
-    parser.add_argument("--gain", type=number, metavar="DB", help="of everything (as the score says, else 0)")
+    parser.add_argument(
+        "--channels", type=whole, metavar="N", help="channels, 1 to 64 (as the score says, else 2: stereo)"
+    )
+    parser.add_argument("--gain", type=number, metavar="DB", help="level of the whole, dB (as the score says, else 0)")
     parser.add_argument("--limiter", **SWITCH, help="keep within full scale (as the score says, else on)")
     normalize = f"bring the whole to this peak ({PEAK:g} if none is given), without a limiter unless it is on"
     parser.add_argument("--normalize", type=number, nargs="?", const=PEAK, metavar="DBFS", help=normalize)

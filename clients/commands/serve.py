@@ -25,8 +25,10 @@ def _options(parser: argparse.ArgumentParser) -> None:
         "--oscquery", type=whole, metavar="PORT", help="describe all addresses over HTTP (0: any free port)"
     )
     parser.add_argument("--log", type=_file, metavar="OUT.txt", help="log all events, as a score")
-    parser.add_argument("--channels", type=whole, default=2, metavar="N", help="1 to 64 (%(default)s: left and right)")
-    parser.add_argument("--gain", type=number, default=0.0, metavar="DB", help="of everything (%(default)g)")
+    parser.add_argument(
+        "--channels", type=whole, default=2, metavar="N", help="channels, 1 to 64 (%(default)s: left and right)"
+    )
+    parser.add_argument("--gain", type=number, default=0.0, metavar="DB", help="level of the whole, dB (%(default)g)")
     parser.add_argument("--limiter", default="on", **SWITCH, help="keep within full scale (%(default)s)")
     add_contact(parser)
     add_presets(parser)

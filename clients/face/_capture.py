@@ -63,7 +63,7 @@ class Capture:
         )
 
     def _warnings(self) -> list[str]:
-        """What was said since the last sound."""
+        """The warnings since the last sound."""
         said = [*self.warnings, *self._performer.warnings]
         self._performer.warnings.clear()
         return said

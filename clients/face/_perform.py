@@ -147,7 +147,7 @@ class Performer:
         return replace(self.engine.placed[max(self.engine.placed)], position=self.scene.objects[name].preset.position)
 
     def heard(self, placed: Placed) -> tuple[Settings, NDArray[np.float64]] | None:
-        """What an object has been told, and its gain in each channel; None before it is there."""
+        """The settings of an object, and its gain in each channel; None before it is there."""
         record = self.engine.state[0]["objects"][placed.handle.slot]
         if record["serial"] != placed.handle.serial:
             return None
@@ -181,7 +181,7 @@ class Performer:
         return trace[~beyond]
 
     def striking(self, command: int) -> Striking:
-        """What a command said of its contacts."""
+        """The names in a command for its contacts."""
         return self._striking[command]
 
 

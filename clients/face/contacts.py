@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True)
 class Striking:
-    """What a command said of its contacts: names, empty where there is none."""
+    """The names in a command for its contacts, empty where there is none."""
 
     object: str
     striker: str

@@ -1,4 +1,4 @@
-"""What an engine did that a listener might want to know: limiting, contacts left out, faults."""
+"""A report of a sound for its listener: limiting, contacts left out, faults."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -19,7 +19,7 @@ _COUNTERS = {
 
 @dataclass(frozen=True)
 class Report:
-    """What happened while a sound was computed.
+    """The events that a listener may want to know of a sound.
 
     limited: spans (start, end) in s of the sound in which the limiter turned it down, to 1,024 frames (64 with stems);
     limited_db: by how much at most, dB; limited_objects: for each object its share (0 to 1) of the energy then.
@@ -81,7 +81,7 @@ class Meter:
         self._watch.look()
 
     def report(self, start: int, end: int, warnings: Sequence[str] = ()) -> Report:
-        """What happened to a sound that begins and ends at these samples."""
+        """The report of a sound that begins and ends at these samples."""
         counts = self._counted()
         limiting = self._watch.take().within(start / self._engine.rate, end / self._engine.rate)
         return Report(

@@ -246,7 +246,7 @@ def _number(value: object) -> float:
 
 
 def _settings(keys: dict[str, Value]) -> Settings:
-    """What an object was told as it was made."""
+    """The keys that an object was made with."""
     return Settings(
         **{name: each.in_engine(float(keys.get(name, each.default or 0.0))) for name, each in SETTINGS.items()}
     )

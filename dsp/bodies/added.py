@@ -117,7 +117,7 @@ class Cavity:
     """The air in a hollow body, open through a hole or slit: Helmholtz's resonator.
 
     volume (m^3) behind an opening of an area (m^2) in a wall of a thickness `neck` (m). f = c/(2 pi) sqrt(A/(V L')), L'
-    the neck and at both its ends the air that moves along, .85 sqrt(A/pi). What it radiates, as a source much smaller
+    the neck and at both its ends the air that moves along, 0.85 sqrt(A/pi). What it radiates, as a source much smaller
     than its wave, is its loss: sigma = c k^2 A/(8 pi L') (Kinsler et al., Fundamentals of Acoustics, ch. 10), unless a
     t60 (s) says that it loses more. level (dB): see above.
     """

@@ -8,7 +8,7 @@ MOMENTS = 8
 """Legendre moments of the force kept for each sample."""
 
 FINE = 12
-"""Legendre moments of a coupled contact's force: those left out weigh -188 dB in a mode at .95 of Nyquist."""
+"""Legendre moments of a coupled contact's force: those left out weigh -188 dB in a mode at 0.95 of Nyquist."""
 
 # P_(n+1) = RISE[n] x P_n - FALL[n] P_(n-1), without divisions.
 RISE = np.array([(2 * n + 1) / (n + 1) for n in range(MOMENTS)])

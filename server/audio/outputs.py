@@ -140,7 +140,7 @@ class DeviceOutput:
         return self._error(f"{error}: expected its own rate, {self._own_rate:.0f} Hz, not {asked:.0f}")
 
     def _error(self, text: str) -> AudioError:
-        hint = "`carom devices` lists what there is, `--device none` plays without one"
+        hint = "`carom devices` lists them, `--device none` plays without one"
         return AudioError(f"device {self._asked}: {' '.join(text.split())}; {hint}")
 
     def prepare(self) -> None:

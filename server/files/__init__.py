@@ -1,1 +1,1 @@
-"""What a server writes: recordings and logs."""
+"""The files that a server writes: recordings and logs."""

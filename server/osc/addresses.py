@@ -1,6 +1,6 @@
-"""The address space: every address, declared once for checking, for the README, for OSCQuery and for clients.
+"""The address space: every address, declared once for checking, for the documents, for OSCQuery and for clients.
 
-`python -m carom.server.osc.addresses` prints it as the README's tables.
+`python -m carom.server.osc.addresses` prints it as the tables of server/README.md.
 """
 
 import difflib
@@ -57,7 +57,7 @@ KEYS: dict[str, tuple[Number | Word, ...]] = {
 
 
 def _steers(name: str) -> str:
-    """What a steerable parameter does: "steers a bounce (from its next flight on) or a roll"."""
+    """The effect of a steerable parameter: "steers a bounce (from its next flight on) or a roll"."""
     named = [
         f"{'an' if gesture == 'impact' else 'a'} {gesture}{f' ({number.steered})' if number.steered else ''}"
         for gesture, number in gestures_steered_by(name).items()
@@ -82,7 +82,7 @@ _OBJECTS = (
     *(Verb(f"/object/NAME/{name}", setting.help, (setting,)) for name, setting in SETTINGS.items()),
     Verb(
         "/object/NAME/gains",
-        "a factor for each channel, which places it instead of its pan; none: by its pan again",
+        "gives it a factor for each channel in place of its pan; without arguments its pan counts again",
         many=GAINS,
     ),
     Verb(
@@ -132,11 +132,10 @@ _ENGINE = (
     ),
     Verb(
         "/channels",
-        "says how many channels a score is for: a render of it has as many; a server refuses another number than its "
-        "own",
+        "sets the number of channels that a score is rendered with; a server refuses any other number than its own",
         (CHANNELS,),
     ),
-    Verb("/panic", "ends everything: what sounds fades within 11 ms; objects stay"),
+    Verb("/panic", "ends everything: all sound fades within 11 ms; objects stay"),
 )
 
 _SERVER = (
@@ -242,6 +241,11 @@ def _filled(template: str, given: Sequence[str], has_container: bool) -> str:
 
 def table() -> str:
     """The address space as two Markdown tables: addresses, and the keys of gestures."""
+    return f"{address_table()}\n\n{key_table()}"
+
+
+def address_table() -> str:
+    """Every address, its arguments and its meaning, as a Markdown table."""
 
     def listed(verb: Verb) -> str:
         shared = len(STRIKE) if verb.keys[: len(STRIKE)] == STRIKE else 0
@@ -254,11 +258,16 @@ def table() -> str:
         optional = [f"[{_marked(number)}]" for number in verb.optional]
         arguments = ", ".join([*map(_marked, verb.required), *optional, *many])
         lines.append(f"| `{verb.address}` | {arguments}{listed(verb)} | {verb.help} |")
+    return "\n".join(lines)
+
+
+def key_table() -> str:
+    """The keys of gestures, as a Markdown table."""
     keys: dict[str, list[str]] = {_row(key): ["all"] for key in STRIKE}
     for name, own in KEYS.items():
         for key in own:
             keys.setdefault(_row(key), []).append(name)
-    lines += ["", "| a gesture's key | of | meaning |", "|---|---|---|"]
+    lines = ["| a gesture's key | of | meaning |", "|---|---|---|"]
     lines += [row.format(", ".join(gestures)) for row, gestures in keys.items()]
     return "\n".join(lines)
 

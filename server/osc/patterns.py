@@ -8,7 +8,7 @@ from operator import or_
 from typing import Protocol
 
 MOST_WORK = 500_000.0
-"""What the patterns of a packet may cost, in the units of `work`: some 50 ms."""
+"""The highest cost of a packet's patterns, in the units of `work`: some 50 ms."""
 
 
 class TooMuch(ValueError):
@@ -72,7 +72,7 @@ def work(pattern: str) -> int:
 
 @lru_cache(maxsize=16)
 def _pieces(pattern: str) -> tuple[str, ...] | None:
-    """What stands between the stars of a pattern that has no other sign; else None."""
+    """The text between the stars of a pattern that has no other sign; else None."""
     return tuple(_STARS.sub("*", pattern).split("*")) if not any(sign in pattern for sign in "?[{") else None
 
 

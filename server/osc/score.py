@@ -120,7 +120,7 @@ def _list(line: str, at: int) -> tuple[wire.Argument, int]:
 
 
 def _spelled(token: re.Match[str]) -> wire.Argument:
-    """What a word, in quotes or not, stands for."""
+    """The value of a word, in quotes or not."""
     if token["word"] is not None:
         return _number_or_word(token["word"])
     return token["kept"] if token["kept"] is not None else json.loads(f'"{token["escaped"]}"', strict=False)

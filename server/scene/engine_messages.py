@@ -1,4 +1,4 @@
-"""What messages to the engine as a whole mean, alike in a score and on a server."""
+"""Handlers of messages to the engine as a whole, alike in a score and on a server."""
 
 from collections.abc import Callable
 from dataclasses import replace

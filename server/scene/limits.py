@@ -59,7 +59,7 @@ class ContactLaws:
         return self._laws[striker, material]
 
     def sound_of(self, striker: str) -> StrikerSound | None:
-        """What a striker sounds like itself. PresetError if there is no such striker."""
+        """A striker's own sound. PresetError if there is no such striker."""
         if striker not in self._sounds:
             self._sounds[striker] = self._presets.striker(striker).sound
         return self._sounds[striker]

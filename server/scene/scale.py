@@ -1,4 +1,4 @@
-"""What a sample stands for: a share of full scale, by the levels of presets, or a pressure in Pa."""
+"""The scale of samples: a share of full scale, by the levels of presets, or a pressure in Pa."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""What messages ask of the engine together: either all of it is sent, or none of it leaves a trace."""
+"""A transaction: the commands of messages that belong together. The engine gets all of them, or none."""
 
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
@@ -21,7 +21,7 @@ _MOST_SUGGESTIONS = 8
 
 
 class Sent(NamedTuple):
-    """What a command stands for: the canonical message, which leaves no choice open; the serials of its object and of
+    """The origin of a command: the canonical message, which leaves no choice open; the serials of its object and of
     the one that strikes it (0: none); and the mass (kg) that strikes."""
 
     message: Message
@@ -44,10 +44,10 @@ class Transaction:
     source: Any
     commands: list[Command] = field(default_factory=list)
     sent: list[Sent] = field(default_factory=list)
-    """What each of the commands stands for."""
+    """The origin of each command."""
     replies: list[Message] = field(default_factory=list)
     selection: Selection = field(default_factory=Selection)
-    """What the patterns of its messages match."""
+    """The matches of its messages' patterns."""
     _compared: int = 0
     _undo: list[Callable[[], object]] = field(default_factory=list)
 

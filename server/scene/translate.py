@@ -1,4 +1,4 @@
-"""What each message means: one handler for every address that a score may hold.
+"""The meaning of each message: one handler for every address that a score may hold.
 
 A handler adds commands to a transaction, each with named values in SI units and with the canonical message, which says
 the same and leaves no choice open.

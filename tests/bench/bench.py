@@ -13,6 +13,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from datetime import date
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -149,7 +150,7 @@ def kernels(objects: int, modes: int, reference: ctypes.CDLL | None) -> tuple[Co
 
 
 def measure_kernels(reference: ctypes.CDLL | None, rounds: int) -> list[dict[str, Any]]:
-    """ns a mode-sample of each kernel for each of BANKS."""
+    """ns per mode-sample of each kernel for each of BANKS."""
     rows: list[dict[str, Any]] = []
     for objects, modes in BANKS:
         contenders, samples = kernels(objects, modes, reference)
@@ -162,7 +163,7 @@ def measure_kernels(reference: ctypes.CDLL | None, rounds: int) -> list[dict[str
 
 
 def measure_klank(rounds: int) -> dict[str, float] | None:
-    """ns a mode-sample of scsynth's mono Klank, and how many times faster our stereo kernels are."""
+    """ns per mode-sample of scsynth's mono Klank, and how many times faster our stereo kernels are."""
     if not klank.SCSYNTH:
         return None
     contenders, samples = kernels(1, KLANK_MODES, None)
@@ -212,10 +213,10 @@ def aims(results: dict[str, Any]) -> list[dict[str, Any]]:
     clip = max(row["ms"] for row in results["clips"])
     empty, resident = results["empty_scene"]["ms"], results["empty_scene"]["resident_mb"]
     return [
-        dict(aim="at least .8 of C's speed on 1024 modes and more", measured=of_c, met=of_c and of_c >= 0.8),
+        dict(aim="at least 0.8 of C's speed on 1024 modes and more", measured=of_c, met=of_c and of_c >= 0.8),
         dict(aim="the engine rings a cymbal within 1.2 x of its kernel", measured=rings, met=rings < 1.2),
         dict(aim="at least 10 x scsynth's Klank", measured=ratio, met=ratio and ratio >= 10.0),
-        dict(aim="an impact on 24 modes, contact up to 6 samples, under 5 us", measured=impact, met=impact < 5.0),
+        dict(aim="an impact on 24 modes, contact up to 6 samples, under 5 µs", measured=impact, met=impact < 5.0),
         dict(aim="contacts within 2 x of the prototype's cost", measured=prototype, met=prototype < 2.0),
         dict(aim="64 rolls and 64 bounces in real time on one core", measured=load, met=load < 1.0),
         dict(aim="a clip of one second, with labels, under 20 ms", measured=clip, met=clip < 20.0),
@@ -235,6 +236,7 @@ def machine() -> dict[str, Any]:
     return {
         "cpu": cpu,
         "cores": os.cpu_count(),
+        "load_before": os.getloadavg()[0] if hasattr(os, "getloadavg") else None,
         "system": platform.platform(),
         "python": platform.python_version(),
         **packages,
@@ -264,6 +266,8 @@ def main() -> None:
     if not klank.SCSYNTH:
         console.print("no scsynth: kernels are not compared with its Klank")
     results: dict[str, Any] = {
+        "date": date.today().isoformat(),
+        "quick": options.quick,
         "machine": machine(),
         "kernels": measure_kernels(reference, rounds),
         "klank": measure_klank(few),
@@ -279,13 +283,13 @@ def main() -> None:
     }
     results["aims"] = aims(results)
     show(console, "Machine", [results["machine"]])
-    show(console, "Kernels: ns a mode-sample", results["kernels"])
+    show(console, "Kernels: ns per mode-sample", results["kernels"])
     if results["klank"]:
-        show(console, "scsynth's Klank: ns a mode-sample, ratio to ours", [results["klank"]])
+        show(console, "scsynth's Klank: ns per mode-sample, ratio to ours", [results["klank"]])
     show(console, "Objects that ring: ns per mode-sample in the engine and of its kernel, ratio", results["ringing"])
-    show(console, "Impacts in the engine: us each", results["impacts"])
+    show(console, "Impacts in the engine: µs each", results["impacts"])
     show(console, "Long contacts", results["long_contacts"])
-    show(console, "Contacts by themselves: us, and over what a prototype took", results["solvers"])
+    show(console, "Contacts by themselves: µs, and over what a prototype took", results["solvers"])
     show(console, "Gestures: share of real time on one core", results["gestures"])
     show(console, "An empty scene", [results["empty_scene"]])
     show(console, "Clips: an impact of one second in a fresh scene, with labels", results["clips"])

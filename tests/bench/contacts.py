@@ -37,8 +37,8 @@ PROTOTYPE = {
     ("coupled 0.001", 8.0): 7.8,
     ("coupled 1e-05", 8.0): 26.0,
 }
-"""us that a contact with 24 modes took on a prototype, elsewhere: what was aimed at when the solvers were planned. Its
-held force took 32 steps a contact; at its tolerance of 1e-3 nine of ten erred less than -68 dB, as here at .1."""
+"""µs that a contact with 24 modes took on a prototype, elsewhere: what was aimed at when the solvers were planned. Its
+held force took 32 steps a contact; at its tolerance of 1e-3 nine of ten erred less than -68 dB, as here at 0.1."""
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,7 @@ def run_quanta(engine: Engine, impacts: int) -> None:
 
 
 def measure_impacts(rounds: int) -> list[dict[str, Any]]:
-    """us that an impact takes of the engine's time."""
+    """µs that an impact takes of the engine's time."""
     rows: list[dict[str, Any]] = []
     for solver, modes, samples in product(STRUCK, MODES, SAMPLES):
         engine = struck_engine(solver, modes, samples)
@@ -116,7 +116,7 @@ def measure_impacts(rounds: int) -> list[dict[str, Any]]:
 
 
 def measure_long_contacts(rounds: int) -> list[dict[str, Any]]:
-    """us that a contact takes of each sample it lasts."""
+    """µs that a contact takes of each sample it lasts."""
     rows: list[dict[str, Any]] = []
     for solver, modes in product(("wall", "coupled -60"), MODES):
         engines = {"contact": struck_engine(solver, modes, 1e7), "none": struck_engine("wall", modes, 0.3)}
@@ -135,7 +135,7 @@ def case(modes: int, samples: float) -> Case:
 
 
 def measure_solvers(rounds: int) -> list[dict[str, Any]]:
-    """us that a contact takes by itself, from the first touch to the last release, modes included."""
+    """µs that a contact takes by itself, from the first touch to the last release, modes included."""
     rows: list[dict[str, Any]] = []
     for modes, samples in product(MODES, SAMPLES):
         struck = case(modes, samples)

@@ -74,7 +74,7 @@ def shares(engine: Engine) -> np.ndarray:
 
 
 def measure(rounds: int) -> list[dict[str, Any]]:
-    """Share of real time, also of the worst block; impacts a second, and us of each beyond what rings anyway."""
+    """Share of real time, also of the worst block; impacts a second, and µs of each beyond what rings anyway."""
     rows: list[dict[str, Any]] = []
     ringing = math.nan
     for accuracy, rolls, bounces in (

@@ -3,13 +3,15 @@
 from pathlib import Path
 
 import numpy as np
+import pyloudnorm
 import pytest
 
 from carom.dsp.runtime.engine import Engine
 from carom.presets import Presets
-from carom.server.osc.score import read
+from carom.server.osc.score import parse, read
 from carom.server.render import Options, blocks
 
+ROOT = Path(__file__).parents[2]
 SCORES = sorted((Path(__file__).parents[2] / "presets" / "scores").glob("*.txt"))
 
 
@@ -26,6 +28,25 @@ def test_a_score_plays_is_heard_and_ends(path):
     assert np.abs(sound.mean(axis=0)).max() < 0.01
     silence = sound[-480:]
     assert np.abs(silence).max() < 1e-3
+
+
+AUDIBLE = -40.0
+"""LUFS, momentary (ITU-R BS.1770): a newcomer's first score is never softer while something goes on."""
+
+
+@pytest.mark.slow
+def test_the_score_in_the_readme_is_audible_from_end_to_end():
+    """From its beginning to its last gesture, or the end of that."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8").partition("```score\n")[2].partition("```")[0]
+    engine = Engine(48_000)
+    pieces, busy = [], 0
+    for piece in blocks(parse(text.encode(), "README.md"), engine, Presets(), Options(block=480)):
+        pieces.append(piece)
+        busy = engine.position if engine.stats.contacts_active else busy
+    sound, meter = np.concatenate(pieces)[:busy].astype(float), pyloudnorm.Meter(48_000, block_size=0.4)
+    found = [meter.integrated_loudness(sound[start : start + 19_200]) for start in range(0, busy - 19_200, 4_800)]
+    assert len(found) > 40 and min(found) > AUDIBLE
+    assert engine.stats.limited == 0
 
 
 def test_there_are_gestures_to_hear():

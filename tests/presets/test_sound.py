@@ -11,6 +11,7 @@ from carom.dsp.runtime.engine import NOW, Engine
 from carom.presets import Presets
 from carom.server.osc.wire import Message
 from carom.server.scene.session import Session
+from tests import accuracy
 
 PRESETS = Presets()
 RATE = 48_000
@@ -26,7 +27,7 @@ def struck(name: str, seconds: float, *keys: str | float) -> tuple[np.ndarray, E
 
 
 def touched(name: str) -> float:
-    """How long (s) the striker of an object's own strike is there, and at least .03 s."""
+    """How long (s) the striker of an object's own strike is there, and at least 0.03 s."""
     _, engine = struck(name, 0.03, "glide", 0)
     while engine.stats.contacts_active:
         engine.process(64)
@@ -58,13 +59,13 @@ def test_partials_and_decays_are_the_presets(name):
     waves = np.exp(s * np.arange(len(sound))[:, None] / RATE)
     columns = np.concatenate([waves.real, waves.imag], axis=1)
     amplitudes, *_ = np.linalg.lstsq(columns, sound)
-    # .1 cent off at 500 Hz would leave 5 %, 1 % of T60 about 1 %.
+    # 0.1 cent off at 500 Hz would leave 5 %, 1 % of T60 about 1 %.
     silence = 1e-7 * math.sqrt(len(sound))  # modes are put to rest at -120 dB
-    assert np.linalg.norm(columns @ amplitudes - sound) < 1e-4 * np.linalg.norm(sound) + silence
+    assert np.linalg.norm(columns @ amplitudes - sound) < accuracy.PARTIALS.bound * np.linalg.norm(sound) + silence
 
 
 def assert_alone_in_tune(modes, sound):
-    """Where partials are too many to be told apart: one that stands alone, within .1 cent and 1 % of T60."""
+    """Where partials are too many to be told apart: one that stands alone, within 0.1 cent and 1 % of T60."""
     spectrum = np.abs(np.fft.rfft(sound * np.hanning(len(sound))))
     gaps = np.diff(modes.frequency, prepend=0.0, append=np.inf)
     heard = spectrum[np.round(modes.frequency * 2.0).astype(int)] > 1e-3 * spectrum.max()
@@ -75,8 +76,8 @@ def assert_alone_in_tune(modes, sound):
     span = min(0.5, 2.0 / modes.decay[i])
     first, second = (phasor(sound, modes.frequency[i], at) for at in (0.15, 0.15 + span))
     drift = np.angle(second / first) / (2 * math.pi * span)
-    assert abs(1200 * math.log2(1 + drift / modes.frequency[i])) < 0.1
-    assert -math.log(abs(second / first)) / span == pytest.approx(modes.decay[i], rel=0.01)
+    assert abs(1200 * math.log2(1 + drift / modes.frequency[i])) < accuracy.PITCH.bound
+    assert -math.log(abs(second / first)) / span == pytest.approx(modes.decay[i], rel=accuracy.DECAY.bound)
 
 
 @pytest.mark.parametrize("seconds", [0.4, 1.0, 2.0])
@@ -117,4 +118,4 @@ def test_no_striker_gives_more_energy_than_it_brings(name):
                 engine.process(64)
             y1, y2, a1, a2, weight = (engine.state["bank"][key][0][span] for key in ("y1", "y2", "a1", "a2", "weight"))
             modes = [(complex(*state_of(*m[:4])), m[4]) for m in zip(y1, y2, a1, a2, weight, strict=True) if m[3]]
-            assert sum(abs(z / w) ** 2 for z, w in modes) < mass * (1 + 1e-6), (striker, position)
+            assert sum(abs(z / w) ** 2 for z, w in modes) < mass * (1 + accuracy.GIVEN.bound), (striker, position)

@@ -11,7 +11,7 @@ from carom.dsp import bodies
 from carom.dsp.bodies import Material
 
 STEEL = Material("steel", 7850, 2e11, 0.3, 5, 3e-8)
-GLASSY = Material("nu = .225", 2500, 7e10, 0.225, 1, 1e-7)
+GLASSY = Material("nu = 0.225", 2500, 7e10, 0.225, 1, 1e-7)
 HEAVY = Material("steel that no air moves", 7850e9, 2e20, 0.3, 5, 3e-8)
 """Of the same frequencies as STEEL without air."""
 FREE_ROOTS = [brentq(lambda x: math.cos(x) * math.cosh(x) - 1, x - 1, x + 1) for x in np.pi * np.arange(1.5, 8)]

@@ -46,7 +46,7 @@ def test_a_given_shear_modulus_takes_the_place_of_the_isotropic_one():
 
 
 def test_hertz_of_a_steel_ball_on_a_steel_plane():
-    # 4/3 * (2e11 / (1 - .29^2) / 2) * sqrt(5 mm), worked by hand
+    # 4/3 * (2e11 / (1 - 0.29^2) / 2) * sqrt(5 mm), worked by hand
     assert hertz(STEEL, 5e-3, STEEL) == pytest.approx(1.0294e10, rel=1e-4)
 
 

@@ -14,6 +14,7 @@ from carom.dsp.contact.coupled_step import HELD
 from carom.dsp.resonator import bank, coefficients
 from carom.dsp.study import coupled_sampled
 from carom.dsp.study.coupled import Case, error, extreme_case, random_cases, simulate
+from tests import accuracy
 from tests.dsp.contact import pressed
 from tests.dsp.contact.coupled_reference import reference
 from tests.dsp.runtime.test_realtime_safety import forbidden
@@ -43,7 +44,7 @@ def heard():
 @pytest.mark.parametrize(("level", "tolerance"), list(zip(LEVELS, TOLERANCE, strict=True))[1:])
 def test_two_hundred_contacts_against_dop853(heard, level, tolerance):
     found, miscounted = errors(heard, tolerance)
-    asked = -130.0 if level == "exact" else float(level)
+    asked = {"exact": accuracy.COUPLED_EXACT.bound, "-60": accuracy.COUPLED.bound}.get(level) or float(level)
     assert np.median(found) < asked - 15 and np.quantile(found, 0.9) < asked
     assert miscounted == 0
 
@@ -99,7 +100,7 @@ def test_lossless_hits_keep_their_energy(modes, k):
     case = Case(frequency, np.zeros(modes), phi, 1.0, 0.01, k, 0.0, 1.5, samples=300, fraction=0.3)
     for tolerance in (*TOLERANCE, 1e-7):
         run = simulate(case, tolerance)
-        assert np.abs(run.energy / case.energy - 1).max() < (1e-8 if tolerance < 1e-3 else 1e-5)
+        assert np.abs(run.energy / case.energy - 1).max() < (accuracy.LOSSLESS.bound if tolerance < 1e-3 else 1e-5)
         assert run.growth(case) < 1e-8
 
 
@@ -110,7 +111,7 @@ def test_extreme_contacts_stay_finite_passive_and_bounded(tolerance):
         case = extreme_case(random)
         run = simulate(case, tolerance)
         assert np.isfinite(run.energy).all() and np.isfinite(run.velocity).all()
-        assert run.growth(case) < 1e-8, case
+        assert run.growth(case) < accuracy.GROWTH.bound, case
         assert run.steps <= 201 * case.samples
 
 

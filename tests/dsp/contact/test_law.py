@@ -6,6 +6,7 @@ import pytest
 from scipy.special import gamma
 
 from carom.dsp import contact
+from tests import accuracy
 
 mp.mp.dps = 50
 
@@ -28,7 +29,7 @@ def test_release_velocity_is_exact_at_any_dissipation():
     speeds = np.geomspace(1e-12, 1e6, 600)
     computed = contact.release_velocity(speeds, 1.0)
     for w, v_out in zip(speeds, computed, strict=True):
-        assert abs(v_out / (-exact_restitution(w) * mp.mpf(w)) - 1) < 1e-14, w
+        assert abs(v_out / (-exact_restitution(w) * mp.mpf(w)) - 1) < accuracy.RELEASE.bound, w
 
 
 def test_release_velocity_scales_and_limits():
@@ -62,9 +63,9 @@ def test_compression_and_energy_follow_the_trajectory(w):
             exact = length * ((mp.mpf(a) + 1) * expected) ** (1 / (mp.mpf(a) + 1))
             # Near the release the last bit of v itself moves x: that is not the closed form's fault.
             amplified = abs(u * u / ((1 + w * u) * float(expected)))
-            assert abs(x / exact - 1) < 2e-13 + 4e-16 * amplified, (u, a)
+            assert abs(x / exact - 1) < accuracy.COMPRESSION.bound + 4e-16 * amplified, (u, a)
         energy = contact.energy(2 * u, 2.0, 0.3, w / 2)
-        assert abs(energy / (mp.mpf("1.2") * (mp.mpf(u) ** 2 / 2 + expected)) - 1) < 5e-13
+        assert abs(energy / (mp.mpf("1.2") * (mp.mpf(u) ** 2 / 2 + expected)) - 1) < accuracy.ENERGY.bound
 
 
 def test_energy_ends_and_never_rises():

@@ -8,6 +8,7 @@ import pytest
 from scipy.integrate import quad
 
 from carom.dsp import contact
+from tests import accuracy
 from tests.dsp.contact import wall_reference
 from tests.dsp.contact.wall_reference import LAWS, solution
 
@@ -23,7 +24,7 @@ def test_contact_time(a, w):
 @pytest.mark.parametrize("a", [1.0, 1.5, 4.0])
 def test_contact_time_is_exact(a, w):
     exact = wall_reference.duration(2.0, 0.01, 1e6, w / 2, a)
-    assert abs(contact.contact_time(2.0, 0.01, 1e6, w / 2, a) / exact - 1) < 1e-13
+    assert abs(contact.contact_time(2.0, 0.01, 1e6, w / 2, a) / exact - 1) < accuracy.DURATION.bound
 
 
 @pytest.mark.slow
@@ -64,7 +65,7 @@ def test_force_pulse(a, w):
     t = np.linspace(-0.1, 1.1, 301) * duration
     x, v = motion(np.clip(t, 0, duration))
     expected = np.where((t > 0) & (t < duration), contact.force(x, v, k, mu, a), 0.0)
-    assert np.abs(contact.force_pulse(t, v_in, m, k, mu, a) - expected).max() < 1e-10 * expected.max()
+    assert np.abs(contact.force_pulse(t, v_in, m, k, mu, a) - expected).max() < accuracy.FORCE.bound * expected.max()
 
 
 def test_force_pulse_broadcasts():

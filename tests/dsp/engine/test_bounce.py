@@ -13,6 +13,7 @@ from carom.dsp.engine.commands import Kind
 from carom.dsp.engine.state import CONTACTS, QUANTUM, End
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
 from carom.dsp.runtime.engine import Engine
+from tests import accuracy
 from tests.dsp.engine.support import RATE, free, gesture, numbered, panic, steer, stop
 
 G = STANDARD_GRAVITY
@@ -79,8 +80,8 @@ def test_every_contact_comes_at_its_time_and_speed(name):
     expected = np.array(list(exact_chain(BALLS[name], 2.0, 101)))[1:]
     found = follow(engine, 100)
     assert len(found) == 100
-    assert np.abs(found[:, 0] - expected[:, 0]).max() < 1e-9
-    assert np.abs(found[:, 1] / expected[:, 1] - 1).max() < 1e-10
+    assert np.abs(found[:, 0] - expected[:, 0]).max() < accuracy.BOUNCE_TIMES.bound
+    assert np.abs(found[:, 1] / expected[:, 1] - 1).max() < accuracy.BOUNCE_SPEEDS.bound
     assert (np.diff(found[:, 1]) < 0).all()
 
 
@@ -94,7 +95,7 @@ def test_rates_change_no_contact():
 
 
 def test_restitution_follows_two_thirds_of_mu_v():
-    """A table-tennis ball bounces with .943 above .6 m/s and .948 below .3."""
+    """A table-tennis ball bounces with 0.943 above 0.6 m/s and 0.948 below 0.3."""
     engine = Engine(RATE)
     bounce(engine, floor(engine), BALLS["ping-pong"], 3.0)
     speeds = follow(engine, 100)[:, 1]
@@ -113,7 +114,7 @@ def test_energy_never_grows_and_it_comes_to_rest(irregularity):
     assert (np.diff(energy) < 1e-15).all()
     assert (found[:, 2] / energy).max() == pytest.approx(np.sin(0.45 * math.pi * irregularity) ** 2, rel=0.1)
     assert engine.ended() == [(7, End.RESTED)] and engine.stats.contacts_active == 0
-    assert found[-1, 1] < 1e-3  # a marble of 5 g sinks in by .2 um and swings at some mm/s
+    assert found[-1, 1] < 1e-3  # a marble of 5 g sinks in by 0.2 um and swings at some mm/s
 
 
 def weighty_bounce(m, k, mu, a, v):
@@ -155,8 +156,8 @@ def test_weight_in_contact(law):
         (record,) = numbered(engine)
         if np.isfinite(record["gone_at"]):
             break
-    assert engine.stats.impacts + engine.stats.recontacts == pytest.approx(contacts, rel=1e-3)
-    assert record["gone_at"] / RATE - 0.5 == pytest.approx(seconds, rel=1e-3)
+    assert engine.stats.impacts + engine.stats.recontacts == pytest.approx(contacts, rel=accuracy.WEIGHTY.bound)
+    assert record["gone_at"] / RATE - 0.5 == pytest.approx(seconds, rel=accuracy.WEIGHTY.bound)
 
 
 def test_irregular_bounces_are_seeded():

@@ -29,7 +29,7 @@ def run(clock, entered, frames, errors, true_period):
 @pytest.mark.parametrize("frames", [64, 480, 2048])
 @pytest.mark.parametrize("wrong", [0.0, 300e-6])
 def test_a_second_ahead_is_told_to_a_fraction_of_the_jitter(frames, wrong):
-    """Callbacks that come up to .5 ms (24 samples) too late, from a device that is 300 ppm off its rate."""
+    """Callbacks that come up to 0.5 ms (24 samples) too late, from a device that is 300 ppm off its rate."""
     rng = np.random.default_rng(1)
     period = 1e9 / RATE * (1 + wrong)
     count = int(60 * RATE / frames)
@@ -83,7 +83,7 @@ def test_a_stamp_is_the_sample_of_the_loop():
 
 @pytest.mark.slow
 def test_events_fall_where_the_clock_says():
-    """Times up to .4 s ahead, taken by callbacks in real time: on the grid, in order, none overtaken."""
+    """Times up to 0.4 s ahead, taken by callbacks in real time: on the grid, in order, none overtaken."""
     engine = Engine(RATE)
     engine.note()
     engine.send([nothing(NOW), nothing(engine.stamp(clock_ns()))])  # all is compiled
@@ -135,7 +135,7 @@ def look(state, position):
 @pytest.mark.parametrize("seconds", [0.001, 1.0, 60.0, 3600.0])
 @pytest.mark.parametrize("drift", [-1e-3, 0.0, 1e-3])
 def test_an_event_far_ahead_is_looked_at_a_few_times_and_never_too_late(seconds, drift):
-    """The device turns out to run .1 % faster or slower than was thought when the event came."""
+    """The device turns out to run 0.1 % faster or slower than was thought when the event came."""
     engine = Engine(RATE)
     state = engine.state[0]
     clock, event = state["clock"], state["queue"]["events"][0]

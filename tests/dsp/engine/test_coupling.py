@@ -14,6 +14,7 @@ from carom.dsp.resonator.bank import state_of
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.dsp.study.coupled import Case, error
 from carom.presets.library import Presets
+from tests import accuracy
 from tests.dsp.contact.coupled_reference import reference
 from tests.dsp.engine.support import gesture, numbered, panic, setting, stop, strike
 
@@ -129,7 +130,7 @@ def test_an_object_that_rings_meets_the_striker_half_way():
         engine.process(QUANTUM)
         heard.append((64 * (n + 1) - 1 - 5 - 1, velocity(engine, handle, 24)))
     at, got = np.array(heard).T
-    assert error(got, expected[at.astype(int)]) < -60
+    assert error(got, expected[at.astype(int)]) < accuracy.ENGINE_COUPLED.bound
     quiet = reference(Case(frequency, sigma, phi, 1.0, m, k, mu, a, rate=RATE, samples=400, fraction=0.5))[0]
     assert error(expected - quiet, expected) > -20  # so that it rings matters
 

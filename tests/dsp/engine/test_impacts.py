@@ -46,7 +46,7 @@ def test_a_heavier_object_is_quieter_by_its_mass():
 
 @pytest.mark.parametrize("mu", [0.3, 0.0])
 def test_the_effective_mass_is_what_the_coupled_contact_gives(mu):
-    """m phi^2 = .2 on one slow mode: DOP853 of striker and mode together gives the momentum that m* stands for."""
+    """m phi^2 = 0.2 on one slow mode: DOP853 of striker and mode together gives the momentum that m* stands for."""
     modal_mass, (m, k, a), frequency = 0.1, (0.02, 1e10, 1.5), 200.0
     omega = 2 * math.pi * frequency
 

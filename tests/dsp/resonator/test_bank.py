@@ -11,6 +11,7 @@ from carom.dsp import contact
 from carom.dsp.contact import closed_form
 from carom.dsp.resonator import bank, coefficients
 from carom.dsp.resonator.bank import state_of
+from tests import accuracy
 
 LANES = bank.LANES
 
@@ -92,7 +93,7 @@ def test_a_contact_drives_a_mode_within_94_db(samples, frequency):
             closed_form.advance_pulse(state, min(age, state["duration"]), age - 1, moments)
             modes.strike(moments)
         got.append(modes.step()[0])
-    assert np.abs(np.array(got) - exact).max() < 2e-5 * np.abs(exact).max()
+    assert np.abs(np.array(got) - exact).max() < accuracy.DRIVEN.bound * np.abs(exact).max()
 
 
 def driven_mode(v_in, m, k, mu, a, frequency, decay, rate, fraction, frames):

@@ -16,6 +16,7 @@ from carom.dsp.numerics.constants import STANDARD_GRAVITY
 from carom.dsp.rolling import path, surface
 from carom.dsp.rolling.body import fill_roll
 from carom.dsp.study import roll
+from tests import accuracy
 from tests.dsp.rolling.support import GLASS, MARBLE, STEEL_BALL, STONE, WHEEL, WOOD, flat, ground
 
 pytestmark = pytest.mark.slow
@@ -72,7 +73,7 @@ def test_spectrum_is_that_of_brute_force(body, on):
         frequencies, power = welch(force, rate, nperseg=8192)
         ours = ours + power
         theirs = theirs + welch(exact, rate, nperseg=8192)[1]
-    assert np.abs(thirds(ours, frequencies) - thirds(theirs, frequencies)).max() < 3.0
+    assert np.abs(thirds(ours, frequencies) - thirds(theirs, frequencies)).max() < accuracy.ROLL_THIRDS.bound
 
 
 def test_one_contact_on_a_kink_against_dop853():
@@ -103,7 +104,7 @@ def test_one_contact_on_a_kink_against_dop853():
         if after[0] / v > grid[-1]:
             break
     exact = np.diff(impulses) * rate - m * STANDARD_GRAVITY
-    assert np.abs(force - exact).max() < 1e-3 * np.abs(exact).max()
+    assert np.abs(force - exact).max() < accuracy.ROLL_START.bound * np.abs(exact).max()
 
 
 @pytest.mark.parametrize(("body", "on"), [(MARBLE, GLASS), (STEEL_BALL, WOOD), (WHEEL, STONE)])
@@ -117,7 +118,8 @@ def test_moments_know_nothing_of_the_rate(body, on):
         assert body_here["impacts"] > 0 and body_here["events"] > 1000
     for other in totals[1:]:
         # The last event reaches beyond the end, by the same in each.
-        assert other == pytest.approx(totals[0], rel=1e-9, abs=1e-9 * max(np.abs(totals[0][:50])))
+        bound = accuracy.ROLL_RATES.bound
+        assert other == pytest.approx(totals[0], rel=bound, abs=bound * max(np.abs(totals[0][:50])))
 
 
 def test_moments_are_those_of_the_force():

@@ -44,7 +44,7 @@ def test_a_device_hears_silence_while_the_engine_is_taken():
 
 @cfunc(SIGNATURE)
 def slow(_input, output, frames, times, flags, userdata):
-    """Something that may be run by one at a time, and takes 20 us: it counts when it is, and when it was not alone."""
+    """Something that may be run by one at a time, and takes 20 µs: it counts when it is, and when it was not alone."""
     state = carray(userdata, (3,), np.int64)
     state[2] += state[0]
     state[0] = 1

@@ -220,7 +220,7 @@ def test_no_priority_is_asked_for_beyond_what_is_given(monkeypatch, user, limit,
 
 
 def test_a_lost_device_is_told_and_had_back(tmp_path, jack):
-    """jackd is killed under a server and started again: time goes on by the clock, and so does the recording."""
+    """jackd is killed under a server and started again: the clock paces the sound meanwhile."""
     pytest.importorskip("sounddevice", reason="PortAudio is not installed", exc_type=OSError)
     jack.start(1024)
     with (

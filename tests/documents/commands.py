@@ -1,0 +1,37 @@
+"""The command line's reference, from its parsers."""
+
+import argparse
+
+from carom.clients.cli import COMMANDS, parsers
+from tests.documents.markdown import table
+
+
+def commands() -> str:
+    """Every command: its usage, what it does, its arguments and options."""
+    _, found = parsers()
+    sections = []
+    for command in COMMANDS:
+        rows = [(_signature(action), _help(action)) for action in _told(found[command.name])]
+        head = f"### `carom {command.name}{f' {command.usage}' * bool(command.usage)}`"
+        does = f"{command.help[0].upper()}{command.help[1:]}."
+        sections.append("\n\n".join([head, does, *([table(("argument or option", "meaning"), rows)] if rows else [])]))
+    return "\n\n".join(sections)
+
+
+def _told(parser: argparse.ArgumentParser) -> list[argparse.Action]:
+    """The arguments and options that need to be told of."""
+    return [action for action in parser._actions if action.help and action.dest != "help"]
+
+
+def _signature(action: argparse.Action) -> str:
+    choices = "|".join(map(str, action.choices)) if action.choices else ""
+    value = str(action.metavar or choices or action.dest.upper())
+    if not action.option_strings:
+        return f"`{value}`"
+    if action.nargs == 0:
+        return f"`{action.option_strings[-1]}`"
+    return f"`{action.option_strings[-1]} {f'[{value}]' if action.nargs == '?' else value}`"
+
+
+def _help(action: argparse.Action) -> str:
+    return (action.help or "") % vars(action)

@@ -1,0 +1,182 @@
+"""Tables of figures: promises as the tests hold them, measurements from the files that the measuring scripts wrote."""
+
+import json
+import math
+from collections.abc import Callable
+from typing import Any
+
+from carom.clients.chart import report
+from carom.clients.chart.tables import Row
+from tests.accuracy import GROWTH, PROMISES
+from tests.bench import fuzz, gil, overload, soak
+from tests.documents import study
+from tests.documents.markdown import table
+
+BENCH = study.MEASURED / "bench.json"
+
+
+def accuracy() -> str:
+    """The bounds that the tests hold."""
+    rows = [(each.quantity, each.reference, each, f"[{each.test}]({each.test})") for each in PROMISES]
+    return table(("quantity", "compared with", "error below", "test"), rows)
+
+
+def failures() -> str:
+    return f"{_made()}\n\n{_reported(report.failure_table, 'failures.csv')}"
+
+
+def rebounds() -> str:
+    return _reported(report.rebound_table, "rebounds.csv")
+
+
+def yielding() -> str:
+    return _reported(report.yielding_table, "coupled.csv")
+
+
+def choices() -> str:
+    """The closed form beside the cheapest sampled runs."""
+    rows = [
+        (
+            _number(row["samples"]), _number(row["mu_v"]), f"{row['closed_dB']:.0f} dB", _number(row["closed_us"]),
+            row["enough"], _number(row["enough_us"]), row["equal"], _number(row["equal_us"]),
+        )
+        for row in study.read(study.MEASURED / "choices.csv")
+    ]  # fmt: skip
+    enough = f"cheapest sampled run within {study.ENOUGH:g} dB"
+    head = ("samples", "mu v_in", "closed form", "µs", enough, "µs", "cheapest one as exact as the closed form", "µs")
+    return table(
+        head, [[cell or "none" if place in (4, 6) else cell for place, cell in enumerate(row)] for row in rows]
+    )
+
+
+def endurance() -> str:
+    """The bounds beyond which the scripts of `make study` fail."""
+    rows = [
+        ("extremes", "100,000 extreme contacts at each tolerance", f"energy grows by {GROWTH.bound:g} of a contact's"),
+        (
+            "soak", f"ten minutes of {soak.RATE:,} impacts per second and {soak.ROLLS} rolls, none dropped, none late",
+            f"{1e3 * soak.SLOWEST:.0f} ms per answer, {soak.MOST_GROWTH:g} MB of memory",
+        ),
+        (
+            "overload", "rolls and presses that need several times the time there is, after ten seconds",
+            f"{overload.MOST:g} % load, {1e3 * overload.LAG:.0f} ms behind",
+        ),
+        (
+            "fuzz", "a million mutated and random packets, over UDP and TCP: no crash, and the next strike sounds",
+            f"{1e3 * fuzz.HANG:.0f} ms of the server's time per {fuzz.BATCH} packets",
+        ),
+        (
+            "gil", f"{gil.FRAMES} frames per block on JACK while Python threads hog it, to a render's bits",
+            f"{100 * gil.WORST:g} % more blocks lost than without them",
+        ),
+    ]  # fmt: skip
+    return table(("script", "load", "fails beyond"), [(f"[{row[0]}](bench/{row[0]}.py)", *row[1:]) for row in rows])
+
+
+def _made() -> str:
+    return (study.MEASURED / study.MADE).read_text(encoding="utf-8").strip()
+
+
+def _reported(made: Callable[[list[Row]], report.Table], name: str) -> str:
+    """A table as `carom chart` writes it, with its note."""
+    found = made(study.read(study.MEASURED / name))
+    return f"{found.note}\n\n{table(found.head, found.rows)}"
+
+
+def speed() -> str:
+    """The benchmark's figures."""
+    if not BENCH.exists():
+        return "Not measured yet: `make bench` writes these tables."
+    bench = json.loads(BENCH.read_text(encoding="utf-8"))
+    parts = [
+        _machine(bench),
+        _kernels(bench["kernels"], bench["klank"]),
+        _impacts(bench["impacts"], bench["long_contacts"]),
+        _gestures(bench["gestures"]),
+        _starts(bench),
+    ]
+    return "\n\n".join(parts)
+
+
+def _machine(bench: dict[str, Any]) -> str:
+    on = bench["machine"]
+    rough = " Fewer rounds than usual, and rougher figures." if bench["quick"] else ""
+    busy = f" Load of the machine before: {on['load_before']:.1f}." if on.get("load_before") else ""
+    return (
+        f"{bench['date']}, {on['cpu']}, {on['cores']} cores, {on['system'].partition('-')[0]}, Python {on['python']}, "
+        f"numba {on['numba']}, numpy {on['numpy']}.{rough}{busy}"
+    )
+
+
+def _kernels(rows: list[dict[str, Any]], klank: dict[str, Any] | None) -> str:
+    sizes = list(dict.fromkeys((row["objects"], row["modes"]) for row in rows))
+    says = {"ring": "ringing", "drive": "driven by a contact in every sample"}
+    lines = []
+    for kernel, name in says.items():
+        found = {(row["objects"], row["modes"]): row for row in rows if row["kernel"] == kernel}
+        lines.append((name, *(_number(found[size]["ns"]) for size in sizes)))
+        if found[sizes[0]]["c_ns"]:
+            lines.append(
+                ("the same in C, `-O3 -march=native -ffast-math`", *(_number(found[size]["c_ns"]) for size in sizes))
+            )
+    head = [f"{modes} modes" if objects == 1 else f"{objects} x {modes}" for objects, modes in sizes]
+    made = f"### Modes\n\n{table(('ns per mode and sample, stereo', *head), lines)}"
+    if klank:
+        made += (
+            f"\n\nscsynth's Klank, in mono, takes {klank['ring_ratio']:.3g} times as long for {klank['modes']} modes."
+        )
+    return made
+
+
+def _impacts(rows: list[dict[str, Any]], long: list[dict[str, Any]]) -> str:
+    says = {
+        "wall": "closed form, the object as good as a wall",
+        "m*": "closed form, effective mass",
+        "coupled -60": "coupled, `-60`",
+        "coupled -80": "coupled, `-80`",
+        "coupled exact": "coupled, `exact`",
+    }
+    samples = list(dict.fromkeys(row["contact_samples"] for row in rows))
+    modes = list(dict.fromkeys(row["modes"] for row in rows))
+    us = {(row["solver"], row["contact_samples"], row["modes"]): row["us"] for row in rows}
+    lines = [
+        (name, *(" / ".join(_number(us[solver, length, n]) for n in modes) for length in samples))
+        for solver, name in says.items()
+    ]
+    head = (f"µs per impact, {' / '.join(map(str, modes))} modes", *(f"{length:g} samples" for length in samples))
+    held = [(says[row["solver"]], row["modes"], _number(row["us_per_sample"])) for row in long]
+    return f"### Contacts\n\n{table(head, lines)}\n\n{table(('contact that lasts', 'modes', 'µs per sample'), held)}"
+
+
+def _gestures(rows: list[dict[str, Any]]) -> str:
+    lines = [
+        (
+            row["rolls"], row["bounces"], f"`{row['accuracy']}`", f"{100 * row['load']:.3g} %",
+            f"{100 * row['worst_block']:.3g} %", f"{row['impacts_per_second']:,.0f}",
+        )
+        for row in rows
+    ]  # fmt: skip
+    head = ("rolls", "bounces", "accuracy", "load of one core", "of the worst block", "impacts per second")
+    return f"### Gestures on 32 objects of 64 modes\n\n{table(head, lines)}"
+
+
+_CLIPS = {"preset": "objects as their presets are", "geometry": "each object of a new geometry"}
+
+
+def _starts(bench: dict[str, Any]) -> str:
+    lines = [
+        (f"start with a {row['cache']} code cache, to the first block", f"{row['all']:.3g} s")
+        for row in bench["startup"]
+    ]
+    lines += [
+        (f"a clip of one second with labels, {_CLIPS[row['objects']]}", f"{row['ms']:.3g} ms") for row in bench["clips"]
+    ]
+    lines.append(("an empty `Scene`", f"{bench['empty_scene']['ms']:.3g} ms"))
+    return f"### Starts and clips\n\n{table(('', 'takes'), lines)}"
+
+
+def _number(value: float) -> str:
+    """Two digits, or three from 100 on."""
+    if math.isnan(value):
+        return ""
+    return f"{value:.2g}" if abs(value) < 100 else f"{value:.0f}"

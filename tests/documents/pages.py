@@ -1,0 +1,56 @@
+"""The parts of the documents that the program writes itself: `make documents` rewrites them, a test compares them.
+
+A part stands in a page between `<!-- begin NAME -->` and `<!-- end NAME -->`.
+"""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+from carom.server.osc.addresses import address_table, key_table
+from tests.documents import commands, figures, presets, protocol
+
+ROOT = Path(__file__).parents[2]
+PAGES = ("README.md", *(f"{room}/README.md" for room in ("server", "clients", "presets", "dsp", "tests")))
+
+PARTS: dict[str, Callable[[], str]] = {
+    "addresses": address_table,
+    "gesture keys": key_table,
+    "status": protocol.status,
+    "limits": protocol.limits,
+    "commands": commands.commands,
+    "preset files": presets.files,
+    "shapes": presets.shapes,
+    "presets": presets.listed,
+    "scores": presets.scores,
+    "accuracy": figures.accuracy,
+    "speed": figures.speed,
+    "failures": figures.failures,
+    "rebounds": figures.rebounds,
+    "choices": figures.choices,
+    "yielding": figures.yielding,
+    "endurance": figures.endurance,
+}
+"""What writes each part, by its name."""
+
+_PART = re.compile(r"(<!-- begin ([a-z ]+) -->\n).*?(<!-- end \2 -->)", re.DOTALL)
+
+
+def parts(text: str) -> list[str]:
+    """The names of the parts of a page."""
+    return [name for _, name, _ in _PART.findall(text)]
+
+
+def written(text: str) -> str:
+    """A page with all its parts as the program writes them now."""
+    return _PART.sub(lambda found: f"{found[1]}{PARTS[found[2]]()}\n{found[3]}", text)
+
+
+def main() -> None:
+    for page in PAGES:
+        path = ROOT / page
+        path.write_text(written(path.read_text(encoding="utf-8")), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,109 @@
+"""Tables of the presets: the keys of every kind of file, the values that they may have, and all presets there are."""
+
+from collections.abc import Collection
+from pathlib import Path
+
+from carom.presets import BUILT_IN, KINDS, Presets
+from carom.presets import schema as known
+from carom.presets.values import Choice, Many, Name, OneOrMany, Quantity, Row, Whole
+from tests.documents.markdown import table
+from tests.documents.meanings import MEANINGS
+
+_HEAD = ("key", "value", "meaning")
+_REQUIRED_OF_OBJECT = ("description", "source", "shape", "level")
+
+
+def _value(domain: known.Domain) -> str:
+    """A domain in few words."""
+    match domain:
+        case Row(items):
+            return f"{len(items)} values, each {_value(items[0])}"
+        case OneOrMany(item):
+            return f"{_value(item)}; one, or a list"
+        case Many(item):
+            return f"a list, each {_value(item)}"
+        case Quantity(low, high, unit):
+            return f"{low:g} to {high:g} {unit}".rstrip() + ", whole" * isinstance(domain, Whole)
+        case Choice(options):
+            return ", ".join(f"`{word}`" for word in options)
+        case Name():
+            return "a preset's name"
+    return str(domain)
+
+
+def _keys(where: str, fields: known.Fields, required: Collection[str] = ()) -> str:
+    rows = [
+        (f"`{key}`{' (required)' * (key in required)}", _value(domain), _meaning(where, key))
+        for key, domain in fields.items()
+    ]
+    return table(_HEAD, rows)
+
+
+def _meaning(where: str, key: str) -> str:
+    return MEANINGS[where, key] if (where, key) in MEANINGS else MEANINGS["", key]
+
+
+def files() -> str:
+    """The keys of each kind of file and of its sections."""
+    striker = "click", "ringing", "snap"
+    of_striker = zip(striker, (known.CLICK, known.RINGING, known.SNAP), strict=True)
+    needed = {"click": ("radius",), "ringing": ("frequency", "t60", "modal_mass"), "snap": tuple(known.SNAP)}
+    parts = {
+        "An object": _keys("object", known.OBJECT, _REQUIRED_OF_OBJECT),
+        "`[damping]` of an object, in place of its material's": _keys("damping", known.DAMPING),
+        "`[strike]` of an object": _keys("strike", known.STRIKE, known.STRIKE),
+        **{
+            f"`[{name}]` of an object": _keys(name, addition.fields, addition.required)
+            for name, addition in known.ADDED.items()
+        },
+        "A striker": _keys("striker", known.STRIKER, known.DESCRIPTION),
+        **{f"`[{name}]` of a striker": _keys(name, fields, needed[name]) for name, fields in of_striker},
+        "A material": _keys("material", known.MATERIAL, known.MATERIAL_REQUIRED),
+        "A surface": _keys("surface", known.SURFACE, known.SURFACE_REQUIRED),
+    }
+    return "\n\n".join(f"### {title}\n\n{part}" for title, part in parts.items())
+
+
+def shapes() -> str:
+    """The keys of `[geometry]`, shape by shape."""
+    parts = []
+    for name, shape in known.SHAPES.items():
+        one, other = (", ".join(f"`{key}`" for key in shape.fields if key in side) for side in shape.either)
+        note = f"\n\nEither {one} or {other}." if one else ""
+        parts.append(f"### `{name}`\n\n{_keys(name, shape.fields, shape.required)}{note}")
+    return "\n\n".join(parts)
+
+
+def listed() -> str:
+    """The presets of each kind, each with what it says of itself."""
+    presets = Presets()
+    parts = []
+    for kind in reversed(KINDS):
+        names = presets.names(kind)
+        rows = [(f"`{name}`", presets.description(kind, name).replace("\n", " ")) for name in names]
+        if kind == "materials":
+            rows = [(name, _material(presets, name.strip("`"))) for name, _ in rows]
+        parts.append(f"### {len(names)} {kind}\n\n{table(('name', 'description'), rows)}")
+    return "\n\n".join(parts)
+
+
+def _material(presets: Presets, name: str) -> str:
+    material = presets.material(name)
+    return f"{material.density:g} kg/m³, {material.youngs_modulus / 1e9:.3g} GPa"
+
+
+def scores() -> str:
+    """The scores, each with the comment that it begins with."""
+    rows = [
+        (f"[{path.name}](scores/{path.name})", _comment(path)) for path in sorted((BUILT_IN / "scores").glob("*.txt"))
+    ]
+    return table(("score", "events"), rows)
+
+
+def _comment(path: Path) -> str:
+    lines = []
+    for line in path.read_text(encoding="utf-8").splitlines():
+        if not line.startswith("#") or line.startswith("# time "):  # the head of its columns
+            break
+        lines.append(line.lstrip("# ").split("   ")[0])
+    return " ".join(lines)

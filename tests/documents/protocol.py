@@ -1,0 +1,37 @@
+"""Tables of the OSC reference: the fields of /status.reply, and what the engine has room for."""
+
+import dataclasses
+
+from carom.dsp.engine import state
+from carom.dsp.schema import Stats
+from carom.server.osc.score import LONGEST_SCORE
+from carom.server.render import HIGHEST_RATE, LOWEST_RATE
+from carom.server.scene.limits import LONGEST_BOUNCE, LONGEST_CONTACT
+from carom.server.status import FIELDS, FIRST
+from tests.documents.markdown import table
+
+
+def status() -> str:
+    """The values of /status.reply by position, then by name."""
+    numbered = [(place, help) for place, help in enumerate(FIRST, 1)]
+    stats = {field.name: field.metadata for field in dataclasses.fields(Stats)}
+    named = [(f"`{name}`", help or stats[name]["help"]) for name, help in FIELDS.items()]
+    return f"{table(('place', 'value'), numbered)}\n\n{table(('name', 'value that follows'), named)}"
+
+
+def limits() -> str:
+    """What there is room for at once."""
+    rows = [
+        ("objects", state.OBJECTS),
+        ("modes", state.MODES),
+        ("modes of an object", state.MODES_PER_OBJECT),
+        ("values of mode shapes", state.SHAPE_VALUES),
+        ("contacts, and gestures that last", state.CONTACTS),
+        ("of these, rolls", state.ROLLS),
+        ("events that wait", state.EVENTS),
+        ("length of a contact", f"{LONGEST_CONTACT:g} s"),
+        ("length of a bounce", f"{LONGEST_BOUNCE:,.0f} s"),
+        ("length of a score", f"{LONGEST_SCORE / 86_400:g} days"),
+        ("sampling rate", f"{LOWEST_RATE:,} to {HIGHEST_RATE:,} Hz"),
+    ]
+    return table(("", "at most"), [(name, f"{value:,}" if isinstance(value, int) else value) for name, value in rows])

@@ -1,0 +1,58 @@
+"""The documents say what the program says: their tables, links and sizes."""
+
+import re
+
+import pytest
+
+from carom.server.osc.wire import Message
+from carom.server.status import FIELDS, FIRST
+from tests.documents.pages import PAGES, PARTS, ROOT, parts, written
+from tests.support import serving
+
+LONGEST_README = 150
+OTHERS = ("CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "clients/examples/README.md")
+TEXTS = {page: (ROOT / page).read_text(encoding="utf-8") for page in (*PAGES, *OTHERS)}
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_a_pages_tables_are_the_programs(page):
+    assert written(TEXTS[page]) == TEXTS[page], "run `make documents`"
+
+
+def test_every_part_stands_in_one_page():
+    assert sorted(name for page in PAGES for name in parts(TEXTS[page])) == sorted(PARTS)
+    for text in TEXTS.values():
+        assert text.count("<!-- begin ") == text.count("<!-- end ") == len(parts(text))
+
+
+def test_the_readme_is_short():
+    assert TEXTS["README.md"].count("\n") < LONGEST_README
+
+
+@pytest.mark.parametrize("page", TEXTS)
+def test_its_links_lead_somewhere(page):
+    for link in re.findall(r"\]\(([^)\s]+)\)", TEXTS[page]):
+        name, _, section = link.partition("#")
+        if not name.startswith("http"):
+            target = (ROOT / page).parent / name if name else ROOT / page
+            assert target.exists(), link
+            heads = re.findall(r"^#+ (.*)$", target.read_text(encoding="utf-8"), re.M) if section else []
+            assert not section or section in {_anchor(head) for head in heads}, link
+
+
+def _anchor(head: str) -> str:
+    return re.sub(r"[^\w -]", "", head.lower()).replace(" ", "-")
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_lines_of_prose_are_no_longer_than_code(page):
+    """Tables and pictures are as long as they are."""
+    text = re.sub(r"<!-- begin .*?<!-- end", "", TEXTS[page], flags=re.DOTALL)
+    assert [line for line in text.splitlines() if len(line) > 120 and line[:1] not in ("|", "!")] == []
+
+
+@pytest.mark.slow
+def test_the_fields_of_a_status_are_those_that_are_documented(tmp_path):
+    with serving(tmp_path, "--device", "none") as server, server.client() as client:
+        status: Message = client.status()
+    assert len(FIRST) == 9 and status.args[9::2] == tuple(FIELDS)

@@ -1,0 +1,32 @@
+"""The sounds beside the README are those of its scores."""
+
+import numpy as np
+import pytest
+import soundfile
+
+from tests.documents.pages import ROOT
+from tests.documents.sounds import MOST_BYTES, RATE, SOUNDS, bands, path, rendered
+
+CLOSE = 1.0  # dB: Vorbis and another processor's arithmetic differ by less
+HEARD = -40.0  # dB below the loudest octave
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SOUNDS)
+def test_a_sound_is_its_scores(name):
+    """By its length, its octaves, and its loudness over time: a preset or a score that changed is heard."""
+    kept, rate = soundfile.read(path(name))
+    made = rendered(name)
+    assert rate == RATE and abs(len(kept) - len(made)) < 0.1 * RATE, "run `make sounds`"
+    loud = bands(made) > HEARD
+    assert np.abs(bands(kept) - bands(made))[loud].max() < CLOSE, "run `make sounds`"
+    before, now = (np.array([np.std(part) for part in np.array_split(each[: len(made)], 20)]) for each in (kept, made))
+    loud = now > 10 ** (HEARD / 20) * now.max()
+    assert np.abs(20 * np.log10(before[loud] / now[loud])).max() < CLOSE, "run `make sounds`"
+
+
+def test_the_readme_links_to_each_and_they_are_small():
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    for name in SOUNDS:
+        assert path(name).relative_to(ROOT).as_posix() in text
+        assert 10_000 < path(name).stat().st_size < MOST_BYTES
