@@ -137,6 +137,10 @@ class Actions(ABC):
         """Set the accuracy of later contacts with objects that yield: -40, -60 (dB, the default), -80 or "exact"."""
         self.send("/accuracy", level, at=at)
 
+    def budget(self, steps: int, modes: int, at: SupportsFloat | None = None) -> None:
+        """Bound coupled contacts: steps per sample of each, on average, and modes coupled at once; 0: any number."""
+        self.send("/budget", steps, modes, at=at)
+
     def quality(self, level: int, at: SupportsFloat | None = None) -> None:
         """Set how much is left out from then on to save time, from 0 (nothing, the default) to 8."""
         self.send("/quality", level, at=at)

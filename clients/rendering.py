@@ -102,6 +102,7 @@ def render_task(task: Task, options: Options, presets: Presets, progress: Callab
         warnings.append(f"normalized by {done.normalized:+.3g} dB")
     for name, text in (
         ("contacts_dropped", "{} contacts were dropped: too many at once"),
+        ("over_budget", "the force of contacts was held in {} samples, as /budget asks"),
         ("faults", "objects were silenced {} times, because their sound was not finite"),
     ):
         if count := getattr(done.engine.stats, name):

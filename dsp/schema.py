@@ -245,6 +245,15 @@ SETTINGS = {
 # What can be set of the whole.
 CHANNELS = Parameter("channels", 1, 64, "", "of the output; 2: left and right, else a ring", default=2, whole=True)
 MAIN_GAIN = Parameter("gain", -120.0, 40.0, "dB", "of everything", default=0.0, useful=(-40.0, 12.0))
+STEPS = Parameter(
+    "steps", 0, 1_000_000, "", "per sample that a coupled contact may take on average; 0: as many as it needs",
+    default=0.0, useful=(0, 64), whole=True,
+)  # fmt: skip
+ROOM = Parameter(
+    "modes", 0, 2**31 - 1, "",
+    "that may be coupled to contacts at once, each as often as it is, and 32 more for each contact; 0: any number",
+    default=0.0, useful=(0, 65_536), whole=True,
+)  # fmt: skip
 OWN_GAIN = Parameter("gain", -100.0, 100.0, "", "factor of one channel", useful=(0.0, 1.0))
 
 
@@ -265,6 +274,7 @@ class Stats:
     coupled: int = _counter("contacts that were coupled to the modes")
     recontacts: int = _counter("times that an object caught up with the striker that had just left it")
     held: int = _counter("steps of coupled contacts in which the force was held")
+    over_budget: int = _counter("samples in which a coupled contact's force was held, as its budget of steps was spent")
     late: int = _counter("events that came after their time and were played at once")
     faults: int = _counter("times that an object was silenced because its sound was not finite")
     limited: int = _counter("frames that the limiter turned down", "frames")

@@ -9,6 +9,8 @@ from ..dsp.schema import CHANNELS, MAIN_GAIN
 from .osc.wire import DEFAULT_PORT, Argument, Message
 from .render import HIGHEST_RATE, LOWEST_RATE
 
+BUDGET = (4, 8_192)
+"""What /budget is at a server's start: steps per sample of a coupled contact, and modes coupled at once."""
 _LONGEST_LATENCY = 2.0  # s
 
 
@@ -56,7 +58,9 @@ class Options:
         """An engine that begins with them."""
         engine = Engine(self.rate, self.channels)
         gain = Command(NOW, Kind.GAIN, value=MAIN_GAIN.in_engine(self.gain))
-        engine.send([gain, Command(NOW, Kind.LIMITER, value=self.limiter)])
+        steps, modes = BUDGET
+        budget = Command(NOW, Kind.BUDGET, values={"steps": steps, "modes": modes})
+        engine.send([gain, Command(NOW, Kind.LIMITER, value=self.limiter), budget])
         return engine
 
     @property
@@ -64,5 +68,6 @@ class Options:
         """The messages that a log begins with."""
         limiter = "on" if self.limiter else "off"
         return [
-            Message("/channels", (self.channels,)), Message("/limiter", (limiter,)), Message("/gain", (self.gain,))
+            Message("/channels", (self.channels,)), Message("/limiter", (limiter,)), Message("/gain", (self.gain,)),
+            Message("/budget", BUDGET),
         ]  # fmt: skip

@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterator
 from contextlib import ExitStack, closing, contextmanager, suppress
 
 from ..dsp.contact.sampled import METHODS
-from ..dsp.engine.state import CONTACTS, COUPLED_MODES, ROLLS, End
+from ..dsp.engine.state import CONTACTS, ROLLS, End
 from ..dsp.native.system import clock_ns
 from ..dsp.runtime.arena import EngineFull
 from ..dsp.runtime.engine import NOW, Engine
@@ -240,7 +240,9 @@ class Server:
         for client in clients:
             self._reply(Message("/gesture/end", (ended.id,)), client)
         if ended.end is End.NO_ROOM:
-            what = f"{CONTACTS} contacts or {COUPLED_MODES} coupled modes"
+            what = f"{CONTACTS} contacts"
+            if modes := self.engine.budget[1]:
+                what += f" or {modes} coupled modes"
             if ended.address.endswith("/roll") and self.engine.stats.rolls_active == ROLLS:
                 what = f"{ROLLS} rolls"
             text = f"{ended.id}: engine full: {what} in use"

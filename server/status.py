@@ -15,6 +15,7 @@ _COUNTERS = (
     "coupled",
     "recontacts",
     "held",
+    "over_budget",
     "contacts_dropped",
     "strikers_cut",
     "late",
@@ -45,6 +46,7 @@ FIELDS = {
     "rolls": "bodies that roll",
     "accuracy": "as `/accuracy` sets it",
     "quality": "as `/quality` asks for it or the load demands it, 0 to 8",
+    "budget": "as `/budget` sets it: steps per sample, and modes at once",
     "overruns": "",
     "limiter_lowest": "the limiter's lowest gain since this client last asked, 1: it did nothing",
     "latency": "of the device, s",
@@ -138,6 +140,7 @@ class Status:
             "rolls": stats.rolls_active,
             "accuracy": self._engine.accuracy,
             "quality": int(self._engine.quality),
+            "budget": " ".join(map(str, self._engine.budget)),
             "overruns": stats.overruns,
             "limiter_lowest": self._lowest_gain.since_last_asked(client),
             "latency": self._player.latency,
@@ -160,7 +163,8 @@ class Status:
         lines = self._limiter_warnings()
         stats = self._engine.stats
         for name, text in (
-            ("contacts_dropped", "{} contacts dropped: the engine was full"),
+            ("contacts_dropped", "{} contacts dropped: the engine was full, or /budget left no room"),
+            ("over_budget", "the force of contacts was held in {} samples: /budget grants no more steps"),
             ("strikers_cut", "{} strikers were cut short or left out: too many sounded"),
             ("late", "{} late events were played at once; the last was {late_last:.1f} ms late"),
             ("tap_lost", "{} frames are missing from the recording: the disk is too slow"),

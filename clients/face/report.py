@@ -11,6 +11,7 @@ _COUNTERS = {
     "contacts_dropped": "contacts_dropped",
     "strikers_cut": "strikers_cut",
     "steps_held": "held",
+    "over_budget": "over_budget",
     "late": "late",
     "faults": "faults",
 }
@@ -26,7 +27,8 @@ class Report:
     normalized_db: by how much the sound was brought to the peak that was asked for (None: it was not).
     contacts: how many began, or were left out; contacts_dropped: left out, as too many went on at once;
     strikers_cut: strikers whose own sound was cut short or left out, as too many sounded;
-    steps_held: steps of contacts solved with the modes that took the force as constant, to save time.
+    steps_held: steps of contacts solved with the modes that took the force as constant; over_budget: samples in which
+    they did as `/budget` granted no more steps.
     late: events that came after their time; faults: times that an object was silenced as its sound was not finite.
     compiled: whether this process compiled the engine (it loads it where it was compiled before).
     warnings: other things to know, such as that the sound ends though something would go on for ever.
@@ -40,6 +42,7 @@ class Report:
     contacts_dropped: int = 0
     strikers_cut: int = 0
     steps_held: int = 0
+    over_budget: int = 0
     late: int = 0
     faults: int = 0
     compiled: bool = False
@@ -54,6 +57,8 @@ class Report:
             lines.append(f"normalized by {self.normalized_db:+.3g} dB")
         if self.contacts_dropped:
             lines.append(f"{self.contacts_dropped} contacts were left out: too many at once")
+        if self.over_budget:
+            lines.append(f"the force of contacts was held in {self.over_budget} samples, as /budget asks")
         if self.strikers_cut:
             lines.append(f"{self.strikers_cut} strikers were cut short or left out: too many sounded")
         if self.late:

@@ -202,6 +202,18 @@ def advance_pulse(pulse, until, shift, moments):
 
 
 @kernel
+def state_of_pulse(pulse, v_in, k):
+    """Where a pulse stands: compression (m), its velocity (m/s), and the momentum (N s) that was given so far."""
+    phase = 0 if pulse.time < pulse.phase_time[0] else 1
+    a, w, span = pulse.exponent, pulse.w[phase], pulse.span[phase]
+    Z = pulse.zeta ** (a + 1.0)
+    g = potential(velocity_of(w, span * Z), w * span * Z, velocity_of(w, span * (1.0 - Z)), w)
+    length = (pulse.momentum * v_in / k) ** (1.0 / (a + 1.0))
+    x = length * ((a + 1.0) * max(g, 0.0)) ** (1.0 / (a + 1.0))
+    return x, pulse.u * v_in, pulse.momentum * (1.0 - pulse.u)
+
+
+@kernel
 def pulse_node(pulse, phase, j):
     """Time (samples) and impulse (N s) of Gauss node j of a phase, j < NODES/2.
 

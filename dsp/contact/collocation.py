@@ -37,8 +37,8 @@ LAST = CARDINAL.sum(axis=0)
 WITHIN = 0.8
 """Share of the longest step within a tolerance that is tried: of `better_step`."""
 
-_SOLVED = 1e-11  # relative change of the forces that ends Newton's method, whose error is then below its square
-_NEWTON_STEPS = 16
+SOLVED = 1e-11  # relative change of the forces that ends Newton's method, whose error is then below its square
+NEWTON_STEPS = 16
 _GROWTH = 4e-9  # share of its energy that a contact may gain in all
 _LEAST_GROWTH = 1e-15  # what rounding makes of it in a step
 _CLOSED = 1e-10  # of a step's greatest compression, that is left at the release
@@ -96,7 +96,7 @@ def solve(step, k, mu, a, negligible):
     1 + mu v is down to rounding. False if it doesn't converge: the step is too long.
     """
     for _ in range(2):
-        for _ in range(_NEWTON_STEPS):
+        for _ in range(NEWTON_STEPS):
             change = 0.0
             size = 0.0
             for i in range(NODES):
@@ -123,7 +123,7 @@ def solve(step, k, mu, a, negligible):
                 step.f[i] += step.linear[i, NODES]
                 change = max(change, abs(step.linear[i, NODES]))
                 size = max(size, abs(step.f[i]))
-            if change <= _SOLVED * size + negligible:
+            if change <= SOLVED * size + negligible:
                 return True
         for i in range(NODES):
             step.f[i] = 0.0

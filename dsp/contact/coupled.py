@@ -26,11 +26,11 @@ import numpy as np
 
 from ..native.jit import kernel
 from ..numerics.legendre import FINE
-from .collocation import NODES, STEP
+from .collocation import NODES, STEP, law
 from .coupled_step import stay
 from .power_series import BINOMIAL, FORCE_AT, POWERS, QUADRATURE, QUADRATURE_WEIGHTS, TO_END, value_at
 
-_MOST_STEPS = 200  # in a sample; what is left of it then is one held step
+MOST_STEPS = 200  # in a sample; what is left of it then is one held step
 _LOOKS = 8  # at the gap, in a sample
 _AGES = 1e12  # samples that are as good as for ever
 _FIRST = 0.2  # share of the contact's natural time: the first step to try
@@ -115,6 +115,22 @@ def begin_coupled(contact, v, law, push, fraction, rate, tolerance):
 
 
 @kernel
+def begin_within(contact, x, v, v_relative, step):
+    """Let a contact that `begin_coupled` began be under way: compressed by x (m), its striker at v (m/s).
+
+    v_relative: how fast x grows; step: samples to try first.
+    """
+    contact.wait = -1.0
+    contact.motion[0] = x
+    contact.v = v
+    contact.touching = 1
+    contact.contacts = 1
+    contact.next = step
+    for j in range(NODES):
+        contact.force[j] = contact.step.f[j] = law(x, v_relative, contact.k, contact.mu, contact.a)
+
+
+@kernel
 def respond_with(contact, receptance):
     """Let the contact meet modes of that receptance (FINE, m/(N s)): at its beginning, and when they are retuned."""
     h = contact.period
@@ -137,11 +153,11 @@ def step_coupled(contact, observed, moments):
     Several contacts on one object each see what those before them did, but not those after: take them in turn forwards
     and backwards, or what the last ones do in a sample shifts the first. True while they touch.
     """
-    _look(contact, observed)
+    look(contact, observed)
     for n in range(FINE):
         moments[n] = 0.0
     at = 0.0
-    for n in range(_MOST_STEPS + 1):
+    for n in range(MOST_STEPS + 1):
         left = 1.0 - at
         if left <= 0.0:
             break
@@ -150,17 +166,17 @@ def step_coupled(contact, observed, moments):
             eta = contact.wait
             contact.wait = -1.0
             meets = True
-        elif contact.touching or n == _MOST_STEPS:
-            eta, released = stay(contact, left, n == _MOST_STEPS)
+        elif contact.touching or n == MOST_STEPS:
+            eta, released = stay(contact, left, n == MOST_STEPS)
         else:
-            eta, meets = _fly(contact, left)
-        _move(contact, eta, at, moments)
+            eta, meets = fly(contact.motion, left)
+        move(contact, eta, at, moments)
         at = 1.0 if eta >= left else at + eta
         if meets or released:
             contact.position -= contact.motion[0]
             contact.motion[0] = 0.0
         if meets and contact.motion[1] > 0.0:
-            _touch(contact)
+            touch(contact)
         elif contact.motion[0] > 0.0:
             contact.touching = 1
         elif contact.motion[0] < 0.0 or released:
@@ -171,7 +187,7 @@ def step_coupled(contact, observed, moments):
 
 
 @kernel
-def _look(contact, observed):
+def look(contact, observed):
     """Find the compression over the sample, if no more force acted."""
     place = 0.0
     for k in range(FINE):
@@ -192,7 +208,7 @@ def _look(contact, observed):
 
 
 @kernel
-def _touch(contact):
+def touch(contact):
     """Begin a contact at x = 0: the first step is a share of its natural time, or of strong dissipation's.
 
     Where a restitution was given, mu follows from the speed at which striker and object meet.
@@ -209,19 +225,19 @@ def _touch(contact):
 
 
 @kernel
-def _fly(contact, left):
+def fly(motion, left):
     """Samples until x comes up to 0, at most `left`, and whether it does."""
     high = low = 0.0
     meets = False
-    slope = contact.motion[1]
+    slope = motion[1]
     for n in range(1, _LOOKS + 1):
         before, low = low, left * n / _LOOKS
-        x, after = value_at(contact.motion, low)
+        x, after = value_at(motion, low)
         high = low
         if x <= 0.0 and slope > 0.0 and after < 0.0:
             # It may have looked in between: at its greatest, about there.
             high = before + (low - before) * slope / (slope - after)
-            x = value_at(contact.motion, high)[0]
+            x = value_at(motion, high)[0]
         slope = after
         if x > 0.0:
             low = before
@@ -232,7 +248,7 @@ def _fly(contact, left):
     # Newton's method within the bracket, from outside to the first point inside.
     guess = high
     for _ in range(_NEWTON_STEPS):
-        x, slope = value_at(contact.motion, guess)
+        x, slope = value_at(motion, guess)
         if x > 0.0:
             high = guess
         else:
@@ -246,7 +262,7 @@ def _fly(contact, left):
 
 
 @kernel
-def _move(contact, eta, at, moments):
+def move(contact, eta, at, moments):
     """Go on by `eta` samples under the step's force: its part of the moments, and what becomes of the sample's rest."""
     f = contact.force
     h = contact.period

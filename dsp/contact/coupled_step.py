@@ -25,12 +25,13 @@ from .power_series import DOUBLE, FORCE_AT, QUADRATURE, QUADRATURE_WEIGHTS, TO_E
 HELD = math.inf
 """Tolerance of one held step a sample: the cheapest, for when there is no time."""
 
-_TRIALS = 40
-_FINEST = 2.0**-16  # of the step tried first: where it comes to this, the force is held
+TRIALS = 40
+FINEST = 2.0**-16  # of the step tried first: where it comes to this, the force is held
 _LOSS = 1e-4  # of the contact's energy, times the tolerance, that a step may lose beyond what the law takes
-_RETRY = 0.25  # of a step whose equations are not solved
-_REFINE = 0.5  # of a step whose energy is not right
-_ROUNDING = 1e-14  # share of the momentum at hand that no force is asked for
+_LEAST_LOSS = 1e-10  # share of that energy that it may lose in any case: rounding comes near it
+RETRY = 0.25  # of a step whose equations are not solved
+REFINE = 0.5  # of a step whose energy is not right
+ROUNDING = 1e-14  # share of the momentum at hand that no force is asked for
 
 
 @kernel
@@ -44,18 +45,18 @@ def stay(contact, left, last):
     contact.steps += 1
     held = last or contact.tolerance == HELD
     eta = left if held else min(contact.next, left)
-    finest = left if held else _FINEST * eta
+    finest = left if held else FINEST * eta
     closing = False
-    for _ in range(_TRIALS):
+    for _ in range(TRIALS):
         if eta <= finest:
             break
         solved, x, v = _collocate(contact, eta)
         if not solved:
-            eta *= _RETRY
+            eta *= RETRY
             closing = False
             continue
         whole, closing = until_release(contact.step, x, v * contact.period, eta, left, closing)
-        ratio = _ratio(contact, eta, x, v)
+        ratio = ratio_to_longest(contact, eta, x, v)
         if whole != eta or ratio < WITHIN:
             # No need to seek a release that is too far away for one step.
             closing = closing and ratio >= WITHIN
@@ -68,10 +69,10 @@ def stay(contact, left, last):
                 contact.force[j] = contact.step.f[j]
             extrapolate(contact.step, contact.next / eta)
             return eta, closing
-        eta *= _REFINE
+        eta *= REFINE
         closing = False
     eta = max(eta, finest)
-    _hold(contact, eta)
+    hold(contact, eta)
     return eta, False
 
 
@@ -99,8 +100,8 @@ def _collocate(contact, eta):
             for n in range(NODES):
                 give += INTEGRAL[i, n] * step.give_v[n, j]
             step.give_x[i, j] = give * eta * h
-    speed = _speed(contact, contact.motion[0], contact.motion[1] / h)
-    solved = solve(step, contact.k, contact.mu, contact.a, _ROUNDING * contact.mass * speed / (eta * h))
+    speed = speed_of(contact, contact.motion[0], contact.motion[1] / h)
+    solved = solve(step, contact.k, contact.mu, contact.a, ROUNDING * contact.mass * speed / (eta * h))
     x, v = value_at(contact.motion, eta)
     for n in range(FINE):
         contact.impulse[n] = (
@@ -113,15 +114,15 @@ def _collocate(contact, eta):
 
 
 @kernel
-def _speed(contact, x, v):
+def speed_of(contact, x, v):
     """The speed that kinetic and elastic energy amount to."""
     return math.sqrt(v * v + 2.0 * elastic(x, contact.k, contact.a) / contact.mass)
 
 
 @kernel
-def _ratio(contact, eta, x, v):
+def ratio_to_longest(contact, eta, x, v):
     """What to multiply the step with for the tolerance."""
-    speed = max(_speed(contact, x, v), _speed(contact, contact.motion[0], contact.motion[1] / contact.period))
+    speed = max(speed_of(contact, x, v), speed_of(contact, contact.motion[0], contact.motion[1] / contact.period))
     rest = abs(end_of(contact.step.f) - law(x, v, contact.k, contact.mu, contact.a)) * eta * contact.period
     return better_step(rest, contact.tolerance * contact.mass * speed)
 
@@ -149,14 +150,20 @@ def _sound(contact, eta, x):
         node = contact.step.x[i]
         spring = contact.k * node**contact.a if node > 0.0 else 0.0
         lost -= eta * contact.period * WEIGHTS[i] * (f[i] - spring) * contact.step.v[i]
-    if gain > allowance(contact.gained, contact.scale) or lost > _LOSS * contact.tolerance * contact.scale:
+    if gain > allowance(contact.gained, contact.scale) or lost > may_lose(contact):
         return False
     contact.gained = max(contact.gained + gain, 0.0)
     return True
 
 
 @kernel
-def _hold(contact, eta):
+def may_lose(contact):
+    """Energy (J) that a step may lose beyond what the law takes."""
+    return max(_LOSS * contact.tolerance, _LEAST_LOSS) * contact.scale
+
+
+@kernel
+def hold(contact, eta):
     """Hold the force for a step, which can't gain energy."""
     h = contact.period
     give = 0.0

@@ -42,6 +42,7 @@ class Kind(IntEnum):
     GAIN = 15  # of everything; value: amplitude
     LIMITER = 16  # value 1: on; 0: off
     PLACE = 17  # an object, by a gain of its own (value) in a channel; channel -1: by its pan again
+    BUDGET = 18  # of contacts that are coupled to modes
 
 
 # The same as plain numbers, which kernels compare with.
@@ -52,6 +53,7 @@ KIND_STEER, KIND_STOP, KIND_SET = int(Kind.STEER), int(Kind.STOP), int(Kind.SET)
 KIND_PANIC, KIND_SYNC, KIND_METHOD = int(Kind.PANIC), int(Kind.SYNC), int(Kind.METHOD)
 KIND_ACCURACY, KIND_QUALITY = int(Kind.ACCURACY), int(Kind.QUALITY)
 KIND_GAIN, KIND_LIMITER, KIND_PLACE = int(Kind.GAIN), int(Kind.LIMITER), int(Kind.PLACE)
+KIND_BUDGET = int(Kind.BUDGET)
 
 GESTURE_KINDS = (Kind.IMPACT, Kind.BOUNCE, Kind.ROLL, Kind.PRESS, Kind.SPIN)
 """Commands that bring a striker."""
@@ -122,6 +124,10 @@ for the energy that rings, 1/J, and about a striker, kg (bodies/tension.py).
 METHOD = np.dtype([(name, np.int64) for name in ("method", "correction", "oversampling")], align=True)
 """How contacts are solved: 0 closed form, else 1 + method; correction; steps per sample."""
 
+BUDGET = np.dtype([(name, np.int64) for name in ("steps", "modes")], align=True)
+"""What contacts that are coupled to modes may cost: steps per sample of each, on average, and modes at once; 0: any
+number."""
+
 COMMAND = np.dtype(
     [
         ("time", np.float64),  # samples since the start; what is past is now
@@ -148,6 +154,7 @@ COMMAND = np.dtype(
         ("settings", SETTINGS_RECORD),  # of a new object
         ("layout", LAYOUT),  # of a new object
         ("method", METHOD),
+        ("budget", BUDGET),
     ],
     align=True,
 )
@@ -201,6 +208,7 @@ _RECORDS = {
     Kind.PRESS: ("strike", "press"),
     Kind.SPIN: ("strike", "spin"),
     Kind.METHOD: ("method",),
+    Kind.BUDGET: ("budget",),
 }
 _FIELDS = {kind: [(name, tuple(COMMAND[name].names or ())) for name in names] for kind, names in _RECORDS.items()}
 _TAKEN = {kind: {name for _, names in records for name in names} for kind, records in _FIELDS.items()}

@@ -6,13 +6,14 @@ leaves the force's moments over the sample and is true while the contact lasts.
 
 import math
 
-from ..contact.closed_form import advance_pulse, begin_pulse
-from ..contact.coupled import ContactLaw, apart_for, begin_coupled, respond_with, step_coupled
+from ..contact.closed_form import advance_pulse, begin_pulse, state_of_pulse
+from ..contact.coupled import ContactLaw, apart_for, begin_coupled, begin_within, respond_with, step_coupled
 from ..contact.coupled_step import HELD
 from ..contact.sampled import begin_sampled, step_sampled
 from ..native.jit import kernel
 from ..numerics.legendre import FINE, MOMENTS, add_held
 from ..resonator.bank import inject, inject_fine, observe, receptance
+from .contact_list import take_room_again
 from .fade import note_force
 from .objects import frequency_of, highest_of, modes_of, place, point_of, reach_of, relief_of, sigma_of
 from .quality import modes_for, room_for_coupling
@@ -21,9 +22,9 @@ from .state import COUPLING, SAMPLING
 from .strikers import begin_striker, drive_striker
 from .trace import trace_sample
 
-_STEPS = 4  # of a coupled contact per sample, on average; beyond, the force is held for each sample
-_BURST = 256  # that it may need at once
+_BURST = 64  # times its steps per sample that a coupled contact may need at once
 _BY_ITSELF = 32  # modes that cost as much as a contact does by itself
+_FIRST = 0.05  # of a pulse: the first step after it is coupled
 _TOO_STRONG = 1e3  # times its momentum that a sampled method may give in a step: it has failed, and would deafen
 _PATIENCE = 3.0  # exact durations for which a sampled contact is followed: it might never end
 _FEWEST_STEPS = 20  # that it may take in any case
@@ -60,6 +61,20 @@ def begin_contact(state, contact, pushed):
 
 
 @kernel
+def couple_pulse(state, contact):
+    """Have a contact of closed form, which touches, go on coupled to the modes, if there is room."""
+    if not _has_room(state, contact):
+        state.stats.over_budget += 1
+        return
+    pulse = contact.pulse
+    x, v, given = state_of_pulse(pulse, contact.v_in, contact.k)
+    contact.solver = COUPLING
+    _begin_coupled(state, contact)
+    if pulse.time > 0.0:
+        begin_within(contact.coupled, x, contact.v_in - given / contact.m, v, _FIRST * pulse.duration)
+
+
+@kernel
 def _resting_speed(contact):
     """The speed (m/s) of a striker that rocks on its contact under what pushes it: sqrt(F x/m), k x^a = F.
 
@@ -75,7 +90,9 @@ def _begin_coupled(state, contact):
     contact.unsettled = 1
     contact.debt = 0
     law = ContactLaw(contact.m, contact.k, contact.mu, contact.a)
-    begin_coupled(contact.coupled, contact.v_in, law, contact.push, contact.fraction, state.rate, tolerance_of(state))
+    begin_coupled(
+        contact.coupled, contact.v_in, law, contact.push, contact.fraction, state.rate, tolerance_of(state, contact)
+    )
     contact.coupled.w = contact.w
     contact.coupled.slowest = _resting_speed(contact)
     state.stats.coupled += 1
@@ -103,7 +120,8 @@ def _has_room(state, contact):
         if contact.point[side].slot >= 0:
             contact.modes += contact.point[side].modes
     taken = state.stats.coupled_modes
-    return taken == 0 or taken + contact.modes <= room_for_coupling(state)
+    room = room_for_coupling(state)
+    return room == 0 or taken == 0 or taken + contact.modes <= room
 
 
 @kernel
@@ -129,6 +147,7 @@ def apply_contact_force(state, contact, frame):
     sample = state.position + frame - 1
     begin, end = contact.start + contact.fraction, math.inf
     age = sample + 1 - contact.start - contact.fraction
+    acted = contact.solved == 1
     if contact.solver == COUPLING:
         began_earlier = contact.coupled.contacts > 0
         lasts = _advance_coupled(state, contact, age)
@@ -150,10 +169,17 @@ def apply_contact_force(state, contact, frame):
         impulse = scratch.moments[0]
     if contact.sound >= 0 and impulse != 0.0:
         drive_striker(state, contact)
+    if not acted:
+        drive(state, contact)
+    return lasts
+
+
+@kernel
+def drive(state, contact):
+    """Inject a contact's force over the sample, whose moments are in `scratch`, into the modes that it touches."""
     for side in range(2):
         if contact.point[side].slot >= 0:
             _drive(state, contact, contact.point[side])
-    return lasts
 
 
 @kernel
@@ -180,25 +206,50 @@ def _advance_closed(state, contact, age):
 @kernel
 def _advance_coupled(state, contact, age):
     """A contact that is solved together with the modes over a sample: it lasts until the striker is gone for good."""
-    coupled = contact.coupled
-    _observe(state, contact)
-    held, contacts, steps = coupled.held, coupled.contacts, coupled.steps
-    coupled.tolerance = HELD if contact.debt > _BURST else tolerance_of(state)
-    step_coupled(coupled, state.scratch.observed, state.scratch.fine)
-    state.stats.held += coupled.held - held
-    contact.debt = max(contact.debt + coupled.steps - steps - _STEPS, 0)
-    if contacts > 0:
-        state.stats.recontacts += coupled.contacts - contacts
+    if contact.solved == 1:  # with others on the same objects
+        contact.solved = 0
+        for n in range(FINE):
+            state.scratch.fine[n] = contact.moments[n]
+        return True
+    observe_points(state, contact)
+    choose_tolerance(state, contact)
+    count_steps(state, contact, -1)
+    step_coupled(contact.coupled, state.scratch.observed, state.scratch.fine)
+    count_steps(state, contact, 1)
     return True
 
 
 @kernel
-def _observe(state, contact):
+def choose_tolerance(state, contact):
+    """Give a coupled contact the tolerance for the coming sample; false if its force is held."""
+    tolerance = tolerance_of(state, contact)
+    if tolerance != HELD and contact.debt > _BURST * state.choices.budget.steps:
+        tolerance = HELD
+        state.stats.over_budget += 1
+    contact.coupled.tolerance = tolerance
+    return tolerance != HELD
+
+
+@kernel
+def count_steps(state, contact, sign):
+    """Bring the stats and the debt of steps up to date: with -1 before a coupled contact steps, with 1 after."""
+    coupled, stats = contact.coupled, state.stats
+    stats.held += sign * coupled.held
+    stats.recontacts += sign * max(coupled.contacts - 1, 0)
+    contact.debt += sign * coupled.steps
+    if sign > 0:
+        steps = state.choices.budget.steps
+        contact.debt = max(contact.debt - steps, 0) if steps > 0 else 0
+
+
+@kernel
+def observe_points(state, contact):
     """Find how the points that are touched would move without the contact; tell it their receptance where that is new.
 
     A contact with a gain sees a motion that is as large as if it had none.
     """
     scratch = state.scratch
+    take_room_again(state, contact)
     for n in range(FINE):
         scratch.observed[n] = scratch.receptance[n] = 0.0
     for side in range(2):

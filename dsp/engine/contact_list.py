@@ -43,10 +43,27 @@ def next_random(contact):
 
 @kernel
 def release_modes(state, contact):
-    """Give back the places of a contact that was coupled to modes."""
+    """Give back the room of a contact that was coupled to modes."""
     if contact.solver == COUPLING:
-        state.stats.coupled_modes -= contact.modes
+        give_room_back(state, contact)
+        contact.aside = 0
         contact.solver = CLOSED
+
+
+@kernel
+def give_room_back(state, contact):
+    """Have a coupled contact count for nothing in the budget while its striker flies."""
+    if contact.aside == 0:
+        state.stats.coupled_modes -= contact.modes
+        contact.aside = 1
+
+
+@kernel
+def take_room_again(state, contact):
+    """Have a coupled contact whose striker comes back count in the budget again, even if there is no room."""
+    if contact.aside == 1:
+        state.stats.coupled_modes += contact.modes
+        contact.aside = 0
 
 
 @kernel

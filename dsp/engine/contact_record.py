@@ -5,6 +5,7 @@ import numpy as np
 from ..contact.closed_form import PULSE
 from ..contact.coupled import COUPLED
 from ..contact.sampled import SAMPLED
+from ..numerics.legendre import FINE
 from ..schema import STEERED
 
 RIM = 0.2
@@ -36,8 +37,12 @@ CONTACT = np.dtype(
         ("number", np.int64),  # of the contact
         ("touching", np.int64),  # 0: it waits for its beginning
         ("solver", np.int64),  # a Solver
-        ("modes", np.int64),  # places that a coupled contact takes among COUPLED_MODES
+        ("modes", np.int64),  # that a coupled contact counts for in the budget
+        ("aside", np.int64),  # 1: it flies, and counts for nothing
+        ("light", np.int64),  # 1: what it touches is lighter than the striker
         ("unsettled", np.int64),  # 1: a coupled contact must be told the receptance of the objects
+        ("solved", np.int64),  # 1: a coupled contact's `moments` over the coming sample are known
+        ("moments", np.float64, FINE),  # N s
         ("oversampling", np.int64),  # steps per sample of a sampled contact
         ("steps", np.int64),  # that a sampled contact may still take
         ("v_in", np.float64),  # m/s

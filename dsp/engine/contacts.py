@@ -14,13 +14,14 @@ from ..native.records import field, set_field
 from ..rolling.body import fill_roll
 from ..schema import FORCE, STEERABLE, gestures_steered_by
 from .commands import KIND_BOUNCE, KIND_PRESS, KIND_ROLL, KIND_SPIN
-from .contact_force import apply_contact_force, begin_contact, update_mode_count
+from .contact_force import apply_contact_force, begin_contact, couple_pulse, update_mode_count
 from .contact_list import end_contact, release_modes, report_end, schedule_contact
 from .flights import follow_coupled, is_pushed, leave, release_striker
 from .objects import place
-from .quality import coarseness_of, must_wait
+from .quality import coarseness_of, holds_steps, must_wait
 from .rolls import register_roll
-from .state import COUPLING, END_NO_ROOM, END_STOPPED, QUANTUM, ROLLING
+from .solver_choice import is_moved
+from .state import CLOSED, COUPLING, END_NO_ROOM, END_STOPPED, QUANTUM, ROLLING
 from .strikers import roll_striker
 from .trace import trace_roll
 
@@ -190,6 +191,58 @@ def next_driven_frame(state, obj, frame):
 
 
 @kernel
+def _is_due(state, contact, frame):
+    """True if a contact, but for rolls, acts in the sample that ends at a frame."""
+    return contact.solver != ROLLING and state.position + frame - contact.start - contact.fraction > 0.0
+
+
+@kernel
+def _begin(state, contact, frame):
+    """Have a contact that is due touch, if it does not yet; false if there is no room for it."""
+    if contact.touching == 1:
+        return True
+    contact.begun = float(state.position + frame)
+    if begin_contact(state, contact, is_pushed(contact)):
+        return True
+    report_end(state, contact.gesture, END_NO_ROOM)
+    return False
+
+
+@kernel
+def begin_contacts(state, obj, frame):
+    """Have an object's contacts begin that are due in the sample that ends at a frame; those without room end.
+
+    Where one begins, the others that touch and are of closed form may not stay so.
+    """
+    began = False
+    before = -1
+    index = obj.contact
+    while index >= 0:
+        contact = state.contacts[index]
+        after = contact.next
+        touched = contact.touching
+        if not _is_due(state, contact, frame) or _begin(state, contact, frame):
+            before = index
+            began |= contact.touching > touched
+        else:
+            end_contact(state, obj, before, index)
+        index = after
+    if began and not holds_steps(state):
+        _couple_moved(state, obj)
+
+
+@kernel
+def _couple_moved(state, obj):
+    """Couple the contacts of closed form that others on the same objects move."""
+    index = obj.contact
+    while index >= 0:
+        contact = state.contacts[index]
+        if contact.touching == 1 and contact.solver == CLOSED and is_moved(state, contact):
+            couple_pulse(state, contact)
+        index = contact.next
+
+
+@kernel
 def run_contacts(state, obj, frame):
     """Give the modes the force of all contacts, but for rolls, over the sample that ends at a frame.
 
@@ -202,14 +255,10 @@ def run_contacts(state, obj, frame):
         after = contact.next
         stays = True
         for _ in range(_MOST_PER_SAMPLE):
-            age = state.position + frame - contact.start - contact.fraction
-            if contact.solver == ROLLING or not age > 0.0:
+            if not _is_due(state, contact, frame):
                 break
-            if contact.touching == 0:
-                contact.begun = float(state.position + frame)
-            if contact.touching == 0 and not begin_contact(state, contact, is_pushed(contact)):
-                report_end(state, contact.gesture, END_NO_ROOM)
-                stays = False
+            stays = _begin(state, contact, frame)
+            if not stays:
                 break
             if apply_contact_force(state, contact, frame):
                 stays = contact.solver != COUPLING or follow_coupled(state, contact, frame)

@@ -11,6 +11,7 @@ from .clock import sample_at
 from .commands import (
     KIND_ACCURACY,
     KIND_BOUNCE,
+    KIND_BUDGET,
     KIND_FREE,
     KIND_GAIN,
     KIND_IMPACT,
@@ -177,6 +178,8 @@ def _choose(choices, event):
         choices.accuracy = int(event.value)
     elif event.kind == KIND_METHOD:
         choices.method = event.method
+    elif event.kind == KIND_BUDGET:
+        choices.budget = event.budget
     elif event.kind == KIND_GAIN:
         choices.gain = event.value
     elif event.kind == KIND_LIMITER:

@@ -11,7 +11,7 @@ from ..contact.coupled import fly_on
 from ..native.jit import kernel
 from .commands import KIND_BOUNCE, KIND_IMPACT, KIND_PRESS, KIND_SPIN
 from .contact_force import flight
-from .contact_list import next_random, release_modes, report_end, schedule_contact
+from .contact_list import give_room_back, next_random, release_modes, report_end, schedule_contact
 from .spins import turn_on
 from .state import END_RESTED, END_STOPPED, SAMPLING
 
@@ -109,6 +109,7 @@ def follow_coupled(state, contact, frame):
     if contact.kind == KIND_BOUNCE and skipped > _HOP:
         contact.begun = now  # a flight: it does not stay
     fly_on(coupled, skipped)
+    give_room_back(state, contact)
     contact.start = state.position + frame + int(skipped)
     contact.fraction = 0.0
     return True

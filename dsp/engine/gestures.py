@@ -94,7 +94,7 @@ def _describe(state, contact, event):
     contact.spin = 0.0
     contact.push = contact.push_target = 0.0
     contact.solver = CLOSED
-    contact.unsettled = contact.has_weight = 0
+    contact.unsettled = contact.solved = contact.has_weight = 0
     contact.forces[:] = 0.0
     contact.level = strike.gesture_level
     contact.sound = contact.voice = -1

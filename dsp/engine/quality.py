@@ -5,7 +5,7 @@ Where only the newest gestures may go on, time stands still for the others: the 
 
 from ..native.jit import kernel
 from .commands import KIND_PRESS, KIND_ROLL
-from .state import COUPLED_MODES, Quality
+from .state import Quality
 
 COARSER = 4.0
 """Factor on the shortest wavelength that rolls feel from COARSE on: about as loud, at 60 % of the cost."""
@@ -54,8 +54,9 @@ def is_left_out(state, obj):
 
 @kernel
 def room_for_coupling(state):
-    """Modes that may be coupled to contacts at once."""
-    return COUPLED_MODES >> max(state.choices.quality - _NEWEST + 1, 0)
+    """Modes that may be coupled to contacts at once; 0: any number."""
+    room = state.choices.budget.modes
+    return max(room >> max(state.choices.quality - _NEWEST + 1, 0), 1) if room > 0 else 0
 
 
 @kernel

@@ -8,8 +8,9 @@ from ..resonator.bank import state_of
 from ..resonator.click import set_click
 from ..resonator.coefficients import set_mode, set_unfelt
 from ..resonator.simd import LANES
+from .contact_groups import solve_groups
 from .contact_list import end_contacts
-from .contacts import next_driven_frame, run_contacts, update_contacts
+from .contacts import begin_contacts, next_driven_frame, run_contacts, update_contacts
 from .glide import follow_tension
 from .mix import add_share, clear_mix, glide_gains, is_faded, is_finite, remove_static
 from .objects import modes_of, relief_of, ringing_of
@@ -82,6 +83,7 @@ def _render_group(state):
     while frame < QUANTUM:
         # The modes answer a force in the first frame that they ring after it.
         stop = QUANTUM
+        _begin_and_solve(state, frame)
         for g in range(scratch.group_size):
             obj = state.objects[scratch.group[g]]
             if obj.contact >= 0:
@@ -95,6 +97,21 @@ def _render_group(state):
         frame = stop
     for g in range(scratch.group_size):
         _mix(state, scratch.group[g], scratch.voices[g])
+
+
+@kernel
+def _begin_and_solve(state, frame):
+    """Have contacts begin that are due, and solve those together that share objects: where there are several."""
+    scratch = state.scratch
+    several = scratch.group_size > 1
+    for g in range(scratch.group_size):
+        obj = state.objects[scratch.group[g]]
+        several |= obj.contact >= 0 and state.contacts[obj.contact].next >= 0
+    if not several:
+        return
+    for g in range(scratch.group_size):
+        begin_contacts(state, state.objects[scratch.group[g]], frame)
+    solve_groups(state, frame)
 
 
 @kernel

@@ -6,22 +6,24 @@ against them and they are quiet; otherwise the contact is coupled to their modes
 
 import math
 
-from ..contact.accuracy import RESIDUAL, TOLERANCE, closed_form_will_do
+from ..contact.accuracy import LIGHT, LIGHT_TOLERANCE, RESIDUAL, TOLERANCE, closed_form_will_do
 from ..contact.closed_form import NODES, add_phasors, pulse_node
 from ..contact.coupled_step import HELD
 from ..native.jit import kernel
 from .objects import pitch_of, reach_of, shape_at
 from .quality import holds_steps
-from .state import CLOSED, COUPLING, SAMPLING
+from .state import CLOSED, COUPLING, ROLLING, SAMPLING
 
 _RESOLVED = 28.0  # rad of a mode over a pulse: up to here its nodes tell the spectrum, beyond it is as good as 0
 _LIGHT = 1e-4  # sum of m phi^2 below which the object is as good as a rigid wall (-80 dB)
 
 
 @kernel
-def tolerance_of(state):
+def tolerance_of(state, contact):
     """Tolerance of coupled contacts at the accuracy asked for, as far as there is time for it."""
-    return HELD if holds_steps(state) else TOLERANCE[state.choices.accuracy]
+    if holds_steps(state):
+        return HELD
+    return (LIGHT_TOLERANCE if contact.light == 1 else TOLERANCE)[state.choices.accuracy]
 
 
 @kernel
@@ -32,6 +34,7 @@ def choose_solver(state, contact):
     was not needed. A contact is never coupled where a sampled method was asked for.
     """
     mass_ratio, ringing_ratio = _ratios(state, contact)
+    contact.light = int(mass_ratio >= LIGHT)
     sampled = state.choices.method.method > 0
     uncoupled = SAMPLING if sampled else CLOSED
     level = 0 if holds_steps(state) else state.choices.accuracy
@@ -60,6 +63,36 @@ def _ratios(state, contact):
             if obj.live > 0:
                 ringing_ratio += reach_of(state, obj, point)[1] / (contact.v_in * contact.now.gain)
     return mass_ratio, ringing_ratio
+
+
+@kernel
+def moved_by(state, contact, other):
+    """How fast another contact may move a contact's points, against its own speed: sum |phi_i phi'_i| 2 J'/v_in."""
+    total = 0.0
+    for side in range(2):
+        for other_side in range(2):
+            point, struck = contact.point[side], other.point[other_side]
+            if point.slot >= 0 and point.slot == struck.slot:
+                obj = state.objects[point.slot]
+                for i in range(obj.felt):
+                    total += abs(shape_at(state, obj, point, i) * shape_at(state, obj, struck, i))
+    return total * 2.0 * other.m * other.v_in * other.now.gain / (contact.v_in * contact.now.gain)
+
+
+@kernel
+def is_moved(state, contact):
+    """True if the others that touch a contact's objects may move it by more than the accuracy asked for."""
+    residual = RESIDUAL[0 if holds_steps(state) else state.choices.accuracy]
+    moved = 0.0
+    for side in range(2):
+        if contact.point[side].slot >= 0:
+            index = state.objects[contact.point[side].slot].contact
+            while index >= 0:
+                other = state.contacts[index]
+                if index != contact.index and other.touching == 1 and other.solver != ROLLING:
+                    moved += moved_by(state, contact, other)
+                index = other.next
+    return moved > residual
 
 
 @kernel

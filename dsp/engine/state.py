@@ -6,6 +6,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from ..contact.coupled_group import COUPLED_GROUP
 from ..numerics.legendre import FINE, MOMENTS
 from ..resonator.bank import DRIVER, RESPONSES
 from ..resonator.simd import LANES
@@ -13,7 +14,7 @@ from ..rolling.body import ROLL
 from ..schema import STATS
 from .channels import MOST_CHANNELS, PLACE
 from .clock import CLOCK
-from .commands import COMMAND, METHOD, SETTINGS_RECORD
+from .commands import BUDGET, COMMAND, METHOD, SETTINGS_RECORD
 from .contact_record import CONTACT
 from .striker_state import STRIKER, STRIKERS, VOICE, VOICES
 
@@ -27,8 +28,6 @@ SHAPE_VALUES = 256 * MODES
 """Values in the table of mode shapes: 256 positions for every mode, shared as objects need them."""
 CONTACTS = 512
 """Contacts that can go on at once."""
-COUPLED_MODES = 8_192
-"""Modes that can be coupled to contacts at once, each as often as it is, and 32 more for each contact."""
 EVENTS = 8_192
 """Events that can wait for their time."""
 RING = 8_192
@@ -183,6 +182,8 @@ SCRATCH = np.dtype(
         ("group", np.int64, OBJECTS),  # slots of those that are rendered together
         ("group_size", np.int64),
         ("striker", np.float64, (2, QUANTUM)),  # sound of one
+        ("together", COUPLED_GROUP),  # contacts that are solved together
+        ("candidates", np.int64, CONTACTS),  # places of coupled contacts on the objects in `group`
     ],
     align=True,
 )
@@ -222,6 +223,7 @@ CHOICES = np.dtype(
         ("quality", np.int64),  # a Quality
         ("accuracy", np.int64),  # a place in accuracy.LEVELS
         ("method", METHOD),
+        ("budget", BUDGET),
         ("gain", np.float64),  # amplitude: of everything
         ("limiter", np.int64),  # 0: off
     ],
@@ -289,6 +291,7 @@ def new_state(rate: float, channels: int = 2) -> NDArray[np.void]:
     record["output"]["limit"] = 1.0
     record["stats"]["limit_lowest"] = 1.0
     record["objects"]["contact"] = record["objects"]["voice"] = -1
+    record["scratch"]["together"]["known"] = -1
     record["contacts"]["sound"] = record["contacts"]["voice"] = -1
     record["contacts"]["index"] = np.arange(CONTACTS)
     record["queue"]["heap"] = np.arange(EVENTS)

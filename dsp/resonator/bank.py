@@ -221,13 +221,22 @@ def receptance(modes, point, work, coefficients):
 
     `work` as in `observe`; its first n values are the modes' shapes at the point afterwards.
     """
+    transfer_receptance(modes, point, point, work, coefficients)
+
+
+@simd_kernel
+def transfer_receptance(modes, struck, point, work, coefficients):
+    """A point's displacement over a sample after a unit impulse at the one that is struck; else as `receptance`."""
     a1, a2, response = modes.a1, modes.a2, modes.response
     n = len(a1)
+    _shapes(n, struck, work)
+    for i in range(n):
+        work[n + i] = work[i]
     _shapes(n, point, work)
     for i in range(n):
-        struck = work[i] * work[i] * response[i // LANES * RESPONSES + MOBILITY + LANES + i % LANES]
-        work[n + i] = struck * a1[i]
-        work[2 * n + i] = struck * a2[i]
+        moved = work[i] * work[n + i] * response[i // LANES * RESPONSES + MOBILITY + LANES + i % LANES]
+        work[n + i] = moved * a1[i]
+        work[2 * n + i] = moved * a2[i]
     _project(n, response, work, coefficients)
 
 

@@ -155,6 +155,12 @@ class Engine:
         return Quality(int(self._record["choices"]["quality"]))
 
     @property
+    def budget(self) -> tuple[int, int]:
+        """The most that coupled contacts may cost now: steps per sample of each, and modes at once; 0: any number."""
+        steps, modes = self._record["choices"]["budget"]
+        return int(steps), int(modes)
+
+    @property
     def accuracy(self) -> str:
         """The accuracy of coupled contacts now: one of LEVELS."""
         return LEVELS[self._record["choices"]["accuracy"]]

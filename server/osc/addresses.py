@@ -19,8 +19,10 @@ from ...dsp.schema import (
     OWN_GAIN,
     POSITION,
     RESTITUTION,
+    ROOM,
     SETTINGS,
     STEERABLE,
+    STEPS,
     gestures_steered_by,
 )
 from ...dsp.schema import (
@@ -123,6 +125,13 @@ _ENGINE = (
         (Word("method"),),
         (Number("oversampling", 1, 64, default=1, whole=True),),
         (Word("correction", "none, hybrid, release, both, paper-release, paper-both"),),
+    ),
+    Verb(
+        "/budget",
+        "the most that contacts coupled to modes may cost from now on. With fewer steps than a contact needs its force "
+        "is held for each sample; a contact that finds no room is left out. /status counts both. A score begins with "
+        "0 0, without bounds, a server with 4 8192",
+        (STEPS, ROOM),
     ),
     Verb("/gain", "the level of everything", (MAIN_GAIN,)),
     Verb(

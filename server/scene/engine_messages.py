@@ -36,6 +36,11 @@ def _accuracy(transaction: Transaction, call: Call, values: Values) -> None:
     _send(transaction, call.message, Command(NOW, Kind.ACCURACY, value=accuracy))
 
 
+def _budget(transaction: Transaction, call: Call, values: Values) -> None:
+    budget = {name: int(values.numbers[name]) for name in ("steps", "modes")}
+    _send(transaction, call.message, Command(NOW, Kind.BUDGET, values=budget))
+
+
 def _gain(transaction: Transaction, call: Call, values: Values) -> None:
     gain = MAIN_GAIN.in_engine(values.numbers["gain"])
     _send(transaction, call.message, Command(NOW, Kind.GAIN, value=gain))
@@ -76,6 +81,7 @@ def _contact(transaction: Transaction, call: Call, values: Values) -> None:
 ENGINE_HANDLERS: dict[str, Handler] = {
     "/accuracy": _accuracy,
     "/quality": _quality,
+    "/budget": _budget,
     "/contact": _contact,
     "/gain": _gain,
     "/limiter": _limiter,

@@ -1,9 +1,10 @@
-"""Striker and modes integrated as they stand, by DOP853 with its published coefficients: independent of our solvers.
+"""Strikers and modes integrated as they stand, by DOP853 with its published coefficients: independent of our solvers.
 
 The Runge-Kutta method is compiled here because scipy's own loop takes a second for each case.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -12,49 +13,83 @@ from scipy.integrate import DOP853
 _A, _B, _C, _E3, _E5 = DOP853.A[:12, :12].copy(), DOP853.B.copy(), DOP853.C[:12].copy(), DOP853.E3, DOP853.E5
 
 
+class Blow(NamedTuple):
+    """A striker: when it touches (s), how fast (m/s), m (kg), k (N/m^a), mu (s/m), a, a constant push (N)."""
+
+    time: float
+    v_in: float
+    m: float
+    k: float
+    mu: float
+    a: float
+    push: float = 0.0
+
+
 @njit(error_model="numpy")
-def _motion(y, out, omega, sigma, phi, law):
-    m, k, mu, a, push = law
+def _motion(y, out, omega, sigma, phi, laws, count, within):
     n = len(omega)
-    x, v = y[0], y[1]
+    s = len(laws)
     for i in range(n):
-        x -= phi[i] * y[2 + n + i] / omega[i]
-        v -= phi[i] * (y[2 + i] - sigma[i] / omega[i] * y[2 + n + i])
-    f = k * x**a * max(0.0, 1.0 + mu * v) if x > 0.0 else 0.0
-    out[0] = y[1]
-    out[1] = (push - f) / m
-    for i in range(n):
-        out[2 + i] = -sigma[i] * y[2 + i] - omega[i] * y[2 + n + i] + phi[i] * f
-        out[2 + n + i] = omega[i] * y[2 + i] - sigma[i] * y[2 + n + i]
-    return x
+        out[2 * s + i] = -sigma[i] * y[2 * s + i] - omega[i] * y[2 * s + n + i]
+        out[2 * s + n + i] = omega[i] * y[2 * s + i] - sigma[i] * y[2 * s + n + i]
+    for b in range(s):
+        if b >= count:
+            out[2 * b] = out[2 * b + 1] = 0.0
+            continue
+        m, k, mu, a, push = laws[b, 0], laws[b, 1], laws[b, 2], laws[b, 3], laws[b, 4]
+        x, v = y[2 * b], y[2 * b + 1]
+        for i in range(n):
+            q = y[2 * s + n + i] / omega[i]
+            x -= phi[b, i] * q
+            v -= phi[b, i] * (y[2 * s + i] - sigma[i] * q)
+        within[b] = x > 0.0
+        f = k * x**a * max(0.0, 1.0 + mu * v) if x > 0.0 else 0.0
+        out[2 * b] = y[2 * b + 1]
+        out[2 * b + 1] = (push - f) / m
+        for i in range(n):
+            out[2 * s + i] += phi[b, i] * f
 
 
 @njit(error_model="numpy")
-def _integrate(y, omega, sigma, phi, law, times, scale, tolerance, out):
+def _integrate(y, omega, sigma, phi, laws, touches, times, scale, tolerance, h, out):
     size = len(y)
+    n, s = len(omega), len(laws)
     stages = np.zeros((13, size))
     new = np.zeros(size)
+    within = np.zeros(s, np.bool_)
+    was_within = np.zeros(s, np.bool_)
     t = 0.0
-    h = 1e-3 * scale[0] / scale[1]
-    inside = True
-    contacts = 1
-    for n in range(len(times)):
-        while t < times[n]:
-            last = t + h >= times[n]
-            step = times[n] - t if last else h
-            for s in range(12):
+    first = h
+    count = contacts = 0
+    for at in range(len(times)):
+        while t < times[at]:
+            while count < s and touches[count] <= t:
+                place = 0.0
+                for i in range(n):
+                    place += phi[count, i] * y[2 * s + n + i] / omega[i]
+                y[2 * count] = place  # it touches
+                was_within[count] = True
+                contacts += 1
+                count += 1
+                h = first
+            end = times[at]
+            if count < s:
+                end = min(end, touches[count])
+            last = t + h >= end
+            step = end - t if last else h
+            for stage in range(12):
                 for i in range(size):
                     total = 0.0
-                    for j in range(s):
-                        total += _A[s, j] * stages[j, i]
+                    for j in range(stage):
+                        total += _A[stage, j] * stages[j, i]
                     new[i] = y[i] + step * total
-                _motion(new, stages[s], omega, sigma, phi, law)
+                _motion(new, stages[stage], omega, sigma, phi, laws, count, within)
             for i in range(size):
                 total = 0.0
                 for j in range(12):
                     total += _B[j] * stages[j, i]
                 new[i] = y[i] + step * total
-            x = _motion(new, stages[12], omega, sigma, phi, law)
+            _motion(new, stages[12], omega, sigma, phi, laws, count, within)
             fifth = third = 0.0
             for i in range(size):
                 e5 = e3 = 0.0
@@ -66,30 +101,44 @@ def _integrate(y, omega, sigma, phi, law, times, scale, tolerance, out):
             error = step * fifth / math.sqrt((fifth + 0.01 * third) * size) if fifth > 0.0 else 0.0
             factor = min(max(0.9 * (tolerance / max(error, 1e-300)) ** 0.125, 0.2), 5.0)
             if error <= tolerance:
-                t = times[n] if last else t + step
+                t = end if last else t + step
                 y[:] = new
-                if x > 0.0 and not inside:
-                    contacts += 1
-                inside = x > 0.0
+                for b in range(count):
+                    contacts += within[b] and not was_within[b]
+                    was_within[b] = within[b]
                 h = max(h, step * factor) if last else step * factor
             else:
                 h = step * factor
-        out[n] = y
+        out[at] = y
     return contacts
+
+
+def several(frequency, sigma, phi, blows, times, ringing=0.0, tolerance=1e-13):
+    """Modal states z at `times` (s), complex (times, n), the strikers' velocities, (times, blows), and contacts.
+
+    phi: (blows, n), the shapes where each striker touches; blows in the order of their times; ringing: z at 0.
+    """
+    omega = 2 * np.pi * np.asarray(frequency)
+    n, s = len(omega), len(blows)
+    z = np.broadcast_to(ringing, n)
+    y = np.concatenate([np.array([[0.0, blow.v_in] for blow in blows]).ravel(), z.real, z.imag])
+    speed = max(blow.v_in + float(np.abs(row) @ np.abs(z)) for blow, row in zip(blows, phi, strict=True))
+    scale = np.full(len(y), math.sqrt(max(blow.m for blow in blows)) * speed)
+    for b, blow in enumerate(blows):
+        scale[2 * b], scale[2 * b + 1] = (blow.m * speed**2 / blow.k) ** (1 / (blow.a + 1)), speed
+    first = 1e-3 * scale[: 2 * s : 2].min() / speed
+    laws, touches = np.array([blow[2:] for blow in blows], float), np.array([blow.time for blow in blows])
+    out = np.empty((len(times), len(y)))
+    modes = omega, np.asarray(sigma, float), np.ascontiguousarray(phi, float)
+    contacts = _integrate(y, *modes, laws, touches, np.asarray(times, float), scale, tolerance, first, out)
+    return out[:, 2 * s : 2 * s + n] + 1j * out[:, 2 * s + n :], out[:, 1 : 2 * s : 2], contacts
 
 
 def reference(case, tolerance=1e-13):
     """Of a `coupled_study.Case`: velocities of the object's point and of the striker at each sample, and contacts."""
-    omega, sigma, phi = 2 * np.pi * case.frequency, case.sigma, case.phi
-    n = len(omega)
-    z = np.broadcast_to(case.ringing, n) * np.exp((-sigma + 1j * omega) * case.fraction / case.rate)
-    y = np.concatenate([[phi @ (z.imag / omega), case.v_in], z.real, z.imag])
+    omega = 2 * np.pi * case.frequency
+    z = case.ringing * np.exp((-case.sigma + 1j * omega) * case.fraction / case.rate)
     times = (np.arange(1, case.samples + 1) - case.fraction) / case.rate
-    speed = case.v_in + np.abs(phi) @ np.abs(z)
-    scale = np.full(2 + 2 * n, math.sqrt(case.m) * speed)
-    scale[0], scale[1] = (case.m * speed**2 / case.k) ** (1 / (case.a + 1)), speed
-    out = np.empty((case.samples, 2 + 2 * n))
-    law = (case.m, case.k, case.mu, case.a, case.push)
-    contacts = _integrate(y, omega, sigma, phi, law, times, scale, tolerance, out)
-    velocity = (out[:, 2 : 2 + n] - sigma / omega * out[:, 2 + n :]) @ phi
-    return velocity, out[:, 1], contacts
+    blow = Blow(0.0, case.v_in, case.m, case.k, case.mu, case.a, case.push)
+    states, striker, contacts = several(case.frequency, case.sigma, [case.phi], [blow], times, z, tolerance)
+    return (states.real - case.sigma / omega * states.imag) @ case.phi, striker[:, 0], contacts

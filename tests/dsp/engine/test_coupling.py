@@ -9,7 +9,7 @@ import pytest
 from carom.dsp.bodies import listed
 from carom.dsp.contact.accuracy import LEVELS
 from carom.dsp.engine.commands import Command, Kind
-from carom.dsp.engine.state import COUPLED_MODES, QUANTUM, End, Solver
+from carom.dsp.engine.state import QUANTUM, End, Solver
 from carom.dsp.resonator.bank import state_of
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.dsp.study.coupled import Case, error
@@ -32,6 +32,10 @@ def press(engine, handle, law, force, by=None):
     """A hand is number 3."""
     hand = gesture(Kind.PRESS, handle, law, number=3, by=by, velocity=0.01, force=force, by_position=0.5)
     engine.send([hand])
+
+
+def budget(engine, steps, modes):
+    engine.send([Command(NOW, Kind.BUDGET, values={"steps": steps, "modes": modes})])
 
 
 def modal(engine, handle, size):
@@ -226,6 +230,7 @@ def test_accuracy_moves_the_gate():
 def test_coupled_contacts_are_bounded():
     """512 heavy strikers at once on a light object: most are left out, and energy doesn't grow."""
     engine = Engine(RATE)
+    budget(engine, 4, 8_192)
     n = 200
     handle = engine.add(body(modal_mass=0.01, n=n, t60=0.5), 0.05)
     for _ in range(512):
@@ -234,8 +239,9 @@ def test_coupled_contacts_are_bounded():
     for _ in range(60):
         engine.process(QUANTUM)
         most = max(most, engine.stats.coupled_modes)
-        assert engine.stats.coupled_modes == contacts["modes"][contacts["solver"] == int(Solver.COUPLED)].sum()
-    assert 0 < most <= COUPLED_MODES
+        counted = (contacts["solver"] == int(Solver.COUPLED)) & (contacts["aside"] == 0)
+        assert engine.stats.coupled_modes == contacts["modes"][counted].sum()
+    assert 0 < most <= 8_192
     taken = 512 - engine.stats.contacts_dropped
     assert energy(engine, handle, n) < taken * 0.5 * 0.1 and 10 < taken < 40 and engine.stats.faults == 0
 
@@ -244,6 +250,7 @@ def test_a_contact_is_not_held_for_those_before_it():
     """In the place of one that chattered until it had to hold its force."""
     engine = Engine(RATE)
     engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index("exact"))])
+    budget(engine, 4, 0)
     light, heavy = (engine.add(body(modal_mass), 0.05) for modal_mass in (1e-4, 1.0))
     strike(engine, light, (0.05, 1e9, 0.0, 1.5))
     for _ in range(40):
@@ -267,8 +274,8 @@ def test_gain_makes_it_louder_and_nothing_else():
     np.testing.assert_allclose(sound(0.1), 0.1 * sound(1.0), atol=1e-5)
 
 
-def test_strikers_at_once_take_turns():
-    """Two that touch an object together: who came first in the list must not matter."""
+def test_strikers_at_once_are_solved_together():
+    """Two that touch an object in the same sample: it does not matter who came first in the list."""
 
     def sound(order):
         engine = Engine(RATE)
@@ -279,4 +286,4 @@ def test_strikers_at_once_take_turns():
         return engine.process(2048)[:, 0].astype(float)
 
     there, back = sound((0, 1)), sound((1, 0))
-    assert 0.0 < np.abs(there - back).max() < 3e-3 * np.abs(there).max()
+    assert np.abs(there - back).max() < 1e-6 * np.abs(there).max()

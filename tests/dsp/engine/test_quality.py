@@ -179,6 +179,7 @@ def test_contacts_find_less_room():
     def dropped(quality):
         engine = Engine(RATE)
         settle(engine, quality)
+        engine.send([Command(NOW, Kind.BUDGET, values={"steps": 0, "modes": 8_192})])
         handles = [add(engine, modes=512) for _ in range(8)]
         for handle in handles:
             strike(engine, handle, (0.5, 1e5, 0.2, 1.5), velocity=0.5)

@@ -139,7 +139,7 @@ def test_a_server_s_log_renders_to_its_recording(tmp_path):
     said = [line.message.address for line in lines]
     assert said.count("/object/a/impact") == 3 + 3 + 1 and said.count("/object/b/impact") == 3 + 3
     assert (
-        said[:4] == ["/channels", "/limiter", "/gain", "/contact"]
+        said[:5] == ["/channels", "/limiter", "/gain", "/budget", "/contact"]
         and "/panic" in said
         and "/object/nobody/impact" not in said
     )

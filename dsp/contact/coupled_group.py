@@ -1,0 +1,215 @@
+"""Several coupled contacts in one sample, solved together: the force of each moves the points of all.
+
+As in coupled.py, modes enter over a sample by polynomials. Between two contacts there is the response of the point of
+one to the force of the other, g_ij(t) = sum phi_i phi_j exp(-sigma t) sin(omega t)/omega, with
+
+    x_i(t) = D_i(t) - sum_j int_0^t g_ij(t - s) f_j(s) ds.
+
+All contacts take the same steps, as short as the one that needs the shortest asks for. In a step the equations of all
+nodes are one system, solved by Newton's method. A step ends where any of them begins or ends. For each contact the work
+of its force is that of its own point's motion, to which all forces add, so that the bound on its energy is the same
+as alone. Where steps get too fine the forces are held one after the other, each seeing what those before it did: that
+can't gain energy either.
+"""
+
+import numpy as np
+
+from ..native.jit import kernel
+from ..numerics.legendre import FINE
+from .collocation import NODES
+from .coupled import MOST_STEPS, look, move, touch
+from .coupled_group_step import LEAVES, MEETS, NOTHING, find_step
+from .coupled_step import FINEST, hold
+from .power_series import BINOMIAL, POWERS
+
+GROUP = 32
+"""Contacts that are solved together at most."""
+
+_UNKNOWNS = GROUP * NODES
+
+COUPLED_GROUP = np.dtype(
+    [
+        ("size", np.int64),
+        ("member", np.int64, GROUP),  # places among the contacts
+        ("known", np.int64, GROUP),  # the same, of those whose answers to each other are known
+        ("gain", np.float64, GROUP),  # of the gestures then
+        ("answer", np.float64, (GROUP, GROUP, FINE)),  # m/(N sample): of the point of a row to the force of a column
+        ("observed", np.float64, (GROUP, FINE)),  # m: as for `step_coupled`
+        ("moments", np.float64, (GROUP, FINE)),  # N s: what `step_together` finds
+        # Of a step:
+        ("touching", np.int64),  # contacts that touch
+        ("touches", np.int64, GROUP),  # places of these in the group
+        ("power", np.float64, FINE),  # of its length
+        ("free_x", np.float64, _UNKNOWNS),  # m: compression at the nodes without the forces
+        ("free_v", np.float64, _UNKNOWNS),  # m/s
+        ("give_x", np.float64, (_UNKNOWNS, _UNKNOWNS)),  # m/N: what the forces take off
+        ("give_v", np.float64, (_UNKNOWNS, _UNKNOWNS)),  # m/(s N)
+        ("linear", np.float64, (_UNKNOWNS, _UNKNOWNS + 1)),
+        ("f", np.float64, _UNKNOWNS),  # N: at the nodes
+        ("end_x", np.float64, GROUP),  # m: compression at its end
+        ("end_v", np.float64, GROUP),  # m/s
+        ("ratio", np.float64, GROUP),  # to the longest step within the tolerance
+        ("gained", np.float64, GROUP),  # J: energy of each contact
+        ("sought", np.int64, GROUP),  # 1: the step's end is to be where this contact begins or ends
+        ("event", np.int64, GROUP),
+        ("path", np.float64, FINE),  # m: of one striker that flies
+    ],
+    align=True,
+)
+"""Contacts that share objects, in one sample."""
+
+
+@kernel
+def answer_with(group, i, j, receptance, period, gain):
+    """Let the point of contact i answer the force of contact j, by a receptance (FINE, m/(N s)) times a gain."""
+    answer = group.answer[i, j]
+    answer[0] = 0.0
+    for n in range(1, FINE):
+        total = 0.0
+        for k in range(n, FINE):
+            total += POWERS[n, k] * receptance[k]
+        answer[n] = gain * period * total
+
+
+@kernel
+def step_together(contacts, group):
+    """Take all contacts of a group through the coming sample; fill the `moments` of their forces."""
+    for i in range(group.size):
+        contact = contacts[group.member[i]].coupled
+        look(contact, group.observed[i])
+        for k in range(FINE):
+            group.moments[i, k] = 0.0
+            group.answer[i, i, k] = contact.answer[k]
+    at = 0.0
+    for count in range(MOST_STEPS + 1):
+        left = 1.0 - at
+        if left <= 0.0:
+            break
+        eta = _step(contacts, group, at, count == MOST_STEPS)
+        at = 1.0 if eta >= left else at + eta
+        for i in range(group.size):
+            _settle(contacts[group.member[i]].coupled, group.event[i])
+
+
+@kernel
+def _settle(contact, event):
+    """Begin or end a contact at the end of a step."""
+    if contact.wait >= 0.0:
+        if event != MEETS:
+            return
+        contact.wait = -1.0
+    if event != NOTHING:
+        contact.position -= contact.motion[0]
+        contact.motion[0] = 0.0
+    if event == MEETS and contact.motion[1] > 0.0:
+        touch(contact)
+    elif contact.motion[0] > 0.0:
+        contact.touching = 1
+    elif contact.motion[0] < 0.0 or event == LEAVES:
+        contact.touching = 0
+        for j in range(NODES):
+            contact.force[j] = 0.0
+
+
+@kernel
+def _step(contacts, group, at, last):
+    """Take a step from `at` on, with its events; the `last` one holds the forces for the rest. Returns its length."""
+    left = 1.0 - at
+    longest = eta = left
+    group.touching = 0
+    for i in range(group.size):
+        contact = contacts[group.member[i]].coupled
+        group.event[i] = NOTHING
+        group.sought[i] = 0
+        if contact.wait >= 0.0:
+            longest = min(longest, contact.wait)
+        elif contact.touching == 1:
+            group.touches[group.touching] = i
+            group.touching += 1
+            contact.steps += 1
+            eta = min(eta, contact.next)
+    eta = min(eta, longest)
+    if eta > 0.0:
+        taken = 0.0 if last else find_step(contacts, group, eta, longest)
+        if taken > 0.0:
+            eta = taken
+            _move_all(contacts, group, eta, at)
+            _answer_others(contacts, group)
+        else:
+            eta = left if last else FINEST * eta
+            _hold_in_turn(contacts, group, eta, at)
+    for i in range(group.size):
+        contact = contacts[group.member[i]].coupled
+        if contact.wait >= 0.0:
+            contact.wait = max(contact.wait - eta, 0.0)
+            if contact.wait == 0.0:
+                group.event[i] = MEETS
+        elif contact.touching == 0 and contact.motion[0] > 0.0:
+            group.event[i] = MEETS
+    return eta
+
+
+@kernel
+def _move_all(contacts, group, eta, at):
+    """Go on by `eta` samples, each contact under its own force."""
+    for i in range(group.size):
+        move(contacts[group.member[i]].coupled, eta, at, group.moments[i])
+
+
+@kernel
+def _answer_others(contacts, group):
+    """Let every point answer the other contacts' forces over the step that was taken."""
+    for i in range(group.size):
+        for b in range(group.touching):
+            if group.touches[b] != i:
+                _answer(contacts, group, i, group.touches[b], False)
+
+
+@kernel
+def _answer(contacts, group, i, j, kept):
+    """Let the point of contact i answer the force of contact j; its compression now may be `kept`."""
+    contact = contacts[group.member[i]].coupled
+    impulse = contacts[group.member[j]].coupled.impulse
+    for k in range(FINE):
+        total = 0.0
+        for n in range(max(k, 1), FINE):
+            total += BINOMIAL[n, k] * group.answer[i, j, n] * impulse[n - k]
+        _displace(contact, k, total, kept)
+
+
+@kernel
+def _displace(contact, k, amount, kept):
+    """Take an amount off a coefficient of a contact's motion. Where the compression is kept the striker moves along.
+
+    What is compressed holds energy, which no other force may change but by its work.
+    """
+    if k == 0 and kept:
+        contact.position += amount
+    else:
+        contact.motion[k] -= amount
+
+
+@kernel
+def _hold_in_turn(contacts, group, eta, at):
+    """Hold the forces for a step, one after the other, and go on by it.
+
+    Each sees what those before it do as if it were done already, and what those after it do once it is over.
+    """
+    for b in range(group.touching):
+        j = group.touches[b]
+        held = contacts[group.member[j]].coupled
+        hold(held, eta)
+        for i in range(group.size):
+            contact = contacts[group.member[i]].coupled
+            if contact.touching == 1 and i <= j:
+                continue
+            for n in range(1, FINE):
+                moment = held.force[0] * eta  # int (-s)^p f ds
+                for p in range(n + 1):
+                    amount = group.answer[i, j, n] * BINOMIAL[n, n - p] * moment / (p + 1)
+                    _displace(contact, n - p, amount, contact.touching == 1)
+                    moment *= -eta
+    _move_all(contacts, group, eta, at)
+    for a in range(group.touching):
+        for b in range(a + 1, group.touching):
+            _answer(contacts, group, group.touches[a], group.touches[b], True)

@@ -1,0 +1,322 @@
+"""A step of several coupled contacts (coupled_group.py) by collocation: its forces, its length, and what ends it."""
+
+import math
+
+import numpy as np
+
+from ..native.jit import kernel
+from ..numerics.legendre import FINE
+from .collocation import (
+    CARDINAL,
+    GAUSS,
+    INTEGRAL,
+    NEWTON_STEPS,
+    NODES,
+    SOLVED,
+    WEIGHTS,
+    WITHIN,
+    allowance,
+    elastic,
+    end_of,
+    until_release,
+)
+from .coupled import fly
+from .coupled_step import FINEST, REFINE, RETRY, ROUNDING, TRIALS, may_lose, ratio_to_longest, speed_of
+from .power_series import DOUBLE, FORCE_AT, QUADRATURE, QUADRATURE_WEIGHTS, TO_END, TO_NODE, value_at
+
+NOTHING, MEETS, LEAVES = 0, 1, 2
+"""What ends a step for a contact."""
+
+_ON_TIME = 1e-9  # share of a step by which a striker that flies may miss the time at which it meets the object,
+_ROUNDED = 1e-10  # and samples by which it may in any case
+
+_RUNNING = np.array(
+    [[math.factorial(n) * math.factorial(p) / math.factorial(n + p + 1) for p in range(NODES)] for n in range(FINE)]
+)  # int_0^t (t - s)^n s^p ds over t^(n + p + 1)
+
+
+@kernel
+def find_step(contacts, group, eta, longest):
+    """Find a step that is solved, within the tolerance and right in energy: its length, or 0 if it gets too fine."""
+    finest = FINEST * eta
+    for _ in range(TRIALS):
+        if eta <= finest:
+            break
+        whole = 0.0
+        if _collocate(contacts, group, eta):
+            ratio = _rate(contacts, group, eta)
+            whole = _find_end(contacts, group, eta, longest)
+            if ratio < WITHIN:
+                whole = min(whole, ratio * eta)
+            elif whole == eta:
+                if _is_sound(contacts, group, eta):
+                    _accept(contacts, group, eta)
+                    return eta
+                whole = REFINE * eta
+                ratio = 0.0
+            if ratio >= WITHIN:
+                eta = whole
+                finest = min(finest, FINEST * eta)  # it is short because something happens soon
+                continue
+        for i in range(group.size):
+            group.sought[i] = 0
+        eta = whole if whole > 0.0 else RETRY * eta
+    return 0.0
+
+
+@kernel
+def _collocate(contacts, group, eta):
+    """Try a step: true if it is solved; all forces are then in the contacts' steps, and `end_x`, `end_v` filled."""
+    power = group.power
+    power[0] = 1.0
+    for n in range(1, FINE):
+        power[n] = power[n - 1] * eta
+    for a in range(group.touching):
+        contact = contacts[group.member[group.touches[a]]].coupled
+        for r in range(NODES):
+            x, slope = value_at(contact.motion, eta * GAUSS[r])
+            group.free_x[a * NODES + r] = x
+            group.free_v[a * NODES + r] = slope / contact.period
+        for b in range(group.touching):
+            _fill_give(group, a, b, eta, contact.period)
+    solved = _solve(contacts, group, eta)
+    for a in range(group.touching):
+        contact = contacts[group.member[group.touches[a]]].coupled
+        for r in range(NODES):
+            contact.step.f[r] = group.f[a * NODES + r]
+        for n in range(FINE):
+            contact.impulse[n] = eta * power[n] * (
+                TO_END[n, 0] * contact.step.f[0] + TO_END[n, 1] * contact.step.f[1] + TO_END[n, 2] * contact.step.f[2]
+            )  # fmt: skip
+    for i in range(group.size):
+        contact = contacts[group.member[i]].coupled
+        x, v = value_at(contact.motion, eta)
+        for b in range(group.touching):
+            j = group.touches[b]
+            impulse = contacts[group.member[j]].coupled.impulse
+            for n in range(1, FINE):
+                x -= group.answer[i, j, n] * impulse[n]
+                v -= n * group.answer[i, j, n] * impulse[n - 1]
+        group.end_x[i] = x
+        group.end_v[i] = v / contact.period
+    return solved
+
+
+@kernel
+def _fill_give(group, a, b, eta, period):
+    """What the nodes' forces of touching contact b take off at the nodes of touching contact a."""
+    answer = group.answer[group.touches[a], group.touches[b]]
+    for r in range(NODES):
+        for s in range(NODES):
+            give = 0.0
+            for n in range(1, FINE):
+                give += n * answer[n] * group.power[n] * TO_NODE[n - 1, r, s]
+            group.give_v[a * NODES + r, b * NODES + s] = give / period
+    for r in range(NODES):
+        for s in range(NODES):
+            give = 0.0
+            for n in range(NODES):
+                give += INTEGRAL[r, n] * group.give_v[a * NODES + n, b * NODES + s]
+            group.give_x[a * NODES + r, b * NODES + s] = give * eta * period
+
+
+@kernel
+def _solve(contacts, group, eta):
+    """Forces at all nodes by Newton's method, from the last forces, then from 0. False if it does not converge."""
+    size = group.touching * NODES
+    for start in range(2):
+        for a in range(group.touching):
+            force = max(end_of(contacts[group.member[group.touches[a]]].coupled.force), 0.0) if start == 0 else 0.0
+            for r in range(NODES):
+                group.f[a * NODES + r] = force
+        for _ in range(NEWTON_STEPS):
+            for a in range(group.touching):
+                _linearise(contacts[group.member[group.touches[a]]].coupled, group, a, size)
+            _eliminate(group.linear, size)
+            converged = True
+            for a in range(group.touching):
+                contact = contacts[group.member[group.touches[a]]].coupled
+                speed = speed_of(contact, contact.motion[0], contact.motion[1] / contact.period)
+                negligible = ROUNDING * contact.mass * speed / (eta * contact.period)
+                change = most = 0.0
+                for u in range(a * NODES, (a + 1) * NODES):
+                    group.f[u] += group.linear[u, size]
+                    change = max(change, abs(group.linear[u, size]))
+                    most = max(most, abs(group.f[u]))
+                converged &= change <= SOLVED * most + negligible
+            if converged:
+                return True
+    return False
+
+
+@kernel
+def _linearise(contact, group, a, size):
+    """The rows of Newton's equations for touching contact a."""
+    for r in range(NODES):
+        u = a * NODES + r
+        x, v = group.free_x[u], group.free_v[u]
+        for w in range(size):
+            x -= group.give_x[u, w] * group.f[w]
+            v -= group.give_v[u, w] * group.f[w]
+        contact.step.x[r] = x
+        contact.step.v[r] = v
+        stiffness = damping = force = 0.0
+        slack = 1.0 + contact.mu * v
+        if x > 0.0 and slack > 0.0:
+            spring = contact.k * x ** (contact.a - 1.0)
+            force = spring * x * slack
+            stiffness = contact.a * spring * slack
+            damping = contact.mu * spring * x
+        for w in range(size):
+            group.linear[u, w] = stiffness * group.give_x[u, w] + damping * group.give_v[u, w]
+        group.linear[u, u] += 1.0
+        group.linear[u, size] = force - group.f[u]
+
+
+@kernel
+def _eliminate(linear, size):
+    """Solve the linear equations; the solution takes the right side's place."""
+    for i in range(size):
+        reciprocal = 1.0 / linear[i, i]
+        for row in range(i + 1, size):
+            factor = linear[row, i] * reciprocal
+            if factor != 0.0:
+                for j in range(i + 1, size + 1):
+                    linear[row, j] -= factor * linear[i, j]
+    for i in range(size - 1, -1, -1):
+        for j in range(i + 1, size):
+            linear[i, size] -= linear[i, j] * linear[j, size]
+        linear[i, size] /= linear[i, i]
+
+
+@kernel
+def _rate(contacts, group, eta):
+    """The least `ratio` of the contacts that touch. One that asks for a shorter step will next time try that."""
+    least = math.inf
+    for a in range(group.touching):
+        i = group.touches[a]
+        contact = contacts[group.member[i]].coupled
+        ratio = ratio_to_longest(contact, eta, group.end_x[i], group.end_v[i])
+        group.ratio[i] = ratio
+        if ratio < WITHIN:
+            contact.next = ratio * eta
+        least = min(least, ratio)
+    return least
+
+
+@kernel
+def _find_end(contacts, group, eta, longest):
+    """The length of the step that ends where the first contact begins or ends; `eta` itself where this one does."""
+    shorter, longer, exact = eta, math.inf, False
+    for i in range(group.size):
+        contact = contacts[group.member[i]].coupled
+        group.event[i] = NOTHING
+        if contact.wait >= 0.0:
+            continue
+        x, v = group.end_x[i], group.end_v[i] * contact.period
+        if contact.touching == 1:
+            whole, sought = until_release(contact.step, x, v, eta, longest, group.sought[i] == 1)
+            event = LEAVES
+        else:
+            whole, sought = _until_meeting(contacts, group, i, eta, longest)
+            event = MEETS
+        group.sought[i] = sought
+        if whole < eta:
+            shorter = min(shorter, whole)
+        elif whole > eta:
+            longer = min(longer, whole)
+        elif sought:
+            group.event[i] = event
+            exact = True
+    if shorter < eta:
+        return shorter
+    return eta if exact or longer == math.inf else longer
+
+
+@kernel
+def _until_meeting(contacts, group, i, eta, longest):
+    """As `until_release`, for a striker that flies: where it meets the object, or `eta` if it does not."""
+    contact = contacts[group.member[i]].coupled
+    if group.sought[i] == 0:
+        _follow_path(contacts, group, i, eta)
+        whole, meets = fly(group.path, eta)
+        return whole, meets
+    v = group.end_v[i] * contact.period
+    late = group.end_x[i] / v if v > 0.0 else 0.0
+    if abs(late) <= max(_ON_TIME * eta, _ROUNDED):
+        return eta, v > 0.0
+    whole = eta - late
+    return (whole, True) if 0.0 < whole <= longest else (eta, False)
+
+
+@kernel
+def _follow_path(contacts, group, i, eta):
+    """The compression of contact i over the step as a power series, moved by the forces of the others."""
+    path = group.path
+    motion = contacts[group.member[i]].coupled.motion
+    for n in range(FINE):
+        path[n] = motion[n]
+    for b in range(group.touching):
+        j = group.touches[b]
+        f = contacts[group.member[j]].coupled.step.f
+        scale = 1.0
+        for p in range(NODES):
+            force = scale * (CARDINAL[p, 0] * f[0] + CARDINAL[p, 1] * f[1] + CARDINAL[p, 2] * f[2])
+            for n in range(1, FINE - p - 1):
+                path[n + p + 1] -= group.answer[i, j, n] * _RUNNING[n, p] * force
+            scale /= eta
+
+
+@kernel
+def _is_sound(contacts, group, eta):
+    """True if the step's energy is right: each force's exact work against the change of V, and what its law takes."""
+    for a in range(group.touching):
+        i = group.touches[a]
+        contact = contacts[group.member[i]].coupled
+        f = contact.step.f
+        stored = elastic(contact.motion[0], contact.k, contact.a)
+        v = contact.motion[1] / contact.period
+        contact.scale = max(contact.scale, stored + 0.5 * contact.mass * v * v)
+        work = 0.0
+        for q in range(len(QUADRATURE)):
+            force = FORCE_AT[q, 0] * f[0] + FORCE_AT[q, 1] * f[1] + FORCE_AT[q, 2] * f[2]
+            work += eta * QUADRATURE_WEIGHTS[q] * force * value_at(contact.motion, eta * QUADRATURE[q])[1]
+        for b in range(group.touching):
+            j = group.touches[b]
+            work -= _work_against(f, contacts[group.member[j]].coupled.step.f, group.answer[i, j], group.power, eta)
+        gain = elastic(group.end_x[i], contact.k, contact.a) - stored - work
+        lost = -gain
+        for r in range(NODES):
+            node = contact.step.x[r]
+            spring = contact.k * node**contact.a if node > 0.0 else 0.0
+            lost -= eta * contact.period * WEIGHTS[r] * (f[r] - spring) * contact.step.v[r]
+        if gain > allowance(contact.gained, contact.scale) or lost > may_lose(contact):
+            return False
+        group.gained[i] = gain
+    return True
+
+
+@kernel
+def _work_against(f, other, answer, power, eta):
+    """The work of a force against what another force takes off."""
+    work = 0.0
+    for n in range(1, FINE):
+        form = 0.0
+        for r in range(NODES):
+            for s in range(NODES):
+                form += f[r] * DOUBLE[n - 1, r, s] * other[s]
+        work += n * answer[n] * power[n] * eta * form
+    return work
+
+
+@kernel
+def _accept(contacts, group, eta):
+    """Take the step's forces."""
+    for a in range(group.touching):
+        i = group.touches[a]
+        contact = contacts[group.member[i]].coupled
+        contact.gained = max(contact.gained + group.gained[i], 0.0)
+        for r in range(NODES):
+            contact.force[r] = contact.step.f[r]
+        if group.event[i] == NOTHING:
+            contact.next = max(group.ratio[i] * eta, contact.next)
