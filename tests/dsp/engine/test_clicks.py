@@ -20,7 +20,7 @@ def body(click, modes=None, mass=1.0):
     """A body that clicks, with modes of another, or with none."""
     if modes is None:
         modes = Modes(np.empty(0), np.empty(0), np.empty((1, 0)), np.empty((2, 0)), mass)
-    return Modes(modes.frequency, modes.decay, modes.strike, modes.pressure, mass, click)
+    return Modes(modes.frequency, modes.decay, modes.strike, modes.pressure, mass, (click,) if click else ())
 
 
 def steel(radius):

@@ -57,7 +57,9 @@ def test_a_ball_clicks_as_koss_and_alfredson_say(mass):
 def test_a_ball_that_is_an_object_clicks_alike():
     """An object that strikes clicks by its own bank, and a striker by a voice: with the same sound."""
     engine = started()
-    other = engine.add(Modes(np.empty(0), np.empty(0), np.empty((1, 0)), np.empty((2, 0)), BALL[0], BALL_SOUND.click))
+    other = engine.add(
+        Modes(np.empty(0), np.empty(0), np.empty((1, 0)), np.empty((2, 0)), BALL[0], (BALL_SOUND.click,))
+    )
     by_object = sound_of(impact(wall(engine), BALL, 100.0, by=other), engine=engine)
     engine = started()
     by_voice = sound_of(impact(wall(engine), BALL, 100.0, **engine.lay_out_striker(BALL_SOUND)), engine=engine)
@@ -118,7 +120,7 @@ def test_what_rolls_clicks_by_the_force_that_the_object_feels():
     heard = {}
     for name in ("object", "voice"):
         engine = started()
-        click = Modes(np.empty(0), np.empty(0), np.empty((1, 0)), np.empty((2, 0)), 1.0, BALL_SOUND.click)
+        click = Modes(np.empty(0), np.empty(0), np.empty((1, 0)), np.empty((2, 0)), 1.0, (BALL_SOUND.click,))
         handle = engine.add(click) if name == "object" else wall(engine)
         values = engine.lay_out_striker(BALL_SOUND) if name == "voice" else {}
         heard[name] = sound_of(gesture(Kind.ROLL, handle, BALL, 100.0, **rolling, **values), engine=engine, frames=9600)
