@@ -21,12 +21,17 @@ class Connection:
         self._stream = Sized() if tcp else None
         self._inbox: deque[wire.Message] = deque()  # read from the socket, but not asked for yet
         if tcp:
-            with self._reaching():
+            with self._reaching(), self._finding():
                 self._socket = socket.create_connection((host, port), _PATIENCE)
             self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         else:
             self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-            self._socket.connect((host, port))
+            try:
+                with self._finding():
+                    self._socket.connect((host, port))
+            except OSError:
+                self._socket.close()
+                raise
 
     def close(self) -> None:
         """Close the socket."""
@@ -59,6 +64,14 @@ class Connection:
             for bundle in wire.parse(packet):
                 self._inbox.extend(bundle.messages)
         return True
+
+    @contextmanager
+    def _finding(self) -> Iterator[None]:
+        """A gaierror inside, as for a host that has no address, names the server."""
+        try:
+            yield
+        except socket.gaierror as error:
+            raise socket.gaierror(error.errno, error.strerror, self.server) from error
 
     @contextmanager
     def _reaching(self) -> Iterator[None]:

@@ -22,8 +22,9 @@ def plain(error: Exception) -> str:
     text = f"{error.filename}: {error.strerror}"
     missing = Path(error.filename)
     if isinstance(error, FileNotFoundError) and missing.parent.is_dir():
-        # Without their endings, which make all names alike.
-        names = {path.stem: path.name for path in sorted(missing.parent.iterdir())}
+        # Without their endings, which make all names alike; of two names that differ in it, the one with this ending.
+        paths = sorted(missing.parent.iterdir(), key=lambda path: (path.suffix == missing.suffix, path))
+        names = {path.stem: path.name for path in paths}
         if found := near(missing.stem, names):
             return f"{text}; did you mean {' or '.join(names[stem] for stem in found)}?"
     return text

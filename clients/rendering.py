@@ -57,7 +57,7 @@ def tasks(scores: Sequence[str], out: str, plot: str | None, stems: str | None =
         for name, target in (("OUT", out), ("--plot", plot)):
             if target is not None and PLACE not in target and not Path(target).is_dir():
                 raise RenderError(
-                    f"{name} = {target}: expected a folder, or a name with {PLACE}, for {len(scores)} scores"
+                    f"{name} = {target}: expected a folder that is there, or a name with {PLACE}, for {len(scores)} scores"
                 )
         _require_different(made)
     return made

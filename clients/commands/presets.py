@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...dsp.wording import expected
+from ...dsp.wording import expected, suggestion
 from ..errors import tell
 from .options import add_presets
 from .parser import Command
@@ -75,7 +75,7 @@ def _show(names: Sequence[str], presets: Presets, as_json: bool) -> None:
         kinds = [kind for kind in known if name in known[kind]]
         if not kinds:
             all_names = dict.fromkeys(each for kind in reversed(known) for each in known[kind])
-            raise PresetError(f"no preset {name!r}: {expected(name, all_names)}")
+            raise PresetError(f"no preset {name!r}: {suggestion(name, KINDS) or expected(name, all_names)}")
         found += [(kind, name, presets.path(kind, name)) for kind in kinds]
     if as_json:
         _print(

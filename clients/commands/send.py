@@ -10,7 +10,7 @@ from .parser import Command
 def _options(parser: argparse.ArgumentParser) -> None:
     add_server(parser)
     parser.add_argument("address", metavar="ADDRESS")
-    parser.add_argument("args", nargs="*", metavar="ARG")
+    parser.add_argument("args", nargs="*", default=[], metavar="ARG")
 
 
 def _run(arguments: argparse.Namespace) -> int:

@@ -31,6 +31,7 @@ def test_render_makes_a_sound_file_and_a_picture(carom, tmp_path):
     [
         (("render", "none.txt", "x.wav"), "none.txt: No such file or directory"),
         (("render", "s.tx", "x.wav"), "s.tx: No such file or directory; did you mean s.txt?"),
+        (("render", "fa.txt", "x.wav"), "fa.txt: No such file or directory; did you mean far.txt?"),
         (("render", "s.txt", "x.mp3"), "x.mp3: expected a name that ends in .wav or .flac"),
         (("render", "s.txt", "no/x.wav"), "no/x.wav: there is no folder no"),
         (("render", "bad.txt", "x.wav"), "bad.txt:2: /object/a/impact: a: no such object"),
@@ -48,6 +49,7 @@ def test_render_makes_a_sound_file_and_a_picture(carom, tmp_path):
 )
 def test_errors_are_one_line_and_a_code(carom, tmp_path, words, error):
     (tmp_path / "s.txt").write_text(STRIKE)
+    (tmp_path / "far.wav").touch()
     (tmp_path / "far.txt").write_text(STRIKE.splitlines()[0] + "\n1e300 /object/a/impact 1\n")
     (tmp_path / "bad.txt").write_text("0 /object/new b wood-block\n0 /object/a/impact 1\n")
     run = carom(*words)
