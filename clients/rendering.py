@@ -56,9 +56,8 @@ def tasks(scores: Sequence[str], out: str, plot: str | None, stems: str | None =
     if len(scores) > 1:
         for name, target in (("OUT", out), ("--plot", plot)):
             if target is not None and PLACE not in target and not Path(target).is_dir():
-                raise RenderError(
-                    f"{name} = {target}: expected a folder that is there, or a name with {PLACE}, for {len(scores)} scores"
-                )
+                wanted = f"expected a folder that is there, or a name with {PLACE}, for {len(scores)} scores"
+                raise RenderError(f"{name} = {target}: {wanted}")
         _require_different(made)
     return made
 

@@ -53,6 +53,15 @@ ENGINE_COUPLED = Promise(
     "velocity of an object that rings already, as the engine strikes it", "DOP853", -60.0, "dB",
     "dsp/engine/test_coupling.py",
 )  # fmt: skip
+SEVERAL = {
+    level: Promise(what, "DOP853", bound, "dB", "dsp/engine/test_contact_groups.py")
+    for level, what, bound in (
+        ("-40", "velocity of an object that two to four strikers touch at once, at `-40`", -35.0),
+        ("-60", "the same at `-60`", -55.0),
+        ("-80", "the same at `-80`", -75.0),
+        ("exact", "the same at `exact`", -120.0),
+    )
+}
 GROWTH = Promise(
     "growth of the energy of striker and modes, extreme contacts (k to 1e16 N/m^a, mu to 1e3 s/m)", "no growth", 1e-8,
     "of the contact's energy", _COUPLED,
@@ -82,4 +91,9 @@ PARTIALS = Promise(
     "sound of any other object once the contact is over", "damped sines of the preset", 1e-4, "of its norm", _SOUND
 )
 
-PROMISES = [each for each in tuple(globals().values()) if isinstance(each, Promise)]
+PROMISES = [
+    promise
+    for each in tuple(globals().values())
+    for promise in (each.values() if isinstance(each, dict) else (each,))
+    if isinstance(promise, Promise)
+]

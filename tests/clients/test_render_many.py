@@ -70,7 +70,10 @@ def test_a_bad_score_does_not_stop_the_others(carom, tmp_path, scores):
 @pytest.mark.parametrize(
     ("words", "error"),
     [
-        (("s0.txt", "s1.txt", "x.wav"), "OUT = x.wav: expected a folder that is there, or a name with {}, for 2 scores"),
+        (
+            ("s0.txt", "s1.txt", "x.wav"),
+            "OUT = x.wav: expected a folder that is there, or a name with {}, for 2 scores",
+        ),
         (("s0.txt", "s1.txt", "-"), "OUT = -: expected a folder that is there"),
         (("s0.txt", "s1.txt", "{}.wav", "--plot", "x.png"), "--plot = x.png: expected a folder that is there"),
         (("s0.txt", "./s0.txt", "{}.wav"), "./s0.txt: s0.txt is rendered to s0.wav already"),

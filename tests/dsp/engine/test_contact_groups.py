@@ -11,6 +11,7 @@ from carom.dsp.contact.accuracy import LEVELS
 from carom.dsp.engine.commands import Command, Kind
 from carom.dsp.engine.state import QUANTUM, Solver
 from carom.dsp.runtime.engine import NOW, Engine
+from tests.accuracy import SEVERAL
 from tests.dsp.contact.coupled_reference import Blow, several
 from tests.dsp.engine.support import strike
 from tests.dsp.engine.test_coupling import modal
@@ -18,7 +19,7 @@ from tests.dsp.engine.test_coupling import modal
 RATE = 48_000
 QUANTA = 9
 FIRST = 3.25  # samples: when the first one touches
-PROMISED = {"-40": -35, "-60": -55, "-80": -75, "exact": -120}  # dB
+PROMISED = {level: promise.bound for level, promise in SEVERAL.items()}
 
 WOOD, STEEL, FELT = (0.02, 2e8, 0.6, 1.5), (0.02, 3e9, 0.05, 1.5), (0.03, 2e7, 0.8, 2.5)
 
