@@ -18,6 +18,7 @@ POINT = np.dtype(
         ("modes", np.int64),  # of it that the contact acts on, its first
         ("row", np.int64),  # of the shape table, the first of four
         ("weights", np.float64, 4),
+        ("give", np.float64),  # 1/kg: sum of phi^2 where a striker began to touch
         ("next_roll", np.int64),  # of the list of rolls on the object
     ],
     align=True,
