@@ -31,7 +31,7 @@ COUPLED_GROUP = np.dtype(
     [
         ("size", np.int64),
         ("member", np.int64, GROUP),  # places among the contacts
-        ("known", np.int64, GROUP),  # the same, of those whose answers to each other are known
+        ("known", np.int64, GROUP),  # `settled` of those whose answers to each other are known, 0: none
         ("gain", np.float64, GROUP),  # of the gestures then
         ("answer", np.float64, (GROUP, GROUP, FINE)),  # m/(N sample): of the point of a row to the force of a column
         ("observed", np.float64, (GROUP, FINE)),  # m: as for `step_coupled`

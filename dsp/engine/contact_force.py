@@ -16,7 +16,7 @@ from ..resonator.bank import inject, inject_fine, observe, receptance
 from .contact_list import take_room_again
 from .fade import note_force
 from .objects import frequency_of, highest_of, modes_of, place, point_of, reach_of, relief_of, sigma_of
-from .quality import modes_for, room_for_coupling
+from .quality import holds_steps, modes_for, room_for_coupling
 from .solver_choice import choose_solver, soften_pulse, tolerance_of
 from .state import COUPLING, SAMPLING
 from .strikers import begin_striker, drive_striker
@@ -212,7 +212,8 @@ def _advance_coupled(state, contact, age):
             state.scratch.fine[n] = contact.moments[n]
         return True
     observe_points(state, contact)
-    choose_tolerance(state, contact)
+    if not choose_tolerance(state, contact) and not holds_steps(state):
+        state.stats.over_budget += 1
     count_steps(state, contact, -1)
     step_coupled(contact.coupled, state.scratch.observed, state.scratch.fine)
     count_steps(state, contact, 1)
@@ -225,7 +226,6 @@ def choose_tolerance(state, contact):
     tolerance = tolerance_of(state, contact)
     if tolerance != HELD and contact.debt > _BURST * state.choices.budget.steps:
         tolerance = HELD
-        state.stats.over_budget += 1
     contact.coupled.tolerance = tolerance
     return tolerance != HELD
 
@@ -270,6 +270,8 @@ def observe_points(state, contact):
     if contact.unsettled == 1:
         respond_with(contact.coupled, scratch.receptance)
         contact.unsettled = 0
+        state.settled_count += 1
+        contact.settled = state.settled_count
 
 
 @kernel

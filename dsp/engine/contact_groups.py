@@ -67,6 +67,18 @@ def _join(group, candidates, i):
 
 
 @kernel
+def _sort(group):
+    """Bring the members into the order of their places, so that one keeps its own while contacts take turns."""
+    for i in range(1, group.size):
+        member = group.member[i]
+        j = i
+        while j > 0 and group.member[j - 1] > member:
+            group.member[j] = group.member[j - 1]
+            j -= 1
+        group.member[j] = member
+
+
+@kernel
 def _share(state, contact, other):
     """True if two contacts touch the same object."""
     for side in range(2):
@@ -80,13 +92,14 @@ def _share(state, contact, other):
 def _solve(state):
     """Find the moments of all forces in `together` over the coming sample, and have them act."""
     group = state.scratch.together
-    _find_answers(state, group)
+    _sort(group)
     for i in range(group.size):
         contact = state.contacts[group.member[i]]
         observe_points(state, contact)
         for n in range(FINE):
             group.observed[i, n] = state.scratch.observed[n]
         count_steps(state, contact, -1)
+    _find_answers(state, group)
     step_together(state.contacts, group)
     for i in range(group.size):
         contact = state.contacts[group.member[i]]
@@ -100,17 +113,19 @@ def _solve(state):
 
 @kernel
 def _find_answers(state, group):
-    """Find how each contact's points answer the others' forces, but where that is known from the sample before."""
-    for i in range(group.size):
-        contact = state.contacts[group.member[i]]
-        same = group.known[i] == group.member[i] and group.gain[i] == contact.now.gain and contact.unsettled == 0
-        group.known[i] = group.member[i] if same else -1
+    """Find how each contact's points answer the others' forces, but where that is known from an earlier sample."""
+    for i in range(GROUP):
+        if i < group.size:
+            contact = state.contacts[group.member[i]]
+            if group.known[i] == contact.settled and group.gain[i] == contact.now.gain:
+                continue
+        group.known[i] = 0
     for i in range(group.size):
         for j in range(group.size):
-            if i != j and (group.known[i] < 0 or group.known[j] < 0):
+            if i != j and (group.known[i] == 0 or group.known[j] == 0):
                 _find_answer(state, group, i, j)
     for i in range(group.size):
-        group.known[i] = group.member[i]
+        group.known[i] = state.contacts[group.member[i]].settled
         group.gain[i] = state.contacts[group.member[i]].now.gain
 
 

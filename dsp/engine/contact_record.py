@@ -18,6 +18,7 @@ POINT = np.dtype(
         ("modes", np.int64),  # of it that the contact acts on, its first
         ("row", np.int64),  # of the shape table, the first of four
         ("weights", np.float64, 4),
+        ("give", np.float64),  # 1/kg: sum of phi^2 where a striker began to touch
         ("next_roll", np.int64),  # of the list of rolls on the object
     ],
     align=True,
@@ -41,6 +42,7 @@ CONTACT = np.dtype(
         ("aside", np.int64),  # 1: it flies, and counts for nothing
         ("light", np.int64),  # 1: what it touches is lighter than the striker
         ("unsettled", np.int64),  # 1: a coupled contact must be told the receptance of the objects
+        ("settled", np.int64),  # number of that receptance, of no other contact's nor of an earlier one
         ("solved", np.int64),  # 1: a coupled contact's `moments` over the coming sample are known
         ("moments", np.float64, FINE),  # N s
         ("oversampling", np.int64),  # steps per sample of a sampled contact

@@ -256,6 +256,7 @@ STATE = np.dtype(
         ("free_contact", np.int64, CONTACTS),  # stack
         ("last_command", np.int64, CONTACTS),  # 1 + arrival of the last one about a gesture that lasts; 0: none
         ("contact_count", np.int64),  # numbers given to contacts so far
+        ("settled_count", np.int64),  # and to the receptances that coupled contacts were told
         ("oldest_running", np.int64),  # the least of these that may go on in this quantum
         ("rolls", ROLL, ROLLS),
         ("free_roll", np.int64, ROLLS),  # stack

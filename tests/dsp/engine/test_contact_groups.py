@@ -13,7 +13,7 @@ from carom.dsp.engine.state import QUANTUM, Solver
 from carom.dsp.runtime.engine import NOW, Engine
 from tests.accuracy import SEVERAL
 from tests.dsp.contact.coupled_reference import Blow, several
-from tests.dsp.engine.support import strike
+from tests.dsp.engine.support import gesture, steer, strike
 from tests.dsp.engine.test_coupling import modal
 
 RATE = 48_000
@@ -113,3 +113,38 @@ def test_twenty_strokes_in_a_tenth_of_a_second_all_sound():
         blow(engine, handle, FELT, FIRST + 240.0 * i)
     engine.process(9_600)
     assert engine.stats.impacts == 20 and engine.stats.contacts_dropped == 0
+
+
+def test_answers_that_are_kept_are_as_if_found_anew():
+    """Of a hand that moved on by itself, and of a striker at the place of one that is gone."""
+
+    def sound(forgets: bool):
+        engine = Engine(RATE)
+        handle = engine.add(body(0.1), 50.0)
+        hand = {"velocity": 0.1, "force": 5.0, "position": 0.2}
+        engine.send([gesture(Kind.PRESS, handle, FELT, number=1, **hand)])
+        heard = []
+        for quantum in range(80):
+            if quantum == 10:
+                engine.send([steer(1, "position", 0.6)])
+            if quantum in (5, 60):
+                blow(engine, handle, WOOD, quantum * QUANTUM + FIRST, position=0.8 if quantum == 5 else 0.4)
+            if forgets:
+                engine.state["scratch"]["together"]["known"][:] = 0
+            heard.append(engine.process(QUANTUM))
+        assert engine.stats.coupled == 3
+        return np.concatenate(heard)
+
+    np.testing.assert_array_equal(sound(False), sound(True))
+
+
+def test_a_sample_over_budget_counts_once():
+    engine = Engine(RATE)
+    engine.send([Command(NOW, Kind.BUDGET, values={"steps": 1, "modes": 8_192})])
+    handle = engine.add(body(0.1), 50.0)
+    for position in (0.2, 0.7):
+        blow(engine, handle, FELT, FIRST, position=position)
+    engine.process(QUANTUM)
+    engine.state["contacts"]["debt"][0, engine.state["contacts"]["touching"][0] == 1] = 10_000
+    engine.process(QUANTUM)
+    assert engine.stats.over_budget == engine.stats.held == 2 * QUANTUM
