@@ -274,7 +274,9 @@ class Stats:
     coupled: int = _counter("contacts that were coupled to the modes")
     recontacts: int = _counter("times that an object caught up with the striker that had just left it")
     held: int = _counter("steps of coupled contacts in which the force was held")
-    over_budget: int = _counter("samples in which a coupled contact's force was held, as its budget of steps was spent")
+    over_budget: int = _counter(
+        "samples in which a coupled contact's force was held, and contacts that were not coupled, as `/budget` says"
+    )
     late: int = _counter("events that came after their time and were played at once")
     faults: int = _counter("times that an object was silenced because its sound was not finite")
     limited: int = _counter("frames that the limiter turned down", "frames")

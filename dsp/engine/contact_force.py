@@ -214,9 +214,9 @@ def _advance_coupled(state, contact, age):
     observe_points(state, contact)
     if not choose_tolerance(state, contact) and not holds_steps(state):
         state.stats.over_budget += 1
-    count_steps(state, contact, -1)
+    count_steps(state, contact, -1, 1)
     step_coupled(contact.coupled, state.scratch.observed, state.scratch.fine)
-    count_steps(state, contact, 1)
+    count_steps(state, contact, 1, 1)
     return True
 
 
@@ -231,12 +231,15 @@ def choose_tolerance(state, contact):
 
 
 @kernel
-def count_steps(state, contact, sign):
-    """Bring the stats and the debt of steps up to date: with -1 before a coupled contact steps, with 1 after."""
+def count_steps(state, contact, sign, price):
+    """Bring the stats and the debt of steps up to date: with -1 before a coupled contact steps, with 1 after.
+
+    price: of its steps, against those of a contact that is alone.
+    """
     coupled, stats = contact.coupled, state.stats
     stats.held += sign * coupled.held
     stats.recontacts += sign * max(coupled.contacts - 1, 0)
-    contact.debt += sign * coupled.steps
+    contact.debt += sign * price * coupled.steps
     if sign > 0:
         steps = state.choices.budget.steps
         contact.debt = max(contact.debt - steps, 0) if steps > 0 else 0

@@ -8,6 +8,8 @@ from .contact_force import choose_tolerance, count_steps, drive, observe_points
 from .objects import modes_of, point_of
 from .state import COUPLING
 
+_CHEAP = 16  # the square of a group's size at which its equations cost as much as the rest of a step
+
 
 @kernel
 def solve_groups(state, frame):
@@ -93,17 +95,18 @@ def _solve(state):
     """Find the moments of all forces in `together` over the coming sample, and have them act."""
     group = state.scratch.together
     _sort(group)
+    price = 1 + group.size * group.size // _CHEAP
     for i in range(group.size):
         contact = state.contacts[group.member[i]]
         observe_points(state, contact)
         for n in range(FINE):
             group.observed[i, n] = state.scratch.observed[n]
-        count_steps(state, contact, -1)
+        count_steps(state, contact, -1, price)
     _find_answers(state, group)
     step_together(state.contacts, group)
     for i in range(group.size):
         contact = state.contacts[group.member[i]]
-        count_steps(state, contact, 1)
+        count_steps(state, contact, 1, price)
         contact.solved = 1
         for n in range(FINE):
             contact.moments[n] = group.moments[i, n]

@@ -46,16 +46,8 @@ class Memory:
         count = starts[-1] + CLICK_MODES if starts else bent
         if count > MODES_PER_OBJECT:
             raise EngineFull(f"{count} modes: an object holds at most {MODES_PER_OBJECT}")
-        if not self._slots:
-            raise EngineFull(f"no room for another object: all {OBJECTS} are taken")
-        size = max(LANES, math.ceil(count / LANES) * LANES)
-        rows = len(strike)
-        first = self._modes.take(size)
-        try:
-            table = self._shapes.take(rows * size)
-        except EngineFull:
-            self._modes.give(first)
-            raise
+        size, rows = max(LANES, math.ceil(count / LANES) * LANES), len(strike)
+        first, table = self._take(size, rows)
         shape = self._cleared(first, size, table, rows)
         self._fill(first, slice(0, felt), modes.frequency[order], modes.decay[order], *_weights(sides))
         shape[:, :felt] = strike[:, order]
@@ -81,6 +73,17 @@ class Memory:
             "cone": modes.cone,
         }
         return Handle(self._slots.pop(), self._serial, first, table), layout
+
+    def _take(self, size: int, rows: int) -> tuple[int, int]:
+        """Take room for so many modes and rows of shapes: the first mode, and the first value of the table."""
+        if not self._slots:
+            raise EngineFull(f"no room for another object: all {OBJECTS} are taken")
+        first = self._modes.take(size)
+        try:
+            return first, self._shapes.take(rows * size)
+        except EngineFull:
+            self._modes.give(first)
+            raise
 
     def _cleared(self, first: int, size: int, table: int, rows: int) -> Array:
         """The table of shapes (rows, size) of an object, empty as its modes are."""

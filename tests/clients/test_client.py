@@ -139,10 +139,10 @@ def say_everything(client: Client, at: float | None) -> None:
         if verb.address.startswith("/gesture/") and verb.required:
             client.steer("x", at=at, **{verb.address.rsplit("/", 1)[1]: 0.5})
     client.accuracy("exact", at=at)
-    client.quality(1, at=at)
+    for verb in (client.quality, client.limiter, client.main_gain):
+        verb(1, at=at)
+    client.budget(4, 8192, at=at)
     client.contact("heun", 4, at=at, correction="both")
-    client.main_gain(-3, at=at)
-    client.limiter(True, at=at)
     client.panic(at=at)
 
 
