@@ -54,7 +54,7 @@ def _callback() -> Any:
 
 
 def prepare() -> None:
-    """Load the engine's code, or compile it, which takes 20 to 40 s; after this, an Engine takes milliseconds."""
+    """Load the engine's code, or compile it, which takes a minute or two; after this, an Engine takes milliseconds."""
     _callback()
 
 
