@@ -27,6 +27,7 @@ from .quality import coarseness_of
 from .spins import begin_spin
 from .state import CLOSED, END_JOINED, END_NO_ROOM, END_RESTED, ROLLING
 from .steering import steer_existing_roll
+from .striker_modes import prepare
 
 _SLOWEST = 1e-12  # m/s: a slower striker moves nothing, and its square may underflow
 
@@ -100,7 +101,10 @@ def _describe(state, contact, event):
     contact.sound = contact.voice = -1
     if strike.sound_serial > 0.0:
         contact.sound, contact.sound_serial = int(strike.sound), int(strike.sound_serial)
-        state.stats.strikers_cut += state.strikers[contact.sound].serial != contact.sound_serial
+        striker = state.strikers[contact.sound]
+        state.stats.strikers_cut += striker.serial != contact.sound_serial
+        if striker.prepared == 0 and striker.serial == contact.sound_serial:
+            prepare(striker, state.rate)
     target = contact.target
     for i in range(len(IN_STRIKE)):
         set_field(target, i, 0.0)

@@ -7,7 +7,6 @@ from ..resonator.bank import Modes
 from ..resonator.click import set_click
 from ..resonator.coefficients import set_mode
 from ..resonator.simd import LANES
-from .commands import KIND_ROLL
 from .striker_state import STRIKER_MODES
 
 _SAME = 1e-9  # relative difference of radii that are one
@@ -22,10 +21,8 @@ def modes_of_voice(voice):
 
 @kernel
 def become(state, voice, contact):
-    """Let a voice be that of a contact's striker, at rest."""
+    """Let a voice be that of a contact's striker, which is prepared, at rest."""
     striker = state.strikers[contact.sound]
-    if striker.prepared == 0:
-        _prepare(striker, state.rate)
     voice.size = striker.size
     for i in range(striker.size):
         voice.y1[i] = voice.y2[i] = 0.0
@@ -34,18 +31,23 @@ def become(state, voice, contact):
         voice.struck[i], voice.snapped[i] = striker.struck[i], striker.snapped[i]
     for i in range(striker.size // LANES * (len(striker.response) // (STRIKER_MODES // LANES))):
         voice.response[i] = striker.response[i]
-    if striker.clicks > 0 and contact.kind == KIND_ROLL:
-        ratio = state.rolls[contact.roll].target.radius / striker.radius
-        if abs(ratio - 1.0) > _SAME:  # what rolls is as large as it was said to be: of the same form
-            set_click(
-                modes_of_voice(voice), 0, striker.frequency[0] / ratio, striker.sigma[0] / ratio, state.rate,
-                striker.weight[0] * ratio,
-            )  # fmt: skip
 
 
 @kernel
-def _prepare(striker, rate):
-    """Compute the coefficients of a kind of striker.
+def resize(state, voice, contact):
+    """Let a new voice click as a rolling body of its radius, of the same form as the striker."""
+    striker = state.strikers[contact.sound]
+    ratio = state.rolls[contact.roll].target.radius / striker.radius if striker.clicks > 0 else 1.0
+    if abs(ratio - 1.0) > _SAME:
+        set_click(
+            modes_of_voice(voice), 0, striker.frequency[0] / ratio, striker.sigma[0] / ratio, state.rate,
+            striker.weight[0] * ratio,
+        )  # fmt: skip
+
+
+@kernel
+def prepare(striker, rate):
+    """Compute the coefficients of a kind of striker, before a contact with it begins.
 
     Its modes sound in the phase of their velocity: what the force bends slowly is not heard. Where there is a second
     pulse it alone moves them, and they begin at 0.

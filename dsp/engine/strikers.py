@@ -22,7 +22,7 @@ from .contact_record import RIM
 from .fade import fade_length, going_on, left_of, pace_of, tilt_of
 from .quality import silence_of
 from .state import COUPLING
-from .striker_modes import become, modes_of_voice
+from .striker_modes import become, modes_of_voice, resize
 from .striker_state import VOICES
 
 _NEW = 1e300  # loudness of a voice that has just begun: it is not the quietest
@@ -47,10 +47,13 @@ def roll_striker(state, contact):
     """Have a rolling body's voice moved by its force in this quantum, if it has one or one is free."""
     if not _sounds(state, contact):
         return
+    has_one = contact.voice >= 0
     _take_voice(state, contact, False)
     if contact.voice >= 0:
         voice = state.voices[contact.voice]
         obj = state.objects[voice.slot]
+        if not has_one:
+            resize(state, voice, contact)
         voice.roll = contact.roll
         voice.driven = 1
         voice.share[0] = contact.now.gain * obj.level / state.rolls[contact.roll].m
