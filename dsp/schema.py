@@ -25,7 +25,7 @@ class Parameter:
     default: float | None = None
     """The value where none is given; None: it comes from the striker or the object, or it must be given."""
     useful: tuple[float, float] | None = None
-    """The range that a fader should cover; None: all that is allowed."""
+    """The range that a fader should cover, by ratios where it spans more than a factor of 30; None: all there is."""
     steerable: bool = False
     """A running gesture takes a new value."""
     glide: float = 0.0
@@ -98,20 +98,20 @@ STRIKE = (*LAW, RESTITUTION, POSITION, GAIN)
 """The parameters that all gestures share."""
 
 VELOCITY = Parameter(
-    "velocity", 0.0, 1000.0, "m/s", "of the striker as it meets the object; 0 does nothing", useful=(0.0, 5.0)
+    "velocity", 0.0, 1000.0, "m/s", "of the striker as it meets the object; 0 does nothing", useful=(0.01, 5.0)
 )
-HEIGHT = Parameter("height", 0.0, 1000.0, "m", "from which it falls", useful=(0.0, 2.0))
+HEIGHT = Parameter("height", 0.0, 1000.0, "m", "from which it falls", useful=(0.01, 2.0))
 THROW = Parameter(
     "velocity", -100.0, 100.0, "m/s", "thrown downwards, or upwards", default=0.0,
     useful=(-5.0, 5.0),
 )  # fmt: skip
 SPEED = Parameter(
-    "speed", 0.0, 100.0, "m/s", "along the surface; 0 stops it", useful=(0.0, 5.0), steerable=True, glide=0.02
+    "speed", 0.0, 100.0, "m/s", "along the surface; 0 stops it", useful=(0.01, 5.0), steerable=True, glide=0.02
 )
 RADIUS = Parameter(
     "radius", 1e-4, 10.0, "m", "of the body; the striker's if it is a ball", useful=(1e-3, 0.2), steerable=True
 )
-FORCE = Parameter("force", 0.0, 1e5, "N", "that presses it on", useful=(0.0, 50.0), steerable=True, glide=0.1)
+FORCE = Parameter("force", 0.0, 1e5, "N", "that presses it on", useful=(0.1, 50.0), steerable=True, glide=0.1)
 GRAVITY = Parameter(
     "gravity", 0.01, 1000.0, "m/s^2", "", default=STANDARD_GRAVITY, useful=(1.0, 30.0), steerable=True, glide=0.02
 )
@@ -165,7 +165,7 @@ PRESS = Gesture(
     "press", "lays the striker on it and presses, until it is stopped: a hand, a mute", FORCE, fixed=("gain",)
 )
 DURATION = Parameter(
-    "duration", 0.0, 3600.0, "s", "until it lies still; 0 does nothing", useful=(0.0, 10.0)
+    "duration", 0.0, 3600.0, "s", "until it lies still; 0 does nothing", useful=(0.1, 10.0)
 )  # fmt: skip
 SPIN = Gesture(
     "spin", "lets a coin, a lid or a ring spin down on it: contacts ever faster and fainter, then silence", DURATION,

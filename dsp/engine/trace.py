@@ -2,6 +2,8 @@
 
 from ..native.atomics import load_acquire, store_release
 from ..native.jit import kernel
+from .commands import KIND_ROLL
+from .rolls import position_at
 from .state import QUANTUM, TRACED
 
 
@@ -21,6 +23,10 @@ def trace_sample(state, contact, sample, begin, end, impulse):
     entry = trace.entries[written % TRACED]
     entry.command = contact.command
     entry.contact = contact.number
+    entry.slot = contact.point[0].slot
+    rolls = contact.kind == KIND_ROLL
+    entry.position = position_at(state, contact, 0) if rolls else contact.now.position
+    entry.speed = contact.now.speed if rolls else contact.v_in
     entry.sample = sample
     entry.begin = max(begin, float(sample))
     entry.end = min(end, sample + 1.0)
