@@ -11,6 +11,7 @@ from .commands import (
     devices,
     doctor,
     listen,
+    page,
     play,
     presets,
     render,
@@ -21,7 +22,7 @@ from .commands import (
 )
 from .commands.parser import Parser, parse, parser_of
 
-_MODULES = (serve, render, strike, play, send, listen, top, presets, chart, devices, doctor, completion)
+_MODULES = (serve, page, render, strike, play, send, listen, top, presets, chart, devices, doctor, completion)
 COMMANDS = tuple(module.COMMAND for module in _MODULES)
 
 

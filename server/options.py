@@ -22,8 +22,9 @@ class ServeError(ValueError):
 class Options:
     """How to serve: port (0: any free one) and address, device (None: the default), latency to ask it for in s
     (None: its lowest), rate in Hz, block in frames (0: the device's), files to record the sound and to log the events
-    to, folders of presets, the arguments of a /contact to begin with, a port for OSCQuery (None: none, 0: any free
-    one), channels, the main gain in dB, and whether the limiter is on."""
+    to, folders of presets, the arguments of a /contact to begin with, a port for HTTP (None: none, 0: any free
+    one), the folder of the page that is there beside OSCQuery (None: no page), whether it goes over TLS, with the
+    certificate of which file (None: one that is made), channels, the main gain in dB, and whether the limiter is on."""
 
     port: int = DEFAULT_PORT
     bind: str = "127.0.0.1"
@@ -35,7 +36,10 @@ class Options:
     log: Path | None = None
     presets: tuple[Path, ...] = ()
     contact: tuple[Argument, ...] = ()
-    oscquery: int | None = None
+    web: int | None = None
+    page: Path | None = None
+    tls: bool = False
+    certificate: Path | None = None
     channels: int = 2
     gain: float = 0.0
     limiter: bool = True
@@ -45,7 +49,7 @@ class Options:
             ("port", self.port, 0, 65_535),
             ("rate", self.rate, LOWEST_RATE, HIGHEST_RATE),
             ("block", self.block, 0, 65_536),
-            ("oscquery", self.oscquery or 0, 0, 65_535),
+            ("page" if self.page else "oscquery", self.web or 0, 0, 65_535),
             ("channels", self.channels, CHANNELS.low, CHANNELS.high),
             ("gain", self.gain, MAIN_GAIN.low, MAIN_GAIN.high),
         ):

@@ -1,35 +1,41 @@
-"""The live server: OSC in over UDP and TCP, replies out, sound on a device."""
+"""The live server: OSC in over UDP, TCP and web sockets, replies out, sound on a device."""
 
-import gc
 import sys
 import time
 import traceback
-from collections.abc import Callable, Collection, Iterator
-from contextlib import ExitStack, closing, contextmanager, suppress
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from typing import TYPE_CHECKING
 
-from ..dsp.contact.sampled import METHODS
 from ..dsp.engine.state import CONTACTS, ROLLS, End
-from ..dsp.native.system import clock_ns
 from ..dsp.runtime.arena import EngineFull
 from ..dsp.runtime.engine import NOW, Engine
-from ..presets import Presets
+from ..presets import PresetError, Presets
+from . import discovery
 from .audio.supervisor import Player
 from .files.log import Log
 from .files.recorder import Recorder
 from .governor import Governor
 from .monitor import Monitor
+from .knowledge import Knowledge
 from .net.network import Network, Source
-from .options import Options, ServeError
-from .osc.addresses import calls
-from .osc.arguments import Refused, Values, Verb
-from .osc.oscquery import OscQuery, answering
+from .net.remote import Remote
+from .options import ServeError
+from .osc.addresses import Call, calls
+from .osc.arguments import Refused, Values
+from .osc.patterns import TooMuch
 from .osc.wire import Argument, BadPacket, Bundle, Message, parse
 from .scene.gesture_ids import Ended
 from .scene.session import Session, fail
+from .scene.transaction import Sent
 from .scene.translate import sync
 from .status import Status, version
 from .subscribers import Subscribers
+from .telling import Teller
 from .time_tags import time_of
+
+if TYPE_CHECKING:
+    from .web.server import WebServer
 
 _POLL = 0.02  # s between looks at the engine
 _LONGEST_TEXT = 1_000  # characters of a reply
@@ -51,29 +57,35 @@ class Server:
         self.player = player
         self.engine = engine
         self.address = network.address
-        self._network = network
+        self.network = network
+        self.web: "WebServer | None" = None
         self._session = Session(engine, presets)
         self._status = Status(engine, player, lambda: self._session.objects.slots)
         self._governor = Governor(engine)
         self._subscribers = Subscribers(network, self._reply)
+        self.teller = Teller(engine, self._session, self._subscribers, self._reply)
+        self.known = Knowledge(self._session, presets, log.path if log else None)
+        self.on_look: Callable[[Iterable[str]], object] = lambda there: None
+        """Called at every look at the engine, with the names of the objects that are there."""
         self._syncs: dict[int, tuple[int, Source]] = {}
         self._sync_count = 0
         self._monitor: Monitor | None = None
         self._running = True
         self._log = log
-        if log:
-            self._session.on_sent = log.expect
+        self._session.on_sent = self._sent
         self._writers: dict[str, Recorder | Log | None] = {"recording": recorder, "logging": log}
         self._printed: set[str] = set()
-        self._handlers: dict[str, Callable[[Values, Source], None]] = {
+        self._handlers: dict[str, Callable[[Values, Source], Iterable[Message] | None]] = {
             "/status": self._status_asked,
             "/version": self._version_asked,
             "/sync": self._sync,
             "/notify": self._notify,
+            "/presets": lambda values, source: discovery.presets(self._session.presets, values.words["kind"]),
+            "/objects": lambda values, source: discovery.objects(self._session),
+            "/gestures": lambda values, source: discovery.gestures(self._session),
             "/dump": self._dump,
             "/quit": self._quit,
         }
-        self.query: OscQuery | None = None
 
     def stop(self) -> None:
         self._running = False
@@ -88,20 +100,16 @@ class Server:
         for reply in self._session.perform([Message("/contact", args)], NOW):
             raise ServeError(": ".join(map(str, reply.args)))
 
-    def names(self) -> dict[str, Collection[str]]:
-        """The names that can stand for a word of the address space now; any thread may ask."""
-        return {
-            "NAME": dict.fromkeys(self._session.objects),
-            "ID": {id.name: None for id in self._session.gestures.running()},
-            "preset": self._session.presets.names("objects"),
-            "method": ("closed", *METHODS),
-        }
+    def _sent(self, first: int, sent: list[Sent]) -> None:
+        self.teller.expect(first, sent)
+        if self._log:
+            self._log.expect(first, sent)
 
     def run(self) -> None:
         """Serve until told to stop."""
         due = 0.0
         while self._running:
-            arrived = self._network.receive(_POLL)
+            arrived = self.network.receive(_POLL)
             if arrived:
                 self._receive(*arrived)
             if time.monotonic() >= due:
@@ -148,18 +156,30 @@ class Server:
             self._governor.note_request(call.message)
         for call in made:
             if call.verb and not call.verb.scored:
-                self._serve(call.verb, call.message, source)
+                self._serve(call, source)
 
-    def _serve(self, verb: Verb, message: Message, source: Source) -> None:
+    def _serve(self, call: Call, source: Source) -> None:
         """Carry out a message that is about the server, not the sound."""
+        assert call.verb
         try:
-            self._handlers[verb.address](verb.parse(message.args), source)
-        except (Refused, EngineFull) as error:
-            self._reply(fail(message.address, str(error)), source)
+            values = call.verb.parse(call.message.args)
+            if call.target:
+                answers = discovery.described(self._session, call.target, int(values.number("modes")))
+            else:
+                answers = self._handlers[call.verb.address](values, source) or ()
+            for answer in answers:
+                self._reply(answer, source)
+        except (Refused, EngineFull, TooMuch, PresetError) as error:
+            self._reply(fail(call.message.address, str(error)), source)
 
     def _status_asked(self, values: Values, source: Source) -> None:
         objects = len(self._session.objects)
-        self._reply(self._status.reply(source, objects, self._network, self._file_states()), source)
+        own = {
+            **self._file_states(),
+            "pages": len(self.web.site.clients) if self.web else 0,
+            "untold": self.teller.untold + self.engine.stats.trace_lost,
+        }
+        self._reply(self._status.reply(source, objects, self.network, own), source)
 
     def _version_asked(self, values: Values, source: Source) -> None:
         self._reply(version(), source)
@@ -170,9 +190,9 @@ class Server:
         self._syncs[self._sync_count] = int(values.numbers["id"]), source
 
     def _notify(self, values: Values, source: Source) -> None:
-        on = bool(values.numbers["on"])
+        on = bool(values.numbers["level"])
         if on:
-            self._subscribers.add(source)
+            self._subscribers.add(source, int(values.numbers["level"]), int(values.numbers.get("port", 0)))
         else:
             self._subscribers.remove(source)
         self._reply(Message("/done", ("/notify",)), source)
@@ -185,6 +205,8 @@ class Server:
         self._monitor.on = bool(values.numbers["on"])
 
     def _quit(self, values: Values, source: Source) -> None:
+        if isinstance(source, Remote):
+            raise Refused("a page can't end the server")
         self._reply(Message("/done", ("/quit",)), source)
         self.stop()
 
@@ -199,7 +221,7 @@ class Server:
         # A text that came in may be too long, or hold characters that can't go out again.
         args = [_plain(arg) if isinstance(arg, str) else arg for arg in message.args]
         try:
-            self._network.send(Message(message.address, tuple(args)), to)
+            self.network.send(Message(message.address, tuple(args)), self._subscribers.receiver(to))
         except OSError:
             self._subscribers.remove(to)  # the client can't be reached
 
@@ -217,13 +239,23 @@ class Server:
             self._session.perform([Message("/quality", (int(quality),))], NOW)
             load = self.engine.stats.load_now
             self._warn(f"quality is now {int(quality)}, {quality.name.lower()}: the load is {load:.0%}")
+        self._release_gone()
         for ended in self._session.take_ends():
             self._report_end(ended)
-        if lost := self._network.dropped():
+        self.on_look(self.teller.look())
+        if lost := self.network.dropped():
             count, sender = lost
             self._reply(fail("datagram", f"{count} datagrams dropped: the queue was full"), sender)
-        for warning in (*self._status.warnings(), *self._network.warnings(), *self.player.look()):
+        for warning in (*self._status.warnings(), *self.network.warnings(), *self.player.look()):
             self._warn(warning)
+
+    def _release_gone(self) -> None:
+        """Stop the gestures of web sockets' clients that have left: nobody else holds them."""
+        while self.network.left:
+            client = self.network.left.pop()
+            self._subscribers.remove(client)
+            ids = [id for id in self._session.gestures.running() if any(source is client for _, source in id.running)]
+            self._session.perform([Message(f"/gesture/{id.name}/stop") for id in ids], NOW)
 
     def _print_once(self, text: str) -> bool:
         """Print a text on stderr; False if that was done before."""
@@ -257,50 +289,3 @@ def _plain(text: str) -> str:
     """Text that can be sent and shown anywhere: short, and without control characters."""
     short = text if len(text) <= _LONGEST_TEXT else text[: _LONGEST_TEXT - 3] + "..."
     return "".join(c if c.isprintable() else "?" for c in short)
-
-
-@contextmanager
-def serving(options: Options) -> Iterator[Server]:
-    """A server ready to `run`. OSError, AudioError, ServeError or PresetError say why it can't start."""
-    with ExitStack() as last, ExitStack() as stack:
-        with _named(options.bind, options.port):
-            network = stack.enter_context(closing(Network(options.bind, options.port)))
-        presets = Presets(options.presets)
-        engine = options.engine()
-        recorder = Recorder(engine, options.record) if options.record else None
-        if recorder:
-            stack.callback(recorder.close)
-        log = Log(engine, options.log, options.head) if options.log else None
-        if log:
-            stack.callback(log.close)
-        player = Player(engine, options.device, options.block, options.latency)
-        # The files end with the last sound, and before PortAudio is asked to: that may fail, and take its time.
-        last.callback(player.close)
-        stack.callback(player.rest)
-        server = Server(network, engine, player, presets, recorder, log)
-        if options.contact:
-            server.choose_contact(options.contact)
-        server.start_files()  # not before all else is well: older ones would be lost
-        if options.oscquery is not None:
-            with _named(options.bind, options.oscquery):
-                server.query = OscQuery(options.bind, options.oscquery, server.address[1], server.names)
-            stack.enter_context(answering(server.query))
-        _warm_up(engine)
-        yield server
-
-
-def _warm_up(engine: Engine) -> None:
-    """Do the slow first calls now, which would hold up the first client by some 70 ms each."""
-    engine.send([])  # compiles the store-release of commands
-    engine.stamp(clock_ns())  # and the clock
-    gc.freeze()  # objects that stay for good need no look for garbage,
-    gc.collect()  # nor do they count when Python decides whether to look
-
-
-@contextmanager
-def _named(host: str, port: int) -> Iterator[None]:
-    """An OSError inside names the port."""
-    try:
-        yield
-    except OSError as error:
-        raise OSError(f"port {port} on {host}: {error.strerror or error}") from error

@@ -63,6 +63,8 @@ FIELDS = {
     "connections": "TCP clients",
     "recording": "yes, no, or why the recording ended",
     "logging": "yes, no, or why the log ended",
+    "pages": "clients of web sockets",
+    "untold": "contacts that `/notify` did not tell, as there were too many",
     "time": "of the sound since the server's start, s",
 }
 """The names that follow in /status.reply and their meanings; an empty one is that of the engine's statistics."""
@@ -120,8 +122,8 @@ class Status:
         self._warned = dict.fromkeys(_COUNTERS, 0)
         self._object_faults = engine.state["objects"]["faults"].copy()
 
-    def reply(self, client: Source, objects: int, network: Network, files: dict[str, str]) -> Message:
-        """/status.reply to a client, of a server with a number of objects and the states of its files.
+    def reply(self, client: Source, objects: int, network: Network, own: dict[str, str | int]) -> Message:
+        """/status.reply to a client, of a server with a number of objects, and what only the server knows.
 
         It begins with scsynth's nine values (1, live modes, sounding objects, objects, contacts, average and peak load
         in %, nominal and actual rate in Hz); pairs of name and value follow. Counters are since the server's start;
@@ -153,7 +155,7 @@ class Status:
             "scheduling": self._player.scheduling,
             **network.counts,
             "connections": network.connections,
-            **files,
+            **own,
             "time": self._engine.position / self._engine.rate,
         }
         return Message("/status.reply", (*nine, *pairs, *(item for pair in more.items() for item in pair)))

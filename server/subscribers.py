@@ -17,18 +17,38 @@ class Subscribers:
         self._network = network
         self._reply = reply
         self._heard: dict[Source, float] = {}  # when each last sent something
+        self._levels: dict[Source, int] = {}
+        self._ports: dict[Source, int] = {}  # of datagrams to those that want them elsewhere
 
     def __iter__(self) -> Iterator[Source]:
         return iter(tuple(self._heard))
 
-    def add(self, source: Source) -> None:
-        """Add a client, or hear from one again. Refused where there is no room."""
+    def of(self, level: int) -> list[Source]:
+        """Those that asked for a level or a higher one."""
+        return [source for source in self if self._levels[source] >= level]
+
+    def receiver(self, source: Source) -> Source:
+        """Where answers to a source go."""
+        if isinstance(source, tuple) and source in self._ports:
+            return source[0], self._ports[source]
+        return source
+
+    def add(self, source: Source, level: int = 1, port: int = 0) -> None:
+        """Add a client, or hear from one again; `port`: where its answers go, if not to where it sends from.
+
+        Refused where there is no room.
+        """
+        if port and not isinstance(source, tuple):
+            raise Refused(f"port = {port}: a stream is answered where it is; expected none")
         for each in self:
             if not self._network.reaches(each):
-                del self._heard[each]
+                self.remove(each)
         if source not in self._heard and len(self._heard) >= _MOST:
             self._make_room()
         self._heard[source] = time.monotonic()
+        self._levels[source] = level
+        if port:
+            self._ports[source] = port
 
     def _make_room(self) -> None:
         silent = min(self._heard, key=self._heard.__getitem__)
@@ -41,6 +61,8 @@ class Subscribers:
     def remove(self, source: Source) -> None:
         """Forget a client, if it is one."""
         self._heard.pop(source, None)
+        self._levels.pop(source, None)
+        self._ports.pop(source, None)
 
     def hear(self, source: Source) -> None:
         """Remember that a client has sent something."""

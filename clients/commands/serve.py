@@ -1,26 +1,50 @@
 """carom serve: listen for OSC and play."""
 
+from __future__ import annotations
+
 import argparse
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ...server.osc.wire import DEFAULT_PORT
+from ..actions import CommandError
 from .options import RATE, SWITCH, add_contact, add_presets, contact, on_end
 from .parser import Command, number, whole
 
+if TYPE_CHECKING:
+    from ...server.server import Server
+    from ...server.web.server import WebServer
 
-def _options(parser: argparse.ArgumentParser) -> None:
+PAGE_PORT = 57141
+"""Of the page, where no other is given."""
+PAGE = Path(__file__).parents[1] / "page"
+"""The page's files."""
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--port", type=whole, default=DEFAULT_PORT, help="port for UDP and TCP, 0 for any free one (%(default)s)"
     )
     parser.add_argument("--bind", default="127.0.0.1", help="address to listen on (%(default)s: for this machine only)")
-    parser.add_argument("--device", help="index or part of a name from `carom devices`; none: paced by the clock")
+    parser.add_argument(
+        "--device",
+        help="index or part of a name from `carom devices`; none: paced by the clock; page: heard in browsers only",
+    )
     parser.add_argument(
         "--latency", type=number, help="seconds from computing a sound to hearing it (the device's lowest)"
     )
     parser.add_argument("--rate", type=whole, default=RATE, help="sampling rate in Hz (%(default)s)")
     parser.add_argument("--block", type=whole, default=0, help="frames per block (0: the device's)")
     parser.add_argument("--record", type=_file, metavar="OUT.wav", help="record the sound")
+    parser.add_argument(
+        "--page", type=whole, nargs="?", const=PAGE_PORT, metavar="PORT",
+        help=f"offer a page to play from, and OSCQuery, over HTTP ({PAGE_PORT}; 0: any free port)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--tls", nargs="?", const="", metavar="FILE.pem", help="page over https: your certificate and key, or made ones"
+    )
     parser.add_argument(
         "--oscquery", type=whole, metavar="PORT", help="describe all addresses over HTTP (0: any free port)"
     )
@@ -40,28 +64,60 @@ def _file(word: str) -> Path:
     return Path(word)
 
 
-def _run(arguments: argparse.Namespace) -> int:
+def serve(arguments: argparse.Namespace, on_start: Callable[[Server], object]) -> int:
+    """Serve as the options say; `on_start` gets the server once it listens."""
     from ...server.net.reply_budget import local
     from ...server.options import Options
-    from ...server.server import serving
+    from ...server.start import serving
 
-    keys = ("port", "bind", "device", "latency", "rate", "block", "record", "log", "oscquery", "channels", "gain")
-    chosen = {key: getattr(arguments, key) for key in keys}
-    limiter = arguments.limiter == "on"
-    options = Options(**chosen, presets=tuple(arguments.presets), contact=contact(arguments), limiter=limiter)
+    if arguments.page is not None and arguments.oscquery is not None:
+        raise CommandError("page, oscquery: expected one of the two, as the page's port answers OSCQuery, too")
+    if arguments.tls is not None and arguments.page is None:
+        raise CommandError("tls: expected with --page, as nothing else goes over it")
+    keys = ("port", "bind", "device", "latency", "rate", "block", "record", "log", "channels", "gain")
+    options = Options(
+        **{key: getattr(arguments, key) for key in keys},
+        web=arguments.oscquery if arguments.page is None else arguments.page,
+        page=None if arguments.page is None else PAGE,
+        tls=arguments.tls is not None,
+        certificate=Path(arguments.tls) if arguments.tls else None,
+        presets=tuple(arguments.presets),
+        contact=contact(arguments),
+        limiter=arguments.limiter == "on",
+    )
     with serving(options) as server:
         on_end(server.stop)
         host, port = server.address
         if not local(host):
             print(
-                f"carom serve: warning: listening on {host}: anyone who can reach this machine can play on it",
+                f"carom {arguments.command}: warning: listening on {host}: anyone who can reach this machine can play "
+                "on it" + " by OSC" * (options.page is not None),
                 file=sys.stderr,
             )
         print(f"carom listens on {host}:{port}, plays on {server.player.name} at {arguments.rate} Hz", flush=True)
-        if server.query:
-            print(f"carom describes itself at http://{host}:{server.query.server_port}/ (OSCQuery)", flush=True)
+        if server.web:
+            _announce(server.web, options.page is not None)
+        on_start(server)
         server.run()
     return 0
 
 
-COMMAND = Command("serve", "", "listen for OSC and play", _options, _run)
+def _announce(web: WebServer, has_page: bool) -> None:
+    """Say where the web server is; for a page that others can reach, show its address as a QR code, too."""
+    from ...server.net.reply_budget import local
+
+    if not has_page:
+        print(f"carom describes itself at {web.address} (OSCQuery)", flush=True)
+        return
+    print(f"carom has its page at {web.address} (and OSCQuery)", flush=True)
+    if not local(web.host) and sys.stdout.isatty():
+        import segno
+
+        segno.make(web.address).terminal(compact=True)
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    return serve(arguments, lambda server: None)
+
+
+COMMAND = Command("serve", "", "listen for OSC and play", add_options, _run)

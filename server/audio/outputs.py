@@ -54,10 +54,10 @@ class Output(Protocol):
 class ClockOutput:
     """No device: a compiled loop, in a thread of its own, that computes a block whenever its time has come."""
 
-    name = "none"
     patience = math.inf
 
-    def __init__(self, engine: Engine, block: int, latency: float | None) -> None:
+    def __init__(self, engine: Engine, block: int, latency: float | None, name: str = "none") -> None:
+        self.name = name
         frames = block or _CLOCK_BLOCK
         self.latency = max(frames / engine.rate, latency or 0.0)
         self._engine = engine
@@ -196,9 +196,10 @@ class DeviceOutput:
 def open_output(engine: Engine, device: str | None, block: int, latency: float | None = None) -> Output:
     """An output for an engine, to be started. AudioError if there is no such device.
 
-    device: None for the default device, "none" for no device, else its index or part of its name. block: frames, 0 for
+    device: None for the default device, "none" for no device, "page" for none but the pages that hear it, else its
+    index or part of its name. block: frames, 0 for
     the device's own. latency: s to ask the device for, None for its lowest; the output's `latency` says what it gives.
     """
-    if device == "none":
-        return ClockOutput(engine, block, latency)
+    if device in ("none", "page"):
+        return ClockOutput(engine, block, latency, device)
     return DeviceOutput(engine, int(device) if device and device.isdigit() else device, block, latency)

@@ -26,6 +26,7 @@ class Log:
 
     def __init__(self, engine: Engine, path: Path, head: Sequence[Message] = ()) -> None:
         """head: messages that were carried out before anything else; so a render is like what was heard."""
+        self.path = path
         self._engine = engine
         self._head = head
         self._file = OutFile(path)

@@ -1,7 +1,11 @@
 """Keeps what an engine plays in a sound file."""
 
 import threading
+from collections.abc import Callable
 from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ...dsp.runtime.engine import Engine
 from .floatwav import FloatWav
@@ -21,7 +25,8 @@ class Recorder:
     content until `start`. OSError if it cannot be opened, RecordError if the name ends in another format's ending.
     """
 
-    def __init__(self, engine: Engine, path: Path) -> None:
+    def __init__(self, engine: Engine, path: Path, take: Callable[[], NDArray[np.float32]] | None = None) -> None:
+        """take: what has sounded since its last call; None: the engine's own `recorded`, which nobody else may call."""
         if path.suffix.lower() not in ("", ".wav"):
             raise RecordError(f"{path}: expected a name that ends in .wav")
         self._engine = engine
@@ -31,7 +36,9 @@ class Recorder:
         self._thread = threading.Thread(target=self._run, name="carom-recorder", daemon=True)
         self.error: str | None = None
         """Why the recording ended before its time, or None."""
-        engine.record()
+        self._take = take or engine.recorded
+        if take is None:
+            engine.record()
 
     def start(self) -> None:
         """Begin to write, from the engine's first sample on. OSError if that fails."""
@@ -51,7 +58,7 @@ class Recorder:
         assert self._file
         try:
             self._out.require_name()
-            self._file.write(self._engine.recorded())
+            self._file.write(self._take())
         except OSError as error:
             self.error = f"the recording {self._out.path} ended: {error.strerror}"
 

@@ -1,4 +1,4 @@
-"""The way in and out: UDP and TCP on one port, bounded queues of what has arrived, replies that never wait.
+"""The way in and out: UDP and TCP on one port, web sockets, bounded queues of what arrived, replies that never wait.
 
 A thread of its own reads datagrams (udp.py). The server's thread does the rest, between packets.
 """
@@ -11,6 +11,7 @@ from collections import Counter, deque
 from contextlib import suppress
 
 from ..osc.wire import Message, encode
+from .remote import Doorway, Remote
 from .reply_budget import Allowance
 from .tcp import Connection, listen
 from .udp import Intake
@@ -27,8 +28,8 @@ _NEVER_WAIT = getattr(socket, "MSG_DONTWAIT", 0)
 _LINGER = 1.0  # s
 _TRIES = 16  # ports that may be free for UDP and not for TCP
 
-Source = tuple[str, int] | Connection
-"""Where a packet came from and its replies go: a UDP address or a TCP client."""
+Source = tuple[str, int] | Connection | Remote
+"""Where a packet came from and its replies go: a UDP address, a TCP client or a web socket's client."""
 
 
 class Network:
@@ -39,7 +40,10 @@ class Network:
         self._replies_dropped = 0
         self._warned: Counter[str] = Counter()
         self._told = 0  # datagrams dropped, whose sender was told
-        self._turns: deque[Connection] = deque()  # clients with packets that wait, each once
+        self._turns: deque[Connection | Remote] = deque()  # clients with packets that wait, each once
+        self.doorway = Doorway()
+        self.left: list[Remote] = []
+        """Web sockets' clients that have left, until somebody takes note."""
         self._stream_next = False  # datagrams and streams take turns
         self._connections: set[Connection] = set()
         self._lingering: dict[Connection, float] = {}  # their stream has ended: when replies to them end too
@@ -49,6 +53,7 @@ class Network:
         self._selector = selectors.DefaultSelector()
         self._selector.register(self._intake.heard, selectors.EVENT_READ)
         self._selector.register(self._listener, selectors.EVENT_READ)
+        self._selector.register(self.doorway.heard, selectors.EVENT_READ)
 
     @property
     def address(self) -> tuple[str, int]:
@@ -103,21 +108,27 @@ class Network:
                 self._turns.append(connection)
             if packet is not None:
                 return packet, connection
-            self._part(connection)
+            if isinstance(connection, Remote):
+                connection.gone = True
+                self.left.append(connection)
+            else:
+                self._part(connection)
         return None
 
     def send(self, message: Message, to: Source) -> None:
         """Send a reply, or count it as dropped; OSError if its receiver is gone."""
         packet = encode(message.address, *message.args)
+        if not self.reaches(to):
+            raise ConnectionResetError("the client has left")
         if isinstance(to, Connection):
-            if not self.reaches(to):
-                raise ConnectionResetError("the client has left")
             try:
                 sent = to.send(packet)
             except OSError:
                 self._leave(to)
                 raise
             self._watch(to)
+        elif isinstance(to, Remote):
+            sent = to.send(packet)
         elif sent := self._allowance.take(to[0]):
             try:
                 self._udp.sendto(packet, _NEVER_WAIT, to)
@@ -127,6 +138,8 @@ class Network:
 
     def reaches(self, source: Source) -> bool:
         """Whether a source can still be answered, as far as is known."""
+        if isinstance(source, Remote):
+            return not source.gone
         return not isinstance(source, Connection) or source in self._connections
 
     def dropped(self) -> tuple[int, tuple[str, int]] | None:
@@ -152,6 +165,7 @@ class Network:
             self._leave(connection)
         self._selector.close()
         self._intake.close()
+        self.doorway.close()
         self._udp.close()
         self._listener.close()
 
@@ -164,6 +178,8 @@ class Network:
                 self._intake.hush()
             elif key.fileobj is self._listener:
                 self._accept()
+            elif key.fileobj is self.doorway.heard:
+                self._turns += [each for each in dict.fromkeys(self.doorway.collect()) if each not in self._turns]
             else:
                 self._attend(key.data, events)
 

@@ -29,7 +29,7 @@ from ...dsp.schema import (
     Parameter as Number,
 )
 from ...dsp.wording import near
-from .arguments import Either, Numbers, Parameter, Refused, Verb, Word
+from .arguments import Either, Note, Numbers, Parameter, Refused, Verb, Word
 from .patterns import is_pattern, match
 from .wire import Message
 
@@ -68,13 +68,16 @@ def _steers(name: str) -> str:
 
 
 GAINS = Numbers(OWN_GAIN, int(CHANNELS.high), "gains")
+NOTE = Note("note", "tunes it so that its lowest mode is at this note (A4, 69, is 440 Hz); `tune` counts from there")
+PITCH = Number("pitch", 1.0, 20_000.0, "Hz", "the same in Hz", useful=(30.0, 4_000.0))
+VELOCITY = Number("velocity", 0, 127, "", "as MIDI has it", useful=(1, 127))
 
 _OBJECTS = (
     Verb(
         "/object/new",
         "makes an object from a preset; further keys change the preset (length, material, ...)",
         (Word("name"), Word("preset")),
-        keys=(*SETTINGS.values(), GAINS, POSITION, STRIKER),
+        keys=(*SETTINGS.values(), GAINS, POSITION, STRIKER, NOTE, PITCH),
         open_keys=True,
     ),
     *(
@@ -86,6 +89,14 @@ _OBJECTS = (
         "/object/NAME/gains",
         "gives it a factor for each channel in place of its pan; without arguments its pan counts again",
         many=GAINS,
+    ),
+    Verb(
+        "/object/NAME/note",
+        "strikes a copy of it, NAME.NOTE, that is tuned to a note, and made when the note is first played. The velocity "
+        "1 to 127 is 0.05 to 5 m/s, the same factor for each step; 0 does nothing",
+        (NOTE, VELOCITY),
+        (POSITION,),
+        (STRIKER,),
     ),
     Verb(
         "/object/NAME/free",
@@ -148,6 +159,21 @@ _ENGINE = (
 )
 
 _SERVER = (
+    Verb(
+        "/object/NAME/get",
+        "answers /object.reply NAME and pairs of key and value: preset, shape, mass (kg), modes, settings. With a number, "
+        "/object.modes NAME FIRST and frequency (Hz) and decay time (T60, s) of so many modes",
+        optional=(Number("modes", 0, 4096, default=0, whole=True),),
+        scored=False,
+    ),
+    Verb("/objects", "answers /objects.reply FIRST TOTAL and pairs of name and preset", scored=False),
+    Verb("/gestures", "answers /gestures.reply FIRST TOTAL and pairs of id and address", scored=False),
+    Verb(
+        "/presets",
+        "answers /presets.reply KIND FIRST TOTAL and names",
+        (Either("kind", ("objects", "strikers", "surfaces", "materials")),),
+        scored=False,
+    ),
     Verb("/status", "answers /status.reply", scored=False),
     Verb("/version", "answers /version.reply name major minor patch", scored=False),
     Verb(
@@ -156,7 +182,14 @@ _SERVER = (
         (Number("id", -(2**31), 2**31 - 1),),
         scored=False,
     ),
-    Verb("/notify", "1: sends you /warning text from now on; 0: no more", (Number("on", 0, 1),), scored=False),
+    Verb(
+        "/notify",
+        "sends you from now on: 0: nothing. 1: /warning and /gesture/end. 2: objects that come and go, and contacts, too. "
+        "3: levels, too. With a port all answers to your datagrams go there",
+        (Number("level", 0, 3, whole=True),),
+        (Number("port", 1, 65_535, whole=True),),
+        scored=False,
+    ),
     Verb("/dump", "1: prints every message that arrives; 0: no more", (Number("on", 0, 1),), scored=False),
     Verb("/quit", "ends the server", scored=False),
 )

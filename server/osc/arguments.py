@@ -1,6 +1,7 @@
 """The arguments of an address: their names, kinds and ranges, and the check of a message's arguments by them."""
 
 import math
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -74,6 +75,33 @@ class Either:
         return self.name
 
 
+_NOTE = re.compile(r"([A-Ga-g])(#|b|s)?(-?\d{1,2})")
+_STEPS = {"C": 0, "D": 2, "E": 4, "F": 5, "G": 7, "A": 9, "B": 11}
+_SIGNS = {"#": 1, "s": 1, "b": -1, None: 0}
+
+
+@dataclass(frozen=True)
+class Note:
+    """An argument that is a note: a MIDI number, perhaps between two keys, or a name such as C#4; A4 is 69."""
+
+    name: str
+    help: str = ""
+    low: float = 0.0
+    high: float = 127.0
+
+    def check(self, value: Argument) -> float:
+        """The MIDI number; Refused if it is no note."""
+        if isinstance(value, str) and (named := _NOTE.fullmatch(value)):
+            letter, sign, octave = named.groups()
+            value = 12 * (int(octave) + 1) + _STEPS[letter.upper()] + _SIGNS[sign]
+        if not isinstance(value, int | float) or not self.low <= value <= self.high:
+            raise Refused(f"{self.name} = {shown(value)}: expected a MIDI number from 0 to 127, or a name such as C#4")
+        return float(value)
+
+    def __str__(self) -> str:
+        return f"{self.name} 0 to 127, or such as C#4"
+
+
 @dataclass(frozen=True)
 class Numbers:
     """Any number of arguments that are numbers of one kind: one after the other, or a list of them."""
@@ -95,8 +123,8 @@ class Numbers:
         return f"{self.name}, up to {self.most} of {self.number.low:g} to {self.number.high:g}"
 
 
-Parameter = Number | Word | Either
-Key = Number | Word | Numbers
+Parameter = Number | Word | Either | Note
+Key = Number | Word | Numbers | Note
 
 
 @dataclass
@@ -122,6 +150,8 @@ class Values:
             self.many = parameter.check((value,))
         elif isinstance(parameter, Number):
             self.numbers[parameter.name] = check_number(parameter, value)
+        elif isinstance(parameter, Note):
+            self.numbers[parameter.name] = parameter.check(value)
         else:
             self.words[parameter.name] = parameter.check(value)
 

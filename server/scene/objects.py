@@ -2,12 +2,13 @@
 
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ...dsp.engine.commands import Handle
 from ...dsp.runtime.engine import Engine
 from ...presets import ObjectPreset
 from ..osc.patterns import Selection, is_pattern
+from ..osc.wire import Argument
 
 
 @dataclass(eq=False)
@@ -21,6 +22,10 @@ class PlayedObject:
     """Nothing happens to it before."""
     freed: float = math.inf
     """From then on its name is free."""
+    made: tuple[Argument, ...] = ()
+    """The arguments of its /object/new."""
+    settings: dict[str, float] = field(default_factory=dict)
+    """As they were last set, in the units of messages."""
     warned_of_stand_in: bool = False
     """Whether its maker was told which material stands in for the one that it lacks."""
 

@@ -14,12 +14,13 @@ from ...dsp.runtime.engine import NOW
 from ...dsp.schema import BOUNCE, GAIN, ROLL, SETTINGS, SPIN, STEERABLE, STRIKE, Gesture
 from ...dsp.wording import expected
 from ...presets import ObjectPreset
-from ..osc.addresses import VERBS, Call, unknown
+from ..osc.addresses import VERBS, Call, calls, unknown
 from ..osc.arguments import GestureEnded, Refused, Values, shown
 from ..osc.wire import Message
 from .engine_messages import ENGINE_HANDLERS, Handler
 from .limits import LAW, Contact, fall, require_rest, require_rollable, require_short, rim_speed
 from .object_call import ObjectCall, listed, require_name
+from .notes import TUNINGS, copy_of, speed_of, tuned
 from .objects import PlayedObject
 from .transaction import MOST_COMPARED, Sent, Transaction
 
@@ -59,12 +60,14 @@ def _new(transaction: Transaction, call: Call, values: Values) -> None:
     transaction.laws.forget()
     transaction.laws.of(preset.striker, preset.material)
     modes = preset.modes(engine.top_frequency)
+    settings = {name: values.number(name) for name in SETTINGS}
+    settings["tune"] = tuned(modes, values)
     handle, layout = engine.lay_out(modes, transaction.scale.object(preset))
     transaction.on_undo(lambda: engine.release(handle))
-    obj = PlayedObject(handle, preset, modes.mass, transaction.time)
+    obj = PlayedObject(handle, preset, modes.mass, transaction.time, made=call.message.args, settings=settings)
     transaction.on_undo(objects.add(name, obj))
-    settings = {name: setting.in_engine(values.number(name)) for name, setting in SETTINGS.items()}
-    _add(transaction, call.message, Command(NOW, Kind.NEW, values={**layout, **settings}), obj)
+    in_engine = {name: setting.in_engine(settings[name]) for name, setting in SETTINGS.items()}
+    _add(transaction, call.message, Command(NOW, Kind.NEW, values={**layout, **in_engine}), obj)
     if values.many:
         _place(transaction, call.message, values.many, obj)
     transaction.replies.append(Message("/done", ("/object/new", name)))
@@ -77,12 +80,15 @@ def _changed(preset: ObjectPreset, values: Values) -> ObjectPreset:
             known = dict.fromkeys((*VERBS["/object/new"].named, *preset.keys))
             raise Refused(f"{key} = {shown(value)}: {expected(key, known)}")
     given = {**values.numbers, **values.words}
-    changes = {key: value for key, value in given.items() if key not in ("name", "preset", *SETTINGS)}
+    changes = {key: value for key, value in given.items() if key not in ("name", "preset", *SETTINGS, *TUNINGS)}
     return preset.replace(**values.others, **changes) if values.others or changes else preset
 
 
 def _set(to: ObjectCall) -> None:
     ((setting, value),) = to.values.numbers.items()
+    before = to.obj.settings.get(setting, value)
+    to.obj.settings[setting] = value
+    to.transaction.on_undo(lambda: to.obj.settings.update({setting: before}))
     change = Command(NOW, Kind.SET, value=SETTINGS[setting].in_engine(value), parameter=setting)
     _add(to.transaction, to.canonical, change, to.obj)
 
@@ -144,6 +150,21 @@ def _bounce(to: ObjectCall) -> None:
     number = to.start(to.id(to.transaction.gestures.made_for))
     motion = {**_own_values(to, BOUNCE), "velocity": velocity, "delay": seconds, "seed": to.seed(number)}
     _strike(to, by, law, Command(NOW, Kind.BOUNCE, gesture=number, values=motion))
+
+
+def _note(to: ObjectCall) -> None:
+    """What it stands for: a tuned copy is made, if there is none, and struck."""
+    transaction, values = to.transaction, to.values
+    note, velocity = values.numbers["note"], values.numbers["velocity"]
+    if velocity == 0.0:
+        return
+    name = f"{to.name}.{note:g}"
+    messages = [Message(f"/object/{name}/impact", (speed_of(velocity), *to.call.message.args[2:]))]
+    if not transaction.objects.at(name, transaction.time):
+        messages.insert(0, Message("/object/new", copy_of(to.obj, name, note)))
+    for message in messages:
+        for call in calls(message):
+            translate(transaction, call)
 
 
 def _roll(to: ObjectCall) -> None:
@@ -295,6 +316,7 @@ HANDLERS: dict[str, Handler] = {
     **dict.fromkeys((f"/object/NAME/{setting}" for setting in SETTINGS), _on_objects(_set)),
     "/object/NAME/gains": _on_objects(_gains),
     "/object/NAME/free": _on_objects(_free),
+    "/object/NAME/note": _on_objects(_note),
     **dict.fromkeys((f"/gesture/ID/{action}" for action in ("stop", *STEERABLE)), _steer),
     **ENGINE_HANDLERS,
 }

@@ -1,0 +1,40 @@
+"""carom page: serve the page to play from, and open it in the browser."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import webbrowser
+from typing import TYPE_CHECKING
+
+from .parser import Command
+from .serve import PAGE_PORT, add_options, serve
+
+if TYPE_CHECKING:
+    from ...server.server import Server
+
+
+def _options(parser: argparse.ArgumentParser) -> None:
+    add_options(parser)
+    parser.set_defaults(page=PAGE_PORT)
+    parser.add_argument("--no-browser", action="store_true", help="only say where the page is")
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    from ...server.audio.portaudio import AudioError
+
+    def show(server: Server) -> None:
+        if not arguments.no_browser and server.web:
+            webbrowser.open(server.web.address)
+
+    try:
+        return serve(arguments, show)
+    except AudioError as error:
+        if arguments.device is not None:
+            raise
+        print(f"carom page: {error}: the page plays the sound itself", file=sys.stderr)
+    arguments.device = "page"
+    return serve(arguments, show)
+
+
+COMMAND = Command("page", "", "serve a page to play from, and open it in the browser", _options, _run)

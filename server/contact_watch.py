@@ -1,0 +1,84 @@
+"""Contacts as they are played, for whoever watches: one report for each blow, and for what touches on, as it goes on."""
+
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+_BLOW = 0.1  # s: what touches for longer is reported as it goes on
+_MOST_FORCES = 2_048  # samples of a contact whose force is kept
+_MOST_OPEN = 2_048  # contacts
+
+
+@dataclass
+class Touching:
+    """A contact: its command and its object's place, where and when (samples) it began, and what it gave."""
+
+    command: int
+    slot: int
+    position: float
+    speed: float
+    """m/s, of the striker as it met the object, or along the surface."""
+    begin: float
+    end: float = 0.0
+    impulse: float = 0.0
+    """N s."""
+    force: list[float] = field(default_factory=list)
+    """N, its mean over each sample."""
+    goes_on: bool = False
+    """Whether it lasts: then place and speed are the latest."""
+    strength: float = 0.0
+    """N, the force's rms since the last report of one that lasts."""
+
+
+class ContactWatch:
+    """Puts together the samples of contacts that an engine traces."""
+
+    def __init__(self, rate: float) -> None:
+        self._rate = rate
+        self._open: OrderedDict[int, Touching] = OrderedDict()
+        self.lost = 0
+        """Contacts that were left out, as too many went on."""
+
+    def look(self, trace: NDArray[np.void]) -> tuple[list[Touching], list[Touching]]:
+        """The blows that are over, and what touches on, by what was traced since the last call."""
+        order = np.argsort(trace["contact"], kind="stable")
+        places = np.flatnonzero(np.diff(trace["contact"][order])) + 1
+        runs = {int(run["contact"][0]): run for run in np.split(trace[order], places) if len(run)}
+        over = [number for number in self._open if number not in runs]
+        blows = [each for each in map(self._open.pop, over) if not each.goes_on]
+        on = []
+        for number, run in runs.items():
+            touching = self._open.get(number)
+            if touching is None:
+                if len(self._open) >= _MOST_OPEN:
+                    self.lost += 1
+                    continue
+                first = run[0]
+                touching = self._open[number] = Touching(
+                    int(first["command"]), int(first["slot"]), float(first["position"]), float(first["speed"]),
+                    float(first["begin"]),
+                )  # fmt: skip
+            self._add(touching, run)
+            if touching.goes_on:
+                on.append(touching)
+        return blows, on
+
+    def _add(self, touching: Touching, run: NDArray[np.void]) -> None:
+        touching.goes_on = touching.goes_on or float(run["end"][-1]) - touching.begin > _BLOW * self._rate
+        if touching.goes_on:
+            touching.strength = float(np.sqrt(np.mean(np.square(run["impulse"]))) * self._rate)
+            touching.position, touching.speed = float(run["position"][-1]), float(run["speed"][-1])
+        elif len(touching.force) < _MOST_FORCES:
+            touching.force += (run["impulse"] * self._rate).tolist()
+        touching.impulse += float(run["impulse"].sum())
+        touching.end = float(run["end"][-1])
+
+
+def thinned(values: list[float], most: int) -> list[float]:
+    """At most so many values: the highest of each of as many equal pieces."""
+    if len(values) <= most:
+        return values
+    return [float(piece.max()) for piece in np.array_split(np.asarray(values), most)]

@@ -1,0 +1,161 @@
+"""What a server can say of itself to those that look it up over HTTP; any thread may ask."""
+
+from collections.abc import Collection, Iterable
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..dsp.contact.sampled import METHODS
+from ..dsp.schema import GESTURES, MAIN_GAIN, SETTINGS, STRIKE, Parameter
+from ..presets import PresetError, Presets
+from .discovery import tuning_of
+from .osc.score import format_line
+from .osc.wire import Message
+from .scene.session import Session
+
+_MOST_MODES = 64  # of an object that are shown
+_MOST_POINTS = 65  # along its strike path
+_T60 = float(np.log(1e3))
+
+
+class Knowledge:
+    """What there is to know of a session, and of its presets. log: the score of it that is written, if one is."""
+
+    def __init__(self, session: Session, presets: Presets, log: Path | None) -> None:
+        self._session = session
+        self._presets = presets
+        self._log = log
+        self._catalogue: dict[str, Any] | None = None
+
+    def names(self) -> dict[str, Collection[str]]:
+        """The names that can stand for a word of the address space now."""
+        library = self._presets
+        return {
+            "NAME": dict.fromkeys(self._session.objects),
+            "ID": {id.name: None for id in self._session.gestures.running()},
+            "preset": library.names("objects"),
+            "method": ("closed", *METHODS),
+            **{kind[:-1]: library.names(kind) for kind in ("strikers", "surfaces", "materials")},
+        }
+
+    def value(self, path: str) -> list[Any] | None:
+        """The values of an address now; None if it has none."""
+        engine = self._session.engine
+        if path.startswith("/object/") and path.count("/") == 3:
+            _, _, name, setting = path.split("/")
+            obj = self._session.objects.get(name)
+            return [obj.settings[setting]] if obj and setting in obj.settings else None
+        if path == "/gain":
+            return [20.0 * float(np.log10(max(engine.gain, 1e-9)))]
+        if path == "/limiter":
+            return ["on" if engine.limiter else "off"]
+        return {"/quality": [int(engine.quality)], "/accuracy": [engine.accuracy]}.get(path)
+
+    def catalogue(self) -> dict[str, Any]:
+        """All presets, and the parameters of gestures and objects with their ranges."""
+        if self._catalogue is None:
+            library = self._presets
+            self._catalogue = {
+                "version": version("carom"),
+                "rate": self._session.engine.rate,
+                "channels": self._session.engine.channels,
+                "objects": [self._object(name) for name in self._good("objects")],
+                "strikers": [self._striker(name) for name in self._good("strikers")],
+                "surfaces": library.names("surfaces"),
+                "gestures": {
+                    name: {
+                        "argument": _parameter(gesture.argument),
+                        "keys": [_parameter(key) for key in {k.name: k for k in (*STRIKE, *gesture.keys)}.values()],
+                        "steerable": gesture.steerable,
+                    }
+                    for name, gesture in GESTURES.items()
+                },
+                "settings": [_parameter(setting) for setting in SETTINGS.values()],
+                "gain": _parameter(MAIN_GAIN),
+            }
+        return self._catalogue
+
+    def _good(self, kind: str) -> Iterable[str]:
+        """The names of the presets of a kind whose files are right."""
+        load = self._presets.object if kind == "objects" else self._presets.striker
+        for name in self._presets.names(kind):
+            try:
+                load(name)
+            except PresetError:
+                continue
+            yield name
+
+    def _object(self, name: str) -> dict[str, Any]:
+        preset = self._presets.object(name)
+        return {
+            "name": name,
+            "description": preset.description,
+            "shape": preset.shape,
+            "geometry": {key: value for key, value in preset.geometry.items() if isinstance(value, int | float | str)},
+            "material": preset.material.name if preset.material else "",
+            "striker": preset.striker,
+            "velocity": preset.velocity,
+            "position": preset.position,
+        }
+
+    def _striker(self, name: str) -> dict[str, Any]:
+        preset = self._presets.striker(name)
+        return {
+            "name": name,
+            "description": preset.description,
+            "mass": preset.mass,
+            "radius": preset.radius,
+            "click_radius": preset.sound.radius if preset.sound else None,
+            "material": preset.material.name if preset.material else "",
+        }
+
+    def shape_of(self, name: str) -> dict[str, Any] | None:
+        """An object with its lowest modes: frequencies, decay times, levels and shapes along its strike path."""
+        obj = self._session.objects.get(name)
+        if obj is None:
+            return None
+        modes = obj.preset.modes(self._session.engine.top_frequency)
+        count = min(_MOST_MODES, len(modes.frequency))
+        rows = np.unique(
+            np.linspace(0, len(modes.strike) - 1, min(_MOST_POINTS, len(modes.strike))).round().astype(int)
+        )
+        shapes = modes.strike[rows][:, :count]
+        loud = np.sqrt(0.5 * (modes.pressure[:, :count] ** 2).sum(axis=0))
+        return {
+            **self._object(obj.preset.name),
+            "preset": obj.preset.name,
+            "name": name,
+            "geometry": {k: v for k, v in obj.preset.geometry.items() if isinstance(v, int | float | str)},
+            "material": obj.preset.material.name if obj.preset.material else "",
+            "striker": obj.preset.striker,
+            "velocity": obj.preset.velocity,
+            "position": obj.preset.position,
+            "mass": obj.mass,
+            "settings": dict(obj.settings),
+            "frequency": [round(tuning_of(obj) * float(f), 3) for f in modes.frequency[:count]],
+            "t60": [round(_T60 / float(d), 4) if d > 0 else 0.0 for d in modes.decay[:count]],
+            "loud": [float(f"{each:.4g}") for each in loud],
+            "strike": [[float(f"{each:.4g}") for each in row] for row in shapes],
+        }
+
+    def session(self) -> bytes | None:
+        """The score of what was played until now; None if none is kept."""
+        if self._log is None:
+            return None
+        end = self._session.engine.position / self._session.engine.rate
+        return self._log.read_bytes() + (format_line(end, Message("/panic")) + "\n").encode()
+
+
+def _parameter(parameter: Parameter) -> dict[str, Any]:
+    low, high = parameter.useful or (parameter.low, parameter.high)
+    return {
+        "name": parameter.name,
+        "low": low,
+        "high": high,
+        "unit": parameter.unit,
+        "help": parameter.help,
+        "default": parameter.default,
+        "whole": parameter.whole,
+    }

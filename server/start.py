@@ -1,0 +1,100 @@
+"""The start of a live server: its network, files, device and web server, and their end."""
+
+import gc
+import tempfile
+from collections.abc import Iterator
+from contextlib import ExitStack, closing, contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..dsp.native.system import clock_ns
+from ..dsp.runtime.engine import Engine
+from ..presets import Presets
+from .audio.supervisor import Player
+from .audio.tap import Queue, Tap
+from .files.log import Log
+from .files.recorder import Recorder
+from .net.network import Network
+from .options import Options, ServeError
+from .server import Server
+
+if TYPE_CHECKING:
+    from .web.server import WebServer
+
+
+@contextmanager
+def serving(options: Options) -> Iterator[Server]:
+    """A server ready to `run`. OSError, AudioError, ServeError or PresetError say why it can't start."""
+    with ExitStack() as last, ExitStack() as stack:
+        with _named(options.bind, options.port):
+            network = stack.enter_context(closing(Network(options.bind, options.port)))
+        presets = Presets(options.presets)
+        engine = options.engine()
+        tap = stack.enter_context(closing(Tap(engine))) if options.page is not None else None
+        recorder = _recorder(engine, options.record, tap) if options.record else None
+        if recorder:
+            stack.callback(recorder.close)
+        path = options.log
+        if path is None and options.page is not None:
+            path = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="carom-"))) / "session.txt"
+        log = Log(engine, path, options.head) if path else None
+        if log:
+            stack.callback(log.close)
+        player = Player(engine, options.device, options.block, options.latency)
+        # The files end with the last sound, and before PortAudio is asked to: that may fail, and take its time.
+        last.callback(player.close)
+        stack.callback(player.rest)
+        server = Server(network, engine, player, presets, recorder, log)
+        if options.contact:
+            server.choose_contact(options.contact)
+        server.start_files()  # not before all else is well: older ones would be lost
+        if options.web is not None:
+            server.web = _start_web(options, server, tap, stack)
+        _warm_up(engine)
+        yield server
+
+
+def _recorder(engine: Engine, path: Path, tap: Tap | None) -> Recorder:
+    if tap is None:
+        return Recorder(engine, path)
+    queue = Queue(engine.channels)
+    recorder = Recorder(engine, path, queue.take)
+    tap.add(queue)
+    return recorder
+
+
+def _start_web(options: Options, server: Server, tap: Tap | None, stack: ExitStack) -> "WebServer":
+    try:
+        from .web.server import answering
+        from .web.start import Web, web_server
+    except ModuleNotFoundError as error:
+        option = "oscquery" if options.page is None else "page"
+        raise ServeError(f"{option}: {error.name} is missing: pip install 'carom[page]'") from None
+    assert options.web is not None
+    web, listening = web_server(
+        Web(options.bind, options.web, options.page, options.certificate, options.tls), server.known, server.network
+    )
+    if tap:
+        web.hear(server.engine, tap)
+        server.teller.tap = tap
+    with _named(options.bind, options.web):
+        stack.enter_context(answering(web))
+    server.on_look = listening.look
+    return web
+
+
+def _warm_up(engine: Engine) -> None:
+    """Do the slow first calls now, which would hold up the first client by some 70 ms each."""
+    engine.send([])  # compiles the store-release of commands
+    engine.stamp(clock_ns())  # and the clock
+    gc.freeze()  # objects that stay for good need no look for garbage,
+    gc.collect()  # nor do they count when Python decides whether to look
+
+
+@contextmanager
+def _named(host: str, port: int) -> Iterator[None]:
+    """An OSError inside names the port."""
+    try:
+        yield
+    except OSError as error:
+        raise OSError(f"port {port} on {host}: {error.strerror or error}") from error

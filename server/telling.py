@@ -1,0 +1,155 @@
+"""What subscribers of /notify are told as it happens: objects that come and go, contacts, levels."""
+
+import math
+import time
+from collections import OrderedDict
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..dsp.runtime.engine import Engine
+from .audio.tap import Tap
+from .contact_watch import ContactWatch, Touching, thinned
+from .net.network import Source
+from .osc.wire import Message
+from .scene.session import Session
+from .scene.transaction import Sent
+from .subscribers import Subscribers
+
+CHANGES, LEVELS = 2, 3
+"""Levels of /notify from which on contacts, and levels, are told."""
+_MOST_BLOWS = 64  # told at a look
+_MOST_FORCES = 128  # values of a force
+_MOST_MODES = 12  # of an object that are told
+_MOST_LEVELS = 48  # objects
+_SOFTEST = 1e-10  # squared amplitude of a mode that is told
+_PERIOD = 0.04  # s between levels
+_MOST_IDS = 8_192  # commands whose gesture's id is remembered
+
+
+class Teller:
+    """Looks at an engine and tells those that asked. `look` often."""
+
+    def __init__(
+        self, engine: Engine, session: Session, subscribers: Subscribers, reply: Callable[[Message, Source], None]
+    ) -> None:
+        self.tap: Tap | None = None
+        """Where the meters are read, if anywhere."""
+        self._engine = engine
+        self._session = session
+        self._subscribers = subscribers
+        self._reply = reply
+        self._watch: ContactWatch | None = None
+        self._ids: OrderedDict[int, str] = OrderedDict()
+        self._there: dict[str, str] = {}
+        self._version = -1
+        self._due = 0.0
+        self._untold = 0
+
+    @property
+    def untold(self) -> int:
+        """Contacts that were not told, as there were too many."""
+        return self._untold + (self._watch.lost if self._watch else 0)
+
+    def expect(self, first: int, sent: list[Sent]) -> None:
+        """Remember the ids of the gestures that commands start, from the command with the number `first` on."""
+        for number, each in enumerate(sent, first):
+            args = each.message.args
+            if "id" in args[:-1]:
+                self._ids[number] = str(args[args.index("id") + 1])
+        while len(self._ids) > _MOST_IDS:
+            self._ids.popitem(last=False)
+
+    def look(self) -> dict[str, str]:
+        """Tell what is new; returns the objects that are there, with the names of their presets."""
+        there = {name: self._session.objects[name].preset.name for name in self._session.objects.there(0.0)}
+        self._tell_objects(there)
+        self._tell_contacts(self._subscribers.of(CHANGES))
+        now = time.monotonic()
+        if now >= self._due and (listeners := self._subscribers.of(LEVELS)):
+            self._due = now + _PERIOD
+            for message in self._levels(there):
+                self._tell(message, listeners)
+        return there
+
+    def _tell(self, message: Message, listeners: list[Source]) -> None:
+        for listener in listeners:
+            self._reply(message, listener)
+
+    def _tell_objects(self, there: dict[str, str]) -> None:
+        if there == self._there:
+            return
+        listeners = self._subscribers.of(CHANGES)
+        for name in self._there.keys() - there.keys():
+            self._tell(Message("/object.removed", (name,)), listeners)
+        for name in there.keys() - self._there.keys():
+            self._tell(Message("/object.added", (name, there[name])), listeners)
+        self._there = there
+
+    def _tell_contacts(self, listeners: list[Source]) -> None:
+        if not listeners:
+            if self._watch:
+                self._engine.trace(False)
+                self._watch = None
+            return
+        if self._watch is None:
+            self._watch = ContactWatch(self._engine.rate)
+            self._engine.traced()  # what is left of an earlier time
+            self._engine.trace(True)
+        blows, on = self._watch.look(self._engine.traced())
+        self._untold += max(0, len(blows) - _MOST_BLOWS)
+        for blow in blows[-_MOST_BLOWS:]:
+            seconds = (blow.end - blow.begin) / self._engine.rate
+            self._tell(Message("/hit", (*self._head(blow, blow.begin), blow.impulse, seconds)), listeners)
+        for touching in on[-_MOST_BLOWS:]:
+            self._tell(Message("/touch", (*self._head(touching, touching.end), touching.strength)), listeners)
+        if blows and (watchers := self._subscribers.of(LEVELS)):
+            force = thinned(blows[-1].force, _MOST_FORCES)
+            span = len(blows[-1].force) / self._engine.rate
+            self._tell(Message("/force", (self._name(blows[-1]), span, *force)), watchers)
+
+    def _head(self, touching: Touching, sample: float) -> tuple[str, str, int, float, float]:
+        id = self._ids.get(touching.command, "")
+        return self._name(touching), id, round(sample), touching.position, touching.speed
+
+    def _name(self, touching: Touching) -> str:
+        return self._session.objects.slots.get(touching.slot, "")
+
+    def _levels(self, there: Mapping[str, str]) -> list[Message]:
+        """The levels of the output, of each object that sounds and of its loudest modes."""
+        engine = self._engine
+        stats = engine.stats
+        peaks = [_decibels(peak * peak) for peak in self.tap.peaks()] if self.tap else []
+        meter = (engine.position, stats.load, int(engine.quality), stats.limited, stats.contacts_active, *peaks)
+        messages = [Message("/meter", meter)]
+        for name in there:
+            squares = mode_levels(engine, self._session.objects[name].handle.slot)
+            loud = np.flatnonzero(squares > _SOFTEST)
+            if len(loud):
+                loudest = loud[np.argsort(-squares[loud])][:_MOST_MODES]
+                pairs = [each for i in loudest.tolist() for each in (i, _decibels(float(squares[i])))]
+                messages.append(Message("/modes", (name, _decibels(0.5 * float(squares.sum())), *pairs)))
+            if len(messages) > _MOST_LEVELS:
+                break
+        return messages
+
+
+def mode_levels(engine: Engine, slot: int) -> NDArray[np.float64]:
+    """The squared amplitude at the output of each mode that an object in a place has and that rings, as it is now.
+
+    The audio thread goes on meanwhile: a value may be off by what a mode does between two samples.
+    """
+    obj = engine.state["objects"][0][slot]
+    first = int(obj["first"])
+    part = slice(first, first + min(int(obj["live"]), int(obj["felt"])))
+    bank = engine.state["bank"][0]
+    y1, y2, a1, a2 = (bank[name][part] for name in ("y1", "y2", "a1", "a2"))
+    scale = 4.0 * a2 + a1 * a1
+    square = (y1 * y1 - a1 * y1 * y2 - a2 * y2 * y2) * 4.0 * a2
+    level = np.divide(square, scale, out=np.zeros_like(square), where=scale != 0.0)
+    return np.where(np.isfinite(level), np.maximum(level, 0.0), 0.0)
+
+
+def _decibels(square: float) -> float:
+    return 10.0 * math.log10(square) if square > 1e-20 else -200.0

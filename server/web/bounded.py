@@ -1,0 +1,61 @@
+"""HTTP connections, bounded: how many there are, and how long one may take to ask."""
+
+import asyncio
+import time
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+from aiohttp import web
+
+MOST_CONNECTIONS = 128
+_SPEAKING = 10.0  # s for a request to be sent, and between requests
+_LOOK = 1.0  # s
+
+
+class _Refused(asyncio.Protocol):
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        transport.close()
+
+
+class BoundedServer(web.Server):  # type: ignore[misc]
+    """aiohttp's server, which closes connections that are too many, or that are open and ask for nothing.
+
+    aiohttp bounds headers, bodies and frames; it waits for ever for the end of a request's head.
+    """
+
+    def __init__(self, handler: Callable[[web.BaseRequest], Awaitable[web.StreamResponse]], **settings: Any) -> None:
+        super().__init__(self._attend, **settings)
+        self._answer = handler
+        self._quiet_since: dict[Any, float] = {}  # by protocol, those that no request is being answered on
+        self._watching: asyncio.Task[None] | None = None
+
+    def __call__(self) -> Any:
+        if len(self.connections) >= MOST_CONNECTIONS:
+            return _Refused()
+        self._watching = self._watching or asyncio.ensure_future(self._watch())
+        protocol = super().__call__()
+        self._quiet_since[protocol] = time.monotonic()
+        return protocol
+
+    async def _attend(self, request: web.BaseRequest) -> web.StreamResponse:
+        self._quiet_since.pop(request.protocol, None)
+        try:
+            return await self._answer(request)
+        finally:
+            self._quiet_since[request.protocol] = time.monotonic()
+
+    async def _watch(self) -> None:
+        while True:
+            await asyncio.sleep(_LOOK)
+            there = set(self.connections)
+            late = time.monotonic() - _SPEAKING
+            for protocol, since in list(self._quiet_since.items()):
+                if since < late:
+                    del self._quiet_since[protocol]
+                    if protocol in there and protocol.transport:
+                        protocol.transport.abort()
+
+    async def end(self) -> None:
+        """Stop watching."""
+        if self._watching:
+            self._watching.cancel()

@@ -1,0 +1,107 @@
+"""The web server: an event loop in a thread of its own, with aiohttp's HTTP and web sockets.
+
+aiohttp is the one well-kept package that has both HTTP/1.1 and web sockets, with bounds on heads, bodies and frames,
+and with heartbeats; `websockets` has no HTTP but the handshake, and uvicorn would bring a second package for each.
+"""
+
+import asyncio
+import ssl
+import threading
+from collections.abc import Coroutine, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+from aiohttp import web
+from numpy.typing import NDArray
+
+from ...dsp.runtime.engine import Engine
+from ..audio.tap import Tap
+from .bounded import BoundedServer
+from .site import Site
+from .socket import sound_packet
+
+_LONGEST_HEAD = 8_190  # bytes of a line, and of a header
+_KEEPALIVE = 8.0  # s
+_PATIENCE = 3.0  # s for the loop to begin, and to end
+
+
+class WebServer:
+    """Serves a site on a host and a port, 0 being any that is free, from `start` until `close`."""
+
+    def __init__(self, site: Site, host: str, port: int, tls: ssl.SSLContext | None = None) -> None:
+        self.site = site
+        self.host, self.port = host, port
+        self.scheme = "https" if tls else "http"
+        self._tls = tls
+        self._loop = asyncio.new_event_loop()
+        self._runner: web.ServerRunner | None = None
+        self._thread = threading.Thread(target=self._run, name="carom-web", daemon=True)
+
+    def start(self) -> None:
+        """Listen. OSError if the port is taken."""
+        self._thread.start()
+        self._do(self._open())
+
+    @property
+    def address(self) -> str:
+        """The address to open, with the token where one is needed."""
+        host = "127.0.0.1" if self.host in ("0.0.0.0", "") else self.host
+        token = f"?token={self.site.guard.token}" if self.site.guard.token else ""
+        return f"{self.scheme}://{host}:{self.port}/{token}"
+
+    def hear(self, engine: Engine, tap: Tap) -> None:
+        """Send the sound to the clients that want to hear it."""
+        rate, channels = round(engine.rate), engine.channels
+
+        def hand_on(first: int, sound: NDArray[np.float32]) -> None:
+            if any(client.sound_on for client in tuple(self.site.clients)):
+                packet = sound_packet(first, rate, channels, sound.astype("<f4", copy=False).tobytes())
+                self._loop.call_soon_threadsafe(self.site.play, packet, len(sound) / rate)
+
+        tap.add(hand_on)
+
+    async def _open(self) -> None:
+        self._server = BoundedServer(
+            self.site.answer, keepalive_timeout=_KEEPALIVE, max_line_size=_LONGEST_HEAD, max_field_size=_LONGEST_HEAD,
+            access_log=None, lingering_time=1.0,
+        )  # fmt: skip
+        self._runner = web.ServerRunner(self._server)
+        await self._runner.setup()
+        listening = web.TCPSite(self._runner, self.host, self.port, ssl_context=self._tls, shutdown_timeout=1.0)
+        await listening.start()
+        self.port = int(self._runner.addresses[0][1])
+
+    async def _close(self) -> None:
+        await self._server.end()
+        for client in tuple(self.site.clients):
+            await client.close()
+        if self._runner:
+            await self._runner.cleanup()
+
+    def _do(self, work: Coroutine[Any, Any, None]) -> None:
+        asyncio.run_coroutine_threadsafe(work, self._loop).result(_PATIENCE)
+
+    def _run(self) -> None:
+        asyncio.set_event_loop(self._loop)
+        self._loop.run_forever()
+
+    def close(self) -> None:
+        """Tell all clients that it ends, and end."""
+        if self._runner:
+            try:
+                self._do(self._close())
+            except TimeoutError:  # a client that does not take leave
+                pass
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join(_PATIENCE)
+
+
+@contextmanager
+def answering(server: WebServer) -> Iterator[None]:
+    """Serve while inside."""
+    try:
+        server.start()
+        yield
+    finally:
+        server.close()

@@ -1,0 +1,178 @@
+"""The answers of the web server: OSCQuery's for addresses, the page's files, the page's own questions."""
+
+import asyncio
+import json
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol
+from urllib.parse import unquote
+
+from aiohttp import web
+
+from ..net.network import Network
+from ..osc.oscquery import ATTRIBUTES, Names, host_info, node
+from ..osc.score import ScoreError
+from .guard import COOKIE, Guard
+from .scores import LARGEST_SCORE, play_score, read_score
+from .socket import MOST_CLIENTS, SocketClient, opened
+
+PAGE = "/page/"
+_REST = 3.0  # times as long as an answer about addresses took to make, the next one waits
+_KINDS = {
+    ".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml", ".png": "image/png",
+    ".webmanifest": "application/manifest+json",
+}  # fmt: skip
+_SAFE = {
+    "Content-Security-Policy": "default-src 'self'; connect-src 'self' ws: wss:; img-src 'self' data: blob:; "
+    "frame-ancestors 'none'; base-uri 'none'; form-action 'none'",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cache-Control": "no-cache",
+}
+
+
+class Known(Protocol):
+    """What the site tells of the server; any thread may ask."""
+
+    def names(self) -> Names: ...
+
+    def value(self, path: str) -> list[Any] | None: ...
+
+    def catalogue(self) -> Mapping[str, Any]: ...
+
+    def shape_of(self, name: str) -> Mapping[str, Any] | None: ...
+
+    def session(self) -> bytes | None: ...
+
+
+@dataclass
+class Site:
+    """A site about a server that listens for OSC on `osc_port`. page: the folder of the page's files, None: no page."""
+
+    known: Known
+    network: Network
+    osc_port: int
+    page: Path | None = None
+    guard: Guard = field(default_factory=Guard)
+    clients: set[SocketClient] = field(default_factory=set)
+
+    def __post_init__(self) -> None:
+        self._turn = asyncio.Lock()
+        self._plays: dict[SocketClient, asyncio.Task[None]] = {}
+
+    def play(self, packet: bytes, seconds: float) -> None:
+        """Give every client a block of sound."""
+        for client in self.clients:
+            client.play(packet, seconds)
+
+    async def answer(self, request: web.BaseRequest) -> web.StreamResponse:
+        """The answer to a request."""
+        if refusal := self.guard.refusal(request.headers, request.url):
+            return _refused(403, refusal)
+        if request.headers.get("Upgrade", "").lower() == "websocket":
+            return await self._talk(request)
+        path = unquote(request.raw_path.partition("?")[0])
+        if request.method == "POST" and path == f"{PAGE}score":
+            return await self._score(request)
+        if request.method not in ("GET", "HEAD"):
+            return _refused(405, f"{request.method}: expected GET")
+        if not path.startswith("/"):
+            return _refused(400, "expected an address that begins with /")
+        attribute = next((key for key in request.query if key != "token"), "")
+        if self.page and path == "/" and not attribute and "text/html" in request.headers.get("Accept", ""):
+            return self._file("index.html")
+        if self.page and path.startswith(PAGE):
+            return await self._of_page(path.removeprefix(PAGE))
+        return await self._node(path.rstrip("/") or "/", attribute)
+
+    def _file(self, name: str) -> web.StreamResponse:
+        """A file of the page. No name leads out of its folder: only those that are in it are known."""
+        assert self.page
+        files = {each.name: each for each in self.page.iterdir() if each.suffix in _KINDS}
+        if name not in files:
+            return _refused(404, "no such file")
+        response = web.Response(
+            body=files[name].read_bytes(), content_type=_KINDS[files[name].suffix], charset=None, headers=_SAFE
+        )
+        if self.guard.token and name == "index.html":
+            response.set_cookie(COOKIE, self.guard.token, httponly=True, samesite="Strict", max_age=86_400)
+        return response
+
+    async def _of_page(self, name: str) -> web.StreamResponse:
+        work: Callable[[], Any]
+        if name == "catalogue.json":
+            work = self.known.catalogue
+        elif name.startswith("object/"):
+            work = lambda: self.known.shape_of(name.removeprefix("object/"))
+        elif name == "session.txt":
+            work = self.known.session
+        else:
+            return self._file(name)
+        async with self._turn:
+            found = await asyncio.to_thread(work)
+        if found is None:
+            return _refused(404, "no such object")
+        if isinstance(found, bytes):
+            given = {**_SAFE, "Content-Disposition": f"attachment; filename=carom-{time.strftime('%Y%m%d-%H%M%S')}.txt"}
+            return web.Response(body=found, content_type="text/plain", charset="utf-8", headers=given)
+        return _json(found)
+
+    async def _node(self, path: str, attribute: str) -> web.StreamResponse:
+        """OSCQuery. One answer at a time, with pauses: the sound's messages need Python's lock too."""
+        if attribute == "HOST_INFO":
+            return _json(host_info(self.osc_port))
+        if attribute and attribute not in ATTRIBUTES:
+            return _refused(400, "no such attribute")
+        async with self._turn:
+            start = time.perf_counter()
+            found = await asyncio.to_thread(node, path, self.known.names(), self.known.value)
+            await asyncio.sleep(_REST * (time.perf_counter() - start))
+        if found is None:
+            return _refused(404, "no such address")
+        if not attribute:
+            return _json(found)
+        return _json({attribute: found[attribute]}) if attribute in found else web.Response(status=204)
+
+    async def _talk(self, request: web.BaseRequest) -> web.StreamResponse:
+        if len(self.clients) >= MOST_CLIENTS:
+            return _refused(503, f"{MOST_CLIENTS} pages are open already: expected one to be closed first")
+        socket = await opened(request)
+        client = SocketClient(socket, self.network)
+        self.clients.add(client)
+        try:
+            await client.serve()
+        finally:
+            self.clients.discard(client)
+            if play := self._plays.pop(client, None):
+                play.cancel()
+        return socket
+
+    async def _score(self, request: web.BaseRequest) -> web.StreamResponse:
+        """Play the score that a page sends, until the page goes or sends another one."""
+        client = next((each for each in self.clients if each.name == request.query.get("client")), None)
+        if client is None:
+            return _refused(409, "no such page: expected one that is connected")
+        if (request.content_length or 0) > LARGEST_SCORE:
+            return _refused(413, f"{request.content_length} bytes: expected at most {LARGEST_SCORE}")
+        try:
+            data = await request.read()
+            lines = await asyncio.to_thread(read_score, data)
+        except web.HTTPRequestEntityTooLarge:
+            return _refused(413, f"a score that is too large: expected at most {LARGEST_SCORE} bytes")
+        except ScoreError as error:
+            return _refused(400, str(error))
+        if before := self._plays.pop(client, None):
+            before.cancel()
+        if lines:
+            self._plays[client] = asyncio.ensure_future(play_score(lines, client, self.network))
+        return _json({"messages": len(lines), "seconds": lines[-1].time if lines else 0.0})
+
+
+def _json(content: object) -> web.Response:
+    return web.Response(text=json.dumps(content), content_type="application/json", charset=None, headers=_SAFE)
+
+
+def _refused(status: int, text: str) -> web.Response:
+    return web.Response(status=status, text=text + "\n", headers=_SAFE)

@@ -1,0 +1,141 @@
+"""A web socket's client: OSC in binary frames both ways, OSCQuery's commands as text, and the sound."""
+
+import asyncio
+import json
+import secrets
+import struct
+import time
+from collections import deque
+from contextlib import suppress
+
+from aiohttp import WSMsgType, web
+
+from ..net.network import Network
+from ..net.remote import Remote
+from ..osc.wire import MAX_DATAGRAM
+
+LARGEST_FRAME = MAX_DATAGRAM
+MOST_CLIENTS = 32
+RATE = 1_000.0
+"""Frames per second that a client may send on average; one that sends more is read more slowly."""
+_BURST = 1_000.0  # frames that it may send at once
+_MOST_WAITING = 256  # of its packets, before it is read no further
+_MOST_UNSENT = 1 << 20  # bytes of replies kept for one that reads slowly
+_MOST_SOUND = 0.5  # s of sound kept for it
+_MOST_PATHS = 1_024  # that it listens to
+_ALIVE = 20.0  # s between questions whether it is still there
+_SOUND = b"/sound\0\0" + b",hiib\0\0\0"
+_HEAD = struct.Struct(">qiii")
+
+
+class SocketClient(Remote):
+    """The client of a web socket. Its `listens` are the addresses whose values it wants to be told."""
+
+    def __init__(self, socket: web.WebSocketResponse, network: Network) -> None:
+        super().__init__(self._deliver)
+        self.name = secrets.token_urlsafe(9)
+        """By which its page calls it where it asks over HTTP."""
+        self.listens: set[str] = set()
+        self.sound_on = False
+        """Whether it wants to hear."""
+        self._socket = socket
+        self._network = network
+        self._loop = asyncio.get_running_loop()
+        self._wake = asyncio.Event()
+        self._unsent: deque[bytes | str] = deque()
+        self._size = 0
+        self._sound: deque[bytes] = deque()
+        self._credit, self._credited = _BURST, time.monotonic()
+
+    def _deliver(self, packet: bytes | str) -> bool:
+        if self._size + len(packet) > _MOST_UNSENT:
+            return False
+        self._size += len(packet)
+        self._unsent.append(packet)
+        with suppress(RuntimeError):  # the loop has ended
+            self._loop.call_soon_threadsafe(self._wake.set)
+        return True
+
+    def tell(self, command: str, data: object) -> None:
+        """Send one of OSCQuery's notifications; any thread may."""
+        self._deliver(json.dumps({"COMMAND": command, "DATA": data}))
+
+    def play(self, packet: bytes, seconds: float) -> None:
+        """Send a block of sound of a length, if the client wants to hear; a slow one loses the oldest blocks."""
+        if self.sound_on:
+            while len(self._sound) * seconds > _MOST_SOUND:
+                self._sound.popleft()
+            self._sound.append(packet)
+            self._wake.set()
+
+    async def close(self) -> None:
+        """Take leave."""
+        await self._socket.close()
+
+    async def serve(self) -> None:
+        """Take and give until the client leaves."""
+        self.tell("CLIENT", self.name)
+        writing = asyncio.ensure_future(self._write())
+        try:
+            async for frame in self._socket:
+                if frame.type == WSMsgType.BINARY:
+                    await self._take(frame.data)
+                elif frame.type == WSMsgType.TEXT:
+                    await self._wait_for_room()
+                    self._command(frame.data)
+        finally:
+            self._network.doorway.hand_in(self, None)
+            writing.cancel()
+            with suppress(asyncio.CancelledError, ConnectionError):
+                await writing
+
+    async def _take(self, packet: bytes) -> None:
+        await self._wait_for_room()
+        self._network.doorway.hand_in(self, packet)
+
+    async def _wait_for_room(self) -> None:
+        """Wait while the client has sent too much. Nothing is lost: the system makes it wait, too."""
+        now = time.monotonic()
+        self._credit = min(_BURST, self._credit + RATE * (now - self._credited)) - 1.0
+        self._credited = now
+        if self._credit < 0.0:
+            await asyncio.sleep(max(0.02, -self._credit / RATE))
+        while len(self.arrived) > _MOST_WAITING:
+            await asyncio.sleep(0.01)
+
+    def _command(self, text: str) -> None:
+        """Carry out a command of OSCQuery's; what is none is ignored, as the proposal has no answer for it."""
+        with suppress(ValueError, TypeError, KeyError, RecursionError):
+            given = json.loads(text)
+            command, path = given["COMMAND"], given["DATA"]
+            if command == "LISTEN" and isinstance(path, str) and len(self.listens) < _MOST_PATHS:
+                self.listens.add(path)
+            elif command == "IGNORE":
+                self.listens.discard(path)
+            elif command == "SOUND":  # Carom's own
+                self.sound_on = bool(path)
+                self._sound.clear()
+
+    async def _write(self) -> None:
+        while True:
+            await self._wake.wait()
+            self._wake.clear()
+            while self._unsent or self._sound:
+                if self._unsent:
+                    packet = self._unsent.popleft()
+                    self._size -= len(packet)
+                else:
+                    packet = self._sound.popleft()
+                await (self._socket.send_str if isinstance(packet, str) else self._socket.send_bytes)(packet)
+
+
+def sound_packet(position: int, rate: int, channels: int, samples: bytes) -> bytes:
+    """A block of sound as OSC: `/sound` with its first sample, rate (Hz), channels and little-endian float32 frames."""
+    return _SOUND + _HEAD.pack(position, rate, channels, len(samples)) + samples
+
+
+async def opened(request: web.BaseRequest) -> web.WebSocketResponse:
+    """The socket of a request that asks for one."""
+    socket = web.WebSocketResponse(heartbeat=_ALIVE, max_msg_size=LARGEST_FRAME, compress=False)
+    await socket.prepare(request)
+    return socket
