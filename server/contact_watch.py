@@ -1,7 +1,6 @@
-"""Contacts as they are played, for whoever watches: one report for each blow, and for what touches on, as it goes on."""
+"""Contacts as they are played, for whoever watches: a report of each blow, and of what touches on, as it goes on."""
 
 from collections import OrderedDict
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np

@@ -1,6 +1,6 @@
 """What a server can say of itself to those that look it up over HTTP; any thread may ask."""
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -93,7 +93,7 @@ class Knowledge:
             "name": name,
             "description": preset.description,
             "shape": preset.shape,
-            "geometry": {key: value for key, value in preset.geometry.items() if isinstance(value, int | float | str)},
+            "geometry": _plain(preset.geometry),
             "material": preset.material.name if preset.material else "",
             "striker": preset.striker,
             "velocity": preset.velocity,
@@ -127,7 +127,7 @@ class Knowledge:
             **self._object(obj.preset.name),
             "preset": obj.preset.name,
             "name": name,
-            "geometry": {k: v for k, v in obj.preset.geometry.items() if isinstance(v, int | float | str)},
+            "geometry": _plain(obj.preset.geometry),
             "material": obj.preset.material.name if obj.preset.material else "",
             "striker": obj.preset.striker,
             "velocity": obj.preset.velocity,
@@ -146,6 +146,11 @@ class Knowledge:
             return None
         end = self._session.engine.position / self._session.engine.rate
         return self._log.read_bytes() + (format_line(end, Message("/panic")) + "\n").encode()
+
+
+def _plain(geometry: Mapping[str, Any]) -> dict[str, Any]:
+    """The lengths, words and points of a geometry, without what modes are listed by."""
+    return {k: v for k, v in geometry.items() if isinstance(v, int | float | str) or k in ("path_from", "path_to")}
 
 
 def _parameter(parameter: Parameter) -> dict[str, Any]:

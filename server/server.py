@@ -16,8 +16,8 @@ from .audio.supervisor import Player
 from .files.log import Log
 from .files.recorder import Recorder
 from .governor import Governor
-from .monitor import Monitor
 from .knowledge import Knowledge
+from .monitor import Monitor
 from .net.network import Network, Source
 from .net.remote import Remote
 from .options import ServeError
@@ -58,7 +58,7 @@ class Server:
         self.engine = engine
         self.address = network.address
         self.network = network
-        self.web: "WebServer | None" = None
+        self.web: WebServer | None = None
         self._session = Session(engine, presets)
         self._status = Status(engine, player, lambda: self._session.objects.slots)
         self._governor = Governor(engine)

@@ -92,8 +92,8 @@ _OBJECTS = (
     ),
     Verb(
         "/object/NAME/note",
-        "strikes a copy of it, NAME.NOTE, that is tuned to a note, and made when the note is first played. The velocity "
-        "1 to 127 is 0.05 to 5 m/s, the same factor for each step; 0 does nothing",
+        "strikes a copy of it, NAME.NOTE, that is tuned to a note, and made when the note is first played. Velocities "
+        "from 1 to 127 are 0.05 to 5 m/s, by equal ratios; 0 does nothing",
         (NOTE, VELOCITY),
         (POSITION,),
         (STRIKER,),
@@ -161,8 +161,8 @@ _ENGINE = (
 _SERVER = (
     Verb(
         "/object/NAME/get",
-        "answers /object.reply NAME and pairs of key and value: preset, shape, mass (kg), modes, settings. With a number, "
-        "/object.modes NAME FIRST and frequency (Hz) and decay time (T60, s) of so many modes",
+        "answers /object.reply NAME and pairs of key and value: preset, shape, mass (kg), modes, settings. With a "
+        "number, /object.modes NAME FIRST TOTAL and frequency (Hz) and decay time (T60, s) of so many modes",
         optional=(Number("modes", 0, 4096, default=0, whole=True),),
         scored=False,
     ),
@@ -184,8 +184,8 @@ _SERVER = (
     ),
     Verb(
         "/notify",
-        "sends you from now on: 0: nothing. 1: /warning and /gesture/end. 2: objects that come and go, and contacts, too. "
-        "3: levels, too. With a port all answers to your datagrams go there",
+        "sends you from now on: 0: nothing. 1: /warning and /gesture/end. 2: objects that come and go, and contacts, "
+        "too. 3: levels, too. With a port all answers to your datagrams go there",
         (Number("level", 0, 3, whole=True),),
         (Number("port", 1, 65_535, whole=True),),
         scored=False,

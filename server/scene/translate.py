@@ -19,8 +19,8 @@ from ..osc.arguments import GestureEnded, Refused, Values, shown
 from ..osc.wire import Message
 from .engine_messages import ENGINE_HANDLERS, Handler
 from .limits import LAW, Contact, fall, require_rest, require_rollable, require_short, rim_speed
-from .object_call import ObjectCall, listed, require_name
 from .notes import TUNINGS, copy_of, speed_of, tuned
+from .object_call import ObjectCall, listed, require_name
 from .objects import PlayedObject
 from .transaction import MOST_COMPARED, Sent, Transaction
 

@@ -8,7 +8,7 @@ import asyncio
 import ssl
 import threading
 from collections.abc import Coroutine, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 import numpy as np
@@ -89,10 +89,8 @@ class WebServer:
     def close(self) -> None:
         """Tell all clients that it ends, and end."""
         if self._runner:
-            try:
+            with suppress(TimeoutError):  # a client may not take leave
                 self._do(self._close())
-            except TimeoutError:  # a client that does not take leave
-                pass
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join(_PATIENCE)
 

@@ -5,6 +5,7 @@ import json
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 from urllib.parse import unquote
@@ -105,7 +106,7 @@ class Site:
         if name == "catalogue.json":
             work = self.known.catalogue
         elif name.startswith("object/"):
-            work = lambda: self.known.shape_of(name.removeprefix("object/"))
+            work = partial(self.known.shape_of, name.removeprefix("object/"))
         elif name == "session.txt":
             work = self.known.session
         else:

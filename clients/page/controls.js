@@ -1,0 +1,128 @@
+// The controls of the selected object and of what strikes it, from the schema that the server checks messages by.
+
+import { el, slider } from "./dom.js";
+
+const ACTIONS = { impact: "Strike", bounce: "Drop", roll: "Roll", press: "Press", spin: "Spin" };
+const LAW = ["mass", "stiffness", "dissipation", "exponent", "restitution"];
+const HIDDEN = new Set([...LAW, "position", "gain", "seed", "by_radius"]);
+const LASTS = 1500; // ms of a roll or a press from its button
+
+export class Controls {
+  constructor(box, scene, hands) {
+    Object.assign(this, { box, scene, hands, open: new Set(["object", "impact"]) });
+    for (const type of ["selected", "known"]) {
+      scene.addEventListener(type, ({ detail }) => (type === "selected" || detail === scene.selected) && this.show());
+    }
+  }
+
+  show() {
+    const object = this.scene.objects.get(this.scene.selected);
+    if (!object) {
+      this.box.replaceChildren(el("p", { className: "quiet", textContent: "Add an object to play on." }));
+      return;
+    }
+    this.box.replaceChildren(
+      this.head(object),
+      this.section("object", "Object", this.settings(object)),
+      ...Object.entries(this.scene.catalogue.gestures).map(([name, gesture]) => this.section(name, name, this.gesture(object, name, gesture))),
+      this.section("law", "Contact law", this.law()),
+      this.section("all", "Everything", [this.main()]),
+    );
+  }
+
+  head(object) {
+    const { name, preset, modes } = object;
+    const facts = [preset.material.replaceAll("-", " "), modes && `${modes.frequency.length}${modes.frequency.length === 64 ? "+" : ""} modes`,
+      modes && `${modes.mass < 1 ? `${(modes.mass * 1000).toFixed(0)} g` : `${modes.mass.toFixed(1)} kg`}`].filter(Boolean).join(" · ");
+    const copy = el("button", { textContent: "Copy" });
+    copy.onclick = () => this.scene.add(preset.name);
+    const remove = el("button", { textContent: "Remove" });
+    remove.onclick = () => this.scene.remove(name);
+    return el("div", { className: "head" },
+      el("h2", { textContent: name.replaceAll("-", " ") }),
+      el("p", { textContent: preset.description }),
+      el("p", { className: "quiet", textContent: facts }),
+      el("div", { className: "row" }, copy, remove));
+  }
+
+  section(key, title, children) {
+    const made = el("details", { open: this.open.has(key) }, el("summary", { textContent: title[0].toUpperCase() + title.slice(1) }), ...children);
+    made.ontoggle = () => (made.open ? this.open.add(key) : this.open.delete(key));
+    return made;
+  }
+
+  settings(object) {
+    return this.scene.catalogue.settings.map((parameter) => {
+      const { name } = parameter;
+      let first = true;
+      const set = (value) => {
+        this.scene.set(object.name, name, value, first);
+        first = false;
+      };
+      const row = slider(parameter, object.settings[name] ?? parameter.default, parameter.default, set, () => {
+        this.scene.set(object.name, name, parameter.default);
+        this.show();
+      });
+      row.addEventListener("change", () => {
+        first = true;
+        if (name === "tune" || name === "decay") this.scene.look(object);
+      });
+      return row;
+    });
+  }
+
+  gesture(object, name, { argument, keys }) {
+    const chosen = this.hands.chosen[name];
+    const usual = { impact: object.preset.velocity, bounce: 0.2, press: 5, spin: 3, roll: 0.5 }[name];
+    const rows = [argument, ...keys.filter((key) => !HIDDEN.has(key.name))].map((parameter) =>
+      this.choice(chosen, parameter, parameter === argument ? usual : parameter.default));
+    if (name === "roll") rows.splice(1, 0, this.surface());
+    const act = el("button", { className: "act", textContent: ACTIONS[name] });
+    act.onclick = () => this.act(object, name);
+    return [...rows, act];
+  }
+
+  choice(chosen, parameter, usual) {
+    const { name } = parameter;
+    return slider(parameter, chosen[name] ?? null, usual, (value) => (chosen[name] = value), () => {
+      delete chosen[name];
+      this.show();
+    });
+  }
+
+  surface() {
+    const select = el("select", { "aria-label": "surface" }, el("option", { value: "", textContent: "by material" }),
+      ...this.scene.catalogue.surfaces.map((each) => el("option", { value: each, textContent: each.replaceAll("-", " ") })));
+    select.value = this.hands.chosen.roll.surface ?? "";
+    select.onchange = () => (select.value ? (this.hands.chosen.roll.surface = select.value) : delete this.hands.chosen.roll.surface);
+    return el("label", { className: "slider" }, el("span", { textContent: "surface" }), select);
+  }
+
+  /** The contact law, for all gestures alike. */
+  law() {
+    const { keys } = this.scene.catalogue.gestures.impact;
+    return keys.filter(({ name }) => LAW.includes(name)).map((parameter) => {
+      const { name } = parameter;
+      const all = Object.values(this.hands.chosen);
+      return slider(parameter, all[0][name] ?? null, null, (value) => all.forEach((each) => (each[name] = value)), () => {
+        all.forEach((each) => delete each[name]);
+        this.show();
+      });
+    });
+  }
+
+  main() {
+    return slider(this.scene.catalogue.gain, this.gain ?? 0, 0, (value) => this.scene.link.steer("/gain", (this.gain = value)));
+  }
+
+  act(object, name) {
+    const { position } = object.preset;
+    if (name === "impact") this.hands.strike(object, position);
+    else if (name === "bounce") this.hands.drop(object, position);
+    else if (name === "spin") this.hands.spin(object, position);
+    else {
+      const id = name === "roll" ? this.hands.roll(object, position, this.hands.chosen.roll.speed ?? 0.5) : this.hands.press(object, position);
+      setTimeout(() => this.hands.stop(id), LASTS);
+    }
+  }
+}

@@ -1,0 +1,99 @@
+// What a hand does to an object, as messages: strikes, drops, rolls, presses, meetings.
+
+const SURFACES = { glass: "glass", polycarbonate: "glass", wood: "polished-wood", rosewood: "polished-wood", ceramic: "tile" };
+const OTHERWISE = "steel";
+const SMALLEST = 0.004; // m: a smaller body is caught in every groove
+
+export const GRAVITY = 9.80665;
+
+export class Hands extends EventTarget {
+  constructor(link, scene) {
+    super();
+    this.link = link;
+    this.scene = scene;
+    this.striker = null; // null: each object's own
+    this.chosen = { impact: {}, bounce: {}, roll: {}, press: {}, spin: {} };
+    this.count = 0;
+  }
+
+  strikerOf(object) {
+    return this.scene.strikers.get(this.striker ?? object.preset.striker);
+  }
+
+  /** An id that no other page uses. */
+  id(kind) {
+    return `${kind}-${this.link.client.slice(0, 6)}-${++this.count}`;
+  }
+
+  keys(gesture, object, more = {}) {
+    const given = { ...this.chosen[gesture], ...more };
+    delete given[{ impact: "velocity", bounce: "height", roll: "speed", press: "force", spin: "duration" }[gesture]];
+    if (this.striker && !("by" in given)) given.striker = this.striker;
+    if ("restitution" in given) delete given[gesture === "roll" ? "restitution" : "dissipation"];
+    return Object.entries(given).flat();
+  }
+
+  velocity(object) {
+    return this.chosen.impact.velocity ?? object.preset.velocity;
+  }
+
+  strike(object, position, speed = this.velocity(object)) {
+    this.link.send(`/object/${object.name}/impact`, speed, position, ...this.keys("impact", object));
+    this.tell("struck", object, position, speed);
+  }
+
+  drop(object, position, height = this.chosen.bounce.height ?? 0.2) {
+    const id = this.id("ball");
+    this.link.send(`/object/${object.name}/bounce`, height, position, ...this.keys("bounce", object, { id }));
+    this.tell("dropped", object, position, height, id);
+  }
+
+  spin(object, position) {
+    const id = this.id("spin");
+    const duration = this.chosen.spin.duration ?? 3;
+    this.link.send(`/object/${object.name}/spin`, duration, position, ...this.keys("spin", object, { id, ...(this.striker ? {} : { striker: "coin" }) }));
+  }
+
+  roll(object, position, speed) {
+    const id = this.id("roll");
+    const { radius, click_radius } = this.strikerOf(object);
+    const surface = this.chosen.roll.surface ?? SURFACES[object.preset.material] ?? OTHERWISE;
+    const more = { radius: Math.max(SMALLEST, radius ?? click_radius ?? 0.008), ...this.chosen.roll, surface, id };
+    this.link.send(`/object/${object.name}/roll`, speed, position, ...this.keys("roll", object, more));
+    return id;
+  }
+
+  press(object, position) {
+    const id = this.id("hand");
+    const force = this.chosen.press.force ?? 5;
+    const more = this.striker ? { id } : { id, striker: "hand" };
+    this.link.send(`/object/${object.name}/press`, force, position, ...this.keys("press", object, more));
+    return id;
+  }
+
+  steer(id, key, value) {
+    return this.link.steer(`/gesture/${id}/${key}`, value);
+  }
+
+  stop(id) {
+    this.link.send(`/gesture/${id}/stop`);
+  }
+
+  meet(object, position, speed, other, otherPosition) {
+    const more = { by: other.name, by_position: otherPosition };
+    const chosen = this.chosen.impact;
+    this.chosen.impact = {};
+    const keys = this.keys("impact", object, more);
+    this.chosen.impact = chosen;
+    this.link.send(`/object/${object.name}/impact`, speed, position, ...keys);
+  }
+
+  note(object, note, velocity) {
+    const striker = this.striker ? ["striker", this.striker] : [];
+    this.link.send(`/object/${object.name}/note`, note, velocity, object.preset.position, ...striker);
+  }
+
+  tell(type, object, position, value, id) {
+    this.dispatchEvent(new CustomEvent(type, { detail: { object, position, value, id } }));
+  }
+}

@@ -1,0 +1,195 @@
+// The page: puts its parts together.
+
+import { Controls } from "./controls.js";
+import { Hands } from "./hands.js";
+import { Keys } from "./keys.js";
+import { Link } from "./link.js";
+import { presets, strikers } from "./palettes.js";
+import { Scene } from "./scene.js";
+import { Sound } from "./sound.js";
+import { Table } from "./table.js";
+import { Touch } from "./touch.js";
+import { Views } from "./views.js";
+
+const $ = (id) => document.getElementById(id);
+const SHOWN = 6000; // ms of a notice
+
+function notice(text, kind = "") {
+  const line = document.createElement("p");
+  line.textContent = text;
+  line.className = kind;
+  $("notices").append(line);
+  while ($("notices").children.length > 3) $("notices").firstChild.remove();
+  setTimeout(() => line.remove(), SHOWN);
+}
+
+function saved(blob, name) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(blob);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+}
+
+function pressed(button, on) {
+  button.setAttribute("aria-pressed", String(on));
+}
+
+async function catalogue() {
+  const response = await fetch("/page/catalogue.json");
+  if (!response.ok) throw new Error(await response.text());
+  return response.json();
+}
+
+function tellProblems(link) {
+  link.on("/fail", (address, reason) => notice(`${address}: ${reason}`, "bad"));
+  link.on("/warning", (text) => notice(text));
+  link.addEventListener("lost", () => document.body.classList.add("lost"));
+  link.addEventListener("open", () => document.body.classList.remove("lost"));
+}
+
+function setUpSound(link, sound) {
+  const switchTo = async (on) => {
+    pressed($("sound"), on);
+    try {
+      await (on ? sound.start() : sound.stop());
+    } catch (error) {
+      notice(`No sound in this browser: ${error.message}`, "bad");
+    }
+  };
+  $("sound").onclick = () => switchTo(!sound.isHeard);
+  link.on("/status.reply", (...values) => {
+    const device = values[values.indexOf("device") + 1];
+    if (device !== "none" && device !== "page") return;
+    // Nothing else plays the sound: the first touch of the page makes it heard. Browsers ask for a touch.
+    for (const type of ["pointerdown", "keydown"]) {
+      addEventListener(type, (event) => event.target !== $("sound") && !sound.isHeard && switchTo(true), { once: true, capture: true });
+    }
+  });
+  link.addEventListener("open", () => link.send("/status"), { once: true });
+  $("record").onclick = () => {
+    if (!sound.recording) {
+      sound.startRecording();
+      pressed($("record"), true);
+      return;
+    }
+    const { first, lost, file } = sound.stopRecording();
+    pressed($("record"), false);
+    saved(file, `carom-from-sample-${first}.wav`);
+    if (lost) notice(`${lost} samples are missing in the recording: the connection is too slow`, "bad");
+  };
+}
+
+function setUpScores(link) {
+  let depth = 0;
+  const show = (on) => ($("drop").hidden = !on);
+  addEventListener("dragenter", (event) => event.dataTransfer?.types.includes("Files") && (++depth, show(true)));
+  addEventListener("dragleave", () => show((depth = Math.max(0, depth - 1)) > 0));
+  addEventListener("dragover", (event) => event.preventDefault());
+  addEventListener("drop", async (event) => {
+    event.preventDefault();
+    show((depth = 0) > 0);
+    const file = event.dataTransfer?.files[0];
+    if (!file) return;
+    const response = await fetch(`/page/score?client=${encodeURIComponent(link.client)}`, { method: "POST", body: file });
+    if (!response.ok) notice(await response.text(), "bad");
+    else {
+      const { messages, seconds } = await response.json();
+      notice(`${file.name}: ${messages} messages, ${seconds.toFixed(1)} s`);
+    }
+  });
+}
+
+function setUpTheme() {
+  const theme = localStorage.getItem("carom-theme");
+  if (theme) document.documentElement.dataset.theme = theme;
+  $("theme").onclick = () => {
+    const isDark = getComputedStyle(document.documentElement).colorScheme === "dark";
+    document.documentElement.dataset.theme = isDark ? "light" : "dark";
+    localStorage.setItem("carom-theme", document.documentElement.dataset.theme);
+  };
+}
+
+function setUpSheets() {
+  for (const button of document.querySelectorAll("nav button")) {
+    button.onclick = () => {
+      const { sheet } = button.dataset;
+      document.body.dataset.sheet = document.body.dataset.sheet === sheet ? "" : sheet;
+      for (const each of document.querySelectorAll("nav button")) {
+        each.setAttribute("aria-expanded", String(each.dataset.sheet === document.body.dataset.sheet));
+      }
+    };
+  }
+  $("table").addEventListener("pointerdown", () => (document.body.dataset.sheet = ""));
+}
+
+function setUpHelp(keys, sound) {
+  $("help").onclick = () => $("help-text").showModal();
+  const missing = [];
+  if (!sound.hasWorklet) missing.push("sound with low latency");
+  if (!navigator.requestMIDIAccess) missing.push("MIDI");
+  else {
+    const connect = document.createElement("button");
+    Object.assign(connect, { type: "button", id: "midi", textContent: "Connect MIDI" });
+    connect.onclick = async () => {
+      try {
+        const names = await keys.listen();
+        connect.textContent = names.length ? `Listening to ${names.join(", ")}.` : "No MIDI input yet: connect one.";
+      } catch (error) {
+        connect.textContent = `MIDI: ${error.message}`;
+      }
+    };
+    $("midi-note").append(connect);
+  }
+  const why = isSecureContext ? "This browser lacks" : "Over plain http from another machine browsers withhold";
+  $("missing").textContent = missing.length ? `${why} ${missing.join(" and ")}.${isSecureContext ? "" : " carom serve --page --tls has it."}` : "";
+}
+
+function setUpHint(hands) {
+  if (localStorage.getItem("carom-met")) return;
+  $("hint").hidden = false;
+  $("hint").textContent = "Tap to strike · hold to mute · drag along to roll · drag off to pull back";
+  hands.addEventListener("struck", () => {
+    localStorage.setItem("carom-met", "1");
+    setTimeout(() => ($("hint").hidden = true), 4000);
+  }, { once: true });
+}
+
+async function start() {
+  setUpTheme();
+  const link = new Link();
+  tellProblems(link);
+  const scene = new Scene(link, await catalogue());
+  const sound = new Sound(link);
+  const hands = new Hands(link, scene);
+  const table = new Table($("table"), scene);
+  const touch = (table.touch = new Touch(table.stage, table, hands));
+  const views = new Views(scene, sound);
+  const controls = new Controls($("inspector"), scene, hands);
+  const silence = () => link.send("/panic");
+  const keys = new Keys(scene, hands, table, silence);
+  presets($("presets"), $("search"), scene, table);
+  strikers($("strikers"), hands, () => controls.show());
+  hands.addEventListener("dropped", ({ detail }) =>
+    table.marks.follow(detail, { ...hands.strikerOf(detail.object), ...hands.chosen.bounce }, hands.chosen.bounce.gravity));
+  for (const moves of [false, true]) {
+    $(moves ? "mode-move" : "mode-play").onclick = () => {
+      touch.moves = moves;
+      pressed($("mode-move"), moves);
+      pressed($("mode-play"), !moves);
+    };
+  }
+  $("silence").onclick = silence;
+  $("undo").onclick = () => scene.undo();
+  scene.addEventListener("done", () => ($("undo").disabled = !scene.done.length));
+  setUpSound(link, sound);
+  setUpScores(link);
+  setUpSheets();
+  setUpHelp(keys, sound);
+  setUpHint(hands);
+  controls.show();
+  link.open();
+  window.carom = { link, scene, sound, hands, table, touch, views, keys };
+}
+
+start().catch((error) => notice(`The page can't start: ${error.message}`, "bad"));
