@@ -80,6 +80,9 @@ class Server:
             "/version": self._version_asked,
             "/sync": self._sync,
             "/notify": self._notify,
+            "/object/NAME/get": lambda values, source: discovery.described(
+                self._session, values.words["NAME"], int(values.number("modes"))
+            ),
             "/presets": lambda values, source: discovery.presets(self._session.presets, values.words["kind"]),
             "/objects": lambda values, source: discovery.objects(self._session),
             "/gestures": lambda values, source: discovery.gestures(self._session),
@@ -163,11 +166,8 @@ class Server:
         assert call.verb
         try:
             values = call.verb.parse(call.message.args)
-            if call.target:
-                answers = discovery.described(self._session, call.target, int(values.number("modes")))
-            else:
-                answers = self._handlers[call.verb.address](values, source) or ()
-            for answer in answers:
+            values.words["NAME"] = call.target
+            for answer in self._handlers[call.verb.address](values, source) or ():
                 self._reply(answer, source)
         except (Refused, EngineFull, TooMuch, PresetError) as error:
             self._reply(fail(call.message.address, str(error)), source)

@@ -291,7 +291,8 @@ def address_table() -> str:
 
     def listed(verb: Verb) -> str:
         shared = len(STRIKE) if verb.keys[: len(STRIKE)] == STRIKE else 0
-        keys = ["a gesture's"] * bool(shared) + [f"`{key.name}`" for key in verb.keys[shared:]]
+        own = [_marked(key) if key in (NOTE, PITCH) else f"`{key.name}`" for key in verb.keys[shared:]]
+        keys = ["a gesture's"] * bool(shared) + own
         return f"; keys: {', '.join(keys)}" if keys else ""
 
     lines = ["| address | arguments | does |", "|---|---|---|"]

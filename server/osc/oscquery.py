@@ -78,7 +78,7 @@ def _arguments(verb: Verb, names: Names) -> dict[str, Any]:
     least = max(len(verb.required), 1)
     arguments = (*verb.required, *verb.optional, *((verb.many.number,) if verb.many else ()))
     if not arguments:
-        return {"ACCESS": 2, "TYPE": "", "RANGE": []}
+        return {"ACCESS": 2, "TYPE": "", "RANGE": [], "CLIPMODE": []}
     lists = [_values(arguments[:count], names) for count in range(least, len(arguments) + 1)]
     return {"ACCESS": 2, **lists[0], **({"OVERLOADS": lists[1:]} if lists[1:] else {})}
 

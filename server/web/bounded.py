@@ -1,6 +1,7 @@
 """HTTP connections, bounded: how many there are, and how long one may take to ask."""
 
 import asyncio
+import logging
 import time
 from collections.abc import Awaitable, Callable
 from typing import Any
@@ -41,6 +42,11 @@ class BoundedServer(web.Server):  # type: ignore[misc]
         self._quiet_since.pop(request.protocol, None)
         try:
             return await self._answer(request)
+        except (asyncio.CancelledError, ConnectionError, web.HTTPException):
+            raise
+        except Exception:  # a fault of the server must not end the connection, nor go unseen
+            logging.getLogger(__name__).exception("a fault of the server")
+            return web.Response(status=500, text="a fault of the server\n")
         finally:
             self._quiet_since[request.protocol] = time.monotonic()
 

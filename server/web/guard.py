@@ -36,7 +36,8 @@ class Guard:
         hosts = headers.getall("Host", [])
         if len(hosts) != 1 or not self._is_ours(hosts[0]):
             return "another site's name: expected this server's own address"
-        if any(urlsplit(origin).netloc.lower() != hosts[0].lower() for origin in headers.getall("Origin", [])):
+        # An Origin is a scheme and what a Host is, or "null".
+        if any(origin.partition("//")[2].lower() != hosts[0].lower() for origin in headers.getall("Origin", [])):
             return "another site's script: expected the page of this server"
         if self.token and not self._has_token(headers, url):
             return "the token is missing or wrong: open the address that the server printed at its start"

@@ -5,6 +5,7 @@ and with heartbeats; `websockets` has no HTTP but the handshake, and uvicorn wou
 """
 
 import asyncio
+import logging
 import ssl
 import threading
 from collections.abc import Coroutine, Iterator
@@ -23,6 +24,7 @@ from .socket import sound_packet
 
 _LONGEST_HEAD = 8_190  # bytes of a line, and of a header
 _KEEPALIVE = 8.0  # s
+_NOBODY = logging.Logger("nobody", logging.CRITICAL + 1)  # for what aiohttp says of requests that are none
 _PATIENCE = 3.0  # s for the loop to begin, and to end
 
 
@@ -64,11 +66,11 @@ class WebServer:
     async def _open(self) -> None:
         self._server = BoundedServer(
             self.site.answer, keepalive_timeout=_KEEPALIVE, max_line_size=_LONGEST_HEAD, max_field_size=_LONGEST_HEAD,
-            access_log=None, lingering_time=1.0,
+            access_log=None, logger=_NOBODY, lingering_time=1.0,
         )  # fmt: skip
-        self._runner = web.ServerRunner(self._server)
+        self._runner = web.ServerRunner(self._server, shutdown_timeout=1.0)
         await self._runner.setup()
-        listening = web.TCPSite(self._runner, self.host, self.port, ssl_context=self._tls, shutdown_timeout=1.0)
+        listening = web.TCPSite(self._runner, self.host, self.port, ssl_context=self._tls)
         await listening.start()
         self.port = int(self._runner.addresses[0][1])
 
@@ -93,6 +95,8 @@ class WebServer:
                 self._do(self._close())
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join(_PATIENCE)
+        if not self._thread.is_alive():
+            self._loop.close()
 
 
 @contextmanager

@@ -172,7 +172,7 @@ class Site:
 
 
 def _json(content: object) -> web.Response:
-    return web.Response(text=json.dumps(content), content_type="application/json", charset=None, headers=_SAFE)
+    return web.Response(body=json.dumps(content).encode(), content_type="application/json", headers=_SAFE)
 
 
 def _refused(status: int, text: str) -> web.Response:

@@ -30,7 +30,8 @@ from pathlib import Path
 import numpy as np
 import sounddevice as sd
 from carom.clients.client import Client
-from carom.server.server import Options, serving
+from carom.server.options import Options
+from carom.server.start import serving
 
 kind, hogged, seconds = sys.argv[1], sys.argv[2] == "hogged", float(sys.argv[3])
 

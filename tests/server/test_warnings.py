@@ -14,10 +14,12 @@ from carom.clients.actions import CommandError
 from carom.clients.client import Client
 from carom.dsp.engine.state import CONTACTS
 from carom.dsp.runtime.engine import Engine
+from carom.server.options import Options, ServeError
 from carom.server.osc import wire
 from carom.server.osc.addresses import VERBS
 from carom.server.osc.wire import Message
-from carom.server.server import Options, ServeError, Server, serving
+from carom.server.server import Server
+from carom.server.start import serving
 
 
 @contextmanager
@@ -243,7 +245,7 @@ def test_a_client_that_has_left_is_told_no_more_and_ends_nothing(server, client)
     unheard(server, client)
     time.sleep(0.2)
     client.ask("/sync", 1)
-    assert not list(server._subscribers) and not server.names()["ID"]
+    assert not list(server._subscribers) and not server.known.names()["ID"]
 
 
 @pytest.mark.slow
@@ -319,7 +321,7 @@ def test_a_dump_shows_what_arrives_until_it_is_ended(client, capfd):
     ("options", "reason"),
     [
         ({"port": -1}, "port = -1: expected 0 to 65535"),
-        ({"oscquery": 70_000}, "oscquery = 70000: expected 0 to 65535"),
+        ({"web": 70_000}, "oscquery = 70000: expected 0 to 65535"),
         ({"block": 65_537}, "block = 65537: expected 0 to 65536"),
         ({"rate": 192_001}, "rate = 192001: expected 8000 to 192000"),
         ({"latency": 2.1}, r"latency = 2\.1: expected 0 to 2 s"),
@@ -335,4 +337,4 @@ def test_only_gestures_that_go_on_have_addresses(server, client):
     client.impact("a", 0.1, id="over")
     client.press("a", 1.0, striker="mute", id="on")
     assert [reply.args for reply in client.replies(0.2) if reply.address == "/gesture/end"] == [("over",)]
-    assert list(server.names()["ID"]) == ["on"]
+    assert list(server.known.names()["ID"]) == ["on"]
