@@ -81,9 +81,9 @@ class Teller:
         if there == self._there:
             return
         listeners = self._subscribers.of(CHANGES)
-        for name in self._there.keys() - there.keys():
+        for name in (name for name in self._there if name not in there):
             self._tell(Message("/object.removed", (name,)), listeners)
-        for name in there.keys() - self._there.keys():
+        for name in (name for name in there if name not in self._there):
             self._tell(Message("/object.added", (name, there[name])), listeners)
         self._there = there
 

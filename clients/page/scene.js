@@ -20,6 +20,7 @@ export class Scene extends EventTarget {
     this.objects = new Map();
     this.selected = null;
     this.done = [];
+    this.pending = new Set(); // names of objects that were asked for
     this.places = JSON.parse(localStorage.getItem(KEPT) ?? "{}");
     this.trials = 0;
     this.isNew = true;
@@ -49,6 +50,7 @@ export class Scene extends EventTarget {
 
   appear(name, presetName) {
     const preset = this.presets.get(presetName);
+    this.pending.delete(name);
     if (!preset || this.objects.has(name) || isTrial(name) || isCopy(name)) return;
     const [x, y] = this.places[name] ?? this.freeSpot();
     const object = { name, preset, body: bodyOf(preset), x, y, level: -200, seen: 0, amps: new Map(), modes: null, settings: {} };
@@ -101,13 +103,13 @@ export class Scene extends EventTarget {
   freeName(preset) {
     for (let n = 1; ; n++) {
       const name = n === 1 ? preset : `${preset}-${n}`;
-      if (!this.objects.has(name) && !this.pending?.has(name)) return name;
+      if (!this.objects.has(name) && !this.pending.has(name)) return name;
     }
   }
 
   make(preset, x, y, settings = {}) {
     const name = this.freeName(preset);
-    (this.pending ??= new Set()).add(name);
+    this.pending.add(name);
     setTimeout(() => this.pending.delete(name), 3000);
     if (x !== undefined) this.place(name, x, y);
     this.link.send("/object/new", name, preset, ...Object.entries(settings).flat());

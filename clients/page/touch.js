@@ -5,6 +5,7 @@ const OFF = 26; // px beside an object, from which on a drag pulls the striker b
 const HOLD = 380; // ms until a touch is a hold
 const SLOWEST = 0.01; // m/s of a roll that rests under the finger
 const FORGETS = 90; // ms after which a pointer that does not move has no speed
+const SMOOTH = 0.04; // s over which a pointer's speed is taken
 const PULLED = 260; // px for the hardest strike
 const LOWEST = 0.03, HIGHEST = 1.2, RISE = 1100; // m, m, ms: how a striker that is carried rises
 
@@ -36,7 +37,7 @@ export class Touch {
     stage.setPointerCapture(event.pointerId);
     const [x, y] = this.table.spot(event);
     const found = this.table.find(x, y);
-    const pointer = { x, y, x0: x, y0: y, vx: 0, vy: 0, at: performance.now(), ...found };
+    const pointer = { x, y, x0: x, y0: y, vx: 0, vy: 0, at: event.timeStamp, ...found };
     this.pointers.set(event.pointerId, pointer);
     if (!found) Object.assign(pointer, { kind: "carry", since: 0, over: null });
     else if (this.moves) this.lift(pointer);
@@ -57,7 +58,7 @@ export class Touch {
   /** Begin to move an object by its name. */
   grab(event, object, pill) {
     const [x, y] = this.table.spot(event);
-    const pointer = { x, y, x0: x, y0: y, vx: 0, vy: 0, at: performance.now() };
+    const pointer = { x, y, x0: x, y0: y, vx: 0, vy: 0, at: event.timeStamp };
     this.lift(pointer, object);
     this.pointers.set(event.pointerId, pointer);
     pill.setPointerCapture(event.pointerId);
@@ -81,12 +82,12 @@ export class Touch {
       this.table.wake();
       return;
     }
-    const now = performance.now();
-    const dt = Math.max(now - pointer.at, 4) / 1000;
-    const share = Math.min(1, dt / 0.05);
+    const at = event.timeStamp; // of the finger, however late its event is heard
+    const dt = Math.max(at - pointer.at, 1) / 1000;
+    const share = 1 - Math.exp(-dt / SMOOTH);
     pointer.vx += ((x - pointer.x) / dt - pointer.vx) * share;
     pointer.vy += ((y - pointer.y) / dt - pointer.vy) * share;
-    Object.assign(pointer, { x, y, at: now });
+    Object.assign(pointer, { x, y, at });
     this[`go_${pointer.kind}`]?.(pointer);
     this.table.wake();
   }

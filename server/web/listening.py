@@ -15,17 +15,17 @@ class Listening:
     def __init__(self, clients: Iterable[SocketClient], value: Value) -> None:
         self._clients = clients
         self._value = value
-        self._there: frozenset[str] = frozenset()
+        self._there: dict[str, None] = {}
         self._told: dict[SocketClient, dict[str, list[Any] | None]] = {}
 
     def look(self, there: Iterable[str]) -> None:
         """Tell what is new, with the names of the objects that are there."""
-        names = frozenset(there)
+        names = dict.fromkeys(there)
         clients = tuple(self._clients)
-        for name in self._there - names:
+        for name in (name for name in self._there if name not in names):
             for client in clients:
                 client.tell("PATH_REMOVED", f"/object/{name}")
-        for name in names - self._there:
+        for name in (name for name in names if name not in self._there):
             for client in clients:
                 client.tell("PATH_ADDED", f"/object/{name}")
         self._there = names

@@ -28,7 +28,7 @@ from tests.server.scene.support import refusal, say
         (
             "/object/new",
             ("b", "glass-plate", "colour", 1),
-            "colour = 1: expected one of gain, pan, distance, tune, decay, damp, gains, position, striker, note, pitch, ",
+            "colour = 1: expected one of gain, pan, distance, tune, decay, damp, gains, position, striker, note, ",
         ),
         ("/object/new", ("b", "glass-plate", "gain", 1, "length", 1, "c", [1]), "c = [1]: expected one of gain, pan"),
         ("/object/new", ("b", "glass-plate", "striker", "feather"), "no striker 'feather'"),
