@@ -8,7 +8,7 @@ READY := $(VENV)/.ready
 CHECK := $(BIN)/check-jsonschema --quiet --builtin-schema
 LAST := $(VENV)/.test-time
 
-.PHONY: help demo quick test coverage serve bench chart levels sounds documents study lint clean
+.PHONY: help demo quick test coverage serve bench chart levels sounds picture documents study lint clean
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z]*\):.*## /  \1\t/p' Makefile
@@ -64,6 +64,9 @@ levels: $(READY)  ## make the built-in objects equally loud at their default ges
 
 sounds: $(READY)  ## render the sounds and draw the pictures of the documents
 	@$(BIN)/python -m tests.documents.sounds
+
+picture: $(READY)  ## take the picture of the page, in Chromium
+	@$(BIN)/python -m tests.documents.screenshot
 
 documents: $(READY)  ## write the tables of all README files
 	@$(BIN)/python -m tests.documents.pages

@@ -1,8 +1,9 @@
 // An AudioWorklet that plays the server's sound from a jitter buffer, at the pace at which it comes.
 
 const LENGTH = 1 << 16; // frames of the buffer
-const TARGET = 0.06; // s that wait in it
-const MOST = 0.25; // s: more is skipped
+const TARGET = 0.06; // s that wait in it at first
+const MORE = 0.02; // s that wait longer after each gap
+const MOST = 0.14; // s that wait at most; what is this much above it is skipped
 
 class Player extends AudioWorkletProcessor {
   constructor() {
@@ -13,7 +14,7 @@ class Player extends AudioWorkletProcessor {
     this.rate = sampleRate;
     this.playing = false;
     this.gaps = 0;
-    this.mean = TARGET;
+    this.target = this.mean = TARGET;
     this.told = 0;
     this.next = null;
     this.port.onmessage = ({ data }) => this.take(data);
@@ -38,24 +39,27 @@ class Player extends AudioWorkletProcessor {
   process(_, [output]) {
     const frames = output[0].length;
     const waits = (this.written - this.read) / this.rate;
-    if (!this.playing && waits >= TARGET) {
-      this.read = this.written - TARGET * this.rate;
-      this.mean = TARGET;
-      this.playing = true;
-    }
-    if (waits > MOST) this.read = this.written - TARGET * this.rate;
+    if (!this.playing && waits >= this.target) this.begin();
+    if (waits > this.target + MOST) this.begin();
     if (this.playing) this.fill(output, frames, waits);
     this.tell(frames);
     return true;
   }
 
+  begin() {
+    this.read = this.written - this.target * this.rate;
+    this.mean = this.target;
+    this.playing = true;
+  }
+
   fill(output, frames, waits) {
     // The two clocks differ by some parts in a hundred thousand: the pace follows the mean of what waits.
     this.mean += (waits - this.mean) * 0.002;
-    const pace = (this.rate / sampleRate) * (1 + Math.max(-0.004, Math.min(0.004, 0.05 * (this.mean - TARGET))));
+    const pace = (this.rate / sampleRate) * (1 + Math.max(-0.004, Math.min(0.004, 0.05 * (this.mean - this.target))));
     for (let i = 0; i < frames; i++) {
       if (this.read + 3 > this.written) {
         this.gaps++;
+        this.target = Math.min(MOST, this.target + MORE);
         this.playing = false;
         return;
       }

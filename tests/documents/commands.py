@@ -12,6 +12,9 @@ def commands() -> str:
     sections = []
     for command in COMMANDS:
         rows = [(_signature(action), _help(action)) for action in _told(found[command.name])]
+        if command.name == "page":
+            of_serve = {(_signature(action), _help(action)) for action in _told(found["serve"])}
+            rows = [*(row for row in rows if row not in of_serve), ("the options of `carom serve`", "as there")]
         head = f"### `carom {command.name}{f' {command.usage}' * bool(command.usage)}`"
         does = f"{command.help[0].upper()}{command.help[1:]}."
         sections.append("\n\n".join([head, does, *([table(("argument or option", "meaning"), rows)] if rows else [])]))

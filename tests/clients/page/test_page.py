@@ -79,7 +79,7 @@ def test_a_drag_along_rolls_at_the_pointers_speed_and_place(play):
     (x0, y0), (x1, y1) = table.spot("wood-board", 0.2), table.spot("wood-board", 0.8)
     table.page.mouse.move(x0, y0)
     table.page.mouse.down()
-    for n in range(1, 31):
+    for n in range(4, 31):
         table.page.mouse.move(x0 + (x1 - x0) * n / 30, y0 + (y1 - y0) * n / 30)
         table.page.wait_for_timeout(16)
     metres = table.ask("carom.table.metresPerPixel(carom.scene.objects.get('wood-board'))") * np.hypot(x1 - x0, y1 - y0)
@@ -87,7 +87,7 @@ def test_a_drag_along_rolls_at_the_pointers_speed_and_place(play):
     places = [line.message.args[0] for line in table.lines("/position")]
     (roll,) = table.lines("/roll")
     rolled = sum(now.message.args[0] * (later.time - now.time) for now, later in pairwise(speeds))
-    assert rolled == pytest.approx(metres, rel=0.3), "as far as the pointer went"
+    assert rolled == pytest.approx(0.9 * metres, rel=0.3), "as far as the pointer went"
     assert roll.message.args[1] == pytest.approx(0.2, abs=0.1) and places == sorted(places)
     assert places[-1] == pytest.approx(0.8, abs=0.03)
     table.page.wait_for_timeout(300)  # it rests under the finger
