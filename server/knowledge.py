@@ -51,7 +51,9 @@ class Knowledge:
             return [20.0 * float(np.log10(max(engine.gain, 1e-9)))]
         if path == "/limiter":
             return ["on" if engine.limiter else "off"]
-        return {"/quality": [int(engine.quality)], "/accuracy": [engine.accuracy]}.get(path)
+        if path == "/accuracy":
+            return [engine.accuracy]
+        return [int(engine.quality)] if path == "/quality" else None
 
     def catalogue(self) -> dict[str, Any]:
         """All presets, and the parameters of gestures and objects with their ranges."""

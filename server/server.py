@@ -174,7 +174,7 @@ class Server:
 
     def _status_asked(self, values: Values, source: Source) -> None:
         objects = len(self._session.objects)
-        own = {
+        own: dict[str, str | int] = {
             **self._file_states(),
             "pages": len(self.web.site.clients) if self.web else 0,
             "untold": self.teller.untold + self.engine.stats.trace_lost,

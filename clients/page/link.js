@@ -20,9 +20,12 @@ export class Link extends EventTarget {
     this.heard.get(address).push(act);
   }
 
+  get address() {
+    return `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/`;
+  }
+
   open() {
-    const scheme = location.protocol === "https:" ? "wss" : "ws";
-    this.socket = new WebSocket(`${scheme}://${location.host}/`);
+    this.socket = new WebSocket(this.address);
     this.socket.binaryType = "arraybuffer";
     this.socket.onmessage = ({ data }) => this.take(data);
     this.socket.onclose = () => {

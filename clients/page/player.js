@@ -17,7 +17,7 @@ class Player extends AudioWorkletProcessor {
     this.target = this.mean = TARGET;
     this.told = 0;
     this.next = null;
-    this.port.onmessage = ({ data }) => this.take(data);
+    this.port.onmessage = ({ data }) => (data.from.onmessage = (message) => this.take(message.data));
   }
 
   take({ position, rate, left, right }) {

@@ -7,7 +7,6 @@ const LEAD = 0.12; // s by which scheduled buffers go ahead, where there is no A
 
 export class Sound {
   constructor(link) {
-    this.link = link;
     this.context = null;
     this.node = null;
     this.isHeard = false;
@@ -16,8 +15,9 @@ export class Sound {
     this.recording = null;
     this.state = { waits: 0, gaps: 0, playing: false };
     this.end = 0;
-    link.on("/sound", (position, rate, channels, data) => this.take(position, rate, channels, data));
-    link.addEventListener("open", () => link.command("SOUND", true));
+    this.ear = new Worker("/page/ear.js", { type: "module" });
+    this.ear.onmessage = ({ data: { position, rate, left, right } }) => this.take(position, rate, left, right);
+    link.addEventListener("open", () => this.ear.postMessage({ address: link.address }), { once: true });
   }
 
   /** Whether this browser has what low latency needs: it does on https and on localhost only. */
@@ -36,6 +36,9 @@ export class Sound {
         this.node = new AudioWorkletNode(this.context, "carom-player", { numberOfInputs: 0, outputChannelCount: [2] });
         this.node.port.onmessage = ({ data }) => (this.state = data);
         this.node.connect(this.context.destination);
+        const { port1, port2 } = new MessageChannel();
+        this.node.port.postMessage({ from: port1 }, [port1]);
+        this.ear.postMessage({ player: port2 }, [port2]);
         await resumed;
       }
     }
@@ -53,20 +56,11 @@ export class Sound {
     return this.isHeard ? device + (this.node ? this.state.waits : LEAD) : 0;
   }
 
-  take(position, rate, channels, data) {
+  take(position, rate, left, right) {
     this.rate = rate;
-    const frames = data.byteLength / 4 / channels;
-    const left = new Float32Array(frames);
-    const right = new Float32Array(frames);
-    for (let n = 0; n < frames; n++) {
-      left[n] = data.getFloat32(4 * channels * n, true);
-      right[n] = channels > 1 ? data.getFloat32(4 * (channels * n + 1), true) : left[n];
-    }
     this.keep(left, right);
     if (this.recording) this.record(position, left, right);
-    if (!this.isHeard || this.context?.state !== "running") return;
-    if (this.node) this.node.port.postMessage({ position, rate, left, right });
-    else if (!this.hasWorklet) this.schedule(rate, left, right);
+    if (this.isHeard && !this.hasWorklet && this.context?.state === "running") this.schedule(rate, left, right);
   }
 
   /** Play a block by a buffer of its own: later than the worklet, but it needs no https. */

@@ -18,7 +18,7 @@ class _Refused(asyncio.Protocol):
         transport.close()
 
 
-class BoundedServer(web.Server):  # type: ignore[misc]
+class BoundedServer(web.Server):
     """aiohttp's server, which closes connections that are too many, or that are open and ask for nothing.
 
     aiohttp bounds headers, bodies and frames; it waits for ever for the end of a request's head.

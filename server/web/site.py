@@ -138,7 +138,7 @@ class Site:
 
     async def _talk(self, request: web.BaseRequest) -> web.StreamResponse:
         if len(self.clients) >= MOST_CLIENTS:
-            return _refused(503, f"{MOST_CLIENTS} pages are open already: expected one to be closed first")
+            return _refused(503, f"{MOST_CLIENTS} web sockets are open already: expected a page to be closed first")
         socket = await opened(request)
         client = SocketClient(socket, self.network)
         self.clients.add(client)

@@ -15,7 +15,8 @@ from ..net.remote import Remote
 from ..osc.wire import MAX_DATAGRAM
 
 LARGEST_FRAME = MAX_DATAGRAM
-MOST_CLIENTS = 32
+MOST_CLIENTS = 64
+"""Two for each of 32 pages: one for its messages, one for the sound."""
 RATE = 1_000.0
 """Frames per second that a client may send on average; one that sends more is read more slowly."""
 _BURST = 1_000.0  # frames that it may send at once
@@ -126,7 +127,10 @@ class SocketClient(Remote):
                     self._size -= len(packet)
                 else:
                     packet = self._sound.popleft()
-                await (self._socket.send_str if isinstance(packet, str) else self._socket.send_bytes)(packet)
+                if isinstance(packet, str):
+                    await self._socket.send_str(packet)
+                else:
+                    await self._socket.send_bytes(packet)
 
 
 def sound_packet(position: int, rate: int, channels: int, samples: bytes) -> bytes:

@@ -65,7 +65,7 @@ class Table:
         return x, y
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
     if CHROMIUM is None:
         pytest.skip("chromium is not installed")
@@ -85,7 +85,7 @@ def served(folder: Path) -> Iterator[tuple[Running, str]]:
         yield server, match[0]
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def shared(tmp_path_factory) -> Iterator[tuple[Running, str, Path]]:
     folder = tmp_path_factory.mktemp("page")
     with served(folder) as (server, url):
