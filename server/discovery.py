@@ -32,7 +32,7 @@ def gestures(session: Session) -> Iterator[Message]:
 
 
 def described(session: Session, target: str, modes: int) -> Iterator[Message]:
-    """/object.reply NAME and pairs, for each object that matches; with a number of modes, /object.modes, too."""
+    """/object/NAME/get.reply and pairs, for each object that matches; with a number of modes, get.modes, too."""
     found = session.objects.at(target, 0.0)
     if not found:
         raise Refused(f"{target}: no such object; there are {listed(session.objects.there(0.0))}")
@@ -47,7 +47,7 @@ def described(session: Session, target: str, modes: int) -> Iterator[Message]:
             "striker": obj.preset.striker,
             **obj.settings,
         }
-        yield Message("/object.reply", (name, *(each for pair in pairs.items() for each in pair)))
+        yield Message(f"/object/{name}/get.reply", tuple(each for pair in pairs.items() for each in pair))
         ratio = tuning_of(obj)
         count = min(modes, len(spectrum.frequency))
         values = [
@@ -55,7 +55,7 @@ def described(session: Session, target: str, modes: int) -> Iterator[Message]:
             for i in range(count)
         ]
         if count:
-            yield from _in_parts("/object.modes", (name,), values)
+            yield from _in_parts(f"/object/{name}/get.modes", (), values)
 
 
 def tuning_of(obj: PlayedObject) -> float:

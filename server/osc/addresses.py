@@ -161,8 +161,8 @@ _ENGINE = (
 _SERVER = (
     Verb(
         "/object/NAME/get",
-        "answers /object.reply NAME and pairs of key and value: preset, shape, mass (kg), modes, settings. With a "
-        "number, /object.modes NAME FIRST TOTAL and frequency (Hz) and decay time (T60, s) of so many modes",
+        "answers /object/NAME/get.reply and pairs of key and value: preset, shape, mass (kg), modes, settings. With a "
+        "number, /object/NAME/get.modes FIRST TOTAL and frequency (Hz) and decay time (T60, s) of so many modes",
         optional=(Number("modes", 0, 4096, default=0, whole=True),),
         scored=False,
     ),

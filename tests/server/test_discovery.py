@@ -1,0 +1,172 @@
+"""What a server tells those that look it up by OSC, and where it answers; notes and tuned copies."""
+
+import socket
+from collections.abc import Iterator
+from contextlib import closing
+
+import pytest
+
+from carom.clients.client import Client
+from carom.dsp.engine.state import QUANTUM
+from carom.dsp.runtime.engine import NOW, Engine
+from carom.presets import Presets
+from carom.server.contact_watch import ContactWatch, thinned
+from carom.server.osc.wire import Message, encode, parse
+from carom.server.scene.session import Session
+from tests.support import Running, render_lines
+from tests.support import serving as _serving
+
+
+@pytest.fixture
+def session() -> Session:
+    return Session(Engine(48_000), Presets())
+
+
+def refused(session: Session, *message: object) -> str:
+    (reply,) = session.perform([Message(str(message[0]), message[1:])], NOW)
+    assert reply.address == "/fail"
+    return str(reply.args[1])
+
+
+def lowest(session: Session, name: str) -> float:
+    """The frequency (Hz) of an object's lowest mode as it is tuned in the engine."""
+    slot = session.objects[name].handle.slot
+    obj = session.engine.state["objects"][0][slot]
+    return float(session.engine.state["bank"][0]["frequency"][obj["first"]] * obj["settings"]["tune"])
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "hertz"),
+    [("note", 69, 440.0), ("note", "A4", 440.0), ("note", "c#4", 277.183), ("note", "Db4", 277.183),
+     ("note", "C-1", 8.1758 * 16), ("note", 60.5, 269.292), ("pitch", 300.0, 300.0)],
+)  # fmt: skip
+def test_an_object_is_made_at_a_pitch(session, key, value, hertz):
+    value, hertz = (36, 65.406) if value == "C-1" else (value, hertz)
+    session.perform([Message("/object/new", ("bar", "marimba-bar", key, value))], NOW)
+    session.engine.process(QUANTUM)
+    assert lowest(session, "bar") == pytest.approx(hertz, rel=1e-5)
+
+
+def test_what_is_no_note_is_refused(session):
+    for bad in ("H4", "C#", "C11", -1, 128, "sixty"):
+        assert "expected a MIDI number from 0 to 127, or a name" in refused(
+            session, "/object/new", "bar", "marimba-bar", "note", bad
+        )
+    assert "expected one of the two" in refused(session, "/object/new", "b", "tom", "note", 60, "pitch", 200)
+    far = refused(session, "/object/new", "b", "glockenspiel-bar", "note", 0)
+    assert far.startswith("note: its lowest mode is at 1568") and "tune = " in far
+
+
+def test_a_note_plays_a_copy_that_is_set_and_made_as_the_object_is(session):
+    session.perform(
+        [
+            Message("/object/new", ("bar", "marimba-bar", "length", 0.3, "gain", -3, "note", 50)),
+            Message("/object/bar/pan", (0.5,)),
+            Message("/object/bar/note", (69, 127, 0.3, "striker", "wood")),
+            Message("/object/bar/note", ("A4", 64)),
+            Message("/object/bar/note", (70, 0)),
+        ],
+        NOW,
+    )
+    session.engine.process(QUANTUM)
+    assert list(session.objects) == ["bar", "bar.69"]
+    copy = session.objects["bar.69"]
+    assert copy.preset.geometry["length"] == 0.3 and (copy.settings["gain"], copy.settings["pan"]) == (-3.0, 0.5)
+    assert lowest(session, "bar.69") == pytest.approx(440.0, rel=1e-5)
+    assert session.engine.stats.impacts == 2
+
+
+def test_a_note_in_a_score_is_what_it_stands_for():
+    from carom.server.osc.score import Line
+
+    def rendered(*messages: Message):
+        return render_lines([Line(0.1 * n, message, "") for n, message in enumerate(messages)], seconds=0.5)
+
+    new = Message("/object/new", ("bar", "marimba-bar"))
+    short = rendered(new, Message("/object/bar/note", (72, 127)))
+    made = Message("/object/new", ("bar.72", "marimba-bar", "note", 72))
+    long = rendered(new, made, Message("/object/bar.72/impact", (5.0,)))
+    assert abs(short[int(0.1 * 48_000) :]).max() > 0.01
+    assert (short[int(0.1 * 48_000) : int(0.4 * 48_000)] == long[int(0.2 * 48_000) : int(0.5 * 48_000)]).all()
+
+
+@pytest.fixture
+def server(tmp_path) -> Iterator[Running]:
+    with _serving(tmp_path, "--device", "none") as running:
+        yield running
+
+
+@pytest.mark.slow
+def test_what_there_is_is_told_in_packets_that_fit(server):
+    with server.client() as client:
+        for kind, name in (
+            ("objects", "church-bell"),
+            ("strikers", "wood"),
+            ("surfaces", "glass"),
+            ("materials", "tin"),
+        ):
+            reply = client.ask("/presets", kind)
+            assert reply.args[:2] == (kind, 0) and name in reply.args[3:] and len(reply.args) == 3 + reply.args[2]
+        for n in range(80):
+            client.new(f"an-object-with-a-name-{n:03}", "wood-block")
+        told: dict[str, str] = {}
+        parts = client.ask_all("/objects")
+        for reply in parts:
+            first, total, *pairs = reply.args
+            assert first == len(told) and total == 80 and len(encode(reply.address, *reply.args)) <= 1_400
+            told.update(zip(pairs[::2], pairs[1::2], strict=True))
+        assert len(parts) > 1 and len(told) == 80 and set(told.values()) == {"wood-block"}
+
+
+@pytest.mark.slow
+def test_an_object_tells_its_settings_and_modes(server):
+    with server.client() as client:
+        client.new("bar", "marimba-bar", gain=-3)
+        client.send("/object/bar/tune", 12)
+        pairs = client.ask("/object/bar/get").args
+        told = dict(zip(pairs[::2], pairs[1::2], strict=True))
+        assert (told["preset"], told["shape"], told["material"]) == ("marimba-bar", "bar", "rosewood")
+        assert (told["gain"], told["tune"], told["damp"]) == (-3.0, 12.0, 0.0)
+        first, total, frequency, decay, *_ = client.ask_all("/object/bar/get", 3)[1].args
+        assert (first, total) == (0, 3) and frequency == pytest.approx(2 * 261.2, rel=1e-3) and decay > 0
+        assert "drum: no such object" in client.ask_all("/object/drum/get")[0].args[1]
+
+
+@pytest.mark.slow
+def test_answers_go_to_another_port_where_that_is_asked_for(server):
+    with (
+        closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as sends,
+        closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as hears,
+    ):
+        hears.bind(("127.0.0.1", 0))
+        hears.settimeout(3.0)
+        for message in (("/notify", 1, hears.getsockname()[1]), ("/version",)):
+            sends.sendto(encode(*message), ("127.0.0.1", server.port))
+        heard = [parse(hears.recv(2000))[0].messages[0].address for _ in range(2)]
+        assert heard == ["/done", "/version.reply"]
+    with Client(port=server.port, tcp=True) as stream:
+        assert "a stream is answered where it is" in stream.ask_all("/notify", 1, 9000)[0].args[1]
+
+
+def test_contacts_are_put_together_across_looks():
+    engine = Engine(48_000)
+    session, watch = Session(engine, Presets()), ContactWatch(48_000)
+    engine.trace(True)
+    session.perform([Message("/object/new", ("a", "wood-board"))], NOW)
+    session.perform([Message("/object/a/impact", (1.0, 0.2, "striker", "felt"))], NOW)
+    session.perform([Message("/object/a/roll", (0.5, 0.7, "striker", "glass-marble"))], NOW)
+    blows, on = [], []
+    for _ in range(300):
+        engine.process(QUANTUM)
+        over, going = watch.look(engine.traced())
+        blows, on = blows + over, on + [(each.position, each.speed, each.strength) for each in going]
+    (blow,) = blows
+    assert blow.speed == 1.0 and blow.position == pytest.approx(0.2)
+    assert 0.15 < blow.impulse < 0.30, "a felt beater of 150 g loses its momentum, and gets some back"
+    assert sum(blow.force) / 48_000 == pytest.approx(blow.impulse, rel=1e-9)
+    assert len(on) > 100 and {(place, speed) for place, speed, _ in on} == {(0.7, 0.5)}
+    assert all(strength > 0.0 for *_, strength in on)
+
+
+def test_a_thinned_force_keeps_its_peak():
+    assert thinned([1.0, 5.0, 2.0, 3.0], 2) == [5.0, 3.0] and thinned([1.0], 2) == [1.0]
