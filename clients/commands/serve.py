@@ -42,9 +42,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--page", type=whole, nargs="?", const=PAGE_PORT, metavar="PORT",
         help=f"offer a page to play from, and OSCQuery, over HTTP ({PAGE_PORT}; 0: any free port)",
     )  # fmt: skip
-    parser.add_argument(
-        "--tls", nargs="?", const="", metavar="FILE.pem", help="page over https: your certificate and key, or made ones"
-    )
+    parser.add_argument("--tls", action="store_true", help="page over https, with a certificate that is made for it")
+    parser.add_argument("--certificate", type=Path, metavar="FILE.pem", help="page over https, with yours and its key")
     parser.add_argument(
         "--oscquery", type=whole, metavar="PORT", help="describe all addresses over HTTP (0: any free port)"
     )
@@ -72,15 +71,15 @@ def serve(arguments: argparse.Namespace, on_start: Callable[[Server], object]) -
 
     if arguments.page is not None and arguments.oscquery is not None:
         raise CommandError("page, oscquery: expected one of the two, as the page's port answers OSCQuery, too")
-    if arguments.tls is not None and arguments.page is None:
-        raise CommandError("tls: expected with --page, as nothing else goes over it")
+    if (arguments.tls or arguments.certificate) and arguments.page is None:
+        raise CommandError("tls, certificate: expected with --page, as nothing else goes over https")
     keys = ("port", "bind", "device", "latency", "rate", "block", "record", "log", "channels", "gain")
     options = Options(
         **{key: getattr(arguments, key) for key in keys},
         web=arguments.oscquery if arguments.page is None else arguments.page,
         page=None if arguments.page is None else PAGE,
-        tls=arguments.tls is not None,
-        certificate=Path(arguments.tls) if arguments.tls else None,
+        tls=arguments.tls,
+        certificate=arguments.certificate,
         presets=tuple(arguments.presets),
         contact=contact(arguments),
         limiter=arguments.limiter == "on",

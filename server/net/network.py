@@ -41,7 +41,6 @@ class Network:
         self._warned: Counter[str] = Counter()
         self._told = 0  # datagrams dropped, whose sender was told
         self._turns: deque[Connection | Remote] = deque()  # clients with packets that wait, each once
-        self.doorway = Doorway()
         self.left: list[Remote] = []
         """Web sockets' clients that have left, until somebody takes note."""
         self._stream_next = False  # datagrams and streams take turns
@@ -49,6 +48,7 @@ class Network:
         self._lingering: dict[Connection, float] = {}  # their stream has ended: when replies to them end too
         self._allowance = Allowance()
         self._udp, self._listener = _bound(host, port)
+        self.doorway = Doorway()
         self._intake = Intake(self._udp)
         self._selector = selectors.DefaultSelector()
         self._selector.register(self._intake.heard, selectors.EVENT_READ)

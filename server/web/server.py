@@ -6,6 +6,7 @@ and with heartbeats; `websockets` has no HTTP but the handshake, and uvicorn wou
 
 import asyncio
 import logging
+import socket
 import ssl
 import threading
 from collections.abc import Coroutine, Iterator
@@ -48,7 +49,7 @@ class WebServer:
     @property
     def address(self) -> str:
         """The address to open, with the token where one is needed."""
-        host = "127.0.0.1" if self.host in ("0.0.0.0", "") else self.host
+        host = _own_address() if self.host in ("0.0.0.0", "") else self.host
         token = f"?token={self.site.guard.token}" if self.site.guard.token else ""
         return f"{self.scheme}://{host}:{self.port}/{token}"
 
@@ -97,6 +98,16 @@ class WebServer:
         self._thread.join(_PATIENCE)
         if not self._thread.is_alive():
             self._loop.close()
+
+
+def _own_address() -> str:
+    """The address by which other machines reach this one, as far as the system's routes tell."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(("192.0.2.1", 9))  # sends nothing
+        except OSError:
+            return "127.0.0.1"
+        return str(probe.getsockname()[0])
 
 
 @contextmanager

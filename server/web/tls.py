@@ -1,6 +1,8 @@
 """TLS: a certificate of one's own, or one that is made at the start and that nobody vouches for."""
 
 import datetime
+import errno
+import os
 import socket
 import ssl
 import tempfile
@@ -19,6 +21,8 @@ def context(certificate: Path | None, host: str) -> ssl.SSLContext:
     made = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     made.minimum_version = ssl.TLSVersion.TLSv1_2
     if certificate:
+        if not certificate.is_file():
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(certificate))
         made.load_cert_chain(certificate)
         return made
     with tempfile.TemporaryDirectory() as folder:
