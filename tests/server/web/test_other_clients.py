@@ -42,6 +42,7 @@ def test_python_oscquery_lists_and_plays(tmp_path):
             for share in (0.0, 0.5, 1.0):
                 plays.send_message(path, bounds["MIN"] + share * (bounds["MAX"] - bounds["MIN"]))
                 plays.send_message("/object/bell/impact", 1.0)
+        plays._sock.close()
         deadline = time.monotonic() + 3.0
         while counted(own.ask("/status"))["impacts"] < 9:
             assert time.monotonic() < deadline
