@@ -1,6 +1,7 @@
 """The start of a live server: its network, files, device and web server, and their end."""
 
 import gc
+import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack, closing, contextmanager
@@ -20,6 +21,8 @@ from .server import Server
 
 if TYPE_CHECKING:
     from .web.server import WebServer
+
+_TURN = 5e-4  # s for which a thread keeps Python's lock: web clients and datagrams come through different ones
 
 
 @contextmanager
@@ -71,6 +74,7 @@ def _start_web(options: Options, server: Server, tap: Tap | None, stack: ExitSta
         option = "oscquery" if options.page is None else "page"
         raise ServeError(f"{option}: {error.name} is missing: pip install 'carom[page]'") from None
     assert options.web is not None
+    sys.setswitchinterval(_TURN)
     web, listening = web_server(
         Web(options.bind, options.web, options.page, options.certificate, options.tls), server.known, server.network
     )
