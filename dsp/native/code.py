@@ -114,7 +114,8 @@ def sources(module: str) -> list[str]:
 def _imports(module: str) -> Iterator[str]:
     """The names that a loaded module imports, each with the module that it is from: some are modules, some are not."""
     package = sys.modules[module].__package__
-    for node in ast.walk(ast.parse(_file_of(module).read_bytes())):
+    file = _file_of(module)
+    for node in ast.walk(ast.parse(file.read_bytes() if file else b"")):
         if isinstance(node, ast.ImportFrom):
             target = importlib.util.resolve_name("." * node.level + (node.module or ""), package)
             yield target
@@ -123,9 +124,9 @@ def _imports(module: str) -> Iterator[str]:
 
 def _file_of(module: str) -> Path | None:
     """The file of a module, which need not be loaded; its package is."""
-    loaded = sys.modules.get(module)
-    if loaded:
-        return Path(loaded.__file__) if getattr(loaded, "__file__", None) else None
+    if module in sys.modules:
+        path = getattr(sys.modules[module], "__file__", None)
+        return Path(path) if path else None
     above, _, name = module.rpartition(".")
     folder = _file_of(above) if above else None
     if folder is None:

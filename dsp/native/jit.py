@@ -80,7 +80,7 @@ class Intrinsic:
     """A function that writes LLVM's instructions itself: numba's `intrinsic`, for kernels."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
-        functools.update_wrapper(self, function)
+        self.__doc__, self.__name__, self.__module__ = function.__doc__, function.__name__, function.__module__
         self._function = function
 
     @functools.cached_property
@@ -115,7 +115,8 @@ class CFunction:
     @functools.cached_property
     def address(self) -> int:
         """Where its code lies."""
-        return import_module(f"{__package__}.code").load(self.py_func.__module__).addresses[self.py_func.__name__]
+        addresses: dict[str, int] = import_module(f"{__package__}.code").load(self.py_func.__module__).addresses
+        return addresses[self.py_func.__name__]
 
     @functools.cached_property
     def _call(self) -> Callable[..., Any]:

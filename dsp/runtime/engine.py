@@ -13,7 +13,7 @@ from ..engine.channels import MOST_CHANNELS
 from ..engine.commands import Command, Handle, Kind, write
 from ..engine.state import ENDED, EVENTS, RING, TAP, End, Quality, new_state
 from ..native.atomics import observe, publish
-from ..native.code import load
+from ..native.code import Code, load
 from ..native.system import clock_ns
 from ..resonator.bank import NYQUIST_SHARE
 from ..schema import Stats
@@ -290,9 +290,9 @@ class Engine:
         return taken
 
     @property
-    def compiled(self) -> bool:
-        """Whether this process compiled the engine, rather than load it."""
-        return load(callback.__module__).origin == "compiled"
+    def code(self) -> Code:
+        """The machine code that runs: its key, for which kind of processor it was made, and where it came from."""
+        return load(callback.__module__)
 
     def lay_out(self, modes: Modes, level: float) -> tuple[Handle, dict[str, float]]:
         """Put an object's modes up to `top_frequency` into the bank; returns its handle, and the layout that its NEW

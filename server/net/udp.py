@@ -11,6 +11,7 @@ import sys
 import threading
 from contextlib import suppress
 from ctypes import c_int, c_size_t, c_ssize_t, c_void_p
+from typing import Any
 
 import numpy as np
 
@@ -45,8 +46,8 @@ _ENTRY = struct.Struct("=q2x2s4s8x")  # size, and of the sockaddr_in port and ho
 
 _WINDOWS = sys.platform == "win32"
 _SIZE, _RESULT = (c_int, c_int) if _WINDOWS else (c_size_t, c_ssize_t)
-_recvfrom = External("recvfrom", _RESULT, c_int, c_void_p, _SIZE, c_int, c_void_p, c_void_p)
-_send = External("send", _RESULT, c_int, c_void_p, _SIZE, c_int)
+_recvfrom: Any = External("recvfrom", _RESULT, c_int, c_void_p, _SIZE, c_int, c_void_p, c_void_p)
+_send: Any = External("send", _RESULT, c_int, c_void_p, _SIZE, c_int)
 
 
 def _after(position: int, size: int) -> int:

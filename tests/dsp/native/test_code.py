@@ -2,7 +2,6 @@
 
 import importlib
 import logging
-import os
 import subprocess
 import sys
 
@@ -180,7 +179,7 @@ def test_a_level_that_this_processor_cannot_do_is_refused_and_a_lower_one_is_tak
     assert processors()[-1] == "x86-64"
 
 
-USE = """
+RENDERS = """
 import sys
 import carom
 sound = carom.render("0 /object/new a church-bell\\n0 /object/a/impact 1", seconds=0.2)
@@ -188,12 +187,33 @@ assert abs(sound.samples).max() > 0.01
 with carom.Scene() as scene:
     scene.new("a", "church-bell")
     scene.roll("a", 0.3, striker="glass-marble", surface="wood", seed=1)
+    scene.bounce("a", 0.1, striker="steel")
+    scene.press("a", 1.0, striker="felt")
     scene.render(0.1)
+print(sorted({"numba"} & sys.modules.keys()))
+"""
+
+SERVES = """
+import sys, threading, time
+import carom
+from carom.server.options import Options
+from carom.server.server import serving
+with serving(Options(port=0, device="none")) as server:
+    thread = threading.Thread(target=server.run)
+    thread.start()
+    with carom.Client(port=server.address[1]) as client:
+        client.new("a", "church-bell")
+        client.impact("a", 1.0)
+        client.ask("/sync", 1)
+        assert server.engine.stats.impacts == 1
+        client.ask("/quit")
+    thread.join()
 print(sorted({"numba"} & sys.modules.keys()))
 """
 
 
 @pytest.mark.slow
-def test_rendering_needs_no_numba():
-    run = subprocess.run([sys.executable, "-c", USE], capture_output=True, text=True, check=True, env=dict(os.environ))
-    assert run.stdout == "[]\n"
+@pytest.mark.parametrize("script", [RENDERS, SERVES], ids=["render and Scene", "serve"])
+def test_nothing_that_plays_needs_numba(script):
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert (run.stdout, run.stderr) == ("[]\n", "")
