@@ -22,7 +22,7 @@ from .commands import (
 )
 from .commands.parser import Parser, parse, parser_of
 
-_MODULES = (serve, page, render, strike, play, send, listen, top, presets, chart, devices, doctor, completion)
+_MODULES = (serve, render, strike, play, page, send, listen, top, presets, chart, devices, doctor, completion)
 COMMANDS = tuple(module.COMMAND for module in _MODULES)
 
 
