@@ -4,7 +4,7 @@ import gc
 import sys
 import time
 import traceback
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import ExitStack, closing, contextmanager, suppress
 
 from ..dsp.contact.sampled import METHODS
@@ -17,21 +17,25 @@ from .audio.supervisor import Player
 from .files.log import Log
 from .files.recorder import Recorder
 from .governor import Governor
+from .making import Maker
 from .monitor import Monitor
 from .net.network import Network, Source
 from .options import Options, ServeError
-from .osc.addresses import calls
+from .osc.addresses import Call, calls
 from .osc.arguments import Refused, Values, Verb
 from .osc.oscquery import OscQuery, answering
 from .osc.wire import Argument, BadPacket, Bundle, Message, parse
 from .scene.gesture_ids import Ended
+from .scene.new_object import NewObject
 from .scene.session import Session, fail
 from .scene.translate import sync
 from .status import Status, version
 from .subscribers import Subscribers
 from .time_tags import time_of
+from .waiting import Packet, Waiting
 
 _POLL = 0.02  # s between looks at the engine
+_TURN = 0.0005  # s that a thread may keep Python's lock while another one wants it
 _LONGEST_TEXT = 1_000  # characters of a reply
 _MOST_PRINTED = 1_000  # texts that are remembered, so that none is repeated
 
@@ -73,10 +77,16 @@ class Server:
             "/dump": self._dump,
             "/quit": self._quit,
         }
+        self._maker = Maker(presets, engine.top_frequency, lambda: self._waiting.look())
+        self._waiting = Waiting(network, self._maker)
         self.query: OscQuery | None = None
 
     def stop(self) -> None:
         self._running = False
+
+    def close(self) -> None:
+        """Make no more objects."""
+        self._maker.close()
 
     def start_files(self) -> None:
         """Begin to record and to log, from the engine's first sample on; until now the files are as they were."""
@@ -101,9 +111,11 @@ class Server:
         """Serve until told to stop."""
         due = 0.0
         while self._running:
-            arrived = self._network.receive(_POLL)
+            arrived = self._network.receive(0.0 if self._waiting.in_a_hurry else _POLL)
             if arrived:
                 self._receive(*arrived)
+            for waited in self._waiting.ready():
+                self._attempt(waited)
             if time.monotonic() >= due:
                 try:
                     self._poll()
@@ -113,40 +125,59 @@ class Server:
 
     def _receive(self, packet: bytes, source: Source) -> None:
         self._subscribers.hear(source)
+        if not self._waiting.queue(packet, source):
+            self._attempt((packet, source))
+
+    def _attempt(self, arrived: Packet | tuple[bytes, Source]) -> None:
+        """Carry out a packet, or let it wait. A fault of the server does not end it."""
+        source = arrived.source if isinstance(arrived, Packet) else arrived[1]
         try:
-            self._answer(packet, source)
-        except Exception as error:  # a fault of the server must not end it
+            if isinstance(arrived, Packet):
+                self._carry_out(arrived)
+            elif not self._waiting.hold(packet := self._read(*arrived)):
+                self._carry_out(packet)
+        except BadPacket as error:
+            self._reply(fail("datagram", str(error)), source)
+        except Exception as error:
             self._print_once(traceback.format_exc())
             self._reply(fail("datagram", f"a fault of the server: {error!r}"), source)
 
-    def _answer(self, packet: bytes, source: Source) -> None:
-        try:
-            bundles = parse(packet)
-        except BadPacket as error:
-            self._reply(fail("datagram", str(error)), source)
-            return
-        for bundle in bundles:
-            if self._monitor and self._monitor.on:
+    def _read(self, packet: bytes, source: Source) -> Packet:
+        """A packet's bundles and their calls. BadPacket says what is wrong with it."""
+        bundles = parse(packet)
+        if self._monitor and self._monitor.on:
+            for bundle in bundles:
                 for message in bundle.messages:
                     self._monitor.show(message)
-            self._perform(bundle, source)
+        # Two servers that answer each other's /fail would never end.
+        return Packet(
+            source,
+            [
+                (each, [call for one in each.messages if one.address != "/fail" for call in calls(one)])
+                for each in bundles
+            ],
+        )
 
-    def _perform(self, bundle: Bundle, source: Source) -> None:
+    def _carry_out(self, packet: Packet) -> None:
+        made = self._maker.take(packet.making) if packet.making else {}
+        for bundle, made_calls in packet.bundles:
+            self._perform(bundle, made_calls, packet.source, made)
+
+    def _perform(
+        self, bundle: Bundle, asked: list[Call], source: Source, made: Mapping[int, NewObject | Exception]
+    ) -> None:
         try:
             when = time_of(bundle.time, self.engine)
         except Refused as error:
             for message in bundle.messages:
                 self._reply(fail(message.address, str(error)), source)
             return
-        made = [call for message in bundle.messages for call in calls(message)]
-        # Two servers that answer each other's /fail would never end.
-        made = [call for call in made if call.message.address != "/fail"]
-        scored = [call for call in made if call.verb is None or call.verb.scored]
-        for reply in self._session.perform_calls(scored, when, source):
+        scored = [call for call in asked if call.verb is None or call.verb.scored]
+        for reply in self._session.perform_calls(scored, when, source, made):
             self._reply(reply, source)
         for call in scored:
             self._governor.note_request(call.message)
-        for call in made:
+        for call in asked:
             if call.verb and not call.verb.scored:
                 self._serve(call.verb, call.message, source)
 
@@ -277,7 +308,10 @@ def serving(options: Options) -> Iterator[Server]:
         # The files end with the last sound, and before PortAudio is asked to: that may fail, and take its time.
         last.callback(player.close)
         stack.callback(player.rest)
-        server = Server(network, engine, player, presets, recorder, log)
+        server = stack.enter_context(closing(Server(network, engine, player, presets, recorder, log)))
+        # So long does the thread that makes objects keep the others from Python's lock.
+        stack.callback(sys.setswitchinterval, sys.getswitchinterval())
+        sys.setswitchinterval(_TURN)
         if options.contact:
             server.choose_contact(options.contact)
         server.start_files()  # not before all else is well: older ones would be lost

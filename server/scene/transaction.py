@@ -1,6 +1,6 @@
 """A transaction: the commands of messages that belong together. The engine gets all of them, or none."""
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -8,10 +8,12 @@ from ...dsp.engine.commands import Command
 from ...dsp.runtime.engine import Engine
 from ...dsp.wording import suggestion
 from ...presets import Presets
+from ..osc.addresses import Call
 from ..osc.patterns import Selection
 from ..osc.wire import Message
 from .gesture_ids import GestureIds
 from .limits import ContactLaws
+from .new_object import NewObject, new_object
 from .objects import ObjectTable
 from .scale import Scale
 
@@ -42,6 +44,8 @@ class Transaction:
     scale: Scale
     time: float
     source: Any
+    made: Mapping[int, NewObject | Exception] = field(default_factory=dict)
+    """Objects that were made before, or the errors they met, by the identity of their calls."""
     commands: list[Command] = field(default_factory=list)
     sent: list[Sent] = field(default_factory=list)
     """The origin of each command."""
@@ -55,6 +59,13 @@ class Transaction:
         """Add a command."""
         self.commands.append(command)
         self.sent.append(sent)
+
+    def new_object(self, call: Call) -> NewObject:
+        """The object that a call asks for. Refused or PresetError say why there is none."""
+        made = self.made.get(id(call))
+        if isinstance(made, Exception):
+            raise made
+        return made or new_object(call, self.presets, self.engine.top_frequency)
 
     def suggestion(self, word: str, known: Collection[str]) -> str:
         """Names near a word; none for the later ones of many refusals, as to find them takes 1 ms."""

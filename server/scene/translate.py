@@ -12,10 +12,8 @@ from itertools import islice
 from ...dsp.engine.commands import Command, Kind
 from ...dsp.runtime.engine import NOW
 from ...dsp.schema import BOUNCE, GAIN, ROLL, SETTINGS, SPIN, STEERABLE, STRIKE, Gesture
-from ...dsp.wording import expected
-from ...presets import ObjectPreset
-from ..osc.addresses import VERBS, Call, unknown
-from ..osc.arguments import GestureEnded, Refused, Values, shown
+from ..osc.addresses import Call, unknown
+from ..osc.arguments import GestureEnded, Refused, Values
 from ..osc.wire import Message
 from .engine_messages import ENGINE_HANDLERS, Handler
 from .limits import LAW, Contact, fall, require_rest, require_rollable, require_short, rim_speed
@@ -55,10 +53,9 @@ def _new(transaction: Transaction, call: Call, values: Values) -> None:
         raise Refused("name = new: expected another name, as /object/new is an address")
     if objects.at(name, transaction.time):
         raise Refused(f"name = {name}: there is such an object already; free it first")
-    preset = _changed(transaction.presets.object(values.words["preset"]), values)
+    preset, modes = transaction.new_object(call)
     transaction.laws.forget()
     transaction.laws.of(preset.striker, preset.material)
-    modes = preset.modes(engine.top_frequency)
     handle, layout = engine.lay_out(modes, transaction.scale.object(preset))
     transaction.on_undo(lambda: engine.release(handle))
     obj = PlayedObject(handle, preset, modes.mass, transaction.time)
@@ -68,17 +65,6 @@ def _new(transaction: Transaction, call: Call, values: Values) -> None:
     if values.many:
         _place(transaction, call.message, values.many, obj)
     transaction.replies.append(Message("/done", ("/object/new", name)))
-
-
-def _changed(preset: ObjectPreset, values: Values) -> ObjectPreset:
-    """A preset with what the keys of /object/new change of it."""
-    for key, value in values.others.items():
-        if key not in preset.keys:
-            known = dict.fromkeys((*VERBS["/object/new"].named, *preset.keys))
-            raise Refused(f"{key} = {shown(value)}: {expected(key, known)}")
-    given = {**values.numbers, **values.words}
-    changes = {key: value for key, value in given.items() if key not in ("name", "preset", *SETTINGS)}
-    return preset.replace(**values.others, **changes) if values.others or changes else preset
 
 
 def _set(to: ObjectCall) -> None:
