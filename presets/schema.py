@@ -27,6 +27,18 @@ class PresetError(ValueError):
     """A preset that is unknown or does not fit: "FILE: [section] key = VALUE: expected WHAT"."""
 
 
+class NoPreset(PresetError):
+    """There is no preset of a name. `expected` says which there are."""
+
+    def __init__(self, text: str, expected: str) -> None:
+        super().__init__(f"{text}: {expected}")
+        self.expected = expected
+
+    def __reduce__(self) -> tuple[Any, ...]:  # as BaseException's calls __init__ with the whole text alone
+        text = str(self).removesuffix(f": {self.expected}")
+        return NoPreset, (text, self.expected)
+
+
 def check(where: str, table: Mapping[str, object], fields: Fields, required: Sequence[str]) -> dict[str, Any]:
     """The table's values as they are used. PresetError names a key that is wrong, unknown or missing."""
     checked = {}

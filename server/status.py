@@ -8,6 +8,7 @@ from ..dsp.runtime.engine import Engine
 from .audio.supervisor import Player
 from .limiting import LimiterWatch
 from .net.network import Network, Source
+from .options import OVER_BUDGET
 from .osc.wire import Message
 
 _COUNTERS = (
@@ -164,7 +165,7 @@ class Status:
         stats = self._engine.stats
         for name, text in (
             ("contacts_dropped", "{} contacts dropped: the engine was full, or /budget left no room"),
-            ("over_budget", "the force of contacts was held in {} samples: /budget grants no more steps"),
+            ("over_budget", OVER_BUDGET),
             ("strikers_cut", "{} strikers were cut short or left out: too many sounded"),
             ("late", "{} late events were played at once; the last was {late_last:.1f} ms late"),
             ("tap_lost", "{} frames are missing from the recording: the disk is too slow"),

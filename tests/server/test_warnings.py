@@ -12,7 +12,7 @@ import pytest
 
 from carom.clients.actions import CommandError
 from carom.clients.client import Client
-from carom.dsp.engine.state import CONTACTS
+from carom.dsp.engine.state import CONTACTS, ROLLS
 from carom.dsp.runtime.engine import Engine
 from carom.server.osc import wire
 from carom.server.osc.addresses import VERBS
@@ -61,6 +61,10 @@ def too_many_contacts(server: Server, client: Client) -> None:
             client.impact("a", 0.01, mass=1e-7, stiffness=1.0, exponent=1.0)
 
 
+def too_dear(server: Server, client: Client) -> None:
+    server.engine.state["stats"]["over_budget"] += 3
+
+
 def late(server: Server, client: Client) -> None:
     with client.bundle(at=time.time() - 0.5):
         client.impact("a", 0.1)
@@ -82,6 +86,7 @@ def unwritten(server: Server, client: Client) -> None:
     ("wrong", "told"),
     [
         (too_many_contacts, "5 contacts dropped: the engine was full, or /budget left no room"),
+        (too_dear, "contacts went over /budget 3 times: a force was held for a sample, or a contact not coupled"),
         (late, r"1 late events were played at once; the last was [5-9]\d\d\.\d ms late"),
         (no_number, "object a was silenced: its output was not finite"),
         (unheard, "the device ran out of sound 1 times"),
@@ -336,3 +341,15 @@ def test_only_gestures_that_go_on_have_addresses(server, client):
     client.press("a", 1.0, striker="mute", id="on")
     assert [reply.args for reply in client.replies(0.2) if reply.address == "/gesture/end"] == [("over",)]
     assert list(server.names()["ID"]) == ["on"]
+
+
+def test_one_roll_too_many_is_refused_for_that_reason(server, client):
+    client.new("f", "tuning-fork")
+    with client.bundle():
+        for n in range(ROLLS + 1):
+            client.send("/object/f/roll", 0.1, "striker", "glass-marble", "id", f"r{n}")
+    for _ in range(100):
+        time.sleep(0.05)
+        if errors := client.errors():
+            break
+    assert [str(error) for error in errors] == [f"/object/f/roll: r{ROLLS}: engine full: {ROLLS} rolls in use"]
