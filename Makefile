@@ -76,6 +76,8 @@ study: $(READY)  ## the hour-long stress tests: recordings, extreme contacts, a 
 	$(BIN)/python -m tests.bench.overload
 	$(BIN)/python -m tests.bench.gil --seconds 60
 	$(BIN)/python -m tests.bench.fuzz --count 1000000
+	$(BIN)/python -m tests.bench.crowd --count 20000
+	$(BIN)/python -m tests.bench.logs --runs 30
 
 $(READY): pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || \

@@ -96,7 +96,7 @@ class Presets:
             path = f"{folder}/{kind}/{name}.toml"
             if os.path.isfile(path):
                 return Path(path)
-        raise NoPreset(f"no {singular} {name!r}", expected(name, self.names(kind)))
+        raise NoPreset(f"no {singular} {name!r}", lambda: expected(name, self.names(kind)))
 
     def _read(self, kind: str, name: str) -> tuple[str, dict[str, Any]]:
         """How an error about a preset's file begins, and the file's data."""

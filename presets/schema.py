@@ -28,15 +28,19 @@ class PresetError(ValueError):
 
 
 class NoPreset(PresetError):
-    """There is no preset of a name. `expected` says which there are."""
+    """There is no preset of a name: its text, and which there are, looked up when it is asked for."""
 
-    def __init__(self, text: str, expected: str) -> None:
-        super().__init__(f"{text}: {expected}")
-        self.expected = expected
+    def __init__(self, text: str, look_up: Callable[[], str]) -> None:
+        super().__init__(text)
+        self.text, self._look_up = text, look_up
 
-    def __reduce__(self) -> tuple[Any, ...]:  # as BaseException's calls __init__ with the whole text alone
-        text = str(self).removesuffix(f": {self.expected}")
-        return NoPreset, (text, self.expected)
+    @property
+    def expected(self) -> str:
+        """The question whether a near name is meant, or all names."""
+        return self._look_up()
+
+    def __str__(self) -> str:
+        return f"{self.text}: {self.expected}"
 
 
 def check(where: str, table: Mapping[str, object], fields: Fields, required: Sequence[str]) -> dict[str, Any]:

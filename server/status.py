@@ -62,6 +62,7 @@ FIELDS = {
     "dropped_by_system": "datagrams that found no room in the system's buffer",
     "replies_dropped": "replies that were not sent, as a client reads too slowly or asks for too many",
     "connections": "TCP clients",
+    "waiting": "clients whose messages wait for an object to be made, or for their turn",
     "recording": "yes, no, or why the recording ended",
     "logging": "yes, no, or why the log ended",
     "time": "of the sound since the server's start, s",
@@ -121,8 +122,8 @@ class Status:
         self._warned = dict.fromkeys(_COUNTERS, 0)
         self._object_faults = engine.state["objects"]["faults"].copy()
 
-    def reply(self, client: Source, objects: int, network: Network, files: dict[str, str]) -> Message:
-        """/status.reply to a client, of a server with a number of objects and the states of its files.
+    def reply(self, client: Source, objects: int, network: Network, own: Mapping[str, int | str]) -> Message:
+        """/status.reply to a client, of a server with a number of objects; `own` is what the server says of itself.
 
         It begins with scsynth's nine values (1, live modes, sounding objects, objects, contacts, average and peak load
         in %, nominal and actual rate in Hz); pairs of name and value follow. Counters are since the server's start;
@@ -154,7 +155,7 @@ class Status:
             "scheduling": self._player.scheduling,
             **network.counts,
             "connections": network.connections,
-            **files,
+            **own,
             "time": self._engine.position / self._engine.rate,
         }
         return Message("/status.reply", (*nine, *pairs, *(item for pair in more.items() for item in pair)))

@@ -13,7 +13,7 @@ from .making import Maker, Making
 from .net.network import Network, Source
 from .osc.addresses import Call
 from .osc.patterns import is_pattern, match, work
-from .osc.wire import Bundle
+from .packets import Packet
 from .scene.new_object import NEW
 
 MOST_BYTES = 1 << 22
@@ -23,20 +23,6 @@ _OVERHEAD = 64  # bytes that a packet takes besides its own
 _MOST_LINES = 256  # clients whose packets wait
 _MOST_WORK = 50_000  # of matching a packet's patterns: some 5 ms
 _AT_ONCE = 16  # packets of a client that are carried out before others are heard
-
-
-@dataclass(eq=False)
-class Packet:
-    """A packet that was read: its bundles with the calls that each makes, and the objects that it asks for."""
-
-    source: Source
-    bundles: list[tuple[Bundle, list[Call]]]
-    making: Making | None = None
-
-    @property
-    def calls(self) -> Iterator[Call]:
-        """All of its calls."""
-        return (call for _, calls in self.bundles for call in calls)
 
 
 @dataclass(eq=False)
@@ -95,6 +81,13 @@ class Waiting:
             self._maker.make(packet.making)
         return True
 
+    def put_off(self, packet: Packet) -> None:
+        """Let a packet that is carried out in part go on once others had their turns."""
+        line = self._lines.setdefault(packet.source, _Line())
+        line.first, line.names = packet, frozenset()
+        packet.begun = self._moved = True
+        self._network.pause(packet.source)
+
     def ready(self) -> Iterator[Packet | tuple[bytes, Source]]:
         """Packets whose time has come, those that were read and, some of each client, those that were not. Carry each
         out before the next is asked for."""
@@ -103,7 +96,7 @@ class Waiting:
             before: set[str] = set()
             for source, line in tuple(self._lines.items()):
                 first = line.first
-                if first and (first.making is None or first.making.done) and not self._is_about(first.calls, before):
+                if first and (first.begun or self._is_ready(first, before)):
                     line.first, self._moved = None, True
                     yield first
                 if line.first:
@@ -119,6 +112,10 @@ class Waiting:
                 yield packet, source
             if not (line.first or line.behind):
                 self._leave(source)
+
+    def _is_ready(self, packet: Packet, before: set[str]) -> bool:
+        """Whether a packet's objects are made, and those of packets before it that it names."""
+        return (packet.making is None or packet.making.done) and not self._is_about(packet.calls, before)
 
     @property
     def in_a_hurry(self) -> bool:

@@ -127,7 +127,7 @@ class Network:
         """Take back `pause`."""
         if isinstance(source, Connection) and source in self._paused:
             self._paused.remove(source)
-            if source.arrived:
+            if source.arrived and source not in self._turns:
                 self._turns.append(source)
 
     def drop(self, source: Source) -> None:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 from ...dsp.engine.commands import Command
 from ...dsp.runtime.engine import Engine
 from ...dsp.wording import suggestion
-from ...presets import Presets
+from ...presets import NoPreset, Presets
 from ..osc.addresses import Call
 from ..osc.patterns import Selection
 from ..osc.wire import Message
@@ -69,8 +69,16 @@ class Transaction:
 
     def suggestion(self, word: str, known: Collection[str]) -> str:
         """Names near a word; none for the later ones of many refusals, as to find them takes 1 ms."""
+        return suggestion(word, known) if self.explains() else ""
+
+    def explains(self) -> bool:
+        """Whether there is time to say more of another refusal than that it is one."""
         self._compared += 1
-        return suggestion(word, known) if self._compared <= _MOST_SUGGESTIONS else ""
+        return self._compared <= _MOST_SUGGESTIONS
+
+    def reason(self, error: Exception) -> str:
+        """The reason for a refusal; of later ones without the names that there are, as to look for them takes long."""
+        return str(error) if not isinstance(error, NoPreset) or self.explains() else error.text
 
     def on_undo(self, action: Callable[[], object]) -> None:
         """Do an action if what was asked for so far is not carried out; the latest comes first."""
