@@ -11,14 +11,37 @@ from typing import Any
 
 import llvmlite.binding as llvm
 from numba import njit
-from numba.core.codegen import JITCodeLibrary
+from numba.core.codegen import JITCodeLibrary, _parse_refprune_flags
 from numba.core.compiler import CompilerBase, DefaultPassBuilder, _LowerResult
 from numba.core.compiler_machinery import register_pass
 from numba.core.typed_passes import NativeLowering
 from numba.core.types.misc import unliteral
 
 
-class _Part(JITCodeLibrary):
+class _Library(JITCodeLibrary):
+    """Code whose functions are made small, and no more, before they are linked.
+
+    LLVM's passes for functions, which numba runs, take a condition that stays the same out of its loop by writing the
+    loop twice. A loop around a call doubles all that is called: the whole engine did so with its channels' number.
+    """
+
+    def _optimize_functions(self, ll_module: Any) -> None:
+        ll_module.data_layout = self._codegen._data_layout
+        tuning = llvm.create_pipeline_tuning_options(speed_level=1)
+        builder = llvm.create_pass_builder(self._codegen._tm, tuning)
+        passes = llvm.create_new_function_pass_manager()
+        passes.add_sroa_pass()
+        passes.add_simplify_cfg_pass()
+        passes.add_instruction_combine_pass()
+        passes.add_simplify_cfg_pass()
+        passes.add_dead_code_elimination_pass()
+        passes.add_refprune_pass(_parse_refprune_flags())
+        for function in ll_module.functions:
+            if not function.is_declaration:
+                passes.run(function, builder)
+
+
+class _Part(_Library):
     """A kernel's code: to be linked into others, never to be run by itself."""
 
     def _optimize_final_module(self) -> None:
@@ -29,7 +52,7 @@ class _Part(JITCodeLibrary):
         self._finalized = True
 
 
-class _Whole(JITCodeLibrary):
+class _Whole(_Library):
     """The code of a function that kernels end in.
 
     Two runs of LLVM's optimiser: a scalar one, after which LLVM sees that no kernel can fail and drops the error paths,
