@@ -152,6 +152,8 @@ class Server:
 
     def _read(self, data: bytes, source: Source) -> Packet:
         packet = read(data, source)
+        refusals = (fail(each.address, str(TooMuch(each.address))) for each in packet.overfull)
+        packet.rest.extend(partial(self._reply, refusal, source) for refusal in refusals)
         if self._monitor and self._monitor.on:
             for bundle, _ in packet.bundles:
                 for message in bundle.messages:
@@ -162,9 +164,6 @@ class Server:
         """Carry out a packet bundle by bundle. After a turn the rest waits until others had theirs."""
         if packet.making:
             packet.made, packet.making = self._maker.take(packet.making), None
-        for message in packet.overfull:
-            self._reply(fail(message.address, str(TooMuch(message.address))), packet.source)
-        packet.overfull.clear()
         end = time.monotonic() + _TURN
         while not packet.done:
             if packet.rest:

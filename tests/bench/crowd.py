@@ -68,9 +68,9 @@ def fuzz(
     than LATE before it answered another client."""
     junk = Crowded(seed, time.time())
     found = Findings()
-    with Client(port=port) as looker, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+    with Client(port=port, tcp=True) as looker, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
         while found.packets < count:
-            if found.packets % 500 == 0 or looker.status().args[3] < OBJECTS // 2:
+            if found.packets % 500 == 0 or looker.ask("/status", timeout=30.0).args[3] < OBJECTS // 2:
                 looker.send("/object/*/free", 1)
                 looker.ask("/sync", 3, timeout=30.0)
                 time.sleep(0.2)

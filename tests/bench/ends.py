@@ -111,7 +111,7 @@ STATES: dict[str, State] = {
 def end_in(folder: Path, state: str, number: signal.Signals = signal.SIGTERM) -> tuple[float, int, str]:
     """How long (s) a signal takes to end a crowded server in a state, its exit code, and what it said on stderr."""
     with serving(folder, "--device", "none", "--oscquery", "0", *FILES) as server:
-        with Client(port=server.port) as client:
+        with Client(port=server.port, tcp=True) as client:
             crowd(client)
         clients = STATES[state](server)
         time.sleep(0.2)

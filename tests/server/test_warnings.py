@@ -12,7 +12,7 @@ import pytest
 
 from carom.clients.actions import CommandError
 from carom.clients.client import Client
-from carom.dsp.engine.state import CONTACTS, ROLLS
+from carom.dsp.engine.state import CONTACTS
 from carom.dsp.runtime.engine import Engine
 from carom.server.osc import wire
 from carom.server.osc.addresses import VERBS
@@ -341,15 +341,3 @@ def test_only_gestures_that_go_on_have_addresses(server, client):
     client.press("a", 1.0, striker="mute", id="on")
     assert [reply.args for reply in client.replies(0.2) if reply.address == "/gesture/end"] == [("over",)]
     assert list(server.names()["ID"]) == ["on"]
-
-
-def test_one_roll_too_many_is_refused_for_that_reason(server, client):
-    client.new("f", "tuning-fork")
-    with client.bundle():
-        for n in range(ROLLS + 1):
-            client.send("/object/f/roll", 0.1, "striker", "glass-marble", "id", f"r{n}")
-    for _ in range(100):
-        time.sleep(0.05)
-        if errors := client.errors():
-            break
-    assert [str(error) for error in errors] == [f"/object/f/roll: r{ROLLS}: engine full: {ROLLS} rolls in use"]
