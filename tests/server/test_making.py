@@ -120,10 +120,12 @@ def test_an_object_in_the_making_does_not_hold_up_the_end(tmp_path):
                 client.impact(f"s{n}", 1.0)
                 other.impact("a", 1.0)
                 time.sleep(0.02)
+            for n in range(100):
+                client.send(*_words(slow(f"t{n}", 400 + n)))
             started = time.monotonic()
             other.ask("/quit")
         assert server.process.wait(5) == 0 and time.monotonic() - started < 2.0
     recorded, rate = soundfile.read(tmp_path / "out.wav", dtype="float32")
     lines = read(tmp_path / "log.txt")
-    assert 3 < sum(line.message.address == "/object/new" for line in lines) < 31
+    assert 3 < sum(line.message.address == "/object/new" for line in lines) < 131
     np.testing.assert_array_equal(render_lines(lines, seconds=len(recorded) / rate), recorded)
