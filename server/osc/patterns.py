@@ -118,8 +118,14 @@ class Selection:
         return kept
 
     def spend(self, work: float, culprit: str) -> None:
-        """Take some work, for a pattern or a name, from that which is left. TooMuch if there is not so much."""
+        """Take the work of matching a pattern from that which is left. TooMuch if there is not so much."""
         if work > self._left:
+            raise TooMuch(culprit)
+        self._left -= work
+
+    def charge(self, work: float, culprit: str) -> None:
+        """The same for the work on what was matched; that of one message is done in any case, if any work is left."""
+        if work > 0.0 and self._left <= 0.0:
             raise TooMuch(culprit)
         self._left -= work
 

@@ -247,7 +247,7 @@ def _steer(transaction: Transaction, call: Call, values: Values) -> None:
     if not ids:
         error = GestureEnded if transaction.gestures.have_ended(call.target, transaction.selection) else Refused
         raise error(f"{call.target}: no such gesture is running{_running(transaction, call.target)}")
-    transaction.selection.spend(_CHANGE_WORK * (len(ids) - 1), call.target)
+    transaction.selection.charge(_CHANGE_WORK * (len(ids) - 1), call.target)
     for id in ids:
         message = Message(f"/gesture/{id.name}/{action}", call.message.args)
         if action == "stop":
@@ -283,7 +283,7 @@ def _on_objects(handle: Callable[[ObjectCall], None]) -> Handler:
             known = transaction.suggestion(call.target, there) or f"there are {listed(there)}"
             raise Refused(f"{call.target}: no such object; {known}")
         # One object is all that a message reaches without a pattern.
-        transaction.selection.spend(_work(call, transaction) * (len(objects) - 1), call.target)
+        transaction.selection.charge(_work(call, transaction) * (len(objects) - 1), call.target)
         for name, obj in objects.items():
             handle(ObjectCall(transaction, call, values, name, obj))
 
