@@ -202,7 +202,7 @@ class Server:
 
     def _status_asked(self, values: Values, source: Source) -> None:
         objects = len(self._session.objects)
-        own = {"waiting": len(self._waiting), **self._file_states()}
+        own: dict[str, int | str] = {"waiting": len(self._waiting), **self._file_states()}
         self._reply(self._status.reply(source, objects, self._network, own), source)
 
     def _version_asked(self, values: Values, source: Source) -> None:

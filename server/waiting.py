@@ -73,7 +73,8 @@ class Waiting:
             self._network.drop(packet.source)
             return True
         # It is the last now of those that were read.
-        line = self._lines[packet.source] = self._lines.pop(packet.source, None) or _Line()
+        line = self._lines.pop(packet.source) if packet.source in self._lines else _Line()
+        self._lines[packet.source] = line
         line.first, line.names = packet, _made_names(packet.calls) if new else _given_names(packet.calls)
         self._network.pause(packet.source)
         if new:
