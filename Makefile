@@ -87,6 +87,8 @@ $(READY): pyproject.toml
 	@$(PYTHON) -m venv $(VENV)
 	@$(BIN)/python -m pip install -qq --upgrade pip
 	@$(BIN)/python -m pip install -qq --editable '.[dev]'
+	@echo "compiling the engine, once: a minute or two"
+	@$(BIN)/python -c 'from carom.dsp.runtime.engine import prepare; prepare()'
 	@touch $@
 
 clean:

@@ -33,10 +33,11 @@ def examine() -> Iterator[Finding]:
 
 def _engine() -> Finding:
     started = time.perf_counter()
-    Engine(48_000)
+    engine = Engine(48_000)
     seconds = time.perf_counter() - started
-    compiled = "compiled" if seconds > 2 else "compiled code found in the cache"
-    return True, f"engine: {compiled}, ready in {seconds:.1f} s (Python {sys.version.split()[0]})", ""
+    origin = {"package": "came with the package", "cache": "is in the cache", "compiled": "was compiled now"}
+    code = f"code {engine.code.key} for {engine.code.processor} {origin[engine.code.origin]}"
+    return True, f"engine: {code}, ready in {seconds:.2f} s (Python {sys.version.split()[0]})", ""
 
 
 def _presets() -> Finding:

@@ -77,7 +77,7 @@ BOUNCE_TIMES = Promise("times of a bounce's first 100 contacts", "mpmath, law an
 BOUNCE_SPEEDS = Promise("their speeds", "mpmath, law and parabola", 1e-10, "relative", _BOUNCE)
 WEIGHTY = Promise("duration and contacts of a bounce whose weight acts in contact", "DOP853", 1e-3, "relative", _BOUNCE)
 ROLL_THIRDS = Promise(
-    "third-octaves of a roll's force, 50 Hz to 16 kHz", "the same path at 100 times the rate", 3.0, "dB", _ROLL
+    "third-octaves of a roll's force, 50 Hz to 16 kHz", "the same path at 100 times the rate", 1.0, "dB", _ROLL
 )
 ROLL_START = Promise("a roll's force over its first 10 ms", "DOP853", 1e-3, "of its peak", _ROLL)
 ROLL_RATES = Promise("impulses of a roll at 44.1, 48 and 96 kHz", "each other", 1e-9, "relative", _ROLL)

@@ -36,7 +36,7 @@ import soundfile
 from numba.core import event
 
 import carom
-from carom.dsp.runtime.compile_notice import CALLBACK_PASSES
+from carom.dsp.native.code import PASSES
 from carom.server.osc.addresses import VERBS, table
 from carom.server.osc.oscquery import node
 
@@ -47,7 +47,7 @@ ROLL = "0 /object/new board wood-board\\n0 /object/board/roll 0.5 striker glass-
 with event.install_recorder("numba:run_pass") as passes:  # while it compiles, a user sees progress by their number
     plain = level(carom.render(ROLL, seconds=0.5).samples)
 count = sum(each.is_start for _, each in passes.buffer)
-assert 0.8 < count / CALLBACK_PASSES < 1.25, count
+assert 0.8 < count / PASSES["carom.dsp.runtime.callback"] < 1.25, count
 
 def is_halved(sound):
     assert abs(level(sound) - plain + 20 * np.log10(2)) < 0.1, (level(sound), plain)

@@ -98,7 +98,7 @@ def test_every_folder_is_packed():
     assert found == set(settings["packages"])
 
 
-KERNELS = {"kernel", "simd_kernel", "njit", "intrinsic", "elementwise"}
+KERNELS = {"kernel", "simd_kernel", "njit", "intrinsic", "elementwise", "c_function"}
 
 
 def test_all_but_kernels_have_hints():
@@ -112,11 +112,6 @@ def test_all_but_kernels_have_hints():
             names = [each.id for part in node.decorator_list for each in ast.walk(part) if isinstance(each, ast.Name)]
             given = [each for each in (*node.args.args, *node.args.kwonlyargs) if each.arg != "self"]
             hinted = node.returns is not None or (given and all(each.annotation for each in given))
-            compiled = KERNELS.intersection(names) or node.name in COMPILED_BY_CALL
-            if node not in inner and not hinted and not compiled:
+            if node not in inner and not hinted and not KERNELS.intersection(names):
                 found.append(f"{named(path)}:{node.lineno} {node.name}")
     assert found == []
-
-
-COMPILED_BY_CALL = {"_callback", "_guarded", "_pace", "_drain"}
-"""Functions that are compiled by a call, not by a decorator."""

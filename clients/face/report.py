@@ -93,7 +93,7 @@ class Meter:
             limited=limiting.spans,
             limited_db=limiting.db,
             limited_objects=limiting.objects,
-            compiled=self._engine.compiled,
+            compiled=self._engine.code.origin == "compiled",
             warnings=tuple(warnings),
             **{name: counts[name] - before for name, before in self._counts.items()},
         )

@@ -98,13 +98,7 @@ def _describe(state, contact, event):
     contact.unsettled = contact.solved = contact.has_weight = 0
     contact.forces[:] = 0.0
     contact.level = strike.gesture_level
-    contact.sound = contact.voice = -1
-    if strike.sound_serial > 0.0:
-        contact.sound, contact.sound_serial = int(strike.sound), int(strike.sound_serial)
-        striker = state.strikers[contact.sound]
-        state.stats.strikers_cut += striker.serial != contact.sound_serial
-        if striker.prepared == 0 and striker.serial == contact.sound_serial:
-            prepare(striker, state.rate)
+    _choose_sound(state, contact, strike)
     target = contact.target
     for i in range(len(IN_STRIKE)):
         set_field(target, i, 0.0)
@@ -127,6 +121,18 @@ def _describe(state, contact, event):
     contact.now = contact.target
     if event.kind == KIND_SPIN:
         begin_spin(contact, event.spin)
+
+
+@kernel
+def _choose_sound(state, contact, strike):
+    """Say which striker's modes sound with a contact, if it has any, and have them ready."""
+    contact.sound = contact.voice = -1
+    if strike.sound_serial > 0.0:
+        contact.sound, contact.sound_serial = int(strike.sound), int(strike.sound_serial)
+        striker = state.strikers[contact.sound]
+        state.stats.strikers_cut += striker.serial != contact.sound_serial
+        if striker.prepared == 0 and striker.serial == contact.sound_serial:
+            prepare(striker, state.rate)
 
 
 @kernel

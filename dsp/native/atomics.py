@@ -1,13 +1,11 @@
 """Ordered memory access between Python's thread and the audio thread."""
 
+from ctypes import c_int64, c_void_p
 from typing import Any
 
-from llvmlite import ir
-from numba import njit, types
-from numba.core import cgutils
-from numba.extending import intrinsic
+import numpy as np
 
-_I64 = ir.IntType(64)
+from .jit import c_function, carray, cgutils, intrinsic, ir, types
 
 
 def _address(context: Any, builder: Any, array_type: Any, array: Any, index: Any) -> Any:
@@ -21,7 +19,7 @@ def load_acquire(typingctx, array, index):
 
     def codegen(context, builder, signature, args):
         pointer = _address(context, builder, signature.args[0], *args)
-        return builder.load_atomic(pointer, "acquire", 8, typ=_I64)
+        return builder.load_atomic(pointer, "acquire", 8, typ=ir.IntType(64))
 
     return types.int64(array, types.intp), codegen
 
@@ -52,13 +50,34 @@ def exchange(typingctx, array, index, before, after):
     return types.boolean(array, types.intp, types.int64, types.int64), codegen
 
 
-@njit(error_model="numpy")
-def publish(counter, value):
-    """Store value in counter[0] so that the other thread sees all that was written before."""
-    store_release(counter, 0, value)
+@c_function(None, c_void_p, c_int64)
+def _publish(address, value):
+    """Store an int64 at an address with release ordering."""
+    store_release(carray(address, (1,), np.int64), 0, value)
 
 
-@njit(error_model="numpy")
-def observe(counter):
-    """Load counter[0]. What its writer wrote before it can be read from then on."""
-    return load_acquire(counter, 0)
+@c_function(c_int64, c_void_p)
+def _observe(address):
+    """Load an int64 from an address with acquire ordering."""
+    return load_acquire(carray(address, (1,), np.int64), 0)
+
+
+@c_function(c_int64, c_void_p, c_int64, c_int64)
+def _swap(address, before, after):
+    """Compare-and-swap of an int64 at an address: 1 if it held `before`."""
+    return int(exchange(carray(address, (1,), np.int64), 0, before, after))
+
+
+def publish(counter: Any, value: int) -> None:
+    """Store value in counter[0] (int64) so that the other thread sees all that was written before."""
+    _publish(counter.ctypes.data, value)
+
+
+def observe(counter: Any) -> int:
+    """Load counter[0] (int64). What its writer wrote before it can be read from then on."""
+    return int(_observe(counter.ctypes.data))
+
+
+def swap(counter: Any, before: int, after: int) -> bool:
+    """Store `after` in counter[0] (int64) if it holds `before`; returns whether it did."""
+    return bool(_swap(counter.ctypes.data, before, after))

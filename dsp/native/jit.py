@@ -1,132 +1,134 @@
-"""How Carom's kernels are compiled: the one place where numba's settings live.
+"""How kernels are marked, and how C's callers and Python reach them.
 
-All kernels end inside one function, the audio callback (or a test's, or a study's): there are two hundred of them, one
-in the other. numba would optimise each with all that is in it, again and again, and make machine code of it and
-wrappers to call it from Python, which next to nobody does; that took over half of the time. So a kernel is only
-translated, and the function that it ends in is optimised, once.
+Nothing here imports numba: where the machine code has come along, or is in the user's cache, it is not needed. It is
+imported when something is compiled (`compiler.py`).
 """
 
+import ctypes
+import functools
 from collections.abc import Callable
+from importlib import import_module
 from typing import Any
 
-import llvmlite.binding as llvm
-from numba import njit
-from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import CompilerBase, DefaultPassBuilder, _LowerResult
-from numba.core.compiler_machinery import register_pass
-from numba.core.typed_passes import NativeLowering
-from numba.core.types.misc import unliteral
+
+class Later:
+    """Something of a module that is imported when it is first used."""
+
+    def __init__(self, module: str, name: str = "") -> None:
+        self._module, self._name = module, name
+
+    @functools.cached_property
+    def it(self) -> Any:
+        """The thing itself."""
+        module = import_module(self._module)
+        return getattr(module, self._name) if self._name else module
+
+    @property
+    def _numba_type_(self) -> Any:
+        return import_module(f"{__package__}.compiler").type_of(self.it)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.it, name)
+
+    def __call__(self, *args: Any, **kwargs: Any) -> Any:
+        return self.it(*args, **kwargs)
 
 
-class _Part(JITCodeLibrary):
-    """A kernel's code: to be linked into others, never to be run by itself."""
-
-    def _optimize_final_module(self) -> None:
-        pass
-
-    def _finalize_final_module(self) -> None:
-        self._finalize_dynamic_globals()
-        self._finalized = True
+ir: Any = Later("llvmlite.ir")
+types: Any = Later("numba.types")
+cgutils: Any = Later("numba.core.cgutils")
+carray: Any = Later("numba", "carray")
 
 
-class _Whole(JITCodeLibrary):
-    """The code of a function that kernels end in.
+class Kernel:
+    """A function that is compiled into others. Called from Python, it runs as a function of its own."""
 
-    Two runs of LLVM's optimiser: a scalar one, after which LLVM sees that no kernel can fail and drops the error paths,
-    then the full one. The scalar run must not unroll loops: the full one vectorises unrolled modal loops by scatter
-    and gather, which is 2.4 times slower.
-    """
+    def __init__(self, function: Callable[..., Any], simd: bool) -> None:
+        functools.update_wrapper(self, function)
+        self.py_func = function
+        self._simd = simd
 
-    def _optimize_final_module(self) -> None:
-        tuning = llvm.create_pipeline_tuning_options(speed_level=1)
-        tuning.loop_unrolling = tuning.loop_interleaving = False
-        tuning.loop_vectorization = tuning.slp_vectorization = False
-        scalar = llvm.create_pass_builder(self._codegen._tm, tuning)
-        scalar.getModulePassManager().run(self._final_module, scalar)
-        full, builder = self._codegen._module_pass_manager()
-        full.run(self._final_module, builder)
+    @functools.cached_property
+    def part(self) -> Any:
+        """The kernel as numba links it into what calls it."""
+        return import_module(f"{__package__}.compiler").part(self.py_func, self._simd)
 
+    @functools.cached_property
+    def whole(self) -> Any:
+        """The kernel as a function of its own, compiled at its first call."""
+        return import_module(f"{__package__}.compiler").whole(self.part)
 
-@register_pass(mutates_CFG=True, analysis_only=False)
-class _Completion(NativeLowering):
-    _name = "completion_of_kernels"
+    @property
+    def _numba_type_(self) -> Any:
+        return import_module(f"{__package__}.compiler").type_of(self.part)
 
-    def run_pass(self, state: Any) -> bool:
-        state.library = _Whole(state.targetctx.codegen(), state.func_id.func_qualname)
-        state.library.enable_object_caching()
-        return bool(super().run_pass(state))
-
-
-@register_pass(mutates_CFG=True, analysis_only=False)
-class _Translation(NativeLowering):
-    _name = "translation_of_a_kernel"
-
-    def run_pass(self, state: Any) -> bool:
-        state.library = _Part(state.targetctx.codegen(), state.func_id.func_qualname)
-        state.library.enable_object_caching()
-        state.flags.no_compile = True
-        super().run_pass(state)
-        translated = state["cr"]
-        stand_in = object()  # what numba knows it by
-        state.targetctx.insert_user_function(stand_in, translated.fndesc, [state.library])
-        state["cr"] = _LowerResult(translated.fndesc, translated.call_helper, cfunc=stand_in, env=translated.env)
-        return True
-
-
-def _compiler(lowering: type) -> type:
-    """numba's usual compiler, but for its last step."""
-
-    class Compiler(CompilerBase):
-        def define_pipelines(self) -> list[Any]:
-            pipeline = DefaultPassBuilder.define_nopython_pipeline(self.state)
-            pipeline.add_pass_after(lowering, NativeLowering)
-            pipeline.passes = [each for each in pipeline.passes if each[0] is not NativeLowering]
-            pipeline.finalize()
-            return [pipeline]
-
-    return Compiler
-
-
-WHOLE = _compiler(_Completion)
-"""The `pipeline_class` for a function in which nothing may be left of errors that its kernels can't have."""
-
-# Without forceinline the error paths of calls stay in the compiled callback (and with them the Python API),
-# and a fresh and a cache-loaded compilation differ in bits.
-_SAFE: dict[str, Any] = {
-    "forceinline": True, "error_model": "numpy", "pipeline_class": _compiler(_Translation),
-    "no_cpython_wrapper": True, "no_cfunc_wrapper": True,
-}  # fmt: skip
-
-# What the modal sums need to become SIMD reductions; closed forms are compiled without it.
-_REASSOCIATE = {"contract", "reassoc", "nsz"}
+    def __call__(self, *args: Any) -> Any:
+        return self.whole(*args)
 
 
 def kernel(function: Callable[..., Any]) -> Any:
-    """Decorator: a kernel with strict IEEE arithmetic. Called from Python, it runs as a function of its own."""
-    return _also_from_python(_once_for_all_numbers(njit(**_SAFE)(function)))
+    """Decorator: a kernel with strict IEEE arithmetic."""
+    return Kernel(function, simd=False)
 
 
 def simd_kernel(function: Callable[..., Any]) -> Any:
     """Decorator: a kernel whose sums may be reordered into vector lanes."""
-    return _also_from_python(_once_for_all_numbers(njit(**_SAFE, fastmath=_REASSOCIATE)(function)))
+    return Kernel(function, simd=True)
 
 
-def _once_for_all_numbers(part: Any) -> Any:
-    """To numba a number that is written out is a type of its own, for which a kernel would be translated once more."""
-    resolve = part.get_call_template
+class Intrinsic:
+    """A function that writes LLVM's instructions itself: numba's `intrinsic`, for kernels."""
 
-    def resolve_plain(args: tuple[Any, ...], kws: dict[str, Any]) -> Any:
-        return resolve(tuple(map(unliteral, args)), {name: unliteral(kind) for name, kind in kws.items()})
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.__doc__, self.__name__, self.__module__ = function.__doc__, function.__name__, function.__module__
+        self._function = function
 
-    part.get_call_template = resolve_plain
-    return part
+    @functools.cached_property
+    def _numba_type_(self) -> Any:
+        return import_module(f"{__package__}.compiler").type_of_intrinsic(self._function)
 
 
-def _also_from_python(part: Any) -> Any:
-    @njit(error_model="numpy")
-    def whole(*args):
-        return part(*args)
+def intrinsic(function: Callable[..., Any]) -> Any:
+    """Decorator: numba's `intrinsic`."""
+    return Intrinsic(function)
 
-    part._insert = lambda *_: None  # so the dispatcher finds nothing to run, and asks for it
-    part._compile_for_args = lambda *_, **__: whole
-    return part
+
+class External:
+    """A function of the C library, for kernels: its name, what it returns and its arguments, as types of ctypes."""
+
+    def __init__(self, name: str, returned: Any, *arguments: Any) -> None:
+        self._signature = name, returned, arguments
+
+    @functools.cached_property
+    def _numba_type_(self) -> Any:
+        return import_module(f"{__package__}.compiler").type_of_external(*self._signature)
+
+
+class CFunction:
+    """A function with C's calling convention, as machine code. Python calls it without holding the GIL."""
+
+    def __init__(self, function: Callable[..., Any], returned: Any, arguments: tuple[Any, ...]) -> None:
+        functools.update_wrapper(self, function)
+        self.py_func = function
+        self.returned, self.arguments = returned, arguments
+
+    @functools.cached_property
+    def address(self) -> int:
+        """Where its code lies."""
+        addresses: dict[str, int] = import_module(f"{__package__}.code").load(self.py_func.__module__).addresses
+        return addresses[self.py_func.__name__]
+
+    @functools.cached_property
+    def _call(self) -> Callable[..., Any]:
+        return ctypes.CFUNCTYPE(self.returned, *self.arguments)(self.address)
+
+    def __call__(self, *args: Any) -> Any:
+        return self._call(*args)
+
+
+def c_function(returned: Any, *arguments: Any) -> Callable[[Callable[..., Any]], CFunction]:
+    """Decorator: a function of C. returned, arguments: types of ctypes: c_void_p, c_int, c_ulong, c_int64, c_double.
+
+    All C functions of a module are compiled together, from the sources that it imports.
+    """
+    return lambda function: CFunction(function, returned, arguments)

@@ -2,9 +2,7 @@
 
 from typing import Any
 
-from llvmlite import ir
-from numba import types
-from numba.extending import intrinsic
+from .jit import intrinsic, ir, types
 
 
 def _field(builder: Any, record: Any, index: Any) -> Any:

@@ -1,14 +1,10 @@
 """The clock, the thread, denormals and calls of addresses: what kernels need of the machine and its system."""
 
 import sys
+from ctypes import c_int64
 from typing import Any
 
-from llvmlite import ir
-from numba import njit, types
-from numba.core import cgutils
-from numba.extending import intrinsic
-
-_I64 = ir.IntType(64)
+from .jit import c_function, cgutils, intrinsic, ir, types
 
 
 @intrinsic
@@ -17,16 +13,16 @@ def monotonic_ns(typingctx):
 
     def codegen(context, builder, signature, args):
         if sys.platform == "win32":
-            count = cgutils.alloca_once(builder, _I64)
+            count = cgutils.alloca_once(builder, ir.IntType(64))
             _call(builder, "QueryPerformanceCounter", ir.IntType(32), [count])
-            return builder.mul(builder.load(count), ir.Constant(_I64, 100))
+            return builder.mul(builder.load(count), ir.Constant(ir.IntType(64), 100))
         clock = 6 if sys.platform == "darwin" else 1
         i32 = ir.IntType(32)
-        time = cgutils.alloca_once(builder, ir.ArrayType(_I64, 2))
+        time = cgutils.alloca_once(builder, ir.ArrayType(ir.IntType(64), 2))
         _call(builder, "clock_gettime", i32, [ir.Constant(i32, clock), time])
         seconds = builder.load(cgutils.gep_inbounds(builder, time, 0, 0))
         ns = builder.load(cgutils.gep_inbounds(builder, time, 0, 1))
-        return builder.add(builder.mul(seconds, ir.Constant(_I64, 1_000_000_000)), ns)
+        return builder.add(builder.mul(seconds, ir.Constant(ir.IntType(64), 1_000_000_000)), ns)
 
     return types.int64(), codegen
 
@@ -37,8 +33,8 @@ def thread_id(typingctx):
 
     def codegen(context, builder, signature, args):
         if sys.platform != "linux":
-            return ir.Constant(_I64, 0)
-        return builder.sext(_call(builder, "gettid", ir.IntType(32), []), _I64)
+            return ir.Constant(ir.IntType(64), 0)
+        return builder.sext(_call(builder, "gettid", ir.IntType(32), []), ir.IntType(64))
 
     return types.int64(), codegen
 
@@ -50,11 +46,14 @@ def pause_ns(typingctx, duration):
     def codegen(context, builder, signature, args):
         i32 = ir.IntType(32)
         if sys.platform == "win32":
-            _call(builder, "Sleep", ir.VoidType(), [builder.trunc(builder.udiv(args[0], _I64(1_000_000)), i32)])
+            _call(
+                builder, "Sleep", ir.VoidType(), [builder.trunc(builder.udiv(args[0], ir.IntType(64)(1_000_000)), i32)]
+            )
         else:
-            time = cgutils.alloca_once(builder, ir.ArrayType(_I64, 2))
-            builder.store(builder.udiv(args[0], _I64(1_000_000_000)), cgutils.gep_inbounds(builder, time, 0, 0))
-            builder.store(builder.urem(args[0], _I64(1_000_000_000)), cgutils.gep_inbounds(builder, time, 0, 1))
+            time = cgutils.alloca_once(builder, ir.ArrayType(ir.IntType(64), 2))
+            billion = ir.IntType(64)(1_000_000_000)
+            builder.store(builder.udiv(args[0], billion), cgutils.gep_inbounds(builder, time, 0, 0))
+            builder.store(builder.urem(args[0], billion), cgutils.gep_inbounds(builder, time, 0, 1))
             _call(builder, "nanosleep", i32, [time, ir.Constant(time.type, None)])
         return context.get_dummy_value()
 
@@ -81,7 +80,7 @@ def call_back(typingctx, address, out, frames, times, flags, state):
     return types.int32(types.int64, out, types.int64, times, types.int64, types.int64), codegen
 
 
-def _call(builder: Any, name: str, returned: ir.Type, args: list[Any]) -> Any:
+def _call(builder: Any, name: str, returned: Any, args: list[Any]) -> Any:
     """Call a function of the system's library."""
     function = ir.FunctionType(returned, [arg.type for arg in args])
     return builder.call(cgutils.get_or_insert_function(builder.module, function, name), args)
@@ -127,7 +126,7 @@ def _sse(builder: Any, name: str, register: Any) -> None:
     _call(builder, f"llvm.x86.sse.{name}", ir.VoidType(), [pointer])
 
 
-@njit(error_model="numpy")
+@c_function(c_int64)
 def clock_ns():
     """The time (ns) by the clock that the callback reads."""
     return monotonic_ns()

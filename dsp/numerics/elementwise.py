@@ -1,11 +1,10 @@
 """Functions of numbers, compiled as functions of arrays."""
 
 from collections.abc import Callable
-from functools import wraps
+from functools import cache, wraps
 from typing import Any
 
 import numpy as np
-from numba import vectorize
 
 from .checks import Array
 
@@ -15,12 +14,17 @@ def elementwise(function: Callable[..., Any]) -> Callable[..., Array]:
 
     It is compiled at the first call. What overflows or underflows on the way is the function's own business.
     """
-    ufunc = vectorize(function)
+
+    @cache
+    def ufunc() -> Any:
+        from numba import vectorize  # it takes a while, and not everyone needs it
+
+        return vectorize(function)
 
     @wraps(function)
     def call(*arguments: Any) -> Array:
         with np.errstate(all="ignore"):
-            result: Array = ufunc(*arguments)
+            result: Array = ufunc()(*arguments)
         return result
 
     return call

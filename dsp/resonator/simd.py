@@ -5,11 +5,7 @@ It can't know that what is written lies nowhere in the tables. Here all is read 
 
 from typing import Any
 
-from llvmlite import ir
-from numba import types
-from numba.core import cgutils
-from numba.extending import intrinsic
-
+from ..native.jit import cgutils, intrinsic, ir, types
 from ..numerics.legendre import MOMENTS
 
 LANES = 8
@@ -19,10 +15,22 @@ STRETCH = 4
 """Samples that driven modes ring at a time, so that their tables are read once for all of them."""
 
 _REASSOCIATE = ("contract", "reassoc", "nsz")
-_I32 = ir.IntType(32)
-_I64 = ir.IntType(64)
-_VECTOR = ir.VectorType(ir.DoubleType(), LANES)
-_TUPLE = types.UniTuple(types.float64, LANES)
+
+
+def _i32(value: int) -> Any:
+    return ir.IntType(32)(value)
+
+
+def _i64(value: int) -> Any:
+    return ir.IntType(64)(value)
+
+
+def _vector_type() -> Any:
+    return ir.VectorType(ir.DoubleType(), LANES)
+
+
+def _lanes() -> Any:
+    return types.UniTuple(types.float64, LANES)
 
 
 def _pointer(context: Any, builder: Any, array_type: Any, array: Any, index: Any) -> Any:
@@ -32,9 +40,9 @@ def _pointer(context: Any, builder: Any, array_type: Any, array: Any, index: Any
 
 
 def _vector(builder: Any, scalars: Any) -> Any:
-    vector = ir.Constant(_VECTOR, ir.Undefined)
+    vector = ir.Constant(_vector_type(), ir.Undefined)
     for i, scalar in enumerate(scalars):
-        vector = builder.insert_element(vector, scalar, _I32(i))
+        vector = builder.insert_element(vector, scalar, _i32(i))
     return vector
 
 
@@ -44,18 +52,18 @@ def dot(typingctx, table, first, step, factors):
 
     def codegen(context, builder, signature, args):
         array, first, step, factors = args
-        total = ir.Constant(_VECTOR, None)
+        total = ir.Constant(_vector_type(), None)
         for k, factor in enumerate(cgutils.unpack_tuple(builder, factors)):
-            index = builder.add(first, builder.mul(step, _I64(k)))
+            index = builder.add(first, builder.mul(step, _i64(k)))
             values = builder.load(_pointer(context, builder, table, array, index), align=table.dtype.bitwidth // 8)
             if table.dtype != types.float64:
-                values = builder.fpext(values, _VECTOR)
+                values = builder.fpext(values, _vector_type())
             term = builder.fmul(_vector(builder, [factor] * LANES), values, flags=_REASSOCIATE)
             total = builder.fadd(total, term, flags=_REASSOCIATE)
-        lanes = [builder.extract_element(total, _I32(i)) for i in range(LANES)]
+        lanes = [builder.extract_element(total, _i32(i)) for i in range(LANES)]
         return cgutils.pack_array(builder, lanes)
 
-    return _TUPLE(table, types.intp, types.intp, factors), codegen
+    return _lanes()(table, types.intp, types.intp, factors), codegen
 
 
 @intrinsic
@@ -69,7 +77,7 @@ def add_product(typingctx, array, first, a, b):
         builder.store(builder.fadd(builder.load(pointer, align=8), product, flags=_REASSOCIATE), pointer, align=8)
         return context.get_dummy_value()
 
-    return types.void(array, types.intp, _TUPLE, _TUPLE), codegen
+    return types.void(array, types.intp, _lanes(), _lanes()), codegen
 
 
 @intrinsic
@@ -86,17 +94,17 @@ def push(typingctx, pushes, phi, slope, table, first, feeds, feed, frame):
         frames, count = cgutils.unpack_tuple(builder, memory.shape)[1:]
         start = builder.mul(builder.add(builder.mul(feed, frames), frame), count)
         phi, slope = (_vector(builder, cgutils.unpack_tuple(builder, lanes)) for lanes in (phi, slope))
-        sums = [ir.Constant(_VECTOR, None) for _ in range(2 * STRETCH)]
+        sums = [ir.Constant(_vector_type(), None) for _ in range(2 * STRETCH)]
         for k in range(MOMENTS):
             rows = [
                 builder.load(
-                    _pointer(context, builder, signature.args[3], table, builder.add(first, _I64((2 * k + s) * LANES))),
+                    _pointer(context, builder, signature.args[3], table, builder.add(first, _i64((2 * k + s) * LANES))),
                     align=8,
                 )
                 for s in range(2)
             ]
             for t in range(STRETCH):
-                at = builder.gep(memory.data, [builder.add(start, builder.add(builder.mul(_I64(t), count), _I64(k)))])
+                at = builder.gep(memory.data, [builder.add(start, builder.add(builder.mul(_i64(t), count), _i64(k)))])
                 moment = _vector(builder, [builder.load(at)] * LANES)
                 for s in range(2):
                     product = builder.fmul(moment, rows[s], flags=_REASSOCIATE)
@@ -104,7 +112,7 @@ def push(typingctx, pushes, phi, slope, table, first, feeds, feed, frame):
         for n, total in enumerate(sums):
             if n > 0 and n % 2 == 0:
                 phi = builder.fadd(phi, slope, flags=_REASSOCIATE)
-            pointer = _pointer(context, builder, signature.args[0], pushes, _I64(n * LANES))
+            pointer = _pointer(context, builder, signature.args[0], pushes, _i64(n * LANES))
             product = builder.fmul(phi, total, flags=_REASSOCIATE)
             builder.store(builder.fadd(builder.load(pointer, align=8), product, flags=_REASSOCIATE), pointer, align=8)
         return context.get_dummy_value()
@@ -135,7 +143,7 @@ def ring_pushed(typingctx, y1, y2, a1, a2, balance, first, pushes, totals):
 
         u, v, p, q, balance = (load(n, index) for n in range(5))
         for t in range(STRETCH):
-            at_left, at_right = _I64(2 * t * LANES), _I64((2 * t + 1) * LANES)
+            at_left, at_right = _i64(2 * t * LANES), _i64((2 * t + 1) * LANES)
             u = builder.fadd(u, load(6, at_left), flags=_REASSOCIATE)
             v = builder.fadd(v, load(6, at_right), flags=_REASSOCIATE)
             y = product_sum(p, u, builder.fmul(q, v, flags=_REASSOCIATE))

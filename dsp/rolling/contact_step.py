@@ -2,7 +2,7 @@
 
 The path enters a collocation step (collocation.py) at its nodes: what the compression would be without the force is
 known there exactly, kinks of the path and all. A step is accepted where the force's quadratic meets the law at its end
-to within a share of the momentum at hand, and where energy grows by no more than the path's work.
+to within a share of the momentum that swings about rest, and where energy grows by no more than the path's work.
 """
 
 import math
@@ -28,6 +28,8 @@ _TRIALS = 24
 _KINK = 1e-3  # share of the speed at hand by which a kink must change the compression's rate to end a step
 _NEAR = 1e-9  # share of a piece at whose end it is as good as over
 _SOLVED = 1e-7  # share of the momentum that a solver's last change may be worth: its error is the square
+
+_LEAST_RIPPLE = 1e-3  # share of the momentum at hand that counts as heard in any case
 
 _TWICE = INTEGRAL @ INTEGRAL
 
@@ -115,8 +117,16 @@ def _judge(roll, h, k, x, stored, momentum, y, w):
         spread += h * WEIGHTS[i] * f[i] * bend
     gained = 0.5 * m * (w - roll.w) * (w + roll.w) + m * roll.modulated_gravity * (y - roll.y) + kept - stored - work
     room = spread + _GROWTH * (momentum * momentum / m + m * roll.modulated_gravity * max(x, x_end, 0.0))
-    wanted = roll.tolerance * momentum
+    ripple = max(_ripple(roll, x, roll.path_rate[0] - roll.w), _ripple(roll, x_end, v_end), _LEAST_RIPPLE * momentum)
+    wanted = roll.tolerance * ripple
     return better_step(rest, wanted), rest <= wanted and gained <= room
+
+
+@kernel
+def _ripple(roll, x, v):
+    """The momentum at hand of a swing about rest: what is heard of a body that never leaves the path, however soft."""
+    away = x - roll.rest_compression
+    return roll.m * math.sqrt(v * v + roll.a * roll.modulated_gravity / roll.rest_compression * away * away)
 
 
 @kernel

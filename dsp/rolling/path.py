@@ -21,7 +21,6 @@ out towards it.
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ..native.jit import kernel
@@ -241,7 +240,7 @@ def make_piece(path):
     path.count -= 1
 
 
-@njit(error_model="numpy")
+@kernel
 def _restart(path, surface, radius, corners, speed, place):
     path.surface = surface
     path.radius = radius
@@ -252,7 +251,7 @@ def _restart(path, surface, radius, corners, speed, place):
     restart_path(path, place)
 
 
-@njit(error_model="numpy")
+@kernel
 def _pieces(path, end, pieces):
     total = 0.0
     for n in range(len(pieces)):

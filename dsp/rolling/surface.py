@@ -12,7 +12,6 @@ of kilometres. How much of an octave is heard is up to who reads: `gain`.
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from ..native.jit import kernel
@@ -120,12 +119,12 @@ def height_at(surface, place):
     return z
 
 
-@njit(error_model="numpy")
+@kernel
 def _begin(surface, roughness, correlation, slope, ripple, wavelength, seed):
     begin_surface(surface, roughness, correlation, slope, ripple, wavelength, seed)
 
 
-@njit(error_model="numpy")
+@kernel
 def _heights(surface, places, z):
     for i in range(len(places)):
         z[i] = height_at(surface, places[i])

@@ -3,20 +3,19 @@
 Real time hands its address to PortAudio; offline and clock-driven rendering call the same code, so their bits agree.
 """
 
-from typing import Any
+from ctypes import c_int, c_ulong, c_void_p
 
-from numba import carray, cfunc, types
+import numpy as np
 
 from ..engine.clock import lock
 from ..engine.process import process
 from ..engine.queue import look_again
 from ..engine.state import QUANTUM, STATE
-from ..native.jit import WHOLE
+from ..native.jit import c_function, carray
 from ..native.system import flush_denormals, monotonic_ns, restore_denormals, thread_id
 
-SIGNATURE = types.intc(
-    types.voidptr, types.CPointer(types.float32), types.ulong, types.CPointer(types.float64), types.ulong, types.voidptr
-)  # (input, output, frames, times, status flags, state)
+SIGNATURE = c_int, c_void_p, c_void_p, c_ulong, c_void_p, c_ulong, c_void_p
+"""PaStreamCallback's types: what it returns; input, output, frames, times, status flags, state."""
 
 OUTPUT_UNDERFLOW = 4
 """The status flag that says that sound was missing before this block."""
@@ -24,7 +23,8 @@ _NOW, _HEARD = 1, 2  # in PortAudio's times, s: of the callback, and of its firs
 _LATELY = 0.1  # s
 
 
-def _callback(_input, output, frames, times, flags, userdata):
+@c_function(*SIGNATURE)
+def callback(_input, output, frames, times, flags, userdata):
     """PaStreamCallback: fill `output` with `frames` frames, channel by channel, from the state in `userdata`."""
     entered = monotonic_ns()
     mode = flush_denormals()
@@ -36,7 +36,8 @@ def _callback(_input, output, frames, times, flags, userdata):
     first = state.position - QUANTUM + state.output.consumed
     if lock(state.clock, state.rate, entered, first, frames, underflow):
         look_again(state.queue, state.position)
-    process(state, carray(output, (frames, state.output.channels)), frames)
+    times = carray(times, (3,), np.float64)
+    process(state, carray(output, (frames, state.output.channels), np.float32), frames)
     restore_denormals(mode)
     load = (monotonic_ns() - entered) * 1e-9 * state.rate / max(frames, 1)
     share = min(1.0, frames / state.rate)
@@ -47,8 +48,3 @@ def _callback(_input, output, frames, times, flags, userdata):
     state.stats.overruns += load > 1.0
     state.stats.callbacks += 1
     return 0
-
-
-def compile_callback(cached: bool) -> Any:
-    """Compile the callback, or fetch it from numba's cache; only a fresh one can be inspected."""
-    return cfunc(SIGNATURE, error_model="numpy", forceinline=True, cache=cached, pipeline_class=WHOLE)(_callback)

@@ -1,7 +1,6 @@
 """The engine from Python: it checks, lays out memory and sends commands; the compiled callback does the rest."""
 
 from collections.abc import Sequence
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -14,13 +13,12 @@ from ..engine.channels import MOST_CHANNELS
 from ..engine.commands import Command, Handle, Kind, write
 from ..engine.state import ENDED, EVENTS, RING, TAP, End, Quality, new_state
 from ..native.atomics import observe, publish
+from ..native.code import Code, load
 from ..native.system import clock_ns
 from ..resonator.bank import NYQUIST_SHARE
 from ..schema import Stats
 from .arena import EngineFull
-from .callback import compile_callback
-from .code_cache import kept
-from .compile_notice import CALLBACK_PASSES
+from .callback import callback
 from .memory import Memory
 from .strikers import Strikers
 
@@ -48,14 +46,9 @@ class Stamp(float):
         return self
 
 
-@cache
-def _callback() -> Any:
-    return kept(compile_callback, CALLBACK_PASSES)
-
-
 def prepare() -> None:
-    """Load the engine's code, or compile it, which takes a minute or two; after this, an Engine takes milliseconds."""
-    _callback()
+    """Load the engine's code, or compile it, which takes a minute; after this, an Engine takes milliseconds."""
+    load(callback.__module__)
 
 
 class Engine:
@@ -69,7 +62,6 @@ class Engine:
         if not 1 <= channels <= MOST_CHANNELS:
             raise ValueError(f"channels = {channels}: expected 1 to {MOST_CHANNELS}")
         self.state = new_state(rate, channels)
-        self._callback = _callback()
         self._record = self.state[0]
         self._ring = self._record["ring"]
         self._pace: tuple[int, float, float] | None = None
@@ -88,7 +80,7 @@ class Engine:
     @property
     def address(self) -> int:
         """Of the compiled callback, with PortAudio's signature."""
-        return int(self._callback.address)
+        return callback.address
 
     @property
     def pointer(self) -> int:
@@ -185,9 +177,7 @@ class Engine:
     def process(self, frames: int) -> NDArray[np.float32]:
         """The next `frames` frames, float32 (frames, channels)."""
         out = np.empty((frames, self.channels), np.float32)
-        call = self._callback.ctypes
-        times = _NO_TIMES.ctypes.data_as(call.argtypes[3])
-        call(None, out.ctypes.data_as(call.argtypes[1]), frames, times, 0, self.pointer)
+        callback(None, out.ctypes.data, frames, _NO_TIMES.ctypes.data, 0, self.pointer)
         return out
 
     def quiet(self) -> bool:
@@ -300,9 +290,9 @@ class Engine:
         return taken
 
     @property
-    def compiled(self) -> bool:
-        """Whether this process compiled the engine, rather than load it."""
-        return bool(self._callback.cache_hits == 0)
+    def code(self) -> Code:
+        """The machine code that runs: its key, for which kind of processor it was made, and where it came from."""
+        return load(callback.__module__)
 
     def lay_out(self, modes: Modes, level: float) -> tuple[Handle, dict[str, float]]:
         """Put an object's modes up to `top_frequency` into the bank; returns its handle, and the layout that its NEW

@@ -7,17 +7,13 @@ that finds the flag TAKEN plays silence.
 """
 
 import ctypes
-from functools import cache
-from typing import Any
 
 import numpy as np
-from numba import carray, cfunc, njit
 
-from ..native.atomics import exchange, observe, store_release
-from ..native.jit import WHOLE
+from ..native.atomics import exchange, observe, store_release, swap
+from ..native.jit import c_function, carray
 from ..native.system import call_back
 from .callback import SIGNATURE
-from .code_cache import kept
 
 FREE, RUNNING, TAKEN = range(3)
 
@@ -33,34 +29,20 @@ HANDOVER = np.dtype(
 )
 
 
-def _guarded(_input, output, frames, times, flags, userdata):
+@c_function(*SIGNATURE)
+def guarded(_input, output, frames, times, flags, userdata):
     """PaStreamCallback: what the engine's does, or silence while the HANDOVER in `userdata` is taken."""
     handover = carray(userdata, (1,), HANDOVER)[0]
     store_release(handover.calls, 0, handover.calls[0] + 1)
     if exchange(handover.turn, 0, FREE, RUNNING):
-        out = carray(output, (frames, handover.channels))
-        call_back(handover.callback, out, frames, carray(times, (3,)), flags, handover.state)
+        out = carray(output, (frames, handover.channels), np.float32)
+        call_back(handover.callback, out, frames, carray(times, (3,), np.float64), flags, handover.state)
         store_release(handover.turn, 0, FREE)
     else:
-        samples = carray(output, (frames * handover.channels,))
+        samples = carray(output, (frames * handover.channels,), np.float32)
         for n in range(len(samples)):
             samples[n] = 0.0
     return 0
-
-
-def compile_guarded(cached: bool) -> Any:
-    """Compile the callback, or fetch it from numba's cache; only a fresh one can be inspected."""
-    return cfunc(SIGNATURE, error_model="numpy", forceinline=True, cache=cached, pipeline_class=WHOLE)(_guarded)
-
-
-@cache
-def _compiled() -> Any:
-    return kept(compile_guarded)
-
-
-@njit(error_model="numpy")
-def _turn(turn, before, after):
-    return exchange(turn, 0, before, after)
 
 
 class Handover:
@@ -72,12 +54,12 @@ class Handover:
         # The device may call until the process has ended, long after Python has cleared away everything else.
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(self._record))
         self._word = self._record[0]["turn"]
-        _turn(self._word, FREE, TAKEN)
+        swap(self._word, FREE, TAKEN)
 
     @property
     def address(self) -> int:
         """Of the callback to give to the device."""
-        return int(_compiled().address)
+        return guarded.address
 
     @property
     def pointer(self) -> int:
@@ -91,9 +73,9 @@ class Handover:
 
     def allow(self) -> None:
         """Let the device's calls reach the engine."""
-        _turn(self._word, TAKEN, FREE)
+        swap(self._word, TAKEN, FREE)
 
     def revoke(self) -> bool:
         """Have no call reach the engine from here on; false if one is in it at this moment."""
-        _turn(self._word, FREE, TAKEN)
+        swap(self._word, FREE, TAKEN)
         return int(observe(self._word)) == TAKEN

@@ -15,7 +15,7 @@ import numpy as np
 from ...dsp.native.atomics import publish
 from ...dsp.runtime.engine import Engine
 from ...dsp.runtime.handover import Handover
-from ...dsp.runtime.pacer import pacer
+from ...dsp.runtime.pacer import pace
 from .portaudio import AudioError, give_up, jack_rate, never_end, portaudio
 
 _CLOCK_BLOCK = 480
@@ -62,9 +62,10 @@ class ClockOutput:
         self.latency = max(frames / engine.rate, latency or 0.0)
         self._engine = engine
         self._running = np.ones(1, np.int64)
-        memory = np.zeros((frames, engine.channels), np.float32), np.zeros(3)
-        args = self._running, engine.address, engine.pointer, engine.rate, *memory
-        self._thread = threading.Thread(target=pacer(), args=args, name="carom-clock", daemon=True)
+        self._out, self._times = np.zeros((frames, engine.channels), np.float32), np.zeros(3)
+        running, out, times = (each.ctypes.data for each in (self._running, self._out, self._times))
+        args = running, engine.address, engine.pointer, engine.rate, out, frames, engine.channels, times
+        self._thread = threading.Thread(target=pace, args=args, name="carom-clock", daemon=True)
 
     def prepare(self) -> None:
         pass

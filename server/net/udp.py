@@ -10,15 +10,13 @@ import struct
 import sys
 import threading
 from contextlib import suppress
-from functools import cache
+from ctypes import c_int, c_size_t, c_ssize_t, c_void_p
 from typing import Any
 
 import numpy as np
-from numba import carray, cfunc, types
 
 from ...dsp.native.atomics import load_acquire, observe, publish, store_release
-from ...dsp.native.jit import kernel
-from ...dsp.runtime.code_cache import kept
+from ...dsp.native.jit import External, c_function, carray, kernel
 
 CAPACITY = 1 << 22
 """Bytes of datagrams that can wait to be carried out, each with 24 of its own: some 50,000 short ones."""
@@ -47,10 +45,9 @@ _BOX = np.dtype(
 _ENTRY = struct.Struct("=q2x2s4s8x")  # size, and of the sockaddr_in port and host
 
 _WINDOWS = sys.platform == "win32"
-_SIZE, _RESULT = (types.intc, types.intc) if _WINDOWS else (types.uintp, types.intp)
-_POINTER = types.uintp
-_recvfrom = types.ExternalFunction("recvfrom", _RESULT(types.intc, _POINTER, _SIZE, types.intc, _POINTER, _POINTER))
-_send = types.ExternalFunction("send", _RESULT(types.intc, _POINTER, _SIZE, types.intc))
+_SIZE, _RESULT = (c_int, c_int) if _WINDOWS else (c_size_t, c_ssize_t)
+_recvfrom: Any = External("recvfrom", _RESULT, c_int, c_void_p, _SIZE, c_int, c_void_p, c_void_p)
+_send: Any = External("send", _RESULT, c_int, c_void_p, _SIZE, c_int)
 
 
 def _after(position: int, size: int) -> int:
@@ -63,7 +60,8 @@ def _after(position: int, size: int) -> int:
 _beyond = kernel(_after)
 
 
-def _drain(address: Any) -> None:
+@c_function(None, c_void_p)
+def drain(address):
     """Move datagrams into the ring until stopped, and count those that find no room there. address: of a _BOX."""
     box = carray(address, (1,), _BOX)[0]
     fresh, ring = box.fresh, box.ring
@@ -90,11 +88,6 @@ def _drain(address: Any) -> None:
             _send(box.bell, start, 1, 0)
 
 
-@cache
-def _drainer() -> Any:
-    return kept(lambda cached: cfunc(types.void(types.voidptr), error_model="numpy", cache=cached)(_drain))
-
-
 class Intake:
     """The datagrams that arrive at a bound UDP socket. `close` it before the socket.
 
@@ -116,7 +109,7 @@ class Intake:
         udp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, wait)
         # What ctypes calls runs without the GIL.
         address = self._box.ctypes.data
-        self._thread = threading.Thread(target=_drainer().ctypes, args=(address,), name="carom-intake", daemon=True)
+        self._thread = threading.Thread(target=drain, args=(address,), name="carom-intake", daemon=True)
         self._thread.start()
         if hasattr(os, "sched_setscheduler") and self._thread.native_id:
             lowest = os.sched_param(os.sched_get_priority_min(os.SCHED_FIFO))

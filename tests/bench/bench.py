@@ -52,9 +52,9 @@ print(imported - start, made - imported, perf_counter() - made)
 
 COMPILE = """
 from time import perf_counter
-from carom.dsp.runtime.callback import compile_callback
+from carom.dsp.native.code import compiled
 start = perf_counter()
-compile_callback(cached=False)
+compiled("carom.dsp.runtime.callback")
 print(perf_counter() - start)
 """
 

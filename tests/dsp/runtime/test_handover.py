@@ -5,14 +5,14 @@ import threading
 import time
 
 import numpy as np
-from numba import carray, cfunc
 
 from carom.dsp.native.atomics import publish
+from carom.dsp.native.jit import c_function, carray
 from carom.dsp.native.system import monotonic_ns
 from carom.dsp.runtime.callback import SIGNATURE
 from carom.dsp.runtime.engine import Engine
 from carom.dsp.runtime.handover import Handover
-from carom.dsp.runtime.pacer import pacer
+from carom.dsp.runtime.pacer import pace
 
 RATE = 48_000
 
@@ -20,9 +20,8 @@ RATE = 48_000
 def call(handover: Handover, frames: int) -> np.ndarray:
     """What a device hears that calls once."""
     out = np.full((frames, 2), np.nan, np.float32)
-    kinds = ctypes.c_void_p, ctypes.c_void_p, ctypes.c_ulong, ctypes.c_void_p, ctypes.c_ulong, ctypes.c_void_p
     times = np.zeros(3)
-    done = ctypes.CFUNCTYPE(ctypes.c_int, *kinds)(handover.address)(
+    done = ctypes.CFUNCTYPE(*SIGNATURE)(handover.address)(
         None, out.ctypes.data, frames, times.ctypes.data, 0, handover.pointer
     )
     assert done == 0  # go on
@@ -42,7 +41,7 @@ def test_a_device_hears_silence_while_the_engine_is_taken():
         assert handover.calls == asked + 1
 
 
-@cfunc(SIGNATURE)
+@c_function(*SIGNATURE)
 def slow(_input, output, frames, times, flags, userdata):
     """Something that may be run by one at a time, and takes 20 µs: it counts when it is, and when it was not alone."""
     state = carray(userdata, (3,), np.int64)
@@ -60,10 +59,12 @@ def test_the_engine_is_run_by_one_at_a_time():
     state = np.zeros(3, np.int64)
     handovers = [Handover(slow.address, state.ctypes.data, 2) for _ in range(2)]
     running = np.ones(1, np.int64)
-    threads = []
+    threads, memories = [], []
     for handover in handovers:
-        args = running, handover.address, handover.pointer, 64 * 2.0e4, np.zeros((64, 2), np.float32), np.zeros(3)
-        threads.append(threading.Thread(target=pacer(), args=args))
+        memories.append((np.zeros((64, 2), np.float32), np.zeros(3)))
+        go, out, times = (each.ctypes.data for each in (running, *memories[-1]))
+        args = go, handover.address, handover.pointer, 64 * 2.0e4, out, 64, 2, times
+        threads.append(threading.Thread(target=pace, args=args))
         threads[-1].start()
     refused = 0
     for n in range(100):

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from numba import carray, cfunc, types
 
-from carom.dsp.native import jit
+from carom.dsp.native import compiler
 from carom.dsp.resonator.bank import Modes, ring
 
 pytestmark = pytest.mark.slow
@@ -71,7 +71,7 @@ def ring_alone() -> str:
         modes = Modes(carray(y1, n), carray(y2, n), carray(a1, n), carray(a2, n), right, right)
         ring(modes, carray(out, (2, frames)), 0, frames)
 
-    compiled: Any = cfunc(SIGNATURE, error_model="numpy", forceinline=True, pipeline_class=jit.WHOLE)(rings)
+    compiled: Any = cfunc(SIGNATURE, error_model="numpy", forceinline=True, pipeline_class=compiler.WHOLE)(rings)
     return compiled.inspect_llvm()
 
 
@@ -94,7 +94,7 @@ def test_modes_ring_in_the_order_in_which_they_lie() -> None:
 def test_a_loop_that_is_unrolled_before_it_is_vectorised_is_found_out(monkeypatch) -> None:
     if not re.search(r"phi <(4|8|16) x double>", ring_alone()):
         pytest.skip("this processor's vectors hold two doubles: it does not vectorise an unrolled loop")
-    monkeypatch.setattr(jit._Whole, "_optimize_final_module", unroll_first)
+    monkeypatch.setattr(compiler._Whole, "_optimize_final_module", unroll_first)
     assert any(reorderings(loop) for loop in modal_loops(ring_alone()))
 
 

@@ -7,8 +7,8 @@ import time
 
 import pytest
 
-from carom.dsp.runtime import compile_notice
-from carom.dsp.runtime.compile_notice import CompileNotice
+from carom.dsp.native import compile_notice
+from carom.dsp.native.compile_notice import CompileNotice
 
 
 class Terminal(io.StringIO):

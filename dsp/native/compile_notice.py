@@ -8,9 +8,6 @@ from typing import Any, TextIO
 
 from numba.core import event
 
-CALLBACK_PASSES = 8_800
-"""Passes that numba runs for the engine's callback; tests/test_extension.py, which compiles it, counts them again."""
-
 _LONG = 2.0  # s of compiling after which something is said
 _PERIOD = 0.5  # s between two looks
 _TRANSLATION = 0.72  # share of the time that passes take; then the optimiser runs, and tells nothing
@@ -21,7 +18,7 @@ _log = logging.getLogger(__name__)
 
 
 class CompileNotice(event.Listener):
-    """A listener of numba's passes. Code that is only loaded runs none of them.
+    """A listener of numba's passes, while it is entered. Code that is only loaded runs none of them.
 
     passes: how many are expected; 0 for code that takes so little time that no progress is shown.
     """
@@ -44,6 +41,15 @@ class CompileNotice(event.Listener):
 
     def on_end(self, event: Any) -> None:
         pass
+
+    def __enter__(self) -> "CompileNotice":
+        self._listening = event.install_listener("numba:run_pass", self)
+        self._listening.__enter__()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._listening.__exit__(None, None, None)
+        self.close()
 
     def close(self) -> None:
         """Say nothing more, and clear the line on a terminal."""

@@ -1,0 +1,267 @@
+"""Machine code on disk: what came along with the package, or what was compiled here and kept in the user's cache.
+
+The key of a module's code is a hash of its sources: of the file and of every file of the package that it imports,
+directly or through others. A folder by that key holds
+
+    sources.json              the names of those files, and the functions of the C library that the code calls
+    code.bc                   LLVM's bitcode, optimised (in the cache alone)
+    SYSTEM-PROCESSOR.HASH.o   machine code for a kind of processor, with a hash of its own bytes in its name
+"""
+
+import ast
+import gc
+import hashlib
+import importlib
+import importlib.util
+import json
+import logging
+import os
+import shutil
+import sys
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import llvmlite.binding as llvm
+import platformdirs
+
+from .jit import CFunction
+from .targets import processors, system, target_machine
+
+PACKAGED = Path(__file__).parent / "objects"
+"""Where a wheel holds its code."""
+
+_VERSIONS_KEPT = 4
+PASSES = {"carom.dsp.runtime.callback": 8_800}
+"""Passes that numba runs for the engine; a test that compiles it counts them again."""
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Code:
+    """The machine code of a module's C functions, loaded: their addresses by name, and where it came from."""
+
+    addresses: dict[str, int]
+    key: str
+    processor: str
+    origin: str  # "package", "cache" or "compiled"
+
+
+@cache
+def load(module: str) -> Code:
+    """The code of a module's C functions: from the package, else from the cache, else compiled."""
+    importlib.import_module(module)
+    for origin, root in (("package", PACKAGED), ("cache", _cache())):
+        for folder in sorted((root / module).glob("*")):
+            listed = _listed(folder)
+            if listed and folder.name == _hash_of(listed["sources"]) and _are_there(listed["needs"]):
+                made = _object_in(folder)
+                if made:
+                    return _linked(module, folder.name, *made, origin)
+    return compiled(module)
+
+
+def bitcode(module: str) -> bytes:
+    """LLVM's bitcode of a module's C functions, optimised: kept from an earlier start, else compiled."""
+    file = _cache() / module / key(module) / "code.bc"
+    try:
+        llvm.parse_bitcode(file.read_bytes())
+    except (OSError, RuntimeError):
+        compiled(module)
+    return file.read_bytes()
+
+
+def build(modules: list[str], kinds: tuple[str, ...], root: Path) -> None:
+    """Make code of modules for some kinds of processor, and nothing else, the content of a folder.
+
+    It is made in the cache, and copied from there.
+    """
+    shutil.rmtree(root, ignore_errors=True)
+    for module in modules:
+        source = bitcode(module)
+        kept, folder = _cache() / module / key(module), root / module / key(module)
+        folder.mkdir(parents=True)
+        shutil.copy(kept / "sources.json", folder)
+        for kind in kinds:
+            made = _read_object(kept, kind) or _emitted(source, kind)
+            _write_object(kept, kind, made)
+            _write_object(folder, kind, made)
+
+
+def key(module: str) -> str:
+    """A hash of the sources of a module and of all that it imports."""
+    importlib.import_module(module)
+    return _hash_of(sources(module))
+
+
+def sources(module: str) -> list[str]:
+    """The names of a loaded module and of all that it imports of its top-level package, in order."""
+    top = module.partition(".")[0]
+    found: set[str] = set()
+    waiting = [module]
+    while waiting:
+        name = waiting.pop()
+        if name in sys.modules and name not in found and name.partition(".")[0] == top and _file_of(name):
+            found.add(name)
+            waiting += _imports(name)
+    return sorted(found)
+
+
+def _imports(module: str) -> Iterator[str]:
+    """The names that a loaded module imports, each with the module that it is from: some are modules, some are not."""
+    package = sys.modules[module].__package__
+    file = _file_of(module)
+    for node in ast.walk(ast.parse(file.read_bytes() if file else b"")):
+        if isinstance(node, ast.ImportFrom):
+            target = importlib.util.resolve_name("." * node.level + (node.module or ""), package)
+            yield target
+            yield from (f"{target}.{each.name}" for each in node.names)
+
+
+def _file_of(module: str) -> Path | None:
+    """The file of a module, which need not be loaded; its package is."""
+    if module in sys.modules:
+        path = getattr(sys.modules[module], "__file__", None)
+        return Path(path) if path else None
+    above, _, name = module.rpartition(".")
+    folder = _file_of(above) if above else None
+    if folder is None:
+        return None
+    package = folder.parent / name / "__init__.py"
+    return package if package.exists() else folder.parent / f"{name}.py"
+
+
+def _hash_of(modules: list[str]) -> str:
+    """A hash of the sources of modules as they are now; empty where one of them is gone."""
+    digest = hashlib.sha256()
+    for name in modules:
+        file = _file_of(name)
+        if file is None or not file.exists():
+            return ""
+        source = file.read_bytes()
+        digest.update(f"{name}\0{len(source)}\0".encode())
+        digest.update(source)
+    return digest.hexdigest()[:16]
+
+
+def _cache() -> Path:
+    return platformdirs.user_cache_path("carom") / "code"
+
+
+def _listed(folder: Path) -> dict[str, list[str]] | None:
+    """What sources.json of a folder says; None where there is none that can be read."""
+    try:
+        listed = json.loads((folder / "sources.json").read_text())
+        return {name: [str(each) for each in listed[name]] for name in ("sources", "needs")}
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def _are_there(functions: list[str]) -> bool:
+    """True if the process has all functions of these names; LLVM ends the process where it looks for one in vain."""
+    llvm.load_library_permanently("")
+    return all(llvm.address_of_symbol(name) for name in functions)
+
+
+def _object_in(folder: Path) -> tuple[bytes, str] | None:
+    """The machine code in a folder for this processor, and the kind that it is for."""
+    for kind in processors():
+        made = _read_object(folder, kind)
+        if made:
+            return made, kind
+    return None
+
+
+def _read_object(folder: Path, kind: str) -> bytes | None:
+    """The machine code in a folder for a kind of processor; None where there is none that is whole."""
+    for file in folder.glob(f"{system()}-{kind}.*.o"):
+        with suppress(OSError):
+            made = file.read_bytes()
+            if file.suffixes[-2] == f".{_digest(made)}":
+                return made
+            _log.warning("the compiled code in %s is damaged", file)
+    return None
+
+
+def _digest(made: bytes) -> str:
+    return hashlib.sha256(made).hexdigest()[:16]
+
+
+def _linked(module: str, code_key: str, made: bytes, kind: str, origin: str) -> Code:
+    """Have machine code ready to run."""
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), target_machine(kind))
+    engine.add_object_file(llvm.ObjectFileRef.from_data(made))
+    engine.finalize_object()
+    _ENGINES.append(engine)  # the code goes with it
+    names = [each.py_func.__name__ for each in _functions_of(module)]
+    return Code({name: engine.get_function_address(name) for name in names}, code_key, kind, origin)
+
+
+_ENGINES: list[Any] = []
+
+
+def _functions_of(module: str) -> list[CFunction]:
+    """The C functions that a module defines."""
+    values = vars(importlib.import_module(module)).values()
+    return [each for each in values if isinstance(each, CFunction) and each.py_func.__module__ == module]
+
+
+def compiled(module: str) -> Code:
+    """The code of a module's C functions, compiled now, and kept in the cache where that can be written."""
+    from .compile_notice import CompileNotice  # it imports numba
+    from .compiler import written
+
+    collecting = gc.isenabled()
+    gc.disable()  # a compiler keeps most of the millions of objects that it makes: looking through them takes a while
+    try:
+        with CompileNotice(PASSES.get(module, 0)):
+            source = written(_functions_of(module))
+            made = _emitted(source.as_bitcode(), processors()[0])
+    finally:
+        if collecting:
+            gc.enable()
+    needs = [each.name for each in source.functions if each.is_declaration and not each.name.startswith("llvm.")]
+    folder = _cache() / module / key(module)
+    try:
+        _keep(folder, source.as_bitcode(), {"sources": sources(module), "needs": needs}, made)
+    except OSError as error:
+        _say_that_it_is_not_kept(str(error))
+    return _linked(module, folder.name, made, processors()[0], "compiled")
+
+
+def _emitted(source: bytes, kind: str) -> bytes:
+    """Machine code of LLVM's bitcode."""
+    made: bytes = target_machine(kind).emit_object(llvm.parse_bitcode(source))
+    return made
+
+
+def _keep(folder: Path, source: bytes, listed: dict[str, list[str]], made: bytes) -> None:
+    """Write a folder of the cache, and remove all but the last few others."""
+    folder.mkdir(parents=True, exist_ok=True)
+    _write(folder / "code.bc", source)
+    _write_object(folder, processors()[0], made)
+    _write(folder / "sources.json", json.dumps(listed).encode())
+    others = [path for path in folder.parent.glob("*") if path.is_dir() and path != folder]
+    for path in sorted(others, key=lambda path: path.stat().st_mtime, reverse=True)[_VERSIONS_KEPT:]:
+        shutil.rmtree(path, ignore_errors=True)
+
+
+def _write_object(folder: Path, kind: str, made: bytes) -> None:
+    _write(folder / f"{system()}-{kind}.{_digest(made)}.o", made)
+
+
+def _write(file: Path, content: bytes) -> None:
+    """Write a file that another process may read at the same time."""
+    partly = file.with_name(f"{file.name}.{os.getpid()}")
+    partly.write_bytes(content)
+    partly.replace(file)
+
+
+@cache
+def _say_that_it_is_not_kept(why: str) -> None:
+    text = "cannot write the code cache (%s): every start will compile; XDG_CACHE_HOME may name another folder"
+    _log.warning(text, why)

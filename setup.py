@@ -1,0 +1,38 @@
+"""What pyproject.toml cannot say: a wheel holds machine code of the functions that Carom compiles."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from setuptools import setup
+from setuptools.command.build_py import build_py
+
+COMPILED = (
+    "carom.dsp.native.atomics",
+    "carom.dsp.native.system",
+    "carom.dsp.runtime.callback",
+    "carom.dsp.runtime.handover",
+    "carom.dsp.runtime.pacer",
+    "carom.server.net.udp",
+)
+"""The modules that define functions of C."""
+
+BUILD = """
+import sys
+from carom.dsp.native import code, targets
+code.build(sys.argv[1:], targets.built(), code.PACKAGED)
+"""
+
+
+class BuildWithCode(build_py):
+    """Copies the package, and has the copy compile itself, which takes a minute where no code of it is cached."""
+
+    def run(self) -> None:
+        super().run()
+        if not self.editable_mode:
+            environment = os.environ | {"PYTHONPATH": str(Path(self.build_lib).resolve())}
+            subprocess.run([sys.executable, "-c", BUILD, *COMPILED], env=environment, cwd=self.build_lib, check=True)
+
+
+setup(cmdclass={"build_py": BuildWithCode})

@@ -1,0 +1,219 @@
+"""Compiled code is thrown away where its sources have changed, and only there."""
+
+import importlib
+import logging
+import subprocess
+import sys
+
+import platformdirs
+import pytest
+
+from carom.dsp.native import code, targets
+from carom.dsp.native.code import compiled, key, load, sources
+from carom.dsp.native.targets import LEVELS, processors
+
+FILES = {
+    "__init__.py": "",
+    "callback.py": "from .engine.process import run\nfrom .engine import clock\n",
+    "engine/__init__.py": "",
+    "engine/clock.py": "",
+    "engine/process.py": "from ..contact.deep.law import (\n    force,\n)\ndef run(): return force()\n",
+    "contact/__init__.py": "",
+    "contact/deep/__init__.py": "",
+    "contact/deep/law.py": "def force(): return 1\n",
+    "bodies/__init__.py": "",
+    "bodies/bar.py": "from ..contact.deep import law\n",
+    "study.py": "from . import callback\n",
+}
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch):
+    """A small package, imported; it is forgotten afterwards."""
+    for name, text in FILES.items():
+        path = tmp_path / "kernels" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    for module in ("kernels.callback", "kernels.bodies.bar", "kernels.study"):
+        importlib.import_module(module)
+    yield tmp_path / "kernels"
+    for module in [name for name in sys.modules if name.partition(".")[0] == "kernels"]:
+        del sys.modules[module]
+
+
+@pytest.mark.parametrize("name", ["callback.py", "engine/clock.py", "engine/process.py", "contact/deep/law.py"])
+def test_an_edit_of_a_file_that_is_imported_however_deep_changes_the_key(package, name):
+    before = key("kernels.callback")
+    (package / name).write_text(FILES[name] + "# edited\n")
+    assert key("kernels.callback") != before
+
+
+@pytest.mark.parametrize("name", ["bodies/bar.py", "study.py", "bodies/__init__.py"])
+def test_an_edit_of_a_file_that_is_not_imported_keeps_the_key(package, name):
+    before = key("kernels.callback")
+    (package / name).write_text(FILES[name] + "# edited\n")
+    assert key("kernels.callback") == before
+
+
+@pytest.mark.slow
+def test_the_callbacks_key_holds_its_kernels_and_neither_bodies_nor_study():
+    for module in ("carom.dsp.study.wall", "carom.dsp.study.roll", "carom.dsp.bodies.plate"):
+        importlib.import_module(module)
+    held = set(sources("carom.dsp.runtime.callback"))
+    kernels = {"contact.law", "contact.closed_form", "contact.coupled", "resonator.bank", "rolling.body", "native.jit"}
+    kernels |= {"rolling.surface", "engine.process", "engine.render", "numerics.random"}
+    assert {f"carom.dsp.{name}" for name in kernels} <= held
+    rooms = {name.split(".")[2] for name in held}
+    assert rooms == {"native", "numerics", "contact", "resonator", "rolling", "engine", "runtime", "schema"}
+    assert {name for name in held if ".runtime." in name} == {"carom.dsp.runtime.callback"}
+
+
+MODULE = """
+from ctypes import c_int64
+from carom.dsp.native.jit import c_function
+
+@c_function(c_int64, c_int64)
+def double(x):
+    return 2 * x
+"""
+
+
+@pytest.fixture
+def doubling(tmp_path, monkeypatch):
+    """A module with a C function, and a cache of its own; `load` knows neither from before."""
+    (tmp_path / "doubling.py").write_text(MODULE)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(platformdirs, "user_cache_path", lambda name: tmp_path / "cache" / name)
+    load.cache_clear()
+    yield "doubling"
+    sys.modules.pop("doubling", None)
+    load.cache_clear()
+
+
+def doubled(module: str) -> tuple[int, str]:
+    """What the function makes of 21 in a new start, and where its code came from."""
+    load.cache_clear()
+    sys.modules.pop(module, None)
+    return importlib.import_module(module).double(21), load(module).origin
+
+
+def test_only_what_is_compiled_is_announced(doubling, monkeypatch, caplog):
+    monkeypatch.setattr("carom.dsp.native.compile_notice._LONG", 0.0)
+    with caplog.at_level(logging.WARNING):
+        assert doubled(doubling) == (42, "compiled")
+    assert [record.getMessage().startswith("compiling the engine") for record in caplog.records] == [True]
+    caplog.clear()
+    with caplog.at_level(logging.WARNING):
+        assert doubled(doubling) == (42, "cache")
+    assert not caplog.records
+
+
+def test_edited_sources_are_compiled_again_and_the_old_code_is_found_again(doubling, tmp_path):
+    assert doubled(doubling) == (42, "compiled")
+    (tmp_path / "doubling.py").write_text(MODULE.replace("2 * x", "20 * x"))
+    assert doubled(doubling) == (420, "compiled")
+    (tmp_path / "doubling.py").write_text(MODULE)
+    assert doubled(doubling) == (42, "cache")
+
+
+@pytest.mark.parametrize("way", ["empty", "half", "noise", "gone"])
+@pytest.mark.parametrize("ending", ["*.o", "sources.json", "code.bc"])
+def test_damaged_code_is_compiled_anew_and_no_start_fails(doubling, tmp_path, way, ending):
+    assert doubled(doubling) == (42, "compiled")
+    (file,) = tmp_path.rglob(ending)
+    data = file.read_bytes()
+    if way == "gone":
+        file.unlink()
+    else:
+        file.write_bytes({"empty": b"", "half": data[: len(data) // 2], "noise": bytes(len(data))}[way])
+    assert doubled(doubling) == (42, "cache" if ending == "code.bc" else "compiled")
+    assert doubled(doubling) == (42, "cache")
+    assert code.bitcode(doubling)[:2] == b"BC"
+
+
+def test_code_that_needs_what_the_system_lacks_is_compiled_here(doubling, tmp_path):
+    assert doubled(doubling) == (42, "compiled")
+    (file,) = tmp_path.rglob("sources.json")
+    file.write_text(file.read_text().replace('"needs": []', '"needs": ["carom_has_no_such_function"]'))
+    assert doubled(doubling) == (42, "compiled")
+
+
+def test_a_cache_that_cannot_be_written_is_said_once_and_the_code_runs(doubling, tmp_path, caplog):
+    (tmp_path / "cache").write_text("a file, where a folder is needed")
+    code._say_that_it_is_not_kept.cache_clear()
+    with caplog.at_level(logging.WARNING):
+        assert doubled(doubling) == (42, "compiled") == doubled(doubling)
+    assert caplog.text.count("cannot write the code cache") == 1
+
+
+def test_a_package_brings_code_for_several_processors_and_needs_no_cache(doubling, tmp_path, monkeypatch):
+    code.build([doubling], LEVELS[:2], tmp_path / "objects")
+    assert len(list((tmp_path / "objects").rglob("*.o"))) == 2 and not list((tmp_path / "objects").rglob("*.bc"))
+    monkeypatch.setattr(code, "PACKAGED", tmp_path / "objects")
+    monkeypatch.setattr(platformdirs, "user_cache_path", lambda name: tmp_path / "nowhere" / name)
+    assert doubled(doubling) == (42, "package")
+    assert load(doubling).processor == LEVELS[1]
+    assert not (tmp_path / "nowhere").exists()
+    (tmp_path / "doubling.py").write_text(MODULE.replace("2 * x", "20 * x"))
+    assert doubled(doubling) == (420, "compiled")
+
+
+def test_code_that_would_need_python_is_refused(monkeypatch, tmp_path):
+    monkeypatch.setattr(platformdirs, "user_cache_path", lambda name: tmp_path / name)
+    (tmp_path / "raising.py").write_text(MODULE.replace("return 2 * x", "raise ValueError"))
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(TypeError, match=r"double needs Python: .*numba_gil_ensure"):
+        compiled("raising")
+
+
+def test_a_level_that_this_processor_cannot_do_is_refused_and_a_lower_one_is_taken(monkeypatch):
+    processors.cache_clear()
+    monkeypatch.setenv(targets.VARIABLE, "x86-64-v9")
+    with pytest.raises(ValueError, match=r"CAROM_PROCESSOR = 'x86-64-v9': expected one of x86-64"):
+        processors()
+    monkeypatch.setenv(targets.VARIABLE, "x86-64-v2")
+    assert processors() == ("x86-64-v2", "x86-64")
+    monkeypatch.delenv(targets.VARIABLE)
+    processors.cache_clear()
+    assert processors()[-1] == "x86-64"
+
+
+RENDERS = """
+import sys
+import carom
+sound = carom.render("0 /object/new a church-bell\\n0 /object/a/impact 1", seconds=0.2)
+assert abs(sound.samples).max() > 0.01
+with carom.Scene() as scene:
+    scene.new("a", "church-bell")
+    scene.roll("a", 0.3, striker="glass-marble", surface="wood", seed=1)
+    scene.bounce("a", 0.1, striker="steel")
+    scene.press("a", 1.0, striker="felt")
+    scene.render(0.1)
+print(sorted({"numba"} & sys.modules.keys()))
+"""
+
+SERVES = """
+import sys, threading, time
+import carom
+from carom.server.options import Options
+from carom.server.server import serving
+with serving(Options(port=0, device="none")) as server:
+    thread = threading.Thread(target=server.run)
+    thread.start()
+    with carom.Client(port=server.address[1]) as client:
+        client.new("a", "church-bell")
+        client.impact("a", 1.0)
+        client.ask("/sync", 1)
+        assert server.engine.stats.impacts == 1
+        client.ask("/quit")
+    thread.join()
+print(sorted({"numba"} & sys.modules.keys()))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("script", [RENDERS, SERVES], ids=["render and Scene", "serve"])
+def test_nothing_that_plays_needs_numba(script):
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert (run.stdout, run.stderr) == ("[]\n", "")
