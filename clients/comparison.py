@@ -16,8 +16,9 @@ import soundfile
 from numpy.typing import NDArray
 
 from ..dsp.fitting.distance import Distance, distance
+from ..dsp.fitting.errors import RecordingError
 from ..dsp.fitting.hits import check
-from .recordings import RecordingError, read
+from .recordings import read
 
 _LOWEST = 40.0  # Hz
 _DYNAMIC = 80.0  # dB of a spectrogram
@@ -119,7 +120,7 @@ def draw(found: Distance, picture: Path | io.BytesIO, names: tuple[str, str]) ->
         ax.grid(alpha=0.3)
         ax.legend()
     axes[1, 1].set(yscale="log")
-    figure.savefig(picture, dpi=110, **({} if isinstance(picture, Path) else {"format": "png"}))
+    figure.savefig(picture, dpi=110, format=picture.suffix[1:].lower() if isinstance(picture, Path) else "png")
     plt.close(figure)
 
 

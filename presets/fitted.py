@@ -143,10 +143,10 @@ def _joined(gains: Array) -> Array:
     return joined
 
 
-def _rounded(values: object, digits: int) -> object:
+def _rounded(figures: Array | float, digits: int) -> list[float] | float:
     """Numbers with some significant digits, as a float or a list."""
-    rounded = [float(f"{each:.{digits}g}") for each in np.ravel(values)]  # type: ignore[call-overload]
-    return rounded if np.ndim(values) else rounded[0]  # type: ignore[call-overload]
+    rounded = [float(f"{each:.{digits}g}") for each in np.ravel(figures)]
+    return rounded if np.ndim(figures) else rounded[0]
 
 
 def _keys(table: Mapping[str, object], units: Mapping[str, str] | None = None) -> list[str]:

@@ -128,7 +128,7 @@ def sought(take: Array, s: Complex, rate: float, onset: int) -> Blow:
     """
     tried = [pulse(each).later(start) for each in _DURATIONS for start in _beginnings(each, onset / rate)]
     errors = _errors(take, s, rate, tried, onset)
-    best = tried[int(np.argmin(errors))]
+    best: Blow = tried[int(np.argmin(errors))]
     head = best.head(s, rate, onset)
     (amplitude,), _ = amplitudes([take], s, [head])
     attack = take[: head.length] - (head.atoms @ amplitude).real

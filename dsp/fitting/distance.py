@@ -100,15 +100,16 @@ def decay(samples: Array, rate: float, middle: float) -> float:
     if left[0] < _FAINT * np.sum(samples**2):
         return float("nan")
     level = 10 * np.log10(left / left[0] + 1e-30)
-    inside = np.flatnonzero((level < _FALL[0]) & (level > _FALL[1]))
-    if inside.size < 8:
+    between = np.flatnonzero((level < _FALL[0]) & (level > _FALL[1]))
+    if between.size < 8:
         return float("nan")
-    slope = np.polyfit(inside / rate, level[inside], 1)[0]
+    slope = np.polyfit(between / rate, level[between], 1)[0]
     return float(-60 / slope) if slope < 0 else float("nan")
 
 
 def _octaves(rate: float) -> Array:
-    return _DECAY_BANDS[_DECAY_BANDS * np.sqrt(2) < rate / 2]
+    octaves: Array = _DECAY_BANDS[_DECAY_BANDS * np.sqrt(2) < rate / 2]
+    return octaves
 
 
 def _third_octaves(a: Array, b: Array, rate: float) -> Array:

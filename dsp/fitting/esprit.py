@@ -60,11 +60,12 @@ def _in_band(spectra: list[Complex], sizes: list[int], length: int, rate: float,
     if not pieces:
         return np.zeros(0, np.complex128)
     lags = min(LAGS, min(map(len, pieces)) // 2)
-    poles = np.log(_rotation(pieces, lags)) * slow
+    poles: Complex = np.log(_rotation(pieces, lags)) * slow
     frequency, decay = center * rate / length + poles.imag / (2 * np.pi), -poles.real
     fits = (frequency >= max(low, LOWEST)) & (frequency < high)
     fits &= (decay > _LEAST) & (decay < min(_MOST_DECAY, 2 * (high - low)))
-    return (-decay[fits] + 2j * np.pi * frequency[fits]) / rate
+    found: Complex = (-decay[fits] + 2j * np.pi * frequency[fits]) / rate
+    return found
 
 
 def _cut(spectrum: Complex, center: int, reach: int, length: int) -> Complex:
@@ -96,11 +97,11 @@ def _rotation(pieces: list[Complex], lags: int) -> Complex:
     for piece in pieces:
         lagged = np.lib.stride_tricks.sliding_window_view(piece, len(piece) - lags + 1)
         covariance += lagged @ lagged.conj().T
-    values, vectors = np.linalg.eigh(covariance)
-    values, vectors = values[::-1], vectors[:, ::-1]
-    noise = np.median(values[lags // 2 :])
-    count = int(np.clip(np.sum(values > max(noise * _ABOVE_NOISE, values[0] * _DYNAMIC)), 1, MOST_IN_BAND))
+    powers, vectors = np.linalg.eigh(covariance)
+    powers, vectors = powers[::-1], vectors[:, ::-1]
+    noise = np.median(powers[lags // 2 :])
+    count = int(np.clip(np.sum(powers > max(noise * _ABOVE_NOISE, powers[0] * _DYNAMIC)), 1, MOST_IN_BAND))
     space = vectors[:, :count]
     rotation = np.linalg.lstsq(space[:-1], space[1:], rcond=None)[0]
-    poles: Complex = np.linalg.eigvals(rotation)
+    poles = np.linalg.eigvals(rotation).astype(np.complex128)
     return poles[np.abs(poles) > 0]

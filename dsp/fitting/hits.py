@@ -129,7 +129,8 @@ def _power(samples: Array, step: int) -> Array:
     """Mean power of two steps from each step on."""
     padded = np.pad(samples**2, (0, -len(samples) % step + step))
     each = padded.reshape(-1, step).mean(axis=1)
-    return 0.5 * (each[:-1] + each[1:])
+    power: Array = 0.5 * (each[:-1] + each[1:])
+    return power
 
 
 def _floor(power: Array) -> float:

@@ -28,7 +28,7 @@ def select(takes: Sequence[Array], s: Complex, count: int) -> Complex:
     chosen: list[int] = []
     left = sides
     for _ in range(min(count, size)):
-        gain = sum(_gain(gram, residual) for gram, residual in zip(grams, left, strict=True))
+        gain = np.sum([_gain(gram, residual) for gram, residual in zip(grams, left, strict=True)], axis=0)
         gain[chosen] = -1.0
         chosen.append(int(np.argmax(gain)))
         pair = np.concatenate([np.array(chosen), np.array(chosen) + size])

@@ -39,9 +39,9 @@ def geometric(exponent: Complex, n: int) -> tuple[Complex, Complex, Complex]:
     """Sums of w^t, t w^t and t^2 w^t over t = 0 ... n - 1, w = exp(exponent), |w| < 1; written so that none cancels."""
     w, last = np.exp(exponent), np.exp(n * exponent)
     rest, gone = -np.expm1(exponent), -np.expm1(n * exponent)
-    zeroth = gone / rest
-    first = (w * gone - n * last * rest) / rest**2
-    second = (w * (1 + w) * gone - last * n * rest * (n * rest + 2 * w)) / rest**3
+    zeroth: Complex = gone / rest
+    first: Complex = (w * gone - n * last * rest) / rest**2
+    second: Complex = (w * (1 + w) * gone - last * n * rest * (n * rest + 2 * w)) / rest**3
     return zeroth, first, second
 
 
@@ -94,9 +94,7 @@ def project(x: Array, s: Complex, head: Head | None = None, slopes: bool = False
 def ringing_project(x: Array, s: Complex, later: int, slopes: bool = False) -> Complex:
     """The same of exponentials alone, from `later` on."""
     count = -(-len(x) // _BLOCK)
-    blocks = np.zeros(count * _BLOCK)
-    blocks[: len(x)] = x
-    blocks = blocks.reshape(count, _BLOCK).T
+    blocks = np.pad(x, (0, count * _BLOCK - len(x))).reshape(count, _BLOCK).T
     inside = np.exp(np.outer(s, np.arange(_BLOCK)))
     starts = later + _BLOCK * np.arange(count)
     between = np.exp(np.outer(s, starts))
