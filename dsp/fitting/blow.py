@@ -138,7 +138,8 @@ def sought(take: Array, s: Complex, rate: float, onset: int) -> Blow:
         row = errors[number * len(_SHARES) : (number + 1) * len(_SHARES)]
         hardly = np.abs(pulse(duration).transform(s * rate)) < _SHALLOWEST
         if row.min() <= enough and energy[hardly].sum() < _HARDLY * energy.sum():
-            return tried[number * len(_SHARES) + int(np.argmin(row))]
+            best = tried[number * len(_SHARES) + int(np.argmin(row))]
+            break
     return best
 
 

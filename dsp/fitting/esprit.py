@@ -60,12 +60,11 @@ def _in_band(spectra: list[Complex], sizes: list[int], length: int, rate: float,
     if not pieces:
         return np.zeros(0, np.complex128)
     lags = min(LAGS, min(map(len, pieces)) // 2)
-    poles: Complex = np.log(_rotation(pieces, lags)) * slow
+    poles = np.log(_rotation(pieces, lags), dtype=np.complex128) * slow
     frequency, decay = center * rate / length + poles.imag / (2 * np.pi), -poles.real
     fits = (frequency >= max(low, LOWEST)) & (frequency < high)
     fits &= (decay > _LEAST) & (decay < min(_MOST_DECAY, 2 * (high - low)))
-    found: Complex = (-decay[fits] + 2j * np.pi * frequency[fits]) / rate
-    return found
+    return (-decay[fits] + 2j * np.pi * frequency[fits]).astype(np.complex128) / rate
 
 
 def _cut(spectrum: Complex, center: int, reach: int, length: int) -> Complex:

@@ -38,10 +38,11 @@ class Head:
 def geometric(exponent: Complex, n: int) -> tuple[Complex, Complex, Complex]:
     """Sums of w^t, t w^t and t^2 w^t over t = 0 ... n - 1, w = exp(exponent), |w| < 1; written so that none cancels."""
     w, last = np.exp(exponent), np.exp(n * exponent)
-    rest, gone = -np.expm1(exponent), -np.expm1(n * exponent)
-    zeroth: Complex = gone / rest
-    first: Complex = (w * gone - n * last * rest) / rest**2
-    second: Complex = (w * (1 + w) * gone - last * n * rest * (n * rest + 2 * w)) / rest**3
+    rest: Complex = np.negative(np.expm1(exponent), dtype=np.complex128)
+    gone: Complex = np.negative(np.expm1(n * exponent), dtype=np.complex128)
+    zeroth = gone / rest
+    first = (w * gone - n * last * rest) / rest**2
+    second = (w * (1 + w) * gone - last * n * rest * (n * rest + 2 * w)) / rest**3
     return zeroth, first, second
 
 

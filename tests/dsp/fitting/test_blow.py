@@ -44,6 +44,10 @@ def test_the_pulse_is_that_of_the_law():
     assert 0.0008 < LONG < 0.0012
 
 
+WITHIN = {"known": 0.5, "measured": 1.0, "sought": 3.0}
+"""dB; a force that is measured sample by sample is its mean over each, which lacks 0.8 dB at a quarter of the rate."""
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("way", ["known", "measured", "sought"])
 def test_modes_get_the_gains_that_they_have_without_the_blow(way):
@@ -57,7 +61,7 @@ def test_modes_get_the_gains_that_they_have_without_the_blow(way):
     assert found.frequency[there] == pytest.approx(BODY.frequency[moved], abs=0.05)
     assert found.decay[there] == pytest.approx(BODY.decay[moved], rel=0.02)
     ratio = np.abs(found.gains[0, there]) / GAIN[moved] / (1 if way != "sought" else FORCE.impulse)
-    assert 20 * np.log10(ratio) == pytest.approx(np.zeros(moved.sum()), abs=3.0 if way == "sought" else 0.5)
+    assert 20 * np.log10(ratio) == pytest.approx(np.zeros(moved.sum()), abs=WITHIN[way])
 
 
 @pytest.mark.slow
