@@ -17,6 +17,7 @@ MASS, VELOCITY = 0.02, 1.0
 """Of a striker of which nothing is known: kg, m/s."""
 
 _DURATIONS = np.geomspace(3e-5, 2e-2, 121)  # s
+_TRUST = 0.1  # in what an attack says of its blow's duration, against a spectrum's squared error (nepers)
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,8 @@ def durations(amplitude: Sequence[Complex], poles: Complex, blows: Sequence[Blow
     """How long (s) blows at one point of a body are, and how strong against the shortest, by how their spectra differ.
 
     amplitude: of the modes (k,) after each blow. poles (k,) in 1/s. What the body does is common to all amplitudes and
-    drops out of their ratios, so only the shortest blow is taken as it was found in its attack.
+    drops out of their ratios. The shortest blow is taken as it was found in its attack; of the others their attacks say
+    somewhat, as spectra alone can't tell a longer blow from a stronger one.
     """
     first = int(np.argmin([blow.duration for blow in blows]))
     drives = np.array([_spectrum(each, poles) for each in _DURATIONS])
@@ -60,7 +62,8 @@ def durations(amplitude: Sequence[Complex], poles: Complex, blows: Sequence[Blow
             weight = weight / weight.sum()
             apart = np.log(size[number] / size[first]) - np.log(drives / own)
             mean = apart @ weight
-            best = int(np.argmin((apart - mean[:, None]) ** 2 @ weight))
+            doubt = _TRUST * np.log(_DURATIONS / blows[number].duration) ** 2
+            best = int(np.argmin((apart - mean[:, None]) ** 2 @ weight + doubt))
             found[number], strength[number] = _DURATIONS[best], np.exp(mean[best])
     return found, strength
 
