@@ -77,6 +77,10 @@ study: $(READY)  ## the hour-long stress tests: recordings, extreme contacts, a 
 	$(BIN)/python -m tests.bench.overload
 	$(BIN)/python -m tests.bench.gil --seconds 60
 	$(BIN)/python -m tests.bench.fuzz --count 1000000
+	$(BIN)/python -m tests.bench.crowd --count 20000
+	$(BIN)/python -m tests.bench.logs --runs 30
+	$(BIN)/python -m tests.bench.ends
+	$(BIN)/python -m tests.bench.memory --minutes 30
 
 $(READY): pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || \

@@ -32,6 +32,7 @@ from .schema import (
     SURFACE,
     SURFACE_REQUIRED,
     Fields,
+    NoPreset,
     PresetError,
     check,
 )
@@ -171,7 +172,7 @@ class ObjectPreset:
         try:
             library.striker(strike["striker"])
         except PresetError as error:
-            raise PresetError(f"{titles['strike']}striker = {shown(strike['striker'])}: {error}") from None
+            raise PresetError(f"{titles['strike']}striker = {shown(strike['striker'])}: {_reason(error)}") from None
         material = None
         if "material" in values:
             material = replace(_material(values["material"], where, library), **damping)
@@ -274,4 +275,9 @@ def _material(name: str, where: str, library: Library) -> Material:
     try:
         return library.material(name)
     except PresetError as error:
-        raise PresetError(f"{where}material = {shown(name)}: {error}") from None
+        raise PresetError(f"{where}material = {shown(name)}: {_reason(error)}") from None
+
+
+def _reason(error: PresetError) -> str:
+    """Why a preset that another one names is not there, or wrong."""
+    return error.expected if isinstance(error, NoPreset) else str(error)

@@ -27,6 +27,22 @@ class PresetError(ValueError):
     """A preset that is unknown or does not fit: "FILE: [section] key = VALUE: expected WHAT"."""
 
 
+class NoPreset(PresetError):
+    """There is no preset of a name: its text, and which there are, looked up when it is asked for."""
+
+    def __init__(self, text: str, look_up: Callable[[], str]) -> None:
+        super().__init__(text)
+        self.text, self._look_up = text, look_up
+
+    @property
+    def expected(self) -> str:
+        """The question whether a near name is meant, or all names."""
+        return self._look_up()
+
+    def __str__(self) -> str:
+        return f"{self.text}: {self.expected}"
+
+
 def check(where: str, table: Mapping[str, object], fields: Fields, required: Sequence[str]) -> dict[str, Any]:
     """The table's values as they are used. PresetError names a key that is wrong, unknown or missing."""
     checked = {}
