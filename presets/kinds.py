@@ -21,6 +21,7 @@ from .schema import (
     DESCRIPTION,
     GESTURE_LEVELS,
     LAW,
+    LICENCE,
     LOST,
     OBJECT,
     SECTIONS,
@@ -75,8 +76,11 @@ class StrikerPreset:
     def from_data(cls, name: str, where: str, data: Mapping[str, object], library: Library) -> StrikerPreset:
         """A striker from its file's data. `where` begins the text of a PresetError."""
         required = (*DESCRIPTION, *(BALL if "material" in data or "radius" in data else LAW))
-        fields = {key: domain for key, domain in STRIKER.items() if key in (*required, *LOST, "mass", *SOUNDS)}
+        fields = {
+            key: domain for key, domain in STRIKER.items() if key in (*required, *LICENCE, *LOST, "mass", *SOUNDS)
+        }
         values = check(where, data, fields, required)
+        values.pop("licence", None)
         if len(values.keys() & set(LOST)) != 1:
             raise PresetError(f"{where}dissipation, restitution: expected one of the two")
         if "material" in values:

@@ -18,7 +18,7 @@ from ..dsp.bodies.material import LOSSES
 from ..dsp.bodies.plate import EDGES as PLATE_EDGES
 from ..dsp.bodies.radiation.board import BOARDS
 from ..dsp.wording import expected
-from .values import Choice, Domain, Many, Name, OneOrMany, Quantity, Row, Section, Text, Unfit, Whole, shown
+from .values import Choice, Domain, Many, Name, OneOrMany, Quantity, Row, Rows, Section, Text, Unfit, Whole, shown
 
 Fields = Mapping[str, Domain]
 
@@ -74,8 +74,11 @@ SOUNDS = ("click", "ringing", "snap")
 """Sections that say how a striker sounds itself."""
 
 DESCRIPTION: Fields = {"description": Text(), "source": Text()}
+LICENCE: Fields = {"licence": Text()}
+"""Of the recordings that a preset was made of."""
 STRIKER: Fields = {
     **DESCRIPTION,
+    **LICENCE,
     **LAW_FIELDS,
     "material": Name(),
     **dict.fromkeys(SOUNDS, Section()),
@@ -261,6 +264,8 @@ SHAPES: Mapping[str, Shape] = {
             "modal_mass": OneOrMany(Quantity(1e-6, 1e5, "kg")),
             "mass": Quantity(1e-5, 1e6, "kg"),
             "weight": OneOrMany(Quantity(-1000, 1000, "Pa per m/s")),
+            "positions": Many(FRACTION),
+            "gains": Rows(Quantity(-1000, 1000)),
             "order": OneOrMany(Whole(0, 64)),
             "radius": LENGTH,
             "height": LENGTH,
@@ -317,6 +322,7 @@ GESTURE_LEVELS = {name: f"{name}_level" for name in schema.GESTURES if name not 
 
 OBJECT: Fields = {
     **DESCRIPTION,
+    **LICENCE,
     "shape": Choice(tuple(SHAPES)),
     "material": Name(),
     **dict.fromkeys(("level", *GESTURE_LEVELS.values()), Quantity(-120, 120, "dB")),
