@@ -73,12 +73,17 @@ documents: $(READY)  ## write the tables of all README files
 
 study: $(READY)  ## the hour-long stress tests: recordings, extreme contacts, a long evening, threads that hog, a million packets
 	$(BIN)/python -m tests.bench.recordings
+	$(BIN)/python -m tests.bench.fits
 	$(BIN)/python -m tests.bench.extremes
 	$(BIN)/python -m tests.bench.exactness
 	$(BIN)/python -m tests.bench.soak --minutes 10
 	$(BIN)/python -m tests.bench.overload
 	$(BIN)/python -m tests.bench.gil --seconds 60
 	$(BIN)/python -m tests.bench.fuzz --count 1000000
+	$(BIN)/python -m tests.bench.crowd --count 20000
+	$(BIN)/python -m tests.bench.logs --runs 30
+	$(BIN)/python -m tests.bench.ends
+	$(BIN)/python -m tests.bench.memory --minutes 30
 
 $(READY): pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || \

@@ -7,9 +7,11 @@ from importlib.metadata import version
 from . import errors
 from .commands import (
     chart,
+    compare,
     completion,
     devices,
     doctor,
+    fit,
     listen,
     page,
     play,
@@ -22,7 +24,9 @@ from .commands import (
 )
 from .commands.parser import Parser, parse, parser_of
 
-_MODULES = (serve, render, strike, play, page, send, listen, top, presets, chart, devices, doctor, completion)
+_MODULES = (
+    serve, render, strike, play, page, send, listen, top, presets, fit, compare, chart, devices, doctor, completion,
+)  # fmt: skip
 COMMANDS = tuple(module.COMMAND for module in _MODULES)
 
 

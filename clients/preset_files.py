@@ -33,8 +33,10 @@ def checked(path: Path, presets: Presets) -> Checked:
     """
     kind = ""
     if not path.exists():
+        named = [kind for kind in KINDS if str(path) in presets.names(kind)]
         missing = FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
-        return Checked(str(path), kind, "", plain(missing))
+        text = f"{path}: a preset's name; expected a file, as {presets.path(named[0], str(path))}" if named else None
+        return Checked(str(path), kind, "", text or plain(missing))
     try:
         kind = path.resolve().parent.name
         if kind not in KINDS:
@@ -42,6 +44,16 @@ def checked(path: Path, presets: Presets) -> Checked:
         return Checked(str(path), kind, _holds(presets.load(kind, path)), "")
     except PresetError as error:
         return Checked(str(path), kind, "", str(error))
+
+
+def files_in(name: str) -> list[Path]:
+    """The file of a name, or all presets below it if it is a folder. CheckError if it holds none."""
+    path = Path(name)
+    if not path.is_dir():
+        return [path]
+    if files := sorted(each for each in path.rglob("*.toml") if each.is_file()):
+        return files
+    raise CheckError(f"{name}: expected a preset, or a folder of presets; there is no .toml file in it")
 
 
 def _kind_of(path: Path) -> str:

@@ -11,6 +11,7 @@ from typing import Any
 
 from ..presets import Presets
 from ..server.files.whole import RenderError
+from ..server.options import OVER_BUDGET
 from ..server.render import Options, render
 from .errors import KINDS, is_expected, plain
 from .plot import plotter
@@ -48,24 +49,37 @@ def tasks(scores: Sequence[str], out: str, plot: str | None, stems: str | None =
 
     RenderError for names that cannot be.
     """
-    made = [Task(score, _placed(score, out, ".wav"), None) for score in scores]
+    several = len(scores) > 1
+    made = [Task(score, _placed(score, out, ".wav", several), None) for score in scores]
     if plot is not None:
-        made = [Task(task.score, task.out, Path(_placed(task.score, plot, ".png"))) for task in made]
+        made = [Task(task.score, task.out, Path(_placed(task.score, plot, ".png", several))) for task in made]
     if stems is not None:
-        made = [replace(task, stems=_stems(task.score, stems, len(scores) > 1)) for task in made]
-    if len(scores) > 1:
+        made = [replace(task, stems=_stems(task.score, stems, several)) for task in made]
+    if several:
         for name, target in (("OUT", out), ("--plot", plot)):
-            if target is not None and PLACE not in target and not Path(target).is_dir():
-                wanted = f"expected a folder that is there, or a name with {PLACE}, for {len(scores)} scores"
+            if target is not None and PLACE not in target and not _is_folder(target, True):
+                wanted = f"expected a folder, or a name with {PLACE}, for {len(scores)} scores"
                 raise RenderError(f"{name} = {target}: {wanted}")
         _require_different(made)
     return made
 
 
-def _placed(score: str, out: str, ending: str) -> str:
+def make_folders(made: Sequence[Task]) -> None:
+    """Make the folders of several tasks' files, if they are missing. OSError where that fails."""
+    for path in (path for task in made for path in (Path(task.out), task.plot) if path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+
+
+def _is_folder(name: str, several: bool) -> bool:
+    """Whether a name means a folder: one that is there, or for several scores that can be made."""
+    path = Path(name)
+    return name != STREAM and (name.endswith("/") or path.is_dir() or (several and not (path.suffix or path.exists())))
+
+
+def _placed(score: str, out: str, ending: str, several: bool) -> str:
     """The file to write for a score."""
     stem = Path(score_name(score)).stem
-    if out != STREAM and (out.endswith("/") or Path(out).is_dir()):
+    if PLACE not in out and _is_folder(out, several):
         return str(Path(out, stem + ending))
     return out.replace(PLACE, stem)
 
@@ -101,7 +115,7 @@ def render_task(task: Task, options: Options, presets: Presets, progress: Callab
         warnings.append(f"normalized by {done.normalized:+.3g} dB")
     for name, text in (
         ("contacts_dropped", "{} contacts were dropped: too many at once"),
-        ("over_budget", "the force of contacts was held in {} samples, as /budget asks"),
+        ("over_budget", OVER_BUDGET),
         ("faults", "objects were silenced {} times, because their sound was not finite"),
     ):
         if count := getattr(done.engine.stats, name):

@@ -35,9 +35,15 @@ class Parameter:
     steered: str = ""
     """When a running gesture takes a new value, if not at once."""
 
+    @property
+    def bounds(self) -> str:
+        """From where to where, with the unit; six digits that do not say a whole number are all of them."""
+        ends = (f"{end:g}" if float(f"{end:g}") == end or end % 1 else f"{end:.0f}" for end in (self.low, self.high))
+        return f"{' to '.join(ends)} {self.unit}".rstrip()
+
     def __str__(self) -> str:
         usual = f", usually {self.useful[0]:g} to {self.useful[1]:g}" if self.useful else ""
-        return f"{self.name} {self.low:g} to {self.high:g} {self.unit}".rstrip() + usual
+        return f"{self.name} {self.bounds}".rstrip() + usual
 
     def in_engine(self, value: float) -> float:
         """A value as the engine takes it: dB as an amplitude, semitones as a ratio of frequencies, others unchanged."""

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from .kinds import ObjectPreset, StrikerPreset, SurfacePreset
     from .library import BUILT_IN, KINDS, Presets
-    from .schema import PresetError
+    from .schema import NoPreset, PresetError
 
-__all__ = ["BUILT_IN", "KINDS", "ObjectPreset", "PresetError", "Presets", "StrikerPreset", "SurfacePreset"]
+__all__ = ["BUILT_IN", "KINDS", "NoPreset", "ObjectPreset", "PresetError", "Presets", "StrikerPreset", "SurfacePreset"]
 
 _HOMES = {
     "library": ("BUILT_IN", "KINDS", "Presets"),
     "kinds": ("ObjectPreset", "StrikerPreset", "SurfacePreset"),
-    "schema": ("PresetError",),
+    "schema": ("NoPreset", "PresetError"),
 }
 
 

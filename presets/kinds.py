@@ -21,6 +21,7 @@ from .schema import (
     DESCRIPTION,
     GESTURE_LEVELS,
     LAW,
+    LICENCE,
     LOST,
     OBJECT,
     SECTIONS,
@@ -31,6 +32,7 @@ from .schema import (
     SURFACE,
     SURFACE_REQUIRED,
     Fields,
+    NoPreset,
     PresetError,
     check,
 )
@@ -74,8 +76,11 @@ class StrikerPreset:
     def from_data(cls, name: str, where: str, data: Mapping[str, object], library: Library) -> StrikerPreset:
         """A striker from its file's data. `where` begins the text of a PresetError."""
         required = (*DESCRIPTION, *(BALL if "material" in data or "radius" in data else LAW))
-        fields = {key: domain for key, domain in STRIKER.items() if key in (*required, *LOST, "mass", *SOUNDS)}
+        fields = {
+            key: domain for key, domain in STRIKER.items() if key in (*required, *LICENCE, *LOST, "mass", *SOUNDS)
+        }
         values = check(where, data, fields, required)
+        values.pop("licence", None)
         if len(values.keys() & set(LOST)) != 1:
             raise PresetError(f"{where}dissipation, restitution: expected one of the two")
         if "material" in values:
@@ -167,7 +172,7 @@ class ObjectPreset:
         try:
             library.striker(strike["striker"])
         except PresetError as error:
-            raise PresetError(f"{titles['strike']}striker = {shown(strike['striker'])}: {error}") from None
+            raise PresetError(f"{titles['strike']}striker = {shown(strike['striker'])}: {_reason(error)}") from None
         material = None
         if "material" in values:
             material = replace(_material(values["material"], where, library), **damping)
@@ -270,4 +275,9 @@ def _material(name: str, where: str, library: Library) -> Material:
     try:
         return library.material(name)
     except PresetError as error:
-        raise PresetError(f"{where}material = {shown(name)}: {error}") from None
+        raise PresetError(f"{where}material = {shown(name)}: {_reason(error)}") from None
+
+
+def _reason(error: PresetError) -> str:
+    """Why a preset that another one names is not there, or wrong."""
+    return error.expected if isinstance(error, NoPreset) else str(error)

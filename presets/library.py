@@ -14,7 +14,7 @@ from typing import Any
 from ..dsp.bodies.material import Material
 from ..dsp.wording import expected
 from .kinds import ObjectPreset, StrikerPreset, SurfacePreset
-from .schema import MATERIAL, MATERIAL_REQUIRED, PresetError, check
+from .schema import MATERIAL, MATERIAL_REQUIRED, NoPreset, PresetError, check
 from .values import NAME, Name, shown
 
 if sys.version_info >= (3, 11):
@@ -96,7 +96,7 @@ class Presets:
             path = f"{folder}/{kind}/{name}.toml"
             if os.path.isfile(path):
                 return Path(path)
-        raise PresetError(f"no {singular} {name!r}: {expected(name, self.names(kind))}")
+        raise NoPreset(f"no {singular} {name!r}", lambda: expected(name, self.names(kind)))
 
     def _read(self, kind: str, name: str) -> tuple[str, dict[str, Any]]:
         """How an error about a preset's file begins, and the file's data."""

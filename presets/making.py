@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Callable, Hashable, Iterator, Mapping
-from contextlib import contextmanager
-from functools import cache
+from collections.abc import Callable, Hashable, Mapping
 from threading import Lock
 from typing import Any
 
-from threadpoolctl import ThreadpoolController
-
 from ..dsp.bodies.heard import placed
 from ..dsp.bodies.modes import Modes, read_only
+from ..dsp.numerics.blas import on_one_thread
 
 KEPT_BYTES = 64_000_000
 """Of modes that are kept. Those of all presets take 13 MB at 48 kHz; the largest object there can be takes 130 MB."""
@@ -26,7 +23,7 @@ def made(make: Callable[..., Modes], top: float, arguments: Mapping[str, Any], w
     key = (make, top, width, *sorted(arguments.items()))
     modes = _kept.get(key)
     if modes is None:
-        with _blas.on_one_thread():
+        with on_one_thread():
             modes = placed(make(top=top, **arguments), width)
         read_only(modes.frequency, modes.decay, modes.strike, modes.pressure)
         _kept.put(key, modes)
@@ -61,38 +58,4 @@ def _bytes(modes: Modes) -> int:
     return modes.strike.nbytes + modes.pressure.nbytes + modes.frequency.nbytes + modes.decay.nbytes
 
 
-class _Blas:
-    """BLAS, as many threads of Python use it at once.
-
-    On machines of few cores its waiting threads cost tens of times the work, and disturb the audio.
-    """
-
-    def __init__(self) -> None:
-        self._lock = Lock()
-        self._users = 0
-        self._limit: Any = None
-
-    @contextmanager
-    def on_one_thread(self) -> Iterator[None]:
-        """Let BLAS use one thread of its own, from the first user to come to the last one to go."""
-        with self._lock:
-            if self._users == 0:
-                self._limit = _controller().limit(limits=1, user_api="blas")
-            self._users += 1
-        try:
-            yield
-        finally:
-            with self._lock:
-                self._users -= 1
-                if self._users == 0:
-                    self._limit.restore_original_limits()
-
-
-@cache  # to look through all libraries takes longer than many an object
-def _controller() -> Any:
-    import scipy.linalg  # noqa: F401 - slow to load, and its BLAS must be there to be found
-
-    return ThreadpoolController()
-
-
-_kept, _blas = _Kept(), _Blas()
+_kept = _Kept()

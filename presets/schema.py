@@ -18,13 +18,29 @@ from ..dsp.bodies.material import LOSSES
 from ..dsp.bodies.plate import EDGES as PLATE_EDGES
 from ..dsp.bodies.radiation.board import BOARDS
 from ..dsp.wording import expected
-from .values import Choice, Domain, Many, Name, OneOrMany, Quantity, Row, Section, Text, Unfit, Whole, shown
+from .values import Choice, Domain, Many, Name, OneOrMany, Quantity, Row, Rows, Section, Text, Unfit, Whole, shown
 
 Fields = Mapping[str, Domain]
 
 
 class PresetError(ValueError):
     """A preset that is unknown or does not fit: "FILE: [section] key = VALUE: expected WHAT"."""
+
+
+class NoPreset(PresetError):
+    """There is no preset of a name: its text, and which there are, looked up when it is asked for."""
+
+    def __init__(self, text: str, look_up: Callable[[], str]) -> None:
+        super().__init__(text)
+        self.text, self._look_up = text, look_up
+
+    @property
+    def expected(self) -> str:
+        """The question whether a near name is meant, or all names."""
+        return self._look_up()
+
+    def __str__(self) -> str:
+        return f"{self.text}: {self.expected}"
 
 
 def check(where: str, table: Mapping[str, object], fields: Fields, required: Sequence[str]) -> dict[str, Any]:
@@ -58,8 +74,11 @@ SOUNDS = ("click", "ringing", "snap")
 """Sections that say how a striker sounds itself."""
 
 DESCRIPTION: Fields = {"description": Text(), "source": Text()}
+LICENCE: Fields = {"licence": Text()}
+"""Of the recordings that a preset was made of."""
 STRIKER: Fields = {
     **DESCRIPTION,
+    **LICENCE,
     **LAW_FIELDS,
     "material": Name(),
     **dict.fromkeys(SOUNDS, Section()),
@@ -245,6 +264,8 @@ SHAPES: Mapping[str, Shape] = {
             "modal_mass": OneOrMany(Quantity(1e-6, 1e5, "kg")),
             "mass": Quantity(1e-5, 1e6, "kg"),
             "weight": OneOrMany(Quantity(-1000, 1000, "Pa per m/s")),
+            "positions": Many(FRACTION),
+            "gains": Rows(Quantity(-1000, 1000)),
             "order": OneOrMany(Whole(0, 64)),
             "radius": LENGTH,
             "height": LENGTH,
@@ -301,6 +322,7 @@ GESTURE_LEVELS = {name: f"{name}_level" for name in schema.GESTURES if name not 
 
 OBJECT: Fields = {
     **DESCRIPTION,
+    **LICENCE,
     "shape": Choice(tuple(SHAPES)),
     "material": Name(),
     **dict.fromkeys(("level", *GESTURE_LEVELS.values()), Quantity(-120, 120, "dB")),

@@ -167,6 +167,30 @@ class OneOrMany(Many):
 
 
 @dataclass(frozen=True)
+class Rows:
+    """A list of 1 to LONGEST_LIST lists of one domain, all of one length."""
+
+    item: Quantity
+
+    def __str__(self) -> str:
+        return f"a list of lists that are alike long, each value {self.item}"
+
+    def fit(self, value: object) -> tuple[tuple[float, ...], ...]:
+        if not isinstance(value, list | tuple) or not 0 < len(value) <= LONGEST_LIST:
+            raise Unfit(value, self)
+        row = Many(self.item)
+        rows = []
+        for number, each in enumerate(value, 1):
+            try:
+                rows.append(row.fit(each))
+            except Unfit as error:
+                raise Unfit(error.value, error.expected, number) from None
+            if len(rows[-1]) != len(rows[0]):
+                raise Unfit(each, f"{len(rows[0])} values, as in the first", number)
+        return tuple(rows)
+
+
+@dataclass(frozen=True)
 class Section:
     """A TOML table with keys of its own."""
 
@@ -179,7 +203,7 @@ class Section:
         return value
 
 
-Domain = Quantity | Text | Row | Many | Section
+Domain = Quantity | Text | Row | Many | Rows | Section
 
 
 def _fit_items(domains: Sequence[Quantity | Choice], values: Sequence[object]) -> tuple[Any, ...]:

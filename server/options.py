@@ -11,6 +11,10 @@ from .render import HIGHEST_RATE, LOWEST_RATE
 
 BUDGET = (4, 8_192)
 """What /budget is at a server's start: steps per sample of a coupled contact, and modes coupled at once."""
+OVER_BUDGET = (
+    "contacts went over /budget {} times: a force was held for a sample, or a contact not coupled to the modes"
+)
+"""What the engine's count of the same name says."""
 _LONGEST_LATENCY = 2.0  # s
 
 

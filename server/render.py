@@ -267,7 +267,7 @@ def render(
         format = "float" if options.calibrated else options.format
         write = stack.enter_context(writing(out, options.rate, engine.channels, format))
         if stems:
-            stems.mkdir(exist_ok=True)
+            _make_folder(stems)
             options = replace(options, block=QUANTUM)
             engine.keep_stems(True)
         folder = Path(stack.enter_context(TemporaryDirectory(prefix=".carom-", dir=stems or out.parent)))
@@ -287,3 +287,11 @@ def render(
         if stems:
             parts.save(lambda name: stems / f"{name}{out.suffix}", options.rate, format, frames, gain)
     return Rendered(engine, watch.take(), None if options.normalize is None else 20.0 * math.log10(gain))
+
+
+def _make_folder(path: Path) -> None:
+    """Make a folder, unless it is there. RenderError if something else is."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except (FileExistsError, NotADirectoryError):
+        raise RenderError(f"{path}: expected a folder, and a file is there") from None

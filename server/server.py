@@ -3,8 +3,10 @@
 import sys
 import time
 import traceback
+from collections import deque
 from collections.abc import Callable, Iterable
 from contextlib import suppress
+from functools import partial
 from typing import TYPE_CHECKING
 
 from ..dsp.engine.state import CONTACTS, ROLLS, End
@@ -17,14 +19,16 @@ from .files.log import Log
 from .files.recorder import Recorder
 from .governor import Governor
 from .knowledge import Knowledge
+from .making import Maker
 from .monitor import Monitor
 from .net.network import Network, Source
 from .net.remote import Remote
 from .options import ServeError
-from .osc.addresses import Call, calls
+from .osc.addresses import Call
 from .osc.arguments import Refused, Values
 from .osc.patterns import TooMuch
-from .osc.wire import Argument, BadPacket, Bundle, Message, parse
+from .osc.wire import Argument, BadPacket, Bundle, Message
+from .packets import Packet, read
 from .scene.gesture_ids import Ended
 from .scene.session import Session, fail
 from .scene.transaction import Sent
@@ -32,13 +36,15 @@ from .scene.translate import sync
 from .status import Status, version
 from .subscribers import Subscribers
 from .telling import Teller
+from .texts import plain
 from .time_tags import time_of
+from .waiting import Waiting
 
 if TYPE_CHECKING:
     from .web.server import WebServer
 
 _POLL = 0.02  # s between looks at the engine
-_LONGEST_TEXT = 1_000  # characters of a reply
+_TURN = 0.005  # s that a packet, or all that arrive, are carried out before others get their turns
 _MOST_PRINTED = 1_000  # texts that are remembered, so that none is repeated
 
 
@@ -89,9 +95,17 @@ class Server:
             "/dump": self._dump,
             "/quit": self._quit,
         }
+        self._maker = Maker(presets, engine.top_frequency, lambda: self._waiting.look())
+        self._waiting = Waiting(network, self._maker)
+        self.early: deque[tuple[bytes, Source]] = deque()
+        """Packets that came before there was an engine; `run` carries them out first."""
 
     def stop(self) -> None:
         self._running = False
+
+    def close(self) -> None:
+        """Make no more objects."""
+        self._maker.close()
 
     def start_files(self) -> None:
         """Begin to record and to log, from the engine's first sample on; until now the files are as they were."""
@@ -110,11 +124,13 @@ class Server:
 
     def run(self) -> None:
         """Serve until told to stop."""
+        while self.early:
+            self._receive(*self.early.popleft())
         due = 0.0
         while self._running:
-            arrived = self.network.receive(_POLL)
-            if arrived:
-                self._receive(*arrived)
+            self._hear()
+            for waited in self._waiting.ready():
+                self._attempt(waited)
             if time.monotonic() >= due:
                 try:
                     self._poll()
@@ -122,44 +138,70 @@ class Server:
                     self._print_once(traceback.format_exc())
                 due = time.monotonic() + _POLL
 
+    def _hear(self) -> None:
+        """Carry out what arrives, for a turn."""
+        arrived = self.network.receive(0.0 if self._waiting.in_a_hurry else _POLL)
+        end = time.monotonic() + _TURN
+        while arrived and self._running:
+            self._receive(*arrived)
+            arrived = self.network.receive(0.0) if time.monotonic() < end else None
+
     def _receive(self, packet: bytes, source: Source) -> None:
         self._subscribers.hear(source)
+        if not self._waiting.queue(packet, source):
+            self._attempt((packet, source))
+
+    def _attempt(self, arrived: Packet | tuple[bytes, Source]) -> None:
+        """Carry out a packet, or let it wait. A fault of the server does not end it."""
+        source = arrived.source if isinstance(arrived, Packet) else arrived[1]
         try:
-            self._answer(packet, source)
-        except Exception as error:  # a fault of the server must not end it
+            packet = arrived if isinstance(arrived, Packet) else self._read(*arrived)
+            if packet is arrived or not self._waiting.hold(packet):
+                self._carry_out(packet)
+        except BadPacket as error:
+            self._reply(fail("datagram", str(error)), source)
+        except Exception as error:
             self._print_once(traceback.format_exc())
             self._reply(fail("datagram", f"a fault of the server: {error!r}"), source)
 
-    def _answer(self, packet: bytes, source: Source) -> None:
-        try:
-            bundles = parse(packet)
-        except BadPacket as error:
-            self._reply(fail("datagram", str(error)), source)
-            return
-        for bundle in bundles:
-            if self._monitor and self._monitor.on:
+    def _read(self, data: bytes, source: Source) -> Packet:
+        packet = read(data, source)
+        refusals = (fail(each.address, str(TooMuch(each.address))) for each in packet.overfull)
+        packet.rest.extend(partial(self._reply, refusal, source) for refusal in refusals)
+        if self._monitor and self._monitor.on:
+            for bundle, _ in packet.bundles:
                 for message in bundle.messages:
                     self._monitor.show(message)
-            self._perform(bundle, source)
+        return packet
 
-    def _perform(self, bundle: Bundle, source: Source) -> None:
+    def _carry_out(self, packet: Packet) -> None:
+        """Carry out a packet bundle by bundle. After a turn the rest waits until others had theirs."""
+        if packet.making:
+            packet.made, packet.making = self._maker.take(packet.making), None
+        end = time.monotonic() + _TURN
+        while not packet.done:
+            if packet.rest:
+                packet.rest.popleft()()
+            else:
+                self._perform(*packet.bundles.popleft(), packet)
+            if time.monotonic() > end and not packet.done:
+                self._waiting.put_off(packet)
+                return
+
+    def _perform(self, bundle: Bundle, asked: list[Call], packet: Packet) -> None:
+        """Carry out the messages of a bundle about the sound; its replies, and those about the server, come next."""
+        source = packet.source
         try:
             when = time_of(bundle.time, self.engine)
         except Refused as error:
-            for message in bundle.messages:
-                self._reply(fail(message.address, str(error)), source)
+            packet.rest.extend(partial(self._reply, fail(each.address, str(error)), source) for each in bundle.messages)
             return
-        made = [call for message in bundle.messages for call in calls(message)]
-        # Two servers that answer each other's /fail would never end.
-        made = [call for call in made if call.message.address != "/fail"]
-        scored = [call for call in made if call.verb is None or call.verb.scored]
-        for reply in self._session.perform_calls(scored, when, source):
-            self._reply(reply, source)
+        scored = [call for call in asked if call.verb is None or call.verb.scored]
+        replies = self._session.perform_calls(scored, when, source, packet.made, packet.selection)
+        packet.rest.extend(partial(self._reply, reply, source) for reply in replies)
         for call in scored:
             self._governor.note_request(call.message)
-        for call in made:
-            if call.verb and not call.verb.scored:
-                self._serve(call, source)
+        packet.rest.extend(partial(self._serve, call, source) for call in asked if call.verb and not call.verb.scored)
 
     def _serve(self, call: Call, source: Source) -> None:
         """Carry out a message that is about the server, not the sound."""
@@ -174,7 +216,8 @@ class Server:
 
     def _status_asked(self, values: Values, source: Source) -> None:
         objects = len(self._session.objects)
-        own: dict[str, str | int] = {
+        own: dict[str, int | str] = {
+            "waiting": len(self._waiting),
             **self._file_states(),
             "pages": len(self.web.site.clients) if self.web else 0,
             "untold": self.teller.untold + self.engine.stats.trace_lost,
@@ -219,7 +262,7 @@ class Server:
 
     def _reply(self, message: Message, to: Source) -> None:
         # A text that came in may be too long, or hold characters that can't go out again.
-        args = [_plain(arg) if isinstance(arg, str) else arg for arg in message.args]
+        args = [plain(arg) if isinstance(arg, str) else arg for arg in message.args]
         try:
             self.network.send(Message(message.address, tuple(args)), self._subscribers.receiver(to))
         except OSError:
@@ -283,9 +326,3 @@ class Server:
     def _warn(self, text: str) -> None:
         for subscriber in self._subscribers:
             self._reply(Message("/warning", (text,)), subscriber)
-
-
-def _plain(text: str) -> str:
-    """Text that can be sent and shown anywhere: short, and without control characters."""
-    short = text if len(text) <= _LONGEST_TEXT else text[: _LONGEST_TEXT - 3] + "..."
-    return "".join(c if c.isprintable() else "?" for c in short)

@@ -13,6 +13,7 @@ from ..dsp.runtime.engine import Engine
 from ..presets import Presets
 from .audio.supervisor import Player
 from .audio.tap import Queue, Tap
+from .compiling import wait_for_code
 from .files.log import Log
 from .files.recorder import Recorder
 from .net.network import Network
@@ -22,7 +23,7 @@ from .server import Server
 if TYPE_CHECKING:
     from .web.server import WebServer
 
-_TURN = 5e-4  # s for which a thread keeps Python's lock: web clients and datagrams come through different ones
+_SWITCH = 0.0005  # s that a thread may keep Python's lock while another one wants it
 
 
 @contextmanager
@@ -32,6 +33,7 @@ def serving(options: Options) -> Iterator[Server]:
         with _named(options.bind, options.port):
             network = stack.enter_context(closing(Network(options.bind, options.port)))
         presets = Presets(options.presets)
+        early = wait_for_code(network)
         engine = options.engine()
         tap = stack.enter_context(closing(Tap(engine))) if options.page is not None else None
         recorder = _recorder(engine, options.record, tap) if options.record else None
@@ -47,7 +49,11 @@ def serving(options: Options) -> Iterator[Server]:
         # The files end with the last sound, and before PortAudio is asked to: that may fail, and take its time.
         last.callback(player.close)
         stack.callback(player.rest)
-        server = Server(network, engine, player, presets, recorder, log)
+        server = stack.enter_context(closing(Server(network, engine, player, presets, recorder, log)))
+        # Web clients, datagrams and the making of objects have threads of their own, which keep each other waiting.
+        stack.callback(sys.setswitchinterval, sys.getswitchinterval())
+        sys.setswitchinterval(_SWITCH)
+        server.early.extend(early)
         if options.contact:
             server.choose_contact(options.contact)
         server.start_files()  # not before all else is well: older ones would be lost
@@ -74,7 +80,6 @@ def _start_web(options: Options, server: Server, tap: Tap | None, stack: ExitSta
         option = "oscquery" if options.page is None else "page"
         raise ServeError(f"{option}: {error.name} is missing: pip install 'carom[page]'") from None
     assert options.web is not None
-    sys.setswitchinterval(_TURN)
     web, listening = web_server(
         Web(options.bind, options.web, options.page, options.certificate, options.tls), server.known, server.network
     )

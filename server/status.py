@@ -8,6 +8,7 @@ from ..dsp.runtime.engine import Engine
 from .audio.supervisor import Player
 from .limiting import LimiterWatch
 from .net.network import Network, Source
+from .options import OVER_BUDGET
 from .osc.wire import Message
 
 _COUNTERS = (
@@ -61,6 +62,7 @@ FIELDS = {
     "dropped_by_system": "datagrams that found no room in the system's buffer",
     "replies_dropped": "replies that were not sent, as a client reads too slowly or asks for too many",
     "connections": "TCP clients",
+    "waiting": "clients whose messages wait for an object to be made, or for their turn",
     "recording": "yes, no, or why the recording ended",
     "logging": "yes, no, or why the log ended",
     "pages": "clients of web sockets",
@@ -122,8 +124,8 @@ class Status:
         self._warned = dict.fromkeys(_COUNTERS, 0)
         self._object_faults = engine.state["objects"]["faults"].copy()
 
-    def reply(self, client: Source, objects: int, network: Network, own: dict[str, str | int]) -> Message:
-        """/status.reply to a client, of a server with a number of objects, and what only the server knows.
+    def reply(self, client: Source, objects: int, network: Network, own: Mapping[str, int | str]) -> Message:
+        """/status.reply to a client, of a server with a number of objects; `own` is what the server says of itself.
 
         It begins with scsynth's nine values (1, live modes, sounding objects, objects, contacts, average and peak load
         in %, nominal and actual rate in Hz); pairs of name and value follow. Counters are since the server's start;
@@ -166,7 +168,7 @@ class Status:
         stats = self._engine.stats
         for name, text in (
             ("contacts_dropped", "{} contacts dropped: the engine was full, or /budget left no room"),
-            ("over_budget", "the force of contacts was held in {} samples: /budget grants no more steps"),
+            ("over_budget", OVER_BUDGET),
             ("strikers_cut", "{} strikers were cut short or left out: too many sounded"),
             ("late", "{} late events were played at once; the last was {late_last:.1f} ms late"),
             ("tap_lost", "{} frames are missing from the recording: the disk is too slow"),

@@ -54,7 +54,8 @@ class Reader:
         self._env = os.environ | {"PATH": f"{folder}:{os.environ['PATH']}"}
 
     def score(self, text: str) -> None:
-        (self.folder / "strike.txt").write_text(text)
+        for name in ("strike.txt", "drums.txt", "bell.txt"):  # a page says what it calls its own
+            (self.folder / name).write_text(text)
 
     def toml(self, text: str) -> None:
         (self.folder / "objects").mkdir()

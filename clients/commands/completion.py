@@ -39,7 +39,7 @@ def _choose(command: str, action: argparse.Action) -> None:
         found = shtab.cmd(f"carom presets --names {'objects' if action.dest == 'preset' else 'strikers'}")
     elif action.dest in ("folder", "presets"):
         found = shtab.DIRECTORY
-    elif action.dest in ("score", "scores", "out", "plot", "record", "log"):
+    elif action.dest in ("score", "scores", "recordings", "a", "b", "force", "page", "out", "plot", "record", "log"):
         found = shtab.FILE
     if found:
         action.complete = found  # type: ignore[attr-defined]

@@ -4,6 +4,7 @@ import argparse
 import math
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 
 from ...server.osc.wire import Message
 from ..client import Client
@@ -25,13 +26,23 @@ def _run(arguments: argparse.Namespace) -> int:
             for message in _heard(server, arguments.seconds):
                 print(message.address, *message.args, flush=True)
         finally:
-            server.send("/notify", 0)
+            with suppress(ConnectionError):
+                server.send("/notify", 0)
     return 0
 
 
 def _heard(server: Client, seconds: float) -> Iterator[Message]:
-    """The messages that a server sends to those that it notifies. TimeoutError if it does not answer."""
+    """The messages that a server sends to those that it notifies. TimeoutError if it does not answer any more,
+    ConnectionError if it has ended."""
     server.ask("/notify", 1)
+    try:
+        yield from _notified(server, seconds)
+    except ConnectionRefusedError:
+        raise ConnectionResetError("the server has ended") from None
+
+
+def _notified(server: Client, seconds: float) -> Iterator[Message]:
+    """Its messages for so long, asked for again and again."""
     answered = time.monotonic()
     end = answered + seconds
     while (now := time.monotonic()) < end:

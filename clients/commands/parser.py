@@ -4,6 +4,7 @@ import argparse
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, NoReturn
 
 from ...dsp.wording import expected, suggestion
@@ -79,8 +80,11 @@ def _is_option(word: str) -> bool:
 
 
 def _takes(option: argparse.Action, word: str) -> bool:
-    """Whether an option takes the word that follows: one whose value may be left out only takes a number."""
-    return option.nargs != 0 and (option.nargs != "?" or bool(_VALUE.fullmatch(word)))
+    """Whether an option takes the word that follows. One whose value may be left out takes a number, and to refuse it a
+    word that is no file's name."""
+    if option.nargs != "?":
+        return option.nargs != 0
+    return bool(_VALUE.fullmatch(word)) or (word.isalpha() and not Path(word).exists())
 
 
 def _options(option: str, known: Iterable[str]) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...dsp.wording import expected, suggestion
@@ -20,7 +19,9 @@ if TYPE_CHECKING:
 def _options(parser: argparse.ArgumentParser) -> None:
     names = "presets to show, a kind to list (objects, strikers, materials, surfaces), or files to check"
     parser.add_argument("names", nargs="*", metavar="NAME", help=names)
-    parser.add_argument("--check", action="store_true", help="check the files NAME, and describe each")
+    parser.add_argument(
+        "--check", action="store_true", help="check the files NAME, or all in a folder NAME, and describe each"
+    )
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--names", dest="bare", action="store_true", help="print names alone, one on each line")
     add_presets(parser)
@@ -89,9 +90,9 @@ def _show(names: Sequence[str], presets: Presets, as_json: bool) -> None:
 
 def _check(files: Sequence[str], presets: Presets, as_json: bool) -> int:
     """Print what each file holds, or on stderr what is wrong; returns the exit code."""
-    from ..preset_files import checked
+    from ..preset_files import checked, files_in
 
-    results = [checked(Path(file), presets) for file in files]
+    results = [checked(path, presets) for file in files for path in files_in(file)]
     if as_json:
         _print([result._asdict() for result in results])
     for result in results:

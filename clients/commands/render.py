@@ -54,7 +54,7 @@ def _run(arguments: argparse.Namespace) -> int:
     from ...presets import Presets
     from ...server.files.whole import RenderError
     from ...server.render import Options
-    from ..rendering import render_all, tasks
+    from ..rendering import make_folders, render_all, tasks
 
     keys = ("rate", "block", "format", "seconds", "channels", "gain", "calibrated", "normalize")
     given = {key: getattr(arguments, key) for key in keys}
@@ -70,6 +70,7 @@ def _run(arguments: argparse.Namespace) -> int:
     interrupted = Event()
     on_end(interrupted.set)
     if len(todo) > 1:
+        make_folders(todo)
         return _render_many(render_all(todo, options, arguments.presets, jobs, interrupted.is_set), len(todo))
     _render_one(todo[0], options, presets, interrupted)
     return 0

@@ -15,6 +15,8 @@ Render a score to an array, or play a scene of your own, in this process and as 
 server (`carom serve`) over OSC. `carom.Presets` has the objects, strikers, materials and surfaces there are; on the
 command line, `carom presets` lists them. `carom.dsp` holds the contact law, its closed forms and the modes of bodies.
 
+`carom.fit` makes an object of recordings; `carom.compare` says how far apart two sounds are.
+
 Units are SI, but for levels (dB), tuning (semitones) and angles (degrees). What cannot be carried out raises an error
 that names the culprit, its value and what was expected: CommandError from a Scene or a Client, ScoreError, RenderError
 or PresetError elsewhere.
@@ -34,6 +36,8 @@ if TYPE_CHECKING:
     from .offline import render as render
     from .presets import PresetError as PresetError
     from .presets import Presets as Presets
+    from .recordings import compare as compare
+    from .recordings import fit as fit
     from .report import Report as Report
     from .scene import Object as Object
     from .scene import Scene as Scene
@@ -56,6 +60,8 @@ _HOMES = {
     "Scene": "scene",
     "ScoreError": "server.osc.score",
     "Sound": "sound",
+    "compare": "recordings",
+    "fit": "recordings",
     "render": "offline",
 }
 """The module of each public name."""
@@ -74,7 +80,9 @@ __all__ = [
     "ScoreError",
     "Sound",
     "__version__",
+    "compare",
     "dsp",
+    "fit",
     "render",
 ]
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 from .dsp.runtime.engine import Engine
 from .server.limiting import LimiterWatch, Limiting
+from .server.options import OVER_BUDGET
 
 _COUNTERS = {
     "contacts": "impacts",
@@ -58,7 +59,7 @@ class Report:
         if self.contacts_dropped:
             lines.append(f"{self.contacts_dropped} contacts were left out: too many at once")
         if self.over_budget:
-            lines.append(f"the force of contacts was held in {self.over_budget} samples, as /budget asks")
+            lines.append(OVER_BUDGET.format(self.over_budget))
         if self.strikers_cut:
             lines.append(f"{self.strikers_cut} strikers were cut short or left out: too many sounded")
         if self.late:

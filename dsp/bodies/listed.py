@@ -15,6 +15,7 @@ from .radiation.thin import open_cylinder
 
 Each = float | Sequence[float]
 
+_PLACES = 65  # along a path, of shapes that are measured at some positions
 _LIP = 1.5  # radii over the order: the height from its lip in which a bell's motion falls by 1/e, estimated
 
 
@@ -29,12 +30,16 @@ def listed(
     order: Each | None = None,
     radius: float | None = None,
     height: float | None = None,
+    positions: Sequence[float] | None = None,
+    gains: Sequence[Sequence[float]] | None = None,
 ) -> Modes:
     """Modes given one by one, those up to `top` (Hz).
 
     frequency (Hz), t60 (decay times, s, what is radiated included) and modal_mass (kg): (n,) each; a single one holds
     for every mode. mass (kg) is that of the whole body. A modal mass belongs to a shape that is 1 at the striking
-    point; the position does not matter. ValueError names what does not fit.
+    point. The position does not matter, unless `positions` (P,), 0 to 1 and ascending, and `gains` (n, P) give each
+    mode's shape there; between them shapes are interpolated (pchip), beyond they stay. ValueError names what does not
+    fit.
 
     How loud they are is given by `weight`, sound pressure at 1 m (Pa, rms over directions) per m/s of the striking
     point (1 unless given), or by the body: with `radius` (m) and `height` (m) that of a bell, a thin open cylinder of
@@ -50,6 +55,7 @@ def listed(
     t60s, masses, weights, orders = columns(frequencies.size, "frequencies", **given)
     if not (np.all(frequencies > 0) and np.all(t60s > 0) and np.all(masses > 0)):
         raise ValueError("frequency, t60, modal_mass: expected positive numbers")
+    shapes = _along_path(positions, gains, frequencies.size)
     keep = audible(frequencies, top)
     frequencies, masses = frequencies[keep], masses[keep]
     decay = math.log(1000) / t60s[keep]
@@ -62,10 +68,30 @@ def listed(
     return Modes(
         frequency=frequencies,
         decay=decay,
-        strike=shape[None],
+        strike=shapes[:, keep] * shape,
         pressure=sound,
         mass=mass,
     )
+
+
+def _along_path(positions: Sequence[float] | None, gains: Sequence[Sequence[float]] | None, count: int) -> Array:
+    """Shapes (places, n) at equally spaced places 0..1."""
+    from scipy.interpolate import PchipInterpolator
+
+    if positions is None and gains is None:
+        return np.ones((1, count))
+    if positions is None or gains is None:
+        raise ValueError("positions, gains: expected both together")
+    at, rows = np.asarray(positions, np.float64), np.asarray(gains, np.float64)
+    if rows.shape != (count, at.size):
+        raise ValueError(f"gains: {rows.shape[0]} rows of {rows.shape[1]}: expected {count} of {at.size}")
+    if np.any(np.diff(at) <= 0):
+        raise ValueError(f"positions = {list(at)}: expected them to ascend")
+    places = np.linspace(0, 1, _PLACES)
+    if at.size == 1:
+        return np.tile(rows[:, 0], (_PLACES, 1))
+    found: Array = PchipInterpolator(at, rows, axis=1)(np.clip(places, at[0], at[-1])).T
+    return found
 
 
 def _of_body(frequency: Array, order: Array, radius: float, height: float | None) -> Array:

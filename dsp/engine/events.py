@@ -144,6 +144,7 @@ def _note(state, number, time):
 @kernel
 def carry_out(state, event):
     """Do what an event asks for."""
+    state.queue.carried_out += 1
     kind = event.kind
     if _is_gesture(kind):
         start_gesture(state, state.objects[event.slot], event)

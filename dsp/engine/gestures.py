@@ -58,7 +58,7 @@ def start_gesture(state, obj, event):
     else:
         index = state.free_contact[len(state.contacts) - 1 - stats.contacts_active]
         stats.contacts_active += 1
-        state.last_command[index] = 0 if event.kind == KIND_IMPACT else event.order + 1
+        state.last_command[index] = 0 if event.kind == KIND_IMPACT else state.queue.carried_out
         contact = state.contacts[index]
         _describe(state, contact, event)
         if rolls:

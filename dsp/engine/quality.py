@@ -1,6 +1,7 @@
 """What is left out when there is too little time, by the quality that is asked for (state.Quality).
 
-Where only the newest gestures may go on, time stands still for the others: the newest are those sent or steered last.
+Where only the newest gestures may go on, time stands still for the others: the newest are those that began or were
+steered last. Events count in the order in which they are carried out, which a log holds, not in that of their arrival.
 """
 
 from ..native.jit import kernel
@@ -61,12 +62,12 @@ def room_for_coupling(state):
 
 @kernel
 def find_oldest_running(state):
-    """Find the gestures that may go on in this quantum: the arrival that the oldest of them must have."""
+    """Find the gestures that may go on in this quantum: the least number of their last events."""
     state.oldest_running = 0
     if state.choices.quality < _NEWEST:
         return
     running = _VOICES >> (state.choices.quality - _NEWEST)
-    enough, low = state.queue.arrivals + 1, 0  # fewer than `running` gestures came at `enough` or later
+    enough, low = state.queue.carried_out + 1, 0  # of fewer than `running` gestures came an event at `enough` or later
     while enough - low > 1:
         middle = (enough + low) // 2
         count = 0
@@ -81,5 +82,5 @@ def find_oldest_running(state):
 
 @kernel
 def must_wait(state, index):
-    """True if there is time only for gestures that were sent or steered more recently than this contact's."""
+    """True if there is time only for gestures that began or were steered more recently than this contact's."""
     return 0 < state.last_command[index] < state.oldest_running

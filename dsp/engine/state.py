@@ -202,6 +202,7 @@ QUEUE = np.dtype(
         ("size", np.int64),
         ("last_time", np.float64),  # of the last event that was carried out
         ("arrivals", np.int64),
+        ("carried_out", np.int64),  # events so far
     ],
     align=True,
 )
@@ -257,7 +258,7 @@ STATE = np.dtype(
         ("active", np.int64),  # objects in `order`
         ("contacts", CONTACT, CONTACTS),
         ("free_contact", np.int64, CONTACTS),  # stack
-        ("last_command", np.int64, CONTACTS),  # 1 + arrival of the last one about a gesture that lasts; 0: none
+        ("last_command", np.int64, CONTACTS),  # number of the event that was last about a gesture that lasts; 0: none
         ("contact_count", np.int64),  # numbers given to contacts so far
         ("settled_count", np.int64),  # and to the receptances that coupled contacts were told
         ("oldest_running", np.int64),  # the least of these that may go on in this quantum

@@ -17,7 +17,7 @@ def steer_existing_roll(state, event):
         here = contact.point[0].slot == event.slot and contact.point[0].serial == event.serial
         if contact.gesture == event.gesture and contact.kind == KIND_ROLL and contact.gesture > 0 and here:
             found = True
-            state.last_command[i] = event.order + 1
+            state.last_command[i] = state.queue.carried_out
             state.rolls[contact.roll].target.speed = event.roll.speed
             for n in range(len(IN_ROLL)):
                 if event.given >> n & 1:
@@ -33,7 +33,7 @@ def steer(state, event):
     for i in range(len(state.contacts)):
         contact = state.contacts[i]
         if contact.gesture == event.gesture:
-            _count_command(state, i, event.order)
+            _count_command(state, i)
             if STEERS[contact.kind, event.parameter]:
                 _set_target(state, contact, event.parameter, event.value)
 
@@ -58,15 +58,15 @@ def stop_gesture(state, event):
     for i in range(len(state.contacts)):
         contact = state.contacts[i]
         if contact.gesture == event.gesture:
-            _count_command(state, i, event.order)
+            _count_command(state, i)
             _stop(state, contact, event.time)
 
 
 @kernel
-def _count_command(state, index, order):
+def _count_command(state, index):
     """Remember that a command was about a gesture that lasts: it counts as new."""
     if state.contacts[index].kind != KIND_IMPACT:
-        state.last_command[index] = order + 1
+        state.last_command[index] = state.queue.carried_out
 
 
 @kernel

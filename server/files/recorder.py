@@ -11,7 +11,7 @@ from ...dsp.runtime.engine import Engine
 from .floatwav import FloatWav
 from .outfile import OutFile
 
-_PERIOD = 0.1  # s
+_PERIOD = 0.05  # s
 
 
 class RecordError(RuntimeError):

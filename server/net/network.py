@@ -40,11 +40,15 @@ class Network:
         self._replies_dropped = 0
         self._warned: Counter[str] = Counter()
         self._told = 0  # datagrams dropped, whose sender was told
+        self._refused = 0  # datagrams that were taken, and had to be dropped
+        self._refused_from: tuple[str, int] | None = None
+        self._woken = False
         self._turns: deque[Connection | Remote] = deque()  # clients with packets that wait, each once
         self.left: list[Remote] = []
         """Web sockets' clients that have left, until somebody takes note."""
         self._stream_next = False  # datagrams and streams take turns
         self._connections: set[Connection] = set()
+        self._paused: set[Connection | Remote] = set()
         self._lingering: dict[Connection, float] = {}  # their stream has ended: when replies to them end too
         self._allowance = Allowance()
         self._udp, self._listener = _bound(host, port)
@@ -76,13 +80,13 @@ class Network:
     def counts(self) -> dict[str, int]:
         """How many datagrams found no room here or in the system's buffer, and how many replies were dropped."""
         return {
-            "dropped": self._intake.dropped,
+            "dropped": self._intake.dropped + self._refused,
             "dropped_by_system": _dropped_by_system(self._udp),
             "replies_dropped": self._replies_dropped,
         }
 
     def receive(self, timeout: float) -> tuple[bytes, Source] | None:
-        """The next packet and its source, or None if none arrives within `timeout` seconds."""
+        """The next packet and its source, or None if none arrives within `timeout` seconds, or before `wake`."""
         deadline = time.monotonic() + timeout
         wait = 0.0
         while True:
@@ -90,7 +94,8 @@ class Network:
             if arrived := self._next():
                 return arrived
             wait = deadline - time.monotonic()
-            if wait <= 0.0:
+            if wait <= 0.0 or self._woken:
+                self._woken = False
                 return None
 
     def _next(self) -> tuple[bytes, Source] | None:
@@ -103,6 +108,8 @@ class Network:
         """A packet of the client whose turn it is: clients take turns, however much each has sent."""
         while self._turns:
             connection = self._turns.popleft()
+            if connection in self._paused or not connection.arrived:
+                continue
             packet = connection.arrived.popleft()
             if connection.arrived:
                 self._turns.append(connection)
@@ -114,6 +121,29 @@ class Network:
             else:
                 self._part(connection)
         return None
+
+    def wake(self) -> None:
+        """Let `receive` return, if nothing arrives before; any thread may ask for it."""
+        self._woken = True
+        self._intake.ring()
+
+    def pause(self, source: Source) -> None:
+        """Return no packet of a stream's client until `resume`: it waits, and loses nothing."""
+        if isinstance(source, Connection | Remote):
+            self._paused.add(source)
+
+    def resume(self, source: Source) -> None:
+        """Take back `pause`."""
+        if isinstance(source, Connection | Remote) and source in self._paused:
+            self._paused.remove(source)
+            if source.arrived and source not in self._turns:
+                self._turns.append(source)
+
+    def drop(self, source: Source) -> None:
+        """Count a datagram that was received, and is not carried out."""
+        if isinstance(source, tuple):
+            self._refused += 1
+            self._refused_from = source
 
     def send(self, message: Message, to: Source) -> None:
         """Send a reply, or count it as dropped; OSError if its receiver is gone."""
@@ -144,9 +174,10 @@ class Network:
 
     def dropped(self) -> tuple[int, tuple[str, int]] | None:
         """How many datagrams found no room since the last call, and who sent the last one; None if none was lost."""
-        new = self._intake.dropped - self._told
+        new = self.counts["dropped"] - self._told
         self._told += new
-        return (new, self._intake.loser) if new else None
+        loser, self._refused_from = self._refused_from or self._intake.loser, None
+        return (new, loser) if new else None
 
     def warnings(self) -> list[str]:
         """Texts about what was dropped since the last call."""

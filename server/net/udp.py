@@ -121,6 +121,11 @@ class Intake:
         with suppress(BlockingIOError):
             self.heard.recv(64)
 
+    def ring(self) -> None:
+        """Have `heard` become readable; any thread may."""
+        with suppress(OSError):  # it is readable already, or closed
+            self._bell.send(b"\0")
+
     def take(self) -> tuple[bytes, tuple[str, int]] | None:
         """The next datagram and its sender's address, or None if none waits."""
         read = int(self._read[0])

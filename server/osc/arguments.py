@@ -32,8 +32,7 @@ def shown(value: Argument) -> str:
 def check_number(number: Number, value: Argument) -> float:
     """A numeric argument as a float; Refused if it is no number, out of range, or not whole where it must be."""
     if not isinstance(value, (int, float)) or not number.low <= value <= number.high:
-        unit = f" {number.unit}" if number.unit else ""
-        raise Refused(f"{number.name} = {shown(value)}: expected a number from {number.low:g} to {number.high:g}{unit}")
+        raise Refused(f"{number.name} = {shown(value)}: expected a number from {number.bounds}")
     if number.whole and value != int(value):
         raise Refused(f"{number.name} = {value:g}: expected a whole number")
     return float(value)

@@ -7,12 +7,15 @@ from functools import lru_cache, reduce
 from operator import or_
 from typing import Protocol
 
-MOST_WORK = 500_000.0
-"""The highest cost of a packet's patterns, in the units of `work`: some 50 ms."""
+MOST_WORK = 300_000.0
+"""The highest cost of a packet's patterns, in the units of `work`: some 30 ms."""
 
 
 class TooMuch(ValueError):
-    """Patterns cost more than they may; the text names the one that was too many."""
+    """A packet costs more than it may; the text names the pattern or the target that was too much."""
+
+    def __init__(self, culprit: str) -> None:
+        super().__init__(f"{culprit[:40]}: too much for one packet; expected fewer patterns in it")
 
 
 class Versioned(Protocol):
@@ -108,13 +111,23 @@ class Selection:
         version, kept = self._kept.get((pattern, id(table)), (-1, ()))
         fresh = version != table.version
         # Whoever asks will do something for each of the names.
-        self._left -= 8 + len(kept) + (work(pattern) * len(table.names) if fresh else 0)
-        if self._left < 0:
-            raise TooMuch(f"{pattern[:40]}: patterns match too much; expected fewer of them in a packet")
+        self.spend(8 + len(kept) + (work(pattern) * len(table.names) if fresh else 0), pattern)
         if fresh:
             kept = tuple(name for name in table.names if match(pattern, name))
             self._kept[pattern, id(table)] = table.version, kept
         return kept
+
+    def spend(self, work: float, culprit: str) -> None:
+        """Take the work of matching a pattern from that which is left. TooMuch if there is not so much."""
+        if work > self._left:
+            raise TooMuch(culprit)
+        self._left -= work
+
+    def charge(self, work: float, culprit: str) -> None:
+        """The same for the work on what was matched; that of one message is done in any case, if any work is left."""
+        if work > 0.0 and self._left <= 0.0:
+            raise TooMuch(culprit)
+        self._left -= work
 
 
 @dataclass(frozen=True)

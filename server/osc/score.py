@@ -34,6 +34,10 @@ LONGEST_SCORE = 31 * 86_400
 _GRID = 256.0  # places between two samples where the engine lets what was played live fall
 
 
+_SOUNDS = (b"RIFF", b"RF64", b"fLaC", b"OggS", b"FORM", b"ID3")
+"""How sound files begin."""
+
+
 class ScoreError(ValueError):
     """A score that cannot be read: "FILE:LINE: reason"."""
 
@@ -57,6 +61,8 @@ def read(path: str | PathLike[str]) -> list[Line]:
 
 def parse(data: bytes, path: str | PathLike[str]) -> list[Line]:
     """Reads a score's bytes as `read` does; errors call it `path`."""
+    if data.startswith(_SOUNDS):
+        raise ScoreError(f"{path}: it is a sound; expected a score")
     # A binary score starts with a size below 16 MB, so with a zero, which no text has.
     return list(_binary(data, path) if data.startswith(b"\0") else _text(data, path))
 

@@ -50,6 +50,8 @@ class ContactLaws:
         self._presets = presets
         self._laws: dict[tuple[str, Material | None], Contact] = {}
         self._sounds: dict[str, StrikerSound | None] = {}
+        self._radii: dict[str, float | None] = {}
+        self._surfaces: dict[str, SurfacePreset] = {}
 
     def of(self, striker: str, material: Material | None) -> Contact:
         """The law of a striker on an object of a material. PresetError if there is no such striker."""
@@ -64,9 +66,23 @@ class ContactLaws:
             self._sounds[striker] = self._presets.striker(striker).sound
         return self._sounds[striker]
 
+    def radius_of(self, striker: str) -> float | None:
+        """A striker's radius (m), if it has one. PresetError if there is no such striker."""
+        if striker not in self._radii:
+            self._radii[striker] = self._presets.striker(striker).radius
+        return self._radii[striker]
+
+    def surface(self, name: str) -> SurfacePreset:
+        """The surface of a name. PresetError if there is none."""
+        if name not in self._surfaces:
+            self._surfaces[name] = self._presets.surface(name)
+        return self._surfaces[name]
+
     def forget(self) -> None:
         """Read the files again from now on."""
         self._laws.clear()
+        self._radii.clear()
+        self._surfaces.clear()
         self._sounds.clear()
 
 

@@ -1,6 +1,7 @@
 """A session: messages in, engine commands out, alike for a live server and a score."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 from ...dsp.engine.state import RING
@@ -9,10 +10,11 @@ from ...dsp.runtime.engine import Engine
 from ...presets import PresetError, Presets
 from ..osc.addresses import Call, calls
 from ..osc.arguments import GestureEnded, Refused
-from ..osc.patterns import TooMuch
+from ..osc.patterns import Selection, TooMuch
 from ..osc.wire import Message
 from .gesture_ids import Ended, GestureIds
 from .limits import ContactLaws
+from .new_object import NewObject
 from .objects import ObjectTable
 from .scale import Scale
 from .transaction import Sent, Transaction
@@ -43,12 +45,26 @@ class Session:
         """
         return self.perform_calls([call for message in messages for call in calls(message)], time, source)
 
-    def perform_calls(self, calls: Sequence[Call], time: float, source: Any = None) -> list[Message]:
-        """As `perform`, for messages whose patterns are expanded."""
+    def perform_calls(
+        self, calls: Sequence[Call], time: float, source: Any = None,
+        made: Mapping[int, NewObject | Exception] = MappingProxyType({}), selection: Selection | None = None,
+    ) -> list[Message]:  # fmt: skip
+        """As `perform`, for messages whose patterns are expanded. made: objects, or the errors that they met, by the
+        identity of the calls that ask for them; others are made here. selection: of the packet, if these are not all of
+        its calls."""
         self.gestures.collect()
         self.objects.forget_gone()
         transaction = Transaction(
-            self.engine, self.presets, self._laws, self.objects, self.gestures, self._scale, time, source
+            self.engine,
+            self.presets,
+            self._laws,
+            self.objects,
+            self.gestures,
+            self._scale,
+            time,
+            source,
+            made,
+            selection=selection or Selection(),
         )
         accepted: list[str] = []
         try:
@@ -60,7 +76,7 @@ class Session:
                     transaction.undo_to(savepoint)
                     harmless = self._steers_ended and isinstance(error, GestureEnded)
                     reply = warning if harmless else fail
-                    transaction.replies.append(reply(call.message.address, str(error)))
+                    transaction.replies.append(reply(call.message.address, transaction.reason(error)))
                 else:
                     accepted.append(call.message.address)
                 if len(transaction.commands) > RING:  # they will never be sent: spare the time to translate the rest

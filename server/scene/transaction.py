@@ -1,17 +1,19 @@
 """A transaction: the commands of messages that belong together. The engine gets all of them, or none."""
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from ...dsp.engine.commands import Command
 from ...dsp.runtime.engine import Engine
 from ...dsp.wording import suggestion
-from ...presets import Presets
+from ...presets import NoPreset, Presets
+from ..osc.addresses import Call
 from ..osc.patterns import Selection
 from ..osc.wire import Message
 from .gesture_ids import GestureIds
 from .limits import ContactLaws
+from .new_object import NewObject, new_object
 from .objects import ObjectTable
 from .scale import Scale
 
@@ -42,6 +44,8 @@ class Transaction:
     scale: Scale
     time: float
     source: Any
+    made: Mapping[int, NewObject | Exception] = field(default_factory=dict)
+    """Objects that were made before, or the errors they met, by the identity of their calls."""
     commands: list[Command] = field(default_factory=list)
     sent: list[Sent] = field(default_factory=list)
     """The origin of each command."""
@@ -56,10 +60,25 @@ class Transaction:
         self.commands.append(command)
         self.sent.append(sent)
 
+    def new_object(self, call: Call) -> NewObject:
+        """The object that a call asks for. Refused or PresetError say why there is none."""
+        made = self.made.get(id(call))
+        if isinstance(made, Exception):
+            raise made
+        return made or new_object(call, self.presets, self.engine.top_frequency)
+
     def suggestion(self, word: str, known: Collection[str]) -> str:
         """Names near a word; none for the later ones of many refusals, as to find them takes 1 ms."""
+        return suggestion(word, known) if self.explains() else ""
+
+    def explains(self) -> bool:
+        """Whether there is time to say more of another refusal than that it is one."""
         self._compared += 1
-        return suggestion(word, known) if self._compared <= _MOST_SUGGESTIONS else ""
+        return self._compared <= _MOST_SUGGESTIONS
+
+    def reason(self, error: Exception) -> str:
+        """The reason for a refusal; of later ones without the names that there are, as to look for them takes long."""
+        return str(error) if not isinstance(error, NoPreset) or self.explains() else error.text
 
     def on_undo(self, action: Callable[[], object]) -> None:
         """Do an action if what was asked for so far is not carried out; the latest comes first."""

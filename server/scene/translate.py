@@ -11,15 +11,14 @@ from itertools import islice
 
 from ...dsp.engine.commands import Command, Kind
 from ...dsp.runtime.engine import NOW
-from ...dsp.schema import BOUNCE, GAIN, ROLL, SETTINGS, SPIN, STEERABLE, STRIKE, Gesture
-from ...dsp.wording import expected
-from ...presets import ObjectPreset
-from ..osc.addresses import VERBS, Call, calls, unknown
-from ..osc.arguments import GestureEnded, Refused, Values, shown
+from ...dsp.schema import BOUNCE, GAIN, GESTURES, ROLL, SETTINGS, SPIN, STEERABLE, STRIKE, Gesture
+from ...dsp.wording import suggestion
+from ..osc.addresses import Call, calls, unknown
+from ..osc.arguments import GestureEnded, Refused, Values
 from ..osc.wire import Message
 from .engine_messages import ENGINE_HANDLERS, Handler
 from .limits import LAW, Contact, fall, require_rest, require_rollable, require_short, rim_speed
-from .notes import TUNINGS, copy_of, speed_of, tuned
+from .notes import copy_of, speed_of, tuned
 from .object_call import ObjectCall, listed, require_name
 from .objects import PlayedObject
 from .transaction import MOST_COMPARED, Sent, Transaction
@@ -27,13 +26,14 @@ from .transaction import MOST_COMPARED, Sent, Transaction
 _SHARED = {each.name for each in STRIKE} | {"velocity"}
 _SURFACE = "wood"
 _ANY_RADIUS = 0.01  # m: of a roll that is steered, and so has one
+_GESTURE_WORK, _CHANGE_WORK = 400, 80  # of carrying out a gesture, or a change, on one object, as in patterns.work
 _APPROACH = 0.01  # m/s: how fast a pressing striker is laid on
 
 
 def translate(transaction: Transaction, call: Call) -> None:
     """Add what a call asks for to a transaction. Refused, PresetError or EngineFull say why not."""
     if call.verb is None:
-        raise unknown(call.message.address)
+        raise unknown(call.message.address) if transaction.explains() else Refused("no such address")
     handler = HANDLERS.get(call.verb.address)
     if handler is None:
         raise Refused("server-only message; not allowed in a score")
@@ -56,10 +56,9 @@ def _new(transaction: Transaction, call: Call, values: Values) -> None:
         raise Refused("name = new: expected another name, as /object/new is an address")
     if objects.at(name, transaction.time):
         raise Refused(f"name = {name}: there is such an object already; free it first")
-    preset = _changed(transaction.presets.object(values.words["preset"]), values)
+    preset, modes = transaction.new_object(call)
     transaction.laws.forget()
     transaction.laws.of(preset.striker, preset.material)
-    modes = preset.modes(engine.top_frequency)
     settings = {name: values.number(name) for name in SETTINGS}
     settings["tune"] = tuned(modes, values)
     handle, layout = engine.lay_out(modes, transaction.scale.object(preset))
@@ -71,17 +70,6 @@ def _new(transaction: Transaction, call: Call, values: Values) -> None:
     if values.many:
         _place(transaction, call.message, values.many, obj)
     transaction.replies.append(Message("/done", ("/object/new", name)))
-
-
-def _changed(preset: ObjectPreset, values: Values) -> ObjectPreset:
-    """A preset with what the keys of /object/new change of it."""
-    for key, value in values.others.items():
-        if key not in preset.keys:
-            known = dict.fromkeys((*VERBS["/object/new"].named, *preset.keys))
-            raise Refused(f"{key} = {shown(value)}: {expected(key, known)}")
-    given = {**values.numbers, **values.words}
-    changes = {key: value for key, value in given.items() if key not in ("name", "preset", *SETTINGS, *TUNINGS)}
-    return preset.replace(**values.others, **changes) if values.others or changes else preset
 
 
 def _set(to: ObjectCall) -> None:
@@ -168,8 +156,8 @@ def _note(to: ObjectCall) -> None:
 
 
 def _roll(to: ObjectCall) -> None:
-    values, presets = to.values, to.transaction.presets
-    surface = presets.surface(values.words.get("surface", _SURFACE))
+    values = to.values
+    surface = to.transaction.laws.surface(values.words.get("surface", _SURFACE))
     by = to.striking_object()
     id = to.id(lambda name: name)
     goes_on = to.transaction.gestures.is_running(id, to.address)
@@ -180,7 +168,7 @@ def _roll(to: ObjectCall) -> None:
     rubbing = {"dissipation": surface.dissipation, "restitution": 0.0}
     law = _law(to, by, rubbing, LAW[1:] if goes_on else LAW)
     speed, roughness = values.numbers["speed"], values.number("roughness")
-    own_radius = to.contact_radius if to.by_materials else presets.striker(to.striker).radius
+    own_radius = to.contact_radius if to.by_materials else to.transaction.laws.radius_of(to.striker)
     radius = values.numbers.get("radius", own_radius)
     if to.by_materials and not goes_on:
         to.say("radius", radius)
@@ -278,10 +266,9 @@ def _steer(transaction: Transaction, call: Call, values: Values) -> None:
     action = call.verb.action
     ids = transaction.gestures.selected(call.target, transaction.selection)
     if not ids:
-        running = list(islice(transaction.gestures.newest_running(), MOST_COMPARED))
-        known = transaction.suggestion(call.target, running) or f"running are {listed(running)}"
         error = GestureEnded if transaction.gestures.have_ended(call.target, transaction.selection) else Refused
-        raise error(f"{call.target}: no such gesture is running; {known}")
+        raise error(f"{call.target}: no such gesture is running{_running(transaction, call.target)}")
+    transaction.selection.charge(_CHANGE_WORK * (len(ids) - 1), call.target)
     for id in ids:
         message = Message(f"/gesture/{id.name}/{action}", call.message.args)
         if action == "stop":
@@ -289,6 +276,22 @@ def _steer(transaction: Transaction, call: Call, values: Values) -> None:
         else:
             value = GAIN.in_engine(values.numbers[action]) if action == GAIN.name else values.numbers[action]
             _add(transaction, message, Command(NOW, Kind.STEER, gesture=id.number, parameter=action, value=value))
+
+
+def _running(transaction: Transaction, target: str) -> str:
+    """Which gestures run, for the first errors of a packet."""
+    if not transaction.explains():
+        return ""
+    running = list(islice(transaction.gestures.newest_running(), MOST_COMPARED))
+    return f"; {suggestion(target, running) or f'running are {listed(running)}'}"
+
+
+def _work(call: Call, transaction: Transaction) -> int:
+    """The work of carrying out a call on one object."""
+    assert call.verb
+    if call.verb.action in GESTURES:
+        return _GESTURE_WORK
+    return _CHANGE_WORK * (transaction.engine.channels if call.verb.action == "gains" else 1)
 
 
 def _on_objects(handle: Callable[[ObjectCall], None]) -> Handler:
@@ -300,6 +303,8 @@ def _on_objects(handle: Callable[[ObjectCall], None]) -> Handler:
             there = list(islice(transaction.objects.there(transaction.time), MOST_COMPARED))
             known = transaction.suggestion(call.target, there) or f"there are {listed(there)}"
             raise Refused(f"{call.target}: no such object; {known}")
+        # One object is all that a message reaches without a pattern.
+        transaction.selection.charge(_work(call, transaction) * (len(objects) - 1), call.target)
         for name, obj in objects.items():
             handle(ObjectCall(transaction, call, values, name, obj))
 

@@ -40,7 +40,7 @@ WORSE = {("tin-lid", "coin"): 15}  # dB by which the reference itself is less ex
 RATES = (22_050.0, 44_100.0, 48_000.0, 96_000.0, 192_000.0)
 _SPAN = 0.012  # s
 _BEFORE = 40  # quanta that an object has rung
-_LEVEL = 50.0  # so loud that no mode is put to rest as nobody would hear it
+_LEVEL = 1e6  # so loud that no mode is put to rest as nobody would hear it
 
 
 class Case(NamedTuple):

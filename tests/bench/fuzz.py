@@ -4,7 +4,6 @@
 """
 
 import argparse
-import os
 import random
 import socket
 import struct
@@ -18,6 +17,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from carom.clients.client import Client
+from carom.clients.top import values
 from carom.server.osc import wire
 from carom.server.osc.framing import Sized, Slip
 from carom.server.osc.wire import Message
@@ -200,7 +200,7 @@ def fuzz(
         while found.packets < count:
             batch = [junk.packet() for _ in range(BATCH)]
             stream = junk.stream(BATCH) if junk.chance.random() < _STREAMS else None
-            worked, started = _worked(server.pid), time.monotonic()
+            before, started = worked(server.pid), time.monotonic()
             if stream is None:
                 for packet in batch:
                     sock.sendto(packet, here)
@@ -209,11 +209,11 @@ def fuzz(
                 _pour(stream, here, streams, junk.chance)
             looker.status()
             found.answers.append(time.monotonic() - started)
-            found.hangs += min(found.answers[-1], _worked(server.pid) - worked) > HANG
+            found.hangs += min(found.answers[-1], worked(server.pid) - before) > HANG
             found.packets += BATCH
             assert server.poll() is None, "the server has ended"
             if found.packets * 10 // count > len(found.memory):
-                found.memory += _resident(server.pid)
+                found.memory += resident(server.pid)
                 told(found.packets)
     for sock in streams:
         sock.close()
@@ -238,15 +238,14 @@ def _pour(stream: bytes, to: tuple[str, int], streams: list[socket.socket], chan
     sock.close()
 
 
-def _worked(pid: int) -> float:
-    """s of processor time that the main thread has had, to 10 ms; always the same where the system does not tell."""
+def worked(pid: int) -> float:
+    """s of processor time that the main thread has had; always the same where the system does not tell."""
     with suppress(OSError):
-        fields = Path(f"/proc/{pid}/task/{pid}/stat").read_text().rpartition(")")[2].split()
-        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+        return 1e-9 * int(Path(f"/proc/{pid}/task/{pid}/schedstat").read_text().split()[0])
     return 0.0
 
 
-def _resident(pid: int) -> list[int]:
+def resident(pid: int) -> list[int]:
     with suppress(OSError):
         for line in Path(f"/proc/{pid}/status").read_text().splitlines():
             if line.startswith("VmRSS:"):
@@ -255,8 +254,11 @@ def _resident(pid: int) -> list[int]:
 
 
 def still_plays(port: int) -> bool:
-    """Does the next valid strike sound?"""
+    """Does the next valid strike sound, once all that came before is carried out?"""
     with Client(port=port) as client:
+        deadline = time.monotonic() + 60.0
+        while values(client.status())["waiting"] and time.monotonic() < deadline:
+            time.sleep(0.1)
         client.send("/panic")
         client.send("/contact", "closed")
         client.send("/object/*/free", 1)
@@ -269,8 +271,15 @@ def still_plays(port: int) -> bool:
         return client.status().args[2] == 1  # one object sounds
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description="Throw seeded junk at a server of its own.")
+Throw = Callable[[subprocess.Popen[str], int, int, int, Callable[[int], None]], Findings]
+
+
+def run(throw: Throw, description: str | None, most: float, batch: int) -> int:
+    """Start a server, throw packets at it as the command line asks, and tell what became of it; returns the exit code.
+
+    most: s that an answer after each batch may take.
+    """
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=1_000_000, help="packets (%(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="(%(default)s)")
     arguments = parser.parse_args()
@@ -285,7 +294,7 @@ def main() -> int:
             print(f"{packets:>9} packets, {time.monotonic() - started:.0f} s", flush=True)
 
         try:
-            found = fuzz(server, port, arguments.count, arguments.seed, told)
+            found = throw(server, port, arguments.count, arguments.seed, told)
             plays = still_plays(port)
             with Client(port=port) as client:
                 client.ask("/quit")
@@ -295,12 +304,12 @@ def main() -> int:
         errors.seek(0)
         said = errors.read()
     times = sorted(found.answers)
-    late = sum(seconds > HANG for seconds in times)
+    late = sum(seconds > most for seconds in times)
     print(f"{found.packets} packets, {found.streams} of {len(times)} batches over TCP, seed {arguments.seed}")
     print(
-        f"answers after each {BATCH}: median {1e3 * times[len(times) // 2]:.2f} ms, "
+        f"answers after each {batch}: median {1e3 * times[len(times) // 2]:.2f} ms, "
         f"99.9 % {1e3 * times[len(times) * 999 // 1000]:.1f} ms, worst {1e3 * times[-1]:.1f} ms, "
-        f"{late} over 50 ms, {found.hangs} of which the server itself took"
+        f"{late} over {1e3 * most:.0f} ms, {found.hangs} of which the server itself took"
     )
     print("memory (MB):", *(f"{size / 1e6:.1f}" for size in found.memory))
     print("the next strike sounds" if plays else "the next strike is mute")
@@ -309,4 +318,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run(fuzz, __doc__, HANG, BATCH))

@@ -7,43 +7,17 @@ rolls and bounces no further from the strike than GESTURES. `--dry` only prints.
 
 import argparse
 import re
-import warnings
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import pyloudnorm
 
 import carom
+from carom.clients.loudness import PEAK, Heard, heard
 from carom.presets import BUILT_IN
 
-RATE, SECONDS, BLOCK = 48_000, 0.8, 0.2
-"""Hz; s from the onset that are listened to; s, the meter's blocks: half the standard's, for short sounds."""
-PEAK = 1 / 8
+RATE = 48_000
 SPREAD = 5.0  # LU between the loudest strike and the softest
 GESTURES = 9.0  # LU between a strike and a roll or a bounce on the same object, at most
-ONSET = 1e-3  # of the peak
-
-
-@dataclass(frozen=True)
-class Heard:
-    """Integrated loudness (LUFS) and peak (dB below full scale) of a gesture."""
-
-    loudness: float
-    peak: float
-
-
-def heard(samples: np.ndarray) -> Heard:
-    """What is heard of stereo samples in the first 0.8 s from the onset."""
-    size = np.abs(samples).max()
-    begin = int(np.argmax(np.abs(samples).max(axis=1) > ONSET * size))
-    piece = samples[begin : begin + round(SECONDS * RATE)].astype(float) / size
-    piece = np.pad(piece, ((0, max(0, round(SECONDS * RATE) - len(piece))), (0, 0)))
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # pyloudnorm warns of samples above full scale, where there are none
-        loudness = pyloudnorm.Meter(RATE, block_size=BLOCK).integrated_loudness(piece)
-    peak = 20 * float(np.log10(size))
-    return Heard(float(loudness) + peak, peak)
 
 
 def strike(name: str) -> Heard:
@@ -67,7 +41,7 @@ def bounce(name: str) -> Heard:
 def _played(name, gesture, seconds: float) -> Heard:
     with carom.Scene(RATE, limiter=False) as scene:
         gesture(scene.new("a", name), carom.Presets().object(name))
-        return heard(scene.render(seconds).samples)
+        return heard(scene.render(seconds).samples, RATE)
 
 
 def levels(strikes: dict[str, Heard]) -> dict[str, float]:

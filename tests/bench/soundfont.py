@@ -11,17 +11,25 @@ from pathlib import Path
 
 import numpy as np
 
+_LEAST = 1_000  # samples before a loop: where one seems to begin earlier, the sample has none
 HEADER = struct.Struct("<20s5I2BhH")
 """Name, start, end, start and end of the loop, rate, key, correction, the other channel's number, type."""
 
 
 @dataclass(frozen=True)
 class Recording:
-    """A recording of one channel: float64 samples, the highest 1, and its rate (Hz)."""
+    """A recording of one channel: float64 samples, the highest 1, its rate (Hz), and where its loop begins, if it has
+    one."""
 
     name: str
     samples: np.ndarray
     rate: int
+    loop: int | None = None
+
+    @property
+    def unlooped(self) -> np.ndarray:
+        """The samples before the loop."""
+        return self.samples[: self.loop]
 
 
 class SoundFont:
@@ -36,8 +44,8 @@ class SoundFont:
         self._wave = self._data[chunks[b"smpl"]].view("<i2")
         self._places = {}
         for fields in HEADER.iter_unpack(self._data[chunks[b"shdr"]].tobytes()):
-            name, start, end, rate = fields[0], fields[1], fields[2], fields[5]
-            self._places[name.split(b"\0")[0].decode("latin-1").strip()] = (start, end, rate)
+            name, start, end, loop, rate = (fields[place] for place in (0, 1, 2, 3, 5))
+            self._places[name.split(b"\0")[0].decode("latin-1").strip()] = (start, end, loop, rate)
 
     def _chunks(self, begin: int, end: int) -> Iterator[tuple[bytes, slice]]:
         """Every chunk's name and its bytes, those in lists too."""
@@ -56,7 +64,8 @@ class SoundFont:
         """A sample; of two channels, `name` without (L) means the left one. ValueError if there is none."""
         for each in (name, f"{name}(L)", f"{name} (L)"):
             if each in self._places:
-                start, end, rate = self._places[each]
+                start, end, loop, rate = self._places[each]
                 samples = self._wave[start:end].astype(np.float64)
-                return Recording(name, samples / np.abs(samples).max(), rate)
+                begins = loop - start if start + _LEAST < loop < end else None
+                return Recording(name, samples / np.abs(samples).max(), rate, begins)
         raise ValueError(f"sample = {name!r}: expected one of {len(self._places)} samples of the file")

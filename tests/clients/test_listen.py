@@ -63,9 +63,9 @@ def test_it_ends_after_some_seconds(server: Running):
 
 
 def test_a_server_that_goes_is_told(server: Running, carom):
-    gone = f"carom listen: nothing listens at 127.0.0.1:{server.port}: expected a running `carom serve`\n"
+    nobody = f"carom listen: nothing listens at 127.0.0.1:{server.port}: expected a running `carom serve`\n"
     with listening(server) as listener:
         server.process.kill()
-        assert listener.communicate(timeout=15) == ("", gone)
+        assert listener.communicate(timeout=15) == ("", "carom listen: the server has ended\n")
         assert listener.returncode == 1
-    assert carom("listen", "--port", server.port).stderr == gone
+    assert carom("listen", "--port", server.port).stderr == nobody

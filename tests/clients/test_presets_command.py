@@ -50,7 +50,7 @@ def test_all_that_is_built_in_passes_the_check(carom):
     ("path", "text", "error"),
     [
         ("objects/x.toml", GLASS.replace("length =", "lenght ="), "[geometry] lenght = 0.5: did you mean length?"),
-        ("x.toml", GLASS.replace('"glass"', '"glas"'), "material = 'glas': no material 'glas': did you mean glass?"),
+        ("x.toml", GLASS.replace('"glass"', '"glas"'), "material = 'glas': did you mean glass?"),
         ("x.toml", GLASS.replace("0.004", "4"), "[geometry] thickness = 4: expected a number"),
         ("x.toml", "shape =", "not TOML"),
         ("strikers/x.toml", GLASS, "shape = 'plate': expected one of"),
@@ -72,7 +72,7 @@ def test_files_of_ones_own_may_name_each_other(carom, tmp_path):
     (tmp_path / "mine" / "materials").mkdir(parents=True)
     (tmp_path / "mine" / "materials" / "jelly.toml").write_text((BUILT_IN / "materials" / "rubber.toml").read_text())
     (tmp_path / "x.toml").write_text(GLASS.replace('"glass"', '"jelly"'))
-    assert "no material 'jelly'" in carom("presets", "--check", "x.toml").stderr
+    assert "material = 'jelly': expected one of" in carom("presets", "--check", "x.toml").stderr
     assert "plate of jelly" in carom("presets", "--check", "x.toml", "--presets", "mine", check=True).stdout
 
 
@@ -80,4 +80,19 @@ def test_a_missing_file_is_told_with_the_near_one(carom, tmp_path):
     (tmp_path / "plate.toml").write_text(GLASS)
     run = carom("presets", "--check", "plat.toml")
     assert run.stderr == "carom presets: plat.toml: No such file or directory; did you mean plate.toml?\n"
+    run = carom("presets", "--check", "glass-plate")
+    file = BUILT_IN / "objects" / "glass-plate.toml"
+    assert run.stderr == f"carom presets: glass-plate: a preset's name; expected a file, as {file}\n"
     assert carom("presets", "--check").stderr == "carom presets: --check: no file; expected one or more\n"
+
+
+def test_a_folder_is_checked_whole(carom, tmp_path):
+    (tmp_path / "mine" / "objects").mkdir(parents=True)
+    (tmp_path / "none").mkdir()
+    (tmp_path / "mine" / "objects" / "a.toml").write_text(GLASS)
+    (tmp_path / "mine" / "objects" / "b.toml").write_text("shape =")
+    run = carom("presets", "--check", "mine")
+    assert run.returncode == 1 and run.stdout.startswith("mine/objects/a.toml: an object: plate of glass")
+    assert run.stderr.startswith("carom presets: mine/objects/b.toml: not TOML")
+    run = carom("presets", "--check", "none")
+    assert run.stderr.startswith("carom presets: none: expected a preset, or a folder of presets")

@@ -55,6 +55,13 @@ def test_many_scores_are_the_same_sounds_as_each_by_itself(carom, tmp_path, scor
     assert (tmp_path / "out" / "s2.flac").read_bytes() == (tmp_path / "alone.flac").read_bytes()
 
 
+def test_a_folder_that_is_missing_is_made(carom, tmp_path, scores):
+    carom("render", *scores, "new", "--plot", "new/pictures", check=True)
+    assert len(list((tmp_path / "new").glob("*.wav"))) == len(list((tmp_path / "new" / "pictures").glob("*.png"))) == 3
+    carom("render", scores[0], "x.wav", "--stems", "no/deeper", check=True)
+    assert list((tmp_path / "no" / "deeper").iterdir())
+
+
 def test_a_bad_score_does_not_stop_the_others(carom, tmp_path, scores):
     (tmp_path / "bad.txt").write_text("0 /object/a/impact 1\n")
     (tmp_path / "out").mkdir()
@@ -72,10 +79,10 @@ def test_a_bad_score_does_not_stop_the_others(carom, tmp_path, scores):
     [
         (
             ("s0.txt", "s1.txt", "x.wav"),
-            "OUT = x.wav: expected a folder that is there, or a name with {}, for 2 scores",
+            "OUT = x.wav: expected a folder, or a name with {}, for 2 scores",
         ),
-        (("s0.txt", "s1.txt", "-"), "OUT = -: expected a folder that is there"),
-        (("s0.txt", "s1.txt", "{}.wav", "--plot", "x.png"), "--plot = x.png: expected a folder that is there"),
+        (("s0.txt", "s1.txt", "-"), "OUT = -: expected a folder"),
+        (("s0.txt", "s1.txt", "{}.wav", "--plot", "x.png"), "--plot = x.png: expected a folder"),
         (("s0.txt", "./s0.txt", "{}.wav"), "./s0.txt: s0.txt is rendered to s0.wav already"),
         (("s0.txt", "s1.txt", "{}.wav", "--jobs", "0"), "jobs = 0: expected 1 to 256"),
         (("s0.txt", "s1.txt", "{}.mp3"), "expected a name that ends in .wav or .flac"),

@@ -38,7 +38,11 @@ COMMANDS = [
     ("render s.txt x.wav --contact verlt", "method = verlt", "did you mean verlet?"),
     ("render s.txt x.wav --contact heun --correction hybird", "correction = hybird", "did you mean hybrid?"),
     ("render s.txt x.wav --contact heun --oversampling 0", "oversampling = 0", "expected a number from 1 to 64"),
-    ("render s.txt s.txt x.wav", "OUT = x.wav", "expected a folder that is there, or a name with {}"),
+    ("render s.txt x.wav --normalize loud", "--normalize: 'loud'", "expected a number"),
+    ("render --normalize s.tx x.wav", "s.tx: No such file", "did you mean s.txt?"),
+    ("render x.wav y.wav", "x.wav: it is a sound", "expected a score"),
+    ("render s.txt x.wav --stems empty.txt", "empty.txt", "expected a folder"),
+    ("render s.txt s.txt x.wav", "OUT = x.wav", "expected a folder, or a name with {}"),
     ("render s.txt s.txt {}.wav --jobs 0", "s.txt", "rename one of the two"),
     ("render empty.txt x.wav", "the score is empty", "expected lines of time, address and arguments"),
     ("strike church-bel", "no object 'church-bel'", "did you mean church-bell?"),
@@ -119,6 +123,7 @@ def folder(tmp_path, monkeypatch) -> Iterator[None]:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "s.txt").write_text(GOOD)
     (tmp_path / "empty.txt").write_text("")
+    (tmp_path / "x.wav").write_bytes(b"RIFF" + bytes(40))
     text = (carom.presets.BUILT_IN / "objects" / "xylophone-bar.toml").read_text()
     (tmp_path / "x.toml").write_text(text.replace("[geometry]", "[geometry]\nlenght = 0.3"))
     yield
@@ -149,7 +154,7 @@ def test_a_wrong_line_of_a_score_is_told_in_one_line(folder, tmp_path, capsys, l
     (tmp_path / "s.txt").write_text(GOOD + line + "\n")
     error = told(["render", "s.txt", "x.wav"], capsys)
     assert error.startswith("carom render: s.txt:3: ") and culprit in error and right in error
-    assert not list(tmp_path.glob("x.wav*"))
+    assert not list(tmp_path.glob("x.wav.*"))
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from carom.presets import BUILT_IN, KINDS, Presets
 from carom.presets import schema as known
-from carom.presets.values import Choice, Many, Name, OneOrMany, Quantity, Row, Whole
+from carom.presets.values import Choice, Many, Name, OneOrMany, Quantity, Row, Rows, Whole
 from tests.documents.markdown import table
 from tests.documents.meanings import MEANINGS
 
@@ -22,6 +22,8 @@ def _value(domain: known.Domain) -> str:
             return f"{_value(item)}; one, or a list"
         case Many(item):
             return f"a list, each {_value(item)}"
+        case Rows(item):
+            return f"a list of lists, each value {_value(item)}"
         case Quantity(low, high, unit):
             return f"{low:g} to {high:g} {unit}".rstrip() + ", whole" * isinstance(domain, Whole)
         case Choice(options):

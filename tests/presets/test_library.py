@@ -190,4 +190,8 @@ def test_a_number_of_too_many_digits_is_the_files_error(tmp_path):
 
 def test_a_folder_is_no_preset(tmp_path):
     (tmp_path / "objects" / "bel.toml").mkdir(parents=True)
-    assert "bel" not in Presets([tmp_path]).names("objects")
+    mine = Presets([tmp_path])
+    assert "bel" not in mine.names("objects")
+    with pytest.raises(PresetError, match="did you mean church-bell or tubular-bell") as refused:
+        mine.object("bel")
+    assert "bel.toml" not in str(refused.value)

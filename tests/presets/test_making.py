@@ -13,6 +13,7 @@ from carom.dsp import bodies
 from carom.dsp.bodies import Partials
 from carom.dsp.bodies.added import Complete
 from carom.dsp.bodies.heard import placed
+from carom.dsp.numerics.blas import on_one_thread
 from carom.presets import Presets, making
 
 PRESETS = Presets()
@@ -95,13 +96,13 @@ def test_blas_has_one_thread_until_the_last_user_goes():
     with threadpool_limits(2, "blas"):
         before = blas_threads()
         first, second = ExitStack(), ExitStack()
-        first.enter_context(making._blas.on_one_thread())
-        second.enter_context(making._blas.on_one_thread())
+        first.enter_context(on_one_thread())
+        second.enter_context(on_one_thread())
         first.close()
         assert blas_threads() == {1}
         second.close()
         assert blas_threads() == before
-        with pytest.raises(ZeroDivisionError), making._blas.on_one_thread():
+        with pytest.raises(ZeroDivisionError), on_one_thread():
             raise ZeroDivisionError
         assert blas_threads() == before
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from carom.clients.client import Client
+from carom.dsp.engine import state
 from carom.server.net.network import RECEIVE_BUFFER, Network
 from carom.server.osc import wire
 from tests.server.support import counted
@@ -143,3 +144,18 @@ def test_two_thousand_impacts_a_second_and_32_rolls(server: Running):
     assert seen.sent >= 3 * RATE and seen.carried_out >= seen.sent + 100 * ROLLS and seen.growth < 5.0
     assert seen.rolling >= ROLLS and seen.dropped["dropped"] == seen.dropped["dropped_by_system"] == 0
     assert seen.dropped["contacts_dropped"] == seen.dropped["faults"] == seen.dropped["tap_lost"] == 0
+
+
+def test_one_roll_too_many_is_refused_for_that_reason(server: Running):
+    with server.client() as client:
+        client.new("f", "tuning-fork")
+        with client.bundle():
+            for n in range(state.ROLLS + 1):
+                client.send("/object/f/roll", 0.1, "striker", "glass-marble", "id", f"r{n}")
+        for _ in range(100):
+            time.sleep(0.05)
+            if errors := client.errors():
+                break
+    assert [str(error) for error in errors] == [
+        f"/object/f/roll: r{state.ROLLS}: engine full: {state.ROLLS} rolls in use"
+    ]

@@ -103,6 +103,8 @@ def test_other_programs_strike_over_tcp(tmp_path, server: Running, program):
     env = os.environ | {"QT_QPA_PLATFORM": "offscreen", "QTWEBENGINE_DISABLE_SANDBOX": "1", "HOME": str(tmp_path)}
     for words in commands[program]:
         subprocess.run(words, cwd=tmp_path, env=env, check=True, timeout=60, capture_output=True)
-    time.sleep(0.2)
+    until = time.monotonic() + 10.0
     with server.client() as client:
+        while time.monotonic() < until and not counted(client.status())["impacts"]:
+            time.sleep(0.02)
         assert counted(client.status())["impacts"] == 1

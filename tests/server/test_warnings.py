@@ -63,6 +63,10 @@ def too_many_contacts(server: Server, client: Client) -> None:
             client.impact("a", 0.01, mass=1e-7, stiffness=1.0, exponent=1.0)
 
 
+def too_dear(server: Server, client: Client) -> None:
+    server.engine.state["stats"]["over_budget"] += 3
+
+
 def late(server: Server, client: Client) -> None:
     with client.bundle(at=time.time() - 0.5):
         client.impact("a", 0.1)
@@ -84,6 +88,7 @@ def unwritten(server: Server, client: Client) -> None:
     ("wrong", "told"),
     [
         (too_many_contacts, "5 contacts dropped: the engine was full, or /budget left no room"),
+        (too_dear, "contacts went over /budget 3 times: a force was held for a sample, or a contact not coupled"),
         (late, r"1 late events were played at once; the last was [5-9]\d\d\.\d ms late"),
         (no_number, "object a was silenced: its output was not finite"),
         (unheard, "the device ran out of sound 1 times"),

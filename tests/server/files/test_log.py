@@ -4,6 +4,7 @@ import errno
 import os
 import random
 import time
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -13,10 +14,11 @@ from carom.dsp.native.system import clock_ns
 from carom.dsp.runtime.engine import NOW, Engine, Stamp
 from carom.presets.library import Presets
 from carom.server.files.log import Log
-from carom.server.osc.score import read, sample_at
+from carom.server.osc.score import Line, read, sample_at
 from carom.server.osc.wire import Message
 from carom.server.render import Options, blocks
 from carom.server.scene.session import Session
+from tests.bench.logs import random_gesture, random_message
 from tests.support import render_lines, serving
 
 PRESETS = Presets()
@@ -33,57 +35,16 @@ def test_seconds_name_every_sample_that_the_engine_lets_live_events_fall_on(rate
     assert sample_at(0.1234567, 48_000) == 0.1234567 * 48_000  # other times stay as they are
 
 
-def random_message(rng: random.Random) -> Message:
-    name = rng.choice("abcd")
-    match rng.randrange(16):
-        case 0 | 1:
-            return Message(
-                "/object/new", (name, rng.choice(("wood-block", "glockenspiel-bar", "triangle")), "gain", -6)
-            )
-        case 2:
-            return Message(f"/object/{rng.choice((name, '*'))}/free", (rng.randrange(2),))
-        case 3:
-            return Message("/panic")
-        case 4:
-            return Message("/contact", rng.choice((("closed",), ("verlet", 4), ("am1", "correction", "both"), ("no",))))
-        case 5:
-            action = rng.choice(("damp", "pan", "gain", "decay", "tune"))
-            return Message(f"/object/{rng.choice((name, '[a-c]'))}/{action}", (rng.uniform(0.01, 0.9),))
-        case 6:
-            height = rng.choice((0.0, 0.001, 0.02))
-            return Message(f"/object/{name}/bounce", (height, "irregularity", 0.5, *rng.choice(((), ("id", "x")))))
-        case 7:
-            speed = rng.choice((0.0, 0.3, 1.0))
-            return Message(f"/object/{name}/roll", (speed, "striker", "steel", *rng.choice(((), ("id", "x")))))
-        case 8:
-            if rng.random() < 0.5:
-                return Message(f"/object/{name}/spin", (rng.choice((0.0, 0.05, 1.0)), "irregularity", 0.4))
-            return Message(f"/object/{name}/press", (0.5, "striker", "felt", *rng.choice(((), ("id", "y")))))
-        case 9:
-            what = rng.choice(
-                (("stop",), ("gain", -6.0), ("speed", 0.5), ("gravity", 5.0), ("force", 1.0), ("flat", 0.4))
-            )
-            return Message(f"/gesture/{rng.choice(('x', '*', 'y', '[a-c]*'))}/{what[0]}", what[1:])
-        case 10:
-            by = ("by", rng.choice("abcd"), *rng.choice(((), ("by_position", 0.2), ("mass", 0.05))))
-            return Message(f"/object/{name}/{rng.choice(('impact', 'bounce'))}", (0.02, *by))
-        case _:
-            args = (rng.uniform(0.1, 2.0), rng.choice((0.3, 0.5)))
-            return Message(f"/object/{rng.choice((name, '*', '{a,b}'))}/impact", args)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(6))
-def test_a_session_of_anything_at_any_time(tmp_path, seed):
-    """Messages of all kinds, for now, for later, too late, by samples and by the clock, refused, panicked away."""
-    rng = random.Random(seed)
+def replay(tmp_path, rng: random.Random, messages: Callable[[], list[Message]], rounds: int) -> list[Line]:
+    """Carry out messages for now, for later, too late, by samples and by the clock; what is logged renders to what was
+    heard. Returns the log."""
     engine = Engine(48_000)
     scene = Session(engine, PRESETS)
     log = Log(engine, tmp_path / "log.txt")
     scene.on_sent = log.expect
     log.start()
     sound = []
-    for _ in range(300):
+    for _ in range(rounds):
         when = rng.choice(
             (
                 NOW,
@@ -91,7 +52,7 @@ def test_a_session_of_anything_at_any_time(tmp_path, seed):
                 engine.stamp(clock_ns() + rng.randrange(-(10**7), 3 * 10**7)),
             )
         )
-        scene.perform([random_message(rng) for _ in range(rng.randrange(1, 4))], when)
+        scene.perform(messages(), when)
         if rng.random() < 0.7:
             sound.append(engine.process(rng.choice((1, 64, 100, 1_000))))
         log.write()
@@ -100,10 +61,34 @@ def test_a_session_of_anything_at_any_time(tmp_path, seed):
     heard = np.concatenate(sound)
     assert heard.any() and log.error is None
     lines = read(tmp_path / "log.txt")
-    assert len(lines) > 100 and {"/panic", "/contact", "/object/new"} < {line.message.address for line in lines}
     assert [line.time for line in lines] == sorted(line.time for line in lines)
     options = Options(seconds=len(heard) / 48_000)
     np.testing.assert_array_equal(np.concatenate(list(blocks(lines, Engine(48_000), PRESETS, options))), heard)
+    return lines
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(6))
+def test_a_session_of_anything_at_any_time(tmp_path, seed):
+    """Messages of all kinds, refused and panicked away."""
+    rng = random.Random(seed)
+    lines = replay(tmp_path, rng, lambda: [random_message(rng) for _ in range(rng.randrange(1, 4))], 300)
+    assert len(lines) > 100 and {"/panic", "/contact", "/object/new"} < {line.message.address for line in lines}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(4))
+def test_which_gestures_are_the_newest(tmp_path, seed):
+    """Those that began or were steered last, and not those whose messages came last, which no log knows."""
+    rng = random.Random(seed)
+    presets = ("wood-block", "glockenspiel-bar", "triangle")
+    first = [[Message("/object/new", (name, preset))] for name, preset in zip("abc", presets, strict=True)]
+
+    def messages() -> list[Message]:
+        return first.pop() if first else [random_gesture(rng, 12)]
+
+    lines = replay(tmp_path, rng, messages, 250)
+    assert sum(line.message.address == "/quality" for line in lines) > 5
 
 
 @pytest.mark.slow

@@ -3,6 +3,7 @@
 import select
 import socket
 import struct
+import threading
 import time
 
 import pytest
@@ -212,3 +213,36 @@ def test_a_client_that_has_long_been_silent_makes_room(net, stack, monkeypatch):
     assert net.receive(1.0)
     assert "silent for" in str(replies(silent[0], Slip())[0].args[1])
     assert net.connections == MOST_CONNECTIONS
+
+
+@pytest.mark.parametrize("between", [0, 1])
+def test_a_client_that_is_paused_waits_and_loses_nothing(net, stack, between):
+    """However many others are heard meanwhile."""
+    waits, other = client(net, stack), client(net, stack)
+    waits.sendall(Sized.framed(A) * 5)
+    first = net.receive(1.0)
+    assert first
+    net.pause(first[1])
+    for _ in range(between):
+        other.sendall(Sized.framed(A) * 2)
+        assert [source is first[1] for _, source in taken(net)] == [False] * 2
+    net.resume(first[1])
+    net.resume(first[1])
+    assert [source is first[1] for _, source in taken(net)] == [True] * 4
+
+
+def test_whoever_waits_for_a_packet_can_be_woken(net):
+    started = time.monotonic()
+    thread = threading.Timer(0.1, net.wake)
+    thread.start()
+    assert net.receive(5.0) is None and time.monotonic() - started < 2.0
+    thread.join()
+    assert net.receive(0.05) is None and time.monotonic() - started > 0.14
+
+
+def test_a_datagram_that_is_dropped_late_is_counted_and_told(net, stack):
+    sock = udp(stack)
+    sock.sendto(A, net.address)
+    source = net.receive(1.0)[1]
+    net.drop(source)
+    assert net.counts["dropped"] == 1 and net.dropped() == (1, source) and net.dropped() is None

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from carom.server.osc.patterns import match
+from carom.server.osc.patterns import Selection, TooMuch, match
 
 
 def naive_match(pattern: str, part: str) -> bool:
@@ -123,3 +123,11 @@ def test_match_takes_no_time(pattern: str, part: str, expected: bool) -> None:
     start = time.process_time()
     assert match(pattern, part) is expected
     assert time.process_time() - start < 2.0
+
+
+def test_the_work_on_what_was_matched_is_bounded_but_for_one_message():
+    selection = Selection(100.0)
+    selection.charge(1_000.0, "/object/*/gains")
+    selection.charge(0.0, "/object/a/pan")  # no pattern, no work
+    with pytest.raises(TooMuch, match=r"^/object/\*/pan: too much for one packet; expected fewer patterns in it$"):
+        selection.charge(1.0, "/object/*/pan")

@@ -31,7 +31,7 @@ from tests.server.scene.support import refusal, say
             "colour = 1: expected one of gain, pan, distance, tune, decay, damp, gains, position, striker, note, ",
         ),
         ("/object/new", ("b", "glass-plate", "gain", 1, "length", 1, "c", [1]), "c = [1]: expected one of gain, pan"),
-        ("/object/new", ("b", "glass-plate", "striker", "feather"), "no striker 'feather'"),
+        ("/object/new", ("b", "glass-plate", "striker", "feather"), "striker = 'feather': expected one of"),
         ("/object/new", ("b", "glass-plate", "length"), "length: its value is missing"),
         ("/object/x/impact", (1.0,), "x: no such object; there are a"),
         ("/object/a/kick", (1.0,), "unknown action 'kick'; expected impact, bounce"),

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import trapezoid
 
 from carom.dsp import bodies
 from carom.dsp.bodies.radiation import line
@@ -50,7 +51,7 @@ def test_a_slow_rod_is_a_line_of_dipoles():
         k = float(wavenumber(frequency))
         force = 2 * k * SPEED * DENSITY * math.pi * 0.003**2 * shape
         phase = np.exp(-1j * k * 0.5 * np.outer(angle, fine))
-        whole = np.abs(np.trapezoid(force * phase, fine * 0.5, axis=1))
+        whole = np.abs(trapezoid(force * phase, fine * 0.5, axis=1))
         power = math.pi * (weights * (k / (4 * math.pi)) ** 2 * (1 - angle**2) * whole**2).sum() / IMPEDANCE
         assert decibels(found / power) == pytest.approx(0, abs=0.15)
 

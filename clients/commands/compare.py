@@ -1,0 +1,37 @@
+"""carom compare: how far apart two sounds are, in figures, a picture and a page with players."""
+
+import argparse
+from pathlib import Path
+
+from ..errors import tell
+from .parser import Command
+
+
+def _options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("a", type=Path, metavar="A.wav", help="the sound that is compared with")
+    parser.add_argument(
+        "b", type=Path, metavar="B.wav", help="the other one; it is shifted and levelled to agree with A"
+    )
+    parser.add_argument("--plot", type=Path, metavar="OUT.png", help="draw both spectrograms, third octaves and decays")
+    parser.add_argument(
+        "--page", type=Path, metavar="OUT.html", help="write a page with players, figures and the picture"
+    )
+    parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    from ..comparison import as_json, compare, draw, table, write_page
+
+    found, notes = compare(arguments.a, arguments.b)
+    for note in notes:
+        tell("compare", note)
+    print(as_json(found) if arguments.json else table(found))
+    names = (arguments.a.name, arguments.b.name)
+    if arguments.plot:
+        draw(found, arguments.plot, names)
+    if arguments.page:
+        write_page(arguments.page, f"{names[0]} and {names[1]}", [(found, names)])
+    return 0
+
+
+COMMAND = Command("compare", "A.wav B.wav", "measure how far apart two sounds are, and draw it", _options, _run)

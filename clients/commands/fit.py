@@ -1,0 +1,98 @@
+"""carom fit: make an object of recordings."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from ..errors import tell
+from .options import add_presets
+from .parser import Command, number, whole
+
+
+def _options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "recordings",
+        nargs="+",
+        type=Path,
+        metavar="RECORDING",
+        help="sound files of single strikes, or a folder of such",
+    )
+    parser.add_argument(
+        "out",
+        type=Path,
+        metavar="OUT",
+        help="folder for the presets and the report, as --presets takes it; made if missing",
+    )
+    parser.add_argument("--name", required=True, help="the new object's name")
+    parser.add_argument("--modes", type=whole, default=40, metavar="N", help="how many modes (%(default)s)")
+    parser.add_argument(
+        "--positions",
+        type=_numbers,
+        default=(),
+        metavar="P,...",
+        help="where along the object each recording was struck, 0 to 1: 0.1,0.3,0.5",
+    )
+    parser.add_argument(
+        "--strikers",
+        metavar="NAME,...",
+        help="what struck: a preset, or a name for a new striker; one, or one for each",
+    )
+    parser.add_argument("--velocity", type=number, metavar="V", help="of the strikes, m/s (1)")
+    parser.add_argument("--mass", type=number, metavar="KG", help="of the object (1: a guess)")
+    parser.add_argument("--force", type=Path, metavar="HAMMER.wav", help="the force, as a hammer measured it")
+    parser.add_argument("--source", metavar="TEXT", help="who recorded what: kept in the preset")
+    parser.add_argument("--licence", metavar="TEXT", help="of the recordings: kept in the preset")
+    parser.add_argument("--no-report", action="store_true", help="write presets only, no page to listen and look at")
+    add_presets(parser)
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    from ...presets import Presets
+    from ..fitting import Wanted, make
+
+    given = {key: getattr(arguments, key) for key in ("mass", "velocity") if getattr(arguments, key) is not None}
+    wanted = Wanted(
+        name=arguments.name,
+        modes=arguments.modes,
+        positions=tuple(arguments.positions),
+        strikers=tuple(_words(arguments.strikers)),
+        force=arguments.force,
+        source=_told(arguments.source, "Who recorded this, and where is it from?"),
+        licence=_told(arguments.licence, "Under which licence?"),
+        **given,
+    )
+    made = make(arguments.recordings, arguments.out, wanted, Presets(arguments.presets))
+    for note in made.notes:
+        tell("fit", note)
+    for file in made.files:
+        print(file)
+    if not arguments.no_report:
+        from ..fit_report import write_report
+
+        print(write_report(made, wanted.name, arguments.out))
+    return 0
+
+
+def _numbers(text: str) -> list[float]:
+    return [number(word) for word in _words(text)]
+
+
+def _words(text: str | None) -> list[str]:
+    return [word.strip() for word in text.split(",") if word.strip()] if text else []
+
+
+def _told(given: str | None, question: str) -> str | None:
+    """What is given, or what a person at a terminal answers; None where nobody says anything."""
+    if given is not None or not (sys.stdin.isatty() and sys.stderr.isatty()):
+        return given
+    print(f"{question} (Enter: unknown) ", end="", file=sys.stderr, flush=True)
+    return sys.stdin.readline().strip() or None
+
+
+COMMAND = Command(
+    "fit",
+    "RECORDING [RECORDING ...] OUT",
+    "make an object of recordings, and a page that compares the two",
+    _options,
+    _run,
+)

@@ -1,0 +1,213 @@
+"""Two sounds beside each other: figures, a picture, and a page with players."""
+
+from __future__ import annotations
+
+import base64
+import io
+import json
+import math
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import soundfile
+from numpy.typing import NDArray
+
+from ..dsp.fitting.distance import Distance, distance
+from ..dsp.fitting.errors import RecordingError
+from ..dsp.fitting.hits import check
+from .recordings import read
+
+_LOWEST = 40.0  # Hz
+_DYNAMIC = 80.0  # dB of a spectrogram
+_WINDOW = 2048
+_COLUMNS = 900
+
+_STYLE = """
+:root { color-scheme: light dark; }
+body { font: 16px/1.5 system-ui, sans-serif; max-width: 64rem; margin: 2rem auto; padding: 0 1rem; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; margin: 0.5rem 1rem 0.5rem 0; }
+th, td { padding: 0.1rem 0.8rem; text-align: right; border-bottom: 1px solid #8884; }
+figure { margin: 1rem 0; }
+img { max-width: 100%; height: auto; background: white; }
+.players { display: flex; flex-wrap: wrap; gap: 1rem 2rem; }
+.tables { display: flex; flex-wrap: wrap; align-items: flex-start; }
+""".strip()
+
+Compared = tuple[Distance, tuple[str, str]]
+"""A distance, and the names of A and B."""
+
+
+class PictureError(RuntimeError):
+    """The picture or page cannot be made; the text says why."""
+
+
+def compare(a: Path, b: Path) -> tuple[Distance, list[str]]:
+    """The distance of two sound files, and what there is to say about how they were read.
+
+    RecordingError or OSError where one cannot be read or holds no sound.
+    """
+    first, second = read(a, mixed=True), read(b, mixed=True)
+    for each in (first, second):
+        try:
+            check(each.samples, each.rate)
+        except RecordingError as error:
+            if "clipped" not in str(error):
+                raise RecordingError(f"{each.path}: {error}") from None
+    return distance(first.samples, second.samples, first.rate, second.rate), [*first.notes, *second.notes]
+
+
+def table(found: Distance) -> str:
+    """All figures as text."""
+    lines = [
+        f"residual               {found.residual:7.1f} dB",
+        f"log-spectral distance  {found.spectral:7.2f} dB",
+        f"gain, shift of B       {found.gain:7.1f} dB, {1e3 * found.shift:.2f} ms",
+        "",
+        "third octave      A      B  B - A",
+    ]
+    lines += [f"{middle:9.0f} Hz {a:6.1f} {b:6.1f} {b - a:+6.1f}" for middle, a, b in _heard(found)]
+    lines += ["", "octave        T60 A   T60 B"]
+    lines += [f"{middle:7.0f} Hz {_seconds(a)} {_seconds(b)}" for middle, a, b in found.decays]
+    return "\n".join(lines)
+
+
+def as_json(found: Distance) -> str:
+    """All figures as JSON; a decay that there is none of is null."""
+    data = {
+        "residual_db": found.residual,
+        "log_spectral_distance_db": found.spectral,
+        "gain_db": found.gain,
+        "shift_s": found.shift,
+        "third_octaves": [dict(zip(("hz", "a_db", "b_db"), row, strict=True)) for row in found.thirds.tolist()],
+        "decays": [
+            {"hz": middle, "a_s": None if math.isnan(a) else a, "b_s": None if math.isnan(b) else b}
+            for middle, a, b in found.decays.tolist()
+        ],
+    }
+    return json.dumps(data, indent=2)
+
+
+def draw(found: Distance, picture: Path | io.BytesIO, names: tuple[str, str]) -> None:
+    """Draw both spectrograms, the third octaves and the decays. PictureError if matplotlib or the folder is missing."""
+    try:
+        import matplotlib
+    except ImportError as error:
+        raise PictureError("a picture needs matplotlib: pip install matplotlib") from error
+    if isinstance(picture, Path):
+        if picture.suffix.lower() not in (".png", ".svg", ".pdf"):
+            raise PictureError(f"{picture}: expected a name that ends in .png, .svg or .pdf")
+        if not picture.parent.is_dir():
+            raise PictureError(f"{picture}: there is no folder {picture.parent}")
+    matplotlib.use("Agg")
+    from matplotlib import pyplot as plt
+
+    figure, axes = plt.subplots(2, 2, figsize=(11, 7), layout="constrained", height_ratios=(1.5, 1))
+    grids = [_spectrogram(samples, found.rate) for samples in (found.a, found.b)]
+    highest = max(level.max() for _, _, level in grids)
+    for ax, name, (time, frequency, level) in zip(axes[0], names, grids, strict=True):
+        image = ax.pcolormesh(time, frequency, level - highest, vmin=-_DYNAMIC, vmax=0, cmap="magma", rasterized=True)
+        ax.set(title=name, yscale="log", ylim=(_LOWEST, found.rate / 2), xlabel="time (s)", ylabel="frequency (Hz)")
+    figure.colorbar(image, ax=axes[0], label="dB")
+    colours = ("#204060", "#d06020")
+    for column, (what, rows) in enumerate((("third octaves (dB)", np.array(_heard(found))), ("T60 (s)", found.decays))):
+        ax = axes[1, column]
+        for number, (name, colour) in enumerate(zip(names, colours, strict=True), 1):
+            ax.plot(rows[:, 0], rows[:, number], "o-", color=colour, label=name, markersize=3, linewidth=1)
+        ax.set(xscale="log", xlabel="frequency (Hz)", ylabel=what)
+        ax.grid(alpha=0.3)
+        ax.legend()
+    axes[1, 1].set(yscale="log")
+    figure.savefig(picture, dpi=110, format=picture.suffix[1:].lower() if isinstance(picture, Path) else "png")
+    plt.close(figure)
+
+
+def write_page(page: Path, title: str, compared: Sequence[Compared], lines: Sequence[str] = ()) -> Path:
+    """Write a page that holds players, figures and pictures of each pair in itself.
+
+    Without matplotlib it has no pictures. PictureError if the page cannot be there.
+    """
+    if page.suffix.lower() not in (".html", ".htm"):
+        raise PictureError(f"{page}: expected a name that ends in .html")
+    if not page.parent.is_dir():
+        raise PictureError(f"{page}: there is no folder {page.parent}")
+    parts = [
+        "<!DOCTYPE html>",
+        '<html lang="en"><head><meta charset="utf-8">',
+        '<meta name="viewport" content="width=device-width, initial-scale=1">',
+        f"<title>{escape(title)}</title><style>{_STYLE}</style></head><body>",
+        f"<h1>{escape(title)}</h1>",
+        *(f"<p>{escape(line)}</p>" for line in lines),
+        *(_section(*each) for each in compared),
+        "</body></html>",
+    ]
+    page.write_text("\n".join(parts) + "\n", encoding="utf-8")
+    return page
+
+
+def _section(found: Distance, names: tuple[str, str]) -> str:
+    peak = max(float(np.abs(found.a).max()), float(np.abs(found.b).max()), 1e-9)
+    players = [
+        f"<div><p>{mark}: {escape(name)}</p>{_player(samples / peak, found.rate)}</div>"
+        for mark, name, samples in zip("AB", names, (found.a, found.b), strict=True)
+    ]
+    figures = (
+        f"residual {found.residual:.1f} dB, log-spectral distance {found.spectral:.2f} dB; B was changed by "
+        f"{found.gain:.1f} dB and {1e3 * found.shift:.2f} ms"
+    )
+    thirds = _rows(
+        ("Hz", "A (dB)", "B (dB)"), [[f"{row[0]:.0f}", *(f"{x:.1f}" for x in row[1:])] for row in _heard(found)]
+    )
+    decays = _rows(
+        ("Hz", "T60 A (s)", "T60 B (s)"), [[f"{row[0]:.0f}", *map(_seconds, row[1:])] for row in found.decays]
+    )
+    return (
+        f"<h2>{escape(names[0])}</h2><p>{escape(names[1])}: {figures}</p>"
+        f'<div class="players">{"".join(players)}</div>{_figure(found, names)}'
+        f'<details><summary>Third octaves and decays</summary><div class="tables">{thirds}{decays}</div></details>'
+    )
+
+
+def _figure(found: Distance, names: tuple[str, str]) -> str:
+    memory = io.BytesIO()
+    try:
+        draw(found, memory, names)
+    except PictureError as error:
+        return f"<p>{escape(str(error))}</p>"
+    data = base64.b64encode(memory.getvalue()).decode()
+    return f'<figure><img alt="Spectrograms, third octaves and decays" src="data:image/png;base64,{data}"></figure>'
+
+
+def _player(samples: NDArray[np.float64], rate: float) -> str:
+    memory = io.BytesIO()
+    soundfile.write(memory, samples, int(rate), format="FLAC", subtype="PCM_16")
+    data = base64.b64encode(memory.getvalue()).decode()
+    return f'<audio controls src="data:audio/flac;base64,{data}"></audio>'
+
+
+def _rows(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    def row(cells: Sequence[str], tag: str) -> str:
+        return "<tr>" + "".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in cells) + "</tr>"
+
+    return f"<table>{row(head, 'th')}{''.join(row(each, 'td') for each in rows)}</table>"
+
+
+def _heard(found: Distance) -> list[list[float]]:
+    """The third octaves that are less than 80 dB below the loudest in one of the two."""
+    rows: list[list[float]] = found.thirds[found.thirds[:, 1:].max(axis=1) > -_DYNAMIC].tolist()
+    return rows
+
+
+def _seconds(value: float) -> str:
+    return "      -" if math.isnan(value) else f"{value:7.3f}"
+
+
+def _spectrogram(samples: NDArray[np.float64], rate: float) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+    """Times (s), frequencies (Hz) and levels (dB)."""
+    padded = np.pad(samples, _WINDOW // 2)
+    hop = max(_WINDOW // 16, len(samples) // _COLUMNS)
+    frames = np.lib.stride_tricks.sliding_window_view(padded, _WINDOW)[::hop]
+    level = 20 * np.log10(np.abs(np.fft.rfft(frames * np.hanning(_WINDOW))) + 1e-12).T
+    return np.arange(len(frames)) * hop / rate, np.fft.rfftfreq(_WINDOW, 1 / rate), level

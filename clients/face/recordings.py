@@ -1,0 +1,58 @@
+"""Objects from recordings, and sounds beside each other."""
+
+from collections.abc import Iterable, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from ._perform import Folders
+from .clients.comparison import compare as _compare
+from .clients.fitting import Made, Wanted, make
+from .dsp.fitting.distance import Distance
+from .presets import Presets
+
+File = str | PathLike[str]
+
+
+def fit(
+    recordings: File | Iterable[File],
+    out: File,
+    name: str,
+    *,
+    presets: Folders = (),
+    report: bool = False,
+    **known: Any,
+) -> Made:
+    """Make an object of recordings of single strikes, as `carom fit` does.
+
+        carom.fit(["left.wav", "middle.wav"], "mine", "bar", positions=(0.1, 0.5), licence="CC0")
+        carom.Scene(presets="mine").new("a", "bar").impact(2.0, position=0.3)
+
+    recordings: sound files, or a folder of such. out: the folder that gets the presets. name: the object's.
+    known: modes (how many), positions (0 to 1, one for each hit), strikers (a preset's name or a new one; one, or one
+    for each hit), force (a hammer's recording), mass (kg), velocity (m/s), source, licence. report: whether to write
+    the page NAME.html too. Returns the fit, the files, and what there is to say.
+    RecordingError, FitError, PresetError or OSError say what cannot be.
+    """
+    paths = [recordings] if isinstance(recordings, str | PathLike) else list(recordings)
+    for key in ("positions", "strikers"):
+        if isinstance(known.get(key), Sequence) and not isinstance(known[key], str):
+            known[key] = tuple(known[key])
+    if "force" in known and known["force"] is not None:
+        known["force"] = Path(known["force"])
+    library = presets if isinstance(presets, Presets) else Presets(presets)
+    made = make([Path(each) for each in paths], Path(out), Wanted(name, **known), library)
+    if report:
+        from .clients.fit_report import write_report
+
+        write_report(made, name, Path(out))
+    return made
+
+
+def compare(a: File, b: File) -> Distance:
+    """How far apart two sound files are, as `carom compare` measures it.
+
+    Residual and log-spectral distance (dB), third octaves, decays by octave. RecordingError or OSError say what cannot
+    be.
+    """
+    return _compare(Path(a), Path(b))[0]

@@ -1,0 +1,47 @@
+"""The report of a fit: a page on which the recording and the fitted object are heard and seen beside each other."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from ..dsp.fitting.blow import earliest
+from ..dsp.fitting.distance import Distance, distance
+from .comparison import Compared, write_page
+from .fitting import Made
+
+
+def compared(made: Made) -> list[Compared]:
+    """Each recording beside its fit, and the first beside the default strike as the engine plays it."""
+    fit, early = made.fit, earliest(made.fit.rate)
+    pairs: list[Compared] = []
+    for number, take in enumerate(made.takes):
+        recorded, name = fit.takes[number][early:], take.recording.path.name
+        if number == 0:
+            pairs.append((distance(recorded, made.sound, fit.rate), (name, "the preset, played")))
+        pairs.append((distance(recorded, fit.sound(number)[early:], fit.rate), (name, "modes and noise, fitted")))
+    return pairs
+
+
+def played_beside(made: Made) -> Distance:
+    """The first recording, and the default strike as the engine plays it."""
+    return compared(made)[0][0]
+
+
+def write_report(made: Made, name: str, out: Path) -> Path:
+    """Write the page NAME.html into a folder; returns it."""
+    fit = made.fit
+    left = ", ".join(f"{each:.1f}" for each in fit.residual)
+    blows = ", ".join(f"{1e3 * each.duration:.2g}" for each in fit.blows)
+    strongest = np.argsort(-np.abs(fit.gains[0]))[:8]
+    listing = ", ".join(f"{fit.frequency[mode]:.1f} Hz ({np.log(1000) / fit.decay[mode]:.2f} s)" for mode in strongest)
+    lines = [
+        f"{len(fit.frequency)} modes, which leave {left} dB of the recording; {len(fit.noise.rms)} bands of noise; "
+        f"blows of {blows} ms.",
+        f"The strongest modes and their T60: {listing}.",
+        "Presets have modes of one phase or the opposite one, so their waves differ from the recording's where their "
+        "spectra agree: a played preset is judged by its log-spectral distance.",
+        *made.notes,
+    ]
+    return write_page(out / f"{name}.html", f"{name}: recording and preset", compared(made), lines)

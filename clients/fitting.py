@@ -1,0 +1,257 @@
+"""Objects from recordings: takes, fit, presets written, and the result played by the engine."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..dsp.fitting.blow import Blow, measured, pulse, striker_pulse
+from ..dsp.fitting.distance import at_rate
+from ..dsp.fitting.errors import RecordingError
+from ..dsp.fitting.fit import MODES, Fit, fit
+from ..dsp.fitting.hits import Hit, clearest, hits
+from ..dsp.fitting.strikers import MASS, VELOCITY, Striker, durations, striker_of
+from ..dsp.runtime.engine import Engine
+from ..presets import Presets
+from ..presets import fitted as texts
+from ..presets.values import NAME, Name
+from ..server.render import Options, blocks
+from .loudness import heard
+from .recordings import Recording, found, read
+from .strike import Strike
+
+TOP_RATE = 48_000
+"""Hz: of what is analysed; faster recordings are resampled."""
+
+UNKNOWN = "unknown"
+"""What a preset says of a source or a licence that nobody told."""
+
+_MOST_MODES = 200
+_FIRST_LEVEL = -20.0  # dB, until it is known how loud the preset is
+
+
+class FitError(ValueError):
+    """What is asked for cannot be; the text names it."""
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What is known beside the recordings.
+
+    positions: 0 to 1, one for each hit. strikers: a preset each, or a new name. force: the hammer's recording. mass: of
+    the body (kg). velocity: of the strikes (m/s). source, licence: of the recordings.
+    """
+
+    name: str
+    modes: int = MODES
+    positions: tuple[float, ...] = ()
+    strikers: tuple[str, ...] = ()
+    force: Path | None = None
+    mass: float | None = None
+    velocity: float = VELOCITY
+    source: str | None = None
+    licence: str | None = None
+
+    def __post_init__(self) -> None:
+        if not NAME.fullmatch(self.name):
+            raise FitError(f"name = {self.name!r}: expected {Name()}")
+        if not 1 <= self.modes <= _MOST_MODES:
+            raise FitError(f"modes = {self.modes}: expected 1 to {_MOST_MODES}")
+        for position in self.positions:
+            if not 0 <= position <= 1:
+                raise FitError(f"positions: {position:g}: expected 0 to 1")
+        for striker in self.strikers:
+            if not NAME.fullmatch(striker):
+                raise FitError(f"strikers: {striker!r}: expected {Name()}")
+        for key, value, most in (("mass", self.mass, 1e5), ("velocity", self.velocity, 100.0)):
+            if value is not None and not 1e-3 <= value <= most:
+                raise FitError(f"{key} = {value:g}: expected 0.001 to {most:g}")
+
+
+@dataclass(frozen=True)
+class Take:
+    """A hit that is fitted: its recording, the samples, where (None: not said) and by what it was struck."""
+
+    recording: Recording
+    hit: Hit
+    position: float | None
+    striker: str | None
+
+
+@dataclass(frozen=True)
+class Made:
+    """What was made: the fit, its takes, the files that were written, what there is to say, and the strike as played.
+
+    sound: (n,) at the fit's rate, of the default strike.
+    """
+
+    fit: Fit
+    takes: tuple[Take, ...]
+    files: tuple[Path, ...]
+    notes: tuple[str, ...]
+    sound: NDArray[np.float64]
+
+
+def make(recordings: Sequence[Path], out: Path, wanted: Wanted, presets: Presets | None = None) -> Made:
+    """Fit an object to recordings and write it and its strikers into a folder of presets, which is made if missing.
+
+    FitError, RecordingError, PresetError or OSError say what cannot be.
+    """
+    presets = presets or Presets()
+    if out.exists() and not out.is_dir():
+        raise FitError(f"{out}: expected a folder for presets")
+    read_in = [read(path) for path in found(list(recordings))]
+    takes, notes = _takes(read_in, wanted)
+    known = {name: presets.striker(name) for name in wanted.strikers if name in presets.names("strikers")}
+    blows: list[Blow | None] = [None] * len(takes)
+    for number, take in enumerate(takes):
+        if take.striker in known:
+            law = known[take.striker].contact(None)
+            blows[number] = striker_pulse(wanted.velocity, *law)
+    if wanted.force is not None:
+        blows = [_force(wanted.force, take) for take in takes]
+    try:
+        found_in = fit([take.hit for take in takes], blows, wanted.modes)
+    except RecordingError as error:
+        raise RecordingError(f"{', '.join(str(each.path) for each in read_in)}: {error}") from None
+    found_in, strikers = _strikers(found_in, takes, blows, wanted)
+    default = next(iter(strikers), str(takes[0].striker))
+    files, sound = _write(found_in, takes, wanted, strikers, default, out)
+    licence = (
+        [] if wanted.licence else [f"the licence of {read_in[0].path} is not told: --licence and --source keep it"]
+    )
+    return Made(found_in, tuple(takes), tuple(files), (*notes, *licence), sound)
+
+
+def _takes(recordings: Sequence[Recording], wanted: Wanted) -> tuple[list[Take], list[str]]:
+    """The hits that are fitted: of each recording the clearest, or all of one that has as many as positions."""
+    rate = min(TOP_RATE, *(recording.rate for recording in recordings))
+    chosen: list[tuple[Recording, Hit]] = []
+    notes: list[str] = []
+    for recording in recordings:
+        samples = recording.samples if recording.rate == rate else at_rate(recording.samples, recording.rate, rate)
+        try:
+            there = hits(samples, rate)
+        except RecordingError as error:
+            raise RecordingError(f"{recording.path}: {error}") from None
+        notes += recording.notes
+        labels = max(len(wanted.positions), len(wanted.strikers))
+        if len(recordings) == 1 and len(there) == labels > 1:
+            chosen += [(recording, hit) for hit in there]
+        else:
+            chosen.append((recording, clearest(there)))
+            if len(there) > 1:
+                at = chosen[-1][1].onset / rate
+                notes.append(f"{recording.path}: {len(there)} hits: the clearest one, at {at:.2f} s, is taken")
+    for key, labels_of in (("positions", wanted.positions), ("strikers", wanted.strikers)):
+        if labels_of and len(labels_of) not in (1, len(chosen)):
+            raise FitError(f"{key}: {len(labels_of)} for {len(chosen)} hits: expected one, or one for each")
+    positions = _each(wanted.positions, len(chosen))
+    strikers = _each(wanted.strikers, len(chosen))
+    takes = [Take(*pair, at, by) for pair, at, by in zip(chosen, positions, strikers, strict=True)]
+    return takes, notes
+
+
+def _each(values: Sequence, count: int) -> list:  # type: ignore[type-arg]
+    """A value for each of so many takes: None if there are none, the same if there is one."""
+    return list(values) * (count if len(values) == 1 else 1) or [None] * count
+
+
+def _force(path: Path, take: Take) -> Blow:
+    """The force that a hammer measured of a take's hit."""
+    recording = read(path)
+    rate = take.hit.rate
+    samples = recording.samples if recording.rate == rate else at_rate(recording.samples, recording.rate, rate)
+    if not np.any(samples):
+        raise RecordingError(f"{path}: silent: expected the force of a hammer")
+    middle = int(np.argmax(np.abs(samples)))
+    width = round(0.02 * rate)
+    return measured(samples[max(0, middle - width) : middle + width], rate)
+
+
+def _strikers(
+    found_in: Fit, takes: Sequence[Take], blows: Sequence[Blow | None], wanted: Wanted
+) -> tuple[Fit, dict[str, Striker]]:
+    """The strikers that no preset holds yet, by the names of the presets to write, and the fit with them."""
+    new = [number for number, blow in enumerate(blows) if blow is None or wanted.force is not None]
+    if not new:
+        return found_in, {}
+    labels = [takes[number].striker for number in new]
+    times = np.array([found_in.blows[number].duration for number in new])
+    strengths = np.ones(len(new))
+    if len(set(labels)) > 1 and wanted.force is None:
+        amplitude = [found_in.amplitude[number] for number in new]
+        times, strengths = durations(amplitude, found_in.poles, [found_in.blows[number] for number in new])
+        found_in = found_in.struck_by([pulse(time, strength) for time, strength in zip(times, strengths, strict=True)])
+    made: dict[str, Striker] = {}
+    for label, time, strength in zip(labels, times, strengths, strict=True):
+        name = f"{wanted.name}-{label or 'striker'}"
+        made.setdefault(name, striker_of(float(time), MASS * float(strength), wanted.velocity))
+    return found_in, made
+
+
+def _write(
+    found_in: Fit, takes: Sequence[Take], wanted: Wanted, strikers: dict[str, Striker], default: str, out: Path
+) -> tuple[list[Path], NDArray[np.float64]]:
+    """Write the presets, levelled as they sound; returns the files and the sound of the default strike."""
+    names = ", ".join(dict.fromkeys(take.recording.path.name for take in takes))
+    source = wanted.source or UNKNOWN
+    facts = texts.Facts(
+        description=f"{wanted.name}, fitted to {names}",
+        source=f"fitted to {names} by carom fit; recordings: {source}; masses are assumed",
+        licence=wanted.licence or UNKNOWN,
+        striker=default,
+        velocity=wanted.velocity,
+        position=takes[0].position or 0.0,
+        positions=tuple(take.position for take in takes if take.position is not None),
+        mass=wanted.mass or texts.MASS,
+        measured=_measured(found_in, takes),
+    )
+    files = []
+    for folder in ("objects", "strikers"):
+        (out / folder).mkdir(parents=True, exist_ok=True)
+    for name, striker in strikers.items():
+        what = replace(facts, description=f"What struck {wanted.name} ({1e3 * striker.duration:.2g} ms)")
+        files.append(_put(out / "strikers" / f"{name}.toml", texts.striker_text(striker, what)))
+    file = out / "objects" / f"{wanted.name}.toml"
+    _put(file, texts.object_text(found_in, facts, _FIRST_LEVEL))
+    sound = played(wanted.name, out, int(found_in.rate))
+    loud = heard(sound, int(found_in.rate))
+    level = float(np.clip(round(_FIRST_LEVEL + loud.raise_by, 1), -120, 120))
+    files.insert(0, _put(file, texts.object_text(found_in, facts, level)))
+    return files, sound.mean(axis=1) * 10 ** ((level - _FIRST_LEVEL) / 20)
+
+
+def _put(path: Path, text: str) -> Path:
+    """Write a file that appears whole."""
+    part = path.with_suffix(".part")
+    part.write_text(text, encoding="utf-8")
+    os.replace(part, path)
+    return path
+
+
+def _measured(found_in: Fit, takes: Sequence[Take]) -> list[str]:
+    """What the head of an object's file says was measured."""
+    lines = []
+    for take, residual, blow in zip(takes, found_in.residual, found_in.blows, strict=True):
+        hit = take.hit
+        floor = f", noise at {20 * np.log10(hit.floor / hit.peak):.0f} dB of its peak" if hit.floor else ""
+        length, begin = len(hit.samples) / hit.rate, hit.onset / hit.rate
+        lines.append(
+            f"{take.recording.path.name}: {length:.2f} s, from {begin:.3f} s{floor}; "
+            f"{len(found_in.frequency)} modes leave {residual:.1f} dB; a blow of {1e3 * blow.duration:.2g} ms"
+        )
+    return lines
+
+
+def played(name: str, folder: Path, rate: int, seconds: float | None = None) -> NDArray[np.float64]:
+    """The default strike (n, 2) of a folder's object, as the engine plays it, without a limiter."""
+    presets = Presets([folder])
+    options = Options(rate, seconds=seconds or 4.0, limiter=False)
+    pieces = list(blocks(Strike(name).score(presets), Engine(rate), presets, options))
+    return np.concatenate(pieces).astype(np.float64)

@@ -1,0 +1,166 @@
+"""The blow that a recording begins with: its force over time, and what it does to the modes.
+
+A force of impulses p_j at times t_j (samples) moves a mode of the log pole s as F(s) = sum_j p_j exp(-s t_j) does, once
+it is over; before, as much of the sum as has come. So each mode's sound begins as the atom
+
+    a(t) = exp(s t) sum_{t_j <= t} p_j exp(-s t_j)/F(s),
+
+an exponential from the end of the blow on. This is how modes and striker are told apart where nobody measured the
+force: the pulse of the Hunt-Crossley law for which the atoms explain the attack is looked for, the longest one that
+does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from ..contact.pulse import force_nodes
+from ..numerics.checks import Array
+from .refinement import amplitudes, solved
+from .sums import Complex, Head, as_weights, real_gram, ringing_products, ringing_project
+
+EXPONENT, DISSIPATION = 1.5, 0.2
+"""Of a striker of which nothing is known: Hertz's, and s/m."""
+
+_DURATIONS = np.geomspace(5e-5, 8e-3, 18)  # s
+_SHARES = (0.0, 0.06, 0.12, 0.2, 0.3, 0.42, 0.55, 0.7, 0.9)  # of a duration: so much before the onset it may begin
+_EARLIEST = 0.005  # s: the recording is looked at from so long before the onset
+_TOLERANCE = 0.5  # of what the best blow leaves of the attack: as good
+_HARDLY = 1e-4  # of a take's energy
+_SHALLOWEST = 0.02  # of the impulse: where a blow moves a mode less, it is said to move it as much
+
+
+@dataclass(frozen=True)
+class Blow:
+    """A force: times (s) since the onset of a take, impulses (N s), (m,) each."""
+
+    times: Array
+    impulses: Array
+
+    @property
+    def impulse(self) -> float:
+        """In N s."""
+        return float(self.impulses.sum())
+
+    @property
+    def duration(self) -> float:
+        """In s."""
+        return float(self.times[-1] - self.times[0])
+
+    def later(self, seconds: float) -> Blow:
+        """The same blow, so much later."""
+        return replace(self, times=self.times + seconds)
+
+    def transform(self, poles: Complex) -> Complex:
+        """F (N s) at poles (1/s)."""
+        transformed: Complex = np.exp(-np.outer(poles, self.times)) @ self.impulses
+        return transformed
+
+    def drive(self, poles: Complex) -> Complex:
+        """F at poles (1/s), where it is next to nothing as large as that is taken to be."""
+        force = self.transform(poles)
+        size = np.abs(force)
+        least = _SHALLOWEST * self.impulse
+        return np.where(size < least, force * (least / np.maximum(size, 1e-30 * least)), force)
+
+    def head(self, s: Complex, rate: float, onset: int, length: int | None = None) -> Head:
+        """The beginnings of the atoms of log poles per sample, and of their slopes, for a take at a rate (Hz).
+
+        onset: the take's. length: of the head, in samples; as long as the blow unless it is given.
+        """
+        places = self.times * rate
+        t = np.arange(length or onset + int(np.ceil(places[-1])) + 1) - onset
+        come = np.searchsorted(places, t, side="right")
+        parts = self.impulses[:, None] * np.exp(-np.outer(places, s))
+        none = np.zeros((1, len(s)))
+        force = np.vstack([none, np.cumsum(parts, axis=0)])
+        slope = np.vstack([none, np.cumsum(-places[:, None] * parts, axis=0)])
+        # A mode that the blow hardly moves begins as the momentum comes, and not as its own small share of it.
+        hardly = np.abs(force[-1]) < _SHALLOWEST * self.impulse
+        force[:, hardly] = np.concatenate([[0], np.cumsum(self.impulses)])[:, None]
+        slope[:, hardly] = 0
+        begun = force[come] / force[-1]
+        ringing = np.exp(np.outer(t, s)) * (come > 0)[:, None]
+        slopes = ringing * (t[:, None] * begun + (slope[come] - begun * slope[-1]) / force[-1])
+        return Head(ringing * begun, slopes, onset)
+
+
+@cache
+def _unit() -> Blow:
+    """The pulse of a striker of which nothing is known: of 1 N s, 1 s long."""
+    times, impulses = force_nodes(1.0, 1.0, 1.0, DISSIPATION, EXPONENT)
+    return Blow(times / times[-1], impulses / impulses.sum())
+
+
+def pulse(duration: float, impulse: float = 1.0) -> Blow:
+    """The force of an unknown striker, so long (s) and so strong (N s)."""
+    return Blow(_unit().times * duration, _unit().impulses * impulse)
+
+
+def striker_pulse(velocity: float, mass: float, stiffness: float, dissipation: float, exponent: float) -> Blow:
+    """The force of a known striker on a rigid wall: m/s, kg, N/m^a, s/m and a."""
+    return Blow(*force_nodes(velocity, mass, stiffness, dissipation, exponent))
+
+
+def measured(force: Array, rate: float) -> Blow:
+    """A force (n,) in N as a hammer measured it at a rate (Hz), from its onset on."""
+    size = np.abs(force)
+    loud = np.flatnonzero(size > 0.01 * size.max())
+    piece = force[loud[0] : loud[-1] + 1] * np.sign(force[np.argmax(size)])
+    return Blow((np.arange(len(piece)) + loud[0]) / rate, np.maximum(piece, 0) / rate)
+
+
+def begun(take: Array, s: Complex, rate: float, blow: Blow, onset: int) -> Blow:
+    """The blow at the time near a take's onset (samples) at which its atoms explain most of the take."""
+    tried = [blow.later(start - blow.times[0]) for start in _beginnings(blow.duration, onset / rate)]
+    return tried[int(np.argmin(_errors(take, s, rate, tried, onset)))]
+
+
+def sought(take: Array, s: Complex, rate: float, onset: int) -> Blow:
+    """The longest blow whose atoms explain a take's attack as well as any do; it begins near the onset (samples).
+
+    It is no longer than what is heard of the high modes allows: most of what a take has is not from modes that the blow
+    hardly moves.
+    """
+    tried = [pulse(each).later(start) for each in _DURATIONS for start in _beginnings(each, onset / rate)]
+    errors = _errors(take, s, rate, tried, onset)
+    best: Blow = tried[int(np.argmin(errors))]
+    head = best.head(s, rate, onset)
+    (amplitude,), _ = amplitudes([take], s, [head])
+    attack = take[: head.length] - (head.atoms @ amplitude).real
+    enough = errors.min() + _TOLERANCE * float(attack @ attack)
+    energy = np.abs(amplitude) ** 2 / -s.real
+    for number, duration in reversed(list(enumerate(_DURATIONS))):
+        row = errors[number * len(_SHARES) : (number + 1) * len(_SHARES)]
+        hardly = np.abs(pulse(duration).transform(s * rate)) < _SHALLOWEST
+        if row.min() <= enough and energy[hardly].sum() < _HARDLY * energy.sum():
+            best = tried[number * len(_SHARES) + int(np.argmin(row))]
+            break
+    return best
+
+
+def _beginnings(duration: float, earliest: float) -> list[float]:
+    """When a blow may begin (s) before its sound is heard."""
+    return [max(-share * duration, -earliest) for share in _SHARES]
+
+
+def _errors(take: Array, s: Complex, rate: float, blows: Sequence[Blow], onset: int) -> Array:
+    """What is left of a take's energy by the atoms of each blow."""
+    length = onset + max(int(np.ceil(blow.times[-1] * rate)) for blow in blows) + 1
+    plain, crossed = ringing_products(s, len(take) - length, length - onset)
+    projected = ringing_project(take[length:], s, length - onset)
+    energy, errors = float(take @ take), []
+    for blow in blows:
+        atoms = blow.head(s, rate, onset, length).atoms
+        gram = real_gram(plain + atoms.T @ atoms, crossed + atoms.conj().T @ atoms)
+        errors.append(energy - solved(gram, as_weights(projected + take[:length] @ atoms))[1])
+    return np.maximum(errors, 1e-12 * energy)
+
+
+def earliest(rate: float) -> int:
+    """How many samples before the onset a take begins."""
+    return round(_EARLIEST * rate)

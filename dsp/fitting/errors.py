@@ -1,0 +1,5 @@
+"""What a recording must be."""
+
+
+class RecordingError(ValueError):
+    """A sound of which no body can be made; the text names what is wrong with it and what was expected."""

@@ -1,0 +1,53 @@
+"""BLAS on one thread, for as long as something is computed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager
+from functools import cache
+from threading import Lock
+from typing import Any
+
+from threadpoolctl import ThreadpoolController
+
+
+def on_one_thread() -> AbstractContextManager[None]:
+    """Let BLAS use one thread of its own, from the first user to come to the last one to go."""
+    return _blas.on_one_thread()
+
+
+class _Blas:
+    """BLAS, as many threads of Python use it at once.
+
+    On machines of few cores its waiting threads cost tens of times the work, and disturb the audio.
+    """
+
+    def __init__(self) -> None:
+        self._lock = Lock()
+        self._users = 0
+        self._limit: Any = None
+
+    @contextmanager
+    def on_one_thread(self) -> Iterator[None]:
+        """Let BLAS use one thread of its own, from the first user to come to the last one to go."""
+        with self._lock:
+            if self._users == 0:
+                self._limit = _controller().limit(limits=1, user_api="blas")
+            self._users += 1
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._users -= 1
+                if self._users == 0:
+                    self._limit.restore_original_limits()
+
+
+@cache  # to look through all libraries takes longer than many an object
+def _controller() -> Any:
+    import scipy.linalg  # noqa: F401 - slow to load, and its BLAS must be there to be found
+
+    return ThreadpoolController()
+
+
+_blas = _Blas()

@@ -1,0 +1,99 @@
+"""Makes the objects that packets ask for, in a thread of its own: a gong takes 0.1 s, in which others want answers."""
+
+import threading
+from collections import deque
+from collections.abc import Callable, Sequence
+
+from ..dsp.engine.state import OBJECTS, SHAPE_VALUES
+from ..dsp.runtime.arena import EngineFull
+from ..presets import Presets
+from .osc.addresses import Call
+from .scene.new_object import NewObject, new_object
+
+_MOST_BYTES = 8 * SHAPE_VALUES
+"""Of mode shapes in the objects of a packet, and in all that wait to be played, but for the last: the engine has room
+for no more."""
+
+_LONGEST_END = 1.0  # s that the end of the server waits for an object that is being made
+
+
+class Making:
+    """The objects that the calls of a packet ask for. Once it is done, `made` has each, or the error that it met, by
+    the identity of its call."""
+
+    def __init__(self, calls: Sequence[Call]) -> None:
+        self.made: dict[int, NewObject | Exception] = {}
+        self.bytes = 0
+        """Of the mode shapes of those that were made."""
+        self._left = deque(enumerate(calls))
+
+    @property
+    def done(self) -> bool:
+        """Whether all are made."""
+        return not self._left
+
+    def make_next(self, presets: Presets, top: float) -> None:
+        """Make the next one, with modes up to `top` (Hz)."""
+        place, call = self._left[0]
+        try:
+            if place >= OBJECTS or self.bytes > _MOST_BYTES:
+                raise EngineFull("no room for all objects of this packet: expected fewer of them in one")
+            self.made[id(call)] = made = new_object(call, presets, top)
+            self.bytes += made.modes.strike.nbytes
+        except Exception as error:  # whoever carries the call out meets it again
+            self.made[id(call)] = error
+        self._left.popleft()
+
+
+class Maker:
+    """A thread that makes objects, one after the other; packets take turns. `close` it."""
+
+    def __init__(self, presets: Presets, top: float, finished: Callable[[], object]) -> None:
+        """top: Hz, of the modes. finished: called in the thread whenever all objects of a packet are made."""
+        self._presets, self._top, self._finished = presets, top, finished
+        self._changed = threading.Condition()
+        self._waiting: deque[Making] = deque()
+        self._bytes = 0  # of what is made and was not taken yet
+        self._stopped = False
+        self._thread: threading.Thread | None = None
+
+    def make(self, making: Making) -> None:
+        """Begin to make objects; `take` them once they are done."""
+        with self._changed:
+            self._waiting.append(making)
+            self._changed.notify()
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._run, name="carom-maker", daemon=True)
+            self._thread.start()
+
+    def take(self, making: Making) -> dict[int, NewObject | Exception]:
+        """The objects of a packet, as `Making.made`; they count no longer."""
+        with self._changed:
+            self._bytes -= making.bytes
+        return making.made
+
+    def _run(self) -> None:
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._waiting or self._stopped)
+                if self._stopped:
+                    return
+                if self._bytes <= _MOST_BYTES:
+                    self._waiting.rotate(-1)  # else the one that came first is done first
+                making = self._waiting[0]
+            before = making.bytes
+            making.make_next(self._presets, self._top)
+            with self._changed:
+                self._bytes += making.bytes - before
+                if making.done:
+                    self._waiting.remove(making)
+            if making.done:
+                self._finished()
+
+    def close(self) -> None:
+        """End the thread, but for an object that takes very long."""
+        with self._changed:
+            self._stopped = True
+            self._changed.notify()
+        if self._thread:
+            self._thread.join(_LONGEST_END)

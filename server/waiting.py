@@ -1,0 +1,168 @@
+"""Packets that wait for objects to be made, while others are carried out.
+
+What a client sends is carried out in its order: its later packets wait behind one that makes an object. So do packets
+of others that name such an object, as each message of a shell script comes from a client of its own.
+"""
+
+from collections import deque
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+from .making import Maker, Making
+from .net.network import Network, Source
+from .osc.addresses import Call
+from .osc.patterns import is_pattern, match, work
+from .packets import Packet
+from .scene.new_object import NEW
+
+MOST_BYTES = 1 << 22
+"""Of packets that wait; further datagrams are dropped."""
+
+_OVERHEAD = 64  # bytes that a packet takes besides its own
+_MOST_LINES = 256  # clients whose packets wait
+_MOST_WORK = 50_000  # of matching a packet's patterns: some 5 ms
+_AT_ONCE = 16  # packets of a client that are carried out before others are heard
+
+
+@dataclass(eq=False)
+class _Line:
+    """The packets of a client that wait: the first, and those behind it."""
+
+    first: Packet | None = None
+    names: frozenset[str] = frozenset()
+    """Of the objects and gestures that the first one makes, or if it makes none, that it names."""
+    behind: deque[bytes] = field(default_factory=deque)
+
+
+class Waiting:
+    """The packets that wait, in the order in which their clients began to."""
+
+    def __init__(self, network: Network, maker: Maker) -> None:
+        self._network, self._maker = network, maker
+        self._lines: dict[Source, _Line] = {}
+        self._bytes = 0
+        self._moved = False  # whether a packet may have become ready since the last look
+
+    def __len__(self) -> int:
+        return len(self._lines)
+
+    def look(self) -> None:
+        """Something was made; any thread may say so."""
+        self._moved = True
+        self._network.wake()
+
+    def queue(self, packet: bytes, source: Source) -> bool:
+        """Let a packet wait behind others of its client, if there are any; False if there are none."""
+        line = self._lines.get(source)
+        if line is None:
+            return False
+        if self._bytes + len(packet) + _OVERHEAD > MOST_BYTES:
+            self._network.drop(source)
+            return True
+        line.behind.append(packet)
+        self._bytes += len(packet) + _OVERHEAD
+        return True
+
+    def hold(self, packet: Packet) -> bool:
+        """Let a packet wait if it makes objects, or names one that is in the making; False if it need not."""
+        new = [call for call in packet.calls if call.verb and call.verb.address == NEW]
+        if not new and not (self._lines and self._is_about(packet.calls, self._names())):
+            return False
+        if packet.source not in self._lines and len(self._lines) >= _MOST_LINES:
+            self._network.drop(packet.source)
+            return True
+        # It is the last now of those that were read.
+        line = self._lines.pop(packet.source) if packet.source in self._lines else _Line()
+        self._lines[packet.source] = line
+        line.first, line.names = packet, _made_names(packet.calls) if new else _given_names(packet.calls)
+        self._network.pause(packet.source)
+        if new:
+            packet.making = Making(new)
+            self._maker.make(packet.making)
+        return True
+
+    def put_off(self, packet: Packet) -> None:
+        """Let a packet that is carried out in part go on once others had their turns."""
+        line = self._lines.setdefault(packet.source, _Line())
+        line.first, line.names = packet, frozenset()
+        packet.begun = self._moved = True
+        self._network.pause(packet.source)
+
+    def ready(self) -> Iterator[Packet | tuple[bytes, Source]]:
+        """Packets whose time has come, those that were read and, some of each client, those that were not. Carry each
+        out before the next is asked for."""
+        if self._moved:
+            self._moved = False
+            before: set[str] = set()
+            for source, line in tuple(self._lines.items()):
+                first = line.first
+                if first and (first.begun or self._is_ready(first, before)):
+                    line.first, self._moved = None, True
+                    yield first
+                if line.first:
+                    before |= line.names
+                elif not line.behind:
+                    self._leave(source)
+        for source, line in tuple(self._lines.items()):
+            for _ in range(_AT_ONCE):
+                if line.first or not line.behind:
+                    break
+                packet = line.behind.popleft()
+                self._bytes -= len(packet) + _OVERHEAD
+                yield packet, source
+            if not (line.first or line.behind):
+                self._leave(source)
+
+    def _is_ready(self, packet: Packet, before: set[str]) -> bool:
+        """Whether a packet's objects are made, and those of packets before it that it names."""
+        return (packet.making is None or packet.making.done) and not self._is_about(packet.calls, before)
+
+    @property
+    def in_a_hurry(self) -> bool:
+        """Whether packets wait that can be carried out."""
+        return self._moved or any(line.first is None for line in self._lines.values())
+
+    def _leave(self, source: Source) -> None:
+        if self._lines.pop(source, None):
+            self._network.resume(source)
+
+    def _names(self) -> set[str]:
+        return {name for line in self._lines.values() if line.first for name in line.names}
+
+    @staticmethod
+    def _is_about(calls: Iterable[Call], names: set[str]) -> bool:
+        """Whether one of some calls names, or may by a pattern, one of some objects and gestures."""
+        left = _MOST_WORK
+        for call in calls if names else ():
+            if any(isinstance(arg, str) and arg in names for arg in call.message.args) or call.target in names:
+                return True
+            if is_pattern(call.target):
+                left -= work(call.target) * len(names)
+                if left < 0 or any(match(call.target, name) for name in names):
+                    return True
+        return False
+
+
+def _made_names(calls: Iterable[Call]) -> frozenset[str]:
+    """The names of objects that calls make, and the ids of their gestures."""
+    names: set[object] = set()
+    for call in calls:
+        if call.verb and call.verb.address == NEW:
+            names.update(call.message.args[:1])
+        else:
+            names.update(_values(call, ("id",)))
+            if call.verb and call.verb.action == "roll":  # it has the object's name for an id
+                names.add(call.target)
+    return frozenset(name for name in names if isinstance(name, str))
+
+
+def _given_names(calls: Iterable[Call]) -> frozenset[str]:
+    """The names of objects and gestures that stand in calls, but for patterns."""
+    names = {name for call in calls for name in (call.target, *_values(call, ("id", "by")))}
+    return frozenset(name for name in names if isinstance(name, str) and name and not is_pattern(name))
+
+
+def _values(call: Call, keys: tuple[str, ...]) -> Iterator[object]:
+    """The values of some keys."""
+    return (value for key, value in pairwise(call.message.args) if key in keys)

@@ -1,0 +1,93 @@
+"""Patterns at a crowded server: 512 objects, 4,096 ids, and packets full of patterns, one by one, each soon answered.
+
+`python -m tests.bench.crowd --count 20000` starts a server of its own, and fails where it works for more than 100 ms
+on a packet before it answers another client.
+"""
+
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from contextlib import suppress
+
+from carom.clients.client import Client
+from carom.server.osc import wire
+from carom.server.osc.wire import Message
+from tests.bench.fuzz import Findings, Junk, resident, run, worked
+
+LATE = 0.1
+"""s: an answer after a packet that takes longer is late."""
+OBJECTS, IDS = 512, 4_096
+"""Of a crowded server."""
+
+_CHANGES = ("impact", "bounce", "roll", "press", "spin", "gain", "tune", "gains", "no-verb")
+
+
+class Crowded(Junk):
+    """A source of packets, most of them full of patterns."""
+
+    def packet(self) -> bytes:
+        """A packet of patterns, up to the longest there is, or any other."""
+        if self.chance.random() < 0.3:
+            return super().packet()
+        address = self.chance.choice(["/object/{}/" + verb for verb in _CHANGES] + ["/gesture/{}/gain", "/{}/{}/{}"])
+        words = [self._pattern() for _ in range(address.count("{}"))]
+        message = Message(address.format(*words), self.chance.choice([(0.1,), (0.1, "id", self._pattern()), ()]))
+        count = self.chance.choice([1, 5, 45, 3_000])
+        with suppress(ValueError):
+            one = wire.encode(message.address, *message.args)
+            fitting = (wire.MAX_DATAGRAM - 16) // (len(one) + 4)
+            return wire.encode_bundle(1, [message] * min(count, fitting))
+        return b""
+
+    def _pattern(self) -> str:
+        """A pattern of names of a crowd."""
+        pieces = ("*", "*", "?", "o", "1", "z", "[a-z]", "[!0-4]", "{o1,o2,g}", "{1,22,3}", "*z", "g*")
+        return "".join(self.chance.choices(pieces, k=self.chance.choice([1, 2, 3, 8, 40])))
+
+
+def crowd(client: Client) -> None:
+    """Fill a server with objects, and with ids that it remembers."""
+    with client.bundle():
+        for n in range(OBJECTS):
+            client.send("/object/new", f"o{n}", "tuning-fork")
+    client.ask("/sync", 1, timeout=30.0)
+    for start in range(0, IDS, 128):
+        with client.bundle():
+            for n in range(start, start + 128):
+                client.send(f"/object/o{n % OBJECTS}/impact", 0.01, "id", f"g{n}z{n % 7}")
+        client.ask("/sync", 2, timeout=30.0)
+    client.errors()
+
+
+def fuzz(
+    server: subprocess.Popen[str], port: int, count: int, seed: int, told: Callable[[int], None] = lambda packets: None
+) -> Findings:
+    """Throw `count` packets at a crowded server, one by one. A hang is a packet after which the server worked for more
+    than LATE before it answered another client."""
+    junk = Crowded(seed, time.time())
+    found = Findings()
+    with Client(port=port, tcp=True) as looker, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        while found.packets < count:
+            if found.packets % 500 == 0 or looker.ask("/status", timeout=30.0).args[3] < OBJECTS // 2:
+                looker.send("/object/*/free", 1)
+                looker.ask("/sync", 3, timeout=30.0)
+                time.sleep(0.2)
+                crowd(looker)
+            packet = junk.packet()
+            before, started = worked(server.pid), time.monotonic()
+            sock.sendto(packet, ("127.0.0.1", port))
+            looker.ask("/version", timeout=30.0)
+            found.answers.append(min(time.monotonic() - started, worked(server.pid) - before))
+            found.hangs += found.answers[-1] > LATE
+            found.packets += 1
+            assert server.poll() is None, "the server has ended"
+            if found.packets * 10 // count > len(found.memory):
+                found.memory += resident(server.pid)
+                told(found.packets)
+    return found
+
+
+if __name__ == "__main__":
+    sys.exit(run(fuzz, __doc__, LATE, 1))

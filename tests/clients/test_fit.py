@@ -1,0 +1,116 @@
+"""carom fit and carom compare as they are typed, and what they refuse."""
+
+import json
+
+import numpy as np
+import pytest
+import soundfile
+
+from carom.clients.cli import main
+
+RATE = 32_000
+T = np.arange(RATE) / RATE
+RING = 0.2 * sum(np.exp(-6 * k * T) * np.sin(2 * np.pi * f * T) for k, f in ((1, 440), (2, 1230), (3, 2810)))
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("recordings")
+    noise = 1e-5 * np.random.default_rng(1).standard_normal(RATE)
+    files = {
+        "ring": RING + noise,
+        "stereo": np.stack([0.3 * RING, RING], 1),
+        "silence": 0 * T,
+        "clipped": np.clip(20 * RING, -1, 1),
+        "nan": np.where(np.arange(RATE) == 9, np.nan, RING),
+        "tiny": RING[:50],
+        "steady": 0.1 * np.sin(2 * np.pi * 440 * T),
+        "reversed": RING[::-1],
+    }
+    for name, samples in files.items():
+        soundfile.write(folder / f"{name}.wav", samples, RATE, subtype="FLOAT")
+    soundfile.write(folder / "long.wav", np.zeros(130 * 8000, np.int16), 8000)
+    soundfile.write(folder / "empty.wav", np.zeros(0), RATE)
+    (folder / "text.wav").write_text("no sound")
+    (folder / "notes").mkdir()
+    (folder / "notes" / "a.txt").write_text("no sound")
+    return folder
+
+
+REFUSED = [
+    ("silence.wav out --name a", "silence.wav: silent", "expected the sound of a strike"),
+    ("clipped.wav out --name a", "clipped.wav: clipped in", "expected a recording below full scale"),
+    ("nan.wav out --name a", "nan.wav: sample 9 is nan", "expected numbers"),
+    ("tiny.wav out --name a", "tiny.wav: 0.00156 s long", "expected at least 0.03 s"),
+    ("empty.wav out --name a", "empty.wav: empty", "expected the sound of a strike"),
+    ("steady.wav out --name a", "steady.wav: ", "expected"),
+    ("reversed.wav out --name a", "reversed.wav: ", "expected"),
+    ("long.wav out --name a", "long.wav: 130 s long", "expected at most 120 s"),
+    ("text.wav out --name a", "text.wav: ", "expected a sound file"),
+    ("notes out --name a", "notes: a folder of 1 files", "expected .wav"),
+    ("rng.wav out --name a", "rng.wav: No such file", "did you mean ring.wav?"),
+    ("ring.wav out --name a/b", "name = 'a/b'", "expected a name of up to 64"),
+    ("ring.wav out --name a --modes 0", "modes = 0", "expected 1 to 200"),
+    ("ring.wav out --name a --positions 0.1,0.2", "positions: 2 for 1 hits", "expected one, or one for each"),
+    ("ring.wav out --name a --positions 1.5", "positions: 1.5", "expected 0 to 1"),
+    ("ring.wav out --name a --positions left", "'left'", "expected a number"),
+    ("ring.wav out --name a --mass -1", "mass = -1", "expected 0.001 to"),
+    ("ring.wav out --name a --force silence.wav", "silence.wav: silent", "expected the force of a hammer"),
+    ("ring.wav ring.wav --name a", "ring.wav", "expected a folder"),
+    ("ring.wav out", "--name", "usage: carom fit"),
+]
+
+
+@pytest.mark.parametrize(("words", "culprit", "right"), REFUSED, ids=[words for words, _, _ in REFUSED])
+def test_what_cannot_be_fitted_is_told_in_one_line(folder, capsys, monkeypatch, words, culprit, right):
+    monkeypatch.chdir(folder)
+    try:
+        code = main(["fit", *words.split()])
+    except SystemExit as end:
+        code = end.code
+    error = capsys.readouterr().err
+    assert code in (1, 2) and error.count("\n") == 1 and culprit in error and right in error
+    assert not (folder / "out").exists()
+
+
+@pytest.mark.slow
+def test_a_stereo_recording_becomes_an_object_and_a_page(folder, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(folder)
+    assert main(["fit", "stereo.wav", str(tmp_path), "--name", "bar", "--modes", "6", "--licence", "CC0"]) == 0
+    out, error = capsys.readouterr()
+    assert error == "carom fit: stereo.wav: 2 channels: the loudest one, channel 2, is taken\n"
+    assert [line.removeprefix(str(tmp_path)) for line in out.split()] == [
+        "/objects/bar.toml",
+        "/strikers/bar-striker.toml",
+        "/bar.html",
+    ]
+    page = (tmp_path / "bar.html").read_text()
+    assert page.count("<audio") == 4 and page.count("<img") == 2
+    assert main(["presets", "--check", str(tmp_path / "objects" / "bar.toml"), "--presets", str(tmp_path)]) == 0
+    assert main(["strike", "bar", str(tmp_path / "x.wav"), "--presets", str(tmp_path), "--seconds", "1"]) == 0
+    capsys.readouterr()
+    assert main(["compare", str(folder / "ring.wav"), str(tmp_path / "x.wav"), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["log_spectral_distance_db"] < 4
+
+
+def test_a_sound_is_no_distance_from_itself(folder, tmp_path, capsys):
+    ring, page, picture = str(folder / "ring.wav"), tmp_path / "a.html", tmp_path / "a.png"
+    assert main(["compare", ring, ring, "--page", str(page), "--plot", str(picture)]) == 0
+    assert "log-spectral distance     0.00 dB" in capsys.readouterr().out
+    assert page.read_text().count("<audio") == 2 and picture.stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        ("ring.wav silence.wav", "silence.wav: silent"),
+        ("ring.wav notes", "notes: "),
+        ("ring.wav ring.wav --plot x.bmp", "x.bmp: expected a name that ends in .png"),
+        ("ring.wav ring.wav --page no/x.html", "no/x.html: there is no folder no"),
+    ],
+)
+def test_what_cannot_be_compared_is_told_in_one_line(folder, capsys, monkeypatch, words, says):
+    monkeypatch.chdir(folder)
+    assert main(["compare", *words.split()]) == 1
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1 and says in error

@@ -1,0 +1,92 @@
+"""Blows and modes told apart: known forces, forces that a hammer measured, forces that nobody measured."""
+
+import numpy as np
+import pytest
+
+from carom.dsp.contact import contact_time
+from carom.dsp.fitting.blow import Blow, measured, pulse, striker_pulse
+from carom.dsp.fitting.fit import Fit, fit
+from carom.dsp.fitting.hits import Hit, clearest, hits
+from carom.dsp.fitting.strikers import durations, striker_of
+
+from .synthetic import RATE, modes
+
+BODY = modes(12, 2, apart=250.0)
+GAIN = np.abs(BODY.amplitude)
+LAW = (1.0, 0.02, 1.2e7, 0.2, 1.5)  # m/s, kg, N/m^a, s/m, a
+
+
+def struck(blow: Blow, gain: np.ndarray = GAIN, seconds: float = 1.2) -> Hit:
+    """A recording of BODY: the velocity that a force gives its modes, by summing the answer to each impulse."""
+    t = np.arange(round(seconds * RATE)) / RATE
+    sound = 1e-5 * np.random.default_rng(1).standard_normal(len(t))
+    omega = 2 * np.pi * BODY.frequency
+    damped = np.sqrt(omega**2 - BODY.decay**2)
+    poles = -BODY.decay + 1j * damped
+    for time, impulse in zip(blow.times + 0.05, blow.impulses, strict=True):
+        since = np.maximum(t - time, 0)
+        answer = ((1 + 1j * BODY.decay / damped) * np.exp(np.outer(since, poles))).real
+        sound += np.where(t >= time, impulse * (answer @ gain), 0)
+    return clearest(hits(sound, RATE))
+
+
+def nearest(found: Fit) -> np.ndarray:
+    """Which of the modes found are the body's."""
+    return np.argmin(np.abs(found.poles[None] - BODY.poles[:, None]), axis=1)
+
+
+FORCE = striker_pulse(*LAW)
+LONG = FORCE.duration
+
+
+def test_the_pulse_is_that_of_the_law():
+    assert float(contact_time(*LAW)) == pytest.approx(LONG, rel=0.01)
+    assert 0.0008 < LONG < 0.0012
+
+
+WITHIN = {"known": 0.5, "measured": 1.0, "sought": 3.0}
+"""dB; a force that is measured sample by sample is its mean over each, which lacks 0.8 dB at a quarter of the rate."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("way", ["known", "measured", "sought"])
+def test_modes_get_the_gains_that_they_have_without_the_blow(way):
+    hammer = np.histogram(FORCE.times * RATE, np.arange(200), weights=FORCE.impulses * RATE)[0]
+    given = {"known": FORCE, "measured": measured(np.r_[np.zeros(30), hammer], RATE), "sought": None}[way]
+    found = fit([struck(FORCE)], [given], 16)
+    assert found.blows[0].duration == pytest.approx(LONG, rel=0.35 if way == "sought" else 0.1)
+    moved = np.abs(FORCE.transform(BODY.poles)) > 0.03 * FORCE.impulse
+    there = nearest(found)[moved]
+    assert moved.sum() >= 3
+    assert found.frequency[there] == pytest.approx(BODY.frequency[moved], abs=0.05)
+    assert found.decay[there] == pytest.approx(BODY.decay[moved], rel=0.02)
+    ratio = np.abs(found.gains[0, there]) / GAIN[moved] / (1 if way != "sought" else FORCE.impulse)
+    assert 20 * np.log10(ratio) == pytest.approx(np.zeros(moved.sum()), abs=WITHIN[way])
+
+
+@pytest.mark.slow
+def test_gains_have_the_signs_of_the_shapes():
+    """Struck on the other side of a node, a mode turns its sign against the others."""
+    turned = GAIN * np.where(np.arange(12) % 3 == 1, -0.5, 1.0)
+    short = pulse(2e-4)
+    found = fit([struck(short), struck(short, turned)], [short, short], 16)
+    there = nearest(found)
+    apart = found.gains[1, there] / found.gains[0, there]
+    assert apart * apart[0] / abs(apart[0]) == pytest.approx(turned / GAIN * np.sign(turned[0]), abs=0.05)
+
+
+def test_strikers_are_told_apart_by_what_they_leave_out():
+    blows = [pulse(3e-4, 0.02), pulse(6e-4, 0.04), pulse(1e-3, 0.03)]
+    amplitude = [GAIN * blow.transform(BODY.poles) for blow in blows]
+    guesses = [blows[0], pulse(1e-3), pulse(1e-3)]
+    found, strength = durations(amplitude, BODY.poles, guesses)
+    assert found == pytest.approx([3e-4, 6e-4, 1e-3], rel=0.1)
+    assert strength == pytest.approx([1, 2, 1.5], rel=0.1)
+
+
+@pytest.mark.parametrize("duration", [1e-4, 2e-3, 1e-2])
+def test_a_striker_stays_as_long_as_it_was_found_to(duration):
+    made = striker_of(duration, 0.05, 2.0)
+    law = (2.0, made.mass, made.stiffness, made.dissipation, made.exponent)
+    assert float(contact_time(*law)) == pytest.approx(duration, rel=1e-9)
+    assert striker_pulse(*law).impulse == pytest.approx(made.impulse, rel=1e-6)

@@ -1,0 +1,132 @@
+"""Objects are made beside the rest: nobody else waits, and what a client sends keeps its order."""
+
+import socket
+import time
+
+import numpy as np
+import pytest
+import soundfile
+
+from carom.clients.client import Client
+from carom.server.osc import wire
+from carom.server.osc.score import read
+from carom.server.osc.wire import Message
+from tests.server.support import counted
+from tests.support import render_lines, serving
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory):
+    with serving(tmp_path_factory.mktemp("making"), "--device", "none") as server:
+        yield server
+
+
+def slow(name: str, seed: int) -> Message:
+    """A message that asks for an object that takes some 0.1 s to make: no two of these are alike."""
+    return Message("/object/new", (name, "cymbal", "radius", 0.2 + 0.0001 * seed))
+
+
+@pytest.mark.parametrize("tcp", [False, True])
+def test_others_are_answered_meanwhile(server, tcp):
+    with Client(port=server.port, tcp=tcp) as maker, server.client() as other:
+        other.new("near", "wood-block")
+        for n in range(10):
+            maker.send(*_words(slow(f"slow{n}", 20 * tcp + n)))
+        maker.send("/sync", 7)
+        answers, impacts = [], counted(other.status())["impacts"]
+        while True:
+            started = time.monotonic()
+            other.impact("near", 0.1)
+            status = other.status()
+            answers.append(time.monotonic() - started)
+            if status.args[3] >= 11:
+                break
+            time.sleep(0.002)
+        answers.sort()
+        assert len(answers) > 20 and answers[len(answers) // 2] < 0.02 and answers[len(answers) * 19 // 20] < 0.1
+        assert any(reply == Message("/synced", (7,)) for reply in maker.replies(2.0))
+        other.ask("/sync", 1)
+        time.sleep(0.1)
+        assert counted(other.status())["impacts"] == impacts + len(answers) and other.errors() == []
+        other.send("/object/*/free", 1)
+        other.ask("/sync", 2)
+        time.sleep(0.2)
+
+
+def _words(message: Message) -> tuple:
+    return message.address, *message.args
+
+
+@pytest.mark.parametrize("tcp", [False, True])
+def test_what_a_client_sends_keeps_its_order(server, tcp):
+    with Client(port=server.port, tcp=tcp) as client:
+        for n in range(3):
+            client.send(*_words(slow("a", 100 + 20 * tcp + n)))
+            client.impact("a", 1.0, id=f"strike{n}")
+            client.send("/object/a/roll", 0.5, "striker", "glass-marble", "surface", "glass", "id", "marble")
+            client.gesture("marble", "speed", 0.4)
+            client.send("/object/*/gain", -6)
+            client.send("/object/a/free", 1)
+        assert client.ask("/sync", 3) == Message("/synced", (3,))
+        assert client.errors() == []
+
+
+def test_a_script_of_messages_each_from_a_client_of_its_own(server):
+    """As of oscsend: what names an object in the making, or a gesture on it, waits for it; the rest does not."""
+    lines = [
+        slow("x", 200), Message("/object/x/roll", (0.5, "striker", "glass-marble", "id", "ball")),
+        Message("/gesture/ball/speed", (0.3,)), Message("/object/*/gain", (-3,)), Message("/object/[w-z]/pan", (0.3,)),
+        Message("/object/new", ("y", "wood-block")), Message("/object/y/impact", (0.1, "by", "x")),
+        Message("/object/x/free", (1,)), slow("x", 201), Message("/object/x/impact", (1.0,)),
+    ]  # fmt: skip
+    answers = []
+    for line in lines:
+        sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        sock.settimeout(0.05)
+        sock.sendto(wire.encode(line.address, *line.args), ("127.0.0.1", server.port))
+        answers.append(sock)
+    time.sleep(1.0)
+    replies = []
+    for sock in answers:
+        try:
+            while True:
+                replies += [each for bundle in wire.parse(sock.recv(65_536)) for each in bundle.messages]
+        except TimeoutError:
+            sock.close()
+    assert [reply for reply in replies if reply.address not in ("/done", "/gesture/end", "/warning")] == []
+    assert sum(reply.address == "/done" for reply in replies) == 3
+
+
+def test_what_is_wrong_with_an_object_is_told(server):
+    with server.client() as client:
+        client.send("/object/new", "b", "cymbal", "radius", -1.0)
+        client.send("/object/new", "b", "cymbals")
+        client.send("/object/new", "b/c", "cymbal", "radius", 0.19)
+        client.send("/object/new")
+        client.ask("/sync", 4)
+        reasons = [str(error) for error in client.errors()]
+    assert [reason.split(":")[1].split()[0] for reason in reasons] == ["radius", "no", "name", "name"]
+
+
+def test_an_object_in_the_making_does_not_hold_up_the_end(tmp_path):
+    """Nor does it spoil the log."""
+    with serving(tmp_path, "--device", "none", "--record", "out.wav", "--log", "log.txt") as server:
+        with server.client() as client, server.client() as other:
+            other.new("a", "wood-block")
+            client.ask(*_words(slow("first", 299)), timeout=30.0)  # scipy is loaded
+            for n in range(30):
+                client.send(*_words(slow(f"s{n}", 300 + n)))
+                client.impact(f"s{n}", 1.0)
+                other.impact("a", 1.0)
+                time.sleep(0.02)
+            for n in range(100):
+                client.send(*_words(slow(f"t{n}", 400 + n)))
+            started = time.monotonic()
+            other.ask("/quit")
+        assert server.process.wait(5) == 0 and time.monotonic() - started < 2.0
+    recorded, rate = soundfile.read(tmp_path / "out.wav", dtype="float32")
+    lines = read(tmp_path / "log.txt")
+    assert 1 < sum(line.message.address == "/object/new" for line in lines) < 132
+    np.testing.assert_array_equal(render_lines(lines, seconds=len(recorded) / rate), recorded)
