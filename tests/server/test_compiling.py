@@ -8,7 +8,7 @@ import pytest
 from carom import Client
 from carom.server import compiling
 from carom.server.options import Options
-from carom.server.server import serving
+from carom.server.start import serving
 
 pytestmark = pytest.mark.slow
 
@@ -28,7 +28,7 @@ def server(monkeypatch):
         opened.set()
         return wait(network)
 
-    monkeypatch.setattr("carom.server.server.wait_for_code", waits)
+    monkeypatch.setattr("carom.server.start.wait_for_code", waits)
 
     def run() -> None:
         with serving(Options(port=0, device="none")) as made:

@@ -1,6 +1,7 @@
 """Objects are made beside the rest: nobody else waits, and what a client sends keeps its order."""
 
 import socket
+import struct
 import time
 
 import numpy as np
@@ -108,6 +109,28 @@ def test_what_is_wrong_with_an_object_is_told(server):
         client.ask("/sync", 4)
         reasons = [str(error) for error in client.errors()]
     assert [reason.split(":")[1].split()[0] for reason in reasons] == ["radius", "no", "name", "name"]
+
+
+def test_a_copy_for_a_note_is_of_its_own_object_however_many_a_packet_makes(server):
+    """Each bundle of a packet makes an object, or plays a note on the first one."""
+    bundles = [[Message("/object/new", ("bar", "marimba-bar"))]]
+    for n in range(20):
+        bundles.append([Message("/object/new", (f"wood{n}.{i}", "wood-block")) for i in range(5)])
+        bundles.append([Message("/object/bar/note", (60 + n, 64))])
+    parts = [wire.encode_bundle(1, messages) for messages in bundles]
+    packet = b"#bundle\0" + struct.pack(">Q", 1) + b"".join(struct.pack(">i", len(part)) + part for part in parts)
+    with server.client() as client, socket.create_connection(("127.0.0.1", server.port)) as sock:
+        sock.sendall(struct.pack(">i", len(packet)) + packet)
+        for _ in range(100):
+            pairs = [each for reply in client.ask_all("/objects") for each in reply.args[2:]]
+            presets = dict(zip(pairs[::2], pairs[1::2], strict=True))
+            if "bar.79" in presets:
+                break
+            time.sleep(0.05)
+        assert {presets[f"bar.{60 + n}"] for n in range(20)} == {"marimba-bar"}
+        client.send("/object/*/free", 1)
+        client.ask("/sync", 5)
+        time.sleep(0.2)
 
 
 def test_an_object_in_the_making_does_not_hold_up_the_end(tmp_path):

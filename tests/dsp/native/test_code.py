@@ -197,7 +197,7 @@ SERVES = """
 import sys, threading, time
 import carom
 from carom.server.options import Options
-from carom.server.server import serving
+from carom.server.start import serving
 with serving(Options(port=0, device="none")) as server:
     thread = threading.Thread(target=server.run)
     thread.start()

@@ -9,6 +9,7 @@ import time
 import pytest
 
 from carom.server.net.network import MOST_CONNECTIONS, Network
+from carom.server.net.remote import Remote
 from carom.server.net.tcp import Connection
 from carom.server.osc import wire
 from carom.server.osc.framing import Sized, Slip
@@ -246,3 +247,31 @@ def test_a_datagram_that_is_dropped_late_is_counted_and_told(net, stack):
     source = net.receive(1.0)[1]
     net.drop(source)
     assert net.counts["dropped"] == 1 and net.dropped() == (1, source) and net.dropped() is None
+
+
+def test_a_web_sockets_client_that_is_paused_waits_leaves_after_that_and_loses_nothing(net):
+    page, other = Remote(lambda packet: True), Remote(lambda packet: True)
+    for _ in range(3):
+        net.doorway.hand_in(page, A)
+    assert net.receive(1.0) == (A, page)
+    net.pause(page)
+    net.doorway.hand_in(page, A)
+    net.doorway.hand_in(page, None)
+    net.doorway.hand_in(other, A)
+    assert [source for _, source in taken(net)] == [other] and net.reaches(page)
+    net.drop(page)
+    assert net.counts["dropped"] == 0, "a stream's packets are no datagrams"
+    net.resume(page)
+    assert [source for _, source in taken(net)] == [page] * 3
+    assert net.left == [page] and not net.reaches(page)
+
+
+def test_a_packet_that_is_taken_while_it_is_handed_in_is_taken_once(net):
+    """The doorway's thread may be interrupted between a packet and the word that there is one."""
+    page = Remote(lambda packet: True)
+    net.doorway.hand_in(page, A)
+    page.arrived.append(A)
+    assert taken(net) == [(A, page)] * 2
+    net.doorway._fresh.append(page)
+    net.doorway._bell.send(b"\0")
+    assert net.receive(0.05) is None
