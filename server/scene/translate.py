@@ -10,9 +10,11 @@ from dataclasses import replace
 from itertools import islice
 
 from ...dsp.engine.commands import Command, Kind
+from ...dsp.numerics.constants import STANDARD_GRAVITY
 from ...dsp.runtime.engine import NOW
-from ...dsp.schema import BOUNCE, GAIN, GESTURES, ROLL, SETTINGS, SPIN, STEERABLE, STRIKE, Gesture
+from ...dsp.schema import BOUNCE, GAIN, GESTURES, ROLL, SETTINGS, SLIDE, SPIN, STEERABLE, STRIKE, Gesture
 from ...dsp.wording import suggestion
+from ...presets.kinds import DRY, SurfacePreset
 from ..osc.addresses import Call, unknown
 from ..osc.arguments import GestureEnded, Refused, Values
 from ..osc.wire import Message
@@ -140,12 +142,7 @@ def _roll(to: ObjectCall) -> None:
     by = to.striking_object()
     id = to.id(lambda name: name)
     goes_on = to.transaction.gestures.is_running(id, to.address)
-    if "restitution" in values.numbers:
-        raise Refused(
-            f"restitution = {values.numbers['restitution']:g}: a body that rolls has none; expected dissipation"
-        )
-    rubbing = {"dissipation": surface.dissipation, "restitution": 0.0}
-    law = _law(to, by, rubbing, LAW[1:] if goes_on else LAW)
+    law = _law_on(to, by, surface, goes_on, "rolls")
     speed, roughness = values.numbers["speed"], values.number("roughness")
     own_radius = to.contact_radius if to.by_materials else to.transaction.laws.radius_of(to.striker)
     radius = values.numbers.get("radius", own_radius)
@@ -160,6 +157,35 @@ def _roll(to: ObjectCall) -> None:
     given = [name for name in ROLL.steerable if name in values.numbers]
     command = Command(NOW, Kind.ROLL, gesture=number, values=motion, given=given, surface=surface.profile)
     _strike(to, by, law, command)
+
+
+def _slide(to: ObjectCall) -> None:
+    values, laws = to.values, to.transaction.laws
+    surface = laws.surface(values.words.get("surface", _SURFACE))
+    by = to.striking_object()
+    id = to.id(lambda name: name)
+    goes_on = to.transaction.gestures.is_running(id, to.address)
+    law = _law_on(to, by, surface, goes_on, "slides")
+    own = {**DRY, "radius": to.contact_radius} if to.by_materials else dict(laws.sliding_of(to.striker))
+    own["force"] = law.mass * STANDARD_GRAVITY
+    motion = {**_own_values(to, SLIDE), **{key: values.numbers.get(key, value) for key, value in own.items()}}
+    if motion["dynamic"] > motion["static"]:
+        raise Refused(f"dynamic = {motion['dynamic']:g}: expected at most static = {motion['static']:g}")
+    if not goes_on:
+        require_rollable(motion["radius"], surface, values.number("roughness"))
+    motion |= {"speed": values.numbers["speed"], "seed": to.seed(number := to.start(id))}
+    given = [name for name in SLIDE.steerable if name in values.numbers]
+    command = Command(NOW, Kind.SLIDE, gesture=number, values=motion, given=given, surface=surface.profile)
+    _strike(to, by, law, command)
+
+
+def _law_on(to: ObjectCall, by: PlayedObject | None, surface: SurfacePreset, goes_on: bool, does: str) -> Contact:
+    """The contact law of a body that rolls or slides on a surface."""
+    restitution = to.values.numbers.get("restitution")
+    if restitution is not None:
+        raise Refused(f"restitution = {restitution:g}: a body that {does} has none; expected dissipation")
+    lossy = {"dissipation": surface.dissipation, "restitution": 0.0}
+    return _law(to, by, lossy, LAW[1:] if goes_on else LAW)
 
 
 def _own_values(to: ObjectCall, gesture: Gesture) -> dict[str, float]:
@@ -297,6 +323,7 @@ HANDLERS: dict[str, Handler] = {
     "/object/NAME/roll": _on_objects(_roll),
     "/object/NAME/press": _on_objects(_press),
     "/object/NAME/spin": _on_objects(_spin),
+    "/object/NAME/slide": _on_objects(_slide),
     **dict.fromkeys((f"/object/NAME/{setting}" for setting in SETTINGS), _on_objects(_set)),
     "/object/NAME/gains": _on_objects(_gains),
     "/object/NAME/free": _on_objects(_free),
