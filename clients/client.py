@@ -2,7 +2,7 @@
 
 import time
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from types import TracebackType
 from typing import SupportsFloat
@@ -48,6 +48,10 @@ class Client(Actions):
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+    def tell_compiling(self, tell: Callable[[float, float], object]) -> None:
+        """Have `tell` called while the server compiles its engine: with the share that is done, and seconds left."""
+        self._connection.on_compiling = tell
 
     def close(self) -> None:
         """Close the connection."""
@@ -167,7 +171,10 @@ class Client(Actions):
         return [str(reply.args[0]) for reply in self._taken("/warning")]
 
     def replies(self, seconds: float) -> Iterator[wire.Message]:
-        """All messages from the server, as they come, for some seconds; what is read here is not kept."""
+        """All messages from the server, as they come, for some seconds; what is read here is not kept.
+
+        A server that compiles its engine first says so every second; the time counts from there.
+        """
         return self._connection.messages(seconds)
 
     def status(self) -> wire.Message:

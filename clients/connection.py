@@ -4,7 +4,7 @@ import select
 import socket
 import time
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from ..server.osc import wire
@@ -18,6 +18,8 @@ class Connection:
 
     def __init__(self, host: str, port: int, tcp: bool) -> None:
         self.server = f"{host}:{port}"
+        self.on_compiling: Callable[[float, float], object] = lambda share, seconds: None
+        """What is told of a server that compiles its engine: the share that is done, the seconds that are left."""
         self._stream = Sized() if tcp else None
         self._inbox: deque[wire.Message] = deque()  # read from the socket, but not asked for yet
         if tcp:
@@ -50,7 +52,12 @@ class Connection:
         deadline = time.monotonic() + seconds
         while self._inbox or self._receive(max(0.0, deadline - time.monotonic())):
             while self._inbox:
-                yield self._inbox.popleft()
+                message = self._inbox.popleft()
+                if message.address == "/compiling":
+                    deadline = time.monotonic() + seconds
+                    self.on_compiling(*map(float, message.args[:2]))
+                else:
+                    yield message
 
     def _receive(self, seconds: float) -> bool:
         """Read the socket once; returns false if nothing arrives within some seconds."""

@@ -4,6 +4,7 @@ import gc
 import sys
 import time
 import traceback
+from collections import deque
 from collections.abc import Callable, Collection, Iterator
 from contextlib import ExitStack, closing, contextmanager, suppress
 from functools import partial
@@ -15,6 +16,7 @@ from ..dsp.runtime.arena import EngineFull
 from ..dsp.runtime.engine import NOW, Engine
 from ..presets import Presets
 from .audio.supervisor import Player
+from .compiling import wait_for_code
 from .files.log import Log
 from .files.recorder import Recorder
 from .governor import Governor
@@ -83,6 +85,8 @@ class Server:
         self._maker = Maker(presets, engine.top_frequency, lambda: self._waiting.look())
         self._waiting = Waiting(network, self._maker)
         self.query: OscQuery | None = None
+        self.early: deque[tuple[bytes, Source]] = deque()
+        """Packets that came before there was an engine; `run` carries them out first."""
 
     def stop(self) -> None:
         self._running = False
@@ -112,6 +116,8 @@ class Server:
 
     def run(self) -> None:
         """Serve until told to stop."""
+        while self.early:
+            self._receive(*self.early.popleft())
         due = 0.0
         while self._running:
             self._hear()
@@ -304,6 +310,7 @@ def serving(options: Options) -> Iterator[Server]:
         with _named(options.bind, options.port):
             network = stack.enter_context(closing(Network(options.bind, options.port)))
         presets = Presets(options.presets)
+        early = wait_for_code(network)
         engine = options.engine()
         recorder = Recorder(engine, options.record) if options.record else None
         if recorder:
@@ -319,6 +326,7 @@ def serving(options: Options) -> Iterator[Server]:
         # So long does the thread that makes objects keep the others from Python's lock.
         stack.callback(sys.setswitchinterval, sys.getswitchinterval())
         sys.setswitchinterval(_SWITCH)
+        server.early.extend(early)
         if options.contact:
             server.choose_contact(options.contact)
         server.start_files()  # not before all else is well: older ones would be lost

@@ -2,6 +2,7 @@
 
 import argparse
 import signal
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -62,7 +63,13 @@ def add_server(parser: argparse.ArgumentParser) -> None:
 
 def client(arguments: argparse.Namespace) -> Client:
     """A client of the server that the options name."""
-    return Client(arguments.host, arguments.port, arguments.tcp)
+    found = Client(arguments.host, arguments.port, arguments.tcp)
+    found.tell_compiling(_show_compiling)
+    return found
+
+
+def _show_compiling(share: float, seconds: float) -> None:
+    print(f"the server compiles its engine: {share:.0%}, about {seconds:.0f} s left", file=sys.stderr, flush=True)
 
 
 def _port(word: str) -> int:

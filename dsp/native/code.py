@@ -18,6 +18,7 @@ import logging
 import os
 import shutil
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
@@ -212,16 +213,18 @@ def _functions_of(module: str) -> list[CFunction]:
 
 def compiled(module: str) -> Code:
     """The code of a module's C functions, compiled now, and kept in the cache where that can be written."""
+    global _notice
     from .compile_notice import CompileNotice  # it imports numba
     from .compiler import written
 
     collecting = gc.isenabled()
     gc.disable()  # a compiler keeps most of the millions of objects that it makes: looking through them takes a while
     try:
-        with CompileNotice(PASSES.get(module, 0)):
+        with CompileNotice(PASSES.get(module, 0)) as _notice:
             source = written(_functions_of(module))
             made = _emitted(source.as_bitcode(), processors()[0])
     finally:
+        _notice = None
         if collecting:
             gc.enable()
     needs = [each.name for each in source.functions if each.is_declaration and not each.name.startswith("llvm.")]
@@ -231,6 +234,14 @@ def compiled(module: str) -> Code:
     except OSError as error:
         _say_that_it_is_not_kept(str(error))
     return _linked(module, folder.name, made, processors()[0], "compiled")
+
+
+def progress() -> tuple[float, float]:
+    """How far the code is that is being compiled now, as a share and as seconds left, estimated; 1 and 0 if none is."""
+    return _notice.progress(time.monotonic()) if _notice else (1.0, 0.0)
+
+
+_notice: Any = None
 
 
 def _emitted(source: bytes, kind: str) -> bytes:

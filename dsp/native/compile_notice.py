@@ -66,6 +66,13 @@ class CompileNotice(event.Listener):
         optimising = (self._last - self._begun) * (1.0 - _TRANSLATION) / _TRANSLATION
         return _TRANSLATION + (1.0 - _TRANSLATION) * min(0.99, idle / optimising)
 
+    def progress(self, now: float) -> tuple[float, float]:
+        """The share of the work that is done, and the seconds that are left, estimated."""
+        if not self._passes or self._thread is None:
+            return 0.0, 0.0
+        share = self.share(now)
+        return share, (now - self._begun) * (1.0 / max(share, 1e-3) - 1.0)
+
     def _watch(self) -> None:
         if self._done.wait(_LONG):
             return
@@ -80,9 +87,7 @@ class CompileNotice(event.Listener):
         terminal.flush()
 
     def _show(self, terminal: TextIO) -> None:
-        now = time.monotonic()
-        share = self.share(now)
-        left = (now - self._begun) * (1.0 / share - 1.0)
+        share, left = self.progress(time.monotonic())
         text = f"compiling the engine, the first time only: {share:4.0%}, about {max(1.0, left):.0f} s left"
         terminal.write(f"\r{text:{_WIDTH}}")
         terminal.flush()

@@ -1,0 +1,60 @@
+"""While the engine is being compiled: clients hear how far it is, and what they send waits for the engine."""
+
+import threading
+import time
+from typing import Any
+
+from ..dsp.native.code import progress
+from ..dsp.runtime.engine import prepare
+from .net.network import Network, Source
+from .osc.wire import Message
+
+_AT_ONCE = 0.3  # s in which code that need not be compiled is loaded
+_LOOK = 0.1  # s between looks whether it is done
+_PERIOD = 1.0  # s between two words to a client
+_MOST = 10_000  # packets that wait
+
+
+def wait_for_code(network: Network) -> list[tuple[bytes, Source]]:
+    """Have the engine's code ready; the packets that arrived meanwhile, to be carried out now.
+
+    Whoever sends one is told `/compiling SHARE SECONDS` at once, and every second until the code is there. The newest
+    packets are dropped where more than 10,000 wait.
+    """
+    failed: list[BaseException] = []
+    thread = threading.Thread(target=_prepare, args=(failed,), name="carom-compiling-engine", daemon=True)
+    thread.start()
+    thread.join(_AT_ONCE)
+    arrived: list[tuple[bytes, Source]] = []
+    told: dict[Any, float] = {}
+    while thread.is_alive():
+        packet = network.receive(_LOOK)
+        if packet:
+            told.setdefault(packet[1], 0.0)
+            if len(arrived) < _MOST:
+                arrived.append(packet)
+            else:
+                network.drop(packet[1])
+        _tell(network, told)
+    if failed:
+        raise failed[0]
+    return arrived
+
+
+def _prepare(failed: list[BaseException]) -> None:
+    try:
+        prepare()
+    except BaseException as error:  # it is raised in the thread that waits
+        failed.append(error)
+
+
+def _tell(network: Network, told: dict[Any, float]) -> None:
+    """Tell clients how far it is, each once in a while; `told` holds the times."""
+    now = time.monotonic()
+    for source, last in list(told.items()):
+        if now - last >= _PERIOD or last == 0.0:
+            try:
+                network.send(Message("/compiling", progress()), source)
+                told[source] = now
+            except OSError:  # it can't be reached
+                told[source] = float("inf")
