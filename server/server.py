@@ -85,8 +85,7 @@ class Server:
         self._maker = Maker(presets, engine.top_frequency, lambda: self._waiting.look())
         self._waiting = Waiting(network, self._maker)
         self.query: OscQuery | None = None
-        self.early: deque[tuple[bytes, Source]] = deque()
-        """Packets that came before there was an engine; `run` carries them out first."""
+        self.early: deque[tuple[bytes, Source]] = deque()  # packets that came before there was an engine
 
     def stop(self) -> None:
         self._running = False
@@ -339,11 +338,11 @@ def serving(options: Options) -> Iterator[Server]:
 
 
 def _warm_up(engine: Engine) -> None:
-    """Do the slow first calls now, which would hold up the first client by some 70 ms each."""
-    engine.send([])  # compiles the store-release of commands
-    engine.stamp(clock_ns())  # and the clock
-    gc.freeze()  # objects that stay for good need no look for garbage,
-    gc.collect()  # nor do they count when Python decides whether to look
+    """Load what the first client would wait for, and have objects that stay for good not looked at for garbage."""
+    engine.send([])
+    engine.stamp(clock_ns())
+    gc.freeze()
+    gc.collect()
 
 
 @contextmanager
