@@ -90,6 +90,18 @@ class Actions(ABC):
         """Let a coin, a lid or a ring spin down on an object; it lies still after a duration (s)."""
         self._send_keyed(f"/object/{name}/spin", duration, position, at, keys)
 
+    def slide(
+        self,
+        name: str,
+        speed: SupportsFloat,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Value,
+    ) -> None:
+        """Drag a striker over an object at a speed (m/s): scrape, rub or bow it, or steer the slide of that `id` (else
+        NAME's); 0 ends it."""
+        self._send_keyed(f"/object/{name}/slide", speed, position, at, keys)
+
     def damp(self, name: str, amount: SupportsFloat, at: SupportsFloat | None = None) -> None:
         """Lay a hand on an object: 0 none, 1 the firmest."""
         self.send(f"/object/{name}/damp", amount, at=at)

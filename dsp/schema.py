@@ -128,6 +128,13 @@ IRREGULARITY = Parameter(
 SEED = Parameter(
     "seed", 0, 2**31 - 1, "", "of its random numbers; another one for each gesture if none is given", whole=True
 )
+ROUGHNESS = Parameter(
+    "roughness", 0.0, 100.0, "times", "the surface's own", default=1.0, useful=(0.0, 10.0), steerable=True
+)
+TRAVEL = Parameter(
+    "travel", 0.0, 1e3, "m", "length of the strike path, along which it goes to and fro; 0: it stays", default=0.0,
+    useful=(0.0, 2.0),
+)  # fmt: skip
 
 IMPACT = Gesture("impact", "strikes it once; with `by`, another object strikes it, and rings too", VELOCITY)
 BOUNCE = Gesture(
@@ -147,9 +154,7 @@ ROLL = Gesture(
     (
         dataclasses.replace(MASS, steerable=True, glide=0.02),
         RADIUS,
-        Parameter(
-            "roughness", 0.0, 100.0, "times", "the surface's own", default=1.0, useful=(0.0, 10.0), steerable=True,
-        ),
+        ROUGHNESS,
         Parameter(
             "asymmetry", 0.0, 1.0, "", "how far the centre of mass is from the middle, as a share of the radius",
             default=0.0, steerable=True,
@@ -161,10 +166,7 @@ ROLL = Gesture(
         GRAVITY,
         SEED,
         Parameter("corners", 0, 100, "", "of the body; 0: it is round", default=0.0, whole=True),
-        Parameter(
-            "travel", 0.0, 1e3, "m", "length of the strike path, which it rolls to and fro; 0: it stays",
-            default=0.0, useful=(0.0, 2.0),
-        ),
+        TRAVEL,
     ),
 )  # fmt: skip
 PRESS = Gesture(
@@ -194,7 +196,30 @@ SPIN = Gesture(
         SEED,
     ),
 )  # fmt: skip
-GESTURES = {gesture.name: gesture for gesture in (IMPACT, BOUNCE, ROLL, PRESS, SPIN)}
+SLIDE = Gesture(
+    "slide", "drags the striker over it until 0, or steers the slide of that id (NAME if none): a scrape, a rub, a bow",
+    dataclasses.replace(SPEED, help="at which the striker slips over the surface; 0 stops it"),
+    (
+        dataclasses.replace(FORCE, help="that presses it on; its weight if not given"),
+        Parameter(
+            "sweep", -1.0, 100.0, "m/s", "at which the contact moves over the object: 0 for a bow, whose contact "
+            "stays; -1: the slip's", useful=(0.0, 5.0), steerable=True, glide=0.02,
+        ),
+        Parameter("radius", 1e-4, 10.0, "m", "of the tip", useful=(1e-4, 0.05), steerable=True),
+        Parameter("patch", 0.0, 1.0, "m", "width of the contact", useful=(0.0, 0.02), steerable=True),
+        ROUGHNESS,
+        Parameter("static", 0.0, 10.0, "", "friction where they stick", useful=(0.0, 1.5), steerable=True),
+        Parameter("dynamic", 0.0, 10.0, "", "friction of a fast slip", useful=(0.0, 1.0), steerable=True),
+        Parameter("stribeck", 1e-6, 100.0, "m/s", "slip halfway between them", useful=(0.001, 1.0), steerable=True),
+        Parameter(
+            "along", 0.0, 1.0, "", "by how much of their shapes modes move along the slip: 1 for what is bowed, "
+            "0: no friction is heard, only the roughness", steerable=True,
+        ),
+        SEED,
+        TRAVEL,
+    ),
+)  # fmt: skip
+GESTURES = {gesture.name: gesture for gesture in (IMPACT, BOUNCE, ROLL, PRESS, SPIN, SLIDE)}
 
 STEERABLE = tuple(dict.fromkeys(name for gesture in GESTURES.values() for name in gesture.steerable))
 """Names of all parameters that a gesture can take anew while it runs; their places are their numbers."""
@@ -295,7 +320,7 @@ class Stats:
     callbacks: int = _counter("callbacks")
     synced: int = _counter("the number of the last sync that was carried out")
     contacts_active: int = _counter("contacts that go on or wait")
-    rolls_active: int = _counter("bodies that roll")
+    rolls_active: int = _counter("bodies that roll or slide")
     coupled_modes: int = _counter("modes that are coupled to contacts")
     live_modes: int = _counter("modes that ring")
     sounding: int = _counter("objects that sound")

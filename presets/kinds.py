@@ -26,6 +26,7 @@ from .schema import (
     OBJECT,
     SECTIONS,
     SHAPES,
+    SLIDE,
     SOUNDS,
     STRIKE,
     STRIKER,
@@ -41,6 +42,9 @@ from .values import Many, Row, shown
 
 STAND_IN = "steel"
 """The material of an object that has none, where it strikes another one or is struck by it."""
+
+DRY = {"static": 0.4, "dynamic": 0.3, "stribeck": 0.1, "along": 0.0, "patch": 0.0, "sweep": -1.0, "radius": 0.01}
+"""How a striker slides whose preset does not say it: hard and dry, and it is only scraped."""
 
 STEREO_WIDTH = 0.5
 """Of an object's image, unless its preset says it: 0 is a point, 1 from the left output to the right one."""
@@ -71,14 +75,15 @@ class StrikerPreset:
     radius: float | None = None
     sound: StrikerSound | None = None
     """Its own sound."""
+    slide: Mapping[str, float] = field(default_factory=dict)
+    """How it slides, where a slide does not say it: values of its keys."""
 
     @classmethod
     def from_data(cls, name: str, where: str, data: Mapping[str, object], library: Library) -> StrikerPreset:
         """A striker from its file's data. `where` begins the text of a PresetError."""
         required = (*DESCRIPTION, *(BALL if "material" in data or "radius" in data else LAW))
-        fields = {
-            key: domain for key, domain in STRIKER.items() if key in (*required, *LICENCE, *LOST, "mass", *SOUNDS)
-        }
+        taken = (*required, *LICENCE, *LOST, "mass", *SOUNDS, "slide")
+        fields = {key: domain for key, domain in STRIKER.items() if key in taken}
         values = check(where, data, fields, required)
         values.pop("licence", None)
         if len(values.keys() & set(LOST)) != 1:
@@ -87,8 +92,14 @@ class StrikerPreset:
             material = values["material"] = _material(values["material"], where, library)
             values.setdefault("mass", material.density * 4 / 3 * math.pi * values["radius"] ** 3)
         sections = {key: values.pop(key) for key in SOUNDS if key in values}
+        values["slide"] = check(f"{where}[slide] ", values.pop("slide", {}), SLIDE, ())
         ball = None if "mass" in data else values.get("radius")
         return cls(name, **values, sound=sound_of(where, sections, values["mass"], ball))
+
+    @property
+    def sliding(self) -> dict[str, float]:
+        """How it slides: values of a slide's keys."""
+        return {**DRY, **({"radius": self.radius} if self.radius else {}), **self.slide}
 
     def contact(self, material: Material | None) -> tuple[float, float, float, float]:
         """Mass (kg), stiffness (N/m^a), dissipation (s/m; 0 where there is a restitution) and exponent a against an
@@ -105,7 +116,7 @@ class StrikerPreset:
 
 @dataclass(frozen=True)
 class SurfacePreset:
-    """A surface that bodies roll on.
+    """A surface that bodies roll and slide on.
 
     It has an rms roughness (m), a correlation length (m), the slope of its power spectrum above that, the dissipation
     (s/m) of the contact of a rolling body, and the amplitude (m) and wavelength (m) of a corrugation.

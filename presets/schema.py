@@ -72,6 +72,8 @@ LOST = ("dissipation", "restitution")
 """The keys that give a striker's losses; a file has one of them."""
 SOUNDS = ("click", "ringing", "snap")
 """Sections that say how a striker sounds itself."""
+SLIDING = ("static", "dynamic", "stribeck", "along", "patch", "radius", "sweep")
+"""Keys of a striker's section [slide]: how it slides, where a slide does not say it."""
 
 DESCRIPTION: Fields = {"description": Text(), "source": Text()}
 LICENCE: Fields = {"licence": Text()}
@@ -82,7 +84,12 @@ STRIKER: Fields = {
     **LAW_FIELDS,
     "material": Name(),
     **dict.fromkeys(SOUNDS, Section()),
+    "slide": Section(),
 }
+SLIDE: Fields = {
+    each.name: Quantity(each.low, each.high, each.unit) for each in schema.SLIDE.keys if each.name in SLIDING
+}
+"""A striker's friction, the width of its contact and the radius of its tip, and whether its contact moves."""
 CLICK: Fields = {
     "shape": Choice(("sphere", "disc")),
     "radius": LAW_FIELDS["radius"],

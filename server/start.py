@@ -93,11 +93,11 @@ def _start_web(options: Options, server: Server, tap: Tap | None, stack: ExitSta
 
 
 def _warm_up(engine: Engine) -> None:
-    """Do the slow first calls now, which would hold up the first client by some 70 ms each."""
-    engine.send([])  # compiles the store-release of commands
-    engine.stamp(clock_ns())  # and the clock
-    gc.freeze()  # objects that stay for good need no look for garbage,
-    gc.collect()  # nor do they count when Python decides whether to look
+    """Load what the first client would wait for, and have objects that stay for good not looked at for garbage."""
+    engine.send([])
+    engine.stamp(clock_ns())
+    gc.freeze()
+    gc.collect()
 
 
 @contextmanager

@@ -19,6 +19,7 @@ figure { margin: 2rem 0; }
 img { max-width: 100%; height: auto; background: white; }
 """.strip()
 
+_TABLES = ("errors.csv", "failures.csv", "rebounds.csv", "coupled.csv", "schelleng.csv", "guettler.csv")
 _CAPTIONS = {
     "error-cost": "Error of the release velocity and of the force's spectrum against cost",
     "deviation-cost": "Deviation from the analytic curves against cost",
@@ -30,6 +31,8 @@ _CAPTIONS = {
     "failures-corrections": "Failures of every method with every correction",
     "accuracy": "Error of the release velocity by duration and damping",
     "coupled": "Contacts with objects that yield",
+    "schelleng": "Where bowing a string is periodic, by the bow's position and force",
+    "guettler": "How soon a string sings, by the bow's acceleration and force",
 }
 """The captions of figures that are not the paper's, which are called by their numbers there."""
 
@@ -54,7 +57,7 @@ def write(folder: Path, tables: Sequence[Table], figures: Sequence[str], extent:
 
 
 def _page(tables: Sequence[Table], figures: Sequence[str], made: str) -> str:
-    data = [f'<a href="{name}">{name}</a>' for name in ("errors.csv", "failures.csv", "rebounds.csv", "coupled.csv")]
+    data = [f'<a href="{name}">{name}</a>' for name in _TABLES]
     parts = [
         "<!DOCTYPE html>",
         '<html lang="en"><head><meta charset="utf-8">',

@@ -27,6 +27,7 @@ FULL = Extent(
     contacts=200,
     coupled_oversamplings=tuple(2**n for n in range(7)),
     coupled_repeats=5,
+    bowed_every=1,
 )
 QUICK = Extent(
     oversamplings=(1, 4, 16, 64),
@@ -38,6 +39,7 @@ QUICK = Extent(
     contacts=30,
     coupled_oversamplings=(1, 8, 64),
     coupled_repeats=3,
+    bowed_every=6,
 )
 
 
@@ -48,12 +50,10 @@ def chart(folder: Path, extent: Extent) -> Iterator[tuple[str, float]]:
     step if matplotlib is missing or the folder cannot be written to.
     """
     try:
-        from . import coupled, failures, paper, rigid, style
+        from . import bowing, coupled, failures, paper, rigid, style
     except ImportError as error:
         raise ChartError("chart needs matplotlib: pip install matplotlib") from error
-    folder.mkdir(parents=True, exist_ok=True)
-    if not os.access(folder, os.W_OK):
-        raise ChartError(f"{folder}: cannot be written to")
+    _make(folder)
 
     rows: list[Row] = []
     laws = list(tables.cases(extent))
@@ -78,10 +78,13 @@ def chart(folder: Path, extent: Extent) -> Iterator[tuple[str, float]]:
     rebounds = tables.rebound_rows(sequences)
     tables.write(folder / "rebounds.csv", rebounds)
 
+    yield "a bowed string", 0.82
+    bowed = _bow(folder, extent)
     drawings = {
         **rigid.drawings(rows, sequences),
         **failures.drawings(found),
         **paper.drawings(sequences),
+        **bowing.drawings(*bowed),
         "coupled": lambda: coupled.coupled(coupled_rows),
     }
     for i, (name, draw) in enumerate(drawings.items()):
@@ -90,3 +93,17 @@ def chart(folder: Path, extent: Extent) -> Iterator[tuple[str, float]]:
     made = report.tables(rows, counted, rebounds, coupled_rows)
     pages.write(folder, made, list(drawings), "The whole study" if extent == FULL else "A coarse study")
     yield "done", 1.0
+
+
+def _make(folder: Path) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    if not os.access(folder, os.W_OK):
+        raise ChartError(f"{folder}: cannot be written to")
+
+
+def _bow(folder: Path, extent: Extent) -> tuple[list[Row], list[Row]]:
+    """The rows of a bowed string, written to their tables."""
+    steady, started = tables.bowing_rows(extent)
+    tables.write(folder / "schelleng.csv", steady)
+    tables.write(folder / "guettler.csv", started)
+    return steady, started

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...dsp import contact
 from ...dsp.contact import contact_time
 from ...dsp.contact.sampled import CORRECTIONS, METHODS
-from ...dsp.study import comparison, cost, reference, spectrum, wall
+from ...dsp.study import bowing, comparison, cost, reference, spectrum, wall
 from ...dsp.study.wall import PAPER_CASES, PAPER_RATE, Law, Outcome
 
 Row = dict[str, Any]
@@ -46,6 +46,7 @@ class Extent:
     contacts: int  # with objects that give way, per band
     coupled_oversamplings: tuple[int, ...]  # of the sampled methods on those contacts
     coupled_repeats: int  # of a measurement of cost on those contacts
+    bowed_every: int  # of the positions, accelerations and forces of a bow
 
 
 @dataclass(frozen=True)
@@ -57,6 +58,14 @@ class Failures:
     samples: NDArray[np.float64]  # durations
     outcomes: dict[tuple[str, str], NDArray[np.int64]]  # by method and correction
     errors: dict[tuple[str, str], NDArray[np.float64]]  # of v_out, %
+
+
+def bowing_rows(extent: Extent) -> tuple[list[Row], list[Row]]:
+    """Where a bowed string slips once a period: by position and force, and by acceleration and force."""
+    step, rate = extent.bowed_every, 48_000.0
+    forces = bowing.FORCES[::step]
+    steady = list(bowing.schelleng(rate, bowing.BETAS[::step], forces))
+    return steady, list(bowing.guettler(rate, 0.1, bowing.ACCELERATIONS[::step], forces))
 
 
 def pick(rows: Iterable[Row], **wanted: Any) -> list[Row]:

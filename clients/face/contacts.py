@@ -22,7 +22,7 @@ class Contact:
     """A contact as it was played.
 
     object: the name of the object touched; striker: that of the object that touched it (its key `by`), else empty;
-    id: the gesture's `id`, else empty; gesture: impact, bounce, roll, press or spin.
+    id: the gesture's `id`, else empty; gesture: impact, bounce, roll, press, spin or slide.
     start: s on the scene's clock, between samples as it falls; duration: s until the last force ends; both as far as
     this sound goes: a contact that outlasts it goes on in the next one. Both are exact in closed form; a contact that
     is coupled to the modes ends with a frame.

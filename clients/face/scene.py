@@ -205,6 +205,17 @@ class Object:
         """Let a coin, a lid or a ring spin down on it; it lies still after a duration (s)."""
         self.scene.spin(self.name, duration, position, at, **keys)
 
+    def slide(
+        self,
+        speed: SupportsFloat,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Value,
+    ) -> None:
+        """Drag a striker over it at a speed (m/s): scrape, rub or bow it, or steer the slide of that `id` (None: its
+        own); 0 ends it."""
+        self.scene.slide(self.name, speed, position, at, **keys)
+
     def damp(self, amount: SupportsFloat, at: SupportsFloat | None = None) -> None:
         """Lay a hand on it: 0 none, 1 the firmest."""
         self.scene.damp(self.name, amount, at)

@@ -43,6 +43,7 @@ class Kind(IntEnum):
     LIMITER = 16  # value 1: on; 0: off
     PLACE = 17  # an object, by a gain of its own (value) in a channel; channel -1: by its pan again
     BUDGET = 18  # of contacts that are coupled to modes
+    SLIDE = 19  # as ROLL
 
 
 # The same as plain numbers, which kernels compare with.
@@ -53,9 +54,9 @@ KIND_STEER, KIND_STOP, KIND_SET = int(Kind.STEER), int(Kind.STOP), int(Kind.SET)
 KIND_PANIC, KIND_SYNC, KIND_METHOD = int(Kind.PANIC), int(Kind.SYNC), int(Kind.METHOD)
 KIND_ACCURACY, KIND_QUALITY = int(Kind.ACCURACY), int(Kind.QUALITY)
 KIND_GAIN, KIND_LIMITER, KIND_PLACE = int(Kind.GAIN), int(Kind.LIMITER), int(Kind.PLACE)
-KIND_BUDGET = int(Kind.BUDGET)
+KIND_BUDGET, KIND_SLIDE = int(Kind.BUDGET), int(Kind.SLIDE)
 
-GESTURE_KINDS = (Kind.IMPACT, Kind.BOUNCE, Kind.ROLL, Kind.PRESS, Kind.SPIN)
+GESTURE_KINDS = (Kind.IMPACT, Kind.BOUNCE, Kind.ROLL, Kind.PRESS, Kind.SPIN, Kind.SLIDE)
 """Commands that bring a striker."""
 
 _LEVEL = Parameter(
@@ -79,12 +80,14 @@ _BOUNCE = _own(GESTURES["bounce"], _DELAY)
 _ROLL = _own(GESTURES["roll"])
 _PRESS = _own(GESTURES["press"])
 _SPIN = _own(GESTURES["spin"], GESTURES["spin"].argument)
+_SLIDE = _own(GESTURES["slide"])
 
 STRIKE_RECORD = record_of(*_STRIKE)
 BOUNCE_RECORD = record_of(*_BOUNCE)
 ROLL_RECORD = record_of(*_ROLL)
 PRESS_RECORD = record_of(*_PRESS)
 SPIN_RECORD = record_of(*_SPIN)
+SLIDE_RECORD = record_of(*_SLIDE)
 SETTINGS_RECORD = record_of(*SETTINGS)
 
 
@@ -96,7 +99,7 @@ def _places(record: np.dtype[np.void]) -> NDArray[np.int64]:
 
 IN_STRIKE, IN_BOUNCE = _places(STRIKE_RECORD), _places(BOUNCE_RECORD)
 IN_ROLL, IN_PRESS = _places(ROLL_RECORD), _places(PRESS_RECORD)
-IN_SPIN = _places(SPIN_RECORD)
+IN_SPIN, IN_SLIDE = _places(SPIN_RECORD), _places(SLIDE_RECORD)
 
 STEERS = np.array(
     [
@@ -142,7 +145,7 @@ COMMAND = np.dtype(
         ("gesture", np.int64),  # its number, 0: none
         ("parameter", np.int64),  # its place in schema.STEERABLE or schema.SETTINGS
         ("channel", np.int64),  # of a place
-        ("given", np.int64),  # of a roll: bits of the places in schema.STEERABLE that were given
+        ("given", np.int64),  # of a roll or slide: bits of the places in schema.STEERABLE that were given
         ("by_slot", np.int64),  # of the object that strikes, if one does
         ("by_serial", np.int64),  # else 0
         ("strike", STRIKE_RECORD),
@@ -150,7 +153,8 @@ COMMAND = np.dtype(
         ("roll", ROLL_RECORD),
         ("press", PRESS_RECORD),
         ("spin", SPIN_RECORD),
-        ("surface", PROFILE),  # of a roll
+        ("slide", SLIDE_RECORD),
+        ("surface", PROFILE),  # of a roll or slide
         ("settings", SETTINGS_RECORD),  # of a new object
         ("layout", LAYOUT),  # of a new object
         ("method", METHOD),
@@ -192,7 +196,8 @@ class Command:
 
 
 _PARAMETERS = {
-    "strike": _STRIKE, "bounce": _BOUNCE, "roll": _ROLL, "press": _PRESS, "spin": _SPIN, "settings": SETTINGS
+    "strike": _STRIKE, "bounce": _BOUNCE, "roll": _ROLL, "press": _PRESS, "spin": _SPIN, "slide": _SLIDE,
+    "settings": SETTINGS,
 }  # fmt: skip
 _DEFAULTS: dict[str, dict[str, float]] = {
     record: {each.name: each.in_engine(each.default) for each in parameters.values() if each.default is not None}
@@ -207,6 +212,7 @@ _RECORDS = {
     Kind.ROLL: ("strike", "roll"),
     Kind.PRESS: ("strike", "press"),
     Kind.SPIN: ("strike", "spin"),
+    Kind.SLIDE: ("strike", "slide"),
     Kind.METHOD: ("method",),
     Kind.BUDGET: ("budget",),
 }
@@ -241,7 +247,7 @@ def write(entry: np.void, number: int, command: Command) -> None:
                 entry[record] = tuple(values[name] if name in values else defaults[name] for name in names)
             except KeyError as error:
                 raise ValueError(f"{kind.name}: {error.args[0]} is missing") from None
-    if kind is Kind.ROLL:
+    if kind in (Kind.ROLL, Kind.SLIDE):
         if unknown := set(command.given) - _PLACES.keys():
             raise ValueError(f"{kind.name}: given {', '.join(sorted(unknown))}: expected some of {', '.join(_PLACES)}")
         entry["given"] = sum(1 << _PLACES[name] for name in command.given)

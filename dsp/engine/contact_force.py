@@ -265,7 +265,7 @@ def observe_points(state, contact):
             receptance(modes, where, scratch.work, scratch.fine)
             for n in range(FINE):
                 scratch.receptance[n] += scratch.fine[n]
-            _find_static(state, contact, side, obj)
+            find_static(state, contact, side, obj, point.modes)
         if obj.live > 0:
             observe(modes, where, scratch.work, scratch.fine)
             for n in range(FINE):
@@ -278,10 +278,10 @@ def observe_points(state, contact):
 
 
 @kernel
-def _find_static(state, contact, side, obj):
-    """Put the static output for a push of 1 N into `static`; `receptance` has left the shapes in `work`."""
+def find_static(state, contact, side, obj, count):
+    """Put the static output for a push of 1 N on so many modes, whose shapes are in `work`, into `static`."""
     left = right = 0.0
-    for i in range(min(contact.point[side].modes, obj.bent)):
+    for i in range(min(count, obj.bent)):
         frequency, sigma, weight = frequency_of(state, obj, i), 0.0, 0.0
         if i >= obj.felt:
             frequency, sigma, weight = relief_of(state, obj, i)

@@ -72,9 +72,10 @@ CONTACT = np.dtype(
         ("sound", np.int64),  # place of its striker among those that sound, -1: none
         ("sound_serial", np.int64),
         ("voice", np.int64),  # that it drives, -1: none
-        # A roll:
+        # A roll or a slide:
         ("roll", np.int64),
         ("rolled", np.float64),  # m until this quantum
+        ("rolls", np.float64),  # m in it
         ("travel", np.float64),  # m: length of the object's strike path, 0: the body stays where it is
         # A bounce:
         ("has_weight", np.int64),  # 1: its weight acts in every contact

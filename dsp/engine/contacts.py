@@ -13,13 +13,14 @@ from ..native.jit import kernel
 from ..native.records import field, set_field
 from ..rolling.body import fill_roll
 from ..schema import FORCE, STEERABLE, gestures_steered_by
-from .commands import KIND_BOUNCE, KIND_PRESS, KIND_ROLL, KIND_SPIN
+from .commands import KIND_BOUNCE, KIND_PRESS, KIND_ROLL, KIND_SLIDE, KIND_SPIN
 from .contact_force import apply_contact_force, begin_contact, couple_pulse, update_mode_count
 from .contact_list import end_contact, release_modes, report_end, schedule_contact
 from .flights import follow_coupled, is_pushed, leave, release_striker
 from .objects import place
 from .quality import coarseness_of, holds_steps, must_wait
 from .rolls import register_roll
+from .slides import lead_slide, rub, rubs
 from .solver_choice import is_moved
 from .state import CLOSED, COUPLING, END_NO_ROOM, END_STOPPED, QUANTUM, ROLLING
 from .strikers import roll_striker
@@ -91,7 +92,7 @@ def _look_at_partner(state, contact, obj):
 def _go_on(state, index):
     """Let a contact go on in a new quantum; true if its gesture has been stopped and is over."""
     contact = state.contacts[index]
-    if contact.kind == KIND_ROLL:
+    if contact.kind == KIND_ROLL or contact.kind == KIND_SLIDE:
         return _roll_on(state, index)
     if contact.touching == 0:
         return contact.start >= contact.until
@@ -157,15 +158,20 @@ def _add_static(state, contact):
 
 @kernel
 def _roll_on(state, index):
-    """Compute a rolling body's force for a quantum; true if it has come to its end."""
+    """Compute a rolling or sliding body's force for a quantum; true if it has come to its end."""
     contact = state.contacts[index]
     roll = state.rolls[contact.roll]
-    contact.rolled = roll.s
-    update_mode_count(state, contact)
+    changed = update_mode_count(state, contact)
+    if contact.kind == KIND_SLIDE:
+        lead_slide(state, contact, changed)
+    else:
+        contact.rolled = roll.s
     roll.path.coarseness = coarseness_of(state)
     met = roll.impacts
     since = (state.position - 1 - contact.origin) / state.rate
     fill_roll(roll, since, state.rate, state.scratch.feeds[contact.roll])
+    if contact.kind == KIND_ROLL:
+        contact.rolls = roll.s - contact.rolled
     state.stats.impacts += roll.impacts - met
     feed = state.scratch.feeds[contact.roll]
     trace_roll(state, contact, feed)
@@ -184,7 +190,7 @@ def next_driven_frame(state, obj, frame):
     index = obj.contact
     while index >= 0:
         contact = state.contacts[index]
-        if contact.solver != ROLLING:
+        if contact.solver != ROLLING or (contact.kind == KIND_SLIDE and rubs(contact)):
             found = min(found, max(frame, contact.start + 1 - state.position))
         index = contact.next
     return found
@@ -254,6 +260,8 @@ def run_contacts(state, obj, frame):
         contact = state.contacts[index]
         after = contact.next
         stays = True
+        if contact.kind == KIND_SLIDE:
+            rub(state, contact, frame)
         for _ in range(_MOST_PER_SAMPLE):
             if not _is_due(state, contact, frame):
                 break

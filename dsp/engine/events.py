@@ -24,6 +24,7 @@ from .commands import (
     KIND_QUALITY,
     KIND_ROLL,
     KIND_SET,
+    KIND_SLIDE,
     KIND_SPIN,
     KIND_STEER,
     KIND_STOP,
@@ -123,7 +124,7 @@ def _is_ignored(state, event):
 @kernel
 def _is_gesture(kind):
     """True for commands that bring a striker."""
-    return kind in (KIND_IMPACT, KIND_BOUNCE, KIND_ROLL, KIND_PRESS, KIND_SPIN)
+    return kind in (KIND_IMPACT, KIND_BOUNCE, KIND_ROLL, KIND_PRESS, KIND_SPIN, KIND_SLIDE)
 
 
 @kernel

@@ -13,20 +13,23 @@ from .commands import (
     IN_BOUNCE,
     IN_PRESS,
     IN_ROLL,
+    IN_SLIDE,
     IN_SPIN,
     IN_STRIKE,
     KIND_BOUNCE,
     KIND_IMPACT,
     KIND_PRESS,
     KIND_ROLL,
+    KIND_SLIDE,
     KIND_SPIN,
 )
 from .contact_list import append_contact, report_end, schedule_contact
 from .objects import place
 from .quality import coarseness_of
+from .slides import begin_slide
 from .spins import begin_spin
 from .state import CLOSED, END_JOINED, END_NO_ROOM, END_RESTED, ROLLING
-from .steering import steer_existing_roll
+from .steering import steer_existing
 from .striker_modes import prepare
 
 _SLOWEST = 1e-12  # m/s: a slower striker moves nothing, and its square may underflow
@@ -42,12 +45,12 @@ def _take(target, record, places):
 
 @kernel
 def start_gesture(state, obj, event):
-    """Take a striker into an object's list, to touch it at its time; a roll that goes on already is steered."""
-    rolls = event.kind == KIND_ROLL
+    """Take a striker into an object's list, to touch it at its time; a roll or slide that goes on is steered."""
+    rolls = event.kind == KIND_ROLL or event.kind == KIND_SLIDE
     speed = _speed_of(event)
     stats = state.stats
     full = stats.contacts_active == len(state.contacts) or (rolls and stats.rolls_active == len(state.rolls))
-    if rolls and steer_existing_roll(state, event):
+    if rolls and steer_existing(state, event):
         report_end(state, event.gesture, END_JOINED)
     elif speed < _SLOWEST:
         report_end(state, event.gesture, END_RESTED)
@@ -72,6 +75,8 @@ def _speed_of(event):
     """How fast (m/s) a striker comes; of a spin the time (s) it takes: 0 does nothing."""
     if event.kind == KIND_ROLL:
         return event.roll.speed
+    if event.kind == KIND_SLIDE:
+        return max(event.slide.speed, event.slide.sweep)
     return event.spin.duration if event.kind == KIND_SPIN else event.strike.velocity
 
 
@@ -112,6 +117,8 @@ def _describe(state, contact, event):
         contact.push = contact.push_target = contact.m * target.gravity
     elif event.kind == KIND_ROLL:
         _take(target, event.roll, IN_ROLL)
+    elif event.kind == KIND_SLIDE:
+        _take(target, event.slide, IN_SLIDE)
     elif event.kind == KIND_SPIN:
         _take(target, event.spin, IN_SPIN)
     elif event.kind == KIND_PRESS:
@@ -150,7 +157,8 @@ def _choose_points(state, contact, event):
 
 @kernel
 def _begin_rolling(state, contact, event):
-    """Give a rolling striker its body and its surface."""
+    """Give a rolling or sliding striker its body and its surface."""
+    slides = event.kind == KIND_SLIDE
     stats = state.stats
     contact.roll = state.free_roll[len(state.rolls) - 1 - stats.rolls_active]
     stats.rolls_active += 1
@@ -158,13 +166,16 @@ def _begin_rolling(state, contact, event):
     contact.touching = 1
     state.contact_count += 1
     contact.number = state.contact_count
-    contact.travel = event.roll.travel
+    contact.travel = event.slide.travel if slides else event.roll.travel
     contact.rolled = 0.0
     roll = state.rolls[contact.roll]
     profile = event.surface
     begin_surface(
         roll.path.surface, profile.roughness, profile.correlation, profile.slope, profile.ripple, profile.wavelength,
-        np.int64(event.roll.seed),
+        np.int64(event.slide.seed if slides else event.roll.seed),
     )  # fmt: skip
     roll.target = contact.target
-    begin_roll(roll, 0, contact.k, contact.mu, contact.a, event.roll.corners, coarseness_of(state))
+    if slides:
+        begin_slide(state, contact)
+    corners = 0.0 if slides else event.roll.corners
+    begin_roll(roll, 0, contact.k, contact.mu, contact.a, corners, coarseness_of(state))

@@ -5,7 +5,7 @@ steered last. Events count in the order in which they are carried out, which a l
 """
 
 from ..native.jit import kernel
-from .commands import KIND_PRESS, KIND_ROLL
+from .commands import KIND_PRESS, KIND_ROLL, KIND_SLIDE
 from .state import Quality
 
 COARSER = 4.0
@@ -42,7 +42,7 @@ def coarseness_of(state):
 @kernel
 def modes_for(state, obj, kind):
     """How many of an object's modes a gesture of this kind acts on."""
-    lasts = kind in (KIND_ROLL, KIND_PRESS)
+    lasts = kind in (KIND_ROLL, KIND_PRESS, KIND_SLIDE)
     return min(obj.size, _FEW) if lasts and state.choices.quality >= _COARSE else obj.size
 
 

@@ -67,9 +67,9 @@ def _drivers(state, obj, frame):
         for i in range(4):
             driver.drift[i] = 0.0
         if entry % 2 == 0:
-            place(point, position_at(state, contact, frame), obj.rows)
+            place(point, position_of(contact, frame), obj.rows)
             if contact.travel > 0.0:
-                weigh(driver.drift, position_at(state, contact, frame + STRETCH) * (obj.rows - 1) - point.row)
+                weigh(driver.drift, position_of(contact, frame + STRETCH) * (obj.rows - 1) - point.row)
                 for i in range(4):
                     driver.drift[i] = contact.now.gain * (driver.drift[i] - point.weights[i]) / STRETCH
         driver.row = point.row
@@ -82,11 +82,10 @@ def _drivers(state, obj, frame):
 
 
 @kernel
-def position_at(state, contact, frame):
-    """Where a striker is along the object's strike path, on which a rolling body goes to and fro."""
+def position_of(contact, frame):
+    """Where a rolling or sliding body is along the object's strike path, on which it goes to and fro."""
     position = contact.now.position
     if contact.travel > 0.0:
-        rolled = (state.rolls[contact.roll].s - contact.rolled) * (frame / QUANTUM) + contact.rolled
-        position += rolled / contact.travel
+        position += (contact.rolls * (frame / QUANTUM) + contact.rolled) / contact.travel
     position -= 2.0 * math.floor(0.5 * position)
     return min(position, 2.0 - position)

@@ -16,6 +16,7 @@ from .channels import MOST_CHANNELS, PLACE
 from .clock import CLOCK
 from .commands import BUDGET, COMMAND, METHOD, SETTINGS_RECORD
 from .contact_record import CONTACT
+from .slide_record import SLIDE
 from .striker_state import STRIKER, STRIKERS, VOICE, VOICES
 
 QUANTUM = 64
@@ -33,7 +34,7 @@ EVENTS = 8_192
 RING = 8_192
 """Commands on their way from Python; a power of two."""
 ROLLS = 128
-"""Bodies that can roll at once."""
+"""Bodies that can roll or slide at once."""
 ENDED = 32_768
 """Ends of gestures that are kept for Python to read."""
 TAP = 262_144
@@ -74,7 +75,7 @@ class End(IntEnum):
     STOPPED = 1
     NO_ROOM = 2  # it never began
     GONE = 3  # with its object, or by a panic
-    JOINED = 4  # it steered a roll that goes on
+    JOINED = 4  # it steered a roll or slide that goes on
 
 
 # The same as plain numbers, which kernels compare with.
@@ -263,6 +264,7 @@ STATE = np.dtype(
         ("settled_count", np.int64),  # and to the receptances that coupled contacts were told
         ("oldest_running", np.int64),  # the least of these that may go on in this quantum
         ("rolls", ROLL, ROLLS),
+        ("slides", SLIDE, ROLLS),  # what those that slide have besides
         ("free_roll", np.int64, ROLLS),  # stack
         ("strikers", STRIKER, STRIKERS),  # kinds that sound
         ("voices", VOICE, VOICES),

@@ -3,28 +3,49 @@
 from ..native.jit import kernel
 from ..native.records import field, set_field
 from ..schema import STEERABLE
-from .commands import IN_ROLL, IN_STRIKE, KIND_BOUNCE, KIND_IMPACT, KIND_PRESS, KIND_ROLL, STEERS
+from .commands import (
+    IN_ROLL,
+    IN_SLIDE,
+    IN_STRIKE,
+    KIND_BOUNCE,
+    KIND_IMPACT,
+    KIND_PRESS,
+    KIND_ROLL,
+    KIND_SLIDE,
+    STEERS,
+)
 
 _GAIN, _GRAVITY, _FORCE = STEERABLE.index("gain"), STEERABLE.index("gravity"), STEERABLE.index("force")
+_SPEED = STEERABLE.index("speed")
 
 
 @kernel
-def steer_existing_roll(state, event):
-    """Steer the rolls of the event's gesture that go on on its object, by what was given; true if there are any."""
+def steer_existing(state, event):
+    """Steer the rolls or slides of the event's gesture that go on on its object, by what was given; true if there are
+    any."""
     found = False
+    slides = event.kind == KIND_SLIDE
     for i in range(len(state.contacts)):
         contact = state.contacts[i]
         here = contact.point[0].slot == event.slot and contact.point[0].serial == event.serial
-        if contact.gesture == event.gesture and contact.kind == KIND_ROLL and contact.gesture > 0 and here:
+        if contact.gesture == event.gesture and contact.kind == event.kind and contact.gesture > 0 and here:
             found = True
             state.last_command[i] = state.queue.carried_out
-            state.rolls[contact.roll].target.speed = event.roll.speed
+            _set_target(state, contact, _SPEED, event.slide.speed if slides else event.roll.speed)
             for n in range(len(IN_ROLL)):
-                if event.given >> n & 1:
-                    in_roll = IN_ROLL[n] >= 0
-                    value = field(event.roll, IN_ROLL[n]) if in_roll else field(event.strike, IN_STRIKE[n])
-                    _set_target(state, contact, n, value)
+                if event.given >> n & 1 and n != _SPEED:
+                    _set_target(state, contact, n, _given(event, slides, n))
     return found
+
+
+@kernel
+def _given(event, slides, n):
+    """What an event says of the steerable parameter n."""
+    if slides and IN_SLIDE[n] >= 0:
+        return field(event.slide, IN_SLIDE[n])
+    if not slides and IN_ROLL[n] >= 0:
+        return field(event.roll, IN_ROLL[n])
+    return field(event.strike, IN_STRIKE[n])
 
 
 @kernel
@@ -84,6 +105,8 @@ def _stop(state, contact, time):
     contact.until = min(contact.until, time)
     if contact.kind == KIND_ROLL:
         state.rolls[contact.roll].target.speed = 0.0
+    elif contact.kind == KIND_SLIDE:
+        contact.target.speed = contact.target.sweep = 0.0
 
 
 @kernel

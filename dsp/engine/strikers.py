@@ -17,7 +17,7 @@ from ..numerics.legendre import FALL, MOMENTS, RISE
 from ..numerics.random import STEP, mixed
 from ..resonator.bank import Drive, Point, inject, inject_fine, ring, ring_driven, state_of
 from ..resonator.simd import STRETCH
-from .commands import KIND_ROLL, KIND_SPIN
+from .commands import KIND_ROLL, KIND_SLIDE, KIND_SPIN
 from .contact_record import RIM
 from .fade import fade_length, going_on, left_of, pace_of, tilt_of
 from .quality import silence_of
@@ -199,7 +199,8 @@ def let_voice_go(state, contact):
     if contact.voice < 0:
         return
     voice = state.voices[contact.voice]
-    gain = 1.0 if contact.kind == KIND_ROLL else contact.now.gain  # a roll's share holds it
+    rolls = contact.kind == KIND_ROLL or contact.kind == KIND_SLIDE
+    gain = 1.0 if rolls else contact.now.gain  # a roll's share holds it
     q, u, v, w = going_on(contact.forces, pace_of(contact.forces, state.rate), state.rate)
     voice.held_ratio, voice.held[0], voice.held[1], voice.held[2] = q, gain * u, gain * v, gain * w
 

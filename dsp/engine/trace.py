@@ -2,8 +2,8 @@
 
 from ..native.atomics import load_acquire, store_release
 from ..native.jit import kernel
-from .commands import KIND_ROLL
-from .rolls import position_at
+from .commands import KIND_ROLL, KIND_SLIDE
+from .rolls import position_of
 from .state import QUANTUM, TRACED
 
 
@@ -24,9 +24,9 @@ def trace_sample(state, contact, sample, begin, end, impulse):
     entry.command = contact.command
     entry.contact = contact.number
     entry.slot = contact.point[0].slot
-    rolls = contact.kind == KIND_ROLL
-    entry.position = position_at(state, contact, 0) if rolls else contact.now.position
-    entry.speed = contact.now.speed if rolls else contact.v_in
+    moves = contact.kind == KIND_ROLL or contact.kind == KIND_SLIDE
+    entry.position = position_of(contact, 0) if moves else contact.now.position
+    entry.speed = contact.now.speed if moves else contact.v_in
     entry.sample = sample
     entry.begin = max(begin, float(sample))
     entry.end = min(end, sample + 1.0)

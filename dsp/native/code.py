@@ -4,7 +4,8 @@ The key of a module's code is a hash of its sources: of the file and of every fi
 directly or through others. A folder by that key holds
 
     sources.json              the names of those files, and the functions of the C library that the code calls
-    code.bc                   LLVM's bitcode, optimised (in the cache alone)
+    source.bc                 LLVM's bitcode before it is optimised (in the cache alone)
+    code.bc                   the same, optimised for the processor that compiled it (in the cache alone)
     SYSTEM-PROCESSOR.HASH.o   machine code for a kind of processor, with a hash of its own bytes in its name
 """
 
@@ -67,8 +68,13 @@ def load(module: str) -> Code:
 
 
 def bitcode(module: str) -> bytes:
-    """LLVM's bitcode of a module's C functions, optimised: kept from an earlier start, else compiled."""
-    file = _cache() / module / key(module) / "code.bc"
+    """LLVM's bitcode of a module's C functions, optimised for this processor: kept from earlier, else compiled."""
+    return _kept(module, "code.bc")
+
+
+def _kept(module: str, name: str) -> bytes:
+    """A file of bitcode in the cache; compiled where there is none that is whole."""
+    file = _cache() / module / key(module) / name
     try:
         llvm.parse_bitcode(file.read_bytes())
     except (OSError, RuntimeError):
@@ -82,27 +88,29 @@ def build(modules: list[str], kinds: tuple[str, ...], root: Path) -> None:
     It is made in the cache, and copied from there.
     """
     shutil.rmtree(root, ignore_errors=True)
+    from .compiler import optimised  # it imports numba
+
     for module in modules:
-        source = bitcode(module)
+        source = _kept(module, "source.bc")
         kept, folder = _cache() / module / key(module), root / module / key(module)
         folder.mkdir(parents=True)
         shutil.copy(kept / "sources.json", folder)
         for kind in kinds:
-            made = _read_object(kept, kind) or _emitted(source, kind)
+            made = _read_object(kept, kind) or _emitted(optimised(source, kind), kind)
             _write_object(kept, kind, made)
             _write_object(folder, kind, made)
 
 
 def key(module: str) -> str:
-    """A hash of the sources of a module and of all that it imports."""
+    """A hash of the sources of a module, of all that it imports, and of the compiler."""
     importlib.import_module(module)
     return _hash_of(sources(module))
 
 
 def sources(module: str) -> list[str]:
-    """The names of a loaded module and of all that it imports of its top-level package, in order."""
+    """The names of a loaded module, of all that it imports of its top-level package, and of the compiler, in order."""
     top = module.partition(".")[0]
-    found: set[str] = set()
+    found = {f"{__package__}.compiler", f"{__package__}.targets"}
     waiting = [module]
     while waiting:
         name = waiting.pop()
@@ -215,25 +223,28 @@ def compiled(module: str) -> Code:
     """The code of a module's C functions, compiled now, and kept in the cache where that can be written."""
     global _notice
     from .compile_notice import CompileNotice  # it imports numba
-    from .compiler import written
+    from .compiler import optimised, written
 
+    kind = processors()[0]
     collecting = gc.isenabled()
     gc.disable()  # a compiler keeps most of the millions of objects that it makes: looking through them takes a while
     try:
         with CompileNotice(PASSES.get(module, 0)) as _notice:
-            source = written(_functions_of(module))
-            made = _emitted(source.as_bitcode(), processors()[0])
+            source = written(_functions_of(module)).as_bitcode()
+            best = optimised(source, kind)
+            made = _emitted(best, kind)
     finally:
         _notice = None
         if collecting:
             gc.enable()
-    needs = [each.name for each in source.functions if each.is_declaration and not each.name.startswith("llvm.")]
+    needs = [each.name for each in best.functions if each.is_declaration and not each.name.startswith("llvm.")]
     folder = _cache() / module / key(module)
     try:
-        _keep(folder, source.as_bitcode(), {"sources": sources(module), "needs": needs}, made)
+        _keep(folder, {"source.bc": source, "code.bc": best.as_bitcode()}, made)
+        _write(folder / "sources.json", json.dumps({"sources": sources(module), "needs": needs}).encode())
     except OSError as error:
         _say_that_it_is_not_kept(str(error))
-    return _linked(module, folder.name, made, processors()[0], "compiled")
+    return _linked(module, folder.name, made, kind, "compiled")
 
 
 def progress() -> tuple[float, float]:
@@ -244,18 +255,18 @@ def progress() -> tuple[float, float]:
 _notice: Any = None
 
 
-def _emitted(source: bytes, kind: str) -> bytes:
-    """Machine code of LLVM's bitcode."""
-    made: bytes = target_machine(kind).emit_object(llvm.parse_bitcode(source))
+def _emitted(module: Any, kind: str) -> bytes:
+    """Machine code of LLVM's module."""
+    made: bytes = target_machine(kind).emit_object(module)
     return made
 
 
-def _keep(folder: Path, source: bytes, listed: dict[str, list[str]], made: bytes) -> None:
+def _keep(folder: Path, bitcodes: dict[str, bytes], made: bytes) -> None:
     """Write a folder of the cache, and remove all but the last few others."""
     folder.mkdir(parents=True, exist_ok=True)
-    _write(folder / "code.bc", source)
+    for name, content in bitcodes.items():
+        _write(folder / name, content)
     _write_object(folder, processors()[0], made)
-    _write(folder / "sources.json", json.dumps(listed).encode())
     others = [path for path in folder.parent.glob("*") if path.is_dir() and path != folder]
     for path in sorted(others, key=lambda path: path.stat().st_mtime, reverse=True)[_VERSIONS_KEPT:]:
         shutil.rmtree(path, ignore_errors=True)

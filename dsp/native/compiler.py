@@ -21,7 +21,7 @@ from numba.core.types.misc import unliteral
 from numba.extending import intrinsic
 
 from .jit import CFunction
-from .targets import optimising_machine
+from .targets import processors, target_machine
 
 
 class _Library(JITCodeLibrary):
@@ -67,26 +67,27 @@ class _Whole(_Library):
     """
 
     def _optimize_final_module(self) -> None:
-        machine = optimising_machine()
-        tuning = llvm.create_pipeline_tuning_options(speed_level=1)
-        tuning.loop_unrolling = tuning.loop_interleaving = False
-        tuning.loop_vectorization = tuning.slp_vectorization = False
-        scalar = llvm.create_pass_builder(machine, tuning)
-        scalar.getModulePassManager().run(self._final_module, scalar)
-        tuning = llvm.create_pipeline_tuning_options(speed_level=3)
-        tuning.loop_vectorization, tuning.slp_vectorization = True, False
-        full = llvm.create_pass_builder(machine, tuning)
-        passes = full.getModulePassManager()
-        passes.add_refprune_pass(_parse_refprune_flags())
-        passes.run(self._final_module, full)
+        optimise(self._final_module, processors()[0])
 
 
-class _Written(_Whole):
-    """The code of a function of C's, as LLVM's assembly."""
+def optimise(module: Any, processor: str) -> None:
+    """LLVM's optimiser, as for a _Whole, for a kind of processor; its vectors decide in which order sums are taken."""
+    machine = target_machine(processor)
+    tuning = llvm.create_pipeline_tuning_options(speed_level=1)
+    tuning.loop_unrolling = tuning.loop_interleaving = False
+    tuning.loop_vectorization = tuning.slp_vectorization = False
+    scalar = llvm.create_pass_builder(machine, tuning)
+    scalar.getModulePassManager().run(module, scalar)
+    tuning = llvm.create_pipeline_tuning_options(speed_level=3)
+    tuning.loop_vectorization, tuning.slp_vectorization = True, False
+    full = llvm.create_pass_builder(machine, tuning)
+    passes = full.getModulePassManager()
+    passes.add_refprune_pass(_parse_refprune_flags())
+    passes.run(module, full)
 
-    def _finalize_final_module(self) -> None:
-        self._finalize_dynamic_globals()
-        self._finalized = True
+
+class _Written(_Part):
+    """The code of a function of C's, not optimised yet."""
 
     def get_pointer_to_function(self, name: str) -> int:
         self._ensure_finalized()
@@ -216,13 +217,16 @@ _KINDS = {
 
 
 def written(functions: list[CFunction]) -> Any:
-    """LLVM's module of functions of C, optimised: each by its name, and what it needs of the C library."""
+    """LLVM's module of functions of C, each by its name, not optimised."""
     module = None
     for function in functions:
         signature = _KINDS[function.returned](*(_KINDS[each] for each in function.arguments))
         made = cfunc(signature, error_model="numpy", forceinline=True, pipeline_class=OF_C)(function.py_func)
         one = made._library._final_module.clone()
-        _keep_only(one, made.native_name, function.py_func.__name__)
+        for each in [*one.functions, *one.global_variables]:
+            if not each.is_declaration and each.name != made.native_name:
+                each.linkage = "internal"
+        one.get_function(made.native_name).name = function.py_func.__name__
         if module is None:
             module = one
         else:
@@ -230,16 +234,16 @@ def written(functions: list[CFunction]) -> Any:
     return module
 
 
-def _keep_only(module: Any, entry: str, name: str) -> None:
-    """Drop all of a module that a function does not reach, and call the function by another name."""
-    for each in [*module.functions, *module.global_variables]:
-        if not each.is_declaration and each.name != entry:
-            each.linkage = "internal"
+def optimised(source: bytes, processor: str) -> Any:
+    """LLVM's module of the bitcode of `written`, optimised for a kind of processor. TypeError if it needs Python."""
+    module = llvm.parse_bitcode(source)
+    optimise(module, processor)
     passes = llvm.create_new_module_pass_manager()
     passes.add_global_dead_code_eliminate_pass()
     passes.add_strip_dead_prototype_pass()
-    passes.run(module, llvm.create_pass_builder(optimising_machine(), llvm.create_pipeline_tuning_options()))
-    module.get_function(entry).name = name
+    passes.run(module, llvm.create_pass_builder(target_machine(processor), llvm.create_pipeline_tuning_options()))
     python = [each.name for each in module.functions if each.name.startswith(("Py", "numba_", "NRT_"))]
     if python:
-        raise TypeError(f"{name} needs Python: {', '.join(python)}")
+        names = [each.name for each in module.functions if not each.is_declaration]
+        raise TypeError(f"{', '.join(names)}: this code needs Python: {', '.join(python)}")
+    return module

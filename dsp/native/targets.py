@@ -56,11 +56,3 @@ def target_machine(processor: str) -> Any:
     cpu, features = (processor, "-prefer-256-bit") if processor in LEVELS else ("generic", "")
     target = llvm.Target.from_default_triple()
     return target.create_target_machine(cpu=cpu, features=features, opt=3, reloc="pic", codemodel="default")
-
-
-def optimising_machine() -> Any:
-    """The machine that LLVM's optimiser writes vectors for: the same one on all, so that the sums' order is the same.
-
-    Where a processor's vectors are shorter, several of them stand for one.
-    """
-    return target_machine(LEVELS[-1] if processors()[0] in LEVELS else processors()[0])

@@ -28,10 +28,10 @@ from .simd import LANES, STRETCH, add_product, dot, push, ring_pushed
 Array = NDArray[Any]
 
 MOBILITY = 2 * FINE * LANES
-"""Where the rows begin that `observe` and `receptance` need."""
-RESPONSES = MOBILITY + 2 * LANES
+"""Where the rows begin that `observe`, `receptance` and velocity.py need."""
+RESPONSES = MOBILITY + 3 * LANES
 """Coefficients of one group of modes: for injection by moment, by sample (last, last but one), by mode; then two rows
-that `observe` and `receptance` need."""
+that `observe` and `receptance` need, and sigma/omega."""
 
 NYQUIST_SHARE = 0.95
 """No mode is made above this share of the Nyquist frequency."""
@@ -182,6 +182,12 @@ def inject_fine(modes, point, moments):
 
 
 @simd_kernel
+def inject_line(modes, point, moment0, moment1):
+    """Add a force as `inject` does, which is a line over the sample: it has no other moments."""
+    _inject(modes, point, (moment0, moment1))
+
+
+@simd_kernel
 def _four(weights):
     return weights[0], weights[1], weights[2], weights[3]
 
@@ -212,7 +218,7 @@ def observe(modes, point, work, coefficients):
         after = a1[i] * y1[i] + a2[i] * y2[i]
         work[n + i] = mobility * (a1[i] * after + a2[i] * y1[i])
         work[2 * n + i] = mobility * a2[i] * after
-    _project(n, response, work, coefficients)
+    project(n, response, work, coefficients)
 
 
 @simd_kernel
@@ -237,7 +243,7 @@ def transfer_receptance(modes, struck, point, work, coefficients):
         moved = work[i] * work[n + i] * response[i // LANES * RESPONSES + MOBILITY + LANES + i % LANES]
         work[n + i] = moved * a1[i]
         work[2 * n + i] = moved * a2[i]
-    _project(n, response, work, coefficients)
+    project(n, response, work, coefficients)
 
 
 @simd_kernel
@@ -273,7 +279,7 @@ def _shapes(n, point, work):
 
 
 @simd_kernel
-def _project(n, response, work, coefficients):
+def project(n, response, work, coefficients):
     """coefficients[k] = (-1)^k sum (A_i Im R_ik + B_i Im(R_ik exp(-s_i))), A and B behind the shapes in `work`."""
     totals = work[3 * n : 3 * n + FINE * LANES]
     for k in range(FINE * LANES):

@@ -55,6 +55,7 @@ def set_mode(modes, i, frequency, decay, rate, weight):
         response[b] = g.imag
         response[b + LANES] = (g * before).imag
     _set_mobility(response, base, 2.0 * math.pi * frequency, r * math.sin(theta), weight)
+    response[base + MOBILITY + 2 * LANES] = loss / theta
 
 
 @kernel

@@ -92,8 +92,9 @@ ROLL = np.dtype(
 def begin_roll(roll, place, k, mu, a, corners, coarseness):
     """Put a body at rest on a surface at a place, rolling; roll.target says how.
 
-    There speed (m/s), radius (m), mass (kg), gravity (m/s^2) > 0, friction, asymmetry and roughness >= 0. k (N/m^a),
-    mu (s/m) >= 0, a >= 1; corners: 0 if it is round; coarseness >= 1: factor on the shortest wavelength that it feels.
+    There speed (m/s), radius (m), mass (kg), gravity (m/s^2) > 0, friction, asymmetry, roughness and patch (m) >= 0.
+    k (N/m^a), mu (s/m) >= 0, a >= 1; corners: 0 if it is round; coarseness >= 1: factor on the shortest wavelength that
+    it feels.
     """
     target = roll.target
     roll.top_speed = target.speed
@@ -108,6 +109,7 @@ def begin_roll(roll, place, k, mu, a, corners, coarseness):
     roll.path.speed = roll.v
     roll.path.corners = corners
     roll.path.roughness = target.roughness
+    roll.path.patch = target.patch
     roll.path.coarseness = coarseness
     roll.angle = 0.5 * math.pi
     roll.s = roll.t = roll.since = roll.span = roll.given = roll.debt = 0.0
@@ -122,7 +124,7 @@ def begin_roll(roll, place, k, mu, a, corners, coarseness):
 @kernel
 def _steer(roll):
     """Bring speed, mass and gravity, after an event, nearer to their targets."""
-    roll.path.roughness = roll.target.roughness
+    roll.path.roughness, roll.path.patch = roll.target.roughness, roll.target.patch
     roll.top_speed = max(roll.top_speed, roll.target.speed)
     slowed = min(roll.target.friction * roll.g * roll.span, roll.target.speed)
     roll.target.speed -= slowed

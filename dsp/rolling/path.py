@@ -14,6 +14,9 @@ other. So a flat surface gives a flat path, however coarse its points are.
 A body with corners, 2 pi R/n of its way apart, is a round one on a surface that touches only where they come down:
 between them the profile is lowered by the parabolas of the corners, which are rounded with EDGE of the radius.
 
+Where bodies touch over a patch they feel the mean of the surface in it: of heights that are shorter than it by a
+factor n, and not alike across it, 1/n is left. So octaves of a wavelength (two spacings) below its width fall with it.
+
 The points are as far apart as the shortest wavelength passed in an audible time: the faster, the further. Octaves fade
 out towards it.
 """
@@ -59,6 +62,7 @@ PATH = np.dtype(
         ("speed", np.float64),  # m/s
         ("roughness", np.float64),  # factor on the surface's heights
         ("coarseness", np.float64),  # factor on the shortest wavelength
+        ("patch", np.float64),  # m: width of the contact
         ("wanted", np.float64, OCTAVES),  # gains of the octaves
         # The hull: a double-ended queue of points.
         ("place", np.int64, POINTS),
@@ -107,6 +111,7 @@ def _refresh(path):
     path.gliding = 1 if surface.ripple_gain != path.roughness else 0
     for j in range(OCTAVES):
         path.wanted[j] = path.roughness * min(max(math.log(max(spacing / shortest, 1e-300)) / _OCTAVE, 0.0), 1.0)
+        path.wanted[j] /= math.sqrt(1.0 + (0.5 * path.patch / spacing) ** 2)
         path.highest += CREST * surface.height[j] * max(surface.gain[j], path.wanted[j])
         if surface.gain[j] != path.wanted[j]:
             path.gliding = 1

@@ -47,7 +47,7 @@ STRIKE: tuple[Number | Word, ...] = (
 )
 """Keys that every gesture takes."""
 
-_WORDS = {"roll": (Word("surface", "a preset; wood if none is given"),)}
+_WORDS = dict.fromkeys(("roll", "slide"), (Word("surface", "a preset; wood if none is given"),))
 """Keys of gestures that are not numbers."""
 
 _SHARED = {key.name for key in STRIKE}
@@ -108,7 +108,7 @@ _OBJECTS = (
 _RUNNING = (
     Verb(
         "/gesture/ID/stop",
-        "ends it: a bouncing striker or a disc does not come back, a rolling body halts, a hand lets go",
+        "ends it: a bouncing striker or a disc does not come back, a rolling or sliding body halts, a hand lets go",
     ),
     *(
         Verb(f"/gesture/ID/{name}", _steers(name), (next(iter(gestures_steered_by(name).values())),))

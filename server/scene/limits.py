@@ -51,6 +51,7 @@ class ContactLaws:
         self._laws: dict[tuple[str, Material | None], Contact] = {}
         self._sounds: dict[str, StrikerSound | None] = {}
         self._radii: dict[str, float | None] = {}
+        self._sliding: dict[str, dict[str, float]] = {}
         self._surfaces: dict[str, SurfacePreset] = {}
 
     def of(self, striker: str, material: Material | None) -> Contact:
@@ -72,6 +73,12 @@ class ContactLaws:
             self._radii[striker] = self._presets.striker(striker).radius
         return self._radii[striker]
 
+    def sliding_of(self, striker: str) -> dict[str, float]:
+        """How a striker slides. PresetError if there is no such striker."""
+        if striker not in self._sliding:
+            self._sliding[striker] = self._presets.striker(striker).sliding
+        return self._sliding[striker]
+
     def surface(self, name: str) -> SurfacePreset:
         """The surface of a name. PresetError if there is none."""
         if name not in self._surfaces:
@@ -82,6 +89,7 @@ class ContactLaws:
         """Read the files again from now on."""
         self._laws.clear()
         self._radii.clear()
+        self._sliding.clear()
         self._surfaces.clear()
         self._sounds.clear()
 

@@ -5,19 +5,23 @@ the same and leaves no choice open.
 """
 
 import math
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import islice
 
 from ...dsp.engine.commands import Command, Kind
+from ...dsp.numerics.constants import STANDARD_GRAVITY
 from ...dsp.runtime.engine import NOW
-from ...dsp.schema import BOUNCE, GAIN, GESTURES, ROLL, SETTINGS, SPIN, STEERABLE, STRIKE, Gesture
+from ...dsp.schema import BOUNCE, GAIN, GESTURES, ROLL, SETTINGS, SLIDE, SPIN, STEERABLE, STRIKE, Gesture
 from ...dsp.wording import suggestion
+from ...presets.kinds import DRY
 from ..osc.addresses import Call, calls, unknown
 from ..osc.arguments import GestureEnded, Refused, Values
+from ..osc.patterns import is_pattern
 from ..osc.wire import Message
+from .contact_law import law_of, law_on
 from .engine_messages import ENGINE_HANDLERS, Handler
-from .limits import LAW, Contact, fall, require_rest, require_rollable, require_short, rim_speed
+from .limits import Contact, fall, require_rest, require_rollable, require_short, rim_speed
 from .notes import copy_of, speed_of, tuned
 from .object_call import ObjectCall, listed, require_name
 from .objects import PlayedObject
@@ -27,6 +31,7 @@ _SHARED = {each.name for each in STRIKE} | {"velocity"}
 _SURFACE = "wood"
 _ANY_RADIUS = 0.01  # m: of a roll that is steered, and so has one
 _GESTURE_WORK, _CHANGE_WORK = 400, 80  # of carrying out a gesture, or a change, on one object, as in patterns.work
+_COPY_WORK = 10_000  # of making a copy for a note, where a pattern asks for many
 _APPROACH = 0.01  # m/s: how fast a pressing striker is laid on
 
 
@@ -118,7 +123,7 @@ def _impact(to: ObjectCall) -> None:
         to.end_at_once()
         return
     by = to.striking_object()
-    law = _law(to, by)
+    law = law_of(to, by)
     require_short(velocity, law)
     number = to.start(to.values.words["id"]) if "id" in to.values.words else 0
     _strike(to, by, law, Command(NOW, Kind.IMPACT, gesture=number, values={"velocity": velocity}))
@@ -127,7 +132,7 @@ def _impact(to: ObjectCall) -> None:
 def _bounce(to: ObjectCall) -> None:
     values = to.values
     by = to.striking_object()
-    law = _law(to, by)
+    law = law_of(to, by)
     gravity = values.number("gravity")
     velocity, seconds = fall(values.numbers["height"], values.number("velocity"), gravity)
     if velocity == 0.0:
@@ -149,6 +154,8 @@ def _note(to: ObjectCall) -> None:
     name = f"{to.name}.{note:g}"
     messages = [Message(f"/object/{name}/impact", (speed_of(velocity), *to.call.message.args[2:]))]
     if not transaction.objects.at(name, transaction.time):
+        if is_pattern(to.call.target):
+            transaction.selection.charge(_COPY_WORK, to.call.target)
         messages.insert(0, Message("/object/new", copy_of(to.obj, name, note)))
     for message in messages:
         for call in calls(message):
@@ -161,12 +168,7 @@ def _roll(to: ObjectCall) -> None:
     by = to.striking_object()
     id = to.id(lambda name: name)
     goes_on = to.transaction.gestures.is_running(id, to.address)
-    if "restitution" in values.numbers:
-        raise Refused(
-            f"restitution = {values.numbers['restitution']:g}: a body that rolls has none; expected dissipation"
-        )
-    rubbing = {"dissipation": surface.dissipation, "restitution": 0.0}
-    law = _law(to, by, rubbing, LAW[1:] if goes_on else LAW)
+    law = law_on(to, by, surface, goes_on, "rolls")
     speed, roughness = values.numbers["speed"], values.number("roughness")
     own_radius = to.contact_radius if to.by_materials else to.transaction.laws.radius_of(to.striker)
     radius = values.numbers.get("radius", own_radius)
@@ -183,6 +185,26 @@ def _roll(to: ObjectCall) -> None:
     _strike(to, by, law, command)
 
 
+def _slide(to: ObjectCall) -> None:
+    values, laws = to.values, to.transaction.laws
+    surface = laws.surface(values.words.get("surface", _SURFACE))
+    by = to.striking_object()
+    id = to.id(lambda name: name)
+    goes_on = to.transaction.gestures.is_running(id, to.address)
+    law = law_on(to, by, surface, goes_on, "slides")
+    own = {**DRY, "radius": to.contact_radius} if to.by_materials else dict(laws.sliding_of(to.striker))
+    own["force"] = law.mass * STANDARD_GRAVITY
+    motion = {**_own_values(to, SLIDE), **{key: values.numbers.get(key, value) for key, value in own.items()}}
+    if motion["dynamic"] > motion["static"]:
+        raise Refused(f"dynamic = {motion['dynamic']:g}: expected at most static = {motion['static']:g}")
+    if not goes_on:
+        require_rollable(motion["radius"], surface, values.number("roughness"))
+    motion |= {"speed": values.numbers["speed"], "seed": to.seed(number := to.start(id))}
+    given = [name for name in SLIDE.steerable if name in values.numbers]
+    command = Command(NOW, Kind.SLIDE, gesture=number, values=motion, given=given, surface=surface.profile)
+    _strike(to, by, law, command)
+
+
 def _own_values(to: ObjectCall, gesture: Gesture) -> dict[str, float]:
     """The values of a gesture's own keys that are given or have a default."""
     numbers, defaults = to.values.numbers, to.values.defaults
@@ -193,7 +215,7 @@ def _own_values(to: ObjectCall, gesture: Gesture) -> dict[str, float]:
 
 def _press(to: ObjectCall) -> None:
     by = to.striking_object()
-    law = _law(to, by)
+    law = law_of(to, by)
     require_short(_APPROACH, law)
     number = to.start(to.id(to.transaction.gestures.made_for))
     motion = {"velocity": _APPROACH, "force": to.values.numbers["force"]}
@@ -207,42 +229,11 @@ def _spin(to: ObjectCall) -> None:
         to.end_at_once()
         return
     by = to.striking_object()
-    law = _law(to, by)
+    law = law_of(to, by)
     require_short(rim_speed(*map(values.number, ("flat", "radius", "angle", "gravity"))), law)
     number = to.start(to.id(to.transaction.gestures.made_for))
     motion = {**_own_values(to, SPIN), "duration": duration, "seed": to.seed(number)}
     _strike(to, by, law, Command(NOW, Kind.SPIN, gesture=number, values=motion))
-
-
-def _law(
-    to: ObjectCall, by: PlayedObject | None, changes: Mapping[str, float] | None = None, said: Collection[str] = LAW
-) -> Contact:
-    """The contact law of a gesture: its striker's, with `changes`; given keys win.
-
-    Where an object strikes, its mass does. Unless a striker is named, the rest comes from the materials of both. The
-    canonical message says the values of the keys `said`: a mass that is said would steer a roll that goes on. A
-    restitution that is given takes the striker's dissipation's place, and the other way round.
-    """
-    preset, given = to.obj.preset, to.values.numbers
-    law = to.transaction.laws.of(to.striker, preset.material)._asdict()
-    if by:
-        law["mass"] = by.mass
-    if by and to.by_materials:
-        law.update(zip(LAW[1:], preset.struck_by(by.preset, to.contact_radius), strict=True), restitution=0.0)
-        to.warn_of_stand_ins(by)
-    law.update(changes or {})
-    if "dissipation" in given and "restitution" in given:
-        raise Refused(
-            f"dissipation = {given['dissipation']:g}, restitution = {given['restitution']:g}: expected one of the two"
-        )
-    if "dissipation" in given:
-        law["restitution"] = 0.0
-    law.update((key, given[key]) for key in law if key in given)
-    if by:
-        for key in said:
-            lost = "restitution" if key == "dissipation" and law["restitution"] else key
-            to.say(lost, law[lost])
-    return Contact(**law)
 
 
 def _strike(to: ObjectCall, by: PlayedObject | None, law: Contact, command: Command) -> None:
@@ -318,6 +309,7 @@ HANDLERS: dict[str, Handler] = {
     "/object/NAME/roll": _on_objects(_roll),
     "/object/NAME/press": _on_objects(_press),
     "/object/NAME/spin": _on_objects(_spin),
+    "/object/NAME/slide": _on_objects(_slide),
     **dict.fromkeys((f"/object/NAME/{setting}" for setting in SETTINGS), _on_objects(_set)),
     "/object/NAME/gains": _on_objects(_gains),
     "/object/NAME/free": _on_objects(_free),

@@ -14,7 +14,9 @@ from carom.clients.chart.report import PRINTED
 from carom.clients.cli import main
 from carom.dsp.contact.sampled import CORRECTIONS, METHODS
 from carom.dsp.study import wall
+from carom.dsp.study.bowing import SPEED
 from carom.dsp.study.comparison import BANDS
+from carom.dsp.study.rubbed import IMPEDANCE
 from carom.dsp.study.wall import PAPER_CASES, PAPER_RATE
 from tests.support import CAROM
 
@@ -30,6 +32,8 @@ FIGURES = [
     "failures-corrections",
     "accuracy",
     "coupled",
+    "schelleng",
+    "guettler",
 ]
 FIGURES += ["rebounds", *(f"paper-{n}" for n in range(1, 13))]
 
@@ -68,7 +72,7 @@ def test_every_figure_is_there_twice(charted):
         assert (folder / f"{name}.png").read_bytes().startswith(b"\x89PNG")
         assert "</svg>" in (folder / f"{name}.svg").read_text(encoding="utf-8")
     assert b"where methods fail" in shown and b"figures" in shown
-    assert len(list(folder.iterdir())) == 2 * len(FIGURES) + 6
+    assert len(list(folder.iterdir())) == 2 * len(FIGURES) + 8
 
 
 def test_the_papers_tables_come_out_as_printed(charted):
@@ -177,6 +181,14 @@ def test_coupled_solvers_are_compared(charted):
             (fine,) = pick(rows, solver=method, setting="64", sum_r_from=coarse["sum_r_from"])
             assert float(fine["median_dB"]) < float(coarse["median_dB"])
             assert float(coarse["ninety_dB"]) > 0.0
+
+
+def test_a_string_that_is_bowed_is_periodic_below_a_greatest_force(charted):
+    rows = read(charted[0] / "schelleng.csv")
+    periodic = {(row["beta"], float(row["force"])) for row in rows if row["periodic"] == "1"}
+    assert 0 < len(periodic) < len(rows)
+    for beta, force in periodic:
+        assert force < 1.5 * 2.0 * IMPEDANCE * SPEED / (0.5 * float(beta))
 
 
 def test_rebounds_add_up(charted):

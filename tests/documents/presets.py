@@ -47,9 +47,14 @@ def _meaning(where: str, key: str) -> str:
 
 def files() -> str:
     """The keys of each kind of file and of its sections."""
-    striker = "click", "ringing", "snap"
-    of_striker = zip(striker, (known.CLICK, known.RINGING, known.SNAP), strict=True)
-    needed = {"click": ("radius",), "ringing": ("frequency", "t60", "modal_mass"), "snap": tuple(known.SNAP)}
+    striker = "click", "ringing", "snap", "slide"
+    of_striker = zip(striker, (known.CLICK, known.RINGING, known.SNAP, known.SLIDE), strict=True)
+    needed = {
+        "click": ("radius",),
+        "ringing": ("frequency", "t60", "modal_mass"),
+        "snap": tuple(known.SNAP),
+        "slide": (),
+    }
     parts = {
         "An object": _keys("object", known.OBJECT, _REQUIRED_OF_OBJECT),
         "`[damping]` of an object, in place of its material's": _keys("damping", known.DAMPING),

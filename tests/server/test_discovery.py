@@ -76,6 +76,17 @@ def test_a_note_plays_a_copy_that_is_set_and_made_as_the_object_is(session):
     assert session.engine.stats.impacts == 2
 
 
+def test_a_pattern_makes_few_copies_and_none_where_it_asks_for_more(session):
+    def fails(*messages: Message) -> list[str]:
+        return [str(reply.args[1]) for reply in session.perform(messages, NOW) if reply.address == "/fail"]
+
+    assert not fails(*(Message("/object/new", (f"b{n}", "wood-block")) for n in range(40)))
+    (told,) = fails(Message("/object/b*/note", (60, 64)))
+    assert told.startswith("b*: too much for one packet") and len(session.objects) == 40
+    assert not fails(Message("/object/b1?/note", (60, 64))) and len(session.objects) == 50
+    assert not fails(*(Message(f"/object/b{n}/note", (61, 64)) for n in range(40))) and len(session.objects) == 90
+
+
 def test_a_note_in_a_score_is_what_it_stands_for():
     from carom.server.osc.score import Line
 

@@ -219,7 +219,7 @@ def test_stems_have_the_kind_and_the_scale_of_the_whole(tmp_path):
 
 def test_a_folder_that_can_not_be_made_is_named(tmp_path):
     (tmp_path / "parts").write_text("a file")
-    with pytest.raises(OSError, match="parts"):
+    with pytest.raises(RenderError, match="parts: expected a folder, and a file is there"):
         rendered(tmp_path, SCORE, stems="parts")
     assert not (tmp_path / "x.wav").exists()
 

@@ -88,7 +88,10 @@ def unwritten(server: Server, client: Client) -> None:
     ("wrong", "told"),
     [
         (too_many_contacts, "5 contacts dropped: the engine was full, or /budget left no room"),
-        (too_dear, "contacts went over /budget 3 times: a force was held for a sample, or a contact not coupled"),
+        (
+            too_dear,
+            "contacts went over /budget 3 times: a force was held for a sample, or a contact not coupled to the modes",
+        ),
         (late, r"1 late events were played at once; the last was [5-9]\d\d\.\d ms late"),
         (no_number, "object a was silenced: its output was not finite"),
         (unheard, "the device ran out of sound 1 times"),

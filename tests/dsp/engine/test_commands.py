@@ -18,6 +18,7 @@ RECORDS = {
     Kind.ROLL: ("strike", "roll"),
     Kind.PRESS: ("strike", "press"),
     Kind.SPIN: ("strike", "spin"),
+    Kind.SLIDE: ("strike", "slide"),
     Kind.METHOD: ("method",),
 }
 """The records that a command of a kind fills."""
@@ -29,6 +30,10 @@ NEEDED = {
     Kind.ROLL: ("mass", "stiffness", "dissipation", "exponent", "position", "speed", "radius", "seed"),
     Kind.PRESS: ("mass", "stiffness", "dissipation", "exponent", "position", "force"),
     Kind.SPIN: ("mass", "stiffness", "dissipation", "exponent", "position", "duration", "seed"),
+    Kind.SLIDE: (
+        *("mass", "stiffness", "dissipation", "exponent", "position", "speed", "force", "sweep", "radius", "patch"),
+        *("static", "dynamic", "stribeck", "along", "seed"),
+    ),
     Kind.METHOD: ("method", "correction", "oversampling"),
 }
 """The values that have no default."""
@@ -55,7 +60,7 @@ def test_every_value_lands_in_the_field_of_its_name(kind):
     values = some(fields(kind))
     entry = written(Command(NOW, kind, HERE, values))
     assert {name: entry[record][name] for name, record in fields(kind).items()} == values
-    others = {"strike", "bounce", "roll", "press", "spin", "settings", "layout", "method"} - set(RECORDS[kind])
+    others = {"strike", "bounce", "roll", "press", "spin", "slide", "settings", "layout", "method"} - set(RECORDS[kind])
     assert not any(entry[record][name] for record in others for name in COMMAND[record].names)
 
 

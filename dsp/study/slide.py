@@ -1,0 +1,303 @@
+"""Friction by itself: a driver that rubs modes, sample by sample, by the engine's bank and solver."""
+
+from dataclasses import dataclass
+from time import perf_counter_ns
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike, NDArray
+
+from ..friction.held import step_held
+from ..friction.located import step_located
+from ..friction.stick_slip import FRICTION, begin_friction, respond_along, step_whole
+from ..native.jit import kernel
+from ..numerics.checks import Array, checked, checked_scalar
+from ..numerics.legendre import FINE
+from ..resonator.bank import RESPONSES, Modes, Point, inject_fine, inject_line, ring, state_of
+from ..resonator.coefficients import set_mode
+from ..resonator.simd import LANES
+from ..resonator.velocity import ROWS, observe_velocity, sense, set_rows, set_shapes, velocity_response
+
+_nodes, _weights = np.polynomial.legendre.leggauss(12)
+_NODES, _WEIGHTS = 0.5 * (_nodes + 1.0), 0.5 * _weights
+
+_MOST_TIMES = 65_536
+
+BOWED = (0.8, 0.3, 0.1)
+"""mu_s, mu_d and v_s (m/s) of a rosined bow."""
+
+
+@dataclass(frozen=True)
+class Rub:
+    """A driver that rubs modes.
+
+    frequency (Hz), sigma (1/s), phi (kg^-1/2): one number for each mode, (n,). speed (m/s) and normal force (N) of the
+    driver at the samples' borders: arrays of one more than the samples, the same length. law: mu_s, mu_d, v_s (m/s).
+    z: the modes' state at the start as in bank.py, complex, (n,) or one for all. ValueError names what is out of range.
+    """
+
+    frequency: Array
+    sigma: Array
+    phi: Array
+    speed: Array
+    normal: Array
+    law: tuple[float, float, float] = BOWED
+    rate: float = 48_000.0
+    z: NDArray[np.complex128] | complex = 0.0
+
+    def __post_init__(self) -> None:
+        checked_scalar("rate", self.rate, 0.0)
+        checked("frequency", self.frequency, 0.0, 0.5 * self.rate)
+        checked("sigma", self.sigma, 0.0, strict=False)
+        checked("normal", self.normal, 0.0, strict=False)
+        if self.normal.shape != self.speed.shape or len(self.speed) < 2:
+            raise ValueError(f"normal has the shape {self.normal.shape}: expected that of speed, {self.speed.shape}")
+
+
+@dataclass(frozen=True)
+class Course:
+    """What became of a rub, float64, (samples,) each.
+
+    velocity of the point at the samples' ends (m/s), force (N, mean over the sample), and in J since the start: the
+    driver's work, friction's loss, rise of the modes' energy, loss by their damping. before: the modes' energy at the
+    start, J. `branch` at the samples' ends. times (s): of the first 65,536 changes of branch. The rest are counts.
+    """
+
+    velocity: Array
+    force: Array
+    driven: Array
+    lost: Array
+    energy: Array
+    damped: Array
+    branch: Array
+    before: float
+    times: Array
+    events: int
+    holds: int
+
+    @property
+    def balance(self) -> float:
+        """Greatest |work - stored - lost| over the greatest of these, and of the energy at the start."""
+        rest = self.driven - self.energy - self.lost - self.damped
+        greatest = max(np.abs(each).max() for each in (self.driven, self.energy, self.lost, self.damped))
+        return float(np.abs(rest).max() / max(greatest, self.before, 1e-300))
+
+
+class _Bank(NamedTuple):
+    modes: Modes
+    point: Point
+    rows: Array
+    work: Array
+    moments: Array
+    omega: Array
+    sigma: Array
+
+
+def _bank_of(rub: Rub) -> _Bank:
+    """The rub's modes, padded to whole LANES."""
+    count = len(rub.frequency)
+    n = -(-count // LANES) * LANES
+    y1, y2, a1, a2, balance, omega, sigma = np.zeros((7, n))
+    modes = Modes(y1, y2, a1, a2, balance, np.zeros(n // LANES * RESPONSES))
+    shape = np.zeros((4, n))
+    shape[:, :count] = rub.phi
+    for i in range(count):
+        set_mode(modes, i, float(rub.frequency[i]), float(rub.sigma[i]), float(rub.rate), 1.0)
+    for i in range(count, n):
+        set_mode(modes, i, 0.0, 0.0, float(rub.rate), 0.0j)
+    omega[:count], sigma[:count] = 2.0 * np.pi * np.asarray(rub.frequency), rub.sigma
+    z = np.broadcast_to(np.asarray(rub.z, complex), (count,))
+    before = z * np.exp((sigma[:count] - 1j * omega[:count]) / rub.rate)
+    y1[:count], y2[:count] = z.imag, before.imag
+    point = Point(shape.ravel(), n, 0, np.array([0.25, 0.25, 0.25, 0.25]))
+    return _Bank(modes, point, np.zeros(ROWS * n), np.zeros(3 * n + FINE * LANES), np.zeros((2, FINE)), omega, sigma)
+
+
+@kernel
+def _energy(bank, modes):
+    """Energy (J) of the modes: (q'^2 + (omega^2 + sigma^2) q^2)/2."""
+    total = 0.0
+    for i in range(len(modes.y1)):
+        if bank.omega[i] > 0.0:
+            re, im = state_of(modes.y1[i], modes.y2[i], modes.a1[i], modes.a2[i])
+            lag = bank.sigma[i] / bank.omega[i]
+            total += 0.5 * ((re - lag * im) ** 2 + (1.0 + lag * lag) * im * im)
+    return total
+
+
+@kernel
+def _flow(z, s, t, start, slope):
+    """z after t samples: z' = s z + start + slope t. Series of (exp(x) - 1)/x and (exp(x) - 1 - x)/x^2, x = s t."""
+    x = s * t
+    if abs(x) < 1.0:
+        first = second = term = 1.0 + 0.0j
+        second *= 0.5
+        for n in range(2, 20):
+            term *= x * (1.0 / n)
+            first += term
+            second += term * (1.0 / (n + 1))
+    else:
+        one = x.conjugate() * (1.0 / (x.real * x.real + x.imag * x.imag))
+        first = (np.exp(x) - 1.0) * one
+        second = (first - 1.0) * one
+    return z * (1.0 + x * first) + t * (start * first + slope * t * second)
+
+
+@kernel
+def _damping(bank, modes, friction, whole):
+    """Loss (J) by the modes' damping over the coming sample, int 2 sigma q'^2 dt, by the exact flow of each mode."""
+    total = 0.0
+    h = friction.period
+    for i in range(len(modes.y1)):
+        if bank.omega[i] == 0.0 or bank.sigma[i] == 0.0:
+            continue
+        re, im = state_of(modes.y1[i], modes.y2[i], modes.a1[i], modes.a2[i])
+        z = complex(re, im)
+        s = complex(-bank.sigma[i] * h, bank.omega[i] * h)
+        lag = bank.sigma[i] / bank.omega[i]
+        phi = bank.point.shape[i] * h
+        for n in range(1 if whole else friction.count):
+            eta, start, slope = 1.0, phi * friction.start, phi * friction.slope
+            if not whole:
+                eta, start, slope = friction.piece[n, 1], phi * friction.piece[n, 2], phi * friction.piece[n, 3]
+            for q in range(len(_NODES)):
+                there = _flow(z, s, eta * _NODES[q], start, slope)
+                velocity = there.real - lag * there.imag
+                total += 2.0 * bank.sigma[i] * h * eta * _WEIGHTS[q] * velocity * velocity
+            z = _flow(z, s, eta, start, slope)
+    return total
+
+
+@kernel
+def _step(friction, bank, held):
+    """Solve the coming sample; True if it had no event, else its moments are in bank.moments[1]."""
+    modes, rows, moments = bank.modes, bank.rows, bank.moments
+    stride = len(modes.y1)
+    third, end, mean, moment = sense(modes, rows, stride)
+    whole = True
+    if held:
+        friction.slope = 0.0
+        step_held(friction, end, mean)
+    else:
+        whole = step_whole(friction, third, end, mean, moment)
+    if not whole:
+        observe_velocity(modes, rows, stride, bank.work, moments[0])
+        step_located(friction, moments[0], moments[1])
+    return whole
+
+
+@kernel
+def _give(friction, bank, whole):
+    """Give the modes the force over the coming sample; its mean (N)."""
+    period = friction.period
+    if whole:
+        given = friction.start + 0.5 * friction.slope
+        inject_line(bank.modes, bank.point, given * period, friction.slope * period / 6.0)
+        return given
+    inject_fine(bank.modes, bank.point, bank.moments[1])
+    return bank.moments[1, 0] / period
+
+
+@kernel
+def _begin(friction, bank):
+    begin_friction(friction, 1.0 / friction.period)
+    n = len(bank.modes.y1)
+    set_rows(bank.modes, bank.rows, n)
+    set_shapes(n, bank.point, 1.0, bank.rows, n)
+    velocity_response(bank.modes, bank.rows, n, bank.work, bank.moments[0])
+    respond_along(friction, bank.moments[0])
+
+
+@kernel
+def _ring(bank):
+    """Let the modes ring for a sample; the point's velocity at its end."""
+    modes, velocity = bank.modes, 0.0
+    for i in range(len(modes.y1)):
+        here = modes.a1[i] * modes.y1[i] + modes.a2[i] * modes.y2[i]
+        modes.y2[i] = modes.y1[i]
+        modes.y1[i] = here
+        if bank.omega[i] > 0.0:
+            re, im = state_of(modes.y1[i], modes.y2[i], modes.a1[i], modes.a2[i])
+            velocity += bank.point.shape[i] * (re - bank.sigma[i] / bank.omega[i] * im)
+    return velocity
+
+
+@njit(error_model="numpy")
+def _run(friction, bank, speed, normal, ways, out, times):
+    held, audited = ways
+    _begin(friction, bank)
+    out[-1, 4] = _energy(bank, bank.modes)
+    damped = 0.0
+    branch, count = friction.branch, 0
+    for t in range(len(speed) - 1):
+        friction.drive[0], friction.drive[1] = speed[t], speed[t + 1]
+        friction.normal[0], friction.normal[1] = normal[t], normal[t + 1]
+        whole = _step(friction, bank, held)
+        damped += _damping(bank, bank.modes, friction, whole) if audited else 0.0
+        given = _give(friction, bank, whole)
+        for n in range(0 if whole else friction.count):
+            if friction.piece[n, 4] != branch and count < len(times):
+                branch = friction.piece[n, 4]
+                times[count] = (t + friction.piece[n, 0]) * friction.period
+                count += 1
+        out[t, 0], out[t, 1] = _ring(bank), given
+        out[t, 2], out[t, 3], out[t, 4] = friction.driven, friction.lost, _energy(bank, bank.modes) if audited else 0.0
+        out[t, 5], out[t, 6] = friction.branch, damped
+    return count
+
+
+@njit(error_model="numpy")
+def _bare(friction, bank, speed, normal, held, out):
+    """The same with nothing kept, for its cost; held < 0: modes that nobody rubs."""
+    _begin(friction, bank)
+    for t in range(len(speed) - 1):
+        friction.drive[0], friction.drive[1] = speed[t], speed[t + 1]
+        friction.normal[0], friction.normal[1] = normal[t], normal[t + 1]
+        if held >= 0:
+            _give(friction, bank, _step(friction, bank, held > 0))
+        ring(bank.modes, out, 0, 1)
+
+
+def rub_cost(rub: Rub, held: bool = False) -> float:
+    """Cost of friction in ns a sample, events included, without that of the modes' ringing."""
+    out = np.zeros((2, 1))
+    speed, normal = np.asarray(rub.speed, float), np.asarray(rub.normal, float)
+
+    def measured(way: int) -> float:
+        shortest = np.inf
+        for _ in range(7):
+            bank, friction = _bank_of(rub), _friction_of(rub)
+            start = perf_counter_ns()
+            _bare(friction, bank, speed, normal, way, out)
+            shortest = min(shortest, (perf_counter_ns() - start) / (len(speed) - 1))
+        return shortest
+
+    return measured(int(held)) - measured(-1)
+
+
+def _friction_of(rub: Rub) -> np.void:
+    friction: np.void = np.zeros(1, FRICTION)[0]
+    friction["static"], friction["dynamic"], friction["stribeck"] = rub.law
+    friction["period"] = 1.0 / rub.rate
+    return friction
+
+
+def rub_modes(rub: Rub, held: bool = False, audited: bool = True) -> Course:
+    """What becomes of a rub; `held`: by one force a sample; unless `audited`, without energy and damping's loss."""
+    bank = _bank_of(rub)
+    friction = _friction_of(rub)
+    out = np.zeros((len(rub.speed), 7))
+    times = np.zeros(_MOST_TIMES)
+    count = _run(
+        friction, bank, np.asarray(rub.speed, float), np.asarray(rub.normal, float), (held, audited), out, times
+    )
+    before = out[-1, 4]
+    velocity, force, driven, lost, energy, branch, damped = out[:-1].T
+    counts = int(friction["events"]), int(friction["holds"])
+    return Course(velocity, force, driven, lost, energy - before, damped, branch, before, times[:count].copy(), *counts)
+
+
+def constant(value: ArrayLike, samples: int) -> Array:
+    """A value at the borders of so many samples."""
+    return np.full(samples + 1, value, float)

@@ -1,0 +1,49 @@
+"""The contact law of a gesture: its striker's, or that of two materials, with the values that are given."""
+
+from collections.abc import Collection, Mapping
+
+from ...presets.kinds import SurfacePreset
+from ..osc.arguments import Refused
+from .limits import LAW, Contact
+from .object_call import ObjectCall
+from .objects import PlayedObject
+
+
+def law_of(
+    to: ObjectCall, by: PlayedObject | None, changes: Mapping[str, float] | None = None, said: Collection[str] = LAW
+) -> Contact:
+    """The contact law of a gesture: its striker's, with `changes`; given keys win.
+
+    Where an object strikes, its mass does. Unless a striker is named, the rest comes from the materials of both. The
+    canonical message says the values of the keys `said`: a mass that is said would steer a roll that goes on. A
+    restitution that is given takes the striker's dissipation's place, and the other way round.
+    """
+    preset, given = to.obj.preset, to.values.numbers
+    law = to.transaction.laws.of(to.striker, preset.material)._asdict()
+    if by:
+        law["mass"] = by.mass
+    if by and to.by_materials:
+        law.update(zip(LAW[1:], preset.struck_by(by.preset, to.contact_radius), strict=True), restitution=0.0)
+        to.warn_of_stand_ins(by)
+    law.update(changes or {})
+    if "dissipation" in given and "restitution" in given:
+        raise Refused(
+            f"dissipation = {given['dissipation']:g}, restitution = {given['restitution']:g}: expected one of the two"
+        )
+    if "dissipation" in given:
+        law["restitution"] = 0.0
+    law.update((key, given[key]) for key in law if key in given)
+    if by:
+        for key in said:
+            lost = "restitution" if key == "dissipation" and law["restitution"] else key
+            to.say(lost, law[lost])
+    return Contact(**law)
+
+
+def law_on(to: ObjectCall, by: PlayedObject | None, surface: SurfacePreset, goes_on: bool, does: str) -> Contact:
+    """The contact law of a body that rolls or slides on a surface."""
+    restitution = to.values.numbers.get("restitution")
+    if restitution is not None:
+        raise Refused(f"restitution = {restitution:g}: a body that {does} has none; expected dissipation")
+    lossy = {"dissipation": surface.dissipation, "restitution": 0.0}
+    return law_of(to, by, lossy, LAW[1:] if goes_on else LAW)
