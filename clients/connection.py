@@ -55,7 +55,8 @@ class Connection:
                 message = self._inbox.popleft()
                 if message.address == "/compiling":
                     deadline = time.monotonic() + seconds
-                    self.on_compiling(*map(float, message.args[:2]))
+                    share, left = (float(each) if isinstance(each, int | float) else 0.0 for each in message.args)
+                    self.on_compiling(share, left)
                 else:
                     yield message
 

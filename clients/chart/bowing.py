@@ -23,13 +23,14 @@ def drawings(steady: list[Row], started: list[Row]) -> dict[str, Callable[[], Fi
 def _schelleng(rows: list[Row]) -> Figure:
     figure = Figure(figsize=(7, 5))
     ax = figure.subplots()
-    for periodic, style in ((1, {"color": "black", "marker": "s"}), (0, {"color": "#cccccc", "marker": "."})):
+    for periodic, color, marker in ((1, "black", "s"), (0, "#cccccc", ".")):
         some = [row for row in rows if row["periodic"] == periodic]
         label = "one slip a period" if periodic else "other motions"
-        ax.scatter([row["beta"] for row in some], [row["force"] for row in some], label=label, **style)
-    betas = np.unique([row["beta"] for row in rows])
-    limit = 2.0 * IMPEDANCE * SPEED / (betas * (BOWED[0] - BOWED[1]))
-    ax.plot(betas, limit, color="#d62728", label="Schelleng's upper limit, 2 Z v/(beta (mu_s - mu_d))")
+        betas, forces = [row["beta"] for row in some], [row["force"] for row in some]
+        ax.scatter(betas, forces, label=label, color=color, marker=marker)
+    positions = np.unique([row["beta"] for row in rows])
+    limit = 2.0 * IMPEDANCE * SPEED / (positions * (BOWED[0] - BOWED[1]))
+    ax.plot(positions, limit, color="#d62728", label="Schelleng's upper limit, 2 Z v/(beta (mu_s - mu_d))")
     ax.set(xscale="log", yscale="log", xlabel="position of the bow, share of the string", ylabel="force (N)")
     ax.legend(loc="lower left")
     figure.suptitle(f"A bowed string that began in Helmholtz motion, at {SPEED:g} m/s")
