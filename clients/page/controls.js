@@ -2,10 +2,10 @@
 
 import { el, slider } from "./dom.js";
 
-const ACTIONS = { impact: "Strike", bounce: "Drop", roll: "Roll", press: "Press", spin: "Spin" };
+const ACTIONS = { impact: "Strike", bounce: "Drop", roll: "Roll", press: "Press", spin: "Spin", slide: "Slide" };
 const LAW = ["mass", "stiffness", "dissipation", "exponent", "restitution"];
 const HIDDEN = new Set([...LAW, "position", "gain", "seed", "by_radius"]);
-const LASTS = 1500; // ms of a roll or a press from its button
+const LASTS = 1500; // ms of a roll, a slide or a press from its button
 
 export class Controls {
   constructor(box, scene, hands) {
@@ -73,10 +73,10 @@ export class Controls {
 
   gesture(object, name, { argument, keys }) {
     const chosen = this.hands.chosen[name];
-    const usual = { impact: object.preset.velocity, bounce: 0.2, press: 5, spin: 3, roll: 0.5 }[name];
+    const usual = { impact: object.preset.velocity, bounce: 0.2, press: 5, spin: 3, roll: 0.5, slide: 0.1 }[name];
     const rows = [argument, ...keys.filter((key) => !HIDDEN.has(key.name))].map((parameter) =>
       this.choice(chosen, parameter, parameter === argument ? usual : parameter.default));
-    if (name === "roll") rows.splice(1, 0, this.surface());
+    if (name === "roll" || name === "slide") rows.splice(1, 0, this.surface(chosen, name === "roll" ? "by material" : "wood"));
     const act = el("button", { className: "act", textContent: ACTIONS[name] });
     act.onclick = () => this.act(object, name);
     return [...rows, act];
@@ -90,11 +90,11 @@ export class Controls {
     });
   }
 
-  surface() {
-    const select = el("select", { "aria-label": "surface" }, el("option", { value: "", textContent: "by material" }),
+  surface(chosen, otherwise) {
+    const select = el("select", { "aria-label": "surface" }, el("option", { value: "", textContent: otherwise }),
       ...this.scene.catalogue.surfaces.map((each) => el("option", { value: each, textContent: each.replaceAll("-", " ") })));
-    select.value = this.hands.chosen.roll.surface ?? "";
-    select.onchange = () => (select.value ? (this.hands.chosen.roll.surface = select.value) : delete this.hands.chosen.roll.surface);
+    select.value = chosen.surface ?? "";
+    select.onchange = () => (select.value ? (chosen.surface = select.value) : delete chosen.surface);
     return el("label", { className: "slider" }, el("span", { textContent: "surface" }), select);
   }
 
@@ -121,7 +121,7 @@ export class Controls {
     else if (name === "bounce") this.hands.drop(object, position);
     else if (name === "spin") this.hands.spin(object, position);
     else {
-      const id = name === "roll" ? this.hands.roll(object, position, this.hands.chosen.roll.speed ?? 0.5) : this.hands.press(object, position);
+      const id = name === "roll" ? this.hands.roll(object, position, this.hands.chosen.roll.speed ?? 0.5) : this.hands[name](object, position);
       setTimeout(() => this.hands.stop(id), LASTS);
     }
   }

@@ -1,4 +1,4 @@
-// What a hand does to an object, as messages: strikes, drops, rolls, presses, meetings.
+// What a hand does to an object, as messages: strikes, drops, rolls, slides, presses, meetings.
 
 const SURFACES = { glass: "glass", polycarbonate: "glass", wood: "polished-wood", rosewood: "polished-wood", ceramic: "tile" };
 const OTHERWISE = "steel";
@@ -12,7 +12,7 @@ export class Hands extends EventTarget {
     this.link = link;
     this.scene = scene;
     this.striker = null; // null: each object's own
-    this.chosen = { impact: {}, bounce: {}, roll: {}, press: {}, spin: {} };
+    this.chosen = { impact: {}, bounce: {}, roll: {}, press: {}, spin: {}, slide: {} };
     this.count = 0;
   }
 
@@ -27,9 +27,9 @@ export class Hands extends EventTarget {
 
   keys(gesture, object, more = {}) {
     const given = { ...this.chosen[gesture], ...more };
-    delete given[{ impact: "velocity", bounce: "height", roll: "speed", press: "force", spin: "duration" }[gesture]];
+    delete given[{ impact: "velocity", bounce: "height", roll: "speed", press: "force", spin: "duration", slide: "speed" }[gesture]];
     if (this.striker && !("by" in given)) given.striker = this.striker;
-    if ("restitution" in given) delete given[gesture === "roll" ? "restitution" : "dissipation"];
+    if ("restitution" in given) delete given[gesture === "roll" || gesture === "slide" ? "restitution" : "dissipation"];
     return Object.entries(given).flat();
   }
 
@@ -60,6 +60,13 @@ export class Hands extends EventTarget {
     const surface = this.chosen.roll.surface ?? SURFACES[object.preset.material] ?? OTHERWISE;
     const more = { radius: Math.max(SMALLEST, radius ?? click_radius ?? 0.008), ...this.chosen.roll, surface, id };
     this.link.send(`/object/${object.name}/roll`, speed, position, ...this.keys("roll", object, more));
+    return id;
+  }
+
+  slide(object, position) {
+    const id = this.id("slide");
+    const more = this.striker ? { id } : { id, striker: "bow", ...("force" in this.chosen.slide ? {} : { force: 2 }) };
+    this.link.send(`/object/${object.name}/slide`, this.chosen.slide.speed ?? 0.1, position, ...this.keys("slide", object, more));
     return id;
   }
 
