@@ -304,3 +304,12 @@ CONTRAST = """(() => {
   }
   return bad;
 })()"""
+
+
+def test_the_controls_slide_a_bow_along_the_selected_object(play):
+    table = play()
+    table.page.locator("summary", has_text="Slide").click()
+    table.page.get_by_role("button", name="Slide", exact=True).click()
+    (slid,) = table.until("/slide")
+    assert slid.message.args[:1] == (0.1,) and keys(slid.message).items() >= {"striker": "bow", "force": 2.0}.items()
+    table.until("/stop")
