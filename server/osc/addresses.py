@@ -5,7 +5,7 @@
 
 import difflib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from ...dsp.schema import (
@@ -67,6 +67,14 @@ def _steers(name: str) -> str:
     return f"steers {', '.join(named[:-1])} or {named[-1]}" if named[1:] else f"steers {named[0]}"
 
 
+def _steering(name: str) -> Number:
+    """The number that steers gestures; its useful range covers that of each."""
+    numbers = tuple(gestures_steered_by(name).values())
+    ranges = [number.useful for number in numbers if number.useful]
+    covers = (min(low for low, _ in ranges), max(high for _, high in ranges)) if len(ranges) == len(numbers) else None
+    return replace(numbers[0], useful=covers)
+
+
 GAINS = Numbers(OWN_GAIN, int(CHANNELS.high), "gains")
 NOTE = Note("note", "tunes it so that its lowest mode is at this note (A4, 69, is 440 Hz); `tune` counts from there")
 PITCH = Number("pitch", 1.0, 20_000.0, "Hz", "the same in Hz", useful=(30.0, 4_000.0))
@@ -110,10 +118,7 @@ _RUNNING = (
         "/gesture/ID/stop",
         "ends it: a bouncing striker or a disc does not come back, a rolling or sliding body halts, a hand lets go",
     ),
-    *(
-        Verb(f"/gesture/ID/{name}", _steers(name), (next(iter(gestures_steered_by(name).values())),))
-        for name in STEERABLE
-    ),
+    *(Verb(f"/gesture/ID/{name}", _steers(name), (_steering(name),)) for name in STEERABLE),
 )
 
 _ENGINE = (
