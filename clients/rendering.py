@@ -12,6 +12,7 @@ from typing import Any
 from ..presets import Presets
 from ..server.files.whole import RenderError
 from ..server.options import OVER_BUDGET
+from ..server.provenance import logged_otherwise
 from ..server.render import Options, render
 from .errors import KINDS, is_expected, plain
 from .plot import plotter
@@ -109,6 +110,8 @@ def render_task(task: Task, options: Options, presets: Presets, progress: Callab
         done = render(score, out, presets, options, progress, warnings.append, task.stems)
         if draw:
             draw(out)
+    if task.score != STREAM and (otherwise := logged_otherwise(Path(task.score), done.engine)):
+        warnings.append(otherwise)
     if limited := done.limiting.said():
         warnings.append(limited)
     if done.normalized is not None:

@@ -10,6 +10,7 @@ from pathlib import Path
 from ...dsp.runtime.engine import Engine
 from ..osc.score import format_line
 from ..osc.wire import Argument, Message
+from ..provenance import computed_by
 from ..scene.transaction import Sent
 from .outfile import OutFile
 
@@ -42,7 +43,8 @@ class Log:
         day = time.strftime("%Y-%m-%d %H:%M:%S")
         self._write(
             [
-                f"# carom {version('carom')}, {day}; render it at --rate {self._engine.rate:.0f}\n",
+                f"# carom {version('carom')}, {day}; {computed_by(self._engine)}; "
+                f"render it at --rate {self._engine.rate:.0f}\n",
                 *(format_line(0.0, message) + "\n" for message in self._head),
             ]
         )

@@ -3,6 +3,9 @@
 import errno
 import os
 import random
+import re
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 
@@ -292,7 +295,7 @@ def test_a_log_without_room_keeps_whole_lines(logged, tmp_path, monkeypatch):
     engine, scene, log = logged
     engine.process(64)
     log.write()
-    room = 300
+    room = 400
 
     def write(descriptor: int, data: bytes) -> int:
         if os.fstat(descriptor).st_size + len(data) > room:
@@ -308,5 +311,22 @@ def test_a_log_without_room_keeps_whole_lines(logged, tmp_path, monkeypatch):
     monkeypatch.undo()
     assert log.error == f"the log {tmp_path / 'log.txt'} ended: File too large"
     lines = read(tmp_path / "log.txt")
-    assert len(lines) > 5 and 300 - 40 < (tmp_path / "log.txt").stat().st_size <= 300
+    assert len(lines) > 5 and room - 40 < (tmp_path / "log.txt").stat().st_size <= room
     assert [line.message.args for line in lines[1:]] == [(0.01 * n,) for n in range(len(lines) - 1)]
+
+
+def test_a_log_names_what_computed_it_and_a_render_by_something_else_is_warned_of(tmp_path):
+    with serving(tmp_path, "--device", "none", "--log", "log.txt") as server:
+        with server.client() as client:
+            client.new("a", "wood-block")
+            client.impact("a", 1.0)
+            client.ask("/sync", 1)
+        server.quit()
+    text = (tmp_path / "log.txt").read_text()
+    said = r"# carom \S+, .*; code [0-9a-f]{16} for \S+, numpy \S+, scipy \S+; render it at --rate 48000\n"
+    assert re.match(said, text)
+    (tmp_path / "other.txt").write_text(text.replace("scipy ", "scipy 0.", 1))
+    words = [sys.executable, "-m", "carom", "render"]
+    for name, warned in (("log.txt", False), ("other.txt", True)):
+        run = subprocess.run([*words, name, "out.wav"], cwd=tmp_path, capture_output=True, text=True, check=True)
+        assert ("other.txt was logged by code" in run.stderr and "may differ" in run.stderr) == warned, run.stderr
