@@ -102,6 +102,20 @@ class Actions(ABC):
         NAME's); 0 ends it."""
         self._send_keyed(f"/object/{name}/slide", speed, position, at, keys)
 
+    def note(
+        self,
+        name: str,
+        note: Value,
+        velocity: SupportsFloat,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Value,
+    ) -> None:
+        """Strike a copy of an object that is tuned to a note (a MIDI number, or a name such as C#4), at a MIDI velocity
+        (0 to 127)."""
+        place = () if position is None else (position,)
+        self.send(f"/object/{name}/note", note, velocity, *place, *key_pairs(keys), at=at)
+
     def damp(self, name: str, amount: SupportsFloat, at: SupportsFloat | None = None) -> None:
         """Lay a hand on an object: 0 none, 1 the firmest."""
         self.send(f"/object/{name}/damp", amount, at=at)

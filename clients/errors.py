@@ -1,6 +1,7 @@
 """Which errors a command tells in one line, and how."""
 
 import sys
+from difflib import SequenceMatcher
 from pathlib import Path
 
 from ..dsp.wording import near
@@ -22,8 +23,11 @@ def plain(error: Exception) -> str:
     text = f"{error.filename}: {error.strerror}"
     missing = Path(error.filename)
     if isinstance(error, FileNotFoundError) and missing.parent.is_dir():
-        # Without their endings, which make all names alike; of two names that differ in it, the one with this ending.
-        paths = sorted(missing.parent.iterdir(), key=lambda path: (path.suffix == missing.suffix, path))
+        # Without their endings, which make all names alike; of names that differ in it, that with the nearest ending.
+        def likeness(path: Path) -> tuple[float, Path]:
+            return SequenceMatcher(None, path.suffix, missing.suffix).ratio(), path
+
+        paths = sorted(missing.parent.iterdir(), key=likeness)
         names = {path.stem: path.name for path in paths}
         if found := near(missing.stem, names):
             return f"{text}; did you mean {' or '.join(names[stem] for stem in found)}?"

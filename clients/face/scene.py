@@ -216,6 +216,18 @@ class Object:
         own); 0 ends it."""
         self.scene.slide(self.name, speed, position, at, **keys)
 
+    def note(
+        self,
+        note: Value,
+        velocity: SupportsFloat,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Value,
+    ) -> None:
+        """Strike a copy of it that is tuned to a note (a MIDI number, or a name such as C#4), at a MIDI velocity (0 to
+        127)."""
+        self.scene.note(self.name, note, velocity, position, at, **keys)
+
     def damp(self, amount: SupportsFloat, at: SupportsFloat | None = None) -> None:
         """Lay a hand on it: 0 none, 1 the firmest."""
         self.scene.damp(self.name, amount, at)

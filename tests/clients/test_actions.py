@@ -41,7 +41,7 @@ def test_every_address_of_a_score_is_shared_but_those_that_only_begin_it():
 
 def test_the_keys_are_listed_for_a_scene_alone():
     taking = {verb.action for verb in VERBS.values() if verb.keys} - {"new"}
-    assert taking == {"impact", "bounce", "roll", "press", "spin", "slide", "contact"}
+    assert taking == {"impact", "bounce", "roll", "press", "spin", "slide", "note", "contact"}
     for name in SHARED:
         assert ("\n\nKeys:\n  " in inspect.getdoc(getattr(carom.Scene, name))) == (name in taking)
         assert "Keys:" not in inspect.getdoc(getattr(carom.Client, name))
