@@ -126,6 +126,8 @@ def say_everything(client: Client, at: float | None) -> None:
     client.roll("a", 0.3, at=at)
     client.press("a", 1.0, at=at)
     client.spin("a", 1.0, at=at)
+    client.slide("a", 0.1, at=at)
+    client.note("a", "C#4", 100, at=at)
     client.damp("a", 0.1, at=at)
     client.gain("a", -3, at=at)
     client.pan("a", 0.5, at=at)

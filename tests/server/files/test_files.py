@@ -14,15 +14,15 @@ from carom.server.files.recorder import Recorder
 @pytest.mark.parametrize("kind", [Log, Recorder])
 def test_an_older_file_is_left_until_a_new_one_begins(tmp_path, kind):
     older = tmp_path / "older"
-    older.write_bytes(b"x" * 9_999)
+    older.write_bytes(b"~" * 9_999)
     kind(Engine(48_000), older).close()
     kind(Engine(48_000), tmp_path / "newer").close()
-    assert older.read_bytes() == b"x" * 9_999 and not (tmp_path / "newer").exists()
+    assert older.read_bytes() == b"~" * 9_999 and not (tmp_path / "newer").exists()
     for path in (older, tmp_path / "newer"):
         keeper = kind(Engine(48_000), path)
         keeper.start()
         keeper.close()
-        assert b"x" not in path.read_bytes() and 0 < path.stat().st_size < 1_000
+        assert b"~" not in path.read_bytes() and 0 < path.stat().st_size < 1_000
 
 
 def test_a_recording_has_every_sample_and_room_to_grow_beyond_4_gib(tmp_path):
