@@ -6,6 +6,7 @@ What holds Python's interpreter for a while (a sort, the garbage collector) woul
 from ctypes import c_double, c_int64, c_void_p
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..native.atomics import load_acquire
 from ..native.jit import c_function, carray
@@ -41,3 +42,16 @@ def pace(running, callback, state, rate, out, frames, channels, times):
         times[1] = 1e-9 * now
         times[2] = 1e-9 * (started + int(done * 1e9 / rate))
         call_back(callback, out, frames, times, flags, state)
+
+
+def keep_pace(
+    running: NDArray[np.int64],
+    callback: int,
+    state: int,
+    rate: float,
+    out: NDArray[np.float32],
+    times: NDArray[np.float64],
+) -> None:
+    """`pace` with arrays, which stay for as long as it runs. running: (1,). out: (frames, channels). times: (3,)."""
+    frames, channels = out.shape
+    pace(running.ctypes.data, callback, state, rate, out.ctypes.data, frames, channels, times.ctypes.data)

@@ -13,9 +13,10 @@ from typing import Protocol
 import numpy as np
 
 from ...dsp.native.atomics import publish
+from ...dsp.native.code import load
 from ...dsp.runtime.engine import Engine
 from ...dsp.runtime.handover import Handover
-from ...dsp.runtime.pacer import pace
+from ...dsp.runtime.pacer import keep_pace
 from .portaudio import AudioError, give_up, jack_rate, never_end, portaudio
 
 _CLOCK_BLOCK = 480
@@ -62,10 +63,10 @@ class ClockOutput:
         self.latency = max(frames / engine.rate, latency or 0.0)
         self._engine = engine
         self._running = np.ones(1, np.int64)
-        self._out, self._times = np.zeros((frames, engine.channels), np.float32), np.zeros(3)
-        running, out, times = (each.ctypes.data for each in (self._running, self._out, self._times))
-        args = running, engine.address, engine.pointer, engine.rate, out, frames, engine.channels, times
-        self._thread = threading.Thread(target=pace, args=args, name="carom-clock", daemon=True)
+        load(keep_pace.__module__)  # now, not in the thread: it may have to be compiled
+        memory = np.zeros((frames, engine.channels), np.float32), np.zeros(3)
+        args = self._running, engine.address, engine.pointer, engine.rate, *memory
+        self._thread = threading.Thread(target=keep_pace, args=args, name="carom-clock", daemon=True)
 
     def prepare(self) -> None:
         pass

@@ -12,7 +12,7 @@ from carom.dsp.native.system import monotonic_ns
 from carom.dsp.runtime.callback import SIGNATURE
 from carom.dsp.runtime.engine import Engine
 from carom.dsp.runtime.handover import Handover
-from carom.dsp.runtime.pacer import pace
+from carom.dsp.runtime.pacer import keep_pace
 
 RATE = 48_000
 
@@ -59,12 +59,10 @@ def test_the_engine_is_run_by_one_at_a_time():
     state = np.zeros(3, np.int64)
     handovers = [Handover(slow.address, state.ctypes.data, 2) for _ in range(2)]
     running = np.ones(1, np.int64)
-    threads, memories = [], []
+    threads = []
     for handover in handovers:
-        memories.append((np.zeros((64, 2), np.float32), np.zeros(3)))
-        go, out, times = (each.ctypes.data for each in (running, *memories[-1]))
-        args = go, handover.address, handover.pointer, 64 * 2.0e4, out, 64, 2, times
-        threads.append(threading.Thread(target=pace, args=args))
+        args = running, handover.address, handover.pointer, 64 * 2.0e4, np.zeros((64, 2), np.float32), np.zeros(3)
+        threads.append(threading.Thread(target=keep_pace, args=args))
         threads[-1].start()
     refused = 0
     for n in range(100):

@@ -13,7 +13,7 @@ import soundfile
 from carom.dsp.native.atomics import publish
 from carom.dsp.runtime.engine import Engine
 from carom.dsp.runtime.handover import Handover
-from carom.dsp.runtime.pacer import pace
+from carom.dsp.runtime.pacer import keep_pace
 from carom.server.audio import supervisor as player_module
 from carom.server.audio.supervisor import Player, priority
 from tests.support import serving
@@ -51,10 +51,9 @@ class Device:
 
     def come_round(self) -> None:
         self._running = np.ones(1, np.int64)
-        self._memory = np.zeros((480, 2), np.float32), np.zeros(3)
-        running, out, times = (each.ctypes.data for each in (self._running, *self._memory))
-        args = running, self._handover.address, self._handover.pointer, 48_000.0, out, 480, 2, times
-        self._thread = threading.Thread(target=pace, args=args, daemon=True)
+        memory = np.zeros((480, 2), np.float32), np.zeros(3)
+        args = self._running, self._handover.address, self._handover.pointer, 48_000.0, *memory
+        self._thread = threading.Thread(target=keep_pace, args=args, daemon=True)
         self._thread.start()
 
     def stall(self) -> None:
