@@ -122,11 +122,8 @@ def say_everything(client: Client, at: float | None) -> None:
     """Call every method that stands for an address of a score."""
     client.new("a", "wood-block", at=at, gain=-6)
     client.impact("a", 1.0, at=at)
-    client.bounce("a", 0.1, at=at)
-    client.roll("a", 0.3, at=at)
-    client.press("a", 1.0, at=at)
-    client.spin("a", 1.0, at=at)
-    client.slide("a", 0.1, at=at)
+    for gesture in (client.bounce, client.roll, client.press, client.spin, client.slide):
+        gesture("a", 0.3, at=at)
     client.note("a", "C#4", 100, at=at)
     client.damp("a", 0.1, at=at)
     client.gain("a", -3, at=at)
