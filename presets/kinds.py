@@ -161,6 +161,8 @@ class ObjectPreset:
     glide: float | None
     """Rise of its tension (1/J) with the energy that rings; None: by its geometry and material."""
     stereo_width: float
+    most_modes: int | None
+    """Those that are heard best are kept; None: all."""
     added: tuple[Added, ...]
     written: Material | None
     """The material of the preset's file, which the decay times of what is added were given for."""
@@ -201,6 +203,7 @@ class ObjectPreset:
             gesture_levels={name: values[key] for name, key in GESTURE_LEVELS.items() if key in values},
             glide=values.get("glide"),
             stereo_width=values.get("stereo_width", STEREO_WIDTH),
+            most_modes=values.get("most_modes"),
             added=added,
             written=material,
             where=titles["geometry"],
@@ -223,6 +226,8 @@ class ObjectPreset:
             modes = made(make, top, arguments, self.stereo_width)
         except ValueError as error:
             raise PresetError(f"{self.where}{error}") from None
+        if self.most_modes is not None:
+            modes = shapes.loudest(modes, self.most_modes)
         return modes if self.glide is None else replace(modes, glide=self.glide)
 
     def struck_by(self, striker: ObjectPreset, radius: float = CONTACT_RADIUS) -> tuple[float, float, float]:
@@ -242,7 +247,7 @@ class ObjectPreset:
         shape = SHAPES[self.shape]
         sections = {"geometry": shape.fields, "damping": shape.damping, "strike": STRIKE}
         own = {key: (section, fields) for section, fields in sections.items() for key in fields}
-        given = ("material", "level", *GESTURE_LEVELS.values(), "stereo_width", "glide")
+        given = ("material", "level", *GESTURE_LEVELS.values(), "stereo_width", "most_modes", "glide")
         return {**own, **dict.fromkeys(given, ("", OBJECT))}
 
     @property

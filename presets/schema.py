@@ -263,6 +263,7 @@ SHAPES: Mapping[str, Shape] = {
         shapes.glass,
         {"radius": LENGTH, "height": LENGTH, "thickness": THICKNESS, "rows": Whole(1, 3), **ROUND},
     ),
+    "sphere": Shape(shapes.sphere, {"radius": LENGTH}),
     "listed": Shape(
         shapes.listed,
         {
@@ -335,5 +336,6 @@ OBJECT: Fields = {
     **dict.fromkeys(("level", *GESTURE_LEVELS.values()), Quantity(-120, 120, "dB")),
     "glide": Quantity(0, 1e6, "1/J"),
     "stereo_width": FRACTION,
+    "most_modes": Whole(1, 4096),
     **dict.fromkeys(SECTIONS, Section()),
 }

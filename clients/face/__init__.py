@@ -12,8 +12,10 @@ Render a score to an array, or play a scene of your own, in this process and as 
     sound.save("plate.wav")                                      # sound.samples: float32 (96000, 2)
 
 `carom.render(score)` does the same for a score: a file's Path, a text, or lines. `carom.Client` plays on a running
-server (`carom serve`) over OSC. `carom.Presets` has the objects, strikers, materials and surfaces there are; on the
-command line, `carom presets` lists them. `carom.dsp` holds the contact law, its closed forms and the modes of bodies.
+server (`carom serve`) over OSC. `carom.World` is the microphone of a simulation: it is stepped with it, and turns its
+contacts into blows, slides and rolls. `carom.Presets` has the objects, strikers, materials and surfaces there are; on
+the command line, `carom presets` lists them. `carom.dsp` holds the contact law, its closed forms and the modes of
+bodies.
 
 `carom.fit` makes an object of recordings; `carom.compare` says how far apart two sounds are.
 
@@ -43,7 +45,14 @@ if TYPE_CHECKING:
     from .scene import Scene as Scene
     from .server.files.whole import RenderError as RenderError
     from .server.osc.score import ScoreError as ScoreError
+    from .server.world.bodies import WorldError as WorldError
+    from .server.world.hearing import Hearing as Hearing
+    from .server.world.hearing import Microphone as Microphone
+    from .server.world.simulation import Hit as Hit
+    from .server.world.told import Pose as Pose
+    from .server.world.told import Touch as Touch
     from .sound import Sound as Sound
+    from .world import World as World
 
     __version__: str
 
@@ -51,8 +60,12 @@ _HOMES = {
     "Client": "clients.client",
     "CommandError": "clients.actions",
     "Contact": "contacts",
+    "Hearing": "server.world.hearing",
+    "Hit": "server.world.simulation",
+    "Microphone": "server.world.hearing",
     "ModeTable": "modes",
     "Object": "scene",
+    "Pose": "server.world.told",
     "PresetError": "presets",
     "Presets": "presets",
     "RenderError": "server.files.whole",
@@ -60,6 +73,9 @@ _HOMES = {
     "Scene": "scene",
     "ScoreError": "server.osc.score",
     "Sound": "sound",
+    "Touch": "server.world.told",
+    "World": "world",
+    "WorldError": "server.world.bodies",
     "compare": "recordings",
     "fit": "recordings",
     "render": "offline",
@@ -70,8 +86,12 @@ __all__ = [
     "Client",
     "CommandError",
     "Contact",
+    "Hearing",
+    "Hit",
+    "Microphone",
     "ModeTable",
     "Object",
+    "Pose",
     "PresetError",
     "Presets",
     "RenderError",
@@ -79,6 +99,9 @@ __all__ = [
     "Scene",
     "ScoreError",
     "Sound",
+    "Touch",
+    "World",
+    "WorldError",
     "__version__",
     "compare",
     "dsp",

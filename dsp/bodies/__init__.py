@@ -10,9 +10,10 @@ from .bar import bar
 from .disc import disc, membrane
 from .listed import listed
 from .material import Material, hertz
-from .modes import Modes
+from .modes import Modes, loudest
 from .plate import plate
 from .ring import glass, ring
+from .sphere import sphere
 from .string import string
 
 __all__ = [
@@ -26,8 +27,10 @@ __all__ = [
     "glass",
     "hertz",
     "listed",
+    "loudest",
     "membrane",
     "plate",
     "ring",
+    "sphere",
     "string",
 ]

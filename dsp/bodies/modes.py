@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -60,6 +60,19 @@ def audible(frequency: Array, top: float) -> Indices:
     if not heard.size:
         raise ValueError(f"no mode lies between {LOWEST_FREQUENCY:g} Hz and {top:g} Hz")
     return heard[:MOST_MODES]
+
+
+def loudest(modes: Modes, count: int) -> Modes:
+    """The modes that a blow where each moves most makes radiate most, at most `count`: by (G phi)^2/sigma."""
+    heard = (modes.pressure**2).sum(axis=0) * (modes.strike**2).max(axis=0) / modes.decay
+    keep = np.sort(np.argsort(-heard, kind="stable")[:count])
+    return replace(
+        modes,
+        frequency=modes.frequency[keep],
+        decay=modes.decay[keep],
+        strike=modes.strike[:, keep],
+        pressure=modes.pressure[:, keep],
+    )
 
 
 def read_only(*arrays: npt.NDArray[Any]) -> None:

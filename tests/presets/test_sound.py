@@ -37,7 +37,17 @@ def touched(name: str) -> float:
 def test_there_is_enough_to_play_with():
     objects = [PRESETS.object(name) for name in PRESETS.names("objects")]
     assert len(objects) >= 16 and len(PRESETS.names("strikers")) >= 8
-    assert {o.shape for o in objects} == {"bar", "string", "plate", "disc", "membrane", "ring", "glass", "listed"}
+    assert {o.shape for o in objects} == {
+        "bar",
+        "string",
+        "plate",
+        "disc",
+        "membrane",
+        "ring",
+        "glass",
+        "listed",
+        "sphere",
+    }
     assert len({o.material.name for o in objects if o.material}) >= 8
 
 

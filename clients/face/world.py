@@ -1,0 +1,245 @@
+"""A world: the microphone of a simulation, which is stepped with it."""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Sequence
+from itertools import groupby
+from os import PathLike
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._capture import Capture
+from ._perform import Folders, chosen
+from .clients.client import Client
+from .dsp.engine.state import QUANTUM
+from .dsp.resonator.bank import NYQUIST_SHARE
+from .scene import Scene
+from .server.osc.score import Line, format_line
+from .server.osc.wire import Message
+from .server.world.bodies import WorldError
+from .server.world.hearing import Hearing, Microphone
+from .server.world.simulation import Counts, Hit, Simulation, Timed, at_times
+from .server.world.told import Contacts, Pose, Poses
+from .sound import Sound
+
+Blocks = NDArray[np.float32]
+
+_AHEAD = 0.03  # s between a live step and its sound
+_DRIFT = 0.1  # s by which a simulation may run ahead of the clock or behind, before its sound is set to the clock again
+
+
+class World:
+    """The sound of a simulation, computed in step with it, or played on a server.
+
+        with carom.World(microphones=[carom.Microphone((0, -1, 0.5))]) as world:
+            world.body("floor", "plate", (2, 2, 0.02), "wood", held=True)
+            world.body("ball", "sphere", 0.02, "glass")
+            touch = carom.Touch("floor", "ball", point=(0, 0, 0.01), normal=(0, 0, 1), approach=1.5)
+            block = world.step(0.01, [touch])   # float32 (480, 1), in pascals
+
+    Bodies become objects, which ring where they are struck; contacts become blows, slides and rolls. `step` takes what
+    a simulator knows of a moment: which points touch, and where the bodies are. A contact begins once, stays, and ends;
+    what rests is silent. A blow follows from the speed of approach and the effective mass, by the contact law of both
+    materials, at its time between the steps. Samples are pascals at the microphones, and nothing limits them.
+
+    rate: Hz. microphones: Microphone or positions (m), a channel each; the pressure falls as 1/r. hearing: in place of
+    microphones, a Hearing, which says what is computed, too. client: plays on that Client's server instead, whose
+    channels are then left as they are; steps return empty blocks, and are to be taken in real time. keep: keep the
+    sound, for `sound`, and the messages, for `score`. stems, contacts: as for a Scene; they need `keep`. presets: as
+    for a Scene. gravity: m/s^2. start: s, the simulation's time before the first step.
+
+    The sound of a time comes `latency` (s) later in the blocks: 64 frames. WorldError names the body and the step of
+    what cannot be; then that step has changed nothing. Equal steps make equal bits.
+    """
+
+    def __init__(
+        self,
+        rate: int = 48_000,
+        *,
+        microphones: Sequence[Microphone | Sequence[float]] = (Microphone((0.0, 0.0, 1.5)),),
+        hearing: Hearing | None = None,
+        client: Client | None = None,
+        keep: bool = False,
+        stems: bool = False,
+        contacts: bool = False,
+        presets: Folders = (),
+        gravity: float = 9.81,
+        start: float = 0.0,
+    ) -> None:
+        if (stems or contacts) and not keep:
+            raise WorldError(f"stems = {stems}, contacts = {contacts}: expected keep=True with them")
+        hearing = hearing or Hearing(tuple(map(_microphone, microphones)))
+        library = chosen(presets)
+        self.rate = int(rate)
+        self.latency = 0.0 if client else QUANTUM / rate
+        self._client = client
+        self._scene = None
+        if client is None:
+            channels = len(hearing.microphones)
+            self._scene = Scene(
+                rate, channels=channels, calibrated=True, stems=stems, contacts=contacts, presets=library
+            )
+        self._capture = Capture(self._scene._open, 0) if self._scene and keep else None
+        self._lines: list[Line] | None = [] if keep else None
+        self._told = Simulation(library, NYQUIST_SHARE * 0.5 * rate, hearing, gravity=gravity, start=start)
+        self._start = start
+        self._origin = math.nan  # Unix time of the simulation's time 0, of a live server
+        self._frames = 0
+
+    def __enter__(self) -> World:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End it: give its memory back, or free its bodies' objects on the server. Sounds stay."""
+        if self._scene:
+            self._scene.close()
+        elif self._client:
+            for body in self._told.bodies:
+                if body.rings:
+                    self._client.free(body.name)
+
+    @property
+    def time(self) -> float:
+        """s: of the last step."""
+        return self._told.time
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """The names of the bodies; their places are their numbers."""
+        return tuple(body.name for body in self._told.bodies)
+
+    @property
+    def hits(self) -> list[Hit]:
+        """The blows that the last step told, those that nobody would hear too."""
+        return self._told.hits
+
+    @property
+    def counts(self) -> Counts:
+        """What was told since the beginning, and what was left out."""
+        return self._told.counts
+
+    def body(
+        self,
+        name: str,
+        shape: str,
+        size: ArrayLike,
+        material: str,
+        pose: Pose | None = None,
+        **about: Any,
+    ) -> int:
+        """Add a body before it touches anything; its number.
+
+        shape and size (m): box or plate (three edges), sphere (radius), cylinder (radius, length), capsule (radius,
+        length between its ends' centres), mesh (vertices (n, 3); the box around them rings). A cylinder's and a
+        capsule's axis is z. material: a preset. pose: where it is, if no step says it. density (kg/m^3) or mass (kg),
+        inertia (moments about its axes, kg m^2): in place of those of a solid body of the material. held=True: it does
+        not move. rings=False: it is silent. object: a preset that rings in its place. Further keys are those of
+        `/object/new`, such as most_modes, damping or gain.
+        """
+        self._send(self._told.add(name, shape, size, material, pose, **about))
+        return self._told.number(name)
+
+    def pair(self, a: str, b: str, **keys: Any) -> None:
+        """Say how the contact of two bodies differs from that of their materials: surface (a preset), restitution,
+        roughness, patch (m), static, dynamic, stribeck (m/s), along (0 to 1: how far friction moves what rings)."""
+        self._told.pair(a, b, **keys)
+
+    def step(self, time: float, contacts: Contacts = (), poses: Poses | None = None) -> Blocks:
+        """Take the simulation's state at a time (s) after the last step's; the sound up to it, (frames, channels).
+
+        contacts: all points that touch now, as Touch or as arrays by name. poses: Pose by name, of the bodies that have
+        moved; others are where they were.
+        """
+        self._send(self._told.step(time, contacts, poses))
+        return self._up_to(time)
+
+    def advance(self, time: float, points: int) -> Blocks:
+        """As `step`, for bridges: poses and contacts are in the columns of `memory` already."""
+        self._send(self._told.advance(time, points))
+        return self._up_to(time)
+
+    @property
+    def memory(self) -> NDArray[np.void]:
+        """The columns of bodies and contacts, a record of `carom.dsp.tracking.state.STATE`."""
+        return self._told.state
+
+    def ring(self, seconds: float) -> Blocks:
+        """The sound of some seconds more, in which no step is taken; steps go on after them."""
+        until = self.time + seconds
+        self._told.state["time"] = until
+        return self._up_to(until)
+
+    def sound(self) -> Sound:
+        """All that was heard, up to now. WorldError unless it was kept."""
+        if self._capture is None:
+            raise WorldError("sound: expected a World(keep=True) without a client")
+        return self._capture.sound()
+
+    def score(self, path: str | PathLike[str] | None = None) -> str:
+        """The messages up to now as a score, which `carom.render(..., calibrated=True)` turns into the same bits; it is
+        written to a file if one is given. WorldError unless they were kept."""
+        if self._lines is None:
+            raise WorldError("score: expected a World(keep=True)")
+        ordered = sorted(self._lines, key=lambda line: line.time)
+        text = "".join(f"{format_line(line.time, line.message)}\n" for line in ordered)
+        head = f"0.0 /channels {self._told.channels}\n"
+        if path is not None:
+            Path(path).write_text(head + text, encoding="utf-8")
+        return head + text
+
+    def _send(self, messages: list[Timed]) -> None:
+        """Have messages carried out at their times."""
+        for time, group in groupby(at_times(messages), key=lambda each: each.time):
+            together = [each.message for each in group]
+            if self._scene is None:
+                self._play(time, together)
+                continue
+            at = max(time - self._start + self.latency, self._scene.time)
+            self._keep(at, together)
+            self._scene._send(together, at)
+
+    def _play(self, time: float, messages: list[Message]) -> None:
+        """Send messages to the server, for their time by the clock."""
+        assert self._client
+        now = clock.time()
+        if not abs(self._origin + time + _AHEAD - now) < _DRIFT + _AHEAD:  # at first, too
+            self._origin = now - time
+        self._keep(max(time - self._start, 0.0), messages)
+        self._client._send(messages, self._origin + time + _AHEAD)
+
+    def _keep(self, at: float, messages: list[Message]) -> None:
+        if self._lines is not None:
+            self._lines += [Line(at, message, "") for message in messages]
+
+    def _up_to(self, time: float) -> Blocks:
+        """The sound up to a time."""
+        if self._scene is None:
+            return np.empty((0, self._told.channels), np.float32)
+        frames = round((time - self._start) * self.rate) - self._frames
+        self._frames += frames
+        engine = self._scene._open.engine
+        if self._capture is None:
+            return engine.process(frames)
+        pieces = [np.empty((0, engine.channels), np.float32)]
+        while left := self._frames - self._capture.end:
+            pieces.append(engine.process(min(left, self._capture.room())))
+            self._capture.add(pieces[-1])
+        return np.concatenate(pieces)
+
+
+def _microphone(given: Microphone | Sequence[float]) -> Microphone:
+    if isinstance(given, Microphone):
+        return given
+    x, y, z = given
+    return Microphone((float(x), float(y), float(z)))

@@ -1,0 +1,142 @@
+"""The points at which bodies touch in a step: whose they are, how fast they close and slip, which of them are new."""
+
+import math
+
+from ..native.jit import kernel
+from .state import KEPT, PAIRS
+
+MEMORY = 0.002
+"""s, at least two steps: how long a point that is not told is remembered."""
+
+_SAME = 0.002  # m by which a point may move from step to step and stay the same
+_SAME_SHARE = 0.1  # of the smaller body's half length, by which it may as well
+
+
+@kernel
+def clear(pair):
+    """Forget the points of the step before."""
+    pair.before = pair.count
+    pair.count = pair.fresh = 0
+    pair.weight = pair.slip = pair.force = pair.speed = pair.delay = pair.mass = pair.restitution = 0.0
+    for k in range(3):
+        pair.point[k] = pair.normal[k] = pair.fresh_point[k] = pair.fresh_normal[k] = 0.0
+
+
+@kernel
+def _find(state, a, b):
+    """The number of a pair, which touches from now on if it did not; -1 where there is no room."""
+    place = state.place[a, b] - 1
+    if place >= 0 or state.touching == PAIRS:
+        return place
+    place = state.touching
+    state.touching += 1
+    state.place[a, b] = place + 1
+    pair = state.pairs[place]
+    clear(pair)
+    pair.a, pair.b = a, b
+    pair.begun = state.time
+    pair.moves = pair.before = pair.settled = 0
+    for k in range(KEPT):
+        pair.kept_at[k] = -math.inf
+    for k in range(3):
+        pair.now[k] = pair.said[k] = 0.0
+    pair.sweep[0] = pair.sweep[1] = 0.0
+    return place
+
+
+@kernel
+def take_point(state, n, span, least):
+    """Add a point of this step to its pair."""
+    first, second = state.pair[n, 0], state.pair[n, 1]
+    if first == second:
+        return
+    if state.lightness[first] == 0.0 and state.lightness[second] == 0.0:
+        return
+    sign = 1.0 if first < second else -1.0
+    a, b = min(first, second), max(first, second)
+    place = _find(state, a, b)
+    if place < 0:
+        state.left_out += 1
+        return
+    pair = state.pairs[place]
+    pair.seen = state.time
+    pair.count += 1
+    point, normal = state.point[n], state.normal[n]
+    approach, slip = _speeds(state, n, a, b, sign)
+    force = state.force[n]
+    weight = force if force > 0.0 else 1e-9
+    pair.weight += weight
+    pair.slip += weight * slip
+    pair.force += force if force > 0.0 else 0.0
+    for k in range(3):
+        pair.point[k] += point[k]
+        pair.normal[k] += sign * normal[k]
+    fresh = _is_new(state, pair, n, span)
+    if fresh and approach > least:
+        pair.fresh += 1
+        pair.speed += approach
+        depth = state.depth[n]
+        pair.delay += min(depth / approach, span) if depth > 0.0 else 0.0
+        pair.mass += state.mass[n]
+        pair.restitution += state.restitution[n]
+        for k in range(3):
+            pair.fresh_point[k] += point[k]
+            pair.fresh_normal[k] += sign * normal[k]
+
+
+@kernel
+def _speeds(state, n, a, b, sign):
+    """How fast a point closes and slips (m/s): as it was told, else by the motion of the bodies."""
+    point, normal = state.point[n], state.normal[n]
+    closing = square = 0.0
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        rate = state.velocity[a, k] - state.velocity[b, k]
+        rate += state.spin[a, i] * (point[j] - state.about[a, j]) - state.spin[a, j] * (point[i] - state.about[a, i])
+        rate -= state.spin[b, i] * (point[j] - state.about[b, j]) - state.spin[b, j] * (point[i] - state.about[b, i])
+        closing += sign * rate * normal[k]
+        square += rate * rate
+    approach, slip = state.approach[n], state.slip[n]
+    if math.isnan(approach):
+        approach = closing
+    if math.isnan(slip):
+        slip = math.sqrt(max(square - closing * closing, 0.0))
+    return approach, slip
+
+
+@kernel
+def into(state, body, point, k):
+    """Component k of a point (m, in the world) in the axes of a body."""
+    total = 0.0
+    for i in range(3):
+        total += state.turn[body, 3 * i + k] * (point[i] - state.position[body, i])
+    return total
+
+
+@kernel
+def _is_new(state, pair, n, span):
+    """True if a point was not there in the last steps; it is remembered."""
+    point = state.point[n]
+    near = max(_SAME, _SAME_SHARE * min(state.reach[pair.a], state.reach[pair.b]))
+    since = state.time - max(MEMORY, 2.5 * span)
+    found, oldest = -1, 0
+    for m in range(KEPT):
+        if pair.kept_at[m] < pair.kept_at[oldest]:
+            oldest = m
+        if pair.kept_at[m] < since or pair.kept_at[m] == state.time:
+            continue
+        for side in range(2):
+            square = 0.0
+            for k in range(3):
+                away = into(state, pair.a if side == 0 else pair.b, point, k) - pair.kept[m, side, k]
+                square += away * away
+            if square < near * near:
+                found = m
+    new = found < 0
+    if new:
+        found = oldest
+    pair.kept_at[found] = state.time
+    for k in range(3):
+        pair.kept[found, 0, k] = into(state, pair.a, point, k)
+        pair.kept[found, 1, k] = into(state, pair.b, point, k)
+    return new

@@ -1,0 +1,117 @@
+"""The tracker's memory: the bodies, what a simulator tells of a step, the pairs that touch, and what happened."""
+
+import numpy as np
+
+BODIES = 512
+POINTS = 8_192
+"""Points of contact in one step."""
+PAIRS = 2_048
+"""Pairs of bodies that touch at once."""
+EVENTS = 4_096
+"""Events of one step."""
+KEPT = 16
+"""Points of a pair that are remembered, to know a new one."""
+
+HIT, MOVE, STEER, REST = range(4)
+"""Kinds of events: a blow; a standing contact begins to slip or to sweep; it does so otherwise; it does so no more."""
+
+TOLD = ("depth", "approach", "slip", "force", "mass", "restitution")
+"""What a simulator may tell of a point, NaN where it does not."""
+
+_PAIR = np.dtype(
+    [
+        ("a", np.int64),
+        ("b", np.int64),
+        ("begun", np.float64),  # s
+        ("seen", np.float64),  # s: when it was told last
+        ("moves", np.int64),  # 1: it was told that it slips or sweeps
+        # The points that were told of late, in the axes of each body.
+        ("kept", np.float64, (KEPT, 2, 3)),
+        ("kept_at", np.float64, KEPT),
+        # The points of this step, and those of the step before.
+        ("count", np.int64),
+        ("before", np.int64),
+        ("settled", np.int64),  # 1: `local` is that of the step before
+        ("point", np.float64, 3),
+        ("normal", np.float64, 3),
+        ("weight", np.float64),
+        ("slip", np.float64),
+        ("force", np.float64),
+        # Those among them that are new, and close fast enough to be heard.
+        ("fresh", np.int64),
+        ("fresh_point", np.float64, 3),
+        ("fresh_normal", np.float64, 3),
+        ("speed", np.float64),
+        ("delay", np.float64),
+        ("mass", np.float64),
+        ("restitution", np.float64),
+        # Where the contact is in the axes of each body, and how fast it moves over them.
+        ("local", np.float64, (2, 3)),
+        ("sweep", np.float64, 2),
+        ("now", np.float64, 3),  # slip (m/s), sweep (m/s), force (N), smoothed
+        ("said", np.float64, 3),  # the same, as it was told last
+    ],
+    align=True,
+)
+
+EVENT = np.dtype(
+    [
+        ("kind", np.int64),
+        ("a", np.int64),
+        ("b", np.int64),
+        ("time", np.float64),
+        ("point", np.float64, 3),  # m, in the world
+        ("normal", np.float64, 3),  # from a to b
+        ("local", np.float64, (2, 3)),  # the point in the axes of each body, from its centre of mass
+        ("speed", np.float64),  # m/s: of the approach
+        ("mass", np.float64),  # kg: effective, along the normal
+        ("restitution", np.float64),  # NaN: not told
+        ("slip", np.float64),  # m/s
+        ("sweep", np.float64, 2),  # m/s, over a and over b
+        ("force", np.float64),  # N
+    ],
+    align=True,
+)
+"""Something that happened between a pair of bodies, a before b by their numbers."""
+
+STATE = np.dtype(
+    [
+        ("time", np.float64),  # s: of the last step
+        ("rest", np.float64),  # m/s: a slower approach is no blow
+        ("gravity", np.float64),  # m/s^2
+        ("bodies", np.int64),
+        # Of each body: its centre of mass, its axes (rows of a rotation matrix), and the velocity of its point `about`.
+        ("position", np.float64, (BODIES, 3)),
+        ("turn", np.float64, (BODIES, 9)),
+        ("velocity", np.float64, (BODIES, 3)),
+        ("spin", np.float64, (BODIES, 3)),
+        ("about", np.float64, (BODIES, 3)),
+        ("lightness", np.float64, BODIES),  # 1/kg; 0: it is held
+        ("yielding", np.float64, (BODIES, 3)),  # 1/(kg m^2): inverse moments of inertia about its axes
+        ("reach", np.float64, BODIES),  # m: half of its greatest length
+        # Of each point of contact of this step.
+        ("pair", np.int32, (POINTS, 2)),
+        ("point", np.float64, (POINTS, 3)),
+        ("normal", np.float64, (POINTS, 3)),
+        *((name, np.float64, POINTS) for name in TOLD),
+        # Pairs that touch, the first `touching` of `pairs`; `place` has their numbers plus 1.
+        ("touching", np.int64),
+        ("pairs", _PAIR, PAIRS),
+        ("place", np.int16, (BODIES, BODIES)),
+        ("left_out", np.int64),  # points of pairs that found no room
+        ("happened", np.int64),
+        ("events", EVENT, EVENTS),
+    ],
+    align=True,
+)
+"""The whole memory. `pair` numbers bodies; `normal` leads from the first of them to the second."""
+
+
+def new_state(rest: float, gravity: float) -> np.ndarray:
+    """(1,) of STATE: nothing touches. rest: m/s; gravity: m/s^2."""
+    state = np.zeros(1, STATE)
+    state["rest"], state["gravity"] = rest, gravity
+    state["turn"][:] = np.eye(3).ravel()
+    for name in TOLD:
+        state[name][:] = np.nan
+    return state

@@ -1,0 +1,222 @@
+"""Contacts from step to step: the C function `track` looks at a step of a simulation and lists what happened in it.
+
+The points of a pair of bodies are one contact. A point that was not there in the last steps, neither in the axes of one
+body nor in those of the other, is new; new points that close faster than `rest` are one blow at their middle. Its time
+lies before the step's by depth over speed. Its effective mass along the normal n is 1/m = sum over both bodies of
+1/M + (r x n) I^-1 (r x n), with the lever arm r from the centre of mass.
+
+A pair that has touched for a while slips at the speed of one body over the other, and sweeps at that of the contact
+over each body. What is told of it changes only where that can be heard.
+"""
+
+import math
+from ctypes import c_double, c_int64, c_void_p
+
+from ..native.jit import c_function, carray, kernel
+from .points import MEMORY, clear, into, take_point
+from .state import EVENTS, HIT, MOVE, REST, STATE, STEER
+
+_STAYED = 0.01  # s, at least three steps: after which a contact stands
+_SMOOTH = 0.005  # s: time constant of slip and sweep
+_SMOOTH_FORCE = 0.02  # s: of the force
+_MOVES, _RESTS = 0.01, 0.004  # m/s: a contact begins to move above the first, and rests below the second
+_NOTICED = 0.05  # share by which a speed or a force must change to be told
+_FALL = 0.5  # of the speed that gravity gives in a step, which is no blow either
+
+
+@c_function(c_int64, c_void_p, c_int64, c_double)
+def track(state, points, time):
+    """Look at a step of so many points at a time (s); the number of events, which are in `events` in no order.
+
+    -1 where a number is not finite, or there is no such body: then nothing has changed.
+    """
+    state = carray(state, (1,), STATE)[0]
+    if not _is_whole(state, points):
+        return -1
+    span = time - state.time
+    state.time = time
+    state.happened = 0
+    for i in range(state.touching):
+        clear(state.pairs[i])
+    least = max(state.rest, _FALL * state.gravity * span)
+    for n in range(points):
+        take_point(state, n, span, least)
+    for i in range(state.touching - 1, -1, -1):
+        _judge(state, i, span)
+    return state.happened
+
+
+@kernel
+def _is_whole(state, points):
+    """True if all that was told is finite, and of bodies that there are."""
+    total = 0.0
+    for n in range(state.bodies):
+        for k in range(3):
+            total += state.position[n, k] + state.velocity[n, k] + state.spin[n, k]
+        for k in range(9):
+            total += state.turn[n, k]
+    for n in range(points):
+        for side in range(2):
+            if not 0 <= state.pair[n, side] < state.bodies:
+                return False
+        for k in range(3):
+            total += state.point[n, k] + state.normal[n, k]
+    return math.isfinite(total)
+
+
+@kernel
+def _judge(state, i, span):
+    """Tell what happened to a pair in this step; forget it where it touches no more."""
+    pair = state.pairs[i]
+    if pair.count == 0:
+        if state.time - pair.seen > max(MEMORY, 2.5 * span):
+            if pair.moves:
+                _tell(state, pair, REST)
+            _forget(state, i)
+        return
+    for k in range(3):
+        pair.point[k] /= pair.count
+    if pair.fresh > 0:
+        _hit(state, pair)
+    _follow(state, pair, span)
+    slip, sweep = pair.now[0], pair.now[1]
+    fastest = max(slip, sweep)
+    if pair.moves == 0:
+        if fastest > _MOVES and state.time - pair.begun >= max(_STAYED, 2.5 * span):
+            pair.moves = 1
+            _tell(state, pair, MOVE)
+    elif fastest < _RESTS:
+        pair.moves = 0
+        _tell(state, pair, REST)
+    elif _is_noticed(pair):
+        _tell(state, pair, STEER)
+
+
+@kernel
+def _follow(state, pair, span):
+    """Find how a contact slips and sweeps, and how hard it is pressed, smoothed."""
+    share = -math.expm1(-span / _SMOOTH)
+    same = pair.settled == 1 and pair.count == pair.before and pair.fresh == 0 and span > 0.0
+    for side in range(2):
+        body = pair.a if side == 0 else pair.b
+        square = 0.0
+        for k in range(3):
+            at = into(state, body, pair.point, k)
+            away = at - pair.local[side, k]
+            square += away * away
+            pair.local[side, k] = at
+        if same:
+            pair.sweep[side] += share * (math.sqrt(square) / span - pair.sweep[side])
+    pair.settled = 1
+    slip = pair.slip / pair.weight
+    pair.now[0] += share * (slip - pair.now[0])
+    pair.now[1] = max(pair.sweep[0], pair.sweep[1])
+    force = pair.force if pair.force > 0.0 else _weight(state, pair)
+    if pair.now[2] == 0.0:
+        pair.now[2] = force
+    pair.now[2] += -math.expm1(-span / _SMOOTH_FORCE) * (force - pair.now[2])
+
+
+@kernel
+def _weight(state, pair):
+    """The weight (N) of the lighter body of a pair."""
+    lightness = max(state.lightness[pair.a], state.lightness[pair.b])
+    return state.gravity / lightness if lightness > 0.0 else 0.0
+
+
+@kernel
+def _is_noticed(pair):
+    """True if a speed or the force has changed by so much since it was told that it is heard."""
+    for k in range(3):
+        floor = _RESTS if k < 2 else 1e-6
+        if abs(pair.now[k] - pair.said[k]) > _NOTICED * max(abs(pair.said[k]), floor):
+            return True
+    return False
+
+
+@kernel
+def _hit(state, pair):
+    """Tell a blow: the new points that close, at their middle."""
+    count = pair.fresh
+    length = 0.0
+    for k in range(3):
+        pair.fresh_point[k] /= count
+        length += pair.fresh_normal[k] * pair.fresh_normal[k]
+    length = math.sqrt(length)
+    if length == 0.0:
+        return
+    for k in range(3):
+        pair.fresh_normal[k] /= length
+    lightness = _lightness(state, pair.a, pair) + _lightness(state, pair.b, pair)
+    mass = pair.mass / count
+    if math.isnan(mass):
+        mass = 1.0 / lightness
+    event = _tell(state, pair, HIT)
+    if event < 0:
+        return
+    happened = state.events[event]
+    happened.time = state.time - pair.delay / count
+    happened.speed = pair.speed / count
+    happened.mass = mass
+    happened.restitution = pair.restitution / count
+    for k in range(3):
+        happened.point[k] = pair.fresh_point[k]
+        happened.normal[k] = pair.fresh_normal[k]
+        happened.local[0, k] = into(state, pair.a, pair.fresh_point, k)
+        happened.local[1, k] = into(state, pair.b, pair.fresh_point, k)
+
+
+@kernel
+def _lightness(state, body, pair):
+    """1/M + (r x n) I^-1 (r x n) of a body (1/kg), at the point of a blow."""
+    total = state.lightness[body]
+    if total == 0.0:
+        return 0.0
+    for k in range(3):
+        along = 0.0
+        for i in range(3):
+            j, m = (i + 1) % 3, (i + 2) % 3
+            arm_j = pair.fresh_point[j] - state.position[body, j]
+            arm_m = pair.fresh_point[m] - state.position[body, m]
+            turning = arm_j * pair.fresh_normal[m] - arm_m * pair.fresh_normal[j]
+            along += state.turn[body, 3 * i + k] * turning
+        total += state.yielding[body, k] * along * along
+    return total
+
+
+@kernel
+def _tell(state, pair, kind):
+    """Add an event; its number, -1 where there is no room."""
+    if state.happened == EVENTS:
+        return -1
+    number = state.happened
+    state.happened += 1
+    event = state.events[number]
+    event.kind = kind
+    event.a, event.b = pair.a, pair.b
+    event.time = state.time
+    event.slip, event.force = pair.now[0], pair.now[2]
+    length = 0.0
+    for k in range(3):
+        length += pair.normal[k] * pair.normal[k]
+    for k in range(3):
+        event.point[k] = pair.point[k]
+        event.normal[k] = pair.normal[k] / math.sqrt(length) if length > 0.0 else 0.0
+        event.local[0, k], event.local[1, k] = pair.local[0, k], pair.local[1, k]
+        if kind != HIT:
+            pair.said[k] = pair.now[k]
+    event.sweep[0], event.sweep[1] = pair.sweep[0], pair.sweep[1]
+    return number
+
+
+@kernel
+def _forget(state, i):
+    """A pair touches no more; the last one takes its place."""
+    gone = state.pairs[i]
+    state.place[gone.a, gone.b] = 0
+    state.touching -= 1
+    last = state.touching
+    if i != last:
+        moved = state.pairs[last]
+        state.place[moved.a, moved.b] = i + 1
+        state.pairs[i] = moved

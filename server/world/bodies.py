@@ -1,0 +1,145 @@
+"""Bodies of a simulation: what each is, how loud a blow on it is, and the law of a contact of two of them."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...dsp.bodies.material import CONTACT_RADIUS, Material, contact_between
+from ...dsp.bodies.modes import Modes
+from ...dsp.schema import SETTINGS
+from ...dsp.wording import expected
+from ...presets import Presets
+from ..osc.arguments import Refused, shown
+from ..osc.wire import Argument, Message
+from ..scene.object_call import require_name
+from .shapes import SHAPES, Shape, Vector, shape_of
+
+_CALIBRATED = {"level": 0.0, "roll_level": 0.0, "slide_level": 0.0, "stereo_width": 0.0}
+_OCTAVES = np.exp2(np.arange(-20.0, 1.0))
+"""s: contact times for which it is known how loud a blow is."""
+
+
+class WorldError(Refused):
+    """What cannot be of a simulation. The text names the body, the value and what was expected, and in a step which."""
+
+
+@dataclass(frozen=True)
+class Body:
+    """A body of a simulation. mass: kg; inertia: moments about its axes, kg m^2; keys: of its object, beside those of
+    its shape and material."""
+
+    name: str
+    shape: Shape
+    material: Material
+    mass: float
+    inertia: Vector
+    held: bool
+    preset: str
+    keys: Mapping[str, Argument] = field(default_factory=dict)
+    modes: Modes | None = None
+    """None: it does not ring."""
+
+    @property
+    def rings(self) -> bool:
+        return self.modes is not None
+
+    def message(self) -> Message:
+        """The message that makes its object."""
+        pairs = [part for pair in self.keys.items() for part in pair]
+        return Message("/object/new", (self.name, self.preset, *pairs))
+
+    def place(self, point: Vector) -> float:
+        """The place 0 to 1 on its object's strike path, of a point (m) in its axes."""
+        return self.shape.place(point)
+
+    @cached_property
+    def _loudness(self) -> list[float]:
+        """The pressure (Pa rms at 1 m, just after) of a blow of 1 N s, for the contact times _OCTAVES."""
+        if self.modes is None:
+            return [0.0] * len(_OCTAVES)
+        heard = 0.25 * (self.modes.pressure**2).sum(axis=0) * (self.modes.strike**2).max(axis=0)
+        slow = 1 + (2 * self.modes.frequency * _OCTAVES[:, None]) ** 4
+        power = (heard / slow).sum(axis=1)
+        for click in self.modes.clicks:
+            power += 0.5 * click.strength**2 / (1 + (2 * click.frequency * _OCTAVES) ** 4)
+        return [float(each) for each in np.sqrt(power)]
+
+    def loudness(self, contact_time: float) -> float:
+        """The pressure (Pa rms at 1 m) of a blow of 1 N s that lasts so long (s), as an estimate."""
+        octave = min(max(math.log2(contact_time) + 20.0, 0.0), 19.999)
+        low = int(octave)
+        return self._loudness[low] + (octave - low) * (self._loudness[low + 1] - self._loudness[low])
+
+
+class BodyMaker:
+    """Makes bodies with modes up to `top` (Hz), from presets."""
+
+    def __init__(self, presets: Presets, top: float) -> None:
+        self._presets, self._top = presets, top
+
+    def make(self, name: str, shape: str, size: ArrayLike, material: str, **about: Argument) -> Body:
+        """A body. about: density (kg/m^3), mass (kg), inertia (three, kg m^2), held, rings, object (a preset), and keys
+        of `/object/new`. WorldError names the body and what is wrong."""
+        try:
+            require_name("name", name)
+            return self._made(name, shape, size, material, about)
+        except (ValueError, TypeError) as error:
+            raise WorldError(f"body {shown(name)}: {error}") from None
+
+    def _made(self, name: str, kind: str, size: ArrayLike, material: str, about: dict[str, Argument]) -> Body:
+        if kind not in SHAPES:
+            raise ValueError(f"shape = {shown(kind)}: {expected(kind, SHAPES)}")
+        held, rings, preset = (about.pop(key, default) for key, default in (("held", 0), ("rings", 1), ("object", "")))
+        density, mass, inertia = (about.pop(key, None) for key in ("density", "mass", "inertia"))
+        shape = shape_of(kind, size, bool(held))
+        made_of = self._presets.material(str(material))
+        if density is not None and mass is not None:
+            raise ValueError(f"density = {shown(density)}, mass = {shown(mass)}: expected one of the two")
+        density = made_of.density if density is None else _positive("density", density)
+        mass = density * shape.volume if mass is None else _positive("mass", mass)
+        if inertia is None:
+            moments = tuple(mass * each for each in shape.inertia)
+        else:
+            moments = tuple(_positive("inertia", each) for each in np.ravel(np.asarray(inertia, np.float64)))
+            if len(moments) != 3:
+                raise ValueError(f"inertia = {moments}: expected three moments, kg m^2")
+        ringing = shape.ringing
+        if preset:
+            source, keys = str(preset), {**_CALIBRATED, **about}
+        elif rings and ringing:
+            source = ringing.preset
+            keys = {**_CALIBRATED, **ringing.keys, "material": material, **about}
+        else:
+            source, keys = "", {}
+        modes = self._modes(source, keys) if source else None
+        return Body(name, shape, made_of, mass, moments, bool(held), source, keys, modes)  # type: ignore[arg-type]
+
+    def _modes(self, preset: str, keys: dict[str, Argument]) -> Modes:
+        """The modes of an object. PresetError or ValueError say why there are none."""
+        changes = {key: value for key, value in keys.items() if key not in SETTINGS}
+        return self._presets.object(preset).replace(**changes).modes(self._top)
+
+
+def _positive(name: str, value: Argument) -> float:
+    if not isinstance(value, int | float | np.integer | np.floating) or not 0.0 < value < math.inf:
+        raise ValueError(f"{name} = {shown(value)}: expected a positive number")
+    return float(value)
+
+
+def contact_of(a: Body, b: Body, local: tuple[Vector, Vector]) -> tuple[float, float, float, float]:
+    """The contact of two bodies at points in their axes: stiffness (N/m^a), dissipation (s/m), exponent a, radius (m).
+
+    Hertz's, of both materials and both radii; two faces meet as rounded corners do.
+    """
+    curvature = 1 / a.shape.radius_at(local[0]) + 1 / b.shape.radius_at(local[1])
+    radius = min(max(1 / curvature if curvature else CONTACT_RADIUS, 1e-4), 10.0)
+    return (*contact_between(a.material, b.material, radius), radius)
+
+
+def duration(mass: float, stiffness: float, speed: float) -> float:
+    """How long a blow lasts (s) by Hertz: 3.218 (m^2/(k^2 v))^(1/5)."""
+    return float(3.218 * (mass**2 / (stiffness**2 * speed)) ** 0.2)

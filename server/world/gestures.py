@@ -1,0 +1,70 @@
+"""Standing contacts that slip or sweep, as slides: a roll is one without slip."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..osc.wire import Message
+from .bodies import Body
+
+_LEAST = 1e-6  # m/s, N: a slide of 0 would end
+_FLAT = 0.002  # m: width of the contact of two faces, of which a corner carries at a time
+_STATIC, _DYNAMIC = 0.4, 0.3
+
+Key = tuple[int, int]
+
+
+class Gestures:
+    """The slides that go on, at most so many, by the numbers of their bodies."""
+
+    def __init__(self, most: int) -> None:
+        self.running: dict[Key, str] = {}
+        self._most = most
+        self._made = 0
+
+    def begin(
+        self,
+        key: Key,
+        event: np.void,
+        side: int,
+        bodies: tuple[Body, Body],
+        places: tuple[float, float],
+        keys: Mapping[str, float | str],
+    ) -> list[Message]:
+        """Begin a slide on the first of two bodies, `side` of the pair, at places of both; nothing if there is no
+        room."""
+        if key in self.running:
+            return self.steer(key, event, side, places[0])
+        if len(self.running) >= self._most:
+            return []
+        self._made += 1
+        self.running[key] = f"contact.{self._made}"
+        to, by = bodies
+        slip, sweep, force = _motion(event, side)
+        round_ = to.shape.round or by.shape.round
+        given: dict[str, float | str] = {
+            **({"by": by.name, "by_position": places[1]} if by.rings else {}),
+            "static": _STATIC, "dynamic": _DYNAMIC, "patch": 0.0 if round_ else _FLAT, **keys,
+            "force": force, "sweep": sweep, "seed": self._made, "id": self.running[key],
+        }  # fmt: skip
+        if "static" in keys or "dynamic" in keys:
+            given["dynamic"] = min(float(given["dynamic"]), float(given["static"]))
+        pairs = [part for pair in given.items() for part in pair]
+        return [Message(f"/object/{to.name}/slide", (slip, places[0], *pairs))]
+
+    def steer(self, key: Key, event: np.void, side: int, place: float) -> list[Message]:
+        """Steer a slide."""
+        slip, sweep, force = _motion(event, side)
+        values = {"speed": slip, "sweep": sweep, "force": force, "position": place}
+        return [Message(f"/gesture/{self.running[key]}/{name}", (value,)) for name, value in values.items()]
+
+    def rest(self, key: Key) -> list[Message]:
+        """End a slide, if it goes on."""
+        id = self.running.pop(key, None)
+        return [Message(f"/gesture/{id}/stop", ())] if id else []
+
+
+def _motion(event: np.void, side: int) -> tuple[float, float, float]:
+    """Slip and sweep over a side of the pair (m/s), and force (N), as a slide takes them."""
+    slip = min(max(float(event["slip"]), _LEAST), 100.0)
+    return slip, min(float(event["sweep"][side]), 100.0), min(max(float(event["force"]), _LEAST), 1e5)

@@ -1,0 +1,82 @@
+"""What is known of pairs of bodies: their surface, their friction, their restitution."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from ...dsp.schema import RESTITUTION, SLIDE, Parameter
+from ...dsp.wording import expected
+from ...presets import Presets
+from ..osc.arguments import check_number, shown
+from ..osc.wire import Argument
+from .bodies import Body, WorldError
+
+SURFACES = {
+    "aluminium": "steel", "bell-bronze": "steel", "brass": "steel", "ceramic": "tile", "glass": "glass",
+    "iron": "steel", "piano-wire": "steel", "plastic": "polished-wood", "polycarbonate": "glass", "rosewood":
+    "polished-wood", "rubber": "wood", "spring-steel": "steel", "steel": "steel", "tin": "steel", "wood": "wood",
+}  # fmt: skip
+"""The surface of a body of a material, where its pair does not say another; of another material it is `wood`."""
+
+_GIVEN = ("roughness", "patch", "static", "dynamic", "stribeck", "along")
+_NUMBERS: dict[str, Parameter] = {key.name: key for key in SLIDE.keys if key.name in _GIVEN} | {
+    RESTITUTION.name: RESTITUTION
+}
+KEYS = ("surface", *_NUMBERS)
+"""The keys of a pair."""
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two bodies, as far as their contacts differ from those of their materials."""
+
+    surface: str = ""
+    restitution: float = math.nan
+    slide: Mapping[str, float] = field(default_factory=dict)
+    """Keys of a slide."""
+
+
+def pair_of(presets: Presets, a: str, b: str, keys: Mapping[str, Argument]) -> Pair:
+    """A pair with keys. WorldError names the pair and the key that is wrong."""
+    surface, numbers = "", {}
+    try:
+        for key, value in keys.items():
+            if key == "surface":
+                surface = presets.surface(str(value)).name
+            elif key in _NUMBERS:
+                numbers[key] = check_number(_NUMBERS[key], value)
+            else:
+                raise ValueError(f"{key} = {shown(value)}: {expected(key, KEYS)}")
+    except ValueError as error:
+        raise WorldError(f"pair {a}, {b}: {error}") from None
+    restitution = numbers.pop("restitution", math.nan)
+    return Pair(surface, restitution, numbers)
+
+
+class Surfaces:
+    """The surface on which two bodies slide or roll."""
+
+    def __init__(self, presets: Presets) -> None:
+        self._presets = presets
+        self._rougher: dict[tuple[str, str], str] = {}
+
+    def between(self, a: Body, b: Body) -> str:
+        """The rougher one of both bodies' materials."""
+        key = (a.material.name, b.material.name)
+        if key not in self._rougher:
+            names = [SURFACES.get(name, "wood") for name in key]
+            self._rougher[key] = max(names, key=lambda name: self._presets.surface(name).roughness)
+        return self._rougher[key]
+
+
+def restitution_of(dissipation: float, speed: float) -> float:
+    """The share of its speed that Hunt and Crossley's law leaves a body: d - ln(1 + d) = -e d - ln(1 - e d), d = mu v.
+
+    e d = 1 + W(-exp(-1 - d) (1 + d)), W Lambert's function.
+    """
+    from scipy.special import lambertw
+
+    d = dissipation * speed
+    if d < 1e-4:
+        return 1.0 - 2.0 / 3.0 * d
+    return float(1.0 + lambertw(-(1.0 + d) * math.exp(-1.0 - d)).real) / d

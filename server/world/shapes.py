@@ -1,0 +1,154 @@
+"""The shapes of bodies: their mass and inertia, and the object that rings as they do."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...dsp.bodies.material import CONTACT_RADIUS
+from ..osc.wire import Argument
+
+Vector = tuple[float, float, float]
+
+FLAT = 3.0
+"""How many times its thickness a body is wide that rings as a plate."""
+LONG = 4.0
+"""How many times its width a body is long that rings as a bar all the same."""
+_THICKEST, _LONGEST, _SHORTEST = 0.5, 20.0, 1e-3  # m: what objects can be
+_ENDS = 0.9  # of the half length: beyond, a point is at an end
+_PATH: dict[str, Argument] = {
+    "path_from": (0.0, 0.1),
+    "path_to": (1.0, 0.9),
+}  # of a plate: from corner to corner, off the diagonal
+_WAYS = {
+    "box": "three edges, in m",
+    "plate": "three edges, in m",
+    "sphere": "a radius, in m",
+    "cylinder": "a radius and a length, in m",
+    "capsule": "a radius and the length between its ends' centres, in m",
+    "mesh": "its vertices, an array (n, 3) in m",
+}
+SHAPES = tuple(_WAYS)
+
+
+class Ringing(NamedTuple):
+    """The object that rings as a body does: a preset, and the keys of `/object/new` that change it."""
+
+    preset: str
+    keys: Mapping[str, Argument]
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A body's shape, about the centre of its volume. A cylinder's and a capsule's axis is z.
+
+    edges: of the box around it (m). volume: m^3. inertia: moments about its axes over its mass (m^2). round: the radius
+    of its side, 0 for one with edges. ringing: what rings as it does; None: it is beyond what objects can be.
+    """
+
+    name: str
+    edges: Vector
+    volume: float
+    inertia: Vector
+    round: float
+    ringing: Ringing | None
+    place: Callable[[Sequence[float]], float]
+    """The place 0 to 1 on the object's strike path that is nearest to a point (m), in the body's axes."""
+
+    def radius_at(self, point: Sequence[float]) -> float:
+        """The radius (m) of the surface about a point; of a face it is infinite."""
+        if self.round:
+            return self.round
+        at_ends = sum(abs(x) > _ENDS * 0.5 * edge for x, edge in zip(point, self.edges, strict=True))
+        return math.inf if at_ends < 2 else min(CONTACT_RADIUS, 0.5 * min(self.edges))
+
+
+def shape_of(name: str, size: ArrayLike, held: bool) -> Shape:
+    """The shape of a name and a size; held: whether something holds the body. ValueError says what is wrong."""
+    numbers = np.asarray(size, np.float64)
+    if name == "mesh":
+        return _mesh(numbers, held)
+    given = numbers.ravel()
+    if len(given) != {"sphere": 1, "cylinder": 2, "capsule": 2}.get(name, 3) or not np.all(
+        (given > 0) & np.isfinite(given)
+    ):
+        raise ValueError(f"size = {given.tolist()}: expected {_WAYS[name]}")
+    if name == "sphere":
+        return _sphere(float(given[0]))
+    if name in ("cylinder", "capsule"):
+        return _cylinder(name, float(given[0]), float(given[1]), held)
+    return _box(name, (float(given[0]), float(given[1]), float(given[2])), held)
+
+
+def _mesh(vertices: NDArray[np.float64], held: bool) -> Shape:
+    """The box around a mesh, whose axes and origin are those of the body."""
+    if vertices.ndim != 2 or vertices.shape[1] != 3 or len(vertices) < 4 or not np.isfinite(vertices).all():
+        raise ValueError(f"size, of shape {vertices.shape}: expected {_WAYS['mesh']}")
+    edges = np.ptp(vertices, axis=0)
+    if not np.all(edges > 0):
+        raise ValueError(f"size: vertices with edges {edges.tolist()}: expected a body, not a surface")
+    return _box("mesh", (float(edges[0]), float(edges[1]), float(edges[2])), held)
+
+
+def _sphere(radius: float) -> Shape:
+    inertia = 0.4 * radius**2
+    rings = Ringing("glass-ball", {"radius": radius}) if _SHORTEST <= radius <= _LONGEST else None
+    edge = 2 * radius
+    volume = 4 / 3 * math.pi * radius**3
+    return Shape("sphere", (edge, edge, edge), volume, (inertia,) * 3, radius, rings, lambda point: 0.0)
+
+
+def _cylinder(name: str, radius: float, length: float, held: bool) -> Shape:
+    """A cylinder, or a capsule: then a rod of the same volume rings for it."""
+    caps = 4 / 3 * radius if name == "capsule" else 0.0
+    whole = length + (2 * radius if name == "capsule" else 0.0)
+    rod = length + caps
+    across = radius**2 / 4 + rod**2 / 12
+    volume = math.pi * radius**2 * rod
+    inertia = (across, across, radius**2 / 2)
+    edges = (2 * radius, 2 * radius, whole)
+    if name == "cylinder" and length < 2 * radius / FLAT:
+        disc = {"radius": radius, "thickness": length, "edge": "supported" if held else "free"}
+        rings = Ringing("gong", disc) if radius <= _LONGEST and length <= _THICKEST else None
+        return Shape(
+            name, edges, volume, inertia, radius, rings, lambda point: 0.5 + 0.5 * min(1.0, _far(point) / radius)
+        )
+    bar = {"length": rod, "diameter": 2 * radius, "ends": "cantilever" if held else "free", "split": 0.0}
+    rings = Ringing("triangle", bar) if 2 * radius <= _THICKEST and _SHORTEST <= rod <= _LONGEST else None
+    return Shape(name, edges, volume, inertia, radius, rings, lambda point: _along(point[2], whole))
+
+
+def _box(name: str, edges: Vector, held: bool) -> Shape:
+    """A box: a plate where it is flat, else a bar along its longest edge."""
+    third, second, first = sorted(range(3), key=lambda axis: edges[axis])
+    length, width, thickness = edges[first], edges[second], edges[third]
+    squares = [edge**2 / 12 for edge in edges]
+    inertia = (squares[1] + squares[2], squares[0] + squares[2], squares[0] + squares[1])
+    volume = length * width * thickness
+    fits = thickness <= _THICKEST and length <= _LONGEST and thickness >= 1e-5 and width >= _SHORTEST
+    if name == "plate" or (width >= FLAT * thickness and length <= LONG * width):
+        plate: dict[str, Argument] = {"length": length, "width": width, "thickness": thickness, **_PATH}
+        edge = "supported" if held else "free"
+        rings = Ringing("wood-board", {**plate, "edges": (edge,) * 4}) if fits else None
+
+        def on_plate(point: Sequence[float]) -> float:
+            u, v = (abs(_along(point[axis], edges[axis]) - 0.5) for axis in (first, second))
+            return 0.5 + math.copysign(0.5 * (u + v), point[first])
+
+        return Shape(name, edges, volume, inertia, 0.0, rings, on_plate)
+    bar = {"length": length, "width": width, "thickness": thickness, "ends": "cantilever" if held else "free"}
+    rings = Ringing("triangle", bar) if fits and width <= _THICKEST else None
+    return Shape(name, edges, volume, inertia, 0.0, rings, lambda point: _along(point[first], edges[first]))
+
+
+def _along(x: float, edge: float) -> float:
+    """Where a point is along an edge, 0 to 1."""
+    return min(max(x / edge + 0.5, 0.0), 1.0)
+
+
+def _far(point: Sequence[float]) -> float:
+    """How far a point is from the axis z (m)."""
+    return math.hypot(point[0], point[1])

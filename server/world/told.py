@@ -1,0 +1,121 @@
+"""What is told of a step: contacts and poses, in the ways in which simulators have them, into the tracker's memory."""
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...dsp.tracking.state import POINTS, TOLD
+from ...dsp.wording import expected
+from .bodies import WorldError
+from .shapes import Vector
+
+
+class Touch(NamedTuple):
+    """A point at which two bodies touch, or are about to; what a simulator does not tell is NaN.
+
+    point: m, in the world. normal: of length 1, from a to b. approach: how fast they close (m/s), before the simulator
+    pushes them apart; slip: how fast they move over each other; both follow from the bodies' velocities if these are
+    told. depth: by how much they overlap (m). force: N, along the normal. mass: effective along the normal (kg), if it
+    is not that of two free bodies. restitution: of the simulator's contact, 0 to 1, else the materials'.
+    """
+
+    a: str
+    b: str
+    point: Sequence[float]
+    normal: Sequence[float]
+    approach: float = math.nan
+    slip: float = math.nan
+    depth: float = math.nan
+    force: float = math.nan
+    mass: float = math.nan
+    restitution: float = math.nan
+
+
+class Pose(NamedTuple):
+    """Where a body is. position: of its centre of mass (m); turn: a quaternion w, x, y, z; velocity of the centre of
+    mass (m/s) and spin (rad/s), both in the world's axes."""
+
+    position: Sequence[float]
+    turn: Sequence[float] = (1.0, 0.0, 0.0, 0.0)
+    velocity: Sequence[float] = (0.0, 0.0, 0.0)
+    spin: Sequence[float] = (0.0, 0.0, 0.0)
+
+
+Contacts = Iterable[Touch] | Mapping[str, ArrayLike]
+"""Touches, or the columns of these as arrays: `pair` (n, 2) of bodies' numbers, `point` (n, 3), `normal` (n, 3)."""
+
+Poses = Mapping[str, Pose]
+
+_ROWS: dict[str, tuple[int, ...]] = {"pair": (2,), "point": (3,), "normal": (3,), **dict.fromkeys(TOLD, ())}
+_UNIT = 1e-3  # by which a normal's or a quaternion's length may differ from 1
+
+
+def take_contacts(state: NDArray[np.void], contacts: Contacts, number: Callable[[str], int], where: str) -> int:
+    """Put contacts into the tracker's memory; how many they are. number: of a body; where: the step, for an error."""
+    columns = contacts if isinstance(contacts, Mapping) else _columns(list(contacts), number)
+    for name in columns:
+        if name not in _ROWS:
+            raise WorldError(f"{where}: contacts: {name}: {expected(name, _ROWS)}")
+    if missing := [name for name in ("pair", "point", "normal") if name not in columns]:
+        raise WorldError(f"{where}: contacts: {missing[0]} is missing: expected pair, point and normal")
+    count = len(np.asarray(columns["pair"]))
+    if count > POINTS:
+        raise WorldError(f"{where}: {count} contacts: expected at most {POINTS}")
+    for name, row in _ROWS.items():
+        target = state[name][0, :count]
+        if name not in columns:
+            target[...] = np.nan
+            continue
+        given = np.asarray(columns[name])
+        if given.shape != (count, *row):
+            raise WorldError(f"{where}: contacts: {name}, of shape {given.shape}: expected {(count, *row)}")
+        target[...] = given
+    lengths = np.linalg.norm(state["normal"][0, :count], axis=1)
+    wrong = np.flatnonzero(~(np.abs(lengths - 1.0) <= _UNIT))
+    if len(wrong):
+        normal = state["normal"][0, wrong[0]].tolist()
+        raise WorldError(f"{where}: contact {wrong[0]}: normal = {normal}: expected one of length 1")
+    return count
+
+
+def _columns(touches: list[Touch], number: Callable[[str], int]) -> Mapping[str, ArrayLike]:
+    """The columns of touches."""
+    if not touches:
+        return {"pair": np.empty((0, 2)), "point": np.empty((0, 3)), "normal": np.empty((0, 3))}
+    a, b, *rest = zip(*touches, strict=True)
+    pair = [(number(first), number(second)) for first, second in zip(a, b, strict=True)]
+    named: dict[str, Any] = dict(zip(Touch._fields[2:], rest, strict=True))
+    return {"pair": np.array(pair), **named}
+
+
+def take_pose(state: NDArray[np.void], body: int, pose: Pose, where: str) -> None:
+    """Put a body's pose into the tracker's memory. where: the body and the step, for an error."""
+    for name, wanted, values in zip(Pose._fields, (3, 4, 3, 3), pose, strict=True):
+        if len(values) != wanted or not all(math.isfinite(each) for each in values):
+            raise WorldError(f"{where}: {name} = {tuple(values)}: expected {wanted} finite numbers")
+    if abs(math.hypot(*pose.turn) - 1.0) > _UNIT:
+        raise WorldError(f"{where}: turn = {tuple(pose.turn)}: expected a quaternion of length 1")
+    record = state[0]
+    record["position"][body] = record["about"][body] = pose.position
+    record["turn"][body] = rotation(pose.turn)
+    record["velocity"][body] = pose.velocity
+    record["spin"][body] = pose.spin
+
+
+def rotation(turn: Sequence[float]) -> tuple[float, ...]:
+    """The rotation matrix of a quaternion w, x, y, z, row by row."""
+    w, x, y, z = turn
+    return (
+        1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
+        2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
+        2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y),
+    )  # fmt: skip
+
+
+def vector(values: Any) -> Vector:
+    """Three numbers as floats."""
+    x, y, z = values
+    return float(x), float(y), float(z)

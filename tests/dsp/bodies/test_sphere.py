@@ -1,0 +1,89 @@
+"""Solid spheres against Ritz's method in powers of x, y and z, which knows nothing of Bessel functions."""
+
+import math
+from itertools import product
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+
+from carom.dsp.bodies import Material, sphere
+from carom.dsp.bodies.radiation.air import IMPEDANCE, SPEED
+
+GLASS = Material("glass", 2600.0, 62e9, 0.2, alpha=1.0, beta=0.0)
+RADIUS = 0.15
+
+
+def ball_integral(powers: tuple[int, ...]) -> float:
+    """The integral of x^a y^b z^c over the unit ball."""
+    if any(power % 2 for power in powers):
+        return 0.0
+
+    def odd(n: int) -> int:
+        return math.prod(range(n, 0, -2))
+
+    return 4 * math.pi * math.prod(odd(p - 1) for p in powers) / odd(sum(powers) + 1) / (sum(powers) + 3)
+
+
+def ritz(nu: float, order: int = 7):
+    """Free vibrations of the unit ball, rho = G = 1: omega, and the radial motion at a pole of shapes of unit mass
+    (W. M. Visscher and others, J. Acoust. Soc. Am. 90, 1991)."""
+    lam = 2 * nu / (1 - 2 * nu)
+    stiff = np.zeros((3, 3, 3, 3))
+    for i, j, k, m in product(range(3), repeat=4):
+        stiff[i, j, k, m] = lam * (i == j) * (k == m) + (i == k) * (j == m) + (i == m) * (j == k)
+    powers = [p for p in product(range(order + 1), repeat=3) if sum(p) <= order]
+    count = len(powers)
+    mass = np.array([[ball_integral(tuple(np.add(p, q))) for q in powers] for p in powers])
+    slope = np.zeros((3, 3, count, count))
+    for (n, p), (m, q) in product(enumerate(powers), repeat=2):
+        for j, k in product(range(3), repeat=2):
+            if p[j] and q[k]:
+                whole = list(np.add(p, q))
+                whole[j] -= 1
+                whole[k] -= 1
+                slope[j, k, n, m] = p[j] * q[k] * ball_integral(tuple(whole))
+    energy = np.einsum("ijkl,jlnm->inkm", stiff, slope).reshape(3 * count, 3 * count)
+    square, vectors = eigh(energy, np.kron(np.eye(3), mass))
+    at_pole = np.array([p[0] == p[1] == 0 for p in powers], float)
+    return np.sqrt(np.maximum(square, 0)), at_pole @ vectors[2 * count :]
+
+
+@pytest.mark.slow
+def test_frequencies_and_motion_where_it_is_struck_are_ritzs():
+    top = 22_000.0
+    made = sphere(GLASS, radius=RADIUS, top=top)
+    unit = math.sqrt(GLASS.shear_modulus / GLASS.density) / (2 * math.pi * RADIUS)
+    omega, pole = ritz(GLASS.poisson_ratio)
+    for frequency, phi in zip(made.frequency[:6], made.strike[0, :6], strict=True):
+        same = np.abs(omega - frequency / unit) < 2e-3 * frequency / unit
+        assert same.any(), frequency
+        # Of the 2 n + 1 modes of a frequency a blow at the pole moves one, whose motion there is all of theirs.
+        expected = np.sqrt((pole[same] ** 2).sum() / (GLASS.density * RADIUS**3))
+        assert abs(phi) == pytest.approx(expected, rel=2e-3)
+
+
+def test_every_mode_is_found_and_grows_with_the_size():
+    small, large = sphere(GLASS, radius=RADIUS, top=20_000.0), sphere(GLASS, radius=2 * RADIUS, top=10_000.0)
+    assert small.frequency.size == large.frequency.size > 4
+    np.testing.assert_allclose(small.frequency, 2 * large.frequency, rtol=1e-9)
+
+
+def test_a_breathing_ball_radiates_as_a_pulsating_sphere():
+    soft = Material("soft", 1000.0, 1e8, 0.3, alpha=1.0, beta=0.0)
+    made = sphere(soft, radius=0.1, top=8_000.0)
+    x = 2 * math.pi * made.frequency * 0.1 / SPEED
+    pulsating = IMPEDANCE * 4 * math.pi * 0.1**2 * x**2 / (1 + x**2) * made.strike[0] ** 2
+    resistance = 4 * math.pi * made.pressure[0] ** 2 / IMPEDANCE
+    assert np.min(np.abs(resistance / pulsating - 1)) < 1e-9  # one of them breathes
+
+
+def test_a_small_ball_has_no_mode_but_a_click():
+    made = sphere(GLASS, radius=0.008, top=20_000.0)
+    assert made.frequency.size == 0 and made.strike.shape == (1, 0) and len(made.clicks) == 1
+    assert made.mass == pytest.approx(GLASS.density * 4 / 3 * math.pi * 0.008**3)
+
+
+def test_a_radius_that_cannot_be_is_named():
+    with pytest.raises(ValueError, match="radius = -1"):
+        sphere(GLASS, radius=-1.0, top=20_000.0)
