@@ -13,9 +13,9 @@ Render a score to an array, or play a scene of your own, in this process and as 
 
 `carom.render(score)` does the same for a score: a file's Path, a text, or lines. `carom.Client` plays on a running
 server (`carom serve`) over OSC. `carom.World` is the microphone of a simulation: it is stepped with it, and turns its
-contacts into blows, slides and rolls. `carom.Presets` has the objects, strikers, materials and surfaces there are; on
-the command line, `carom presets` lists them. `carom.dsp` holds the contact law, its closed forms and the modes of
-bodies.
+contacts into blows, slides and rolls; `carom.mujoco` and `carom.gymnasium` connect it with these. `carom.Presets` has
+the objects, strikers, materials and surfaces there are; on the command line, `carom presets` lists them. `carom.dsp`
+holds the contact law, its closed forms and the modes of bodies.
 
 `carom.fit` makes an object of recordings; `carom.compare` says how far apart two sounds are.
 
@@ -113,8 +113,8 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     if name in _HOMES:
         value = getattr(import_module(f".{_HOMES[name]}", __name__), name)
-    elif name == "dsp":
-        value = import_module(".dsp", __name__)
+    elif name in ("dsp", "gymnasium", "mujoco"):
+        value = import_module(f".{name}", __name__)
     elif name == "__version__":
         from importlib.metadata import version
 

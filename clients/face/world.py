@@ -30,6 +30,7 @@ from .sound import Sound
 
 Blocks = NDArray[np.float32]
 
+_FADED = 16 * QUANTUM  # frames in which a panic fades
 _AHEAD = 0.03  # s between a live step and its sound
 _DRIFT = 0.1  # s by which a simulation may run ahead of the clock or behind, before its sound is set to the clock again
 
@@ -78,6 +79,8 @@ class World:
         library = chosen(presets)
         self.rate = int(rate)
         self.latency = 0.0 if client else QUANTUM / rate
+        self.simulation = Simulation(library, NYQUIST_SHARE * 0.5 * rate, hearing, gravity=gravity, start=start)
+        """What is told, and what comes of it; bridges reach into it."""
         self._client = client
         self._scene = None
         if client is None:
@@ -87,7 +90,6 @@ class World:
             )
         self._capture = Capture(self._scene._open, 0) if self._scene and keep else None
         self._lines: list[Line] | None = [] if keep else None
-        self._told = Simulation(library, NYQUIST_SHARE * 0.5 * rate, hearing, gravity=gravity, start=start)
         self._start = start
         self._origin = math.nan  # Unix time of the simulation's time 0, of a live server
         self._frames = 0
@@ -105,29 +107,29 @@ class World:
         if self._scene:
             self._scene.close()
         elif self._client:
-            for body in self._told.bodies:
+            for body in self.simulation.bodies:
                 if body.rings:
                     self._client.free(body.name)
 
     @property
     def time(self) -> float:
         """s: of the last step."""
-        return self._told.time
+        return self.simulation.time
 
     @property
     def bodies(self) -> tuple[str, ...]:
         """The names of the bodies; their places are their numbers."""
-        return tuple(body.name for body in self._told.bodies)
+        return tuple(body.name for body in self.simulation.bodies)
 
     @property
     def hits(self) -> list[Hit]:
         """The blows that the last step told, those that nobody would hear too."""
-        return self._told.hits
+        return self.simulation.hits
 
     @property
     def counts(self) -> Counts:
         """What was told since the beginning, and what was left out."""
-        return self._told.counts
+        return self.simulation.counts
 
     def body(
         self,
@@ -147,13 +149,13 @@ class World:
         not move. rings=False: it is silent. object: a preset that rings in its place. Further keys are those of
         `/object/new`, such as most_modes, damping or gain.
         """
-        self._send(self._told.add(name, shape, size, material, pose, **about))
-        return self._told.number(name)
+        self._send(self.simulation.add(name, shape, size, material, pose, **about))
+        return self.simulation.number(name)
 
     def pair(self, a: str, b: str, **keys: Any) -> None:
         """Say how the contact of two bodies differs from that of their materials: surface (a preset), restitution,
         roughness, patch (m), static, dynamic, stribeck (m/s), along (0 to 1: how far friction moves what rings)."""
-        self._told.pair(a, b, **keys)
+        self.simulation.pair(a, b, **keys)
 
     def step(self, time: float, contacts: Contacts = (), poses: Poses | None = None) -> Blocks:
         """Take the simulation's state at a time (s) after the last step's; the sound up to it, (frames, channels).
@@ -161,23 +163,41 @@ class World:
         contacts: all points that touch now, as Touch or as arrays by name. poses: Pose by name, of the bodies that have
         moved; others are where they were.
         """
-        self._send(self._told.step(time, contacts, poses))
+        self._send(self.simulation.step(time, contacts, poses))
         return self._up_to(time)
 
-    def advance(self, time: float, points: int) -> Blocks:
-        """As `step`, for bridges: poses and contacts are in the columns of `memory` already."""
-        self._send(self._told.advance(time, points))
-        return self._up_to(time)
+    def tell(self, time: float, points: int) -> None:
+        """As `step`, for bridges: poses and contacts are in the columns of `memory` already; `block` has the sound."""
+        messages = self.simulation.advance(time, points)
+        if messages:
+            self._send(messages)
+
+    def block(self) -> Blocks:
+        """The sound from the last block up to the last step, (frames, channels)."""
+        return self._up_to(self.time)
+
+    def restart(self, time: float) -> None:
+        """Begin anew at a simulation's time (s), in silence: bodies stay, nothing touches. It is no part of what is
+        kept. WorldError for a live world."""
+        if self._scene is None:
+            raise WorldError("restart: expected a World without a client")
+        self._scene.panic()
+        engine = self._scene._open.engine
+        silence = _FADED + -self._frames % QUANTUM
+        engine.process(silence)
+        self._frames += silence
+        self._start = time - self._frames / self.rate
+        self.simulation.restart(time)
 
     @property
     def memory(self) -> NDArray[np.void]:
         """The columns of bodies and contacts, a record of `carom.dsp.tracking.state.STATE`."""
-        return self._told.state
+        return self.simulation.state
 
     def ring(self, seconds: float) -> Blocks:
         """The sound of some seconds more, in which no step is taken; steps go on after them."""
         until = self.time + seconds
-        self._told.state["time"] = until
+        self.simulation.state["time"] = until
         return self._up_to(until)
 
     def sound(self) -> Sound:
@@ -193,7 +213,7 @@ class World:
             raise WorldError("score: expected a World(keep=True)")
         ordered = sorted(self._lines, key=lambda line: line.time)
         text = "".join(f"{format_line(line.time, line.message)}\n" for line in ordered)
-        head = f"0.0 /channels {self._told.channels}\n"
+        head = f"0.0 /channels {self.simulation.channels}\n"
         if path is not None:
             Path(path).write_text(head + text, encoding="utf-8")
         return head + text
@@ -225,7 +245,7 @@ class World:
     def _up_to(self, time: float) -> Blocks:
         """The sound up to a time."""
         if self._scene is None:
-            return np.empty((0, self._told.channels), np.float32)
+            return np.empty((0, self.simulation.channels), np.float32)
         frames = round((time - self._start) * self.rate) - self._frames
         self._frames += frames
         engine = self._scene._open.engine

@@ -8,6 +8,10 @@ from .state import KEPT, PAIRS
 MEMORY = 0.002
 """s, at least two steps: how long a point that is not told is remembered."""
 
+GRAZING = 0.25
+"""Share of its slip below which what slides closes without a blow: simulators lift what slides, by up to the friction
+coefficient times the slip, and let it fall again (M. Anitescu, Math. Program. 105, 2006)."""
+
 _SAME = 0.002  # m by which a point may move from step to step and stay the same
 _SAME_SHARE = 0.1  # of the smaller body's half length, by which it may as well
 
@@ -15,8 +19,8 @@ _SAME_SHARE = 0.1  # of the smaller body's half length, by which it may as well
 @kernel
 def clear(pair):
     """Forget the points of the step before."""
-    pair.before = pair.count
-    pair.count = pair.fresh = 0
+    pair.count = pair.fresh = pair.followed = 0
+    pair.swept[0] = pair.swept[1] = 0.0
     pair.weight = pair.slip = pair.force = pair.speed = pair.delay = pair.mass = pair.restitution = 0.0
     for k in range(3):
         pair.point[k] = pair.normal[k] = pair.fresh_point[k] = pair.fresh_normal[k] = 0.0
@@ -35,12 +39,12 @@ def _find(state, a, b):
     clear(pair)
     pair.a, pair.b = a, b
     pair.begun = state.time
-    pair.moves = pair.before = pair.settled = 0
+    pair.moves = pair.settled = pair.stood = 0
     for k in range(KEPT):
         pair.kept_at[k] = -math.inf
     for k in range(3):
         pair.now[k] = pair.said[k] = 0.0
-    pair.sweep[0] = pair.sweep[1] = 0.0
+    pair.sweep[0] = pair.sweep[1] = pair.fastest = 0.0
     return place
 
 
@@ -63,6 +67,7 @@ def take_point(state, n, span, least):
     pair.count += 1
     point, normal = state.point[n], state.normal[n]
     approach, slip = _speeds(state, n, a, b, sign)
+    way = span * (abs(approach) + slip + _apart(state, a, b))
     force = state.force[n]
     weight = force if force > 0.0 else 1e-9
     pair.weight += weight
@@ -71,8 +76,8 @@ def take_point(state, n, span, least):
     for k in range(3):
         pair.point[k] += point[k]
         pair.normal[k] += sign * normal[k]
-    fresh = _is_new(state, pair, n, span)
-    if fresh and approach > least:
+    fresh = _is_new(state, pair, n, span, way)
+    if fresh and approach > least and not (pair.stood == 1 and approach < GRAZING * max(slip, pair.fastest)):
         pair.fresh += 1
         pair.speed += approach
         depth = state.depth[n]
@@ -114,29 +119,56 @@ def into(state, body, point, k):
 
 
 @kernel
-def _is_new(state, pair, n, span):
-    """True if a point was not there in the last steps; it is remembered."""
+def _apart(state, a, b):
+    """How fast two bodies move against each other, but for their turning (m/s)."""
+    total = 0.0
+    for k in range(3):
+        rate = state.velocity[a, k] - state.velocity[b, k]
+        total += rate * rate
+    return math.sqrt(total)
+
+
+@kernel
+def _is_new(state, pair, n, span, way):
+    """True if a point was not there in the last steps, but for the way (m) it may have gone; it is remembered.
+
+    One that was there in the step before tells how fast the contact moves over both bodies.
+    """
     point = state.point[n]
-    near = max(_SAME, _SAME_SHARE * min(state.reach[pair.a], state.reach[pair.b]))
+    here = state.scratch
+    near = max(_SAME, _SAME_SHARE * min(state.reach[pair.a], state.reach[pair.b])) + way
     since = state.time - max(MEMORY, 2.5 * span)
-    found, oldest = -1, 0
+    found, oldest, least = -1, 0, near * near
+    for k in range(3):
+        here[0, k], here[1, k] = into(state, pair.a, point, k), into(state, pair.b, point, k)
     for m in range(KEPT):
         if pair.kept_at[m] < pair.kept_at[oldest]:
             oldest = m
-        if pair.kept_at[m] < since or pair.kept_at[m] == state.time:
-            continue
-        for side in range(2):
-            square = 0.0
-            for k in range(3):
-                away = into(state, pair.a if side == 0 else pair.b, point, k) - pair.kept[m, side, k]
-                square += away * away
-            if square < near * near:
-                found = m
+        if pair.kept_at[m] >= since and pair.kept_at[m] != state.time:
+            for side in range(2):
+                square = _square(here, pair.kept[m], side)
+                if square < least:
+                    found, least = m, square
     new = found < 0
     if new:
         found = oldest
+    elif pair.kept_at[found] >= state.time - 1.5 * span and span > 0.0:
+        passed = state.time - pair.kept_at[found]
+        pair.followed += 1
+        for side in range(2):
+            pair.swept[side] += math.sqrt(_square(here, pair.kept[found], side)) / passed
     pair.kept_at[found] = state.time
-    for k in range(3):
-        pair.kept[found, 0, k] = into(state, pair.a, point, k)
-        pair.kept[found, 1, k] = into(state, pair.b, point, k)
+    for side in range(2):
+        for k in range(3):
+            pair.kept[found, side, k] = here[side, k]
     return new
+
+
+@kernel
+def _square(here, there, side):
+    """The square of the way between two points in the axes of a body (m^2)."""
+    total = 0.0
+    for k in range(3):
+        away = here[side, k] - there[side, k]
+        total += away * away
+    return total

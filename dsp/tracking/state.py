@@ -24,14 +24,17 @@ _PAIR = np.dtype(
         ("b", np.int64),
         ("begun", np.float64),  # s
         ("seen", np.float64),  # s: when it was told last
+        ("stood", np.int64),  # 1: it began without a blow, or has stayed: it may graze
+        ("fastest", np.float64),  # m/s: its slip, or what is left of a faster one of late
         ("moves", np.int64),  # 1: it was told that it slips or sweeps
         # The points that were told of late, in the axes of each body.
         ("kept", np.float64, (KEPT, 2, 3)),
         ("kept_at", np.float64, KEPT),
-        # The points of this step, and those of the step before.
+        # The points of this step.
         ("count", np.int64),
-        ("before", np.int64),
-        ("settled", np.int64),  # 1: `local` is that of the step before
+        ("followed", np.int64),  # of them, those that were there in the step before
+        ("swept", np.float64, 2),  # m/s: how fast these move over each body, all together
+        ("settled", np.int64),  # 1: it was there in a step before, 2: it is known how fast it sweeps
         ("point", np.float64, 3),
         ("normal", np.float64, 3),
         ("weight", np.float64),
@@ -50,6 +53,7 @@ _PAIR = np.dtype(
         ("sweep", np.float64, 2),
         ("now", np.float64, 3),  # slip (m/s), sweep (m/s), force (N), smoothed
         ("said", np.float64, 3),  # the same, as it was told last
+        ("told_at", np.float64),  # s
     ],
     align=True,
 )
@@ -98,6 +102,7 @@ STATE = np.dtype(
         ("touching", np.int64),
         ("pairs", _PAIR, PAIRS),
         ("place", np.int16, (BODIES, BODIES)),
+        ("scratch", np.float64, (2, 3)),
         ("left_out", np.int64),  # points of pairs that found no room
         ("happened", np.int64),
         ("events", EVENT, EVENTS),

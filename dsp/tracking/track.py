@@ -13,15 +13,19 @@ import math
 from ctypes import c_double, c_int64, c_void_p
 
 from ..native.jit import c_function, carray, kernel
-from .points import MEMORY, clear, into, take_point
+from .points import GRAZING, MEMORY, clear, into, take_point
 from .state import EVENTS, HIT, MOVE, REST, STATE, STEER
 
-_STAYED = 0.01  # s, at least three steps: after which a contact stands
+_STOOD = 0.03  # s after a blow, when it is not one of a bounce
 _SMOOTH = 0.005  # s: time constant of slip and sweep
-_SMOOTH_FORCE = 0.02  # s: of the force
+_SMOOTH_FORCE = 0.1  # s: of the force
+_SMOOTH_PLACE = 0.05  # s: of the place
+_REMEMBERED = 0.2  # s: time constant with which a fast slip is forgotten
+_LONGEST_HOP = 0.1  # s that what slides may be without a contact
 _MOVES, _RESTS = 0.01, 0.004  # m/s: a contact begins to move above the first, and rests below the second
 _NOTICED = 0.05  # share by which a speed or a force must change to be told
-_FALL = 0.5  # of the speed that gravity gives in a step, which is no blow either
+_BETWEEN = 0.01  # s between two times that a contact is told: half the time constant by which a slide glides
+_FALL = 1.05  # times the speed that gravity gives in a step, which is no blow either
 
 
 @c_function(c_int64, c_void_p, c_int64, c_double)
@@ -69,51 +73,67 @@ def _judge(state, i, span):
     """Tell what happened to a pair in this step; forget it where it touches no more."""
     pair = state.pairs[i]
     if pair.count == 0:
-        if state.time - pair.seen > max(MEMORY, 2.5 * span):
-            if pair.moves:
-                _tell(state, pair, REST)
-            _forget(state, i)
+        _leave(state, i, span)
         return
     for k in range(3):
         pair.point[k] /= pair.count
     if pair.fresh > 0:
         _hit(state, pair)
+        pair.stood, pair.begun = 0, state.time
+    elif pair.settled == 0 or state.time - pair.begun > _STOOD:
+        pair.stood = 1
     _follow(state, pair, span)
     slip, sweep = pair.now[0], pair.now[1]
     fastest = max(slip, sweep)
     if pair.moves == 0:
-        if fastest > _MOVES and state.time - pair.begun >= max(_STAYED, 2.5 * span):
+        if fastest > _MOVES and pair.stood == 1 and pair.settled == 2:
             pair.moves = 1
             _tell(state, pair, MOVE)
     elif fastest < _RESTS:
         pair.moves = 0
         _tell(state, pair, REST)
-    elif _is_noticed(pair):
+    elif state.time - pair.told_at >= _BETWEEN and _is_noticed(pair):
         _tell(state, pair, STEER)
+
+
+@kernel
+def _leave(state, i, span):
+    """A pair does not touch in this step: forget it, unless it slides and may only have hopped."""
+    pair = state.pairs[i]
+    longest = max(MEMORY, 2.5 * span)
+    if pair.stood == 1 and state.gravity > 0.0:
+        longest = max(longest, min(2.0 * GRAZING * pair.fastest / state.gravity, _LONGEST_HOP))
+    if state.time - pair.seen > longest:
+        if pair.moves:
+            _tell(state, pair, REST)
+        _forget(state, i)
+    elif pair.moves:
+        pair.now[2] *= math.exp(-span / _SMOOTH_FORCE)
 
 
 @kernel
 def _follow(state, pair, span):
     """Find how a contact slips and sweeps, and how hard it is pressed, smoothed."""
-    share = -math.expm1(-span / _SMOOTH)
-    same = pair.settled == 1 and pair.count == pair.before and pair.fresh == 0 and span > 0.0
+    share, near = -math.expm1(-span / _SMOOTH), -math.expm1(-span / _SMOOTH_PLACE)
     for side in range(2):
-        body = pair.a if side == 0 else pair.b
-        square = 0.0
         for k in range(3):
-            at = into(state, body, pair.point, k)
-            away = at - pair.local[side, k]
-            square += away * away
-            pair.local[side, k] = at
-        if same:
-            pair.sweep[side] += share * (math.sqrt(square) / span - pair.sweep[side])
-    pair.settled = 1
+            at = into(state, pair.a if side == 0 else pair.b, pair.point, k)
+            pair.local[side, k] += (near if pair.settled > 0 else 1.0) * (at - pair.local[side, k])
+        if pair.followed > 0:
+            swept = pair.swept[side] / pair.followed
+            pair.sweep[side] += (share if pair.settled > 1 else 1.0) * (swept - pair.sweep[side])
     slip = pair.slip / pair.weight
+    if pair.settled == 0:
+        pair.now[0] = slip
+    pair.fastest = max(slip, pair.fastest * math.exp(-span / _REMEMBERED))
     pair.now[0] += share * (slip - pair.now[0])
     pair.now[1] = max(pair.sweep[0], pair.sweep[1])
-    force = pair.force if pair.force > 0.0 else _weight(state, pair)
+    if pair.settled < 2:
+        pair.settled = 2 if pair.followed > 0 else 1
+    weight = _weight(state, pair)
+    force = pair.force if pair.force > 0.0 else weight
     if pair.now[2] == 0.0:
-        pair.now[2] = force
+        pair.now[2] = weight if weight > 0.0 else force
     pair.now[2] += -math.expm1(-span / _SMOOTH_FORCE) * (force - pair.now[2])
 
 
@@ -196,6 +216,8 @@ def _tell(state, pair, kind):
     event.a, event.b = pair.a, pair.b
     event.time = state.time
     event.slip, event.force = pair.now[0], pair.now[2]
+    if kind != HIT:
+        pair.told_at = state.time
     length = 0.0
     for k in range(3):
         length += pair.normal[k] * pair.normal[k]

@@ -8,8 +8,10 @@ from ..osc.wire import Message
 from .bodies import Body
 
 _LEAST = 1e-6  # m/s, N: a slide of 0 would end
+_CHANGED, _SLOW, _AWAY = 0.05, 0.004, 0.01  # shares, m/s or N, and of a strike path: what is told anew
 _FLAT = 0.002  # m: width of the contact of two faces, of which a corner carries at a time
 _STATIC, _DYNAMIC = 0.4, 0.3
+_STRIDE, _SEEDS = 1_000_003, 2**31
 
 Key = tuple[int, int]
 
@@ -17,10 +19,12 @@ Key = tuple[int, int]
 class Gestures:
     """The slides that go on, at most so many, by the numbers of their bodies."""
 
-    def __init__(self, most: int) -> None:
+    def __init__(self, most: int, seed: int = 0) -> None:
         self.running: dict[Key, str] = {}
+        self._said: dict[Key, dict[str, float]] = {}  # as it was told last
         self._most = most
         self._made = 0
+        self._seed = seed
 
     def begin(
         self,
@@ -41,11 +45,13 @@ class Gestures:
         self.running[key] = f"contact.{self._made}"
         to, by = bodies
         slip, sweep, force = _motion(event, side)
+        self._said[key] = {"speed": slip, "sweep": sweep, "force": force, "position": places[0]}
         round_ = to.shape.round or by.shape.round
         given: dict[str, float | str] = {
             **({"by": by.name, "by_position": places[1]} if by.rings else {}),
             "static": _STATIC, "dynamic": _DYNAMIC, "patch": 0.0 if round_ else _FLAT, **keys,
-            "force": force, "sweep": sweep, "seed": self._made, "id": self.running[key],
+            "force": force, "sweep": sweep, "id": self.running[key],
+            "seed": (self._seed * _STRIDE + self._made) % _SEEDS,
         }  # fmt: skip
         if "static" in keys or "dynamic" in keys:
             given["dynamic"] = min(float(given["dynamic"]), float(given["static"]))
@@ -55,12 +61,19 @@ class Gestures:
     def steer(self, key: Key, event: np.void, side: int, place: float) -> list[Message]:
         """Steer a slide."""
         slip, sweep, force = _motion(event, side)
-        values = {"speed": slip, "sweep": sweep, "force": force, "position": place}
-        return [Message(f"/gesture/{self.running[key]}/{name}", (value,)) for name, value in values.items()]
+        said = self._said[key]
+        found = []
+        for name, value in {"speed": slip, "sweep": sweep, "force": force, "position": place}.items():
+            least = _AWAY if name == "position" else _CHANGED * max(said[name], _SLOW)
+            if abs(value - said[name]) > least:
+                said[name] = value
+                found.append(Message(f"/gesture/{self.running[key]}/{name}", (value,)))
+        return found
 
     def rest(self, key: Key) -> list[Message]:
         """End a slide, if it goes on."""
         id = self.running.pop(key, None)
+        self._said.pop(key, None)
         return [Message(f"/gesture/{id}/stop", ())] if id else []
 
 

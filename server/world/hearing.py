@@ -32,7 +32,7 @@ class Hearing:
 
     microphones: one for each channel. faintest: dB over 20 µPa, below which a contact is left out. masked: dB by which
     it may lie below what was heard within 0.1 s. blows: the most in 50 ms; gestures: the most that slip or sweep at
-    once; the loudest are taken.
+    once; the loudest are taken. seed: of the surfaces on which bodies slide and roll.
     """
 
     microphones: Sequence[Microphone] = (Microphone((0.0, 0.0, 1.5)),)
@@ -40,6 +40,7 @@ class Hearing:
     masked: float = 70.0
     blows: int = 200
     gestures: int = 24
+    seed: int = 0
 
     def __post_init__(self) -> None:
         if not 1 <= len(self.microphones) <= 64:

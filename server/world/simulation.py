@@ -2,7 +2,7 @@
 
 import math
 from collections import deque
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -25,6 +25,7 @@ from .told import Contacts, Pose, Poses, take_contacts, take_pose, vector
 _BLOWS_IN = 0.05  # s: the time over which blows are counted
 _PLACED = 0.02  # s between two looks at where bodies are
 _LONGEST = 0.9  # s: of a blow
+_DULLEST = 0.02  # restitution: with less, a blow would hardly end
 
 
 class Timed(NamedTuple):
@@ -86,6 +87,7 @@ class Simulation:
         for name, value in (("gravity", gravity), ("rest", rest), ("start", start)):
             if not (math.isfinite(value) and (value >= 0.0 or name == "start")):
                 raise WorldError(f"{name} = {value}: expected a number that is not negative")
+        assert track.address  # its code is loaded now, or compiled, and not in the first step
         self.bodies: list[Body] = []
         self.counts = Counts()
         self.hits: list[Hit] = []
@@ -93,6 +95,8 @@ class Simulation:
         self.state = new_state(rest, gravity)
         self.state["time"] = start
         self.steps = 0
+        self.blow_of: Callable[[np.void], tuple[float, float]] | None = None
+        """What a simulator says of a blow (an EVENT): its effective mass (kg) and restitution; NaN: nothing."""
         self._presets = presets
         self._maker = BodyMaker(presets, top)
         self._surfaces = Surfaces(presets)
@@ -102,12 +106,17 @@ class Simulation:
         self._placing = Placing()
         self._placed_at = -math.inf
         self._blows: deque[float] = deque()
-        self._gestures = Gestures(self._listener.hearing.gestures)
+        self._gestures = Gestures(self._listener.hearing.gestures, self._listener.hearing.seed)
 
     @property
     def time(self) -> float:
         """s: of the last step."""
         return float(self.state["time"][0])
+
+    @property
+    def touching(self) -> int:
+        """The pairs of bodies that touch, or did a moment ago."""
+        return int(self.state["touching"][0])
 
     @property
     def channels(self) -> int:
@@ -147,6 +156,16 @@ class Simulation:
         """Say how the contact of two bodies differs from that of their materials: keys of `pairs.KEYS`."""
         first, second = sorted((self.number(a), self.number(b)))
         self._pairs[first, second] = pair_of(self._presets, a, b, keys)
+
+    def restart(self, time: float) -> None:
+        """Forget all that touches, and go on at another time (s); bodies and pairs stay."""
+        self.state["time"], self.state["touching"] = time, 0
+        self.state["place"] = 0
+        self.hits = []
+        self._blows.clear()
+        self._placed_at = -math.inf
+        self._listener = Listener(self._listener.hearing)
+        self._gestures = Gestures(self._listener.hearing.gestures, self._listener.hearing.seed)
 
     def step(self, time: float, contacts: Contacts = (), poses: Poses | None = None) -> list[Timed]:
         """Take a step's contacts and poses; the messages of what happened since the step before."""
@@ -245,9 +264,12 @@ class Simulation:
         local = (vector(event["local"][0]), vector(event["local"][1]))
         stiffness, dissipation, exponent, _ = contact_of(a, b, local)
         speed, mass, told = float(event["speed"]), float(event["mass"]), float(event["restitution"])
+        if self.blow_of:
+            said = self.blow_of(event)
+            mass, told = (old if math.isnan(new) else new for new, old in zip(said, (mass, told), strict=True))
         given = self._pairs[first, second].restitution if (first, second) in self._pairs else math.nan
         given = told if math.isnan(given) else given
-        restitution = restitution_of(dissipation, speed) if math.isnan(given) else min(max(given, 1e-6), 1.0)
+        restitution = restitution_of(dissipation, speed) if math.isnan(given) else min(max(given, 0.0), 1.0)
         impulse = mass * speed * (1.0 + restitution)
         lasting = duration(mass, stiffness, speed)
         pressure = impulse * sum(
@@ -260,7 +282,7 @@ class Simulation:
         to, by, at, by_at = _roles(a, b, local)
         if not to.rings or lasting > _LONGEST or not 1e-9 <= mass <= 1e6:
             return 0.0, hit, None
-        lost = ("dissipation", dissipation) if math.isnan(given) else ("restitution", restitution)
+        lost = ("dissipation", dissipation) if math.isnan(given) else ("restitution", max(restitution, _DULLEST))
         other = ("by", by.name, "by_position", by.place(by_at)) if by.rings else ()
         law = ("mass", mass, "stiffness", stiffness, *lost, "exponent", exponent)
         return pressure, hit, Message(f"/object/{to.name}/impact", (min(speed, 1e3), to.place(at), *other, *law))
@@ -286,7 +308,7 @@ class Simulation:
                 mass = 1.0 / max(float(self.state["lightness"][0, n]) for n in key)
                 found = self._gestures.begin(key, event, side, (to, by), (to.place(at), by.place(by_at)),
                                              _sliding(law, mass, surface, pair))  # fmt: skip
-                self.counts.over_budget += not found
+                self.counts.over_budget += not found and kind == MOVE
                 self.counts.gestures += bool(found)
             else:
                 found = self._gestures.steer(key, event, side, to.place(at))

@@ -1,0 +1,314 @@
+"""MuJoCo's sound: a bridge that tells a World what a model's contacts and bodies do.
+
+    model = mujoco.MjModel.from_xml_path("scene.xml")
+    data = mujoco.MjData(model)
+    bridge = carom.mujoco.Bridge(model, data, microphones=[(0, -1, 0.5)])
+    for _ in range(1000):
+        mujoco.mj_step(model, data)
+        block = bridge.update()   # float32 (frames, channels), in pascals
+
+It needs `pip install 'carom[mujoco]'`.
+"""
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from .presets import Presets
+from .server.world.bodies import WorldError
+from .server.world.told import Pose
+from .world import Blocks, World
+
+_SHAPES = {
+    mujoco.mjtGeom.mjGEOM_SPHERE: "sphere",
+    mujoco.mjtGeom.mjGEOM_CAPSULE: "capsule",
+    mujoco.mjtGeom.mjGEOM_CYLINDER: "cylinder",
+    mujoco.mjtGeom.mjGEOM_BOX: "box",
+    mujoco.mjtGeom.mjGEOM_ELLIPSOID: "box",
+    mujoco.mjtGeom.mjGEOM_MESH: "box",
+}
+_GROUND = (2.0, 2.0, 0.1)  # m: of a plane, a height field or the like, as far as it rings
+_LEAST_IMPEDANCE, _MOST_IMPEDANCE = 1e-4, 0.9999  # as MuJoCo bounds them
+_LONGEST = 1000  # steps of a blow that is followed
+
+
+class _Part(NamedTuple):
+    """A body of the World: its name, its geom, and the model's body that moves it (0: none does)."""
+
+    name: str
+    geom: int
+    body: int
+
+
+class Bridge:
+    """Tells a World what happens in MuJoCo's `data`.
+
+    Each body that moves is one of the World, shaped as its largest geom; each geom that does not move is one, held. A
+    plane rings as a plate of 2 m. Materials are presets: of a geom by `materials` (a mapping from names of geoms,
+    bodies or MuJoCo's materials), by the model's custom text `carom` ("floor wood ball glass"), or by a material of the
+    model that is named as a preset; else `default`. modes: at most, of each. bodies: keys of World.body by name, for
+    those that need more. The other options are those of a World; without any, `world` may be one that is there already.
+
+    A blow's restitution is that of MuJoCo's own contact, so that its impulse is that of the motion, and its effective
+    mass is that of the whole mechanism. `restitution="materials"` takes the materials' instead.
+
+    The sound is a step of the model behind its state: only then are its contacts known.
+    """
+
+    def __init__(
+        self,
+        model: mujoco.MjModel,
+        data: mujoco.MjData,
+        world: World | None = None,
+        *,
+        materials: Mapping[str, str] | None = None,
+        bodies: Mapping[str, Mapping[str, Any]] | None = None,
+        default: str = "wood",
+        modes: int = 64,
+        restitution: str = "simulator",
+        **options: Any,
+    ) -> None:
+        if restitution not in ("simulator", "materials"):
+            raise WorldError(f"restitution = {restitution}: expected simulator or materials")
+        self._model, self._data = model, data
+        self._modes = modes
+        self._by_simulator = restitution == "simulator"
+        gravity = float(np.linalg.norm(model.opt.gravity))
+        self.world = world or World(**{"gravity": gravity, "start": float(data.time), **options})
+        mujoco.mj_kinematics(model, data)
+        parts = sorted(_parts(model), key=lambda part: part.body == 0)
+        chosen = {**_written(model), **(materials or {})}
+        self._first = len(self.world.bodies)
+        for part in parts:
+            self._add(part, _material(model, part, chosen) or default, (bodies or {}).get(part.name, {}))
+        moving = [part for part in parts if part.body]
+        self._geoms = np.array([part.geom for part in moving], np.intp)
+        self._bodies = np.array([part.body for part in moving], np.intp)
+        self._roots = model.body_rootid[self._bodies].astype(np.intp)
+        self._number = _numbers(model, parts, self._first)
+        self._rows = self._columns()
+        self.world.simulation.blow_of = self._blow
+
+    def _add(self, part: _Part, material: str, about: Mapping[str, Any]) -> None:
+        """Add a part to the World, with the mass and inertia of the body that moves it."""
+        model, data = self._model, self._data
+        shape, size = _shape(model, part.geom)
+        turn = data.geom_xmat[part.geom].reshape(3, 3)
+        quaternion = np.empty(4)
+        mujoco.mju_mat2Quat(quaternion, data.geom_xmat[part.geom])
+        given: dict[str, Any] = {"held": True, "most_modes": self._modes}
+        if part.body:
+            axes = turn.T @ data.ximat[part.body].reshape(3, 3)
+            inertia = axes**2 @ model.body_inertia[part.body]
+            given |= {
+                "held": False,
+                "mass": float(model.body_mass[part.body]),
+                "inertia": tuple(np.maximum(inertia, 1e-12)),
+            }
+        pose = Pose(tuple(data.geom_xpos[part.geom]), tuple(quaternion))
+        kind = str(about.get("shape", shape))
+        keys = {key: value for key, value in about.items() if key not in ("shape", "size", "material")}
+        try:
+            self.world.body(
+                part.name, kind, about.get("size", size), about.get("material", material), pose, **{**given, **keys}
+            )
+        except WorldError as error:
+            raise WorldError(f"geom {part.geom}: {error}") from None
+
+    def _columns(self) -> dict[str, NDArray[Any]]:
+        """The World's columns of bodies that move, and of contacts."""
+        memory = self.world.memory
+        span = slice(self._first, self._first + len(self._bodies))
+        columns = {name: memory[name][0, span] for name in ("position", "turn", "velocity", "spin", "about")}
+        told = ("pair", "point", "normal", "depth", "approach", "slip", "force", "mass", "restitution")
+        return columns | {name: memory[name][0] for name in told}
+
+    def step(self) -> Blocks:
+        """Have MuJoCo take a step, and `update`."""
+        mujoco.mj_step(self._model, self._data)
+        return self.update()
+
+    def update(self) -> Blocks:
+        """`tell`, and the sound since the last update, (frames, channels); to be called after each step of MuJoCo."""
+        self.tell()
+        return self.world.block()
+
+    def restart(self) -> None:
+        """Begin anew where `data` is now, in silence; to be called after MuJoCo's data was reset."""
+        self.world.restart(float(self._data.time))
+
+    def tell(self) -> None:
+        """Tell the World of a step of MuJoCo, to be called after each. WorldError for what is not finite, or if time
+        has not gone on."""
+        data, rows = self._data, self._rows
+        count = data.ncon
+        np.take(data.geom_xpos, self._geoms, 0, rows["position"], "clip")
+        if count or self.world.simulation.touching:
+            np.take(data.geom_xmat, self._geoms, 0, rows["turn"], "clip")
+            motion = data.cvel[self._bodies]
+            rows["spin"][:], rows["velocity"][:] = motion[:, :3], motion[:, 3:]
+            np.take(data.subtree_com, self._roots, 0, rows["about"], "clip")
+            if count:
+                self._take_contacts(count)
+        self.world.tell(data.time, count)
+
+    def _take_contacts(self, count: int) -> None:
+        """Copy MuJoCo's contacts into the World's columns."""
+        data, rows, contact = self._data, self._rows, self._data.contact
+        pair = rows["pair"][:count]
+        np.take(self._number, contact.geom, 0, pair, "clip")
+        rows["point"][:count] = contact.pos
+        rows["normal"][:count] = contact.frame[:, :3]
+        np.negative(contact.dist, rows["depth"][:count])
+        address = contact.efc_address
+        if address.min() < 0:  # not in force: as if they did not touch
+            pair[address < 0, 1] = pair[address < 0, 0]
+            address = np.maximum(address, 0)
+        force = data.efc_force
+        if self._model.opt.cone == mujoco.mjtCone.mjCONE_PYRAMIDAL and len(force):
+            rows["force"][:count] = np.add.reduceat(force, address)
+        elif len(force):
+            np.take(force, address, 0, rows["force"][:count], "clip")
+
+    def _blow(self, event: np.void) -> tuple[float, float]:
+        """The effective mass (kg) and the restitution of a blow; NaN: those of free bodies, and of the materials."""
+        a, b = int(event["a"]), int(event["b"])
+        along = self._approach(a, b, event["point"], event["normal"])
+        answer = np.empty((1, self._model.nv))
+        mujoco.mj_solveM(self._model, self._data, answer, along[None])
+        lightness = float(along @ answer[0])
+        mass = 1.0 / lightness if lightness > 0.0 else math.nan
+        pairs = self._rows["pair"][: self._data.ncon]
+        (found,) = np.nonzero(((pairs == (a, b)) | (pairs == (b, a))).all(axis=1))
+        if not self._by_simulator or not len(found):
+            return mass, math.nan
+        away = np.linalg.norm(self._rows["point"][found] - event["point"], axis=1)
+        pushed = float(along @ self._data.qacc_smooth)
+        return mass, self._rebound(int(found[away.argmin()]), float(event["speed"]), pushed)
+
+    def _approach(self, a: int, b: int, point: NDArray[np.float64], normal: NDArray[np.float64]) -> NDArray[np.float64]:
+        """J (nv,): how fast two bodies close at a point, for each of the model's velocities."""
+        along = np.zeros(self._model.nv)
+        slope = np.empty((3, self._model.nv))
+        for number, sign in ((a, 1.0), (b, -1.0)):
+            moving = number - self._first
+            if moving < len(self._bodies):
+                mujoco.mj_jac(self._model, self._data, slope, None, point, int(self._bodies[moving]))
+                along += sign * (normal @ slope)
+        return along
+
+    def _rebound(self, number: int, speed: float, pushed: float) -> float:
+        """The share of its speed that MuJoCo's contact leaves: its spring and damper, step by step, where other forces
+        push the bodies together by an acceleration (m/s^2)."""
+        model, contact = self._model, self._data.contact[number]
+        step = model.opt.timestep
+        solimp = contact.solimp
+        most = min(max(float(solimp[1]), _LEAST_IMPEDANCE), _MOST_IMPEDANCE)
+        first, second = map(float, contact.solref)
+        if first > 0:
+            time = max(first, 2 * step)
+            stiffness, damping = 1 / (most * time * second) ** 2, 2 / (most * time)
+        else:
+            stiffness, damping = -first / most**2, -second / most
+        depth, rate, least = max(-float(contact.dist), 0.0), speed, speed
+        for _ in range(_LONGEST):
+            impedance = _impedance(solimp, depth)
+            push = max(0.0, impedance * (damping * rate + stiffness * impedance * depth + pushed))
+            rate += step * (pushed - push)
+            depth += step * rate
+            if depth < 0.0 or rate > least:
+                break
+            least = rate
+        return min(max(-least / speed, 0.0), 1.0)
+
+
+def _impedance(solimp: NDArray[np.float64], depth: float) -> float:
+    """MuJoCo's d(r), a sigmoid of the depth over a width."""
+    low, high, width, middle, power = map(float, solimp)
+    x = min(depth / max(width, 1e-15), 1.0)
+    if power <= 1.0 or x in (0.0, 1.0):
+        y = x
+    elif x <= middle:
+        y = x**power / middle ** (power - 1)
+    else:
+        y = 1 - (1 - x) ** power / (1 - middle) ** (power - 1)
+    return min(max(low + y * (high - low), _LEAST_IMPEDANCE), _MOST_IMPEDANCE)
+
+
+def _parts(model: mujoco.MjModel) -> Iterator[_Part]:
+    """The bodies of the World: of each that moves the largest geom, and all geoms that do not move."""
+    largest: dict[int, int] = {}
+    for geom in range(model.ngeom):
+        if not (model.geom_contype[geom] or model.geom_conaffinity[geom]):
+            continue
+        body = int(model.body_weldid[model.geom_bodyid[geom]])
+        if body == 0:
+            yield _Part(_name(model, mujoco.mjtObj.mjOBJ_GEOM, geom) or f"geom{geom}", geom, 0)
+        elif body not in largest or _extent(model, geom) > _extent(model, largest[body]):
+            largest[body] = geom
+    for body, geom in largest.items():
+        name = _name(model, mujoco.mjtObj.mjOBJ_BODY, body) or _name(model, mujoco.mjtObj.mjOBJ_GEOM, geom)
+        yield _Part(name or f"body{body}", geom, body)
+
+
+def _extent(model: mujoco.MjModel, geom: int) -> float:
+    return float(np.prod(model.geom_aabb[geom, 3:]))
+
+
+def _name(model: mujoco.MjModel, kind: mujoco.mjtObj, number: int) -> str:
+    """A name as an object's may be; empty if there is none."""
+    name = mujoco.mj_id2name(model, kind, number) or ""
+    return "".join("_" if sign in "# *,/?[]{}" else sign for sign in name)
+
+
+def _shape(model: mujoco.MjModel, geom: int) -> tuple[str, tuple[float, ...]]:
+    """The shape of a geom, and its size as World.body takes it."""
+    kind = model.geom_type[geom]
+    x, y, z = map(float, model.geom_size[geom])
+    shape = _SHAPES.get(mujoco.mjtGeom(kind))
+    if shape is None:
+        return "box", _GROUND
+    if shape == "box":
+        x, y, z = map(float, model.geom_aabb[geom, 3:])
+        return shape, (2 * x, 2 * y, 2 * z)
+    return shape, (x,) if shape == "sphere" else (x, 2 * y)
+
+
+def _written(model: mujoco.MjModel) -> dict[str, str]:
+    """The materials that the model's custom text `carom` says."""
+    for number in range(model.ntext):
+        if mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_TEXT, number) == "carom":
+            first = int(model.text_adr[number])
+            text = bytes(model.text_data[first : first + int(model.text_size[number])]).rstrip(b"\0").decode()
+            words = text.split()
+            if len(words) % 2:
+                raise WorldError(f"custom text carom: {text}: expected pairs of a name and a material")
+            return dict(zip(words[::2], words[1::2], strict=True))
+    return {}
+
+
+def _material(model: mujoco.MjModel, part: _Part, chosen: Mapping[str, str]) -> str:
+    """The preset of a part's material; empty if nothing says it."""
+    names = [part.name, _name(model, mujoco.mjtObj.mjOBJ_GEOM, part.geom)]
+    material = int(model.geom_matid[part.geom])
+    if material >= 0:
+        names.append(_name(model, mujoco.mjtObj.mjOBJ_MATERIAL, material))
+    for name in names:
+        if name in chosen:
+            return chosen[name]
+    return names[-1] if material >= 0 and names[-1] in Presets().names("materials") else ""
+
+
+def _numbers(model: mujoco.MjModel, parts: list[_Part], first: int) -> NDArray[np.int32]:
+    """The number of each geom's body in the World."""
+    of_body = {part.body: first + n for n, part in enumerate(parts) if part.body}
+    of_geom = {part.geom: first + n for n, part in enumerate(parts)}
+    numbers = np.zeros(max(model.ngeom, 1), np.int32)
+    for geom in range(model.ngeom):
+        body = int(model.body_weldid[model.geom_bodyid[geom]])
+        numbers[geom] = of_body.get(body, of_geom.get(geom, first))
+    return numbers

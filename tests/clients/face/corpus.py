@@ -1,0 +1,116 @@
+"""The ten scenes of clients/examples/mujoco, run and heard; what MuJoCo itself knows of their blows."""
+
+import importlib.util
+from itertools import pairwise
+from pathlib import Path
+from typing import NamedTuple
+
+import mujoco
+import numpy as np
+
+import carom
+from carom.mujoco import Bridge
+
+EXAMPLES = Path(__file__).parents[3] / "clients" / "examples" / "mujoco"
+HEARING = carom.Hearing([carom.Microphone((0.0, -0.5, 0.6))])
+
+
+def module(name: str):
+    """A file of the examples."""
+    spec = importlib.util.spec_from_file_location(name, EXAMPLES / f"{name}.py")
+    made = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(made)
+    return made
+
+
+SCENES = module("scenes").SCENES
+shake = module("scenes").shake
+
+
+class Run(NamedTuple):
+    """A scene that was heard: its blows, sound and counts, and for each step the forces of pairs that touched."""
+
+    hits: list[carom.Hit]
+    sound: np.ndarray
+    counts: object
+    forces: list[dict[tuple[str, str], float]]
+    speeds: np.ndarray
+    """(steps, nv): MuJoCo's velocities before each step."""
+
+    @property
+    def energy(self) -> float:
+        return float((self.sound.astype(np.float64) ** 2).sum() / 48_000)
+
+
+def run(name: str, step: float, seconds: float | None = None, hearing: carom.Hearing = HEARING) -> Run:
+    """Run a scene at a step (s), and hear it."""
+    make, lasts = SCENES[name]
+    model = mujoco.MjModel.from_xml_string(make(step))
+    data = mujoco.MjData(model)
+    if model.nkey:
+        mujoco.mj_resetDataKeyframe(model, data, 0)
+    bridge = Bridge(model, data, hearing=hearing)
+    hits, blocks, forces, speeds = [], [], [], []
+    for _ in range(round((seconds or lasts) / step)):
+        shake(name, data)
+        speeds.append(data.qvel.copy())
+        blocks.append(bridge.step())
+        hits += bridge.world.hits
+        forces.append(_forces(model, data, bridge.world.bodies))
+    return Run(hits, np.concatenate(blocks), bridge.world.counts, forces, np.array(speeds))
+
+
+def _forces(model, data, names) -> dict[tuple[str, str], float]:
+    """The normal force between each pair of bodies, by MuJoCo's own function."""
+    found: dict[tuple[str, str], float] = {}
+    force = np.empty(6)
+    for number in range(data.ncon):
+        mujoco.mj_contactForce(model, data, number, force)
+        ends = []
+        for geom in data.contact[number].geom:
+            body = model.geom_bodyid[geom]
+            named = model.body(body).name if model.body_dofnum[body] else model.geom(geom).name
+            ends.append(named or f"geom{geom}")
+        pair = tuple(sorted(ends))
+        if force[0] > 0:
+            found[pair] = found.get(pair, 0.0) + force[0]
+    return found
+
+
+def episodes(forces, pair, apart: int = 3) -> list[tuple[int, int]]:
+    """The runs of steps in which a pair pushes, first and last; those fewer than `apart` steps apart are one."""
+    steps = [n for n, each in enumerate(forces) if pair in each]
+    found: list[tuple[int, int]] = []
+    for n in steps:
+        if found and n - found[-1][1] < apart:
+            found[-1] = (found[-1][0], n)
+        else:
+            found.append((n, n))
+    return found
+
+
+def thirds(sound: np.ndarray) -> np.ndarray:
+    """The energy in third octaves from 100 Hz to 16 kHz, of the first channel."""
+    power = np.abs(np.fft.rfft(sound[:, 0].astype(np.float64))) ** 2
+    frequency = np.fft.rfftfreq(len(sound), 1 / 48_000)
+    edges = 1000 * 2 ** ((np.arange(-10, 14) - 0.5) / 3)
+    bands = pairwise(edges)
+    return np.array([power[(frequency >= low) & (frequency < high)].sum() for low, high in bands])
+
+
+def apart(one: np.ndarray, other: np.ndarray, least: float = -20.0) -> float:
+    """How far two sounds' third octaves are apart at most (dB), of those within `least` dB of the loudest."""
+    loud = one > one.max() * 10 ** (least / 10)
+    return float(np.abs(10 * np.log10(other[loud] / one[loud])).max())
+
+
+def over_seeds(name: str, step: float, seeds: int) -> np.ndarray:
+    """The third octaves of a scene over surfaces of several seeds."""
+    hearings = [carom.Hearing(HEARING.microphones, seed=seed) for seed in range(seeds)]
+    return np.mean([thirds(run(name, step, hearing=hearing).sound) for hearing in hearings], axis=0)
+
+
+def separation(run: Run, first: int, last: int, rate) -> tuple[float, float]:
+    """The speeds before and after an episode; rate: of approach, for a row of MuJoCo's velocities."""
+    speeds = [rate(row) for row in run.speeds[first : last + 2]]
+    return speeds[0], -min(speeds)

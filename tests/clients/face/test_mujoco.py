@@ -1,0 +1,141 @@
+"""The bridge to MuJoCo against what MuJoCo itself knows: forces, velocities, and runs at other steps."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import soundfile
+
+import carom
+
+mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+
+from carom.mujoco import Bridge  # noqa: E402
+from tests.clients.face.corpus import EXAMPLES, SCENES, apart, episodes, over_seeds, run, separation, thirds  # noqa: E402
+
+pytestmark = pytest.mark.slow
+
+FINE = 0.0005
+AUDIBLE = 0.05  # m/s
+
+
+def rate_of(pair):
+    """The speed of approach of balls on a rail, or of a ball that falls, for a row of velocities."""
+    if pair == ("ball", "floor"):
+        return lambda row: -row[2]
+    first, second = (int(name.removeprefix("ball")) for name in pair)
+    return lambda row: row[first] - row[second]
+
+
+@pytest.mark.parametrize("scene", ["drop", "chain"])
+def test_each_blow_has_the_impulse_of_the_simulators_change_of_speed(scene):
+    heard = run(scene, FINE)
+    found = 0
+    for pair in {pair for step in heard.forces for pair in step}:
+        for first, last in episodes(heard.forces, pair):
+            before, after = separation(heard, first, last, rate_of(pair))
+            hits = [
+                hit for hit in heard.hits if sorted((hit.a, hit.b)) == list(pair) and abs(hit.time / FINE - first) < 4
+            ]
+            if before < AUDIBLE:
+                assert not hits or before > 0.01
+                continue
+            (hit,) = hits
+            found += 1
+            assert hit.impulse == pytest.approx(hit.mass * (before + after), rel=0.02)
+            expected = 0.0838 if scene == "drop" else 7850 * 4 / 3 * np.pi * 0.02**3 / 2 * 2500 / 7850
+            assert hit.mass == pytest.approx(expected, rel=0.01)
+    assert found == (1 if scene == "drop" else 10)
+
+
+@pytest.mark.parametrize("scene, step", [("rattle", 0.001), ("juggle", 0.001), ("stack", 0.002)])
+def test_every_blow_is_told_once(scene, step):
+    """Against the episodes in which MuJoCo's own forces act."""
+    heard = run(scene, step)
+    for pair in {pair for each in heard.forces for pair in each}:
+        begun = [first for first, _ in episodes(heard.forces, pair)]
+        told = sorted(hit.time / step for hit in heard.hits if sorted((hit.a, hit.b)) == list(pair))
+        for time in told:  # each belongs to an episode, and no two to one
+            assert any(-2.0 <= time - first <= 2.0 for first in begun), (pair, time, begun)
+        assert len({min(begun, key=lambda first: abs(first - time)) for time in told}) == len(told)
+    assert heard.counts.hits == len(heard.hits) >= 3
+
+
+@pytest.mark.parametrize("scene", ["drop", "stack", "topple", "chain", "rattle", "slide"])
+def test_it_is_silent_after_rest(scene):
+    heard = run(scene, 0.002, 2.5)
+    assert np.abs(heard.sound[-4800:]).max() < 1e-4 * np.abs(heard.sound).max()
+    assert not any(hit.time > 2.0 for hit in heard.hits)
+
+
+@pytest.mark.parametrize("scene", ["drop", "chain"])
+def test_the_simulators_step_is_not_heard(scene):
+    one = thirds(run(scene, 0.001).sound)
+    assert all(apart(one, thirds(run(scene, step).sound)) < 1.0 for step in (0.002, 0.005))
+
+
+def test_a_roll_sounds_alike_at_any_step():
+    one = over_seeds("ramp", 0.001, 6)
+    assert apart(one, over_seeds("ramp", 0.005, 6)) < 2.0  # a study has more seeds
+
+
+def test_a_slide_has_no_blows_and_the_same_energy_at_any_step():
+    runs = [run("slide", step) for step in (0.001, 0.005)]
+    assert not any(each.hits for each in runs) and all(each.counts.gestures == 1 for each in runs)
+    assert runs[1].energy == pytest.approx(runs[0].energy, rel=0.25)
+
+
+ARM = """<mujoco><option timestep="0.001"/><worldbody>
+  <geom name="table" type="box" size=".3 .2 .02" pos=".3 0 -.02"/>
+  <body name="arm" pos="0 0 .2"><joint type="hinge" axis="0 1 0"/>
+    <geom name="rod" type="capsule" fromto="0 0 0 .4 0 0" size=".01" density="7850"/>
+    <body pos=".4 0 0"><geom name="head" type="sphere" size=".03" density="7850"/></body></body>
+</worldbody></mujoco>"""
+
+
+def test_a_hammer_on_a_hinge_has_the_effective_mass_of_the_mechanism():
+    model = mujoco.MjModel.from_xml_string(ARM)
+    data = mujoco.MjData(model)
+    bridge = Bridge(model, data, materials={"table": "wood", "arm": "steel"})
+    hits = []
+    while not hits and data.time < 1.0:
+        bridge.step()
+        hits = bridge.world.hits
+    inertia = np.empty(1)
+    mujoco.mj_mulM(model, data, inertia, np.ones(1))
+    assert hits[0].mass == pytest.approx(inertia[0] / hits[0].point[0] ** 2, rel=0.02)
+    assert {hits[0].a, hits[0].b} == {"arm", "table"}
+
+
+def test_materials_come_from_the_model_or_the_call():
+    text = '<mujoco><custom><text name="carom" data="floor glass"/></custom><asset><material name="steel"/></asset>'
+    text += '<worldbody><geom name="floor" type="plane" size="1 1 .1"/><body name="a"><freejoint/>'
+    text += '<geom size=".02" material="steel"/></body>'
+    text += '<body name="b"><freejoint/><geom size=".02"/></body></worldbody></mujoco>'
+    model = mujoco.MjModel.from_xml_string(text)
+    bridge = Bridge(model, mujoco.MjData(model), materials={"b": "brass"})
+    made = {body.name: body.material.name for body in bridge.world.simulation.bodies}
+    assert made == {"floor": "glass", "a": "steel", "b": "brass"}
+
+
+def test_a_simulation_that_blows_up_is_one_error():
+    model = mujoco.MjModel.from_xml_string(ARM)
+    data = mujoco.MjData(model)
+    bridge = Bridge(model, data)
+    bridge.step()
+    data.geom_xpos[1:] = np.nan
+    with pytest.raises(carom.WorldError, match=r"step 2: body arm: position = \[nan"):
+        data.time += 0.001
+        bridge.update()
+    with pytest.raises(carom.WorldError, match="restitution = sim: expected"):
+        Bridge(model, data, restitution="sim")
+
+
+@pytest.mark.parametrize("scene", ["domino", "ramp"])
+def test_the_example_writes_a_sound_and_a_strip_of_pictures(scene, tmp_path):
+    command = [sys.executable, EXAMPLES / "render.py", scene, "a.wav", "a.png"]
+    told = subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, text=True, timeout=60).stdout
+    samples, rate = soundfile.read(tmp_path / "a.wav")
+    assert told.startswith(f"{scene}: ") and rate == 48_000 and abs(len(samples) / rate - SCENES[scene][1]) < 0.01
+    assert np.abs(samples).max() > 0.01 and (tmp_path / "a.png").read_bytes()[1:4] == b"PNG"
