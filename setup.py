@@ -19,10 +19,13 @@ COMPILED = (
 )
 """The modules that define functions of C."""
 
-BUILD = """
+EVERYWHERE = os.environ.get("CAROM_WHEEL") == "everywhere"
+"""Whether the wheel is for all systems, and not only for those like this one: its code takes minutes more to make."""
+
+BUILD = f"""
 import sys
 from carom.dsp.native import code, targets
-code.build(sys.argv[1:], targets.built(), code.PACKAGED)
+code.build(sys.argv[1:], {"targets.WHEEL" if EVERYWHERE else "targets.built()"}, code.PACKAGED)
 """
 
 

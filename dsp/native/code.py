@@ -3,10 +3,11 @@
 The key of a module's code is a hash of its sources: of the file and of every file of the package that it imports,
 directly or through others. A folder by that key holds
 
-    sources.json              the names of those files, and the functions of the C library that the code calls
-    source.bc                 LLVM's bitcode before it is optimised (in the cache alone)
+    sources.json              the names of those files, and for each target the functions of the system's libraries
+                              that its code calls
+    source.bc                 LLVM's bitcode before it is optimised (in the cache alone): the same for all targets
     code.bc                   the same, optimised for the processor that compiled it (in the cache alone)
-    SYSTEM-PROCESSOR.HASH.o   machine code for a kind of processor, with a hash of its own bytes in its name
+    SYSTEM-PROCESSOR.HASH.o   machine code for a target, with a hash of its own bytes in its name
 """
 
 import ast
@@ -31,7 +32,7 @@ import llvmlite.binding as llvm
 import platformdirs
 
 from .jit import CFunction
-from .targets import processors, system, target_machine
+from .targets import Target, system, targets
 
 PACKAGED = Path(__file__).parent / "objects"
 """Where a wheel holds its code."""
@@ -59,10 +60,13 @@ def load(module: str) -> Code:
     importlib.import_module(module)
     for origin, root in (("package", PACKAGED), ("cache", _cache())):
         for folder in sorted((root / module).glob("*")):
-            listed = _listed(folder)
-            if listed and folder.name == _hash_of(listed["sources"]) and _are_there(listed["needs"]):
-                made = _object_in(folder)
+            listed, needs = _listed(folder)
+            if listed and folder.name == _hash_of(listed):
+                made = _object_in(folder, needs)
                 if made:
+                    if origin == "cache":
+                        with suppress(OSError):
+                            os.utime(folder)  # those that were used last are kept
                     return _linked(module, folder.name, *made, origin)
     return compiled(module)
 
@@ -82,23 +86,28 @@ def _kept(module: str, name: str) -> bytes:
     return file.read_bytes()
 
 
-def build(modules: list[str], kinds: tuple[str, ...], root: Path) -> None:
-    """Make code of modules for some kinds of processor, and nothing else, the content of a folder.
+def build(modules: list[str], wanted: tuple[Target, ...], root: Path) -> None:
+    """Make code of modules for some targets, and nothing else, the content of a folder.
 
     It is made in the cache, and copied from there.
     """
     shutil.rmtree(root, ignore_errors=True)
-    from .compiler import optimised  # it imports numba
+    from .compiler import needed, optimised  # it imports numba
 
     for module in modules:
         source = _kept(module, "source.bc")
         kept, folder = _cache() / module / key(module), root / module / key(module)
         folder.mkdir(parents=True)
-        shutil.copy(kept / "sources.json", folder)
-        for kind in kinds:
-            made = _read_object(kept, kind) or _emitted(optimised(source, kind), kind)
-            _write_object(kept, kind, made)
-            _write_object(folder, kind, made)
+        listed, needs = sources(module), _listed(kept)[1]
+        for target in wanted:
+            made = _read_object(kept, target) if str(target) in needs else None
+            if made is None:
+                best = optimised(source, target)
+                made, needs[str(target)] = _emitted(best, target), needed(best)
+                _write_object(kept, target, made)
+                _list(kept, listed, needs)
+            _write_object(folder, target, made)
+        _list(folder, listed, {str(target): needs[str(target)] for target in wanted})
 
 
 def key(module: str) -> str:
@@ -110,7 +119,7 @@ def key(module: str) -> str:
 def sources(module: str) -> list[str]:
     """The names of a loaded module, of all that it imports of its top-level package, and of the compiler, in order."""
     top = module.partition(".")[0]
-    found = {f"{__package__}.compiler", f"{__package__}.targets"}
+    found = {f"{__package__}.{name}" for name in ("compiler", "platforms", "targets")}
     waiting = [module]
     while waiting:
         name = waiting.pop()
@@ -161,33 +170,45 @@ def _cache() -> Path:
     return platformdirs.user_cache_path("carom") / "code"
 
 
-def _listed(folder: Path) -> dict[str, list[str]] | None:
-    """What sources.json of a folder says; None where there is none that can be read."""
+def _listed(folder: Path) -> tuple[list[str], dict[str, list[str]]]:
+    """The sources that sources.json of a folder names, and the needs by target; none where it cannot be read."""
     try:
         listed = json.loads((folder / "sources.json").read_text())
-        return {name: [str(each) for each in listed[name]] for name in ("sources", "needs")}
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
+        needs = {str(target): [str(each) for each in names] for target, names in listed["needs"].items()}
+        return [str(each) for each in listed["sources"]], needs
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return [], {}
+
+
+def _list(folder: Path, names: list[str], needs: dict[str, list[str]]) -> None:
+    """Write sources.json of a folder."""
+    _write(folder / "sources.json", json.dumps({"sources": names, "needs": needs}).encode())
 
 
 def _are_there(functions: list[str]) -> bool:
     """True if the process has all functions of these names; LLVM ends the process where it looks for one in vain."""
-    llvm.load_library_permanently("")
+    for library in _LIBRARIES.get(system(), ("",)):
+        llvm.load_library_permanently(library)
     return all(llvm.address_of_symbol(name) for name in functions)
 
 
-def _object_in(folder: Path) -> tuple[bytes, str] | None:
-    """The machine code in a folder for this processor, and the kind that it is for."""
-    for kind in processors():
-        made = _read_object(folder, kind)
-        if made:
-            return made, kind
+_LIBRARIES = {"windows": ("kernel32.dll", "ucrtbase.dll", "ws2_32.dll")}
+"""That a system's processes have not loaded as a whole."""
+
+
+def _object_in(folder: Path, needs: dict[str, list[str]]) -> tuple[bytes, Target] | None:
+    """The machine code in a folder for this machine, and the target that it is for."""
+    for target in targets():
+        if str(target) in needs and _are_there(needs[str(target)]):
+            made = _read_object(folder, target)
+            if made:
+                return made, target
     return None
 
 
-def _read_object(folder: Path, kind: str) -> bytes | None:
-    """The machine code in a folder for a kind of processor; None where there is none that is whole."""
-    for file in folder.glob(f"{system()}-{kind}.*.o"):
+def _read_object(folder: Path, target: Target) -> bytes | None:
+    """The machine code in a folder for a target; None where there is none that is whole."""
+    for file in folder.glob(f"{target}.*.o"):
         with suppress(OSError):
             made = file.read_bytes()
             if file.suffixes[-2] == f".{_digest(made)}":
@@ -200,14 +221,14 @@ def _digest(made: bytes) -> str:
     return hashlib.sha256(made).hexdigest()[:16]
 
 
-def _linked(module: str, code_key: str, made: bytes, kind: str, origin: str) -> Code:
+def _linked(module: str, code_key: str, made: bytes, target: Target, origin: str) -> Code:
     """Have machine code ready to run."""
-    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), target_machine(kind))
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), target.machine())
     engine.add_object_file(llvm.ObjectFileRef.from_data(made))
     engine.finalize_object()
     _ENGINES.append(engine)  # the code goes with it
     names = [each.py_func.__name__ for each in _functions_of(module)]
-    return Code({name: engine.get_function_address(name) for name in names}, code_key, kind, origin)
+    return Code({name: engine.get_function_address(name) for name in names}, code_key, target.processor, origin)
 
 
 _ENGINES: list[Any] = []
@@ -223,28 +244,27 @@ def compiled(module: str) -> Code:
     """The code of a module's C functions, compiled now, and kept in the cache where that can be written."""
     global _notice
     from .compile_notice import CompileNotice  # it imports numba
-    from .compiler import optimised, written
+    from .compiler import needed, optimised, written
 
-    kind = processors()[0]
+    target = targets()[0]
     collecting = gc.isenabled()
     gc.disable()  # a compiler keeps most of the millions of objects that it makes: looking through them takes a while
     try:
         with CompileNotice(PASSES.get(module, 0)) as _notice:
             source = written(_functions_of(module)).as_bitcode()
-            best = optimised(source, kind)
-            made = _emitted(best, kind)
+            best = optimised(source, target)
+            made = _emitted(best, target)
     finally:
         _notice = None
         if collecting:
             gc.enable()
-    needs = [each.name for each in best.functions if each.is_declaration and not each.name.startswith("llvm.")]
     folder = _cache() / module / key(module)
     try:
-        _keep(folder, {"source.bc": source, "code.bc": best.as_bitcode()}, made)
-        _write(folder / "sources.json", json.dumps({"sources": sources(module), "needs": needs}).encode())
+        _keep(folder, {"source.bc": source, "code.bc": best.as_bitcode()}, target, made)
+        _list(folder, sources(module), {str(target): needed(best)})
     except OSError as error:
         _say_that_it_is_not_kept(str(error))
-    return _linked(module, folder.name, made, kind, "compiled")
+    return _linked(module, folder.name, made, target, "compiled")
 
 
 def progress() -> tuple[float, float]:
@@ -255,25 +275,25 @@ def progress() -> tuple[float, float]:
 _notice: Any = None
 
 
-def _emitted(module: Any, kind: str) -> bytes:
-    """Machine code of LLVM's module."""
-    made: bytes = target_machine(kind).emit_object(module)
+def _emitted(module: Any, target: Target) -> bytes:
+    """Machine code of LLVM's module, for a target."""
+    made: bytes = target.machine().emit_object(module)
     return made
 
 
-def _keep(folder: Path, bitcodes: dict[str, bytes], made: bytes) -> None:
+def _keep(folder: Path, bitcodes: dict[str, bytes], target: Target, made: bytes) -> None:
     """Write a folder of the cache, and remove all but the last few others."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, content in bitcodes.items():
         _write(folder / name, content)
-    _write_object(folder, processors()[0], made)
+    _write_object(folder, target, made)
     others = [path for path in folder.parent.glob("*") if path.is_dir() and path != folder]
     for path in sorted(others, key=lambda path: path.stat().st_mtime, reverse=True)[_VERSIONS_KEPT:]:
         shutil.rmtree(path, ignore_errors=True)
 
 
-def _write_object(folder: Path, kind: str, made: bytes) -> None:
-    _write(folder / f"{system()}-{kind}.{_digest(made)}.o", made)
+def _write_object(folder: Path, target: Target, made: bytes) -> None:
+    _write(folder / f"{target}.{_digest(made)}.o", made)
 
 
 def _write(file: Path, content: bytes) -> None:

@@ -21,7 +21,8 @@ from numba.core.types.misc import unliteral
 from numba.extending import intrinsic
 
 from .jit import CFunction
-from .targets import processors, target_machine
+from .platforms import assembly
+from .targets import Target
 
 
 class _Library(JITCodeLibrary):
@@ -58,21 +59,14 @@ class _Part(_Library):
         self._finalized = True
 
 
-class _Whole(_Library):
-    """The code of a function that kernels end in.
+def optimise(module: Any, target: Target) -> None:
+    """LLVM's optimiser, for a target; its vectors decide in which order sums are taken.
 
-    Two runs of LLVM's optimiser: a scalar one, after which LLVM sees that no kernel can fail and drops the error paths,
-    then the full one. The scalar run must not unroll loops: the full one vectorises unrolled modal loops by scatter
-    and gather, which is 2.4 times slower.
+    Two runs: a scalar one, after which LLVM sees that no kernel can fail and drops the error paths, then the full one.
+    The scalar run must not unroll loops: the full one vectorises unrolled modal loops by scatter and gather, which is
+    2.4 times slower.
     """
-
-    def _optimize_final_module(self) -> None:
-        optimise(self._final_module, processors()[0])
-
-
-def optimise(module: Any, processor: str) -> None:
-    """LLVM's optimiser, as for a _Whole, for a kind of processor; its vectors decide in which order sums are taken."""
-    machine = target_machine(processor)
+    machine = target.machine()
     tuning = llvm.create_pipeline_tuning_options(speed_level=1)
     tuning.loop_unrolling = tuning.loop_interleaving = False
     tuning.loop_vectorization = tuning.slp_vectorization = False
@@ -92,16 +86,6 @@ class _Written(_Part):
     def get_pointer_to_function(self, name: str) -> int:
         self._ensure_finalized()
         return 0
-
-
-@register_pass(mutates_CFG=True, analysis_only=False)
-class _Completion(NativeLowering):
-    _name = "completion_of_kernels"
-
-    def run_pass(self, state: Any) -> bool:
-        state.library = _Whole(state.targetctx.codegen(), state.func_id.func_qualname)
-        state.library.enable_object_caching()
-        return bool(super().run_pass(state))
 
 
 @register_pass(mutates_CFG=True, analysis_only=False)
@@ -144,11 +128,8 @@ def _compiler(lowering: type) -> type:
     return Compiler
 
 
-WHOLE = _compiler(_Completion)
-"""The `pipeline_class` for a function in which nothing may be left of errors that its kernels can't have."""
-
-OF_C = _compiler(_Writing)
-"""The same for a function of C's: its code is only written down, to be made machine code of later."""
+_OF_C = _compiler(_Writing)
+"""The `pipeline_class` for a function of C's: its code is only written down, to be made machine code of later."""
 
 # Without forceinline the error paths of calls stay in the compiled callback (and with them the Python API),
 # and a fresh and a cache-loaded compilation differ in bits.
@@ -208,9 +189,7 @@ _KINDS = {
     None: types.void,
     ctypes.c_void_p: types.voidptr,
     ctypes.c_int: types.intc,
-    ctypes.c_ulong: types.ulong,
-    ctypes.c_size_t: types.uintp,
-    ctypes.c_ssize_t: types.intp,
+    ctypes.c_ulong: types.uint64,  # of which only the lower half is given on Windows
     ctypes.c_int64: types.int64,
     ctypes.c_double: types.float64,
 }
@@ -221,7 +200,7 @@ def written(functions: list[CFunction]) -> Any:
     module = None
     for function in functions:
         signature = _KINDS[function.returned](*(_KINDS[each] for each in function.arguments))
-        made = cfunc(signature, error_model="numpy", forceinline=True, pipeline_class=OF_C)(function.py_func)
+        made = cfunc(signature, error_model="numpy", forceinline=True, pipeline_class=_OF_C)(function.py_func)
         one = made._library._final_module.clone()
         for each in [*one.functions, *one.global_variables]:
             if not each.is_declaration and each.name != made.native_name:
@@ -234,16 +213,35 @@ def written(functions: list[CFunction]) -> Any:
     return module
 
 
-def optimised(source: bytes, processor: str) -> Any:
-    """LLVM's module of the bitcode of `written`, optimised for a kind of processor. TypeError if it needs Python."""
+def optimised(source: bytes, target: Target) -> Any:
+    """LLVM's module of the bitcode of `written`, optimised for a target. TypeError if it needs Python."""
     module = llvm.parse_bitcode(source)
-    optimise(module, processor)
+    machine = target.machine()
+    support = llvm.parse_assembly(assembly(target.system, target.triple))
+    for each in (module, support):
+        each.triple, each.data_layout = target.triple, str(machine.target_data)
+    names = [each.name for each in support.functions if not each.is_declaration]
+    module.link_in(support)
+    for name in names:
+        module.get_function(name).linkage = "internal"
+    optimise(module, target)
     passes = llvm.create_new_module_pass_manager()
     passes.add_global_dead_code_eliminate_pass()
     passes.add_strip_dead_prototype_pass()
-    passes.run(module, llvm.create_pass_builder(target_machine(processor), llvm.create_pipeline_tuning_options()))
+    passes.run(module, llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options()))
     python = [each.name for each in module.functions if each.name.startswith(("Py", "numba_", "NRT_"))]
     if python:
         names = [each.name for each in module.functions if not each.is_declaration]
         raise TypeError(f"{', '.join(names)}: this code needs Python: {', '.join(python)}")
     return module
+
+
+_OF_C_LIBRARY = ("sin", "cos", "tan", "exp", "exp2", "log", "log2", "log10", "pow")
+"""Functions that LLVM has instructions for, and calls where a processor has none."""
+
+
+def needed(module: Any) -> list[str]:
+    """The functions of the system's libraries that the code of a module calls."""
+    names = [each.name for each in module.functions if each.is_declaration]
+    inner = [name.split(".")[1] for name in names if name.startswith("llvm.")]
+    return sorted({name for name in names if not name.startswith("llvm.")} | set(inner) & set(_OF_C_LIBRARY))

@@ -1,8 +1,9 @@
-"""The processors that machine code is made for, and the one that this is."""
+"""What machine code is made for: operating systems and kinds of processor; and which of them this machine is."""
 
 import os
 import platform
 import sys
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -20,10 +21,56 @@ _ADDED = {
 LEVELS = tuple(_ADDED)
 """Levels of x86-64, from the least to the most; each can do what those before it can."""
 
+ARM = "aarch64"
+"""The 64-bit processors of Arm, whatever they can do beyond the least."""
+
+_OWN_NAMES = {"amd64": "x86_64", "arm64": ARM}
+# LLVM's names. On Windows its linker of code in memory takes ELF, not the system's own format.
+_TRIPLES = {
+    ("linux", "x86_64"): "x86_64-unknown-linux-gnu",
+    ("linux", ARM): "aarch64-unknown-linux-gnu",
+    ("darwin", "x86_64"): "x86_64-apple-macosx10.15",
+    ("darwin", ARM): "arm64-apple-macosx11.0",
+    ("windows", "x86_64"): "x86_64-pc-windows-msvc-elf",
+}
+
+
+@dataclass(frozen=True)
+class Target:
+    """An operating system and a kind of processor."""
+
+    system: str
+    processor: str
+
+    def __str__(self) -> str:
+        return f"{self.system}-{self.processor}"
+
+    @property
+    def triple(self) -> str:
+        """LLVM's name of it; this machine's where it is none of those that wheels hold code for."""
+        family = "x86_64" if self.processor in LEVELS else self.processor
+        return _TRIPLES.get((self.system, family)) or str(llvm.get_process_triple())
+
+    def machine(self) -> Any:
+        """LLVM's maker of machine code for it."""
+        llvm.initialize_all_targets()
+        llvm.initialize_all_asmprinters()
+        cpu, features = (self.processor, "-prefer-256-bit") if self.processor in LEVELS else ("generic", "")
+        target = llvm.Target.from_triple(self.triple)
+        return target.create_target_machine(cpu=cpu, features=features, opt=3, reloc="pic", codemodel="default")
+
+
+WHEEL = tuple(
+    Target(system, processor)
+    for system, family in _TRIPLES
+    for processor in ((ARM,) if family == ARM else LEVELS[1:])
+)  # fmt: skip
+"""All that a wheel for everybody holds code for."""
+
 
 @cache
 def system() -> str:
-    """The operating system, as the names of compiled files say it."""
+    """This operating system, as the names of compiled files say it."""
     return {"win32": "windows"}.get(sys.platform, sys.platform)
 
 
@@ -31,7 +78,8 @@ def system() -> str:
 def processors() -> tuple[str, ...]:
     """The kinds of processor whose code this one runs, the most able first; ValueError where VARIABLE asks for more."""
     machine = platform.machine().lower()
-    if machine not in ("x86_64", "amd64"):
+    machine = _OWN_NAMES.get(machine, machine)
+    if machine != "x86_64":
         return (machine,)
     has, able = llvm.get_host_cpu_features(), []
     for level, added in _ADDED.items():
@@ -44,15 +92,12 @@ def processors() -> tuple[str, ...]:
     return tuple(reversed(able[: able.index(asked) + 1] if asked else able))
 
 
-def built() -> tuple[str, ...]:
-    """The kinds of processor that a wheel holds code for, which is built on this one."""
-    return LEVELS[1:] if processors()[-1] in LEVELS else processors()
+def targets() -> tuple[Target, ...]:
+    """Those whose code this machine runs, the most able first."""
+    return tuple(Target(system(), processor) for processor in processors())
 
 
-def target_machine(processor: str) -> Any:
-    """LLVM's maker of machine code for a kind of processor of this machine's family."""
-    llvm.initialize_native_target()
-    llvm.initialize_native_asmprinter()
-    cpu, features = (processor, "-prefer-256-bit") if processor in LEVELS else ("generic", "")
-    target = llvm.Target.from_default_triple()
-    return target.create_target_machine(cpu=cpu, features=features, opt=3, reloc="pic", codemodel="default")
+def built() -> tuple[Target, ...]:
+    """Those that a wheel holds code for if it is built on this machine for machines of its family and system."""
+    kinds = LEVELS[1:] if processors()[-1] in LEVELS else processors()
+    return tuple(Target(system(), kind) for kind in kinds)

@@ -17,6 +17,9 @@ from ..native.system import flush_denormals, monotonic_ns, restore_denormals, th
 SIGNATURE = c_int, c_void_p, c_void_p, c_ulong, c_void_p, c_ulong, c_void_p
 """PaStreamCallback's types: what it returns; input, output, frames, times, status flags, state."""
 
+C_LONG = 0xFFFFFFFF
+"""The bits that an unsigned long of C has on Windows: of a number of frames, no others count."""
+
 OUTPUT_UNDERFLOW = 4
 """The status flag that says that sound was missing before this block."""
 _NOW, _HEARD = 1, 2  # in PortAudio's times, s: of the callback, and of its first frame at the output
@@ -27,6 +30,7 @@ _LATELY = 0.1  # s
 def callback(_input, output, frames, times, flags, userdata):
     """PaStreamCallback: fill `output` with `frames` frames, channel by channel, from the state in `userdata`."""
     entered = monotonic_ns()
+    frames = np.int64(frames) & C_LONG
     mode = flush_denormals()
     state = carray(userdata, (1,), STATE)[0]
     if state.thread == 0:

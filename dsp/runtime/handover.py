@@ -13,7 +13,7 @@ import numpy as np
 from ..native.atomics import exchange, observe, store_release, swap
 from ..native.jit import c_function, carray
 from ..native.system import call_back
-from .callback import SIGNATURE
+from .callback import C_LONG, SIGNATURE
 
 FREE, RUNNING, TAKEN = range(3)
 
@@ -33,6 +33,7 @@ HANDOVER = np.dtype(
 def guarded(_input, output, frames, times, flags, userdata):
     """PaStreamCallback: what the engine's does, or silence while the HANDOVER in `userdata` is taken."""
     handover = carray(userdata, (1,), HANDOVER)[0]
+    frames = np.int64(frames) & C_LONG
     store_release(handover.calls, 0, handover.calls[0] + 1)
     if exchange(handover.turn, 0, FREE, RUNNING):
         out = carray(output, (frames, handover.channels), np.float32)

@@ -10,7 +10,7 @@ import struct
 import sys
 import threading
 from contextlib import suppress
-from ctypes import c_int, c_size_t, c_ssize_t, c_void_p
+from ctypes import c_int64, c_void_p
 from typing import Any
 
 import numpy as np
@@ -45,9 +45,8 @@ _BOX = np.dtype(
 _ENTRY = struct.Struct("=q2x2s4s8x")  # size, and of the sockaddr_in port and host
 
 _WINDOWS = sys.platform == "win32"
-_SIZE, _RESULT = (c_int, c_int) if _WINDOWS else (c_size_t, c_ssize_t)
-_recvfrom: Any = External("recvfrom", _RESULT, c_int, c_void_p, _SIZE, c_int, c_void_p, c_void_p)
-_send: Any = External("send", _RESULT, c_int, c_void_p, _SIZE, c_int)
+_receive: Any = External("carom_receive", c_int64, c_int64, c_void_p, c_int64, c_void_p, c_void_p)
+_send: Any = External("carom_send", None, c_int64, c_void_p, c_int64)
 
 
 def _after(position: int, size: int) -> int:
@@ -69,7 +68,7 @@ def drain(address):
     written = load_acquire(box.written, 0)
     while load_acquire(box.stopped, 0) == 0:
         box.length[0] = 16
-        size = _recvfrom(box.descriptor, start + 8 * _HEAD, 1 << 16, 0, start + 8, box.length.ctypes.data)
+        size = _receive(box.descriptor, start + 8 * _HEAD, 1 << 16, start + 8, box.length.ctypes.data)
         if size < 0:  # nothing came for a while
             continue
         if written - load_acquire(box.read, 0) > _WORDS - _LARGEST:
@@ -85,7 +84,7 @@ def drain(address):
         store_release(box.written, 0, written)
         # `read` is loaded after `written` is stored: the reader may have found nothing a moment before.
         if load_acquire(box.read, 0) == before:
-            _send(box.bell, start, 1, 0)
+            _send(box.bell, start, 1)
 
 
 class Intake:

@@ -10,7 +10,7 @@ import pytest
 
 from carom.dsp.native import code, targets
 from carom.dsp.native.code import compiled, key, load, sources
-from carom.dsp.native.targets import LEVELS, processors
+from carom.dsp.native.targets import LEVELS, Target, processors, system
 
 FILES = {
     "__init__.py": "",
@@ -135,7 +135,7 @@ def test_damaged_code_is_compiled_anew_and_no_start_fails(doubling, tmp_path, wa
 def test_code_that_needs_what_the_system_lacks_is_compiled_here(doubling, tmp_path):
     assert doubled(doubling) == (42, "compiled")
     (file,) = tmp_path.rglob("sources.json")
-    file.write_text(file.read_text().replace('"needs": []', '"needs": ["carom_has_no_such_function"]'))
+    file.write_text(file.read_text().replace(": []", ': ["carom_has_no_such_function"]'))
     assert doubled(doubling) == (42, "compiled")
 
 
@@ -148,7 +148,7 @@ def test_a_cache_that_cannot_be_written_is_said_once_and_the_code_runs(doubling,
 
 
 def test_a_package_brings_code_for_several_processors_and_needs_no_cache(doubling, tmp_path, monkeypatch):
-    code.build([doubling], LEVELS[:2], tmp_path / "objects")
+    code.build([doubling], tuple(Target(system(), level) for level in LEVELS[:2]), tmp_path / "objects")
     assert len(list((tmp_path / "objects").rglob("*.o"))) == 2 and not list((tmp_path / "objects").rglob("*.bc"))
     monkeypatch.setattr(code, "PACKAGED", tmp_path / "objects")
     monkeypatch.setattr(platformdirs, "user_cache_path", lambda name: tmp_path / "nowhere" / name)

@@ -6,12 +6,16 @@ apart and puts them together again, by gather and scatter or by shuffles, which 
 """
 
 import re
+from ctypes import c_int64, c_void_p
 from typing import Any
 
+import llvmlite.binding as llvm
+import numpy as np
 import pytest
-from numba import carray, cfunc, types
 
 from carom.dsp.native import compiler
+from carom.dsp.native.jit import c_function, carray
+from carom.dsp.native.targets import Target, targets
 from carom.dsp.resonator.bank import Modes, ring
 
 pytestmark = pytest.mark.slow
@@ -22,9 +26,6 @@ SUM = re.compile(r"(%\S+) = fadd ")
 KEPT = re.compile(rf"%\S+ = phi {DOUBLES} (.*)")
 STORE = re.compile(rf"store {DOUBLES} |call void @llvm\.masked\.(?:store|scatter)\.v\d+f64")
 REORDERS = ("masked.scatter", "masked.gather", "shufflevector", "extractelement", "insertelement")
-
-_ARRAY = types.CPointer(types.float64)
-SIGNATURE = types.void(*[_ARRAY] * 6, types.intp, types.intp)
 
 
 def loops(assembly: str) -> list[list[str]]:
@@ -63,26 +64,26 @@ def reorderings(loop: list[str]) -> list[str]:
     return [line for line in loop if any(word in line for word in REORDERS)]
 
 
+@c_function(None, *[c_void_p] * 6, c_int64, c_int64)
+def rings(y1, y2, a1, a2, balance, out, n, frames):
+    """Let n modes ring, and nothing else."""
+    bank = carray(y1, n, np.float64), carray(y2, n, np.float64), carray(a1, n, np.float64), carray(a2, n, np.float64)
+    right = carray(balance, n, np.float64)
+    ring(Modes(*bank, right, right), carray(out, (2, frames), np.float64), 0, frames)
+
+
 def ring_alone() -> str:
     """The assembly of a function that does nothing but to let modes ring."""
-
-    def rings(y1, y2, a1, a2, balance, out, n, frames):
-        right = carray(balance, n)
-        modes = Modes(carray(y1, n), carray(y2, n), carray(a1, n), carray(a2, n), right, right)
-        ring(modes, carray(out, (2, frames)), 0, frames)
-
-    compiled: Any = cfunc(SIGNATURE, error_model="numpy", forceinline=True, pipeline_class=compiler.WHOLE)(rings)
-    return compiled.inspect_llvm()
+    return str(compiler.optimised(compiler.written([rings]).as_bitcode(), targets()[0]))
 
 
-def unroll_first(whole: Any) -> None:
+def unroll_first(module: Any, target: Target) -> None:
     """Optimise without the scalar run's own tuning: it unrolls loops, and the full run vectorises what is left."""
-    codegen = whole._codegen
-    for passes, builder in (
-        codegen._module_pass_manager(loop_vectorize=False, slp_vectorize=False, opt=1),
-        codegen._module_pass_manager(),
-    ):
-        passes.run(whole._final_module, builder)
+    for level, vectorizes in ((1, False), (3, True)):
+        tuning = llvm.create_pipeline_tuning_options(speed_level=level)
+        tuning.loop_vectorization, tuning.slp_vectorization = vectorizes, False
+        builder = llvm.create_pass_builder(target.machine(), tuning)
+        builder.getModulePassManager().run(module, builder)
 
 
 def test_modes_ring_in_the_order_in_which_they_lie() -> None:
@@ -94,7 +95,7 @@ def test_modes_ring_in_the_order_in_which_they_lie() -> None:
 def test_a_loop_that_is_unrolled_before_it_is_vectorised_is_found_out(monkeypatch) -> None:
     if not re.search(r"phi <(4|8|16) x double>", ring_alone()):
         pytest.skip("this processor's vectors hold two doubles: it does not vectorise an unrolled loop")
-    monkeypatch.setattr(compiler._Whole, "_optimize_final_module", unroll_first)
+    monkeypatch.setattr(compiler, "optimise", unroll_first)
     assert any(reorderings(loop) for loop in modal_loops(ring_alone()))
 
 
