@@ -5,7 +5,8 @@ the registry that checks messages. Ranges are those that a fader should cover; v
 says. The proposal has no word for keys: they stand in the description, with their ranges.
 """
 
-from collections.abc import Callable, Collection, Mapping
+import json
+from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any
 
 from ...dsp.schema import Parameter as Number
@@ -28,7 +29,21 @@ Names = Mapping[str, Collection[str]]
 Value = Callable[[str], list[Any] | None]
 """The values that an address has now; None if it has none."""
 
-_ADDRESSES = tuple((tuple(address.split("/")[1:]), verb) for address, verb in VERBS.items())
+_Tree = dict[str, Any]  # by the next part of addresses: a verb, or a tree
+
+
+def _tree() -> _Tree:
+    tree: _Tree = {}
+    for address, verb in VERBS.items():
+        *above, last = address.split("/")[1:]
+        here = tree
+        for part in above:
+            here = here.setdefault(part, {})
+        here[last] = verb
+    return tree
+
+
+_ADDRESSES = _tree()
 
 
 def host_info(osc_port: int) -> dict[str, Any]:
@@ -43,29 +58,91 @@ def _no_value(path: str) -> None:
 
 def node(path: str, names: Names, value: Value = _no_value) -> dict[str, Any] | None:
     """The JSON object of an address and of all below it; None where there is nothing."""
-    given = path.split("/")[1:] if path != "/" else []
-    contents: dict[str, Any] = {}
-    for parts, verb in _ADDRESSES:
-        if not _leads(given, parts, names):
-            continue
-        if len(parts) == len(given):
-            found = {"FULL_PATH": path, "DESCRIPTION": _description(verb), **_arguments(verb, names)}
-            now = value(path)
-            return found if now is None else {**found, "ACCESS": 3, "VALUE": now}
-        following = parts[len(given)]
-        for name in names.get(following, ()) if following.isupper() else (following,):
-            if name not in contents and (below := node(f"{path.rstrip('/')}/{name}", names, value)):
-                contents[name] = below
-    if path == "/" or contents:
-        return {"FULL_PATH": path, "ACCESS": 0, "CONTENTS": contents}
-    return None
+    pieces = text(path, names, value)
+    return None if pieces is None else dict(json.loads("".join(pieces)))
 
 
-def _leads(given: list[str], parts: tuple[str, ...], names: Names) -> bool:
-    return len(given) <= len(parts) and all(
-        part in names.get(known, ()) if known.isupper() else part == known
-        for part, known in zip(given, parts, strict=False)
-    )
+def text(path: str, names: Names, value: Value = _no_value, attribute: str = "") -> Iterator[str] | None:
+    """The text of that object, or of one of its attributes (nothing if it has none), in pieces of a method each.
+
+    Whoever waits for Python's lock gets it between two pieces.
+    """
+    here = _at(path, names)
+    if here is None:
+        return None
+    return _Described(names, value).text(path, here, attribute)
+
+
+def _at(path: str, names: Names) -> Verb | _Tree | None:
+    """What is at an address: a method, or what there is below it."""
+    here: Any = _ADDRESSES
+    for part in path.split("/")[1:] if path != "/" else ():
+        if isinstance(here, Verb):
+            return None
+        word = part if not part.isupper() else ""
+        if word not in here:
+            word = next((known for known in here if known.isupper() and part in names.get(known, ())), "")
+        here = here.get(word)
+        if here is None:
+            return None
+    return here if here is _ADDRESSES or isinstance(here, Verb) or _has_any(here, names) else None
+
+
+def _has_any(tree: _Tree, names: Names) -> bool:
+    """Whether there is anything below an address."""
+    return any(not part.isupper() or names.get(part) for part in tree)
+
+
+class _Described:
+    """The texts of nodes, with names and values as they are now."""
+
+    def __init__(self, names: Names, value: Value) -> None:
+        self._names, self._value = names, value
+        self._methods: dict[str, dict[str, Any]] = {}
+        self._texts: dict[str, str] = {}
+
+    def text(self, path: str, here: Verb | _Tree, attribute: str = "") -> Iterator[str]:
+        """A node in pieces, or one of its attributes."""
+        if not isinstance(here, Verb):
+            yield from self._container(path, here, attribute)
+        elif attribute:
+            given = {**self._own(path), **self._method(here)}
+            if attribute in given:
+                yield json.dumps({attribute: given[attribute]})
+        else:
+            yield f"{json.dumps(self._own(path))[:-1]}, {self._text(here)}"
+
+    def _container(self, path: str, here: _Tree, attribute: str) -> Iterator[str]:
+        own = {"FULL_PATH": path, "ACCESS": 0}
+        if attribute in own:
+            yield json.dumps({attribute: own[attribute]})
+        if attribute not in ("", "CONTENTS"):
+            return
+        yield "{" if attribute else f"{json.dumps(own)[:-1]}, "
+        between = '"CONTENTS": {'
+        for part, below in here.items():
+            if isinstance(below, Verb) or _has_any(below, self._names):
+                for name in self._names.get(part, ()) if part.isupper() else (part,):
+                    yield f"{between}{json.dumps(name)}: "
+                    yield from self.text(f"{path.rstrip('/')}/{name}", below)
+                    between = ", "
+        yield "}}"
+
+    def _own(self, path: str) -> dict[str, Any]:
+        """What a method's node says of its address alone."""
+        now = self._value(path)
+        return {"FULL_PATH": path, "ACCESS": 2} if now is None else {"FULL_PATH": path, "ACCESS": 3, "VALUE": now}
+
+    def _method(self, verb: Verb) -> dict[str, Any]:
+        """What it says wherever the method is."""
+        if verb.address not in self._methods:
+            self._methods[verb.address] = {"DESCRIPTION": _description(verb), **_arguments(verb, self._names)}
+        return self._methods[verb.address]
+
+    def _text(self, verb: Verb) -> str:
+        if verb.address not in self._texts:
+            self._texts[verb.address] = json.dumps(self._method(verb))[1:]
+        return self._texts[verb.address]
 
 
 def _description(verb: Verb) -> str:
@@ -78,9 +155,9 @@ def _arguments(verb: Verb, names: Names) -> dict[str, Any]:
     least = max(len(verb.required), 1)
     arguments = (*verb.required, *verb.optional, *((verb.many.number,) if verb.many else ()))
     if not arguments:
-        return {"ACCESS": 2, "TYPE": "", "RANGE": [], "CLIPMODE": []}
+        return {"TYPE": "", "RANGE": [], "CLIPMODE": []}
     lists = [_values(arguments[:count], names) for count in range(least, len(arguments) + 1)]
-    return {"ACCESS": 2, **lists[0], **({"OVERLOADS": lists[1:]} if lists[1:] else {})}
+    return {**lists[0], **({"OVERLOADS": lists[1:]} if lists[1:] else {})}
 
 
 def _values(arguments: tuple[Parameter, ...], names: Names) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 import asyncio
 import json
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -13,14 +13,16 @@ from urllib.parse import unquote
 from aiohttp import web
 
 from ..net.network import Network
-from ..osc.oscquery import ATTRIBUTES, Names, host_info, node
+from ..osc.oscquery import ATTRIBUTES, Names, host_info, text
 from ..osc.score import ScoreError
 from .guard import COOKIE, Guard
 from .scores import LARGEST_SCORE, play_score, read_score
 from .socket import MOST_CLIENTS, SocketClient, opened
 
 PAGE = "/page/"
-_REST = 3.0  # times as long as an answer about addresses took to make, the next one waits
+_CHUNK = 1 << 16  # characters of a long answer that are made at once
+_REST = 3.0  # times as long as such a chunk took to make, the next one waits
+_PATIENCE = 10.0  # s for a client to take one
 _KINDS = {
     ".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml", ".png": "image/png",
     ".webmanifest": "application/manifest+json",
@@ -86,7 +88,7 @@ class Site:
             return self._file("index.html")
         if self.page and path.startswith(PAGE):
             return await self._of_page(path.removeprefix(PAGE))
-        return await self._node(path.rstrip("/") or "/", attribute)
+        return await self._node(request, path.rstrip("/") or "/", attribute)
 
     def _file(self, name: str) -> web.StreamResponse:
         """A file of the page. No name leads out of its folder: only those that are in it are known."""
@@ -120,21 +122,40 @@ class Site:
             return web.Response(body=found, content_type="text/plain", charset="utf-8", headers=given)
         return _json(found)
 
-    async def _node(self, path: str, attribute: str) -> web.StreamResponse:
-        """OSCQuery. One answer at a time, with pauses: the sound's messages need Python's lock too."""
+    async def _node(self, request: web.BaseRequest, path: str, attribute: str) -> web.StreamResponse:
+        """OSCQuery."""
         if attribute == "HOST_INFO":
             return _json(host_info(self.osc_port))
         if attribute and attribute not in ATTRIBUTES:
             return _refused(400, "no such attribute")
-        async with self._turn:
-            start = time.perf_counter()
-            found = await asyncio.to_thread(node, path, self.known.names(), self.known.value)
-            await asyncio.sleep(_REST * (time.perf_counter() - start))
-        if found is None:
+        pieces = text(path, await asyncio.to_thread(self.known.names), self.known.value, attribute)
+        if pieces is None:
             return _refused(404, "no such address")
-        if not attribute:
-            return _json(found)
-        return _json({attribute: found[attribute]}) if attribute in found else web.Response(status=204)
+        chunk, more = await self._next(pieces)
+        if not more:
+            return _given(chunk) if chunk else web.Response(status=204)
+        response = web.StreamResponse(headers={**_SAFE, "Content-Type": "application/json"})
+        await response.prepare(request)
+        while chunk and request.method != "HEAD":
+            await asyncio.wait_for(response.write(chunk), _PATIENCE)
+            chunk, _ = await self._next(pieces)
+        return response
+
+    async def _next(self, pieces: Iterator[str]) -> tuple[bytes, bool]:
+        """The next of an answer's pieces together, and whether there may be more.
+
+        One answer at a time, with pauses: the sound's messages need Python's lock too.
+        """
+        async with self._turn:
+            start, taken, length = time.perf_counter(), [], 0
+            for piece in pieces:
+                taken.append(piece)
+                length += len(piece)
+                if length > _CHUNK:
+                    break
+            chunk = "".join(taken).encode()
+            await asyncio.sleep(_REST * (time.perf_counter() - start))
+        return chunk, length > _CHUNK
 
     async def _talk(self, request: web.BaseRequest) -> web.StreamResponse:
         if len(self.clients) >= MOST_CLIENTS:
@@ -172,7 +193,12 @@ class Site:
 
 
 def _json(content: object) -> web.Response:
-    return web.Response(body=json.dumps(content).encode(), content_type="application/json", headers=_SAFE)
+    return _given(json.dumps(content).encode())
+
+
+def _given(body: bytes) -> web.Response:
+    """An answer that is JSON."""
+    return web.Response(body=body, content_type="application/json", headers=_SAFE)
 
 
 def _refused(status: int, text: str) -> web.Response:

@@ -1,5 +1,6 @@
 """OSCQuery: what it says is what messages are checked by."""
 
+import json
 from collections.abc import Iterator
 from itertools import product
 
@@ -8,7 +9,7 @@ import pytest
 from carom.dsp.schema import STEERABLE, gestures_steered_by
 from carom.server.osc.addresses import VERBS
 from carom.server.osc.arguments import Number, Refused, Verb
-from carom.server.osc.oscquery import node
+from carom.server.osc.oscquery import node, text
 
 NAMES = {"NAME": {"bell": None, "é %41": None}, "ID": {"g1": None}, "preset": ["tom", "bar"]}
 
@@ -36,6 +37,16 @@ def test_every_verb_is_described_once_for_each_object():
     for path, leaf in described.items():
         assert leaf["DESCRIPTION"].startswith(expected[path].help)
         assert node(path, NAMES) == leaf
+
+
+def test_its_text_comes_in_pieces_and_by_attributes():
+    pieces = list(text("/", NAMES))
+    assert max(map(len, pieces)) < 10_000
+    found = json.loads("".join(pieces))
+    for key in found:
+        assert json.loads("".join(text("/", NAMES, attribute=key))) == {key: found[key]}
+    assert "".join(text("/", NAMES, attribute="TYPE")) == "" and text("/nothing", NAMES) is None
+    assert json.loads("".join(text("/object/bell/gain", NAMES, attribute="TYPE"))) == {"TYPE": "f"}
 
 
 def test_what_it_offers_is_taken():
