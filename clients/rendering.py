@@ -2,12 +2,10 @@
 
 import signal
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent import futures
 from dataclasses import dataclass, replace
-from multiprocessing import get_context
-from multiprocessing.synchronize import Event
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..presets import Presets
 from ..server.files.whole import RenderError
@@ -17,6 +15,9 @@ from ..server.render import Options, render
 from .errors import KINDS, is_expected, plain
 from .plot import plotter
 from .streams import STREAM, read_score, score_name, sound_file
+
+if TYPE_CHECKING:
+    from multiprocessing.synchronize import Event
 
 PLACE = "{}"
 """In the name of a file to be written: stands for the score's name without its ending."""
@@ -133,12 +134,14 @@ def render_all(
 
     KeyboardInterrupt, once nothing runs any more, if `interrupted` says so.
     """
-    context = get_context("spawn")
+    import multiprocessing  # slow to load, and one score needs none
+
+    context = multiprocessing.get_context("spawn")
     stop = context.Event()
-    with ProcessPoolExecutor(jobs, context, _begin, (stop, options, folders)) as pool:
-        waiting: set[Future[Result]] = {pool.submit(_carry_out, task) for task in todo}
+    with futures.ProcessPoolExecutor(jobs, context, _begin, (stop, options, folders)) as pool:
+        waiting: set[futures.Future[Result]] = {pool.submit(_carry_out, task) for task in todo}
         while waiting:
-            done, waiting = wait(waiting, _LOOK, FIRST_COMPLETED)
+            done, waiting = futures.wait(waiting, _LOOK, futures.FIRST_COMPLETED)
             if interrupted():
                 stop.set()
                 pool.shutdown(cancel_futures=True)
@@ -151,7 +154,7 @@ _process: dict[str, Any] = {}
 """The arguments that a process of `render_all` was started with."""
 
 
-def _begin(stop: Event, options: Options, folders: Sequence[Path]) -> None:
+def _begin(stop: "Event", options: Options, folders: Sequence[Path]) -> None:
     for each in (signal.SIGINT, signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)):  # the first process ends us
         signal.signal(each, signal.SIG_IGN)
     _process.update(stop=stop, options=options, presets=Presets(folders))

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Iterator
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from threading import Event
 from typing import TYPE_CHECKING
 
@@ -78,25 +80,35 @@ def _run(arguments: argparse.Namespace) -> int:
 
 def _render_one(task: Task, options: Options, presets: Presets, interrupted: Event) -> None:
     """Carry out a task, with its progress in seconds of sound on a terminal."""
-    from rich.console import Console
-    from rich.progress import Progress, TextColumn, TimeElapsedColumn
-
     from ..rendering import render_task
-    from ..streams import score_name
 
-    columns = (TextColumn("{task.description}"), TextColumn("{task.completed:.1f} s of sound"), TimeElapsedColumn())
-    terminal = Console(stderr=True)
-    with Progress(*columns, console=terminal, disable=not terminal.is_terminal, transient=True) as bar:
-        shown = bar.add_task(score_name(task.score), total=options.seconds)
+    with _shown_progress(task, options.seconds) as show:
 
         def progress(seconds: float) -> None:
-            bar.update(shown, completed=seconds)
+            show(seconds)
             if interrupted.is_set():
                 raise KeyboardInterrupt
 
         warnings = render_task(task, options, presets, progress)
     for warning in warnings:
         tell("render", warning)
+
+
+@contextmanager
+def _shown_progress(task: Task, total: float | None) -> Iterator[Callable[[float], object]]:
+    """A function that shows how many seconds of sound there are, on a terminal."""
+    if not sys.stderr.isatty():
+        yield lambda seconds: None
+        return
+    from rich.console import Console  # slow to load
+    from rich.progress import Progress, TextColumn, TimeElapsedColumn
+
+    from ..streams import score_name
+
+    columns = (TextColumn("{task.description}"), TextColumn("{task.completed:.1f} s of sound"), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        shown = bar.add_task(score_name(task.score), total=total)
+        yield lambda seconds: bar.update(shown, completed=seconds)
 
 
 def _render_many(results: Iterator[Result], count: int) -> int:

@@ -76,8 +76,6 @@ def listed(
 
 def _along_path(positions: Sequence[float] | None, gains: Sequence[Sequence[float]] | None, count: int) -> Array:
     """Shapes (places, n) at equally spaced places 0..1."""
-    from scipy.interpolate import PchipInterpolator
-
     if positions is None and gains is None:
         return np.ones((1, count))
     if positions is None or gains is None:
@@ -90,6 +88,8 @@ def _along_path(positions: Sequence[float] | None, gains: Sequence[Sequence[floa
     places = np.linspace(0, 1, _PLACES)
     if at.size == 1:
         return np.tile(rows[:, 0], (_PLACES, 1))
+    from scipy.interpolate import PchipInterpolator  # slow to load
+
     found: Array = PchipInterpolator(at, rows, axis=1)(np.clip(places, at[0], at[-1])).T
     return found
 
