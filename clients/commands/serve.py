@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import ctypes
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,6 +23,9 @@ PAGE_PORT = 57141
 """Of the page, where no other is given."""
 PAGE = Path(__file__).parents[1] / "page"
 """The page's files."""
+
+_TRIM_THRESHOLD, _MMAP_THRESHOLD, _ARENA_MAX = -1, -3, -8
+"""Parameters of mallopt(3)."""
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -69,6 +74,7 @@ def serve(arguments: argparse.Namespace, on_start: Callable[[Server], object]) -
     from ...server.options import Options
     from ...server.start import serving
 
+    _keep_memory_together()
     if arguments.page is not None and arguments.oscquery is not None:
         raise CommandError("page, oscquery: expected one of the two, as the page's port answers OSCQuery, too")
     if (arguments.tls or arguments.certificate) and arguments.page is None:
@@ -99,6 +105,17 @@ def serve(arguments: argparse.Namespace, on_start: Callable[[Server], object]) -
         on_start(server)
         server.run()
     return 0
+
+
+def _keep_memory_together() -> None:
+    """Have the GNU C library take memory from one heap for all threads, and give back what is free at its end.
+
+    By itself it opens a heap for each thread, and raises the size from which on an array is a map of its own: in hours
+    of mixed traffic the heaps of the threads that make objects grow to twice what is used.
+    """
+    with suppress(AttributeError, OSError, TypeError):  # other libraries have no such function
+        for parameter, value in ((_ARENA_MAX, 1), (_MMAP_THRESHOLD, 1 << 18), (_TRIM_THRESHOLD, 1 << 20)):
+            ctypes.CDLL(None).mallopt(parameter, value)
 
 
 def _announce(web: WebServer, has_page: bool) -> None:

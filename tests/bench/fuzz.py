@@ -5,6 +5,7 @@
 
 import argparse
 import random
+import re
 import socket
 import struct
 import subprocess
@@ -21,6 +22,7 @@ from carom.clients.top import values
 from carom.server.osc import wire
 from carom.server.osc.framing import Sized, Slip
 from carom.server.osc.wire import Message
+from tests.support import serving
 
 BATCH = 20
 """Packets between two looks at whether the server answers."""
@@ -185,7 +187,7 @@ class Findings:
     hangs: int = 0
     """Looks that took longer than HANG, all of it spent at work by the server, not in waiting for a processor."""
     memory: list[int] = field(default_factory=list)
-    """Bytes of RSS after each tenth; empty where the system does not tell."""
+    """Bytes that it held for itself after each tenth; empty where the system does not tell."""
 
 
 def fuzz(
@@ -246,10 +248,11 @@ def worked(pid: int) -> float:
 
 
 def resident(pid: int) -> list[int]:
+    """Bytes of memory that a process holds for itself; the system's pages of its program's files come and go."""
     with suppress(OSError):
-        for line in Path(f"/proc/{pid}/status").read_text().splitlines():
-            if line.startswith("VmRSS:"):
-                return [1024 * int(line.split()[1])]
+        status = Path(f"/proc/{pid}/status").read_text()
+        own = re.findall(r"Rss(?:Anon|Shmem):\s+(\d+) kB", status)
+        return [1024 * sum(map(int, own))] if own else []
     return []
 
 
@@ -283,26 +286,16 @@ def run(throw: Throw, description: str | None, most: float, batch: int) -> int:
     parser.add_argument("--count", type=int, default=1_000_000, help="packets (%(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="(%(default)s)")
     arguments = parser.parse_args()
-    words = [sys.executable, "-m", "carom", "serve", "--port", "0", "--device", "none"]
-    with tempfile.TemporaryFile("w+") as errors:
-        server = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=errors, text=True)
-        assert server.stdout
-        port = int(server.stdout.readline().split(":")[1].split(",")[0])
+    with tempfile.TemporaryDirectory() as folder, serving(Path(folder), "--device", "none") as server:
         started = time.monotonic()
 
         def told(packets: int) -> None:
             print(f"{packets:>9} packets, {time.monotonic() - started:.0f} s", flush=True)
 
-        try:
-            found = throw(server, port, arguments.count, arguments.seed, told)
-            plays = still_plays(port)
-            with Client(port=port) as client:
-                client.ask("/quit")
-            assert server.wait(10) == 0, "the server did not end well"
-        finally:
-            server.kill()
-        errors.seek(0)
-        said = errors.read()
+        found = throw(server.process, server.port, arguments.count, arguments.seed, told)
+        plays = still_plays(server.port)
+        code, said = server.quit()
+        assert code == 0, "the server did not end well"
     times = sorted(found.answers)
     late = sum(seconds > most for seconds in times)
     print(f"{found.packets} packets, {found.streams} of {len(times)} batches over TCP, seed {arguments.seed}")

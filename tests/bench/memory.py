@@ -1,8 +1,9 @@
 """Mixed traffic for long: does the server's memory stay where it is?
 
 `python -m tests.bench.memory --minutes 30` sends messages of all verbs, makes objects that nobody has made yet, sends
-patterns and junk, and comes and goes over TCP. It fails where the memory at the end is over 2 % above that after a
-sixth of the time: until then caches fill (64 MB of modes), and the engine's memory is touched for the first time.
+patterns and junk, and comes and goes over TCP. It fails where the memory that the server holds for itself is at the end
+over 2 % above that after a sixth of the time: until then caches fill (64 MB of modes), and the engine's memory is
+touched for the first time.
 """
 
 import argparse
