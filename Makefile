@@ -83,6 +83,8 @@ study: $(READY)  ## the hour-long stress tests: recordings, extreme contacts, a 
 	$(BIN)/python -m tests.bench.crowd --count 20000
 	$(BIN)/python -m tests.bench.logs --runs 30
 	$(BIN)/python -m tests.bench.ends
+	$(BIN)/python -m tests.bench.queries
+	$(BIN)/python -m tests.bench.starts
 	$(BIN)/python -m tests.bench.memory --minutes 30
 
 $(READY): pyproject.toml

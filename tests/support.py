@@ -5,7 +5,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -86,9 +86,11 @@ class Running:
 
 
 @contextmanager
-def serving(folder: Path, *args: object, env: dict[str, str] | None = None) -> Iterator[Running]:
-    """A server on a free port, ready to be played."""
-    words = [*CAROM, "serve", "--port", "0", *map(str, args)]
+def serving(
+    folder: Path, *args: object, env: dict[str, str] | None = None, carom: Sequence[str] = CAROM
+) -> Iterator[Running]:
+    """A server on a free port, ready to be played. carom: the words that begin its command line."""
+    words = [*carom, "serve", "--port", "0", *map(str, args)]
     pipe = subprocess.PIPE
     process = subprocess.Popen(words, cwd=folder, stdout=pipe, stderr=pipe, text=True, env=env)
     try:

@@ -5,14 +5,15 @@ time given the load is still above 90 %, or the sound behind its time.
 """
 
 import argparse
-import re
-import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 from carom.clients.client import Client
 from carom.clients.top import values
+from tests.support import serving
 
 MOST = 90.0  # %
 LAG = 0.1  # s in which the sound may be behind in the last second
@@ -68,15 +69,10 @@ def main() -> int:
     seconds = parser.parse_args().seconds
     kept = True
     for name, play in SCENES.items():
-        words = [sys.executable, "-m", "carom", "serve", "--device", "none", "--port", "0"]
-        with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as server:
-            assert server.stdout
-            match = re.search(r":(\d+)", server.stdout.readline())
-            assert match
-            load, quality, lag = overload(int(match[1]), play, seconds)
+        with tempfile.TemporaryDirectory() as folder, serving(Path(folder), "--device", "none") as server:
+            load, quality, lag = overload(server.port, play, seconds)
             print(f"{name:24s} load {load:5.1f} %, quality {quality}, behind by {lag:.3f} s", flush=True)
             kept &= load < MOST and lag < LAG
-            server.terminate()
     return 0 if kept else 1
 
 

@@ -7,14 +7,15 @@ answer took over 50 ms.
 
 import argparse
 import re
-import subprocess
 import sys
+import tempfile
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from carom.clients.client import Client
 from carom.clients.top import values
+from tests.support import serving
 
 RATE = 2_000  # impacts a second
 BUNDLE = 20  # impacts that are sent together
@@ -97,15 +98,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--minutes", type=float, default=10.0)
     seconds = 60 * parser.parse_args().minutes
-    words = [sys.executable, "-m", "carom", "serve", "--device", "none", "--port", "0"]
-    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as server:
-        assert server.stdout
-        match = re.search(r":(\d+)", server.stdout.readline())
-        assert match
-        port = int(match[1])
-        seen = soak(port, server.pid, seconds, tell=True)
-        with Client(port=port) as client:
-            client.ask("/quit")
+    with tempfile.TemporaryDirectory() as folder, serving(Path(folder), "--device", "none") as server:
+        seen = soak(server.port, server.process.pid, seconds, tell=True)
+        server.quit()
     ordered = sorted(seen.answers)
     print(f"memory {seen.memory[0]:.1f} MB, then {seen.growth:+.1f} MB")
     print(f"{seen.sent} strikes, {seen.carried_out} impacts with those of the rolls; {seen.rolling} rolls go on")
