@@ -101,12 +101,13 @@ function setUpScores(link) {
 }
 
 function setUpTheme() {
-  const theme = localStorage.getItem("carom-theme");
-  if (theme) document.documentElement.dataset.theme = theme;
+  const root = document.documentElement, light = matchMedia("(prefers-color-scheme: light)");
+  const follow = () => (root.dataset.theme = localStorage.getItem("carom-theme") ?? (light.matches ? "light" : "dark"));
+  follow();
+  light.onchange = follow;
   $("theme").onclick = () => {
-    const isDark = getComputedStyle(document.documentElement).colorScheme === "dark";
-    document.documentElement.dataset.theme = isDark ? "light" : "dark";
-    localStorage.setItem("carom-theme", document.documentElement.dataset.theme);
+    localStorage.setItem("carom-theme", root.dataset.theme === "dark" ? "light" : "dark");
+    follow();
   };
 }
 
