@@ -8,7 +8,7 @@ from typing import Any
 from carom.clients.chart import report
 from carom.clients.chart.tables import Row
 from tests.accuracy import GROWTH, PROMISES
-from tests.bench import fuzz, gil, overload, soak
+from tests.bench import fuzz, gil, overload, queries, soak
 from tests.documents import study
 from tests.documents.markdown import table
 
@@ -64,6 +64,10 @@ def endurance() -> str:
         (
             "fuzz", "a million mutated and random packets, over UDP and TCP: no crash, and the next strike sounds",
             f"{1e3 * fuzz.HANG:.0f} ms of the server's time per {fuzz.BATCH} packets",
+        ),
+        (
+            "queries", f"{queries.CLIENTS} programs that ask for all addresses over OSCQuery without end, 512 objects",
+            f"{1e3 * queries.LATE:.0f} ms per answer by OSC",
         ),
         (
             "gil", f"{gil.FRAMES} frames per block on JACK while Python threads hog it, to a render's bits",
