@@ -13,6 +13,7 @@ import gymnasium
 import mujoco
 import numpy as np
 from gymnasium import spaces
+from gymnasium.utils import RecordConstructorArgs
 from numpy.typing import ArrayLike, NDArray
 
 from .mujoco import Bridge
@@ -21,7 +22,7 @@ from .server.world.bodies import WorldError
 Observation = dict[str, Any]
 
 
-class AddAudioObservation(gymnasium.Wrapper[Observation, Any, Any, Any]):
+class AddAudioObservation(gymnasium.Wrapper[Observation, Any, Any, Any], RecordConstructorArgs):
     """An environment that hears: its observations are {"state": the environment's own, "audio": its sound}.
 
     audio: float32 (frames, channels), in Pa, of the time that an action takes, a channel for each microphone; a longer
@@ -30,7 +31,8 @@ class AddAudioObservation(gymnasium.Wrapper[Observation, Any, Any, Any]):
     """
 
     def __init__(self, env: gymnasium.Env[Any, Any], frames: int | None = None, **options: Any) -> None:
-        super().__init__(env)
+        RecordConstructorArgs.__init__(self, frames=frames, **options)
+        gymnasium.Wrapper.__init__(self, env)
         inner = cast(Any, env.unwrapped)
         if not hasattr(inner, "_step_mujoco_simulation"):
             raise WorldError(f"{inner}: expected an environment of Gymnasium with MuJoCo")

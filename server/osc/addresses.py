@@ -32,6 +32,7 @@ from ...dsp.wording import near
 from .arguments import Either, Note, Numbers, Parameter, Refused, Verb, Word
 from .patterns import is_pattern, match
 from .wire import Message
+from .world_verbs import WORLD
 
 STRIKER = Word("striker", "a preset; the object's own if none is given")
 
@@ -199,7 +200,7 @@ _SERVER = (
     Verb("/quit", "ends the server", scored=False),
 )
 
-VERBS = {verb.address: verb for verb in (*_OBJECTS, *_RUNNING, *_ENGINE, *_SERVER)}
+VERBS = {verb.address: verb for verb in (*_OBJECTS, *_RUNNING, *_ENGINE, *WORLD, *_SERVER)}
 
 
 @dataclass(frozen=True)
@@ -296,7 +297,8 @@ def address_table() -> str:
 
     def listed(verb: Verb) -> str:
         shared = len(STRIKE) if verb.keys[: len(STRIKE)] == STRIKE else 0
-        own = [_marked(key) if key in (NOTE, PITCH) else f"`{key.name}`" for key in verb.keys[shared:]]
+        whole = verb.keys if verb in WORLD else (NOTE, PITCH)
+        own = [_marked(key) if key in whole else f"`{key.name}`" for key in verb.keys[shared:]]
         keys = ["a gesture's"] * bool(shared) + own
         return f"; keys: {', '.join(keys)}" if keys else ""
 

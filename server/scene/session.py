@@ -12,6 +12,7 @@ from ..osc.addresses import Call, calls
 from ..osc.arguments import GestureEnded, Refused
 from ..osc.patterns import Selection, TooMuch
 from ..osc.wire import Message
+from ..world.wire import TellsWorld
 from .gesture_ids import Ended, GestureIds
 from .limits import ContactLaws
 from .new_object import NewObject
@@ -32,6 +33,7 @@ class Session:
         self.objects = ObjectTable(engine)
         self.gestures = GestureIds(engine)
         self._laws = ContactLaws(presets)
+        self._world = TellsWorld(presets, engine.top_frequency, engine.channels)
         self._steers_ended = steers_ended
         self._scale = Scale(calibrated)
         self.on_sent: Callable[[int, list[Sent]], object] = lambda first, sent: None
@@ -63,6 +65,7 @@ class Session:
             self._scale,
             time,
             source,
+            self._world,
             made,
             selection=selection or Selection(),
         )

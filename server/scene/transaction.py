@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ...dsp.engine.commands import Command
 from ...dsp.runtime.engine import Engine
@@ -16,6 +16,9 @@ from .limits import ContactLaws
 from .new_object import NewObject, new_object
 from .objects import ObjectTable
 from .scale import Scale
+
+if TYPE_CHECKING:
+    from ..world.wire import TellsWorld
 
 MOST_COMPARED = 128
 """Names among which a near one is looked for."""
@@ -44,6 +47,7 @@ class Transaction:
     scale: Scale
     time: float
     source: Any
+    world: "TellsWorld"
     made: Mapping[int, NewObject | Exception] = field(default_factory=dict)
     """Objects that were made before, or the errors they met, by the identity of their calls."""
     commands: list[Command] = field(default_factory=list)

@@ -26,6 +26,7 @@ from .notes import copy_of, speed_of, tuned
 from .object_call import ObjectCall, listed, require_name
 from .objects import PlayedObject
 from .transaction import MOST_COMPARED, Sent, Transaction
+from .world_messages import world_handlers
 
 _SHARED = {each.name for each in STRIKE} | {"velocity"}
 _SURFACE = "wood"
@@ -316,6 +317,7 @@ HANDLERS: dict[str, Handler] = {
     "/object/NAME/note": _on_objects(_note),
     **dict.fromkeys((f"/gesture/ID/{action}" for action in ("stop", *STEERABLE)), _steer),
     **ENGINE_HANDLERS,
+    **world_handlers(translate),
 }
 """By address of the verb."""
 

@@ -4,11 +4,11 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from ...dsp.schema import RESTITUTION, SLIDE, Parameter
 from ...dsp.wording import expected
 from ...presets import Presets
 from ..osc.arguments import check_number, shown
 from ..osc.wire import Argument
+from ..osc.world_verbs import PAIRED
 from .bodies import Body, WorldError
 
 SURFACES = {
@@ -18,10 +18,7 @@ SURFACES = {
 }  # fmt: skip
 """The surface of a body of a material, where its pair does not say another; of another material it is `wood`."""
 
-_GIVEN = ("roughness", "patch", "static", "dynamic", "stribeck", "along")
-_NUMBERS: dict[str, Parameter] = {key.name: key for key in SLIDE.keys if key.name in _GIVEN} | {
-    RESTITUTION.name: RESTITUTION
-}
+_NUMBERS = {key.name: key for key in PAIRED}
 KEYS = ("surface", *_NUMBERS)
 """The keys of a pair."""
 

@@ -152,6 +152,13 @@ class Simulation:
         self._placed_at = -math.inf
         return [Timed(self.time, body.message())] if body.rings else []
 
+    def take_back(self, name: str) -> None:
+        """Forget the body that was added last."""
+        if self.bodies and self.bodies[-1].name == name:
+            self.bodies.pop()
+            del self._numbers[name]
+            self.state["bodies"] = len(self.bodies)
+
     def pair(self, a: str, b: str, **keys: Argument) -> None:
         """Say how the contact of two bodies differs from that of their materials: keys of `pairs.KEYS`."""
         first, second = sorted((self.number(a), self.number(b)))

@@ -1,0 +1,59 @@
+"""The handlers of `/world/...`: a simulation is told, and the gestures that follow from it are carried out."""
+
+from collections.abc import Callable
+
+from ..osc.addresses import Call, calls
+from ..osc.arguments import Values
+from ..osc.wire import Message
+from ..world.wire import about_body
+from .transaction import Transaction
+
+Handler = Callable[[Transaction, Call, Values], None]
+Translate = Callable[[Transaction, Call], None]
+
+_AHEAD = 0.01  # s between a step without a time tag and its sound
+
+
+def world_handlers(translate: Translate) -> dict[str, Handler]:
+    """The handlers by address; translate: what carries out a call."""
+
+    def carry_out(transaction: Transaction, message: Message, time: float) -> None:
+        before, transaction.time = transaction.time, time
+        try:
+            for call in calls(message):
+                translate(transaction, call)
+        finally:
+            transaction.time = before
+
+    def body(transaction: Transaction, call: Call, values: Values) -> None:
+        simulation, name = transaction.world.simulation, values.words["name"]
+        size, about = about_body(values.numbers, values.words)
+        made = simulation.add(name, values.words["shape"], size, values.words["material"], None, **about)
+        transaction.on_undo(lambda: simulation.take_back(name))
+        for each in made:
+            carry_out(transaction, each.message, transaction.time)
+
+    def step(transaction: Transaction, call: Call, values: Values) -> None:
+        engine = transaction.engine
+        before, told = transaction.world.step(values.numbers["time"])
+        begin = max(transaction.time, float(engine.position) + _AHEAD * engine.rate * (transaction.time < 0))
+        for each in told:
+            carry_out(transaction, each.message, begin + max(each.time - before, 0.0) * engine.rate)
+
+    def end(transaction: Transaction, call: Call, values: Values) -> None:
+        for name in transaction.world.end():
+            carry_out(transaction, Message(f"/object/{name}/free", (1,)), transaction.time)
+
+    return {
+        "/world/body": body,
+        "/world/pair": lambda transaction, call, values: transaction.world.simulation.pair(
+            values.words.pop("a"), values.words.pop("b"), **values.numbers, **values.words
+        ),
+        "/world/microphones": lambda transaction, call, values: transaction.world.place_microphones(values.many),
+        "/world/pose": lambda transaction, call, values: transaction.world.pose(values.words["name"], values.many),
+        "/world/touch": lambda transaction, call, values: transaction.world.touch(
+            values.words["a"], values.words["b"], values.numbers
+        ),
+        "/world/step": step,
+        "/world/end": end,
+    }

@@ -1,0 +1,78 @@
+"""A simulation that is told over OSC: `/world/...`, message by message, and a step at a time."""
+
+import math
+from collections.abc import Sequence
+
+from ...presets import Presets
+from ..osc.wire import Argument
+from ..osc.world_verbs import TOUCHED
+from .bodies import WorldError
+from .hearing import Hearing, Microphone
+from .simulation import Simulation, Timed
+from .told import Pose, Touch
+
+
+class TellsWorld:
+    """The simulation that messages tell: its bodies, and what was told since the last step."""
+
+    def __init__(self, presets: Presets, top: float, channels: int) -> None:
+        self._presets, self._top = presets, top
+        self._microphones: Sequence[Microphone] = (Microphone((0.0, 0.0, 0.0)),) * channels
+        self._simulation: Simulation | None = None
+        self._touches: list[Touch] = []
+        self._poses: dict[str, Pose] = {}
+
+    @property
+    def simulation(self) -> Simulation:
+        """The simulation, which begins with what is told first."""
+        if self._simulation is None:
+            self._simulation = Simulation(self._presets, self._top, Hearing(self._microphones), start=-1.0)
+        return self._simulation
+
+    def place_microphones(self, places: Sequence[float]) -> None:
+        """Place the microphones, before the first body: three numbers (m) for each channel."""
+        channels = len(self._microphones)
+        if self._simulation is not None:
+            raise WorldError("microphones: expected before the first body")
+        if len(places) != 3 * channels:
+            raise WorldError(f"{len(places)} places: expected {3 * channels}, three for each of {channels} channels")
+        self._microphones = [Microphone((x, y, z)) for x, y, z in zip(*[iter(places)] * 3, strict=True)]
+
+    def pose(self, name: str, values: Sequence[float]) -> None:
+        """Keep a body's pose until the step ends."""
+        if len(values) not in (3, 7, 10, 13):
+            raise WorldError(f"body {name}: {len(values)} values: expected 3, 7, 10 or 13")
+        self.simulation.number(name)
+        parts = [tuple(values[first:last]) for first, last in ((0, 3), (3, 7), (7, 10), (10, 13))]
+        self._poses[name] = Pose(*(part for part in parts if part))
+
+    def touch(self, a: str, b: str, numbers: dict[str, float]) -> None:
+        """Keep a point of contact until the step ends."""
+        for name in (a, b):
+            self.simulation.number(name)
+        point, normal = ([numbers[f"{sign}{axis}"] for axis in "xyz"] for sign in ("", "n"))
+        told = {each.name: numbers.get(each.name, math.nan) for each in TOUCHED}
+        self._touches.append(Touch(a, b, point, normal, **told))
+
+    def step(self, time: float) -> tuple[float, list[Timed]]:
+        """End a step: the time of the step before, and the messages of what happened since."""
+        touches, poses = self._touches, self._poses
+        self._touches, self._poses = [], {}
+        before = max(self.simulation.time, 0.0) if self.simulation.steps else time
+        return before, self.simulation.step(time, touches, poses)
+
+    def end(self) -> list[str]:
+        """Forget the simulation; the names of its objects."""
+        names = [body.name for body in self._simulation.bodies if body.rings] if self._simulation else []
+        self._simulation = None
+        self._touches, self._poses = [], {}
+        return names
+
+
+def about_body(numbers: dict[str, float], words: dict[str, str]) -> tuple[list[float], dict[str, Argument]]:
+    """The size of a body that a message makes, and what World.body takes beside."""
+    size = [numbers[axis] for axis in "xyz" if axis in numbers]
+    about: dict[str, Argument] = {key: value for key, value in numbers.items() if key not in ("x", "y", "z")}
+    if "object" in words:
+        about["object"] = words["object"]
+    return size, about

@@ -1,0 +1,109 @@
+"""A simulation told over OSC, by a client that knows nothing of Carom but the addresses, and by a score."""
+
+import socket
+import time
+from contextlib import ExitStack
+
+import numpy as np
+import pytest
+import soundfile
+from pythonosc.osc_bundle_builder import IMMEDIATELY, OscBundleBuilder
+from pythonosc.osc_message import OscMessage
+from pythonosc.osc_message_builder import OscMessageBuilder
+
+from carom.server.osc.oscquery import node
+from tests.support import serving
+
+WORLD = """
+0 /world/body floor plate wood 0.5 0.4 0.01 held 1 most_modes 32
+0 /world/body ball sphere glass 0.02
+0 /world/pair floor ball surface polished-wood
+0.01 /world/step 0.0
+0.02 /world/pose ball 0 0 0.02 1 0 0 0 0 0 -1
+0.02 /world/touch floor ball 0 0 0 0 0 1 approach 1.0 depth 0.002
+0.02 /world/step 0.01
+"""
+
+
+def test_a_score_may_tell_a_simulation(render_text):
+    sound = render_text(WORLD, seconds=0.3)
+    begun = np.flatnonzero(np.abs(sound).max(axis=1) > 1e-6)[0]
+    assert begun == pytest.approx(0.028 * 48_000, abs=4)  # a step after its line, 2 ms before the step's end
+
+
+def test_oscquery_has_the_addresses():
+    found = node("/world", {})
+    assert set(found["CONTENTS"]) == {"body", "pair", "microphones", "pose", "touch", "step", "end"}
+    assert found["CONTENTS"]["step"]["TYPE"] == "f" and found["CONTENTS"]["touch"]["TYPE"] == "ssffffff"
+
+
+class Engine:
+    """A game engine's side: datagrams made by python-osc, and the answers to them."""
+
+    def __init__(self, port: int) -> None:
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.connect(("127.0.0.1", port))
+        self.socket.settimeout(5.0)
+
+    def send(self, *messages) -> None:
+        bundle = OscBundleBuilder(IMMEDIATELY)
+        for address, *args in messages:
+            made = OscMessageBuilder(address)
+            for arg in args:
+                made.add_arg(float(arg) if isinstance(arg, int) else arg)
+            bundle.add_content(made.build())
+        self.socket.send(bundle.build().dgram)
+
+    def answers(self, until: str) -> list[tuple]:
+        found = []
+        while not found or found[-1][0] != until:
+            message = OscMessage(self.socket.recv(65_536))
+            found.append((message.address, *message.params))
+        return found
+
+
+@pytest.mark.slow
+def test_an_engine_that_is_not_python_is_heard(tmp_path):
+    record = tmp_path / "a.wav"
+    with ExitStack() as closed, serving(tmp_path, "--device", "none", "--record", record) as server:
+        engine = Engine(server.port)
+        closed.callback(engine.socket.close)
+        engine.send(("/world/body", "floor", "plate", "wood", 0.5, 0.4, 0.01, "held", 1))
+        engine.send(("/world/body", "ball", "sphere", "glass", 0.02))
+        engine.send(("/world/step", 0), ("/sync", 1))
+        assert not [each for each in engine.answers("/synced") if each[0] == "/fail"]
+        for n in range(1, 60):  # it falls, hits at step 20, and rolls on at 0.5 m/s from step 40
+            rolls = n >= 40
+            touch = (
+                "/world/touch",
+                "floor",
+                "ball",
+                0.005 * n,
+                0,
+                0,
+                0,
+                0,
+                1,
+                "approach",
+                float(n == 20),
+                "force",
+                0.8,
+            )
+            pose = ("/world/pose", "ball", 0.005 * n, 0, 0.02, 1, 0, 0, 0, 0.5, 0, 0, 0, 25.0 * rolls, 0)
+            engine.send(pose, *([touch] if n == 20 or rolls else []), ("/world/step", 0.01 * n))
+            time.sleep(0.01)
+        engine.send(("/world/touch", "floor", "bal", 0, 0, 0, 0, 0, 1))
+        engine.send(("/world/step", 0.3), ("/gestures",), ("/status",), ("/sync", 2))
+        answers = engine.answers("/synced")
+        fails = [each[2] for each in answers if each[0] == "/fail"]
+        assert fails[0] == "body bal: no such body; did you mean ball?"
+        assert fails[1].startswith("step 61: time = 0.3") and len(fails) == 2
+        (gestures,) = [each for each in answers if each[0] == "/gestures.reply"]
+        assert gestures[3] == "contact.1"
+        (status,) = [each for each in answers if each[0] == "/status.reply"]
+        assert dict(zip(status[10::2], status[11::2], strict=True))["impacts"] >= 1
+        engine.send(("/world/end",), ("/sync", 3))
+        engine.answers("/synced")
+        time.sleep(0.2)
+    sound, _ = soundfile.read(record)
+    assert np.abs(sound).max() > 1e-4
