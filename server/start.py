@@ -3,6 +3,7 @@
 import gc
 import sys
 import tempfile
+import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from ..dsp.native.system import clock_ns
 from ..dsp.runtime.engine import Engine
+from ..dsp.runtime.memory import touch
 from ..presets import Presets
 from .audio.supervisor import Player
 from .audio.tap import Queue, Tap
@@ -60,6 +62,8 @@ def serving(options: Options) -> Iterator[Server]:
         if options.web is not None:
             server.web = _start_web(options, server, tap, stack)
         _warm_up(engine)
+        # Not before it listens: that is 6,000 pages.
+        threading.Thread(target=touch, args=(engine.state[0],), name="carom-touch", daemon=True).start()
         yield server
 
 

@@ -1,13 +1,14 @@
 """Room for objects in the engine's memory: slots, modes in the bank, and values in the table of mode shapes."""
 
 import math
+import mmap
 
 import numpy as np
 
 from ..bodies.material import Array
 from ..bodies.modes import Modes
 from ..engine.commands import Handle
-from ..engine.state import MODES, MODES_PER_OBJECT, OBJECTS, SHAPE_VALUES
+from ..engine.state import BANK, MODES, MODES_PER_OBJECT, OBJECTS, SHAPE_VALUES
 from ..resonator.click import CLICK_MODES
 from ..resonator.simd import LANES
 from .arena import Arena, EngineFull
@@ -120,6 +121,17 @@ class Memory:
         for handle in gone:
             self._leaving.remove(handle)
             self.release(handle)
+
+
+def touch(record: np.void) -> None:
+    """Have a record of STATE hold now the 25 MB that dense traffic makes it hold sooner or later; any thread may.
+
+    Not what mode shapes and the records of contacts and sound can take: that may be far more than is ever needed.
+    """
+    parts = [record[name] for name in ("ring", "queue", "objects", "contacts", "rolls", "notes", "ends")]
+    parts += [record["bank"][name] for name in BANK.names or () if name not in ("response", "shape")]
+    for part in parts:
+        np.frombuffer(part, np.uint8)[:: mmap.PAGESIZE].sum()  # a page that is read is held
 
 
 def _starts_of_clicks(count: int, clicks: int) -> list[int]:

@@ -1,12 +1,16 @@
 """The engine from Python: what it has room for."""
 
+import re
 from dataclasses import fields
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 from carom.dsp.engine.state import MODES, OBJECTS, QUANTUM, RING, Quality
 from carom.dsp.runtime.arena import EngineFull
 from carom.dsp.runtime.engine import Engine
+from carom.dsp.runtime.memory import touch
 from tests.dsp.engine.support import RATE, active, bell, free, impact, strike
 
 
@@ -19,6 +23,23 @@ def test_freed_objects_give_their_room_back():
         engine.leave(handle)
         engine.process(9600)
     assert active(engine) == 0
+
+
+def test_what_is_touched_is_held_and_unchanged():
+    status = Path("/proc/self/status")
+    if not status.exists():
+        pytest.skip("the system does not tell what a process holds")
+
+    def held() -> int:
+        return int(re.search(r"RssShmem:\s+(\d+) kB", status.read_text())[1])
+
+    engine = Engine(RATE)
+    before, content = held(), engine.state.view(np.uint8)[:100_000].tobytes()
+    touch(engine.state[0])
+    assert 15_000 < held() - before < 60_000
+    again = held()
+    touch(engine.state[0])
+    assert held() == again and engine.state.view(np.uint8)[:100_000].tobytes() == content
 
 
 def test_capacities_are_kept_and_said():
