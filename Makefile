@@ -74,6 +74,7 @@ documents: $(READY)  ## write the tables of all README files
 study: $(READY)  ## the hour-long stress tests: recordings, extreme contacts, a long evening, threads that hog, a million packets
 	$(BIN)/python -m tests.bench.recordings
 	$(BIN)/python -m tests.bench.fits
+	$(BIN)/python -m tests.bench.worlds
 	$(BIN)/python -m tests.bench.extremes
 	$(BIN)/python -m tests.bench.exactness
 	$(BIN)/python -m tests.bench.soak --minutes 10
