@@ -25,7 +25,7 @@ def made(make: Callable[..., Modes], top: float, arguments: Mapping[str, Any], w
     if modes is None:
         with on_one_thread():
             modes = placed(make(top=top, **arguments), width)
-        read_only(modes.frequency, modes.decay, modes.strike, modes.pressure)
+        read_only(modes.frequency, modes.decay, modes.strike, modes.pressure, *(modes.unheard or ()))
         _kept.put(key, modes)
     return modes
 
@@ -55,7 +55,8 @@ class _Kept:
 
 
 def _bytes(modes: Modes) -> int:
-    return modes.strike.nbytes + modes.pressure.nbytes + modes.frequency.nbytes + modes.decay.nbytes
+    arrays = (modes.strike, modes.pressure, modes.frequency, modes.decay, *(modes.unheard or ()))
+    return sum(array.nbytes for array in arrays)
 
 
 _kept = _Kept()

@@ -18,6 +18,7 @@ from .radiation.board import BOARDS
 from .radiation.twist import Twist
 from .ritz import quadrature
 from .torsion import torsion
+from .unheard import FINER, Felt, completed, with_unheard
 
 ENDS = ("free", "cantilever")
 _SIGN_AT = 0.03  # of the length: whose sign a mode's sound has
@@ -96,10 +97,12 @@ def bar(
     resistance = np.concatenate([each.resistance for each in air])[keep]
     lost = np.concatenate([_into(board, span, part) for part in parts])[keep]
     share = BOARDS[board].radiated_share(frequency[keep]) if board else 0.0
-    strike = shapes(path(length * max(part.motion.wavenumber for part in parts)))
+    positions = path(length * FINER * max(part.motion.wavenumber for part in parts))
+    strike = shapes(positions)
     sign = shapes(np.array([_SIGN_AT]))[0]
     mass = material.density * area * length
     made = heard(material, frequency[keep], resistance + share * lost, (strike, sign), mass, resistance + lost)
+    made = with_unheard(made, _beyond(parts, positions, 2 * top), material.decay, top)
     if span.clamped:
         return made
     if width is not None:
@@ -125,6 +128,20 @@ class _Part(NamedTuple):
     along: Callable[[Array], Array]
     air: Callable[[Motion], Loaded]
     swayed: Callable[[Array], Array] | None = None
+
+
+def _beyond(parts: list[_Part], positions: Array, highest: float) -> Felt:
+    """What the parts' motions leave out, at positions (p,) in 0..1; as modes up to `highest` (Hz) and above."""
+    found = []
+    for part in parts:
+        along, motion, more = part.along(positions)[:, None], part.motion, part.motion.beyond
+        every = np.append(motion.frequency, more.frequency)
+        # How their number grows with the frequency says what is above: of bending, as its root where waves are long.
+        growth = math.log2(every.size / max(int((every <= every[-1] / 2).sum()), 1)) - 1
+        heard = Felt(motion.frequency, along * motion.shape(positions))
+        higher = Felt(more.frequency, along * more.shape(positions))
+        found.append(completed(heard, higher, more.last, highest, min(max(growth, -0.5), 0.0)))
+    return Felt(*(np.concatenate([each[i] for each in found], axis=-1) for i in (0, 1)))
 
 
 class _Carving(NamedTuple):

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -31,6 +32,15 @@ class Motion(NamedTuple):
     slope: Callable[[Array], Array]
     terms: int
     wavenumber: float
+    beyond: "Beyond"
+
+
+class Beyond(NamedTuple):
+    """Exact modes above those of a Motion: frequency (k,) in Hz and shape as there, and where they end (Hz)."""
+
+    frequency: Array
+    shape: Callable[[Array], Array]
+    last: float
 
 
 def bending(
@@ -45,14 +55,46 @@ def bending(
     terms = terms_for(length / 2 * _wavenumber(material, thinnest, top))
     frequency, vector = _solve(material, section, length / 2, terms, clamped)
     kept = converged(terms, 0 if clamped else 2)
-    frequency = frequency[kept][frequency[kept] <= top]
-    series = vector[: terms + 1, kept][:, : frequency.size]
-    return Motion(
-        frequency,
-        lambda positions: basis(2 * positions - 1, terms + 1, clamped)[0] @ series,
-        lambda positions: basis(2 * positions - 1, terms + 1, clamped)[1] @ series * (2 / length),
+    return motion_of(
+        Series(
+            frequency[kept],
+            vector[: terms + 1, kept],
+            lambda positions: basis(2 * positions - 1, terms + 1, clamped)[0],
+            lambda positions: basis(2 * positions - 1, terms + 1, clamped)[1] * (2 / length),
+        ),
+        top,
         terms + 2,
-        _wavenumber(material, thinnest, frequency[-1]) if frequency.size else 0.0,
+        lambda highest: _wavenumber(material, thinnest, highest),
+    )
+
+
+class Series(NamedTuple):
+    """Exact modes of a Ritz series: frequency (k,) in Hz, ascending, vector (t, k), and the terms that it is for.
+
+    values, slopes: positions (p,) in 0..1 -> the terms there and their derivatives by the length (p, t).
+    """
+
+    frequency: Array
+    vector: Array
+    values: Callable[[Array], Array]
+    slopes: Callable[[Array], Array]
+
+
+def motion_of(series: Series, top: float, terms: int, wavenumber: Callable[[float], float]) -> Motion:
+    """The motion of a series' modes up to `top` (Hz); wavenumber: rad/m of the shortest wave at a frequency (Hz)."""
+    frequency, vector, values, slopes = series
+    count = int((frequency <= top).sum())
+
+    def shape(modes: slice, positions: Array) -> Array:
+        return np.asarray(values(positions) @ vector[:, modes])
+
+    return Motion(
+        frequency[:count],
+        partial(shape, slice(count)),
+        lambda positions: slopes(positions) @ vector[:, :count],
+        terms,
+        wavenumber(float(frequency[count - 1])) if count else 0.0,
+        Beyond(frequency[count:], partial(shape, slice(count, None)), float(frequency[-1])),
     )
 
 

@@ -19,12 +19,14 @@ from .radiation.round import Loads, Round
 from .residual import with_residual
 from .ring import Doublets, doublets
 from .tension import CONE, membrane_glide
+from .unheard import Felt, completed, with_unheard
 
 EDGES = ("free", "clamped", "supported")
 _STEP = 0.6  # of the grid of wavenumbers
 _FALSI_STEPS = 12
 _TABLE_STEP = 0.2  # of Bessel functions: cubic Hermite interpolation errs by its fourth power over 384
 _SIGN_AT = (0.83, math.radians(13.0))  # radius and angle: whose sign a mode's sound has
+_FURTHER = math.sqrt(2)  # times the wavenumbers that are heard: those that are felt
 _NEARLY = 1.1  # times the highest frequency wanted: a pair's lower member and the air's mass bring a mode below it
 
 
@@ -52,7 +54,8 @@ def disc(
     areal = material.density * thickness
     rigidity = material.contact_modulus * thickness**3 / 12
     unit = math.sqrt(rigidity / areal) / (2 * math.pi * radius**2)
-    order, root = _plate_roots(edge, material.poisson_ratio, min(math.sqrt(top / unit), _enough(2 if split else 1)))
+    limit = min(_FURTHER * math.sqrt(top / unit), _enough(2 if split else 1))
+    order, root = _plate_roots(edge, material.poisson_ratio, limit)
     mass = areal * math.pi * radius**2
 
     growing, square = _plate_waves(edge, material.poisson_ratio, root, order)
@@ -62,7 +65,8 @@ def disc(
         columns = (each.tobytes() for each in (r, root[mode], order[mode], growing[mode]))
         return scale[mode] * _plate_shapes(*columns)
 
-    body = _Round(unit * root**2, mass, Round(radius, areal, baffle, order, root, growing, scale), radial)
+    surface = Round(radius, areal, baffle, order, root, growing, scale)
+    body = _Round(unit * root**2, mass, surface, radial, unit * limit**2)
     made = _round(material, body, Doublets(split, imperfection), top)
     if baffle != "free":
         return made
@@ -127,13 +131,15 @@ def membrane(
 class _Round(NamedTuple):
     """A round body: its modes' frequencies without air (Hz, (k,)), and its mass (kg).
 
-    radial: radii (p,) in 0..1 and modes by number (k,) -> their mass-normalised radial shapes (p, k).
+    radial: radii (p,) in 0..1 and modes by number (k,) -> their mass-normalised radial shapes (p, k). complete (Hz): of
+    a plate, up to where these are all that there are.
     """
 
     frequency: Array
     mass: float
     surface: Round
     radial: Callable[[Array, Indices], Array]
+    complete: float | None = None
 
 
 def _enough(members: int) -> float:
@@ -156,16 +162,33 @@ def _round(material: Material, body: _Round, pairs: Doublets, top: float) -> Mod
     air = loaded(alone, Loads(body.surface.only(near)), guess)
     frequency, which, phase = doublets(air.frequency, order[near], *pairs)
     keep = audible(frequency, top)
-    frequency, phase = frequency[keep], phase[keep]
     base, member = np.unique(which[keep], return_inverse=True)
 
     right = np.linspace(0, 1, path(2 * root[near[base]].max()).size // 2 + 1)
     radius, angle = _SIGN_AT
     along = body.radial(np.append(right, radius), near[base]) * air.shrinking[base]
-    along, order = along[:, member], order[near[base]][member]
-    far, near_side, sign = np.cos(np.outer([math.pi, 0.0, angle], order) - phase)
-    diameter = np.concatenate([along[right.size - 1 : 0 : -1] * far, along[: right.size] * near_side])
-    return heard(material, frequency, air.resistance[base][member], (diameter, along[-1] * sign), body.mass)
+    along, each = along[:, member], order[near[base]][member]
+    sign = along[-1] * np.cos(angle * each - phase[keep])
+    shapes = _across(along[:-1], each, phase[keep])
+    made = heard(material, frequency[keep], air.resistance[base][member], (shapes, sign), body.mass)
+    if body.complete is None and made.frequency.size == MOST_MODES:
+        return made
+
+    frequency, other, phase = doublets(body.frequency, order, *pairs)
+    upper = np.arange(other.size) >= order.size
+    others = np.flatnonzero(~np.isin(2 * other + upper, 2 * near[which[keep]] + (keep >= near.size)))
+    base, member = np.unique(other[others], return_inverse=True)
+    shapes = _across(body.radial(right, base)[:, member], order[other[others]], phase[others])
+    felt = Felt(frequency[others], shapes)
+    if body.complete is not None:
+        felt = completed(Felt(made.frequency, made.strike), felt, body.complete, 2 * top)
+    return with_unheard(made, felt, material.decay, top)
+
+
+def _across(along: Array, order: Array, phase: Array) -> Array:
+    """Shapes along a diameter from those along a radius, from the centre on (p, k), cos(n theta - phase) times them."""
+    far, near = (np.cos(angle * order - phase) for angle in (math.pi, 0.0))
+    return np.concatenate([along[:0:-1] * far, along * near])
 
 
 @lru_cache(maxsize=2)  # of single modes and of doublets; 50 ms each

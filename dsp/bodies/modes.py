@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +18,15 @@ LOWEST_FREQUENCY = 1.0  # Hz; below lie rigid motions, which a Ritz method retur
 PATH_STEP = 0.6  # rad of the shortest wave between two positions: cubic interpolation then errs by < 0.6 %
 
 
+class Unheard(NamedTuple):
+    """Modes that contacts feel and nobody hears (unheard.py): frequency (Hz) and decay (1/s), (k,), and strike (P, k),
+    as in Modes. Their frequencies may be as high as they like."""
+
+    frequency: Array
+    decay: Array
+    strike: Array
+
+
 @dataclass(frozen=True)
 class Modes:
     """The audible modes of a body: w(x, t) = sum_i phi_i(x) q_i(t), q'' + 2 sigma q' + omega^2 q = phi(x) F.
@@ -30,6 +39,7 @@ class Modes:
     it is struck: as a whole if it is free to move (acceleration.py), about that point if it is thin (near.py).
     glide in 1/J and cone in kg: how far the tension rises with the energy that rings, Delta T/T = glide x energy, and
     about a striker as it touches, tau (1 + tau) = glide x cone x velocity^2 (tension.py); 0 where it does not.
+    unheard: what is felt of the modes that are not among these; None where they are not known.
 
     A mode that radiates the power R q'^2/2 has G = sqrt(rho c R/(4 pi)), and R/2 is in its decay.
     """
@@ -42,6 +52,7 @@ class Modes:
     clicks: tuple[Click, ...] = ()
     glide: float = 0.0
     cone: float = 0.0
+    unheard: Unheard | None = None
 
 
 def columns(size: int, of: str, **given: float | Sequence[float]) -> list[Array]:

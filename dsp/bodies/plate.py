@@ -10,10 +10,11 @@ from numpy.polynomial import legendre
 from . import acceleration
 from .heard import BAFFLES, heard, loaded
 from .material import Array, Material
-from .modes import Indices, Modes, audible, path, require_choice, require_positive
+from .modes import LOWEST_FREQUENCY, Indices, Modes, audible, path, require_choice, require_positive
 from .near import critical_frequency, near_field
 from .radiation.air import plate_mass
 from .radiation.plate import Group, Loads, Rectangle
+from .unheard import Felt, completed, with_unheard
 
 EDGES = ("free", "clamped", "supported")
 RESERVE = 2.0  # beam products up to this times the highest wanted frequency make the series
@@ -59,7 +60,8 @@ def plate(
     squares = np.concatenate([block.square for block in blocks])
     frequency = speed * np.sqrt(np.maximum(squares, 0)) / (2 * math.pi)
     keep = audible(frequency, min(top, speed * complete / (2 * math.pi)))
-    frequency = frequency[keep]
+    others = np.setdiff1d(np.flatnonzero(frequency >= LOWEST_FREQUENCY), keep)
+    beyond, frequency = frequency[others], frequency[keep]
 
     groups = _groups(blocks, keep)
     waves = np.sqrt(2 * math.pi * frequency / speed)
@@ -70,10 +72,16 @@ def plate(
     span = math.hypot((path_to[0] - path_from[0]) * length, (path_to[1] - path_from[1]) * width)
     positions = path(waves[-1] * span)[:, None]
     points = np.concatenate([np.asarray(path_from) * (1 - positions) + np.asarray(path_to) * positions, [_SIGN_AT]])
-    shapes = _shapes(groups, along.value(points[:, 0]), across.value(points[:, 1])) / math.sqrt(areal) * air.shrinking
+    values = along.value(points[:, 0]), across.value(points[:, 1])
+    shapes = _shapes(groups, *values) / math.sqrt(areal) * air.shrinking
     shapes, resistance = shapes[:, order], air.resistance[order]
     mass = areal * length * width
     made = heard(material, air.frequency[order], resistance, (shapes[:-1], shapes[-1]), mass)
+    # The series' other modes are not exact, but yield together as much as the plate does, up to where it has enough.
+    higher = Felt(beyond, (_shapes(_groups(blocks, others), *values) / math.sqrt(areal))[:-1])
+    last = speed * RESERVE * complete / (2 * math.pi)
+    felt = completed(Felt(made.frequency, made.strike), higher, last, RESERVE * top)
+    made = with_unheard(made, felt, material.decay, top)
     if baffle != "free":
         return made
     whole = acceleration.rectangle(mass, length, width, length * width * thickness)

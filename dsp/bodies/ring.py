@@ -16,9 +16,11 @@ from .radiation import wall as wall_air
 from .radiation.air import DENSITY, Load
 from .radiation.sampling import between, members
 from .radiation.thin import Profile
+from .unheard import FINER, Felt, with_unheard
 
 _SIGN_AT = np.radians([13.0])  # around the wall: whose sign a mode's sound has
 _SOLVED = 16  # orders of which the air's load is solved; above, of some
+_FURTHER = 8  # times the orders that are heard: those that are felt
 _NEARLY = 1.1  # times the highest frequency wanted: a pair's lower member and the air's mass bring a mode below it
 CANTILEVER = np.array([1.8751040687, 4.6940911330, 7.8547574382])
 """Roots of cos(b) cosh(b) = -1: a wall held at its foot and free at its rim bends as a cantilever along its height."""
@@ -134,7 +136,10 @@ class _Wall(NamedTuple):
 
 
 class _Row(NamedTuple):
-    """Modes of one profile up the wall, by order: orders, peaks (kg^-1/2), and what the air makes of them, (k,)."""
+    """Modes of one profile up the wall, by order: orders, peaks (kg^-1/2), and what the air makes of them, (k,).
+
+    Those that are too high to be heard are as without air.
+    """
 
     order: Array
     peak: Array
@@ -144,7 +149,8 @@ class _Row(NamedTuple):
 def _row(wall: _Wall, frequency: Array, profile: Profile, top: float) -> _Row:
     """A row, from the frequencies (Hz) of its orders from 2 up."""
     count = int(np.searchsorted(frequency, _NEARLY * top))
-    order = np.arange(2.0, count + 2)
+    frequency = frequency[: _FURTHER * max(count, 1)]
+    order = np.arange(2.0, frequency.size + 2)
     # An inextensible wall also moves along its circumference, by 1/n of its radial motion.
     peak = 1 / np.sqrt(wall.modal_mass * (1 + 1 / order**2))
     solved = members(count, _SOLVED)
@@ -152,30 +158,41 @@ def _row(wall: _Wall, frequency: Array, profile: Profile, top: float) -> _Row:
     def load(now: Array) -> Load:
         found = wall_air.load_of(order[solved], wall.radius, wall.half, profile, now[solved])
         scaled = Load(found.resistance * peak[solved] ** 2, found.mass * peak[solved] ** 2)
-        return between(np.log(order[solved]), scaled, np.log(order))
+        return between(np.log(order[solved]), scaled, np.log(order[:count]))
 
-    guess = 2 * DENSITY * wall.radius / (order * wall.areal)
-    return _Row(order, peak, loaded(frequency[:count], load, guess))
+    guess = 2 * DENSITY * wall.radius / (order[:count] * wall.areal)
+    air = loaded(frequency[:count], load, guess)
+    still = np.zeros(frequency.size - count)
+    return _Row(
+        order,
+        peak,
+        Loaded(
+            np.append(air.frequency, frequency[count:]),
+            np.append(air.resistance, still),
+            np.append(air.shrinking, 1 + still),
+        ),
+    )
 
 
 def _around(
     material: Material, wall: _Wall, rows: Sequence[tuple[Array, Profile]], pairs: Doublets, top: float
 ) -> Modes:
     """The modes of a wall, from the frequencies of the orders from 2 up in each row, and the row's profile."""
-    made = [_row(wall, frequency, profile, top) for frequency, profile in rows]
-    order, peak = (np.concatenate([row[i] for row in made]) for i in (0, 1))
-    frequency, resistance, shrinking = (np.concatenate([row.air[i] for row in made]) for i in range(3))
+    found = [_row(wall, frequency, profile, top) for frequency, profile in rows]
+    order, peak = (np.concatenate([row[i] for row in found]) for i in (0, 1))
+    frequency, resistance, shrinking = (np.concatenate([row.air[i] for row in found]) for i in range(3))
     frequency, which, phase = doublets(frequency, order, *pairs)
     keep = audible(frequency, top)
-    which = which[keep]
-    frequency, phase, order = frequency[keep], phase[keep], order[which]
-    height = peak[which] * shrinking[which]
+    others = np.setdiff1d(np.arange(frequency.size), keep)
 
-    def shape(angle: Array) -> Array:
-        return np.asarray(height * np.cos(np.outer(angle, order) - phase), np.float64)
+    def shape(angle: Array, mode: Indices) -> Array:
+        height = (peak * shrinking)[which[mode]]
+        return np.asarray(height * np.cos(np.outer(angle, order[which[mode]]) - phase[mode]), np.float64)
 
-    strike = shape(math.pi * path(math.pi * order.max()))
-    return heard(material, frequency, resistance[which], (strike, shape(_SIGN_AT)[0]), wall.mass)
+    angles = math.pi * path(math.pi * FINER * order[which[keep]].max())
+    shapes = shape(angles, keep), shape(_SIGN_AT, keep)[0]
+    made = heard(material, frequency[keep], resistance[which[keep]], shapes, wall.mass)
+    return with_unheard(made, Felt(frequency[others], shape(angles, others)), material.decay, top)
 
 
 def _uniform(z: Array) -> Array:

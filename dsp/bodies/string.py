@@ -10,7 +10,9 @@ from .material import Material
 from .modes import MOST_MODES, Modes, audible, path, require_positive
 from .radiation.board import PIANO
 from .tension import string_glide
+from .unheard import FINER, Felt, with_unheard
 
+_FURTHER = 8  # times the modes that are heard: those that are felt
 _SIGN_AT = 0.07  # of the length: whose sign a mode's sound has
 
 
@@ -32,15 +34,10 @@ def string(
     core's pi^3 E d^4/(64 T L^2) (Fletcher 1964). The strike path is the length. ValueError names what is out of range.
 
     Its own sound is nothing beside that of the board at its end: what goes into the board is lost to the string, and
-    its share that radiates is heard. See `radiation.board`.
+    its share that radiates is heard (radiation/board.py).
     """
-    require_positive(
-        length=length,
-        diameter=diameter,
-        tension=tension,
-        fundamental=fundamental,
-        linear_density=linear_density,
-    )
+    require_positive(length=length, diameter=diameter, tension=tension)
+    require_positive(fundamental=fundamental, linear_density=linear_density)
     density = linear_density or material.density * math.pi * diameter**2 / 4
     if tension is not None and fundamental is None:
         fundamental = math.sqrt(tension / density) / (2 * length)
@@ -51,14 +48,17 @@ def string(
     if inharmonicity is None:
         inharmonicity = math.pi**3 * material.youngs_modulus * diameter**4 / (64 * tension * length**2)
 
-    order = np.arange(1.0, MOST_MODES + 1)
-    frequency = order * fundamental * np.sqrt(1 + inharmonicity * order**2)
-    keep = audible(frequency, top)
-    order, frequency = order[keep], frequency[keep]
+    orders = np.arange(1.0, MOST_MODES + 1)
+    frequencies = orders * fundamental * np.sqrt(1 + inharmonicity * orders**2)
+    order, frequency = (values[audible(frequencies, top)] for values in (orders, frequencies))
     mass = density * length
     peak = math.sqrt(2 / mass)
     force = tension * math.pi * order / length * peak / (2 * math.pi * frequency)  # at the bridge, per modal velocity
     lost = force**2 * PIANO.conductance(frequency)
-    strike, sign = (peak * np.sin(np.pi * np.outer(at, order)) for at in (path(np.pi * order[-1]), [_SIGN_AT]))
+    at = path(np.pi * FINER * order[-1])
+    strike, sign = (peak * np.sin(np.pi * np.outer(place, order)) for place in (at, [_SIGN_AT]))
     modes = heard(material, frequency, lost * PIANO.radiated_share(frequency), (strike, sign[0]), mass, lost)
-    return replace(modes, glide=string_glide(material, length, diameter, tension))
+    higher = slice(order.size, _FURTHER * order.size)
+    felt = Felt(frequencies[higher], peak * np.sin(np.pi * np.outer(at, orders[higher])))
+    glide = string_glide(material, length, diameter, tension)
+    return replace(with_unheard(modes, felt, material.decay, top), glide=glide)

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from .bending import Motion
+from .bending import Motion, Series, motion_of
 from .material import Array, Material
 from .ritz import basis, converged, quadrature, terms_for
 
@@ -49,15 +49,16 @@ def torsion(
         theta.T * mass @ theta + twist.T * warp @ twist,
     )
     kept = converged(terms, 0 if clamped else 1)
-    frequency = np.sqrt(np.maximum(eigenvalue[kept], 0)) / (2 * math.pi)
-    frequency = frequency[frequency <= top]
-    series = vector[:, kept][:, : frequency.size] / half
-    return Motion(
-        frequency,
-        lambda positions: basis(2 * positions - 1, terms, clamped)[0] @ series,
-        lambda positions: basis(2 * positions - 1, terms, clamped)[1] @ series / half,
+    return motion_of(
+        Series(
+            np.sqrt(np.maximum(eigenvalue[kept], 0)) / (2 * math.pi),
+            vector[:, kept] / half,
+            lambda positions: basis(2 * positions - 1, terms, clamped)[0],
+            lambda positions: basis(2 * positions - 1, terms, clamped)[1] / half,
+        ),
+        top,
         terms + 1,
-        _wavenumber(material, width, thinnest, frequency[-1]) if frequency.size else 0.0,
+        lambda highest: _wavenumber(material, width, thinnest, highest),
     )
 
 

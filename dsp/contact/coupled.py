@@ -30,7 +30,7 @@ from .collocation import NODES, STEP, law
 from .coupled_step import stay
 from .power_series import BINOMIAL, FORCE_AT, POWERS, QUADRATURE, QUADRATURE_WEIGHTS, TO_END, value_at
 
-MOST_STEPS = 200  # in a sample; what is left of it then is one held step
+MOST_STEPS = 600  # in a sample; what is left of it then is one held step
 _LOOKS = 8  # at the gap, in a sample
 _AGES = 1e12  # samples that are as good as for ever
 _FIRST = 0.2  # share of the contact's natural time: the first step to try

@@ -114,14 +114,14 @@ for _kind in GESTURE_KINDS:
 PROFILE = record_of("roughness", "correlation", "slope", "ripple", "wavelength")
 """A surface: rms height (m), correlation length (m), slope of its spectrum; amplitude (m), length (m) of a ripple."""
 
-_PLACES_OF_NEW = ("first", "size", "table", "rows", "felt", "bent")
+_PLACES_OF_NEW = ("first", "size", "table", "rows", "felt", "bent", "unheard")
 _SCALES_OF_NEW = ("level", "glide", "cone")
 LAYOUT = np.dtype(
     [*((name, np.int64) for name in _PLACES_OF_NEW), *((name, np.float64) for name in _SCALES_OF_NEW)], align=True
 )
 """Where a new object's modes and shapes are: its first mode, how many (padded), first value and rows of its shapes, how
-many modes contacts feel, and of how many slow forces are heard; the output that 1 Pa is; and how far its tension rises:
-for the energy that rings, 1/J, and about a striker, kg (bodies/tension.py).
+many modes are felt and heard, of how many slow forces are heard, and where those begin that are felt alone; the output
+that 1 Pa is; how far its tension rises: for the energy that rings, 1/J, and about a striker, kg (bodies/tension.py).
 """
 
 METHOD = np.dtype([(name, np.int64) for name in ("method", "correction", "oversampling")], align=True)

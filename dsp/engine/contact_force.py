@@ -17,7 +17,7 @@ from .contact_list import take_room_again
 from .fade import note_force
 from .objects import frequency_of, highest_of, modes_of, place, point_of, reach_of, relief_of, sigma_of
 from .quality import holds_steps, modes_for, room_for_coupling
-from .solver_choice import choose_solver, soften_pulse, tolerance_of
+from .solver_choice import choose_solver, soften_pulse, speed_by_others, tolerance_of
 from .state import COUPLING, SAMPLING
 from .strikers import begin_striker, drive_striker
 from .trace import trace_sample
@@ -48,6 +48,8 @@ def begin_contact(state, contact, pushed):
         soften_pulse(state, contact, mass_ratio, seen_mass_ratio)
     if pushed:
         solver = COUPLING
+    if solver != COUPLING:
+        _leave_unheard(state, contact)
     if solver == COUPLING and not _has_room(state, contact):
         state.stats.contacts_dropped += 1
         return False
@@ -61,8 +63,18 @@ def begin_contact(state, contact, pushed):
 
 
 @kernel
+def _leave_unheard(state, contact):
+    """Have a contact act on no modes that nobody hears: it has its force already."""
+    for side in range(2):
+        point = contact.point[side]
+        if point.slot >= 0:
+            point.modes = min(point.modes, state.objects[point.slot].unheard)
+
+
+@kernel
 def couple_pulse(state, contact):
     """Have a contact of closed form, which touches, go on coupled to the modes, if there is room."""
+    update_mode_count(state, contact)
     if not _has_room(state, contact):
         state.stats.over_budget += 1
         return
@@ -297,9 +309,14 @@ def find_static(state, contact, side, obj, count):
 
 
 @kernel
-def flight(state, contact):
-    """Samples for which a coupled striker that has left surely touches nothing; infinity if it never comes back."""
-    distance = speed = 0.0
+def flight(state, contact, seen):
+    """Samples for which a coupled striker that has left surely touches nothing; infinity if it never comes back.
+
+    seen: the point was looked at just now. Others that touch may make it faster by what `speed_by_others` says, and
+    then nothing says how far it gets.
+    """
+    distance, speed = 0.0, speed_by_others(state, contact)
+    reached = math.inf if speed > 0.0 else 0.0
     for side in range(2):
         point = contact.point[side]
         if point.slot >= 0 and state.objects[point.slot].live > 0:
@@ -307,7 +324,9 @@ def flight(state, contact):
             distance += far / contact.now.gain
             speed += fast / contact.now.gain
     contact.reach = distance
-    return apart_for(contact.coupled, distance, speed)
+    if not seen:
+        contact.coupled.motion[0] = contact.coupled.position + distance  # at most
+    return apart_for(contact.coupled, distance + reached, speed)
 
 
 @kernel

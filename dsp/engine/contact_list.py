@@ -61,7 +61,7 @@ def give_room_back(state, contact):
 @kernel
 def take_room_again(state, contact):
     """Have a coupled contact whose striker comes back count in the budget again, even if there is no room."""
-    if contact.aside == 1:
+    if contact.aside > 0:
         state.stats.coupled_modes += contact.modes
         contact.aside = 0
 

@@ -39,7 +39,7 @@ CONTACT = np.dtype(
         ("touching", np.int64),  # 0: it waits for its beginning
         ("solver", np.int64),  # a Solver
         ("modes", np.int64),  # that a coupled contact counts for in the budget
-        ("aside", np.int64),  # 1: it flies, and counts for nothing
+        ("aside", np.int64),  # 1: it flies, and counts for nothing; 2: it has left, and is kept for a while
         ("light", np.int64),  # 1: what it touches is lighter than the striker
         ("unsettled", np.int64),  # 1: a coupled contact must be told the receptance of the objects
         ("settled", np.int64),  # number of that receptance, of no other contact's nor of an earlier one

@@ -16,13 +16,13 @@ from ..schema import FORCE, STEERABLE, gestures_steered_by
 from .commands import KIND_BOUNCE, KIND_PRESS, KIND_ROLL, KIND_SLIDE, KIND_SPIN
 from .contact_force import apply_contact_force, begin_contact, couple_pulse, update_mode_count
 from .contact_list import end_contact, release_modes, report_end, schedule_contact
-from .flights import follow_coupled, is_pushed, leave, release_striker
+from .flights import follow_coupled, is_gone, is_pushed, leave, release_striker
 from .objects import place
 from .quality import coarseness_of, holds_steps, must_wait
 from .rolls import register_roll
 from .slides import lead_slide, rub, rubs
 from .solver_choice import is_moved
-from .state import CLOSED, COUPLING, END_NO_ROOM, END_STOPPED, QUANTUM, ROLLING
+from .state import CLOSED, COUPLING, END_NO_ROOM, END_RESTED, END_STOPPED, QUANTUM, ROLLING
 from .strikers import roll_striker
 from .trace import trace_roll
 
@@ -47,7 +47,7 @@ def update_contacts(state, obj):
         waits = must_wait(state, index) and not (_comes_back(contact) and contact.touching == 1)
         ended = _wait_longer(state, contact) if waits else _go_on(state, index)
         if ended:
-            report_end(state, contact.gesture, END_STOPPED)
+            report_end(state, contact.gesture, END_RESTED if is_gone(state, contact) else END_STOPPED)
             end_contact(state, obj, before, index)
         else:
             before = index
@@ -96,6 +96,8 @@ def _go_on(state, index):
         return _roll_on(state, index)
     if contact.touching == 0:
         return contact.start >= contact.until
+    if is_gone(state, contact):
+        return True
     if contact.kind == KIND_PRESS and update_mode_count(state, contact):
         _lift(state, contact, 0)
     elif contact.solver == COUPLING:
@@ -218,7 +220,7 @@ def _begin(state, contact, frame):
 def begin_contacts(state, obj, frame):
     """Have an object's contacts begin that are due in the sample that ends at a frame; those without room end.
 
-    Where one begins, the others that touch and are of closed form may not stay so.
+    Where one begins, the others that touch and are of closed form may not stay so. True if one does.
     """
     began = False
     before = -1
@@ -235,6 +237,7 @@ def begin_contacts(state, obj, frame):
         index = after
     if began and not holds_steps(state):
         _couple_moved(state, obj)
+    return began
 
 
 @kernel

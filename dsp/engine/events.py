@@ -213,7 +213,8 @@ def _new(state, event):
     obj.dying = 0
     obj.first, obj.size = event.layout.first, event.layout.size
     obj.table, obj.rows = event.layout.table, event.layout.rows
-    obj.felt, obj.bent, obj.level = event.layout.felt, event.layout.bent, event.layout.level
+    obj.felt, obj.bent, obj.unheard = event.layout.felt, event.layout.bent, event.layout.unheard
+    obj.level = event.layout.level
     obj.glide, obj.cone = event.layout.glide, event.layout.cone
     obj.rang, obj.amplified = 0.0, 1.0
     obj.stretch, obj.detuned = 0.0, 0

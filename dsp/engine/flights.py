@@ -12,8 +12,9 @@ from ..native.jit import kernel
 from .commands import KIND_BOUNCE, KIND_IMPACT, KIND_PRESS, KIND_SPIN
 from .contact_force import flight
 from .contact_list import give_room_back, next_random, release_modes, report_end, schedule_contact
+from .quality import holds_steps
 from .spins import turn_on
-from .state import END_RESTED, END_STOPPED, SAMPLING
+from .state import COUPLING, END_RESTED, END_STOPPED, QUANTUM, SAMPLING
 
 _SHORTEST_ROUND = 20e-6  # s from contact to contact of a bounce: a quicker one presses like a weight at rest
 _LONGEST_LEAP = 256.0  # samples that a striker flies without a look at how far the object reaches
@@ -23,6 +24,7 @@ _LIFTED = 0.5  # s that a released striker stays
 _LONGEST_TOUCH = 2.0  # s without a flight, after which a striker that nothing presses on is released
 _HOP = 16.0  # samples of flight that count as one
 _CLEAR = 1e3  # times as high as the object reaches: a bounce that flies higher is not followed
+_KEPT, _AFAR = 0.01, 5e-3  # s and m: so long, or until so far away, an object can catch up with a striker that left
 _SPENT = 1e-12  # share of its energy (-120 dB) with which a striker that nothing pushes is done
 
 
@@ -90,16 +92,19 @@ def follow_coupled(state, contact, frame):
     if now >= contact.gone_at or not math.isfinite(coupled.v):
         report_end(state, contact.gesture, END_RESTED if contact.until == math.inf else END_STOPPED)
         return False
-    samples = 0.0 if coupled.touching == 1 else flight(state, contact)
+    samples = 0.0 if coupled.touching == 1 else flight(state, contact, True)
     if contact.gone_at == math.inf and (samples == 0.0 or now - contact.begun > _LONGEST_TOUCH * state.rate):
         _release_spent(state, contact, now)
     if samples == 0.0:
         return True
     if samples == math.inf and contact.kind == KIND_PRESS and contact.gone_at == math.inf:
         coupled.v = 0.0  # a hand that does not press hovers
-    elif samples == math.inf:
+    elif samples == math.inf and (contact.kind != KIND_IMPACT or holds_steps(state)):
         report_end(state, contact.gesture, END_RESTED if contact.until == math.inf else END_STOPPED)
         return False
+    elif samples == math.inf:
+        _keep(state, contact, now)
+        return True
     bounces = contact.kind == KIND_BOUNCE and contact.gone_at == math.inf and coupled.v < 0.0
     if bounces and coupled.v * coupled.v > 2.0 * contact.target.gravity * _CLEAR * contact.reach:
         # It flies so high that it comes back to the object at rest; else to where the object's ringing has it.
@@ -113,6 +118,51 @@ def follow_coupled(state, contact, frame):
     contact.start = state.position + frame + int(skipped)
     contact.fraction = 0.0
     return True
+
+
+@kernel
+def _keep(state, contact, now):
+    """Let a striker that has left for good fly on for a while, as another one may throw the object after it."""
+    coupled = contact.coupled
+    away = max(_AFAR + coupled.position, 0.0) / max(-coupled.v, _AFAR / _KEPT)
+    contact.gone_at = min(contact.gone_at, now + math.floor(away * state.rate) + 1.0)
+    give_room_back(state, contact)
+    contact.aside = 2
+    fly_on(coupled, contact.gone_at - now)
+    contact.start = int(contact.gone_at) + QUANTUM  # it is forgotten before: see is_gone
+    contact.fraction = 0.0
+
+
+@kernel
+def is_gone(state, contact):
+    """True if a striker has left that nothing caught up with in the time for which it was kept."""
+    return contact.aside == 2 and state.position >= contact.gone_at
+
+
+@kernel
+def call_back(state, obj, frame):
+    """Look sooner at strikers that fly from an object, where another that began to touch may throw it after them."""
+    index = obj.contact
+    while index >= 0:
+        contact = state.contacts[index]
+        if contact.touching == 1 and contact.solver == COUPLING and contact.aside > 0:
+            _call_back(state, contact, float(state.position + frame - 1))
+        index = contact.next
+
+
+@kernel
+def _call_back(state, contact, now):
+    """Have a striker fly unseen, from a time in samples on, for no longer than it surely stays apart."""
+    until = contact.gone_at if contact.aside == 2 else float(contact.start)
+    if until <= now:
+        return
+    fly_on(contact.coupled, now - until)
+    samples = min(flight(state, contact, False), until - now)
+    fly_on(contact.coupled, samples)
+    if now + samples < until:
+        contact.start = int(now + samples)
+        contact.gone_at = math.inf if contact.aside == 2 else contact.gone_at
+        contact.aside = 1
 
 
 @kernel

@@ -4,7 +4,7 @@ import math
 
 from ..native.jit import kernel
 from ..resonator.bank import NYQUIST_SHARE, RESPONSES, Modes, Point, reach
-from ..resonator.mode import mode_energy
+from ..resonator.mode import mode_energy, recurring
 from ..resonator.simd import LANES
 
 _HAND = 200.0  # 1/s: decay that a hand adds at damp = 1
@@ -29,6 +29,12 @@ def weigh(weights, x):
     weights[1] = 0.5 * x * (x - 2.0) * (x - 3.0)
     weights[2] = -0.5 * x * (x - 1.0) * (x - 3.0)
     weights[3] = x * (x - 1.0) * (x - 2.0) / 6.0
+
+
+@kernel
+def is_felt(obj, i):
+    """True if contacts feel an object's mode i."""
+    return i < obj.felt or i >= obj.unheard
 
 
 @kernel
@@ -83,10 +89,13 @@ def relief_of(state, obj, i):
 def ringing_of(state, obj, i):
     """How mode i of an object rings now: frequency (Hz), decay (1/s) and the weight of its answer to forces.
 
-    Nothing excites a mode above `highest_of`, and its ringing fades there.
+    Nothing excites a mode above `highest_of`, and its ringing fades there; but those that were made so high are felt
+    (runtime/unheard.py).
     """
     frequency, sigma = frequency_of(state, obj, i), sigma_of(state, obj, i)
     highest = highest_of(state)
+    if state.bank.frequency[obj.first + i] > highest:
+        return recurring(frequency, 0.5 * state.rate), sigma, state.bank.weight[obj.first + i]
     if frequency > highest:
         return highest, sigma + _FADE, 0.0
     return frequency, sigma, state.bank.weight[obj.first + i]

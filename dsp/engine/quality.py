@@ -41,9 +41,10 @@ def coarseness_of(state):
 
 @kernel
 def modes_for(state, obj, kind):
-    """How many of an object's modes a gesture of this kind acts on."""
+    """How many of an object's modes a gesture of this kind acts on: rolls and slides on those that are heard."""
+    modes = obj.unheard if kind in (KIND_ROLL, KIND_SLIDE) else obj.size
     lasts = kind in (KIND_ROLL, KIND_PRESS, KIND_SLIDE)
-    return min(obj.size, _FEW) if lasts and state.choices.quality >= _COARSE else obj.size
+    return min(modes, _FEW) if lasts and state.choices.quality >= _COARSE else modes
 
 
 @kernel

@@ -11,9 +11,10 @@ from ..resonator.simd import LANES
 from .contact_groups import solve_groups
 from .contact_list import end_contacts
 from .contacts import begin_contacts, next_driven_frame, run_contacts, update_contacts
+from .flights import call_back
 from .glide import follow_tension
 from .mix import add_share, clear_mix, glide_gains, is_faded, is_finite, remove_static
-from .objects import modes_of, relief_of, ringing_of
+from .objects import is_felt, modes_of, relief_of, ringing_of
 from .panic import mix_fading
 from .quality import find_oldest_running, is_left_out, silence_of
 from .rolls import ring_on
@@ -109,8 +110,12 @@ def _begin_and_solve(state, frame):
         several |= obj.contact >= 0 and state.contacts[obj.contact].next >= 0
     if not several:
         return
+    began = False
     for g in range(scratch.group_size):
-        begin_contacts(state, state.objects[scratch.group[g]], frame)
+        began |= begin_contacts(state, state.objects[scratch.group[g]], frame)
+    if began:
+        for g in range(scratch.group_size):
+            call_back(state, state.objects[scratch.group[g]], frame)
     solve_groups(state, frame)
 
 
@@ -159,7 +164,7 @@ def _retune(state, obj, count):
     modes = modes_of(state, obj, 0, obj.size)
     for _ in range(count):
         i = obj.retuning
-        if i < obj.felt:
+        if is_felt(obj, i):
             frequency, sigma, weight = ringing_of(state, obj, i)
             set_mode(modes, i, frequency, sigma, state.rate, complex(weight, 0.0))
         elif i < obj.bent:

@@ -10,7 +10,8 @@ from ..contact.accuracy import LIGHT, LIGHT_TOLERANCE, RESIDUAL, TOLERANCE, clos
 from ..contact.closed_form import NODES, add_phasors, pulse_node
 from ..contact.coupled_step import HELD
 from ..native.jit import kernel
-from .objects import pitch_of, reach_of, shape_at
+from .commands import KIND_PRESS
+from .objects import is_felt, pitch_of, reach_of, shape_at
 from .quality import holds_steps
 from .state import CLOSED, COUPLING, ROLLING, SAMPLING
 
@@ -58,9 +59,10 @@ def _ratios(state, contact):
         if point.slot >= 0:
             obj = state.objects[point.slot]
             point.give = 0.0
-            for i in range(obj.felt):
-                phi = shape_at(state, obj, point, i)
-                point.give += phi * phi
+            for i in range(obj.size):
+                if is_felt(obj, i):
+                    phi = shape_at(state, obj, point, i)
+                    point.give += phi * phi
             mass_ratio += contact.m * point.give
             if obj.live > 0:
                 ringing_ratio += reach_of(state, obj, point)[1] / (contact.v_in * contact.now.gain)
@@ -99,6 +101,31 @@ def is_moved(state, contact):
 
 
 @kernel
+def speed_by_others(state, contact):
+    """By how much the strikers that touch a contact's objects may make its points faster, in m/s.
+
+    Each by twice its own speed at most: a free surface moves with twice the speed of the wave that comes to it.
+    """
+    speed = 0.0
+    for side in range(2):
+        if contact.point[side].slot >= 0:
+            index = state.objects[contact.point[side].slot].contact
+            while index >= 0:
+                other = state.contacts[index]
+                if index != contact.index and _pushes(other):
+                    most = 2.0 * other.v_in * other.now.gain / contact.now.gain
+                    speed += min(moved_by(contact, other) * contact.v_in, most)
+                index = other.next
+    return speed
+
+
+@kernel
+def _pushes(contact):
+    """True if a striker touches, or may do so again, by a blow: its momentum is known."""
+    return contact.touching == 1 and contact.aside < 2 and contact.kind != KIND_PRESS and contact.solver != ROLLING
+
+
+@kernel
 def soften_pulse(state, contact, mass_ratio, seen_mass_ratio):
     """Give a wall pulse the effective mass of striker and object, by the sums of `choose_solver`.
 
@@ -130,27 +157,36 @@ def _shorten(pulse, ratio):
 @kernel
 def _seen_mass_ratio(state, contact):
     """sum r_i P_i over the objects' modes."""
-    pulse = contact.pulse
     share = 0.0
     for side in range(2):
         point = contact.point[side]
-        if point.slot < 0:
-            continue
-        obj = state.objects[point.slot]
-        re = state.scratch.spectrum[0, : obj.felt]
-        im = state.scratch.spectrum[1, : obj.felt]
-        for i in range(obj.felt):
-            re[i] = im[i] = 0.0
-        total = 0.0
-        frequency = state.bank.frequency[obj.first : obj.first + obj.felt]
-        for phase in range(2):
-            for j in range(NODES // 2):
-                t, impulse = pulse_node(pulse, phase, j)
-                total += impulse
-                add_phasors(impulse, t * pitch_of(obj) / state.rate, frequency, re, im)
-        highest = _RESOLVED * state.rate / (2.0 * math.pi * pulse.duration * pitch_of(obj))
-        for i in range(obj.felt):
-            if frequency[i] < highest:
-                phi = shape_at(state, obj, point, i)
-                share += contact.m * phi * phi * (re[i] * re[i] + im[i] * im[i]) / (total * total)
+        if point.slot >= 0:
+            obj = state.objects[point.slot]
+            share += _seen_of(state, contact, point, 0, obj.felt) + _seen_of(
+                state, contact, point, obj.unheard, obj.size
+            )
+    return share
+
+
+@kernel
+def _seen_of(state, contact, point, begin, end):
+    """sum r_i P_i over an object's modes from `begin` up to `end`."""
+    if begin == end:
+        return 0.0
+    pulse, obj = contact.pulse, state.objects[point.slot]
+    re, im = state.scratch.spectrum[0, begin:end], state.scratch.spectrum[1, begin:end]
+    for i in range(end - begin):
+        re[i] = im[i] = 0.0
+    total = share = 0.0
+    frequency = state.bank.frequency[obj.first + begin : obj.first + end]
+    for phase in range(2):
+        for j in range(NODES // 2):
+            t, impulse = pulse_node(pulse, phase, j)
+            total += impulse
+            add_phasors(impulse, t * pitch_of(obj) / state.rate, frequency, re, im)
+    highest = _RESOLVED * state.rate / (2.0 * math.pi * pulse.duration * pitch_of(obj))
+    for i in range(end - begin):
+        if frequency[i] < highest:
+            phi = shape_at(state, obj, point, begin + i)
+            share += contact.m * phi * phi * (re[i] * re[i] + im[i] * im[i]) / (total * total)
     return share

@@ -114,7 +114,8 @@ OBJECT = np.dtype(
         ("first", np.int64),  # mode
         ("size", np.int64),  # modes, a multiple of LANES
         ("felt", np.int64),  # its first modes, that contacts feel and settings change
-        ("bent", np.int64),  # those and their reliefs, which slow forces bend; the others are its click
+        ("bent", np.int64),  # those and their reliefs, which slow forces bend; its clicks follow
+        ("unheard", np.int64),  # from there on, modes that contacts feel too, and nobody hears: a multiple of LANES
         ("live", np.int64),  # modes before the first that is at rest
         ("stale_modes", np.int64),  # that wait for new coefficients
         ("retuning", np.int64),  # the first of them

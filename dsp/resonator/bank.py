@@ -259,7 +259,7 @@ def reach(modes, point, work):
     for i in range(n):
         scale = abs(response[i // LANES * RESPONSES + MOBILITY + LANES + i % LANES])
         if scale > 0.0:
-            mobility = response[i // LANES * RESPONSES + MOBILITY + i % LANES]
+            mobility = abs(response[i // LANES * RESPONSES + MOBILITY + i % LANES])
             square = y1[i] * y1[i] - a1[i] * y1[i] * y2[i] - a2[i] * y2[i] * y2[i]  # |z|^2 sin(theta)^2
             moved = abs(work[i]) * math.sqrt(max(square, 0.0))
             distance += moved * scale / math.sqrt(1.0 + 0.25 * a1[i] * a1[i] / a2[i])

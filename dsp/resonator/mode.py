@@ -13,6 +13,11 @@ import math
 from ..native.jit import kernel, simd_kernel
 from .bank import state_of
 
+HIGHEST = 2.2
+"""Times the Nyquist frequency: no mode is higher, though none above it is heard."""
+APART = 0.01
+"""Times the Nyquist frequency: from its multiples at least."""
+
 
 @kernel
 def mode_energy(y1, y2, a1, a2, weight):
@@ -35,6 +40,20 @@ def energy_of(modes, weights, count):
 
 
 @kernel
+def recurring(frequency, nyquist):
+    """The frequency (Hz) nearest to one at which two samples tell how a mode rings, and what it answers to a force.
+
+    That is at no multiple of the Nyquist frequency, and not so high that FINE moments of a force over a sample would
+    not do: from 2.3 times the Nyquist frequency on, contacts of extreme bodies gain energy.
+    """
+    share = min(frequency / nyquist, HIGHEST)
+    nearest = math.floor(share + 0.5)
+    if nearest >= 1.0 and abs(share - nearest) < APART:
+        share = nearest + (APART if share >= nearest else -APART)
+    return share * nyquist
+
+
+@kernel
 def ring_at(modes, i, frequency, decay, rate):
     """Let mode i ring on at a frequency > 0 (Hz) and decay (1/s), with the energy that it has, and without a step.
 
@@ -45,6 +64,7 @@ def ring_at(modes, i, frequency, decay, rate):
     r = math.exp(-decay / rate)
     if a2[i] != 0.0:
         re, im = state_of(y1[i], y2[i], a1[i], a2[i])
+        re = -re if math.sin(theta) < 0.0 else re  # above the Nyquist frequency a mode turns the other way
         y2[i] = (im * math.cos(theta) - re * math.sin(theta)) / r
     a1[i] = 2.0 * r * math.cos(theta)
     a2[i] = -r * r

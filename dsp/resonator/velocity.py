@@ -45,7 +45,7 @@ def set_rows(modes, rows, stride):
         if size == 0.0:
             continue
         lag = response[base + MOBILITY + 2 * LANES]
-        sine = math.sqrt(max(-a2 - 0.25 * a1 * a1, 1e-300))
+        sine = math.copysign(math.sqrt(max(-a2 - 0.25 * a1 * a1, 1e-300)), mobility)
         # The velocity, Re z - lag Im z, now (u) and a sample ago (v), by y1 and y2; then the same two sums of it as for
         # a displacement.
         u1, u2 = 0.5 * a1 / sine - lag, a2 / sine

@@ -13,6 +13,7 @@ from ..resonator.click import CLICK_MODES
 from ..resonator.simd import LANES
 from .arena import Arena, EngineFull
 from .relief import relief
+from .unheard import settled
 
 _QUIETEST = 1e-9  # share of the loudest weight below which no weight at the left output goes: -180 dB
 _FAINT = 1e-6  # weight at the left of what is heard at the right alone: -120 dB
@@ -24,6 +25,7 @@ class Memory:
 
     def __init__(self, record: np.void) -> None:
         self._bank, self._objects = record["bank"], record["objects"]
+        self._nyquist = 0.5 * float(record["rate"])
         self._has_sides = record["output"]["channels"] == 2
         self._modes = Arena("modes", MODES)
         self._shapes = Arena("values of mode shapes", SHAPE_VALUES)
@@ -41,13 +43,15 @@ class Memory:
             sides = np.tile(np.copysign(np.sqrt(0.5 * (sides**2).sum(axis=0)), sides[0]), (2, 1))
         strike = modes.strike if len(modes.strike) >= _LEAST_ROWS else np.repeat(modes.strike[:1], _LEAST_ROWS, axis=0)
         still = relief(modes.frequency[order], modes.decay[order], sides, strike[:, order], top)
+        unheard = settled(modes.unheard, self._nyquist)
         felt, bands = len(order), len(still.frequency)
         starts = _starts_of_clicks(felt + 2 * bands, len(modes.clicks))
         bent = starts[0] if starts else felt + 2 * bands
-        count = starts[-1] + CLICK_MODES if starts else bent
+        heard = math.ceil((starts[-1] + CLICK_MODES if starts else bent) / LANES) * LANES
+        count = heard + len(unheard.frequency)
         if count > MODES_PER_OBJECT:
             raise EngineFull(f"{count} modes: an object holds at most {MODES_PER_OBJECT}")
-        size, rows = max(LANES, math.ceil(count / LANES) * LANES), len(strike)
+        size, rows = math.ceil(count / LANES) * LANES, len(strike)
         first, table = self._take(size, rows)
         shape = self._cleared(first, size, table, rows)
         self._fill(first, slice(0, felt), modes.frequency[order], modes.decay[order], *_weights(sides))
@@ -56,11 +60,13 @@ class Memory:
             span = slice(felt + side * bands, felt + (side + 1) * bands)
             self._fill(first, span, still.frequency, still.decay, *weights)
             shape[:, span] = still.shape[side]
-        # The last modes are moved by any force, wherever that acts, and are heard alike on both sides.
+        # Clicks are moved by any force, wherever that acts, and are heard alike on both sides.
         for start, click in zip(starts, modes.clicks, strict=True):
             span = slice(start, start + CLICK_MODES)
             self._fill(first, span, click.frequency, click.decay, level * click.strength, 1.0)
             shape[:, span] = 1.0
+        self._fill(first, slice(heard, count), unheard.frequency, unheard.decay, _least(sides), 1.0)
+        shape[:, heard:count] = unheard.strike
         self._serial += 1
         layout: dict[str, float] = {
             "first": first,
@@ -69,6 +75,7 @@ class Memory:
             "rows": rows,
             "felt": felt,
             "bent": bent,
+            "unheard": heard,
             "level": level,
             "glide": modes.glide,
             "cone": modes.cone,
@@ -147,6 +154,11 @@ def _starts_of_clicks(count: int, clicks: int) -> list[int]:
 def _weights(sides: Array) -> tuple[Array, Array]:
     """Weights at the left output, by which the bank divides, and those at the right over them, of (2, n) weights."""
     left, right = sides
-    least = max(_QUIETEST * np.abs(sides).max(initial=0), _QUIETEST**2)
+    least = _least(sides)
     weight = np.where(np.abs(left) > least, left, least)
     return weight, right / weight
+
+
+def _least(sides: Array) -> float:
+    """The weight of a mode that nobody hears, beside those with (2, n) weights."""
+    return float(max(_QUIETEST * np.abs(sides).max(initial=0), _QUIETEST**2))

@@ -16,7 +16,7 @@ from ..contact.pulse import contact_time
 from ..native.jit import kernel
 from ..numerics.checks import Array, checked, checked_scalar
 from ..numerics.legendre import FINE
-from ..resonator.bank import RESPONSES, Modes, Point, inject_fine, observe, receptance, state_of
+from ..resonator.bank import MOBILITY, RESPONSES, Modes, Point, inject_fine, observe, receptance, state_of
 from ..resonator.coefficients import set_mode
 from ..resonator.simd import LANES
 
@@ -174,6 +174,7 @@ def motion_and_energy(bank):
     for i in range(n):
         if bank.frequency[i] > 0.0:
             re, im = state_of(modes.y1[i], modes.y2[i], modes.a1[i], modes.a2[i])
+            re = math.copysign(re, re * modes.response[i // LANES * RESPONSES + MOBILITY + i % LANES])
             damping = bank.sigma[i] / (2.0 * np.pi * bank.frequency[i])
             rate_of_q = re - damping * im
             velocity += bank.point.shape[n + i] * rate_of_q

@@ -71,7 +71,9 @@ def _striking(case: Case, method: int) -> tuple[np.void, Bank, float]:
     state["bank"]["frequency"][:n] = bank.frequency
     state["bank"]["shape"][: 4 * n] = bank.point.shape
     obj, contact = state["objects"][0], state["contacts"][0]
-    obj["size"], obj["felt"], obj["bent"], obj["rows"], obj["settings"]["tune"] = n, n, n, 4, 1.0
+    for name in ("size", "felt", "bent", "unheard"):
+        obj[name] = n
+    obj["rows"], obj["settings"]["tune"] = 4, 1.0
     for name in ("v_in", "m", "k", "mu", "a"):
         contact[name] = getattr(case, name)
     contact["now"]["gain"], contact["now"]["position"] = 1.0, 0.5

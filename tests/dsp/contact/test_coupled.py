@@ -9,7 +9,7 @@ from numba import carray, cfunc, from_dtype, types
 
 from carom.dsp.contact import coupled
 from carom.dsp.contact.accuracy import LEVELS, TOLERANCE, closed_form_will_do
-from carom.dsp.contact.coupled import ContactLaw
+from carom.dsp.contact.coupled import MOST_STEPS, ContactLaw
 from carom.dsp.contact.coupled_step import HELD
 from carom.dsp.resonator import bank, coefficients
 from carom.dsp.study import coupled_sampled
@@ -112,7 +112,7 @@ def test_extreme_contacts_stay_finite_passive_and_bounded(tolerance):
         run = simulate(case, tolerance)
         assert np.isfinite(run.energy).all() and np.isfinite(run.velocity).all()
         assert run.growth(case) < accuracy.GROWTH.bound, case
-        assert run.steps <= 201 * case.samples
+        assert run.steps <= (MOST_STEPS + 1) * case.samples
 
 
 class Modes:

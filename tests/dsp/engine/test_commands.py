@@ -24,7 +24,7 @@ RECORDS = {
 """The records that a command of a kind fills."""
 
 NEEDED = {
-    Kind.NEW: ("first", "size", "table", "rows", "felt", "bent", "level", "glide", "cone"),
+    Kind.NEW: ("first", "size", "table", "rows", "felt", "bent", "unheard", "level", "glide", "cone"),
     Kind.IMPACT: ("mass", "stiffness", "dissipation", "exponent", "position"),
     Kind.BOUNCE: ("mass", "stiffness", "dissipation", "exponent", "position", "seed"),
     Kind.ROLL: ("mass", "stiffness", "dissipation", "exponent", "position", "speed", "radius", "seed"),

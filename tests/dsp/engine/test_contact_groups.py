@@ -42,7 +42,7 @@ def blow(engine, handle, law, time, velocity=1.0, position=0.5):
 def shapes(engine, handle, size, positions):
     bank, place = engine.state["bank"][0], engine.state["objects"][0][handle.slot]
     table = bank["shape"][handle.table : handle.table + place["rows"] * place["size"]].astype(float)
-    rows = table.reshape(place["rows"], place["size"])[:, :size]
+    rows = table.reshape(place["rows"], place["size"])[:, np.arange(size) if np.ndim(size) == 0 else size]
     found = []
     for position in positions:
         x = position * (place["rows"] - 1)
@@ -70,6 +70,31 @@ def error(engine, handle, size, blows, since=0):
 
     wrong = np.abs(velocity(np.array(states)) - velocity(expected)).max() / np.abs(velocity(expected)).max()
     return 20 * math.log10(wrong)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("modal_mass", "seed", "slow", "heavy"),
+    [
+        (
+            0.377,
+            6,
+            ((0.0052, 1.28e7, 1.249, 1.5), 0.0, 0.0585, 0.680),
+            ((0.486, 1.84e7, 0.337, 1.5), 57.16, 2.66, 0.71),
+        ),
+        (1.154, 0, ((0.0128, 1.35e8, 0.449, 1.5), 0.0, 0.09, 0.958), ((0.214, 9.16e7, 0.212, 1.5), 28.97, 2.17, 0.975)),
+    ],
+)
+def test_a_heavy_blow_throws_the_object_after_a_striker_that_has_left(modal_mass, seed, slow, heavy):
+    engine = Engine(RATE)
+    engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index("exact"))])
+    handle = engine.add(body(modal_mass, seed=seed), 50.0)
+    blows = [blow(engine, handle, law, FIRST + time, velocity, at) for law, time, velocity, at in (slow, heavy)]
+    assert error(engine, handle, 24, blows) < PROMISED["exact"]
+    assert engine.stats.recontacts == 1
+    while engine.stats.contacts_active and engine.position < RATE:
+        engine.process(QUANTUM)
+    assert engine.position < 0.05 * RATE and engine.stats.coupled_modes == 0  # both are forgotten in the end
 
 
 @pytest.mark.slow
