@@ -4,13 +4,13 @@ import threading
 from collections import deque
 from collections.abc import Callable, Sequence
 
-from ..dsp.engine.state import OBJECTS, SHAPE_VALUES
+from ..dsp.engine.capacity import OBJECTS
 from ..dsp.runtime.arena import EngineFull
 from ..presets import Presets
 from .osc.addresses import Call
 from .scene.new_object import NewObject, new_object
 
-_MOST_BYTES = 8 * SHAPE_VALUES
+_MOST_BYTES = 2**27
 """Of mode shapes in the objects of a packet, and in all that wait to be played, but for the last: the engine has room
 for no more."""
 

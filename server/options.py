@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..dsp.engine.capacity import MODES, OBJECTS, USUAL_MODES, USUAL_OBJECTS
 from ..dsp.engine.commands import Command, Kind
 from ..dsp.runtime.engine import NOW, Engine
 from ..dsp.schema import CHANNELS, MAIN_GAIN
@@ -28,7 +29,8 @@ class Options:
     (None: its lowest), rate in Hz, block in frames (0: the device's), files to record the sound and to log the events
     to, folders of presets, the arguments of a /contact to begin with, a port for HTTP (None: none, 0: any free
     one), the folder of the page that is there beside OSCQuery (None: no page), whether it goes over TLS, with the
-    certificate of which file (None: one that is made), channels, the main gain in dB, and whether the limiter is on."""
+    certificate of which file (None: one that is made), channels, the main gain in dB, whether the limiter is on, and
+    for how many modes and objects there is room."""
 
     port: int = DEFAULT_PORT
     bind: str = "127.0.0.1"
@@ -47,6 +49,8 @@ class Options:
     channels: int = 2
     gain: float = 0.0
     limiter: bool = True
+    modes: int = USUAL_MODES
+    objects: int = USUAL_OBJECTS
 
     def __post_init__(self) -> None:
         for name, value, low, high in (
@@ -56,6 +60,8 @@ class Options:
             ("page" if self.page else "oscquery", self.web or 0, 0, 65_535),
             ("channels", self.channels, CHANNELS.low, CHANNELS.high),
             ("gain", self.gain, MAIN_GAIN.low, MAIN_GAIN.high),
+            ("modes", self.modes, 1, MODES),
+            ("objects", self.objects, 1, OBJECTS),
         ):
             if not low <= value <= high:
                 raise ServeError(f"{name} = {value:g}: expected {low:g} to {high:g}")
@@ -64,7 +70,7 @@ class Options:
 
     def engine(self) -> Engine:
         """An engine that begins with them."""
-        engine = Engine(self.rate, self.channels)
+        engine = Engine(self.rate, self.channels, self.modes, self.objects)
         gain = Command(NOW, Kind.GAIN, value=MAIN_GAIN.in_engine(self.gain))
         steps, modes = BUDGET
         budget = Command(NOW, Kind.BUDGET, values={"steps": steps, "modes": modes})

@@ -11,6 +11,7 @@ from typing import SupportsIndex
 import numpy as np
 from numpy.typing import NDArray
 
+from ..dsp.engine.capacity import MODES, OBJECTS, STEMS
 from ..dsp.engine.state import QUANTUM, RING
 from ..dsp.runtime.engine import Engine
 from ..dsp.schema import CHANNELS, MAIN_GAIN, Parameter
@@ -260,7 +261,7 @@ def render(
     ends early, as in `blocks`. stems: a folder, made if missing, for a file of the same kind for each object, with its
     part of the sound before the limiter. RenderError, ScoreError or OSError say what went wrong.
     """
-    engine = Engine(options.rate, options.channels_of(score))
+    engine = Engine(options.rate, options.channels_of(score), MODES, STEMS if stems else OBJECTS)
     session = Session(engine, presets, steers_ended=True, calibrated=options.calibrated)
     watch = LimiterWatch(engine, lambda: session.objects.slots)
     with ExitStack() as stack:

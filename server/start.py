@@ -63,7 +63,9 @@ def serving(options: Options) -> Iterator[Server]:
             server.web = _start_web(options, server, tap, stack)
         _warm_up(engine)
         # Not before it listens: that is 6,000 pages.
-        threading.Thread(target=touch, args=(engine.state[0],), name="carom-touch", daemon=True).start()
+        threading.Thread(
+            target=touch, args=(engine.state[0], options.modes, options.objects), name="carom-touch", daemon=True
+        ).start()
         yield server
 
 

@@ -122,7 +122,7 @@ class Status:
         self._limited_from: int | None = None
         self._limited_to = 0
         self._warned = dict.fromkeys(_COUNTERS, 0)
-        self._object_faults = engine.state["objects"]["faults"].copy()
+        self._object_faults = engine.objects["faults"].copy()
 
     def reply(self, client: Source, objects: int, network: Network, own: Mapping[str, int | str]) -> Message:
         """/status.reply to a client, of a server with a number of objects; `own` is what the server says of itself.
@@ -179,10 +179,11 @@ class Status:
                 late_last = 1e3 * stats.late_last
                 lines.append(text.format(now - self._warned[name], late_last=late_last))
                 self._warned[name] = now
-        faults = self._engine.state["objects"]["faults"][0]
-        for slot in (faults > self._object_faults[0]).nonzero()[0]:
+        faults = self._engine.objects["faults"].copy()
+        self._object_faults.resize(faults.shape)
+        for slot in (faults > self._object_faults).nonzero()[0]:
             lines.append(f"object {self._names().get(int(slot), '(freed)')} was silenced: its output was not finite")
-        self._object_faults[0] = faults
+        self._object_faults = faults
         return lines
 
     def _limiter_warnings(self) -> list[str]:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..dsp.runtime.engine import Engine
+from ..dsp.spectral.places import levels_of
 from .audio.tap import Tap
 from .contact_watch import ContactWatch, Touching, thinned
 from .net.network import Source
@@ -140,10 +141,11 @@ def mode_levels(engine: Engine, slot: int) -> NDArray[np.float64]:
 
     The audio thread goes on meanwhile: a value may be off by what a mode does between two samples.
     """
-    obj = engine.state["objects"][0][slot]
+    obj, bank = engine.objects[slot], engine.state["bank"][0]
     first = int(obj["first"])
     part = slice(first, first + min(int(obj["live"]), int(obj["felt"])))
-    bank = engine.state["bank"][0]
+    if obj["spectral"]:
+        return levels_of(engine.state["spectral"][0], bank["place"][part]) / float(obj["place"]["gain"][0]) ** 2
     y1, y2, a1, a2 = (bank[name][part] for name in ("y1", "y2", "a1", "a2"))
     scale = 4.0 * a2 + a1 * a1
     square = (y1 * y1 - a1 * y1 * y2 - a2 * y2 * y2) * 4.0 * a2

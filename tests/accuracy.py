@@ -79,6 +79,10 @@ WEIGHTY = Promise("duration and contacts of a bounce whose weight acts in contac
 ROLL_THIRDS = Promise(
     "third-octaves of a roll's force, 50 Hz to 16 kHz", "the same path at 100 times the rate", 1.0, "dB", _ROLL
 )
+ROLL_DRIVEN = Promise(
+    "sound below 20 kHz of modes that a roll drives, at rest or moving", "the same force by its moments", -80.0, "dB",
+    "dsp/resonator/test_fed.py",
+)  # fmt: skip
 ROLL_START = Promise("a roll's force over its first 10 ms", "DOP853", 1e-3, "of its peak", _ROLL)
 ROLL_RATES = Promise("impulses of a roll at 44.1, 48 and 96 kHz", "each other", 1e-9, "relative", _ROLL)
 TIMOSHENKO = Promise(

@@ -58,6 +58,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--gain", type=number, default=0.0, metavar="DB", help="level of the whole, dB (%(default)g)")
     parser.add_argument("--limiter", default="on", **SWITCH, help="keep within full scale (%(default)s)")
+    parser.add_argument(
+        "--modes", type=whole, default=131_072, metavar="N", help="room for modes (%(default)s, at most 1310720)"
+    )
+    parser.add_argument(
+        "--objects", type=whole, default=512, metavar="N", help="room for objects (%(default)s, at most 16384)"
+    )
     add_contact(parser)
     add_presets(parser)
 
@@ -79,7 +85,20 @@ def serve(arguments: argparse.Namespace, on_start: Callable[[Server], object]) -
         raise CommandError("page, oscquery: expected one of the two, as the page's port answers OSCQuery, too")
     if (arguments.tls or arguments.certificate) and arguments.page is None:
         raise CommandError("tls, certificate: expected with --page, as nothing else goes over https")
-    keys = ("port", "bind", "device", "latency", "rate", "block", "record", "log", "channels", "gain")
+    keys = (
+        "port",
+        "bind",
+        "device",
+        "latency",
+        "rate",
+        "block",
+        "record",
+        "log",
+        "channels",
+        "gain",
+        "modes",
+        "objects",
+    )
     options = Options(
         **{key: getattr(arguments, key) for key in keys},
         web=arguments.oscquery if arguments.page is None else arguments.page,

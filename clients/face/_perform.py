@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from .clients.actions import Actions, CommandError
 from .contacts import Striking
 from .dsp.bodies.modes import Modes
+from .dsp.engine.capacity import MODES, OBJECTS, STEMS
 from .dsp.engine.commands import Handle
 from .dsp.engine.state import TRACE
 from .dsp.runtime.engine import NOW, Engine
@@ -55,8 +56,8 @@ class Placed:
 class _Engine(Engine):
     """An engine that remembers the modes of its objects, by serial, for as long as they have a place."""
 
-    def __init__(self, rate: float, channels: int) -> None:
-        super().__init__(rate, channels)
+    def __init__(self, rate: float, channels: int, objects: int) -> None:
+        super().__init__(rate, channels, MODES, objects)
         self.placed: dict[int, Placed] = {}
 
     def lay_out(self, modes: Modes, level: float) -> tuple[Handle, dict[str, float]]:
@@ -87,7 +88,7 @@ class Performer:
         self.presets = chosen(presets)
         self.calibrated = options.calibrated
         with _compiling:
-            self.engine = _Engine(options.rate, channels)
+            self.engine = _Engine(options.rate, channels, STEMS if stems else OBJECTS)
         self.scene = Session(self.engine, self.presets, steers_ended, options.calibrated)
         self.scene.on_sent = self._remember
         self.stems = stems

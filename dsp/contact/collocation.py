@@ -11,6 +11,8 @@ Where the steps would have to become too fine, `discrete_gradient` holds the for
 energy can't grow, whatever the step, and the root is unique.
 """
 
+import math
+
 import numpy as np
 from numpy.polynomial import legendre
 
@@ -46,7 +48,6 @@ _GRADIENT_STEPS = 200
 _ROUNDED = 2e-14  # share of its parts that is left of a residual by rounding
 _NEARLY_EQUAL = 3e-2  # share of x below which a change makes energies too equal to subtract
 _LEAST_REST = 1e-300  # keeps a quotient finite
-_ORDER = 0.25  # a step's rest grows with the fourth power of its length
 _SHORTEN, _LENGTHEN = 0.2, 2.0  # a step by at most, at once
 
 STEP = np.dtype(
@@ -68,15 +69,27 @@ STEP = np.dtype(
 
 
 @kernel
+def raised(x, exponent):
+    """x >= 0 to an exponent; by a root where that is one of a sphere's, 1/2, 3/2 or 5/2."""
+    if exponent == 0.5:
+        return math.sqrt(x)
+    if exponent == 1.5:
+        return x * math.sqrt(x)
+    if exponent == 2.5:
+        return x * x * math.sqrt(x)
+    return x**exponent
+
+
+@kernel
 def law(x, v, k, mu, a):
     """Contact force (N), never negative: equation (1) of Papetti, Avanzini, Rocchesso 2011 (see law.py) where x > 0."""
-    return k * x**a * max(1.0 + mu * v, 0.0) if x > 0.0 else 0.0
+    return k * raised(x, a) * max(1.0 + mu * v, 0.0) if x > 0.0 else 0.0
 
 
 @kernel
 def elastic(x, k, a):
     """Elastic energy V(x) in J: equation (13) of Papetti, Avanzini, Rocchesso 2011."""
-    return k * x ** (a + 1.0) / (a + 1.0) if x > 0.0 else 0.0
+    return k * raised(x, a + 1.0) / (a + 1.0) if x > 0.0 else 0.0
 
 
 @kernel
@@ -110,10 +123,10 @@ def solve(step, k, mu, a, negligible):
                 stiffness = damping = force = 0.0
                 slack = 1.0 + mu * v
                 if x > 0.0 and slack > 0.0:
-                    power = k * x ** (a - 1.0)
-                    force = power * x * slack
-                    stiffness = a * power * slack
-                    damping = mu * power * x
+                    rate = k * raised(x, a - 1.0)
+                    force = rate * x * slack
+                    stiffness = a * rate * slack
+                    damping = mu * rate * x
                 for j in range(NODES):
                     step.linear[i, j] = stiffness * step.give_x[i, j] + damping * step.give_v[i, j]
                 step.linear[i, i] += 1.0
@@ -135,14 +148,14 @@ def _eliminate(linear):
     """Solve the linear equations; the solution takes the right side's place. Their diagonal is safely positive."""
     for i in range(NODES):
         reciprocal = 1.0 / linear[i, i]
+        for j in range(i + 1, NODES + 1):
+            linear[i, j] *= reciprocal
         for row in range(i + 1, NODES):
-            factor = linear[row, i] * reciprocal
             for j in range(i + 1, NODES + 1):
-                linear[row, j] -= factor * linear[i, j]
+                linear[row, j] -= linear[row, i] * linear[i, j]
     for i in range(NODES - 1, -1, -1):
         for j in range(i + 1, NODES):
             linear[i, NODES] -= linear[i, j] * linear[j, NODES]
-        linear[i, NODES] /= linear[i, i]
 
 
 @kernel
@@ -250,4 +263,5 @@ def better_step(rest, wanted):
     WITHIN or more means that the step itself will do. The rest grows with h^4 where the force is smooth, and less
     steeply where the contact begins.
     """
-    return min(max(WITHIN * (wanted / max(rest, _LEAST_REST)) ** _ORDER, _SHORTEN), _LENGTHEN)
+    share = math.sqrt(math.sqrt(wanted / max(rest, _LEAST_REST)))
+    return min(max(WITHIN * share, _SHORTEN), _LENGTHEN)

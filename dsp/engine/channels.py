@@ -30,10 +30,10 @@ PLACE = np.dtype(
 
 @kernel
 def ask_gains(state, obj):
-    """Find the gains that an object's settings, its place and the main gain ask for."""
+    """Find the gains that an object's settings and its place ask for; everything's gain comes on top of them."""
     place, settings, channels = obj.place, obj.settings, state.output.channels
-    gain = settings.gain / settings.distance * state.choices.gain
-    place.loudest = gain
+    gain = settings.gain / settings.distance
+    place.loudest = gain * state.choices.gain
     if place.has_own == 0:
         pan_gains(place.asked, channels, settings.pan, gain)
         return
@@ -41,7 +41,7 @@ def ask_gains(state, obj):
     for channel in range(channels):
         place.asked[channel] = gain * place.own[channel]
         largest = max(largest, abs(place.own[channel]))
-    place.loudest = gain * largest
+    place.loudest *= largest
 
 
 @kernel

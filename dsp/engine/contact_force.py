@@ -16,7 +16,7 @@ from ..resonator.bank import inject, inject_fine, observe, receptance
 from .contact_list import take_room_again
 from .fade import note_force
 from .objects import frequency_of, highest_of, modes_of, place, point_of, reach_of, relief_of, sigma_of
-from .quality import holds_steps, modes_for, room_for_coupling
+from .quality import holds_steps, keeps_strikers, modes_for, room_for_coupling
 from .solver_choice import choose_solver, soften_pulse, speed_by_others, tolerance_of
 from .state import COUPLING, SAMPLING
 from .strikers import begin_striker, drive_striker
@@ -315,7 +315,7 @@ def flight(state, contact, seen):
     seen: the point was looked at just now. Others that touch may make it faster by what `speed_by_others` says, and
     then nothing says how far it gets.
     """
-    distance, speed = 0.0, speed_by_others(state, contact)
+    distance, speed = 0.0, speed_by_others(state, contact) if keeps_strikers(state) else 0.0
     reached = math.inf if speed > 0.0 else 0.0
     for side in range(2):
         point = contact.point[side]

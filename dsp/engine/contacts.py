@@ -11,15 +11,15 @@ import numpy as np
 
 from ..native.jit import kernel
 from ..native.records import field, set_field
-from ..rolling.body import fill_roll
 from ..schema import FORCE, STEERABLE, gestures_steered_by
 from .commands import KIND_BOUNCE, KIND_PRESS, KIND_ROLL, KIND_SLIDE, KIND_SPIN
 from .contact_force import apply_contact_force, begin_contact, couple_pulse, update_mode_count
 from .contact_list import end_contact, release_modes, report_end, schedule_contact
 from .flights import follow_coupled, is_gone, is_pushed, leave, release_striker
 from .objects import place
+from .order import wake
 from .quality import coarseness_of, holds_steps, must_wait
-from .rolls import register_roll
+from .rolls import feed_of, feed_on, register_roll
 from .slides import lead_slide, rub, rubs
 from .solver_choice import is_moved
 from .state import CLOSED, COUPLING, END_NO_ROOM, END_RESTED, END_STOPPED, QUANTUM, ROLLING
@@ -83,6 +83,7 @@ def _look_at_partner(state, contact, obj):
             other.slot = -1
             contact.unsettled = 1
         else:
+            wake(state, other.slot)
             obj.shares_contact = partner.shares_contact = 1
             contact.unsettled |= partner.stale_modes > 0 or partner.detuned == 1
     contact.unsettled |= obj.stale_modes > 0 or obj.detuned == 1
@@ -166,16 +167,15 @@ def _roll_on(state, index):
     changed = update_mode_count(state, contact)
     if contact.kind == KIND_SLIDE:
         lead_slide(state, contact, changed)
-    else:
-        contact.rolled = roll.s
     roll.path.coarseness = coarseness_of(state)
     met = roll.impacts
-    since = (state.position - 1 - contact.origin) / state.rate
-    fill_roll(roll, since, state.rate, state.scratch.feeds[contact.roll])
+    feed_on(state, contact)
     if contact.kind == KIND_ROLL:
-        contact.rolls = roll.s - contact.rolled
+        ahead = roll.t - (state.position - 1 + QUANTUM - contact.origin) / state.rate
+        contact.rolled += contact.rolls
+        contact.rolls = roll.s - roll.modulated_speed * ahead - contact.rolled
     state.stats.impacts += roll.impacts - met
-    feed = state.scratch.feeds[contact.roll]
+    feed = feed_of(state, contact)
     trace_roll(state, contact, feed)
     for n in range(len(contact.forces)):
         contact.forces[n] = feed[QUANTUM - 1 - n, 0] * state.rate

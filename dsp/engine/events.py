@@ -32,6 +32,7 @@ from .commands import (
 )
 from .contact_list import report_end
 from .gestures import start_gesture
+from .order import wake
 from .panic import let_fade
 from .queue import has_room, order_heap, pop, push, sink, swap
 from .state import END_GONE, NOTES, QUANTUM, RING
@@ -147,6 +148,8 @@ def carry_out(state, event):
     """Do what an event asks for."""
     state.queue.carried_out += 1
     kind = event.kind
+    if event.serial > 0 and kind != KIND_NEW:
+        wake(state, event.slot)
     if _is_gesture(kind):
         start_gesture(state, state.objects[event.slot], event)
     elif kind == KIND_STEER:
@@ -156,7 +159,7 @@ def carry_out(state, event):
     elif kind == KIND_SET:
         _set(state.objects[event.slot], event)
     elif kind == KIND_PLACE:
-        _place(state.objects[event.slot].place, event)
+        _place(state.objects[event.slot], event)
     elif kind == KIND_NEW:
         _new(state, event)
     elif kind == KIND_FREE:
@@ -192,13 +195,16 @@ def _choose(choices, event):
 def _set(obj, event):
     """Change a setting of an object; its modes get new coefficients where it is about them."""
     set_field(obj.settings, event.parameter, event.value)
+    obj.returns = int(obj.spectral > 0)
     if _RETUNES[event.parameter]:
         obj.stale_modes = obj.size
 
 
 @kernel
-def _place(place, event):
+def _place(obj, event):
     """Give an object a gain of its own in a channel, or have its pan place it again."""
+    place = obj.place
+    obj.returns = int(obj.spectral > 0)
     place.has_own = int(event.channel >= 0)
     if event.channel >= 0:
         place.own[event.channel] = event.value
@@ -225,15 +231,17 @@ def _new(state, event):
     obj.contact = obj.voice = -1
     obj.faults = 0
     obj.limited_energy = 0.0
-    obj.fading = 0
+    obj.fading = obj.spectral = obj.returns = obj.awake = 0
+    obj.returned_at = obj.last_driven_at = 0
+    for side in range(2):
+        obj.static[side] = obj.static_before[side] = 0.0
     obj.place.has_own = 0
     ask_gains(state, obj)
     for channel in range(state.output.channels):
         obj.place.gain[channel] = obj.place.asked[channel]
     for i in range(obj.first, obj.first + obj.size):
         state.bank.a2[i] = 0.0
-    state.order[state.active] = event.slot
-    state.active += 1
+    wake(state, event.slot)
 
 
 @kernel

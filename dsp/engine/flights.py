@@ -12,7 +12,7 @@ from ..native.jit import kernel
 from .commands import KIND_BOUNCE, KIND_IMPACT, KIND_PRESS, KIND_SPIN
 from .contact_force import flight
 from .contact_list import give_room_back, next_random, release_modes, report_end, schedule_contact
-from .quality import holds_steps
+from .quality import keeps_strikers
 from .spins import turn_on
 from .state import COUPLING, END_RESTED, END_STOPPED, QUANTUM, SAMPLING
 
@@ -97,9 +97,11 @@ def follow_coupled(state, contact, frame):
         _release_spent(state, contact, now)
     if samples == 0.0:
         return True
+    if contact.kind == KIND_IMPACT and coupled.v < 0.0 and coupled.position < -_AFAR - contact.reach:
+        samples = math.inf
     if samples == math.inf and contact.kind == KIND_PRESS and contact.gone_at == math.inf:
         coupled.v = 0.0  # a hand that does not press hovers
-    elif samples == math.inf and (contact.kind != KIND_IMPACT or holds_steps(state)):
+    elif samples == math.inf and (contact.kind != KIND_IMPACT or not keeps_strikers(state)):
         report_end(state, contact.gesture, END_RESTED if contact.until == math.inf else END_STOPPED)
         return False
     elif samples == math.inf:

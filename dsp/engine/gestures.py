@@ -167,7 +167,7 @@ def _begin_rolling(state, contact, event):
     state.contact_count += 1
     contact.number = state.contact_count
     contact.travel = event.slide.travel if slides else event.roll.travel
-    contact.rolled = 0.0
+    contact.rolled = contact.rolls = 0.0
     roll = state.rolls[contact.roll]
     profile = event.surface
     begin_surface(

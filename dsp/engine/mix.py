@@ -3,9 +3,10 @@
 import math
 
 from ..native.jit import kernel, simd_kernel
+from .capacity import STEMS
 from .channels import ask_gains
 from .quality import is_left_out
-from .state import OBJECTS, QUANTUM
+from .state import QUANTUM
 
 _GLIDE = 0.005  # s: time constant of gains
 _FADED = 1e-6  # gain (-120 dB) at which an object's fade is over
@@ -21,7 +22,7 @@ def clear_mix(state):
             output.mix[channel, n] = 0.0
     if output.stems_on == 0:
         return
-    for slot in range(OBJECTS):
+    for slot in range(STEMS):
         if output.stem_sounds[slot] == 1:
             output.stem_sounds[slot] = 0
             for channel in range(output.channels):
@@ -43,6 +44,34 @@ def glide_gains(state, obj):
             place.gain[channel] = asked
         place.before[channel] = place.gain[channel]
         place.gain[channel] = asked + (place.gain[channel] - asked) * c
+
+
+@kernel
+def glide_gain(state):
+    """Give the mix and all stems the gain of everything: it glides where something sounded, else it is there."""
+    output = state.output
+    asked, before = state.choices.gain, output.gain[1]
+    if output.silent == 1:
+        before = asked
+    output.silent = int(state.stats.sounding == 0)
+    now = asked + (before - asked) * math.exp(-QUANTUM / (_GLIDE * state.rate))
+    output.gain[0], output.gain[1] = before, now
+    if before == 1.0 and now == 1.0:
+        return
+    for channel in range(output.channels):
+        _scale(output.mix[channel], before, now)
+    if output.stems_on == 1:
+        for slot in range(STEMS):
+            for channel in range(output.channels if output.stem_sounds[slot] == 1 else 0):
+                _scale(output.stems[slot, channel], before, now)
+
+
+@kernel
+def _scale(sound, before, now):
+    """Give a quantum of sound a gain that goes from one value to another."""
+    step = (now - before) / QUANTUM
+    for n in range(QUANTUM):
+        sound[n] *= before + (n + 1) * step
 
 
 @kernel

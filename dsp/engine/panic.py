@@ -14,6 +14,7 @@ from .contact_list import end_contacts
 from .fade import RATES, fade_length, going_on, left_of, pace_of, tilt_of
 from .mix import add_share, is_finite, sides_of
 from .objects import shape_at
+from .spectral import let_bank_fade
 from .state import QUANTUM
 from .strikers import fade_voices, let_voice_go
 
@@ -21,6 +22,7 @@ from .strikers import fade_voices, let_voice_go
 @kernel
 def let_fade(state):
     """End every gesture, and let what sounds fade."""
+    let_bank_fade(state)
     for i in range(state.active):
         _set_aside(state, state.objects[state.order[i]])
     for i in range(state.active):

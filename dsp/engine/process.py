@@ -8,7 +8,8 @@ from ..native.atomics import load_acquire, store_release
 from ..native.jit import kernel
 from .events import carry_out, take_commands, take_due
 from .limiter import limit
-from .render import forget_freed, mix_objects, retune_objects, update_objects
+from .render import forget_quiet, mix_objects, retune_objects, update_objects
+from .spectral import recall_objects, ring_bank
 from .state import QUANTUM, TAP
 
 
@@ -42,12 +43,15 @@ def render_quantum(state):
         carry_out(state, state.queue.events[index])
     # Gestures glide and bodies roll on; modes that were retuned get their coefficients.
     update_objects(state)
+    recall_objects(state)
     retune_objects(state)
+    # Modes that ring freely do so in the spectral bank, a block ahead.
+    ring_bank(state)
     # Contacts drive the modes, the modes ring, and each object adds its sound to the mix.
     mix_objects(state)
-    forget_freed(state)
     # The limiter has the last word; what leaves is kept for a recorder.
     limit(state)
+    forget_quiet(state)
     _make_ready(state)
     _tap(state)
 

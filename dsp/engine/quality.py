@@ -28,6 +28,15 @@ def holds_steps(state):
 
 
 @kernel
+def keeps_strikers(state):
+    """True where strikers that have left are kept for a while, as others may throw the object after them.
+
+    Not where steps are counted: each blow has all that are kept looked at.
+    """
+    return state.choices.budget.steps == 0 and not holds_steps(state)
+
+
+@kernel
 def silence_of(state):
     """Output amplitude below which a mode is put to rest."""
     return _LOUDER_SILENCE if state.choices.quality >= _QUIET else _SILENCE

@@ -13,15 +13,17 @@ from .contact_list import end_contacts
 from .contacts import begin_contacts, next_driven_frame, run_contacts, update_contacts
 from .flights import call_back
 from .glide import follow_tension
-from .mix import add_share, clear_mix, glide_gains, is_faded, is_finite, remove_static
+from .mix import add_share, clear_mix, glide_gain, glide_gains, is_faded, is_finite, remove_static
 from .objects import is_felt, modes_of, relief_of, ringing_of
 from .panic import mix_fading
-from .quality import find_oldest_running, is_left_out, silence_of
-from .rolls import ring_on
+from .quality import find_oldest_running, is_left_out, keeps_strikers, silence_of
+from .rolls import add_through, ring_on
+from .spectral import mix_bank, recall_struck
 from .state import QUANTUM
 from .strikers import rest_strikers, ring_strikers, silence_strikers
 
 _RETUNE_BUDGET = 1024  # modes per quantum that get new coefficients in the background
+_PREPARED = 65_536  # modes of the bank that get them before they are touched; it is much memory for the others
 
 
 @kernel
@@ -29,6 +31,7 @@ def update_objects(state):
     """Bring objects and their contacts to a new quantum."""
     for i in range(state.active):
         obj = state.objects[state.order[i]]
+        recall_struck(state, obj)
         follow_tension(state, obj)
         obj.driven_gain = 0.0
         obj.has_contact = obj.shares_contact = obj.driven_modes = 0
@@ -52,6 +55,8 @@ def mix_objects(state):
         _choose_group(state, turn)
         _render_group(state)
     mix_fading(state)
+    mix_bank(state)
+    glide_gain(state)
 
 
 @kernel
@@ -61,7 +66,7 @@ def _choose_group(state, turn):
     scratch.group_size = 0
     for i in range(0 if turn < 0 else turn, state.active if turn < 0 else turn + 1):
         slot = state.order[i]
-        if (state.objects[slot].shares_contact == 1) == (turn < 0):
+        if state.objects[slot].spectral == 0 and (state.objects[slot].shares_contact == 1) == (turn < 0):
             scratch.group[scratch.group_size] = slot
             scratch.group_size += 1
 
@@ -97,6 +102,8 @@ def _render_group(state):
                 ring_strikers(state, obj, scratch.voices[g], frame, stop)
         frame = stop
     for g in range(scratch.group_size):
+        if state.objects[scratch.group[g]].rolls_head >= 0:
+            add_through(state, state.objects[scratch.group[g]], scratch.voices[g])
         _mix(state, scratch.group[g], scratch.voices[g])
 
 
@@ -113,7 +120,7 @@ def _begin_and_solve(state, frame):
     began = False
     for g in range(scratch.group_size):
         began |= begin_contacts(state, state.objects[scratch.group[g]], frame)
-    if began:
+    if began and keeps_strikers(state):
         for g in range(scratch.group_size):
             call_back(state, state.objects[scratch.group[g]], frame)
     solve_groups(state, frame)
@@ -149,10 +156,14 @@ def retune_objects(state):
     turn = state.position // QUANTUM
     for i in range(state.active):
         obj = state.objects[state.order[(i + turn) % state.active]]
+        if obj.spectral > 0:
+            continue  # it comes back first
         touched = obj.has_contact == 1
         if touched and obj.detuned == 1:
             obj.stale_modes = obj.size
             obj.detuned = 0
+        elif not touched and obj.live == 0 and obj.first >= _PREPARED:
+            obj.stale_modes, obj.detuned = 0, 1
         count = obj.stale_modes if touched else min(obj.stale_modes, budget)
         budget -= 0 if touched else count
         _retune(state, obj, count)
@@ -215,19 +226,38 @@ def _rest_all(state, obj):
 
 
 @kernel
-def forget_freed(state):
-    """Give up objects that were freed and are silent or faded."""
+def forget_quiet(state):
+    """Give up objects that were freed and are silent or faded; leave those be with which nothing goes on."""
     kept = 0
     for i in range(state.active):
         slot = state.order[i]
         obj = state.objects[slot]
-        silent = obj.live == 0 and obj.contact < 0 and obj.fading == 0 and obj.voice < 0
-        if obj.dying > 0 and (silent or (obj.dying == 2 and is_faded(state, obj))):
+        if _is_over(state, obj):
             _rest_all(state, obj)
             end_contacts(state, obj)
-            obj.fading = 0
-            obj.used = 0
-        else:
+            obj.fading = obj.used = obj.awake = 0
+        elif _goes_on(obj):
             state.order[kept] = slot
             kept += 1
+        else:
+            obj.awake = 0
     state.active = kept
+
+
+@kernel
+def _is_over(state, obj):
+    """True if an object was freed and nobody hears it any more."""
+    if obj.dying == 0 or obj.spectral > 0:
+        return False
+    silent = obj.live == 0 and obj.contact < 0 and obj.fading == 0 and obj.voice < 0
+    return silent or (obj.dying == 2 and is_faded(state, obj))
+
+
+@kernel
+def _goes_on(obj):
+    """True if an object has to be looked at in each quantum: it sounds, is touched or waits for that, or changes."""
+    if obj.contact >= 0 or obj.voice >= 0 or obj.fading > 0 or obj.stale_modes > 0 or obj.stretch != 0.0:
+        return True
+    if obj.spectral > 0:
+        return obj.returns == 1 or obj.dying == 2
+    return obj.live > 0 or obj.static[0] != 0.0 or obj.static[1] != 0.0

@@ -1,15 +1,42 @@
 """How objects ring from contact to contact, driven meanwhile by the bodies that roll on them.
 
-A roll's force is known for the whole quantum, so its modes are driven several samples at a time.
+A roll is computed LEAD frames ahead of its sound, so that one number a frame tells the modes its force (see
+resonator/fed.py); a click's modes, which answer in another way, get its moments. What a roll is told takes effect as
+much later.
 """
 
 import math
 
 from ..native.jit import kernel
-from ..resonator.bank import Drive, Point, inject, ring, ring_driven
-from ..resonator.simd import STRETCH
+from ..numerics.legendre import KEPT
+from ..resonator.bank import Drive, Point, inject_kept, ring, ring_driven
+from ..resonator.fed import LINE, REACH, feed_through, lay_blows, ring_fed, sample_force
+from ..resonator.simd import LANES, STRETCH
+from ..rolling.body import fill_roll
 from .objects import modes_of, place, shapes_of, weigh
-from .state import QUANTUM
+from .state import BEHIND, LEAD, QUANTUM
+
+
+@kernel
+def feed_on(state, contact):
+    """Compute a rolling or sliding body's force up to LEAD frames behind this quantum's end."""
+    roll, feed, samples = state.rolls[contact.roll], state.feeds[contact.roll], state.samples[contact.roll]
+    begun = roll.piece >= 0
+    new = BEHIND + LEAD if begun else BEHIND
+    for n in range(new):
+        for k in range(KEPT):
+            feed[n, k] = feed[QUANTUM + n, k] if begun else 0.0
+    for n in range(2 * REACH):
+        samples[n] = samples[QUANTUM + n] if begun else 0.0
+    since = (state.position - 1 - contact.origin + new - BEHIND) / state.rate
+    fill_roll(roll, since, state.rate, feed[new:])
+    sample_force(feed, samples, 2 * REACH)
+
+
+@kernel
+def feed_of(state, contact):
+    """The moments (N s) of a roll's or slide's force over each frame of this quantum."""
+    return state.feeds[contact.roll, BEHIND : BEHIND + QUANTUM]
 
 
 @kernel
@@ -30,55 +57,133 @@ def register_roll(state, index):
 @kernel
 def ring_on(state, obj, voice, start, stop):
     """Let an object ring from frame `start` to `stop` into its voice."""
-    scratch = state.scratch
-    shape = shapes_of(state, obj)
+    if obj.rolls_head < 0:
+        ring(modes_of(state, obj, 0, obj.live), voice, start, stop)
+        return
     frame = start
     while frame < stop:
-        count = driven = rung = 0
-        frames = stop - frame
-        if obj.rolls_head >= 0:
-            count, driven = _drivers(state, obj, frame)
-            frames = STRETCH if frames >= STRETCH else 1
-        modes = modes_of(state, obj, 0, driven)
-        if frames == STRETCH and count > 0:
-            rung = driven
+        end = min(stop, frame - frame % LINE + LINE)
+        count, driven = _drivers(state, obj, frame, end)
+        fed = min(driven, obj.bent // LANES * LANES)
+        ring(modes_of(state, obj, driven, obj.live), voice, frame, end)
+        _ring_fed(state, obj, voice, count, fed, frame, end)
+        if driven > fed:
+            _ring_driven(state, obj, voice, count, fed, driven, frame, end)
+        frame = end
+
+
+@kernel
+def _ring_fed(state, obj, voice, count, fed, frame, end):
+    """Let an object's first `fed` modes ring under rolls, by one number a frame; added to its voice."""
+    scratch, work, shape = state.scratch, state.scratch.work, shapes_of(state, obj)
+    for j in range(count):
+        samples = state.samples[scratch.drivers[j].feed]
+        for n in range(frame, end):
+            scratch.blows[j, n] = samples[REACH - 1 + n]
+    room = len(work) // (2 * count) // LANES * LANES
+    first = 0
+    while first < fed:
+        size = min(room, fed - first)
+        modes = modes_of(state, obj, first, first + size)
+        for j in range(count):
+            driver = scratch.drivers[j]
+            where = Point(shape, obj.size, driver.row, driver.weights)
+            lay_blows(modes.response, where, driver.drift, first, work, 2 * j * size, size)
+        ring_fed(modes, work, scratch.blows, count, voice, frame, end)
+        first += size
+
+
+@kernel
+def _ring_driven(state, obj, voice, count, first, last, frame, end):
+    """Let an object's modes from `first` to `last` ring under rolls, by moments; added to its voice."""
+    scratch, shape = state.scratch, shapes_of(state, obj)
+    modes = modes_of(state, obj, first, last)
+    here = shape[first:]
+    while frame < end:
+        frames = STRETCH if end - frame >= STRETCH else 1
+        if frames == STRETCH:
+            drive = Drive(scratch.drivers, count, state.feeds, BEHIND)
+            ring_driven(modes, here, obj.size, drive, scratch.work, voice, frame)
         else:
             for j in range(count):
                 driver = scratch.drivers[j]
-                where = Point(shape, obj.size, driver.row, driver.weights)
-                inject(modes, where, scratch.feeds[driver.feed, frame])
-        ring(modes_of(state, obj, rung, obj.live), voice, frame, frame + frames)
-        if rung > 0:
-            drive = Drive(scratch.drivers, count, scratch.feeds)
-            ring_driven(modes, shape, obj.size, drive, scratch.work, voice, frame)
+                where = Point(here, obj.size, driver.row, driver.weights)
+                inject_kept(modes, where, state.feeds[driver.feed, BEHIND + frame])
+            ring(modes, scratch.striker, frame, frame + 1)
+            for side in range(2):
+                voice[side, frame] += scratch.striker[side, frame]
+        for j in range(count):
+            driver = scratch.drivers[j]
+            for i in range(4):
+                driver.weights[i] += frames * driver.drift[i]
         frame += frames
 
 
 @kernel
-def _drivers(state, obj, frame):
-    """List the rolls on an object as they are at a frame in `drivers`: how many, and how many modes they drive."""
+def _drivers(state, obj, frame, end):
+    """List the rolls on an object as they are at a frame, and how they move until another, in `drivers`: how many, and
+    how many modes they drive."""
     count = driven = 0
     entry = obj.rolls_head
     while entry >= 0:
         contact = state.contacts[entry // 2]
         point = contact.point[entry % 2]
         driver = state.scratch.drivers[count]
-        driver.feed = contact.roll
-        for i in range(4):
-            driver.drift[i] = 0.0
-        if entry % 2 == 0:
-            place(point, position_of(contact, frame), obj.rows)
-            if contact.travel > 0.0:
-                weigh(driver.drift, position_of(contact, frame + STRETCH) * (obj.rows - 1) - point.row)
-                for i in range(4):
-                    driver.drift[i] = contact.now.gain * (driver.drift[i] - point.weights[i]) / STRETCH
-        driver.row = point.row
-        for i in range(4):
-            driver.weights[i] = contact.now.gain * point.weights[i]
+        _drive(driver, contact, point, entry % 2, obj.rows, frame, end)
         count += 1
         driven = point.modes
         entry = point.next_roll
     return count, driven
+
+
+@kernel
+def _drive(driver, contact, point, side, rows, frame, end):
+    """Tell where a roll acts on an object at a frame, and how that changes until another."""
+    driver.feed = contact.roll
+    for i in range(4):
+        driver.drift[i] = 0.0
+    if side == 0:
+        place(point, position_of(contact, frame), rows)
+        if contact.travel > 0.0 and end > frame:
+            weigh(driver.drift, position_of(contact, end) * (rows - 1) - point.row)
+            for i in range(4):
+                driver.drift[i] = contact.now.gain * (driver.drift[i] - point.weights[i]) / (end - frame)
+    driver.row = point.row
+    for i in range(4):
+        driver.weights[i] = contact.now.gain * point.weights[i]
+
+
+@kernel
+def add_through(state, obj, voice):
+    """Add what of the rolls' forces goes straight into an object's voice, over a quantum."""
+    scratch, shape = state.scratch, shapes_of(state, obj)
+    driver, taps = scratch.drivers[0], scratch.taps
+    entry = obj.rolls_head
+    while entry >= 0:
+        contact = state.contacts[entry // 2]
+        point = contact.point[entry % 2]
+        modes = modes_of(state, obj, 0, min(point.modes, obj.bent // LANES * LANES))
+        moves = entry % 2 == 0 and contact.travel > 0.0
+        for end in range(2 if moves else 1):
+            for side in range(2):
+                for k in range(REACH + 1):
+                    taps[end, side, k] = 0.0
+            _drive(driver, contact, point, entry % 2, obj.rows, end * QUANTUM, end * QUANTUM)
+            where = Point(shape, obj.size, driver.row, driver.weights)
+            feed_through(modes, where, scratch.work, taps[end])
+        _hear(taps[0], taps[1 if moves else 0], state.samples[contact.roll], voice)
+        entry = point.next_roll
+
+
+@kernel
+def _hear(taps, later, samples, voice):
+    """Add a force by taps that go as lines over the quantum to a voice."""
+    for side in range(2):
+        for m in range(2 * REACH + 1):
+            k = abs(m - REACH)
+            tap, slope = taps[side, k], (later[side, k] - taps[side, k]) / QUANTUM
+            for n in range(QUANTUM):
+                voice[side, n] += (tap + n * slope) * samples[n + m]
 
 
 @kernel

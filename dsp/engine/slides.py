@@ -19,7 +19,7 @@ from ..schema import SPEED
 from .contact_force import find_static
 from .objects import modes_of, place, shapes_of
 from .quality import holds_steps
-from .rolls import position_of
+from .rolls import feed_of, position_of
 from .slide_record import SLID
 from .state import QUANTUM
 
@@ -156,7 +156,7 @@ def _settle(state, contact):
 def _drive(state, contact, frame):
     """Give friction the slip and the normal force at the sample's end."""
     slide, roll = state.slides[contact.roll], state.rolls[contact.roll]
-    friction, feed = slide.friction, state.scratch.feeds[contact.roll]
+    friction, feed = slide.friction, feed_of(state, contact)
     friction.drive[0], friction.normal[0] = friction.drive[1], friction.normal[1]
     friction.drive[1] = slide.slip + (contact.now.speed - slide.slip) * ((frame + 1) / QUANTUM)
     slide.laid += (1.0 - slide.laid) / (_LAID * state.rate)

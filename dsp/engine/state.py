@@ -7,26 +7,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..contact.coupled_group import COUPLED_GROUP
-from ..numerics.legendre import FINE, MOMENTS
+from ..numerics.legendre import FINE, KEPT, MOMENTS
 from ..resonator.bank import DRIVER, RESPONSES
+from ..resonator.fed import HALF, REACH
 from ..resonator.simd import LANES
 from ..rolling.body import ROLL
 from ..schema import STATS
+from ..spectral.layout import PHASES, REGION, SPECTRAL
+from .capacity import MODES, MODES_PER_OBJECT, OBJECTS, SHAPE_VALUES, STEMS
 from .channels import MOST_CHANNELS, PLACE
 from .clock import CLOCK
 from .commands import BUDGET, COMMAND, METHOD, SETTINGS_RECORD
 from .contact_record import CONTACT
 from .slide_record import SLIDE
 from .striker_state import STRIKER, STRIKERS, VOICE, VOICES
+from .tails_record import TAILS
 
 QUANTUM = 64
 """Frames the engine computes at a time, on a grid of its own: the sound can't depend on the device's block size."""
 
-OBJECTS = 512
-MODES = 65_536
-MODES_PER_OBJECT = 4_096
-SHAPE_VALUES = 256 * MODES
-"""Values in the table of mode shapes: 256 positions for every mode, shared as objects need them."""
 CONTACTS = 512
 """Contacts that can go on at once."""
 EVENTS = 8_192
@@ -35,6 +34,10 @@ RING = 8_192
 """Commands on their way from Python; a power of two."""
 ROLLS = 128
 """Bodies that can roll or slide at once."""
+LEAD = HALF + REACH
+"""Frames that a roll is computed ahead of its sound: 0.4 ms at 48 kHz."""
+BEHIND = HALF - REACH - 1
+"""Frames before a quantum whose forces are in its band-limited samples."""
 ENDED = 32_768
 """Ends of gestures that are kept for Python to read."""
 TAP = 262_144
@@ -110,6 +113,7 @@ OBJECT = np.dtype(
     [
         ("used", np.int64),
         ("serial", np.int64),
+        ("awake", np.int64),  # 1: it is in `order`
         ("dying", np.int64),  # to be freed: 1 once silent, 2 after a short fade
         ("first", np.int64),  # mode
         ("size", np.int64),  # modes, a multiple of LANES
@@ -117,6 +121,10 @@ OBJECT = np.dtype(
         ("bent", np.int64),  # those and their reliefs, which slow forces bend; its clicks follow
         ("unheard", np.int64),  # from there on, modes that contacts feel too, and nobody hears: a multiple of LANES
         ("live", np.int64),  # modes before the first that is at rest
+        ("spectral", np.int64),  # 1 + the phase of the spectral bank in which its modes ring; 0: here
+        ("ringer", np.int64),  # its place in `ringers` then
+        ("returns", np.int64),  # 1: they are to come back
+        ("returned_at", np.int64),  # samples: when they last came back, or could not go
         ("stale_modes", np.int64),  # that wait for new coefficients
         ("retuning", np.int64),  # the first of them
         ("table", np.int64),  # first value of its mode shapes, `rows` rows of `size` values
@@ -161,6 +169,8 @@ BANK = np.dtype(
         ("balance", np.float64, MODES),
         ("frequency", np.float64, MODES),
         ("sigma", np.float64, MODES),
+        ("place", np.int32, MODES),  # 1 + a mode's place in the spectral bank, 0: it has none
+        ("bin", np.int16, MODES),  # of the spectral bank, where it has one
         ("fading_y1", np.float64, MODES),  # what a panic lets fade, with its coefficients
         ("fading_y2", np.float64, MODES),
         ("fading_a1", np.float64, MODES),
@@ -177,16 +187,18 @@ SCRATCH = np.dtype(
         ("work", np.float64, 3 * MODES_PER_OBJECT + FINE * LANES),
         ("voices", np.float64, (OBJECTS, 2, QUANTUM)),  # of the objects that are rendered together
         ("share", np.float64, QUANTUM),  # of one object in one channel
-        ("feeds", np.float64, (ROLLS, QUANTUM, MOMENTS)),  # moments of the rolls' forces over a quantum
         ("spectrum", np.float64, (2, MODES_PER_OBJECT)),
         ("moments", np.float64, MOMENTS),
         ("fine", np.float64, FINE),
         ("observed", np.float64, FINE),
         ("receptance", np.float64, FINE),
         ("drivers", DRIVER, ROLLS),  # of the rolls on one object, at one time
+        ("blows", np.float64, (ROLLS, QUANTUM)),  # their forces by one number a frame
+        ("taps", np.float64, (2, 2, REACH + 1)),  # from one to the sound, at a quantum's beginning and end
         ("group", np.int64, OBJECTS),  # slots of those that are rendered together
         ("group_size", np.int64),
         ("striker", np.float64, (2, QUANTUM)),  # sound of one
+        ("bank", np.float64, (2, QUANTUM)),  # sound of the spectral bank
         ("together", COUPLED_GROUP),  # contacts that are solved together
         ("candidates", np.int64, CONTACTS),  # places of coupled contacts on the objects in `group`
     ],
@@ -218,8 +230,10 @@ OUTPUT = np.dtype(
         ("consumed", np.int64),  # frames of `ready` that have left
         ("limit", np.float64),  # the limiter's gain
         ("stems_on", np.int64),
-        ("stems", np.float64, (OBJECTS, MOST_CHANNELS, QUANTUM)),  # each slot's share, where they are asked for
-        ("stem_sounds", np.int64, OBJECTS),  # 1: that is not silence
+        ("gain", np.float64, 2),  # of everything, gliding: at the quantum's beginning and end
+        ("silent", np.int64),  # 1: nothing sounded in the last quantum
+        ("stems", np.float64, (STEMS, MOST_CHANNELS, QUANTUM)),  # each slot's share, where they are asked for
+        ("stem_sounds", np.int64, STEMS),  # 1: that is not silence
     ],
     align=True,
 )
@@ -256,8 +270,14 @@ STATE = np.dtype(
         ("ring", COMMAND_RING),
         ("queue", QUEUE),
         ("objects", OBJECT, OBJECTS),
-        ("order", np.int64, OBJECTS),  # slots in order of creation: the order of summation
+        ("order", np.int64, OBJECTS),  # slots of objects that something goes on with: the order of summation
         ("active", np.int64),  # objects in `order`
+        ("spectral", SPECTRAL),
+        ("ringers", np.int64, OBJECTS),  # slots of objects whose modes ring in the spectral bank
+        ("ringer_count", np.int64),
+        ("looked_at", np.int64),  # the one of them that was looked at last
+        ("to_look_at", np.int64),  # modes that are to be looked at now, below 0: more than that were
+        ("tails", TAILS),
         ("contacts", CONTACT, CONTACTS),
         ("free_contact", np.int64, CONTACTS),  # stack
         ("last_command", np.int64, CONTACTS),  # number of the event that was last about a gesture that lasts; 0: none
@@ -266,6 +286,8 @@ STATE = np.dtype(
         ("oldest_running", np.int64),  # the least of these that may go on in this quantum
         ("rolls", ROLL, ROLLS),
         ("slides", SLIDE, ROLLS),  # what those that slide have besides
+        ("feeds", np.float64, (ROLLS, BEHIND + QUANTUM + LEAD, KEPT)),  # moments of their forces, also about a quantum
+        ("samples", np.float64, (ROLLS, QUANTUM + 2 * REACH)),  # their forces by one number a frame, likewise
         ("free_roll", np.int64, ROLLS),  # stack
         ("strikers", STRIKER, STRIKERS),  # kinds that sound
         ("voices", VOICE, VOICES),
@@ -297,8 +319,9 @@ def new_state(rate: float, channels: int = 2) -> NDArray[np.void]:
     record["output"]["channels"] = channels
     record["output"]["consumed"] = QUANTUM
     record["output"]["limit"] = 1.0
+    record["output"]["gain"] = 1.0
+    record["output"]["silent"] = 1
     record["stats"]["limit_lowest"] = 1.0
-    record["objects"]["contact"] = record["objects"]["voice"] = -1
     record["scratch"]["together"]["known"] = -1
     record["contacts"]["sound"] = record["contacts"]["voice"] = -1
     record["contacts"]["index"] = np.arange(CONTACTS)
@@ -309,4 +332,6 @@ def new_state(rate: float, channels: int = 2) -> NDArray[np.void]:
     record["choices"]["accuracy"] = 1
     record["choices"]["gain"] = 1.0
     record["choices"]["limiter"] = 1
+    record["spectral"]["spare"] = PHASES * REGION
+    record["spectral"]["phases"]["region"] = record["spectral"]["phases"]["top"] = np.arange(PHASES) * REGION
     return state

@@ -15,13 +15,13 @@ import numpy as np
 from ..native.jit import kernel
 from ..numerics.legendre import FALL, MOMENTS, RISE
 from ..numerics.random import STEP, mixed
-from ..resonator.bank import Drive, Point, inject, inject_fine, ring, ring_driven, state_of
+from ..resonator.bank import Drive, Point, inject, inject_fine, inject_kept, ring, ring_driven, state_of
 from ..resonator.simd import STRETCH
 from .commands import KIND_ROLL, KIND_SLIDE, KIND_SPIN
 from .contact_record import RIM
 from .fade import fade_length, going_on, left_of, pace_of, tilt_of
 from .quality import silence_of
-from .state import COUPLING
+from .state import BEHIND, COUPLING
 from .striker_modes import become, modes_of_voice, resize
 from .striker_state import VOICES
 
@@ -165,7 +165,7 @@ def _ring_on(state, voice, out, frame, stop):
         ring(modes, sound, frame, stop)
     elif stop - frame < STRETCH:
         stop = frame + 1
-        inject(modes, Point(voice.struck, 0, 0, voice.share), state.scratch.feeds[voice.roll, frame])
+        inject_kept(modes, Point(voice.struck, 0, 0, voice.share), state.feeds[voice.roll, BEHIND + frame])
         ring(modes, sound, frame, stop)
     else:
         stop = frame + STRETCH
@@ -176,7 +176,7 @@ def _ring_on(state, voice, out, frame, stop):
             driver.drift[i] = 0.0
         for n in range(frame, stop):
             sound[0, n] = sound[1, n] = 0.0
-        drive = Drive(state.scratch.drivers, 1, state.scratch.feeds)
+        drive = Drive(state.scratch.drivers, 1, state.feeds, BEHIND)
         ring_driven(modes, voice.struck, 0, drive, state.scratch.work, sound, frame)
     energy = 0.0
     if voice.fades == 1:

@@ -10,6 +10,9 @@ MOMENTS = 8
 FINE = 12
 """Legendre moments of a coupled contact's force: those left out weigh -188 dB in a mode at 0.95 of Nyquist."""
 
+KEPT = 4
+"""Legendre moments kept of a force that goes on and on, as a roll's: those left out weigh -100 dB in its sound."""
+
 # P_(n+1) = RISE[n] x P_n - FALL[n] P_(n-1), without divisions.
 RISE = np.array([(2 * n + 1) / (n + 1) for n in range(MOMENTS)])
 FALL = np.array([n / (n + 1) for n in range(MOMENTS)])

@@ -29,9 +29,11 @@ Array = NDArray[Any]
 
 MOBILITY = 2 * FINE * LANES
 """Where the rows begin that `observe`, `receptance` and velocity.py need."""
-RESPONSES = MOBILITY + 3 * LANES
+FED = MOBILITY + 3 * LANES
+"""Where the rows begin that fed.py needs."""
+RESPONSES = FED + 4 * LANES
 """Coefficients of one group of modes: for injection by moment, by sample (last, last but one), by mode; then two rows
-that `observe` and `receptance` need, and sigma/omega."""
+that `observe` and `receptance` need, sigma/omega, and those of fed.py."""
 
 NYQUIST_SHARE = 0.95
 """No mode is made above this share of the Nyquist frequency."""
@@ -71,11 +73,13 @@ class Point(NamedTuple):
 
 
 class Drive(NamedTuple):
-    """Forces that go on: the first `active` of `drivers` (records of DRIVER), with moments feeds[feed, frame] (N s)."""
+    """Forces that go on: the first `active` of `drivers` (records of DRIVER), with moments feeds[feed, begin + frame]
+    (N s), KEPT of them."""
 
     drivers: Array
     active: int
     feeds: Array
+    begin: int
 
 
 _ONES = (1.0,) * LANES
@@ -153,7 +157,7 @@ def ring_driven(modes, shape, stride, drive, work, out, frame):
             at = driver.row * stride + first
             phi = dot(shape, at, stride, _four(driver.weights))
             slope = dot(shape, at, stride, _four(driver.drift))
-            push(pushes, phi, slope, modes.response, group, drive.feeds, driver.feed, frame)
+            push(pushes, phi, slope, modes.response, group, drive.feeds, driver.feed, drive.begin + frame)
         ring_pushed(modes.y1, modes.y2, modes.a1, modes.a2, modes.balance, first, pushes, totals)
     for t in range(STRETCH):
         for channel in range(2):
@@ -179,6 +183,12 @@ def inject_fine(modes, point, moments):
         moments[6], moments[7], moments[8], moments[9], moments[10], moments[11],
     )  # fmt: skip
     _inject(modes, point, m)
+
+
+@simd_kernel
+def inject_kept(modes, point, moments):
+    """Add a force as `inject` does, by the KEPT moments of one that goes on."""
+    _inject(modes, point, (moments[0], moments[1], moments[2], moments[3]))
 
 
 @simd_kernel

@@ -4,7 +4,8 @@ import math
 
 from ..native.jit import kernel
 from ..numerics.legendre import FINE
-from .bank import MOBILITY, RESPONSES
+from .bank import FED, MOBILITY, RESPONSES
+from .fed import REACH, feed_tap
 from .mode import ring_at
 from .simd import LANES
 
@@ -56,6 +57,10 @@ def set_mode(modes, i, frequency, decay, rate, weight):
         response[b + LANES] = (g * before).imag
     _set_mobility(response, base, 2.0 * math.pi * frequency, r * math.sin(theta), weight)
     response[base + MOBILITY + 2 * LANES] = loss / theta
+    felt = weight.real if weight.imag == 0.0 else 0.0
+    response[base + FED] = felt * r * math.sin(theta)
+    for k in range(REACH + 1):
+        response[base + FED + (k + 1) * LANES] = felt * feed_tap(theta, k)
 
 
 @kernel

@@ -6,7 +6,7 @@ It can't know that what is written lies nowhere in the tables. Here all is read 
 from typing import Any
 
 from ..native.jit import cgutils, intrinsic, ir, types
-from ..numerics.legendre import MOMENTS
+from ..numerics.legendre import KEPT
 
 LANES = 8
 """Modes are handled in groups of this many: one AVX-512 register of float64, two or four of narrower machines."""
@@ -81,11 +81,24 @@ def add_product(typingctx, array, first, a, b):
 
 
 @intrinsic
+def put_product(typingctx, array, first, a, b):
+    """array[first + i] = a[i] b[i] for each lane i."""
+
+    def codegen(context, builder, signature, args):
+        a, b = (_vector(builder, cgutils.unpack_tuple(builder, lanes)) for lanes in args[2:])
+        pointer = _pointer(context, builder, signature.args[0], args[0], args[1])
+        builder.store(builder.fmul(a, b, flags=_REASSOCIATE), pointer, align=8)
+        return context.get_dummy_value()
+
+    return types.void(array, types.intp, _lanes(), _lanes()), codegen
+
+
+@intrinsic
 def push(typingctx, pushes, phi, slope, table, first, feeds, feed, frame):
     """Add what a force does to a group of modes in each of STRETCH samples, for each lane i.
 
     The force's moments are in feeds[feed, frame + t]; with sums over them, pushes[(2 t + s) LANES + i] +=
-    (phi[i] + t slope[i]) sum_k moment_k table[first + (2 k + s) LANES + i], s = 0, 1. feeds: (feeds, frames, moments).
+    (phi[i] + t slope[i]) sum_k moment_k table[first + (2 k + s) LANES + i], s = 0, 1. feeds: (feeds, frames, KEPT).
     """
 
     def codegen(context, builder, signature, args):
@@ -95,7 +108,7 @@ def push(typingctx, pushes, phi, slope, table, first, feeds, feed, frame):
         start = builder.mul(builder.add(builder.mul(feed, frames), frame), count)
         phi, slope = (_vector(builder, cgutils.unpack_tuple(builder, lanes)) for lanes in (phi, slope))
         sums = [ir.Constant(_vector_type(), None) for _ in range(2 * STRETCH)]
-        for k in range(MOMENTS):
+        for k in range(KEPT):
             rows = [
                 builder.load(
                     _pointer(context, builder, signature.args[3], table, builder.add(first, _i64((2 * k + s) * LANES))),
@@ -155,3 +168,104 @@ def ring_pushed(typingctx, y1, y2, a1, a2, balance, first, pushes, totals):
         return context.get_dummy_value()
 
     return types.void(y1, y2, a1, a2, balance, types.intp, pushes, totals), codegen
+
+
+def _gathered(builder: Any, vectors: list[Any]) -> Any:
+    """The sums of LANES vectors, one in each lane of one vector."""
+    half = LANES // 2
+    while half > 0:
+        # In each block of 2 half lanes the upper half is added to the lower one; two vectors then fit into one.
+        low = [2 * half * (i // half) + i % half for i in range(LANES)]
+        picks = [ir.Constant(ir.VectorType(ir.IntType(32), LANES), [at + offset for at in low]) for offset in (0, half)]
+        vectors = [
+            builder.fadd(*(builder.shuffle_vector(a, b, pick) for pick in picks), flags=_REASSOCIATE)
+            for a, b in zip(vectors[::2], vectors[1::2], strict=True)
+        ]
+        half //= 2
+    return vectors[0]
+
+
+@intrinsic
+def ring_blown(typingctx, y1, y2, a1, a2, balance, blows, forces, count, frame, since):
+    """STRETCH samples of y <- a1 y1 + a2 y2 + sum_j (blow_j + (since + t) change_j) forces[j, frame + t] of all modes.
+
+    blow_j and change_j are in `blows` from 2 j and 2 j + 1 times the number of modes on, for j below `count`. The sums
+    of y, then those of balance y, a tuple of 2 STRETCH values.
+    """
+
+    def codegen(context, builder, signature, args):
+        types_of = signature.args
+        count, frame, since = args[7:]
+        size = context.make_array(types_of[0])(context, builder, args[0]).nitems
+        feeds = context.make_array(types_of[6])(context, builder, args[6])
+        frames = cgutils.unpack_tuple(builder, feeds.shape)[1]
+
+        def place(n, at):
+            return _pointer(context, builder, types_of[n], args[n], at)
+
+        def times(a, b):
+            return builder.fmul(a, b, flags=_REASSOCIATE)
+
+        def plus(a, b):
+            return builder.fadd(a, b, flags=_REASSOCIATE)
+
+        def everywhere(value):
+            return _vector(builder, [value] * LANES)
+
+        zero = ir.Constant(_vector_type(), None)
+        totals = [cgutils.alloca_once_value(builder, zero) for _ in range(2 * STRETCH)]
+        steps = [ir.Constant(ir.DoubleType(), float(t)) for t in range(STRETCH)]
+        ages = [everywhere(builder.fadd(since, step)) for step in steps]
+        with cgutils.for_range_slice(builder, _i64(0), size, _i64(LANES)) as (i, _):
+            pushes = [cgutils.alloca_once(builder, _vector_type()) for _ in range(STRETCH)]
+            for each in pushes:
+                builder.store(zero, each)
+            with cgutils.for_range(builder, count) as loop:
+                at = builder.add(builder.mul(builder.mul(loop.index, _i64(2)), size), i)
+                blow = builder.load(place(5, at), align=8)
+                change = builder.load(place(5, builder.add(at, size)), align=8)
+                first = builder.add(builder.mul(loop.index, frames), frame)
+                for t, each in enumerate(pushes):
+                    force = everywhere(builder.load(builder.gep(feeds.data, [builder.add(first, _i64(t))])))
+                    here = plus(blow, times(ages[t], change))
+                    builder.store(plus(builder.load(each), times(here, force)), each)
+            u, v, p, q, weight = (builder.load(place(n, i), align=8) for n in range(5))
+            for t in range(STRETCH):
+                y = plus(plus(times(p, u), times(q, v)), builder.load(pushes[t]))
+                u, v = y, u
+                builder.store(plus(builder.load(totals[t]), y), totals[t])
+                right = totals[STRETCH + t]
+                builder.store(plus(builder.load(right), times(weight, y)), right)
+            builder.store(u, place(0, i), align=8)
+            builder.store(v, place(1, i), align=8)
+        total = _gathered(builder, [builder.load(each) for each in totals])
+        return cgutils.pack_array(builder, [builder.extract_element(total, _i32(i)) for i in range(2 * STRETCH)])
+
+    returned = types.UniTuple(types.float64, 2 * STRETCH)
+    arguments = (y1, y2, a1, a2, balance, blows, forces, types.intp, types.intp, types.float64)
+    return returned(*arguments), codegen
+
+
+@intrinsic
+def inner_products(typingctx, array, first, step, factors):
+    """sum_i array[first + n step + i] factors[i] for each n below LANES, a tuple.
+
+    Both arrays count as flat; that of factors has a multiple of LANES.
+    """
+
+    def codegen(context, builder, signature, args):
+        array, first, step, factors = args
+        size = context.make_array(signature.args[3])(context, builder, factors).nitems
+        zero = ir.Constant(_vector_type(), None)
+        totals = [cgutils.alloca_once_value(builder, zero) for _ in range(LANES)]
+        with cgutils.for_range_slice(builder, _i64(0), size, _i64(LANES)) as (i, _):
+            weights = builder.load(_pointer(context, builder, signature.args[3], factors, i), align=8)
+            for n, total in enumerate(totals):
+                at = builder.add(builder.add(first, i), builder.mul(step, _i64(n)))
+                values = builder.load(_pointer(context, builder, signature.args[0], array, at), align=8)
+                product = builder.fmul(weights, values, flags=_REASSOCIATE)
+                builder.store(builder.fadd(builder.load(total), product, flags=_REASSOCIATE), total)
+        sums = _gathered(builder, [builder.load(total) for total in totals])
+        return cgutils.pack_array(builder, [builder.extract_element(sums, _i32(n)) for n in range(LANES)])
+
+    return _lanes()(array, types.intp, types.intp, factors), codegen

@@ -27,7 +27,7 @@ _GROWTH = 1e-9  # share of its energy that a step may gain
 _TRIALS = 24
 _KINK = 1e-3  # share of the speed at hand by which a kink must change the compression's rate to end a step
 _NEAR = 1e-9  # share of a piece at whose end it is as good as over
-_SOLVED = 1e-7  # share of the momentum that a solver's last change may be worth: its error is the square
+_SOLVED = 1e-5  # share of the momentum that a solver's last change may be worth: its error is the square
 
 _LEAST_RIPPLE = 1e-3  # share of the momentum at hand that counts as heard in any case
 
@@ -37,7 +37,7 @@ _TWICE = INTEGRAL @ INTEGRAL
 @kernel
 def path_at(roll):
     """Height and slope of the path under the body."""
-    i = roll.piece % PIECES
+    i = roll.piece & (PIECES - 1)
     path = roll.path
     q = roll.along
     level = path.level[i] + q * (path.incline[i] + 0.5 * path.curvature[i] * q)
@@ -50,11 +50,11 @@ def _to_kink(roll, h, least):
     path = roll.path
     passed = -roll.along
     for piece in range(roll.piece, path.made - 1):
-        i = piece % PIECES
+        i = piece & (PIECES - 1)
         passed += path.length[i]
         if passed >= roll.modulated_speed * h:
             break
-        jump = path.incline[(piece + 1) % PIECES] - path.incline[i] - path.curvature[i] * path.length[i]
+        jump = path.incline[(piece + 1) & (PIECES - 1)] - path.incline[i] - path.curvature[i] * path.length[i]
         if roll.modulated_speed * jump > least:
             return (passed - 0.5 * _NEAR * path.length[i]) / roll.modulated_speed
     return h
@@ -68,10 +68,10 @@ def _walk(roll, h):
     passed = -roll.along
     for n in range(NODES + 1):
         travelled = roll.modulated_speed * (h if n == NODES else h * GAUSS[n])
-        while travelled - passed > path.length[piece % PIECES] and piece < path.made - 1:
-            passed += path.length[piece % PIECES]
+        while travelled - passed > path.length[piece & (PIECES - 1)] and piece < path.made - 1:
+            passed += path.length[piece & (PIECES - 1)]
             piece += 1
-        i = piece % PIECES
+        i = piece & (PIECES - 1)
         q = travelled - passed
         roll.level[n] = path.level[i] + q * (path.incline[i] + 0.5 * path.curvature[i] * q)
         roll.path_rate[n] = roll.modulated_speed * (path.incline[i] + path.curvature[i] * q)
@@ -145,7 +145,7 @@ def _hold(roll, h, k, x):
 def step_contact(roll, longest, least):
     """Take a step in contact of at most `longest` s, and no less than `least` whatever its error."""
     k = roll.stiffness
-    left = roll.path.length[roll.piece % PIECES]
+    left = roll.path.length[roll.piece & (PIECES - 1)]
     if left - roll.along <= _NEAR * left:
         roll.piece += 1
         roll.along = 0.0

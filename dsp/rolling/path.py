@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from ..native.jit import kernel
 from ..numerics.checks import checked
-from .surface import CREST, OCTAVES, SURFACE, height_at
+from .surface import BLOCK, CREST, OCTAVES, SURFACE, read_heights
 
 AUDIBLE = 50_000.0
 """1/s: octaves whose lattice is passed faster than this aren't read, and points come at up to twice this rate."""
@@ -46,8 +46,8 @@ EDGE = 0.05
 """Radius of a body's corners over its own."""
 
 _REACH = 0.2 * POINTS  # points of the longest look ahead, so that as many again and those behind find room
-_REFRESH = 64  # points between two looks at the speed
-_GLIDE = 800.0  # points: constant with which octaves come and go, some 10 ms
+_GLIDE = -math.expm1(-BLOCK / 800.0)  # of what is missing of an octave's gain, in a block: some 10 ms
+_SHORTEST = 1e-9  # of the points' distance: shorter pieces are left out
 _SMALL = 1e-5  # of a gain that isn't glided any more
 _OCTAVE = math.log(2.0)
 _WIDEST = 2.0**40  # places between two points
@@ -64,6 +64,8 @@ PATH = np.dtype(
         ("coarseness", np.float64),  # factor on the shortest wavelength
         ("patch", np.float64),  # m: width of the contact
         ("wanted", np.float64, OCTAVES),  # gains of the octaves
+        ("ahead", np.float64, BLOCK),  # heights of points as they are read
+        ("hidden", np.float64, BLOCK),  # 0 or more: two of these hide it
         # The hull: a double-ended queue of points.
         ("place", np.int64, POINTS),
         ("previous", np.int64, POINTS),  # the profile's point before it
@@ -72,9 +74,10 @@ PATH = np.dtype(
         ("count", np.int64),
         ("front", np.int64),  # place of the profile's last point
         ("stride", np.int64),  # places between points
-        ("gliding", np.int64),  # whether octaves come or go
-        ("fresh", np.int64),  # points until the next look at the speed
         ("highest", np.float64),  # above which the profile can't rise, m
+        ("edge", np.float64),  # from the first point to where its arc ends, at `toward`'s
+        ("distance", np.float64),  # from the first point to that one, m
+        ("toward", np.int64),  # its place
         ("left", np.float64),  # from the first point to where its arc has come, m
         ("entered", np.float64),  # from the first point to the edge before it, m
         ("before", np.float64),  # between that edge's points, m
@@ -107,91 +110,128 @@ def _refresh(path):
     while 2.0 * path.stride * surface.unit <= shortest and path.stride < _WIDEST:
         path.stride *= 2
     spacing = 2.0 ** (OCTAVES - 1) * surface.unit
+    octaves = math.log(max(spacing / shortest, 1e-300)) / _OCTAVE  # how many are to be heard
     path.highest = surface.ripple * max(surface.ripple_gain, path.roughness)
-    path.gliding = 1 if surface.ripple_gain != path.roughness else 0
     for j in range(OCTAVES):
-        path.wanted[j] = path.roughness * min(max(math.log(max(spacing / shortest, 1e-300)) / _OCTAVE, 0.0), 1.0)
-        path.wanted[j] /= math.sqrt(1.0 + (0.5 * path.patch / spacing) ** 2)
+        path.wanted[j] = path.roughness * min(max(octaves - j, 0.0), 1.0)
+        if path.patch > 0.0:
+            path.wanted[j] /= math.sqrt(1.0 + (0.5 * path.patch / spacing) ** 2)
         path.highest += CREST * surface.height[j] * max(surface.gain[j], path.wanted[j])
-        if surface.gain[j] != path.wanted[j]:
-            path.gliding = 1
         spacing *= 0.5
-    path.fresh = _REFRESH
 
 
 @kernel
-def _glide(path, share):
-    """Bring the octaves nearer to what is wanted, and all the way where little is left."""
-    surface = path.surface
-    for j in range(OCTAVES):
-        missing = path.wanted[j] - surface.gain[j]
-        surface.gain[j] = path.wanted[j] if abs(missing) < _SMALL else surface.gain[j] + share * missing
-    missing = path.roughness - surface.ripple_gain
-    surface.ripple_gain = path.roughness if abs(missing) < _SMALL else surface.ripple_gain + share * missing
+def _nearer(gain, wanted):
+    """An octave's gain a block later: nearer to what is wanted, or all of it where little is left."""
+    missing = wanted - gain
+    return wanted if abs(missing) < _SMALL else gain + _GLIDE * missing
 
 
 @kernel
 def _edge(path, i, j):
-    """From point i of the hull to where the body leaves it for point j, m."""
-    a = (path.first + i) % POINTS
-    b = (path.first + j) % POINTS
+    """From point i of the hull to where the body leaves it for point j, and to that point, m."""
+    a = (path.first + i) & (POINTS - 1)
+    b = (path.first + j) & (POINTS - 1)
     distance = (path.place[b] - path.place[a]) * path.surface.unit
     return 0.5 * distance + path.radius * (path.height[a] - path.height[b]) / distance, distance
 
 
 @kernel
-def _read_point(path):
-    """Take the profile's next point into the hull, and those out that it hides."""
-    if path.fresh == 0:
-        _refresh(path)
-    path.fresh -= 1
-    if path.gliding == 1:
-        _glide(path, 1.0 / _GLIDE)
-    place = path.front + path.stride
-    new = (path.first + path.count) % POINTS
-    height = height_at(path.surface, place)
+def _read_block(path):
+    """Take the profile's next points into the hull, and those out that they hide."""
+    _refresh(path)
+    surface = path.surface
+    for j in range(OCTAVES):
+        path.wanted[j] = _nearer(surface.gain[j], path.wanted[j])
+    ripple_gain = _nearer(surface.ripple_gain, path.roughness)
+    read_heights(surface, path.front + path.stride, path.stride, path.wanted, ripple_gain, path.ahead)
     if path.side > 0.0:
-        s = place * path.surface.unit
+        _lower(path)
+    _look_around(path)
+    _push(path)
+
+
+@kernel
+def _lower(path):
+    """Lower the points between a body's corners."""
+    for i in range(BLOCK):
+        s = (path.front + (i + 1) * path.stride) * path.surface.unit
         s -= path.side * math.floor(s / path.side + 0.5)
-        height -= s * s / (2.0 * EDGE * path.radius)
-    while path.count > 1:
-        path.place[new] = place
-        path.height[new] = height
-        last, _ = _edge(path, path.count - 1, path.count)
-        before, distance = _edge(path, path.count - 2, path.count - 1)
-        if last > before - distance:
-            break
-        path.count -= 1
-        new = (path.first + path.count) % POINTS
-    path.place[new] = place
-    path.height[new] = height
-    path.previous[new] = path.front
-    path.front = place
-    path.count += 1
+        path.ahead[i] -= s * s / (2.0 * EDGE * path.radius)
+
+
+@kernel
+def _look_around(path):
+    """Find points of a block that can't touch: two others, so many points to either side, hide them."""
+    path.hidden[:] = -1.0
+    _hide(path, 1)
+    _hide(path, 2)
+    _hide(path, 4)
+    _hide(path, 8)
+
+
+@kernel
+def _hide(path, k):
+    """Find those that lie too low between the two that are k points away: the chord is above their arcs."""
+    height, hidden = path.ahead, path.hidden
+    distance = k * path.stride * path.surface.unit
+    least = -distance * distance / path.radius
+    for i in range(BLOCK - 2 * k):
+        hidden[i + k] = max(hidden[i + k], least - (2.0 * height[i + k] - height[i] - height[i + 2 * k]))
+
+
+@kernel
+def _push(path):
+    """Take the block's points that aren't hidden into the hull."""
+    unit, radius = path.surface.unit, path.radius
+    last, below = (path.first + path.count - 1) & (POINTS - 1), (path.first + path.count - 2) & (POINTS - 1)
+    place_b, height_b, place_a, height_a = path.place[last], path.height[last], path.place[below], path.height[below]
+    count = path.count
+    for i in range(BLOCK):
+        if path.hidden[i] >= 0.0:
+            continue
+        place, height = path.front + (i + 1) * path.stride, path.ahead[i]
+        while count > 1:
+            # Edges that would meet in the wrong order: b doesn't reach above the circles around a and the new point.
+            before, after = (place_b - place_a) * unit, (place - place_b) * unit
+            drop = (height_b - height) * before - (height_a - height_b) * after
+            if radius * drop > -0.5 * before * after * (before + after):
+                break
+            count -= 1
+            below = (path.first + count - 2) & (POINTS - 1)
+            place_b, height_b, place_a, height_a = place_a, height_a, path.place[below], path.height[below]
+        new = (path.first + count) & (POINTS - 1)
+        path.place[new], path.previous[new], path.height[new] = place, place - path.stride, height
+        place_a, height_a, place_b, height_b = place_b, height_b, place, height
+        count += 1
+    path.count = count
+    path.front += BLOCK * path.stride
 
 
 @kernel
 def _settle(path):
-    """Read until nothing ahead can change the path before the hull's second edge; return both edges."""
+    """Read until nothing ahead can change the path before the hull's second edge; return where that is, and the
+    distance of its points."""
     for _ in range(4 * POINTS):
         if path.count >= 3:
-            second = (path.first + 1) % POINTS
-            edge, _ = _edge(path, 1, 2)
+            second = (path.first + 1) & (POINTS - 1)
+            edge, distance = _edge(path, 1, 2)
             ahead = (path.front - path.place[second]) * path.surface.unit - edge
             room = path.highest - path.height[second] + edge * edge / (2.0 * path.radius)
-            if (ahead >= 0.0 and ahead * ahead >= 2.0 * path.radius * room) or path.count >= POINTS - 1:
-                break
-        _read_point(path)
-    here, distance = _edge(path, 0, 1)
-    there, after = _edge(path, 1, 2)
-    return here, there + distance, distance, after
+            if (ahead >= 0.0 and ahead * ahead >= 2.0 * path.radius * room) or path.count >= POINTS - BLOCK:
+                return edge, distance
+        _read_block(path)
+    return _edge(path, 1, 2)
 
 
 @kernel
 def restart_path(path, place):
     """Begin the path anew at a place: piece 0 begins in the middle of the arc there."""
     _refresh(path)
-    _glide(path, 1.0)
+    for j in range(OCTAVES):
+        path.surface.gain[j] = path.wanted[j]
+    path.surface.ripple_gain = path.roughness
+    path.surface.made_for = 0
     behind = max(math.sqrt(4.0 * path.radius * path.highest), path.side)
     path.front = place - path.stride * (np.int64(behind / (path.stride * path.surface.unit)) + 2)
     path.first = 0
@@ -199,50 +239,62 @@ def restart_path(path, place):
     path.made = 0
     path.entered = -math.inf
     for _ in range(4 * POINTS):
-        edge, _, distance, _ = _settle(path)
+        _settle(path)
+        edge, distance = _edge(path, 0, 1)
         if edge >= (place - path.place[path.first]) * path.surface.unit:
             break
         path.entered = edge - distance
         path.before = distance
-        path.first = (path.first + 1) % POINTS
+        path.first = (path.first + 1) & (POINTS - 1)
         path.count -= 1
     if path.entered < edge - 4.0 * distance:
         path.entered = edge - distance
         path.before = distance
     path.left = path.entered + (edge - path.entered) * path.before / (path.before + distance)
+    path.edge, path.distance, path.toward = edge, distance, path.place[(path.first + 1) & (POINTS - 1)]
 
 
 @kernel
 def make_piece(path):
     """Make the next piece or two: what is left of the first point's arc, and the turn to the second."""
-    edge, next_edge, distance, after = _settle(path)
-    radius = path.radius
-    second = (path.first + 1) % POINTS
-    edge = max(edge, path.left)
+    after_edge, after = _settle(path)
+    second = (path.first + 1) & (POINTS - 1)
+    if path.toward != path.place[second]:  # there was no room to look far enough ahead
+        path.edge, path.distance = _edge(path, 0, 1)
+    distance = path.distance
+    edge = max(path.edge, path.left)
     turn = 0.0
     if path.previous[second] == path.place[path.first]:
         # The turns on both sides of a point share its arc as they do on a flat surface.
-        shared = min((edge - path.entered) / (path.before + distance), (next_edge - edge) / (distance + after))
-        turn = min(max(shared * distance, 0.0), edge - path.left)
-    s = path.left
-    length = edge - turn - s
-    for part in range(2):
-        if length > 1e-9 * distance:
-            i = path.made % PIECES
-            path.length[i] = length
-            path.level[i] = path.height[path.first] - s * s / (2.0 * radius)
-            path.incline[i] = -s / radius
-            path.curvature[i] = -1.0 / radius if part == 0 else (distance / length - 1.0) / radius
-            path.origin[i] = path.place[path.first]
-            path.start[i] = s
-            path.made += 1
-        s = edge - turn
-        length = 2.0 * turn
+        share = (edge - path.entered) / (path.before + distance)
+        next_share = (after_edge + distance - edge) / (distance + after)
+        turn = min(max(min(share, next_share) * distance, 0.0), edge - path.left)
+    bend = -1.0 / path.radius
+    _lay(path, path.left, edge - turn - path.left, bend)
+    if turn > 0.0:
+        _lay(path, edge - turn, 2.0 * turn, bend - bend * distance / (2.0 * turn))
     path.left = edge + turn - distance
     path.entered = edge - distance
     path.before = distance
     path.first = second
     path.count -= 1
+    path.edge, path.distance, path.toward = after_edge, after, path.place[(second + 1) & (POINTS - 1)]
+
+
+@kernel
+def _lay(path, begin, length, curvature):
+    """Make a piece of a length and curvature that begins so far from the first point, on its arc."""
+    if length <= _SHORTEST * path.distance:
+        return
+    i = path.made & (PIECES - 1)
+    slope = -begin / path.radius
+    path.length[i] = length
+    path.level[i] = path.height[path.first] + 0.5 * begin * slope
+    path.incline[i] = slope
+    path.curvature[i] = curvature
+    path.origin[i] = path.place[path.first]
+    path.start[i] = begin
+    path.made += 1
 
 
 @kernel
@@ -262,7 +314,7 @@ def _pieces(path, end, pieces):
     for n in range(len(pieces)):
         while path.made <= n:
             make_piece(path)
-        i = n % PIECES
+        i = n & (PIECES - 1)
         pieces[n, 0] = total
         pieces[n, 1] = path.level[i]
         pieces[n, 2] = path.incline[i]

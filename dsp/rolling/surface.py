@@ -17,8 +17,18 @@ from numpy.typing import ArrayLike, NDArray
 from ..native.jit import kernel
 from ..numerics.checks import checked
 from ..numerics.random import STEP, mixed
+from ..resonator.simd import LANES, add_product, dot
 
 OCTAVES = 16
+
+BLOCK = 64
+"""Points that are read at once."""
+
+TAPS = 8
+"""Lattice heights that LANES points lie between, where each cell holds two of them or more."""
+
+_CELLS = np.array([2, 4, 8, 16, 32, 64])  # points in a cell, of octaves that are read by weights
+_TABLES = int(np.maximum(_CELLS // LANES, 1).sum())
 
 _LONGEST = 2.0
 """Spacing of the first lattice in correlation lengths: where beta = 2, the autocorrelation is 1/e at l."""
@@ -41,12 +51,14 @@ SURFACE = np.dtype(
         ("offset", np.int64, OCTAVES),  # places by which the lattices are moved against each other
         ("ripple", np.float64),  # amplitude of the corrugation, m
         ("turns", np.float64),  # of the corrugation, for each place
-        # How much of each octave is read, and the cubic it is on.
+        # How much of each octave is read, and room for the lattice heights of one, a block of points long.
         ("gain", np.float64, OCTAVES),
         ("ripple_gain", np.float64),
-        ("cell", np.int64, OCTAVES),
-        ("corner", np.float64, (OCTAVES, 4)),  # lattice heights around it
-        ("cubic", np.float64, (4, OCTAVES)),
+        ("corner", np.float64, BLOCK + TAPS),
+        # Of octaves that have 2 to BLOCK points in a cell: the weights of the lattice's heights, for LANES points at a
+        # time, and the points' stride for which they are made.
+        ("weights", np.float64, _TABLES * TAPS * LANES),
+        ("made_for", np.int64),
     ],
     align=True,
 )
@@ -71,52 +83,153 @@ def begin_surface(surface, roughness, correlation, slope, ripple, wavelength, se
         surface.seed[j] = mixed(bits)
         surface.offset[j] = np.int64(surface.seed[j] >> np.uint64(31))
         surface.gain[j] = 1.0
-        surface.cell[j] = np.iinfo(np.int64).min
     surface.ripple = ripple
     surface.ripple_gain = 1.0
+    surface.made_for = 0
     surface.turns = surface.unit / wavelength
 
 
 @kernel
-def _enter(surface, j, cell):
-    """Put octave j on the cubic of a lattice cell."""
-    following = cell == surface.cell[j] + 1
-    surface.cell[j] = cell
-    for corner in range(4):
-        if following and corner < 3:
-            surface.corner[j, corner] = surface.corner[j, corner + 1]
-        else:
-            bits = mixed(np.uint64(cell + corner) * STEP + surface.seed[j])
-            surface.corner[j, corner] = (
-                surface.height[j] * _TO_UNIFORM * (np.float64(np.int64(bits >> np.uint64(11))) - _HALF)
-            )
-    for power in range(4):
-        value = 0.0
-        for corner in range(4):
-            value += _CUBIC[power, corner] * surface.corner[j, corner]
-        surface.cubic[power, j] = value
+def _enter(surface, j, cell, count):
+    """Put octave j's heights at `count` points of its lattice, from a cell's first corner on, into `corner`."""
+    corner, seed, scale = surface.corner, surface.seed[j], surface.height[j] * _TO_UNIFORM
+    for c in range(count):
+        bits = mixed(np.uint64(cell + c) * STEP + seed)
+        corner[c] = scale * (np.float64(np.int64(bits >> np.uint64(11))) - _HALF)
 
 
 @kernel
-def height_at(surface, place):
-    """The profile's height in m at a place; cheapest where places come one after the other."""
-    z = 0.0
+def _cubic(corner, c):
+    """The cubic of a cell, between corners c + 1 and c + 2, by its power series in [0, 1]."""
+    a0, a1, a2, a3 = corner[c], corner[c + 1], corner[c + 2], corner[c + 3]
+    return a1, 0.5 * (a2 - a0), a0 - 2.5 * a1 + 2.0 * a2 - 0.5 * a3, 0.5 * (a3 - a0) + 1.5 * (a1 - a2)
+
+
+@kernel
+def _octave_at(surface, j, place):
+    """Octave j's height (m) at a place."""
+    level = OCTAVES - 1 - j
+    shifted = place + surface.offset[j]
+    cell = shifted >> level
+    _enter(surface, j, cell, 4)
+    c0, c1, c2, c3 = _cubic(surface.corner, 0)
+    t = (shifted - (cell << level)) * 0.5**level
+    return c0 + t * (c1 + t * (c2 + t * c3))
+
+
+@kernel
+def _ripple_at(surface, place):
+    """The corrugation's height (m) at a place."""
+    turns = surface.turns * place
+    return surface.ripple * math.cos(2.0 * math.pi * (turns - math.floor(turns)))
+
+
+@kernel
+def read_heights(surface, place, stride, gains, ripple_gain, z):
+    """The profile's heights (m) at BLOCK points from a place on, `stride` places, a power of 2, from each other.
+
+    Meanwhile the octaves' gains and the corrugation's go evenly to others. A block begins where the last one ended;
+    where it does not, `made_for` is to be 0.
+    """
+    if surface.made_for != stride:
+        _make_weights(surface, place, stride)
+    for i in range(BLOCK):
+        z[i] = 0.0
     for j in range(OCTAVES):
-        if surface.gain[j] > 0.0:
-            shifted = place + surface.offset[j]
-            level = OCTAVES - 1 - j
-            cell = shifted >> level
-            if cell != surface.cell[j]:
-                _enter(surface, j, cell)
-            t = (shifted - (cell << level)) * 0.5**level
-            cubic = surface.cubic[0, j] + t * (
-                surface.cubic[1, j] + t * (surface.cubic[2, j] + t * surface.cubic[3, j])
-            )
-            z += surface.gain[j] * cubic
+        gain, rise = surface.gain[j], (gains[j] - surface.gain[j]) / BLOCK
+        surface.gain[j] = gains[j]
+        if gain == 0.0 and rise == 0.0:
+            continue
+        points = (1 << (OCTAVES - 1 - j)) // stride
+        if points > BLOCK:
+            _add_wide(surface, j, place, stride, gain, rise, z)
+        elif points > 1:
+            _add_narrow(surface, j, place, stride, gain, rise, z)
+        else:
+            for i in range(BLOCK):
+                z[i] += (gain + (i + 1) * rise) * _octave_at(surface, j, place + i * stride)
+    gain, rise = surface.ripple_gain, (ripple_gain - surface.ripple_gain) / BLOCK
+    surface.ripple_gain = ripple_gain
     if surface.ripple > 0.0:
-        turns = surface.turns * place
-        z += surface.ripple_gain * surface.ripple * math.cos(2.0 * math.pi * (turns - math.floor(turns)))
-    return z
+        for i in range(BLOCK):
+            z[i] += (gain + (i + 1) * rise) * _ripple_at(surface, place + i * stride)
+
+
+@kernel
+def _add_wide(surface, j, place, stride, gain, rise, z):
+    """Add octave j, of whose cells a block meets two at most."""
+    level = OCTAVES - 1 - j
+    shifted = place + surface.offset[j]
+    cell = shifted >> level
+    step = stride * 0.5**level
+    since = (shifted - (cell << level)) * 0.5**level
+    _enter(surface, j, cell, 5)
+    a0, a1, a2, a3 = _cubic(surface.corner, 0)
+    b0, b1, b2, b3 = _cubic(surface.corner, 1)
+    for i in range(BLOCK):
+        t = since + i * step
+        here = a0 + t * (a1 + t * (a2 + t * a3))
+        u = t - 1.0
+        there = b0 + u * (b1 + u * (b2 + u * b3))
+        z[i] += (gain + (i + 1) * rise) * (here if t < 1.0 else there)
+
+
+@kernel
+def _add_narrow(surface, j, place, stride, gain, rise, z):
+    """Add octave j, of whose cells a block meets many, by weights: its points lie alike in each block."""
+    level = OCTAVES - 1 - j
+    shifted = place + surface.offset[j]
+    cell = shifted >> level
+    _enter(surface, j, cell, ((shifted + (BLOCK - 1) * stride) >> level) - cell + 4)
+    points = (1 << level) // stride
+    table, repeats = _table_of(points), max(points // LANES, 1) - 1
+    for g in range(BLOCK // LANES):
+        c = ((shifted + g * LANES * stride) >> level) - cell
+        at = (table + (g & repeats)) * TAPS * LANES
+        corners = dot(surface.corner, c, 0, (1.0,))
+        heights = dot(surface.weights, at, LANES, corners)
+        first = gain + (g * LANES + 1) * rise
+        gains = (
+            first, first + rise, first + 2.0 * rise, first + 3.0 * rise,
+            first + 4.0 * rise, first + 5.0 * rise, first + 6.0 * rise, first + 7.0 * rise,
+        )  # fmt: skip
+        add_product(z, g * LANES, heights, gains)
+
+
+@kernel
+def _table_of(points):
+    """The first of the tables, one for LANES points, of octaves that have so many points in a cell."""
+    table = 0
+    for n in range(len(_CELLS)):
+        if _CELLS[n] == points:
+            return table
+        table += max(_CELLS[n] // LANES, 1)
+    return table
+
+
+@kernel
+def _make_weights(surface, place, stride):
+    """Make the weights of the lattices' heights at points from a place on."""
+    surface.made_for = stride
+    for j in range(OCTAVES):
+        level = OCTAVES - 1 - j
+        points = (1 << level) // stride
+        if not 1 < points <= BLOCK:
+            continue
+        table = _table_of(points)
+        shifted = place + surface.offset[j]
+        for i in range(max(points, LANES)):
+            row = (table + i // LANES) * TAPS * LANES + i % LANES
+            if i % LANES == 0:
+                first = (shifted + i * stride) >> level
+            for tap in range(TAPS):
+                surface.weights[row + tap * LANES] = 0.0
+            cell = (shifted + i * stride) >> level
+            t = (shifted + i * stride - (cell << level)) * 0.5**level
+            row += (cell - first) * LANES
+            for tap in range(4):
+                weight = _CUBIC[0, tap] + t * (_CUBIC[1, tap] + t * (_CUBIC[2, tap] + t * _CUBIC[3, tap]))
+                surface.weights[row + tap * LANES] = weight
 
 
 @kernel
@@ -127,7 +240,10 @@ def _begin(surface, roughness, correlation, slope, ripple, wavelength, seed):
 @kernel
 def _heights(surface, places, z):
     for i in range(len(places)):
-        z[i] = height_at(surface, places[i])
+        z[i] = surface.ripple_gain * _ripple_at(surface, places[i])
+        for j in range(OCTAVES):
+            if surface.gain[j] > 0.0:
+                z[i] += surface.gain[j] * _octave_at(surface, j, places[i])
 
 
 def make_surface(

@@ -1,5 +1,6 @@
 """Spans of an array of fixed size, taken and given back."""
 
+from bisect import bisect_left
 from dataclasses import dataclass
 
 
@@ -16,18 +17,25 @@ class Arena:
 
     def __post_init__(self) -> None:
         self._taken: dict[int, int] = {}  # first -> size
+        self._free = [(0, self.size)]  # first and size, in order, none next to another
+        self._left = self.size
 
     def take(self, size: int) -> int:
-        first = 0
-        for start in sorted(self._taken):
-            if start - first >= size:
-                break
-            first = start + self._taken[start]
-        if first + size > self.size:
-            free = self.size - sum(self._taken.values())
-            raise EngineFull(f"no room for {size} {self.what}: {free} of {self.size} are free")
-        self._taken[first] = size
-        return first
+        for place, (first, room) in enumerate(self._free):
+            if room >= size:
+                self._free[place : place + 1] = [(first + size, room - size)] if room > size else []
+                self._taken[first] = size
+                self._left -= size
+                return first
+        raise EngineFull(f"no room for {size} {self.what}: {self._left} of {self.size} are free")
 
     def give(self, first: int) -> None:
-        del self._taken[first]
+        size = self._taken.pop(first)
+        self._left += size
+        place = bisect_left(self._free, (first, 0))
+        begin, end, low, high = first, first + size, place, place
+        if place < len(self._free) and self._free[place][0] == end:
+            end, high = end + self._free[place][1], place + 1
+        if place > 0 and sum(self._free[place - 1]) == first:
+            begin, low = self._free[place - 1][0], place - 1
+        self._free[low:high] = [(begin, end - begin)]

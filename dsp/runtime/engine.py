@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ..bodies.modes import Modes
 from ..bodies.striker import StrikerSound
 from ..contact.accuracy import LEVELS
-from ..engine.channels import MOST_CHANNELS
+from ..engine.capacity import USUAL_MODES, USUAL_OBJECTS, check_sizes
 from ..engine.commands import Command, Handle, Kind, write
 from ..engine.state import ENDED, EVENTS, RING, TAP, End, Quality, new_state
 from ..native.atomics import observe, publish
@@ -54,18 +54,20 @@ def prepare() -> None:
 class Engine:
     """A running engine at one sampling rate (Hz), with a number of channels, 1 to MOST_CHANNELS (channels.py).
 
+    It holds so many modes and objects at most. Memory is taken as they are made.
+
     `process` computes sound here and now; a sound card's thread may do the same through `address` and `pointer`, while
     one other thread at a time makes objects and sends commands.
     """
 
-    def __init__(self, rate: float, channels: int = 2) -> None:
-        if not 1 <= channels <= MOST_CHANNELS:
-            raise ValueError(f"channels = {channels}: expected 1 to {MOST_CHANNELS}")
+    def __init__(self, rate: float, channels: int = 2, modes: int = USUAL_MODES, objects: int = USUAL_OBJECTS) -> None:
+        check_sizes(channels, modes, objects)
+        load(callback.__module__)  # before the memory, which may leave no room for code that lies together
         self.state = new_state(rate, channels)
         self._record = self.state[0]
         self._ring = self._record["ring"]
         self._pace: tuple[int, float, float] | None = None
-        self._memory = Memory(self._record)
+        self._memory = Memory(self._record, modes, objects)
         self._strikers = Strikers(self._record, self.top_frequency)
         self._ends_read = 0
 
@@ -174,6 +176,12 @@ class Engine:
         self._record["stats"]["limit_lowest"] = 1.0
         return lowest
 
+    @property
+    def objects(self) -> NDArray[np.void]:
+        """The records of objects, of OBJECT, by slot: of those slots that have ever been used."""
+        objects: NDArray[np.void] = self._record["objects"][: self._memory.reached]
+        return objects
+
     def process(self, frames: int) -> NDArray[np.float32]:
         """The next `frames` frames, float32 (frames, channels)."""
         out = np.empty((frames, self.channels), np.float32)
@@ -271,7 +279,7 @@ class Engine:
         self._record["output"]["stems_on"] = on
 
     def stems(self) -> NDArray[np.float64]:
-        """(OBJECTS, channels, QUANTUM) by slot: each object's share of the quantum computed last, before the limiter. A
+        """(STEMS, channels, QUANTUM) by slot: each object's share of the quantum computed last, before the limiter. A
         view: call `process` quantum by quantum."""
         stems: NDArray[np.float64] = self._record["output"]["stems"][:, : self.channels]
         return stems
@@ -282,9 +290,9 @@ class Engine:
         return sounding
 
     def limited_energy(self) -> NDArray[np.float64]:
-        """(OBJECTS,) by slot: the sum of squares of each object's share of the mix, over the quanta that the limiter
-        turned down since the last call."""
-        energies = self._record["objects"]["limited_energy"]
+        """By slot: the sum of squares of each object's share of the mix, over the quanta that the limiter turned down
+        since the last call."""
+        energies = self.objects["limited_energy"]
         taken: NDArray[np.float64] = energies.copy()
         energies[:] = 0.0
         return taken

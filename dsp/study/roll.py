@@ -9,7 +9,7 @@ from numba import njit
 from ..contact.collocation import CARDINAL, NODES, WEIGHTS
 from ..numerics.checks import Array, checked, checked_scalar
 from ..numerics.constants import STANDARD_GRAVITY
-from ..numerics.legendre import MOMENTS
+from ..numerics.legendre import KEPT
 from ..rolling.body import ROLL, begin_roll, fill_roll, next_event
 from ..rolling.path import PIECES
 
@@ -153,13 +153,13 @@ def make_roll(
 
 
 def roll_moments(roll: np.void, origin: float, seconds: float, rate: float) -> Array:
-    """Legendre moments (N s) of the force f - m g over samples, (round(seconds rate), MOMENTS) float64.
+    """Legendre moments (N s) of the force f - m g over samples, (round(seconds rate), KEPT) float64.
 
     The first sample begins at `origin` (s since the roll began), where the call before ended. rate is at least 1 kHz.
     The roll goes on by that time. A body at rest gives zeros. ValueError names what is out of range.
     """
     rate = checked_scalar("rate", rate, _SLOWEST, strict=False)
-    moments = np.zeros((round(checked_scalar("seconds", seconds, 0.0, strict=False) * rate), MOMENTS))
+    moments = np.zeros((round(checked_scalar("seconds", seconds, 0.0, strict=False) * rate), KEPT))
     _fill(roll, checked_scalar("origin", origin, 0.0, strict=False), rate, moments)
     return moments
 

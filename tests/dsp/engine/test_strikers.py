@@ -13,7 +13,7 @@ from carom.dsp.engine.commands import Kind
 from carom.dsp.engine.state import QUANTUM
 from carom.dsp.engine.striker_state import STRIKERS, VOICES
 from carom.dsp.runtime.engine import Engine
-from tests.dsp.engine.support import HARD, RATE, bell, free, gesture, impact, panic, set_limiter, setting, stop
+from tests.dsp.engine.support import HARD, RATE, active, bell, free, gesture, impact, panic, set_limiter, setting, stop
 from tests.dsp.engine.test_clicks import spectrum_by_quadrature, steel
 
 RADIUS = 0.008
@@ -171,7 +171,7 @@ def test_a_voice_lasts_until_it_has_rung_out_and_the_object_with_it():
     engine.process(QUANTUM)
     assert voices(engine) == 1 and engine.stats.sounding == 1 and not engine.quiet()
     engine.process(4800)
-    assert voices(engine) == 0 and engine.quiet() and engine.state["active"][0] == 0
+    assert voices(engine) == 0 and engine.quiet() and active(engine) == 0
 
 
 def test_a_panic_ends_voices():

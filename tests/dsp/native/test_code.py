@@ -65,7 +65,18 @@ def test_the_callbacks_key_holds_its_kernels_and_neither_bodies_nor_study():
     kernels |= {"rolling.surface", "engine.process", "engine.render", "numerics.random"}
     assert {f"carom.dsp.{name}" for name in kernels} <= held
     rooms = {name.split(".")[2] for name in held}
-    assert rooms == {"native", "numerics", "contact", "resonator", "rolling", "friction", "engine", "runtime", "schema"}
+    assert rooms == {
+        "native",
+        "numerics",
+        "contact",
+        "resonator",
+        "rolling",
+        "friction",
+        "spectral",
+        "engine",
+        "runtime",
+        "schema",
+    }
     assert {name for name in held if ".runtime." in name} == {"carom.dsp.runtime.callback"}
 
 

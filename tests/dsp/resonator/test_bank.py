@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 
 from carom.dsp import contact
 from carom.dsp.contact import closed_form
+from carom.dsp.numerics.legendre import KEPT
 from carom.dsp.resonator import bank, coefficients
 from carom.dsp.resonator.bank import state_of
 from tests import accuracy
@@ -136,16 +137,16 @@ def test_stretches_under_forces_are_blows_and_ringing():
     drivers = np.zeros(4, bank.DRIVER)
     drivers["feed"], drivers["row"], drivers["weights"] = [2, 0, 1, 0], [5, 0, 3, 1], random.normal(size=(4, 4))
     drivers["drift"][1] = 0.1 * random.normal(size=4)
-    feeds = random.normal(size=(3, 64, closed_form.MOMENTS))
+    feeds = random.normal(size=(3, 5 + 64, KEPT))
     one, other = (bank.Modes(*(table.copy() for table in modes)) for _ in range(2))
     expected, out = np.zeros((2, 64)), np.ones((2, 64))
     for frame in range(8, 64):
         for feed, row, weights, drift in drivers[:3]:
             place = weights + frame % bank.STRETCH * drift
-            bank.inject(one, bank.Point(shape, count, row, place), feeds[feed, frame])
+            bank.inject_kept(one, bank.Point(shape, count, row, place), feeds[feed, 5 + frame])
         bank.ring(one, expected, frame, frame + 1)
     for frame in range(8, 64, bank.STRETCH):
-        bank.ring_driven(other, shape, count, bank.Drive(drivers, 3, feeds), np.empty(200), out, frame)
+        bank.ring_driven(other, shape, count, bank.Drive(drivers, 3, feeds, 5), np.empty(200), out, frame)
     scale = np.abs(expected).max()
     np.testing.assert_allclose(out[:, 8:] - 1.0, expected[:, 8:], atol=1e-13 * scale)
     np.testing.assert_allclose(other.y1, one.y1, atol=1e-13 * scale)

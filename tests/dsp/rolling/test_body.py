@@ -9,12 +9,13 @@ from numba import njit
 from numpy.polynomial.legendre import legval
 from scipy.integrate import solve_ivp
 from scipy.signal import welch
+from scipy.stats import trim_mean
 
 from carom.dsp import contact
-from carom.dsp.contact import closed_form
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
 from carom.dsp.rolling import path, surface
 from carom.dsp.rolling.body import fill_roll
+from carom.dsp.rolling.moments import KEPT
 from carom.dsp.study import roll
 from tests import accuracy
 from tests.dsp.rolling.support import CLOTH, GLASS, MARBLE, SOFT_BALL, STEEL_BALL, STONE, WHEEL, WOOD, flat, ground
@@ -58,22 +59,28 @@ def thirds(spectra, frequencies):
 
 
 @pytest.mark.parametrize(
-    ("body", "on"),
-    [({**MARBLE, "mu": 20.0}, {**GLASS, "roughness": 5e-8}), (STEEL_BALL, WOOD), (WHEEL, STONE), (SOFT_BALL, CLOTH)],
+    ("body", "on", "seeds"),
+    [
+        ({**MARBLE, "mu": 20.0}, {**GLASS, "roughness": 5e-8}, 16),
+        (STEEL_BALL, WOOD, 16),
+        (WHEEL, STONE, 4),
+        (SOFT_BALL, CLOTH, 4),
+    ],
 )
-def test_spectrum_is_that_of_brute_force(body, on):
+def test_spectrum_is_that_of_brute_force(body, on, seeds):
     rate, over, seconds = 48000, 100, 1.5
     law = [body[key] for key in ("m", "k", "mu", "a")]
-    ours = theirs = 0.0
-    for seed in range(6):
+    ours, theirs = [], []
+    for seed in range(seeds):
         force = roll.roll_force(ground(seed, **on), seconds, rate, **body)
         pieces = path.path_pieces(ground(seed, **on), body["radius"], body["speed"], 1.01 * seconds * body["speed"])
         steps = round(seconds * rate) * over
         exact = brute_force(pieces, body["speed"], *law, STANDARD_GRAVITY, 1 / (rate * over), steps, over)
         frequencies, power = welch(force, rate, nperseg=8192)
-        ours = ours + power
-        theirs = theirs + welch(exact, rate, nperseg=8192)[1]
-    apart = np.abs(thirds(ours, frequencies) - thirds(theirs, frequencies))
+        ours.append(power)
+        theirs.append(welch(exact, rate, nperseg=8192)[1])
+    # Without the extremes: now and then chaos locks a contact's motion into half its frequency, in one of the two.
+    apart = np.abs(thirds(trim_mean(ours, 0.1), frequencies) - thirds(trim_mean(theirs, 0.1), frequencies))
     assert apart.max() < accuracy.ROLL_THIRDS.bound
 
 
@@ -128,7 +135,7 @@ def test_moments_are_those_of_the_force():
     fine = roll.roll_moments(roll.make_roll(ground(2), **MARBLE), 0.0, 0.02, 64 * 48000)[:, 0]
     coarse = roll.roll_moments(roll.make_roll(ground(2), **MARBLE), 0.0, 0.02, 48000)
     x = (np.arange(64) + 0.5) / 32 - 1
-    for k in range(closed_form.MOMENTS):
+    for k in range(KEPT):
         expected = fine.reshape(-1, 64) @ legval(x, [0] * k + [1])
         assert coarse[:, k] == pytest.approx(expected, abs=3e-3 * np.abs(coarse[:, 0]).max())
     assert coarse[:, 0] == pytest.approx(fine.reshape(-1, 64).sum(axis=1), abs=1e-12 * np.abs(fine).sum())
@@ -266,7 +273,7 @@ def _worst(body, quanta, rate, moments):
 
 def test_bounded_at_extremes():
     random = np.random.default_rng(11)
-    moments = np.zeros((64, closed_form.MOMENTS))
+    moments = np.zeros((64, KEPT))
     for seed in range(400):
         radius = 10 ** random.uniform(-4, 1)
         rough = radius * random.choice([0.0, 10 ** random.uniform(-8, -1)])

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from carom.dsp.engine.state import MODES, OBJECTS, QUANTUM, RING, Quality
+from carom.dsp.engine.capacity import MODES, USUAL_MODES, USUAL_OBJECTS
+from carom.dsp.engine.state import QUANTUM, RING, Quality
 from carom.dsp.runtime.arena import EngineFull
 from carom.dsp.runtime.engine import Engine
 from carom.dsp.runtime.memory import touch
@@ -16,7 +17,7 @@ from tests.dsp.engine.support import RATE, active, bell, free, impact, strike
 
 def test_freed_objects_give_their_room_back():
     engine = Engine(RATE)
-    for _ in range(3 * MODES // 4096):
+    for _ in range(3 * USUAL_MODES // 4096):
         handle = engine.add(bell(1024), 0.05)
         strike(engine, handle)
         engine.send([free(handle, at_once=True)])
@@ -35,10 +36,10 @@ def test_what_is_touched_is_held_and_unchanged():
 
     engine = Engine(RATE)
     before, content = held(), engine.state.view(np.uint8)[:100_000].tobytes()
-    touch(engine.state[0])
+    touch(engine.state[0], USUAL_MODES, USUAL_OBJECTS)
     assert 15_000 < held() - before < 60_000
     again = held()
-    touch(engine.state[0])
+    touch(engine.state[0], USUAL_MODES, USUAL_OBJECTS)
     assert held() == again and engine.state.view(np.uint8)[:100_000].tobytes() == content
 
 
@@ -47,14 +48,31 @@ def test_capacities_are_kept_and_said():
     handle = engine.add(bell(), 0.05)
     with pytest.raises(EngineFull, match=f"{RING + 1} events"):
         engine.send([impact(handle)] * (RING + 1))
-    for _ in range(OBJECTS - 1):
+    for _ in range(USUAL_OBJECTS - 1):
         engine.lay_out(bell(8), 1.0)
-    with pytest.raises(EngineFull, match=f"all {OBJECTS} are taken"):
+    with pytest.raises(EngineFull, match=f"all {USUAL_OBJECTS} are taken"):
         engine.lay_out(bell(8), 1.0)
-    with pytest.raises(EngineFull, match="modes"):
-        big = Engine(RATE)
-        for _ in range(MODES // 1024 + 1):
-            big.lay_out(bell(1024), 1.0)
+    few = Engine(RATE, modes=2_048)
+    few.lay_out(bell(1_024), 1.0)
+    with pytest.raises(EngineFull, match="no room for 1032 modes: 1016 of 2048 are free"):
+        few.lay_out(bell(1_024), 1.0)
+    with pytest.raises(ValueError, match=f"modes = {MODES + 1}: expected 1 to {MODES}"):
+        Engine(RATE, modes=MODES + 1)
+
+
+def test_equal_objects_share_their_shapes():
+    engine = Engine(RATE)
+    body, other = bell(64), bell(64)
+    first, second, third = engine.add(body), engine.add(body), engine.add(other)
+    assert first.table == second.table != third.table and first.first != second.first
+    table = first.table
+    for handle in (first, second):
+        strike(engine, handle)
+        engine.send([free(handle, at_once=True)])
+        engine.leave(handle)
+        engine.process(9_600)
+        again = engine.add(bell(64))
+        assert (again.table == table) == (handle is second)  # its room is free once nobody has it
 
 
 def test_an_object_is_added_with_its_settings_and_at_its_time():
@@ -72,12 +90,12 @@ def test_an_object_is_added_with_its_settings_and_at_its_time():
 
 def test_an_object_that_can_not_be_added_takes_no_room():
     engine = Engine(RATE)
-    for _ in range(MODES // 4096 + 1):
+    for _ in range(USUAL_MODES // 4096 + 1):
         with pytest.raises(ValueError, match="NEW: it has no colour"):
             engine.add(bell(4096), colour=1.0)
     handle = engine.add(bell())
     engine.send([impact(handle)] * engine.room())
-    for _ in range(MODES // 4096 + 1):
+    for _ in range(USUAL_MODES // 4096 + 1):
         with pytest.raises(EngineFull, match="events"):
             engine.add(bell(4096))
 

@@ -20,7 +20,7 @@ ALLOWED = {
     *("clock_gettime", "gettid"),
     # Of LLVM, as "llvm.NAME.TYPES": instructions, or calls of the functions above.
     *("llvm.exp", "llvm.exp2", "llvm.log", "llvm.pow", "llvm.sin", "llvm.cos", "llvm.sqrt", "llvm.floor", "llvm.fabs"),
-    *("llvm.fma", "llvm.fmuladd", "llvm.copysign", "llvm.minnum", "llvm.maxnum"),
+    *("llvm.fma", "llvm.fmuladd", "llvm.ctpop", "llvm.cttz", "llvm.copysign", "llvm.minnum", "llvm.maxnum"),
     *("llvm.abs", "llvm.smin", "llvm.smax", "llvm.umin", "llvm.umax", "llvm.vector.reduce"),
     *("llvm.uadd.with.overflow", "llvm.usub.with.overflow", "llvm.umul.with.overflow"),
     *("llvm.memset", "llvm.memcpy", "llvm.memmove"),

@@ -4,11 +4,12 @@ import time
 
 import pytest
 
-from carom.dsp.engine.state import OBJECTS
+from carom.dsp.engine.capacity import USUAL_OBJECTS
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.presets.library import ObjectPreset, Presets
 from carom.server.osc.wire import Message
 from carom.server.scene.session import Session
+from tests.dsp.engine.support import active
 from tests.server.scene.support import refusal, say
 
 
@@ -83,12 +84,12 @@ def test_an_object_that_is_yet_to_be_can_be_struck_and_freed(session):
     assert session.engine.stats.impacts == 0
     session.engine.process(4800)
     assert session.engine.stats.impacts == 1
-    for _ in range(OBJECTS + 1):
+    for _ in range(USUAL_OBJECTS + 1):
         (reply,) = say(session, "/object/new", "b", "church-bell", time=session.engine.position + 500.0)
         assert reply.address == "/done"
         say(session, "/object/b/free", 1)
         session.engine.process(6400)
-    assert session.engine.state["active"][0] == 1
+    assert active(session.engine) == 1
 
 
 def test_a_name_is_free_from_the_free_on_and_not_before(session):
@@ -98,7 +99,7 @@ def test_a_name_is_free_from_the_free_on_and_not_before(session):
     assert "there is such an object already" in say(session, "/object/new", "a", "church-bell", time=4800.0)[0].args[1]
     assert say(session, "/object/new", "a", "church-bell", time=9600.0)[0].address == "/done"
     session.engine.process(48_000)
-    assert session.engine.stats.impacts == 1 and session.engine.state["active"][0] == 1
+    assert session.engine.stats.impacts == 1 and active(session.engine) == 1
     assert len(session.perform([Message("/object/a/free"), Message("/object/new", ("a", "tom"))], NOW)) == 1
 
 
@@ -113,7 +114,7 @@ def test_names_mean_who_has_them_at_the_time(session, name):
     assert session.engine.stats.impacts == 1  # of the block, not put off until the bell is there
     assert say(session, "/object/b/impact", 1.0, time=60_000.0) == []
     session.engine.process(96_000)
-    assert session.engine.stats.impacts == 2 and session.engine.state["active"][0] == 2
+    assert session.engine.stats.impacts == 2 and active(session.engine) == 2
     assert say(session, "/panic") == [] and not session.objects.replaced
 
 
@@ -126,9 +127,9 @@ def test_what_is_late_comes_before_what_is_for_now(session):
 
 
 def test_objects_run_out_and_come_back(session):
-    for i in range(OBJECTS):
+    for i in range(USUAL_OBJECTS):
         assert say(session, "/object/new", f"o{i}", "church-bell")[0].address == "/done"
-    assert f"all {OBJECTS} are taken" in refusal(session, "/object/new", "more", "church-bell")
+    assert f"all {USUAL_OBJECTS} are taken" in refusal(session, "/object/new", "more", "church-bell")
     say(session, "/object/*/free", 1)
     session.engine.process(9600)
     assert say(session, "/object/new", "more", "church-bell")[0].address == "/done"
@@ -138,19 +139,21 @@ def test_modes_run_out(session, monkeypatch):
     modes = session.presets.object("tom").modes(session.engine.top_frequency)
     with monkeypatch.context() as patch:
         patch.setattr(ObjectPreset, "modes", lambda *_: modes)  # found once for all
-        for i in range(100):
+        for i in range(200):
             (reply,) = say(session, "/object/new", f"o{i}", "tom")
             if reply.address == "/fail":
                 break
     assert "no room for" in reply.args[1]
+    say(session, "/object/o0/free", 1)
+    session.engine.process(640)
     assert say(session, "/object/new", "small", "tuning-fork")[0].address == "/done"
 
 
 def test_one_among_many_is_found_at_once(session):
-    for n in range(OBJECTS):
+    for n in range(USUAL_OBJECTS):
         say(session, "/object/new", f"o{n}", "wood-block")
         session.engine.process(64)
     started = time.process_time()
     for n in range(2000):
-        assert say(session, f"/object/o{n % OBJECTS}/impact", 0) == []
+        assert say(session, f"/object/o{n % USUAL_OBJECTS}/impact", 0) == []
     assert time.process_time() - started < 1.0

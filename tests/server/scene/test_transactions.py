@@ -8,6 +8,7 @@ from carom.dsp.engine.state import CONTACTS, RING
 from carom.dsp.runtime.engine import NOW
 from carom.server.osc.wire import Message
 from carom.server.scene.translate import HANDLERS
+from tests.dsp.engine.support import active
 from tests.server.scene.support import refusal, say
 
 
@@ -75,7 +76,7 @@ def test_what_found_no_room_left_nothing(session):
     session.engine.process(64)
     assert say(session, "/object/b/impact", 1.0) == [] and not session.objects.replaced
     session.engine.process(96_000)
-    assert session.engine.stats.impacts == 1 and session.engine.state["active"][0] == 0
+    assert session.engine.stats.impacts == 1 and active(session.engine) == 0
     assert say(session, "/panic") == [] and not session.objects
     for name in "bc":
         assert say(session, "/object/new", name, "wood-block")[0].address == "/done"

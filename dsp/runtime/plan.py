@@ -1,0 +1,104 @@
+"""How an object's modes lie in the bank: in which order, with which weights, and what comes beside them."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..bodies.material import Array
+from ..bodies.modes import Modes
+from ..engine.capacity import MODES_PER_OBJECT
+from ..resonator.click import CLICK_MODES
+from ..resonator.simd import LANES
+from .arena import EngineFull
+from .relief import relief
+from .unheard import settled
+
+_QUIETEST = 1e-9  # share of the loudest weight below which no weight at the left output goes: -180 dB
+_FAINT = 1e-6  # weight at the left of what is heard at the right alone: -120 dB
+_LEAST_ROWS = 4  # of a shape table: mode shapes are interpolated by cubics
+COLUMNS = ("frequency", "sigma", "weight", "balance")
+
+
+@dataclass(frozen=True)
+class Plan:
+    """An object's modes as they lie in the bank.
+
+    columns: (4, size) of COLUMNS; shape: (rows, size) float32. The first `felt` modes are the body's own; up to `bent`
+    come their reliefs; the others are clicks, and from `heard` on modes that are felt alone.
+    """
+
+    modes: Modes
+    columns: Array
+    shape: Array
+    felt: int
+    bent: int
+    heard: int
+
+
+def planned(modes: Modes, level: float, top: float, nyquist: float, has_sides: bool) -> Plan:
+    """Plan an object's modes up to a frequency (Hz), below Nyquist's; EngineFull if there are too many.
+
+    `level` (amplitude) is full scale per Pa at 1 m; has_sides: a left and a right output.
+    """
+    order = np.argsort(modes.decay, kind="stable")  # the longest ringing first: the rest falls silent from the end
+    order = order[modes.frequency[order] <= top]
+    sides = modes.pressure[:, order] * level
+    if not has_sides:  # a mode is heard at one point, with the power of both sides
+        sides = np.tile(np.copysign(np.sqrt(0.5 * (sides**2).sum(axis=0)), sides[0]), (2, 1))
+    strike = modes.strike if len(modes.strike) >= _LEAST_ROWS else np.repeat(modes.strike[:1], _LEAST_ROWS, axis=0)
+    still = relief(modes.frequency[order], modes.decay[order], sides, strike[:, order], top)
+    unheard = settled(modes.unheard, nyquist)
+    felt, bands = len(order), len(still.frequency)
+    starts = _starts_of_clicks(felt + 2 * bands, len(modes.clicks))
+    bent = starts[0] if starts else felt + 2 * bands
+    heard = math.ceil((starts[-1] + CLICK_MODES if starts else bent) / LANES) * LANES
+    count = heard + len(unheard.frequency)
+    if count > MODES_PER_OBJECT:
+        raise EngineFull(f"{count} modes: an object holds at most {MODES_PER_OBJECT}")
+    size = max(LANES, math.ceil(count / LANES) * LANES)
+    plan = Plan(modes, np.zeros((len(COLUMNS), size)), np.zeros((len(strike), size), np.float32), felt, bent, heard)
+    _fill(plan, 0, modes.frequency[order], modes.decay[order], *_weights(sides))
+    plan.shape[:, :felt] = strike[:, order]
+    for side, weights in enumerate(((1.0, 0.0), (_FAINT, 1 / _FAINT))):
+        first = felt + side * bands
+        _fill(plan, first, still.frequency, still.decay, *weights)
+        plan.shape[:, first : first + bands] = still.shape[side]
+    # Clicks are moved by any force, wherever that acts, and are heard alike on both sides.
+    for start, click in zip(starts, modes.clicks, strict=True):
+        _fill(plan, start, click.frequency, click.decay, level * click.strength, 1.0)
+        plan.shape[:, start : start + CLICK_MODES] = 1.0
+    _fill(plan, heard, unheard.frequency, unheard.decay, _least(sides), 1.0)
+    plan.shape[:, heard:count] = unheard.strike
+    return plan
+
+
+def _fill(plan: Plan, first: int, frequency: Array | float, *others: Array | float) -> None:
+    """Write the columns of modes from number `first` on: as many as there are frequencies; of a click, all of its."""
+    count = np.size(frequency) if np.ndim(frequency) else CLICK_MODES
+    for column, values in zip(plan.columns, (frequency, *others), strict=True):
+        column[first : first + count] = values
+
+
+def _starts_of_clicks(count: int, clicks: int) -> Sequence[int]:
+    """Where the modes of each click begin, after `count` others: in one group, as contacts act on whole groups."""
+    starts = []
+    for _ in range(clicks):
+        count = count if count % LANES <= LANES - CLICK_MODES else math.ceil(count / LANES) * LANES
+        starts.append(count)
+        count += CLICK_MODES
+    return starts
+
+
+def _weights(sides: Array) -> tuple[Array, Array]:
+    """Weights at the left output, by which the bank divides, and those at the right over them, of (2, n) weights."""
+    left, right = sides
+    least = _least(sides)
+    weight = np.where(np.abs(left) > least, left, least)
+    return weight, right / weight
+
+
+def _least(sides: Array) -> float:
+    """The weight of a mode that nobody hears, beside those with (2, n) weights."""
+    return float(max(_QUIETEST * np.abs(sides).max(initial=0), _QUIETEST**2))

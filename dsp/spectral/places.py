@@ -1,0 +1,175 @@
+"""The places of modes in a spectral bank: taken, given back, and put in order again."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..native.jit import kernel
+from .basis import BINS
+from .layout import PHASE_MODES, REGION
+from .simd import CHUNK, ROWS
+
+_SPREAD = 4  # a bin that has run full gets room for this share more chunks, and
+_LEAST = 2  # so many at least
+_DISORDER = 4  # a phase is put in order when this share of its chunks has moved, or holds no mode
+_SMALL = 2 * BINS  # chunks: below this order saves nothing
+
+
+@kernel
+def has_room(phase, modes):
+    """True if so many modes find places, in whichever bins they are."""
+    held = phase.top - phase.region
+    return 2 * held + held // _SPREAD + (_LEAST + 1) * modes <= REGION and phase.modes + modes <= PHASE_MODES
+
+
+@kernel
+def _grown(count):
+    """Room for a bin with so many chunks."""
+    return count + max(_LEAST, count // _SPREAD)
+
+
+@kernel
+def take_place(spectral, phase, b, mode, slots):
+    """Take a place for a mode (its number) in a bin of a phase that `has_room`; slots[mode] holds 1 + the place."""
+    if phase.free[b] == 0:
+        if phase.count[b] == phase.room[b]:
+            _grow(spectral, phase, b, slots)
+        _add_chunk(spectral, phase, b)
+    place = phase.free[b] - 1
+    phase.free[b] = -spectral.owner[place]
+    spectral.owner[place] = 1 + mode
+    slots[mode] = 1 + place
+    phase.used[b] += 1
+    phase.modes += 1
+    spectral.modes += 1
+    return place
+
+
+@kernel
+def give_place(spectral, phase, b, mode, slots):
+    """Give a mode's place in a bin back."""
+    place = slots[mode] - 1
+    slots[mode] = 0
+    _silence(spectral, place)
+    spectral.owner[place] = -phase.free[b]
+    phase.free[b] = 1 + place
+    phase.used[b] -= 1
+    phase.modes -= 1
+    spectral.modes -= 1
+
+
+@kernel
+def number_at(place, row):
+    """Where a place's number of a row lies in the chunks."""
+    return place // CHUNK * (ROWS * CHUNK) + row * CHUNK + place % CHUNK
+
+
+@kernel
+def _silence(spectral, place):
+    """Fill a place with a mode that is at rest."""
+    for row in range(ROWS):
+        spectral.chunks[number_at(place, row)] = 0.0
+
+
+@kernel
+def _add_chunk(spectral, phase, b):
+    """Add an empty chunk to a bin that has room for it."""
+    first = (phase.start[b] + phase.count[b]) * CHUNK
+    phase.count[b] += 1
+    for place in range(first + CHUNK - 1, first - 1, -1):
+        _silence(spectral, place)
+        spectral.owner[place] = -phase.free[b]
+        phase.free[b] = 1 + place
+
+
+@kernel
+def _grow(spectral, phase, b, slots):
+    """Move a bin that has run full to where it has more room."""
+    room = _grown(phase.count[b])
+    phase.moved += phase.count[b]
+    _move(spectral, phase, b, room, slots)
+
+
+@kernel
+def _move(spectral, phase, b, room, slots):
+    """Move a bin's modes to the phase's top, where it gets room for so many chunks, without gaps between them."""
+    old, count = phase.start[b], phase.count[b]
+    phase.start[b], phase.room[b] = phase.top, room
+    phase.top += room
+    phase.count[b] = phase.free[b] = 0
+    chunks = spectral.chunks
+    to = phase.start[b] * CHUNK
+    for place in range(old * CHUNK, (old + count) * CHUNK):
+        mode = spectral.owner[place] - 1
+        if mode < 0:
+            continue
+        for row in range(ROWS):
+            chunks[number_at(to, row)] = chunks[number_at(place, row)]
+        spectral.owner[to] = 1 + mode
+        slots[mode] = 1 + to
+        to += 1
+    # What is left of the last chunk is free.
+    taken = to - phase.start[b] * CHUNK
+    phase.count[b] = (taken + CHUNK - 1) // CHUNK
+    for place in range((phase.start[b] + phase.count[b]) * CHUNK - 1, to - 1, -1):
+        _silence(spectral, place)
+        spectral.owner[place] = -phase.free[b]
+        phase.free[b] = 1 + place
+
+
+@kernel
+def put_in_order(spectral, budget, slots):
+    """Bring what has come out of order back into it, bin by bin: about `budget` modes at a time, in one phase."""
+    if spectral.moving == 0:
+        _choose(spectral)
+    if spectral.moving == 0:
+        return
+    phase = spectral.phases[spectral.moving - 1]
+    done = 0
+    while spectral.next_bin < BINS and done < budget:
+        b = spectral.next_bin
+        if not phase.region <= phase.start[b] < phase.region + REGION or phase.room[b] == 0:
+            done += phase.used[b]
+            needed = (phase.used[b] + CHUNK - 1) // CHUNK
+            _move(spectral, phase, b, _grown(needed) if needed > 0 else 0, slots)
+        spectral.next_bin += 1
+    if spectral.next_bin == BINS:
+        spectral.moving = 0
+
+
+@kernel
+def _choose(spectral):
+    """Begin to put the first phase in order that needs it: from now on it takes its room from the spare region."""
+    for p in range(len(spectral.phases)):
+        phase = spectral.phases[p]
+        held = phase.top - phase.region
+        needed = phase.modes // CHUNK + BINS
+        if phase.moved * _DISORDER > needed + _SMALL or held > 2 * needed + _SMALL:
+            phase.region, spectral.spare = spectral.spare, phase.region
+            phase.top = phase.region
+            phase.moved = 0
+            spectral.moving, spectral.next_bin = 1 + p, 0
+            return
+
+
+@kernel
+def empty_phase(spectral, phase, slots):
+    """Give all places of a phase back."""
+    for b in range(BINS):
+        for place in range(phase.start[b] * CHUNK, (phase.start[b] + phase.count[b]) * CHUNK):
+            mode = spectral.owner[place] - 1
+            if mode >= 0:
+                slots[mode] = 0
+        phase.count[b] = phase.room[b] = phase.used[b] = phase.free[b] = 0
+    spectral.modes -= phase.modes
+    phase.modes = phase.moved = 0
+    phase.top = phase.region
+    phase.sounds = 0
+
+
+def levels_of(spectral: np.void, places: NDArray[np.int32]) -> NDArray[np.float64]:
+    """The squared amplitudes of the modes that have such places, 1 + number; 0 where they have none."""
+    place = np.maximum(places.astype(np.int64) - 1, 0)
+    first = place // CHUNK * (ROWS * CHUNK) + place % CHUNK
+    chunks = spectral["chunks"]
+    squares: NDArray[np.float64] = chunks[first] ** 2 + chunks[first + CHUNK] ** 2
+    return np.where(places > 0, squares, 0.0)

@@ -1,0 +1,199 @@
+"""Vector instructions of the spectral bank: eight terms, or a chunk of modes, at once.
+
+Complex vectors lie in memory as TERMS real parts and then TERMS imaginary ones.
+"""
+
+from typing import Any
+
+from ..native.jit import cgutils, intrinsic, ir, types
+from .basis import TERMS
+
+ROWS = 7
+"""Of a chunk, each as long as its modes: c, exp(lambda FRAMES), zeta, each by real and imaginary parts; and balance."""
+CHUNK = 8
+"""Modes of a chunk."""
+SUMS = 4 * TERMS
+"""Sums of a bin: left by real and imaginary parts, then right."""
+
+_FAST = ("contract", "reassoc", "nsz")
+
+
+def _i64(value: int) -> Any:
+    return ir.IntType(64)(value)
+
+
+def _mask(places: list[int]) -> Any:
+    return ir.Constant(ir.VectorType(ir.IntType(32), len(places)), [ir.IntType(32)(place) for place in places])
+
+
+def _vector_type() -> Any:
+    return ir.VectorType(ir.DoubleType(), CHUNK)
+
+
+class _Writer:
+    """Writes instructions for vectors of CHUNK numbers, which are as many as TERMS."""
+
+    def __init__(self, context: Any, builder: Any) -> None:
+        self._context, self.builder = context, builder
+
+    def data(self, array_type: Any, array: Any) -> Any:
+        return self._context.make_array(array_type)(self._context, self.builder, array).data
+
+    def place(self, data: Any, index: Any, offset: int = 0) -> Any:
+        at = self.builder.gep(data, [self.builder.add(index, _i64(offset))])
+        return self.builder.bitcast(at, _vector_type().as_pointer())
+
+    def load(self, data: Any, index: Any, offset: int = 0) -> Any:
+        return self.builder.load(self.place(data, index, offset), align=8)
+
+    def store(self, value: Any, data: Any, index: Any, offset: int = 0) -> None:
+        self.builder.store(value, self.place(data, index, offset), align=8)
+
+    def add(self, a: Any, b: Any) -> Any:
+        return self.builder.fadd(a, b, flags=_FAST)
+
+    def subtract(self, a: Any, b: Any) -> Any:
+        return self.builder.fsub(a, b, flags=_FAST)
+
+    def times(self, a: Any, b: Any) -> Any:
+        return self.builder.fmul(a, b, flags=_FAST)
+
+    def complex_times(self, a: Any, b: Any) -> Any:
+        return (
+            self.subtract(self.times(a[0], b[0]), self.times(a[1], b[1])),
+            self.add(self.times(a[0], b[1]), self.times(a[1], b[0])),
+        )
+
+    def complex_add(self, a: Any, b: Any) -> Any:
+        return self.add(a[0], b[0]), self.add(a[1], b[1])
+
+    def complex_subtract(self, a: Any, b: Any) -> Any:
+        return self.subtract(a[0], b[0]), self.subtract(a[1], b[1])
+
+    def pair(self, data: Any, index: Any, offset: int = 0) -> Any:
+        return self.load(data, index, offset), self.load(data, index, offset + TERMS)
+
+    def store_pair(self, value: Any, data: Any, index: Any, offset: int = 0) -> None:
+        self.store(value[0], data, index, offset)
+        self.store(value[1], data, index, offset + TERMS)
+
+    def filled(self, scalar: Any) -> Any:
+        """A vector of equal numbers."""
+        undefined = ir.Constant(_vector_type(), ir.Undefined)
+        return self.shuffle(self.builder.insert_element(undefined, scalar, ir.IntType(32)(0)), undefined, [0] * CHUNK)
+
+    def shuffle(self, a: Any, b: Any, places: list[int]) -> Any:
+        return self.builder.shuffle_vector(a, b, _mask(places))
+
+    def sums(self, vectors: Any) -> Any:
+        """The sum of each of eight vectors, as a vector."""
+        for low, high in (
+            ([0, 8, 2, 10, 4, 12, 6, 14], [1, 9, 3, 11, 5, 13, 7, 15]),
+            ([0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15]),
+            ([0, 1, 2, 3, 8, 9, 10, 11], [4, 5, 6, 7, 12, 13, 14, 15]),
+        ):
+            pairs = zip(vectors[::2], vectors[1::2], strict=True)
+            vectors = [self.add(self.shuffle(a, b, low), self.shuffle(a, b, high)) for a, b in pairs]
+        return vectors[0]
+
+
+@intrinsic
+def spread(typingctx, chunks, first, last, sums, at):
+    """Add up the modes of a bin, in chunks `first` to `last`, and bring them a block further.
+
+    sums[at + j] = sum_m Re(c_m zeta_m^j), then Im at TERMS; from 2 TERMS on the same times the modes' balance. Then
+    c_m <- c_m exp(lambda_m FRAMES). Arrays are flat, float64.
+    """
+
+    def codegen(context, builder, signature, args):
+        w = _Writer(context, builder)
+        chunks, first, last, sums, at = args
+        data, target = w.data(signature.args[0], chunks), w.data(signature.args[3], sums)
+        totals = [cgutils.alloca_once(builder, _vector_type()) for _ in range(SUMS)]
+        for total in totals:
+            builder.store(ir.Constant(_vector_type(), None), total)
+
+        def gather(place, value):
+            builder.store(w.add(builder.load(totals[place]), value), totals[place])
+
+        with cgutils.for_range_slice(builder, first, last, _i64(1), ir.IntType(64)) as (chunk, _):
+            begin = builder.mul(chunk, _i64(ROWS * CHUNK))
+            re, im, e_re, e_im, z_re, z_im, balance = (w.load(data, begin, row * CHUNK) for row in range(ROWS))
+            w.store_pair(w.complex_times((re, im), (e_re, e_im)), data, begin)
+            power = re, im
+            for j in range(TERMS):
+                for part in range(2):
+                    gather(part * TERMS + j, power[part])
+                    gather((2 + part) * TERMS + j, w.times(balance, power[part]))
+                power = w.complex_times(power, (z_re, z_im))
+        for k in range(4):
+            vectors = [builder.load(total) for total in totals[k * TERMS : (k + 1) * TERMS]]
+            w.store(w.sums(vectors), target, at, k * TERMS)
+        return context.get_dummy_value()
+
+    return types.void(chunks, types.intp, types.intp, sums, types.intp), codegen
+
+
+@intrinsic
+def pack(typingctx, sums, at, points, up, down):
+    """Write a bin's sums at sums[at] as points of a transform: left + i right at `up`, with both conjugate at `down`.
+
+    Points are counted in numbers: 2 TERMS each.
+    """
+
+    def codegen(context, builder, signature, args):
+        w = _Writer(context, builder)
+        sums, at, points, up, down = args
+        source, target = w.data(signature.args[0], sums), w.data(signature.args[2], points)
+        left_re, left_im, right_re, right_im = (w.load(source, at, k * TERMS) for k in range(4))
+        w.store_pair((w.subtract(left_re, right_im), w.add(left_im, right_re)), target, up)
+        w.store_pair((w.add(left_re, right_im), w.subtract(right_re, left_im)), target, down)
+        return context.get_dummy_value()
+
+    return types.void(sums, types.intp, points, types.intp, types.intp), codegen
+
+
+@intrinsic
+def butterfly(typingctx, source, at, step, target, to, stride, turns):
+    """A transform of four points, source[at + k step] to target[to + k stride], where the last three are turned.
+
+    `turns` is a tuple of cos and sin for each of these three.
+    """
+
+    def codegen(context, builder, signature, args):
+        w = _Writer(context, builder)
+        source, at, step, target, to, stride, turns = args
+        data, out = w.data(signature.args[0], source), w.data(signature.args[3], target)
+        a, b, c, d = (w.pair(data, builder.add(at, builder.mul(step, _i64(k)))) for k in range(4))
+        even, odd = w.complex_add(a, c), w.complex_add(b, d)
+        half, other = w.complex_subtract(a, c), w.complex_subtract(b, d)
+        results = [
+            w.complex_add(even, odd),
+            (w.subtract(half[0], other[1]), w.add(half[1], other[0])),
+            w.complex_subtract(even, odd),
+            (w.add(half[0], other[1]), w.subtract(half[1], other[0])),
+        ]
+        angles = [w.filled(each) for each in cgutils.unpack_tuple(builder, turns)]
+        for k, result in enumerate(results):
+            turned = result if k == 0 else w.complex_times(result, angles[2 * k - 2 : 2 * k])
+            w.store_pair(turned, out, builder.add(to, builder.mul(stride, _i64(k))))
+        return context.get_dummy_value()
+
+    i = types.intp
+    return types.void(source, i, i, target, i, i, turns), codegen
+
+
+@intrinsic
+def weighted(typingctx, points, at, weights, first):
+    """Sums of a point's real parts and of its imaginary ones, each times weights[first + j]: a tuple."""
+
+    def codegen(context, builder, signature, args):
+        w = _Writer(context, builder)
+        points, at, weights, first = args
+        data, table = w.data(signature.args[0], points), w.data(signature.args[2], weights)
+        psi = w.load(table, first)
+        both = [w.times(part, psi) for part in w.pair(data, at)]
+        total = w.sums([*both, *[ir.Constant(_vector_type(), None)] * 6])
+        return cgutils.pack_array(builder, [builder.extract_element(total, ir.IntType(32)(k)) for k in range(2)])
+
+    return types.UniTuple(types.float64, 2)(points, types.intp, weights, types.intp), codegen

@@ -1,0 +1,105 @@
+"""Places of modes in the spectral bank: none is lost or given twice, and what lies in disorder is put in order."""
+
+import numpy as np
+import pytest
+
+from carom.dsp.engine.state import new_state
+from carom.dsp.spectral.basis import BINS
+from carom.dsp.spectral.layout import REGION
+from carom.dsp.spectral.places import empty_phase, give_place, has_room, levels_of, number_at, put_in_order, take_place
+from carom.dsp.spectral.simd import CHUNK, ROWS
+
+MODES = 30_000
+
+
+@pytest.fixture
+def spectral():
+    return new_state(48_000.0)[0]["spectral"]
+
+
+def put(spectral, phase, b, mode, slots):
+    """Give a mode a place in a bin, and write its number there."""
+    place = take_place(spectral, spectral["phases"][phase], b, mode, slots)
+    for row in range(ROWS):
+        spectral["chunks"][number_at(place, row)] = mode + row / 10
+
+
+def check(spectral, phases, bins, slots):
+    """Every mode that has a place is in its bin, by itself, with what was written there; all else is at rest."""
+    taken = np.flatnonzero(slots)
+    places = slots[taken] - 1
+    assert len(np.unique(places)) == len(taken) == spectral["modes"]
+    assert (spectral["owner"][places] == taken + 1).all()
+    total = 0.0
+    for p, phase in enumerate(spectral["phases"]):
+        mine = phases[taken] == p
+        first = phase["start"][bins[taken[mine]]] * CHUNK
+        assert (first <= places[mine]).all()
+        assert (places[mine] < first + phase["count"][bins[taken[mine]]] * CHUNK).all()
+        assert (phase["count"] <= phase["room"]).all() and phase["modes"] == mine.sum() == phase["used"].sum()
+        begin = np.sort(phase["start"][phase["room"] > 0])
+        end = np.sort((phase["start"] + phase["room"])[phase["room"] > 0])
+        assert (end[:-1] <= begin[1:]).all()  # no bin reaches into another
+        for b in range(BINS):
+            total += spectral["chunks"][(phase["start"][b] * ROWS * CHUNK) :][: phase["count"][b] * ROWS * CHUNK].sum()
+    for row in range(ROWS):
+        at = places // CHUNK * (ROWS * CHUNK) + row * CHUNK + places % CHUNK
+        np.testing.assert_array_equal(spectral["chunks"][at], taken + row / 10)
+    assert total == pytest.approx((ROWS * taken + sum(range(ROWS)) / 10).sum(), rel=1e-9)
+
+
+@pytest.mark.slow
+def test_modes_come_and_go_at_random(spectral):
+    random = np.random.default_rng(2)
+    slots = np.zeros(MODES, np.int32)
+    bins, phases = (BINS * random.random(MODES) ** 3).astype(int), random.integers(0, 2, MODES)
+    moved = 0
+    for turn in range(40):
+        share = 0.9 if turn % 10 < 5 else 0.2  # it fills up, and empties
+        for mode in random.choice(MODES, 2_000, replace=False):
+            phase = spectral["phases"][phases[mode]]
+            if slots[mode] == 0 and random.random() < share and has_room(phase, 1):
+                put(spectral, phases[mode], bins[mode], mode, slots)
+            elif slots[mode] > 0 and random.random() > share:
+                give_place(spectral, phase, bins[mode], mode, slots)
+        for _ in range(20):
+            put_in_order(spectral, 500, slots)
+            moved += spectral["moving"] > 0
+        if turn % 8 == 7:
+            check(spectral, phases, bins, slots)
+    assert moved > 20
+    for p in range(8):
+        empty_phase(spectral, spectral["phases"][p], slots)
+    assert not slots.any() and spectral["modes"] == 0
+
+
+def test_a_phase_that_was_put_in_order_lies_so(spectral):
+    """Bins that grew in turn lie one after the other afterwards, with room between them."""
+    slots = np.zeros(MODES, np.int32)
+    bins = np.arange(MODES) % 100
+    for mode in range(MODES):
+        put(spectral, 0, bins[mode], mode, slots)
+    phase = spectral["phases"][0]
+    before = phase["top"] - phase["region"]
+    while True:
+        put_in_order(spectral, 1_000, slots)
+        if spectral["moving"] == 0:
+            break
+    held = phase["top"] - phase["region"]
+    assert (np.diff(phase["start"][:100]) > 0).all() and phase["moved"] == 0
+    assert held < 1.4 * MODES / CHUNK < 0.5 * before
+    check(spectral, np.zeros(MODES, int), bins, slots)
+
+
+def test_a_phase_says_when_it_is_full(spectral):
+    assert has_room(spectral["phases"][0], 4_096)
+    spectral["phases"][0]["top"] += REGION // 2
+    assert not has_room(spectral["phases"][0], 4_096)
+
+
+def test_levels_are_squared_amplitudes(spectral):
+    slots = np.zeros(8, np.int32)
+    for mode in (1, 5):
+        put(spectral, 3, 7, mode, slots)
+    expected = [0, 1 + 1.1**2, 0, 0, 0, 25 + 5.1**2, 0, 0]
+    np.testing.assert_allclose(levels_of(spectral, slots), expected)
