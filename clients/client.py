@@ -4,9 +4,9 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from types import TracebackType
 from typing import SupportsFloat
 
+from ..server.closing import Closing
 from ..server.osc import wire
 from .actions import Actions, CommandError, Value, key_pairs, message_of
 from .connection import Connection
@@ -15,7 +15,7 @@ KEPT = 1_000
 """Replies of each kind that a client keeps until they are asked for."""
 
 
-class Client(Actions):
+class Client(Actions, Closing):
     """A connection to one server: UDP, or TCP, which loses nothing.
 
     host: name or address. port: of the server, the same for UDP and TCP. Floats go as doubles, so that the server's log
@@ -40,14 +40,6 @@ class Client(Actions):
         }
         self.dropped = 0
         """Replies that were forgotten, the oldest first, as more than KEPT of their kind waited to be asked for."""
-
-    def __enter__(self) -> "Client":
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def tell_compiling(self, tell: Callable[[float, float], object]) -> None:
         """Have `tell` called while the server compiles its engine: with the share that is done, and seconds left."""

@@ -45,10 +45,10 @@ if TYPE_CHECKING:
     from .scene import Scene as Scene
     from .server.files.whole import RenderError as RenderError
     from .server.osc.score import ScoreError as ScoreError
+    from .server.world.blows import Hit as Hit
     from .server.world.bodies import WorldError as WorldError
     from .server.world.hearing import Hearing as Hearing
     from .server.world.hearing import Microphone as Microphone
-    from .server.world.simulation import Hit as Hit
     from .server.world.told import Pose as Pose
     from .server.world.told import Touch as Touch
     from .sound import Sound as Sound

@@ -4,7 +4,7 @@ import inspect
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import wraps
+from functools import cached_property, wraps
 from os import PathLike
 from threading import Lock
 from typing import Any, SupportsFloat, TypeVar
@@ -18,6 +18,7 @@ from .dsp.bodies.modes import Modes
 from .dsp.engine.capacity import MODES, OBJECTS, STEMS
 from .dsp.engine.commands import Handle
 from .dsp.engine.state import TRACE
+from .dsp.runtime.arena import EngineFull
 from .dsp.runtime.engine import NOW, Engine
 from .dsp.schema import SETTINGS
 from .dsp.schema import Parameter as Number
@@ -28,8 +29,10 @@ from .server.osc.arguments import Key
 from .server.osc.score import LONGEST_SCORE, sample_at
 from .server.osc.wire import Argument, Message
 from .server.render import Options
+from .server.scene.direct import Direct
 from .server.scene.session import Session
 from .server.scene.transaction import Sent
+from .server.world.deeds import Deed
 
 Acting = TypeVar("Acting", bound=Actions)
 
@@ -103,11 +106,28 @@ class Performer:
     def perform(self, messages: Sequence[Message], at: SupportsFloat | None) -> None:
         """Carry out messages together at a time (s; None: now). CommandError says what was refused, and why."""
         time = NOW if at is None else self._sample(at, messages[0].address)
-        replies = self.scene.perform(messages, time)
+        self._answered(self.scene.perform(messages, time))
+
+    def _answered(self, replies: Sequence[Message]) -> None:
+        """Keep warnings. CommandError says what was refused, and why."""
         self.warnings += [str(reply.args[0]) for reply in replies if reply.address == "/warning"]
         refused = [": ".join(map(str, reply.args)) for reply in replies if reply.address == "/fail"]
         if refused:
             raise CommandError("; ".join(refused))
+
+    @cached_property
+    def _direct(self) -> Direct:
+        return Direct(self.scene, self._perform_at)
+
+    def do(self, deeds: Sequence[tuple[float, Deed]]) -> None:
+        """Do what a simulation asks, each at its time (s). CommandError where there is no room for it."""
+        try:
+            self._direct.send([(sample_at(at, self.engine.rate), deed) for at, deed in deeds])
+        except EngineFull as error:
+            raise CommandError(str(error)) from None
+
+    def _perform_at(self, message: Message, sample: float) -> None:
+        self._answered(self.scene.perform([message], sample))
 
     def _sample(self, at: SupportsFloat, address: str) -> float:
         try:

@@ -12,15 +12,20 @@ It needs `pip install 'carom[mujoco]'`.
 
 import math
 from collections.abc import Iterator, Mapping
+from ctypes import c_uint64
+from functools import cache
 from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from .dsp.tracking.arrays import ARRAYS
+from .dsp.tracking.soft import LEAST_IMPEDANCE, MOST_IMPEDANCE, SOFT
+from .dsp.tracking.track import rebound
 from .presets import Presets
 from .server.world.bodies import WorldError
-from .server.world.told import Pose
+from .server.world.told import Event, Pose
 from .world import Blocks, World
 
 _SHAPES = {
@@ -31,9 +36,8 @@ _SHAPES = {
     mujoco.mjtGeom.mjGEOM_ELLIPSOID: "box",
     mujoco.mjtGeom.mjGEOM_MESH: "box",
 }
+_LOOKED = 64  # words of a struct that are looked at together
 _GROUND = (2.0, 2.0, 0.1)  # m: of a plane, a height field or the like, as far as it rings
-_LEAST_IMPEDANCE, _MOST_IMPEDANCE = 1e-4, 0.9999  # as MuJoCo bounds them
-_LONGEST = 1000  # steps of a blow that is followed
 
 
 class _Part(NamedTuple):
@@ -90,8 +94,10 @@ class Bridge:
         self._bodies = np.array([part.body for part in moving], np.intp)
         self._roots = model.body_rootid[self._bodies].astype(np.intp)
         self._number = _numbers(model, parts, self._first)
-        self._rows = self._columns()
-        self.world.simulation.blow_of = self._blow
+        self._arrays = self._described()
+        self._address = self._arrays.ctypes.data
+        self._soft = np.zeros(1, SOFT)
+        self.world.simulation.ask_of_blows(self._blow)
 
     def _add(self, part: _Part, material: str, about: Mapping[str, Any]) -> None:
         """Add a part to the World, with the mass and inertia of the body that moves it."""
@@ -119,13 +125,25 @@ class Bridge:
         except WorldError as error:
             raise WorldError(f"geom {part.geom}: {error}") from None
 
-    def _columns(self) -> dict[str, NDArray[Any]]:
-        """The World's columns of bodies that move, and of contacts."""
-        memory = self.world.memory
-        span = slice(self._first, self._first + len(self._bodies))
-        columns = {name: memory[name][0, span] for name in ("position", "turn", "velocity", "spin", "about")}
-        told = ("pair", "point", "normal", "depth", "approach", "slip", "force", "mass", "restitution")
-        return columns | {name: memory[name][0] for name in told}
+    def _described(self) -> NDArray[np.void]:
+        """A record of ARRAYS: where MuJoCo has its poses and contacts, and whose they are."""
+        data, count = self._data, len(self._bodies)
+        made = np.zeros(1, ARRAYS)
+        record = made[0]
+        record["first"], record["bodies"] = self._first, count
+        record["geom"][:count], record["body"][:count], record["root"][:count] = self._geoms, self._bodies, self._roots
+        for name, array in (
+            ("positions", data.geom_xpos), ("turns", data.geom_xmat), ("motions", data.cvel),
+            ("abouts", data.subtree_com), ("numbers", self._number),
+        ):  # fmt: skip
+            record[name] = array.ctypes.data
+        layout = _layout()
+        for name, place in layout.items():
+            record[name] = place
+        for name in ("contacts", "forces"):
+            record[name] += data._address
+        record["pyramids"] = self._model.opt.cone == mujoco.mjtCone.mjCONE_PYRAMIDAL
+        return made
 
     def step(self) -> Blocks:
         """Have MuJoCo take a step, and `update`."""
@@ -144,51 +162,27 @@ class Bridge:
     def tell(self) -> None:
         """Tell the World of a step of MuJoCo, to be called after each. WorldError for what is not finite, or if time
         has not gone on."""
-        data, rows = self._data, self._rows
-        count = data.ncon
-        np.take(data.geom_xpos, self._geoms, 0, rows["position"], "clip")
-        if count or self.world.simulation.touching:
-            np.take(data.geom_xmat, self._geoms, 0, rows["turn"], "clip")
-            motion = data.cvel[self._bodies]
-            rows["spin"][:], rows["velocity"][:] = motion[:, :3], motion[:, 3:]
-            np.take(data.subtree_com, self._roots, 0, rows["about"], "clip")
-            if count:
-                self._take_contacts(count)
-        self.world.tell(data.time, count)
+        data = self._data
+        self.world.tell(data.time, data.ncon, self._address)
 
-    def _take_contacts(self, count: int) -> None:
-        """Copy MuJoCo's contacts into the World's columns."""
-        data, rows, contact = self._data, self._rows, self._data.contact
-        pair = rows["pair"][:count]
-        np.take(self._number, contact.geom, 0, pair, "clip")
-        rows["point"][:count] = contact.pos
-        rows["normal"][:count] = contact.frame[:, :3]
-        np.negative(contact.dist, rows["depth"][:count])
-        address = contact.efc_address
-        if address.min() < 0:  # not in force: as if they did not touch
-            pair[address < 0, 1] = pair[address < 0, 0]
-            address = np.maximum(address, 0)
-        force = data.efc_force
-        if self._model.opt.cone == mujoco.mjtCone.mjCONE_PYRAMIDAL and len(force):
-            rows["force"][:count] = np.add.reduceat(force, address)
-        elif len(force):
-            np.take(force, address, 0, rows["force"][:count], "clip")
-
-    def _blow(self, event: np.void) -> tuple[float, float]:
+    def _blow(self, event: Event) -> tuple[float, float]:
         """The effective mass (kg) and the restitution of a blow; NaN: those of free bodies, and of the materials."""
-        a, b = int(event["a"]), int(event["b"])
-        along = self._approach(a, b, event["point"], event["normal"])
+        point = np.array(event.point)
+        along = self._approach(event.a, event.b, point, np.array(event.normal))
         answer = np.empty((1, self._model.nv))
         mujoco.mj_solveM(self._model, self._data, answer, along[None])
         lightness = float(along @ answer[0])
         mass = 1.0 / lightness if lightness > 0.0 else math.nan
-        pairs = self._rows["pair"][: self._data.ncon]
-        (found,) = np.nonzero(((pairs == (a, b)) | (pairs == (b, a))).all(axis=1))
-        if not self._by_simulator or not len(found):
+        if not self._by_simulator:
             return mass, math.nan
-        away = np.linalg.norm(self._rows["point"][found] - event["point"], axis=1)
+        told = self.world.memory[0]
+        pairs = told["pair"][: self._data.ncon]
+        (found,) = np.nonzero(((pairs == event[1:3]) | (pairs == event[2:0:-1])).all(axis=1))
+        if not len(found):
+            return mass, math.nan
+        away = ((told["point"][found] - point) ** 2).sum(axis=1)
         pushed = float(along @ self._data.qacc_smooth)
-        return mass, self._rebound(int(found[away.argmin()]), float(event["speed"]), pushed)
+        return mass, self._rebound(int(found[away.argmin()]), event.speed, pushed)
 
     def _approach(self, a: int, b: int, point: NDArray[np.float64], normal: NDArray[np.float64]) -> NDArray[np.float64]:
         """J (nv,): how fast two bodies close at a point, for each of the model's velocities."""
@@ -204,39 +198,53 @@ class Bridge:
     def _rebound(self, number: int, speed: float, pushed: float) -> float:
         """The share of its speed that MuJoCo's contact leaves: its spring and damper, step by step, where other forces
         push the bodies together by an acceleration (m/s^2)."""
-        model, contact = self._model, self._data.contact[number]
-        step = model.opt.timestep
-        solimp = contact.solimp
-        most = min(max(float(solimp[1]), _LEAST_IMPEDANCE), _MOST_IMPEDANCE)
-        first, second = map(float, contact.solref)
+        step, contact = self._model.opt.timestep, self._data.contact[number]
+        low, high, width, middle, power = contact.solimp.tolist()
+        most = min(max(high, LEAST_IMPEDANCE), MOST_IMPEDANCE)
+        first, second = contact.solref.tolist()
         if first > 0:
             time = max(first, 2 * step)
             stiffness, damping = 1 / (most * time * second) ** 2, 2 / (most * time)
         else:
             stiffness, damping = -first / most**2, -second / most
-        depth, rate, least = max(-float(contact.dist), 0.0), speed, speed
-        for _ in range(_LONGEST):
-            impedance = _impedance(solimp, depth)
-            push = max(0.0, impedance * (damping * rate + stiffness * impedance * depth + pushed))
-            rate += step * (pushed - push)
-            depth += step * rate
-            if depth < 0.0 or rate > least:
-                break
-            least = rate
-        return min(max(-least / speed, 0.0), 1.0)
+        depth = max(-contact.dist, 0.0)
+        self._soft[0] = step, stiffness, damping, low, high, width, middle, power, depth, speed, pushed
+        return float(rebound(self._soft.ctypes.data))
 
 
-def _impedance(solimp: NDArray[np.float64], depth: float) -> float:
-    """MuJoCo's d(r), a sigmoid of the depth over a width."""
-    low, high, width, middle, power = map(float, solimp)
-    x = min(depth / max(width, 1e-15), 1.0)
-    if power <= 1.0 or x in (0.0, 1.0):
-        y = x
-    elif x <= middle:
-        y = x**power / middle ** (power - 1)
-    else:
-        y = 1 - (1 - x) ** power / (1 - middle) ** (power - 1)
-    return min(max(low + y * (high - low), _LEAST_IMPEDANCE), _MOST_IMPEDANCE)
+@cache
+def _layout() -> dict[str, int]:
+    """Where MuJoCo has the contacts and their forces in its data, and what in each contact (bytes), as ARRAYS names it.
+
+    Found in data with a contact: a pointer is where its value stands.
+    """
+    ball = '<body><freejoint/><geom size="1"/></body>'
+    model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{ball}{ball}</worldbody></mujoco>")
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    contact = data.contact
+    first = contact.dist.ctypes.data
+    parts = {
+        "point": contact.pos, "normal": contact.frame, "distance": contact.dist, "geoms": contact.geom,
+        "row": contact.efc_address, "dimensions": contact.dim,
+    }  # fmt: skip
+    return {
+        "contacts": _standing(data, first),
+        "forces": _standing(data, data.efc_force.ctypes.data),
+        "stride": contact.dist.strides[0],
+        **{name: part.ctypes.data - first for name, part in parts.items()},
+    }
+
+
+def _standing(data: mujoco.MjData, pointer: int) -> int:
+    """Where in MuJoCo's data, as a struct, a pointer stands (bytes): it has one to each of its arrays."""
+    offset = 0
+    while True:
+        words = np.frombuffer((c_uint64 * _LOOKED).from_address(data._address + offset), np.uint64)
+        (found,) = np.nonzero(words == pointer)
+        if len(found):
+            return offset + 8 * int(found[0])
+        offset += 8 * _LOOKED
 
 
 def _parts(model: mujoco.MjModel) -> Iterator[_Part]:

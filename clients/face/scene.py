@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from types import TracebackType
 from typing import NoReturn, SupportsFloat, SupportsIndex
 
 from ._capture import Capture
@@ -11,6 +10,7 @@ from ._perform import Folders, Performer, Placed, documented
 from .clients.actions import Actions, CommandError, Value, plain
 from .dsp.schema import SETTINGS
 from .modes import ModeTable, Settings, gains_of, mode_table
+from .server.closing import Closing
 from .server.osc.score import LONGEST_SCORE
 from .server.osc.wire import Message
 from .server.render import Options
@@ -18,7 +18,7 @@ from .sound import Sound
 
 
 @documented
-class Scene(Actions):
+class Scene(Actions, Closing):
     """An engine in this process, without a server: what a score can say as methods, and `render` for the sound.
 
         with carom.Scene() as scene:
@@ -64,14 +64,6 @@ class Scene(Actions):
         self.channels = self._performer.engine.channels
         """Of its sounds."""
         self._frames = 0
-
-    def __enter__(self) -> Scene:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """Give its memory back. Sounds stay; the scene and its objects can do nothing more."""

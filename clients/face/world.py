@@ -6,9 +6,9 @@ import math
 import time as clock
 from collections.abc import Sequence
 from itertools import groupby
+from operator import attrgetter, itemgetter
 from os import PathLike
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import numpy as np
@@ -20,11 +20,13 @@ from .clients.client import Client
 from .dsp.engine.state import QUANTUM
 from .dsp.resonator.bank import NYQUIST_SHARE
 from .scene import Scene
-from .server.osc.score import Line, format_line
-from .server.osc.wire import Message
+from .server.closing import Closing
+from .server.osc.score import format_line
+from .server.world.blows import Counts, Hit
 from .server.world.bodies import WorldError
+from .server.world.deeds import Deed, in_order
 from .server.world.hearing import Hearing, Microphone
-from .server.world.simulation import Counts, Hit, Simulation, Timed, at_times
+from .server.world.simulation import Simulation
 from .server.world.told import Contacts, Pose, Poses
 from .sound import Sound
 
@@ -35,7 +37,7 @@ _AHEAD = 0.03  # s between a live step and its sound
 _DRIFT = 0.1  # s by which a simulation may run ahead of the clock or behind, before its sound is set to the clock again
 
 
-class World:
+class World(Closing):
     """The sound of a simulation, computed in step with it, or played on a server.
 
         with carom.World(microphones=[carom.Microphone((0, -1, 0.5))]) as world:
@@ -88,19 +90,12 @@ class World:
             self._scene = Scene(
                 rate, channels=channels, calibrated=True, stems=stems, contacts=contacts, presets=library
             )
+        self._contacts = contacts
         self._capture = Capture(self._scene._open, 0) if self._scene and keep else None
-        self._lines: list[Line] | None = [] if keep else None
+        self._kept: list[tuple[float, Deed]] | None = [] if keep else None
         self._start = start
         self._origin = math.nan  # Unix time of the simulation's time 0, of a live server
         self._frames = 0
-
-    def __enter__(self) -> World:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """End it: give its memory back, or free its bodies' objects on the server. Sounds stay."""
@@ -166,11 +161,12 @@ class World:
         self._send(self.simulation.step(time, contacts, poses))
         return self._up_to(time)
 
-    def tell(self, time: float, points: int) -> None:
-        """As `step`, for bridges: poses and contacts are in the columns of `memory` already; `block` has the sound."""
-        messages = self.simulation.advance(time, points)
-        if messages:
-            self._send(messages)
+    def tell(self, time: float, points: int, arrays: int = 0) -> None:
+        """As `step`, for bridges: poses and contacts are in the columns of `memory` already, or where a simulator has
+        them: `arrays` is the address of a record of `carom.dsp.tracking.arrays.ARRAYS`. `block` has the sound."""
+        deeds = self.simulation.advance(time, points, arrays)
+        if deeds:
+            self._send(deeds)
 
     def block(self) -> Blocks:
         """The sound from the last block up to the last step, (frames, channels)."""
@@ -197,7 +193,7 @@ class World:
     def ring(self, seconds: float) -> Blocks:
         """The sound of some seconds more, in which no step is taken; steps go on after them."""
         until = self.time + seconds
-        self.simulation.state["time"] = until
+        self.simulation.wait(until)
         return self._up_to(until)
 
     def sound(self) -> Sound:
@@ -209,38 +205,44 @@ class World:
     def score(self, path: str | PathLike[str] | None = None) -> str:
         """The messages up to now as a score, which `carom.render(..., calibrated=True)` turns into the same bits; it is
         written to a file if one is given. WorldError unless they were kept."""
-        if self._lines is None:
+        if self._kept is None:
             raise WorldError("score: expected a World(keep=True)")
-        ordered = sorted(self._lines, key=lambda line: line.time)
-        text = "".join(f"{format_line(line.time, line.message)}\n" for line in ordered)
+        ordered = sorted(self._kept, key=lambda each: each[0])
+        text = "".join(f"{format_line(at, deed.message)}\n" for at, deed in ordered)
         head = f"0.0 /channels {self.simulation.channels}\n"
         if path is not None:
             Path(path).write_text(head + text, encoding="utf-8")
         return head + text
 
-    def _send(self, messages: list[Timed]) -> None:
-        """Have messages carried out at their times."""
-        for time, group in groupby(at_times(messages), key=lambda each: each.time):
-            together = [each.message for each in group]
-            if self._scene is None:
-                self._play(time, together)
-                continue
-            at = max(time - self._start + self.latency, self._scene.time)
-            self._keep(at, together)
-            self._scene._send(together, at)
+    def _send(self, deeds: list[Deed]) -> None:
+        """Have deeds done at their times."""
+        ordered = in_order(deeds)
+        if self._scene is None:
+            self._play(ordered)
+            return
+        now = self._scene.time
+        timed = [(max(deed.time - self._start + self.latency, now), deed) for deed in ordered]
+        self._keep(timed)
+        if not self._contacts:
+            self._scene._open.do(timed)
+            return
+        for at, group in groupby(timed, key=itemgetter(0)):  # contacts are kept by their messages
+            self._scene._send([deed.message for _, deed in group], at)
 
-    def _play(self, time: float, messages: list[Message]) -> None:
-        """Send messages to the server, for their time by the clock."""
+    def _play(self, deeds: list[Deed]) -> None:
+        """Send deeds to the server, for their times by the clock."""
         assert self._client
-        now = clock.time()
-        if not abs(self._origin + time + _AHEAD - now) < _DRIFT + _AHEAD:  # at first, too
-            self._origin = now - time
-        self._keep(max(time - self._start, 0.0), messages)
-        self._client._send(messages, self._origin + time + _AHEAD)
+        for time, group in groupby(deeds, key=attrgetter("time")):
+            together = list(group)
+            now = clock.time()
+            if not abs(self._origin + time + _AHEAD - now) < _DRIFT + _AHEAD:  # at first, too
+                self._origin = now - time
+            self._keep([(max(time - self._start, 0.0), deed) for deed in together])
+            self._client._send([deed.message for deed in together], self._origin + time + _AHEAD)
 
-    def _keep(self, at: float, messages: list[Message]) -> None:
-        if self._lines is not None:
-            self._lines += [Line(at, message, "") for message in messages]
+    def _keep(self, timed: list[tuple[float, Deed]]) -> None:
+        if self._kept is not None:
+            self._kept += timed
 
     def _up_to(self, time: float) -> Blocks:
         """The sound up to a time."""

@@ -10,7 +10,7 @@ from ..bodies.modes import Modes
 from ..bodies.striker import StrikerSound
 from ..contact.accuracy import LEVELS
 from ..engine.capacity import USUAL_MODES, USUAL_OBJECTS, check_sizes
-from ..engine.commands import Command, Handle, Kind, write
+from ..engine.commands import COMMAND, Command, Handle, Kind, write
 from ..engine.state import ENDED, EVENTS, RING, TAP, End, Quality, new_state
 from ..native.atomics import observe, publish
 from ..native.code import Code, load
@@ -208,20 +208,38 @@ class Engine:
 
     def send(self, commands: Sequence[Command]) -> None:
         """Send commands all at once, or EngineFull and none of them."""
-        if len(commands) > self.room():
-            raise EngineFull(f"no room for {len(commands)} events: {self.room()} of {RING} can be queued now")
-        # An event for now must find room in the queue, however many wait there for later.
-        soon = self.position + _SOON * self.rate
-        waiting = self.queued + RING - self.room()
-        if waiting + len(commands) > EVENTS - KEPT_FOR_NOW and any(command.time > soon for command in commands):
-            raise EngineFull(
-                f"no room for {len(commands)} events ahead of their time: {waiting} of {EVENTS - KEPT_FOR_NOW} wait"
-            )
+        self._require_room(len(commands), max((command.time for command in commands), default=NOW))
         written = self.sent
         entries = self._ring["entries"]
         for number, command in enumerate(commands, written):
             write(entries[number % RING], number, command)
         publish(self._ring["written"], written + len(commands))
+
+    def send_rows(self, rows: NDArray[np.void], latest: float) -> None:
+        """As `send`, for commands that are records of COMMAND already, but for their numbers, which are set here; the
+        last is for the time `latest` (samples)."""
+        count = len(rows)
+        self._require_room(count, latest)
+        first = self.sent
+        rows["number"] = np.arange(first, first + count)
+        whole = f"V{COMMAND.itemsize}"  # so that it copies bytes, and not field by field
+        entries, rows = self._ring["entries"].view(whole), rows.view(whole)
+        place = first % RING
+        before = min(count, RING - place)
+        entries[place : place + before], entries[: count - before] = rows[:before], rows[before:]
+        publish(self._ring["written"], first + count)
+
+    def _require_room(self, count: int, latest: float) -> None:
+        """EngineFull unless there is room for so many commands, the last for a time (samples)."""
+        room = self.room()
+        if count > room:
+            raise EngineFull(f"no room for {count} events: {room} of {RING} can be queued now")
+        # An event for now must find room in the queue, however many wait there for later.
+        waiting, most = self.queued + RING - room, EVENTS - KEPT_FOR_NOW
+        if waiting + count > most and latest > self.position + _SOON * self.rate:
+            raise EngineFull(
+                f"no room for {count} events ahead of their time: {waiting} of {EVENTS - KEPT_FOR_NOW} wait"
+            )
 
     def ended(self) -> list[tuple[int, End]]:
         """Gestures (by number) that have ended since the last call, and how: one for each that was sent."""

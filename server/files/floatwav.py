@@ -6,12 +6,12 @@ size in all formats but PCM, and sox warns where it is missing.
 
 import os
 import struct
-from types import TracebackType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..closing import Closing
 from .outfile import write_whole
 
 _SAMPLE = 4  # bytes
@@ -45,7 +45,7 @@ def header(rate: int, frames: int, channels: int) -> bytes:
     return start + fact_and_format + struct.pack("<4sI", b"data", _UNKNOWN)
 
 
-class FloatWav:
+class FloatWav(Closing):
     """Writes float32 samples to an open, empty file, whose descriptor stays open.
 
     The sizes in the header are right after every write, so the file can be read at any time.
@@ -71,11 +71,3 @@ class FloatWav:
 
     def close(self) -> None:
         """Do nothing: the file is whole after every write."""
-
-    def __enter__(self) -> "FloatWav":
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()

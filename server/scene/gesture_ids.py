@@ -84,6 +84,10 @@ class GestureIds:
         """Whether a gesture of an id that an address started runs, or was sent to begin later."""
         return name in self._ids and any(started == address for started, _ in self._ids[name].running)
 
+    def number_of(self, name: str) -> int:
+        """The number of a gesture's id; 0 if there is none."""
+        return self._ids[name].number if name in self._ids else 0
+
     @property
     def names(self) -> Collection[str]:
         """All ids that are known."""

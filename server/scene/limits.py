@@ -94,15 +94,20 @@ class ContactLaws:
         self._sounds.clear()
 
 
-def require_short(velocity: float, contact: Contact) -> None:
-    """Refuse a contact of more than LONGEST_CONTACT, by an upper estimate of its duration.
+def longest(velocity: float, contact: Contact) -> float:
+    """An upper estimate (s) of a contact's duration.
 
     It is that of `contact_time_bound`, with an upper estimate of the depth, so that nothing is compiled for it.
     """
     a, w = contact.exponent, contact.loss(velocity)
     length = (contact.mass * velocity**2 / contact.stiffness) ** (1 / (a + 1))
     deepest = ((a + 1) * min(0.5, 1 / w if w else math.inf)) ** (1 / (a + 1))
-    duration = length / velocity * (ELASTIC_TIME + w * deepest)
+    return length / velocity * (ELASTIC_TIME + w * deepest)
+
+
+def require_short(velocity: float, contact: Contact) -> None:
+    """Refuse a contact that may last for more than LONGEST_CONTACT."""
+    duration = longest(velocity, contact)
     if duration > LONGEST_CONTACT:
         raise Refused(f"{contact}: the contact would last {duration:.3g} s; expected under {LONGEST_CONTACT:g} s")
 

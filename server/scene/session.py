@@ -35,7 +35,7 @@ class Session:
         self._laws = ContactLaws(presets)
         self._world = TellsWorld(presets, engine.top_frequency, engine.channels)
         self._steers_ended = steers_ended
-        self._scale = Scale(calibrated)
+        self.scale = Scale(calibrated)
         self.on_sent: Callable[[int, list[Sent]], object] = lambda first, sent: None
         """Called with all commands that are sent: the number of the first, and what each stands for."""
 
@@ -62,7 +62,7 @@ class Session:
             self._laws,
             self.objects,
             self.gestures,
-            self._scale,
+            self.scale,
             time,
             source,
             self._world,

@@ -52,6 +52,11 @@ class Body:
         pairs = [part for pair in self.keys.items() for part in pair]
         return Message("/object/new", (self.name, self.preset, *pairs))
 
+    @cached_property
+    def ringing(self) -> float:
+        """s after a blow until all of it has fallen by 90 dB."""
+        return math.log(10.0 ** (90.0 / 20.0)) / float(self.modes.decay.min(initial=math.inf)) if self.modes else 0.0
+
     def place(self, point: Vector) -> float:
         """The place 0 to 1 on its object's strike path, of a point (m) in its axes."""
         return self.shape.place(point)

@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping
 
-import numpy as np
-
 from ..osc.wire import Message
 from .bodies import Body
+from .deeds import Deed, Ending, Said, Steering
+from .told import Event
 
 _LEAST = 1e-6  # m/s, N: a slide of 0 would end
 _CHANGED, _SLOW, _AWAY = 0.05, 0.004, 0.01  # shares, m/s or N, and of a strike path: what is told anew
@@ -29,12 +29,12 @@ class Gestures:
     def begin(
         self,
         key: Key,
-        event: np.void,
+        event: Event,
         side: int,
         bodies: tuple[Body, Body],
         places: tuple[float, float],
         keys: Mapping[str, float | str],
-    ) -> list[Message]:
+    ) -> list[Deed]:
         """Begin a slide on the first of two bodies, `side` of the pair, at places of both; nothing if there is no
         room."""
         if key in self.running:
@@ -56,28 +56,28 @@ class Gestures:
         if "static" in keys or "dynamic" in keys:
             given["dynamic"] = min(float(given["dynamic"]), float(given["static"]))
         pairs = [part for pair in given.items() for part in pair]
-        return [Message(f"/object/{to.name}/slide", (slip, places[0], *pairs))]
+        return [Said(event.time, Message(f"/object/{to.name}/slide", (slip, places[0], *pairs)))]
 
-    def steer(self, key: Key, event: np.void, side: int, place: float) -> list[Message]:
+    def steer(self, key: Key, event: Event, side: int, place: float) -> list[Deed]:
         """Steer a slide."""
         slip, sweep, force = _motion(event, side)
         said = self._said[key]
-        found = []
+        found: list[Deed] = []
         for name, value in {"speed": slip, "sweep": sweep, "force": force, "position": place}.items():
             least = _AWAY if name == "position" else _CHANGED * max(said[name], _SLOW)
             if abs(value - said[name]) > least:
                 said[name] = value
-                found.append(Message(f"/gesture/{self.running[key]}/{name}", (value,)))
+                found.append(Steering(event.time, self.running[key], name, value))
         return found
 
-    def rest(self, key: Key) -> list[Message]:
+    def rest(self, key: Key, event: Event) -> list[Deed]:
         """End a slide, if it goes on."""
         id = self.running.pop(key, None)
         self._said.pop(key, None)
-        return [Message(f"/gesture/{id}/stop", ())] if id else []
+        return [Ending(event.time, id)] if id else []
 
 
-def _motion(event: np.void, side: int) -> tuple[float, float, float]:
+def _motion(event: Event, side: int) -> tuple[float, float, float]:
     """Slip and sweep over a side of the pair (m/s), and force (N), as a slide takes them."""
-    slip = min(max(float(event["slip"]), _LEAST), 100.0)
-    return slip, min(float(event["sweep"][side]), 100.0), min(max(float(event["force"]), _LEAST), 1e5)
+    slip = min(max(event.slip, _LEAST), 100.0)
+    return slip, min(event.sweep[side], 100.0), min(max(event.force, _LEAST), 1e5)

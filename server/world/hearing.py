@@ -2,18 +2,21 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...dsp.tracking.ears import EARS
+from ...dsp.tracking.track import place
 from .bodies import WorldError
 from .shapes import Vector
 
 NEAREST = 0.1
 """m: a body that is nearer to a microphone is as loud as at this distance."""
 _CHANGED = 0.03  # share by which a gain changes before it is told: 0.26 dB
+_PLACED = 0.02  # s between two looks at where bodies are
 _RECENT = 0.1  # s: what was louder so lately hides what is fainter
 
 
@@ -54,28 +57,14 @@ class Hearing:
 
 
 class Listener:
-    """The gains of bodies in each channel, and whether a contact is heard."""
+    """Decides whether a contact is heard."""
 
     def __init__(self, hearing: Hearing) -> None:
         self.hearing = hearing
-        self._positions = np.array([each.position for each in hearing.microphones], np.float64)
-        directions = [each.direction or (0.0, 0.0, 0.0) for each in hearing.microphones]
-        lengths = np.linalg.norm(directions, axis=1, keepdims=True)
-        self._directions = np.array(directions) / np.where(lengths > 0, lengths, 1.0)
-        patterns = [each.pattern if each.direction is not None else 0.0 for each in hearing.microphones]
-        self._pattern = np.array(patterns, np.float64)
         self._faintest = 20e-6 * 10.0 ** (hearing.faintest / 20.0)
         self._masked = 10.0 ** (-hearing.masked / 20.0)
         self._loudest = 0.0
         self._loudest_at = -math.inf
-
-    def gains(self, positions: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The gains (n, channels) of bodies at positions (n, 3): 1/r, times what each microphone hears from there."""
-        way = positions[:, None] - self._positions
-        distance = np.maximum(np.sqrt((way**2).sum(axis=2)), NEAREST)
-        cosine = (way * self._directions).sum(axis=2) / distance
-        heard: NDArray[np.float64] = (1.0 - self._pattern + self._pattern * cosine) / distance
-        return heard
 
     def is_heard(self, pressure: float, time: float) -> bool:
         """Whether a contact of a pressure (Pa rms at a microphone) is heard at a time (s), after those asked of."""
@@ -87,21 +76,42 @@ class Listener:
         return True
 
 
-@dataclass
 class Placing:
-    """The gains that were told of each body, (bodies, channels); NaN where none were."""
+    """The gains of bodies in each channel, 1/r times what the microphone hears from there: as they are, and as they
+    were told of those that sound. state: the tracker's memory."""
 
-    told: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 0)))
+    def __init__(self, hearing: Hearing, state: NDArray[np.void]) -> None:
+        self._ears = np.zeros(1, EARS)
+        record = self._ears[0]
+        record["count"] = count = len(hearing.microphones)
+        record["nearest"], record["step"] = NEAREST, _CHANGED
+        for n, microphone in enumerate(hearing.microphones):
+            record["position"][n] = microphone.position
+            length = math.hypot(*microphone.direction) if microphone.direction else 0.0
+            if microphone.direction and length:
+                record["direction"][n] = np.array(microphone.direction) / length
+                record["pattern"][n] = microphone.pattern
+        record["told"] = np.nan
+        self.loudest: NDArray[np.float64] = record["loudest"]
+        """The gain of each body at the microphone that hears it best."""
+        self._until, self._sound, self._changed = record["until"], self._ears["sound"], record["changed"]
+        self._now = record["now"][:, :count]
+        self._addresses = self._ears.ctypes.data, state.ctypes.data
+        self._kept = state
+        self.silence()
 
-    def changed(self, gains: NDArray[np.float64]) -> NDArray[np.intp]:
-        """The bodies whose gains (n, channels) are others than those told; they are told now."""
-        if self.told.shape != gains.shape:
-            before = self.told
-            self.told = np.full(gains.shape, np.nan)
-            if before.shape[1:] == gains.shape[1:]:
-                self.told[: len(before)] = before
-        size = np.abs(self.told).max(axis=1, keepdims=True)
-        near = np.abs(gains - self.told) <= _CHANGED * size
-        found = np.flatnonzero(~near.all(axis=1))
-        self.told[found] = gains[found]
-        return found
+    def silence(self) -> None:
+        """Nothing sounds."""
+        self._until[:] = -math.inf
+        self.next = math.inf
+        """s: when to look again."""
+
+    def sounds(self, body: int, until: float) -> None:
+        """A body sounds, until a time (s)."""
+        self._until[body] = until
+
+    def look(self, time: float) -> list[tuple[int, list[float]]]:
+        """The bodies that sound and whose gains are others than those told, with these."""
+        count = place(*self._addresses)
+        self.next = time + _PLACED if self._sound[0] else math.inf
+        return [(n, self._now[n].tolist()) for n in self._changed[:count].tolist()]

@@ -1,70 +1,24 @@
-"""A simulation as it is told step by step, and the messages by which it is heard."""
+"""A simulation as it is told step by step, and what is to be heard of it."""
 
 import math
-from collections import deque
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
-from typing import NamedTuple
+from collections.abc import Callable, Mapping
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from ...dsp.tracking.state import BODIES, EVENTS, HIT, MOVE, REST, new_state
-from ...dsp.tracking.track import track
+from ...dsp.tracking.state import BODIES, EVENTS, HIT, MOVE, POINTS, REST, new_state
+from ...dsp.tracking.track import track, track_arrays
 from ...dsp.wording import expected
 from ...presets import Presets
 from ..osc.arguments import shown
-from ..osc.wire import Argument, Message
-from .bodies import Body, BodyMaker, WorldError, contact_of, duration
+from ..osc.wire import Argument
+from .blows import Blows, Counts, Hit, Laws, roles
+from .bodies import Body, BodyMaker, WorldError
+from .deeds import Deed, Gains, Said
 from .gestures import Gestures
 from .hearing import Hearing, Listener, Placing
-from .pairs import Pair, Surfaces, pair_of, restitution_of
-from .shapes import Vector
-from .told import Contacts, Pose, Poses, take_contacts, take_pose, vector
-
-_BLOWS_IN = 0.05  # s: the time over which blows are counted
-_PLACED = 0.02  # s between two looks at where bodies are
-_LONGEST = 0.9  # s: of a blow
-_DULLEST = 0.02  # restitution: with less, a blow would hardly end
-
-
-class Timed(NamedTuple):
-    """A message and the time (s) of the simulation at which it is heard."""
-
-    time: float
-    message: Message
-
-
-class Hit(NamedTuple):
-    """A blow between two bodies.
-
-    time: s; speed: of the approach, m/s; mass: effective, kg; impulse: of a rigid blow, N s, mass speed (1 +
-    restitution); point: m; normal: from a to b; heard: whether it was loud enough to be computed.
-    """
-
-    time: float
-    a: str
-    b: str
-    speed: float
-    mass: float
-    restitution: float
-    impulse: float
-    point: Vector
-    normal: Vector
-    heard: bool
-
-
-@dataclass
-class Counts:
-    """What was told and what became of it. hits: blows; faint: of these, those that nobody would hear; over_budget:
-    those left out as too many came at once, and the same of gestures; gestures: slides and rolls that began; crowded:
-    points of contact that found no room."""
-
-    hits: int = 0
-    faint: int = 0
-    over_budget: int = 0
-    gestures: int = 0
-    crowded: int = 0
+from .pairs import Pair, Surfaces, pair_of
+from .told import Contacts, Event, Pose, Poses, events_of, take_contacts, take_pose
 
 
 class Simulation:
@@ -93,35 +47,32 @@ class Simulation:
         self.hits: list[Hit] = []
         """The blows of the last step."""
         self.state = new_state(rest, gravity)
-        self.state["time"] = start
+        self.state["time"] = self.time = start
         self.steps = 0
-        self.blow_of: Callable[[np.void], tuple[float, float]] | None = None
-        """What a simulator says of a blow (an EVENT): its effective mass (kg) and restitution; NaN: nothing."""
+        self.hearing = hearing or Hearing()
         self._presets = presets
         self._maker = BodyMaker(presets, top)
         self._surfaces = Surfaces(presets)
         self._numbers: dict[str, int] = {}
         self._pairs: dict[tuple[int, int], Pair] = {}
-        self._listener = Listener(hearing or Hearing())
-        self._placing = Placing()
-        self._placed_at = -math.inf
-        self._blows: deque[float] = deque()
-        self._gestures = Gestures(self._listener.hearing.gestures, self._listener.hearing.seed)
-
-    @property
-    def time(self) -> float:
-        """s: of the last step."""
-        return float(self.state["time"][0])
-
-    @property
-    def touching(self) -> int:
-        """The pairs of bodies that touch, or did a moment ago."""
-        return int(self.state["touching"][0])
+        self._laws = Laws(self.bodies)
+        listener = Listener(self.hearing)
+        self._placing = Placing(self.hearing, self.state)
+        self._blows = Blows(self.bodies, self._laws, self._pairs, listener, self._placing)
+        self._gestures = Gestures(self.hearing.gestures, self.hearing.seed)
+        events = self.state["events"][0]
+        self._whole, self._floats = (events.view(kind).reshape(EVENTS, -1) for kind in (np.int64, np.float64))
+        self._address = self.state.ctypes.data
+        self._now, self._touching = self.state["time"], self.state["touching"]
 
     @property
     def channels(self) -> int:
         """One for each microphone."""
-        return len(self._listener.hearing.microphones)
+        return len(self.hearing.microphones)
+
+    def ask_of_blows(self, said: Callable[[Event], tuple[float, float]]) -> None:
+        """Ask a simulator what it says of each blow: its effective mass (kg) and restitution; NaN: nothing."""
+        self._blows.said = said
 
     def number(self, name: str) -> int:
         """The number of a body, from 0 on. WorldError if there is none of that name."""
@@ -132,8 +83,8 @@ class Simulation:
 
     def add(
         self, name: str, shape: str, size: ArrayLike, material: str, pose: Pose | None = None, **about: Argument
-    ) -> list[Timed]:
-        """Add a body, as BodyMaker makes it; the messages that make its object."""
+    ) -> list[Deed]:
+        """Add a body, as BodyMaker makes it; what makes its object."""
         if name in self._numbers:
             raise WorldError(f"body {name}: there is one of that name already")
         if len(self.bodies) == BODIES:
@@ -149,8 +100,7 @@ class Simulation:
         self.bodies.append(body)
         record["bodies"] = len(self.bodies)
         self._numbers[name] = number
-        self._placed_at = -math.inf
-        return [Timed(self.time, body.message())] if body.rings else []
+        return [Said(self.time, body.message())] if body.rings else []
 
     def take_back(self, name: str) -> None:
         """Forget the body that was added last."""
@@ -158,6 +108,7 @@ class Simulation:
             self.bodies.pop()
             del self._numbers[name]
             self.state["bodies"] = len(self.bodies)
+            self._laws.forget()
 
     def pair(self, a: str, b: str, **keys: Argument) -> None:
         """Say how the contact of two bodies differs from that of their materials: keys of `pairs.KEYS`."""
@@ -166,16 +117,19 @@ class Simulation:
 
     def restart(self, time: float) -> None:
         """Forget all that touches, and go on at another time (s); bodies and pairs stay."""
-        self.state["time"], self.state["touching"] = time, 0
-        self.state["place"] = 0
+        self.wait(time)
+        self.state["touching"] = self.state["place"] = 0
         self.hits = []
-        self._blows.clear()
-        self._placed_at = -math.inf
-        self._listener = Listener(self._listener.hearing)
-        self._gestures = Gestures(self._listener.hearing.gestures, self._listener.hearing.seed)
+        self._placing.silence()
+        self._blows.restart(Listener(self.hearing))
+        self._gestures = Gestures(self.hearing.gestures, self.hearing.seed)
 
-    def step(self, time: float, contacts: Contacts = (), poses: Poses | None = None) -> list[Timed]:
-        """Take a step's contacts and poses; the messages of what happened since the step before."""
+    def wait(self, time: float) -> None:
+        """Let time pass up to another (s), in which nothing is told."""
+        self._now[0] = self.time = time
+
+    def step(self, time: float, contacts: Contacts = (), poses: Poses | None = None) -> list[Deed]:
+        """Take a step's contacts and poses; what is to be heard of what happened since the step before."""
         where = f"step {self.steps + 1}"
 
         def number(name: str) -> int:
@@ -188,27 +142,25 @@ class Simulation:
             take_pose(self.state, number(name), pose, f"{where}: body {name}")
         return self.advance(time, take_contacts(self.state, contacts, number, where))
 
-    def advance(self, time: float, points: int) -> list[Timed]:
-        """As `step`, where poses and the contacts' points are in `state` already."""
+    def advance(self, time: float, points: int, arrays: int = 0) -> list[Deed]:
+        """As `step`, where poses and so many contacts are in `state` already, or in the arrays of a simulator: then the
+        address of a record of ARRAYS."""
         before = self.time
         if not before < time < math.inf:
             raise WorldError(f"step {self.steps + 1}: time = {time}: expected above {before}, that of the step before")
-        found = track(self.state.ctypes.data, points, time)
+        found = track_arrays(self._address, arrays, points, time) if arrays else track(self._address, points, time)
         if found < 0:
             raise WorldError(f"step {self.steps + 1}: {self._fault(points)}")
         self.steps += 1
-        self.hits = []
-        self.counts.crowded = int(self.state["left_out"][0])
-        messages = self._placed(before, time)
-        if found:
-            events = self.state["events"][0, : min(found, EVENTS)]
-            kinds = events["kind"]
-            messages += self._struck(events[kinds == HIT])
-            messages += self._moved(events[kinds != HIT])
-        return messages
+        self.time = time
+        if self.hits:
+            self.hits = []
+        return self._heard(before, found) if found or time >= self._placing.next else []
 
     def _fault(self, points: int) -> str:
-        """What of the last step is not finite."""
+        """What of the last step cannot be."""
+        if points > POINTS:
+            return f"{points} contacts: expected at most {POINTS}"
         record = self.state[0]
         for number, body in enumerate(self.bodies):
             for name in ("position", "turn", "velocity", "spin"):
@@ -225,109 +177,58 @@ class Simulation:
                     return f"bodies {names[0]}, {names[1]}: {name} = {value}: expected finite numbers"
         return f"{points} contacts: expected finite numbers"
 
-    def _placed(self, before: float, time: float) -> list[Timed]:
-        """The gains of bodies that have moved, from time to time; they hold from the step before on."""
-        if time - self._placed_at < _PLACED:
-            return []
-        self._placed_at = time
-        gains = self._listener.gains(self.state["position"][0, : len(self.bodies)])
-        changed = self._placing.changed(gains)
-        return [
-            Timed(before, Message(f"/object/{self.bodies[n].name}/gains", tuple(map(float, gains[n]))))
-            for n in changed.tolist()
-            if self.bodies[n].rings
-        ]
-
-    def _gain(self, number: int) -> float:
-        """How loud a body is at the microphone that hears it best."""
-        return float(np.abs(self._placing.told[number]).max())
-
-    def _struck(self, events: NDArray[np.void]) -> list[Timed]:
-        """The messages of blows that are heard."""
-        judged = [self._judged(event) for event in events]
-        while self._blows and self._blows[0] < self.time - _BLOWS_IN:
-            self._blows.popleft()
-        room = self._listener.hearing.blows - len(self._blows)
-        messages = []
-        for pressure, hit, message in sorted(judged, key=lambda each: -each[0]):
-            self.counts.hits += 1
-            if message is None or not self._listener.is_heard(pressure, hit.time):
-                self.counts.faint += 1
-                hit = hit._replace(heard=False)
-            elif room <= 0:
-                self.counts.over_budget += 1
-                hit = hit._replace(heard=False)
-            else:
-                room -= 1
-                self._blows.append(hit.time)
-                messages.append(Timed(hit.time, message))
-            self.hits.append(hit)
-        return messages
-
-    def _judged(self, event: np.void) -> tuple[float, Hit, Message | None]:
-        """A blow: its pressure (Pa rms at a microphone), what it is, and its message if something rings."""
-        first, second = int(event["a"]), int(event["b"])
-        a, b = self.bodies[first], self.bodies[second]
-        local = (vector(event["local"][0]), vector(event["local"][1]))
-        stiffness, dissipation, exponent, _ = contact_of(a, b, local)
-        speed, mass, told = float(event["speed"]), float(event["mass"]), float(event["restitution"])
-        if self.blow_of:
-            said = self.blow_of(event)
-            mass, told = (old if math.isnan(new) else new for new, old in zip(said, (mass, told), strict=True))
-        given = self._pairs[first, second].restitution if (first, second) in self._pairs else math.nan
-        given = told if math.isnan(given) else given
-        restitution = restitution_of(dissipation, speed) if math.isnan(given) else min(max(given, 0.0), 1.0)
-        impulse = mass * speed * (1.0 + restitution)
-        lasting = duration(mass, stiffness, speed)
-        pressure = impulse * sum(
-            body.loudness(lasting) * self._gain(n) for n, body in ((first, a), (second, b)) if body.rings
-        )
-        hit = Hit(
-            float(event["time"]), a.name, b.name, speed, mass, restitution, impulse,
-            vector(event["point"]), vector(event["normal"]), True,
-        )  # fmt: skip
-        to, by, at, by_at = _roles(a, b, local)
-        if not to.rings or lasting > _LONGEST or not 1e-9 <= mass <= 1e6:
-            return 0.0, hit, None
-        lost = ("dissipation", dissipation) if math.isnan(given) else ("restitution", max(restitution, _DULLEST))
-        other = ("by", by.name, "by_position", by.place(by_at)) if by.rings else ()
-        law = ("mass", mass, "stiffness", stiffness, *lost, "exponent", exponent)
-        return pressure, hit, Message(f"/object/{to.name}/impact", (min(speed, 1e3), to.place(at), *other, *law))
-
-    def _moved(self, events: NDArray[np.void]) -> list[Timed]:
-        """The messages of standing contacts that begin to slip or sweep, do so otherwise, or rest."""
-        messages: list[Timed] = []
+    def _heard(self, before: float, found: int) -> list[Deed]:
+        """What is to be heard of so many events since a time (s)."""
+        count = min(found, EVENTS)
+        events = events_of(self._whole[:count], self._floats[:count])
+        self.counts.crowded = int(self.state["left_out"][0])
         for event in events:
-            key = first, second = int(event["a"]), int(event["b"])
-            a, b = self.bodies[first], self.bodies[second]
-            local = (vector(event["local"][0]), vector(event["local"][1]))
-            to, by, at, by_at = _roles(a, b, local)
-            side = 0 if to is a else 1
-            kind = int(event["kind"])
-            if kind == REST:
-                found = self._gestures.rest(key)
-            elif kind == MOVE or key not in self._gestures.running:
-                if not to.rings:
-                    continue
-                law = contact_of(a, b, local)
-                pair = self._pairs.get(key, Pair())
-                surface = pair.surface or self._surfaces.between(a, b)
-                mass = 1.0 / max(float(self.state["lightness"][0, n]) for n in key)
-                found = self._gestures.begin(key, event, side, (to, by), (to.place(at), by.place(by_at)),
-                                             _sliding(law, mass, surface, pair))  # fmt: skip
-                self.counts.over_budget += not found and kind == MOVE
-                self.counts.gestures += bool(found)
-            else:
-                found = self._gestures.steer(key, event, side, to.place(at))
-            messages += [Timed(float(event["time"]), message) for message in found]
-        return messages
+            if event.kind != REST:
+                self._sounds(event.a)
+                self._sounds(event.b)
+        placed = self._placing.look(self.time)
+        deeds: list[Deed] = [Gains(before, self.bodies[n].name, tuple(gains)) for n, gains in placed]
+        hits = [event for event in events if event.kind == HIT]
+        if hits:
+            deeds += self._blows.heard(hits, self.time, self.counts, self.hits)
+        for event in events:
+            if event.kind != HIT:
+                deeds += self._moved(event)
+        return deeds
 
+    def _sounds(self, number: int) -> None:
+        """A body sounds, for as long as it rings, or on and on where it slides."""
+        body = self.bodies[number]
+        if body.rings:
+            slides = any(number in pair for pair in self._gestures.running)
+            self._placing.sounds(number, math.inf if slides else self.time + body.ringing)
 
-def _roles(a: Body, b: Body, local: tuple[Vector, Vector]) -> tuple[Body, Body, Vector, Vector]:
-    """The body that is struck and the one that strikes, with the points: what rings is struck, the heavier rather."""
-    if (a.rings, a.held, a.mass) >= (b.rings, b.held, b.mass):
-        return a, b, local[0], local[1]
-    return b, a, local[1], local[0]
+    def _moved(self, event: Event) -> list[Deed]:
+        """What is to be heard of a standing contact that begins to slip or sweep, does so otherwise, or rests."""
+        key = first, second = event.a, event.b
+        a, b = self.bodies[first], self.bodies[second]
+        to, by, at, by_at = roles(a, b, event.local)
+        side = 0 if to is a else 1
+        if event.kind == REST:
+            ended = self._gestures.rest(key, event)
+            for n in key if ended else ():
+                self._sounds(n)
+            return ended
+        if event.kind != MOVE and key in self._gestures.running:
+            return self._gestures.steer(key, event, side, to.place(at))
+        if not to.rings:
+            return []
+        law = self._laws.of(first, second, event.local)
+        pair = self._pairs.get(key, Pair())
+        surface = pair.surface or self._surfaces.between(a, b)
+        mass = 1.0 / max(float(self.state["lightness"][0, n]) for n in key)
+        begun = self._gestures.begin(key, event, side, (to, by), (to.place(at), by.place(by_at)),
+                                     _sliding(law, mass, surface, pair))  # fmt: skip
+        self.counts.over_budget += not begun and event.kind == MOVE
+        self.counts.gestures += bool(begun)
+        for n in key if begun else ():
+            self._sounds(n)
+        return begun
 
 
 def _sliding(
@@ -337,8 +238,3 @@ def _sliding(
     stiffness, _, exponent, radius = law
     return {"mass": mass, "stiffness": stiffness, "exponent": exponent, "radius": radius, "surface": surface,
             **pair.slide}  # fmt: skip
-
-
-def at_times(messages: Iterable[Timed]) -> list[Timed]:
-    """Messages by their times; of one time as they came."""
-    return sorted(messages, key=lambda each: each.time)

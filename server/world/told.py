@@ -44,6 +44,24 @@ class Pose(NamedTuple):
     spin: Sequence[float] = (0.0, 0.0, 0.0)
 
 
+class Event(NamedTuple):
+    """Something that happened between two bodies, as the tracker's EVENT."""
+
+    kind: int
+    a: int
+    b: int
+    time: float
+    point: Vector
+    normal: Vector
+    local: tuple[Vector, Vector]
+    speed: float
+    mass: float
+    restitution: float
+    slip: float
+    sweep: tuple[float, float]
+    force: float
+
+
 Contacts = Iterable[Touch] | Mapping[str, ArrayLike]
 """Touches, or the columns of these as arrays: `pair` (n, 2) of bodies' numbers, `point` (n, 3), `normal` (n, 3)."""
 
@@ -115,7 +133,27 @@ def rotation(turn: Sequence[float]) -> tuple[float, ...]:
     )  # fmt: skip
 
 
-def vector(values: Any) -> Vector:
-    """Three numbers as floats."""
-    x, y, z = values
-    return float(x), float(y), float(z)
+def events_of(whole: NDArray[np.int64], numbers: NDArray[np.float64]) -> list[Event]:
+    """The events of a step, from rows of EVENT as integers and as floats."""
+    found = []
+    for (kind, a, b), row in zip(whole[:, :3].tolist(), numbers[:, 3:].tolist(), strict=True):
+        time, x, y, z, nx, ny, nz, ax, ay, az, bx, by, bz, speed, mass, restitution, slip, sweep_a, sweep_b, force = row
+        local = ((ax, ay, az), (bx, by, bz))
+        found.append(
+            Event(
+                kind,
+                a,
+                b,
+                time,
+                (x, y, z),
+                (nx, ny, nz),
+                local,
+                speed,
+                mass,
+                restitution,
+                slip,
+                (sweep_a, sweep_b),
+                force,
+            )
+        )
+    return found

@@ -10,8 +10,7 @@ import time
 import mujoco
 import numpy as np
 
-from carom.mujoco import Bridge
-from tests.clients.face.corpus import HEARING, SCENES, apart, over_seeds, run, shake
+from tests.clients.face.corpus import SCENES, apart, over_seeds, prepared, run, shake
 
 STEPS = (0.001, 0.002, 0.005)  # s
 SEEDS = {"ramp": 16, "slide": 16}
@@ -19,12 +18,8 @@ SEEDS = {"ramp": 16, "slide": 16}
 
 def cost(name: str, step: float) -> tuple[float, float, float]:
     """Seconds of MuJoCo, of the bridge and of the sound, for each second of a scene."""
-    make, lasts = SCENES[name]
-    model = mujoco.MjModel.from_xml_string(make(step))
-    data = mujoco.MjData(model)
-    if model.nkey:
-        mujoco.mj_resetDataKeyframe(model, data, 0)
-    bridge = Bridge(model, data, hearing=HEARING)
+    model, data, bridge = prepared(name, step)
+    lasts = SCENES[name][1]
     marks = np.zeros(3)
     for _ in range(round(lasts / step)):
         shake(name, data)

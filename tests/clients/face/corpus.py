@@ -42,16 +42,21 @@ class Run(NamedTuple):
         return float((self.sound.astype(np.float64) ** 2).sum() / 48_000)
 
 
-def run(name: str, step: float, seconds: float | None = None, hearing: carom.Hearing = HEARING) -> Run:
-    """Run a scene at a step (s), and hear it."""
-    make, lasts = SCENES[name]
+def prepared(name: str, step: float, hearing: carom.Hearing = HEARING):
+    """A scene at a step (s) before its start: MuJoCo's model and data, and what hears them."""
+    make, _ = SCENES[name]
     model = mujoco.MjModel.from_xml_string(make(step))
     data = mujoco.MjData(model)
     if model.nkey:
         mujoco.mj_resetDataKeyframe(model, data, 0)
-    bridge = Bridge(model, data, hearing=hearing)
+    return model, data, Bridge(model, data, hearing=hearing)
+
+
+def run(name: str, step: float, seconds: float | None = None, hearing: carom.Hearing = HEARING) -> Run:
+    """Run a scene at a step (s), and hear it."""
+    model, data, bridge = prepared(name, step, hearing)
     hits, blocks, forces, speeds = [], [], [], []
-    for _ in range(round((seconds or lasts) / step)):
+    for _ in range(round((seconds or SCENES[name][1]) / step)):
         shake(name, data)
         speeds.append(data.qvel.copy())
         blocks.append(bridge.step())

@@ -1,0 +1,39 @@
+"""Numbers at addresses that others have told, for kernels."""
+
+from typing import Any
+
+from .jit import intrinsic, ir, types
+
+
+def _loaded(kind: Any, builder: Any, address: Any) -> Any:
+    return builder.load(builder.inttoptr(address, kind.as_pointer()))
+
+
+@intrinsic
+def load_double(typingctx, address):
+    """The float64 at an address."""
+
+    def codegen(context, builder, signature, args):
+        return _loaded(ir.DoubleType(), builder, args[0])
+
+    return types.float64(types.int64), codegen
+
+
+@intrinsic
+def load_address(typingctx, address):
+    """The address at an address."""
+
+    def codegen(context, builder, signature, args):
+        return _loaded(ir.IntType(64), builder, args[0])
+
+    return types.int64(types.int64), codegen
+
+
+@intrinsic
+def load_int32(typingctx, address):
+    """The int32 at an address, as an int64."""
+
+    def codegen(context, builder, signature, args):
+        return builder.sext(_loaded(ir.IntType(32), builder, args[0]), ir.IntType(64))
+
+    return types.int64(types.int64), codegen

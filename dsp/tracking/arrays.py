@@ -1,0 +1,89 @@
+"""A step's poses and contacts, gathered from where a simulator has them: arrays in its own memory, at fixed addresses.
+
+They are laid out as MuJoCo's: a contact is a struct, its force is in a row of the constraints' forces.
+"""
+
+import numpy as np
+
+from ..native.jit import kernel
+from ..native.pointers import load_address, load_double, load_int32
+from .state import BODIES, POINTS
+
+ARRAYS = np.dtype(
+    [
+        ("first", np.int64),  # the number of the first body that moves; the others follow
+        ("bodies", np.int64),
+        # For each of them its rows in the arrays below.
+        ("geom", np.int64, BODIES),
+        ("body", np.int64, BODIES),
+        ("root", np.int64, BODIES),
+        # Addresses of arrays of float64.
+        ("positions", np.int64),  # by geom: 3
+        ("turns", np.int64),  # by geom: a rotation matrix
+        ("motions", np.int64),  # by body: spin, and the velocity of the point `abouts`
+        ("abouts", np.int64),  # by root: 3
+        # Contacts: where the address of the first stands, how far apart they are, and where in each its parts are.
+        ("contacts", np.int64),
+        ("stride", np.int64),
+        ("point", np.int64),
+        ("normal", np.int64),
+        ("distance", np.int64),
+        ("geoms", np.int64),  # two of int32
+        ("row", np.int64),  # int32: of the force; below 0 it is not in force
+        ("dimensions", np.int64),  # int32
+        ("forces", np.int64),  # where the address of the forces stands; 0: they are not known
+        ("pyramids", np.int64),  # 1: a force is the sum of two rows for each tangent
+        ("numbers", np.int64),  # address of int32: the number of each geom's body
+    ],
+    align=True,
+)
+"""Where a simulator has its poses and contacts."""
+
+_DOUBLE, _INT = 8, 4  # bytes
+
+
+@kernel
+def gather(state, arrays, points):
+    """Copy poses and so many contacts into the tracker's memory."""
+    for n in range(arrays.bodies):
+        to = arrays.first + n
+        place = arrays.positions + 3 * _DOUBLE * arrays.geom[n]
+        turn = arrays.turns + 9 * _DOUBLE * arrays.geom[n]
+        motion = arrays.motions + 6 * _DOUBLE * arrays.body[n]
+        about = arrays.abouts + 3 * _DOUBLE * arrays.root[n]
+        for k in range(3):
+            state.position[to, k] = load_double(place + _DOUBLE * k)
+            state.spin[to, k] = load_double(motion + _DOUBLE * k)
+            state.velocity[to, k] = load_double(motion + _DOUBLE * (3 + k))
+            state.about[to, k] = load_double(about + _DOUBLE * k)
+        for k in range(9):
+            state.turn[to, k] = load_double(turn + _DOUBLE * k)
+    if 0 < points <= POINTS:
+        first = load_address(arrays.contacts)
+        for n in range(points):
+            _take_contact(state, arrays, n, first + arrays.stride * n)
+
+
+@kernel
+def _take_contact(state, arrays, n, contact):
+    """Copy a contact at an address; one that is not in force is as if it did not touch."""
+    row = load_int32(contact + arrays.row)
+    for side in range(2):
+        geom = load_int32(contact + arrays.geoms + _INT * side)
+        state.pair[n, side] = load_int32(arrays.numbers + _INT * max(geom, 0))
+        if geom < 0:
+            row = -1
+    if row < 0:
+        state.pair[n, 1] = state.pair[n, 0]
+    for k in range(3):
+        state.point[n, k] = load_double(contact + arrays.point + _DOUBLE * k)
+        state.normal[n, k] = load_double(contact + arrays.normal + _DOUBLE * k)
+    state.depth[n] = -load_double(contact + arrays.distance)
+    state.force[n] = 0.0
+    if row >= 0 and arrays.forces:
+        forces = load_address(arrays.forces) + _DOUBLE * row
+        rows = 1
+        if arrays.pyramids:
+            rows = max(1, 2 * (load_int32(contact + arrays.dimensions) - 1))
+        for k in range(rows):
+            state.force[n] += load_double(forces + _DOUBLE * k)

@@ -1,0 +1,237 @@
+"""What happened to each pair of bodies in a step: blows, and standing contacts that begin to move, do so otherwise, or
+rest.
+
+A pair that has touched for a while slips at the speed of one body over the other, and sweeps at that of the contact
+over each body. What is told of it changes only where that can be heard.
+"""
+
+import math
+
+from ..native.jit import kernel
+from .points import GRAZING, MEMORY, clear, into, take_point
+from .state import EVENTS, HIT, MOVE, POINTS, REST, STEER
+
+_STOOD = 0.03  # s after a blow, when it is not one of a bounce
+_SMOOTH = 0.005  # s: time constant of slip and sweep
+_SMOOTH_FORCE = 0.1  # s: of the force
+_SMOOTH_PLACE = 0.05  # s: of the place
+_REMEMBERED = 0.2  # s: time constant with which a fast slip is forgotten
+_LONGEST_HOP = 0.1  # s that what slides may be without a contact
+_MOVES, _RESTS = 0.01, 0.004  # m/s: a contact begins to move above the first, and rests below the second
+_NOTICED = 0.05  # share by which a speed or a force must change to be told
+_BETWEEN = 0.01  # s between two times that a contact is told: half the time constant by which a slide glides
+_FALL = 1.05  # times the speed that gravity gives in a step, which is no blow either
+
+
+@kernel
+def take_step(state, points, time):
+    """Look at a step of so many points at a time (s); the number of events, -1 for numbers that cannot be."""
+    if not _is_whole(state, points):
+        return -1
+    span = time - state.time
+    state.time = time
+    state.happened = 0
+    for i in range(state.touching):
+        clear(state.pairs[i])
+    least = max(state.rest, _FALL * state.gravity * span)
+    for n in range(points):
+        take_point(state, n, span, least)
+    for i in range(state.touching - 1, -1, -1):
+        _judge(state, i, span)
+    return state.happened
+
+
+@kernel
+def _is_whole(state, points):
+    """True if all that was told is finite, and of bodies that there are."""
+    if points > POINTS:
+        return False
+    total = 0.0
+    for n in range(state.bodies):
+        for k in range(3):
+            total += state.position[n, k] + state.velocity[n, k] + state.spin[n, k]
+        for k in range(9):
+            total += state.turn[n, k]
+    for n in range(points):
+        for side in range(2):
+            if not 0 <= state.pair[n, side] < state.bodies:
+                return False
+        for k in range(3):
+            total += state.point[n, k] + state.normal[n, k]
+    return math.isfinite(total)
+
+
+@kernel
+def _judge(state, i, span):
+    """Tell what happened to a pair in this step; forget it where it touches no more."""
+    pair = state.pairs[i]
+    if pair.count == 0:
+        _leave(state, i, span)
+        return
+    for k in range(3):
+        pair.point[k] /= pair.count
+    if pair.fresh > 0:
+        _hit(state, pair)
+        pair.stood, pair.begun = 0, state.time
+    elif pair.settled == 0 or state.time - pair.begun > _STOOD:
+        pair.stood = 1
+    _follow(state, pair, span)
+    slip, sweep = pair.now[0], pair.now[1]
+    fastest = max(slip, sweep)
+    if pair.moves == 0:
+        if fastest > _MOVES and pair.stood == 1 and pair.settled == 2:
+            pair.moves = 1
+            _tell(state, pair, MOVE)
+    elif fastest < _RESTS:
+        pair.moves = 0
+        _tell(state, pair, REST)
+    elif state.time - pair.told_at >= _BETWEEN and _is_noticed(pair):
+        _tell(state, pair, STEER)
+
+
+@kernel
+def _leave(state, i, span):
+    """A pair does not touch in this step: forget it, unless it slides and may only have hopped."""
+    pair = state.pairs[i]
+    longest = max(MEMORY, 2.5 * span)
+    if pair.stood == 1 and state.gravity > 0.0:
+        longest = max(longest, min(2.0 * GRAZING * pair.fastest / state.gravity, _LONGEST_HOP))
+    if state.time - pair.seen > longest:
+        if pair.moves:
+            _tell(state, pair, REST)
+        _forget(state, i)
+    elif pair.moves:
+        pair.now[2] *= math.exp(-span / _SMOOTH_FORCE)
+
+
+@kernel
+def _follow(state, pair, span):
+    """Find how a contact slips and sweeps, and how hard it is pressed, smoothed."""
+    share, near = -math.expm1(-span / _SMOOTH), -math.expm1(-span / _SMOOTH_PLACE)
+    for side in range(2):
+        for k in range(3):
+            at = into(state, pair.a if side == 0 else pair.b, pair.point, k)
+            pair.local[side, k] += (near if pair.settled > 0 else 1.0) * (at - pair.local[side, k])
+        if pair.followed > 0:
+            swept = pair.swept[side] / pair.followed
+            pair.sweep[side] += (share if pair.settled > 1 else 1.0) * (swept - pair.sweep[side])
+    slip = pair.slip / pair.weight
+    if pair.settled == 0:
+        pair.now[0] = slip
+    pair.fastest = max(slip, pair.fastest * math.exp(-span / _REMEMBERED))
+    pair.now[0] += share * (slip - pair.now[0])
+    pair.now[1] = max(pair.sweep[0], pair.sweep[1])
+    if pair.settled < 2:
+        pair.settled = 2 if pair.followed > 0 else 1
+    weight = _weight(state, pair)
+    force = pair.force if pair.force > 0.0 else weight
+    if pair.now[2] == 0.0:
+        pair.now[2] = weight if weight > 0.0 else force
+    pair.now[2] += -math.expm1(-span / _SMOOTH_FORCE) * (force - pair.now[2])
+
+
+@kernel
+def _weight(state, pair):
+    """The weight (N) of the lighter body of a pair."""
+    lightness = max(state.lightness[pair.a], state.lightness[pair.b])
+    return state.gravity / lightness if lightness > 0.0 else 0.0
+
+
+@kernel
+def _is_noticed(pair):
+    """True if a speed or the force has changed by so much since it was told that it is heard."""
+    for k in range(3):
+        floor = _RESTS if k < 2 else 1e-6
+        if abs(pair.now[k] - pair.said[k]) > _NOTICED * max(abs(pair.said[k]), floor):
+            return True
+    return False
+
+
+@kernel
+def _hit(state, pair):
+    """Tell a blow: the new points that close, at their middle."""
+    count = pair.fresh
+    length = 0.0
+    for k in range(3):
+        pair.fresh_point[k] /= count
+        length += pair.fresh_normal[k] * pair.fresh_normal[k]
+    length = math.sqrt(length)
+    if length == 0.0:
+        return
+    for k in range(3):
+        pair.fresh_normal[k] /= length
+    lightness = _lightness(state, pair.a, pair) + _lightness(state, pair.b, pair)
+    mass = pair.mass / count
+    if math.isnan(mass):
+        mass = 1.0 / lightness
+    event = _tell(state, pair, HIT)
+    if event < 0:
+        return
+    happened = state.events[event]
+    happened.time = state.time - pair.delay / count
+    happened.speed = pair.speed / count
+    happened.mass = mass
+    happened.restitution = pair.restitution / count
+    for k in range(3):
+        happened.point[k] = pair.fresh_point[k]
+        happened.normal[k] = pair.fresh_normal[k]
+        happened.local[0, k] = into(state, pair.a, pair.fresh_point, k)
+        happened.local[1, k] = into(state, pair.b, pair.fresh_point, k)
+
+
+@kernel
+def _lightness(state, body, pair):
+    """1/M + (r x n) I^-1 (r x n) of a body (1/kg), at the point of a blow."""
+    total = state.lightness[body]
+    if total == 0.0:
+        return 0.0
+    for k in range(3):
+        along = 0.0
+        for i in range(3):
+            j, m = (i + 1) % 3, (i + 2) % 3
+            arm_j = pair.fresh_point[j] - state.position[body, j]
+            arm_m = pair.fresh_point[m] - state.position[body, m]
+            turning = arm_j * pair.fresh_normal[m] - arm_m * pair.fresh_normal[j]
+            along += state.turn[body, 3 * i + k] * turning
+        total += state.yielding[body, k] * along * along
+    return total
+
+
+@kernel
+def _tell(state, pair, kind):
+    """Add an event; its number, -1 where there is no room."""
+    if state.happened == EVENTS:
+        return -1
+    number = state.happened
+    state.happened += 1
+    event = state.events[number]
+    event.kind = kind
+    event.a, event.b = pair.a, pair.b
+    event.time = state.time
+    event.slip, event.force = pair.now[0], pair.now[2]
+    if kind != HIT:
+        pair.told_at = state.time
+    length = 0.0
+    for k in range(3):
+        length += pair.normal[k] * pair.normal[k]
+    for k in range(3):
+        event.point[k] = pair.point[k]
+        event.normal[k] = pair.normal[k] / math.sqrt(length) if length > 0.0 else 0.0
+        event.local[0, k], event.local[1, k] = pair.local[0, k], pair.local[1, k]
+        if kind != HIT:
+            pair.said[k] = pair.now[k]
+    event.sweep[0], event.sweep[1] = pair.sweep[0], pair.sweep[1]
+    return number
+
+
+@kernel
+def _forget(state, i):
+    """A pair touches no more; the last one takes its place."""
+    gone = state.pairs[i]
+    state.place[gone.a, gone.b] = 0
+    state.touching -= 1
+    last = state.touching
+    if i != last:
+        moved = state.pairs[last]
+        state.place[moved.a, moved.b] = i + 1
+        state.pairs[i] = moved

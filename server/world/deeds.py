@@ -1,0 +1,82 @@
+"""What a simulation asks of the sound, and the messages that say the same."""
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from ..osc.wire import Message
+
+
+class Said(NamedTuple):
+    """A message that is carried out as it is: a body's object, a slide that begins."""
+
+    time: float
+    message: Message
+
+
+class Blow(NamedTuple):
+    """A blow on an object; by: what strikes and rings too, else empty. A restitution above 0 takes the place of the
+    dissipation. Units as in the contact law; places are 0 to 1 on strike paths."""
+
+    time: float
+    to: str
+    by: str
+    place: float
+    by_place: float
+    speed: float
+    mass: float
+    stiffness: float
+    exponent: float
+    dissipation: float
+    restitution: float
+
+    @property
+    def message(self) -> Message:
+        other = ("by", self.by, "by_position", self.by_place) if self.by else ()
+        lost = ("restitution", self.restitution) if self.restitution else ("dissipation", self.dissipation)
+        law = ("mass", self.mass, "stiffness", self.stiffness, *lost, "exponent", self.exponent)
+        return Message(f"/object/{self.to}/impact", (self.speed, self.place, *other, *law))
+
+
+class Gains(NamedTuple):
+    """The gains of an object in each channel."""
+
+    time: float
+    to: str
+    gains: tuple[float, ...]
+
+    @property
+    def message(self) -> Message:
+        return Message(f"/object/{self.to}/gains", self.gains)
+
+
+class Steering(NamedTuple):
+    """A new value of a slide's parameter."""
+
+    time: float
+    id: str
+    parameter: str
+    value: float
+
+    @property
+    def message(self) -> Message:
+        return Message(f"/gesture/{self.id}/{self.parameter}", (self.value,))
+
+
+class Ending(NamedTuple):
+    """The end of a slide."""
+
+    time: float
+    id: str
+
+    @property
+    def message(self) -> Message:
+        return Message(f"/gesture/{self.id}/stop", ())
+
+
+Deed = Said | Blow | Gains | Steering | Ending
+"""Each has the time (s) of the simulation at which it is heard."""
+
+
+def in_order(deeds: Iterable[Deed]) -> list[Deed]:
+    """Deeds by their times; of one time as they came."""
+    return sorted(deeds, key=lambda deed: deed.time)
