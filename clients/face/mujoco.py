@@ -240,10 +240,9 @@ def _standing(data: mujoco.MjData, pointer: int) -> int:
     """Where in MuJoCo's data, as a struct, a pointer stands (bytes): it has one to each of its arrays."""
     offset = 0
     while True:
-        words = np.frombuffer((c_uint64 * _LOOKED).from_address(data._address + offset), np.uint64)
-        (found,) = np.nonzero(words == pointer)
-        if len(found):
-            return offset + 8 * int(found[0])
+        words = (c_uint64 * _LOOKED).from_address(data._address + offset)[:]
+        if pointer in words:
+            return offset + 8 * words.index(pointer)
         offset += 8 * _LOOKED
 
 

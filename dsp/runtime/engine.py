@@ -10,8 +10,8 @@ from ..bodies.modes import Modes
 from ..bodies.striker import StrikerSound
 from ..contact.accuracy import LEVELS
 from ..engine.capacity import USUAL_MODES, USUAL_OBJECTS, check_sizes
-from ..engine.commands import COMMAND, Command, Handle, Kind, write
-from ..engine.state import ENDED, EVENTS, RING, TAP, End, Quality, new_state
+from ..engine.commands import Command, Handle, Kind
+from ..engine.state import ENDED, RING, TAP, End, Quality, new_state
 from ..native.atomics import observe, publish
 from ..native.code import Code, load
 from ..native.system import clock_ns
@@ -20,15 +20,11 @@ from ..schema import Stats
 from .arena import EngineFull
 from .callback import callback
 from .memory import Memory
+from .ring import KEPT_FOR_NOW as KEPT_FOR_NOW
+from .ring import NOW as NOW
+from .ring import Ring
 from .strikers import Strikers
 
-NOW = -1.0
-"""A time that is always past: a command for as soon as possible."""
-
-KEPT_FOR_NOW = 2_048
-"""Places among the EVENTS that wait that are kept from what is further ahead than half a second."""
-
-_SOON = 0.5  # s
 _STEADY = 1e-3  # s by which the clock may turn out to be wrong before what is said of it changes
 
 _NO_TIMES = np.zeros(3)
@@ -65,7 +61,7 @@ class Engine:
         load(callback.__module__)  # before the memory, which may leave no room for code that lies together
         self.state = new_state(rate, channels)
         self._record = self.state[0]
-        self._ring = self._record["ring"]
+        self._ring = Ring(self._record)
         self._pace: tuple[int, float, float] | None = None
         self._memory = Memory(self._record, modes, objects)
         self._strikers = Strikers(self._record, self.top_frequency)
@@ -204,42 +200,15 @@ class Engine:
 
     def room(self) -> int:
         """Commands that can be sent now."""
-        return RING - int(self._ring["written"][0]) + int(observe(self._ring["read"]))
+        return self._ring.room()
 
     def send(self, commands: Sequence[Command]) -> None:
         """Send commands all at once, or EngineFull and none of them."""
-        self._require_room(len(commands), max((command.time for command in commands), default=NOW))
-        written = self.sent
-        entries = self._ring["entries"]
-        for number, command in enumerate(commands, written):
-            write(entries[number % RING], number, command)
-        publish(self._ring["written"], written + len(commands))
+        self._ring.send(commands)
 
     def send_rows(self, rows: NDArray[np.void], latest: float) -> None:
-        """As `send`, for commands that are records of COMMAND already, but for their numbers, which are set here; the
-        last is for the time `latest` (samples)."""
-        count = len(rows)
-        self._require_room(count, latest)
-        first = self.sent
-        rows["number"] = np.arange(first, first + count)
-        whole = f"V{COMMAND.itemsize}"  # so that it copies bytes, and not field by field
-        entries, rows = self._ring["entries"].view(whole), rows.view(whole)
-        place = first % RING
-        before = min(count, RING - place)
-        entries[place : place + before], entries[: count - before] = rows[:before], rows[before:]
-        publish(self._ring["written"], first + count)
-
-    def _require_room(self, count: int, latest: float) -> None:
-        """EngineFull unless there is room for so many commands, the last for a time (samples)."""
-        room = self.room()
-        if count > room:
-            raise EngineFull(f"no room for {count} events: {room} of {RING} can be queued now")
-        # An event for now must find room in the queue, however many wait there for later.
-        waiting, most = self.queued + RING - room, EVENTS - KEPT_FOR_NOW
-        if waiting + count > most and latest > self.position + _SOON * self.rate:
-            raise EngineFull(
-                f"no room for {count} events ahead of their time: {waiting} of {EVENTS - KEPT_FOR_NOW} wait"
-            )
+        """As `send`, for records of COMMAND, the last for a time (samples): see Ring."""
+        self._ring.send_rows(rows, latest)
 
     def ended(self) -> list[tuple[int, End]]:
         """Gestures (by number) that have ended since the last call, and how: one for each that was sent."""
@@ -253,7 +222,7 @@ class Engine:
     @property
     def sent(self) -> int:
         """Commands sent so far: the number of the next."""
-        return int(self._ring["written"][0])
+        return self._ring.sent
 
     def note(self) -> None:
         """Keep what becomes of commands from here on for `noted`."""

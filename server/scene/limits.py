@@ -102,7 +102,7 @@ def longest(velocity: float, contact: Contact) -> float:
     a, w = contact.exponent, contact.loss(velocity)
     length = (contact.mass * velocity**2 / contact.stiffness) ** (1 / (a + 1))
     deepest = ((a + 1) * min(0.5, 1 / w if w else math.inf)) ** (1 / (a + 1))
-    return length / velocity * (ELASTIC_TIME + w * deepest)
+    return float(length / velocity * (ELASTIC_TIME + w * deepest))
 
 
 def require_short(velocity: float, contact: Contact) -> None:

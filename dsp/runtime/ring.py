@@ -1,0 +1,71 @@
+"""The ring of commands, as Python writes it."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..engine.commands import COMMAND, Command, write
+from ..engine.state import EVENTS, RING
+from ..native.atomics import observe, publish
+from .arena import EngineFull
+
+NOW = -1.0
+"""A time that is always past: a command for as soon as possible."""
+
+KEPT_FOR_NOW = 2_048
+"""Places among the EVENTS that wait that are kept from what is further ahead than half a second."""
+
+_SOON = 0.5  # s
+_WHOLE = f"V{COMMAND.itemsize}"  # a command as bytes, which are copied together and not field by field
+
+
+class Ring:
+    """Commands on their way into an engine, whose record this takes."""
+
+    def __init__(self, record: Any) -> None:
+        self._record = record
+        self._ring = record["ring"]
+
+    @property
+    def sent(self) -> int:
+        """Commands sent so far: the number of the next."""
+        return int(self._ring["written"][0])
+
+    def room(self) -> int:
+        """Commands that can be sent now."""
+        return RING - int(self._ring["written"][0]) + int(observe(self._ring["read"]))
+
+    def send(self, commands: Sequence[Command]) -> None:
+        """Send commands all at once, or EngineFull and none of them."""
+        self._require_room(len(commands), max((command.time for command in commands), default=NOW))
+        written = self.sent
+        entries = self._ring["entries"]
+        for number, command in enumerate(commands, written):
+            write(entries[number % RING], number, command)
+        publish(self._ring["written"], written + len(commands))
+
+    def send_rows(self, rows: NDArray[np.void], latest: float) -> None:
+        """As `send`, for commands that are records of COMMAND already, but for their numbers, which are set here; the
+        last is for the time `latest` (samples)."""
+        count = len(rows)
+        self._require_room(count, latest)
+        first = self.sent
+        rows["number"] = np.arange(first, first + count)
+        entries, rows = self._ring["entries"].view(_WHOLE), rows.view(_WHOLE)
+        place = first % RING
+        before = min(count, RING - place)
+        entries[place : place + before], entries[: count - before] = rows[:before], rows[before:]
+        publish(self._ring["written"], first + count)
+
+    def _require_room(self, count: int, latest: float) -> None:
+        """EngineFull unless there is room for so many commands, the last for a time (samples)."""
+        room = self.room()
+        if count > room:
+            raise EngineFull(f"no room for {count} events: {room} of {RING} can be queued now")
+        # An event for now must find room in the queue, however many wait there for later.
+        record = self._record
+        waiting, most = int(record["queue"]["size"]) + RING - room, EVENTS - KEPT_FOR_NOW
+        if waiting + count > most and latest > int(record["position"]) + _SOON * float(record["rate"]):
+            raise EngineFull(f"no room for {count} events ahead of their time: {waiting} of {most} wait")
