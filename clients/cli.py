@@ -9,6 +9,7 @@ from .commands import (
     chart,
     compare,
     completion,
+    dataset,
     devices,
     doctor,
     fit,
@@ -25,7 +26,8 @@ from .commands import (
 from .commands.parser import Parser, parse, parser_of
 
 _MODULES = (
-    serve, render, strike, play, page, send, listen, top, presets, fit, compare, chart, devices, doctor, completion,
+    serve, render, strike, play, page, send, listen, top, presets, fit, compare, dataset, chart, devices, doctor,
+    completion,
 )  # fmt: skip
 COMMANDS = tuple(module.COMMAND for module in _MODULES)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from threading import Lock
 from typing import Any
 
@@ -30,6 +30,17 @@ def made(make: Callable[..., Modes], top: float, arguments: Mapping[str, Any], w
     return modes
 
 
+def kept() -> list[tuple[Hashable, Modes]]:
+    """The modes that are kept now, for `keep` in another process."""
+    return _kept.all()
+
+
+def keep(modes: Iterable[tuple[Hashable, Modes]]) -> None:
+    """Keep modes that another process has made."""
+    for key, each in modes:
+        _kept.put(key, each)
+
+
 class _Kept:
     """The modes used last, of no more than KEPT_BYTES; any thread may ask for them."""
 
@@ -43,6 +54,10 @@ class _Kept:
             if key in self._modes:
                 self._modes.move_to_end(key)
             return self._modes.get(key)
+
+    def all(self) -> list[tuple[Hashable, Modes]]:
+        with self._lock:
+            return list(self._modes.items())
 
     def put(self, key: Hashable, modes: Modes) -> None:
         with self._lock:

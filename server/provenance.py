@@ -4,6 +4,7 @@ import re
 from importlib.metadata import version
 from pathlib import Path
 
+from ..dsp.native.code import Code
 from ..dsp.runtime.engine import Engine
 
 _IN_A_LOG = re.compile(r"# carom .*; (code \S+ for \S+, numpy \S+, scipy \S+); ")
@@ -11,8 +12,14 @@ _IN_A_LOG = re.compile(r"# carom .*; (code \S+ for \S+, numpy \S+, scipy \S+); "
 
 def computed_by(engine: Engine) -> str:
     """What computes an engine's sound, in words."""
-    code = engine.code
-    return f"code {code.key} for {code.processor}, numpy {version('numpy')}, scipy {version('scipy')}"
+    found = computing(engine.code)
+    return f"code {found['code']} for {found['processor']}, numpy {found['numpy']}, scipy {found['scipy']}"
+
+
+def computing(code: Code) -> dict[str, str]:
+    """What computes the sound of engines that run some machine code, by name."""
+    libraries = {name: version(name) for name in ("numpy", "scipy")}
+    return {"code": code.key, "processor": code.processor, **libraries}
 
 
 def logged_otherwise(score: Path, engine: Engine) -> str | None:

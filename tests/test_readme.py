@@ -20,7 +20,7 @@ from tests.support import serving
 pytestmark = pytest.mark.slow
 
 _BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
-_RUN = ("score", "toml", "sh", "python")
+_RUN = ("score", "toml", "recipe", "sh", "python")
 
 
 def blocks(page: str, *languages: str) -> list[tuple[str, str]]:
@@ -60,6 +60,9 @@ class Reader:
     def toml(self, text: str) -> None:
         (self.folder / "objects").mkdir()
         (self.folder / "objects" / "mine.toml").write_text(text)
+
+    def recipe(self, text: str) -> None:
+        (self.folder / "blows.toml").write_text(text)
 
     def python(self, text: str) -> None:
         if "Client()" in text and self._server is None:

@@ -11,6 +11,10 @@ from .parser import Command, one_of
 SHELLS = ("bash", "zsh", "fish", "tcsh", "powershell")
 
 
+_FILES = ("score", "scores", "recipe", "recordings", "a", "b", "force", "page", "out", "plot", "record", "log")
+"""Arguments that are files."""
+
+
 def _options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("shell", metavar="SHELL", choices=SHELLS, type=one_of(*SHELLS), help=", ".join(SHELLS))
 
@@ -37,9 +41,9 @@ def _choose(command: str, action: argparse.Action) -> None:
         found = shtab.cmd("carom presets --names")
     elif action.dest in ("preset", "striker"):
         found = shtab.cmd(f"carom presets --names {'objects' if action.dest == 'preset' else 'strikers'}")
-    elif action.dest in ("folder", "presets"):
+    elif action.dest in ("folder", "presets") or (command == "dataset" and action.dest == "out"):
         found = shtab.DIRECTORY
-    elif action.dest in ("score", "scores", "recordings", "a", "b", "force", "page", "out", "plot", "record", "log"):
+    elif action.dest in _FILES:
         found = shtab.FILE
     if found:
         action.complete = found  # type: ignore[attr-defined]

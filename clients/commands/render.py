@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -11,7 +10,7 @@ from threading import Event
 from typing import TYPE_CHECKING
 
 from ..errors import tell
-from .options import RATE, SWITCH, add_contact, add_presets, contact, on_end, switch
+from .options import RATE, SWITCH, add_contact, add_presets, contact, on_end, processors, switch
 from .parser import Command, number, one_of, whole
 
 if TYPE_CHECKING:
@@ -62,7 +61,7 @@ def _run(arguments: argparse.Namespace) -> int:
     given = {key: getattr(arguments, key) for key in keys}
     options = Options(**given, contact=contact(arguments), limiter=switch(arguments.limiter))
     todo = tasks(arguments.scores, arguments.out, arguments.plot, arguments.stems)
-    jobs = min(len(todo), _processors() if arguments.jobs is None else arguments.jobs)
+    jobs = min(len(todo), processors() if arguments.jobs is None else arguments.jobs)
     if not 1 <= jobs <= MOST_JOBS:
         raise RenderError(f"jobs = {arguments.jobs}: expected 1 to {MOST_JOBS}")
     presets = Presets(arguments.presets)
@@ -130,11 +129,6 @@ def _render_many(results: Iterator[Result], count: int) -> int:
                 tell("render", text if text.startswith(name) else f"{name}: {text}")
             failed |= result.failure is not None
     return 1 if failed else 0
-
-
-def _processors() -> int:
-    """The processors that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 COMMAND = Command("render", "SCORE [SCORE ...] OUT", "turn scores into sound files", _options, _run)

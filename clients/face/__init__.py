@@ -33,8 +33,8 @@ if TYPE_CHECKING:
     from . import dsp as dsp
     from .clients.actions import CommandError as CommandError
     from .clients.client import Client as Client
-    from .contacts import Contact as Contact
-    from .modes import ModeTable as ModeTable
+    from .clients.contacts import Contact as Contact
+    from .clients.modes import ModeTable as ModeTable
     from .offline import render as render
     from .presets import PresetError as PresetError
     from .presets import Presets as Presets
@@ -59,11 +59,11 @@ if TYPE_CHECKING:
 _HOMES = {
     "Client": "clients.client",
     "CommandError": "clients.actions",
-    "Contact": "contacts",
+    "Contact": "clients.contacts",
     "Hearing": "server.world.hearing",
     "Hit": "server.world.simulation",
     "Microphone": "server.world.hearing",
-    "ModeTable": "modes",
+    "ModeTable": "clients.modes",
     "Object": "scene",
     "Pose": "server.world.told",
     "PresetError": "presets",

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ._perform import TRACED, Performer
-from .contacts import assemble
+from .clients.contacts import assemble
+from .clients.performer import TRACED, Performer
 from .dsp.engine.state import QUANTUM, TRACE
 from .report import Meter
 from .sound import Sound

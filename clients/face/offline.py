@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from ._capture import Capture
-from ._perform import Folders, Performer
 from .clients.actions import Value, plain
+from .clients.performer import Folders, Performer
 from .server.osc.score import LONGEST_SCORE, Line, ScoreError, parse, read
 from .server.osc.wire import Message
 from .server.render import Options, blocks

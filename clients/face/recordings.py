@@ -5,9 +5,9 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from ._perform import Folders
 from .clients.comparison import compare as _compare
 from .clients.fitting import Made, Wanted, make
+from .clients.performer import Folders
 from .dsp.fitting.distance import Distance
 from .presets import Presets
 

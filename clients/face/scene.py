@@ -6,10 +6,11 @@ import math
 from typing import NoReturn, SupportsFloat, SupportsIndex
 
 from ._capture import Capture
-from ._perform import Folders, Performer, Placed, documented
+from ._documented import documented
 from .clients.actions import Actions, CommandError, Value, plain
+from .clients.modes import ModeTable, Settings, gains_of, mode_table
+from .clients.performer import Folders, Performer, Placed
 from .dsp.schema import SETTINGS
-from .modes import ModeTable, Settings, gains_of, mode_table
 from .server.closing import Closing
 from .server.osc.score import LONGEST_SCORE
 from .server.osc.wire import Message

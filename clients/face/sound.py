@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .contacts import Contact
+from .clients.contacts import Contact
 from .dsp.numerics.constants import FULL_SCALE_PRESSURE
 from .report import Report
 

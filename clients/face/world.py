@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._capture import Capture
-from ._perform import Folders, chosen
 from .clients.client import Client
+from .clients.performer import Folders, chosen
 from .dsp.engine.state import QUANTUM
 from .dsp.resonator.bank import NYQUIST_SHARE
 from .scene import Scene

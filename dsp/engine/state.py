@@ -310,10 +310,13 @@ STATE = np.dtype(
 )
 
 
-def new_state(rate: float, channels: int = 2) -> NDArray[np.void]:
-    """A fresh engine state, (1,) of STATE, 64-byte aligned, for a sampling rate in Hz and a number of channels."""
+def new_state(rate: float, channels: int = 2, memory: mmap.mmap | None = None) -> NDArray[np.void]:
+    """A fresh engine state, (1,) of STATE, 64-byte aligned, for a sampling rate in Hz and a number of channels.
+
+    memory: zeros that hold it; None: new ones.
+    """
     # A map of zeros takes memory page by page as it is used; NumPy's zeros would take huge pages at a touch.
-    state: NDArray[np.void] = np.frombuffer(mmap.mmap(-1, STATE.itemsize), STATE)
+    state: NDArray[np.void] = np.frombuffer(memory or mmap.mmap(-1, STATE.itemsize), STATE)
     record = state[0]
     record["rate"] = rate
     record["output"]["channels"] = channels

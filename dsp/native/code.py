@@ -22,7 +22,7 @@ import shutil
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -33,6 +33,11 @@ import platformdirs
 
 from .jit import CFunction
 from .targets import Target, system, targets
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
 
 PACKAGED = Path(__file__).parent / "objects"
 """Where a wheel holds its code."""
@@ -58,7 +63,16 @@ class Code:
 def load(module: str) -> Code:
     """The code of a module's C functions: from the package, else from the cache, else compiled."""
     importlib.import_module(module)
-    for origin, root in (("package", PACKAGED), ("cache", _cache())):
+    found = _found(module, package=PACKAGED, cache=_cache())
+    if found:
+        return found
+    with _alone(_cache() / module):
+        return _found(module, cache=_cache()) or compiled(module)
+
+
+def _found(module: str, **places: Path) -> Code | None:
+    """The code of a module's C functions in one of some places."""
+    for origin, root in places.items():
         for folder in sorted((root / module).glob("*")):
             listed, needs = _listed(folder)
             if listed and folder.name == _hash_of(listed):
@@ -68,7 +82,19 @@ def load(module: str) -> Code:
                         with suppress(OSError):
                             os.utime(folder)  # those that were used last are kept
                     return _linked(module, folder.name, *made, origin)
-    return compiled(module)
+    return None
+
+
+@contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """Let one process at a time compile what a folder keeps: the others wait and load it. Where no file can be locked,
+    each compiles for itself."""
+    with ExitStack() as stack:
+        if fcntl:
+            with suppress(OSError):
+                folder.mkdir(parents=True, exist_ok=True)
+                fcntl.flock(stack.enter_context((folder / "lock").open("w")), fcntl.LOCK_EX)
+        yield
 
 
 def bitcode(module: str) -> bytes:

@@ -11,7 +11,7 @@ from ..bodies.striker import StrikerSound
 from ..contact.accuracy import LEVELS
 from ..engine.capacity import USUAL_MODES, USUAL_OBJECTS, check_sizes
 from ..engine.commands import Command, Handle, Kind
-from ..engine.state import ENDED, RING, TAP, End, Quality, new_state
+from ..engine.state import ENDED, RING, TAP, End, Quality
 from ..native.atomics import observe, publish
 from ..native.code import Code, load
 from ..native.system import clock_ns
@@ -19,6 +19,7 @@ from ..resonator.bank import NYQUIST_SHARE
 from ..schema import Stats
 from .arena import EngineFull
 from .callback import callback
+from .fresh import fresh_state
 from .memory import Memory
 from .ring import KEPT_FOR_NOW as KEPT_FOR_NOW
 from .ring import NOW as NOW
@@ -59,7 +60,7 @@ class Engine:
     def __init__(self, rate: float, channels: int = 2, modes: int = USUAL_MODES, objects: int = USUAL_OBJECTS) -> None:
         check_sizes(channels, modes, objects)
         load(callback.__module__)  # before the memory, which may leave no room for code that lies together
-        self.state = new_state(rate, channels)
+        self.state = fresh_state(rate, channels)
         self._record = self.state[0]
         self._ring = Ring(self._record)
         self._pace: tuple[int, float, float] | None = None
@@ -239,7 +240,8 @@ class Engine:
         ring = self._record[name]
         read = int(ring["read"][0])
         written = int(observe(ring["written"]))
-        taken: NDArray[Any] = entries[np.arange(read, written) % len(entries)]
+        places = np.arange(read, written) % len(entries) if read < written else slice(0)
+        taken: NDArray[Any] = entries[places]
         publish(ring["read"], written)
         return taken
 

@@ -23,12 +23,17 @@ class Memory:
         self._shapes = Arena("values of mode shapes", SHAPE_VALUES)
         self._leaving: list[Handle] = []
         self._most = objects
-        self._slots = list(range(objects - 1, -1, -1))
+        self._slots: list[int] = []  # that were used and are free again
         self._serial = 0
         self._plans: dict[tuple[int, float, float], tuple[Plan, int]] = {}  # with its table, while an object has it
         self._tables: dict[int, tuple[tuple[int, float, float], int]] = {}  # by table: whose, and how many objects'
         self.reached = 0
         """Slots that have ever been used: the first so many."""
+
+    @property
+    def free(self) -> int:
+        """How many objects there is a place for."""
+        return self._most - self.reached + len(self._slots)
 
     def lay_out(self, modes: Modes, level: float, top: float) -> tuple[Handle, dict[str, float]]:
         """Put an object's modes up to a frequency (Hz) into the bank, as `Engine.lay_out` says."""
@@ -37,7 +42,7 @@ class Memory:
         plan, table = self._plans.get(key, (None, -1))
         plan = plan or planned(modes, level, top, self._nyquist, self._has_sides)
         rows, size = plan.shape.shape
-        if not self._slots:
+        if not self.free:
             raise EngineFull(f"no room for another object: all {self._most} are taken")
         first = self._modes.take(size)
         if table < 0:
@@ -58,7 +63,7 @@ class Memory:
             "glide": modes.glide,
             "cone": modes.cone,
         }
-        slot = self._slots.pop()
+        slot = self._slots.pop() if self._slots else self.reached
         self.reached = max(self.reached, slot + 1)
         return Handle(slot, self._serial, first, table), layout
 

@@ -1,10 +1,13 @@
 """How an object's modes lie in the bank: in which order, with which weights, and what comes beside them."""
 
 import math
+from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass
+from threading import Lock
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..bodies.material import Array
 from ..bodies.modes import Modes
@@ -12,7 +15,7 @@ from ..engine.capacity import MODES_PER_OBJECT
 from ..resonator.click import CLICK_MODES
 from ..resonator.simd import LANES
 from .arena import EngineFull
-from .relief import relief
+from .relief import Relief, relief
 from .unheard import settled
 
 _QUIETEST = 1e-9  # share of the loudest weight below which no weight at the left output goes: -180 dB
@@ -31,17 +34,44 @@ class Plan:
 
     modes: Modes
     columns: Array
-    shape: Array
+    shape: NDArray[np.float32]
     felt: int
     bent: int
     heard: int
+    relief: Relief
+
+    @property
+    def bytes(self) -> int:
+        return self.columns.nbytes + self.shape.nbytes
+
+
+_KEPT, _KEPT_BYTES = 64, 8_000_000
+"""Plans that are kept at most, and their bytes: a very large one is not."""
+
+_kept: OrderedDict[tuple[int, float, float, float, bool], Plan] = OrderedDict()
+_lock = Lock()
 
 
 def planned(modes: Modes, level: float, top: float, nyquist: float, has_sides: bool) -> Plan:
     """Plan an object's modes up to a frequency (Hz), below Nyquist's; EngineFull if there are too many.
 
-    `level` (amplitude) is full scale per Pa at 1 m; has_sides: a left and a right output.
+    `level` (amplitude) is full scale per Pa at 1 m; has_sides: a left and a right output. The plans used last are kept.
     """
+    key = id(modes), level, top, nyquist, has_sides  # a plan that is kept keeps its modes, and so their id
+    with _lock:
+        if key in _kept:
+            _kept.move_to_end(key)
+            return _kept[key]
+    plan = _made(modes, level, top, nyquist, has_sides)
+    with _lock:
+        _kept[key] = plan
+        while len(_kept) > _KEPT or sum(each.bytes for each in _kept.values()) > _KEPT_BYTES:
+            _kept.popitem(last=False)
+    return plan
+
+
+def _made(modes: Modes, level: float, top: float, nyquist: float, has_sides: bool) -> Plan:
+    """The plan of `planned`."""
     order = np.argsort(modes.decay, kind="stable")  # the longest ringing first: the rest falls silent from the end
     order = order[modes.frequency[order] <= top]
     sides = modes.pressure[:, order] * level
@@ -58,7 +88,8 @@ def planned(modes: Modes, level: float, top: float, nyquist: float, has_sides: b
     if count > MODES_PER_OBJECT:
         raise EngineFull(f"{count} modes: an object holds at most {MODES_PER_OBJECT}")
     size = max(LANES, math.ceil(count / LANES) * LANES)
-    plan = Plan(modes, np.zeros((len(COLUMNS), size)), np.zeros((len(strike), size), np.float32), felt, bent, heard)
+    columns, shape = np.zeros((len(COLUMNS), size)), np.zeros((len(strike), size), np.float32)
+    plan = Plan(modes, columns, shape, felt, bent, heard, still)
     _fill(plan, 0, modes.frequency[order], modes.decay[order], *_weights(sides))
     plan.shape[:, :felt] = strike[:, order]
     for side, weights in enumerate(((1.0, 0.0), (_FAINT, 1 / _FAINT))):

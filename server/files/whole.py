@@ -41,7 +41,7 @@ def writing(
         raise RenderError(f"{out}: {channels} channels: FLAC holds at most {_MOST_IN_FLAC}")
     if not out.parent.is_dir():
         raise RenderError(f"{out}: there is no folder {out.parent}")
-    with _appearing(out) as descriptor:
+    with appearing(out) as descriptor:
         with _naming(out):
             file = open_sound(descriptor, rate, channels, container, subtype)
 
@@ -76,8 +76,11 @@ def _naming(out: Path) -> Iterator[None]:
 
 
 @contextmanager
-def _appearing(out: Path) -> Iterator[int]:
-    """A new file (its descriptor) that takes its name once it is whole, and is removed if it never is."""
+def appearing(out: Path, durable: bool = False) -> Iterator[int]:
+    """A new file (its descriptor) that takes its name once it is whole, and is removed if it never is.
+
+    durable: it is on the disk before it has its name.
+    """
     descriptor, name = tempfile.mkstemp(prefix=f"{out.name}.", suffix=".part", dir=out.parent)
     part = Path(name)
     try:
@@ -85,6 +88,8 @@ def _appearing(out: Path) -> Iterator[int]:
         umask = os.umask(0)
         os.umask(umask)
         os.chmod(part, 0o666 & ~umask)  # mkstemp's are private
+        if durable:
+            os.fsync(descriptor)
         os.replace(part, out)
     finally:
         os.close(descriptor)

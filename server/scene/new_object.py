@@ -26,12 +26,12 @@ def new_object(call: Call, presets: Presets, top: float) -> NewObject:
     Refused or PresetError say why there is none.
     """
     values = VERBS[NEW].parse(call.message.args)
-    preset = _changed(presets.object(values.words["preset"]), values)
+    preset = changed(presets.object(values.words["preset"]), values)
     return NewObject(preset, preset.modes(top))
 
 
-def _changed(preset: ObjectPreset, values: Values) -> ObjectPreset:
-    """A preset with what the keys of /object/new change of it."""
+def changed(preset: ObjectPreset, values: Values) -> ObjectPreset:
+    """A preset with what the keys of /object/new change of it. Refused or PresetError name a key that cannot be."""
     for key, value in values.others.items():
         if key not in preset.keys:
             known = dict.fromkeys((*VERBS[NEW].named, *preset.keys))

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from carom.server.osc.addresses import address_table, key_table
-from tests.documents import commands, figures, presets, protocol
+from tests.documents import commands, figures, presets, protocol, recipes
 
 ROOT = Path(__file__).parents[2]
 PAGES = ("README.md", *(f"{room}/README.md" for room in ("server", "clients", "presets", "dsp", "tests")))
@@ -19,6 +19,8 @@ PARTS: dict[str, Callable[[], str]] = {
     "status": protocol.status,
     "limits": protocol.limits,
     "commands": commands.commands,
+    "recipe keys": recipes.keys,
+    "recipes": recipes.listed,
     "preset files": presets.files,
     "shapes": presets.shapes,
     "presets": presets.listed,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import carom
-from carom.contacts import Striking, assemble
+from carom.clients.contacts import Striking, assemble
 from carom.dsp.engine.state import TRACE
 
 RATE = 1000.0
@@ -15,7 +15,7 @@ def trace(*entries):
 
 
 def test_entries_are_assembled_into_contacts_by_start():
-    said = {7: Striking("bell", "", "ding", "impact"), 9: Striking("bell", "cup", "", "bounce")}
+    said = {7: Striking("bell", "", "ding", "impact", 0.2), 9: Striking("bell", "cup", "", "bounce")}
     entries = trace(
         (9, 3, 120, 120.5, 121.0, 0.2),
         (7, 4, 119, 119.25, 120.0, 0.1),
@@ -28,6 +28,7 @@ def test_entries_are_assembled_into_contacts_by_start():
     assert (first.object, first.striker, first.id, first.gesture) == ("bell", "", "ding", "impact")
     assert (second.object, second.striker, second.id, second.gesture) == ("bell", "cup", "", "bounce")
     assert first.start == pytest.approx(0.11925) and first.duration == pytest.approx(3.65e-3)
+    assert (first.position, first.speed, first.mass) == (0.5, 1.0, 0.2)
     assert first.first == 20 and first.impulse == pytest.approx(0.9) and first.peak == pytest.approx(400.0)
     np.testing.assert_allclose(first.force, [100.0, 400.0, 0.0, 400.0])
     np.testing.assert_allclose(second.force, [200.0, 300.0])
@@ -53,6 +54,7 @@ def test_contacts_are_told_as_they_were_played():
     assert tick.impulse == pytest.approx(2e-6, rel=1e-3)
     assert tick.start == pytest.approx(0.0101, abs=1e-9)
     assert tick.duration == pytest.approx(2.9432 * (1.25e-6 / 1e9) ** 0.4, rel=1e-3)
+    assert (tick.speed, tick.mass, tick.position) == (1.0, 1e-6, 0.265)
     assert {(c.object, c.striker, c.gesture) for c in contacts[1:]} == {("b", "", "bounce"), ("a", "b", "impact")}
     for contact in contacts:
         assert contact.impulse == pytest.approx(contact.force.sum() / 48_000)

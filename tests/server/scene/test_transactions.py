@@ -67,9 +67,9 @@ def full(session, address, *args, time=NOW):
 def test_what_found_no_room_left_nothing(session):
     say(session, "/object/new", "b", "wood-block")
     full(session, "/object/b/free", 1)
-    places = len(session.engine._memory._slots)
+    places = session.engine._memory.free
     assert say(session, "/object/new", "c", "wood-block")[0].address == "/fail"
-    assert len(session.engine._memory._slots) == places
+    assert session.engine._memory.free == places
     session.engine.process(64)
     say(session, "/object/b/free", time=48_000.0)
     full(session, "/object/new", "b", "tom", time=50_000.0)

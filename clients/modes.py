@@ -6,11 +6,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .dsp.bodies.modes import Modes
-from .dsp.engine.channels import pan_gains
-from .dsp.engine.objects import GONE, sigma_of, weigh
-from .dsp.resonator.bank import NYQUIST_SHARE
-from .dsp.runtime.relief import relief
+from ..dsp.bodies.modes import Modes
+from ..dsp.engine.channels import pan_gains
+from ..dsp.engine.objects import GONE, sigma_of, weigh
+from ..dsp.resonator.bank import NYQUIST_SHARE
+from ..dsp.runtime.plan import planned
 
 _ROWS = 4  # between which mode shapes are interpolated
 
@@ -90,24 +90,37 @@ def mode_table(
     frequencies = modes.frequency * settings.tune
     made = modes.frequency <= NYQUIST_SHARE * 0.5 * rate
     heard = np.flatnonzero(made & (frequencies <= NYQUIST_SHARE * 0.5 * rate))
-    state = SimpleNamespace(bank=SimpleNamespace(sigma=modes.decay), rate=rate)
-    obj = SimpleNamespace(first=0, settings=settings)
-    decays = np.array([sigma_of.py_func(state, obj, i) for i in heard])
     sides = modes.pressure
     if len(gains) != 2:
         sides = np.copysign(np.sqrt(0.5 * (sides**2).sum(axis=0)), sides[:1])
     shape = _shape_at(modes.strike, position)[heard]
     clicks = tuple(Click(each.frequency, each.decay, level * each.strength * gains) for each in modes.clicks)
-    still = _relief(modes, level * sides[:, made], settings.tune, gains, position, NYQUIST_SHARE * 0.5 * rate)
-    return ModeTable(frequencies[heard], decays, level * (sides[:, heard] * shape).T * gains, clicks, still)
+    still = _relief(modes, level, settings.tune, gains, position, rate)
+    return ModeTable(
+        frequencies[heard],
+        _decays(modes, settings, rate)[heard],
+        level * (sides[:, heard] * shape).T * gains,
+        clicks,
+        still,
+    )
+
+
+def _decays(modes: Modes, settings: Settings, rate: float) -> NDArray[np.float64]:
+    """The decays of all modes, as the engine has them."""
+    state = SimpleNamespace(bank=SimpleNamespace(sigma=modes.decay), rate=rate)
+    obj = SimpleNamespace(first=0, settings=settings)
+    most = int(np.argmax(modes.decay))
+    if settings.decay == 1.0 and settings.damp == 0.0 and sigma_of.py_func(state, obj, most) == modes.decay[most]:
+        return modes.decay  # nothing changes them, and the heaviest is not too heavy
+    return np.array([sigma_of.py_func(state, obj, i) for i in range(len(modes.decay))])
 
 
 def _relief(
-    modes: Modes, sides: NDArray[np.float64], tune: float, gains: NDArray[np.float64], position: float, top: float
+    modes: Modes, level: float, tune: float, gains: NDArray[np.float64], position: float, rate: float
 ) -> Relief:
-    """The relief of modes that are heard on sides (2, n) by these weights, as the engine has it (engine/objects.py)."""
-    made = modes.frequency <= top
-    found = relief(modes.frequency[made], modes.decay[made], sides, modes.strike[:, made], top)
+    """The relief of modes that are laid out at a level, as the engine has it (engine/objects.py)."""
+    top = NYQUIST_SHARE * 0.5 * rate
+    found = planned(modes, level, top, 0.5 * rate, len(gains) == 2).relief
     frequency = found.frequency * tune
     share = np.minimum(1.0, top / frequency)
     each = [_shape_at(shape, position) * np.where(share > GONE, share, 0.0) for shape in found.shape]

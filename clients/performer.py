@@ -1,40 +1,34 @@
-"""The one place where the public face meets the server's scene and the engine."""
+"""A scene in this process: an engine and a session, and what is told of both. The public face and data sets use it."""
 
-import inspect
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, wraps
+from functools import cached_property
 from os import PathLike
 from threading import Lock
-from typing import Any, SupportsFloat, TypeVar
+from typing import SupportsFloat
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .clients.actions import Actions, CommandError
+from ..dsp.bodies.modes import Modes
+from ..dsp.engine.capacity import MODES, OBJECTS, STEMS
+from ..dsp.engine.commands import Handle
+from ..dsp.engine.state import TRACE
+from ..dsp.runtime.arena import EngineFull
+from ..dsp.runtime.engine import NOW, Engine
+from ..dsp.schema import SETTINGS
+from ..presets import Presets
+from ..server.osc.score import LONGEST_SCORE, sample_at
+from ..server.osc.wire import Argument, Message
+from ..server.render import Options
+from ..server.scene.direct import Direct
+from ..server.scene.session import Session
+from ..server.scene.transaction import Sent
+from ..server.world.deeds import Deed
+from .actions import CommandError
 from .contacts import Striking
-from .dsp.bodies.modes import Modes
-from .dsp.engine.capacity import MODES, OBJECTS, STEMS
-from .dsp.engine.commands import Handle
-from .dsp.engine.state import TRACE
-from .dsp.runtime.arena import EngineFull
-from .dsp.runtime.engine import NOW, Engine
-from .dsp.schema import SETTINGS
-from .dsp.schema import Parameter as Number
 from .modes import Settings, gains_of
-from .presets import Presets
-from .server.osc.addresses import VERBS
-from .server.osc.arguments import Key
-from .server.osc.score import LONGEST_SCORE, sample_at
-from .server.osc.wire import Argument, Message
-from .server.render import Options
-from .server.scene.direct import Direct
-from .server.scene.session import Session
-from .server.scene.transaction import Sent
-from .server.world.deeds import Deed
-
-Acting = TypeVar("Acting", bound=Actions)
 
 Folders = Presets | str | PathLike[str] | Iterable[str | PathLike[str]]
 """Presets, or folders of your own presets, which are looked through first."""
@@ -156,7 +150,7 @@ class Performer:
                 striker = self._names.get(each.by, "") if each.by else ""
                 gesture = each.message.address.rsplit("/", 1)[1]
                 self._striking[number] = Striking(
-                    self._names[each.serial], striker, str(_keys(each.message.args).get("id", "")), gesture
+                    self._names[each.serial], striker, str(_keys(each.message.args).get("id", "")), gesture, each.mass
                 )
 
     def ended(self) -> list[str]:
@@ -195,6 +189,8 @@ class Performer:
     def traced(self, end: int) -> NDArray[np.void]:
         """The trace, of TRACE, since the last call, of frames before `end`; later ones come with the next call."""
         trace = self.engine.traced()
+        if len(trace) + len(self._trace) == 0:
+            return trace
         if len(self._trace):
             trace = np.concatenate([self._trace, trace])
         beyond = trace["sample"] + 1 >= end  # a force reaches the frame with which its sample ends
@@ -209,32 +205,6 @@ class Performer:
 def chosen(presets: Folders) -> Presets:
     """The presets that are meant."""
     return presets if isinstance(presets, Presets) else Presets(presets)
-
-
-def documented(cls: type[Acting]) -> type[Acting]:
-    """Decorator: the help of each method whose address takes keys ends with them, their ranges and meanings.
-
-    The methods of Actions stay as they are: a Client starts without the table of addresses.
-    """
-    for verb in VERBS.values():
-        if verb.keys and hasattr(Actions, verb.action):
-            setattr(cls, verb.action, _with_keys(getattr(cls, verb.action), verb.keys))
-    return cls
-
-
-def _with_keys(method: Callable[..., None], keys: Iterable[Key]) -> Callable[..., None]:
-    """A method that does the same; its help ends with keys."""
-
-    @wraps(method)
-    def same(*args: Any, **kwargs: Any) -> None:
-        method(*args, **kwargs)
-
-    lines = [inspect.getdoc(method) or "", "", "Keys:"]
-    for key in keys:
-        kind = f"{key.low:g} to {key.high:g} {key.unit}".rstrip() if isinstance(key, Number) else "a name"
-        lines.append(f"  {key.name}: {kind}" + (f"; {key.help}" if key.help else ""))
-    same.__doc__ = "\n".join(lines)
-    return same
 
 
 def _keys(args: tuple[Argument, ...]) -> dict[str, Argument]:

@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True)
 class Striking:
-    """The names in a command for its contacts, empty where there is none."""
+    """The names in a command for its contacts, empty where there is none, and the mass (kg) that strikes."""
 
     object: str
     striker: str
     id: str
     gesture: str
+    mass: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +27,8 @@ class Contact:
     start: s on the scene's clock, between samples as it falls; duration: s until the last force ends; both as far as
     this sound goes: a contact that outlasts it goes on in the next one. Both are exact in closed form; a contact that
     is coupled to the modes ends with a frame.
+    position: 0 to 1 on the object's strike path, where it began. speed: m/s of the striker as they met; of a roll or a
+    slide, along the surface. mass: kg, of the striker.
     impulse: N s that the striker gave the object. A gesture's `gain` makes it louder, and is not in here.
     first: the first frame of the sound that the force reaches; force: (n,) N, its mean over the sample that ends with
     each frame from there on.
@@ -40,6 +43,9 @@ class Contact:
     gesture: str
     start: float
     duration: float
+    position: float
+    speed: float
+    mass: float
     impulse: float
     first: int
     force: NDArray[np.float64] = field(repr=False)
@@ -74,6 +80,9 @@ def _contact(run: NDArray[np.void], rate: float, start: int, striking: Striking)
         striking.object, striking.striker, striking.id, striking.gesture,
         start=float(run["begin"][0]) / rate,
         duration=float(run["end"][-1] - run["begin"][0]) / rate,
+        position=float(run["position"][0]),
+        speed=float(run["speed"][0]),
+        mass=striking.mass,
         impulse=float(run["impulse"].sum()),
         first=first + 1 - start,
         force=force,

@@ -1,0 +1,78 @@
+"""Tries what a recipe may draw, before anything is rendered: names, keys and both ends of every range."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from ...dsp.schema import GESTURES
+from ...presets import PresetError, Presets
+from ...presets.schema import check
+from ...presets.values import shown
+from ...server.osc.addresses import VERBS, calls
+from ...server.osc.arguments import Refused
+from ...server.scene.new_object import changed
+from .messages import gesture_message, object_message
+from .recipe import OBJECTS, OWN, Recipe
+from .spread import Spread, Value
+
+_NAMED = {"striker": Presets.striker, "surface": Presets.surface}
+"""Keys of gestures that name presets."""
+
+_MADE = {"id": "no key", "by": "a section [by], as the object that strikes"}
+"""Keys of gestures that a recipe does not have, and what is expected in their place."""
+
+
+def require_sound(recipe: Recipe, presets: Presets) -> None:
+    """PresetError names the file, the section, the key and the value that no item could have."""
+    for section, table in recipe.sections.items():
+        where = f"{recipe.where}[{section}] "
+        kind = "preset" if section in OBJECTS else GESTURES[section].argument.name
+        if kind not in table:
+            raise PresetError(f"{where}{kind} is missing: expected {_wanted(section)}")
+        for key, value in table.items():
+            if section in GESTURES and key in _MADE:
+                raise PresetError(f"{where}{key} = {shown(value)}: expected {_MADE[key]}")
+            if key in OWN[section]:
+                for end in _ends(value):
+                    check(where, {key: end}, OWN[section], ())
+        for values in _tried(table, "preset" if section in OBJECTS else ""):
+            try:
+                _try(section, values, presets, "by" in recipe.sections)
+            except (Refused, PresetError) as error:
+                of = str(values.get("preset", ""))
+                raise PresetError(f"{where}{error}{f' (preset {of})' if of not in str(error) else ''}") from None
+
+
+def _wanted(section: str) -> str:
+    return "the name of an object" if section in OBJECTS else str(GESTURES[section].argument)
+
+
+def _ends(value: Value | Spread) -> tuple[Value, ...]:
+    return value.ends if isinstance(value, Spread) else (value,)
+
+
+def _tried(table: Mapping[str, Value | Spread], first: str) -> Iterator[dict[str, Value]]:
+    """Values of a section: each end of each key, with the others in the middle, for all values of the key `first`."""
+    middle = {key: value.at(0.5) if isinstance(value, Spread) else value for key, value in table.items()}
+    for chosen in _ends(table[first]) if first else (None,):
+        base = {**middle, **({first: chosen} if chosen is not None else {})}
+        yield base
+        for key, value in table.items():
+            if key != first and isinstance(value, Spread):
+                for end in value.ends:
+                    yield {**base, key: end}
+
+
+def _try(section: str, values: Mapping[str, Value], presets: Presets, has_by: bool) -> None:
+    """Refused or PresetError if a message of these values cannot be carried out."""
+    if section in OBJECTS:
+        message = object_message(section, values, presets)
+        (call,) = calls(message)
+        assert call.verb
+        changed(presets.object(str(values["preset"])), call.verb.parse(message.args))
+        return
+    message = gesture_message(section, values, 0, has_by)
+    VERBS[f"/object/NAME/{section}"].parse(message.args)
+    for key, find in _NAMED.items():
+        if key in values:
+            find(presets, str(values[key]))

@@ -1,0 +1,111 @@
+"""The folder of a data set: which of its files are there, and files that appear whole or not at all."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from ...server.files.whole import appearing
+from .plan import Made
+from .recipe import Recipe
+from .shard import shard_name
+from .versions import require_same
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
+
+ABOUT = "dataset.json"
+"""The file that says by which recipe, and by what, a folder's data set is made."""
+
+
+class FolderError(RuntimeError):
+    """A folder that cannot take the data set; the text says why."""
+
+
+def about(recipe: Recipe, versions: Mapping[str, str]) -> dict[str, Any]:
+    """What the file ABOUT says."""
+    return {
+        "recipe": recipe.name,
+        "items": recipe.count,
+        "shards": [shard_name(recipe, number) for number in range(recipe.shards)],
+        "table": table_name(recipe),
+        "seconds": recipe.seconds,
+        "rate": recipe.rate,
+        "channels": recipe.channels,
+        "pascals_per_full_scale": recipe.full_scale,
+        "computed_by": dict(versions),
+        "recipe_text": recipe.text,
+    }
+
+
+def table_name(recipe: Recipe) -> str:
+    """The name of the table's file."""
+    return f"{recipe.name}.parquet"
+
+
+def rows_name(recipe: Recipe, shard: int) -> str:
+    """The name of the file of a shard's rows, which is there until the table is."""
+    return shard_name(recipe, shard).removesuffix(".tar") + ".rows"
+
+
+@contextmanager
+def opened(out: Path, said: Mapping[str, Any]) -> Iterator[None]:
+    """A folder, new or with a part of the same data set, that no other run writes to meanwhile.
+
+    FolderError, VersionError or OSError say why it cannot be. What runs that were killed left half is removed.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    path = out / ABOUT
+    if not path.exists():
+        if others := sorted(each.name for each in out.iterdir() if not each.name.startswith(f"{ABOUT}.")):
+            raise FolderError(f"{out}: {others[0]} is there: expected a new or empty folder, or one with {ABOUT}")
+        write(path, json.dumps(said, indent=2).encode() + b"\n")
+    with path.open("rb") as file:
+        if fcntl:
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError as error:
+                raise OSError(error.errno, "is being written already", str(out)) from error
+        _require_same(out, json.load(file), said)
+        for half in out.glob("*.part"):
+            half.unlink()
+        yield
+
+
+def _require_same(out: Path, there: Mapping[str, Any], said: Mapping[str, Any]) -> None:
+    """FolderError or VersionError unless a folder holds the data set that is meant."""
+    for key, what in (("recipe", "recipe"), ("recipe_text", "text of the recipe"), ("items", "number of items")):
+        if there.get(key) != said[key]:
+            shown = f": {said[key]}, there are {there.get(key)}" if key != "recipe_text" else ""
+            raise FolderError(f"{out}: it holds a data set of another {what}{shown}; expected a new or empty folder")
+    require_same(there["computed_by"], said["computed_by"], f"{out}: it was begun by other versions")
+
+
+def missing(out: Path, recipe: Recipe) -> list[int]:
+    """The numbers of the shards that are not there."""
+    whole = (out / table_name(recipe)).exists()
+    return [
+        number
+        for number in range(recipe.shards)
+        if not (out / shard_name(recipe, number)).exists() or not (whole or (out / rows_name(recipe, number)).exists())
+    ]
+
+
+def write_shard(out: Path, recipe: Recipe, made: Made) -> None:
+    """Write a shard to a folder: first its rows, then its clips, each of them whole or not at all. OSError names it."""
+    write(out / rows_name(recipe, made.shard), made.rows)
+    write(out / shard_name(recipe, made.shard), made.tar)
+
+
+def write(path: Path, content: bytes) -> None:
+    """Write a file that appears whole, and is on the disk then. OSError, naming it, where that fails."""
+    try:
+        with appearing(path, durable=True) as descriptor, open(descriptor, "wb", closefd=False) as file:
+            file.write(content)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(path)) from error

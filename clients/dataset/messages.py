@@ -1,0 +1,56 @@
+"""The messages of an item: what makes its objects, and what is done with them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ...dsp.schema import GESTURES
+from ...presets import PresetError, Presets
+from ...presets.schema import SHAPES
+from ...presets.values import Quantity
+from ...server.osc.wire import Argument, Message
+from .recipe import OWN
+from .spread import Value
+
+OBJECT, BY = "object", "by"
+"""The names of an item's objects: those of their sections."""
+
+
+def object_message(name: str, values: Mapping[str, Value], presets: Presets) -> Message:
+    """The message that makes an object. PresetError where it has no lengths, and a size is given."""
+    preset = str(values["preset"])
+    given = {key: value for key, value in values.items() if key != "preset" and key not in OWN[name]}
+    scaled = _scaled(preset, number(values, "size"), presets) if "size" in values else {}
+    return Message("/object/new", (name, preset, *_pairs({**scaled, **given})))
+
+
+def gesture_message(gesture: str, values: Mapping[str, Value], seed: int, has_by: bool) -> Message:
+    """The message of a gesture, with a seed of its own unless it is given one."""
+    argument = GESTURES[gesture].argument.name
+    given = {key: value for key, value in values.items() if key not in (argument, *OWN[gesture])}
+    if any(key.name == "seed" for key in GESTURES[gesture].keys):
+        given = {"seed": seed, **given}
+    if has_by:
+        given["by"] = BY
+    return Message(f"/object/{OBJECT}/{gesture}", (values[argument], *_pairs({**given, "id": gesture})))
+
+
+def number(values: Mapping[str, Value], key: str, default: float = 0.0) -> float:
+    """A value that is a number."""
+    value = values.get(key, default)
+    assert isinstance(value, int | float), key
+    return float(value)
+
+
+def _pairs(values: Mapping[str, Value]) -> tuple[Argument, ...]:
+    return tuple(part for pair in values.items() for part in pair)
+
+
+def _scaled(name: str, size: float, presets: Presets) -> dict[str, Value]:
+    """The lengths of an object's geometry, times its size."""
+    preset = presets.object(name)
+    fields = SHAPES[preset.shape].fields
+    lengths = [key for key, domain in fields.items() if isinstance(domain, Quantity) and domain.unit == "m"]
+    if preset.shape == "listed" or not lengths:
+        raise PresetError(f"size = {size:g}: expected none, as the modes of {name} are listed")
+    return {key: size * value for key, value in preset.geometry.items() if key in lengths}

@@ -1,0 +1,103 @@
+"""What a worker needs to know, and what it makes of it: a shard."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+
+from ...dsp.bodies.modes import Modes
+from ...dsp.numerics.blas import on_one_thread
+from ...dsp.resonator.bank import NYQUIST_SHARE
+from ...dsp.schema import SETTINGS
+from ...presets import Presets
+from ...presets.making import keep, kept
+from ...server.osc.addresses import calls
+from ...server.scene.new_object import new_object
+from .clip import render
+from .design import items
+from .messages import object_message
+from .recipe import OBJECTS, Recipe
+from .shard import packed
+from .spread import Spread
+from .table import rows_file
+from .versions import require_same, versions
+
+_MOST_SHIPPED = 256
+"""Objects of different modes that are made before the workers begin, if there are no more."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A recipe, the folders of the user's presets, the versions that its bytes need, and modes that were made."""
+
+    recipe: Recipe
+    folders: tuple[str, ...]
+    versions: Mapping[str, str]
+    modes: tuple[tuple[Hashable, Modes], ...] = field(default=(), repr=False)
+
+
+@dataclass(frozen=True)
+class Made:
+    """A shard: its number, the bytes of its tar, and of its rows of the table."""
+
+    shard: int
+    tar: bytes = field(repr=False)
+    rows: bytes = field(repr=False)
+
+
+def planned(recipe: Recipe, folders: Sequence[Path]) -> Plan:
+    """The plan of a recipe, with modes that many items share."""
+    places = tuple(map(str, folders))
+    _make_modes(recipe, Presets(places))
+    return Plan(recipe, places, dict(versions(places)), tuple(kept()))
+
+
+def make(plan: Plan, shard: int, worker: str, go_on: Callable[[], object] = lambda: None) -> Made:
+    """A shard of a plan. go_on: called before each item; what it raises ends the work. worker: how an error names it.
+
+    VersionError if this process would make other bytes; ItemError names an item that cannot be.
+    """
+    require_same(plan.versions, versions(plan.folders), worker)
+    keep(plan.modes)
+    presets = _presets(plan.folders)
+    clips = []
+    with on_one_thread():
+        for item in items(plan.recipe, plan.recipe.numbers(shard)):
+            go_on()
+            clips.append(render(plan.recipe, item, presets))
+        return Made(shard, packed(plan.recipe, clips), rows_file(plan.recipe, shard, clips))
+
+
+class Remembered(Presets):
+    """Presets each of whose files is read once: they do not change while a data set is made."""
+
+    material = cache(Presets.material)
+    striker = cache(Presets.striker)
+    surface = cache(Presets.surface)
+    object = cache(Presets.object)
+
+
+_presets = cache(Remembered)
+
+
+def _make_modes(recipe: Recipe, presets: Presets) -> None:
+    """Make the modes of all objects that there can be, if they are few; they are kept."""
+    for section in OBJECTS:
+        table = {key: value for key, value in recipe.sections.get(section, {}).items() if key not in SETTINGS}
+        spreads = [value for value in table.values() if isinstance(value, Spread)]
+        count = 1
+        for spread in spreads:
+            count *= spread.levels
+        if not table or not 0 < count <= _MOST_SHIPPED:
+            continue
+        ways = [
+            [value.at(value.middle(n)) for n in range(value.levels)] if isinstance(value, Spread) else [value]
+            for value in table.values()
+        ]
+        for values in itertools.product(*ways):
+            message = object_message(section, dict(zip(table, values, strict=True)), presets)
+            (call,) = calls(message)
+            new_object(call, presets, NYQUIST_SHARE * 0.5 * recipe.rate)

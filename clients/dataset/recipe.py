@@ -1,0 +1,196 @@
+"""Recipes: TOML files that say what is drawn for each item of a data set."""
+
+from __future__ import annotations
+
+import errno
+import math
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ...dsp.numerics.constants import FULL_SCALE_PRESSURE
+from ...dsp.schema import GESTURES
+from ...dsp.wording import expected
+from ...presets import BUILT_IN, NoPreset, PresetError
+from ...presets.library import read_file
+from ...presets.schema import Fields, check
+from ...presets.values import NAME, Choice, Name, Quantity, Section, Text, Whole, shown
+from ...server.render import HIGHEST_RATE, LOWEST_RATE
+from .spread import Choice as Chosen
+from .spread import Spread, Value, Words, spread_of
+
+GESTURE = "gesture"
+"""The name of the factor that says which gesture it is, where a recipe has several."""
+
+OBJECTS = ("object", "by")
+"""Sections of objects: that which is touched, and one that strikes it."""
+
+DESIGNS = ("random", "sobol", "grid", "pairs")
+FORMATS = ("flac", "wav")
+SAMPLES = ("16", "24", "float")
+
+KEYS: Fields = {
+    "description": Text(),
+    "design": Choice(DESIGNS),
+    "differ": Words(),
+    "count": Whole(1, 1_000_000_000),
+    "seed": Whole(0, 2**63 - 1),
+    "seconds": Quantity(1e-3, 600, "s"),
+    "rate": Whole(LOWEST_RATE, HIGHEST_RATE, "Hz"),
+    "channels": Whole(1, 8),
+    "format": Choice(FORMATS),
+    "samples": Choice(SAMPLES),
+    "full_scale": Quantity(1e-6, 1e6, "Pa"),
+    "shard": Whole(1, 100_000),
+    **dict.fromkeys((*OBJECTS, *GESTURES), Section()),
+}
+"""The keys of a recipe and its sections."""
+
+DEFAULTS: Mapping[str, Any] = {
+    "design": "random", "seed": 0, "seconds": 1.0, "rate": 48_000, "channels": 1, "format": "flac", "samples": "24",
+    "full_scale": FULL_SCALE_PRESSURE, "shard": 256,
+}  # fmt: skip
+"""Of keys that need not be given."""
+
+OWN: Mapping[str, Fields] = {
+    "object": {"size": Quantity(1e-3, 1e3, "times")},
+    "by": {"size": Quantity(1e-3, 1e3, "times")},
+    **{name: {"at": Quantity(0, 600, "s"), "until": Quantity(0, 600, "s")} for name in GESTURES},
+}
+"""Keys of a section that are the recipe's own, and no message's."""
+
+
+@dataclass(frozen=True)
+class Factor:
+    """A factor: SECTION.KEY, and how its values are spread."""
+
+    name: str
+    spread: Spread
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """A recipe as it is used. text: of its file; where: how an error about it begins.
+
+    count: items; seconds: of each; samples: of the files, 16, 24 or float; full_scale: Pa; shard: items in each.
+    sections: objects and gestures, each with values and distributions by key. differ: the factors in which pairs may
+    differ; empty: any.
+    """
+
+    name: str
+    text: str
+    where: str = field(repr=False)
+    count: int
+    design: str
+    seed: int
+    seconds: float
+    rate: int
+    channels: int
+    format: str
+    samples: str
+    full_scale: float
+    shard: int
+    sections: Mapping[str, Mapping[str, Value | Spread]]
+    factors: tuple[Factor, ...]
+    gestures: tuple[str, ...]
+    description: str = ""
+    differ: tuple[str, ...] = ()
+
+    @property
+    def frames(self) -> int:
+        """Of each clip."""
+        return round(self.seconds * self.rate)
+
+    @property
+    def shards(self) -> int:
+        """How many files hold the clips."""
+        return math.ceil(self.count / self.shard)
+
+    def numbers(self, shard: int) -> range:
+        """The numbers of a shard's items."""
+        return range(shard * self.shard, min((shard + 1) * self.shard, self.count))
+
+
+def find(name: str, folders: Sequence[Path] = ()) -> Path:
+    """The file of a recipe: a file of that name, or a preset in recipes/ of these folders or of Carom's own.
+
+    FileNotFoundError, or NoPreset, which asks for a near name.
+    """
+    path = Path(name)
+    if path.is_file():
+        return path
+    if not NAME.fullmatch(name):
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), name)
+    places = [folder / "recipes" for folder in (*folders, BUILT_IN)]
+    for place in places:
+        if (place / f"{name}.toml").is_file():
+            return place / f"{name}.toml"
+    known = sorted({each.stem for place in places for each in place.glob("*.toml")})
+    raise NoPreset(f"no recipe {name!r}", lambda: expected(name, known))
+
+
+def read(path: Path, count: int | None = None) -> Recipe:
+    """The recipe in a file; count: items, in place of the file's. PresetError names the file, the key, its value and
+    what was expected."""
+    where, data = read_file(path)
+    if not NAME.fullmatch(path.stem):
+        raise PresetError(f"{path}: {shown(path.stem)}: expected {Name()} before .toml, as files are named by it")
+    values = {**DEFAULTS, **check(where, data, KEYS, ("object",))}
+    sections = {name: _section(where, name, values.pop(name)) for name in (*OBJECTS, *GESTURES) if name in values}
+    gestures = tuple(name for name in GESTURES if name in sections)
+    if not gestures:
+        raise PresetError(f"{where}no gesture: expected a section {', '.join(f'[{name}]' for name in GESTURES)}")
+    factors = [
+        Factor(f"{section}.{key}", value)
+        for section, table in sections.items()
+        for key, value in table.items()
+        if isinstance(value, Spread)
+    ]
+    if len(gestures) > 1:
+        factors.insert(0, Factor(GESTURE, Chosen(gestures)))
+    if count is not None:
+        values.update(check("", {"count": count}, KEYS, ()))
+    elif "count" not in values and values["design"] == "grid":
+        values["count"] = math.prod(each.spread.levels or 1 for each in factors)
+    elif "count" not in values:
+        raise PresetError(f"{where}count is missing: expected {KEYS['count']}")
+    text = path.read_text(encoding="utf-8")
+    recipe = Recipe(
+        name=path.stem, text=text, where=where, sections=sections, factors=tuple(factors), gestures=gestures, **values
+    )
+    _require_sense(recipe)
+    return recipe
+
+
+def _section(where: str, name: str, table: Mapping[str, object]) -> dict[str, Value | Spread]:
+    """The values and distributions of a section."""
+    made: dict[str, Value | Spread] = {}
+    for key, value in table.items():
+        if isinstance(value, dict):
+            made[key] = spread_of(f"{where}[{name}] {key}.", value)
+        elif isinstance(value, bool) or not isinstance(value, float | int | str | list):
+            raise PresetError(f"{where}[{name}] {key} = {shown(value)}: expected a number, a word, a list or a table")
+        else:
+            made[key] = tuple(value) if isinstance(value, list) else value
+    return made
+
+
+def _require_sense(recipe: Recipe) -> None:
+    """PresetError where keys contradict each other."""
+    where = recipe.where
+    if recipe.format == "flac" and recipe.samples == "float":
+        raise PresetError(f"{where}samples = 'float': expected 16 or 24, which FLAC holds")
+    if recipe.design == "sobol" and not recipe.factors:
+        raise PresetError(f"{where}design = 'sobol': expected a key that is drawn, such as velocity")
+    if recipe.design != "pairs":
+        return
+    if recipe.count % 2:
+        raise PresetError(f"{where}count = {recipe.count}: expected an even number, as items are pairs")
+    names = [factor.name for factor in recipe.factors if factor.spread.levels != 1]
+    for name in recipe.differ:
+        if name not in names:
+            raise PresetError(f"{where}differ = {shown(list(recipe.differ))}: {name}: {expected(name, names)}")
+    if not set(names) - {GESTURE}:
+        raise PresetError(f"{where}design = 'pairs': expected a key that is drawn, such as velocity")

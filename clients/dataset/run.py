@@ -1,0 +1,70 @@
+"""A data set from its recipe to its files: what is missing is made, and the table at the end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ...presets import Presets
+from ...server.files.whole import appearing
+from .check import require_sound
+from .files import about, missing, opened, rows_name, table_name
+from .local import by_processes
+from .plan import planned
+from .recipe import Recipe
+from .table import join
+
+
+@dataclass(frozen=True)
+class Workers:
+    """Who makes the shards: so many processes, or those of Dask's scheduler at an address."""
+
+    processes: int = 1
+    dask: str = ""
+
+
+def run(
+    recipe: Recipe,
+    out: Path,
+    workers: Workers,
+    folders: Sequence[Path] = (),
+    progress: Callable[[int, int], object] = lambda done, count: None,
+    interrupted: Callable[[], bool] = lambda: False,
+) -> Path:
+    """Make what a folder lacks of a recipe's data set; the file of its table.
+
+    progress: told how many items are there, and of how many. KeyboardInterrupt if `interrupted` says so; what was made
+    by then stays, and another run goes on from there. PresetError, ItemError, FolderError, VersionError, WorkerError
+    or OSError say what cannot be.
+    """
+    require_sound(recipe, Presets(folders))
+    plan = planned(recipe, folders)
+    said = about(recipe, plan.versions)
+    with opened(out, said):
+        shards = missing(out, recipe)
+        done = recipe.count - sum(len(recipe.numbers(shard)) for shard in shards)
+        progress(done, recipe.count)
+        if workers.dask:
+            from .dask import by_dask
+
+            made = by_dask(plan, out, shards, workers.dask, interrupted)
+        else:
+            made = by_processes(plan, out, shards, workers.processes, interrupted) if shards else iter(())
+        for shard in made:
+            done += len(recipe.numbers(shard))
+            progress(done, recipe.count)
+        return _table(recipe, out, said)
+
+
+def _table(recipe: Recipe, out: Path, said: Mapping[str, Any]) -> Path:
+    """The table of a data set whose shards are all there; the files of their rows go."""
+    table = out / table_name(recipe)
+    parts = [out / rows_name(recipe, shard) for shard in range(recipe.shards)]
+    if not table.exists():
+        with appearing(table, durable=True) as descriptor, open(descriptor, "wb", closefd=False) as file:
+            join(recipe, said, parts, file)
+    for part in parts:
+        part.unlink(missing_ok=True)
+    return table

@@ -1,0 +1,61 @@
+"""The bytes of a shard: a WebDataset tar of clips with their truths, the same whenever and wherever it is made."""
+
+from __future__ import annotations
+
+import io
+import json
+import tarfile
+from collections.abc import Iterable
+
+import numpy as np
+import soundfile
+from numpy.typing import NDArray
+
+from ...server.files.floatwav import header
+from .clip import Clip
+from .recipe import Recipe
+
+_SUBTYPES = {"16": "PCM_16", "24": "PCM_24"}
+
+
+def shard_name(recipe: Recipe, number: int) -> str:
+    """The name of a shard's file."""
+    return f"{recipe.name}-{number:06d}.tar"
+
+
+def key_of(item: int) -> str:
+    """The name of an item's files in their shard, up to the first dot."""
+    return f"{item:09d}"
+
+
+def packed(recipe: Recipe, clips: Iterable[Clip]) -> bytes:
+    """The tar of clips: for each its sound, KEY.json with its truth, and KEY.force.npy with its forces."""
+    memory = io.BytesIO()
+    with tarfile.open(fileobj=memory, mode="w", format=tarfile.USTAR_FORMAT) as tar:
+        for clip in clips:
+            key = key_of(clip.truth["item"])
+            parts = {
+                recipe.format: sound_file(clip.samples, recipe),
+                "json": json.dumps(clip.truth, allow_nan=False, separators=(",", ":")).encode(),
+                "force.npy": _array_file(clip.force),
+            }
+            for ending, content in parts.items():
+                member = tarfile.TarInfo(f"{key}.{ending}")  # its time is 0, and it belongs to nobody
+                member.size = len(content)
+                tar.addfile(member, io.BytesIO(content))
+    return memory.getvalue()
+
+
+def sound_file(samples: NDArray[np.float32], recipe: Recipe) -> bytes:
+    """A sound file of samples (frames, channels)."""
+    if recipe.samples == "float":
+        return header(recipe.rate, len(samples), samples.shape[1]) + samples.astype("<f4").tobytes()
+    memory = io.BytesIO()
+    soundfile.write(memory, samples, recipe.rate, _SUBTYPES[recipe.samples], format=recipe.format.upper())
+    return memory.getvalue()
+
+
+def _array_file(values: NDArray[np.float32]) -> bytes:
+    memory = io.BytesIO()
+    np.save(memory, values.astype("<f4"))
+    return memory.getvalue()

@@ -1,0 +1,83 @@
+"""The table of a data set: a row for each item, with all that is known of it, as Parquet."""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from .clip import Clip
+from .recipe import Recipe
+from .shard import key_of, shard_name
+
+_LIST = pa.list_(pa.float64())
+_SINES = pa.struct({"frequency": _LIST, "decay": _LIST, "gain": pa.list_(_LIST)})
+_CLICK = pa.struct({"frequency": pa.float64(), "decay": pa.float64(), "gain": _LIST})
+_OBJECT = pa.struct(
+    {
+        **dict.fromkeys(("name", "preset", "shape", "material"), pa.string()),
+        **dict.fromkeys(("mass", "position"), pa.float64()),
+        "modes": _SINES,
+        "clicks": pa.list_(_CLICK),
+        "relief": _SINES,
+    }
+)
+_CONTACT = pa.struct(
+    {
+        **dict.fromkeys(("object", "by"), pa.string()),
+        **dict.fromkeys(("start", "duration", "position", "speed", "mass"), pa.float64()),
+        **dict.fromkeys(("impulse", "peak", "energy", "loss"), pa.float64()),
+        "first": pa.int64(),
+        "force": pa.list_(pa.float32()),
+    }
+)
+
+
+def schema(recipe: Recipe, about: Mapping[str, Any]) -> pa.Schema:
+    """The columns of a recipe's table. about: what its metadata say, as JSON under the key `carom`."""
+    paired = {"pair": pa.int64(), "differs": pa.string()} if recipe.design == "pairs" else {}
+    factors = {factor.name: _kind(factor.spread.ends) for factor in recipe.factors}
+    columns = {
+        "item": pa.int64(), "key": pa.string(), "shard": pa.string(), "seed": pa.int64(), **paired,
+        "gesture": pa.string(), "factors": pa.struct(factors) if factors else None, "rate": pa.int64(),
+        "frames": pa.int64(), "full_scale": pa.float64(), "peak": pa.float64(), "exposure": _LIST,
+        "objects": pa.list_(_OBJECT), "contacts": pa.list_(_CONTACT),
+    }  # fmt: skip
+    made = pa.schema({name: kind for name, kind in columns.items() if kind is not None})
+    return made.with_metadata({"carom": json.dumps(about)})
+
+
+def rows_file(recipe: Recipe, shard: int, clips: Iterable[Clip]) -> bytes:
+    """A shard's rows, as a table of their own."""
+    columns = schema(recipe, {})
+    rows = [{"shard": shard_name(recipe, shard), "key": key_of(clip.truth["item"]), **_row(clip)} for clip in clips]
+    memory = io.BytesIO()
+    pq.write_table(pa.Table.from_pylist(rows, columns), memory, compression="zstd")
+    return memory.getvalue()
+
+
+def join(recipe: Recipe, about: Mapping[str, Any], parts: Sequence[Path], out: BinaryIO) -> None:
+    """Write the tables of all shards as one, a group of rows for each."""
+    columns = schema(recipe, about)
+    with pq.ParquetWriter(out, columns, compression="zstd") as writer:
+        for part in parts:
+            rows = pq.read_table(part, use_threads=False).replace_schema_metadata(columns.metadata)
+            writer.write_table(rows, row_group_size=max(1, len(rows)))
+
+
+def _row(clip: Clip) -> dict[str, Any]:
+    """A row: the truth, with each contact's forces in place."""
+    contacts = [
+        {**told, "force": clip.force[told["force_begin"] : told["force_begin"] + told["force_count"]]}
+        for told in clip.truth["contacts"]
+    ]
+    return {**clip.truth, "contacts": contacts}
+
+
+def _kind(ends: Sequence[object]) -> pa.DataType:
+    return pa.string() if isinstance(ends[0], str) else pa.float64()

@@ -1,0 +1,39 @@
+"""The help of methods, from the table of addresses."""
+
+import inspect
+from collections.abc import Callable, Iterable
+from functools import wraps
+from typing import Any, TypeVar
+
+from .clients.actions import Actions
+from .dsp.schema import Parameter as Number
+from .server.osc.addresses import VERBS
+from .server.osc.arguments import Key
+
+Acting = TypeVar("Acting", bound=Actions)
+
+
+def documented(cls: type[Acting]) -> type[Acting]:
+    """Decorator: the help of each method whose address takes keys ends with them, their ranges and meanings.
+
+    The methods of Actions stay as they are: a Client starts without the table of addresses.
+    """
+    for verb in VERBS.values():
+        if verb.keys and hasattr(Actions, verb.action):
+            setattr(cls, verb.action, _with_keys(getattr(cls, verb.action), verb.keys))
+    return cls
+
+
+def _with_keys(method: Callable[..., None], keys: Iterable[Key]) -> Callable[..., None]:
+    """A method that does the same; its help ends with keys."""
+
+    @wraps(method)
+    def same(*args: Any, **kwargs: Any) -> None:
+        method(*args, **kwargs)
+
+    lines = [inspect.getdoc(method) or "", "", "Keys:"]
+    for key in keys:
+        kind = f"{key.low:g} to {key.high:g} {key.unit}".rstrip() if isinstance(key, Number) else "a name"
+        lines.append(f"  {key.name}: {kind}" + (f"; {key.help}" if key.help else ""))
+    same.__doc__ = "\n".join(lines)
+    return same

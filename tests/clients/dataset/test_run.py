@@ -1,0 +1,118 @@
+"""Whole data sets: the same bytes on any number of workers and after a kill, and what stops a run."""
+
+import json
+import os
+import resource
+import signal
+import subprocess
+import time
+
+import pyarrow.parquet as pq
+import pytest
+
+from carom.clients.dataset.files import FolderError
+from carom.clients.dataset.recipe import read
+from carom.clients.dataset.run import Workers, run
+from carom.clients.dataset.versions import VersionError
+from tests.clients.dataset.support import SMALL, contents, unpacked, written
+from tests.support import CAROM
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """A recipe's file, and its data set by one process."""
+    folder = tmp_path_factory.mktemp("made")
+    path = written(folder, SMALL)
+    run(read(path), folder / "out", Workers(1))
+    return path, folder / "out"
+
+
+def test_it_is_shards_and_a_table(made):
+    _, out = made
+    shards = [f"small-{n:06d}.tar" for n in range(3)]
+    assert sorted(contents(out)) == sorted(["dataset.json", "small.parquet", *shards])
+    about = json.loads((out / "dataset.json").read_text())
+    assert about["items"] == 6 and about["shards"] == shards and about["pascals_per_full_scale"] == 20.0
+    assert {"carom", "sources", "code", "numpy", "scipy", "libsndfile", "pyarrow"} <= set(about["computed_by"])
+    found = [item for name in shards for item in unpacked(out / name)]
+    table = pq.read_table(out / "small.parquet")
+    assert json.loads(table.schema.metadata[b"carom"])["computed_by"] == about["computed_by"]
+    rows = table.to_pylist()
+    assert [row["item"] for row in rows] == list(range(6)) and [row["shard"] for row in rows] == sorted(2 * shards)
+    for row, item in zip(rows, found, strict=True):
+        assert row["key"] == item["key"] and row["factors"] == item["truth"]["factors"]
+        assert row["objects"][0]["modes"] == item["truth"]["objects"][0]["modes"]
+        (contact,) = row["contacts"]
+        assert contact["force"] == item["force"].tolist()
+        assert contact["impulse"] == item["truth"]["contacts"][0]["impulse"]
+
+
+def test_two_workers_make_the_same_bytes(made, tmp_path):
+    path, out = made
+    subprocess.run([*CAROM, "dataset", path, tmp_path / "two", "--workers", "2"], check=True, timeout=120)
+    assert contents(tmp_path / "two") == contents(out)
+
+
+def test_a_run_that_was_killed_goes_on_to_the_same_bytes(made, tmp_path):
+    path, out = made
+    words = [*CAROM, "dataset", path, tmp_path / "two", "--workers", "1"]
+    begun = subprocess.Popen(words)
+    try:
+        deadline = time.monotonic() + 60
+        while not list((tmp_path / "two").glob("*.tar")) and time.monotonic() < deadline:
+            time.sleep(0.005)
+    finally:
+        os.kill(begun.pid, signal.SIGKILL)
+        begun.wait()
+    (tmp_path / "two" / "small-000002.tar.x.part").write_bytes(b"half")
+    run(read(path), tmp_path / "two", Workers(1))
+    assert contents(tmp_path / "two") == contents(out)
+
+
+def test_a_shard_that_is_gone_is_made_again_and_a_whole_set_is_left_alone(made, tmp_path):
+    path, out = made
+    told = []
+    before = contents(out)
+    run(read(path), out, Workers(1), progress=lambda done, count: told.append((done, count)))
+    assert told == [(6, 6)] and contents(out) == before
+
+
+def test_a_folder_of_something_else_is_refused(made, tmp_path):
+    path, out = made
+    (tmp_path / "mine.txt").write_text("")
+    with pytest.raises(FolderError, match=r"mine\.txt is there: expected a new or empty folder"):
+        run(read(path), tmp_path, Workers(1))
+    with pytest.raises(FolderError, match="another number of items: 4, there are 6"):
+        run(read(path, 4), out, Workers(1))
+    with pytest.raises(FolderError, match="another text of the recipe"):
+        run(read(written(tmp_path, SMALL + "\n")), out, Workers(1))
+
+
+def test_other_versions_are_refused_by_name(made, tmp_path, monkeypatch):
+    path, out = made
+    about = json.loads((out / "dataset.json").read_text())
+    about["computed_by"]["numpy"] = "1.0"
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "dataset.json").write_text(json.dumps(about))
+    with pytest.raises(VersionError, match=r"begun by other versions: numpy .*: expected 1.0$"):
+        run(read(path), tmp_path / "out", Workers(1))
+
+
+def test_a_full_disk_is_one_line_and_leaves_no_half_shard(made, tmp_path):
+    path, _ = made
+    limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (30_000, 30_000))  # noqa: E731
+    words = [*CAROM, "dataset", path, tmp_path / "out", "--workers", "1"]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=60, preexec_fn=limit)
+    assert done.returncode == 1 and done.stderr.count("\n") == 1 and "Traceback" not in done.stderr
+    assert f"{tmp_path / 'out'}/small-00000" in done.stderr and "File too large" in done.stderr
+    assert not list((tmp_path / "out").glob("*.tar")) and not list((tmp_path / "out").glob("*.part"))
+
+
+def test_an_item_that_cannot_be_ends_the_run_in_one_line(tmp_path):
+    path = written(tmp_path, "full_scale = 1e-3\n" + SMALL)
+    words = [*CAROM, "dataset", path, tmp_path / "out", "--workers", "1"]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 1 and done.stderr.count("\n") == 1
+    assert done.stderr.startswith("carom dataset: item 0: its peak is")

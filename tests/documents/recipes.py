@@ -1,0 +1,45 @@
+"""The keys of recipes, from their schema, and the recipes that there are."""
+
+from carom.clients.dataset.recipe import DEFAULTS, GESTURES, KEYS, OWN, read
+from carom.clients.dataset.spread import FORMS
+from carom.presets import BUILT_IN
+from tests.documents.markdown import table
+
+_MEANINGS = {
+    "description": "one line",
+    "design": "how items are spread over the factors",
+    "differ": "factors, SECTION.KEY, in which pairs may differ; any if not given",
+    "count": "items; of a grid its points if not given",
+    "seed": "of all that is drawn",
+    "seconds": "length of each clip",
+    "rate": "sampling rate",
+    "channels": "2: left and right",
+    "format": "of the sounds",
+    "samples": "bits, or floats, which FLAC does not hold",
+    "full_scale": "pressure of a sample of 1.0",
+    "shard": "items in each",
+    "size": "factor of all lengths of the preset; `[by]` has it too",
+    "at": "when a gesture begins; 0 if not given",
+    "until": "when it is stopped; it goes on if not given",
+}
+
+
+def keys() -> str:
+    """The keys of a recipe, those of its sections that no address has, and the distributions."""
+    plain = {key: domain for key, domain in KEYS.items() if key not in (*OWN, *GESTURES)}
+    rows = [(f"`{key}`", _value(key, domain), _MEANINGS[key]) for key, domain in plain.items()]
+    own = {"object": "`[object]` ", "impact": "any gesture's "}
+    rows += [(f"{own[name]}`{key}`", str(domain), _MEANINGS[key]) for name in own for key, domain in OWN[name].items()]
+    forms = [(f"`{{ {form} }}`", what) for form, what in FORMS.items()]
+    return "\n\n".join([table(("key", "value", "meaning"), rows), table(("distribution", "draws"), forms)])
+
+
+def _value(key: str, domain: object) -> str:
+    default = f"; {DEFAULTS[key]} if not given" if key in DEFAULTS else ""
+    return f"{domain}{default}"
+
+
+def listed() -> str:
+    """The recipes that there are, and what each draws."""
+    found = [read(path) for path in sorted((BUILT_IN / "recipes").glob("*.toml"))]
+    return table(("recipe", "items", "is"), [(f"`{each.name}`", f"{each.count:,}", each.description) for each in found])
