@@ -29,6 +29,7 @@ from .strikers import Strikers
 _STEADY = 1e-3  # s by which the clock may turn out to be wrong before what is said of it changes
 
 _NO_TIMES = np.zeros(3)
+_NO_TIMES_AT = _NO_TIMES.ctypes.data
 
 
 class Stamp(float):
@@ -62,7 +63,8 @@ class Engine:
         load(callback.__module__)  # before the memory, which may leave no room for code that lies together
         self.state = fresh_state(rate, channels)
         self._record = self.state[0]
-        self._ring = Ring(self._record)
+        self.ring = Ring(self._record)
+        self._pointer, self._channels = self.state.ctypes.data, channels
         self._pace: tuple[int, float, float] | None = None
         self._memory = Memory(self._record, modes, objects)
         self._strikers = Strikers(self._record, self.top_frequency)
@@ -74,7 +76,7 @@ class Engine:
 
     @property
     def channels(self) -> int:
-        return int(self._record["output"]["channels"])
+        return self._channels
 
     @property
     def address(self) -> int:
@@ -84,7 +86,7 @@ class Engine:
     @property
     def pointer(self) -> int:
         """The callback's user data."""
-        return self.state.ctypes.data
+        return self._pointer
 
     @property
     def measured_rate(self) -> float:
@@ -181,8 +183,8 @@ class Engine:
 
     def process(self, frames: int) -> NDArray[np.float32]:
         """The next `frames` frames, float32 (frames, channels)."""
-        out = np.empty((frames, self.channels), np.float32)
-        callback(None, out.ctypes.data, frames, _NO_TIMES.ctypes.data, 0, self.pointer)
+        out = np.empty((frames, self._channels), np.float32)
+        callback(None, out.ctypes.data, frames, _NO_TIMES_AT, 0, self._pointer)
         return out
 
     def quiet(self) -> bool:
@@ -201,15 +203,11 @@ class Engine:
 
     def room(self) -> int:
         """Commands that can be sent now."""
-        return self._ring.room()
+        return self.ring.room()
 
     def send(self, commands: Sequence[Command]) -> None:
         """Send commands all at once, or EngineFull and none of them."""
-        self._ring.send(commands)
-
-    def send_rows(self, rows: NDArray[np.void], latest: float) -> None:
-        """As `send`, for records of COMMAND, the last for a time (samples): see Ring."""
-        self._ring.send_rows(rows, latest)
+        self.ring.send(commands)
 
     def ended(self) -> list[tuple[int, End]]:
         """Gestures (by number) that have ended since the last call, and how: one for each that was sent."""
@@ -223,7 +221,7 @@ class Engine:
     @property
     def sent(self) -> int:
         """Commands sent so far: the number of the next."""
-        return self._ring.sent
+        return self.ring.sent
 
     def note(self) -> None:
         """Keep what becomes of commands from here on for `noted`."""

@@ -18,7 +18,6 @@ KEPT_FOR_NOW = 2_048
 """Places among the EVENTS that wait that are kept from what is further ahead than half a second."""
 
 _SOON = 0.5  # s
-_WHOLE = f"V{COMMAND.itemsize}"  # a command as bytes, which are copied together and not field by field
 
 
 class Ring:
@@ -27,6 +26,10 @@ class Ring:
     def __init__(self, record: Any) -> None:
         self._record = record
         self._ring = record["ring"]
+        self.entries: NDArray[np.void] = self._ring["entries"]
+        """The commands, by their numbers modulo RING. Whoever writes them has asked for room, sets their numbers, and
+        publishes."""
+        self.bytes = self.bytes_of(self.entries)
 
     @property
     def sent(self) -> int:
@@ -39,27 +42,21 @@ class Ring:
 
     def send(self, commands: Sequence[Command]) -> None:
         """Send commands all at once, or EngineFull and none of them."""
-        self._require_room(len(commands), max((command.time for command in commands), default=NOW))
+        self.require_room(len(commands), max((command.time for command in commands), default=NOW))
         written = self.sent
-        entries = self._ring["entries"]
         for number, command in enumerate(commands, written):
-            write(entries[number % RING], number, command)
+            write(self.entries[number % RING], number, command)
         publish(self._ring["written"], written + len(commands))
 
-    def send_rows(self, rows: NDArray[np.void], latest: float) -> None:
-        """As `send`, for commands that are records of COMMAND already, but for their numbers, which are set here; the
-        last is for the time `latest` (samples)."""
-        count = len(rows)
-        self._require_room(count, latest)
-        first = self.sent
-        rows["number"] = np.arange(first, first + count)
-        entries, rows = self._ring["entries"].view(_WHOLE), rows.view(_WHOLE)
-        place = first % RING
-        before = min(count, RING - place)
-        entries[place : place + before], entries[: count - before] = rows[:before], rows[before:]
-        publish(self._ring["written"], first + count)
+    def bytes_of(self, commands: NDArray[np.void]) -> NDArray[np.void]:
+        """Commands as bytes, which are copied together and not field by field."""
+        return commands.view(f"V{COMMAND.itemsize}")
 
-    def _require_room(self, count: int, latest: float) -> None:
+    def publish(self, number: int) -> None:
+        """Let the engine have what was written into `entries` before a number."""
+        publish(self._ring["written"], number)
+
+    def require_room(self, count: int, latest: float) -> None:
         """EngineFull unless there is room for so many commands, the last for a time (samples)."""
         room = self.room()
         if count > room:

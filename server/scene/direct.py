@@ -7,86 +7,117 @@ import numpy as np
 from ...dsp.engine.commands import COMMAND, Kind
 from ...dsp.schema import STEERABLE
 from ..osc.wire import Message
-from ..world.deeds import Blow, Deed, Gains, Said, Steering
-from .objects import PlayedObject
+from ..world.deeds import Blow, Deed, Ending, Gains, Said, Slide, Steering
 from .session import Session
 
-_ROOM = 256  # commands that are sent together
 _PLACES = {name: place for place, name in enumerate(STEERABLE)}
+_BLOW, _STEER, _STOP, _PLACE = int(Kind.IMPACT), int(Kind.STEER), int(Kind.STOP), int(Kind.PLACE)
+
+_Known = tuple[int, int, tuple[tuple[str, float | str], ...]]
 
 
 class Direct:
     """Sends deeds to a session's engine, as the messages would that say the same.
 
-    What begins is a message, which is checked; the rest are numbers that are within their ranges as the simulation made
-    them. say: carries a message out at a time (samples).
+    Objects, and the first slide of a pair, are messages, which are checked; the rest are numbers that are within their
+    ranges as the simulation made them. say: carries a message out at a time (samples).
     """
 
     def __init__(self, session: Session, say: Callable[[Message, float], object]) -> None:
-        self._session, self._engine, self._say = session, session.engine, say
-        self._rows = np.zeros(_ROOM, COMMAND)
+        self._session, self._say, self._ring = session, say, session.engine.ring
         blank = np.zeros(1, COMMAND)
         blank["channel"] = -1
         blank["strike"]["gain"] = 1.0
-        whole = f"V{COMMAND.itemsize}"  # so that it is copied as bytes, and not field by field
-        self._blank, self._bytes = blank.view(whole)[0], self._rows.view(whole)
-        self._latest = 0.0
-        self._column = {name: self._rows[name] for name in COMMAND.names or ()}
-        self._strike = {name: self._rows["strike"][name] for name in COMMAND["strike"].names or ()}
-        self._count = 0
+        rows = self._ring.entries
+        self._blank = self._ring.bytes_of(blank)[0]
+        self._slides: dict[_Known, np.void] = {}
+        self._column = {name: rows[name] for name in COMMAND.names or ()}
+        self._strike = {name: rows["strike"][name] for name in COMMAND["strike"].names or ()}
+        self._slide = {name: rows["slide"][name] for name in COMMAND["slide"].names or ()}
 
     def send(self, deeds: Sequence[tuple[float, Deed]]) -> None:
-        """Send deeds, each for its time (samples). EngineFull where they find no room."""
+        """Send deeds in the order of their times (samples). EngineFull where they find no room."""
+        waiting: list[tuple[float, Deed]] = []
+        for time, deed in deeds:
+            new = isinstance(deed, Slide) and self._known(deed) not in self._slides
+            if isinstance(deed, Said) or new:
+                self._write(waiting)
+                waiting = []
+                self._say(deed.message, time)
+                if isinstance(deed, Slide):
+                    last = (self._ring.sent - 1) % len(self._ring.bytes)
+                    self._slides[self._known(deed)] = self._ring.bytes[last].copy()
+            elif not isinstance(deed, Steering | Ending) or self._session.gestures.number_of(deed.id):
+                waiting.append((time, deed))
+        self._write(waiting)
+
+    def _known(self, slide: Slide) -> _Known:
+        objects = self._session.objects
+        return objects[slide.to].handle.serial, objects[slide.by].handle.serial if slide.by else 0, slide.keys
+
+    def _write(self, deeds: Sequence[tuple[float, Deed]]) -> None:
+        """Write deeds into the engine's ring."""
+        if not deeds:
+            return
+        count = sum(len(deed.gains) if isinstance(deed, Gains) else 1 for _, deed in deeds)
+        self._ring.require_room(count, deeds[-1][0])
+        number = self._ring.sent
         for time, deed in deeds:
             if isinstance(deed, Blow):
-                self._blow(time, deed)
+                self._blow(number, time, deed)
+            elif isinstance(deed, Steering | Ending):
+                self._change(number, time, deed)
+            elif isinstance(deed, Slide):
+                self._begin(number, time, deed)
             elif isinstance(deed, Gains):
-                self._gains(time, deed)
-            elif isinstance(deed, Said):
-                self._flush()
-                self._say(deed.message, time)
-            elif number := self._session.gestures.number_of(deed.id):
-                steers = isinstance(deed, Steering)
-                n = self._add(time, Kind.STEER if steers else Kind.STOP)
-                self._column["gesture"][n] = number
-                if isinstance(deed, Steering):
-                    self._column["parameter"][n] = _PLACES[deed.parameter]
-                    self._column["value"][n] = deed.value
-        self._flush()
+                self._gains(number, time, deed)
+            number += len(deed.gains) if isinstance(deed, Gains) else 1
+        self._ring.publish(number)
 
-    def _add(self, time: float, kind: Kind, to: PlayedObject | None = None) -> int:
-        """Begin a command; its place among the rows."""
-        if self._count == _ROOM:
-            self._flush()
-        n, column = self._count, self._column
-        self._count += 1
-        self._bytes[n] = self._blank
-        self._latest = max(self._latest, time)
-        column["time"][n], column["kind"][n] = time, kind
-        if to:
-            column["slot"][n], column["serial"][n] = to.handle.slot, to.handle.serial
+    def _add(self, number: int, time: float, like: np.void, kind: int = -1) -> int:
+        """Begin a command, as another is; its place in the ring."""
+        column = self._column
+        n = number % len(self._ring.bytes)
+        self._ring.bytes[n] = like
+        column["number"][n], column["time"][n] = number, time
+        if kind >= 0:
+            column["kind"][n] = kind
         return n
 
-    def _blow(self, time: float, blow: Blow) -> None:
-        to = self._session.objects[blow.to]
-        n, strike = self._add(time, Kind.IMPACT, to), self._strike
+    def _blow(self, number: int, time: float, blow: Blow) -> None:
+        to, column, strike = self._session.objects[blow.to], self._column, self._strike
+        n = self._add(number, time, self._blank, _BLOW)
+        column["slot"][n], column["serial"][n] = to.handle.slot, to.handle.serial
         if blow.by:
             by = self._session.objects[blow.by].handle
-            self._column["by_slot"][n], self._column["by_serial"][n] = by.slot, by.serial
+            column["by_slot"][n], column["by_serial"][n] = by.slot, by.serial
             strike["by_position"][n] = blow.by_place
         strike["velocity"][n], strike["position"][n] = blow.speed, blow.place
         strike["mass"][n], strike["stiffness"][n], strike["exponent"][n] = blow.mass, blow.stiffness, blow.exponent
         strike["dissipation"][n], strike["restitution"][n] = blow.dissipation, blow.restitution
         strike["gesture_level"][n] = self._session.scale.gesture(to.preset, "impact")
 
-    def _gains(self, time: float, gains: Gains) -> None:
-        to = self._session.objects[gains.to]
-        for channel, gain in enumerate(gains.gains):
-            n = self._add(time, Kind.PLACE, to)
-            self._column["channel"][n], self._column["value"][n] = channel, gain
+    def _begin(self, number: int, time: float, slide: Slide) -> None:
+        """Begin a slide as one of the same pair began before."""
+        n = self._add(number, time, self._slides[self._known(slide)])
+        strike, own = self._strike, self._slide
+        self._session.gestures.collect()  # those that have ended
+        self._column["gesture"][n] = self._session.gestures.start(slide.id, f"/object/{slide.to}/slide", None).number
+        strike["position"][n], strike["by_position"][n] = slide.place, slide.by_place
+        own["speed"][n], own["sweep"][n], own["force"][n] = slide.slip, slide.sweep, slide.force
+        own["seed"][n] = slide.seed
 
-    def _flush(self) -> None:
-        """Send what is gathered."""
-        count, latest, self._count, self._latest = self._count, self._latest, 0, 0.0
-        if count:
-            self._engine.send_rows(self._rows[:count], latest)
+    def _change(self, number: int, time: float, deed: Steering | Ending) -> None:
+        """Steer or end a slide."""
+        steers = isinstance(deed, Steering)
+        n = self._add(number, time, self._blank, _STEER if steers else _STOP)
+        self._column["gesture"][n] = self._session.gestures.number_of(deed.id)
+        if isinstance(deed, Steering):
+            self._column["parameter"][n], self._column["value"][n] = _PLACES[deed.parameter], deed.value
+
+    def _gains(self, number: int, time: float, gains: Gains) -> None:
+        to, column = self._session.objects[gains.to].handle, self._column
+        for channel, gain in enumerate(gains.gains):
+            n = self._add(number + channel, time, self._blank, _PLACE)
+            column["slot"][n], column["serial"][n] = to.slot, to.serial
+            column["channel"][n], column["value"][n] = channel, gain

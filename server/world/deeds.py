@@ -7,7 +7,7 @@ from ..osc.wire import Message
 
 
 class Said(NamedTuple):
-    """A message that is carried out as it is: a body's object, a slide that begins."""
+    """A message that is carried out as it is: it makes a body's object."""
 
     time: float
     message: Message
@@ -49,6 +49,30 @@ class Gains(NamedTuple):
         return Message(f"/object/{self.to}/gains", self.gains)
 
 
+class Slide(NamedTuple):
+    """A slide that begins on an object; by: what slides and rings too, else empty. keys: of `/object/NAME/slide`, what
+    holds for all slides of the pair there: its law, its surface, its friction."""
+
+    time: float
+    to: str
+    by: str
+    id: str
+    place: float
+    by_place: float
+    slip: float
+    sweep: float
+    force: float
+    seed: int
+    keys: tuple[tuple[str, float | str], ...]
+
+    @property
+    def message(self) -> Message:
+        other = ("by", self.by, "by_position", self.by_place) if self.by else ()
+        own = (part for pair in self.keys for part in pair)
+        motion = ("force", self.force, "sweep", self.sweep, "id", self.id, "seed", self.seed)
+        return Message(f"/object/{self.to}/slide", (self.slip, self.place, *other, *own, *motion))
+
+
 class Steering(NamedTuple):
     """A new value of a slide's parameter."""
 
@@ -73,7 +97,7 @@ class Ending(NamedTuple):
         return Message(f"/gesture/{self.id}/stop", ())
 
 
-Deed = Said | Blow | Gains | Steering | Ending
+Deed = Said | Blow | Slide | Gains | Steering | Ending
 """Each has the time (s) of the simulation at which it is heard."""
 
 

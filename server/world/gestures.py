@@ -2,9 +2,8 @@
 
 from collections.abc import Mapping
 
-from ..osc.wire import Message
 from .bodies import Body
-from .deeds import Deed, Ending, Said, Steering
+from .deeds import Deed, Ending, Slide, Steering
 from .told import Event
 
 _LEAST = 1e-6  # m/s, N: a slide of 0 would end
@@ -26,6 +25,11 @@ class Gestures:
         self._made = 0
         self._seed = seed
 
+    @property
+    def is_full(self) -> bool:
+        """True if no other slide has room."""
+        return len(self.running) >= self._most
+
     def begin(
         self,
         key: Key,
@@ -35,12 +39,7 @@ class Gestures:
         places: tuple[float, float],
         keys: Mapping[str, float | str],
     ) -> list[Deed]:
-        """Begin a slide on the first of two bodies, `side` of the pair, at places of both; nothing if there is no
-        room."""
-        if key in self.running:
-            return self.steer(key, event, side, places[0])
-        if len(self.running) >= self._most:
-            return []
+        """Begin a slide on the first of two bodies, `side` of the pair, at places of both."""
         self._made += 1
         self.running[key] = f"contact.{self._made}"
         to, by = bodies
@@ -48,15 +47,16 @@ class Gestures:
         self._said[key] = {"speed": slip, "sweep": sweep, "force": force, "position": places[0]}
         round_ = to.shape.round or by.shape.round
         given: dict[str, float | str] = {
-            **({"by": by.name, "by_position": places[1]} if by.rings else {}),
-            "static": _STATIC, "dynamic": _DYNAMIC, "patch": 0.0 if round_ else _FLAT, **keys,
-            "force": force, "sweep": sweep, "id": self.running[key],
-            "seed": (self._seed * _STRIDE + self._made) % _SEEDS,
+            "static": _STATIC, "dynamic": _DYNAMIC, "patch": 0.0 if round_ else _FLAT, **keys
         }  # fmt: skip
         if "static" in keys or "dynamic" in keys:
             given["dynamic"] = min(float(given["dynamic"]), float(given["static"]))
-        pairs = [part for pair in given.items() for part in pair]
-        return [Said(event.time, Message(f"/object/{to.name}/slide", (slip, places[0], *pairs)))]
+        seed = (self._seed * _STRIDE + self._made) % _SEEDS
+        other, by_place = (by.name, places[1]) if by.rings else ("", 0.0)
+        return [
+            Slide(event.time, to.name, other, self.running[key], places[0], by_place, slip, sweep, force, seed,
+                  tuple(given.items()))
+        ]  # fmt: skip
 
     def steer(self, key: Key, event: Event, side: int, place: float) -> list[Deed]:
         """Steer a slide."""

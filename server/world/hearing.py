@@ -97,7 +97,7 @@ class Placing:
         self._until, self._sound, self._changed = record["until"], self._ears["sound"], record["changed"]
         self._now = record["now"][:, :count]
         self._addresses = self._ears.ctypes.data, state.ctypes.data
-        self._kept = state
+        self._kept, self._place = state, place.bare
         self.silence()
 
     def silence(self) -> None:
@@ -112,6 +112,6 @@ class Placing:
 
     def look(self, time: float) -> list[tuple[int, list[float]]]:
         """The bodies that sound and whose gains are others than those told, with these."""
-        count = place(*self._addresses)
+        count = self._place(*self._addresses)
         self.next = time + _PLACED if self._sound[0] else math.inf
         return [(n, self._now[n].tolist()) for n in self._changed[:count].tolist()]

@@ -41,7 +41,7 @@ class Simulation:
         for name, value in (("gravity", gravity), ("rest", rest), ("start", start)):
             if not (math.isfinite(value) and (value >= 0.0 or name == "start")):
                 raise WorldError(f"{name} = {value}: expected a number that is not negative")
-        assert track.address  # its code is loaded now, or compiled, and not in the first step
+        self._track, self._track_arrays = track.bare, track_arrays.bare  # loaded now, or compiled
         self.bodies: list[Body] = []
         self.counts = Counts()
         self.hits: list[Hit] = []
@@ -148,7 +148,10 @@ class Simulation:
         before = self.time
         if not before < time < math.inf:
             raise WorldError(f"step {self.steps + 1}: time = {time}: expected above {before}, that of the step before")
-        found = track_arrays(self._address, arrays, points, time) if arrays else track(self._address, points, time)
+        if arrays:
+            found = self._track_arrays(self._address, arrays, points, time)
+        else:
+            found = self._track(self._address, points, time)
         if found < 0:
             raise WorldError(f"step {self.steps + 1}: {self._fault(points)}")
         self.steps += 1
@@ -183,7 +186,7 @@ class Simulation:
         events = events_of(self._whole[:count], self._floats[:count])
         self.counts.crowded = int(self.state["left_out"][0])
         for event in events:
-            if event.kind != REST:
+            if event.kind in (HIT, MOVE):
                 self._sounds(event.a)
                 self._sounds(event.b)
         placed = self._placing.look(self.time)
@@ -214,9 +217,10 @@ class Simulation:
             for n in key if ended else ():
                 self._sounds(n)
             return ended
-        if event.kind != MOVE and key in self._gestures.running:
+        if key in self._gestures.running:
             return self._gestures.steer(key, event, side, to.place(at))
-        if not to.rings:
+        if not to.rings or self._gestures.is_full:
+            self.counts.over_budget += to.rings and event.kind == MOVE
             return []
         law = self._laws.of(first, second, event.local)
         pair = self._pairs.get(key, Pair())
@@ -224,10 +228,10 @@ class Simulation:
         mass = 1.0 / max(float(self.state["lightness"][0, n]) for n in key)
         begun = self._gestures.begin(key, event, side, (to, by), (to.place(at), by.place(by_at)),
                                      _sliding(law, mass, surface, pair))  # fmt: skip
-        self.counts.over_budget += not begun and event.kind == MOVE
-        self.counts.gestures += bool(begun)
-        for n in key if begun else ():
+        self.counts.gestures += 1
+        for n in key:
             self._sounds(n)
+        self._placing.next = self.time  # so that they are placed in the next step
         return begun
 
 

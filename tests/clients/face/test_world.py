@@ -194,6 +194,21 @@ def test_a_ball_that_rolls_or_slides_is_heard_until_it_rests(spin, slip):
     assert np.sqrt(np.mean(resting**2)) < 1e-2 * np.sqrt(np.mean(moving**2))
 
 
+def test_a_second_slide_of_a_pair_has_the_bits_of_the_score():
+    steps = [(begun + time, *rest) for begun in (0.0, 0.3) for time, *rest in rolled(0.4, 0.0, seconds=0.3, step=0.005)]
+    sounds = []
+    for keep in (False, True):
+        with World(microphones=MICROPHONES, keep=keep) as world:
+            world.body("floor", "plate", (1, 0.8, 0.02), "wood", held=True, most_modes=16)
+            world.body("ball", "sphere", 0.03, "steel")
+            sounds.append(np.concatenate([world.step(*step) for step in steps]))
+            assert world.counts.gestures == 2
+            score = world.score() if keep else ""
+    assert score.count("/slide") == 2 and "/gesture/contact.2/stop" in score
+    sounds.append(carom.render(score, calibrated=True, seconds=0.6).samples)
+    assert np.abs(sounds[0]).max() > 0 and all(np.array_equal(sounds[0], each) for each in sounds[1:])
+
+
 def test_pressure_falls_with_distance_and_follows_the_pattern():
     near, far = carom.Microphone((0, 0, 1.0)), carom.Microphone((0, 0, 4.0))
     behind = carom.Microphone((0, 0, 1.0), direction=(0, 0, 1.0), pattern=0.5)
