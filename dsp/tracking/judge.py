@@ -8,7 +8,7 @@ over each body. What is told of it changes only where that can be heard.
 import math
 
 from ..native.jit import kernel
-from .points import GRAZING, MEMORY, clear, into, take_point
+from .points import clear, into, longest_hop, take_point
 from .state import EVENTS, HIT, MOVE, POINTS, REST, STEER
 
 _STOOD = 0.03  # s after a blow, when it is not one of a bounce
@@ -16,8 +16,8 @@ _SMOOTH = 0.005  # s: time constant of slip and sweep
 _SMOOTH_FORCE = 0.1  # s: of the force
 _SMOOTH_PLACE = 0.05  # s: of the place
 _REMEMBERED = 0.2  # s: time constant with which a fast slip is forgotten
-_LONGEST_HOP = 0.1  # s that what slides may be without a contact
 _MOVES, _RESTS = 0.01, 0.004  # m/s: a contact begins to move above the first, and rests below the second
+_SLIPS = 0.1  # m/s: what slips faster moves as soon as it touches, before it was followed
 _NOTICED = 0.05  # share by which a speed or a force must change to be told
 _BETWEEN = 0.01  # s between two times that a contact is told: half the time constant by which a slide glides
 _FALL = 1.05  # times the speed that gravity gives in a step, which is no blow either
@@ -79,7 +79,7 @@ def _judge(state, i, span):
     slip, sweep = pair.now[0], pair.now[1]
     fastest = max(slip, sweep)
     if pair.moves == 0:
-        if fastest > _MOVES and pair.stood == 1 and pair.settled == 2:
+        if pair.stood == 1 and ((fastest > _MOVES and pair.settled == 2) or slip > _SLIPS):
             pair.moves = 1
             _tell(state, pair, MOVE)
     elif fastest < _RESTS:
@@ -93,21 +93,20 @@ def _judge(state, i, span):
 def _leave(state, i, span):
     """A pair does not touch in this step: forget it, unless it slides and may only have hopped."""
     pair = state.pairs[i]
-    longest = max(MEMORY, 2.5 * span)
-    if pair.stood == 1 and state.gravity > 0.0:
-        longest = max(longest, min(2.0 * GRAZING * pair.fastest / state.gravity, _LONGEST_HOP))
-    if state.time - pair.seen > longest:
+    if state.time - pair.seen > longest_hop(state, pair, span):
         if pair.moves:
             _tell(state, pair, REST)
         _forget(state, i)
-    elif pair.moves:
+    elif pair.settled > 0:
         pair.now[2] *= math.exp(-span / _SMOOTH_FORCE)
 
 
 @kernel
 def _follow(state, pair, span):
     """Find how a contact slips and sweeps, and how hard it is pressed, smoothed."""
-    share, near = -math.expm1(-span / _SMOOTH), -math.expm1(-span / _SMOOTH_PLACE)
+    passed = state.time - pair.last if pair.settled > 0 else span  # there may have been a hop
+    pair.last = state.time
+    share, near = -math.expm1(-passed / _SMOOTH), -math.expm1(-passed / _SMOOTH_PLACE)
     for side in range(2):
         for k in range(3):
             at = into(state, pair.a if side == 0 else pair.b, pair.point, k)
@@ -118,11 +117,13 @@ def _follow(state, pair, span):
     slip = pair.slip / pair.weight
     if pair.settled == 0:
         pair.now[0] = slip
-    pair.fastest = max(slip, pair.fastest * math.exp(-span / _REMEMBERED))
+    pair.fastest = max(slip, pair.fastest * math.exp(-passed / _REMEMBERED))
     pair.now[0] += share * (slip - pair.now[0])
-    pair.now[1] = max(pair.sweep[0], pair.sweep[1])
     if pair.settled < 2:
         pair.settled = 2 if pair.followed > 0 else 1
+        if pair.followed == 0:  # it is likely to go over the larger body
+            pair.sweep[0 if state.reach[pair.a] >= state.reach[pair.b] else 1] = pair.now[0]
+    pair.now[1] = max(pair.sweep[0], pair.sweep[1])
     weight = _weight(state, pair)
     force = pair.force if pair.force > 0.0 else weight
     if pair.now[2] == 0.0:

@@ -12,6 +12,7 @@ GRAZING = 0.25
 """Share of its slip below which what slides closes without a blow: simulators lift what slides, by up to the friction
 coefficient times the slip, and let it fall again (M. Anitescu, Math. Program. 105, 2006)."""
 
+_LONGEST_HOP = 0.1  # s that what slides may be without a contact
 _SAME = 0.002  # m by which a point may move from step to step and stay the same
 _SAME_SHARE = 0.1  # of the smaller body's half length, by which it may as well
 
@@ -67,7 +68,6 @@ def take_point(state, n, span, least):
     pair.count += 1
     point, normal = state.point[n], state.normal[n]
     approach, slip = _speeds(state, n, a, b, sign)
-    way = span * (abs(approach) + slip + _apart(state, a, b))
     force = state.force[n]
     weight = force if force > 0.0 else 1e-9
     pair.weight += weight
@@ -76,7 +76,7 @@ def take_point(state, n, span, least):
     for k in range(3):
         pair.point[k] += point[k]
         pair.normal[k] += sign * normal[k]
-    fresh = _is_new(state, pair, n, span, way)
+    fresh = _is_new(state, pair, n, span, abs(approach) + slip + _apart(state, a, b))
     if fresh and approach > least and not (pair.stood == 1 and approach < GRAZING * max(slip, pair.fastest)):
         pair.fresh += 1
         pair.speed += approach
@@ -129,30 +129,41 @@ def _apart(state, a, b):
 
 
 @kernel
-def _is_new(state, pair, n, span, way):
-    """True if a point was not there in the last steps, but for the way (m) it may have gone; it is remembered.
+def longest_hop(state, pair, span):
+    """How long (s) a pair may be told no more and touch still: what slides hops."""
+    longest = max(MEMORY, 2.5 * span)
+    if pair.stood == 1 and state.gravity > 0.0:
+        longest = max(longest, min(2.0 * GRAZING * pair.fastest / state.gravity, _LONGEST_HOP))
+    return longest
 
-    One that was there in the step before tells how fast the contact moves over both bodies.
+
+@kernel
+def _is_new(state, pair, n, span, rate):
+    """True if a point was not there in the last steps, but for the way it goes at a rate (m/s); it is remembered.
+
+    One that was there, or before a hop, tells how fast the contact moves over both bodies.
     """
     point = state.point[n]
     here = state.scratch
-    near = max(_SAME, _SAME_SHARE * min(state.reach[pair.a], state.reach[pair.b])) + way
-    since = state.time - max(MEMORY, 2.5 * span)
-    found, oldest, least = -1, 0, near * near
+    near = max(_SAME, _SAME_SHARE * min(state.reach[pair.a], state.reach[pair.b]))
+    longest, memory = longest_hop(state, pair, span), max(MEMORY, 2.5 * span)
+    found, oldest, least = -1, 0, math.inf
     for k in range(3):
         here[0, k], here[1, k] = into(state, pair.a, point, k), into(state, pair.b, point, k)
     for m in range(KEPT):
         if pair.kept_at[m] < pair.kept_at[oldest]:
             oldest = m
-        if pair.kept_at[m] >= since and pair.kept_at[m] != state.time:
+        passed = state.time - pair.kept_at[m]
+        if 0.0 < passed <= longest:
+            away = near + rate * passed
             for side in range(2):
                 square = _square(here, pair.kept[m], side)
-                if square < least:
+                if square < min(least, away * away):
                     found, least = m, square
-    new = found < 0
-    if new:
+    new = found < 0 or state.time - pair.kept_at[found] > memory
+    if found < 0:
         found = oldest
-    elif pair.kept_at[found] >= state.time - 1.5 * span and span > 0.0:
+    else:
         passed = state.time - pair.kept_at[found]
         pair.followed += 1
         for side in range(2):

@@ -24,6 +24,7 @@ _PAIR = np.dtype(
         ("b", np.int64),
         ("begun", np.float64),  # s
         ("seen", np.float64),  # s: when it was told last
+        ("last", np.float64),  # s: when its slip and sweep were found last
         ("stood", np.int64),  # 1: it began without a blow, or has stayed: it may graze
         ("fastest", np.float64),  # m/s: its slip, or what is left of a faster one of late
         ("moves", np.int64),  # 1: it was told that it slips or sweeps

@@ -135,8 +135,8 @@ def _box(name: str, edges: Vector, held: bool) -> Shape:
         rings = Ringing("wood-board", {**plate, "edges": (edge,) * 4}) if fits else None
 
         def on_plate(point: Sequence[float]) -> float:
-            u, v = (abs(_along(point[axis], edges[axis]) - 0.5) for axis in (first, second))
-            return 0.5 + math.copysign(0.5 * (u + v), point[first])
+            u, v = (_along(point[axis], edges[axis]) - 0.5 for axis in (first, second))
+            return 0.5 + math.copysign(0.5 * (abs(u) + abs(v)), u if abs(u) > abs(v) else v)
 
         return Shape(name, edges, volume, inertia, 0.0, rings, on_plate)
     bar = {"length": length, "width": width, "thickness": thickness, "ends": "cantilever" if held else "free"}
