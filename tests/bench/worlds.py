@@ -1,52 +1,97 @@
-"""The ten scenes of MuJoCo at steps of 1, 2 and 5 ms: blows, energies, third octaves, and what their sound costs.
+"""The ten scenes of MuJoCo at steps of 1, 2 and 5 ms, and 32 environments of Gymnasium: what is heard, and its cost.
 
-`python -m tests.bench.worlds [SCENE ...]` prints a line for each scene and step. Costs are shares of one process's
-time: of MuJoCo's own step, of the bridge, and of the rest, which is messages and the engine.
+`python -m tests.bench.worlds [SCENE ...]` prints a line for each scene and step: blows, energies, third octaves, and
+costs in one process: of MuJoCo's own step, of the bridge, which is all from its arrays to the engine's commands, and of
+the engine. `python -m tests.bench.worlds vector` prints the steps per second of the environments, with sound and
+without.
 """
 
 import sys
 import time
 
+import gymnasium
 import mujoco
 import numpy as np
 
+import carom
+from carom.gymnasium import AddAudioObservation
 from tests.clients.face.corpus import SCENES, apart, over_seeds, prepared, run, shake
 
 STEPS = (0.001, 0.002, 0.005)  # s
 SEEDS = {"ramp": 16, "slide": 16}
+ENVIRONMENTS, ACTIONS = 32, 40
 
 
 def cost(name: str, step: float) -> tuple[float, float, float]:
-    """Seconds of MuJoCo, of the bridge and of the sound, for each second of a scene."""
+    """Seconds of MuJoCo, of the bridge and of the engine, for each second of a scene; the sound is asked for every 20
+    ms."""
     model, data, bridge = prepared(name, step)
-    lasts = SCENES[name][1]
+    lasts, each = SCENES[name][1], round(0.02 / step)
     marks = np.zeros(3)
-    for _ in range(round(lasts / step)):
+    for n in range(round(lasts / step)):
         shake(name, data)
         begun = time.perf_counter()
         mujoco.mj_step(model, data)
         stepped = time.perf_counter()
         bridge.tell()
         told = time.perf_counter()
-        bridge.world.block()
+        if n % each == each - 1:
+            bridge.world.block()
         marks += stepped - begun, told - stepped, time.perf_counter() - told
     return tuple(marks / lasts)
 
 
+def rate(name: str, gestures: int | None) -> float:
+    """Steps per second of environments in a vector, with so many slides at once in each (None: without sound)."""
+
+    def make():
+        env = gymnasium.make(name)
+        if gestures is None:
+            return env
+        hearing = carom.Hearing([carom.Microphone((0.0, 0.0, 1.0))], gestures=gestures)
+        return AddAudioObservation(env, rate=16_000, modes=16, hearing=hearing)
+
+    envs = gymnasium.vector.SyncVectorEnv([make] * ENVIRONMENTS)
+    envs.reset(seed=0)
+    generator = np.random.default_rng(0)
+    actions = generator.uniform(-0.4, 0.4, (ACTIONS + 1, *envs.action_space.shape)).astype(np.float32)
+    envs.step(actions[0])
+    begun = time.perf_counter()
+    for action in actions[1:]:
+        envs.step(action)
+    taken = time.perf_counter() - begun
+    envs.close()
+    return ENVIRONMENTS * ACTIONS / taken
+
+
+def vectors() -> None:
+    for name in ("Ant-v5", "HalfCheetah-v5"):
+        silent = rate(name, None)
+        for gestures in (24, 0):
+            share = rate(name, gestures) / silent
+            print(
+                f"{name}: {silent:.0f} steps per second; with sound and at most {gestures} slides {100 * share:.0f} %"
+            )
+
+
 def main() -> None:
+    if sys.argv[1:] == ["vector"]:
+        return vectors()
     for name in sys.argv[1:] or SCENES:
         first = None
         for step in STEPS:
             heard = run(name, step)
             bands = over_seeds(name, step, SEEDS.get(name, 1))
             first = bands if first is None else first
-            model, bridge, sound = cost(name, step)
+            model, bridge, engine = cost(name, step)
             print(
                 f"{name:8} {1e3 * step:.0f} ms: {len(heard.hits):4} blows, {heard.energy:.3g} Pa^2 s, third octaves "
-                f"within {apart(first, bands):.2f} dB; for a second: MuJoCo {1e3 * model:.1f} ms, "
-                f"bridge and messages {1e3 * bridge:.1f} ms, engine {1e3 * sound:.1f} ms",
+                f"within {apart(first, bands):.2f} dB; for a second: MuJoCo {1e3 * model:.1f} ms, bridge "
+                f"{1e3 * bridge:.1f} ms ({100 * bridge / model:.0f} %), engine {1e3 * engine:.1f} ms; sound is "
+                f"{1 / (bridge + engine):.0f} times as fast as time",
                 flush=True,
             )
+    return None
 
 
 if __name__ == "__main__":
