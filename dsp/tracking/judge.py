@@ -9,7 +9,7 @@ import math
 
 from ..native.jit import kernel
 from .points import clear, into, longest_hop, take_point
-from .state import EVENTS, HIT, MOVE, POINTS, REST, STEER
+from .state import EVENTS, HEARD, HIT, MOVE, POINTS, REST, STEER, STILL, UNHEARD
 
 _STOOD = 0.03  # s after a blow, when it is not one of a bounce
 _SMOOTH = 0.005  # s: time constant of slip and sweep
@@ -78,15 +78,38 @@ def _judge(state, i, span):
     _follow(state, pair, span)
     slip, sweep = pair.now[0], pair.now[1]
     fastest = max(slip, sweep)
-    if pair.moves == 0:
+    if pair.moves == STILL:
         if pair.stood == 1 and ((fastest > _MOVES and pair.settled == 2) or slip > _SLIPS):
-            pair.moves = 1
-            _tell(state, pair, MOVE)
+            _begin(state, pair)
     elif fastest < _RESTS:
-        pair.moves = 0
-        _tell(state, pair, REST)
+        _end(state, pair)
+    elif pair.moves == UNHEARD:
+        _begin(state, pair)
     elif state.time - pair.told_at >= _BETWEEN and _is_noticed(pair):
         _tell(state, pair, STEER)
+
+
+@kernel
+def _begin(state, pair):
+    """A standing contact moves, and is heard if one of its bodies rings and there is room for it."""
+    if state.rings[pair.a] == 0 and state.rings[pair.b] == 0:
+        return
+    if state.heard < state.most:
+        state.heard += 1
+        pair.moves = HEARD
+        _tell(state, pair, MOVE)
+    elif pair.moves == STILL:
+        state.unheard += 1
+        pair.moves = UNHEARD
+
+
+@kernel
+def _end(state, pair):
+    """A standing contact moves no more, if it did."""
+    if pair.moves == HEARD:
+        state.heard -= 1
+        _tell(state, pair, REST)
+    pair.moves = STILL
 
 
 @kernel
@@ -94,8 +117,7 @@ def _leave(state, i, span):
     """A pair does not touch in this step: forget it, unless it slides and may only have hopped."""
     pair = state.pairs[i]
     if state.time - pair.seen > longest_hop(state, pair, span):
-        if pair.moves:
-            _tell(state, pair, REST)
+        _end(state, pair)
         _forget(state, i)
     elif pair.settled > 0:
         pair.now[2] *= math.exp(-span / _SMOOTH_FORCE)

@@ -15,6 +15,9 @@ KEPT = 16
 HIT, MOVE, STEER, REST = range(4)
 """Kinds of events: a blow; a standing contact begins to slip or to sweep; it does so otherwise; it does so no more."""
 
+STILL, UNHEARD, HEARD = range(3)
+"""Whether a standing contact slips or sweeps, and is told."""
+
 TOLD = ("depth", "approach", "slip", "force", "mass", "restitution")
 """What a simulator may tell of a point, NaN where it does not."""
 
@@ -27,7 +30,7 @@ _PAIR = np.dtype(
         ("last", np.float64),  # s: when its slip and sweep were found last
         ("stood", np.int64),  # 1: it began without a blow, or has stayed: it may graze
         ("fastest", np.float64),  # m/s: its slip, or what is left of a faster one of late
-        ("moves", np.int64),  # 1: it was told that it slips or sweeps
+        ("moves", np.int64),  # STILL, UNHEARD or HEARD
         # The points that were told of late, in the axes of each body.
         ("kept", np.float64, (KEPT, 2, 3)),
         ("kept_at", np.float64, KEPT),
@@ -93,6 +96,7 @@ STATE = np.dtype(
         ("about", np.float64, (BODIES, 3)),
         ("lightness", np.float64, BODIES),  # 1/kg; 0: it is held
         ("yielding", np.float64, (BODIES, 3)),  # 1/(kg m^2): inverse moments of inertia about its axes
+        ("rings", np.int64, BODIES),  # 1: it is heard
         ("reach", np.float64, BODIES),  # m: half of its greatest length
         # Of each point of contact of this step.
         ("pair", np.int32, (POINTS, 2)),
@@ -104,6 +108,9 @@ STATE = np.dtype(
         ("pairs", _PAIR, PAIRS),
         ("place", np.int16, (BODIES, BODIES)),
         ("scratch", np.float64, (2, 3)),
+        ("most", np.int64),  # standing contacts that are heard as they slip or sweep
+        ("heard", np.int64),  # of them, those there are
+        ("unheard", np.int64),  # those that have found no room
         ("left_out", np.int64),  # points of pairs that found no room
         ("happened", np.int64),
         ("events", EVENT, EVENTS),
@@ -113,10 +120,10 @@ STATE = np.dtype(
 """The whole memory. `pair` numbers bodies; `normal` leads from the first of them to the second."""
 
 
-def new_state(rest: float, gravity: float) -> np.ndarray:
-    """(1,) of STATE: nothing touches. rest: m/s; gravity: m/s^2."""
+def new_state(rest: float, gravity: float, most: int) -> np.ndarray:
+    """(1,) of STATE: nothing touches. rest: m/s; gravity: m/s^2; most: contacts that are heard as they move."""
     state = np.zeros(1, STATE)
-    state["rest"], state["gravity"] = rest, gravity
+    state["rest"], state["gravity"], state["most"] = rest, gravity, most
     state["turn"][:] = np.eye(3).ravel()
     for name in TOLD:
         state[name][:] = np.nan

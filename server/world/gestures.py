@@ -16,19 +16,13 @@ Key = tuple[int, int]
 
 
 class Gestures:
-    """The slides that go on, at most so many, by the numbers of their bodies."""
+    """The slides that go on, by the numbers of their bodies."""
 
-    def __init__(self, most: int, seed: int = 0) -> None:
+    def __init__(self, seed: int = 0) -> None:
         self.running: dict[Key, str] = {}
         self._said: dict[Key, dict[str, float]] = {}  # as it was told last
-        self._most = most
         self._made = 0
         self._seed = seed
-
-    @property
-    def is_full(self) -> bool:
-        """True if no other slide has room."""
-        return len(self.running) >= self._most
 
     def begin(
         self,

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -43,13 +44,13 @@ class Simulation:
                 raise WorldError(f"{name} = {value}: expected a number that is not negative")
         self._track, self._track_arrays = track.bare, track_arrays.bare  # loaded now, or compiled
         self.bodies: list[Body] = []
-        self.counts = Counts()
+        self._counts = Counts()
         self.hits: list[Hit] = []
         """The blows of the last step."""
-        self.state = new_state(rest, gravity)
+        self.hearing = hearing or Hearing()
+        self.state = new_state(rest, gravity, self.hearing.gestures)
         self.state["time"] = self.time = start
         self.steps = 0
-        self.hearing = hearing or Hearing()
         self._presets = presets
         self._maker = BodyMaker(presets, top)
         self._surfaces = Surfaces(presets)
@@ -59,7 +60,7 @@ class Simulation:
         listener = Listener(self.hearing)
         self._placing = Placing(self.hearing, self.state)
         self._blows = Blows(self.bodies, self._laws, self._pairs, listener, self._placing)
-        self._gestures = Gestures(self.hearing.gestures, self.hearing.seed)
+        self._gestures = Gestures(self.hearing.seed)
         events = self.state["events"][0]
         self._whole, self._floats = (events.view(kind).reshape(EVENTS, -1) for kind in (np.int64, np.float64))
         self._address = self.state.ctypes.data
@@ -69,6 +70,12 @@ class Simulation:
     def channels(self) -> int:
         """One for each microphone."""
         return len(self.hearing.microphones)
+
+    @property
+    def counts(self) -> Counts:
+        """What was told since the beginning, and what became of it."""
+        unheard, crowded = (int(self.state[name][0]) for name in ("unheard", "left_out"))
+        return replace(self._counts, over_budget=self._counts.over_budget + unheard, crowded=crowded)
 
     def ask_of_blows(self, said: Callable[[Event], tuple[float, float]]) -> None:
         """Ask a simulator what it says of each blow: its effective mass (kg) and restitution; NaN: nothing."""
@@ -94,6 +101,7 @@ class Simulation:
         record = self.state[0]
         record["lightness"][number] = 0.0 if body.held else 1.0 / body.mass
         record["yielding"][number] = 0.0 if body.held else 1.0 / np.array(body.inertia)
+        record["rings"][number] = body.rings
         record["reach"][number] = 0.5 * max(body.shape.edges)
         if pose is not None:
             take_pose(self.state, number, pose, f"body {name}")
@@ -118,11 +126,11 @@ class Simulation:
     def restart(self, time: float) -> None:
         """Forget all that touches, and go on at another time (s); bodies and pairs stay."""
         self.wait(time)
-        self.state["touching"] = self.state["place"] = 0
+        self.state["touching"] = self.state["place"] = self.state["heard"] = 0
         self.hits = []
         self._placing.silence()
         self._blows.restart(Listener(self.hearing))
-        self._gestures = Gestures(self.hearing.gestures, self.hearing.seed)
+        self._gestures = Gestures(self.hearing.seed)
 
     def wait(self, time: float) -> None:
         """Let time pass up to another (s), in which nothing is told."""
@@ -183,8 +191,7 @@ class Simulation:
     def _heard(self, before: float, found: int) -> list[Deed]:
         """What is to be heard of so many events since a time (s)."""
         count = min(found, EVENTS)
-        events = events_of(self._whole[:count], self._floats[:count])
-        self.counts.crowded = int(self.state["left_out"][0])
+        events = events_of(self._whole[:count], self._floats[:count]) if count else []
         for event in events:
             if event.kind in (HIT, MOVE):
                 self._sounds(event.a)
@@ -193,7 +200,7 @@ class Simulation:
         deeds: list[Deed] = [Gains(before, self.bodies[n].name, tuple(gains)) for n, gains in placed]
         hits = [event for event in events if event.kind == HIT]
         if hits:
-            deeds += self._blows.heard(hits, self.time, self.counts, self.hits)
+            deeds += self._blows.heard(hits, self.time, self._counts, self.hits)
         for event in events:
             if event.kind != HIT:
                 deeds += self._moved(event)
@@ -219,16 +226,13 @@ class Simulation:
             return ended
         if key in self._gestures.running:
             return self._gestures.steer(key, event, side, to.place(at))
-        if not to.rings or self._gestures.is_full:
-            self.counts.over_budget += to.rings and event.kind == MOVE
-            return []
         law = self._laws.of(first, second, event.local)
         pair = self._pairs.get(key, Pair())
         surface = pair.surface or self._surfaces.between(a, b)
         mass = 1.0 / max(float(self.state["lightness"][0, n]) for n in key)
         begun = self._gestures.begin(key, event, side, (to, by), (to.place(at), by.place(by_at)),
                                      _sliding(law, mass, surface, pair))  # fmt: skip
-        self.counts.gestures += 1
+        self._counts.gestures += 1
         for n in key:
             self._sounds(n)
         self._placing.next = self.time  # so that they are placed in the next step

@@ -244,6 +244,22 @@ def test_a_budget_takes_the_loudest():
         assert world.counts.over_budget == 5
 
 
+def test_a_slide_that_finds_no_room_begins_once_there_is_some():
+    with World(hearing=carom.Hearing(gestures=1), keep=True) as world:
+        world.body("plate", "plate", (0.4, 0.3, 0.003), "steel", held=True, most_modes=8)
+        for name in "ab":
+            world.body(name, "sphere", 0.01, "steel", Pose((0.1, 0, 0.01)))
+        for n in range(1, 101):
+            slips = {"a": 0.5 if n > 5 else 0.0, "b": 0.5 if n < 50 else 0.0}
+            world.step(0.005 * n, [
+                Touch("plate", name, (0.1, 0, 0), (0, 0, 1), approach=0.0, slip=slip) for name, slip in slips.items()
+            ])  # fmt: skip
+        assert (world.counts.gestures, world.counts.over_budget) == (2, 1)
+        begun = [line.split() for line in world.score().splitlines() if "/slide" in line]
+    assert [words[words.index("by") + 1] for words in begun] == ["b", "a"]
+    assert float(begun[0][0]) < 0.05 and 0.25 < float(begun[1][0]) < 0.35
+
+
 def test_arrays_are_touches():
     columns = {
         "pair": np.array([[0, 1]]), "point": np.zeros((1, 3)), "normal": np.array([[0, 0, 1.0]]),
