@@ -79,6 +79,7 @@ def go(state, slot, turn):
                 _describe(state, at, place, complex(re, im) * left, loss, offset, bank.balance[at] * right / left)
         bank.y1[at] = bank.y2[at] = 0.0
     obj.spectral, obj.ringer, obj.returns = 1 + turn, state.ringer_count, 0
+    obj.spectral_gain = left
     state.ringers[state.ringer_count] = slot
     state.ringer_count += 1
     obj.energy = 0.0
@@ -126,7 +127,6 @@ def come_back(state, obj):
     """Bring an object's modes back, as they are at the last sample; what is laid out of them yet is taken out."""
     bank, spectral = state.bank, state.spectral
     phase = spectral.phases[obj.spectral - 1]
-    left, _ = _gains(state, obj)
     # In the bank is c of the block to come, whose first sample is FRAMES after that of this one.
     rung = state.position - phase.begin
     back = FRAMES + FRAMES // 2 + 1 - rung
@@ -140,7 +140,7 @@ def come_back(state, obj):
         c = complex(spectral.chunks[first], spectral.chunks[first + CHUNK])
         step = _step(bank, at)
         inverse = step.conjugate() * (1.0 / -bank.a2[at])
-        z = complex(-c.imag, c.real) * _power(inverse, back) * (1.0 / left)
+        z = complex(-c.imag, c.real) * _power(inverse, back) * (1.0 / obj.spectral_gain)
         bank.y1[at] = z.imag
         bank.y2[at] = (z * inverse).imag
         give_place(spectral, phase, bank.bin[at], at, bank.place)
@@ -183,7 +183,7 @@ def _look_at(state, slot):
     """Measure what an object in the bank sounds, and put its silent modes to rest; without any, it is at rest."""
     obj, bank, spectral = state.objects[slot], state.bank, state.spectral
     phase = spectral.phases[obj.spectral - 1]
-    left, _ = _gains(state, obj)
+    gain = obj.spectral_gain
     live, energy = 0, 0.0
     for i in range(obj.live):
         at = obj.first + i
@@ -191,7 +191,7 @@ def _look_at(state, slot):
             continue
         first = number_at(bank.place[at] - 1, 0)
         re, im, balance = spectral.chunks[first], spectral.chunks[first + CHUNK], spectral.chunks[first + 6 * CHUNK]
-        if _is_heard(state, obj, at, re / left, im / left):
+        if _is_heard(state, obj, at, re / gain, im / gain):
             live = i + 1
             energy += 0.5 * QUANTUM * (re * re + im * im) * (1.0 + balance * balance)
         else:

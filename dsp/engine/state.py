@@ -123,6 +123,7 @@ OBJECT = np.dtype(
         ("live", np.int64),  # modes before the first that is at rest
         ("spectral", np.int64),  # 1 + the phase of the spectral bank in which its modes ring; 0: here
         ("ringer", np.int64),  # its place in `ringers` then
+        ("spectral_gain", np.float64),  # that their amplitudes there hold: an output's, never 0
         ("returns", np.int64),  # 1: they are to come back
         ("returned_at", np.int64),  # samples: when they last came back, or could not go
         ("stale_modes", np.int64),  # that wait for new coefficients
