@@ -7,7 +7,7 @@ leaves the force's moments over the sample and is true while the contact lasts.
 import math
 
 from ..contact.closed_form import advance_pulse, begin_pulse, state_of_pulse
-from ..contact.coupled import ContactLaw, apart_for, begin_coupled, begin_within, respond_with, step_coupled
+from ..contact.coupled import ContactLaw, begin_coupled, begin_within, respond_with, step_coupled
 from ..contact.coupled_step import HELD
 from ..contact.sampled import begin_sampled, step_sampled
 from ..native.jit import kernel
@@ -15,9 +15,9 @@ from ..numerics.legendre import FINE, MOMENTS, add_held
 from ..resonator.bank import inject, inject_fine, observe, receptance
 from .contact_list import take_room_again
 from .fade import note_force
-from .objects import frequency_of, highest_of, modes_of, place, point_of, reach_of, relief_of, sigma_of
-from .quality import holds_steps, keeps_strikers, modes_for, room_for_coupling
-from .solver_choice import choose_solver, soften_pulse, speed_by_others, tolerance_of
+from .objects import frequency_of, highest_of, modes_of, place, point_of, relief_of, sigma_of
+from .quality import holds_steps, modes_for, room_for_coupling
+from .solver_choice import choose_solver, soften_pulse, tolerance_of
 from .state import COUPLING, SAMPLING
 from .strikers import begin_striker, drive_striker
 from .trace import trace_sample
@@ -306,27 +306,6 @@ def find_static(state, contact, side, obj, count):
             right += heard * state.bank.balance[obj.first + i]
     contact.static[side, 0] = left
     contact.static[side, 1] = right
-
-
-@kernel
-def flight(state, contact, seen):
-    """Samples for which a coupled striker that has left surely touches nothing; infinity if it never comes back.
-
-    seen: the point was looked at just now. Others that touch may make it faster by what `speed_by_others` says, and
-    then nothing says how far it gets.
-    """
-    distance, speed = 0.0, speed_by_others(state, contact) if keeps_strikers(state) else 0.0
-    reached = math.inf if speed > 0.0 else 0.0
-    for side in range(2):
-        point = contact.point[side]
-        if point.slot >= 0 and state.objects[point.slot].live > 0:
-            far, fast = reach_of(state, state.objects[point.slot], point)
-            distance += far / contact.now.gain
-            speed += fast / contact.now.gain
-    contact.reach = distance
-    if not seen:
-        contact.coupled.motion[0] = contact.coupled.position + distance  # at most
-    return apart_for(contact.coupled, distance + reached, speed)
 
 
 @kernel

@@ -19,6 +19,7 @@ POINT = np.dtype(
         ("row", np.int64),  # of the shape table, the first of four
         ("weights", np.float64, 4),
         ("give", np.float64),  # 1/kg: sum of phi^2 where a striker began to touch
+        ("compliance", np.float64),  # m/N: the same of phi^2/omega^2, untuned
         ("next_roll", np.int64),  # of the list of rolls on the object
     ],
     align=True,

@@ -9,8 +9,8 @@ import math
 from ..contact.collocation import captured, elastic
 from ..contact.coupled import fly_on
 from ..native.jit import kernel
+from .clearance import flight
 from .commands import KIND_BOUNCE, KIND_IMPACT, KIND_PRESS, KIND_SPIN
-from .contact_force import flight
 from .contact_list import give_room_back, next_random, release_modes, report_end, schedule_contact
 from .quality import keeps_strikers
 from .spins import turn_on

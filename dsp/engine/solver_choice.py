@@ -10,7 +10,6 @@ from ..contact.accuracy import LIGHT, LIGHT_TOLERANCE, RESIDUAL, TOLERANCE, clos
 from ..contact.closed_form import NODES, add_phasors, pulse_node
 from ..contact.coupled_step import HELD
 from ..native.jit import kernel
-from .commands import KIND_PRESS
 from .objects import is_felt, pitch_of, reach_of, shape_at
 from .quality import holds_steps
 from .state import CLOSED, COUPLING, ROLLING, SAMPLING
@@ -58,11 +57,13 @@ def _ratios(state, contact):
         point = contact.point[side]
         if point.slot >= 0:
             obj = state.objects[point.slot]
-            point.give = 0.0
+            point.give = point.compliance = 0.0
             for i in range(obj.size):
-                if is_felt(obj, i):
+                omega = 2.0 * math.pi * state.bank.frequency[obj.first + i]
+                if is_felt(obj, i) and omega > 0.0:
                     phi = shape_at(state, obj, point, i)
                     point.give += phi * phi
+                    point.compliance += phi * phi / (omega * omega)
             mass_ratio += contact.m * point.give
             if obj.live > 0:
                 ringing_ratio += reach_of(state, obj, point)[1] / (contact.v_in * contact.now.gain)
@@ -98,31 +99,6 @@ def is_moved(state, contact):
                     moved += moved_by(contact, other)
                 index = other.next
     return moved > residual
-
-
-@kernel
-def speed_by_others(state, contact):
-    """By how much the strikers that touch a contact's objects may make its points faster, in m/s.
-
-    Each by twice its own speed at most: a free surface moves with twice the speed of the wave that comes to it.
-    """
-    speed = 0.0
-    for side in range(2):
-        if contact.point[side].slot >= 0:
-            index = state.objects[contact.point[side].slot].contact
-            while index >= 0:
-                other = state.contacts[index]
-                if index != contact.index and _pushes(other):
-                    most = 2.0 * other.v_in * other.now.gain / contact.now.gain
-                    speed += min(moved_by(contact, other) * contact.v_in, most)
-                index = other.next
-    return speed
-
-
-@kernel
-def _pushes(contact):
-    """True if a striker touches, or may do so again, by a blow: its momentum is known."""
-    return contact.touching == 1 and contact.aside < 2 and contact.kind != KIND_PRESS and contact.solver != ROLLING
 
 
 @kernel
