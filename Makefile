@@ -71,10 +71,11 @@ picture: $(READY)  ## take the picture of the page, in Chromium
 documents: $(READY)  ## write the tables of all README files
 	@$(BIN)/python -m tests.documents.pages
 
-study: $(READY)  ## the hour-long stress tests: recordings, extreme contacts, a long evening, threads that hog, a million packets
+study: $(READY)  ## the hour-long stress tests: recordings, data sets, extreme contacts, a long evening, threads that hog, a million packets
 	$(BIN)/python -m tests.bench.recordings
 	$(BIN)/python -m tests.bench.fits
 	$(BIN)/python -m tests.bench.worlds
+	$(BIN)/python -m tests.bench.datasets
 	$(BIN)/python -m tests.bench.extremes
 	$(BIN)/python -m tests.bench.exactness
 	$(BIN)/python -m tests.bench.soak --minutes 10

@@ -30,7 +30,7 @@ def by_dask(
         client = Client(address, timeout=_PATIENCE, direct_to_workers=True, set_as_default=False)
     except (OSError, ValueError) as error:
         raise WorkerError(f"dask = {address}: {error}") from None
-    with client:
+    with client, client.as_current():
         try:
             client.wait_for_workers(1, timeout=_PATIENCE)
         except (TimeoutError, asyncio.TimeoutError):

@@ -72,9 +72,16 @@ def opened(out: Path, said: Mapping[str, Any]) -> Iterator[None]:
             except BlockingIOError as error:
                 raise OSError(error.errno, "is being written already", str(out)) from error
         _require_same(out, json.load(file), said)
-        for half in out.glob("*.part"):
-            half.unlink()
-        yield
+        _remove_halves(out)
+        try:
+            yield
+        finally:  # a worker of a run that was killed may have begun one since
+            _remove_halves(out)
+
+
+def _remove_halves(out: Path) -> None:
+    for half in out.glob("*.part"):
+        half.unlink(missing_ok=True)
 
 
 def _require_same(out: Path, there: Mapping[str, Any], said: Mapping[str, Any]) -> None:

@@ -1,15 +1,25 @@
-"""The clips of a data set, and its table, for Hugging Face's datasets: `python with_huggingface.py FOLDER`."""
+"""A data set for Hugging Face's datasets, by its table: `python with_huggingface.py FOLDER`."""
 
 import io
 import sys
+import tarfile
+from pathlib import Path
+from typing import Any
 
 import datasets
 import soundfile
 
-clips = datasets.load_dataset("webdataset", data_files=f"{sys.argv[1]}/*.tar", split="train", streaming=True)
-clips = clips.cast_column("flac", datasets.Audio(decode=False))
-for clip in clips.take(8):
-    sound, rate = soundfile.read(io.BytesIO(clip["flac"]["bytes"]), dtype="float32")
-    print(clip["__key__"], sound.shape, rate, clip["json"]["factors"])
-table = datasets.load_dataset("parquet", data_files=f"{sys.argv[1]}/*.parquet", split="train")
-print(table[0]["contacts"][0]["impulse"], len(table[0]["objects"][0]["modes"]["frequency"]))
+folder = Path(sys.argv[1])
+
+
+def with_sound(row: dict[str, Any]) -> dict[str, Any]:
+    """The row's sound (Pa), from its shard."""
+    with tarfile.open(folder / row["shard"]) as tar, tar.extractfile(f"{row['key']}.flac") as file:  # type: ignore[union-attr]
+        return {"sound": soundfile.read(io.BytesIO(file.read()), dtype="float32")[0] * row["full_scale"]}
+
+
+table = datasets.load_dataset("parquet", data_files=f"{folder}/*.parquet", split="train")
+for clip in (
+    table.select_columns(["shard", "key", "full_scale", "factors", "contacts"]).map(with_sound).with_format("numpy")
+):
+    print(clip["key"], clip["sound"].shape, clip["factors"], clip["contacts"][0]["impulse"])

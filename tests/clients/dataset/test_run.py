@@ -20,15 +20,6 @@ from tests.support import CAROM
 pytestmark = pytest.mark.slow
 
 
-@pytest.fixture(scope="module")
-def made(tmp_path_factory):
-    """A recipe's file, and its data set by one process."""
-    folder = tmp_path_factory.mktemp("made")
-    path = written(folder, SMALL)
-    run(read(path), folder / "out", Workers(1))
-    return path, folder / "out"
-
-
 def test_it_is_shards_and_a_table(made):
     _, out = made
     shards = [f"small-{n:06d}.tar" for n in range(3)]

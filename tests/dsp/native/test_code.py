@@ -4,6 +4,7 @@ import importlib
 import logging
 import subprocess
 import sys
+import threading
 
 import platformdirs
 import pytest
@@ -118,6 +119,19 @@ def test_only_what_is_compiled_is_announced(doubling, monkeypatch, caplog):
     with caplog.at_level(logging.WARNING):
         assert doubled(doubling) == (42, "cache")
     assert not caplog.records
+
+
+def test_processes_that_start_at_once_compile_once(doubling, tmp_path, monkeypatch):
+    """One that comes while another compiles waits, and loads what that one has made."""
+    found = []
+    with code._alone(tmp_path / "cache" / "carom" / "code" / doubling):
+        other = threading.Thread(target=lambda: found.append(load.__wrapped__(doubling)))
+        other.start()
+        other.join(0.1)
+        assert other.is_alive() and not found
+        assert compiled(doubling).origin == "compiled"
+    other.join(10)
+    assert found[0].origin == "cache"
 
 
 def test_edited_sources_are_compiled_again_and_the_old_code_is_found_again(doubling, tmp_path):

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from carom.dsp.engine.capacity import MODES, USUAL_MODES, USUAL_OBJECTS
-from carom.dsp.engine.state import QUANTUM, RING, Quality
+from carom.dsp.engine.state import QUANTUM, RING, STATE, Quality, new_state
 from carom.dsp.runtime.arena import EngineFull
 from carom.dsp.runtime.engine import Engine
+from carom.dsp.runtime.fresh import fresh_state
 from carom.dsp.runtime.memory import touch
 from tests.dsp.engine.support import RATE, active, bell, free, impact, strike
 
@@ -109,3 +110,15 @@ def test_counters_are_plain_numbers_of_their_types():
     assert stats.impacts == stats.sounding == stats.callbacks == 1 and stats.live_modes == 24
     assert stats.sounded == engine.position and engine.queued == 0 and engine.quality is Quality.FULL
     assert engine.accuracy == "-60" and not engine.quiet()
+
+
+def test_a_state_that_is_a_map_of_another_is_as_fresh_as_a_new_one():
+    fresh_state(48_000.0, 1)  # the first of a process is new itself
+    new, mapped = new_state(44_100.0, 3)[0], fresh_state(44_100.0, 3)[0]
+    for name in (name for name in STATE.names or () if STATE[name].itemsize < 1 << 20):
+        assert new[name].tobytes() == mapped[name].tobytes(), name
+    for name in ("index", "sound", "voice"):
+        np.testing.assert_array_equal(new["contacts"][name], mapped["contacts"][name])
+    np.testing.assert_array_equal(new["queue"]["heap"], mapped["queue"]["heap"])
+    mapped["position"] = 64
+    assert fresh_state(44_100.0, 3)[0]["position"] == 0
