@@ -34,8 +34,12 @@ def _run(arguments: argparse.Namespace) -> int:
     try:
         from ..dataset.recipe import find, read
         from ..dataset.run import Workers, run
+
+        if arguments.dask:
+            from ..dataset import dask  # noqa: F401
     except ModuleNotFoundError as error:
-        raise DatasetError(f"{error.name} is missing: pip install 'carom[dataset]'") from None
+        extra = "dask" if arguments.dask else "dataset"
+        raise DatasetError(f"{error.name} is missing: pip install 'carom[{extra}]'") from None
     from ...dsp.runtime.engine import prepare
 
     workers = processors() if arguments.workers is None else arguments.workers

@@ -5,11 +5,13 @@ import os
 import resource
 import signal
 import subprocess
+import sys
 import time
 
 import pyarrow.parquet as pq
 import pytest
 
+from carom.clients.cli import main
 from carom.clients.dataset.files import FolderError
 from carom.clients.dataset.recipe import read
 from carom.clients.dataset.run import Workers, run
@@ -99,6 +101,26 @@ def test_a_full_disk_is_one_line_and_leaves_no_half_shard(made, tmp_path):
     assert done.returncode == 1 and done.stderr.count("\n") == 1 and "Traceback" not in done.stderr
     assert f"{tmp_path / 'out'}/small-00000" in done.stderr and "File too large" in done.stderr
     assert not list((tmp_path / "out").glob("*.tar")) and not list((tmp_path / "out").glob("*.part"))
+
+
+@pytest.mark.parametrize(
+    ("lacks", "options", "extra"), [("pyarrow", "", "dataset"), ("distributed", "--dask x", "dask")]
+)
+def test_an_extra_that_is_missing_is_one_line(tmp_path, lacks, options, extra):
+    words = ["dataset", "bars", str(tmp_path / "out"), *options.split()]
+    code = f"import sys; sys.modules[{lacks!r}] = None; from carom.clients.cli import main; sys.exit(main({words!r}))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    said = f"carom dataset: {lacks} is missing: pip install 'carom[{extra}]'\n"
+    assert (done.returncode, done.stderr) == (1, said)
+
+
+def test_a_scheduler_that_is_not_there_is_one_line(made, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("carom.clients.dataset.dask._PATIENCE", 0.1)
+    monkeypatch.setattr("carom.clients.commands.dataset.on_end", lambda act: None)
+    path, _ = made
+    assert main(["dataset", str(path), str(tmp_path / "out"), "--dask", "tcp://127.0.0.1:1"]) == 1
+    said = capsys.readouterr().err
+    assert said.startswith("carom dataset: dask = tcp://127.0.0.1:1: ") and said.count("\n") == 1
 
 
 def test_an_item_that_cannot_be_ends_the_run_in_one_line(tmp_path):
