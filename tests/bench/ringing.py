@@ -17,6 +17,7 @@ from tests.bench.rounds import minima
 
 RATE = 48_000.0
 MODE_SAMPLES = 2**22  # a measurement
+BLOCKS = 32  # quanta in a measurement at least: four blocks of the spectral bank
 CALLBACKS = 4_000  # of a quantum each, of which the longest are looked at
 DECAY = 1e-3  # 1/s: nothing comes to rest meanwhile
 SHAPE = 1e-3  # kg^-1/2: nothing gives way to the blow
@@ -49,10 +50,11 @@ def ringing(count: int, modes: int) -> Engine:
 @njit(error_model="numpy")
 def ring_alone(arrays, objects, size, out, quanta):
     """Let objects of `size` modes each ring for so many quanta, all into the same frames."""
+    y1, y2, a1, a2, balance = arrays[0], arrays[1], arrays[2], arrays[3], arrays[4]  # rows, each without gaps
     for _ in range(quanta):
         for n in range(objects):
-            part = arrays[:, n * size : (n + 1) * size]
-            ring(Modes(part[0], part[1], part[2], part[3], part[4], part[0]), out, 0, QUANTUM)
+            i, j = n * size, (n + 1) * size
+            ring(Modes(y1[i:j], y2[i:j], a1[i:j], a2[i:j], balance[i:j], y1), out, 0, QUANTUM)
 
 
 def alone(count: int, modes: int) -> np.ndarray:
@@ -82,7 +84,7 @@ def measure(rounds: int, scenes: tuple[tuple[int, int], ...] = SCENES) -> list[d
     for count, modes in scenes:
         engine, arrays = ringing(count, modes), alone(count, modes)
         total = count * modes
-        quanta = max(8, MODE_SAMPLES // (total * QUANTUM))
+        quanta = max(BLOCKS, MODE_SAMPLES // (total * QUANTUM))
         kernel = partial(ring_alone, arrays, count, modes, out, quanta)
         best = minima({"process": partial(engine.process, quanta * QUANTUM), "kernel": kernel}, rounds)
         assert engine.stats.live_modes >= total and engine.stats.faults == 0

@@ -98,7 +98,6 @@ def speed() -> str:
         _impacts(bench["impacts"], bench["long_contacts"]),
         _ringing(bench["ringing"]),
         _driven(bench.get("driven", [])),
-        _ringing(bench["ringing"]),
         _gestures(bench["gestures"]),
         _starts(bench),
     ]
