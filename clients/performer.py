@@ -25,7 +25,7 @@ from ..server.render import Options
 from ..server.scene.direct import Direct
 from ..server.scene.session import Session
 from ..server.scene.transaction import Sent
-from ..server.world.deeds import Deed
+from ..server.world.requests import Request
 from .actions import CommandError
 from .contacts import Striking
 from .modes import Settings, gains_of
@@ -113,10 +113,10 @@ class Performer:
     def _direct(self) -> Direct:
         return Direct(self.scene, self._perform_at)
 
-    def do(self, deeds: Sequence[tuple[float, Deed]]) -> None:
+    def do(self, requests: Sequence[tuple[float, Request]]) -> None:
         """Do what a simulation asks, each at its time (s). CommandError where there is no room for it."""
         try:
-            self._direct.send([(sample_at(at, self.engine.rate), deed) for at, deed in deeds])
+            self._direct.send([(sample_at(at, self.engine.rate), request) for at, request in requests])
         except EngineFull as error:
             raise CommandError(str(error)) from None
 

@@ -44,7 +44,6 @@ class Teller:
         self._watch: ContactWatch | None = None
         self._ids: OrderedDict[int, str] = OrderedDict()
         self._there: dict[str, str] = {}
-        self._version = -1
         self._due = 0.0
         self._untold = 0
 

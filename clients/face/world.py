@@ -24,8 +24,8 @@ from .server.closing import Closing
 from .server.osc.score import format_line
 from .server.world.blows import Counts, Hit
 from .server.world.bodies import WorldError
-from .server.world.deeds import Deed, in_order
 from .server.world.hearing import Hearing, Microphone
+from .server.world.requests import Request, in_order
 from .server.world.simulation import Simulation
 from .server.world.told import Contacts, Pose, Poses
 from .sound import Sound
@@ -92,7 +92,7 @@ class World(Closing):
             )
         self._contacts = contacts
         self._capture = Capture(self._scene._open, 0) if self._scene and keep else None
-        self._kept: list[tuple[float, Deed]] | None = [] if keep else None
+        self._kept: list[tuple[float, Request]] | None = [] if keep else None
         self._start = start
         self._origin = math.nan  # Unix time of the simulation's time 0, of a live server
         self._frames = 0
@@ -164,9 +164,9 @@ class World(Closing):
     def tell(self, time: float, points: int, arrays: int = 0) -> None:
         """As `step`, for bridges: poses and contacts are in the columns of `memory` already, or where a simulator has
         them: `arrays` is the address of a record of `carom.dsp.tracking.arrays.ARRAYS`. `block` has the sound."""
-        deeds = self.simulation.advance(time, points, arrays)
-        if deeds:
-            self._send(deeds)
+        requests = self.simulation.advance(time, points, arrays)
+        if requests:
+            self._send(requests)
 
     def block(self) -> Blocks:
         """The sound from the last block up to the last step, (frames, channels)."""
@@ -208,39 +208,39 @@ class World(Closing):
         if self._kept is None:
             raise WorldError("score: expected a World(keep=True)")
         ordered = sorted(self._kept, key=lambda each: each[0])
-        text = "".join(f"{format_line(at, deed.message)}\n" for at, deed in ordered)
+        text = "".join(f"{format_line(at, request.message)}\n" for at, request in ordered)
         head = f"0.0 /channels {self.simulation.channels}\n"
         if path is not None:
             Path(path).write_text(head + text, encoding="utf-8")
         return head + text
 
-    def _send(self, deeds: list[Deed]) -> None:
-        """Have deeds done at their times."""
-        ordered = in_order(deeds)
+    def _send(self, requests: list[Request]) -> None:
+        """Have requests done at their times."""
+        ordered = in_order(requests)
         if self._scene is None:
             self._play(ordered)
             return
         now = self._scene.time
-        timed = [(max(deed.time - self._start + self.latency, now), deed) for deed in ordered]
+        timed = [(max(request.time - self._start + self.latency, now), request) for request in ordered]
         self._keep(timed)
         if not self._contacts:
             self._scene._open.do(timed)
             return
         for at, group in groupby(timed, key=itemgetter(0)):  # contacts are kept by their messages
-            self._scene._send([deed.message for _, deed in group], at)
+            self._scene._send([request.message for _, request in group], at)
 
-    def _play(self, deeds: list[Deed]) -> None:
-        """Send deeds to the server, for their times by the clock."""
+    def _play(self, requests: list[Request]) -> None:
+        """Send requests to the server, for their times by the clock."""
         assert self._client
-        for time, group in groupby(deeds, key=attrgetter("time")):
+        for time, group in groupby(requests, key=attrgetter("time")):
             together = list(group)
             now = clock.time()
             if not abs(self._origin + time + _AHEAD - now) < _DRIFT + _AHEAD:  # at first, too
                 self._origin = now - time
-            self._keep([(max(time - self._start, 0.0), deed) for deed in together])
-            self._client._send([deed.message for deed in together], self._origin + time + _AHEAD)
+            self._keep([(max(time - self._start, 0.0), request) for request in together])
+            self._client._send([request.message for request in together], self._origin + time + _AHEAD)
 
-    def _keep(self, timed: list[tuple[float, Deed]]) -> None:
+    def _keep(self, timed: list[tuple[float, Request]]) -> None:
         if self._kept is not None:
             self._kept += timed
 

@@ -10,8 +10,8 @@ from ctypes import c_double, c_int64, c_void_p
 
 from ..native.jit import c_function, carray
 from .arrays import ARRAYS, gather
-from .ears import EARS, find_gains
-from .judge import take_step
+from .contact_events import take_step
+from .microphones import MICROPHONE_STATE, find_gains
 from .soft import SOFT, rebound_of
 from .state import STATE
 
@@ -34,9 +34,9 @@ def track_arrays(state, arrays, points, time):
 
 
 @c_function(c_int64, c_void_p, c_void_p)
-def place(ears, state):
+def place(microphones, state):
     """Find the gains of all bodies; the number of those, in `changed`, that sound and whose gains are to be told."""
-    return find_gains(carray(ears, (1,), EARS)[0], carray(state, (1,), STATE)[0])
+    return find_gains(carray(microphones, (1,), MICROPHONE_STATE)[0], carray(state, (1,), STATE)[0])
 
 
 @c_function(c_double, c_void_p)

@@ -1,4 +1,4 @@
-"""A simulation's deeds on the straight way to the engine: commands, without the messages that say the same."""
+"""A simulation's requests on the straight way to the engine: commands, without the messages that say the same."""
 
 from collections.abc import Callable, Sequence
 
@@ -7,7 +7,7 @@ import numpy as np
 from ...dsp.engine.commands import COMMAND, Kind
 from ...dsp.schema import STEERABLE
 from ..osc.wire import Message
-from ..world.deeds import Blow, Deed, Ending, Gains, Said, Slide, Steering
+from ..world.requests import Blow, Ending, Gains, Request, Said, Slide, Steering
 from .session import Session
 
 _PLACES = {name: place for place, name in enumerate(STEERABLE)}
@@ -17,7 +17,7 @@ _Known = tuple[int, int, tuple[tuple[str, float | str], ...]]
 
 
 class Direct:
-    """Sends deeds to a session's engine, as the messages would that say the same.
+    """Sends requests to a session's engine, as the messages would that say the same.
 
     Objects, and the first slide of a pair, are messages, which are checked; the rest are numbers that are within their
     ranges as the simulation made them. say: carries a message out at a time (samples).
@@ -35,43 +35,43 @@ class Direct:
         self._strike = {name: rows["strike"][name] for name in COMMAND["strike"].names or ()}
         self._slide = {name: rows["slide"][name] for name in COMMAND["slide"].names or ()}
 
-    def send(self, deeds: Sequence[tuple[float, Deed]]) -> None:
-        """Send deeds in the order of their times (samples). EngineFull where they find no room."""
-        waiting: list[tuple[float, Deed]] = []
-        for time, deed in deeds:
-            new = isinstance(deed, Slide) and self._known(deed) not in self._slides
-            if isinstance(deed, Said) or new:
+    def send(self, requests: Sequence[tuple[float, Request]]) -> None:
+        """Send requests in the order of their times (samples). EngineFull where they find no room."""
+        waiting: list[tuple[float, Request]] = []
+        for time, request in requests:
+            new = isinstance(request, Slide) and self._known(request) not in self._slides
+            if isinstance(request, Said) or new:
                 self._write(waiting)
                 waiting = []
-                self._say(deed.message, time)
-                if isinstance(deed, Slide):
+                self._say(request.message, time)
+                if isinstance(request, Slide):
                     last = (self._ring.sent - 1) % len(self._ring.bytes)
-                    self._slides[self._known(deed)] = self._ring.bytes[last].copy()
-            elif not isinstance(deed, Steering | Ending) or self._session.gestures.number_of(deed.id):
-                waiting.append((time, deed))
+                    self._slides[self._known(request)] = self._ring.bytes[last].copy()
+            elif not isinstance(request, Steering | Ending) or self._session.gestures.number_of(request.id):
+                waiting.append((time, request))
         self._write(waiting)
 
     def _known(self, slide: Slide) -> _Known:
         objects = self._session.objects
         return objects[slide.to].handle.serial, objects[slide.by].handle.serial if slide.by else 0, slide.keys
 
-    def _write(self, deeds: Sequence[tuple[float, Deed]]) -> None:
-        """Write deeds into the engine's ring."""
-        if not deeds:
+    def _write(self, requests: Sequence[tuple[float, Request]]) -> None:
+        """Write requests into the engine's ring."""
+        if not requests:
             return
-        count = sum(len(deed.gains) if isinstance(deed, Gains) else 1 for _, deed in deeds)
-        self._ring.require_room(count, deeds[-1][0])
+        count = sum(len(request.gains) if isinstance(request, Gains) else 1 for _, request in requests)
+        self._ring.require_room(count, requests[-1][0])
         number = self._ring.sent
-        for time, deed in deeds:
-            if isinstance(deed, Blow):
-                self._blow(number, time, deed)
-            elif isinstance(deed, Steering | Ending):
-                self._change(number, time, deed)
-            elif isinstance(deed, Slide):
-                self._begin(number, time, deed)
-            elif isinstance(deed, Gains):
-                self._gains(number, time, deed)
-            number += len(deed.gains) if isinstance(deed, Gains) else 1
+        for time, request in requests:
+            if isinstance(request, Blow):
+                self._blow(number, time, request)
+            elif isinstance(request, Steering | Ending):
+                self._change(number, time, request)
+            elif isinstance(request, Slide):
+                self._begin(number, time, request)
+            elif isinstance(request, Gains):
+                self._gains(number, time, request)
+            number += len(request.gains) if isinstance(request, Gains) else 1
         self._ring.publish(number)
 
     def _add(self, number: int, time: float, like: np.void, kind: int = -1) -> int:
@@ -107,13 +107,13 @@ class Direct:
         own["speed"][n], own["sweep"][n], own["force"][n] = slide.slip, slide.sweep, slide.force
         own["seed"][n] = slide.seed
 
-    def _change(self, number: int, time: float, deed: Steering | Ending) -> None:
+    def _change(self, number: int, time: float, request: Steering | Ending) -> None:
         """Steer or end a slide."""
-        steers = isinstance(deed, Steering)
+        steers = isinstance(request, Steering)
         n = self._add(number, time, self._blank, _STEER if steers else _STOP)
-        self._column["gesture"][n] = self._session.gestures.number_of(deed.id)
-        if isinstance(deed, Steering):
-            self._column["parameter"][n], self._column["value"][n] = _PLACES[deed.parameter], deed.value
+        self._column["gesture"][n] = self._session.gestures.number_of(request.id)
+        if isinstance(request, Steering):
+            self._column["parameter"][n], self._column["value"][n] = _PLACES[request.parameter], request.value
 
     def _gains(self, number: int, time: float, gains: Gains) -> None:
         to, column = self._session.objects[gains.to].handle, self._column

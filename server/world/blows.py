@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 from ..scene.limits import LONGEST_CONTACT, Contact, longest
 from .bodies import Body, contact_of, duration
-from .deeds import Blow
 from .hearing import Listener, Placing
 from .pairs import Pair, restitution_of
+from .requests import Blow
 from .shapes import Vector
 from .told import Event
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from .bodies import Body
-from .deeds import Deed, Ending, Slide, Steering
+from .requests import Ending, Request, Slide, Steering
 from .told import Event
 
 _LEAST = 1e-6  # m/s, N: a slide of 0 would end
@@ -32,7 +32,7 @@ class Gestures:
         bodies: tuple[Body, Body],
         places: tuple[float, float],
         keys: Mapping[str, float | str],
-    ) -> list[Deed]:
+    ) -> list[Request]:
         """Begin a slide on the first of two bodies, `side` of the pair, at places of both."""
         self._made += 1
         self.running[key] = f"contact.{self._made}"
@@ -52,11 +52,11 @@ class Gestures:
                   tuple(given.items()))
         ]  # fmt: skip
 
-    def steer(self, key: Key, event: Event, side: int, place: float) -> list[Deed]:
+    def steer(self, key: Key, event: Event, side: int, place: float) -> list[Request]:
         """Steer a slide."""
         slip, sweep, force = _motion(event, side)
         said = self._said[key]
-        found: list[Deed] = []
+        found: list[Request] = []
         for name, value in {"speed": slip, "sweep": sweep, "force": force, "position": place}.items():
             least = _AWAY if name == "position" else _CHANGED * max(said[name], _SLOW)
             if abs(value - said[name]) > least:
@@ -64,7 +64,7 @@ class Gestures:
                 found.append(Steering(event.time, self.running[key], name, value))
         return found
 
-    def rest(self, key: Key, event: Event) -> list[Deed]:
+    def rest(self, key: Key, event: Event) -> list[Request]:
         """End a slide, if it goes on."""
         id = self.running.pop(key, None)
         self._said.pop(key, None)

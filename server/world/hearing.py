@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...dsp.tracking.ears import EARS
+from ...dsp.tracking.microphones import MICROPHONE_STATE
 from ...dsp.tracking.track import place
 from .bodies import WorldError
 from .shapes import Vector
@@ -81,8 +81,8 @@ class Placing:
     were told of those that sound. state: the tracker's memory."""
 
     def __init__(self, hearing: Hearing, state: NDArray[np.void]) -> None:
-        self._ears = np.zeros(1, EARS)
-        record = self._ears[0]
+        self._microphones = np.zeros(1, MICROPHONE_STATE)
+        record = self._microphones[0]
         record["count"] = count = len(hearing.microphones)
         record["nearest"], record["step"] = NEAREST, _CHANGED
         for n, microphone in enumerate(hearing.microphones):
@@ -94,9 +94,9 @@ class Placing:
         record["told"] = np.nan
         self.loudest: NDArray[np.float64] = record["loudest"]
         """The gain of each body at the microphone that hears it best."""
-        self._until, self._sound, self._changed = record["until"], self._ears["sound"], record["changed"]
+        self._until, self._sound, self._changed = record["until"], self._microphones["sound"], record["changed"]
         self._now = record["now"][:, :count]
-        self._addresses = self._ears.ctypes.data, state.ctypes.data
+        self._addresses = self._microphones.ctypes.data, state.ctypes.data
         self._kept, self._place = state, place.bare
         self.silence()
 

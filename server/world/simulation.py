@@ -15,10 +15,10 @@ from ..osc.arguments import shown
 from ..osc.wire import Argument
 from .blows import Blows, Counts, Hit, Laws, roles
 from .bodies import Body, BodyMaker, WorldError
-from .deeds import Deed, Gains, Said
 from .gestures import Gestures
 from .hearing import Hearing, Listener, Placing
 from .pairs import Pair, Surfaces, pair_of
+from .requests import Gains, Request, Said
 from .told import Contacts, Event, Pose, Poses, events_of, take_contacts, take_pose
 
 
@@ -64,7 +64,7 @@ class Simulation:
         events = self.state["events"][0]
         self._whole, self._floats = (events.view(kind).reshape(EVENTS, -1) for kind in (np.int64, np.float64))
         self._address = self.state.ctypes.data
-        self._now, self._touching = self.state["time"], self.state["touching"]
+        self._now = self.state["time"]
 
     @property
     def channels(self) -> int:
@@ -90,7 +90,7 @@ class Simulation:
 
     def add(
         self, name: str, shape: str, size: ArrayLike, material: str, pose: Pose | None = None, **about: Argument
-    ) -> list[Deed]:
+    ) -> list[Request]:
         """Add a body, as BodyMaker makes it; what makes its object."""
         if name in self._numbers:
             raise WorldError(f"body {name}: there is one of that name already")
@@ -136,7 +136,7 @@ class Simulation:
         """Let time pass up to another (s), in which nothing is told."""
         self._now[0] = self.time = time
 
-    def step(self, time: float, contacts: Contacts = (), poses: Poses | None = None) -> list[Deed]:
+    def step(self, time: float, contacts: Contacts = (), poses: Poses | None = None) -> list[Request]:
         """Take a step's contacts and poses; what is to be heard of what happened since the step before."""
         where = f"step {self.steps + 1}"
 
@@ -150,7 +150,7 @@ class Simulation:
             take_pose(self.state, number(name), pose, f"{where}: body {name}")
         return self.advance(time, take_contacts(self.state, contacts, number, where))
 
-    def advance(self, time: float, points: int, arrays: int = 0) -> list[Deed]:
+    def advance(self, time: float, points: int, arrays: int = 0) -> list[Request]:
         """As `step`, where poses and so many contacts are in `state` already, or in the arrays of a simulator: then the
         address of a record of ARRAYS."""
         before = self.time
@@ -188,7 +188,7 @@ class Simulation:
                     return f"bodies {names[0]}, {names[1]}: {name} = {value}: expected finite numbers"
         return f"{points} contacts: expected finite numbers"
 
-    def _heard(self, before: float, found: int) -> list[Deed]:
+    def _heard(self, before: float, found: int) -> list[Request]:
         """What is to be heard of so many events since a time (s)."""
         count = min(found, EVENTS)
         events = events_of(self._whole[:count], self._floats[:count]) if count else []
@@ -197,14 +197,14 @@ class Simulation:
                 self._sounds(event.a)
                 self._sounds(event.b)
         placed = self._placing.look(self.time)
-        deeds: list[Deed] = [Gains(before, self.bodies[n].name, tuple(gains)) for n, gains in placed]
+        requests: list[Request] = [Gains(before, self.bodies[n].name, tuple(gains)) for n, gains in placed]
         hits = [event for event in events if event.kind == HIT]
         if hits:
-            deeds += self._blows.heard(hits, self.time, self._counts, self.hits)
+            requests += self._blows.heard(hits, self.time, self._counts, self.hits)
         for event in events:
             if event.kind != HIT:
-                deeds += self._moved(event)
-        return deeds
+                requests += self._moved(event)
+        return requests
 
     def _sounds(self, number: int) -> None:
         """A body sounds, for as long as it rings, or on and on where it slides."""
@@ -213,7 +213,7 @@ class Simulation:
             slides = any(number in pair for pair in self._gestures.running)
             self._placing.sounds(number, math.inf if slides else self.time + body.ringing)
 
-    def _moved(self, event: Event) -> list[Deed]:
+    def _moved(self, event: Event) -> list[Request]:
         """What is to be heard of a standing contact that begins to slip or sweep, does so otherwise, or rests."""
         key = first, second = event.a, event.b
         a, b = self.bodies[first], self.bodies[second]

@@ -7,8 +7,8 @@ from ...presets import Presets
 from ..osc.wire import Argument
 from ..osc.world_verbs import TOUCHED
 from .bodies import WorldError
-from .deeds import Deed
 from .hearing import Hearing, Microphone
+from .requests import Request
 from .simulation import Simulation
 from .told import Pose, Touch
 
@@ -55,7 +55,7 @@ class TellsWorld:
         told = {each.name: numbers.get(each.name, math.nan) for each in TOUCHED}
         self._touches.append(Touch(a, b, point, normal, **told))
 
-    def step(self, time: float) -> tuple[float, list[Deed]]:
+    def step(self, time: float) -> tuple[float, list[Request]]:
         """End a step: the time of the step before, and what is to be heard of what happened since."""
         touches, poses = self._touches, self._poses
         self._touches, self._poses = [], {}

@@ -12,7 +12,7 @@ from .state import BODIES
 
 MICROPHONES = 64
 
-EARS = np.dtype(
+MICROPHONE_STATE = np.dtype(
     [
         ("count", np.int64),
         ("nearest", np.float64),  # m: a body that is nearer is as loud as there
@@ -34,32 +34,32 @@ EARS = np.dtype(
 
 
 @kernel
-def find_gains(ears, state):
+def find_gains(microphones, state):
     """Find the gains of all bodies, and list those that sound and whose gains are others than those told; how many."""
     found = 0
-    ears.sound = 0
+    microphones.sound = 0
     for n in range(state.bodies):
         largest = 0.0
-        for m in range(ears.count):
+        for m in range(microphones.count):
             square = along = 0.0
             for k in range(3):
-                way = state.position[n, k] - ears.position[m, k]
+                way = state.position[n, k] - microphones.position[m, k]
                 square += way * way
-                along += way * ears.direction[m, k]
-            distance = max(math.sqrt(square), ears.nearest)
-            pattern = ears.pattern[m]
-            ears.now[n, m] = (1.0 - pattern + pattern * (along / distance)) / distance
-            largest = max(largest, abs(ears.now[n, m]))
-        ears.loudest[n] = largest
-        if ears.until[n] > state.time:
-            ears.sound += 1
+                along += way * microphones.direction[m, k]
+            distance = max(math.sqrt(square), microphones.nearest)
+            pattern = microphones.pattern[m]
+            microphones.now[n, m] = (1.0 - pattern + pattern * (along / distance)) / distance
+            largest = max(largest, abs(microphones.now[n, m]))
+        microphones.loudest[n] = largest
+        if microphones.until[n] > state.time:
+            microphones.sound += 1
             changed = False
-            for m in range(ears.count):
-                if not abs(ears.now[n, m] - ears.told[n, m]) <= ears.step * largest:
+            for m in range(microphones.count):
+                if not abs(microphones.now[n, m] - microphones.told[n, m]) <= microphones.step * largest:
                     changed = True
             if changed:
-                ears.changed[found] = n
+                microphones.changed[found] = n
                 found += 1
-                for m in range(ears.count):
-                    ears.told[n, m] = ears.now[n, m]
+                for m in range(microphones.count):
+                    microphones.told[n, m] = microphones.now[n, m]
     return found

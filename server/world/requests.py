@@ -97,10 +97,10 @@ class Ending(NamedTuple):
         return Message(f"/gesture/{self.id}/stop", ())
 
 
-Deed = Said | Blow | Slide | Gains | Steering | Ending
+Request = Said | Blow | Slide | Gains | Steering | Ending
 """Each has the time (s) of the simulation at which it is heard."""
 
 
-def in_order(deeds: Iterable[Deed]) -> list[Deed]:
-    """Deeds by their times; of one time as they came."""
-    return sorted(deeds, key=lambda deed: deed.time)
+def in_order(requests: Iterable[Request]) -> list[Request]:
+    """Requests by their times; of one time as they came."""
+    return sorted(requests, key=lambda request: request.time)

@@ -37,7 +37,7 @@ def take_step(state, points, time):
     for n in range(points):
         take_point(state, n, span, least)
     for i in range(state.touching - 1, -1, -1):
-        _judge(state, i, span)
+        _step_pair(state, i, span)
     return state.happened
 
 
@@ -62,7 +62,7 @@ def _is_whole(state, points):
 
 
 @kernel
-def _judge(state, i, span):
+def _step_pair(state, i, span):
     """Tell what happened to a pair in this step; forget it where it touches no more."""
     pair = state.pairs[i]
     if pair.count == 0:
