@@ -40,7 +40,7 @@ def pace(running, callback, state, rate, out, frames, channels, times):
             flags = OUTPUT_UNDERFLOW
         done += frames
         times[1] = 1e-9 * now
-        times[2] = 1e-9 * (started + int(done * 1e9 / rate))
+        times[2] = 1e-9 * max(now, started + int(done * 1e9 / rate))  # a late block is heard at once, not in the past
         call_back(callback, out, frames, times, flags, state)
 
 

@@ -1,5 +1,6 @@
 """The player: what runs the engine stays up, whatever becomes of devices and of Python."""
 
+import ctypes
 import os
 import signal
 import threading
@@ -11,6 +12,7 @@ import pytest
 import soundfile
 
 from carom.dsp.native.atomics import publish
+from carom.dsp.runtime.callback import SIGNATURE
 from carom.dsp.runtime.engine import Engine
 from carom.dsp.runtime.handover import Handover
 from carom.dsp.runtime.pacer import keep_pace
@@ -169,11 +171,29 @@ def test_latency_is_asked_for_and_told(tmp_path):
     player.close()
     with serving(tmp_path, "--device", "none", "--latency", "0.03") as server:
         with server.client() as client:
-            time.sleep(0.3)
+            within(30, lambda: 0 < status(client)["latency_measured"] < 0.03)  # a busy machine is late at first
             told = status(client)
         server.quit()
     assert told["latency"] == told["latency_requested"] == pytest.approx(0.03)
-    assert 0 < told["latency_measured"] < 0.03 and told["device"] == "none" and told["time"] > 0
+    assert told["latency_measured"] >= 0 and told["device"] == "none" and told["time"] > 0
+
+
+def test_a_late_block_is_heard_at_once():
+    """The clock's callback takes twice its block's time, and no block is said to be heard in the past."""
+    running, memory = np.ones(1, np.int64), (np.zeros((48, 2), np.float32), np.zeros(3))
+    leads = []
+
+    @ctypes.CFUNCTYPE(*SIGNATURE)
+    def late(_input, _output, _frames, times, _flags, _state):
+        _, now, heard = ctypes.cast(times, ctypes.POINTER(ctypes.c_double))[:3]
+        leads.append(heard - now)
+        time.sleep(0.002)
+        if len(leads) == 20:
+            publish(running, 0)
+        return 0
+
+    keep_pace(running, ctypes.cast(late, ctypes.c_void_p).value, 0, 48_000.0, *memory)
+    assert leads[0] > 0 and min(leads) == 0
 
 
 @pytest.mark.skipif(not hasattr(os, "sched_setscheduler"), reason="another system's scheduler")
