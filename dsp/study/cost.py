@@ -93,10 +93,11 @@ def paper_release_cost(law: Law, repeats: int = 20) -> float:
 
 
 def cost_of(loop: Callable[[int], object], repeats: int = 20) -> float:
-    """Cost in ns of one turn of `loop(turns)`: the shortest of some runs of about 0.1 ms each."""
+    """Cost in ns of one turn of `loop(turns)`: the shortest of some runs of 0.1 ms each at least."""
     loop(1)
-    times = max(1, int(_LOOP_NS / max(_elapsed(loop, 1), 10)))
-    times = max(1, int(times * _LOOP_NS / max(_elapsed(loop, times), 10)))
+    times = 1
+    while min(_elapsed(loop, times) for _ in range(3)) < _LOOP_NS:  # one alone may have been interrupted
+        times *= 2
     return min(_elapsed(loop, times) for _ in range(repeats)) / times
 
 
