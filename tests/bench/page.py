@@ -6,6 +6,7 @@ gap, or where it came later than STREAM.
 """
 
 import argparse
+import os
 import re
 import sys
 import tempfile
@@ -23,16 +24,17 @@ LIMITS = {"click to OSC": 5.0, "click to sample": 20.0}
 """ms in the median; the slowest hundredth may take twice that."""
 STREAM = 0.15
 """s from a sample of the engine to the loudspeaker that the browser knows."""
+ROOT = Path(__file__).resolve().parents[2]
 HERE = (sys.executable, "-m", "tests.bench.page", "timed")
 
-_CLICKS = """(() => { window.clicks = []; window.addEventListener("pointerup", (event) =>
+_CLICKS = """(() => { window.clicks = []; window.addEventListener("pointerdown", (event) =>
     clicks.push(1e6 * (performance.timeOrigin + event.timeStamp)), true); })()"""
 
 
 def timed(words: list[str]) -> int:
     """A Carom that writes into arrivals.txt when strikes of a page arrive, and which sample is computed then."""
     from carom.clients.cli import main as carom
-    from carom.dsp.runtime.engine import Engine
+    from carom.dsp.runtime.engine import Engine, clock_ns
     from carom.server.web.socket import SocketClient
 
     engines: list[Engine] = []
@@ -46,7 +48,7 @@ def timed(words: list[str]) -> int:
     async def arrived(self: SocketClient, packet: bytes) -> None:
         if b"/impact\0" in packet:
             now, latency = time.time_ns(), float(engines[0]._record["clock"]["latency"])
-            sample = engines[0].stamp(now).sample + latency
+            sample = float(engines[0].stamp(clock_ns())) + latency  # the one that is computed now
             with out.open("a") as lines:
                 lines.write(f"{now} {sample} {engines[0].measured_rate}\n")
         await take(self, packet)
@@ -60,7 +62,9 @@ def page(folder: Path, carom: tuple[str, ...] = CAROM) -> Iterator[tuple[Running
     """A server whose sound a browser plays, and its page, which has been opened in a fresh profile."""
     from playwright.sync_api import sync_playwright
 
-    with serving(folder, "--device", "page", "--page", "0", carom=carom) as server, sync_playwright() as runner:
+    env = {**os.environ, "PYTHONPATH": str(ROOT)}
+    words = ("--device", "page", "--page", "0")
+    with serving(folder, *words, carom=carom, env=env) as server, sync_playwright() as runner:
         assert server.process.stdout
         match = re.search(r"http://\S+", server.process.stdout.readline())
         assert match
