@@ -1,5 +1,6 @@
 // The table: where things are drawn, and what lies under a pointer.
 
+import { draw } from "./frames.js";
 import { Marks } from "./marks.js";
 
 const SEGMENTS = 28;
@@ -14,7 +15,7 @@ export class Table {
     this.pictures = new Map();
     this.marks = new Marks(this);
     this.touch = null;
-    this.frame = 0;
+    this.frame = () => this.draw();
     new ResizeObserver(() => this.fit()).observe(main);
     scene.addEventListener("changed", () => this.arrange());
     scene.addEventListener("selected", () => this.arrange());
@@ -116,11 +117,10 @@ export class Table {
   }
 
   wake() {
-    this.frame ||= requestAnimationFrame(() => this.draw());
+    draw(this.frame);
   }
 
   draw() {
-    this.frame = 0;
     const { g, dense } = this;
     if (!this.w) return;
     g.setTransform(dense, 0, 0, dense, 0, 0);

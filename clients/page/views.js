@@ -1,5 +1,7 @@
 // What one looks at: meters, numbers, the spectrum beside the modes, the force of the last contact.
 
+import { draw } from "./frames.js";
+
 const LOWEST = 20, HIGHEST = 20000; // Hz
 const SOFT = -110; // dB
 const EVERY = 33; // ms
@@ -45,25 +47,32 @@ export function spectrum(sound) {
 
 export class Views {
   constructor(scene, sound) {
-    Object.assign(this, { scene, sound, drawn: 0, peaks: [-200, -200], limited: 0, limits: 0 });
+    Object.assign(this, { scene, sound, peaks: [-200, -200], limited: 0, limits: 0, words: "" });
     this.smooth = null;
     const { link } = scene;
     link.on("/meter", (...args) => this.meter(...args));
     link.on("/force", (name, seconds, ...force) => this.force(name, seconds, force));
-    const tick = (now) => {
-      if (now - this.drawn > EVERY && !document.hidden) {
-        this.drawn = now;
-        this.spectrum();
-      }
-      requestAnimationFrame(tick);
-    };
-    requestAnimationFrame(tick);
+    this.frame = () => this.draw();
+    setInterval(() => document.hidden || draw(this.frame), EVERY);
+  }
+
+  draw() {
+    this.spectrum();
+    this.levels();
   }
 
   meter(sample, load, quality, limited, contacts, ...peaks) {
     this.limits = limited > this.limited ? 12 : Math.max(0, this.limits - 1);
     this.limited = limited;
     this.peaks = peaks.map((peak, n) => Math.max(peak, (this.peaks[n] ?? -200) - 1.2));
+    const words = [`${Math.round(100 * load)} % load`, `${contacts} contact${contacts === 1 ? "" : "s"}`];
+    if (quality) words.push(`quality ${quality}`);
+    if (this.limits) words.push("limiter");
+    if (this.sound.isHeard) words.push(`${Math.round(1000 * this.sound.latency)} ms`);
+    this.words = words.join(" · ");
+  }
+
+  levels() {
     const { g, w, h } = fitted(document.getElementById("meter"));
     this.peaks.slice(0, 2).forEach((peak, n) => {
       const share = Math.max(0, Math.min(1, (peak + 60) / 60));
@@ -76,11 +85,8 @@ export class Views {
       g.fillStyle = shade;
       g.fillRect(0, n * (h / 2) + 1, w * share, h / 2 - 2);
     });
-    const words = [`${Math.round(100 * load)} % load`, `${contacts} contact${contacts === 1 ? "" : "s"}`];
-    if (quality) words.push(`quality ${quality}`);
-    if (this.limits) words.push("limiter");
-    if (this.sound.isHeard) words.push(`${Math.round(1000 * this.sound.latency)} ms`);
-    document.getElementById("numbers").textContent = words.join(" · ");
+    const numbers = document.getElementById("numbers");
+    if (numbers.textContent !== this.words) numbers.textContent = this.words;
   }
 
   spectrum() {
@@ -138,7 +144,9 @@ export class Views {
   /** The modes of the selected object: a line each, as high as they ring now. */
   modes(g, h, across, up) {
     const object = this.scene.objects.get(this.scene.selected);
-    document.getElementById("spectrum-note").textContent = object ? `and the modes of ${object.name.replaceAll("-", " ")}` : "";
+    const note = document.getElementById("spectrum-note");
+    const words = object ? `and the modes of ${object.name.replaceAll("-", " ")}` : "";
+    if (note.textContent !== words) note.textContent = words;
     if (!object?.modes) return;
     const rings = this.scene.glow(object) > 0;
     g.strokeStyle = color("--node");

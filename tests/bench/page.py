@@ -81,7 +81,7 @@ def page(folder: Path, carom: tuple[str, ...] = CAROM) -> Iterator[tuple[Running
 
 
 def clicks(folder: Path, count: int) -> dict[str, np.ndarray]:
-    """The delays (ms) of clicks on an object, half a second apart on average."""
+    """The delays (ms) of clicks on an object, a quarter of a second apart on average."""
     samples = []
     random = np.random.default_rng(1)
     with page(folder, HERE) as (server, view), server.client() as listener:
@@ -95,7 +95,7 @@ def clicks(folder: Path, count: int) -> dict[str, np.ndarray]:
         )
         for _ in range(count):
             view.mouse.click(x, y)
-            view.wait_for_timeout(random.uniform(300, 700))
+            view.wait_for_timeout(random.uniform(150, 350))
             samples += [told.args[2] for told in listener.replies(0.0) if told.address == "/hit"]
         clicked = np.array(view.evaluate("clicks"))
         server.quit()
