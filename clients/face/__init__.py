@@ -49,8 +49,8 @@ if TYPE_CHECKING:
     from .server.world.bodies import WorldError as WorldError
     from .server.world.hearing import Hearing as Hearing
     from .server.world.hearing import Microphone as Microphone
-    from .server.world.told import Pose as Pose
-    from .server.world.told import Touch as Touch
+    from .server.world.step import Pose as Pose
+    from .server.world.step import Touch as Touch
     from .sound import Sound as Sound
     from .world import World as World
 
@@ -65,7 +65,7 @@ _HOMES = {
     "Microphone": "server.world.hearing",
     "ModeTable": "clients.modes",
     "Object": "scene",
-    "Pose": "server.world.told",
+    "Pose": "server.world.step",
     "PresetError": "presets",
     "Presets": "presets",
     "RenderError": "server.files.whole",
@@ -73,7 +73,7 @@ _HOMES = {
     "Scene": "scene",
     "ScoreError": "server.osc.score",
     "Sound": "sound",
-    "Touch": "server.world.told",
+    "Touch": "server.world.step",
     "World": "world",
     "WorldError": "server.world.bodies",
     "compare": "recordings",

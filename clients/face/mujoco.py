@@ -25,7 +25,7 @@ from .dsp.tracking.soft import LEAST_IMPEDANCE, MOST_IMPEDANCE, SOFT
 from .dsp.tracking.track import rebound
 from .presets import Presets
 from .server.world.bodies import WorldError
-from .server.world.told import Event, Pose
+from .server.world.step import Event, Pose
 from .world import Blocks, World
 
 _SHAPES = {

@@ -27,7 +27,7 @@ from .server.world.bodies import WorldError
 from .server.world.hearing import Hearing, Microphone
 from .server.world.requests import Request, in_order
 from .server.world.simulation import Simulation
-from .server.world.told import Contacts, Pose, Poses
+from .server.world.step import Contacts, Pose, Poses
 from .sound import Sound
 
 Blocks = NDArray[np.float32]

@@ -12,7 +12,7 @@ from .hearing import Listener, Placing
 from .pairs import Pair, restitution_of
 from .requests import Blow
 from .shapes import Vector
-from .told import Event
+from .step import Event
 
 _BLOWS_IN = 0.05  # s: the time over which blows are counted
 _DULLEST = 0.02  # restitution: with less, a blow would hardly end
@@ -52,7 +52,7 @@ class Counts:
     crowded: int = 0
 
 
-class Judged(NamedTuple):
+class Candidate(NamedTuple):
     """A blow: its pressure (Pa rms at a microphone), what it is, and what is to be heard of it, if something rings."""
 
     pressure: float
@@ -105,7 +105,7 @@ class Blows:
             self._times.popleft()
         room = self._listener.hearing.blows - len(self._times)
         found = []
-        for pressure, hit, blow in sorted(map(self._judged, events), key=lambda each: -each.pressure):
+        for pressure, hit, blow in sorted(map(self._candidate, events), key=lambda each: -each.pressure):
             counts.hits += 1
             if blow is None or not self._listener.is_heard(pressure, hit.time):
                 counts.faint += 1
@@ -120,7 +120,7 @@ class Blows:
             hits.append(hit)
         return found
 
-    def _judged(self, event: Event) -> Judged:
+    def _candidate(self, event: Event) -> Candidate:
         first, second, local = event.a, event.b, event.local
         a, b = self._bodies[first], self._bodies[second]
         stiffness, dissipation, exponent, _ = self._laws.of(first, second, local)
@@ -141,10 +141,10 @@ class Blows:
         law = Contact(mass, stiffness, lost[0], exponent, lost[1])
         met = min(speed, _FASTEST)
         if not to.rings or not _MASSES[0] <= mass <= _MASSES[1] or longest(met, law) > LONGEST_CONTACT:
-            return Judged(0.0, hit, None)
+            return Candidate(0.0, hit, None)
         other, other_place = (by.name, by.place(by_at)) if by.rings else ("", 0.0)
         blow = Blow(event.time, to.name, other, to.place(at), other_place, met, mass, stiffness, exponent, *lost)
-        return Judged(pressure, hit, blow)
+        return Candidate(pressure, hit, blow)
 
 
 def roles(a: Body, b: Body, local: tuple[Vector, Vector]) -> tuple[Body, Body, Vector, Vector]:

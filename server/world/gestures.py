@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from .bodies import Body
 from .requests import Ending, Request, Slide, Steering
-from .told import Event
+from .step import Event
 
 _LEAST = 1e-6  # m/s, N: a slide of 0 would end
 _CHANGED, _SLOW, _AWAY = 0.05, 0.004, 0.01  # shares, m/s or N, and of a strike path: what is told anew

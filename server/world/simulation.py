@@ -19,7 +19,7 @@ from .gestures import Gestures
 from .hearing import Hearing, Listener, Placing
 from .pairs import Pair, Surfaces, pair_of
 from .requests import Gains, Request, Said
-from .told import Contacts, Event, Pose, Poses, events_of, take_contacts, take_pose
+from .step import Contacts, Event, Pose, Poses, events_of, take_contacts, take_pose
 
 
 class Simulation:

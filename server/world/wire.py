@@ -10,7 +10,7 @@ from .bodies import WorldError
 from .hearing import Hearing, Microphone
 from .requests import Request
 from .simulation import Simulation
-from .told import Pose, Touch
+from .step import Pose, Touch
 
 
 class TellsWorld:

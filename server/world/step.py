@@ -1,4 +1,4 @@
-"""What is told of a step: contacts and poses, in the ways in which simulators have them, into the tracker's memory."""
+"""A step of a simulation: contacts and poses, in the ways in which simulators have them, into the tracker's memory."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
