@@ -8,8 +8,11 @@ from typing import NamedTuple
 from ..dsp.bodies.material import Material
 from ..presets import KINDS, ObjectPreset, PresetError, Presets, StrikerPreset
 from ..presets.library import read_file
+from .dataset.check import require_sound
+from .dataset.recipe import read
 from .errors import plain
 
+RECIPE = "recipes"
 _TOP = 20_000.0  # Hz up to which modes are made
 
 
@@ -29,7 +32,7 @@ class Checked(NamedTuple):
 def checked(path: Path, presets: Presets) -> Checked:
     """Check a preset's file as it is used: its keys and values, the presets that it names, an object's modes.
 
-    Its kind is that of its folder (objects, strikers, materials, surfaces), elsewhere that of its keys.
+    Its kind is that of its folder (objects, strikers, materials, surfaces, recipes), elsewhere that of its keys.
     """
     kind = ""
     if not path.exists():
@@ -39,9 +42,10 @@ def checked(path: Path, presets: Presets) -> Checked:
         return Checked(str(path), kind, "", text or plain(missing))
     try:
         kind = path.resolve().parent.name
-        if kind not in KINDS:
+        if kind not in (*KINDS, RECIPE):
             kind = _kind_of(path)
-        return Checked(str(path), kind, _holds(presets.load(kind, path)), "")
+        holds = _drawn(path, presets) if kind == RECIPE else _holds(presets.load(kind, path))
+        return Checked(str(path), kind, holds, "")
     except PresetError as error:
         return Checked(str(path), kind, "", str(error))
 
@@ -59,10 +63,15 @@ def files_in(name: str) -> list[Path]:
 def _kind_of(path: Path) -> str:
     """The kind of preset that a file's keys tell."""
     data = read_file(path)[1]
-    for key, kind in (("shape", "objects"), ("youngs_modulus", "materials"), ("roughness", "surfaces")):
-        if key in data:
-            return kind
-    return "strikers"
+    kinds = {"shape": "objects", "youngs_modulus": "materials", "roughness": "surfaces", "object": RECIPE}
+    return next((kind for key, kind in kinds.items() if key in data), "strikers")
+
+
+def _drawn(path: Path, presets: Presets) -> str:
+    """A data set's recipe in a few words. PresetError if it draws what cannot be played."""
+    recipe = read(path)
+    require_sound(recipe, presets)
+    return f"a recipe of a data set: {recipe.count} items of {recipe.seconds:g} s, {recipe.design}"
 
 
 def _holds(preset: object) -> str:

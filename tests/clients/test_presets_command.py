@@ -36,13 +36,14 @@ def test_names_alone_are_for_other_programs(carom):
 
 
 def test_all_that_is_built_in_passes_the_check(carom):
-    files = sorted(file for file in BUILT_IN.glob("*/*.toml") if file.parent.name != "recipes")
+    files = sorted(BUILT_IN.glob("*/*.toml"))
     lines = carom("presets", "--check", *files, check=True).stdout.splitlines()
     assert len(lines) == len(files) > 70
     count = Presets().object("glass-plate").modes(20_000.0).frequency.size
     glass = next(line for line in lines if "glass-plate" in line)
     assert ": an object: plate of glass, 2.08 kg, " in glass and f" {count} modes from " in glass
-    for kind, word in (("materials", "a material"), ("surfaces", "a surface"), ("strikers", "a striker of ")):
+    words = {"materials": "a material", "surfaces": "a surface", "strikers": "a striker of ", "recipes": "a recipe of "}
+    for kind, word in words.items():
         assert all(f": {word}" in line for line in lines if f"/{kind}/" in line)
 
 
@@ -55,6 +56,8 @@ def test_all_that_is_built_in_passes_the_check(carom):
         ("x.toml", "shape =", "not TOML"),
         ("strikers/x.toml", GLASS, "shape = 'plate': expected one of"),
         ("materials/x.toml", "density = 0", "density = 0: expected a number from 1 to 30000 kg/m3"),
+        ("recipes/x.toml", "count = 0\n[object]", "count = 0: expected a whole number"),
+        ("x.toml", 'count = 1\n[object]\npreset = "glas"\n[impact]', "[object] no object 'glas': did you mean"),
         ("x.toml", 'description = "d"', "source is missing: expected a text"),
     ],
 )
