@@ -23,6 +23,7 @@ _MOST_IN_BAND, _LEAST_IN_BAND = 16, 3  # modes
 _DENSE = 0.5  # modes of a band, over its width times its decay time
 _SHORTEST, _LONGEST = 1e-3, 200.0  # s: decay times
 _HIGHEST = 20_000.0  # Hz
+_HEAVIEST = 1000.0  # Pa per m/s: the highest weight that a preset may have
 
 Array = NDArray[np.float64]
 
@@ -79,7 +80,7 @@ def geometry_of(fit: Fit, facts: Facts) -> dict[str, object]:
     modal_mass = facts.mass * rows.shape[1] / _YIELDS
     # A mode radiates 4 pi G^2/(rho c), G = weight/sqrt(modal mass), and loses 2 sigma.
     most = np.sqrt(2 * decay * IMPEDANCE * modal_mass / (4 * np.pi))
-    weight = first * highest * np.min(most / highest)
+    weight = first * highest * min(np.min(most / highest), _HEAVIEST / highest.max())
     geometry: dict[str, object] = {
         "frequency": _rounded(fit.frequency[keep], 7),
         "t60": _rounded(np.clip(np.log(1000) / decay, _SHORTEST, _LONGEST), 4),

@@ -126,21 +126,20 @@ def sought(take: Array, s: Complex, rate: float, onset: int) -> Blow:
     It is no longer than what is heard of the high modes allows: most of what a take has is not from modes that the blow
     hardly moves.
     """
-    tried = [pulse(each).later(start) for each in _DURATIONS for start in _beginnings(each, onset / rate)]
-    errors = _errors(take, s, rate, tried, onset)
-    best: Blow = tried[int(np.argmin(errors))]
-    head = best.head(s, rate, onset)
+    head = pulse(_DURATIONS[0]).head(s, rate, onset)
     (amplitude,), _ = amplitudes([take], s, [head])
-    attack = take[: head.length] - (head.atoms @ amplitude).real
-    enough = errors.min() + _TOLERANCE * float(attack @ attack)
     energy = np.abs(amplitude) ** 2 / -s.real
-    for number, duration in reversed(list(enumerate(_DURATIONS))):
-        row = errors[number * len(_SHARES) : (number + 1) * len(_SHARES)]
-        hardly = np.abs(pulse(duration).transform(s * rate)) < _SHALLOWEST
-        if row.min() <= enough and energy[hardly].sum() < _HARDLY * energy.sum():
-            best = tried[number * len(_SHARES) + int(np.argmin(row))]
-            break
-    return best
+    unmoved = [energy[np.abs(pulse(each).transform(s * rate)) < _SHALLOWEST].sum() for each in _DURATIONS]
+    longest = max(1, int(np.argmax(np.array([*unmoved, np.inf]) > _HARDLY * energy.sum())))
+    tried = [pulse(each).later(start) for each in _DURATIONS[:longest] for start in _beginnings(each, onset / rate)]
+    errors = _errors(take, s, rate, tried, onset)
+    best = tried[int(np.argmin(errors))].head(s, rate, onset)
+    (amplitude,), _ = amplitudes([take], s, [best])
+    attack = take[: best.length] - (best.atoms @ amplitude).real
+    enough = errors.min() + _TOLERANCE * float(attack @ attack)
+    least = errors.reshape(longest, -1).min(axis=1)
+    number = int(np.flatnonzero(least <= enough)[-1])
+    return tried[number * len(_SHARES) + int(np.argmin(errors.reshape(longest, -1)[number]))]
 
 
 def _beginnings(duration: float, earliest: float) -> list[float]:

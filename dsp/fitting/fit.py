@@ -23,13 +23,14 @@ from .sums import Complex, ring
 MODES = 40
 """Unless it is said."""
 
-_MORE = 1.5  # times the modes that are asked for are refined before some are pruned
-_STEPS, _FEW, _LAST = 10, 3, 25
+_ROUNDS, _HARDLY_LESS = 3, 0.995  # in which modes of the rest take the place of weaker ones, while less is left
+_STEPS, _FEW, _LAST = 10, 4, 25
 _HUM = 0.5  # of a mode's amplitude: what has that before the hit already is no mode
 _POOREST, _LEAST_FALL = -6.0, 15.0  # dB: the residual of what need not fall, the fall of what modes need not explain
-_MOST_DAMPED = 0.5  # of a mode's angular frequency, its decay rate: more is a click, and left to the noise
 _SHORT_BLOW, _LONGEST_BLOW = 0.0015, 0.01  # s
+_MOST_DAMPED, _CLICK = 0.4, 1000.0  # of its angular frequency, and 1/s: a mode of more damping is a click
 _STEADY = 60.0  # s, of a decay by 60 dB: what takes longer stands still
+_TELLS = 0.5  # s: in less, nobody can tell
 
 
 @dataclass(frozen=True)
@@ -86,14 +87,21 @@ def fit_modes(takes: Sequence[Array], rate: float, count: int) -> Complex:
     """Log poles per sample of the `count` modes that explain most of all takes, which begin with the modes' ringing."""
     with on_one_thread():
         heads = plain(takes)
-        s = select(takes, candidates(takes, rate), round(_MORE * count))
+        s = select(takes, candidates(takes, rate), count)
         if not len(s):
             raise RecordingError("no mode is found: expected the sound of a body that rings")
         s = refine(takes, s, rate, heads, _STEPS)
-        rests = [take - part for take, part in zip(takes, _parts(takes, s), strict=True)]
-        more = select(rests, candidates(rests, rate), count // 2)
-        s = refine(takes, np.concatenate([s, more]), rate, heads, _FEW)
-        return refine(takes, prune(takes, s, count), rate, heads, _LAST)
+        best, least = s, amplitudes(takes, s, heads(s))[1]
+        for _ in range(_ROUNDS):
+            rests = [take - part for take, part in zip(takes, _parts(takes, s), strict=True)]
+            more = select(rests, candidates(rests, rate), count // 2)
+            s = refine(takes, np.concatenate([s, more]), rate, heads, _FEW)
+            s = refine(takes, prune(takes, s, count), rate, heads, _STEPS)
+            left = amplitudes(takes, s, heads(s))[1]
+            if left >= _HARDLY_LESS * least:
+                break
+            best, least = s, left
+        return refine(takes, best, rate, heads, _LAST)
 
 
 def _parts(takes: Sequence[Array], s: Complex) -> list[Array]:
@@ -117,12 +125,8 @@ def _fit(found: Sequence[Hit], blows: Sequence[Blow | None], count: int) -> Fit:
     s = _without_hum(fit_modes(after, rate, count), found)
     early = earliest(rate)
     takes = [_with_beginning(hit, early) for hit in found]
-    begins = [
-        sought(take, s, rate, early) if blow is None else begun(take, s, rate, blow, early)
-        for take, blow in zip(takes, blows, strict=True)
-    ]
+    begins = _begun(takes, s, rate, blows)
     s = refine(takes, s, rate, lambda each: [blow.head(each, rate, early) for blow in begins], _STEPS)
-    s = s[-s.real < _MOST_DAMPED * s.imag]
     s = s[np.argsort(s.imag)]
     heads = [blow.head(s, rate, early) for blow in begins]
     amplitude, _ = amplitudes(takes, s, heads)
@@ -155,6 +159,16 @@ def _fit(found: Sequence[Hit], blows: Sequence[Blow | None], count: int) -> Fit:
     return blank.struck_by(begins)
 
 
+def _begun(takes: Sequence[Array], s: Complex, rate: float, blows: Sequence[Blow | None]) -> list[Blow]:
+    """Each take's blow, known or sought, where it begins; by the modes that ring, as clicks would explain any blow."""
+    early, rings = earliest(rate), -s.real < np.minimum(_MOST_DAMPED * s.imag, _CLICK / rate)
+    s = s[rings] if rings.any() else s
+    return [
+        sought(take, s, rate, early) if blow is None else begun(take, s, rate, blow, early)
+        for take, blow in zip(takes, blows, strict=True)
+    ]
+
+
 def _blow_end(hit: Hit, blow: Blow | None) -> int:
     """The sample from which on a hit rings by itself; the onset where the blow is short, or nobody knows it."""
     if blow is None or blow.duration < _SHORT_BLOW:
@@ -176,12 +190,12 @@ def _per_impulse(noise: Bands, blows: Sequence[Blow]) -> Bands:
 
 
 def _without_hum(s: Complex, found: Sequence[Hit]) -> Complex:
-    """The modes that swing, and do not stand in the recording before the hit already.
+    """The modes that do not stand in the recording before the hit already.
 
     RecordingError if there are none, or if what is loudest does not decay.
     """
     rate = found[0].rate
-    keep = -s.real < _MOST_DAMPED * s.imag
+    keep = np.ones(len(s), bool)
     size = [np.abs(c) for c in amplitudes([hit.samples for hit in found], s, [None] * len(found))[0]]
     for hit, amplitude in zip(found, size, strict=True):
         if len(hit.before) > 0.1 * rate:
@@ -191,6 +205,7 @@ def _without_hum(s: Complex, found: Sequence[Hit]) -> Complex:
     energy = np.sum(np.square(size), axis=0) / -s.real
     steady = -s.real * rate < np.log(1000) / _STEADY
     stands = energy[steady].sum() > 0.5 * energy.sum() and min(hit.fall for hit in found) < _LEAST_FALL
+    stands &= max(len(hit.samples) for hit in found) > _TELLS * rate
     if stands or not keep.any():
         raise RecordingError("nothing that is heard decays: expected the sound of a strike")
     return s[keep]

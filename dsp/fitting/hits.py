@@ -29,6 +29,7 @@ _LEAST_FALL, _LEAST_FALL_OF_MANY = -3.0, 15.0  # dB by which a hit must fall bef
 _NOISE = 10 ** (-15 / 10)  # in power, of the loudest: what is louder is not the noise
 _SWELL = 3.0  # dB by which a hit may grow after its attack
 _STILL = 1.0  # dB between the halves of the last quarter, where that is noise
+_TONAL = 0.2  # of the last quarter's power: so much within a few bins is a tone
 _LEAST_QUIET = 0.05  # s
 _FLAT_TOP = 3  # samples alike at the peak: clipped
 _MOST_CLIPPED = 2  # such places
@@ -89,7 +90,7 @@ def hits(samples: Array, rate: float) -> list[Hit]:
     samples = without_rumble(samples, rate)
     step = max(1, round(_STEP * rate))
     power = _power(samples, step)
-    floor = _floor(power)
+    floor = 0.0 if _is_tone(samples[-len(samples) // 4 :]) else _floor(power)
     starts = _starts(_power(np.diff(samples, prepend=samples[0]), step), step, rate)
     ends = [place * step - round(0.01 * rate) for place in starts[1:]] + [len(samples)]
     least = _LEAST_FALL if len(starts) == 1 else _LEAST_FALL_OF_MANY
@@ -142,6 +143,13 @@ def _floor(power: Array) -> float:
     begins_in_noise = np.mean(power[:8]) < 4 * lowest
     low_enough = lowest < _NOISE * float(power.max())
     return lowest if low_enough and (ends_in_noise or begins_in_noise) else 0.0
+
+
+def _is_tone(samples: Array) -> bool:
+    """Whether one frequency stands out of what is heard, which then is no noise; the slope weighs what is high."""
+    power = np.abs(np.fft.rfft(np.diff(samples) * np.hanning(len(samples) - 1))) ** 2
+    highest = int(np.argmax(power))
+    return bool(power[max(0, highest - 2) : highest + 3].sum() > _TONAL * power.sum())
 
 
 def _starts(power: Array, step: int, rate: float) -> list[int]:

@@ -26,7 +26,7 @@ _BESIDE, _BESIDE_BY_DECAY = 10.0, 1.0  # Hz, and of its decay rate (1/s): the sa
 _RINGING = 60.0  # 1/s: a mode that decays faster is no tone
 _FRAME = 0.003  # s, the shortest
 _PERIODS = 1.0  # of the bandwidth in a frame, at least
-_MOST_OF_IT, _FEWEST = 0.97, 4  # of a band's energy: what comes after it does not count; frames
+_MOST_OF_IT, _FEWEST = 0.998, 4  # of a band's energy: what comes after it does not count; frames
 _LEAST_DECAY, _MOST_DECAY = 0.3, 6000.0  # 1/s
 
 

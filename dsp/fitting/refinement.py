@@ -22,6 +22,7 @@ _RIDGE = 1e-10  # of a normalised Gram matrix
 _FIRST, _CALMER, _BOLDER, _LEAST = 1e-3, 6.0, 0.2, 1e-8  # the damping: to begin with, and how it goes up and down
 _TRIES = 5
 _LEAST_DECAY, _MOST_DECAY = 0.1, 5000.0  # 1/s
+_MOST_DAMPED = 0.5  # of a mode's angular frequency, its decay rate: more is a click, and no mode
 
 
 def plain(takes: Sequence[Array]) -> Heads:
@@ -53,6 +54,7 @@ def refine(
 
     s (k,): log poles per sample. rate: Hz. It ends after some steps, or where one gains less than a share of the error.
     """
+    s = _bounded(s, rate)
     amplitude, error = amplitudes(takes, s, heads(s))
     damping = _FIRST
     for _ in range(steps):
@@ -101,6 +103,7 @@ def _normal(
 
 
 def _bounded(s: Complex, rate: float) -> Complex:
-    decay = np.clip(-s.real, _LEAST_DECAY / rate, _MOST_DECAY / rate)
-    bounded: Complex = -decay + 1j * np.clip(s.imag, 2 * np.pi * 10 / rate, np.pi * 0.99)
+    omega = np.clip(s.imag, 2 * np.pi * 10 / rate, np.pi * 0.99)
+    most = np.minimum(_MOST_DECAY / rate, _MOST_DAMPED * omega)
+    bounded: Complex = -np.clip(-s.real, _LEAST_DECAY / rate, most) + 1j * omega
     return bounded

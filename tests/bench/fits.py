@@ -9,7 +9,7 @@ import time
 
 import numpy as np
 
-from carom.dsp.fitting.blow import earliest
+from carom.dsp.fitting.blow import earliest, pulse
 from carom.dsp.fitting.distance import log_spectral
 from carom.dsp.fitting.fit import Fit, fit
 from carom.dsp.fitting.hits import clearest, hits
@@ -21,8 +21,12 @@ BARS = (
     "Marimba C 5", "Glocken C8", "Glocken C9", "Xylophone C 6", "Xylophone C 7", "Vibraphone A4", "Tubular Bells C7",
 )  # fmt: skip
 BLOCKS = ("Low Woodblock", "High Woodblock")
-BOUNDS = {"bar": {40: (-18.0, 5.5), 80: (-21.0, 4.0)}, "block": {40: (-16.0, 7.0), 80: (-20.0, 5.0)}}
-"""Residual and log-spectral distance (dB) beyond which the study fails."""
+BOUNDS = {"bar": {40: (-20.0, 4.5), 80: (-23.5, 3.0)}, "block": {40: (-16.0, 7.0), 80: (-20.0, 5.0)}}
+"""Residual and log-spectral distance (dB) beyond which the study fails.
+
+Of two bars 40 damped sines leave more than -25 dB however they are chosen: a tubular bell takes 70, and a glockenspiel
+whose other bars ring along takes 100.
+"""
 SLOWEST = 3.0  # s of the processor's time at 40 modes
 
 
@@ -37,6 +41,7 @@ def measured(samples: np.ndarray, rate: float, count: int) -> tuple[Fit, float, 
 
 def main() -> None:
     font, failed = SoundFont(SOUNDFONT), []
+    pulse(1e-3)  # compiles what takes no part in the times
     print(f"{'sample':18} {'modes':>5} {'residual':>9} {'distance':>9} {'s':>6}")
     for kind, names in (("bar", BARS), ("block", BLOCKS)):
         for name in names:

@@ -37,6 +37,14 @@ def test_beats_are_no_hits():
     assert len(hits(np.concatenate([np.zeros(2_000), 0.3 * beats]), RATE)) == 1
 
 
+def test_a_tone_that_hardly_falls_before_a_short_recording_ends_is_no_noise():
+    t = np.arange(round(0.12 * RATE)) / RATE
+    tone = 0.1 * np.sin(2 * np.pi * 740 * t) + np.exp(-800 * t) * np.sin(2 * np.pi * 5000 * t)
+    hit = clearest(hits(tone + 1e-4 * RANDOM.standard_normal(len(t)), RATE))
+    assert hit.floor == 0 and len(hit.samples) > 0.95 * len(t)
+    assert np.abs(fit([hit], [None], 4).frequency - 740).min() < 0.2
+
+
 def test_the_noise_is_measured_where_nothing_rings():
     hit = clearest(hits(struck(6.0, (0.5, 1.0), noise=3e-3), RATE))
     assert hit.floor == pytest.approx(3e-3, rel=0.1)
