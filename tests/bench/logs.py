@@ -84,7 +84,7 @@ def play(client: Client, rng: random.Random, seconds: float) -> int:
     client.send("/notify", 1)
     for name, preset in zip("abc", HEAVY, strict=True):
         client.send("/object/new", name, preset, "gain", -20)
-    client.ask("/sync", 1)
+    client.ask("/sync", 1, timeout=30.0)
     asks = rng.random() < 0.5  # else the qualities are the server's own choice
     end = time.monotonic() + seconds
     while time.monotonic() < end:
