@@ -16,6 +16,7 @@ from .gains import real_gains
 from .hits import Hit
 from .noise import Bands, noise_bands, without_tones
 from .pruning import prune
+from .pursuit import pursued
 from .refinement import amplitudes, plain, refine
 from .selection import select
 from .sums import Complex, ring
@@ -87,14 +88,16 @@ def fit_modes(takes: Sequence[Array], rate: float, count: int) -> Complex:
     """Log poles per sample of the `count` modes that explain most of all takes, which begin with the modes' ringing."""
     with on_one_thread():
         heads = plain(takes)
-        s = select(takes, candidates(takes, rate), count)
-        if not len(s):
-            raise RecordingError("no mode is found: expected the sound of a body that rings")
+        s = candidates(takes, rate)
+        if len(s) < count:
+            s = np.concatenate([s, pursued(takes, rate, count)])
+        s = select(takes, s, count)
         s = refine(takes, s, rate, heads, _STEPS)
         best, least = s, amplitudes(takes, s, heads(s))[1]
         for _ in range(_ROUNDS):
             rests = [take - part for take, part in zip(takes, _parts(takes, s), strict=True)]
-            more = select(rests, candidates(rests, rate), count // 2)
+            more = np.concatenate([candidates(rests, rate), pursued(rests, rate, count // 2)])
+            more = select(rests, more, -(-count // 2))
             s = refine(takes, np.concatenate([s, more]), rate, heads, _FEW)
             s = refine(takes, prune(takes, s, count), rate, heads, _STEPS)
             left = amplitudes(takes, s, heads(s))[1]

@@ -5,6 +5,7 @@ import pytest
 
 from carom.dsp.fitting.fit import fit_modes
 from carom.dsp.fitting.pruning import prune
+from carom.dsp.fitting.pursuit import pursued
 from carom.dsp.fitting.refinement import amplitudes, plain, refine
 from carom.dsp.fitting.selection import select
 
@@ -76,6 +77,18 @@ def test_a_refined_fit_is_a_least_squares_fit():
             moved = s.copy()
             moved[mode] += step
             assert amplitudes([take], moved, [None])[1] > least * (1 - 1e-9)
+
+
+def test_a_recording_too_short_for_bands_has_modes():
+    known = Modes(np.array([523.0, 1432.0, 2810.0]), np.array([4.0, 7.0, 90.0]), np.array([1.0, 0.7j, 0.5]))
+    take, _ = noisy(known.sound(0.04), 1e-4, 1)
+    assert np.abs(matched(fit_modes([take], RATE, 8), known) - known.poles).max() < 2
+
+
+def test_the_damped_sine_that_is_there_is_pursued_first():
+    known = Modes(np.array([900.0, 3000.0]), np.array([16.0, 500.0]), np.array([1.0, 3j]))
+    first, second = pursued([known.sound(0.3)], RATE, 2) * RATE
+    assert first == pytest.approx(known.poles[0], rel=0.01) and second == pytest.approx(known.poles[1], rel=0.02)
 
 
 def test_selection_and_pruning_keep_what_is_there():
