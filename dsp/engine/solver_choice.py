@@ -7,7 +7,7 @@ against them and they are quiet; otherwise the contact is coupled to their modes
 import math
 
 from ..contact.accuracy import LIGHT, LIGHT_TOLERANCE, RESIDUAL, TOLERANCE, closed_form_will_do
-from ..contact.closed_form import NODES, add_phasors, pulse_node
+from ..contact.closed_form import NODES, add_phasors, find_nodes
 from ..contact.coupled_step import HELD
 from ..native.jit import kernel
 from .objects import is_felt, pitch_of, reach_of, shape_at
@@ -134,6 +134,7 @@ def _shorten(pulse, ratio):
 def _seen_mass_ratio(state, contact):
     """sum r_i P_i over the objects' modes."""
     share = 0.0
+    find_nodes(contact.pulse)
     for side in range(2):
         point = contact.point[side]
         if point.slot >= 0:
@@ -155,12 +156,13 @@ def _seen_of(state, contact, point, begin, end):
         re[i] = im[i] = 0.0
     total = share = 0.0
     frequency = state.bank.frequency[obj.first + begin : obj.first + end]
+    pitch = pitch_of(obj)
     for phase in range(2):
-        for j in range(NODES // 2):
-            t, impulse = pulse_node(pulse, phase, j)
+        for j in range(NODES):
+            impulse = pulse.node_impulse[phase, j]
             total += impulse
-            add_phasors(impulse, t * pitch_of(obj) / state.rate, frequency, re, im)
-    highest = _RESOLVED * state.rate / (2.0 * math.pi * pulse.duration * pitch_of(obj))
+            add_phasors(impulse, pulse.node_time[phase, j] * pitch / state.rate, frequency, re, im)
+    highest = _RESOLVED * state.rate / (2.0 * math.pi * pulse.duration * pitch)
     for i in range(end - begin):
         if frequency[i] < highest:
             phi = shape_at(state, obj, point, begin + i)

@@ -54,16 +54,16 @@ def test_twelve_nodes_are_as_exact_as_the_module_says(a):
 @njit(error_model="numpy")
 def _transform(state, s):
     total = 0.0j
+    closed_form.find_nodes(state)
     for phase in range(2):
-        for j in range(closed_form.NODES // 2):
-            t, impulse = closed_form.pulse_node(state, phase, j)
-            total += impulse * np.exp(-s * t)
+        for j in range(closed_form.NODES):
+            total += state.node_impulse[phase, j] * np.exp(-s * state.node_time[phase, j])
     return total
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("w", "bound"), [(0.0, 1.1e-4), (1.0, 1.1e-4), (5.0, 3.1e-3), (24.0, 3.1e-2), (1e3, 3.1e-2)])
-def test_six_nodes_a_phase_are_as_exact_as_the_kernel_says(w, bound):
+@pytest.mark.parametrize(("w", "bound"), [(0.0, 1e-5), (1.0, 1e-5), (5.0, 2e-4), (50.0, 1.8e-2), (1e3, 1.8e-2)])
+def test_eight_nodes_a_phase_are_as_exact_as_the_kernel_says(w, bound):
     state = np.zeros(1, closed_form.PULSE)[0]
     for a in (1.0, 1.5, 2.5, 4.0):
         closed_form.begin_pulse(state, 1.0, 1.0, 1.0, w, a, 1.0)
