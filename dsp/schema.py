@@ -212,6 +212,10 @@ SLIDE = Gesture(
         Parameter("dynamic", 0.0, 10.0, "", "friction of a fast slip", useful=(0.0, 1.0), steerable=True),
         Parameter("stribeck", 1e-6, 100.0, "m/s", "slip halfway between them", useful=(0.001, 1.0), steerable=True),
         Parameter(
+            "tangential", 0.0, 1e12, "N/m", "stiffness of the contact along the surface, before it slips; 0: rigid",
+            useful=(0.0, 1e7), steerable=True,
+        ),
+        Parameter(
             "along", 0.0, 1.0, "", "by how much of their shapes modes move along the slip: 1 for what is bowed, "
             "0: no friction is heard, only the roughness", steerable=True,
         ),

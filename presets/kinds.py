@@ -43,7 +43,10 @@ from .values import Many, Row, shown
 STAND_IN = "steel"
 """The material of an object that has none, where it strikes another one or is struck by it."""
 
-DRY = {"static": 0.4, "dynamic": 0.3, "stribeck": 0.1, "along": 0.0, "patch": 0.0, "sweep": -1.0, "radius": 0.01}
+DRY = {
+    "static": 0.4, "dynamic": 0.3, "stribeck": 0.1, "tangential": 0.0, "along": 0.0, "patch": 0.0, "sweep": -1.0,
+    "radius": 0.01,
+}  # fmt: skip
 """How a striker slides whose preset does not say it: hard and dry, and it is only scraped."""
 
 STEREO_WIDTH = 0.5

@@ -72,7 +72,7 @@ LOST = ("dissipation", "restitution")
 """The keys that give a striker's losses; a file has one of them."""
 SOUNDS = ("click", "ringing", "snap")
 """Sections that say how a striker sounds itself."""
-SLIDING = ("static", "dynamic", "stribeck", "along", "patch", "radius", "sweep")
+SLIDING = ("static", "dynamic", "stribeck", "tangential", "along", "patch", "radius", "sweep")
 """Keys of a striker's section [slide]: how it slides, where a slide does not say it."""
 
 DESCRIPTION: Fields = {"description": Text(), "source": Text()}

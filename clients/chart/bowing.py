@@ -7,20 +7,18 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from ...dsp.study.bowing import SPEED
-from ...dsp.study.rubbed import IMPEDANCE
-from ...dsp.study.slide import BOWED
+from ...dsp.study.bowing import SPEED, schelleng_limit
 from .tables import Row
 
 _LONG = 30.0  # periods: longer transients are drawn as none
 
 
-def drawings(steady: list[Row], started: list[Row]) -> dict[str, Callable[[], Figure]]:
-    """The figures by name, of the rows of schelleng.csv and guettler.csv."""
-    return {"schelleng": lambda: _schelleng(steady), "guettler": lambda: _guettler(started)}
+def drawings(steady: list[Row], limits: list[Row], started: list[Row]) -> dict[str, Callable[[], Figure]]:
+    """The figures by name, of the rows of schelleng.csv, limits.csv and guettler.csv."""
+    return {"schelleng": lambda: _schelleng(steady, limits), "guettler": lambda: _guettler(started)}
 
 
-def _schelleng(rows: list[Row]) -> Figure:
+def _schelleng(rows: list[Row], limits: list[Row]) -> Figure:
     figure = Figure(figsize=(7, 5))
     ax = figure.subplots()
     for periodic, color, marker in ((1, "black", "s"), (0, "#cccccc", ".")):
@@ -29,8 +27,12 @@ def _schelleng(rows: list[Row]) -> Figure:
         betas, forces = [row["beta"] for row in some], [row["force"] for row in some]
         ax.scatter(betas, forces, label=label, color=color, marker=marker)
     positions = np.unique([row["beta"] for row in rows])
-    limit = 2.0 * IMPEDANCE * SPEED / (positions * (BOWED[0] - BOWED[1]))
+    limit = [schelleng_limit(beta) for beta in positions]
     ax.plot(positions, limit, color="#d62728", label="Schelleng's upper limit, 2 Z v/(beta (mu_s - mu_d))")
+    for name, marker, label in (("greatest", "^", "greatest"), ("least", "v", "least")):
+        at, forces = [row["beta"] for row in limits], [row[name] for row in limits]
+        without = f"{label} force on a string without torsion, friction falling at once"
+        ax.plot(at, forces, marker, color="#d62728", markerfacecolor="none", label=without)
     ax.set(xscale="log", yscale="log", xlabel="position of the bow, share of the string", ylabel="force (N)")
     ax.legend(loc="lower left")
     figure.suptitle(f"A bowed string that began in Helmholtz motion, at {SPEED:g} m/s")

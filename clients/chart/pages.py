@@ -19,7 +19,10 @@ figure { margin: 2rem 0; }
 img { max-width: 100%; height: auto; background: white; }
 """.strip()
 
-_TABLES = ("errors.csv", "failures.csv", "rebounds.csv", "coupled.csv", "schelleng.csv", "guettler.csv")
+_TABLES = (
+    "errors.csv", "failures.csv", "rebounds.csv", "coupled.csv", "schelleng.csv", "limits.csv", "guettler.csv",
+    "friction.csv", "friction-energy.csv",
+)  # fmt: skip
 _CAPTIONS = {
     "error-cost": "Error of the release velocity and of the force's spectrum against cost",
     "deviation-cost": "Deviation from the analytic curves against cost",
@@ -33,6 +36,8 @@ _CAPTIONS = {
     "coupled": "Contacts with objects that yield",
     "schelleng": "Where bowing a string is periodic, by the bow's position and force",
     "guettler": "How soon a string sings, by the bow's acceleration and force",
+    "friction-energy": "What friction gives back that it never took, on random extremes",
+    "friction-cost": "Cost and accuracy of friction, and the share of random extremes at which it fails",
 }
 """The captions of figures that are not the paper's, which are called by their numbers there."""
 

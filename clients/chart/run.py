@@ -28,6 +28,7 @@ FULL = Extent(
     coupled_oversamplings=tuple(2**n for n in range(7)),
     coupled_repeats=5,
     bowed_every=1,
+    rubs=1000,
 )
 QUICK = Extent(
     oversamplings=(1, 4, 16, 64),
@@ -40,6 +41,7 @@ QUICK = Extent(
     coupled_oversamplings=(1, 8, 64),
     coupled_repeats=3,
     bowed_every=6,
+    rubs=40,
 )
 
 
@@ -50,7 +52,7 @@ def chart(folder: Path, extent: Extent) -> Iterator[tuple[str, float]]:
     step if matplotlib is missing or the folder cannot be written to.
     """
     try:
-        from . import bowing, coupled, failures, paper, rigid, style
+        from . import bowing, coupled, failures, friction, paper, rigid, style
     except ImportError as error:
         raise ChartError("chart needs matplotlib: pip install matplotlib") from error
     _make(folder)
@@ -80,11 +82,14 @@ def chart(folder: Path, extent: Extent) -> Iterator[tuple[str, float]]:
 
     yield "a bowed string", 0.82
     bowed = _bow(folder, extent)
+    yield "friction", 0.83
+    rubbed = _rub(folder, extent)
     drawings = {
         **rigid.drawings(rows, sequences),
         **failures.drawings(found),
         **paper.drawings(sequences),
         **bowing.drawings(*bowed),
+        **friction.drawings(*rubbed),
         "coupled": lambda: coupled.coupled(coupled_rows),
     }
     for i, (name, draw) in enumerate(drawings.items()):
@@ -101,9 +106,18 @@ def _make(folder: Path) -> None:
         raise ChartError(f"{folder}: cannot be written to")
 
 
-def _bow(folder: Path, extent: Extent) -> tuple[list[Row], list[Row]]:
+def _bow(folder: Path, extent: Extent) -> tuple[list[Row], list[Row], list[Row]]:
     """The rows of a bowed string, written to their tables."""
-    steady, started = tables.bowing_rows(extent)
+    steady, limits, started = tables.bowing_rows(extent)
     tables.write(folder / "schelleng.csv", steady)
+    tables.write(folder / "limits.csv", limits)
     tables.write(folder / "guettler.csv", started)
-    return steady, started
+    return steady, limits, started
+
+
+def _rub(folder: Path, extent: Extent) -> tuple[list[Row], list[Row]]:
+    """The rows of friction, written to their tables."""
+    errors, extremes = tables.friction_rows(extent)
+    tables.write(folder / "friction.csv", errors)
+    tables.write(folder / "friction-energy.csv", extremes)
+    return errors, extremes

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...dsp import contact
 from ...dsp.contact import contact_time
 from ...dsp.contact.sampled import CORRECTIONS, METHODS
-from ...dsp.study import bowing, comparison, cost, reference, spectrum, wall
+from ...dsp.study import bowing, bristle, comparison, cost, reference, spectrum, wall
 from ...dsp.study.wall import PAPER_CASES, PAPER_RATE, Law, Outcome
 
 Row = dict[str, Any]
@@ -47,6 +47,7 @@ class Extent:
     coupled_oversamplings: tuple[int, ...]  # of the sampled methods on those contacts
     coupled_repeats: int  # of a measurement of cost on those contacts
     bowed_every: int  # of the positions, accelerations and forces of a bow
+    rubs: int  # random ones, on which friction is balanced
 
 
 @dataclass(frozen=True)
@@ -60,12 +61,20 @@ class Failures:
     errors: dict[tuple[str, str], NDArray[np.float64]]  # of v_out, %
 
 
-def bowing_rows(extent: Extent) -> tuple[list[Row], list[Row]]:
-    """Where a bowed string slips once a period: by position and force, and by acceleration and force."""
+def bowing_rows(extent: Extent) -> tuple[list[Row], list[Row], list[Row]]:
+    """Where a bowed string slips once a period: by position and force, its limits, and by acceleration and force."""
     step, rate = extent.bowed_every, 48_000.0
-    forces = bowing.FORCES[::step]
-    steady = list(bowing.schelleng(rate, bowing.BETAS[::step], forces))
-    return steady, list(bowing.guettler(rate, 0.1, bowing.ACCELERATIONS[::step], forces))
+    betas, forces = bowing.BETAS[::step], bowing.FORCES[::step]
+    limits: list[Row] = [
+        {"beta": beta, "least": bowing.force_limit(beta, False), "greatest": bowing.force_limit(beta)} for beta in betas
+    ]
+    started = list(bowing.guettler(rate, 0.1, bowing.ACCELERATIONS[::step], forces))
+    return list(bowing.schelleng(rate, betas, forces)), limits, started
+
+
+def friction_rows(extent: Extent) -> tuple[list[Row], list[Row]]:
+    """Errors and costs of ways to simulate friction, and what each gives back on random extremes."""
+    return list(bristle.errors()), list(bristle.extremes(extent.rubs))
 
 
 def pick(rows: Iterable[Row], **wanted: Any) -> list[Row]:

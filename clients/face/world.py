@@ -149,7 +149,8 @@ class World(Closing):
 
     def pair(self, a: str, b: str, **keys: Any) -> None:
         """Say how the contact of two bodies differs from that of their materials: surface (a preset), restitution,
-        roughness, patch (m), static, dynamic, stribeck (m/s), along (0 to 1: how far friction moves what rings)."""
+        roughness, patch (m), static, dynamic, stribeck (m/s), tangential (N/m), along (0 to 1: how far friction moves
+        what rings)."""
         self.simulation.pair(a, b, **keys)
 
     def step(self, time: float, contacts: Contacts = (), poses: Poses | None = None) -> Blocks:

@@ -8,6 +8,7 @@ SLID longest ringing ones; its bound follows the normal force.
 
 import math
 
+from ..friction.elastic import step_elastic, stiffen
 from ..friction.held import step_held
 from ..friction.located import step_located
 from ..friction.stick_slip import begin_friction, respond_along, step_whole
@@ -77,6 +78,7 @@ def lead_slide(state, contact, changed):
     friction, law = slide.friction, contact.target
     friction.dynamic, friction.stribeck = law.dynamic, law.stribeck
     friction.static = max(law.static, law.dynamic)
+    stiffen(friction, law.tangential)
     for side in range(2):
         if contact.point[side].slot >= 0:
             obj = state.objects[contact.point[side].slot]
@@ -108,7 +110,9 @@ def rub(state, contact, frame):
             third, end, mean, moment = third + a, end + b, mean + c, moment + d
     gain = contact.now.gain
     whole = True
-    if holds_steps(state):
+    if friction.tangential > 0.0:
+        step_elastic(friction, mean / gain)
+    elif holds_steps(state):
         friction.slope = 0.0
         step_held(friction, end / gain, mean / gain)
     else:

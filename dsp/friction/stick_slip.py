@@ -24,6 +24,9 @@ THIRD = 1.0 / 3.0
 MOST_PIECES = 40
 """Pieces of a sample; what is left then is one held piece."""
 
+SPRINGS = 8
+"""Of an elastic contact (elastic.py)."""
+
 _NEWTON_STEPS = 12
 _SOLVED = 1e-11  # share of the velocities at hand by which an equation may fail
 _FASTEST = 1e7  # m/s: Newton's method is lost beyond
@@ -65,6 +68,12 @@ FRICTION = np.dtype(
         ("driven", np.float64),  # J: the driver's work
         ("events", np.int64),
         ("holds", np.int64),  # pieces with the force held
+        # An elastic contact:
+        ("tangential", np.float64),  # N/m: its stiffness along the surface; 0: it is rigid
+        ("pull", np.float64, SPRINGS),  # N: force of each spring
+        ("stored", np.float64),  # J, in the springs
+        ("limit", np.float64),  # coefficient of friction, now
+        ("limit_ahead", np.float64),  # and in the middle of the coming sample
     ],
     align=True,
 )
@@ -78,6 +87,9 @@ def begin_friction(friction, rate):
     friction.branch = 1.0
     friction.tank = friction.lost = friction.driven = 0.0
     friction.events = friction.holds = friction.count = 0
+    friction.tangential = friction.stored = 0.0
+    for i in range(SPRINGS):
+        friction.pull[i] = 0.0
 
 
 @kernel

@@ -10,21 +10,29 @@ STRING, IMPEDANCE = 147.0, 0.6
 """Hz, and kg/s: a cello's d string."""
 
 
-def bowed_string(beta: float, force: float, speed: float = 0.1, seconds: float = 0.5, rate: float = 48_000.0) -> Rub:
-    """A string of 60 transverse modes and 26 torsional ones, bowed at beta of its length in Helmholtz motion.
+def bowed_string(
+    beta: float,
+    force: float,
+    speed: float = 0.1,
+    seconds: float = 0.5,
+    rate: float = 48_000.0,
+    law: tuple[float, float, float] = BOWED,
+    torsion: int = 26,
+) -> Rub:
+    """A string of 60 transverse modes and some torsional ones, bowed at beta of its length in Helmholtz motion.
 
     Torsion has a wave impedance of 1.8 kg/s, and 5.2 times the transverse frequency, as in Woodhouse, Acta Acustica
     united with Acustica 89, 2003.
     """
-    i, j = np.arange(1, 61), np.arange(1, 27)
+    i, j = np.arange(1, 61), np.arange(1, torsion + 1)
     frequency = np.concatenate([STRING * i * np.sqrt(1.0 + 2e-5 * i * i), 5.2 * STRING * j])
     mass = IMPEDANCE / (2.0 * STRING)
     size = np.sqrt(2.0 / mass)
     twist = size * np.sqrt(5.2 * IMPEDANCE / 1.8)
     phi = np.concatenate([size * np.sin(np.pi * i * beta), twist * np.sin(np.pi * j * beta)])
-    sigma = np.pi * frequency / np.concatenate([np.full(60, 500.0), np.full(26, 45.0)])
+    sigma = np.pi * frequency / np.concatenate([np.full(60, 500.0), np.full(torsion, 45.0)])
     # Helmholtz's motion: at the bow v for 1 - beta of the period, -v (1 - beta)/beta for the rest.
-    z = np.zeros(86, complex)
+    z = np.zeros(60 + torsion, complex)
     n = i * np.pi
     z[:60] = 2.0 * speed / (beta * n) * np.sin(n * (1.0 - beta)) / (size * np.sin(np.pi * i * beta))
     heard = frequency < 0.45 * rate
@@ -35,7 +43,7 @@ def bowed_string(beta: float, force: float, speed: float = 0.1, seconds: float =
         phi[heard],
         constant(speed, samples),
         constant(force, samples),
-        BOWED,
+        law,
         rate,
         z[heard],
     )

@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
+from ..friction.elastic import step_elastic, stiffen
 from ..friction.held import step_held
 from ..friction.located import step_located
 from ..friction.stick_slip import FRICTION, begin_friction, respond_along, step_whole
@@ -34,7 +35,8 @@ class Rub:
 
     frequency (Hz), sigma (1/s), phi (kg^-1/2): one number for each mode, (n,). speed (m/s) and normal force (N) of the
     driver at the samples' borders: arrays of one more than the samples, the same length. law: mu_s, mu_d, v_s (m/s).
-    z: the modes' state at the start as in bank.py, complex, (n,) or one for all. ValueError names what is out of range.
+    z: the modes' state at the start as in bank.py, complex, (n,) or one for all. tangential: stiffness of the contact
+    along the surface, N/m; 0: it is rigid. ValueError names what is out of range.
     """
 
     frequency: Array
@@ -45,6 +47,7 @@ class Rub:
     law: tuple[float, float, float] = BOWED
     rate: float = 48_000.0
     z: NDArray[np.complex128] | complex = 0.0
+    tangential: float = 0.0
 
     def __post_init__(self) -> None:
         checked_scalar("rate", self.rate, 0.0)
@@ -60,8 +63,9 @@ class Course:
     """What became of a rub, float64, (samples,) each.
 
     velocity of the point at the samples' ends (m/s), force (N, mean over the sample), and in J since the start: the
-    driver's work, friction's loss, rise of the modes' energy, loss by their damping. before: the modes' energy at the
-    start, J. `branch` at the samples' ends. times (s): of the first 65,536 changes of branch. The rest are counts.
+    driver's work, friction's loss, rise of the modes' energy and of an elastic contact's, loss by the modes' damping.
+    before: the modes' energy at the start, J. `branch` at the samples' ends. times (s): of the first 65,536 changes of
+    branch. The rest are counts.
     """
 
     velocity: Array
@@ -69,6 +73,7 @@ class Course:
     driven: Array
     lost: Array
     energy: Array
+    stored: Array
     damped: Array
     branch: Array
     before: float
@@ -79,8 +84,9 @@ class Course:
     @property
     def balance(self) -> float:
         """Greatest |work - stored - lost| over the greatest of these, and of the energy at the start."""
-        rest = self.driven - self.energy - self.lost - self.damped
-        greatest = max(np.abs(each).max() for each in (self.driven, self.energy, self.lost, self.damped))
+        went = (self.energy, self.stored, self.lost, self.damped)
+        rest = self.driven - sum(went)
+        greatest = max(np.abs(each).max() for each in (self.driven, *went))
         return float(np.abs(rest).max() / max(greatest, self.before, 1e-300))
 
 
@@ -90,6 +96,7 @@ class _Bank(NamedTuple):
     rows: Array
     work: Array
     moments: Array
+    heard: Array
     omega: Array
     sigma: Array
 
@@ -111,7 +118,8 @@ def _bank_of(rub: Rub) -> _Bank:
     before = z * np.exp((sigma[:count] - 1j * omega[:count]) / rub.rate)
     y1[:count], y2[:count] = z.imag, before.imag
     point = Point(shape.ravel(), n, 0, np.array([0.25, 0.25, 0.25, 0.25]))
-    return _Bank(modes, point, np.zeros(ROWS * n), np.zeros(3 * n + FINE * LANES), np.zeros((2, FINE)), omega, sigma)
+    work = np.zeros(3 * n + FINE * LANES)
+    return _Bank(modes, point, np.zeros(ROWS * n), work, np.zeros((2, FINE)), np.zeros((2, 1)), omega, sigma)
 
 
 @kernel
@@ -176,7 +184,9 @@ def _step(friction, bank, held):
     stride = len(modes.y1)
     third, end, mean, moment = sense(modes, rows, stride)
     whole = True
-    if held:
+    if friction.tangential > 0.0:
+        step_elastic(friction, mean)
+    elif held:
         friction.slope = 0.0
         step_held(friction, end, mean)
     else:
@@ -200,8 +210,9 @@ def _give(friction, bank, whole):
 
 
 @kernel
-def _begin(friction, bank):
+def _begin(friction, bank, tangential):
     begin_friction(friction, 1.0 / friction.period)
+    stiffen(friction, tangential)
     n = len(bank.modes.y1)
     set_rows(bank.modes, bank.rows, n)
     set_shapes(n, bank.point, 1.0, bank.rows, n)
@@ -225,17 +236,24 @@ def _ring(bank):
 
 @njit(error_model="numpy")
 def _run(friction, bank, speed, normal, ways, out, times):
-    held, audited = ways
-    _begin(friction, bank)
+    """Take all samples; rubs: False for modes that nobody rubs; kept: False for the time that it takes, with nothing
+    kept."""
+    rubs, held, kept, audited, tangential = ways
+    _begin(friction, bank, tangential)
     out[-1, 4] = _energy(bank, bank.modes)
     damped = 0.0
     branch, count = friction.branch, 0
     for t in range(len(speed) - 1):
         friction.drive[0], friction.drive[1] = speed[t], speed[t + 1]
         friction.normal[0], friction.normal[1] = normal[t], normal[t + 1]
-        whole = _step(friction, bank, held)
-        damped += _damping(bank, bank.modes, friction, whole) if audited else 0.0
-        given = _give(friction, bank, whole)
+        given, whole = 0.0, True
+        if rubs:
+            whole = _step(friction, bank, held)
+            damped += _damping(bank, bank.modes, friction, whole) if audited else 0.0
+            given = _give(friction, bank, whole)
+        if not kept:
+            ring(bank.modes, bank.heard, 0, 1)
+            continue
         for n in range(0 if whole else friction.count):
             if friction.piece[n, 4] != branch and count < len(times):
                 branch = friction.piece[n, 4]
@@ -243,37 +261,25 @@ def _run(friction, bank, speed, normal, ways, out, times):
                 count += 1
         out[t, 0], out[t, 1] = _ring(bank), given
         out[t, 2], out[t, 3], out[t, 4] = friction.driven, friction.lost, _energy(bank, bank.modes) if audited else 0.0
-        out[t, 5], out[t, 6] = friction.branch, damped
+        out[t, 5], out[t, 6], out[t, 7] = friction.branch, damped, friction.stored
     return count
-
-
-@njit(error_model="numpy")
-def _bare(friction, bank, speed, normal, held, out):
-    """The same with nothing kept, for its cost; held < 0: modes that nobody rubs."""
-    _begin(friction, bank)
-    for t in range(len(speed) - 1):
-        friction.drive[0], friction.drive[1] = speed[t], speed[t + 1]
-        friction.normal[0], friction.normal[1] = normal[t], normal[t + 1]
-        if held >= 0:
-            _give(friction, bank, _step(friction, bank, held > 0))
-        ring(bank.modes, out, 0, 1)
 
 
 def rub_cost(rub: Rub, held: bool = False) -> float:
     """Cost of friction in ns a sample, events included, without that of the modes' ringing."""
-    out = np.zeros((2, 1))
+    out, times = np.zeros((1, 8)), np.zeros(1)
     speed, normal = np.asarray(rub.speed, float), np.asarray(rub.normal, float)
 
-    def measured(way: int) -> float:
+    def measured(rubs: bool) -> float:
         shortest = np.inf
         for _ in range(7):
             bank, friction = _bank_of(rub), _friction_of(rub)
             start = perf_counter_ns()
-            _bare(friction, bank, speed, normal, way, out)
+            _run(friction, bank, speed, normal, (rubs, held, False, False, float(rub.tangential)), out, times)
             shortest = min(shortest, (perf_counter_ns() - start) / (len(speed) - 1))
         return shortest
 
-    return measured(int(held)) - measured(-1)
+    return measured(True) - measured(False)
 
 
 def _friction_of(rub: Rub) -> np.void:
@@ -287,15 +293,15 @@ def rub_modes(rub: Rub, held: bool = False, audited: bool = True) -> Course:
     """What becomes of a rub; `held`: by one force a sample; unless `audited`, without energy and damping's loss."""
     bank = _bank_of(rub)
     friction = _friction_of(rub)
-    out = np.zeros((len(rub.speed), 7))
+    out = np.zeros((len(rub.speed), 8))
     times = np.zeros(_MOST_TIMES)
-    count = _run(
-        friction, bank, np.asarray(rub.speed, float), np.asarray(rub.normal, float), (held, audited), out, times
-    )
+    speed, normal = np.asarray(rub.speed, float), np.asarray(rub.normal, float)
+    count = _run(friction, bank, speed, normal, (True, held, True, audited, float(rub.tangential)), out, times)
     before = out[-1, 4]
-    velocity, force, driven, lost, energy, branch, damped = out[:-1].T
+    velocity, force, driven, lost, energy, branch, damped, stored = out[:-1].T
     counts = int(friction["events"]), int(friction["holds"])
-    return Course(velocity, force, driven, lost, energy - before, damped, branch, before, times[:count].copy(), *counts)
+    made = (velocity, force, driven, lost, energy - before, stored, damped, branch)
+    return Course(*made, before, times[:count].copy(), *counts)
 
 
 def constant(value: ArrayLike, samples: int) -> Array:

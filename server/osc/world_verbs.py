@@ -7,7 +7,7 @@ from .arguments import Either, Numbers, Verb, Word
 _FAR = 1e5
 _PLACE = Parameter("metres", -_FAR, _FAR, "m")
 _LENGTH = Parameter("x", 1e-5, 1e3, "m", "its first edge, or its radius", useful=(0.01, 1.0))
-_GIVEN = ("roughness", "patch", "static", "dynamic", "stribeck", "along")
+_GIVEN = ("roughness", "patch", "static", "dynamic", "stribeck", "tangential", "along")
 PAIRED = (*(key for key in SLIDE.keys if key.name in _GIVEN), RESTITUTION)
 """The numbers that may be said of a pair of bodies."""
 

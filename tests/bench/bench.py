@@ -30,7 +30,7 @@ from carom.dsp.native.jit import kernel as compiled
 from carom.dsp.resonator.bank import RESPONSES, Modes, Point, inject, ring
 from carom.dsp.resonator.coefficients import set_mode
 from carom.dsp.resonator.simd import LANES
-from tests.bench import clips, contacts, driven, gestures, klank, ringing
+from tests.bench import clips, contacts, driven, gestures, klank, ringing, slides
 from tests.bench.rounds import Contenders, minima
 
 RATE = 48_000.0
@@ -209,6 +209,8 @@ def aims(results: dict[str, Any]) -> list[dict[str, Any]]:
     )
     prototype = max(row["of_prototype"] for row in results["solvers"] if row["of_prototype"])
     load = max(row["load"] for row in results["gestures"] if row["accuracy"] == "-60")
+    friction = max(row["us_per_sample"] for row in results["friction"])
+    bowed = results["slides"][-1]["load"]
     cold, warm = (run["all"] for run in results["startup"])
     clip = max(row["ms"] for row in results["clips"])
     empty, resident = results["empty_scene"]["ms"], results["empty_scene"]["resident_mb"]
@@ -219,6 +221,8 @@ def aims(results: dict[str, Any]) -> list[dict[str, Any]]:
         dict(aim="an impact on 24 modes, contact up to 6 samples, under 5 µs", measured=impact, met=impact < 5.0),
         dict(aim="contacts within 2 x of the prototype's cost", measured=prototype, met=prototype < 2.0),
         dict(aim="64 rolls and 64 bounces in real time on one core", measured=load, met=load < 1.0),
+        dict(aim="friction on 64 modes, events included, under 0.5 µs a sample", measured=friction, met=friction < 0.5),
+        dict(aim="20 slides under 0.7 of a core", measured=bowed, met=bowed < 0.7),
         dict(aim="a clip of one second, with labels, under 20 ms", measured=clip, met=clip < 20.0),
         dict(aim="an empty scene under 5 ms", measured=empty, met=empty < 5.0),
         dict(aim="an empty scene under 5 MB", measured=resident, met=resident and resident < 5.0),
@@ -277,6 +281,8 @@ def main() -> None:
         "long_contacts": contacts.measure_long_contacts(rounds),
         "solvers": contacts.measure_solvers(rounds),
         "gestures": gestures.measure(few),
+        "friction": slides.measure_contacts(),
+        "slides": slides.measure(few),
         "empty_scene": clips.measure_empty(),
         "clips": clips.measure_clips(clips.CLIPS // (10 if options.quick else 1)),
         "startup": measure_startup(few),
@@ -293,6 +299,8 @@ def main() -> None:
     show(console, "Long contacts", results["long_contacts"])
     show(console, "Contacts by themselves: µs, and over what a prototype took", results["solvers"])
     show(console, "Gestures: share of real time on one core", results["gestures"])
+    show(console, "Friction by itself: µs a sample, events included", results["friction"])
+    show(console, "Strings that are bowed: share of real time on one core", results["slides"])
     show(console, "An empty scene", [results["empty_scene"]])
     show(console, "Clips: an impact of one second in a fresh scene, with labels", results["clips"])
     show(console, "Start-up: s", results["startup"])

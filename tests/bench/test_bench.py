@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.bench import bench, contacts, gestures, ringing, rounds
+from tests.bench import bench, contacts, gestures, ringing, rounds, slides
 
 pytestmark = pytest.mark.slow
 
@@ -60,6 +60,11 @@ def test_gestures_are_counted():
     assert ringing == 0 and rolls > 10_000 and bounces > 1_000
     assert both == exact or abs(both - exact) < 0.05 * both
     assert rows[3]["load"] > rows[0]["load"]
+
+
+def test_slides_are_counted():
+    one, all_ = slides.measure(1)
+    assert all_["slides"] == slides.SLIDES and all_["load"] > one["load"] > 0
 
 
 def test_ringing_is_measured_beside_its_kernel():

@@ -14,9 +14,9 @@ from carom.clients.chart.report import PRINTED
 from carom.clients.cli import main
 from carom.dsp.contact.sampled import CORRECTIONS, METHODS
 from carom.dsp.study import wall
-from carom.dsp.study.bowing import SPEED
+from carom.dsp.study.bowing import schelleng_limit
+from carom.dsp.study.bristle import METHODS as METHODS_OF_FRICTION
 from carom.dsp.study.comparison import BANDS
-from carom.dsp.study.rubbed import IMPEDANCE
 from carom.dsp.study.wall import PAPER_CASES, PAPER_RATE
 from tests.support import CAROM
 
@@ -34,6 +34,8 @@ FIGURES = [
     "coupled",
     "schelleng",
     "guettler",
+    "friction-energy",
+    "friction-cost",
 ]
 FIGURES += ["rebounds", *(f"paper-{n}" for n in range(1, 13))]
 
@@ -72,7 +74,7 @@ def test_every_figure_is_there_twice(charted):
         assert (folder / f"{name}.png").read_bytes().startswith(b"\x89PNG")
         assert "</svg>" in (folder / f"{name}.svg").read_text(encoding="utf-8")
     assert b"where methods fail" in shown and b"figures" in shown
-    assert len(list(folder.iterdir())) == 2 * len(FIGURES) + 8
+    assert len(list(folder.iterdir())) == 2 * len(FIGURES) + 11
 
 
 def test_the_papers_tables_come_out_as_printed(charted):
@@ -188,7 +190,23 @@ def test_a_string_that_is_bowed_is_periodic_below_a_greatest_force(charted):
     periodic = {(row["beta"], float(row["force"])) for row in rows if row["periodic"] == "1"}
     assert 0 < len(periodic) < len(rows)
     for beta, force in periodic:
-        assert force < 1.5 * 2.0 * IMPEDANCE * SPEED / (0.5 * float(beta))
+        assert force < 1.5 * schelleng_limit(float(beta))
+
+
+def test_only_sampled_bristles_give_energy_and_fail(charted):
+    """At any of the rates; by 8 times the rate all are more accurate, and the engine's by far."""
+    rows = read(charted[0] / "friction-energy.csv")
+    for method in METHODS_OF_FRICTION:
+        for factor in "1248":
+            some = pick(rows, method=method, factor=factor)
+            fails = [row["fails"] for row in some].count("1")
+            assert fails > 0.2 * len(some) if method.endswith("bristle") else fails == 0
+    errors = read(charted[0] / "friction.csv")
+    for method in METHODS_OF_FRICTION:
+        coarse, *_, fine = (float(row["error"]) for row in pick(errors, method=method))
+        assert fine < 0.2 * coarse
+    (located,) = pick(errors, method="located", factor="1")
+    assert float(located["error"]) < 1e-4
 
 
 def test_rebounds_add_up(charted):

@@ -8,7 +8,7 @@ from typing import Any
 from carom.clients.chart import report
 from carom.clients.chart.tables import Row
 from tests.accuracy import GROWTH, PROMISES
-from tests.bench import fuzz, gil, overload, queries, soak
+from tests.bench import friction, fuzz, gil, overload, queries, soak
 from tests.documents import study
 from tests.documents.markdown import table
 
@@ -53,6 +53,11 @@ def endurance() -> str:
     """The bounds beyond which the scripts of `make study` fail."""
     rows = [
         ("extremes", "100,000 extreme contacts at each tolerance", f"energy grows by {GROWTH.bound:g} of a contact's"),
+        (
+            "friction", "100,000 random rubs in each way to solve friction; a bow's limits, and its map at three rates",
+            f"{friction.BALANCE:g} of the work, {friction.SLOPE:g} of an exponent, "
+            f"{100 * friction.DIFFERENT:g} % of a map",
+        ),
         (
             "soak", f"ten minutes of {soak.RATE:,} impacts per second and {soak.ROLLS} rolls, none dropped, none late",
             f"{1e3 * soak.SLOWEST:.0f} ms per answer, {soak.MOST_GROWTH:g} MB of memory",
@@ -99,6 +104,7 @@ def speed() -> str:
         _ringing(bench["ringing"]),
         _driven(bench.get("driven", [])),
         _gestures(bench["gestures"]),
+        _friction(bench.get("friction", []), bench.get("slides", [])),
         _starts(bench),
     ]
     return "\n\n".join(part for part in parts if part)
@@ -190,6 +196,20 @@ def _gestures(rows: list[dict[str, Any]]) -> str:
     ]  # fmt: skip
     head = ("rolls", "bounces", "accuracy", "load of one core", "of the worst block", "impacts per second")
     return f"### Gestures on 32 objects of 64 modes\n\n{table(head, lines)}"
+
+
+def _friction(contacts: list[dict[str, Any]], slides: list[dict[str, Any]]) -> str:
+    """What friction costs; nothing where a bench has not measured it."""
+    if not contacts:
+        return ""
+    lines = [
+        (row["contact"], row["modes"], f"{row['events_per_second']:,.0f}", f"{row['us_per_sample']:.2f}")
+        for row in contacts
+    ]
+    made = table(("friction by itself", "modes", "events per second", "µs per sample, events included"), lines)
+    bowed = [(row["slides"], f"{100 * row['load']:.3g} %", f"{100 * row['worst_block']:.3g} %") for row in slides]
+    head = ("strings that are bowed", "load of one core", "of the worst block")
+    return f"### Friction\n\n{made}\n\n{table(head, bowed)}"
 
 
 _CLIPS = {"preset": "objects as their presets are", "geometry": "each object of a new geometry"}

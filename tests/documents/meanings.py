@@ -59,6 +59,7 @@ MEANINGS = {
     ("slide", "static"): "coefficient of friction where it sticks; 0.4 if not given",
     ("slide", "dynamic"): "coefficient of friction of a fast slip; 0.3 if not given",
     ("slide", "stribeck"): "slip at which half of the fall from static to dynamic is over; 0.1 if not given",
+    ("slide", "tangential"): "stiffness of the contact along the surface, before it slips; 0, if not given: rigid",
     ("slide", "along"): "by how much of their shapes modes move along the slip: 1 for what is bowed; 0 if not given",
     ("slide", "patch"): "width of the contact: roughness that is shorter is hardly felt",
     ("slide", "radius"): "of the tip; the ball's, or 0.01, if not given",

@@ -32,7 +32,7 @@ NEEDED = {
     Kind.SPIN: ("mass", "stiffness", "dissipation", "exponent", "position", "duration", "seed"),
     Kind.SLIDE: (
         *("mass", "stiffness", "dissipation", "exponent", "position", "speed", "force", "sweep", "radius", "patch"),
-        *("static", "dynamic", "stribeck", "along", "seed"),
+        *("static", "dynamic", "stribeck", "tangential", "along", "seed"),
     ),
     Kind.METHOD: ("method", "correction", "oversampling"),
 }

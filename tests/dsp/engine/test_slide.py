@@ -14,9 +14,10 @@ from tests.dsp.engine.support import RATE, bell, gesture, steer, stop
 TIP = (0.02, 3e8, 0.5, 1.5)
 """m, k, mu, a of a hard tip."""
 SCRAPE = {"speed": 0.2, "sweep": -1.0, "force": 0.5, "radius": 5e-4, "patch": 0.0, "static": 0.0, "dynamic": 0.0,
-          "stribeck": 0.1, "along": 0.0, "seed": 1}  # fmt: skip
+          "stribeck": 0.1, "tangential": 0.0, "along": 0.0, "seed": 1}  # fmt: skip
 BOW = {**SCRAPE, "radius": 0.01, "roughness": 0.0, "sweep": 0.0, "speed": 0.1, "force": 5.0, "static": 0.8,
        "dynamic": 0.3, "along": 1.0}  # fmt: skip
+CREAK = {**BOW, "tangential": 1e5}
 STEEP = (3e-7, 1e-3, 2.4, 0.0, 1.0)
 
 
@@ -71,7 +72,7 @@ def test_without_friction_or_roughness_nothing_is_heard():
     assert np.abs(slid(0.5, roughness=0.0)[0]).max() < 1e-9
 
 
-@pytest.mark.parametrize("keys", [BOW, SCRAPE])
+@pytest.mark.parametrize("keys", [BOW, SCRAPE, CREAK])
 def test_a_slide_that_is_stopped_ends_silent(keys):
     sound, engine, _ = slid(4.0, LIGHT, events=[stop(7, 24_000.0)], **keys)
     assert np.abs(sound[12_000:24_000]).max() > 1e-6
@@ -80,10 +81,21 @@ def test_a_slide_that_is_stopped_ends_silent(keys):
     assert np.abs(sound[-4_800:]).max() == 0.0
 
 
-def test_a_bow_that_stops_on_a_body_lets_it_rest():
+@pytest.mark.parametrize("keys", [BOW, CREAK])
+def test_a_bow_that_stops_on_a_body_lets_it_rest(keys):
     """It sticks to a bow at rest, and the bow's force bends it without a sound."""
-    sound, _, _ = slid(6.0, LIGHT, events=[steer(7, "speed", 1e-6, 24_000.0)], **BOW)
+    sound, _, _ = slid(6.0, LIGHT, events=[steer(7, "speed", 1e-6, 24_000.0)], **keys)
     assert np.abs(sound[-4_800:]).max() < 1e-3 * np.abs(sound[12_000:24_000]).max()
+
+
+def test_an_elastic_contact_sounds_otherwise_and_may_be_stiffened_and_softened():
+    """While it goes on; the limit is a rigid one."""
+    rigid, elastic = (slid(1.0, LIGHT, **keys)[0][24_000:] for keys in (BOW, CREAK))
+    assert np.std(rigid - elastic) > 0.1 * np.std(rigid)
+    events = [steer(7, "tangential", value, 8_000.0 * (n + 1)) for n, value in enumerate((1e7, 1e4, 0.0, 1e6))]
+    sound, engine, _ = slid(1.0, LIGHT, events=events, **CREAK)
+    assert np.isfinite(sound).all() and engine.stats.faults == 0
+    assert 0.0 < np.abs(sound).max() < 3.0 * max(np.abs(rigid).max(), np.abs(elastic).max())
 
 
 def test_a_slide_without_slip_is_a_roll():

@@ -21,13 +21,14 @@ HAND = (0.05, 1e5, 5.0, 1.5)
 
 SLIDE = {
     "speed": 0.4, "sweep": -1.0, "force": 2.0, "radius": 0.008, "patch": 0.0, "static": 0.5, "dynamic": 0.4,
-    "stribeck": 0.1, "along": 0.5, "seed": 1,
+    "stribeck": 0.1, "tangential": 0.0, "along": 0.5, "seed": 1,
 }  # fmt: skip
 
 NEW = {
     "position": 0.9, "gain": 0.25, "gravity": 30.0, "irregularity": 0.8, "speed": 0.9, "mass": 0.02,
     "radius": 0.02, "roughness": 0.3, "asymmetry": 0.4, "friction": 0.05, "force": 9.0, "flat": 0.6,
-    "sweep": 0.7, "patch": 0.005, "static": 0.9, "dynamic": 0.2, "stribeck": 0.3, "along": 0.8,
+    "sweep": 0.7, "patch": 0.005, "static": 0.9, "dynamic": 0.2, "stribeck": 0.3, "tangential": 1e5,
+    "along": 0.8,
 }  # fmt: skip
 """What each parameter is steered to: nothing that it is by itself in `begin`."""
 

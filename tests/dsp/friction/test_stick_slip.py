@@ -1,13 +1,21 @@
 """Friction against modes: energy, order, and the motions that theory and measurement know."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from carom.dsp.study.bowing import SPEED, upper_limit
-from carom.dsp.study.rubbed import IMPEDANCE, bowed_bar, bowed_string, extreme_rub, rubbed_glass, slips_per_period
+from carom.dsp.friction.elastic import SHARE, STIFFNESS
+from carom.dsp.study.bowing import force_limit, schelleng_limit
+from carom.dsp.study.rubbed import bowed_bar, bowed_string, extreme_rub, rubbed_glass, slips_per_period
 from carom.dsp.study.slide import BOWED, Rub, constant, rub_modes
+from tests.bench import slides
 
 from .friction_reference import exact_rub
+
+K, MU, NORMAL = 1e5, 0.5, 2.0
+REACH = 1.5 * MU * NORMAL / K
+"""The stretch (m) at which all slips."""
 
 
 @pytest.mark.parametrize("held", [False, True])
@@ -72,9 +80,14 @@ def test_a_string_that_is_pressed_too_hard_or_too_softly_is_not_in_helmholtz_mot
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("beta", [0.03, 0.05, 0.085])
-def test_the_greatest_force_is_that_of_schelleng(beta):
-    assert upper_limit(beta, 48_000.0) == pytest.approx(2.0 * IMPEDANCE * SPEED / (0.5 * beta), rel=0.25)
+def test_limits_of_force_are_schellengs():
+    """The greatest force falls as 1/position, near 2 Z v/(beta (mu_s - mu_d)), and the least one more steeply."""
+    betas = np.geomspace(0.0203, 0.15, 8)
+    greatest = [force_limit(beta) for beta in betas]
+    assert np.polyfit(np.log(betas), np.log(greatest), 1)[0] == pytest.approx(-1.0, abs=0.15)
+    np.testing.assert_allclose(greatest, [schelleng_limit(beta) for beta in betas], rtol=0.25)
+    least = [force_limit(beta, raised=False) for beta in betas[:3]]
+    assert np.polyfit(np.log(betas[:3]), np.log(least), 1)[0] < -1.7
 
 
 @pytest.mark.parametrize(("force", "speed"), [(1.0, 0.1), (3.0, 0.1), (5.0, 0.2), (10.0, 0.4)])
@@ -108,3 +121,81 @@ def test_a_driver_that_rests_leaves_modes_at_rest():
 def test_a_normal_force_below_zero_is_named():
     with pytest.raises(ValueError, match="normal"):
         Rub(np.array([440.0]), np.array([1.0]), np.array([3.0]), constant(0.1, 5), constant(-1.0, 5))
+
+
+def test_work_on_an_elastic_contact_is_stored_and_lost():
+    rng = np.random.default_rng(22)
+    for _ in range(300):
+        tangential = float(np.exp(rng.uniform(np.log(10.0), np.log(1e10))))
+        course = rub_modes(replace(extreme_rub(rng), tangential=tangential))
+        assert course.balance < 1e-9
+        assert np.diff(course.lost, prepend=0.0).min() >= 0.0
+
+
+def mindlin(stretch):
+    """The force (N) of two spheres at a first stretch."""
+    return MU * NORMAL * (1.0 - np.maximum(1.0 - stretch / REACH, 0.0) ** 1.5)
+
+
+def test_shares_are_those_of_the_law():
+    assert SHARE.sum() == pytest.approx(1.0, abs=1e-12)
+    assert STIFFNESS.sum() == pytest.approx(1.0, abs=0.04)
+    assert STIFFNESS.min() > 0.0
+
+
+@pytest.mark.parametrize("share", [0.5, 0.9, 3.0])
+def test_a_contact_that_is_pulled_to_and_fro_follows_mindlin(share):
+    """On a wall; and loses what Masing's rule says: the way back is the first one, twice as large."""
+    rate, turns, most = 48_000.0, 50.0, share * REACH
+    phase = 2.0 * np.pi * turns * np.arange(1201) / rate  # a turn and a quarter
+    wall = Rub(np.array([1e4]), np.array([10.0]), np.array([1e-9]), np.cos(phase), constant(NORMAL, 1200))
+    wall = replace(wall, speed=most * 2.0 * np.pi * turns * wall.speed, law=(MU, MU, 0.1), tangential=K)
+    course = rub_modes(wall)
+    quarter = 240
+    middle = 0.5 * (phase[:quarter] + phase[1 : quarter + 1])
+    np.testing.assert_allclose(course.force[:quarter], mindlin(most * np.sin(middle)), atol=0.012 * MU * NORMAL)
+    limit, reached = MU * NORMAL, min(share, 1.0)
+    area = limit * (most - 0.4 * REACH * (1.0 - (1.0 - reached) ** 2.5))  # below the first way
+    loop = 8.0 * area - 4.0 * mindlin(most) * most
+    assert course.lost[-1] - course.lost[quarter - 1] == pytest.approx(loop, abs=0.01 * MU * NORMAL * REACH)
+
+
+def test_what_sticks_is_a_spring():
+    """A mode and the contact ring as one: sqrt(omega^2 + k phi^2)."""
+    phi, rate = 3.0, 48_000.0
+    rub = Rub(np.array([300.0]), np.array([0.0]), np.array([phi]), constant(0.0, 2400), constant(100.0, 2400))
+    rub = replace(rub, z=0.01 + 0.0j, tangential=K)
+    omega = np.sqrt((600.0 * np.pi) ** 2 + STIFFNESS.sum() * K * phi**2)
+    exact = phi * 0.01 * np.cos(omega * np.arange(1, 2401) / rate)
+    errors = []
+    for factor in (1, 2):
+        fine = replace(rub, speed=constant(0.0, 2400 * factor), normal=constant(100.0, 2400 * factor))
+        course = rub_modes(replace(fine, rate=factor * rate), audited=False)
+        errors.append(np.abs(course.velocity[factor - 1 :: factor] - exact).max() / (phi * 0.01))
+    assert errors[0] < 0.02
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.1)
+
+
+def test_a_stiff_contact_is_a_rigid_one():
+    """The stiffer, the closer to it: a mode that sticks and slips."""
+    rigid = Rub(np.array([220.0]), np.array([3.0]), np.array([10.0]), constant(0.1, 9600), constant(1.0, 9600))
+    rigid = replace(rigid, law=BOWED, rate=192_000.0)
+    velocity = rub_modes(rigid, audited=False).velocity
+    off = []
+    for tangential in (1e5, 1e6, 1e7):
+        other = rub_modes(replace(rigid, tangential=tangential), audited=False).velocity
+        off.append(np.sqrt(np.mean((other - velocity) ** 2)) / np.std(velocity))
+    assert off[0] > off[1] > off[2]
+    assert off[2] < 0.1
+
+
+def test_an_elastic_contact_at_rest_leaves_modes_at_rest():
+    rub = Rub(np.array([440.0]), np.array([1.0]), np.array([3.0]), constant(0.0, 500), constant(2.0, 500))
+    assert np.abs(rub_modes(replace(rub, tangential=K)).velocity).max() == 0.0
+
+
+@pytest.mark.slow
+def test_its_cost_is_measured_with_its_events():
+    rows = slides.measure_contacts()
+    assert [row["modes"] for row in rows] == 3 * [slides.MODES]
+    assert all(row["events_per_second"] > 290 and row["us_per_sample"] > 0 for row in rows)
