@@ -245,37 +245,24 @@ SETTINGS = {
     for setting in (
         Parameter("gain", -120.0, 40.0, "dB", "its level", default=0.0, useful=(-40.0, 12.0)),
         Parameter(
-            "pan",
-            -1.0,
-            1.0,
-            "",
+            "pan", -1.0, 1.0, "",
             "its place from left, -1, to right, 1; on a ring from behind over left, front (0) and right to behind",
             default=0.0,
         ),
         Parameter(
-            "distance",
-            0.1,
-            1000.0,
-            "m",
-            "to the listener: twice as far is half the pressure",
-            default=1.0,
+            "distance", 0.1, 1000.0, "m", "to the listener: twice as far is half the pressure", default=1.0,
             useful=(0.5, 20.0),
         ),
         Parameter(
             "tune", -60.0, 60.0, "semitones", "moves all its frequencies up or down", default=0.0, useful=(-24.0, 24.0)
         ),
         Parameter(
-            "decay",
-            0.001,
-            100.0,
-            "times",
-            "makes all its decay times longer or shorter",
-            default=1.0,
+            "decay", 0.001, 100.0, "times", "makes all its decay times longer or shorter", default=1.0,
             useful=(0.1, 10.0),
         ),
         Parameter("damp", 0.0, 1.0, "", "a hand on it, until changed: 0 none, 1 the firmest", default=0.0),
     )
-}
+}  # fmt: skip
 
 # What can be set of the whole.
 CHANNELS = Parameter("channels", 1, 64, "", "of the output; 2: left and right, else a ring", default=2, whole=True)

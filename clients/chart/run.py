@@ -80,16 +80,13 @@ def chart(folder: Path, extent: Extent) -> Iterator[tuple[str, float]]:
     rebounds = tables.rebound_rows(sequences)
     tables.write(folder / "rebounds.csv", rebounds)
 
-    yield "a bowed string", 0.82
-    bowed = _bow(folder, extent)
-    yield "friction", 0.83
-    rubbed = _rub(folder, extent)
+    yield "friction", 0.82
     drawings = {
         **rigid.drawings(rows, sequences),
         **failures.drawings(found),
         **paper.drawings(sequences),
-        **bowing.drawings(*bowed),
-        **friction.drawings(*rubbed),
+        **bowing.drawings(*_bow(folder, extent)),
+        **friction.drawings(*_rub(folder, extent)),
         "coupled": lambda: coupled.coupled(coupled_rows),
     }
     for i, (name, draw) in enumerate(drawings.items()):

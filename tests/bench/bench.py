@@ -39,6 +39,20 @@ MODE_SAMPLES = 2**22  # a measurement of a kernel
 KLANK_MODES = 1024
 KLANK_SECONDS = (1, 9)  # two renderings, whose difference has no start-up in it
 
+TITLES = {
+    "Objects that ring: ns per mode-sample, of the kernel by itself; share of a core": "ringing",
+    "Modes on which a body rolls: ns per mode-sample, free and by its moments beside": "driven",
+    "Impacts in the engine: µs each": "impacts",
+    "Long contacts": "long_contacts",
+    "Contacts by themselves: µs, and over what a prototype took": "solvers",
+    "Gestures: share of real time on one core": "gestures",
+    "Friction by itself: µs a sample, events included": "friction",
+    "Strings that are bowed: share of real time on one core": "slides",
+    "Clips: an impact of one second in a fresh scene, with labels": "clips",
+    "Start-up: s": "startup",
+}
+"""Of the tables that are shown after the kernels', by what they show."""
+
 STARTUP = """
 from time import perf_counter
 start = perf_counter()
@@ -293,17 +307,9 @@ def main() -> None:
     show(console, "Kernels: ns per mode-sample", results["kernels"])
     if results["klank"]:
         show(console, "scsynth's Klank: ns per mode-sample, ratio to ours", [results["klank"]])
-    show(console, "Objects that ring: ns per mode-sample, of the kernel by itself; share of a core", results["ringing"])
-    show(console, "Modes on which a body rolls: ns per mode-sample, free and by its moments beside", results["driven"])
-    show(console, "Impacts in the engine: µs each", results["impacts"])
-    show(console, "Long contacts", results["long_contacts"])
-    show(console, "Contacts by themselves: µs, and over what a prototype took", results["solvers"])
-    show(console, "Gestures: share of real time on one core", results["gestures"])
-    show(console, "Friction by itself: µs a sample, events included", results["friction"])
-    show(console, "Strings that are bowed: share of real time on one core", results["slides"])
+    for title, name in TITLES.items():
+        show(console, title, results[name])
     show(console, "An empty scene", [results["empty_scene"]])
-    show(console, "Clips: an impact of one second in a fresh scene, with labels", results["clips"])
-    show(console, "Start-up: s", results["startup"])
     console.print(f"compiling alone: {results['compile_seconds']:.1f} s")
     show(console, "Aims", results["aims"])
     if options.json:
