@@ -66,6 +66,9 @@ _SOUND = (
     Parameter("sound", 0, np.inf, "", "its place among the strikers that are laid out", default=0.0),
     Parameter("sound_serial", 0, np.inf, "", "its serial there; 0: it does not sound", default=0.0),
 )
+_PRESSED = Parameter(
+    "press", 0, np.inf, "", "number of a press whose force a slide's friction feels; 0: none", default=0.0
+)  # fmt: skip
 _DELAY = Parameter("delay", 0.0, np.inf, "s", "from the beginning of a bounce to its first contact", default=0.0)
 
 
@@ -80,7 +83,7 @@ _BOUNCE = _own(GESTURES["bounce"], _DELAY)
 _ROLL = _own(GESTURES["roll"])
 _PRESS = _own(GESTURES["press"])
 _SPIN = _own(GESTURES["spin"], GESTURES["spin"].argument)
-_SLIDE = _own(GESTURES["slide"])
+_SLIDE = _own(GESTURES["slide"], _PRESSED)
 
 STRIKE_RECORD = record_of(*_STRIKE)
 BOUNCE_RECORD = record_of(*_BOUNCE)

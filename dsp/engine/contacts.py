@@ -257,14 +257,13 @@ def run_contacts(state, obj, frame):
 
     Contacts that end are dropped.
     """
+    _rub_all(state, obj, frame)
     before = -1
     index = obj.contact
     while index >= 0:
         contact = state.contacts[index]
         after = contact.next
         stays = True
-        if contact.kind == KIND_SLIDE:
-            rub(state, contact, frame)
         for _ in range(_MOST_PER_SAMPLE):
             if not _is_due(state, contact, frame):
                 break
@@ -283,6 +282,18 @@ def run_contacts(state, obj, frame):
             end_contact(state, obj, before, index)
         index = after
     _take_turns(state, obj)
+
+
+@kernel
+def _rub_all(state, obj, frame):
+    """Give the modes the friction of all slides over the sample that ends at a frame, before other contacts: the force
+    of a press that a slide feels is then always that of the last sample."""
+    index = obj.contact
+    while index >= 0:
+        contact = state.contacts[index]
+        if contact.kind == KIND_SLIDE:
+            rub(state, contact, frame)
+        index = contact.next
 
 
 @kernel

@@ -176,6 +176,7 @@ def _begin_rolling(state, contact, event):
     )  # fmt: skip
     roll.target = contact.target
     if slides:
+        state.slides[contact.roll].press = np.int64(event.slide.press)
         begin_slide(state, contact)
     corners = 0.0 if slides else event.roll.corners
     begin_roll(roll, 0, contact.k, contact.mu, contact.a, corners, coarseness_of(state))

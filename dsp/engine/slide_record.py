@@ -22,6 +22,8 @@ SLIDE = np.dtype(
         ("slip", np.float64),  # m/s: the driver's at the quantum's beginning
         ("laid", np.float64),  # share of the normal force that friction feels
         ("pull", np.float64),  # N: friction's mean
+        ("press", np.int64),  # gesture whose force its friction feels; 0: its own
+        ("pressed", np.int64),  # place of that contact, -1: none
     ],
     align=True,
 )

@@ -3,7 +3,7 @@
 Rolling and sliding are one state of contact: a speed at which the contact moves over the object (sweep) and one at
 which the surfaces slip. Asperities pass at the faster of the two. The normal force is the roll's, whose weight is the
 force that presses; it doesn't feel the object's modes. Friction does, sample by sample (friction/stick_slip.py), on the
-SLID longest ringing ones; its bound follows the normal force.
+SLID longest ringing ones; its bound follows the normal force, or that of a press on the same object, which feels them.
 """
 
 import math
@@ -17,6 +17,7 @@ from ..numerics.legendre import FINE
 from ..resonator.bank import Point, inject_fine, inject_line
 from ..resonator.velocity import observe_velocity, sense, set_rows, set_shapes, velocity_response
 from ..schema import SPEED
+from .commands import KIND_PRESS
 from .contact_force import find_static
 from .objects import modes_of, place, shapes_of
 from .quality import holds_steps
@@ -39,6 +40,7 @@ def begin_slide(state, contact):
     slide.friction.normal[1] = slide.laid = slide.pull = 0.0
     slide.sweep = _sweep_of(contact)
     slide.position = -1.0
+    slide.pressed = -1
     contact.rolls = 0.0
     contact.unsettled = 1
     _lead_roll(state, contact)
@@ -75,6 +77,7 @@ def lead_slide(state, contact, changed):
     if moves or slide.along != contact.target.along or slide.position != contact.now.position:
         slide.moved = 1
     slide.slip = slide.friction.drive[1]
+    slide.pressed = _place_of_press(state, contact) if slide.press > 0 else -1
     friction, law = slide.friction, contact.target
     friction.dynamic, friction.stribeck = law.dynamic, law.stribeck
     friction.static = max(law.static, law.dynamic)
@@ -84,6 +87,18 @@ def lead_slide(state, contact, changed):
             obj = state.objects[contact.point[side].slot]
             for channel in range(2):
                 obj.static[channel] += contact.now.gain * slide.along * slide.pull * contact.static[side, channel]
+
+
+@kernel
+def _place_of_press(state, contact):
+    """The place of the press that a slide's friction feels; -1 where there is none on the object."""
+    press = state.slides[contact.roll].press
+    index = state.objects[contact.point[0].slot].contact
+    while index >= 0:
+        if state.contacts[index].gesture == press and state.contacts[index].kind == KIND_PRESS:
+            return index
+        index = state.contacts[index].next
+    return -1
 
 
 @kernel
@@ -164,11 +179,22 @@ def _drive(state, contact, frame):
     friction.drive[0], friction.normal[0] = friction.drive[1], friction.normal[1]
     friction.drive[1] = slide.slip + (contact.now.speed - slide.slip) * ((frame + 1) / QUANTUM)
     slide.laid += (1.0 - slide.laid) / (_LAID * state.rate)
+    if slide.press > 0:
+        friction.normal[1] = slide.laid * roll.fade * _force_of_press(state, slide)
+        return
     after = min(frame + 1, QUANTUM - 1)
     weight = roll.fade * roll.m * roll.g
     here = max(feed[frame, 0] * state.rate + weight, 0.0)
     there = max(feed[after, 0] * state.rate + weight, 0.0)
     friction.normal[1] = 0.5 * slide.laid * (here + there)
+
+
+@kernel
+def _force_of_press(state, slide):
+    """The force (N) of the press that a slide's friction feels, over the last sample."""
+    if slide.pressed < 0 or state.contacts[slide.pressed].gesture != slide.press:
+        return 0.0
+    return max(state.contacts[slide.pressed].forces[0], 0.0)
 
 
 @kernel

@@ -48,7 +48,9 @@ STRIKE: tuple[Number | Word, ...] = (
 )
 """Keys that every gesture takes."""
 
-_WORDS = dict.fromkeys(("roll", "slide"), (Word("surface", "a preset; wood if none is given"),))
+_SURFACE = Word("surface", "a preset; wood if none is given")
+_PRESS = Word("press", "the id of a press on the object: its friction feels that force, in place of its own")
+_WORDS = {"roll": (_SURFACE,), "slide": (_SURFACE, _PRESS)}
 """Keys of gestures that are not numbers."""
 
 _SHARED = {key.name for key in STRIKE}

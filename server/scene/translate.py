@@ -201,9 +201,19 @@ def _slide(to: ObjectCall) -> None:
     if not goes_on:
         require_rollable(motion["radius"], surface, values.number("roughness"))
     motion |= {"speed": values.numbers["speed"], "seed": to.seed(number := to.start(id))}
+    if "press" in values.words:
+        motion["press"] = _press_of(to, values.words["press"])
     given = [name for name in SLIDE.steerable if name in values.numbers]
     command = Command(NOW, Kind.SLIDE, gesture=number, values=motion, given=given, surface=surface.profile)
     _strike(to, by, law, command)
+
+
+def _press_of(to: ObjectCall, id: str) -> int:
+    """The number of a press on the object that goes on."""
+    gestures = to.transaction.gestures
+    if not gestures.is_running(id, f"/object/{to.name}/press"):
+        raise Refused(f"press = {id}: expected the id of a press on {to.name} that goes on")
+    return gestures.number_of(id)
 
 
 def _own_values(to: ObjectCall, gesture: Gesture) -> dict[str, float]:

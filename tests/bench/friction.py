@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from carom.dsp.study.bowing import BETAS, FORCES, force_limit, schelleng, schelleng_limit
+from carom.dsp.study.bowing import BETAS, FORCES, SHARP, force_limit, schelleng, schelleng_limit
 from carom.dsp.study.rubbed import extreme_rub
 from carom.dsp.study.slide import BOWED, rub_modes
 
@@ -40,22 +40,21 @@ def balance(name: str, count: int) -> bool:
     return worst < BALANCE and given <= GIVEN_BACK
 
 
-def slope(raised: bool, real: bool) -> float:
-    """The exponent of a limit over the position; `real`: with torsion, and rosin's law."""
+def slope(raised: bool, law: tuple[float, float, float] = SHARP, torsion: int = 0) -> float:
+    """The exponent of a limit over the position."""
     positions = POSITIONS if raised else LOW_POSITIONS
-    way = {"law": BOWED, "torsion": 26} if real else {}
-    forces = np.array([force_limit(float(beta), raised, **way) for beta in positions])
-    found = np.isfinite(forces)
-    return float(np.polyfit(np.log(positions[found]), np.log(forces[found]), 1)[0])
+    forces = [force_limit(float(beta), raised, law=law, torsion=torsion) for beta in positions]
+    return float(np.polyfit(np.log(positions), np.log(forces), 1)[0])
 
 
 def limits() -> bool:
     """Whether the limits of force fall as theory says."""
-    greatest, least = slope(True, False), slope(False, False)
+    greatest, least = slope(True), slope(False)
     shares = [force_limit(float(beta)) / schelleng_limit(float(beta)) for beta in POSITIONS]
     print(f"greatest force: position^{greatest:.2f}, {min(shares):.2f} to {max(shares):.2f} of Schelleng's")
     print(f"least force: position^{least:.2f}")
-    print(f"with torsion and rosin's law: position^{slope(True, True):.2f} and position^{slope(False, True):.2f}")
+    print(f"greatest force with torsion: position^{slope(True, torsion=26):.2f}")
+    print(f"and with rosin's law: position^{slope(True, BOWED, 26):.2f}")
     return abs(greatest + 1.0) < SLOPE and least < greatest
 
 
