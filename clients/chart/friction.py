@@ -70,7 +70,7 @@ def _cost(errors: list[Row], extremes: list[Row]) -> Figure:
     axes[1].set_xticks(factors, [str(factor) for factor in factors])
     for ax in axes:
         ax.minorticks_off()
-    axes[0].legend(loc="upper right")
+    axes[0].legend(loc="lower left")
     figure.suptitle("Four modes that are rubbed, at 1 to 8 times the rate; each against itself at 64 times")
     return figure
 

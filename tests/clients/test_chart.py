@@ -200,7 +200,7 @@ def test_only_sampled_bristles_give_energy_and_fail(charted):
         for factor in "1248":
             some = pick(rows, method=method, factor=factor)
             fails = [row["fails"] for row in some].count("1")
-            assert fails > 0.2 * len(some) if method.endswith("bristle") else fails == 0
+            assert fails > 0.1 * len(some) if method.endswith("bristle") else fails == 0
     errors = read(charted[0] / "friction.csv")
     for method in METHODS_OF_FRICTION:
         coarse, *_, fine = (float(row["error"]) for row in pick(errors, method=method))
