@@ -9,7 +9,7 @@ from carom.dsp.bodies import listed
 from carom.dsp.engine.commands import Command, Kind
 from carom.dsp.engine.state import End
 from carom.dsp.runtime.engine import NOW, Engine
-from tests.dsp.engine.support import RATE, bell, gesture, steer, stop
+from tests.dsp.engine.support import RATE, bell, gesture, numbered, steer, stop, strike
 
 TIP = (0.02, 3e8, 0.5, 1.5)
 """m, k, mu, a of a hard tip."""
@@ -167,27 +167,29 @@ def test_a_scrape_sounds_the_same_at_any_rate():
     assert np.ptp(levels, axis=0).max() < 1.0
 
 
-def pressed(force, press=8):
-    """A string that another striker presses at its end, and that a bow rubs with that force; the engine."""
-    engine = Engine(RATE)
-    handle = engine.add(bell(24, t60=0.3, modal_mass=0.05), 0.05)
-    hand = gesture(Kind.PRESS, handle, (0.02, 1e5, 5.0, 1.5), 0.0, 8, force=force, position=0.0)
-    engine.send([hand, gesture(Kind.SLIDE, handle, TIP, 0.0, 7, **{**BOW, "force": 1e-6, "press": press})])
-    return engine
-
-
 def test_friction_feels_the_force_of_a_press():
-    """As loud as with that force of its own; silent once nothing presses, and if the press is not there."""
-    engine = pressed(5.0)
-    sound = engine.process(48_000)[24_000:, 0].astype(float)
-    engine.send([steer(8, "force", 10.0, NOW)])
-    harder = engine.process(48_000)[24_000:, 0].astype(float)
+    """Which feels the object: as it rings, so does the normal force. None is felt where the press is gone."""
+    engine = Engine(RATE)
+    handle = engine.add(LIGHT, 0.05)
+    hand = gesture(Kind.PRESS, handle, (0.02, 1e5, 5.0, 1.5), 0.0, 8, force=5.0, velocity=0.01)
+    engine.send([hand, gesture(Kind.SLIDE, handle, TIP, 0.0, 7, **{**BOW, "force": 1e-6, "press": 8})])
+
+    def normal(blocks):
+        slide = next(each["roll"] for each in numbered(engine) if each["gesture"] == 7)
+        found = []
+        for _ in range(blocks):
+            engine.process(64)
+            found.append(engine.state["slides"][0][slide]["friction"]["normal"][1])
+        return np.array(found)
+
+    engine.process(64)
+    still = normal(750)[-20:]
+    np.testing.assert_allclose(still, 5.0, rtol=0.02)
+    strike(engine, handle, velocity=0.5)
+    struck = normal(20)
+    assert np.std(struck) > 10.0 * np.std(still) and struck.min() >= 0.0
     engine.send([stop(8, NOW)])
-    after = engine.process(96_000)[-4_800:, 0].astype(float)
-    assert np.std(sound) > 1e-6
-    assert not np.allclose(sound, harder, atol=0.1 * np.std(sound))
-    assert np.std(after) < 1e-3 * np.std(sound)
-    assert np.std(pressed(5.0, press=9).process(48_000)[24_000:, 0]) < 1e-3 * np.std(sound)
+    assert np.abs(normal(20)[-5:]).max() == 0.0
 
 
 def test_an_object_may_bow_another():

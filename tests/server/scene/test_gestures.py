@@ -71,6 +71,17 @@ def test_a_press_goes_on_until_it_is_stopped(played, striker):
     assert ends(played) == [("hand", None)]
 
 
+def test_a_slide_feels_a_press_on_the_object(played):
+    say(played, "/object/pane/press", 5.0, 0.2, "striker", "mute", "id", "hand")
+    assert say(played, "/object/pane/slide", 0.1, "striker", "bow", "press", "hand", "id", "bow") == []
+    seconds(played, 0.6)
+    contacts, numbers = played.engine.state["contacts"][0], played.gestures.number_of
+    (place,) = np.flatnonzero(contacts["gesture"] == numbers("bow"))
+    slide = played.engine.state["slides"][0][contacts["roll"][place]]
+    assert slide["press"] == numbers("hand") != 0
+    assert slide["friction"]["normal"][1] == pytest.approx(5.0, rel=0.2)
+
+
 @pytest.mark.slow
 def test_a_heavy_striker_is_let_go_of(played):
     say(played, "/object/new", "tom", "tom")

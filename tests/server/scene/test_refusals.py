@@ -113,6 +113,8 @@ def test_a_bounce_that_can_not_be_is_refused_and_leaves_nothing(played, args, re
         ("roll", ("striker", "steel", "radius", 8e-4, "surface", "corrugated"), "radius = 0.0008: expected at least"),
         ("roll", ("striker", "steel", "corners", 0.5), "corners = 0.5: expected a whole number"),
         ("roll", ("striker", "steel", "surface", "mud"), "no surface 'mud'"),
+        ("slide", ("striker", "bow", "dynamic", 0.9), "dynamic = 0.9: expected at most static = 0.8"),
+        ("slide", ("striker", "bow", "press", "hand"), "press = hand: expected the id of a press on pane that goes on"),
         ("press", ("mass", 1e6, "stiffness", 1e-3), "the contact would last"),
         ("impact", ("id", "x" * 65), "expected 1 to 64 printable characters"),
         ("impact", ("id", "x\x07"), "expected 1 to 64 printable characters"),
