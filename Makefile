@@ -23,7 +23,7 @@ quick: $(READY)  ## the tests that are fast: less than a minute, once the engine
 
 test: $(READY) lint  ## linters, types and all tests: some ten minutes on two cores
 	@echo "all tests: $$(cat $(LAST) 2>/dev/null || echo 'some ten minutes on two cores'); make quick runs the fast ones"
-	@begun=$$(date +%s); OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile || exit; \
+	@begun=$$(date +%s); OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder || exit; \
 	  echo "$$((($$(date +%s) - begun + 59) / 60)) minutes the last time" >$(LAST)
 
 coverage: $(READY)  ## all tests, and which lines of the Python side they run (kernels are compiled, and not seen)

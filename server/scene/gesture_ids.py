@@ -5,13 +5,14 @@ gestures may share an id. The engine reports the end of each that was sent once.
 """
 
 from collections import deque
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import Any
 
 from ...dsp.engine.state import End
 from ...dsp.runtime.engine import Engine
-from ..osc.patterns import Selection, is_pattern
+from ..osc.patterns import Selection, is_pattern, match, work
 
 _REMEMBERED = 4_096  # ids: one that is given again soon has the number that it had
 _MOST_ENDS = 65_536  # that wait to be told
@@ -41,6 +42,24 @@ class Ended:
     end: End
 
 
+class _Running:
+    """The ids of gestures that run, by name, the one that was used last at the end: a pattern is matched with these."""
+
+    def __init__(self) -> None:
+        self.names: dict[str, GestureId] = {}
+        self.version = 0
+
+    def add(self, id: GestureId) -> None:
+        """Add an id, or put it at the end."""
+        self.version += self.names.pop(id.name, None) is None
+        self.names[id.name] = id
+
+    def look_at(self, id: GestureId) -> None:
+        """Remove an id of which nothing runs any more."""
+        if not id.running:
+            self.version += self.names.pop(id.name, None) is not None
+
+
 class GestureIds:
     """The gestures of an engine, by id."""
 
@@ -48,11 +67,10 @@ class GestureIds:
         self._engine = engine
         self._ids: dict[str, GestureId] = {}  # the most recently used last
         self._numbers: dict[int, GestureId] = {}
+        self._running = _Running()
         self._ends: deque[Ended] = deque(maxlen=_MOST_ENDS)
         self._made = 0
         self._last = 0
-        self.version = 0
-        """Counts the changes of `names`."""
 
     def start(self, name: str, address: str, source: Any) -> GestureId:
         """The id of a gesture about to be sent; `take_back` it if it is not."""
@@ -61,19 +79,19 @@ class GestureIds:
             self._last += 1
             id = GestureId(name, self._last)
             self._numbers[id.number] = id
-            self.version += 1
         self._ids[name] = id
         id.uses += 1
         id.running.append((address, source))
+        self._running.add(id)
         return id
 
     def take_back(self, id: GestureId) -> None:
         """Undo `start`."""
         id.running.pop()
+        self._running.look_at(id)
         id.uses -= 1
         if id.uses == 0:
             del self._ids[id.name], self._numbers[id.number]
-            self.version += 1
 
     def made_for(self, object_name: str) -> str:
         """A new id for a gesture on an object that was given none."""
@@ -88,28 +106,26 @@ class GestureIds:
         """The number of a gesture's id; 0 if there is none."""
         return self._ids[name].number if name in self._ids else 0
 
-    @property
-    def names(self) -> Collection[str]:
-        """All ids that are known."""
-        return self._ids
-
     def running(self) -> list[GestureId]:
         """The ids of gestures that run, or were sent to begin later; any thread may ask."""
-        return [id for id in list(self._ids.values()) if id.running]
+        return list(self._running.names.values())
 
     def newest_running(self) -> Iterator[str]:
         """Their names, the one that was used last first."""
-        return (id.name for id in reversed(self._ids.values()) if id.running)
+        return reversed(self._running.names)
 
     def selected(self, pattern: str, selection: Selection) -> list[GestureId]:
         """Those of them whose id is, or matches, a pattern. TooMuch as `Selection.names`."""
         if is_pattern(pattern):
-            return [id for name in selection.names(pattern, self) if (id := self._ids[name]).running]
-        return [self._ids[pattern]] if pattern in self._ids and self._ids[pattern].running else []
+            return [self._running.names[name] for name in selection.names(pattern, self._running)]
+        return [self._ids[pattern]] if pattern in self._running.names else []
 
     def have_ended(self, pattern: str, selection: Selection) -> bool:
-        """Whether an id matches a pattern whose gestures have all ended, not long ago."""
-        return any(not self._ids[name].running for name in selection.names(pattern, self))
+        """Whether an id matches a pattern whose gestures have all ended, not long ago. TooMuch as `Selection.names`."""
+        if not is_pattern(pattern):
+            return pattern in self._ids and pattern not in self._running.names
+        selection.spend(work(pattern) * len(self._ids), pattern)
+        return any(match(pattern, name) for name in self._ids if name not in self._running.names)
 
     def end_at_once(self, name: str, address: str, source: Any) -> None:
         """Report the end of a gesture that did not move; `take_back_end` if it was not to be."""
@@ -126,13 +142,13 @@ class GestureIds:
             if id and id.running:
                 # A roll that was steered is still the one that began it.
                 address, source = id.running.pop() if end is End.JOINED else id.running.popleft()
+                self._running.look_at(id)
                 if end is not End.JOINED:
                     self._ends.append(Ended(id.name, address, source, end))
         if len(self._ids) > _REMEMBERED:
-            over = [id for id in self._ids.values() if not id.running]
-            for id in over[: len(self._ids) - _REMEMBERED]:
+            ended = (id for id in self._ids.values() if not id.running)
+            for id in tuple(islice(ended, len(self._ids) - _REMEMBERED)):
                 del self._ids[id.name], self._numbers[id.number]
-            self.version += 1
 
     def take_ends(self) -> list[Ended]:
         """The gestures that have ended since the last call."""
