@@ -4,7 +4,7 @@ import { draw } from "./frames.js";
 
 const LOWEST = 20, HIGHEST = 20000; // Hz
 const SOFT = -110; // dB
-const EVERY = 33; // ms
+const EVERY = 50; // ms
 
 function fitted(canvas) {
   const dense = Math.min(window.devicePixelRatio || 1, 2);
