@@ -38,8 +38,8 @@ export class Keys {
   strikeNumber(number) {
     const object = [...this.scene.objects.values()][number - 1];
     if (object) {
-      this.scene.select(object.name);
       this.hands.strike(object, object.preset.position);
+      this.scene.choose(object.name);
     }
   }
 

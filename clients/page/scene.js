@@ -166,6 +166,11 @@ export class Scene extends EventTarget {
     this.dispatchEvent(new CustomEvent("selected", { detail: name }));
   }
 
+  /** Select an object, unless it is selected: its controls stay as they are. */
+  choose(name) {
+    if (this.selected !== name) this.select(name);
+  }
+
   did(undo) {
     this.done.push(undo);
     if (this.done.length > 200) this.done.shift();

@@ -111,7 +111,7 @@ export class Table {
     pill.textContent = object.name.replaceAll("-", " ");
     pill.setAttribute("aria-label", `${object.name.replaceAll("-", " ")}: ${object.preset.description}. Enter strikes.`);
     pill.addEventListener("pointerdown", (event) => event.button === 0 && this.touch.grab(event, object, pill));
-    pill.addEventListener("focus", () => this.scene.selected !== object.name && this.scene.select(object.name));
+    pill.addEventListener("focus", () => this.scene.choose(object.name));
     this.pills.append(pill);
     return pill;
   }

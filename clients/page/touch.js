@@ -44,7 +44,7 @@ export class Touch {
     else {
       pointer.kind = "touch";
       this.hands.strike(found.object, found.position, this.speed(event, found.object));
-      this.hands.scene.select(found.object.name);
+      this.hands.scene.choose(found.object.name);
       pointer.timer = setTimeout(() => this.hold(pointer), HOLD);
     }
     this.table.wake();
@@ -52,7 +52,7 @@ export class Touch {
 
   lift(pointer, object = pointer.object) {
     Object.assign(pointer, { kind: "lift", object, from: [object.x, object.y], touched: new Set() });
-    this.hands.scene.select(object.name);
+    this.hands.scene.choose(object.name);
   }
 
   /** Begin to move an object by its name. */
@@ -175,7 +175,7 @@ export class Touch {
     if (pointer.kind === "pull" && pointer.back) this.hands.strike(pointer.object, pointer.position, pointer.speed);
     if (pointer.kind === "carry" && pointer.over) {
       this.hands.drop(pointer.over.object, pointer.over.position, this.height(pointer));
-      this.hands.scene.select(pointer.over.object.name);
+      this.hands.scene.choose(pointer.over.object.name);
     }
     if (pointer.kind === "lift") this.put(pointer);
     this.leave(event.pointerId);

@@ -47,11 +47,11 @@ export function spectrum(sound) {
 
 export class Views {
   constructor(scene, sound) {
-    Object.assign(this, { scene, sound, peaks: [-200, -200], limited: 0, limits: 0, words: "" });
+    Object.assign(this, { scene, sound, peaks: [-200, -200], limited: 0, limits: 0, words: "", last: null });
     this.smooth = null;
     const { link } = scene;
     link.on("/meter", (...args) => this.meter(...args));
-    link.on("/force", (name, seconds, ...force) => this.force(name, seconds, force));
+    link.on("/force", (name, seconds, ...force) => (this.last = { name, seconds, force }));
     this.frame = () => this.draw();
     setInterval(() => document.hidden || draw(this.frame), EVERY);
   }
@@ -59,6 +59,8 @@ export class Views {
   draw() {
     this.spectrum();
     this.levels();
+    if (this.last) this.force(this.last);
+    this.last = null;
   }
 
   meter(sample, load, quality, limited, contacts, ...peaks) {
@@ -161,7 +163,7 @@ export class Views {
     g.globalAlpha = 1;
   }
 
-  force(name, seconds, force) {
+  force({ name, seconds, force }) {
     const canvas = document.getElementById("force");
     if (!canvas.clientHeight) return;
     const { g, w, h } = fitted(canvas);
