@@ -1,4 +1,4 @@
-"""Figures of friction: who gives energy that it never took, and what accuracy costs."""
+"""Figures of friction: energy that a method gives back though it never took it, and cost against accuracy."""
 
 import math
 from collections.abc import Callable, Iterable

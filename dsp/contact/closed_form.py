@@ -14,7 +14,7 @@ M_k = int f(t) P_k dt (N s) of the force with the Legendre polynomials P_k of th
 are exact, the others as heard by a mode at 0.95 of the Nyquist frequency within 1e-5 of the contact's momentum
 (-100 dB), and those from MOMENTS on weigh -98 dB there; both fall with the mode's frequency.
 
-Eight nodes are computed at once (numerics/elementary.py): all loops over nodes are such that LLVM makes SIMD of them.
+Eight nodes are computed at once (numerics/elementary.py): LLVM turns all loops over nodes into SIMD.
 """
 
 import math

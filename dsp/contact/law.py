@@ -51,7 +51,8 @@ def psi(z, log1p_z):
     r = z / (2.0 + z)
     square = r * r
     fourth = square * square
-    # Terms of odd and even n apart: two chains that the processor follows side by side; no loop, for who loops over z.
+    # Terms of odd and even n apart: two chains that the processor follows side by side. They are written out, so that a
+    # loop over z becomes SIMD.
     odd = (_SERIES[17] * fourth + _SERIES[15]) * fourth + _SERIES[13]
     odd = (odd * fourth + _SERIES[11]) * fourth + _SERIES[9]
     odd = (odd * fourth + _SERIES[7]) * fourth + _SERIES[5]

@@ -29,7 +29,7 @@ _STEPS, _FEW, _LAST = 10, 4, 25
 _HUM = 0.5  # of a mode's amplitude: what has that before the hit already is no mode
 _POOREST, _LEAST_FALL = -6.0, 15.0  # dB: the residual of what need not fall, the fall of what modes need not explain
 _SHORT_BLOW, _LONGEST_BLOW = 0.0015, 0.01  # s
-_MOST_DAMPED, _CLICK = 0.4, 1000.0  # of its angular frequency, and 1/s: a mode of more damping is a click
+_RINGING, _CLICK = 0.4, 1000.0  # of its angular frequency, and 1/s: a mode that decays faster is a click
 _STEADY = 60.0  # s, of a decay by 60 dB: what takes longer stands still
 _TELLS = 0.5  # s: in less, nobody can tell
 
@@ -164,7 +164,7 @@ def _fit(found: Sequence[Hit], blows: Sequence[Blow | None], count: int) -> Fit:
 
 def _begun(takes: Sequence[Array], s: Complex, rate: float, blows: Sequence[Blow | None]) -> list[Blow]:
     """Each take's blow, known or sought, where it begins; by the modes that ring, as clicks would explain any blow."""
-    early, rings = earliest(rate), -s.real < np.minimum(_MOST_DAMPED * s.imag, _CLICK / rate)
+    early, rings = earliest(rate), -s.real < np.minimum(_RINGING * s.imag, _CLICK / rate)
     s = s[rings] if rings.any() else s
     return [
         sought(take, s, rate, early) if blow is None else begun(take, s, rate, blow, early)

@@ -1,7 +1,7 @@
 """exp and log as polynomials: without a call, a branch or a table, so that loops over them become SIMD.
 
 exp(x) errs by less than 5e-16 + 4e-17 |x| of its value, log by less than 5e-16 of its value or of 1. Arguments must be
-finite, of exp they are held to +-700, of log they are normal positive numbers.
+finite. exp and expm1 hold theirs within -700 to 700; the argument of log must be a normal positive number.
 """
 
 import math
