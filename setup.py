@@ -35,7 +35,9 @@ class BuildWithCode(build_py):
     def run(self) -> None:
         super().run()
         if not self.editable_mode:
-            environment = os.environ | {"PYTHONPATH": str(Path(self.build_lib).resolve())}
+            # A front end that builds apart from what is installed, as pip does, says in PYTHONPATH where numba is.
+            paths = [str(Path(self.build_lib).resolve()), os.environ.get("PYTHONPATH")]
+            environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))}
             subprocess.run([sys.executable, "-c", BUILD, *COMPILED], env=environment, cwd=self.build_lib, check=True)
 
 

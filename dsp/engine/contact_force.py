@@ -10,7 +10,7 @@ from ..contact.closed_form import advance_pulse, begin_pulse, state_of_pulse
 from ..contact.coupled import ContactLaw, begin_coupled, begin_within, respond_with, step_coupled
 from ..contact.coupled_step import HELD
 from ..contact.sampled import begin_sampled, step_sampled
-from ..native.jit import kernel
+from ..native.jit import kernel, noinline_kernel
 from ..numerics.legendre import FINE, MOMENTS, add_held
 from ..resonator.bank import inject, inject_fine, observe, receptance
 from .contact_list import take_room_again
@@ -30,7 +30,7 @@ _PATIENCE = 3.0  # exact durations for which a sampled contact is followed: it m
 _FEWEST_STEPS = 20  # that it may take in any case
 
 
-@kernel
+@noinline_kernel
 def begin_contact(state, contact, pushed):
     """Begin to touch; where `pushed`, the striker's push acts meanwhile. False if there is no room for it."""
     state.stats.impacts += 1
@@ -149,7 +149,7 @@ def update_mode_count(state, contact):
     return changed
 
 
-@kernel
+@noinline_kernel
 def apply_contact_force(state, contact, frame):
     """Give the modes the force of a contact over the sample that ends at a frame of the quantum.
 

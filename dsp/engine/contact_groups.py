@@ -1,7 +1,7 @@
 """Contacts that share objects are solved together, sample by sample, where more than one is coupled to the modes."""
 
 from ..contact.coupled_group import GROUP, answer_with, step_together
-from ..native.jit import kernel
+from ..native.jit import kernel, noinline_kernel
 from ..numerics.legendre import FINE
 from ..resonator.bank import transfer_receptance
 from .contact_force import choose_tolerance, count_steps, drive, observe_points
@@ -11,7 +11,7 @@ from .state import COUPLING
 _CHEAP = 16  # the square of a group's size at which its equations cost as much as the rest of a step
 
 
-@kernel
+@noinline_kernel
 def solve_groups(state, frame):
     """Solve contacts over the sample that ends at a frame that share objects of `scratch.group`."""
     count = _find_candidates(state, frame)

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from ..native.jit import kernel
+from ..native.jit import kernel, noinline_kernel
 from ..native.records import field, set_field
 from ..schema import FORCE, STEERABLE, gestures_steered_by
 from .commands import KIND_BOUNCE, KIND_PRESS, KIND_ROLL, KIND_SLIDE, KIND_SPIN
@@ -34,7 +34,7 @@ _NEAR = np.array([1e-6 if name == "position" else 0.0 for name in STEERABLE])  #
 _POSITION = STEERABLE.index("position")
 
 
-@kernel
+@noinline_kernel
 def update_contacts(state, obj):
     """Bring an object's contacts to a new quantum: parameters glide, rolls go on, stopped gestures end."""
     before = -1
@@ -159,7 +159,7 @@ def _add_static(state, contact):
                 obj.static[channel] += contact.now.gain * contact.push * contact.static[side, channel]
 
 
-@kernel
+@noinline_kernel
 def _roll_on(state, index):
     """Compute a rolling or sliding body's force for a quantum; true if it has come to its end."""
     contact = state.contacts[index]
@@ -284,7 +284,7 @@ def run_contacts(state, obj, frame):
     _take_turns(state, obj)
 
 
-@kernel
+@noinline_kernel
 def _rub_all(state, obj, frame):
     """Give the modes the friction of all slides over the sample that ends at a frame, before other contacts: the force
     of a press that a slide feels is then always that of the last sample."""

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..native.atomics import load_acquire, store_release
-from ..native.jit import kernel
+from ..native.jit import kernel, noinline_kernel
 from ..native.records import set_field
 from ..schema import SETTINGS
 from .channels import ask_gains
@@ -143,7 +143,7 @@ def _note(state, number, time):
     store_release(notes.written, 0, written + 1)
 
 
-@kernel
+@noinline_kernel
 def carry_out(state, event):
     """Do what an event asks for."""
     state.queue.carried_out += 1

@@ -8,7 +8,7 @@ import math
 
 from ..contact.collocation import captured, elastic
 from ..contact.coupled import fly_on
-from ..native.jit import kernel
+from ..native.jit import kernel, noinline_kernel
 from .clearance import flight
 from .commands import KIND_BOUNCE, KIND_IMPACT, KIND_PRESS, KIND_SPIN
 from .contact_list import give_room_back, next_random, release_modes, report_end, schedule_contact
@@ -82,7 +82,7 @@ def _fly_off(state, contact, rebound, gap):
     return True
 
 
-@kernel
+@noinline_kernel
 def follow_coupled(state, contact, frame):
     """Look at a coupled contact after a sample: false where it is over."""
     coupled = contact.coupled
@@ -141,7 +141,7 @@ def is_gone(state, contact):
     return contact.aside == 2 and state.position >= contact.gone_at
 
 
-@kernel
+@noinline_kernel
 def call_back(state, obj, frame):
     """Look sooner at strikers that fly from an object, where another that began to touch may throw it after them."""
     index = obj.contact

@@ -3,7 +3,7 @@
 Objects that share a contact are rendered together, sample by sample; every other one by itself.
 """
 
-from ..native.jit import kernel
+from ..native.jit import kernel, noinline_kernel
 from ..resonator.bank import state_of
 from ..resonator.click import set_click
 from ..resonator.coefficients import set_mode, set_unfelt
@@ -149,7 +149,7 @@ def _mix(state, slot, voice):
         rest_strikers(state, obj)
 
 
-@kernel
+@noinline_kernel
 def retune_objects(state):
     """Give modes their coefficients: all of a touched object, of the others as many as the budget allows, in turn."""
     budget = _RETUNE_BUDGET

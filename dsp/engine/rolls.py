@@ -7,7 +7,7 @@ much later.
 
 import math
 
-from ..native.jit import kernel
+from ..native.jit import kernel, noinline_kernel
 from ..numerics.legendre import KEPT
 from ..resonator.bank import Drive, Point, inject_kept, ring, ring_driven
 from ..resonator.fed import LINE, REACH, feed_through, lay_blows, ring_fed, sample_force
@@ -17,7 +17,7 @@ from .objects import modes_of, place, shapes_of, weigh
 from .state import BEHIND, LEAD, QUANTUM
 
 
-@kernel
+@noinline_kernel
 def feed_on(state, contact):
     """Compute a rolling or sliding body's force up to LEAD frames behind this quantum's end."""
     roll, feed, samples = state.rolls[contact.roll], state.feeds[contact.roll], state.samples[contact.roll]

@@ -5,7 +5,7 @@ go from here to there and back exactly, at a quantum's beginning. All this depen
 commands alone, and so do the bits.
 """
 
-from ..native.jit import kernel
+from ..native.jit import kernel, noinline_kernel
 from ..spectral.layout import PHASES
 from ..spectral.places import empty_phase, has_room, put_in_order
 from ..spectral.synthesis import sum_bins, synthesize
@@ -38,7 +38,7 @@ def recall_struck(state, obj):
         index = contact.next
 
 
-@kernel
+@noinline_kernel
 def recall_objects(state):
     """Bring modes back that are touched in this quantum, and those that are to change, as many as the budget allows."""
     left = 0 if state.spectral.modes >= _UNWORTHY else _UNWORTHY
@@ -71,7 +71,7 @@ def _recall_partners(state, obj):
         index = state.contacts[index].next
 
 
-@kernel
+@noinline_kernel
 def ring_bank(state):
     """Have the phase whose turn it is begin its block, with the objects that ring freely now."""
     spectral = state.spectral

@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from ..native.jit import kernel
+from ..native.jit import kernel, noinline_kernel
 from ..numerics.legendre import FALL, MOMENTS, RISE
 from ..numerics.random import STEP, mixed
 from ..resonator.bank import Drive, Point, inject, inject_fine, inject_kept, ring, ring_driven, state_of
@@ -135,7 +135,7 @@ def _second_pulse(striker, contact):
     return min(momentum, v * math.sqrt(max(1.0 - e * e, 0.0) * contact.m / striker.mobility))
 
 
-@kernel
+@noinline_kernel
 def ring_strikers(state, obj, out, start, stop):
     """Add the strikers that sound on an object to its voice, from frame `start` to `stop`."""
     index = obj.voice

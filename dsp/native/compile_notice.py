@@ -10,7 +10,7 @@ from numba.core import event
 
 _LONG = 2.0  # s of compiling after which something is said
 _PERIOD = 0.5  # s between two looks
-_TRANSLATION = 0.72  # share of the time that passes take; then the optimiser runs, and tells nothing
+_TRANSLATION = 0.67  # share of the time that passes take; then the optimiser runs, and tells nothing
 _NEARLY = 0.9  # share of the passes after which a second without one means that the optimiser runs
 _WIDTH = 79  # characters of a terminal's line
 

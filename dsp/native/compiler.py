@@ -24,6 +24,10 @@ from .jit import CFunction
 from .platforms import assembly
 from .targets import Target
 
+# numba writes the types of all arguments as text before each of its passes, in case somebody asks. An engine's state
+# is a record of records: their texts, each with all its fields, took a quarter of the time.
+types.Record.__repr__ = lambda record: record.name
+
 
 class _Library(JITCodeLibrary):
     """Code whose functions are made small, and no more, before they are linked.
@@ -114,6 +118,16 @@ class _Translation(NativeLowering):
         return True
 
 
+@register_pass(mutates_CFG=True, analysis_only=False)
+class _TranslationApart(_Translation):
+    _name = "translation_of_a_kernel_that_is_not_inlined"
+
+    def run_pass(self, state: Any) -> bool:
+        super().run_pass(state)
+        state.library.get_function(state["cr"].fndesc.llvm_func_name).add_function_attribute("noinline")
+        return True
+
+
 def _compiler(lowering: type) -> type:
     """numba's usual compiler, but for its last step."""
 
@@ -131,20 +145,18 @@ def _compiler(lowering: type) -> type:
 _OF_C = _compiler(_Writing)
 """The `pipeline_class` for a function of C's: its code is only written down, to be made machine code of later."""
 
-# Without forceinline the error paths of calls stay in the compiled callback (and with them the Python API),
-# and a fresh and a cache-loaded compilation differ in bits.
-_SAFE: dict[str, Any] = {
-    "forceinline": True, "error_model": "numpy", "pipeline_class": _compiler(_Translation),
-    "no_cpython_wrapper": True, "no_cfunc_wrapper": True,
-}  # fmt: skip
+_SAFE: dict[str, Any] = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+_INLINED: dict[str, Any] = {"forceinline": True, "pipeline_class": _compiler(_Translation)}
+_APART: dict[str, Any] = {"forceinline": False, "pipeline_class": _compiler(_TranslationApart)}
 
 # What the modal sums need to become SIMD reductions; closed forms are compiled without it.
 _REASSOCIATE = {"contract", "reassoc", "nsz"}
 
 
-def part(function: Callable[..., Any], simd: bool) -> Any:
+def part(function: Callable[..., Any], simd: bool, inlined: bool) -> Any:
     """A kernel for numba: translated where another function calls it."""
-    compiled = njit(**_SAFE, fastmath=_REASSOCIATE)(function) if simd else njit(**_SAFE)(function)
+    settings = _SAFE | (_INLINED if inlined else _APART) | ({"fastmath": _REASSOCIATE} if simd else {})
+    compiled = njit(**settings)(function)
     resolve = compiled.get_call_template
 
     # To numba a number that is written out is a type of its own, for which a kernel would be translated once more.

@@ -43,15 +43,15 @@ carray: Any = Later("numba", "carray")
 class Kernel:
     """A function that is compiled into others. Called from Python, it runs as a function of its own."""
 
-    def __init__(self, function: Callable[..., Any], simd: bool) -> None:
+    def __init__(self, function: Callable[..., Any], simd: bool = False, inlined: bool = True) -> None:
         functools.update_wrapper(self, function)
         self.py_func = function
-        self._simd = simd
+        self._settings = simd, inlined
 
     @functools.cached_property
     def part(self) -> Any:
         """The kernel as numba links it into what calls it."""
-        return import_module(f"{__package__}.compiler").part(self.py_func, self._simd)
+        return import_module(f"{__package__}.compiler").part(self.py_func, *self._settings)
 
     @functools.cached_property
     def whole(self) -> Any:
@@ -68,7 +68,16 @@ class Kernel:
 
 def kernel(function: Callable[..., Any]) -> Any:
     """Decorator: a kernel with strict IEEE arithmetic."""
-    return Kernel(function, simd=False)
+    return Kernel(function)
+
+
+def noinline_kernel(function: Callable[..., Any]) -> Any:
+    """Decorator: a kernel that stays a function of its own in the one that calls it.
+
+    For large ones that run per block, per event or per contact and sample: LLVM's passes take more than in proportion
+    to a function's length.
+    """
+    return Kernel(function, inlined=False)
 
 
 def simd_kernel(function: Callable[..., Any]) -> Any:

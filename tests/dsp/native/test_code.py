@@ -6,11 +6,12 @@ import subprocess
 import sys
 import threading
 
+import llvmlite.binding as llvm
 import platformdirs
 import pytest
 
 from carom.dsp.native import code, targets
-from carom.dsp.native.code import compiled, key, load, sources
+from carom.dsp.native.code import bitcode, compiled, key, load, sources
 from carom.dsp.native.targets import LEVELS, Target, processors, system
 
 FILES = {
@@ -55,6 +56,14 @@ def test_an_edit_of_a_file_that_is_not_imported_keeps_the_key(package, name):
     before = key("kernels.callback")
     (package / name).write_text(FILES[name] + "# edited\n")
     assert key("kernels.callback") == before
+
+
+@pytest.mark.slow
+def test_no_function_of_the_engine_is_too_long():
+    """LLVM takes more than in proportion to a function's length; `noinline_kernel` cuts functions."""
+    engine = llvm.parse_bitcode(bitcode("carom.dsp.runtime.callback"))
+    lengths = [sum(len(list(block.instructions)) for block in each.blocks) for each in engine.functions]
+    assert sum(lengths) > 50_000 and max(lengths) < 30_000, sorted(lengths)[-5:]
 
 
 @pytest.mark.slow
