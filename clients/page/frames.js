@@ -1,6 +1,6 @@
 // When to draw: all that is looked at in one frame, and frames so seldom that a finger hardly ever waits for one.
 
-const SHARE = 0.2; // of the time that frames may take
+const SHARE = 0.1; // of the time that frames may take
 const FOLLOWED = 0.1; // of the difference by which a frame changes the mean cost
 const waiting = new Set();
 const after = new MessageChannel();

@@ -61,9 +61,10 @@ function setUpSound(link, sound) {
   link.on("/status.reply", (...values) => {
     const device = values[values.indexOf("device") + 1];
     if (device !== "none" && device !== "page") return;
-    // Nothing else plays the sound: the first touch of the page makes it heard. Browsers ask for a touch.
+    // Nothing else plays the sound: the first touch of the page makes it heard, once its message is on its way, as a
+    // browser takes 50 ms to begin. Browsers ask for a touch.
     for (const type of ["pointerdown", "keydown"]) {
-      addEventListener(type, (event) => event.target !== $("sound") && !sound.isHeard && switchTo(true), { once: true, capture: true });
+      addEventListener(type, (event) => event.target !== $("sound") && !sound.isHeard && switchTo(true), { once: true });
     }
   });
   link.addEventListener("open", () => link.send("/status"), { once: true });

@@ -9,10 +9,12 @@ export class Table {
   constructor(main, scene) {
     this.main = main;
     this.scene = scene;
+    this.bodies = main.querySelector("#bodies");
     this.stage = main.querySelector("#stage");
     this.pills = main.querySelector("#pills");
     this.g = this.stage.getContext("2d");
     this.pictures = new Map();
+    this.laid = "";
     this.marks = new Marks(this);
     this.touch = null;
     this.frame = () => this.draw();
@@ -26,12 +28,13 @@ export class Table {
   fit() {
     const { clientWidth, clientHeight } = this.main;
     const dense = Math.min(window.devicePixelRatio || 1, 3);
-    Object.assign(this.stage, { width: clientWidth * dense, height: clientHeight * dense });
+    for (const each of [this.bodies, this.stage]) Object.assign(each, { width: clientWidth * dense, height: clientHeight * dense });
     this.w = clientWidth;
     this.h = clientHeight;
     this.dense = dense;
     this.scale = Math.max(0.42, Math.min(2.6, Math.min(this.w / 760, this.h / 560, Math.sqrt(this.w * this.h) / 650)));
     this.pictures.clear();
+    this.laid = "";
     this.arrange();
   }
 
@@ -121,47 +124,69 @@ export class Table {
   }
 
   draw() {
-    const { g, dense } = this;
+    const { g } = this;
     if (!this.w) return;
-    g.setTransform(dense, 0, 0, dense, 0, 0);
-    g.clearRect(0, 0, this.w, this.h);
+    this.lay();
+    this.clear(g);
     let busy = this.marks.busy;
     for (const object of this.scene.objects.values()) {
       const glow = this.scene.glow(object);
       busy ||= glow > 0;
-      this.drawObject(object, glow);
+      if (glow > 0) this.drawRinging(object, glow);
     }
     this.marks.draw(g);
     this.touch?.rest();
     if (busy || this.touch?.pointers.size) this.wake();
   }
 
-  drawObject(object, glow) {
+  clear(g) {
+    g.setTransform(this.dense, 0, 0, this.dense, 0, 0);
+    g.clearRect(0, 0, this.w, this.h);
+  }
+
+  /** Draw the objects as they are at rest, on a canvas below, if they are others or elsewhere than before. */
+  lay() {
+    const objects = [...this.scene.objects.values()];
+    const { theme } = document.documentElement.dataset;
+    const spots = objects.map(({ name, preset, x, y }) => [name, preset.name, x, y]);
+    const laid = JSON.stringify([theme, this.scene.selected, spots]);
+    if (laid === this.laid) return;
+    this.laid = laid;
+    const g = this.bodies.getContext("2d");
+    this.clear(g);
+    for (const object of objects) {
+      if (object.name === this.scene.selected) this.marks.selection(g, object, ...this.middle(object));
+      this.drawPicture(g, object);
+    }
+  }
+
+  drawPicture(g, object) {
+    const [x, y] = this.middle(object);
+    const { image, w, h } = this.picture(object);
+    g.drawImage(image, x - w / 2, y - h / 2, w, h);
+  }
+
+  drawRinging(object, glow) {
     const { g, scale } = this;
     const [x, y] = this.middle(object);
-    const picture = this.picture(object);
     const style = getComputedStyle(document.documentElement);
-    if (glow > 0) {
-      g.save();
-      g.globalAlpha = 0.55 * glow;
-      const r = (Math.hypot(object.body.w, object.body.h) / 2) * scale * (1.15 + 0.25 * glow);
-      const halo = g.createRadialGradient(x, y, r * 0.25, x, y, r);
-      halo.addColorStop(0, style.getPropertyValue("--glow"));
-      halo.addColorStop(1, "transparent");
-      g.fillStyle = halo;
-      g.fillRect(x - r, y - r, 2 * r, 2 * r);
-      g.restore();
-    }
-    if (object.name === this.scene.selected) this.marks.selection(g, object, x, y);
-    g.drawImage(picture.image, x - picture.w / 2, y - picture.h / 2, picture.w, picture.h);
-    if (glow > 0 && object.modes) {
-      g.save();
-      g.translate(x, y);
-      g.scale(scale, scale);
-      g.globalCompositeOperation = "lighter";
-      this.drawModes(object, glow);
-      g.restore();
-    }
+    g.save();
+    g.globalAlpha = 0.55 * glow;
+    const r = (Math.hypot(object.body.w, object.body.h) / 2) * scale * (1.15 + 0.25 * glow);
+    const halo = g.createRadialGradient(x, y, r * 0.25, x, y, r);
+    halo.addColorStop(0, style.getPropertyValue("--glow"));
+    halo.addColorStop(1, "transparent");
+    g.fillStyle = halo;
+    g.fillRect(x - r, y - r, 2 * r, 2 * r);
+    g.restore();
+    this.drawPicture(g, object);
+    if (!object.modes) return;
+    g.save();
+    g.translate(x, y);
+    g.scale(scale, scale);
+    g.globalCompositeOperation = "lighter";
+    this.drawModes(object, glow);
+    g.restore();
   }
 
   /** How far each part of an object swings now, as light: the sum of its loud modes' shapes. */
