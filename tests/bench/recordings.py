@@ -27,7 +27,8 @@ ONSET = 0.05  # of the highest sample
 Pair = tuple[str, str, dict[str, float]]
 """A recording's name, a preset's, and what the object is given beside so that it is of the recording's size.
 
-A ride is as thick as 2.2 kg on 20 inches are, a splash as 250 g on 10 inches.
+The tubular bell has the partials of the recording (carom fit). A ride is as thick as 2.2 kg on 20 inches are, a splash
+as 250 g on 10 inches.
 """
 
 PAIRS: tuple[Pair, ...] = (
@@ -35,7 +36,7 @@ PAIRS: tuple[Pair, ...] = (
     ("Xylophone C 6", "xylophone-bar", {}),
     ("Marimba C 5", "marimba-bar", {}),
     ("Vibraphone A4", "vibraphone-bar", {"tune": 4.0}),
-    ("Tubular Bells C7", "tubular-bell", {"length": 0.93}),
+    ("Tubular Bells C7", "tubular-bell", {"length": 0.492, "diameter": 0.016, "wall": 0.00063}),
     ("Tom Floor", "tom", {"tune": -4.0}),
     ("Tom Low", "tom", {"tune": 1.0}),
     ("Tom Med", "tom", {"tune": 4.0}),
