@@ -185,7 +185,7 @@ BANK = np.dtype(
 
 SCRATCH = np.dtype(
     [
-        ("work", np.float64, 3 * MODES_PER_OBJECT + FINE * LANES),
+        ("work", np.float64, 3 * MODES_PER_OBJECT),
         ("voices", np.float64, (OBJECTS, 2, QUANTUM)),  # of the objects that are rendered together
         ("share", np.float64, QUANTUM),  # of one object in one channel
         ("spectrum", np.float64, (2, MODES_PER_OBJECT)),

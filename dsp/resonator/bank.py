@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from ..native.jit import kernel, simd_kernel
 from ..numerics.legendre import FINE
-from .simd import LANES, STRETCH, add_product, dot, push, ring_pushed
+from .simd import HALF, LANES, STRETCH, add_product, dot, push, put_projections, ring_pushed
 
 Array = NDArray[Any]
 
@@ -217,7 +217,7 @@ def _inject(modes, point, m):
 def observe(modes, point, work, coefficients):
     """The point's displacement (m) over the coming sample, if no force acts: FINE Legendre coefficients.
 
-    `work` (float64) has room for 3 n + FINE LANES values, n being the number of modes.
+    `work` (float64) has room for 3 n values, n being the number of modes.
     """
     y1, y2, a1, a2, response = modes.y1, modes.y2, modes.a1, modes.a2, modes.response
     n = len(y1)
@@ -291,21 +291,10 @@ def _shapes(n, point, work):
 @simd_kernel
 def project(n, response, work, coefficients):
     """coefficients[k] = (-1)^k sum (A_i Im R_ik + B_i Im(R_ik exp(-s_i))), A and B behind the shapes in `work`."""
-    totals = work[3 * n : 3 * n + FINE * LANES]
-    for k in range(FINE * LANES):
-        totals[k] = 0.0
-    for first in range(0, n, LANES):
-        group = first // LANES * RESPONSES
-        here = dot(work, n + first, 0, (1.0,))
-        before = dot(work, 2 * n + first, 0, (1.0,))
-        for k in range(FINE):
-            add_product(totals, k * LANES, here, dot(response, group + 2 * k * LANES, 0, (1.0,)))
-            add_product(totals, k * LANES, before, dot(response, group + (2 * k + 1) * LANES, 0, (1.0,)))
-    for k in range(FINE):
-        total = 0.0
-        for i in range(LANES):
-            total += totals[k * LANES + i]
-        coefficients[k] = -total if k % 2 == 1 else total
+    for first in range(0, FINE, HALF):
+        put_projections(coefficients, first, response, 2 * first * LANES, RESPONSES, work, n)
+    for k in range(1, FINE, 2):
+        coefficients[k] = -coefficients[k]
 
 
 @kernel

@@ -6,13 +6,16 @@ It can't know that what is written lies nowhere in the tables. Here all is read 
 from typing import Any
 
 from ..native.jit import cgutils, intrinsic, ir, types
-from ..numerics.legendre import KEPT
+from ..numerics.legendre import FINE, KEPT
 
 LANES = 8
 """Modes are handled in groups of this many: one AVX-512 register of float64, two or four of narrower machines."""
 
 STRETCH = 4
 """Samples that driven modes ring at a time, so that their tables are read once for all of them."""
+
+HALF = FINE // 2
+"""Sums that `put_projections` takes at a time: as many as have room in the registers."""
 
 _REASSOCIATE = ("contract", "reassoc", "nsz")
 
@@ -269,3 +272,38 @@ def inner_products(typingctx, array, first, step, factors):
         return cgutils.pack_array(builder, [builder.extract_element(sums, _i32(n)) for n in range(LANES)])
 
     return _lanes()(array, types.intp, types.intp, factors), codegen
+
+
+@intrinsic
+def put_projections(typingctx, out, begin, table, first, step, work, size):
+    """out[begin + k] = sum_i work[size + i] table[at_i + 2 k LANES] + work[2 size + i] table[at_i + (2 k + 1) LANES]
+    for k below HALF.
+
+    Mode i has at_i = first + (i // LANES) step + i % LANES; size: of the modes, a multiple of LANES.
+    """
+
+    def codegen(context, builder, signature, args):
+        out, begin, table, first, step, work, size = args
+
+        def load(n, array, at):
+            return builder.load(_pointer(context, builder, signature.args[n], array, at), align=8)
+
+        zero = ir.Constant(_vector_type(), None)
+        totals = [cgutils.alloca_once_value(builder, zero) for _ in range(HALF)]
+        with cgutils.for_range_slice(builder, _i64(0), size, _i64(LANES)) as (i, count):
+            at = builder.add(first, builder.mul(count, step))
+            for s in range(2):
+                factor = load(5, work, builder.add(i, builder.mul(size, _i64(s + 1))))
+                for k, total in enumerate(totals):
+                    row = load(2, table, builder.add(at, _i64((2 * k + s) * LANES)))
+                    product = builder.fmul(factor, row, flags=_REASSOCIATE)
+                    builder.store(builder.fadd(builder.load(total), product, flags=_REASSOCIATE), total)
+        sums = _gathered(builder, [builder.load(total) for total in totals] + [zero] * (LANES - HALF))
+        target = context.make_array(signature.args[0])(context, builder, out).data
+        for k in range(HALF):
+            place = builder.gep(target, [builder.add(begin, _i64(k))])
+            builder.store(builder.extract_element(sums, _i32(k)), place)
+        return context.get_dummy_value()
+
+    arguments = (out, types.intp, table, types.intp, types.intp, work, types.intp)
+    return types.void(*arguments), codegen

@@ -144,7 +144,7 @@ def bank_of(case: Case) -> Bank:
     start = np.stack([z.imag, (z.imag * np.cos(angle) - z.real * np.sin(angle)) * np.exp(sigma / case.rate)])
     point = Point(shape.ravel(), n, 0, np.array([0.0, 1.0, 0.0, 0.0]))
     seen, moments = np.zeros((2, FINE))
-    return Bank(modes, point, start, frequency, sigma, np.zeros(3 * n + FINE * LANES), seen, moments)
+    return Bank(modes, point, start, frequency, sigma, np.zeros(3 * n), seen, moments)
 
 
 @kernel

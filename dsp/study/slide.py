@@ -118,7 +118,7 @@ def _bank_of(rub: Rub) -> _Bank:
     before = z * np.exp((sigma[:count] - 1j * omega[:count]) / rub.rate)
     y1[:count], y2[:count] = z.imag, before.imag
     point = Point(shape.ravel(), n, 0, np.array([0.25, 0.25, 0.25, 0.25]))
-    work = np.zeros(3 * n + FINE * LANES)
+    work = np.zeros(3 * n)
     return _Bank(modes, point, np.zeros(ROWS * n), work, np.zeros((2, FINE)), np.zeros((2, 1)), omega, sigma)
 
 
