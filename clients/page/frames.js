@@ -1,4 +1,4 @@
-// When to draw: all that is looked at in one frame, and frames so seldom that a finger hardly ever waits for one.
+// When to draw: one picture in a frame, and frames so seldom that a finger hardly ever waits for one, and never for long.
 
 const SHARE = 0.1; // of the time that frames may take
 const FOLLOWED = 0.1; // of the difference by which a frame changes the mean cost
@@ -8,7 +8,7 @@ let asked = false;
 let ended = 0; // ms
 let cost = 4; // ms of a frame, with what the browser itself does for it
 
-/** Have a function called in the next frame: once, however often it is asked for. */
+/** Have a function called in a frame soon, after those that were asked for before: once, however often that is. */
 export function draw(picture) {
   waiting.add(picture);
   ask();
@@ -24,10 +24,13 @@ function ask() {
 
 function frame() {
   const begun = performance.now();
-  const pictures = [...waiting];
-  waiting.clear();
-  for (const picture of pictures) picture();
-  after.port2.postMessage(begun); // comes back when the browser is done with the frame
+  const [picture] = waiting;
+  waiting.delete(picture);
+  try {
+    picture();
+  } finally {
+    after.port2.postMessage(begun); // comes back when the browser is done with the frame
+  }
 }
 
 after.port1.onmessage = ({ data: begun }) => {
