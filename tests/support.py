@@ -56,11 +56,14 @@ class Jack:
     def kill(self) -> None:
         """End it without its taking leave of anyone."""
         assert self.process
-        self.process.kill()  # its place in JACK's registry is free once it is started again
+        self.process.kill()
         self.process.wait()
 
     def stop(self) -> None:
+        """End it. One that was killed is started once more: else it would keep one of JACK's eight places for good."""
         if self.process:
+            if self.process.poll() is not None:
+                self.start(256)
             self.process.send_signal(signal.SIGCONT)
             self.process.terminate()
             self.process.wait(timeout=10)
