@@ -163,6 +163,10 @@ class Actions(ABC):
         """Set the accuracy of later contacts with objects that yield: -40, -60 (dB, the default), -80 or "exact"."""
         self.send("/accuracy", level, at=at)
 
+    def bank(self, form: str, at: SupportsFloat | None = None) -> None:
+        """Choose what freely ringing modes are kept in: "float64" (the default) or "float32", for half the cost."""
+        self.send("/bank", form, at=at)
+
     def budget(self, steps: int, modes: int, at: SupportsFloat | None = None) -> None:
         """Bound coupled contacts: steps per sample of each, on average, and modes coupled at once; 0: any number."""
         self.send("/budget", steps, modes, at=at)

@@ -266,6 +266,8 @@ SETTINGS = {
 
 # What can be set of the whole.
 CHANNELS = Parameter("channels", 1, 64, "", "of the output; 2: left and right, else a ring", default=2, whole=True)
+FORMS = ("float64", "float32")
+"""Numbers that the spectral bank can keep its modes in; their places are their numbers."""
 MAIN_GAIN = Parameter("gain", -120.0, 40.0, "dB", "of everything", default=0.0, useful=(-40.0, 12.0))
 STEPS = Parameter(
     "steps", 0, 1_000_000, "", "per sample that a coupled contact may take on average; 0: as many as it needs",

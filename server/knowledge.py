@@ -53,6 +53,8 @@ class Knowledge:
             return ["on" if engine.limiter else "off"]
         if path == "/accuracy":
             return [engine.accuracy]
+        if path == "/bank":
+            return [engine.bank]
         return [int(engine.quality)] if path == "/quality" else None
 
     def catalogue(self) -> dict[str, Any]:

@@ -6,7 +6,8 @@ from pathlib import Path
 from ..dsp.engine.capacity import MODES, OBJECTS, USUAL_MODES, USUAL_OBJECTS
 from ..dsp.engine.commands import Command, Kind
 from ..dsp.runtime.engine import NOW, Engine
-from ..dsp.schema import CHANNELS, MAIN_GAIN
+from ..dsp.schema import CHANNELS, FORMS, MAIN_GAIN
+from ..dsp.wording import expected
 from .osc.wire import DEFAULT_PORT, Argument, Message
 from .render import HIGHEST_RATE, LOWEST_RATE
 
@@ -29,8 +30,8 @@ class Options:
     (None: its lowest), rate in Hz, block in frames (0: the device's), files to record the sound and to log the events
     to, folders of presets, the arguments of a /contact to begin with, a port for HTTP (None: none, 0: any free
     one), the folder of the page that is there beside OSCQuery (None: no page), whether it goes over TLS, with the
-    certificate of which file (None: one that is made), channels, the main gain in dB, whether the limiter is on, and
-    for how many modes and objects there is room."""
+    certificate of which file (None: one that is made), channels, the main gain in dB, whether the limiter is on, for
+    how many modes and objects there is room, and what the spectral bank keeps its modes in."""
 
     port: int = DEFAULT_PORT
     bind: str = "127.0.0.1"
@@ -51,6 +52,7 @@ class Options:
     limiter: bool = True
     modes: int = USUAL_MODES
     objects: int = USUAL_OBJECTS
+    bank: str = FORMS[0]
 
     def __post_init__(self) -> None:
         for name, value, low, high in (
@@ -67,6 +69,8 @@ class Options:
                 raise ServeError(f"{name} = {value:g}: expected {low:g} to {high:g}")
         if self.latency is not None and not 0 <= self.latency <= _LONGEST_LATENCY:
             raise ServeError(f"latency = {self.latency:g}: expected 0 to {_LONGEST_LATENCY:g} s")
+        if self.bank not in FORMS:
+            raise ServeError(f"bank = {self.bank}: {expected(self.bank, FORMS)}")
 
     def engine(self) -> Engine:
         """An engine that begins with them."""
@@ -74,7 +78,8 @@ class Options:
         gain = Command(NOW, Kind.GAIN, value=MAIN_GAIN.in_engine(self.gain))
         steps, modes = BUDGET
         budget = Command(NOW, Kind.BUDGET, values={"steps": steps, "modes": modes})
-        engine.send([gain, Command(NOW, Kind.LIMITER, value=self.limiter), budget])
+        bank = Command(NOW, Kind.BANK, value=FORMS.index(self.bank))
+        engine.send([gain, Command(NOW, Kind.LIMITER, value=self.limiter), budget, bank])
         return engine
 
     @property
@@ -83,5 +88,5 @@ class Options:
         limiter = "on" if self.limiter else "off"
         return [
             Message("/channels", (self.channels,)), Message("/limiter", (limiter,)), Message("/gain", (self.gain,)),
-            Message("/budget", BUDGET),
+            Message("/budget", BUDGET), Message("/bank", (self.bank,)),
         ]  # fmt: skip

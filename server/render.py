@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from ..dsp.engine.capacity import MODES, OBJECTS, STEMS
 from ..dsp.engine.state import QUANTUM, RING
 from ..dsp.runtime.engine import Engine
-from ..dsp.schema import CHANNELS, MAIN_GAIN, Parameter
+from ..dsp.schema import CHANNELS, FORMS, MAIN_GAIN, Parameter
+from ..dsp.wording import expected
 from ..presets import Presets
 from .files.spool import Spool, StemSpools
 from .files.whole import RenderError, require_format, writing
@@ -44,9 +45,10 @@ class Options:
     """How to render: rate in Hz, block in frames, sample format 16, 24 or float (None: 24 for FLAC, else float),
     seconds (None: until silence), and the arguments of a /contact to begin with.
 
-    channels, gain (dB) and limiter hold from the start, in place of what the score says of them at time 0 (None: as it
-    says, else 2 channels, 0 dB, and on). calibrated: samples are pascals, without a limiter, as floats. normalize: the
-    peak (dBFS) to which the whole is brought; without a limiter, unless one is asked for.
+    channels, gain (dB), limiter and bank (one of FORMS) hold from the start, in place of what the score says of them at
+    time 0 (None: as it says, else 2 channels, 0 dB, on, and float64). calibrated: samples are pascals, without a
+    limiter, as floats. normalize: the peak (dBFS) to which the whole is brought; without a limiter, unless one is asked
+    for.
     """
 
     rate: int = 48_000
@@ -59,6 +61,7 @@ class Options:
     limiter: bool | None = None
     calibrated: bool = False
     normalize: float | None = None
+    bank: str | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.rate, SupportsIndex) or not LOWEST_RATE <= int(self.rate) <= HIGHEST_RATE:
@@ -70,6 +73,8 @@ class Options:
             raise RenderError(f"seconds = {self.seconds:g}: expected at least a frame and at most {LONGEST_SCORE}")
         for number, value in ((CHANNELS, self.channels), (MAIN_GAIN, self.gain), (_PEAK, self.normalize)):
             require(number, value)
+        if self.bank not in (None, *FORMS):
+            raise RenderError(f"bank = {self.bank}: {expected(str(self.bank), FORMS)}")
         if self.calibrated:
             self._require_pascals()
 
@@ -89,6 +94,7 @@ class Options:
             *([Message("/contact", self.contact)] if self.contact else []),
             *([Message("/limiter", ("on" if limiter else "off",))] if limiter is not None else []),
             *([Message("/gain", (self.gain,))] if self.gain is not None else []),
+            *([Message("/bank", (self.bank,))] if self.bank is not None else []),
         ]
 
     def gain_of(self, peak: float, warn: Callable[[str], object]) -> float:

@@ -144,7 +144,9 @@ def mode_levels(engine: Engine, slot: int) -> NDArray[np.float64]:
     first = int(obj["first"])
     part = slice(first, first + min(int(obj["live"]), int(obj["felt"])))
     if obj["spectral"]:
-        return levels_of(engine.state["spectral"][0], bank["place"][part]) / float(obj["spectral_gain"]) ** 2
+        phase = int(obj["spectral"]) - 1
+        squares = levels_of(engine.state["spectral"][0], phase, bank["bin"][part], bank["place"][part])
+        return squares / float(obj["spectral_gain"]) ** 2
     y1, y2, a1, a2 = (bank[name][part] for name in ("y1", "y2", "a1", "a2"))
     scale = 4.0 * a2 + a1 * a1
     square = (y1 * y1 - a1 * y1 * y2 - a2 * y2 * y2) * 4.0 * a2

@@ -22,6 +22,7 @@ _LAW, _PULSE = "dsp/contact/test_law.py", "dsp/contact/test_pulse.py"
 _CLOSED, _COUPLED = "dsp/contact/test_closed_form.py", "dsp/contact/test_coupled.py"
 _BOUNCE, _ROLL = "dsp/engine/test_bounce.py", "dsp/rolling/test_body.py"
 _SOUND = "presets/test_sound.py"
+_FREE = "dsp/spectral/test_synthesis.py"
 
 RELEASE = Promise("release velocity, mu v from 1e-12 to 1e6", "mpmath, 50 digits", 1e-15, "relative", _LAW)
 COMPRESSION = Promise("compression x(v), where v determines it", "mpmath, 50 digits", 2e-13, "relative", _LAW)
@@ -83,6 +84,12 @@ ROLL_DRIVEN = Promise(
     "sound below 20 kHz of modes that a roll drives, at rest or moving", "the same force by its moments", -80.0, "dB",
     "dsp/resonator/test_fed.py",
 )  # fmt: skip
+RINGING = {
+    form: Promise(
+        f"modes that ring freely for ten seconds, in {form}", "damped sines", bound, "dB of a block's peak", _FREE
+    )
+    for form, bound in (("float64", -115.0), ("float32", -95.0))
+}
 ROLL_START = Promise("a roll's force over its first 10 ms", "DOP853", 1e-3, "of its peak", _ROLL)
 ROLL_RATES = Promise("impulses of a roll at 44.1, 48 and 96 kHz", "each other", 1e-9, "relative", _ROLL)
 TIMOSHENKO = Promise(

@@ -49,6 +49,12 @@ def contact(arguments: argparse.Namespace) -> tuple[str | int, ...]:
     )
 
 
+def add_bank(parser: argparse.ArgumentParser, default: str | None, otherwise: str) -> None:
+    """Add the option for what the spectral bank keeps its modes in; otherwise: what it is where none is given."""
+    text = f"numbers that freely ringing modes are kept in: float64, or float32 for speed ({otherwise})"
+    parser.add_argument("--bank", default=default, metavar="FORM", help=text)
+
+
 def add_presets(parser: argparse.ArgumentParser) -> None:
     """Add the option for folders of presets."""
     text = "folder of your own presets: objects/, strikers/, materials/, surfaces/; may be given more than once"

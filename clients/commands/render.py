@@ -10,7 +10,7 @@ from threading import Event
 from typing import TYPE_CHECKING
 
 from ..errors import tell
-from .options import RATE, SWITCH, add_contact, add_presets, contact, on_end, processors, switch
+from .options import RATE, SWITCH, add_bank, add_contact, add_presets, contact, on_end, processors, switch
 from .parser import Command, number, one_of, whole
 
 if TYPE_CHECKING:
@@ -46,6 +46,7 @@ def _options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--limiter", **SWITCH, help="keep within full scale (as the score says, else on)")
     normalize = f"bring the whole to this peak ({PEAK:g} if none is given), without a limiter unless it is on"
     parser.add_argument("--normalize", type=number, nargs="?", const=PEAK, metavar="DBFS", help=normalize)
+    add_bank(parser, None, "as the score says, else float64")
     add_contact(parser)
     add_presets(parser)
 
@@ -57,7 +58,7 @@ def _run(arguments: argparse.Namespace) -> int:
     from ...server.render import Options
     from ..rendering import make_folders, render_all, tasks
 
-    keys = ("rate", "block", "format", "seconds", "channels", "gain", "calibrated", "normalize")
+    keys = ("rate", "block", "format", "seconds", "channels", "gain", "calibrated", "normalize", "bank")
     given = {key: getattr(arguments, key) for key in keys}
     options = Options(**given, contact=contact(arguments), limiter=switch(arguments.limiter))
     todo = tasks(arguments.scores, arguments.out, arguments.plot, arguments.stems)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from ...server.osc.wire import DEFAULT_PORT
 from ..actions import CommandError
-from .options import RATE, SWITCH, add_contact, add_presets, contact, on_end
+from .options import RATE, SWITCH, add_bank, add_contact, add_presets, contact, on_end
 from .parser import Command, number, whole
 
 if TYPE_CHECKING:
@@ -23,6 +23,12 @@ PAGE_PORT = 57141
 """Of the page, where no other is given."""
 PAGE = Path(__file__).parents[1] / "page"
 """The page's files."""
+
+_KEPT = (
+    "port", "bind", "device", "latency", "rate", "block", "record", "log", "channels", "gain", "modes", "objects",
+    "bank",
+)  # fmt: skip
+"""The options that the server takes as they are given."""
 
 _TRIM_THRESHOLD, _MMAP_THRESHOLD, _ARENA_MAX = -1, -3, -8
 """Parameters of mallopt(3)."""
@@ -64,6 +70,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--objects", type=whole, default=512, metavar="N", help="room for objects (%(default)s, at most 16384)"
     )
+    add_bank(parser, "float64", "%(default)s")
     add_contact(parser)
     add_presets(parser)
 
@@ -85,22 +92,8 @@ def serve(arguments: argparse.Namespace, on_start: Callable[[Server], object]) -
         raise CommandError("page, oscquery: expected one of the two, as the page's port answers OSCQuery, too")
     if (arguments.tls or arguments.certificate) and arguments.page is None:
         raise CommandError("tls, certificate: expected with --page, as nothing else goes over https")
-    keys = (
-        "port",
-        "bind",
-        "device",
-        "latency",
-        "rate",
-        "block",
-        "record",
-        "log",
-        "channels",
-        "gain",
-        "modes",
-        "objects",
-    )
     options = Options(
-        **{key: getattr(arguments, key) for key in keys},
+        **{key: getattr(arguments, key) for key in _KEPT},
         web=arguments.oscquery if arguments.page is None else arguments.page,
         page=None if arguments.page is None else PAGE,
         tls=arguments.tls,

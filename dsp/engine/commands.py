@@ -44,6 +44,7 @@ class Kind(IntEnum):
     PLACE = 17  # an object, by a gain of its own (value) in a channel; channel -1: by its pan again
     BUDGET = 18  # of contacts that are coupled to modes
     SLIDE = 19  # as ROLL
+    BANK = 20  # value: a place in schema.FORMS
 
 
 # The same as plain numbers, which kernels compare with.
@@ -54,7 +55,7 @@ KIND_STEER, KIND_STOP, KIND_SET = int(Kind.STEER), int(Kind.STOP), int(Kind.SET)
 KIND_PANIC, KIND_SYNC, KIND_METHOD = int(Kind.PANIC), int(Kind.SYNC), int(Kind.METHOD)
 KIND_ACCURACY, KIND_QUALITY = int(Kind.ACCURACY), int(Kind.QUALITY)
 KIND_GAIN, KIND_LIMITER, KIND_PLACE = int(Kind.GAIN), int(Kind.LIMITER), int(Kind.PLACE)
-KIND_BUDGET, KIND_SLIDE = int(Kind.BUDGET), int(Kind.SLIDE)
+KIND_BUDGET, KIND_SLIDE, KIND_BANK = int(Kind.BUDGET), int(Kind.SLIDE), int(Kind.BANK)
 
 GESTURE_KINDS = (Kind.IMPACT, Kind.BOUNCE, Kind.ROLL, Kind.PRESS, Kind.SPIN, Kind.SLIDE)
 """Commands that bring a striker."""

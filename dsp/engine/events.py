@@ -10,6 +10,7 @@ from .channels import ask_gains
 from .clock import sample_at
 from .commands import (
     KIND_ACCURACY,
+    KIND_BANK,
     KIND_BOUNCE,
     KIND_BUDGET,
     KIND_FREE,
@@ -181,6 +182,8 @@ def _choose(choices, event):
         choices.quality = int(event.value)
     elif event.kind == KIND_ACCURACY:
         choices.accuracy = int(event.value)
+    elif event.kind == KIND_BANK:
+        choices.bank = int(event.value)
     elif event.kind == KIND_METHOD:
         choices.method = event.method
     elif event.kind == KIND_BUDGET:

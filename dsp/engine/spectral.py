@@ -14,7 +14,7 @@ from .fade import fade_length, left_of
 from .mix import sides_of
 from .order import wake
 from .quality import is_left_out
-from .spectral_modes import come_back, go, look
+from .spectral_modes import come_back, go, look, take_form
 from .state import QUANTUM
 from .tails import ring_tails
 
@@ -22,7 +22,7 @@ _WORTH = 640  # modes that must ring freely for the bank to be used: below, one 
 _UNWORTHY = 256  # modes in the bank below which all come back
 _FULL = 65_536  # modes in a phase: more, and they are shared among twice as many phases
 _CALM = 512  # frames that an object must have been left alone
-_BUDGET = 2_048  # modes that go and that come back in a quantum, unless they are touched
+_BUDGET = 2_048  # modes that go, that come back and that change their form in a quantum, unless they are touched
 _SETTLED = 1e-7  # of a gain: a glide is over
 _INAUDIBLE = 1e-9  # gain: the same
 
@@ -78,13 +78,14 @@ def ring_bank(state):
     turn = state.position // QUANTUM % PHASES
     phase = spectral.phases[turn]
     if spectral.fading == 0:
+        take_form(state, _BUDGET)
         _go(state, turn)
         look(state)
         put_in_order(spectral, _BUDGET, state.bank.place)
     if phase.modes == 0:
         phase.sounds = 0
         return
-    sum_bins(spectral.chunks, phase.start, phase.count, spectral.sums)
+    sum_bins(spectral.chunks, spectral.singles, phase.single, phase.start, phase.count, spectral.sums)
     synthesize(spectral.sums, spectral.points[0], spectral.points[1], phase.out)
     phase.begin, phase.sounds = state.position, 1
 

@@ -10,8 +10,9 @@ from ..native.jit import kernel
 from ..resonator.bank import state_of
 from ..resonator.mode import energy_of
 from ..spectral.basis import BINS, CENTRE, FRAMES, MOST_LOSS, RADIUS
-from ..spectral.places import give_place, number_at, take_place
-from ..spectral.simd import CHUNK
+from ..spectral.layout import PHASES
+from ..spectral.places import give_place, number, put_number, take_place
+from ..spectral.simd import CHUNK, ROWS
 from .mix import sides_of
 from .objects import modes_of, relief_of, ringing_of
 from .order import wake
@@ -23,6 +24,8 @@ _LOOKED = 256  # modes that are looked at in a quantum, on average
 _SOFTEST = 1e-9  # gain (-180 dB) below which an output's gain does not go in the bank
 _HUGE = 1e30
 _LEAST_A2 = math.exp(-2.0 * MOST_LOSS)  # of -a2
+_LEAST_LOSS = 2.0**-21
+"""Nepers a block at least of a mode that is kept in float32 (60 dB in 43 hours): rounding raises it by less."""
 _POWERS = 10  # squarings that reach the powers that are taken
 
 
@@ -76,7 +79,8 @@ def go(state, slot, turn):
                 place = take_place(spectral, phase, b, at, bank.place)
                 bank.bin[at] = b
                 offset = theta - math.pi * b / BINS
-                _describe(state, at, place, complex(re, im) * left, loss, offset, bank.balance[at] * right / left)
+                balance = bank.balance[at] * right / left
+                _describe(state, at, phase.single[b], place, complex(re, im) * left, loss, offset, balance)
         bank.y1[at] = bank.y2[at] = 0.0
     obj.spectral, obj.ringer, obj.returns = 1 + turn, state.ringer_count, 0
     obj.spectral_gain = left
@@ -86,22 +90,60 @@ def go(state, slot, turn):
 
 
 @kernel
-def _describe(state, at, place, z, loss, offset, balance):
+def _describe(state, at, single, place, z, loss, offset, balance):
     """Write a mode, whose state z it was a sample ago and now begins its block, to its place.
 
     loss: nepers a sample; offset: from the middle of its bin, rad a sample.
     """
-    chunks = state.spectral.chunks
+    spectral = state.spectral
     step = _step(state.bank, at)
     middle = _power(step, FRAMES // 2)
     c = complex(z.imag, -z.real) * middle * step
-    turned = middle * middle
-    first = number_at(place, 0)
-    chunks[first], chunks[first + CHUNK] = c.real, c.imag
-    chunks[first + 2 * CHUNK], chunks[first + 3 * CHUNK] = turned.real, turned.imag
-    chunks[first + 4 * CHUNK] = (-loss * (FRAMES // 2) - CENTRE) / RADIUS
-    chunks[first + 5 * CHUNK] = offset * (FRAMES // 2) / RADIUS
-    chunks[first + 6 * CHUNK] = balance
+    put_number(spectral, single, place, 0, c.real)
+    put_number(spectral, single, place, 1, c.imag)
+    _put_turn(spectral, single, place, middle * middle)
+    put_number(spectral, single, place, 4, (-loss * (FRAMES // 2) - CENTRE) / RADIUS)
+    put_number(spectral, single, place, 5, offset * (FRAMES // 2) / RADIUS)
+    put_number(spectral, single, place, 6, balance)
+
+
+@kernel
+def _put_turn(spectral, single, place, turned):
+    """Write exp(lambda FRAMES) to a mode's place, in float32 so that rounding lets no mode grow."""
+    least = _LEAST_LOSS * single
+    if turned.real * turned.real + turned.imag * turned.imag > 1.0 - 2.0 * least:
+        turned = turned * (1.0 - least)
+    put_number(spectral, single, place, 2, turned.real)
+    put_number(spectral, single, place, 3, turned.imag)
+
+
+@kernel
+def take_form(state, budget):
+    """Bring bins into the form, float64 or float32, that is chosen: about `budget` modes at a time."""
+    spectral = state.spectral
+    if spectral.single != state.choices.bank:
+        spectral.single, spectral.unlike = state.choices.bank, PHASES * BINS
+    while spectral.unlike > 0 and budget > 0:
+        spectral.unlike -= 1
+        phase, b = spectral.phases[spectral.unlike // BINS], spectral.unlike % BINS
+        if phase.single[b] != spectral.single:
+            budget -= phase.used[b]
+            _form_anew(state, phase, b)
+
+
+@kernel
+def _form_anew(state, phase, b):
+    """Bring a bin into the form that is chosen. From float32 to float64 its modes ring on as exactly as they are."""
+    spectral = state.spectral
+    before, single = phase.single[b], spectral.single
+    phase.single[b] = single
+    for place in range(phase.start[b] * CHUNK, (phase.start[b] + phase.count[b]) * CHUNK):
+        for row in range(ROWS):
+            put_number(spectral, single, place, row, number(spectral, before, place, row))
+        turned = complex(number(spectral, before, place, 2), number(spectral, before, place, 3))
+        if single == 0 and spectral.owner[place] > 0:
+            turned = _power(_step(state.bank, spectral.owner[place] - 1), FRAMES)
+        _put_turn(spectral, single, place, turned)
 
 
 @kernel
@@ -136,8 +178,8 @@ def come_back(state, obj):
         if bank.place[at] == 0:
             continue
         live = i + 1
-        first = number_at(bank.place[at] - 1, 0)
-        c = complex(spectral.chunks[first], spectral.chunks[first + CHUNK])
+        single, place = phase.single[bank.bin[at]], bank.place[at] - 1
+        c = complex(number(spectral, single, place, 0), number(spectral, single, place, 1))
         step = _step(bank, at)
         inverse = step.conjugate() * (1.0 / -bank.a2[at])
         z = complex(-c.imag, c.real) * _power(inverse, back) * (1.0 / obj.spectral_gain)
@@ -189,8 +231,10 @@ def _look_at(state, slot):
         at = obj.first + i
         if bank.place[at] == 0:
             continue
-        first = number_at(bank.place[at] - 1, 0)
-        re, im, balance = spectral.chunks[first], spectral.chunks[first + CHUNK], spectral.chunks[first + 6 * CHUNK]
+        single, place = phase.single[bank.bin[at]], bank.place[at] - 1
+        re, im, balance = (
+            number(spectral, single, place, 0), number(spectral, single, place, 1), number(spectral, single, place, 6),
+        )  # fmt: skip
         if _is_heard(state, obj, at, re / gain, im / gain):
             live = i + 1
             energy += 0.5 * QUANTUM * (re * re + im * im) * (1.0 + balance * balance)

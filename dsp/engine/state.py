@@ -245,6 +245,7 @@ CHOICES = np.dtype(
         ("accuracy", np.int64),  # a place in accuracy.LEVELS
         ("method", METHOD),
         ("budget", BUDGET),
+        ("bank", np.int64),  # a place in schema.FORMS: of modes in the spectral bank
         ("gain", np.float64),  # amplitude: of everything
         ("limiter", np.int64),  # 0: off
     ],

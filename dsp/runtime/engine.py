@@ -16,7 +16,7 @@ from ..native.atomics import observe, publish
 from ..native.code import Code, load
 from ..native.system import clock_ns
 from ..resonator.bank import NYQUIST_SHARE
-from ..schema import Stats
+from ..schema import FORMS, Stats
 from .arena import EngineFull
 from .callback import callback
 from .fresh import fresh_state
@@ -157,6 +157,11 @@ class Engine:
     def accuracy(self) -> str:
         """The accuracy of coupled contacts now: one of LEVELS."""
         return LEVELS[self._record["choices"]["accuracy"]]
+
+    @property
+    def bank(self) -> str:
+        """What the spectral bank keeps its modes in now: one of FORMS."""
+        return FORMS[self._record["choices"]["bank"]]
 
     @property
     def gain(self) -> float:

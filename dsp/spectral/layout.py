@@ -3,6 +3,8 @@
 A phase keeps its chunks in a region of its own, bin after bin as far as may be: what lies in memory in the order in
 which it is read is read several times faster. A bin has room for some more modes; one that runs full moves to the
 region's end. When too much has moved, the phase moves bin by bin to the spare region (places.py).
+
+A bin keeps its modes as float64 or, where that is chosen, as float32, which is half as much to read.
 """
 
 import numpy as np
@@ -26,6 +28,7 @@ PHASE = np.dtype(
         ("room", np.int64, BINS),  # chunks that it has room for
         ("used", np.int64, BINS),  # its modes
         ("free", np.int64, BINS),  # its first free place, 1 + number; 0: none
+        ("single", np.int64, BINS),  # 1: its modes are in `singles`
         ("region", np.int64),  # first chunk of its region
         ("top", np.int64),  # the first chunk after all that are taken
         ("modes", np.int64),  # in all its bins
@@ -40,6 +43,7 @@ PHASE = np.dtype(
 SPECTRAL = np.dtype(
     [
         ("chunks", np.float64, CHUNKS * ROWS * CHUNK),  # modes, as simd.py says
+        ("singles", np.float32, CHUNKS * ROWS * CHUNK),  # the same places, of bins whose modes are kept in float32
         ("owner", np.int32, CHUNKS * CHUNK),  # whose place it is: 1 + number of the mode; else minus the next free one
         ("sums", np.float64, BINS * SUMS),
         ("points", np.float64, (2, SIZE * POINT)),
@@ -48,6 +52,8 @@ SPECTRAL = np.dtype(
         ("moving", np.int64),  # 1 + the phase that is being put in order; 0: none
         ("next_bin", np.int64),  # the first of its bins that has not moved
         ("modes", np.int64),  # in all phases
+        ("single", np.int64),  # 1: all bins are to be kept in float32
+        ("unlike", np.int64),  # bins that are not yet looked at for that, from the last one on
         ("fading", np.int64),  # 1: a panic lets all that is in it fade
         ("faded", np.int64),  # frames since that panic
     ],

@@ -49,7 +49,7 @@ def give_place(spectral, phase, b, mode, slots):
     """Give a mode's place in a bin back."""
     place = slots[mode] - 1
     slots[mode] = 0
-    _silence(spectral, place)
+    _silence(spectral, phase.single[b], place)
     spectral.owner[place] = -phase.free[b]
     phase.free[b] = 1 + place
     phase.used[b] -= 1
@@ -64,10 +64,27 @@ def number_at(place, row):
 
 
 @kernel
-def _silence(spectral, place):
+def number(spectral, single, place, row):
+    """A place's number of a row, in a bin that is kept in float32 (single: 1) or in float64."""
+    at = number_at(place, row)
+    return float(spectral.singles[at]) if single == 1 else spectral.chunks[at]
+
+
+@kernel
+def put_number(spectral, single, place, row, value):
+    """Set a place's number of a row; else as `number`."""
+    at = number_at(place, row)
+    if single == 1:
+        spectral.singles[at] = value
+    else:
+        spectral.chunks[at] = value
+
+
+@kernel
+def _silence(spectral, single, place):
     """Fill a place with a mode that is at rest."""
     for row in range(ROWS):
-        spectral.chunks[number_at(place, row)] = 0.0
+        put_number(spectral, single, place, row, 0.0)
 
 
 @kernel
@@ -76,7 +93,7 @@ def _add_chunk(spectral, phase, b):
     first = (phase.start[b] + phase.count[b]) * CHUNK
     phase.count[b] += 1
     for place in range(first + CHUNK - 1, first - 1, -1):
-        _silence(spectral, place)
+        _silence(spectral, phase.single[b], place)
         spectral.owner[place] = -phase.free[b]
         phase.free[b] = 1 + place
 
@@ -92,18 +109,17 @@ def _grow(spectral, phase, b, slots):
 @kernel
 def _move(spectral, phase, b, room, slots):
     """Move a bin's modes to the phase's top, where it gets room for so many chunks, without gaps between them."""
-    old, count = phase.start[b], phase.count[b]
+    old, count, single = phase.start[b], phase.count[b], phase.single[b]
     phase.start[b], phase.room[b] = phase.top, room
     phase.top += room
     phase.count[b] = phase.free[b] = 0
-    chunks = spectral.chunks
     to = phase.start[b] * CHUNK
     for place in range(old * CHUNK, (old + count) * CHUNK):
         mode = spectral.owner[place] - 1
         if mode < 0:
             continue
         for row in range(ROWS):
-            chunks[number_at(to, row)] = chunks[number_at(place, row)]
+            put_number(spectral, single, to, row, number(spectral, single, place, row))
         spectral.owner[to] = 1 + mode
         slots[mode] = 1 + to
         to += 1
@@ -111,7 +127,7 @@ def _move(spectral, phase, b, room, slots):
     taken = to - phase.start[b] * CHUNK
     phase.count[b] = (taken + CHUNK - 1) // CHUNK
     for place in range((phase.start[b] + phase.count[b]) * CHUNK - 1, to - 1, -1):
-        _silence(spectral, place)
+        _silence(spectral, single, place)
         spectral.owner[place] = -phase.free[b]
         phase.free[b] = 1 + place
 
@@ -166,10 +182,10 @@ def empty_phase(spectral, phase, slots):
     phase.sounds = 0
 
 
-def levels_of(spectral: np.void, places: NDArray[np.int32]) -> NDArray[np.float64]:
-    """The squared amplitudes of the modes that have such places, 1 + number; 0 where they have none."""
+def levels_of(spectral: np.void, p: int, bins: NDArray[np.int16], places: NDArray[np.int32]) -> NDArray[np.float64]:
+    """The squared amplitudes of modes of phase p in such bins and places, 1 + number; 0 where they have none."""
     place = np.maximum(places.astype(np.int64) - 1, 0)
     first = place // CHUNK * (ROWS * CHUNK) + place % CHUNK
-    chunks = spectral["chunks"]
-    squares: NDArray[np.float64] = chunks[first] ** 2 + chunks[first + CHUNK] ** 2
-    return np.where(places > 0, squares, 0.0)
+    single = spectral["phases"][p]["single"][bins] == 1
+    re, im = (np.where(single, spectral["singles"][at], spectral["chunks"][at]) for at in (first, first + CHUNK))
+    return np.where(places > 0, re**2 + im**2, 0.0)

@@ -15,6 +15,10 @@ CHUNK = 8
 SUMS = 4 * TERMS
 """Sums of a bin: left by real and imaginary parts, then right."""
 
+_AHEAD = {64: 4_096, 32: 2_048}
+"""Bytes by which chunks are asked for from memory before they are read, by bits of a number. Measured: without this a
+million modes take 1.4 to 1.9 times as long, as they do not stay in the cache."""
+_LINE = 64  # bytes that memory gives at once
 _FAST = ("contract", "reassoc", "nsz")
 
 
@@ -26,28 +30,37 @@ def _mask(places: list[int]) -> Any:
     return ir.Constant(ir.VectorType(ir.IntType(32), len(places)), [ir.IntType(32)(place) for place in places])
 
 
-def _vector_type() -> Any:
-    return ir.VectorType(ir.DoubleType(), CHUNK)
+def _vector_type(bits: int = 64) -> Any:
+    return ir.VectorType(ir.DoubleType() if bits == 64 else ir.FloatType(), CHUNK)
 
 
 class _Writer:
-    """Writes instructions for vectors of CHUNK numbers, which are as many as TERMS."""
+    """Writes instructions for vectors of CHUNK numbers, which are as many as TERMS; bits: of a number, 64 or 32."""
 
-    def __init__(self, context: Any, builder: Any) -> None:
-        self._context, self.builder = context, builder
+    def __init__(self, context: Any, builder: Any, bits: int = 64) -> None:
+        self._context, self.builder, self._bits = context, builder, bits
 
     def data(self, array_type: Any, array: Any) -> Any:
         return self._context.make_array(array_type)(self._context, self.builder, array).data
 
     def place(self, data: Any, index: Any, offset: int = 0) -> Any:
         at = self.builder.gep(data, [self.builder.add(index, _i64(offset))])
-        return self.builder.bitcast(at, _vector_type().as_pointer())
+        return self.builder.bitcast(at, _vector_type(self._bits).as_pointer())
 
     def load(self, data: Any, index: Any, offset: int = 0) -> Any:
-        return self.builder.load(self.place(data, index, offset), align=8)
+        return self.builder.load(self.place(data, index, offset), align=self._bits // 8)
 
     def store(self, value: Any, data: Any, index: Any, offset: int = 0) -> None:
-        self.builder.store(value, self.place(data, index, offset), align=8)
+        self.builder.store(value, self.place(data, index, offset), align=self._bits // 8)
+
+    def ask_for(self, data: Any, index: Any, numbers: int) -> None:
+        """Have so many numbers come from memory that lie _AHEAD of those at `index`. There may be nothing."""
+        byte, word = ir.IntType(8).as_pointer(), ir.IntType(32)
+        kind = ir.FunctionType(ir.VoidType(), [byte, word, word, word])
+        fetch = cgutils.get_or_insert_function(self.builder.module, kind, "llvm.prefetch.p0")
+        begin = self.builder.bitcast(self.place(data, index), byte)
+        for offset in range(_AHEAD[self._bits], _AHEAD[self._bits] + numbers * self._bits // 8, _LINE):
+            self.builder.call(fetch, [self.builder.gep(begin, [_i64(offset)]), word(0), word(3), word(1)])
 
     def add(self, a: Any, b: Any) -> Any:
         return self.builder.fadd(a, b, flags=_FAST)
@@ -79,7 +92,7 @@ class _Writer:
 
     def filled(self, scalar: Any) -> Any:
         """A vector of equal numbers."""
-        undefined = ir.Constant(_vector_type(), ir.Undefined)
+        undefined = ir.Constant(_vector_type(self._bits), ir.Undefined)
         return self.shuffle(self.builder.insert_element(undefined, scalar, ir.IntType(32)(0)), undefined, [0] * CHUNK)
 
     def shuffle(self, a: Any, b: Any, places: list[int]) -> Any:
@@ -102,22 +115,25 @@ def spread(typingctx, chunks, first, last, sums, at):
     """Add up the modes of a bin, in chunks `first` to `last`, and bring them a block further.
 
     sums[at + j] = sum_m Re(c_m zeta_m^j), then Im at TERMS; from 2 TERMS on the same times the modes' balance. Then
-    c_m <- c_m exp(lambda_m FRAMES). Arrays are flat, float64.
+    c_m <- c_m exp(lambda_m FRAMES). Arrays are flat: chunks float64 or float32, which all but the last addition of a
+    bin's modes is done in; sums float64.
     """
+    bits = chunks.dtype.bitwidth
 
     def codegen(context, builder, signature, args):
-        w = _Writer(context, builder)
+        w, wide = _Writer(context, builder, bits), _Writer(context, builder)
         chunks, first, last, sums, at = args
-        data, target = w.data(signature.args[0], chunks), w.data(signature.args[3], sums)
-        totals = [cgutils.alloca_once(builder, _vector_type()) for _ in range(SUMS)]
+        data, target = w.data(signature.args[0], chunks), wide.data(signature.args[3], sums)
+        totals = [cgutils.alloca_once(builder, _vector_type(bits)) for _ in range(SUMS)]
         for total in totals:
-            builder.store(ir.Constant(_vector_type(), None), total)
+            builder.store(ir.Constant(_vector_type(bits), None), total)
 
         def gather(place, value):
             builder.store(w.add(builder.load(totals[place]), value), totals[place])
 
         with cgutils.for_range_slice(builder, first, last, _i64(1), ir.IntType(64)) as (chunk, _):
             begin = builder.mul(chunk, _i64(ROWS * CHUNK))
+            w.ask_for(data, begin, ROWS * CHUNK)
             re, im, e_re, e_im, z_re, z_im, balance = (w.load(data, begin, row * CHUNK) for row in range(ROWS))
             w.store_pair(w.complex_times((re, im), (e_re, e_im)), data, begin)
             power = re, im
@@ -127,8 +143,8 @@ def spread(typingctx, chunks, first, last, sums, at):
                     gather((2 + part) * TERMS + j, w.times(balance, power[part]))
                 power = w.complex_times(power, (z_re, z_im))
         for k in range(4):
-            vectors = [builder.load(total) for total in totals[k * TERMS : (k + 1) * TERMS]]
-            w.store(w.sums(vectors), target, at, k * TERMS)
+            total = w.sums([builder.load(total) for total in totals[k * TERMS : (k + 1) * TERMS]])
+            wide.store(builder.fpext(total, _vector_type()) if bits == 32 else total, target, at, k * TERMS)
         return context.get_dummy_value()
 
     return types.void(chunks, types.intp, types.intp, sums, types.intp), codegen

@@ -14,13 +14,16 @@ POINT = 2 * TERMS
 
 
 @kernel
-def sum_bins(chunks, start, count, sums):
+def sum_bins(chunks, singles, single, start, count, sums):
     """Add up the modes by bin, and bring them a block further.
 
-    chunks: as in `spread`; those of bin b are `count[b]` from `start[b]` on. sums: (BINS SUMS,) float64, overwritten.
+    chunks, singles: as in `spread`, float64 and float32; those of bin b are `count[b]` from `start[b]` on, in `singles`
+    where single[b] is 1. sums: (BINS SUMS,) float64, overwritten.
     """
     for b in range(BINS):
-        if count[b] > 0:
+        if count[b] > 0 and single[b] == 1:
+            spread(singles, start[b], start[b] + count[b], sums, b * SUMS)
+        elif count[b] > 0:
             spread(chunks, start[b], start[b] + count[b], sums, b * SUMS)
         else:
             for k in range(b * SUMS, (b + 1) * SUMS):

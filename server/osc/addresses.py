@@ -12,6 +12,7 @@ from ...dsp.schema import (
     BY_POSITION,
     BY_RADIUS,
     CHANNELS,
+    FORMS,
     GAIN,
     GESTURES,
     LAW,
@@ -137,6 +138,11 @@ _ENGINE = (
         "untouched for 0.5 s fade out. 5, 6, 7, 8: only the newest 32, 16, 8, 4 gestures that last run; older "
         "ones wait. Under load the server goes further by itself",
         (Number("quality", 0, 8, whole=True),),
+    ),
+    Verb(
+        "/bank",
+        "what freely ringing modes are kept in from now on: float64 (-115 dB, the default) or float32 (-95 dB, faster)",
+        (Either("bank", FORMS),),
     ),
     Verb(
         "/contact",

@@ -7,7 +7,7 @@ from ...dsp.contact.accuracy import LEVELS
 from ...dsp.contact.sampled import CORRECTIONS, METHODS
 from ...dsp.engine.commands import Command, Kind
 from ...dsp.runtime.engine import NOW
-from ...dsp.schema import MAIN_GAIN
+from ...dsp.schema import FORMS, MAIN_GAIN
 from ...dsp.wording import expected
 from ..osc.addresses import Call
 from ..osc.arguments import Refused, Values, shown
@@ -34,6 +34,10 @@ def _quality(transaction: Transaction, call: Call, values: Values) -> None:
 def _accuracy(transaction: Transaction, call: Call, values: Values) -> None:
     accuracy = LEVELS.index(values.words["accuracy"])
     _send(transaction, call.message, Command(NOW, Kind.ACCURACY, value=accuracy))
+
+
+def _bank(transaction: Transaction, call: Call, values: Values) -> None:
+    _send(transaction, call.message, Command(NOW, Kind.BANK, value=FORMS.index(values.words["bank"])))
 
 
 def _budget(transaction: Transaction, call: Call, values: Values) -> None:
@@ -81,6 +85,7 @@ def _contact(transaction: Transaction, call: Call, values: Values) -> None:
 ENGINE_HANDLERS: dict[str, Handler] = {
     "/accuracy": _accuracy,
     "/quality": _quality,
+    "/bank": _bank,
     "/budget": _budget,
     "/contact": _contact,
     "/gain": _gain,

@@ -137,9 +137,9 @@ def say_everything(client: Client, at: float | None) -> None:
     for verb in VERBS.values():
         if verb.address.startswith("/gesture/") and verb.required:
             client.steer("x", at=at, **{verb.address.rsplit("/", 1)[1]: 0.5})
-    client.accuracy("exact", at=at)
-    for verb in (client.quality, client.limiter, client.main_gain):
-        verb(1, at=at)
+    for verb, value in ((client.accuracy, "exact"), (client.bank, "float32"), (client.quality, 1), (client.limiter, 1)):
+        verb(value, at=at)
+    client.main_gain(1, at=at)
     client.budget(4, 8192, at=at)
     client.contact("heun", 4, at=at, correction="both")
     client.panic(at=at)

@@ -173,11 +173,13 @@ def test_status_is_in_the_units_that_it_says(server, client, monkeypatch):
     }
     client.new("a", "wood-block")
     client.send("/accuracy", -80)
+    client.send("/bank", "float32")
     client.ask("/sync", 1)
     pretend(monkeypatch, numbers)
     assert client.status().args[:8] == (1, 24, 2, 1, 3, 25.0, 50.0, 48_000.0)
     told = status(client)
     assert (told["late_last_ms"], told["accuracy"], told["latency_requested"]) == (1.5, "-80", -1.0)
+    assert told["bank"] == "float32"
     assert told["time"] == pytest.approx(server.engine.position / 48_000, abs=0.5)
     assert told["dropped"] == told["connections"] == 0
 

@@ -33,6 +33,7 @@ SCORE = """
 0.17  /object/a/decay 0.5
 0.18  /gesture/palm/stop
 0.19  /quality 1
+0.19  /bank float32
 0.2   /contact heun 2 correction both
 0.21  /object/*/impact 0.5
 0.25  /object/b/free 1
@@ -59,6 +60,7 @@ def play(scene):
     a.decay(0.5, at=0.17)
     scene.stop("palm", at=0.18)
     scene.quality(1, at=0.19)
+    scene.bank("float32", at=0.19)
     scene.contact("heun", 2, at=0.2, correction="both")
     scene.impact("*", 0.5, at=0.21)
     b.free(True, at=0.25)

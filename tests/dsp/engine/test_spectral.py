@@ -11,9 +11,12 @@ from carom.dsp.engine.capacity import MODES, OBJECTS
 from carom.dsp.engine.commands import Command, Kind
 from carom.dsp.engine.state import QUANTUM
 from carom.dsp.runtime.engine import NOW, Engine
+from carom.dsp.schema import FORMS
+from carom.server.telling import mode_levels
+from tests.accuracy import RINGING
 from tests.dsp.engine.support import RATE, active, free, gesture, impact, panic, set_limiter, setting, strike
 
-ERROR = 10 ** (-115 / 20)
+ERROR, SINGLE_ERROR = (10 ** (promise.bound / 20) for promise in RINGING.values())
 COUNT, SIZE = 6, 256
 SECONDS = 1.5
 LEVEL = 1e5  # so loud that what rests below -120 dB is nothing
@@ -44,6 +47,11 @@ def played(which, commands, channels=2, blocks=(QUANTUM,), first=()):
         most, n = max(most, int(engine.state["spectral"]["modes"][0])), n + 1
     assert engine.stats.faults == 0
     return np.concatenate(sound)[:FRAMES].astype(float), most
+
+
+def keep(form, time=NOW):
+    """A command that chooses what the bank keeps its modes in."""
+    return Command(time, Kind.BANK, value=FORMS.index(form))
 
 
 def compare(commands, channels=2, first=()):
@@ -106,10 +114,42 @@ def test_the_bits_do_not_depend_on_the_block_size():
     def commands(handle, k):
         return [*blows(handle, k), setting(handle, "gain", 0.5, 40_000.0 + k)]
 
-    usual, _ = played(range(COUNT), commands)
+    forms = [keep("float32", 15_001.0), keep("float64", 45_000.5)]
+    usual, _ = played(range(COUNT), commands, first=forms)
     for blocks in ((1, 63, 700), (4_096,), (97,)):
-        other, _ = played(range(COUNT), commands, blocks=blocks)
+        other, _ = played(range(COUNT), commands, blocks=blocks, first=forms)
         np.testing.assert_array_equal(usual, other)
+
+
+@pytest.mark.slow
+def test_modes_change_between_float64_and_float32_without_a_click():
+    """They ring and are struck meanwhile. float32 errs as it rings on; what it does at once is a rounding."""
+    exact, _ = played(range(COUNT), blows)
+    changed, _ = played(range(COUNT), blows, first=[keep("float32", 20_003.0), keep("float64", 50_000.0)])
+    error, peak = np.abs(changed - exact), np.abs(exact).max()
+    assert not error[:19_900].any() and error[20_100:].any()
+    assert error[:25_000].max() < ERROR * peak and error.max() < SINGLE_ERROR * peak
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("form", FORMS)
+def test_no_mode_grows(form):
+    """Modes that lose next to nothing: 60 dB in 4,000 years."""
+    engine = Engine(RATE)
+    engine.send([keep(form)])
+    frequency = np.geomspace(40.0, 22_000.0, 2_048)
+    body = Modes(frequency, np.full(2_048, 1e-9), np.full((2, 2_048), 0.1), np.full((2, 2_048), 0.1), 1.0)
+    handle = engine.add(body, LEVEL)
+    strike(engine, handle, LIGHT)
+    while not engine.objects[handle.slot]["spectral"]:
+        engine.process(QUANTUM)
+    first = before = mode_levels(engine, handle.slot)
+    for _ in range(100):
+        engine.process(512)
+        levels = mode_levels(engine, handle.slot)
+        assert (levels <= before).all()
+        before = levels
+    assert (levels > 0.999 * first).all() and (first > 0).all() and len(first) == 2_048
 
 
 @pytest.mark.slow

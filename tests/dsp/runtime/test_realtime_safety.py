@@ -23,7 +23,7 @@ ALLOWED = {
     *("llvm.fma", "llvm.fmuladd", "llvm.ctpop", "llvm.cttz", "llvm.copysign", "llvm.minnum", "llvm.maxnum"),
     *("llvm.abs", "llvm.smin", "llvm.smax", "llvm.umin", "llvm.umax", "llvm.vector.reduce"),
     *("llvm.uadd.with.overflow", "llvm.usub.with.overflow", "llvm.umul.with.overflow"),
-    *("llvm.memset", "llvm.memcpy", "llvm.memmove"),
+    *("llvm.memset", "llvm.memcpy", "llvm.memmove", "llvm.prefetch"),
     *("llvm.masked.load", "llvm.masked.store", "llvm.masked.gather", "llvm.masked.scatter"),
     *("llvm.lifetime.start", "llvm.lifetime.end", "llvm.assume", "llvm.experimental.noalias.scope.decl"),
     *("llvm.x86.sse.stmxcsr", "llvm.x86.sse.ldmxcsr"),

@@ -6,7 +6,15 @@ import pytest
 from carom.dsp.engine.state import new_state
 from carom.dsp.spectral.basis import BINS
 from carom.dsp.spectral.layout import REGION
-from carom.dsp.spectral.places import empty_phase, give_place, has_room, levels_of, number_at, put_in_order, take_place
+from carom.dsp.spectral.places import (
+    empty_phase,
+    give_place,
+    has_room,
+    levels_of,
+    put_in_order,
+    put_number,
+    take_place,
+)
 from carom.dsp.spectral.simd import CHUNK, ROWS
 
 MODES = 30_000
@@ -14,14 +22,17 @@ MODES = 30_000
 
 @pytest.fixture
 def spectral():
-    return new_state(48_000.0)[0]["spectral"]
+    """Its phase 1 keeps all bins in float32."""
+    made = new_state(48_000.0)[0]["spectral"]
+    made["phases"]["single"][1] = 1
+    return made
 
 
 def put(spectral, phase, b, mode, slots):
     """Give a mode a place in a bin, and write its number there."""
     place = take_place(spectral, spectral["phases"][phase], b, mode, slots)
     for row in range(ROWS):
-        spectral["chunks"][number_at(place, row)] = mode + row / 10
+        put_number(spectral, spectral["phases"][phase]["single"][b], place, row, mode + row / 8)
 
 
 def check(spectral, phases, bins, slots):
@@ -41,11 +52,13 @@ def check(spectral, phases, bins, slots):
         end = np.sort((phase["start"] + phase["room"])[phase["room"] > 0])
         assert (end[:-1] <= begin[1:]).all()  # no bin reaches into another
         for b in range(BINS):
-            total += spectral["chunks"][(phase["start"][b] * ROWS * CHUNK) :][: phase["count"][b] * ROWS * CHUNK].sum()
+            numbers = spectral["singles" if phase["single"][b] else "chunks"][phase["start"][b] * ROWS * CHUNK :]
+            total += numbers[: phase["count"][b] * ROWS * CHUNK].sum(dtype=float)
     for row in range(ROWS):
         at = places // CHUNK * (ROWS * CHUNK) + row * CHUNK + places % CHUNK
-        np.testing.assert_array_equal(spectral["chunks"][at], taken + row / 10)
-    assert total == pytest.approx((ROWS * taken + sum(range(ROWS)) / 10).sum(), rel=1e-9)
+        found = np.where(phases[taken] == 1, spectral["singles"][at], spectral["chunks"][at])
+        np.testing.assert_array_equal(found, taken + row / 8)
+    assert total == pytest.approx((ROWS * taken + sum(range(ROWS)) / 8).sum(), rel=1e-9)
 
 
 @pytest.mark.slow
@@ -97,9 +110,10 @@ def test_a_phase_says_when_it_is_full(spectral):
     assert not has_room(spectral["phases"][0], 4_096)
 
 
-def test_levels_are_squared_amplitudes(spectral):
-    slots = np.zeros(8, np.int32)
+@pytest.mark.parametrize("phase", [0, 1])
+def test_levels_are_squared_amplitudes(spectral, phase):
+    slots, bins = np.zeros(8, np.int32), np.full(8, 7, np.int16)
     for mode in (1, 5):
-        put(spectral, 3, 7, mode, slots)
-    expected = [0, 1 + 1.1**2, 0, 0, 0, 25 + 5.1**2, 0, 0]
-    np.testing.assert_allclose(levels_of(spectral, slots), expected)
+        put(spectral, phase, 7, mode, slots)
+    expected = [0, 1 + 1.125**2, 0, 0, 0, 25 + 5.125**2, 0, 0]
+    np.testing.assert_allclose(levels_of(spectral, phase, bins, slots), expected)

@@ -17,6 +17,7 @@ from carom.dsp.native.system import clock_ns
 from carom.dsp.runtime.engine import NOW, Engine, Stamp
 from carom.presets.library import Presets
 from carom.server.files.log import Log
+from carom.server.options import Options as Serving
 from carom.server.osc.score import Line, read, sample_at
 from carom.server.osc.wire import Message
 from carom.server.render import Options, blocks
@@ -38,12 +39,12 @@ def test_seconds_name_every_sample_that_the_engine_lets_live_events_fall_on(rate
     assert sample_at(0.1234567, 48_000) == 0.1234567 * 48_000  # other times stay as they are
 
 
-def replay(tmp_path, rng: random.Random, messages: Callable[[], list[Message]], rounds: int) -> list[Line]:
+def replay(tmp_path, rng, messages: Callable[[], list[Message]], rounds: int, options=None) -> list[Line]:
     """Carry out messages for now, for later, too late, by samples and by the clock; what is logged renders to what was
-    heard. Returns the log."""
-    engine = Engine(48_000)
+    heard. options: a server's, with which engine and log begin. Returns the log."""
+    engine = options.engine() if options else Engine(48_000)
     scene = Session(engine, PRESETS)
-    log = Log(engine, tmp_path / "log.txt")
+    log = Log(engine, tmp_path / "log.txt", options.head if options else ())
     scene.on_sent = log.expect
     log.start()
     sound = []
@@ -95,6 +96,23 @@ def test_which_gestures_are_the_newest(tmp_path, seed):
 
 
 @pytest.mark.slow
+def test_what_the_spectral_bank_keeps_its_modes_in(tmp_path):
+    """It begins with float32, and changes while two cymbals ring."""
+    rng = random.Random(1)
+    first = [[Message("/object/new", (name, "cymbal", "gain", -30))] for name in "ab"]
+
+    def messages() -> list[Message]:
+        if first:
+            return first.pop()
+        form = Message("/bank", (rng.choice(("float64", "float32")),))
+        return rng.choice(([form], [], [], [Message("/object/*/impact", (0.1,))]))
+
+    lines = replay(tmp_path, rng, messages, 60, Serving(bank="float32"))
+    forms = [line.message.args[0] for line in lines if line.message.address == "/bank"]
+    assert forms[0] == "float32" and forms.count("float64") > 3
+
+
+@pytest.mark.slow
 def test_a_server_s_log_renders_to_its_recording(tmp_path):
     (tmp_path / "log.txt").write_text("an older one")
     options = ("--device", "none", "--record", "out.wav", "--log", "log.txt", "--contact", "heun", "--block", "100")
@@ -127,7 +145,7 @@ def test_a_server_s_log_renders_to_its_recording(tmp_path):
     said = [line.message.address for line in lines]
     assert said.count("/object/a/impact") == 3 + 3 + 1 and said.count("/object/b/impact") == 3 + 3
     assert (
-        said[:5] == ["/channels", "/limiter", "/gain", "/budget", "/contact"]
+        said[:6] == ["/channels", "/limiter", "/gain", "/budget", "/bank", "/contact"]
         and "/panic" in said
         and "/object/nobody/impact" not in said
     )

@@ -51,6 +51,7 @@ from tests.server.scene.support import refusal, say
         ("/object/a/impact", (1.0, "mass", 1e3, "stiffness", 1.0), "the contact would last"),
         ("/object/a/impact", (0.0, "id", "a b"), "id = a b: expected 1 to 64 printable characters"),
         ("/quality", (1.5,), "quality = 1.5: expected a whole number"),
+        ("/bank", ("double",), "bank = double: expected one of float64, float32"),
         ("/accuracy", (-50,), "accuracy = -50: expected one of -40, -60, -80, exact"),
         ("/object/a/damp", (2.0,), "damp = 2: expected a number from 0 to 1"),
         ("/object/a/pan", (-2.0,), "pan = -2"),
