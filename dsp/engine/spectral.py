@@ -20,6 +20,7 @@ from .tails import ring_tails
 
 _WORTH = 640  # modes that must ring freely for the bank to be used: below, one sample at a time is as cheap
 _UNWORTHY = 256  # modes in the bank below which all come back
+_UNEVEN = 32  # a phase takes no more objects when it has this share of the mean more modes than that
 _FULL = 65_536  # modes in a phase: more, and they are shared among twice as many phases
 _CALM = 512  # frames that an object must have been left alone
 _BUDGET = 2_048  # modes that go, that come back and that change their form in a quantum, unless they are touched
@@ -174,7 +175,7 @@ def _go(state, turn):
         obj = state.objects[state.order[i]]
         if (
             budget > 0
-            and phase.modes <= share + share // PHASES
+            and phase.modes <= share + share // _UNEVEN
             and _rings_freely(state, obj)
             and has_room(phase, obj.live)
         ):

@@ -1,5 +1,9 @@
-"""What it costs the engine to let objects ring, beside the kernel that rings as many modes sample by sample."""
+"""What it costs the engine to let objects ring, beside the kernel that rings as many modes sample by sample.
 
+The engine keeps modes that ring freely in float64 and in float32 in turns.
+"""
+
+import math
 import time
 from functools import partial
 from typing import Any
@@ -13,7 +17,8 @@ from carom.dsp.engine.commands import Command, Kind
 from carom.dsp.engine.state import QUANTUM
 from carom.dsp.resonator.bank import Modes, ring
 from carom.dsp.runtime.engine import NOW, Engine
-from tests.bench.rounds import minima
+from carom.dsp.schema import FORMS
+from tests.bench.rounds import Contenders, minima
 
 RATE = 48_000.0
 MODE_SAMPLES = 2**22  # a measurement
@@ -66,6 +71,14 @@ def alone(count: int, modes: int) -> np.ndarray:
     return arrays
 
 
+def keep(engine: Engine, form: str) -> None:
+    """Have the spectral bank keep its modes in float64 or float32, and wait until all are."""
+    engine.send([Command(NOW, Kind.BANK, value=FORMS.index(form))])
+    engine.process(QUANTUM)
+    while engine.state["spectral"]["unlike"][0]:
+        engine.process(QUANTUM)
+
+
 def callbacks(engine: Engine, count: int) -> np.ndarray:
     """Seconds of this thread that each of so many quanta takes."""
     taken = np.empty(count)
@@ -77,7 +90,10 @@ def callbacks(engine: Engine, count: int) -> np.ndarray:
 
 
 def measure(rounds: int, scenes: tuple[tuple[int, int], ...] = SCENES) -> list[dict[str, Any]]:
-    """ns per mode-sample of `process` and of the kernel, how many times as fast it is, and the longest of quanta."""
+    """ns per mode-sample of `process` and of the kernel, how many times as fast it is, and the longest of quanta.
+
+    Those with `single` in their names are of float32, the others of float64.
+    """
     rows: list[dict[str, Any]] = []
     out = np.zeros((2, QUANTUM))
     ring_alone(alone(1, 16), 1, 16, out, 1)  # compiles
@@ -85,15 +101,29 @@ def measure(rounds: int, scenes: tuple[tuple[int, int], ...] = SCENES) -> list[d
         engine, arrays = ringing(count, modes), alone(count, modes)
         total = count * modes
         quanta = max(BLOCKS, MODE_SAMPLES // (total * QUANTUM))
-        kernel = partial(ring_alone, arrays, count, modes, out, quanta)
-        best = minima({"process": partial(engine.process, quanta * QUANTUM), "kernel": kernel}, rounds)
+        best = dict.fromkeys((*FORMS, "kernel"), math.inf)
+        for _ in range(rounds):
+            for form in FORMS:
+                keep(engine, form)
+                best |= least(best, {form: partial(engine.process, quanta * QUANTUM)})
+            best |= least(best, {"kernel": partial(ring_alone, arrays, count, modes, out, quanta)})
         assert engine.stats.live_modes >= total and engine.stats.faults == 0
-        process_ns, kernel_ns = (best[each] / (total * quanta * QUANTUM) * 1e9 for each in ("process", "kernel"))
-        share = callbacks(engine, CALLBACKS) / (QUANTUM / RATE)
+        process_ns, single_ns, kernel_ns = (taken / (total * quanta * QUANTUM) * 1e9 for taken in best.values())
+        shares = {}
+        for form in FORMS:
+            keep(engine, form)
+            shares[form] = callbacks(engine, CALLBACKS) / (QUANTUM / RATE)
+        double, single = ((float(share.mean()), float(np.percentile(share, 99.9))) for share in shares.values())
         rows.append(
             dict(
-                objects=count, modes=modes, process_ns=process_ns, kernel_ns=kernel_ns, ratio=kernel_ns / process_ns,
-                mean=float(share.mean()), most=float(np.percentile(share, 99.9)),
+                objects=count, modes=modes, process_ns=process_ns, single_ns=single_ns, kernel_ns=kernel_ns,
+                ratio=kernel_ns / process_ns, single_ratio=kernel_ns / single_ns,
+                mean=double[0], most=double[1], single_mean=single[0], single_most=single[1],
             )
         )  # fmt: skip
     return rows
+
+
+def least(best: dict[str, float], contenders: Contenders) -> dict[str, float]:
+    """The least seconds of contenders, now or before."""
+    return {name: min(best[name], taken) for name, taken in minima(contenders, 1).items()}

@@ -72,7 +72,8 @@ def test_ringing_is_measured_beside_its_kernel():
     rows = ringing.measure(1, scenes)
     assert [(row["objects"], row["modes"]) for row in rows] == list(scenes)
     assert all(row["ratio"] == row["kernel_ns"] / row["process_ns"] > 0 for row in rows)
-    assert all(0 < row["mean"] <= row["most"] for row in rows)
+    assert all(row["single_ratio"] == row["kernel_ns"] / row["single_ns"] > 0 for row in rows)
+    assert all(0 < row[f"{of}mean"] <= row[f"{of}most"] for row in rows for of in ("", "single_"))
 
 
 def test_extremes_run():

@@ -146,14 +146,16 @@ def _ringing(rows: list[dict[str, Any]]) -> str:
         return ""
     lines = [
         (
-            f"{row['objects']:,} x {row['modes']:,}", _number(row["process_ns"]), _number(row["kernel_ns"]),
-            _number(row["ratio"]), f"{row['mean']:.2%}", f"{row['most']:.2%}",
+            f"{row['objects']:,} x {row['modes']:,}", _number(row["kernel_ns"]), form, _number(row[cost]),
+            _number(row[f"{of}ratio"]), f"{row[f'{of}mean']:.2%}", f"{row[f'{of}most']:.2%}",
         )
         for row in rows
+        for form, cost, of in (("float64", "process_ns", ""), ("float32", "single_ns", "single_"))
+        if cost in row
     ]  # fmt: skip
     head = (
-        "objects x modes", "ns per mode and sample, in the engine", "of the kernel, sample by sample", "times as fast",
-        "of a core, mean", "99.9 % of callbacks of 64 frames",
+        "objects x modes", "ns per mode and sample, of the kernel, sample by sample", "kept in", "in the engine",
+        "times as fast", "of a core, mean", "99.9 % of callbacks of 64 frames",
     )  # fmt: skip
     return f"### Objects that ring\n\n{table(head, lines)}"
 
