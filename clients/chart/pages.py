@@ -21,7 +21,7 @@ img { max-width: 100%; height: auto; background: white; }
 
 _TABLES = (
     "errors.csv", "failures.csv", "rebounds.csv", "coupled.csv", "schelleng.csv", "limits.csv", "guettler.csv",
-    "friction.csv", "friction-energy.csv",
+    "friction.csv", "friction-energy.csv", "ringing.csv",
 )  # fmt: skip
 _CAPTIONS = {
     "error-cost": "Error of the release velocity and of the force's spectrum against cost",
@@ -37,6 +37,7 @@ _CAPTIONS = {
     "schelleng": "Where bowing a string is periodic, by the bow's position and force",
     "guettler": "How soon a string sings, by the bow's acceleration and force",
     "friction-energy": "What friction gives back that it never took, on random extremes",
+    "ringing": "Error of modes that ring freely against cost, sample by sample and in the spectral bank",
     "friction-cost": "Cost and accuracy of friction, and the share of random extremes at which it fails",
 }
 """The captions of figures that are not the paper's, which are called by their numbers there."""

@@ -52,11 +52,10 @@ def chart(folder: Path, extent: Extent) -> Iterator[tuple[str, float]]:
     step if matplotlib is missing or the folder cannot be written to.
     """
     try:
-        from . import bowing, coupled, failures, friction, paper, rigid, style
+        from . import bowing, coupled, failures, friction, paper, rigid, ringing, style
     except ImportError as error:
         raise ChartError("chart needs matplotlib: pip install matplotlib") from error
     _make(folder)
-
     rows: list[Row] = []
     laws = list(tables.cases(extent))
     for i, (case, law) in enumerate(laws):
@@ -80,13 +79,14 @@ def chart(folder: Path, extent: Extent) -> Iterator[tuple[str, float]]:
     rebounds = tables.rebound_rows(sequences)
     tables.write(folder / "rebounds.csv", rebounds)
 
-    yield "friction", 0.82
+    yield "friction, and modes that ring", 0.82
     drawings = {
         **rigid.drawings(rows, sequences),
         **failures.drawings(found),
         **paper.drawings(sequences),
         **bowing.drawings(*_bow(folder, extent)),
         **friction.drawings(*_rub(folder, extent)),
+        **ringing.drawings(_ring(folder, extent)),
         "coupled": lambda: coupled.coupled(coupled_rows),
     }
     for i, (name, draw) in enumerate(drawings.items()):
@@ -118,3 +118,10 @@ def _rub(folder: Path, extent: Extent) -> tuple[list[Row], list[Row]]:
     tables.write(folder / "friction.csv", errors)
     tables.write(folder / "friction-energy.csv", extremes)
     return errors, extremes
+
+
+def _ring(folder: Path, extent: Extent) -> list[Row]:
+    """The rows of modes that ring freely, written to their table."""
+    rows = tables.ringing_rows(extent)
+    tables.write(folder / "ringing.csv", rows)
+    return rows

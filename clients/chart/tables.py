@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...dsp import contact
 from ...dsp.contact import contact_time
 from ...dsp.contact.sampled import CORRECTIONS, METHODS
-from ...dsp.study import bowing, bristle, comparison, cost, reference, spectrum, wall
+from ...dsp.study import bowing, bristle, comparison, cost, reference, ringing, spectrum, wall
 from ...dsp.study.wall import PAPER_CASES, PAPER_RATE, Law, Outcome
 
 Row = dict[str, Any]
@@ -75,6 +75,11 @@ def bowing_rows(extent: Extent) -> tuple[list[Row], list[Row], list[Row]]:
 def friction_rows(extent: Extent) -> tuple[list[Row], list[Row]]:
     """Errors and costs of ways to simulate friction, and what each gives back on random extremes."""
     return list(bristle.errors()), list(bristle.extremes(extent.rubs))
+
+
+def ringing_rows(extent: Extent) -> list[Row]:
+    """Errors and costs of ways to let modes ring freely."""
+    return list(ringing.costs(extent.repeats))
 
 
 def pick(rows: Iterable[Row], **wanted: Any) -> list[Row]:

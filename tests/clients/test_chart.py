@@ -18,6 +18,7 @@ from carom.dsp.study.bowing import schelleng_limit
 from carom.dsp.study.bristle import METHODS as METHODS_OF_FRICTION
 from carom.dsp.study.comparison import BANDS
 from carom.dsp.study.wall import PAPER_CASES, PAPER_RATE
+from tests.accuracy import RINGING
 from tests.support import CAROM
 
 pytestmark = pytest.mark.slow
@@ -36,6 +37,7 @@ FIGURES = [
     "guettler",
     "friction-energy",
     "friction-cost",
+    "ringing",
 ]
 FIGURES += ["rebounds", *(f"paper-{n}" for n in range(1, 13))]
 
@@ -74,7 +76,7 @@ def test_every_figure_is_there_twice(charted):
         assert (folder / f"{name}.png").read_bytes().startswith(b"\x89PNG")
         assert "</svg>" in (folder / f"{name}.svg").read_text(encoding="utf-8")
     assert b"where methods fail" in shown and b"figures" in shown
-    assert len(list(folder.iterdir())) == 2 * len(FIGURES) + 11
+    assert len(list(folder.iterdir())) == 2 * len(FIGURES) + 12
 
 
 def test_the_papers_tables_come_out_as_printed(charted):
@@ -191,6 +193,17 @@ def test_a_string_that_is_bowed_is_periodic_below_a_greatest_force(charted):
     assert 0 < len(periodic) < len(rows)
     for beta, force in periodic:
         assert force < 1.5 * schelleng_limit(float(beta))
+
+
+def test_the_bank_is_the_cheaper_the_more_modes_ring_and_errs_as_promised(charted):
+    rows = read(charted[0] / "ringing.csv")
+    for form, promise in RINGING.items():
+        of_form = pick(rows, way=form)
+        assert all(float(row["error_dB"]) < promise.bound for row in of_form)
+        few, many = of_form[0], of_form[-1]
+        assert int(few["modes"]) < int(many["modes"]) and float(many["ns"]) < 0.1 * float(few["ns"])
+    (one,) = pick(rows, way="one by one", modes=many["modes"])
+    assert float(one["error_dB"]) < -150 and float(one["ns"]) > 5 * float(many["ns"])
 
 
 def test_only_sampled_bristles_give_energy_and_fail(charted):
