@@ -1,5 +1,6 @@
 """Tables of figures: promises as the tests hold them, measurements from the files that the measuring scripts wrote."""
 
+import csv
 import json
 import math
 from collections.abc import Callable
@@ -8,6 +9,7 @@ from typing import Any
 from carom.clients.chart import report
 from carom.clients.chart.tables import Row
 from tests.accuracy import GROWTH, PROMISES
+from tests.bench import fits as fitted
 from tests.bench import friction, fuzz, gil, overload, queries, soak
 from tests.documents import study
 from tests.documents.markdown import table
@@ -80,6 +82,21 @@ def endurance() -> str:
         ),
     ]  # fmt: skip
     return table(("script", "load", "fails beyond"), [(f"[{row[0]}](bench/{row[0]}.py)", *row[1:]) for row in rows])
+
+
+def fits() -> str:
+    """Recordings, fitted: a row for each, with columns for each number of modes; and which can't be fitted better."""
+    with (study.MEASURED / "fits.csv").open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    few, many = ([row for row in rows if int(row["modes"]) == count] for count in (40, 80))
+    lines = []
+    for a, b in zip(few, many, strict=True):
+        cells = a["residual"], a["bound"], a["distance"], b["residual"], b["distance"]
+        lines.append((a["sample"], *(f"{float(cell):.1f}" for cell in cells)))
+    aim = fitted.BOUNDS["bar"][40][0]
+    out = [row["sample"] for row in few if row["sample"] in fitted.BARS and float(row["bound"]) > aim]
+    head = ("dB", "40 modes leave", "at least", "distance", "80 modes leave", "distance")
+    return f"{table(head, lines)}\n\nNo sum of 40 damped sinusoids leaves less than {aim:g} dB of {' or '.join(out)}."
 
 
 def _made() -> str:

@@ -31,6 +31,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "rebounds": figures.rebounds,
     "choices": figures.choices,
     "yielding": figures.yielding,
+    "fits": figures.fits,
     "endurance": figures.endurance,
 }
 """What writes each part, by its name."""
