@@ -6,8 +6,9 @@ from collections.abc import Callable, Sequence
 
 from ..dsp.engine.capacity import OBJECTS
 from ..dsp.runtime.arena import EngineFull
-from ..presets import Presets
+from ..presets import PresetError, Presets
 from .osc.addresses import Call
+from .osc.arguments import Refused
 from .scene.new_object import NewObject, new_object
 
 _MOST_BYTES = 2**27
@@ -35,14 +36,24 @@ class Making:
     def make_next(self, presets: Presets, top: float) -> None:
         """Make the next one, with modes up to `top` (Hz)."""
         place, call = self._left[0]
-        try:
-            if place >= OBJECTS or self.bytes > _MOST_BYTES:
-                raise EngineFull("no room for all objects of this packet: expected fewer of them in one")
-            self.made[id(call)] = made = new_object(call, presets, top)
-            self.bytes += made.modes.strike.nbytes
-        except Exception as error:  # whoever carries the call out meets it again
-            self.made[id(call)] = error
+        made: NewObject | Exception
+        if place >= OBJECTS or self.bytes > _MOST_BYTES:
+            made = EngineFull("no room for all objects of this packet: expected fewer of them in one")
+        else:
+            made = _made(call, presets, top)
+        self.made[id(call)] = made
+        self.bytes += made.modes.strike.nbytes if isinstance(made, NewObject) else 0
         self._left.popleft()
+
+
+def _made(call: Call, presets: Presets, top: float) -> NewObject | Exception:
+    """The object that a call asks for, or the error: whoever carries the call out meets it again."""
+    try:
+        return new_object(call, presets, top)
+    except (Refused, PresetError) as error:
+        return error.with_traceback(None)  # whose frames hold those who keep the error: a circle
+    except Exception as error:  # a fault, which is told with its place
+        return error
 
 
 class Maker:

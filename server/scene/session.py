@@ -77,9 +77,7 @@ class Session:
                     translate(transaction, call)
                 except (Refused, TooMuch, PresetError, EngineFull) as error:
                     transaction.undo_to(savepoint)
-                    harmless = self._steers_ended and isinstance(error, GestureEnded)
-                    reply = warning if harmless else fail
-                    transaction.replies.append(reply(call.message.address, transaction.reason(error)))
+                    transaction.replies.append(self._refusal(call, transaction.reason(error), error))
                 else:
                     accepted.append(call.message.address)
                 if len(transaction.commands) > RING:  # they will never be sent: spare the time to translate the rest
@@ -94,8 +92,15 @@ class Session:
         except BaseException:
             transaction.undo_to()
             raise
+        transaction.keep()
         self.on_sent(first, transaction.sent)
         return transaction.replies
+
+    def _refusal(self, call: Call, reason: str, error: Exception) -> Message:
+        """The reply to a message that met an error."""
+        error.__traceback__ = None  # its frames hold the objects that were made, of which it may be one: a circle
+        harmless = self._steers_ended and isinstance(error, GestureEnded)
+        return (warning if harmless else fail)(call.message.address, reason)
 
     def take_ends(self) -> list[Ended]:
         """The gestures that have ended since the last call."""

@@ -88,6 +88,11 @@ class Transaction:
         """Do an action if what was asked for so far is not carried out; the latest comes first."""
         self._undo.append(action)
 
+    def keep(self) -> None:
+        """Keep for good what was done. What would undo it holds the transaction in a circle: with it, all its messages
+        would stay in memory until the next search for garbage."""
+        self._undo.clear()
+
     def savepoint(self) -> tuple[int, int, int]:
         """Where the transaction stands, for `undo_to`."""
         return len(self.commands), len(self.replies), len(self._undo)
