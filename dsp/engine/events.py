@@ -75,12 +75,16 @@ def _count_late(state, seconds):
 @kernel
 def take_due(state):
     """Remove the next event of this quantum from the queue: its index in the pool, or -1. Events for objects that are
-    gone are dropped."""
+    gone are dropped; those for objects that are yet to come wait."""
     queue = state.queue
     while queue.size > 0 and queue.events[queue.heap[0]].time < state.position + QUANTUM:
         first = queue.events[queue.heap[0]]
         if first.has_clock == 1:
             _read_clock(state, first)
+            sink(queue, 0)
+            continue
+        if _is_early(state, first):
+            first.time = float(state.position + QUANTUM)
             sink(queue, 0)
             continue
         index = pop(queue)
@@ -110,6 +114,13 @@ def _read_clock(state, event):
         event.time = time
     else:
         event.time = max(float(end), time - 1.0 - (time - end) * _WANDER)
+
+
+@kernel
+def _is_early(state, event):
+    """True if an event is for an object that is yet to come: where the clock is set, that may be later than was likely
+    as the event was sent."""
+    return event.kind != KIND_NEW and event.serial > state.objects[event.slot].serial
 
 
 @kernel

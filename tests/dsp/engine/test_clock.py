@@ -12,7 +12,7 @@ from carom.dsp.engine.events import _read_clock
 from carom.dsp.engine.state import QUANTUM
 from carom.dsp.native.system import clock_ns
 from carom.dsp.runtime.engine import NOW, Engine, Stamp
-from tests.dsp.engine.support import RATE, panic, setting
+from tests.dsp.engine.support import RATE, bell, panic, setting
 
 START = 10**15  # ns
 
@@ -157,11 +157,24 @@ def test_an_event_far_ahead_is_looked_at_a_few_times_and_never_too_late(seconds,
 def test_commands_that_are_never_carried_out_are_noted_too():
     engine = Engine(RATE)
     engine.note()
+    engine.state["objects"]["serial"][0, 0] = 1
     engine.send([nothing(500.0), panic(100.0)])
-    engine.send([setting(Handle(0, 1, 0, 0), "gain", 0.5)])  # of an object that is not there
+    engine.send([setting(Handle(0, 1, 0, 0), "gain", 0.5)])  # of an object that is gone
     for _ in range(10):
         engine.process(QUANTUM)
     assert engine.noted() == [(2, -1.0), (1, 100.0), (0, -1.0)] and engine.noted() == []
+
+
+def test_what_is_for_an_object_waits_for_it_wherever_the_clock_is_set():
+    """A change, and the end, that by the clock come before the object, as on a machine that stalls."""
+    engine = Engine(RATE)
+    engine.note()
+    handle, layout = engine.lay_out(bell(8), 1.0)
+    engine.send([Command(1_000.5, Kind.NEW, handle, layout)])
+    engine.send([setting(handle, "gain", 0.5), Command(500.0, Kind.FREE, handle, value=1.0)])
+    engine.process(2_048)
+    assert [(number, time // QUANTUM) for number, time in engine.noted()] == [(0, 15), (1, 16), (2, 16)]
+    assert not engine.objects["used"].any() and engine.queued == 0
 
 
 def test_stamps_are_floats_in_order():

@@ -5,6 +5,7 @@ import time
 import pytest
 
 from carom.dsp.engine.capacity import USUAL_OBJECTS
+from carom.dsp.native.system import clock_ns
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.presets.library import ObjectPreset, Presets
 from carom.server.osc.wire import Message
@@ -157,3 +158,21 @@ def test_one_among_many_is_found_at_once(session):
     for n in range(2000):
         assert say(session, f"/object/o{n % USUAL_OBJECTS}/impact", 0) == []
     assert time.process_time() - started < 1.0
+
+
+def test_an_object_that_the_clock_holds_back_is_freed_all_the_same(session):
+    # Sound that is computed faster than the clock goes sets it again and again: the object comes when the clock says
+    # so, thousands of samples after the one that was told for it.
+    engine = session.engine
+    engine.process(64)
+    due = clock_ns() + 100_000_000
+    say(session, "/object/new", "a", "wood-block", time=engine.stamp(due))
+    while engine.position <= session.objects["a"].born:
+        engine.process(64)
+    assert clock_ns() < due and not engine.objects["used"].any()
+    assert say(session, "/object/a/gain", -6.0) == say(session, "/object/a/free", 1) == []
+    while clock_ns() < due + 20_000_000:
+        engine.process(64)
+    assert not engine.objects["used"].any() and engine.objects["serial"].any()
+    assert say(session, "/object/new", "a", "wood-block")[0].address == "/done"
+    assert engine.objects.shape == (1,)  # its place was free again
