@@ -12,9 +12,10 @@ a quadratic, and what it does to the rest of the sample is again a polynomial, e
 Legendre moments at the sample's end. The cost of a step does not depend on the number of modes.
 
 Contacts begin and end at the times where x is 0. The striker may be caught up by the object and touch it again, and it
-may be pressed on by a constant force. Energy can't grow: a step's work is int f dx, exact for polynomials, and steps
-that would give back more than the change of V = k x^(a+1)/(a+1) are refined; where that gets too fine, or too much for
-a sample, the force is held by the discrete gradient, which can't gain whatever the step.
+may be pressed on by a constant force. The surface under it may rise and fall, by parabolas that meet in kinks (a body
+that rolls): between kinks that is a part of D. Energy can't grow: a step's work is int f dx, exact for polynomials, and
+steps that would give back more than the change of V = k x^(a+1)/(a+1) are refined; where that gets too fine, or too
+much for a sample, the force is held by the discrete gradient, which can't gain whatever the step.
 
 Lengths of steps are in samples, and so are the variables of polynomials; all else is in SI units.
 """
@@ -32,11 +33,11 @@ from .power_series import BINOMIAL, FORCE_AT, POWERS, QUADRATURE, QUADRATURE_WEI
 
 MOST_STEPS = 600  # in a sample; what is left of it then is one held step
 _LOOKS = 8  # at the gap, in a sample
-_AGES = 1e12  # samples that are as good as for ever
+KINKS = 32  # of the surface in a sample, at most
+_ON_KINK = 1e-12  # samples from a kink that are none
 _FIRST = 0.2  # share of the contact's natural time: the first step to try
 _NEWTON_STEPS = 50
 _EXACT = 1e-15  # relative width of a bracket that ends the search
-_LEAST_SPEED = 1e-300  # m/s: keeps a quotient finite
 
 
 class ContactLaw(NamedTuple):
@@ -70,6 +71,16 @@ COUPLED = np.dtype(
         ("w", np.float64),  # mu v, where it is kept from touch to touch; 0: mu is
         ("slowest", np.float64),  # m/s: a slower touch gets the mu of this speed
         ("push", np.float64),  # constant force on the striker towards the object, N
+        ("rest_force", np.float64),  # N: that of a striker at rest; the modes get what is beyond it
+        ("swing", np.float64),  # rad/s: of the striker about the compression at which it rests; 0: it does not rest
+        ("rest_compression", np.float64),  # m
+        ("rise", np.float64),  # m per sample: how the surface rises under the striker
+        ("bend", np.float64),  # m per sample^2: half of what that changes by
+        ("kinks", np.int64),  # of the surface in this sample
+        ("kink", np.int64),  # the next of them
+        ("kink_at", np.float64, KINKS),  # samples from the sample's beginning
+        ("kink_rise", np.float64, KINKS),  # by how much `rise` jumps there,
+        ("kink_bend", np.float64, KINKS),  # and `bend`
         ("mass", np.float64),  # effective, of striker and modes in the first instant, kg
         ("tolerance", np.float64),
         ("next", np.float64),  # samples: the step to try
@@ -99,6 +110,9 @@ def begin_coupled(contact, v, law, push, fraction, rate, tolerance):
     contact.a = law.a
     contact.w = 0.0
     contact.push = push
+    contact.rest_force = contact.rest_compression = contact.swing = 0.0
+    contact.rise = contact.bend = 0.0
+    contact.kinks = contact.kink = 0
     contact.period = 1.0 / rate
     contact.wait = fraction
     contact.tolerance = tolerance
@@ -158,7 +172,7 @@ def step_coupled(contact, observed, moments):
         moments[n] = 0.0
     at = 0.0
     for n in range(MOST_STEPS + 1):
-        left = 1.0 - at
+        left = 1.0 - at if n == MOST_STEPS else min(1.0 - at, until_kink(contact, at))
         if left <= 0.0:
             break
         meets = released = False
@@ -171,7 +185,7 @@ def step_coupled(contact, observed, moments):
         else:
             eta, meets = fly(contact.motion, left)
         move(contact, eta, at, moments)
-        at = 1.0 if eta >= left else at + eta
+        at = min(at + eta, 1.0) if eta < left or contact.kink < contact.kinks else 1.0
         if meets or released:
             contact.position -= contact.motion[0]
             contact.motion[0] = 0.0
@@ -183,7 +197,26 @@ def step_coupled(contact, observed, moments):
             contact.touching = 0
             for j in range(NODES):
                 contact.force[j] = 0.0
+        pass_kinks(contact, at)
+    moments[0] -= contact.rest_force * contact.period
     return contact.touching > 0
+
+
+@kernel
+def until_kink(contact, at):
+    """Samples from `at` until the surface's next kink in this sample; infinity if there is none."""
+    return contact.kink_at[contact.kink] - at if contact.kink < contact.kinks else math.inf
+
+
+@kernel
+def pass_kinks(contact, at):
+    """Let the surface go on as it does behind its kinks, up to a time in the sample."""
+    while until_kink(contact, at) <= _ON_KINK:
+        contact.rise += contact.kink_rise[contact.kink]
+        contact.bend += contact.kink_bend[contact.kink]
+        contact.motion[1] += contact.kink_rise[contact.kink]
+        contact.motion[2] += contact.kink_bend[contact.kink]
+        contact.kink += 1
 
 
 @kernel
@@ -203,8 +236,19 @@ def look(contact, observed):
             total -= POWERS[n, k] * observed[k]
         contact.motion[n] = total
     h = contact.period
-    contact.motion[1] += h * contact.v
-    contact.motion[2] += 0.5 * h * h * contact.push / contact.m
+    contact.motion[1] += h * contact.v + contact.rise
+    contact.motion[2] += 0.5 * h * h * contact.push / contact.m + contact.bend
+    if contact.rest_force > 0.0:
+        contact.motion[2] -= 0.5 * h * h * contact.rest_force / contact.m
+        lift(contact, contact.answer, contact.rest_force)
+    pass_kinks(contact, 0.0)
+
+
+@kernel
+def lift(contact, answer, force):
+    """Let a point no longer give way to a constant force (N) over the sample, by its answer to one."""
+    for n in range(1, FINE - 1):
+        contact.motion[n + 1] += force * answer[n] / (n + 1)
 
 
 @kernel
@@ -280,7 +324,9 @@ def move(contact, eta, at, moments):
         contact.motion[k] = total
     time = eta * h
     contact.position += time * (contact.v + 0.5 * time * contact.push / contact.m)
+    contact.position += eta * (contact.rise + eta * contact.bend)
     contact.position -= h * h * contact.impulse[1] / contact.m
+    contact.rise += 2.0 * eta * contact.bend
     contact.v += (time * contact.push - h * contact.impulse[0]) / contact.m
     for q in range(len(QUADRATURE)):
         here = eta * h * QUADRATURE_WEIGHTS[q]
@@ -290,42 +336,3 @@ def move(contact, eta, at, moments):
         for k in range(FINE):
             moments[k] += legendre_k
             before, legendre_k = legendre_k, (2 * k + 1) / (k + 1) * x * legendre_k - k / (k + 1) * before
-
-
-@kernel
-def apart_for(contact, distance, speed):
-    """Whole samples from now for which striker and object surely stay apart: those may be left to `fly_on`.
-
-    To be asked right after `step_coupled`; `distance` and `speed` bound the object's point, by `bank.reach`. 0 while
-    they touch, infinity if the striker is gone for good.
-    """
-    gap = -contact.motion[0]
-    if contact.touching or contact.wait >= 0.0 or gap <= 0.0:
-        return 0.0
-    if contact.push <= 0.0 and contact.v <= 0.0 and contact.position < -distance:
-        return math.inf
-    acceleration = max(contact.push, 0.0) / contact.m
-    # The closing gap, and the way back into the object's reach; the later one.
-    near = _until(gap, contact.v + speed, acceleration)
-    far = _until(-distance - contact.position, contact.v, acceleration)
-    samples = max(near, far, 0.0) / contact.period
-    return float(math.floor(samples)) if samples < _AGES else math.inf
-
-
-@kernel
-def _until(way, speed, acceleration):
-    """Seconds until way >= 0 is covered; 0 if there is none."""
-    if way <= 0.0:
-        return 0.0
-    root = math.sqrt(max(speed * speed + 2.0 * acceleration * way, 0.0))
-    if speed >= 0.0:
-        return 2.0 * way / max(speed + root, _LEAST_SPEED)
-    return (root - speed) / acceleration if acceleration > 0.0 else math.inf
-
-
-@kernel
-def fly_on(contact, samples):
-    """Let a striker that is apart fly for whole samples, nobody looking."""
-    time = samples * contact.period
-    contact.position += time * (contact.v + 0.5 * time * contact.push / contact.m)
-    contact.v += time * contact.push / contact.m

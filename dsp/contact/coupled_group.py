@@ -17,7 +17,7 @@ import numpy as np
 from ..native.jit import kernel
 from ..numerics.legendre import FINE
 from .collocation import NODES
-from .coupled import MOST_STEPS, look, move, touch
+from .coupled import MOST_STEPS, lift, look, move, pass_kinks, touch, until_kink
 from .coupled_group_step import LEAVES, MEETS, NOTHING, find_step
 from .coupled_step import FINEST, hold
 from .power_series import BINOMIAL, POWERS
@@ -80,6 +80,7 @@ def step_together(contacts, group):
         for k in range(FINE):
             group.moments[i, k] = 0.0
             group.answer[i, i, k] = contact.answer[k]
+    _lift_others(contacts, group)
     at = 0.0
     for count in range(MOST_STEPS + 1):
         left = 1.0 - at
@@ -88,7 +89,23 @@ def step_together(contacts, group):
         eta = _step(contacts, group, at, count == MOST_STEPS)
         at = 1.0 if eta >= left else at + eta
         for i in range(group.size):
-            _settle(contacts[group.member[i]].coupled, group.event[i])
+            contact = contacts[group.member[i]].coupled
+            _settle(contact, group.event[i])
+            pass_kinks(contact, at)
+    for i in range(group.size):
+        contact = contacts[group.member[i]].coupled
+        group.moments[i, 0] -= contact.rest_force * contact.period
+
+
+@kernel
+def _lift_others(contacts, group):
+    """Let no point give way to what the other strikers weigh at rest."""
+    for j in range(group.size):
+        force = contacts[group.member[j]].coupled.rest_force
+        if force > 0.0:
+            for i in range(group.size):
+                if i != j:
+                    lift(contacts[group.member[i]].coupled, group.answer[i, j], force)
 
 
 @kernel
@@ -121,6 +138,8 @@ def _step(contacts, group, at, last):
         contact = contacts[group.member[i]].coupled
         group.event[i] = NOTHING
         group.sought[i] = 0
+        if not last:
+            longest = min(longest, until_kink(contact, at))
         if contact.wait >= 0.0:
             longest = min(longest, contact.wait)
         elif contact.touching == 1:

@@ -29,6 +29,7 @@ TRIALS = 40
 FINEST = 2.0**-16  # of the step tried first: where it comes to this, the force is held
 _LOSS = 1e-4  # of the contact's energy, times the tolerance, that a step may lose beyond what the law takes
 _LEAST_LOSS = 1e-10  # share of that energy that it may lose in any case: rounding comes near it
+_LEAST_SWING = 1e-3  # of the compression at which a striker rests: an amplitude that counts as heard in any case
 RETRY = 0.25  # of a step whose equations are not solved
 REFINE = 0.5  # of a step whose energy is not right
 ROUNDING = 1e-14  # share of the momentum at hand that no force is asked for
@@ -115,7 +116,10 @@ def _collocate(contact, eta):
 
 @kernel
 def speed_of(contact, x, v):
-    """The speed that kinetic and elastic energy amount to."""
+    """The speed that kinetic and elastic energy amount to; of a striker that rests, about its rest."""
+    if contact.swing > 0.0:
+        away = contact.swing * (x - contact.rest_compression)
+        return max(math.sqrt(v * v + away * away), _LEAST_SWING * contact.swing * contact.rest_compression)
     return math.sqrt(v * v + 2.0 * elastic(x, contact.k, contact.a) / contact.mass)
 
 
@@ -124,7 +128,8 @@ def ratio_to_longest(contact, eta, x, v):
     """What to multiply the step with for the tolerance."""
     speed = max(speed_of(contact, x, v), speed_of(contact, contact.motion[0], contact.motion[1] / contact.period))
     rest = abs(end_of(contact.step.f) - law(x, v, contact.k, contact.mu, contact.a)) * eta * contact.period
-    return better_step(rest, contact.tolerance * contact.mass * speed)
+    mass = contact.m if contact.swing > 0.0 else contact.mass
+    return better_step(rest, contact.tolerance * mass * speed)
 
 
 @kernel

@@ -7,14 +7,14 @@ compliance of the point, as sum phi_i q_i <= sqrt(sum omega_i^2 q_i^2 sum phi_i^
 
 import math
 
-from ..contact.coupled import apart_for
+from ..contact.coupled_flight import apart_for
 from ..native.jit import kernel
 from ..resonator.mode import energy_of
-from .commands import KIND_IMPACT, KIND_PRESS
+from .commands import KIND_IMPACT, KIND_PRESS, KIND_ROLL, KIND_SLIDE
 from .objects import modes_of, reach_of
 from .quality import keeps_strikers
 from .solver_choice import moved_by
-from .state import COUPLING, ROLLING
+from .state import COUPLING
 
 
 @kernel
@@ -87,7 +87,7 @@ def _gives(contact):
 
     One that flies off from a blow gives none: an object that catches up with it pushes it on.
     """
-    if contact.touching == 0 or contact.aside == 2 or contact.kind == KIND_PRESS or contact.solver == ROLLING:
+    if contact.touching == 0 or contact.aside == 2 or contact.kind in (KIND_PRESS, KIND_ROLL, KIND_SLIDE):
         return False
     coupled = contact.coupled
     leaves = contact.solver == COUPLING and contact.kind == KIND_IMPACT and coupled.touching == 0

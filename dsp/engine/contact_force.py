@@ -8,21 +8,21 @@ import math
 
 from ..contact.closed_form import advance_pulse, begin_pulse, state_of_pulse
 from ..contact.coupled import ContactLaw, begin_coupled, begin_within, respond_with, step_coupled
-from ..contact.coupled_step import HELD
 from ..contact.sampled import begin_sampled, step_sampled
 from ..native.jit import kernel, noinline_kernel
 from ..numerics.legendre import FINE, MOMENTS, add_held
 from ..resonator.bank import inject, inject_fine, observe, receptance
+from .commands import KIND_ROLL
 from .contact_list import take_room_again
+from .coupled_rolls import lead_roll
 from .fade import note_force
 from .objects import frequency_of, highest_of, modes_of, place, point_of, relief_of, sigma_of
 from .quality import holds_steps, modes_for, room_for_coupling
-from .solver_choice import choose_solver, soften_pulse, tolerance_of
+from .solver_choice import choose_solver, choose_tolerance, count_steps, soften_pulse, tolerance_of
 from .state import COUPLING, SAMPLING
 from .strikers import begin_striker, drive_striker
 from .trace import trace_sample
 
-_BURST = 64  # times its steps per sample that a coupled contact may need at once
 _BY_ITSELF = 32  # modes that cost as much as a contact does by itself
 _FIRST = 0.05  # of a pulse: the first step after it is coupled
 _TOO_STRONG = 1e3  # times its momentum that a sampled method may give in a step: it has failed, and would deafen
@@ -143,7 +143,7 @@ def update_mode_count(state, contact):
     for side in range(2):
         point = contact.point[side]
         if point.slot >= 0:
-            modes = modes_for(state, state.objects[point.slot], contact.kind)
+            modes = modes_for(state, state.objects[point.slot], contact)
             changed |= modes != point.modes
             point.modes = modes
     return changed
@@ -165,8 +165,9 @@ def apply_contact_force(state, contact, frame):
         lasts = _advance_coupled(state, contact, age)
         trace_sample(state, contact, sample, 0.0 if began_earlier else begin, end, scratch.fine[0])
         note_force(contact.forces, scratch.fine[0] * state.rate)
+        gain = gain_of(state, contact)
         for n in range(FINE):
-            scratch.fine[n] *= contact.now.gain
+            scratch.fine[n] *= gain
         impulse = scratch.fine[0]
     else:
         if contact.solver == SAMPLING:
@@ -184,6 +185,13 @@ def apply_contact_force(state, contact, frame):
     if not acted:
         drive(state, contact)
     return lasts
+
+
+@kernel
+def gain_of(state, contact):
+    """Factor on the force that the modes get: the gesture's gain, and what is left of a roll that has stopped."""
+    fade = state.rolls[contact.roll].fade if contact.kind == KIND_ROLL else 1.0
+    return contact.now.gain * fade
 
 
 @kernel
@@ -233,31 +241,6 @@ def _advance_coupled(state, contact, age):
 
 
 @kernel
-def choose_tolerance(state, contact):
-    """Give a coupled contact the tolerance for the coming sample; false if its force is held."""
-    tolerance = tolerance_of(state, contact)
-    if tolerance != HELD and contact.debt > _BURST * state.choices.budget.steps:
-        tolerance = HELD
-    contact.coupled.tolerance = tolerance
-    return tolerance != HELD
-
-
-@kernel
-def count_steps(state, contact, sign, price):
-    """Bring the stats and the debt of steps up to date: with -1 before a coupled contact steps, with 1 after.
-
-    price: of its steps, against those of a contact that is alone.
-    """
-    coupled, stats = contact.coupled, state.stats
-    stats.held += sign * coupled.held
-    stats.recontacts += sign * max(coupled.contacts - 1, 0)
-    contact.debt += sign * price * coupled.steps
-    if sign > 0:
-        steps = state.choices.budget.steps
-        contact.debt = max(contact.debt - steps, 0) if steps > 0 else 0
-
-
-@kernel
 def observe_points(state, contact):
     """Find how the points that are touched would move without the contact; tell it their receptance where that is new.
 
@@ -265,6 +248,8 @@ def observe_points(state, contact):
     """
     scratch = state.scratch
     take_room_again(state, contact)
+    if contact.kind == KIND_ROLL:
+        lead_roll(state, contact)
     for n in range(FINE):
         scratch.observed[n] = scratch.receptance[n] = 0.0
     for side in range(2):
@@ -277,7 +262,8 @@ def observe_points(state, contact):
             receptance(modes, where, scratch.work, scratch.fine)
             for n in range(FINE):
                 scratch.receptance[n] += scratch.fine[n]
-            find_static(state, contact, side, obj, point.modes)
+            if contact.kind != KIND_ROLL:
+                find_static(state, contact, side, obj, point.modes)
         if obj.live > 0:
             observe(modes, where, scratch.work, scratch.fine)
             for n in range(FINE):

@@ -4,8 +4,9 @@ from ..contact.coupled_group import GROUP, answer_with, step_together
 from ..native.jit import kernel, noinline_kernel
 from ..numerics.legendre import FINE
 from ..resonator.bank import transfer_receptance
-from .contact_force import choose_tolerance, count_steps, drive, observe_points
+from .contact_force import drive, gain_of, observe_points
 from .objects import modes_of, point_of
+from .solver_choice import choose_tolerance, count_steps
 from .state import COUPLING
 
 _CHEAP = 16  # the square of a group's size at which its equations cost as much as the rest of a step
@@ -108,9 +109,10 @@ def _solve(state):
         contact = state.contacts[group.member[i]]
         count_steps(state, contact, 1, price)
         contact.solved = 1
+        gain = gain_of(state, contact)
         for n in range(FINE):
             contact.moments[n] = group.moments[i, n]
-            state.scratch.fine[n] = contact.now.gain * contact.moments[n]
+            state.scratch.fine[n] = gain * contact.moments[n]
         drive(state, contact)
 
 
@@ -120,7 +122,7 @@ def _find_answers(state, group):
     for i in range(GROUP):
         if i < group.size:
             contact = state.contacts[group.member[i]]
-            if group.known[i] == contact.settled and group.gain[i] == contact.now.gain:
+            if group.known[i] == contact.settled and group.gain[i] == gain_of(state, contact):
                 continue
         group.known[i] = 0
     for i in range(group.size):
@@ -129,7 +131,7 @@ def _find_answers(state, group):
                 _find_answer(state, group, i, j)
     for i in range(group.size):
         group.known[i] = state.contacts[group.member[i]].settled
-        group.gain[i] = state.contacts[group.member[i]].now.gain
+        group.gain[i] = gain_of(state, state.contacts[group.member[i]])
 
 
 @kernel
@@ -150,4 +152,4 @@ def _find_answer(state, group, i, j):
                 )
                 for n in range(FINE):
                     scratch.receptance[n] += scratch.fine[n]
-    answer_with(group, i, j, scratch.receptance, 1.0 / state.rate, other.now.gain / contact.now.gain)
+    answer_with(group, i, j, scratch.receptance, 1.0 / state.rate, gain_of(state, other) / contact.now.gain)

@@ -117,6 +117,8 @@ def _wait_longer(state, contact):
     if _comes_back(contact):
         schedule_contact(state, contact)
         return contact.start >= contact.until
+    if contact.solver == COUPLING:
+        contact.start = state.position + QUANTUM
     return state.rolls[contact.roll].target.speed == 0.0
 
 
@@ -163,6 +165,8 @@ def _add_static(state, contact):
 def _roll_on(state, index):
     """Compute a rolling or sliding body's force for a quantum; true if it has come to its end."""
     contact = state.contacts[index]
+    if contact.solver == COUPLING:
+        return _roll_on_coupled(state, contact)
     roll = state.rolls[contact.roll]
     changed = update_mode_count(state, contact)
     if contact.kind == KIND_SLIDE:
@@ -182,6 +186,19 @@ def _roll_on(state, index):
     if roll.ended == 0:
         register_roll(state, index)
         roll_striker(state, contact)
+    return roll.ended == 1
+
+
+@kernel
+def _roll_on_coupled(state, contact):
+    """Bring a roll that feels all modes to a new quantum; true if it has come to its end."""
+    roll = state.rolls[contact.roll]
+    if update_mode_count(state, contact):
+        contact.unsettled = 1
+    contact.m = roll.m
+    state.stats.impacts += contact.coupled.contacts - 1 - roll.impacts
+    roll.impacts = contact.coupled.contacts - 1
+    roll_striker(state, contact)
     return roll.ended == 1
 
 
@@ -271,7 +288,8 @@ def run_contacts(state, obj, frame):
             if not stays:
                 break
             if apply_contact_force(state, contact, frame):
-                stays = contact.solver != COUPLING or follow_coupled(state, contact, frame)
+                leaves = contact.solver == COUPLING and contact.kind != KIND_ROLL
+                stays = not leaves or follow_coupled(state, contact, frame)
                 break
             stays = leave(state, contact, frame)
             if not stays:

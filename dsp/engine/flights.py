@@ -7,7 +7,7 @@ acts in contact too, until its energy says that it can't leave any more.
 import math
 
 from ..contact.collocation import captured, elastic
-from ..contact.coupled import fly_on
+from ..contact.coupled_flight import fly_on
 from ..native.jit import kernel, noinline_kernel
 from .clearance import flight
 from .commands import KIND_BOUNCE, KIND_IMPACT, KIND_PRESS, KIND_SPIN

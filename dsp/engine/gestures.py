@@ -24,6 +24,7 @@ from .commands import (
     KIND_SPIN,
 )
 from .contact_list import append_contact, report_end, schedule_contact
+from .coupled_rolls import couple_roll
 from .objects import place
 from .quality import coarseness_of
 from .slides import begin_slide
@@ -168,6 +169,7 @@ def _begin_rolling(state, contact, event):
     contact.number = state.contact_count
     contact.travel = event.slide.travel if slides else event.roll.travel
     contact.rolled = contact.rolls = 0.0
+    contact.reduced = 0
     roll = state.rolls[contact.roll]
     profile = event.surface
     begin_surface(
@@ -180,3 +182,5 @@ def _begin_rolling(state, contact, event):
         begin_slide(state, contact)
     corners = 0.0 if slides else event.roll.corners
     begin_roll(roll, 0, contact.k, contact.mu, contact.a, corners, coarseness_of(state))
+    if not slides:
+        couple_roll(state, contact)

@@ -6,7 +6,7 @@ steered last. Events count in the order in which they are carried out, which a l
 
 from ..native.jit import kernel
 from .commands import KIND_PRESS, KIND_ROLL, KIND_SLIDE
-from .state import Quality
+from .state import ROLLING, Quality
 
 COARSER = 4.0
 """Factor on the shortest wavelength that rolls feel from COARSE on: about as loud, at 60 % of the cost."""
@@ -49,10 +49,10 @@ def coarseness_of(state):
 
 
 @kernel
-def modes_for(state, obj, kind):
-    """How many of an object's modes a gesture of this kind acts on: rolls and slides on those that are heard."""
-    modes = obj.unheard if kind in (KIND_ROLL, KIND_SLIDE) else obj.size
-    lasts = kind in (KIND_ROLL, KIND_PRESS, KIND_SLIDE)
+def modes_for(state, obj, contact):
+    """How many of an object's modes a contact acts on: rolls and slides that feel none on those that are heard."""
+    modes = obj.unheard if contact.solver == ROLLING else obj.size
+    lasts = contact.kind in (KIND_ROLL, KIND_PRESS, KIND_SLIDE)
     return min(modes, _FEW) if lasts and state.choices.quality >= _COARSE else modes
 
 

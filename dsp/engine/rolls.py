@@ -2,10 +2,8 @@
 
 A roll is computed LEAD frames ahead of its sound, so that one number a frame tells the modes its force (see
 resonator/fed.py); a click's modes, which answer in another way, get its moments. What a roll is told takes effect as
-much later.
+much later. A roll that feels all modes is computed with them instead (coupled_rolls.py).
 """
-
-import math
 
 from ..native.jit import kernel, noinline_kernel
 from ..numerics.legendre import KEPT
@@ -13,6 +11,7 @@ from ..resonator.bank import Drive, Point, inject_kept, ring, ring_driven
 from ..resonator.fed import LINE, REACH, feed_through, lay_blows, ring_fed, sample_force
 from ..resonator.simd import LANES, STRETCH
 from ..rolling.body import fill_roll
+from .coupled_rolls import fill_reduced, position_of
 from .objects import modes_of, place, shapes_of, weigh
 from .state import BEHIND, LEAD, QUANTUM
 
@@ -29,7 +28,10 @@ def feed_on(state, contact):
     for n in range(2 * REACH):
         samples[n] = samples[QUANTUM + n] if begun else 0.0
     since = (state.position - 1 - contact.origin + new - BEHIND) / state.rate
-    fill_roll(roll, since, state.rate, feed[new:])
+    if contact.reduced == 1:
+        fill_reduced(state, contact, since, feed[new:])
+    else:
+        fill_roll(roll, since, state.rate, feed[new:])
     sample_force(feed, samples, 2 * REACH)
 
 
@@ -184,13 +186,3 @@ def _hear(taps, later, samples, voice):
             tap, slope = taps[side, k], (later[side, k] - taps[side, k]) / QUANTUM
             for n in range(QUANTUM):
                 voice[side, n] += (tap + n * slope) * samples[n + m]
-
-
-@kernel
-def position_of(contact, frame):
-    """Where a rolling or sliding body is along the object's strike path, on which it goes to and fro."""
-    position = contact.now.position
-    if contact.travel > 0.0:
-        position += (contact.rolls * (frame / QUANTUM) + contact.rolled) / contact.travel
-    position -= 2.0 * math.floor(0.5 * position)
-    return min(position, 2.0 - position)

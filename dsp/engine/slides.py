@@ -19,9 +19,10 @@ from ..resonator.velocity import observe_velocity, sense, set_rows, set_shapes, 
 from ..schema import SPEED
 from .commands import KIND_PRESS
 from .contact_force import find_static
+from .coupled_rolls import position_of
 from .objects import modes_of, place, shapes_of
 from .quality import holds_steps
-from .rolls import feed_of, position_of
+from .rolls import feed_of
 from .slide_record import SLID
 from .state import QUANTUM
 

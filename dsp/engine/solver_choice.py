@@ -10,11 +10,13 @@ from ..contact.accuracy import LIGHT, LIGHT_TOLERANCE, RESIDUAL, TOLERANCE, clos
 from ..contact.closed_form import NODES, add_phasors, find_nodes
 from ..contact.coupled_step import HELD
 from ..native.jit import kernel
+from .commands import KIND_ROLL, KIND_SLIDE
 from .objects import is_felt, pitch_of, reach_of, shape_at
 from .quality import holds_steps
-from .state import CLOSED, COUPLING, ROLLING, SAMPLING
+from .state import CLOSED, COUPLING, SAMPLING
 
 _RESOLVED = 28.0  # rad of a mode over a pulse: up to here its nodes tell the spectrum, beyond it is as good as 0
+_BURST = 64  # times its steps per sample that a coupled contact may need at once
 _LIGHT = 1e-4  # sum of m phi^2 below which the object is as good as a rigid wall (-80 dB)
 
 
@@ -24,6 +26,32 @@ def tolerance_of(state, contact):
     if holds_steps(state):
         return HELD
     return (LIGHT_TOLERANCE if contact.light == 1 else TOLERANCE)[state.choices.accuracy]
+
+
+@kernel
+def choose_tolerance(state, contact):
+    """Give a coupled contact the tolerance for the coming sample; false if its force is held."""
+    tolerance = tolerance_of(state, contact)
+    if tolerance != HELD and contact.debt > _BURST * state.choices.budget.steps:
+        tolerance = HELD
+    contact.coupled.tolerance = tolerance
+    return tolerance != HELD
+
+
+@kernel
+def count_steps(state, contact, sign, price):
+    """Bring the stats and the debt of steps up to date: with -1 before a coupled contact steps, with 1 after.
+
+    price: of its steps, against those of a contact that is alone.
+    """
+    coupled, stats = contact.coupled, state.stats
+    stats.held += sign * coupled.held
+    if contact.kind != KIND_ROLL:
+        stats.recontacts += sign * max(coupled.contacts - 1, 0)
+    contact.debt += sign * price * coupled.steps
+    if sign > 0:
+        steps = state.choices.budget.steps
+        contact.debt = max(contact.debt - steps, 0) if steps > 0 else 0
 
 
 @kernel
@@ -95,7 +123,7 @@ def is_moved(state, contact):
             index = state.objects[contact.point[side].slot].contact
             while index >= 0:
                 other = state.contacts[index]
-                if index != contact.index and other.touching == 1 and other.solver != ROLLING:
+                if index != contact.index and other.touching == 1 and other.kind not in (KIND_ROLL, KIND_SLIDE):
                     moved += moved_by(contact, other)
                 index = other.next
     return moved > residual

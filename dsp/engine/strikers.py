@@ -17,11 +17,11 @@ from ..numerics.legendre import FALL, MOMENTS, RISE
 from ..numerics.random import STEP, mixed
 from ..resonator.bank import Drive, Point, inject, inject_fine, inject_kept, ring, ring_driven, state_of
 from ..resonator.simd import STRETCH
-from .commands import KIND_ROLL, KIND_SLIDE, KIND_SPIN
+from .commands import KIND_SPIN
 from .contact_record import RIM
 from .fade import fade_length, going_on, left_of, pace_of, tilt_of
 from .quality import silence_of
-from .state import BEHIND, COUPLING
+from .state import BEHIND, COUPLING, ROLLING
 from .striker_modes import become, modes_of_voice, resize
 from .striker_state import VOICES
 
@@ -54,9 +54,11 @@ def roll_striker(state, contact):
         obj = state.objects[voice.slot]
         if not has_one:
             resize(state, voice, contact)
-        voice.roll = contact.roll
         voice.driven = 1
-        voice.share[0] = contact.now.gain * obj.level / state.rolls[contact.roll].m
+        voice.share[0] = obj.level / state.rolls[contact.roll].m
+        if contact.solver != COUPLING:  # else its force comes sample by sample, with the gain
+            voice.roll = contact.roll
+            voice.share[0] *= contact.now.gain
 
 
 @kernel
@@ -199,8 +201,7 @@ def let_voice_go(state, contact):
     if contact.voice < 0:
         return
     voice = state.voices[contact.voice]
-    rolls = contact.kind == KIND_ROLL or contact.kind == KIND_SLIDE
-    gain = 1.0 if rolls else contact.now.gain  # a roll's share holds it
+    gain = 1.0 if contact.solver == ROLLING else contact.now.gain  # a roll's share holds it
     q, u, v, w = going_on(contact.forces, pace_of(contact.forces, state.rate), state.rate)
     voice.held_ratio, voice.held[0], voice.held[1], voice.held[2] = q, gain * u, gain * v, gain * w
 

@@ -3,7 +3,7 @@
 from ..native.atomics import load_acquire, store_release
 from ..native.jit import kernel
 from .commands import KIND_ROLL, KIND_SLIDE
-from .rolls import position_of
+from .coupled_rolls import position_of
 from .state import QUANTUM, TRACED
 
 

@@ -122,7 +122,7 @@ def begin_roll(roll, place, k, mu, a, corners, coarseness):
 
 
 @kernel
-def _steer(roll):
+def steer(roll):
     """Bring speed, mass and gravity, after an event, nearer to their targets."""
     roll.path.roughness, roll.path.patch = roll.target.roughness, roll.target.patch
     roll.top_speed = max(roll.top_speed, roll.target.speed)
@@ -161,7 +161,7 @@ def _nearer(value, goal, share):
 
 
 @kernel
-def _modulate(roll):
+def modulate(roll):
     """A lopsided body's speed and weight: its energy is (7/10) m v^2 and m g times the height of its centre of mass."""
     radius = roll.path.radius
     square = roll.v * roll.v
@@ -184,7 +184,7 @@ def _modulate(roll):
 
 
 @kernel
-def _look_ahead(roll):
+def look_ahead(roll):
     """Have the path ready; returns the time in s for which it is."""
     path = roll.path
     begun = roll.piece >= 0
@@ -229,9 +229,9 @@ def _rest(roll):
 @kernel
 def next_event(roll):
     """Let the body go on by one event: a flight or a part of one, or a step in contact."""
-    _steer(roll)
-    _modulate(roll)
-    longest = min(0.999 * _look_ahead(roll), _LONGEST)
+    steer(roll)
+    modulate(roll)
+    longest = min(0.999 * look_ahead(roll), _LONGEST)
     roll.since = roll.t
     if roll.touching == 1:
         step_contact(roll, longest, roll.path.coarseness / EVENTS if roll.debt > _BURST else 0.0)

@@ -1,0 +1,47 @@
+"""The flight of a coupled striker (coupled.py): for how long it surely touches nothing, and how it goes on unseen."""
+
+import math
+
+from ..native.jit import kernel
+
+_AGES = 1e12  # samples that are as good as for ever
+_LEAST_SPEED = 1e-300  # m/s: keeps a quotient finite
+
+
+@kernel
+def apart_for(contact, distance, speed):
+    """Whole samples from now for which striker and object surely stay apart: those may be left to `fly_on`.
+
+    To be asked right after `step_coupled`; `distance` and `speed` bound the object's point, by `bank.reach`. 0 while
+    they touch, infinity if the striker is gone for good.
+    """
+    gap = -contact.motion[0]
+    if contact.touching or contact.wait >= 0.0 or gap <= 0.0:
+        return 0.0
+    if contact.push <= 0.0 and contact.v <= 0.0 and contact.position < -distance:
+        return math.inf
+    acceleration = max(contact.push, 0.0) / contact.m
+    # The closing gap, and the way back into the object's reach; the later one.
+    near = _until(gap, contact.v + speed, acceleration)
+    far = _until(-distance - contact.position, contact.v, acceleration)
+    samples = max(near, far, 0.0) / contact.period
+    return float(math.floor(samples)) if samples < _AGES else math.inf
+
+
+@kernel
+def _until(way, speed, acceleration):
+    """Seconds until way >= 0 is covered; 0 if there is none."""
+    if way <= 0.0:
+        return 0.0
+    root = math.sqrt(max(speed * speed + 2.0 * acceleration * way, 0.0))
+    if speed >= 0.0:
+        return 2.0 * way / max(speed + root, _LEAST_SPEED)
+    return (root - speed) / acceleration if acceleration > 0.0 else math.inf
+
+
+@kernel
+def fly_on(contact, samples):
+    """Let a striker that is apart fly for whole samples, nobody looking."""
+    time = samples * contact.period
+    contact.position += time * (contact.v + 0.5 * time * contact.push / contact.m)
+    contact.v += time * contact.push / contact.m

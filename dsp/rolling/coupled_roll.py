@@ -1,0 +1,123 @@
+"""A body that rolls on an object whose modes it feels: its contact is coupled (contact/coupled.py), its path a surface.
+
+The compression is x = path - body - point, with the point moved by the modes. Between its kinks the path is a parabola
+in time, and so a part of what x would be without a force. The object is at rest under the weight: its modes get what
+the force is beyond it, as from a roll that doesn't feel them.
+
+Steered, speed, mass and gravity go on sample by sample.
+"""
+
+import math
+
+from ..contact.coupled import KINKS, ContactLaw, begin_coupled, begin_within
+from ..native.jit import kernel
+from .body import look_ahead, modulate, steer
+from .contact_step import path_at
+from .path import AHEAD, PIECES, make_piece
+
+_SLOW = 0.7  # rad of its swing in a sample, below which a body doesn't tell kinks within it
+_FIRST = 0.2  # of a radian of its swing: the first step to try
+
+
+@kernel
+def begin_coupled_roll(roll, contact, rate, tolerance):
+    """Put a body, by `begin_roll` and at rest, on an object that it moves: to be called before its first sample."""
+    roll.span = 0.0
+    steer(roll)
+    modulate(roll)
+    look_ahead(roll)
+    law = ContactLaw(roll.m, roll.stiffness, roll.mu, roll.a)
+    begin_coupled(contact, 0.0, law, 0.0, 0.0, rate, tolerance)
+    _weigh(roll, contact)
+    begin_within(contact, contact.rest_compression, 0.0, 0.0, _FIRST / contact.swing * rate)
+
+
+@kernel
+def _weigh(roll, contact):
+    """Tell a coupled contact a body's mass, stiffness and weight; true if its answer to a force is another."""
+    changed = contact.m != roll.m
+    contact.m, contact.k = roll.m, roll.stiffness
+    contact.push, contact.rest_force = roll.m * roll.modulated_gravity, roll.m * roll.g
+    contact.rest_compression = roll.rest_compression
+    contact.swing = math.sqrt(roll.a * roll.g / roll.rest_compression)
+    return changed
+
+
+@kernel
+def lead_coupled_roll(roll, contact, begin, whole):
+    """Bring a body to the coming sample, of which it rolls what is behind `begin`, and lay its path under the contact.
+
+    whole: as one parabola, right at the sample's end, where the body swings too slowly to tell it from its kinks. True
+    if the contact must be told the object's receptance again.
+    """
+    roll.span = (1.0 - begin) * contact.period
+    steer(roll)
+    modulate(roll)
+    roll.w = -contact.v
+    look_ahead(roll)  # on another path the body keeps its rate against it
+    contact.v = -roll.w
+    contact.kinks = contact.kink = 0
+    _lay_path(roll, contact, begin)
+    if whole and begin == 0.0 and contact.swing * contact.period < _SLOW:
+        _smooth(contact)
+    roll.t += roll.span
+    roll.s += roll.modulated_speed * roll.span
+    return _weigh(roll, contact)
+
+
+@kernel
+def _lay_path(roll, contact, begin):
+    """Lay the path from `begin` to the sample's end under a contact, and have the body at its end."""
+    path = roll.path
+    pace = roll.modulated_speed * contact.period
+    rise, bend = _slope_at(roll, pace)
+    contact.rise, contact.bend = rise, bend
+    if begin > 0.0:
+        contact.rise = contact.bend = 0.0
+        _lay_kink(contact, begin, rise, bend)
+    at = begin
+    while True:
+        i = roll.piece & (PIECES - 1)
+        left = (path.length[i] - roll.along) / pace
+        if not at + left < 1.0:
+            break
+        at += max(left, 0.0)
+        old_rise, old_bend = rise + 2.0 * bend * left, bend
+        roll.piece += 1
+        roll.along = 0.0
+        while path.made < roll.piece + AHEAD:
+            make_piece(path)
+        rise, bend = _slope_at(roll, pace)
+        _lay_kink(contact, at, rise - old_rise, bend - old_bend)
+    roll.along += (1.0 - at) * pace
+
+
+@kernel
+def _smooth(contact):
+    """Replace the sample's path by the parabola that has its height and slope at the end."""
+    height, slope = contact.rise + contact.bend, contact.rise + 2.0 * contact.bend
+    for n in range(contact.kinks):
+        left = 1.0 - contact.kink_at[n]
+        height += left * (contact.kink_rise[n] + left * contact.kink_bend[n])
+        slope += contact.kink_rise[n] + 2.0 * left * contact.kink_bend[n]
+    contact.rise, contact.bend = 2.0 * height - slope, slope - height
+    contact.kinks = 0
+
+
+@kernel
+def _slope_at(roll, pace):
+    """How the path rises under a body, in m per sample, and bends."""
+    incline = path_at(roll)[1]
+    return pace * incline, 0.5 * pace * pace * roll.path.curvature[roll.piece & (PIECES - 1)]
+
+
+@kernel
+def _lay_kink(contact, at, rise, bend):
+    """Lay a kink under a contact; one too many is made one with the last."""
+    n = min(contact.kinks, KINKS - 1)
+    if contact.kinks < KINKS:
+        contact.kinks += 1
+        contact.kink_at[n] = at
+        contact.kink_rise[n] = contact.kink_bend[n] = 0.0
+    contact.kink_rise[n] += rise
+    contact.kink_bend[n] += bend

@@ -1,0 +1,112 @@
+"""Rolls that feel the modes of what they roll on, against DOP853 on the same path."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from carom.dsp.bodies import listed
+from carom.dsp.engine.commands import Command, Kind
+from carom.dsp.engine.state import QUANTUM
+from carom.dsp.numerics.constants import STANDARD_GRAVITY
+from carom.dsp.rolling.path import path_pieces
+from carom.dsp.rolling.surface import make_surface
+from carom.dsp.runtime.engine import NOW, Engine
+from tests.dsp.engine.support import SURFACE, gesture
+from tests.dsp.engine.test_coupling import modal
+
+RATE = 48_000
+LAW = (0.02, 3e6, 0.5, 1.5)
+ROLL = {"speed": 0.3, "radius": 0.02, "seed": 5, "gravity": STANDARD_GRAVITY}
+
+
+def light(modal_mass=0.05, t60=0.3):
+    return listed(
+        frequency=np.array([180.0, 433.0, 911.0, 1_740.0]), t60=np.full(4, t60), modal_mass=modal_mass, mass=1.0,
+        top=20_000,
+    )  # fmt: skip
+
+
+def reference(frequency, sigma, phi, law, times, pieces, speed, gravity):
+    """States z of the modes at `times` (s), by DOP853 from kink to kink: m y'' = f - m g, the modes get f - m g."""
+    m, k, mu, a = law
+    omega = 2 * np.pi * frequency
+    n = len(omega)
+
+    def motion(t, y, begin, level, incline, curvature):
+        s = speed * t - begin
+        height, rise = level + s * (incline + 0.5 * curvature * s), speed * (incline + curvature * s)
+        q = y[2 + n :] / omega
+        x = height - y[0] - phi @ q
+        v = rise - y[1] - phi @ (y[2 : 2 + n] - sigma * q)
+        f = k * x**a * max(0.0, 1 + mu * v) if x > 0 else 0.0
+        over = f - m * gravity
+        turning = -sigma * y[2 : 2 + n] - omega * y[2 + n :] + phi * over
+        return np.concatenate([[y[1], over / m], turning, omega * y[2 : 2 + n] - sigma * y[2 + n :]])
+
+    rest = (m * gravity / k) ** (1 / a)
+    begin, level, incline, curvature = pieces[0]
+    y = np.zeros(2 + 2 * n)
+    y[0] = level + (0 - begin) * (incline - 0.5 * curvature * begin) - rest
+    found = []
+    t = 0.0
+    for i, (begin, level, incline, curvature) in enumerate(pieces):
+        end = pieces[i + 1, 0] / speed if i + 1 < len(pieces) else times[-1]
+        end = min(end, times[-1])
+        if end <= t:
+            continue
+        wanted = times[(times > t) & (times <= end)]
+        solved = solve_ivp(
+            motion, (t, end), y, "DOP853", np.append(wanted, end) if not len(wanted) or wanted[-1] < end else wanted,
+            args=(begin, level, incline, curvature), rtol=1e-10, atol=1e-13,
+        )  # fmt: skip
+        y, t = solved.y[:, -1], end
+        found += list(solved.y[2:, : len(wanted)].T)
+    z = np.array(found)
+    return z[:, :n] + 1j * z[:, n:]
+
+
+def followed(engine, handle, quanta, surface=SURFACE, law=LAW, **values):
+    """States of an object's modes after each quantum under a body that begins 3.25 samples late; as DOP853 has them."""
+    roll = {**ROLL, **values}
+    command = gesture(Kind.ROLL, handle, law, 3.25, 7, **roll)
+    engine.send([replace(command, surface=surface)])
+    states, times = [], []
+    for _ in range(quanta):
+        engine.process(QUANTUM)
+        frequency, sigma, phi, z = modal(engine, handle, 4)
+        states.append(z)
+        times.append((engine.position - 1 - 3.25) / RATE)
+    profile = make_surface(*surface, seed=roll["seed"])
+    pieces = path_pieces(profile, roll["radius"], roll["speed"], roll["speed"] * times[-1] * 1.01)
+    right = reference(frequency, sigma, phi, law, np.array(times), pieces, roll["speed"], STANDARD_GRAVITY)
+    return np.array(states) @ phi, right @ phi
+
+
+def apart(found, right):
+    return 20 * math.log10(np.abs(found - right).max() / np.abs(right).max())
+
+
+@pytest.mark.parametrize(("level", "bound"), [(0, -40), (1, -60), (2, -100), (3, -140)])
+def test_a_roll_and_the_modes_that_it_moves_against_dop853(level, bound):
+    """A body on an object that is as light: the modes' states over 40 ms, the path's kinks and all."""
+    engine = Engine(RATE)
+    handle = engine.add(light(), 0.05)
+    engine.send([Command(NOW, Kind.ACCURACY, value=level)])
+    found, right = followed(engine, handle, 30)
+    assert engine.stats.coupled == 1 and engine.stats.impacts == 0
+    assert apart(found, right) < bound
+
+
+@pytest.mark.parametrize(("level", "bound"), [(1, -30), (3, -120)])
+def test_a_body_that_hops_on_an_object_that_it_moves_against_dop853(level, bound):
+    """On a rough surface it leaves and lands a dozen times in 40 ms."""
+    engine = Engine(RATE)
+    handle = engine.add(light(), 0.05)
+    engine.send([Command(NOW, Kind.ACCURACY, value=level)])
+    found, right = followed(engine, handle, 12, (1e-5, 1e-3, 2.0, 0.0, 1.0), (0.02, 1e8, 0.5, 1.5), speed=1.0)
+    print("HOPS", level, apart(found, right), engine.stats.impacts)
+    assert engine.stats.impacts > 5
+    assert apart(found, right) < bound
