@@ -17,13 +17,12 @@ from .contact_list import take_room_again
 from .coupled_rolls import lead_roll
 from .fade import note_force
 from .objects import frequency_of, highest_of, modes_of, place, point_of, relief_of, sigma_of
-from .quality import holds_steps, modes_for, room_for_coupling
+from .quality import BY_ITSELF, holds_steps, modes_for, room_for_coupling
 from .solver_choice import choose_solver, choose_tolerance, count_steps, soften_pulse, tolerance_of
 from .state import COUPLING, SAMPLING
 from .strikers import begin_striker, drive_striker
 from .trace import trace_sample
 
-_BY_ITSELF = 32  # modes that cost as much as a contact does by itself
 _FIRST = 0.05  # of a pulse: the first step after it is coupled
 _TOO_STRONG = 1e3  # times its momentum that a sampled method may give in a step: it has failed, and would deafen
 _PATIENCE = 3.0  # exact durations for which a sampled contact is followed: it might never end
@@ -127,7 +126,7 @@ def _begin_sampled(state, contact):
 @kernel
 def _has_room(state, contact):
     """True if a contact may be coupled to the modes that it touches."""
-    contact.modes = _BY_ITSELF
+    contact.modes = BY_ITSELF
     for side in range(2):
         if contact.point[side].slot >= 0:
             contact.modes += contact.point[side].modes

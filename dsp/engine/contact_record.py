@@ -75,7 +75,6 @@ CONTACT = np.dtype(
         ("voice", np.int64),  # that it drives, -1: none
         # A roll or a slide:
         ("roll", np.int64),
-        ("reduced", np.int64),  # 1: a roll feels the reduced modes that have its place
         ("rolled", np.float64),  # m until this quantum
         ("rolls", np.float64),  # m in it
         ("travel", np.float64),  # m: length of the object's strike path, 0: the body stays where it is

@@ -169,7 +169,6 @@ def _begin_rolling(state, contact, event):
     contact.number = state.contact_count
     contact.travel = event.slide.travel if slides else event.roll.travel
     contact.rolled = contact.rolls = 0.0
-    contact.reduced = 0
     roll = state.rolls[contact.roll]
     profile = event.surface
     begin_surface(
@@ -182,5 +181,4 @@ def _begin_rolling(state, contact, event):
         begin_slide(state, contact)
     corners = 0.0 if slides else event.roll.corners
     begin_roll(roll, 0, contact.k, contact.mu, contact.a, corners, coarseness_of(state))
-    if not slides:
-        couple_roll(state, contact)
+    couple_roll(state, contact)

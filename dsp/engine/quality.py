@@ -11,6 +11,9 @@ from .state import ROLLING, Quality
 COARSER = 4.0
 """Factor on the shortest wavelength that rolls feel from COARSE on: about as loud, at 60 % of the cost."""
 
+BY_ITSELF = 32
+"""Modes that cost as much as a coupled contact does by itself."""
+
 _HELD, _QUIET, _COARSE = int(Quality.HELD), int(Quality.QUIET), int(Quality.COARSE)
 _RECENT, _NEWEST = int(Quality.RECENT), int(Quality.NEWEST_32)
 

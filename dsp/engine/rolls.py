@@ -11,7 +11,7 @@ from ..resonator.bank import Drive, Point, inject_kept, ring, ring_driven
 from ..resonator.fed import LINE, REACH, feed_through, lay_blows, ring_fed, sample_force
 from ..resonator.simd import LANES, STRETCH
 from ..rolling.body import fill_roll
-from .coupled_rolls import fill_reduced, position_of
+from .coupled_rolls import position_of
 from .objects import modes_of, place, shapes_of, weigh
 from .state import BEHIND, LEAD, QUANTUM
 
@@ -28,10 +28,7 @@ def feed_on(state, contact):
     for n in range(2 * REACH):
         samples[n] = samples[QUANTUM + n] if begun else 0.0
     since = (state.position - 1 - contact.origin + new - BEHIND) / state.rate
-    if contact.reduced == 1:
-        fill_reduced(state, contact, since, feed[new:])
-    else:
-        fill_roll(roll, since, state.rate, feed[new:])
+    fill_roll(roll, since, state.rate, feed[new:])
     sample_force(feed, samples, 2 * REACH)
 
 

@@ -19,7 +19,6 @@ from .channels import MOST_CHANNELS, PLACE
 from .clock import CLOCK
 from .commands import BUDGET, COMMAND, METHOD, SETTINGS_RECORD
 from .contact_record import CONTACT
-from .reduced_record import REDUCED
 from .slide_record import SLIDE
 from .striker_state import STRIKER, STRIKERS, VOICE, VOICES
 from .tails_record import TAILS
@@ -291,7 +290,6 @@ STATE = np.dtype(
         ("slides", SLIDE, ROLLS),  # what those that slide have besides
         ("feeds", np.float64, (ROLLS, BEHIND + QUANTUM + LEAD, KEPT)),  # moments of their forces, also about a quantum
         ("samples", np.float64, (ROLLS, QUANTUM + 2 * REACH)),  # their forces by one number a frame, likewise
-        ("reduced", REDUCED, ROLLS),  # modes that those feel that feel few
         ("free_roll", np.int64, ROLLS),  # stack
         ("strikers", STRIKER, STRIKERS),  # kinds that sound
         ("voices", VOICE, VOICES),

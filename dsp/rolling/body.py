@@ -54,6 +54,7 @@ ROLL = np.dtype(
         ("rest_compression", np.float64),  # m: compression under its weight
         ("m", np.float64),
         ("g", np.float64),
+        ("mobility", np.float64),  # m/(N s): of the object, where that yields as a dashpot; 0: it is rigid
         ("v", np.float64),  # m/s along the surface
         ("top_speed", np.float64),  # the speed last asked for
         ("modulated_speed", np.float64),  # v as asymmetry modulates it
@@ -114,6 +115,7 @@ def begin_roll(roll, place, k, mu, a, corners, coarseness):
     roll.angle = 0.5 * math.pi
     roll.s = roll.t = roll.since = roll.span = roll.given = roll.debt = 0.0
     roll.fade = 1.0
+    roll.mobility = 0.0
     roll.ended = roll.impacts = roll.events = roll.holds = 0
     roll.along = 0.0
     roll.piece = -1
@@ -250,13 +252,14 @@ def _fly(roll, longest):
     """Fly until the path is met, or for the longest time."""
     path = roll.path
     v, g = roll.modulated_speed, roll.modulated_gravity
+    rises = roll.mobility * roll.m * roll.g  # the speed at which an unloaded surface does
     roll.span = 0.0
     for i in range(NODES):
         roll.force[i] = 0.0
     for _ in range(PIECES):
         level, incline = path_at(roll)
         gap = max(roll.y - level, 0.0)
-        rate = roll.w - v * incline
+        rate = roll.w - rises - v * incline
         fall = g + v * v * path.curvature[roll.piece & (PIECES - 1)]
         end = (path.length[roll.piece & (PIECES - 1)] - roll.along) / v
         left = longest - roll.span
@@ -264,14 +267,14 @@ def _fly(roll, longest):
         met = time <= min(end, left)
         if not met:
             time = min(end, left)
-        roll.y += time * (roll.w - 0.5 * g * time)
+        roll.y += time * (roll.w - rises - 0.5 * g * time)
         roll.w -= g * time
         roll.along += v * time
         roll.span += time
         if met:
             level, incline = path_at(roll)
             roll.y = level
-            _land(roll, v * incline - roll.w)
+            _land(roll, v * incline + rises - roll.w)
             return
         if left <= end:
             return

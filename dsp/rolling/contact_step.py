@@ -1,5 +1,8 @@
 """A rolling body's contact, step by step: compression x = path - body, under the contact law and weight.
 
+An object that gives way is a dashpot between path and ground, as a large plate is (Cremer): its surface sinks at the
+mobility 1/Z times f - m g. Height, rate and compression are the body's against that surface.
+
 The path enters a collocation step (collocation.py) at its nodes: what the compression would be without the force is
 known there exactly, kinks of the path and all. A step is accepted where the force's quadratic meets the law at its end
 to within a share of the momentum that swings about rest, and where energy grows by no more than the path's work.
@@ -84,19 +87,21 @@ def _collocate(roll, h, k, momentum):
     step = roll.step
     y, w, g = roll.y, roll.w, roll.modulated_gravity
     lightness = h / roll.m
+    rises = roll.mobility * roll.m * roll.g
     for i in range(NODES):
         t = h * GAUSS[i]
-        step.free_x[i] = roll.level[i] - (y + t * (w - 0.5 * g * t))
-        step.free_v[i] = roll.path_rate[i] - (w - g * t)
+        step.free_x[i] = roll.level[i] - (y + t * (w - rises - 0.5 * g * t))
+        step.free_v[i] = roll.path_rate[i] - (w - rises - g * t)
         for j in range(NODES):
             step.give_v[i, j] = lightness * INTEGRAL[i, j]
-            step.give_x[i, j] = h * lightness * _TWICE[i, j]
+            step.give_x[i, j] = h * (lightness * _TWICE[i, j] + roll.mobility * INTEGRAL[i, j])
+        step.give_v[i, i] += roll.mobility
     solved = solve(step, k, roll.mu, roll.a, _SOLVED * momentum / h)
-    y += h * (w - 0.5 * g * h)
+    y += h * (w - rises - 0.5 * g * h)
     w -= g * h
     for j in range(NODES):
         w += lightness * WEIGHTS[j] * step.f[j]
-        y += h * lightness * WEIGHTS[j] * (1.0 - GAUSS[j]) * step.f[j]
+        y += h * WEIGHTS[j] * (lightness * (1.0 - GAUSS[j]) + roll.mobility) * step.f[j]
     return solved, y, w
 
 
@@ -105,21 +110,34 @@ def _judge(roll, h, k, x, stored, momentum, y, w):
     """What to multiply a step with for the tolerance, and whether it will do; x: the compression at its beginning."""
     m, f = roll.m, roll.step.f
     x_end = roll.level[NODES] - y
-    v_end = roll.path_rate[NODES] - w
+    v_end = _rate_of(roll, k, x_end, roll.path_rate[NODES] - w)
     kept = elastic(x_end, k, roll.a)
     momentum = max(momentum, m * math.sqrt(v_end * v_end + 2.0 * kept / m))
     rest = abs(end_of(f) - law(x_end, v_end, k, roll.mu, roll.a)) * h
-    # The path's work, and how uncertain it is where the path bends.
-    work = spread = 0.0
+    # The work of path and dashpot, and how uncertain it is where the path bends.
+    work = spread = sunk = 0.0
     for i in range(NODES):
-        work += h * WEIGHTS[i] * f[i] * roll.path_rate[i]
+        sinks = roll.mobility * (f[i] - m * roll.g)
+        sunk += h * WEIGHTS[i] * sinks
+        work += h * WEIGHTS[i] * f[i] * (roll.path_rate[i] - sinks)
         bend = abs(roll.path_rate[i] - roll.path_rate[0]) + abs(roll.path_rate[i] - roll.path_rate[NODES])
         spread += h * WEIGHTS[i] * f[i] * bend
-    gained = 0.5 * m * (w - roll.w) * (w + roll.w) + m * roll.modulated_gravity * (y - roll.y) + kept - stored - work
+    lifted = m * roll.modulated_gravity * (y - sunk - roll.y)
+    gained = 0.5 * m * (w - roll.w) * (w + roll.w) + lifted + kept - stored - work
     room = spread + _GROWTH * (momentum * momentum / m + m * roll.modulated_gravity * max(x, x_end, 0.0))
     ripple = max(_ripple(roll, x, roll.path_rate[0] - roll.w), _ripple(roll, x_end, v_end), _LEAST_RIPPLE * momentum)
     wanted = roll.tolerance * ripple
     return better_step(rest, wanted), rest <= wanted and gained <= room
+
+
+@kernel
+def _rate_of(roll, k, x, v):
+    """The rate of the compression x, which would be v (m/s) if the surface did not sink under the force there."""
+    if x <= 0.0:
+        return v + roll.mobility * roll.m * roll.g
+    spring = k * x**roll.a
+    v += roll.mobility * (roll.m * roll.g - spring)
+    return v / (1.0 + spring * roll.mu * roll.mobility)
 
 
 @kernel
@@ -132,8 +150,10 @@ def _ripple(roll, x, v):
 @kernel
 def _hold(roll, h, k, x):
     """Hold the force over a step, which can't gain energy however long it is; the body's height and rate at its end."""
-    free = roll.level[NODES] - (roll.y + h * (roll.w - 0.5 * roll.modulated_gravity * h)) - x
-    change, force = discrete_gradient(x, free, 0.5 * h * h / roll.m, h, k, roll.mu, roll.a)
+    rate = roll.w - roll.mobility * roll.m * roll.g
+    free = roll.level[NODES] - (roll.y + h * (rate - 0.5 * roll.modulated_gravity * h)) - x
+    give = h * (0.5 * h / roll.m + roll.mobility)
+    change, force = discrete_gradient(x, free, give, h, k, roll.mu, roll.a)
     for i in range(NODES):
         roll.step.f[i] = force
     roll.next = 2.0 * h

@@ -175,7 +175,7 @@ def test_a_pressed_striker_comes_to_rest_and_leaves_when_released():
         coupled.step_coupled(contact, modes.observe(), moments)
         modes.step(moments)
         velocities.append(float(contact["v"]))
-        apart.append(coupled.apart_for(contact, *modes.reach()))
+        apart.append(coupled_flight.apart_for(contact, *modes.reach()))
     assert max(apart[1_000:rest]) == 0.0
     gone = apart.index(math.inf)
     assert gone > rest and set(apart[gone:]) == {math.inf}
@@ -191,13 +191,13 @@ def bounced(longest):
     for _ in range(20_000):
         if skip > 0:
             skip -= 1
-            coupled.fly_on(contact, 1)
+            coupled_flight.fly_on(contact, 1)
             modes.ring()
             continue
         looked += 1
         coupled.step_coupled(contact, modes.observe(), moments)
         modes.step(moments)
-        skip = int(min(coupled.apart_for(contact, *modes.reach()), longest - 1))
+        skip = int(min(coupled_flight.apart_for(contact, *modes.reach()), longest - 1))
     return contact["contacts"], looked, float(contact["v"])
 
 
@@ -279,8 +279,8 @@ def every_kernel(data):
     coupled.step_coupled(contact, seen, moments)
     bank.inject_fine(modes, point, moments)
     distance, speed = bank.reach(modes, point, work)
-    apart = coupled.apart_for(contact, distance, speed)
-    coupled.fly_on(contact, apart)
+    apart = coupled_flight.apart_for(contact, distance, speed)
+    coupled_flight.fly_on(contact, apart)
     pressed.begin_pressed(place.pressed, 0.0, 1.0, 0.01, 1e8, 0.5, 1.5, 0.1, 1e-5)
     pressed.press(place.pressed, 1e-3)
     return closed_form_will_do(1, distance, speed, apart, 1.0)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from carom.dsp.bodies import listed
+from carom.dsp.bodies import Modes, listed
 from carom.dsp.engine.commands import Command, Kind
 from carom.dsp.engine.state import QUANTUM
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
@@ -89,7 +89,7 @@ def apart(found, right):
     return 20 * math.log10(np.abs(found - right).max() / np.abs(right).max())
 
 
-@pytest.mark.parametrize(("level", "bound"), [(0, -40), (1, -60), (2, -100), (3, -140)])
+@pytest.mark.parametrize(("level", "bound"), [(1, -60), (2, -100), (3, -140)])
 def test_a_roll_and_the_modes_that_it_moves_against_dop853(level, bound):
     """A body on an object that is as light: the modes' states over 40 ms, the path's kinks and all."""
     engine = Engine(RATE)
@@ -100,13 +100,57 @@ def test_a_roll_and_the_modes_that_it_moves_against_dop853(level, bound):
     assert apart(found, right) < bound
 
 
-@pytest.mark.parametrize(("level", "bound"), [(1, -30), (3, -120)])
+@pytest.mark.parametrize(("level", "bound"), [(1, -60), (3, -120)])
 def test_a_body_that_hops_on_an_object_that_it_moves_against_dop853(level, bound):
-    """On a rough surface it leaves and lands a dozen times in 40 ms."""
+    """On a rough surface it leaves and lands three times in 16 ms."""
     engine = Engine(RATE)
     handle = engine.add(light(), 0.05)
     engine.send([Command(NOW, Kind.ACCURACY, value=level)])
     found, right = followed(engine, handle, 12, (1e-5, 1e-3, 2.0, 0.0, 1.0), (0.02, 1e8, 0.5, 1.5), speed=1.0)
-    print("HOPS", level, apart(found, right), engine.stats.impacts)
-    assert engine.stats.impacts > 5
+    assert engine.stats.impacts >= 3
     assert apart(found, right) < bound
+
+
+MARBLE = (5e-3, 3e9, 3.0, 1.5)
+
+
+def pane(modal_mass):
+    """A body of 120 modes, each with a shape of its own."""
+    n = 120
+    random = np.random.default_rng(1)
+    return Modes(
+        frequency=np.sort(random.uniform(80.0, 9_600.0, n)), decay=np.full(n, 14.0),
+        strike=random.normal(size=(16, n)) / math.sqrt(modal_mass), pressure=np.ones((2, n)), mass=1.0,
+    )  # fmt: skip
+
+
+def rolled(body, level, modes=0, quality=0):
+    """Power in octaves from 250 Hz of a marble on a pane, over surfaces of four seeds (dB); what the engine counted."""
+    powers = []
+    for seed in range(4):
+        engine = Engine(RATE)
+        handle = engine.add(body, 0.05)
+        engine.send([Command(NOW, Kind.ACCURACY, value=level), Command(NOW, Kind.QUALITY, value=quality)])
+        engine.send([Command(NOW, Kind.BUDGET, values={"steps": 0, "modes": modes})])
+        values = {**ROLL, "speed": 0.4, "radius": 8e-3, "seed": seed}
+        engine.send([gesture(Kind.ROLL, handle, MARBLE, 0.0, 7, **values)])
+        sound = engine.process(RATE)[:, 0].astype(float)
+        power = np.abs(np.fft.rfft(sound * np.hanning(RATE))) ** 2
+        powers.append([power[f : 2 * f].sum() for f in (250, 500, 1000, 2000, 4000)])
+    return 10 * np.log10(np.mean(powers, axis=0)), engine.stats
+
+
+@pytest.mark.slow
+def test_a_pane_is_a_dashpot_for_less():
+    """Octaves are within 5 dB of those by all modes, where on a rigid pane they are far louder."""
+    full, counted = rolled(pane(0.5), 2)
+    assert counted.coupled == 1 and counted.over_budget == 0
+    dashpot, counted = rolled(pane(0.5), 0)
+    assert counted.coupled == 0
+    without_room, counted = rolled(pane(0.5), 2, 16 * 120)
+    assert counted.coupled == 0 and counted.over_budget == 1
+    held, counted = rolled(pane(0.5), 2, quality=1)
+    np.testing.assert_array_equal(without_room, dashpot)
+    np.testing.assert_array_equal(held, dashpot)
+    rigid = rolled(pane(0.5e6), 2)[0] + 60.0
+    assert np.abs(dashpot - full).max() < 5.0 < (rigid - full).mean()

@@ -106,7 +106,7 @@ def test_a_slide_without_slip_is_a_roll():
     engine = Engine(RATE)
     handle = engine.add(glass(), 0.05)
     begin = gesture(Kind.ROLL, handle, TIP, 0.0, 7, speed=0.3, gravity=25.0, **keys)
-    engine.send([Command(**{**vars(begin), "surface": STEEP})])
+    engine.send([Command(NOW, Kind.ACCURACY, value=0), Command(**{**vars(begin), "surface": STEEP})])
     np.testing.assert_array_equal(slide, engine.process(24_000)[:, 0])
     assert np.abs(slide).max() > 1e-7
 

@@ -100,7 +100,7 @@ def test_a_roll_sounds_the_same_at_any_rate(render, roll):
     """What rings, below 16 kHz, where all modes are: spectra of two seconds, phases and all, within -60 dB."""
 
     def spectrum(rate: int) -> np.ndarray:
-        text = f"0 /object/new a seven\n0.01 /object/a/roll {roll.format('silent-')} seed 3\n"
+        text = f"0 /accuracy -40\n0 /object/new a seven\n0.01 /object/a/roll {roll.format('silent-')} seed 3\n"
         return faded_spectrum(render(text, 2.0, rate)[:, 0], rate)[:32_000]
 
     reference = spectrum(96_000)
@@ -200,7 +200,8 @@ def test_a_ringing_striker_rests_too(render):
 
 def test_a_roll_sounds_the_same_beside_other_contacts(render):
     """What else drives an object cuts its time into single samples; a roll's own is several of them at a time."""
-    rolls = """0 /object/new pane glass-plate
+    rolls = """0 /accuracy -40
+0 /object/new pane glass-plate
 0 /object/new glass wine-glass
 0.01 /object/pane/roll 0.4 striker glass-marble surface glass travel 0.3 seed 1 id one
 0.02 /object/pane/roll 0.3 by glass radius 0.01 gain 6 seed 2 id other
