@@ -32,7 +32,7 @@ _PLACED = 16  # frames after which one that feels all modes acts at another plac
 
 @noinline_kernel
 def couple_roll(state, contact):
-    """Couple a roll that begins to the objects that it touches, if they give way enough; to a slide they are dashpots."""
+    """Couple a roll or slide that begins to the objects that it touches, if they give way enough."""
     level, roll = state.choices.accuracy, state.rolls[contact.roll]
     mass, gravity = roll.target.mass, roll.target.gravity
     omega_c = math.sqrt(contact.a * gravity / (mass * gravity / contact.k) ** (1.0 / contact.a))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numba import carray, cfunc, from_dtype, types
 
-from carom.dsp.contact import coupled
+from carom.dsp.contact import coupled, coupled_flight
 from carom.dsp.contact.accuracy import LEVELS, TOLERANCE, closed_form_will_do
 from carom.dsp.contact.coupled import MOST_STEPS, ContactLaw
 from carom.dsp.contact.coupled_step import HELD
