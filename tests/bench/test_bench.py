@@ -55,11 +55,11 @@ def test_every_solver_is_measured_by_itself():
 
 def test_gestures_are_counted():
     rows = gestures.measure(1)
-    assert [(row["rolls"], row["bounces"]) for row in rows] == [(0, 0), (64, 0), (0, 64), (64, 64), (64, 64)]
-    ringing, rolls, bounces, both, exact = (row["impacts_per_second"] for row in rows)
-    assert ringing == 0 and rolls > 10_000 and bounces > 1_000
-    assert both == exact or abs(both - exact) < 0.05 * both
-    assert rows[3]["load"] > rows[0]["load"]
+    assert [(row["rolls"], row["bounces"]) for row in rows] == [(0, 0), (64, 0), (64, 0), (0, 64), (64, 64), (64, 64)]
+    ringing, dashpots, rolls, bounces, both, _ = (row["impacts_per_second"] for row in rows)
+    assert ringing == 0 and dashpots > 10_000 and rolls > 10_000 and bounces > 1_000
+    assert both > bounces
+    assert rows[4]["load"] > rows[0]["load"]
 
 
 def test_slides_are_counted():
