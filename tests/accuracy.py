@@ -92,6 +92,16 @@ RINGING = {
 }
 ROLL_START = Promise("a roll's force over its first 10 ms", "DOP853", 1e-3, "of its peak", _ROLL)
 ROLL_RATES = Promise("impulses of a roll at 44.1, 48 and 96 kHz", "each other", 1e-9, "relative", _ROLL)
+ROLL_COUPLED = {
+    level: Promise(
+        f"a point that a body pushes as it rolls and hops for 16 ms, at `{level}`",
+        "DOP853",
+        bound,
+        "dB",
+        "dsp/engine/test_coupled_rolls.py",
+    )
+    for level, bound in (("-60", -60.0), ("exact", -120.0))
+}
 TIMOSHENKO = Promise(
     "partials of thick bars, L/h of 10 and 40, against thin ones", "published deviations", 0.1, "% of a partial",
     "dsp/bodies/test_bar.py",

@@ -8,12 +8,14 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from carom.dsp.bodies import Modes, listed
+from carom.dsp.contact.accuracy import LEVELS
 from carom.dsp.engine.commands import Command, Kind
 from carom.dsp.engine.state import QUANTUM
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
 from carom.dsp.rolling.path import path_pieces
 from carom.dsp.rolling.surface import make_surface
 from carom.dsp.runtime.engine import NOW, Engine
+from tests import accuracy
 from tests.dsp.engine.support import SURFACE, gesture
 from tests.dsp.engine.test_coupling import modal
 
@@ -100,15 +102,15 @@ def test_a_roll_and_the_modes_that_it_moves_against_dop853(level, bound):
     assert apart(found, right) < bound
 
 
-@pytest.mark.parametrize(("level", "bound"), [(1, -60), (3, -120)])
-def test_a_body_that_hops_on_an_object_that_it_moves_against_dop853(level, bound):
+@pytest.mark.parametrize("level", accuracy.ROLL_COUPLED)
+def test_a_body_that_hops_on_an_object_that_it_moves_against_dop853(level):
     """On a rough surface it leaves and lands three times in 16 ms."""
     engine = Engine(RATE)
     handle = engine.add(light(), 0.05)
-    engine.send([Command(NOW, Kind.ACCURACY, value=level)])
+    engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index(level))])
     found, right = followed(engine, handle, 12, (1e-5, 1e-3, 2.0, 0.0, 1.0), (0.02, 1e8, 0.5, 1.5), speed=1.0)
     assert engine.stats.impacts >= 3
-    assert apart(found, right) < bound
+    assert apart(found, right) < accuracy.ROLL_COUPLED[level].bound
 
 
 MARBLE = (5e-3, 3e9, 3.0, 1.5)
