@@ -1,7 +1,7 @@
 """Rolls that feel what they roll on.
 
-On an object that gives way a roll is coupled to its modes, as a blow is (rolling/coupled_roll.py). At the
-accuracy -40, where steps are held, and where `/budget` has no room, the object is a dashpot, which costs nothing more
+On an object that gives way a roll is coupled to its modes, as a blow is (rolling/coupled_roll.py). At the accuracy -40,
+where steps are held, where `/budget` has no room, and under a slide the object is a dashpot, which costs nothing more
 (rolling/contact_step.py).
 
 The contact swings at omega_c = sqrt(a g/x_e) about x_e, the compression at rest. Modes that are slower give way, those
