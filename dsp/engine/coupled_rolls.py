@@ -1,7 +1,8 @@
 """Rolls that feel what they roll on.
 
 On an object that gives way a roll is coupled to its modes, as a blow is (rolling/coupled_roll.py). At the accuracy -40,
-where steps are held, where `/budget` has no room, and under a slide the object is a dashpot, which costs nothing more
+where steps are held, where `/budget` has no room or too few steps (it takes some 1 + omega/rate, with omega that of the
+effective mass on the contact), and under a slide the object is a dashpot, which costs nothing more
 (rolling/contact_step.py).
 
 The contact swings at omega_c = sqrt(a g/x_e) about x_e, the compression at rest. Modes that are slower give way, those
@@ -46,8 +47,10 @@ def couple_roll(state, contact):
     for side in range(2):
         if contact.point[side].slot >= 0:
             modes += state.objects[contact.point[side].slot].size
-    room = room_for_coupling(state)
-    if room > 0 and state.stats.coupled_modes + modes > _SHARE * room:
+    room, steps = room_for_coupling(state), state.choices.budget.steps
+    turn = omega_c * math.sqrt(1.0 + mass * _mobility_here(state, contact, math.inf)) / state.rate
+    crowded = room > 0 and state.stats.coupled_modes + modes > _SHARE * room
+    if crowded or (steps > 0 and 1.0 + turn > steps):
         state.stats.over_budget += 1
         return
     roll.mobility = 0.0

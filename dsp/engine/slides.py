@@ -2,8 +2,9 @@
 
 Rolling and sliding are one state of contact: a speed at which the contact moves over the object (sweep) and one at
 which the surfaces slip. Asperities pass at the faster of the two. The normal force is the roll's, whose weight is the
-force that presses; a light object is a dashpot under it. Friction feels the modes, sample by sample (stick_slip.py): the
-SLID longest ringing ones. Its bound follows the normal force, or that of a press on the same object, which feels them.
+force that presses; a light object is a dashpot under it. Friction feels the modes, the SLID longest ringing ones,
+sample by sample (friction/stick_slip.py). Its bound follows the normal force, or that of a press on the same object,
+which feels them, too.
 """
 
 import math

@@ -126,14 +126,14 @@ def pane(modal_mass):
     )  # fmt: skip
 
 
-def rolled(body, level, modes=0, quality=0):
+def rolled(body, level, modes=0, quality=0, steps=0):
     """Power in octaves from 250 Hz of a marble on a pane, over surfaces of four seeds (dB); what the engine counted."""
     powers = []
     for seed in range(4):
         engine = Engine(RATE)
         handle = engine.add(body, 0.05)
         engine.send([Command(NOW, Kind.ACCURACY, value=level), Command(NOW, Kind.QUALITY, value=quality)])
-        engine.send([Command(NOW, Kind.BUDGET, values={"steps": 0, "modes": modes})])
+        engine.send([Command(NOW, Kind.BUDGET, values={"steps": steps, "modes": modes})])
         values = {**ROLL, "speed": 0.4, "radius": 8e-3, "seed": seed}
         engine.send([gesture(Kind.ROLL, handle, MARBLE, 0.0, 7, **values)])
         sound = engine.process(RATE)[:, 0].astype(float)
@@ -152,6 +152,9 @@ def test_a_pane_is_a_dashpot_for_less():
     without_room, counted = rolled(pane(0.5), 2, 16 * 120)
     assert counted.coupled == 0 and counted.over_budget == 1
     held, counted = rolled(pane(0.5), 2, quality=1)
+    without_steps, counted = rolled(pane(0.5), 2, steps=1)
+    assert counted.coupled == 0 and counted.over_budget == 1 and counted.held == 0
+    np.testing.assert_array_equal(without_steps, dashpot)
     np.testing.assert_array_equal(without_room, dashpot)
     np.testing.assert_array_equal(held, dashpot)
     rigid = rolled(pane(0.5e6), 2)[0] + 60.0
