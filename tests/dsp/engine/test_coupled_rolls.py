@@ -159,3 +159,22 @@ def test_a_pane_is_a_dashpot_for_less():
     np.testing.assert_array_equal(held, dashpot)
     rigid = rolled(pane(0.5e6), 2)[0] + 60.0
     assert np.abs(dashpot - full).max() < 5.0 < (rigid - full).mean()
+
+
+def test_two_bodies_on_one_object_are_as_one_of_twice_the_mass():
+    """Equal bodies on the same path move alike, and push with twice the force: their contacts are solved together."""
+    found = []
+    m, k, mu, a = LAW
+    for laws in ([LAW, LAW], [(2 * m, 2 * k, mu, a)]):
+        engine = Engine(RATE)
+        handle = engine.add(light(), 0.05)
+        rolls = [gesture(Kind.ROLL, handle, law, 3.25, 7 + n, **ROLL) for n, law in enumerate(laws)]
+        engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index("exact")), *rolls])
+        states = []
+        for _ in range(30):
+            engine.process(QUANTUM)
+            _, _, phi, z = modal(engine, handle, 4)
+            states.append(z @ phi)
+        assert engine.stats.coupled == len(laws)
+        found.append(np.array(states))
+    assert apart(*found) < -110
