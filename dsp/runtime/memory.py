@@ -25,8 +25,8 @@ class Memory:
         self._most = objects
         self._slots: list[int] = []  # that were used and are free again
         self._serial = 0
-        self._plans: dict[tuple[int, float, float], tuple[Plan, int]] = {}  # with its table, while an object has it
-        self._tables: dict[int, tuple[tuple[int, float, float], int]] = {}  # by table: whose, and how many objects'
+        self._plans: dict[tuple[int, float], tuple[Plan, int]] = {}  # with its table, while an object has it
+        self._tables: dict[int, tuple[tuple[int, float], int]] = {}  # by table: whose, and how many objects'
         self.reached = 0
         """Slots that have ever been used: the first so many."""
 
@@ -38,9 +38,9 @@ class Memory:
     def lay_out(self, modes: Modes, level: float, top: float) -> tuple[Handle, dict[str, float]]:
         """Put an object's modes up to a frequency (Hz) into the bank, as `Engine.lay_out` says."""
         self._collect()
-        key = id(modes), level, top
+        key = id(modes), top
         plan, table = self._plans.get(key, (None, -1))
-        plan = plan or planned(modes, level, top, self._nyquist, self._has_sides)
+        plan = plan or planned(modes, top, self._nyquist, self._has_sides)
         rows, size = plan.shape.shape
         if not self.free:
             raise EngineFull(f"no room for another object: all {self._most} are taken")
@@ -49,7 +49,7 @@ class Memory:
             table = self._take_table(key, plan, first)
         self._tables[table] = key, self._tables[table][1] + 1
         for name, values in zip(COLUMNS, plan.columns, strict=True):
-            self._bank[name][first : first + size] = values
+            self._bank[name][first : first + size] = values * level if name == "weight" else values
         self._serial += 1
         layout: dict[str, float] = {
             "first": first,
@@ -67,7 +67,7 @@ class Memory:
         self.reached = max(self.reached, slot + 1)
         return Handle(slot, self._serial, first, table), layout
 
-    def _take_table(self, key: tuple[int, float, float], plan: Plan, first: int) -> int:
+    def _take_table(self, key: tuple[int, float], plan: Plan, first: int) -> int:
         """Lay out the shapes of a plan, for modes that have been taken: the first value of the table."""
         try:
             table = self._shapes.take(plan.shape.size)

@@ -48,21 +48,21 @@ class Plan:
 _KEPT, _KEPT_BYTES = 64, 8_000_000
 """Plans that are kept at most, and their bytes: a very large one is not."""
 
-_kept: OrderedDict[tuple[int, float, float, float, bool], Plan] = OrderedDict()
+_kept: OrderedDict[tuple[int, float, float, bool], Plan] = OrderedDict()
 _lock = Lock()
 
 
-def planned(modes: Modes, level: float, top: float, nyquist: float, has_sides: bool) -> Plan:
+def planned(modes: Modes, top: float, nyquist: float, has_sides: bool) -> Plan:
     """Plan an object's modes up to a frequency (Hz), below Nyquist's; EngineFull if there are too many.
 
-    `level` (amplitude) is full scale per Pa at 1 m; has_sides: a left and a right output. The plans used last are kept.
+    Its weights are in Pa at 1 m; has_sides: a left and a right output. The plans used last are kept.
     """
-    key = id(modes), level, top, nyquist, has_sides  # a plan that is kept keeps its modes, and so their id
+    key = id(modes), top, nyquist, has_sides  # a plan that is kept keeps its modes, and so their id
     with _lock:
         if key in _kept:
             _kept.move_to_end(key)
             return _kept[key]
-    plan = _made(modes, level, top, nyquist, has_sides)
+    plan = _made(modes, top, nyquist, has_sides)
     with _lock:
         _kept[key] = plan
         while len(_kept) > _KEPT or sum(each.bytes for each in _kept.values()) > _KEPT_BYTES:
@@ -70,11 +70,11 @@ def planned(modes: Modes, level: float, top: float, nyquist: float, has_sides: b
     return plan
 
 
-def _made(modes: Modes, level: float, top: float, nyquist: float, has_sides: bool) -> Plan:
+def _made(modes: Modes, top: float, nyquist: float, has_sides: bool) -> Plan:
     """The plan of `planned`."""
     order = np.argsort(modes.decay, kind="stable")  # the longest ringing first: the rest falls silent from the end
     order = order[modes.frequency[order] <= top]
-    sides = modes.pressure[:, order] * level
+    sides = modes.pressure[:, order]
     if not has_sides:  # a mode is heard at one point, with the power of both sides
         sides = np.tile(np.copysign(np.sqrt(0.5 * (sides**2).sum(axis=0)), sides[0]), (2, 1))
     strike = modes.strike if len(modes.strike) >= _LEAST_ROWS else np.repeat(modes.strike[:1], _LEAST_ROWS, axis=0)
@@ -98,7 +98,7 @@ def _made(modes: Modes, level: float, top: float, nyquist: float, has_sides: boo
         plan.shape[:, first : first + bands] = still.shape[side]
     # Clicks are moved by any force, wherever that acts, and are heard alike on both sides.
     for start, click in zip(starts, modes.clicks, strict=True):
-        _fill(plan, start, click.frequency, click.decay, level * click.strength, 1.0)
+        _fill(plan, start, click.frequency, click.decay, click.strength, 1.0)
         plan.shape[:, start : start + CLICK_MODES] = 1.0
     _fill(plan, heard, unheard.frequency, unheard.decay, _least(sides), 1.0)
     plan.shape[:, heard:count] = unheard.strike

@@ -107,7 +107,8 @@ def test_events_fall_where_the_clock_says():
     assert {number - 2 for number, _ in notes[:2]} == {300, 301}
     assert [number - 2 for number, _ in notes[2:]] == np.argsort(times, kind="stable").tolist()
     assert 1 <= engine.stats.late <= 2  # the one in the first lines may be, too
-    assert 0.05 < engine.stats.late_last <= engine.stats.late_worst < 0.5
+    # On a busy machine the callbacks' clock can be a millisecond behind.
+    assert 0.045 < engine.stats.late_last <= engine.stats.late_worst < 0.5
 
 
 def test_equal_times_keep_their_order_however_long_they_wait():
