@@ -27,7 +27,7 @@ class GestureId:
     number: int
     uses: int = 0
     """How many gestures were sent with it."""
-    running: deque[tuple[str, Any]] = field(default_factory=deque)
+    running: list[tuple[str, Any]] = field(default_factory=list)
     """For each gesture that was sent and whose end is not known: the address that started it and the source of that
     message, the oldest first."""
 
@@ -141,7 +141,7 @@ class GestureIds:
             id = self._numbers.get(number)
             if id and id.running:
                 # A roll that was steered is still the one that began it.
-                address, source = id.running.pop() if end is End.JOINED else id.running.popleft()
+                address, source = id.running.pop() if end is End.JOINED else id.running.pop(0)
                 self._running.look_at(id)
                 if end is not End.JOINED:
                     self._ends.append(Ended(id.name, address, source, end))
