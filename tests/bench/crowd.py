@@ -20,6 +20,8 @@ LATE = 0.1
 """s: an answer after a packet that takes longer is late."""
 OBJECTS, IDS = 512, 4_096
 """Of a crowded server."""
+FILLED, COUNTED = 5_000, 20
+"""Packets after which the server is crowded anew, and after which its objects are counted."""
 
 _CHANGES = ("impact", "bounce", "roll", "press", "spin", "gain", "tune", "gains", "no-verb")
 
@@ -61,6 +63,11 @@ def crowd(client: Client) -> None:
     client.errors()
 
 
+def objects(client: Client) -> int:
+    """How many objects a server has."""
+    return int(client.ask("/status", timeout=30.0).args[3])
+
+
 def fuzz(
     server: subprocess.Popen[str], port: int, count: int, seed: int, told: Callable[[int], None] = lambda packets: None
 ) -> Findings:
@@ -70,7 +77,7 @@ def fuzz(
     found = Findings()
     with Client(port=port, tcp=True) as looker, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
         while found.packets < count:
-            if found.packets % 500 == 0 or looker.ask("/status", timeout=30.0).args[3] < OBJECTS // 2:
+            if found.packets % FILLED == 0 or (found.packets % COUNTED == 0 and objects(looker) < OBJECTS // 2):
                 looker.send("/object/*/free", 1)
                 looker.ask("/sync", 3, timeout=30.0)
                 time.sleep(0.2)
