@@ -95,7 +95,7 @@ def mode_table(
         sides = np.copysign(np.sqrt(0.5 * (sides**2).sum(axis=0)), sides[:1])
     shape = _shape_at(modes.strike, position)[heard]
     clicks = tuple(Click(each.frequency, each.decay, level * each.strength * gains) for each in modes.clicks)
-    still = _relief(modes, level, settings.tune, gains, position, rate)
+    still = _relief(modes, settings.tune, level * gains, position, rate)
     return ModeTable(
         frequencies[heard],
         _decays(modes, settings, rate)[heard],
@@ -115,12 +115,10 @@ def _decays(modes: Modes, settings: Settings, rate: float) -> NDArray[np.float64
     return np.array([sigma_of.py_func(state, obj, i) for i in range(len(modes.decay))])
 
 
-def _relief(
-    modes: Modes, level: float, tune: float, gains: NDArray[np.float64], position: float, rate: float
-) -> Relief:
-    """The relief of modes that are laid out at a level, as the engine has it (engine/objects.py)."""
+def _relief(modes: Modes, tune: float, gains: NDArray[np.float64], position: float, rate: float) -> Relief:
+    """The relief of modes that are heard with gains (channels,), as the engine has it (engine/objects.py)."""
     top = NYQUIST_SHARE * 0.5 * rate
-    found = planned(modes, level, top, 0.5 * rate, len(gains) == 2).relief
+    found = planned(modes, top, 0.5 * rate, len(gains) == 2).relief
     frequency = found.frequency * tune
     share = np.minimum(1.0, top / frequency)
     each = [_shape_at(shape, position) * np.where(share > GONE, share, 0.0) for shape in found.shape]
