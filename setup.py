@@ -14,6 +14,7 @@ COMPILED = (
     "carom.dsp.runtime.callback",
     "carom.dsp.runtime.handover",
     "carom.dsp.runtime.pacer",
+    "carom.dsp.runtime.telling",
     "carom.dsp.tracking.track",
     "carom.server.net.udp",
 )

@@ -120,6 +120,15 @@ class Performer:
         except EngineFull as error:
             raise CommandError(str(error)) from None
 
+    def placed_at(self, name: str) -> tuple[int, int]:
+        """The slot and the serial of an object in the engine."""
+        handle = self.scene.objects[name].handle
+        return handle.slot, handle.serial
+
+    def gesture(self, id: str) -> int:
+        """The number of a gesture in the engine, by its id; 0 if there is none."""
+        return self.scene.gestures.number_of(id)
+
     def _perform_at(self, message: Message, sample: float) -> None:
         self._answered(self.scene.perform([message], sample))
 

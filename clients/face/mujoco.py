@@ -11,8 +11,8 @@ It needs `pip install 'carom[mujoco]'`.
 """
 
 import math
-from collections.abc import Iterator, Mapping
-from ctypes import c_uint64
+from collections.abc import Callable, Iterator, Mapping
+from ctypes import c_int32, c_uint64
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -95,8 +95,14 @@ class Bridge:
         self._roots = model.body_rootid[self._bodies].astype(np.intp)
         self._number = _numbers(model, parts, self._first)
         self._arrays = self._described()
-        self._address = self._arrays.ctypes.data
+        places = (data._address + _layout()[name] for name in ("time", "count"))
+        self.tell: Callable[[], None] = self.world.teller(self._arrays.ctypes.data, *places)
+        """Tells the World of a step of MuJoCo, to be called after each. WorldError for what is not finite, or if time
+        has not gone on."""
         self._soft = np.zeros(1, SOFT)
+        self._soft_at, self._rebound_of = self._soft.ctypes.data, rebound.bare
+        self._point, self._normal, self._slope = np.zeros(3), np.zeros(3), np.zeros((3, model.nv))
+        self._along, self._answer = np.zeros(model.nv), np.zeros((1, model.nv))
         self.world.simulation.ask_of_blows(self._blow)
 
     def _add(self, part: _Part, material: str, about: Mapping[str, Any]) -> None:
@@ -137,9 +143,9 @@ class Bridge:
             ("abouts", data.subtree_com), ("numbers", self._number),
         ):  # fmt: skip
             record[name] = array.ctypes.data
-        layout = _layout()
-        for name, place in layout.items():
-            record[name] = place
+        for name, place in _layout().items():
+            if name in ARRAYS.fields:
+                record[name] = place
         for name in ("contacts", "forces"):
             record[name] += data._address
         record["pyramids"] = self._model.opt.cone == mujoco.mjtCone.mjCONE_PYRAMIDAL
@@ -159,41 +165,25 @@ class Bridge:
         """Begin anew where `data` is now, in silence; to be called after MuJoCo's data was reset."""
         self.world.restart(float(self._data.time))
 
-    def tell(self) -> None:
-        """Tell the World of a step of MuJoCo, to be called after each. WorldError for what is not finite, or if time
-        has not gone on."""
-        data = self._data
-        self.world.tell(data.time, data.ncon, self._address)
-
     def _blow(self, event: Event) -> tuple[float, float]:
-        """The effective mass (kg) and the restitution of a blow; NaN: those of free bodies, and of the materials."""
-        point = np.array(event.point)
-        along = self._approach(event.a, event.b, point, np.array(event.normal))
-        answer = np.empty((1, self._model.nv))
+        """The effective mass (kg) and the restitution of a blow; NaN: those of free bodies, and of the materials.
+
+        The mass is 1/(J M^-1 J'), with J how fast the bodies close there for each of the model's velocities.
+        """
+        along, answer = self._along, self._answer
+        along[:] = 0.0
+        self._point[:], self._normal[:] = event.point, event.normal
+        for number, add in ((event.a, np.add), (event.b, np.subtract)):
+            moving = number - self._first
+            if 0 <= moving < len(self._bodies):
+                mujoco.mj_jac(self._model, self._data, self._slope, None, self._point, int(self._bodies[moving]))
+                add(along, self._normal @ self._slope, out=along)
         mujoco.mj_solveM(self._model, self._data, answer, along[None])
         lightness = float(along @ answer[0])
         mass = 1.0 / lightness if lightness > 0.0 else math.nan
         if not self._by_simulator:
             return mass, math.nan
-        told = self.world.memory[0]
-        pairs = told["pair"][: self._data.ncon]
-        (found,) = np.nonzero(((pairs == event[1:3]) | (pairs == event[2:0:-1])).all(axis=1))
-        if not len(found):
-            return mass, math.nan
-        away = ((told["point"][found] - point) ** 2).sum(axis=1)
-        pushed = float(along @ self._data.qacc_smooth)
-        return mass, self._rebound(int(found[away.argmin()]), event.speed, pushed)
-
-    def _approach(self, a: int, b: int, point: NDArray[np.float64], normal: NDArray[np.float64]) -> NDArray[np.float64]:
-        """J (nv,): how fast two bodies close at a point, for each of the model's velocities."""
-        along = np.zeros(self._model.nv)
-        slope = np.empty((3, self._model.nv))
-        for number, sign in ((a, 1.0), (b, -1.0)):
-            moving = number - self._first
-            if moving < len(self._bodies):
-                mujoco.mj_jac(self._model, self._data, slope, None, point, int(self._bodies[moving]))
-                along += sign * (normal @ slope)
-        return along
+        return mass, self._rebound(event.contact, event.speed, float(along @ self._data.qacc_smooth))
 
     def _rebound(self, number: int, speed: float, pushed: float) -> float:
         """The share of its speed that MuJoCo's contact leaves: its spring and damper, step by step, where other forces
@@ -209,19 +199,30 @@ class Bridge:
             stiffness, damping = -first / most**2, -second / most
         depth = max(-contact.dist, 0.0)
         self._soft[0] = step, stiffness, damping, low, high, width, middle, power, depth, speed, pushed
-        return float(rebound(self._soft.ctypes.data))
+        return float(self._rebound_of(self._soft_at))
 
 
 @cache
 def _layout() -> dict[str, int]:
-    """Where MuJoCo has the contacts and their forces in its data, and what in each contact (bytes), as ARRAYS names it.
+    """Where MuJoCo has its time, the number of contacts, these and their forces in its data, and what in each contact
+    (bytes), as ARRAYS names it.
 
-    Found in data with a contact: a pointer is where its value stands.
+    Found in data with contacts: a pointer is where its value stands, as is a time, and a number that goes as the
+    contacts' does.
     """
     ball = '<body><freejoint/><geom size="1"/></body>'
-    model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{ball}{ball}</worldbody></mujoco>")
+    model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{3 * ball}</worldbody></mujoco>")
     data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
+    data.time = math.pi
+    time = _standing(data, int(np.float64(math.pi).view(np.uint64)))
+    found: set[int] = set()
+    for place in (0.0, 9.0, 0.0):  # the third ball touches both others, or none
+        data.qpos[14] = place
+        mujoco.mj_forward(model, data)
+        words = (c_int32 * _LOOKED).from_address(data._address + time - 4 * _LOOKED)[:]  # it stands just before
+        here = {place for place, word in enumerate(words) if word == data.ncon}
+        found = found & here if found else here
+    (count,) = found
     contact = data.contact
     first = contact.dist.ctypes.data
     parts = {
@@ -229,6 +230,8 @@ def _layout() -> dict[str, int]:
         "row": contact.efc_address, "dimensions": contact.dim,
     }  # fmt: skip
     return {
+        "time": time,
+        "count": time + 4 * (count - _LOOKED),
         "contacts": _standing(data, first),
         "forces": _standing(data, data.efc_force.ctypes.data),
         "stride": contact.dist.strides[0],

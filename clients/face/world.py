@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import groupby
 from operator import attrgetter, itemgetter
 from os import PathLike
@@ -19,13 +19,14 @@ from .clients.client import Client
 from .clients.performer import Folders, chosen
 from .dsp.engine.state import QUANTUM
 from .dsp.resonator.bank import NYQUIST_SHARE
+from .dsp.runtime.telling import tell
 from .scene import Scene
 from .server.closing import Closing
 from .server.osc.score import format_line
 from .server.world.blows import Counts, Hit
 from .server.world.bodies import WorldError
 from .server.world.hearing import Hearing, Microphone
-from .server.world.requests import Request, in_order
+from .server.world.requests import Request, Slide, in_order
 from .server.world.simulation import Simulation
 from .server.world.step import Contacts, Pose, Poses
 from .sound import Sound
@@ -91,9 +92,11 @@ class World(Closing):
                 rate, channels=channels, calibrated=True, stems=stems, contacts=contacts, presets=library
             )
         self._contacts = contacts
+        self._straight = self._scene is not None and not keep
+        if self._scene and self._straight:
+            self.simulation.link(self._scene._open.engine.state, self.latency)
         self._capture = Capture(self._scene._open, 0) if self._scene and keep else None
         self._kept: list[tuple[float, Request]] | None = [] if keep else None
-        self._start = start
         self._origin = math.nan  # Unix time of the simulation's time 0, of a live server
         self._frames = 0
 
@@ -110,6 +113,10 @@ class World(Closing):
     def time(self) -> float:
         """s: of the last step."""
         return self.simulation.time
+
+    @property
+    def _start(self) -> float:
+        return float(self.simulation.start[0])
 
     @property
     def bodies(self) -> tuple[str, ...]:
@@ -145,7 +152,10 @@ class World(Closing):
         `/object/new`, such as most_modes, damping or gain.
         """
         self._send(self.simulation.add(name, shape, size, material, pose, **about))
-        return self.simulation.number(name)
+        number = self.simulation.number(name)
+        if self._scene and self.simulation.bodies[number].rings:
+            self.simulation.has_object(name, *self._scene._open.placed_at(name))
+        return number
 
     def pair(self, a: str, b: str, **keys: Any) -> None:
         """Say how the contact of two bodies differs from that of their materials: surface (a preset), restitution,
@@ -162,12 +172,24 @@ class World(Closing):
         self._send(self.simulation.step(time, contacts, poses))
         return self._up_to(time)
 
-    def tell(self, time: float, points: int, arrays: int = 0) -> None:
-        """As `step`, for bridges: poses and contacts are in the columns of `memory` already, or where a simulator has
-        them: `arrays` is the address of a record of `carom.dsp.tracking.arrays.ARRAYS`. `block` has the sound."""
-        requests = self.simulation.advance(time, points, arrays)
-        if requests:
-            self._send(requests)
+    def tell(self, time: float, points: int) -> None:
+        """As `step`, for bridges: poses and contacts are in the columns of `memory` already. `block` has the sound."""
+        self._send(self.simulation.advance(time, points))
+
+    def teller(self, arrays: int, time: int, points: int) -> Callable[[], None]:
+        """A function that tells a step, for bridges: where a simulator has its poses and contacts, as a record of
+        `carom.dsp.tracking.arrays.ARRAYS` at an address says; its time (s), a float64 at an address; and the number of
+        its contacts, an int32. Python does next to nothing then, unless something begins or ends."""
+        simulation, run = self.simulation, tell.bare
+        telling = simulation.telling(arrays, time, points)
+        address = telling.ctypes.data
+
+        def told() -> None:
+            found = run(address)
+            if found:
+                self._send(simulation.told(telling, found))
+
+        return told
 
     def block(self) -> Blocks:
         """The sound from the last block up to the last step, (frames, channels)."""
@@ -183,7 +205,7 @@ class World(Closing):
         silence = _FADED + -self._frames % QUANTUM
         engine.process(silence)
         self._frames += silence
-        self._start = time - self._frames / self.rate
+        self.simulation.start[0] = time - self._frames / self.rate
         self.simulation.restart(time)
 
     @property
@@ -217,6 +239,8 @@ class World(Closing):
 
     def _send(self, requests: list[Request]) -> None:
         """Have requests done at their times."""
+        if not requests:
+            return
         ordered = in_order(requests)
         if self._scene is None:
             self._play(ordered)
@@ -225,7 +249,11 @@ class World(Closing):
         timed = [(max(request.time - self._start + self.latency, now), request) for request in ordered]
         self._keep(timed)
         if not self._contacts:
-            self._scene._open.do(timed)
+            performer = self._scene._open
+            performer.do(timed)
+            for request in ordered if self._straight else ():
+                if isinstance(request, Slide):
+                    self.simulation.has_gesture(request.id, performer.gesture(request.id))
             return
         for at, group in groupby(timed, key=itemgetter(0)):  # contacts are kept by their messages
             self._scene._send([request.message for _, request in group], at)

@@ -37,3 +37,13 @@ def load_int32(typingctx, address):
         return builder.sext(_loaded(ir.IntType(32), builder, args[0]), ir.IntType(64))
 
     return types.int64(types.int64), codegen
+
+
+@intrinsic
+def pointer_to(typingctx, address):
+    """A pointer to an address, for `carray`."""
+
+    def codegen(context, builder, signature, args):
+        return builder.inttoptr(args[0], ir.IntType(8).as_pointer())
+
+    return types.voidptr(types.int64), codegen

@@ -17,7 +17,8 @@ NOW = -1.0
 KEPT_FOR_NOW = 2_048
 """Places among the EVENTS that wait that are kept from what is further ahead than half a second."""
 
-_SOON = 0.5  # s
+SOON = 0.5
+"""s: what is no further ahead has these places, too."""
 
 
 class Ring:
@@ -64,5 +65,5 @@ class Ring:
         # An event for now must find room in the queue, however many wait there for later.
         record = self._record
         waiting, most = int(record["queue"]["size"]) + RING - room, EVENTS - KEPT_FOR_NOW
-        if waiting + count > most and latest > int(record["position"]) + _SOON * float(record["rate"]):
+        if waiting + count > most and latest > int(record["position"]) + SOON * float(record["rate"]):
             raise EngineFull(f"no room for {count} events ahead of their time: {waiting} of {most} wait")

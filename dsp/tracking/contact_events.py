@@ -1,6 +1,11 @@
 """What happened to each pair of bodies in a step: blows, and standing contacts that begin to move, do so otherwise, or
 rest.
 
+The points of a pair of bodies are one contact. A point that was not there in the last steps, neither in the axes of one
+body nor in those of the other, is new; new points that close faster than `rest` are one blow at their middle. Its time
+lies before the step's by depth over speed. Its effective mass along the normal n is 1/m = sum over both bodies of
+1/M + (r x n) I^-1 (r x n), with the lever arm r from the centre of mass.
+
 A pair that has touched for a while slips at the speed of one body over the other, and sweeps at that of the contact
 over each body. What is told of it changes only where that can be heard.
 """
@@ -9,16 +14,16 @@ import math
 
 from ..native.jit import kernel
 from .points import clear, into, longest_hop, take_point
-from .state import EVENTS, HEARD, HIT, MOVE, POINTS, REST, STEER, STILL, UNHEARD
+from .slides import RESTS, is_noticed, motion_of, steer_slide
+from .state import EVENTS, HEARD, HIT, MOVE, POINTS, REST, STEERED, STILL, UNHEARD
 
 _STOOD = 0.03  # s after a blow, when it is not one of a bounce
 _SMOOTH = 0.005  # s: time constant of slip and sweep
 _SMOOTH_FORCE = 0.1  # s: of the force
 _SMOOTH_PLACE = 0.05  # s: of the place
 _REMEMBERED = 0.2  # s: time constant with which a fast slip is forgotten
-_MOVES, _RESTS = 0.01, 0.004  # m/s: a contact begins to move above the first, and rests below the second
+_MOVES = 0.01  # m/s: a faster contact begins to move; one slower than RESTS rests
 _SLIPS = 0.1  # m/s: what slips faster moves as soon as it touches, before it was followed
-_NOTICED = 0.05  # share by which a speed or a force must change to be told
 _BETWEEN = 0.01  # s between two times that a contact is told: half the time constant by which a slide glides
 _FALL = 1.05  # times the speed that gravity gives in a step, which is no blow either
 
@@ -30,7 +35,9 @@ def take_step(state, points, time):
         return -1
     span = time - state.time
     state.time = time
-    state.happened = 0
+    state.steps += 1
+    state.points = points
+    state.happened = state.changed = 0
     for i in range(state.touching):
         clear(state.pairs[i])
     least = max(state.rest, _FALL * state.gravity * span)
@@ -81,12 +88,15 @@ def _step_pair(state, i, span):
     if pair.moves == STILL:
         if pair.stood == 1 and ((fastest > _MOVES and pair.settled == 2) or slip > _SLIPS):
             _begin(state, pair)
-    elif fastest < _RESTS:
+    elif fastest < RESTS:
         _end(state, pair)
     elif pair.moves == UNHEARD:
         _begin(state, pair)
-    elif state.time - pair.told_at >= _BETWEEN and _is_noticed(pair):
-        _tell(state, pair, STEER)
+    elif state.time - pair.told_at >= _BETWEEN and is_noticed(pair):
+        if pair.slide == 0:
+            _tell(state, pair, MOVE)  # it found no room before
+        else:
+            steer_slide(state, pair)
 
 
 @kernel
@@ -110,6 +120,7 @@ def _end(state, pair):
         state.heard -= 1
         _tell(state, pair, REST)
     pair.moves = STILL
+    pair.slide = pair.gesture = 0
 
 
 @kernel
@@ -161,16 +172,6 @@ def _weight(state, pair):
 
 
 @kernel
-def _is_noticed(pair):
-    """True if a speed or the force has changed by so much since it was told that it is heard."""
-    for k in range(3):
-        floor = _RESTS if k < 2 else 1e-6
-        if abs(pair.now[k] - pair.said[k]) > _NOTICED * max(abs(pair.said[k]), floor):
-            return True
-    return False
-
-
-@kernel
 def _hit(state, pair):
     """Tell a blow: the new points that close, at their middle."""
     count = pair.fresh
@@ -191,6 +192,7 @@ def _hit(state, pair):
     if event < 0:
         return
     happened = state.events[event]
+    happened.contact = _nearest(state, pair)
     happened.time = state.time - pair.delay / count
     happened.speed = pair.speed / count
     happened.mass = mass
@@ -200,6 +202,22 @@ def _hit(state, pair):
         happened.normal[k] = pair.fresh_normal[k]
         happened.local[0, k] = into(state, pair.a, pair.fresh_point, k)
         happened.local[1, k] = into(state, pair.b, pair.fresh_point, k)
+
+
+@kernel
+def _nearest(state, pair):
+    """The contact of a pair that is nearest to its blow."""
+    found, least = -1, math.inf
+    for n in range(state.points):
+        first, second = state.pair[n, 0], state.pair[n, 1]
+        if min(first, second) == pair.a and max(first, second) == pair.b:
+            square = 0.0
+            for k in range(3):
+                away = state.point[n, k] - pair.fresh_point[k]
+                square += away * away
+            if square < least:
+                found, least = n, square
+    return found
 
 
 @kernel
@@ -229,9 +247,8 @@ def _tell(state, pair, kind):
     state.happened += 1
     event = state.events[number]
     event.kind = kind
-    event.a, event.b = pair.a, pair.b
+    event.a, event.b, event.side = pair.a, pair.b, pair.side
     event.time = state.time
-    event.slip, event.force = pair.now[0], pair.now[2]
     if kind != HIT:
         pair.told_at = state.time
     length = 0.0
@@ -243,7 +260,10 @@ def _tell(state, pair, kind):
         event.local[0, k], event.local[1, k] = pair.local[0, k], pair.local[1, k]
         if kind != HIT:
             pair.said[k] = pair.now[k]
-    event.sweep[0], event.sweep[1] = pair.sweep[0], pair.sweep[1]
+    for parameter in range(len(STEERED)):
+        event.motion[parameter] = motion_of(state, pair, parameter)
+        if kind == MOVE:
+            pair.steered[parameter] = event.motion[parameter]
     return number
 
 

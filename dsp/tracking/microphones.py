@@ -11,6 +11,7 @@ from ..native.jit import kernel
 from .state import BODIES
 
 MICROPHONES = 64
+_PLACED = 0.02  # s between two looks at where bodies are
 
 MICROPHONE_STATE = np.dtype(
     [
@@ -26,6 +27,7 @@ MICROPHONE_STATE = np.dtype(
         ("now", np.float64, (BODIES, MICROPHONES)),
         ("loudest", np.float64, BODIES),  # the gain at the microphone that hears it best
         ("sound", np.int64),  # how many bodies sound
+        ("next", np.float64),  # s: when to look again
         ("changed", np.int64, BODIES),  # numbers of bodies whose gains are to be told
     ],
     align=True,
@@ -62,4 +64,5 @@ def find_gains(microphones, state):
                 found += 1
                 for m in range(microphones.count):
                     microphones.told[n, m] = microphones.now[n, m]
+    microphones.next = state.time + _PLACED if microphones.sound > 0 else math.inf
     return found

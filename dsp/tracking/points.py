@@ -39,14 +39,23 @@ def _find(state, a, b):
     pair = state.pairs[place]
     clear(pair)
     pair.a, pair.b = a, b
+    pair.side = _struck(state, a, b)
     pair.begun = state.time
-    pair.moves = pair.settled = pair.stood = 0
+    pair.moves = pair.settled = pair.stood = pair.slide = pair.gesture = 0
     for k in range(KEPT):
         pair.kept_at[k] = -math.inf
     for k in range(3):
         pair.now[k] = pair.said[k] = 0.0
     pair.sweep[0] = pair.sweep[1] = pair.fastest = 0.0
     return place
+
+
+@kernel
+def _struck(state, a, b):
+    """The side of the body that is struck, or slid on: of the one that rings, the heavier one rather."""
+    if state.rings[a] != state.rings[b]:
+        return 0 if state.rings[a] == 1 else 1
+    return 0 if state.lightness[a] <= state.lightness[b] else 1
 
 
 @kernel

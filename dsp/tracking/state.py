@@ -8,12 +8,15 @@ POINTS = 8_192
 PAIRS = 2_048
 """Pairs of bodies that touch at once."""
 EVENTS = 4_096
-"""Events of one step."""
+"""Events of one step, and changes."""
 KEPT = 16
 """Points of a pair that are remembered, to know a new one."""
 
-HIT, MOVE, STEER, REST = range(4)
-"""Kinds of events: a blow; a standing contact begins to slip or to sweep; it does so otherwise; it does so no more."""
+HIT, MOVE, REST = range(3)
+"""Kinds of events: a blow; a standing contact begins to slip or to sweep; it does so no more."""
+
+STEERED = ("speed", "sweep", "force", "position")
+"""The parameters of a slide that a standing contact steers."""
 
 STILL, UNHEARD, HEARD = range(3)
 """Whether a standing contact slips or sweeps, and is told."""
@@ -58,6 +61,12 @@ _PAIR = np.dtype(
         ("now", np.float64, 3),  # slip (m/s), sweep (m/s), force (N), smoothed
         ("said", np.float64, 3),  # the same, as it was told last
         ("told_at", np.float64),  # s
+        ("side", np.int64),  # 0: a is struck, or slid on; 1: b is
+        # The slide that it is heard as: its number, 0: none; its gesture's number in an engine, 0: it is in none; and
+        # what was told of it last.
+        ("slide", np.int64),
+        ("gesture", np.int64),
+        ("steered", np.float64, len(STEERED)),
     ],
     align=True,
 )
@@ -67,6 +76,8 @@ EVENT = np.dtype(
         ("kind", np.int64),
         ("a", np.int64),
         ("b", np.int64),
+        ("side", np.int64),  # of the body that is struck, or slid on
+        ("contact", np.int64),  # of this step, the nearest to a blow
         ("time", np.float64),
         ("point", np.float64, 3),  # m, in the world
         ("normal", np.float64, 3),  # from a to b
@@ -74,17 +85,27 @@ EVENT = np.dtype(
         ("speed", np.float64),  # m/s: of the approach
         ("mass", np.float64),  # kg: effective, along the normal
         ("restitution", np.float64),  # NaN: not told
-        ("slip", np.float64),  # m/s
-        ("sweep", np.float64, 2),  # m/s, over a and over b
-        ("force", np.float64),  # N
+        ("motion", np.float64, len(STEERED)),  # of a contact that moves, as a slide takes it
     ],
     align=True,
 )
 """Something that happened between a pair of bodies, a before b by their numbers."""
 
+CHANGE = np.dtype(
+    [
+        ("slide", np.int64),
+        ("gesture", np.int64),
+        ("parameter", np.int64),  # a place in STEERED
+        ("value", np.float64),
+    ],
+    align=True,
+)
+"""A new value of a slide's parameter."""
+
 STATE = np.dtype(
     [
         ("time", np.float64),  # s: of the last step
+        ("steps", np.int64),  # taken
         ("rest", np.float64),  # m/s: a slower approach is no blow
         ("gravity", np.float64),  # m/s^2
         ("bodies", np.int64),
@@ -98,7 +119,10 @@ STATE = np.dtype(
         ("yielding", np.float64, (BODIES, 3)),  # 1/(kg m^2): inverse moments of inertia about its axes
         ("rings", np.int64, BODIES),  # 1: it is heard
         ("reach", np.float64, BODIES),  # m: half of its greatest length
-        # Of each point of contact of this step.
+        ("edges", np.float64, (BODIES, 3)),  # m: of the box around it
+        ("strip", np.int64, (BODIES, 3)),  # its object's strike path, as in strips.py
+        # Of each point of contact of this step, so many.
+        ("points", np.int64),
         ("pair", np.int32, (POINTS, 2)),
         ("point", np.float64, (POINTS, 3)),
         ("normal", np.float64, (POINTS, 3)),
@@ -114,6 +138,8 @@ STATE = np.dtype(
         ("left_out", np.int64),  # points of pairs that found no room
         ("happened", np.int64),
         ("events", EVENT, EVENTS),
+        ("changed", np.int64),
+        ("changes", CHANGE, EVENTS),
     ],
     align=True,
 )

@@ -136,7 +136,7 @@ class Blows:
         gains = self._placing.loudest
         pressure = impulse * (a.loudness(lasting) * gains[first] + b.loudness(lasting) * gains[second])
         hit = Hit(event.time, a.name, b.name, speed, mass, restitution, impulse, event.point, event.normal, True)
-        to, by, at, by_at = roles(a, b, local)
+        to, by, at, by_at = roles(a, b, event)
         lost = (dissipation, 0.0) if math.isnan(told) else (0.0, max(restitution, _DULLEST))
         law = Contact(mass, stiffness, lost[0], exponent, lost[1])
         met = min(speed, _FASTEST)
@@ -147,8 +147,8 @@ class Blows:
         return Candidate(pressure, hit, blow)
 
 
-def roles(a: Body, b: Body, local: tuple[Vector, Vector]) -> tuple[Body, Body, Vector, Vector]:
-    """The body that is struck and the one that strikes, with the points: what rings is struck, the heavier rather."""
-    if (a.rings, a.held, a.mass) >= (b.rings, b.held, b.mass):
-        return a, b, local[0], local[1]
-    return b, a, local[1], local[0]
+def roles(a: Body, b: Body, event: Event) -> tuple[Body, Body, Vector, Vector]:
+    """The body that is struck and the one that strikes, with the points."""
+    if event.side == 0:
+        return a, b, event.local[0], event.local[1]
+    return b, a, event.local[1], event.local[0]

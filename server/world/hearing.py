@@ -16,7 +16,6 @@ from .shapes import Vector
 NEAREST = 0.1
 """m: a body that is nearer to a microphone is as loud as at this distance."""
 _CHANGED = 0.03  # share by which a gain changes before it is told: 0.26 dB
-_PLACED = 0.02  # s between two looks at where bodies are
 _RECENT = 0.1  # s: what was louder so lately hides what is fainter
 
 
@@ -81,8 +80,9 @@ class Placing:
     were told of those that sound. state: the tracker's memory."""
 
     def __init__(self, hearing: Hearing, state: NDArray[np.void]) -> None:
-        self._microphones = np.zeros(1, MICROPHONE_STATE)
-        record = self._microphones[0]
+        self.microphones = np.zeros(1, MICROPHONE_STATE)
+        """(1,) of MICROPHONE_STATE."""
+        record = self.microphones[0]
         record["count"] = count = len(hearing.microphones)
         record["nearest"], record["step"] = NEAREST, _CHANGED
         for n, microphone in enumerate(hearing.microphones):
@@ -94,24 +94,26 @@ class Placing:
         record["told"] = np.nan
         self.loudest: NDArray[np.float64] = record["loudest"]
         """The gain of each body at the microphone that hears it best."""
-        self._until, self._sound, self._changed = record["until"], self._microphones["sound"], record["changed"]
+        self._until, self._next, self._changed = record["until"], self.microphones["next"], record["changed"]
         self._now = record["now"][:, :count]
-        self._addresses = self._microphones.ctypes.data, state.ctypes.data
+        self._addresses = self.microphones.ctypes.data, state.ctypes.data
         self._kept, self._place = state, place.bare
         self.silence()
 
     def silence(self) -> None:
         """Nothing sounds."""
         self._until[:] = -math.inf
-        self.next = math.inf
-        """s: when to look again."""
+        self._next[0] = math.inf
+
+    def look_at(self, time: float) -> None:
+        """Have bodies looked at in the step after a time (s)."""
+        self._next[0] = time
 
     def sounds(self, body: int, until: float) -> None:
         """A body sounds, until a time (s)."""
         self._until[body] = until
 
-    def look(self, time: float) -> list[tuple[int, list[float]]]:
+    def look(self) -> list[tuple[int, list[float]]]:
         """The bodies that sound and whose gains are others than those told, with these."""
         count = self._place(*self._addresses)
-        self.next = time + _PLACED if self._sound[0] else math.inf
         return [(n, self._now[n].tolist()) for n in self._changed[:count].tolist()]

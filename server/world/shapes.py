@@ -1,7 +1,7 @@
 """The shapes of bodies: their mass and inertia, and the object that rings as they do."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -9,9 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...dsp.bodies.material import CONTACT_RADIUS
+from ...dsp.tracking.strips import BAR, DISC, PLATE, POINT, place_on
 from ..osc.wire import Argument
 
 Vector = tuple[float, float, float]
+Strip = tuple[int, int, int]
+"""A strike path: its kind, of `carom.dsp.tracking.strips`, and two axes."""
 
 FLAT = 3.0
 """How many times its thickness a body is wide that rings as a plate."""
@@ -55,8 +58,11 @@ class Shape:
     inertia: Vector
     round: float
     ringing: Ringing | None
-    place: Callable[[Sequence[float]], float]
-    """The place 0 to 1 on the object's strike path that is nearest to a point (m), in the body's axes."""
+    strip: Strip
+
+    def place(self, point: Sequence[float]) -> float:
+        """The place 0 to 1 on the object's strike path that is nearest to a point (m), in the body's axes."""
+        return float(place_on.py_func(self.strip, self.edges, point))
 
     def radius_at(self, point: Sequence[float]) -> float:
         """The radius (m) of the surface about a point; of a face it is infinite."""
@@ -98,7 +104,7 @@ def _sphere(radius: float) -> Shape:
     rings = Ringing("glass-ball", {"radius": radius}) if _SHORTEST <= radius <= _LONGEST else None
     edge = 2 * radius
     volume = 4 / 3 * math.pi * radius**3
-    return Shape("sphere", (edge, edge, edge), volume, (inertia,) * 3, radius, rings, lambda point: 0.0)
+    return Shape("sphere", (edge, edge, edge), volume, (inertia,) * 3, radius, rings, (POINT, 0, 0))
 
 
 def _cylinder(name: str, radius: float, length: float, held: bool) -> Shape:
@@ -113,12 +119,10 @@ def _cylinder(name: str, radius: float, length: float, held: bool) -> Shape:
     if name == "cylinder" and length < 2 * radius / FLAT:
         disc = {"radius": radius, "thickness": length, "edge": "supported" if held else "free"}
         rings = Ringing("gong", disc) if radius <= _LONGEST and length <= _THICKEST else None
-        return Shape(
-            name, edges, volume, inertia, radius, rings, lambda point: 0.5 + 0.5 * min(1.0, _far(point) / radius)
-        )
+        return Shape(name, edges, volume, inertia, radius, rings, (DISC, 0, 0))
     bar = {"length": rod, "diameter": 2 * radius, "ends": "cantilever" if held else "free", "split": 0.0}
     rings = Ringing("triangle", bar) if 2 * radius <= _THICKEST and _SHORTEST <= rod <= _LONGEST else None
-    return Shape(name, edges, volume, inertia, radius, rings, lambda point: _along(point[2], whole))
+    return Shape(name, edges, volume, inertia, radius, rings, (BAR, 2, 2))
 
 
 def _box(name: str, edges: Vector, held: bool) -> Shape:
@@ -133,22 +137,7 @@ def _box(name: str, edges: Vector, held: bool) -> Shape:
         plate: dict[str, Argument] = {"length": length, "width": width, "thickness": thickness, **_PATH}
         edge = "supported" if held else "free"
         rings = Ringing("wood-board", {**plate, "edges": (edge,) * 4}) if fits else None
-
-        def on_plate(point: Sequence[float]) -> float:
-            u, v = (_along(point[axis], edges[axis]) - 0.5 for axis in (first, second))
-            return 0.5 + math.copysign(0.5 * (abs(u) + abs(v)), u if abs(u) > abs(v) else v)
-
-        return Shape(name, edges, volume, inertia, 0.0, rings, on_plate)
+        return Shape(name, edges, volume, inertia, 0.0, rings, (PLATE, first, second))
     bar = {"length": length, "width": width, "thickness": thickness, "ends": "cantilever" if held else "free"}
     rings = Ringing("triangle", bar) if fits and width <= _THICKEST else None
-    return Shape(name, edges, volume, inertia, 0.0, rings, lambda point: _along(point[first], edges[first]))
-
-
-def _along(x: float, edge: float) -> float:
-    """Where a point is along an edge, 0 to 1."""
-    return min(max(x / edge + 0.5, 0.0), 1.0)
-
-
-def _far(point: Sequence[float]) -> float:
-    """How far a point is from the axis z (m)."""
-    return math.hypot(point[0], point[1])
+    return Shape(name, edges, volume, inertia, 0.0, rings, (BAR, first, second))

@@ -2,23 +2,24 @@
 
 import math
 from collections.abc import Callable, Mapping
+from ctypes import c_double, c_int32
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from ...dsp.tracking.state import BODIES, EVENTS, HIT, MOVE, POINTS, REST, new_state
-from ...dsp.tracking.track import track, track_arrays
+from ...dsp.runtime.telling import NO_ROOM, NOT_LATER, OBJECTS, TELLING, begin_telling, link_engine, tell
+from ...dsp.tracking.state import BODIES, EVENTS, HIT, MOVE, POINTS, REST, STEERED, new_state
 from ...dsp.wording import expected
 from ...presets import Presets
 from ..osc.arguments import shown
 from ..osc.wire import Argument
 from .blows import Blows, Counts, Hit, Laws, roles
 from .bodies import Body, BodyMaker, WorldError
-from .gestures import Gestures
+from .gestures import Gestures, id_of
 from .hearing import Hearing, Listener, Placing
 from .pairs import Pair, Surfaces, pair_of
-from .requests import Gains, Request, Said
+from .requests import Ending, Gains, Request, Said, Slide, Steering
 from .step import Contacts, Event, Pose, Poses, events_of, take_contacts, take_pose
 
 
@@ -42,15 +43,13 @@ class Simulation:
         for name, value in (("gravity", gravity), ("rest", rest), ("start", start)):
             if not (math.isfinite(value) and (value >= 0.0 or name == "start")):
                 raise WorldError(f"{name} = {value}: expected a number that is not negative")
-        self._track, self._track_arrays = track.bare, track_arrays.bare  # loaded now, or compiled
+        self._tell = tell.bare  # loaded now, or compiled
         self.bodies: list[Body] = []
         self._counts = Counts()
-        self.hits: list[Hit] = []
-        """The blows of the last step."""
+        self._hits: tuple[int, list[Hit]] = 0, []  # of a step
         self.hearing = hearing or Hearing()
         self.state = new_state(rest, gravity, self.hearing.gestures)
-        self.state["time"] = self.time = start
-        self.steps = 0
+        self.state["time"] = start
         self._presets = presets
         self._maker = BodyMaker(presets, top)
         self._surfaces = Surfaces(presets)
@@ -63,8 +62,54 @@ class Simulation:
         self._gestures = Gestures(self.hearing.seed)
         events = self.state["events"][0]
         self._whole, self._floats = (events.view(kind).reshape(EVENTS, -1) for kind in (np.int64, np.float64))
-        self._address = self.state.ctypes.data
-        self._now = self.state["time"]
+        self._now, self._steps = self.state["time"], self.state["steps"]
+        self.start = np.array([start])
+        """s: the simulation's time at the beginning of its sound."""
+        self._telling = np.zeros(1, TELLING)
+        self._objects = np.zeros(1, OBJECTS)
+        begin_telling(self._telling, self.state, self._placing.microphones, self._objects)
+        self._step_time, self._step_points = np.zeros(1), np.zeros(1, np.int32)
+        self._own = self.telling(0, self._step_time.ctypes.data, self._step_points.ctypes.data)
+
+    def telling(self, arrays: int, time: int, points: int) -> NDArray[np.void]:
+        """A record of TELLING, by which steps are told that are at addresses: of a record of ARRAYS, 0 for the columns
+        of `state`; of the time (s), a float64; of the number of contacts, an int32. It is kept as long as this is."""
+        made = self._telling.copy()
+        made["arrays"], made["time"], made["points"] = arrays, time, points
+        return made
+
+    def link(self, engine: NDArray[np.void], latency: float) -> None:
+        """Have slides steered, and bodies placed, straight in an engine, (1,) of its STATE, a latency (s) after the
+        step; before anything is told."""
+        for each in (self._telling, self._own):
+            each["start"], each["latency"] = self.start.ctypes.data, latency
+            link_engine(each, engine)
+
+    def has_object(self, name: str, slot: int, serial: int) -> None:
+        """Say which object of the engine a body is."""
+        self._objects[0, self.number(name)] = slot, serial
+
+    def has_gesture(self, slide: str, gesture: int) -> None:
+        """Say which gesture of the engine a slide is, by their ids."""
+        for (a, b), id in self._gestures.running.items():
+            if id == slide:
+                self.state["pairs"]["gesture"][0, self.state["place"][0, a, b] - 1] = gesture
+
+    @property
+    def time(self) -> float:
+        """s: of the last step."""
+        return float(self._now[0])
+
+    @property
+    def steps(self) -> int:
+        """How many were taken."""
+        return int(self._steps[0])
+
+    @property
+    def hits(self) -> list[Hit]:
+        """The blows of the last step."""
+        step, hits = self._hits
+        return hits if step == self.steps else []
 
     @property
     def channels(self) -> int:
@@ -103,6 +148,7 @@ class Simulation:
         record["yielding"][number] = 0.0 if body.held else 1.0 / np.array(body.inertia)
         record["rings"][number] = body.rings
         record["reach"][number] = 0.5 * max(body.shape.edges)
+        record["edges"][number], record["strip"][number] = body.shape.edges, body.shape.strip
         if pose is not None:
             take_pose(self.state, number, pose, f"body {name}")
         self.bodies.append(body)
@@ -127,14 +173,14 @@ class Simulation:
         """Forget all that touches, and go on at another time (s); bodies and pairs stay."""
         self.wait(time)
         self.state["touching"] = self.state["place"] = self.state["heard"] = 0
-        self.hits = []
+        self._hits = 0, []
         self._placing.silence()
         self._blows.restart(Listener(self.hearing))
         self._gestures = Gestures(self.hearing.seed)
 
     def wait(self, time: float) -> None:
         """Let time pass up to another (s), in which nothing is told."""
-        self._now[0] = self.time = time
+        self._now[0] = time
 
     def step(self, time: float, contacts: Contacts = (), poses: Poses | None = None) -> list[Request]:
         """Take a step's contacts and poses; what is to be heard of what happened since the step before."""
@@ -150,23 +196,26 @@ class Simulation:
             take_pose(self.state, number(name), pose, f"{where}: body {name}")
         return self.advance(time, take_contacts(self.state, contacts, number, where))
 
-    def advance(self, time: float, points: int, arrays: int = 0) -> list[Request]:
-        """As `step`, where poses and so many contacts are in `state` already, or in the arrays of a simulator: then the
-        address of a record of ARRAYS."""
-        before = self.time
-        if not before < time < math.inf:
-            raise WorldError(f"step {self.steps + 1}: time = {time}: expected above {before}, that of the step before")
-        if arrays:
-            found = self._track_arrays(self._address, arrays, points, time)
-        else:
-            found = self._track(self._address, points, time)
+    def advance(self, time: float, points: int) -> list[Request]:
+        """As `step`, where poses and so many contacts are in `state` already."""
+        self._step_time[0], self._step_points[0] = time, points
+        found = self._tell(self._own.ctypes.data)
+        return self.told(self._own, found) if found else []
+
+    def told(self, telling: NDArray[np.void], found: int) -> list[Request]:
+        """What is to be heard of a step that was told, of which `tell` said what it found."""
+        time, before = c_double.from_address(int(telling["time"][0])).value, float(telling["before"][0])
+        if found == NOT_LATER:
+            raise WorldError(
+                f"step {self.steps + 1}: time = {time}: expected above {self.time}, that of the step before"
+            )
+        if found == NO_ROOM:
+            raise WorldError(f"step {self.steps}: no room for more events: ask for the sound of these steps first")
         if found < 0:
-            raise WorldError(f"step {self.steps + 1}: {self._fault(points)}")
-        self.steps += 1
-        self.time = time
-        if self.hits:
-            self.hits = []
-        return self._heard(before, found) if found or time >= self._placing.next else []
+            raise WorldError(
+                f"step {self.steps + 1}: {self._fault(c_int32.from_address(int(telling['points'][0])).value)}"
+            )
+        return self._heard(before, bool(telling["due"][0]), not telling["entries"][0])
 
     def _fault(self, points: int) -> str:
         """What of the last step cannot be."""
@@ -188,22 +237,29 @@ class Simulation:
                     return f"bodies {names[0]}, {names[1]}: {name} = {value}: expected finite numbers"
         return f"{points} contacts: expected finite numbers"
 
-    def _heard(self, before: float, found: int) -> list[Request]:
-        """What is to be heard of so many events since a time (s)."""
-        count = min(found, EVENTS)
+    def _heard(self, before: float, due: bool, steers: bool) -> list[Request]:
+        """What is to be heard of the step since a time (s). due: bodies are to be placed anew; steers: that of slides
+        that go on, too."""
+        count = min(int(self.state["happened"][0]), EVENTS)
         events = events_of(self._whole[:count], self._floats[:count]) if count else []
         for event in events:
-            if event.kind in (HIT, MOVE):
+            if event.kind != REST:
                 self._sounds(event.a)
                 self._sounds(event.b)
-        placed = self._placing.look(self.time)
+        placed = self._placing.look() if events or due else []
         requests: list[Request] = [Gains(before, self.bodies[n].name, tuple(gains)) for n, gains in placed]
         hits = [event for event in events if event.kind == HIT]
         if hits:
-            requests += self._blows.heard(hits, self.time, self._counts, self.hits)
+            self._hits = self.steps, []
+            requests += self._blows.heard(hits, self.time, self._counts, self._hits[1])
+        if steers:
+            changes = self.state["changes"][0, : int(self.state["changed"][0])].tolist()
+            requests += [Steering(self.time, id_of(slide), STEERED[n], value) for slide, _, n, value in changes]
         for event in events:
-            if event.kind != HIT:
-                requests += self._moved(event)
+            if event.kind == REST:
+                requests += self._rests(event)
+            elif event.kind == MOVE:
+                requests.append(self._begins(event))
         return requests
 
     def _sounds(self, number: int) -> None:
@@ -213,29 +269,29 @@ class Simulation:
             slides = any(number in pair for pair in self._gestures.running)
             self._placing.sounds(number, math.inf if slides else self.time + body.ringing)
 
-    def _moved(self, event: Event) -> list[Request]:
-        """What is to be heard of a standing contact that begins to slip or sweep, does so otherwise, or rests."""
+    def _rests(self, event: Event) -> list[Ending]:
+        """The end of a slide, if it goes on: its bodies ring on."""
+        key = event.a, event.b
+        ended = self._gestures.rest(key, event)
+        for number in key if ended else ():
+            self._sounds(number)
+        return ended
+
+    def _begins(self, event: Event) -> Slide:
+        """The slide as which a standing contact is heard that begins to slip or to sweep."""
         key = first, second = event.a, event.b
         a, b = self.bodies[first], self.bodies[second]
-        to, by, at, by_at = roles(a, b, event.local)
-        side = 0 if to is a else 1
-        if event.kind == REST:
-            ended = self._gestures.rest(key, event)
-            for n in key if ended else ():
-                self._sounds(n)
-            return ended
-        if key in self._gestures.running:
-            return self._gestures.steer(key, event, side, to.place(at))
+        to, by, _, by_at = roles(a, b, event)
         law = self._laws.of(first, second, event.local)
         pair = self._pairs.get(key, Pair())
         surface = pair.surface or self._surfaces.between(a, b)
         mass = 1.0 / max(float(self.state["lightness"][0, n]) for n in key)
-        begun = self._gestures.begin(key, event, side, (to, by), (to.place(at), by.place(by_at)),
-                                     _sliding(law, mass, surface, pair))  # fmt: skip
+        begun = self._gestures.begin(key, event, (to, by), by_at, _sliding(law, mass, surface, pair))
+        self.state["pairs"]["slide"][0, self.state["place"][0, first, second] - 1] = self._gestures.made
         self._counts.gestures += 1
-        for n in key:
-            self._sounds(n)
-        self._placing.next = self.time  # so that they are placed in the next step
+        for number in key:
+            self._sounds(number)
+        self._placing.look_at(self.time)  # so that they are placed in the next step
         return begun
 
 

@@ -50,6 +50,8 @@ class Event(NamedTuple):
     kind: int
     a: int
     b: int
+    side: int
+    contact: int
     time: float
     point: Vector
     normal: Vector
@@ -57,9 +59,7 @@ class Event(NamedTuple):
     speed: float
     mass: float
     restitution: float
-    slip: float
-    sweep: tuple[float, float]
-    force: float
+    motion: tuple[float, float, float, float]
 
 
 Contacts = Iterable[Touch] | Mapping[str, ArrayLike]
@@ -136,24 +136,12 @@ def rotation(turn: Sequence[float]) -> tuple[float, ...]:
 def events_of(whole: NDArray[np.int64], numbers: NDArray[np.float64]) -> list[Event]:
     """The events of a step, from rows of EVENT as integers and as floats."""
     found = []
-    for (kind, a, b), row in zip(whole[:, :3].tolist(), numbers[:, 3:].tolist(), strict=True):
-        time, x, y, z, nx, ny, nz, ax, ay, az, bx, by, bz, speed, mass, restitution, slip, sweep_a, sweep_b, force = row
+    for (kind, a, b, side, contact), row in zip(whole[:, :5].tolist(), numbers[:, 5:].tolist(), strict=True):
+        time, x, y, z, nx, ny, nz, ax, ay, az, bx, by, bz, speed, mass, restitution, *motion = row
         local = ((ax, ay, az), (bx, by, bz))
         found.append(
             Event(
-                kind,
-                a,
-                b,
-                time,
-                (x, y, z),
-                (nx, ny, nz),
-                local,
-                speed,
-                mass,
-                restitution,
-                slip,
-                (sweep_a, sweep_b),
-                force,
+                kind, a, b, side, contact, time, (x, y, z), (nx, ny, nz), local, speed, mass, restitution, tuple(motion)
             )
         )
     return found

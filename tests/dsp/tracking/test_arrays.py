@@ -2,14 +2,31 @@
 
 import numpy as np
 
+from carom.dsp.runtime.telling import LOOK, NOT_WHOLE, OBJECTS, TELLING, begin_telling, tell
 from carom.dsp.tracking.arrays import ARRAYS
+from carom.dsp.tracking.microphones import MICROPHONE_STATE
 from carom.dsp.tracking.state import POINTS, new_state
-from carom.dsp.tracking.track import track, track_arrays
 
 CONTACT = np.dtype(
     [("dist", "f8"), ("pos", "f8", 3), ("frame", "f8", 9), ("pad", "f8", 5), ("dim", "i4"), ("geom", "i4", 2),
      ("address", "i4")], align=True,
 )  # fmt: skip
+
+
+class Step:
+    """A step's time and the number of its contacts, and what they are told to."""
+
+    def __init__(self, state: np.ndarray, arrays: np.ndarray | None = None) -> None:
+        self.microphones, self.objects = np.zeros(1, MICROPHONE_STATE), np.zeros(1, OBJECTS)
+        self.time, self.points = np.zeros(1), np.zeros(1, np.int32)
+        self.telling = np.zeros(1, TELLING)
+        begin_telling(self.telling, state, self.microphones, self.objects)
+        self.telling["time"], self.telling["points"] = self.time.ctypes.data, self.points.ctypes.data
+        self.telling["arrays"] = 0 if arrays is None else arrays.ctypes.data
+
+    def told(self, time: float, points: int) -> int:
+        self.time[0], self.points[0] = time, points
+        return tell(self.telling.ctypes.data)
 
 
 class Simulator:
@@ -70,17 +87,16 @@ def test_a_step_is_the_same_from_a_simulators_arrays():
             state["bodies"], state["lightness"][:, 1:3], state["yielding"][:, 1:3] = 3, 2.0, 5.0
             state["rings"] = 1
         arrays = simulator.described(pyramids)
+        steps = [Step(states[0]), Step(states[1], arrays)]
         for time in (0.001, 0.002, 0.04, 0.08):
             simulator.places += 1e-3
             simulator.told(states[0], pyramids)
-            found = [
-                track(states[0].ctypes.data, 3, time),
-                track_arrays(states[1].ctypes.data, arrays.ctypes.data, 3, time),
-            ]
+            assert [step.told(time, 3) for step in steps] == [LOOK, LOOK]
+            found = [int(state["happened"][0]) for state in states]
             assert found[0] == found[1] and (time > 0.001 or found[0] > 0)
             assert states[0]["events"][0, : found[0]].tobytes() == states[1]["events"][0, : found[0]].tobytes()
 
 
 def test_too_many_contacts_are_refused_before_they_are_read():
     state, arrays = new_state(0.01, 9.81, 24), Simulator().described(False)
-    assert track_arrays(state.ctypes.data, arrays.ctypes.data, POINTS + 1, 0.001) == -1
+    assert Step(state, arrays).told(0.001, POINTS + 1) == NOT_WHOLE

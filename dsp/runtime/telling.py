@@ -1,0 +1,161 @@
+"""A step of a simulation, from a simulator's memory to an engine's commands in one call.
+
+Blows, and slides that begin or end, are left to Python, which is asked only then. Slides that go on are steered, and
+bodies that sound are placed anew, by commands that are written here.
+"""
+
+import math
+from ctypes import c_int64, c_void_p
+
+import numpy as np
+
+from ..engine.commands import COMMAND, KIND_PLACE, KIND_STEER
+from ..engine.state import EVENTS as WAITING
+from ..engine.state import QUEUE, RING
+from ..engine.state import STATE as ENGINE
+from ..native.atomics import load_acquire, store_release
+from ..native.jit import c_function, carray, kernel
+from ..native.pointers import load_address, load_double, load_int32, pointer_to
+from ..schema import STEERABLE
+from ..tracking.arrays import ARRAYS, gather
+from ..tracking.contact_events import take_step
+from ..tracking.microphones import MICROPHONE_STATE, find_gains
+from ..tracking.state import BODIES, STATE, STEERED
+from .ring import KEPT_FOR_NOW, SOON
+
+TELLING = np.dtype(
+    [
+        ("state", np.int64),  # address of the tracker's STATE
+        ("microphones", np.int64),  # of MICROPHONE_STATE
+        ("arrays", np.int64),  # of ARRAYS; 0: poses and contacts are in the tracker's columns
+        ("time", np.int64),  # of the step's time (s), a float64
+        ("points", np.int64),  # of the number of its contacts, an int32
+        ("before", np.float64),  # s: the time of the step before
+        ("due", np.int64),  # 1: bodies that sound are to be placed anew
+        # The engine: where its ring of commands is, and what it has computed; 0: there is none.
+        ("entries", np.int64),
+        ("written", np.int64),
+        ("read", np.int64),
+        ("position", np.int64),
+        ("waiting", np.int64),
+        ("rate", np.float64),  # Hz
+        ("start", np.int64),  # address of the simulation's time (s) at the engine's first sample, a float64
+        ("latency", np.float64),  # s
+        ("objects", np.int64),  # address of OBJECTS
+        ("blank", COMMAND),
+    ],
+    align=True,
+)
+"""Where a step is told, and to whom."""
+
+OBJECTS = np.dtype((np.int64, (BODIES, 2)))
+"""The slot and the serial of each body's object in the engine."""
+
+LOOK, NOTHING, NOT_WHOLE, NOT_LATER, NO_ROOM = 1, 0, -1, -2, -3
+"""What a step says: Python has to look at it; nothing; its numbers cannot be, or its time; the ring is full."""
+
+_STEERED = np.array([STEERABLE.index(name) for name in STEERED])
+_GRID = 256.0  # places between two samples, to which a time is rounded that is there but for rounding
+
+
+def begin_telling(telling: np.ndarray, state: np.ndarray, microphones: np.ndarray, objects: np.ndarray) -> None:
+    """Say where the tracker's memory, the microphones' and the objects' are, in a record (1,) of TELLING."""
+    for name, array in (("state", state), ("microphones", microphones), ("objects", objects)):
+        telling[name] = array.ctypes.data
+    telling["blank"]["channel"] = -1
+    telling["blank"]["strike"]["gain"] = 1.0
+
+
+def link_engine(telling: np.ndarray, engine: np.ndarray) -> None:
+    """Have steps told to an engine, (1,) of its STATE."""
+    record, first = engine[0], engine.ctypes.data
+    for name in ("entries", "written", "read"):
+        telling[name] = record["ring"][name].ctypes.data
+    fields = ENGINE.fields
+    assert fields and QUEUE.fields
+    telling["position"] = first + fields["position"][1]
+    telling["waiting"] = first + fields["queue"][1] + QUEUE.fields["size"][1]
+    telling["rate"] = record["rate"]
+
+
+@c_function(c_int64, c_void_p)
+def tell(telling):
+    """Look at a step, as a record of TELLING says; LOOK, NOTHING, or what is wrong: then it was not taken, unless the
+    ring is full."""
+    link = carray(telling, (1,), TELLING)[0]
+    state = carray(pointer_to(link.state), (1,), STATE)[0]
+    time, points = load_double(link.time), load_int32(link.points)
+    if not state.time < time < math.inf:
+        return NOT_LATER
+    link.before = state.time
+    if link.arrays != 0:
+        gather(state, carray(pointer_to(link.arrays), (1,), ARRAYS)[0], points)
+    if take_step(state, points, time) < 0:
+        return NOT_WHOLE
+    microphones = carray(pointer_to(link.microphones), (1,), MICROPHONE_STATE)[0]
+    link.due = 1 if time >= microphones.next else 0
+    if link.entries == 0:
+        return LOOK if state.happened > 0 or state.changed > 0 or link.due == 1 else NOTHING
+    heard = find_gains(microphones, state) if link.due == 1 and state.happened == 0 else 0
+    if state.changed > 0 or heard > 0:
+        if not _has_room(link, state.changed + heard * microphones.count, _sample_of(link, time)):
+            return NO_ROOM
+        _write(link, state, microphones, heard)
+    return LOOK if state.happened > 0 else NOTHING
+
+
+@kernel
+def _sample_of(link, time):
+    """The engine's sample of a time of the simulation (s), as a score has it."""
+    at = max(time - load_double(link.start) + link.latency, load_address(link.position) / link.rate)
+    sample = at * link.rate
+    nearest = np.rint(sample * _GRID) / _GRID
+    unit = 2.0**-52
+    while 2.0**52 * unit * 2.0 <= sample:
+        unit *= 2.0
+    return nearest if abs(sample - nearest) <= 4.0 * unit else sample
+
+
+@kernel
+def _has_room(link, count, latest):
+    """True if so many commands can be sent, the last for a sample, as `ring.py` has it."""
+    room = RING - load_address(link.written) + load_acquire(carray(pointer_to(link.read), (1,), np.int64), 0)
+    if count > room:
+        return False
+    waiting = load_address(link.waiting) + RING - room
+    ahead = latest > load_address(link.position) + SOON * link.rate
+    return not (ahead and waiting + count > WAITING - KEPT_FOR_NOW)
+
+
+@kernel
+def _write(link, state, microphones, heard):
+    """Send the changes of slides, and the gains of so many bodies."""
+    entries = carray(pointer_to(link.entries), (RING,), COMMAND)
+    objects = carray(pointer_to(link.objects), (BODIES, 2), np.int64)
+    written = carray(pointer_to(link.written), (1,), np.int64)
+    number = written[0]
+    early, late = _sample_of(link, link.before), _sample_of(link, state.time)
+    for n in range(heard):
+        body = microphones.changed[n]
+        for channel in range(microphones.count):
+            command = _begin(link, entries, number, early, KIND_PLACE)
+            command.slot, command.serial = objects[body, 0], objects[body, 1]
+            command.channel, command.value = channel, microphones.now[body, channel]
+            number += 1
+    for n in range(state.changed):
+        change = state.changes[n]
+        if change.gesture > 0:
+            command = _begin(link, entries, number, late, KIND_STEER)
+            command.gesture, command.value = change.gesture, change.value
+            command.parameter = _STEERED[change.parameter]
+            number += 1
+    store_release(written, 0, number)
+
+
+@kernel
+def _begin(link, entries, number, time, kind):
+    """Begin a command of a number, at a time (samples)."""
+    entries[number % RING] = link.blank
+    command = entries[number % RING]
+    command.number, command.time, command.kind = number, time, kind
+    return command
