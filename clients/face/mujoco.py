@@ -12,8 +12,9 @@ It needs `pip install 'carom[mujoco]'`.
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from ctypes import c_int32, c_uint64
+from ctypes import CDLL, c_int32, c_uint64, c_void_p, cast
 from functools import cache
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import mujoco
@@ -21,11 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .dsp.tracking.arrays import ARRAYS
-from .dsp.tracking.soft import LEAST_IMPEDANCE, MOST_IMPEDANCE, SOFT
-from .dsp.tracking.track import rebound
 from .presets import Presets
 from .server.world.bodies import WorldError
-from .server.world.step import Event, Pose
+from .server.world.step import Pose
 from .world import Blocks, World
 
 _SHAPES = {
@@ -99,11 +98,6 @@ class Bridge:
         self.tell: Callable[[], None] = self.world.teller(self._arrays.ctypes.data, *places)
         """Tells the World of a step of MuJoCo, to be called after each. WorldError for what is not finite, or if time
         has not gone on."""
-        self._soft = np.zeros(1, SOFT)
-        self._soft_at, self._rebound_of = self._soft.ctypes.data, rebound.bare
-        self._point, self._normal, self._slope = np.zeros(3), np.zeros(3), np.zeros((3, model.nv))
-        self._along, self._answer = np.zeros(model.nv), np.zeros((1, model.nv))
-        self.world.simulation.ask_of_blows(self._blow)
 
     def _add(self, part: _Part, material: str, about: Mapping[str, Any]) -> None:
         """Add a part to the World, with the mass and inertia of the body that moves it."""
@@ -148,8 +142,23 @@ class Bridge:
                 record[name] = place
         for name in ("contacts", "forces"):
             record[name] += data._address
+        self._mechanical(record["mechanism"])
         record["pyramids"] = self._model.opt.cone == mujoco.mjtCone.mjCONE_PYRAMIDAL
         return made
+
+    def _mechanical(self, record: np.void) -> None:
+        """Fill a record of MECHANISM."""
+        model, data, layout = self._model, self._data, _layout()
+        library = _library()
+        record["jacobian"], record["solve"] = (cast(library[name], c_void_p).value for name in ("mj_jac", "mj_solveM"))
+        record["model"], record["data"] = model._address, data._address
+        record["velocities"], record["own"] = model.nv, self._by_simulator
+        record["smooth"], record["step"] = data._address + layout["smooth"], model._address + layout["step"]
+        record["reference"], record["impedance"] = layout["reference"], layout["impedance"]
+        self._room = {"point": np.zeros(3), "slope": np.zeros((3, model.nv)), "along": np.zeros(model.nv)}
+        self._room["answer"] = np.zeros(model.nv)
+        for name, array in self._room.items():
+            record[name] = array.ctypes.data
 
     def step(self) -> Blocks:
         """Have MuJoCo take a step, and `update`."""
@@ -165,42 +174,6 @@ class Bridge:
         """Begin anew where `data` is now, in silence; to be called after MuJoCo's data was reset."""
         self.world.restart(float(self._data.time))
 
-    def _blow(self, event: Event) -> tuple[float, float]:
-        """The effective mass (kg) and the restitution of a blow; NaN: those of free bodies, and of the materials.
-
-        The mass is 1/(J M^-1 J'), with J how fast the bodies close there for each of the model's velocities.
-        """
-        along, answer = self._along, self._answer
-        along[:] = 0.0
-        self._point[:], self._normal[:] = event.point, event.normal
-        for number, add in ((event.a, np.add), (event.b, np.subtract)):
-            moving = number - self._first
-            if 0 <= moving < len(self._bodies):
-                mujoco.mj_jac(self._model, self._data, self._slope, None, self._point, int(self._bodies[moving]))
-                add(along, self._normal @ self._slope, out=along)
-        mujoco.mj_solveM(self._model, self._data, answer, along[None])
-        lightness = float(along @ answer[0])
-        mass = 1.0 / lightness if lightness > 0.0 else math.nan
-        if not self._by_simulator:
-            return mass, math.nan
-        return mass, self._rebound(event.contact, event.speed, float(along @ self._data.qacc_smooth))
-
-    def _rebound(self, number: int, speed: float, pushed: float) -> float:
-        """The share of its speed that MuJoCo's contact leaves: its spring and damper, step by step, where other forces
-        push the bodies together by an acceleration (m/s^2)."""
-        step, contact = self._model.opt.timestep, self._data.contact[number]
-        low, high, width, middle, power = contact.solimp.tolist()
-        most = min(max(high, LEAST_IMPEDANCE), MOST_IMPEDANCE)
-        first, second = contact.solref.tolist()
-        if first > 0:
-            time = max(first, 2 * step)
-            stiffness, damping = 1 / (most * time * second) ** 2, 2 / (most * time)
-        else:
-            stiffness, damping = -first / most**2, -second / most
-        depth = max(-contact.dist, 0.0)
-        self._soft[0] = step, stiffness, damping, low, high, width, middle, power, depth, speed, pushed
-        return float(self._rebound_of(self._soft_at))
-
 
 @cache
 def _layout() -> dict[str, int]:
@@ -212,6 +185,7 @@ def _layout() -> dict[str, int]:
     """
     ball = '<body><freejoint/><geom size="1"/></body>'
     model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{3 * ball}</worldbody></mujoco>")
+    model.opt.timestep = math.e
     data = mujoco.MjData(model)
     data.time = math.pi
     time = _standing(data, int(np.float64(math.pi).view(np.uint64)))
@@ -227,19 +201,32 @@ def _layout() -> dict[str, int]:
     first = contact.dist.ctypes.data
     parts = {
         "point": contact.pos, "normal": contact.frame, "distance": contact.dist, "geoms": contact.geom,
-        "row": contact.efc_address, "dimensions": contact.dim,
+        "row": contact.efc_address, "dimensions": contact.dim, "reference": contact.solref,
+        "impedance": contact.solimp,
     }  # fmt: skip
     return {
         "time": time,
         "count": time + 4 * (count - _LOOKED),
         "contacts": _standing(data, first),
         "forces": _standing(data, data.efc_force.ctypes.data),
+        "smooth": _standing(data, data.qacc_smooth.ctypes.data),
+        "step": _standing(model, int(np.float64(model.opt.timestep).view(np.uint64))),
         "stride": contact.dist.strides[0],
         **{name: part.ctypes.data - first for name, part in parts.items()},
     }
 
 
-def _standing(data: mujoco.MjData, pointer: int) -> int:
+@cache
+def _library() -> CDLL:
+    """MuJoCo's functions, in the library that its package has loaded."""
+    folder = Path(mujoco.__file__).parent
+    found = [each for pattern in ("libmujoco*", "mujoco.dll") for each in folder.glob(pattern)]
+    if not found:
+        raise WorldError(f"{folder}: expected MuJoCo's library there, libmujoco")
+    return CDLL(str(found[0]))
+
+
+def _standing(data: mujoco.MjData | mujoco.MjModel, pointer: int) -> int:
     """Where in MuJoCo's data, as a struct, a pointer stands (bytes): it has one to each of its arrays."""
     offset = 0
     while True:

@@ -1,7 +1,7 @@
 """A step of a simulation, from a simulator's memory to an engine's commands in one call.
 
-Blows, and slides that begin or end, are left to Python, which is asked only then. Slides that go on are steered, and
-bodies that sound are placed anew, by commands that are written here.
+Slides that begin or end are left to Python, which is asked only then. Blows, what steers slides that go on, and the
+gains of bodies that sound are commands that are written here.
 """
 
 import math
@@ -9,18 +9,20 @@ from ctypes import c_int64, c_void_p
 
 import numpy as np
 
-from ..engine.commands import COMMAND, KIND_PLACE, KIND_STEER
+from ..engine.commands import COMMAND, KIND_IMPACT, KIND_PLACE, KIND_STEER
 from ..engine.state import EVENTS as WAITING
 from ..engine.state import QUEUE, RING
 from ..engine.state import STATE as ENGINE
 from ..native.atomics import load_acquire, store_release
-from ..native.jit import c_function, carray, kernel
+from ..native.jit import c_function, carray, kernel, noinline_kernel
 from ..native.pointers import load_address, load_double, load_int32, pointer_to
 from ..schema import STEERABLE
 from ..tracking.arrays import ARRAYS, gather
+from ..tracking.blows import find_blows, judge_blows, weigh_blow
 from ..tracking.contact_events import take_step
+from ..tracking.mechanism import ask_mechanism
 from ..tracking.microphones import MICROPHONE_STATE, find_gains
-from ..tracking.state import BODIES, STATE, STEERED
+from ..tracking.state import BODIES, MOVE, STATE, STEERED
 from .ring import KEPT_FOR_NOW, SOON
 
 TELLING = np.dtype(
@@ -31,7 +33,6 @@ TELLING = np.dtype(
         ("time", np.int64),  # of the step's time (s), a float64
         ("points", np.int64),  # of the number of its contacts, an int32
         ("before", np.float64),  # s: the time of the step before
-        ("due", np.int64),  # 1: bodies that sound are to be placed anew
         # The engine: where its ring of commands is, and what it has computed; 0: there is none.
         ("entries", np.int64),
         ("written", np.int64),
@@ -88,20 +89,40 @@ def tell(telling):
     if not state.time < time < math.inf:
         return NOT_LATER
     link.before = state.time
+    microphones = carray(pointer_to(link.microphones), (1,), MICROPHONE_STATE)[0]
     if link.arrays != 0:
         gather(state, carray(pointer_to(link.arrays), (1,), ARRAYS)[0], points)
     if take_step(state, points, time) < 0:
         return NOT_WHOLE
-    microphones = carray(pointer_to(link.microphones), (1,), MICROPHONE_STATE)[0]
-    link.due = 1 if time >= microphones.next else 0
+    microphones.found = state.struck = heard = 0
+    if state.happened > 0 or time >= microphones.next:
+        find_gains(microphones, state)
+    if state.happened > 0:
+        heard = _find_blows(link, state, microphones)
+    changes = state.changed + microphones.found * microphones.count + heard
     if link.entries == 0:
-        return LOOK if state.happened > 0 or state.changed > 0 or link.due == 1 else NOTHING
-    heard = find_gains(microphones, state) if link.due == 1 and state.happened == 0 else 0
-    if state.changed > 0 or heard > 0:
-        if not _has_room(link, state.changed + heard * microphones.count, _sample_of(link, time)):
+        return LOOK if changes + state.happened > 0 else NOTHING
+    if changes > 0:
+        if not _has_room(link, changes, _sample_of(link, time)):
             return NO_ROOM
-        _write(link, state, microphones, heard)
-    return LOOK if state.happened > 0 else NOTHING
+        _write(link, state, microphones)
+    return LOOK if state.happened > state.struck else NOTHING
+
+
+@kernel
+def _find_blows(link, state, microphones):
+    """Find the blows of a step, and which are heard: how many. What begins to slide is placed anew in the next step."""
+    find_blows(state)
+    for n in range(state.struck):
+        if link.arrays != 0:
+            arrays = carray(pointer_to(link.arrays), (1,), ARRAYS)[0]
+            if arrays.mechanism.jacobian != 0:
+                ask_mechanism(arrays, state, state.blows[n])
+        weigh_blow(state, microphones, state.blows[n])
+    for n in range(state.happened):
+        if state.events[n].kind == MOVE:
+            microphones.next = state.time
+    return judge_blows(state)
 
 
 @kernel
@@ -127,20 +148,26 @@ def _has_room(link, count, latest):
     return not (ahead and waiting + count > WAITING - KEPT_FOR_NOW)
 
 
-@kernel
-def _write(link, state, microphones, heard):
-    """Send the changes of slides, and the gains of so many bodies."""
+@noinline_kernel
+def _write(link, state, microphones):
+    """Send the gains of bodies that sound, the blows that are heard, and what steers slides."""
     entries = carray(pointer_to(link.entries), (RING,), COMMAND)
     objects = carray(pointer_to(link.objects), (BODIES, 2), np.int64)
     written = carray(pointer_to(link.written), (1,), np.int64)
     number = written[0]
     early, late = _sample_of(link, link.before), _sample_of(link, state.time)
-    for n in range(heard):
+    for n in range(microphones.found):
         body = microphones.changed[n]
         for channel in range(microphones.count):
             command = _begin(link, entries, number, early, KIND_PLACE)
             command.slot, command.serial = objects[body, 0], objects[body, 1]
             command.channel, command.value = channel, microphones.now[body, channel]
+            number += 1
+    for n in range(state.struck):
+        blow = state.blows[state.order[n]]
+        if blow.heard == 1:
+            command = _begin(link, entries, number, _sample_of(link, blow.time), KIND_IMPACT)
+            _strike(state, command, objects, blow)
             number += 1
     for n in range(state.changed):
         change = state.changes[n]
@@ -150,6 +177,21 @@ def _write(link, state, microphones, heard):
             command.parameter = _STEERED[change.parameter]
             number += 1
     store_release(written, 0, number)
+
+
+@kernel
+def _strike(state, command, objects, blow):
+    """Make a command a blow."""
+    struck, strikes = (blow.b, blow.a) if blow.side == 1 else (blow.a, blow.b)
+    strike = command.strike
+    command.slot, command.serial = objects[struck, 0], objects[struck, 1]
+    if state.rings[strikes] == 1:
+        command.by_slot, command.by_serial = objects[strikes, 0], objects[strikes, 1]
+        strike.by_position = blow.place[1 - blow.side]
+    strike.velocity, strike.position, strike.mass = blow.met, blow.place[blow.side], blow.mass
+    strike.stiffness, strike.exponent = blow.stiffness, blow.exponent
+    strike.dissipation, strike.restitution = blow.dissipation, blow.left
+    strike.gesture_level = 1.0
 
 
 @kernel

@@ -5,8 +5,9 @@ They are laid out as MuJoCo's: a contact is a struct, its force is in a row of t
 
 import numpy as np
 
-from ..native.jit import kernel
+from ..native.jit import kernel, noinline_kernel
 from ..native.pointers import load_address, load_double, load_int32
+from .mechanism import MECHANISM
 from .state import BODIES, POINTS
 
 ARRAYS = np.dtype(
@@ -34,6 +35,7 @@ ARRAYS = np.dtype(
         ("forces", np.int64),  # where the address of the forces stands; 0: they are not known
         ("pyramids", np.int64),  # 1: a force is the sum of two rows for each tangent
         ("numbers", np.int64),  # address of int32: the number of each geom's body
+        ("mechanism", MECHANISM),
     ],
     align=True,
 )
@@ -42,7 +44,7 @@ ARRAYS = np.dtype(
 _DOUBLE, _INT = 8, 4  # bytes
 
 
-@kernel
+@noinline_kernel
 def gather(state, arrays, points):
     """Copy poses and so many contacts into the tracker's memory."""
     for n in range(arrays.bodies):

@@ -12,7 +12,7 @@ over each body. What is told of it changes only where that can be heard.
 
 import math
 
-from ..native.jit import kernel
+from ..native.jit import kernel, noinline_kernel
 from .points import clear, into, longest_hop, take_point
 from .slides import RESTS, is_noticed, motion_of, steer_slide
 from .state import EVENTS, HEARD, HIT, MOVE, POINTS, REST, STEERED, STILL, UNHEARD
@@ -28,7 +28,7 @@ _BETWEEN = 0.01  # s between two times that a contact is told: half the time con
 _FALL = 1.05  # times the speed that gravity gives in a step, which is no blow either
 
 
-@kernel
+@noinline_kernel
 def take_step(state, points, time):
     """Look at a step of so many points at a time (s); the number of events, -1 for numbers that cannot be."""
     if not _is_whole(state, points):
@@ -68,7 +68,7 @@ def _is_whole(state, points):
     return math.isfinite(total)
 
 
-@kernel
+@noinline_kernel
 def _step_pair(state, i, span):
     """Tell what happened to a pair in this step; forget it where it touches no more."""
     pair = state.pairs[i]
@@ -107,6 +107,8 @@ def _begin(state, pair):
     if state.heard < state.most:
         state.heard += 1
         pair.moves = HEARD
+        state.sliding[pair.a] += 1
+        state.sliding[pair.b] += 1
         _tell(state, pair, MOVE)
     elif pair.moves == STILL:
         state.unheard += 1
@@ -118,6 +120,8 @@ def _end(state, pair):
     """A standing contact moves no more, if it did."""
     if pair.moves == HEARD:
         state.heard -= 1
+        state.sliding[pair.a] -= 1
+        state.sliding[pair.b] -= 1
         _tell(state, pair, REST)
     pair.moves = STILL
     pair.slide = pair.gesture = 0
@@ -171,7 +175,7 @@ def _weight(state, pair):
     return state.gravity / lightness if lightness > 0.0 else 0.0
 
 
-@kernel
+@noinline_kernel
 def _hit(state, pair):
     """Tell a blow: the new points that close, at their middle."""
     count = pair.fresh
@@ -238,7 +242,7 @@ def _lightness(state, body, pair):
     return total
 
 
-@kernel
+@noinline_kernel
 def _tell(state, pair, kind):
     """Add an event; its number, -1 where there is no room."""
     if state.happened == EVENTS:
@@ -247,6 +251,8 @@ def _tell(state, pair, kind):
     state.happened += 1
     event = state.events[number]
     event.kind = kind
+    _sound(state, pair.a)
+    _sound(state, pair.b)
     event.a, event.b, event.side = pair.a, pair.b, pair.side
     event.time = state.time
     if kind != HIT:
@@ -265,6 +271,13 @@ def _tell(state, pair, kind):
         if kind == MOVE:
             pair.steered[parameter] = event.motion[parameter]
     return number
+
+
+@kernel
+def _sound(state, body):
+    """A body sounds, for as long as it rings, or on and on where it slides."""
+    if state.rings[body] == 1:
+        state.until[body] = math.inf if state.sliding[body] > 0 else state.time + state.ringing[body]
 
 
 @kernel

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from ..native.jit import kernel
+from ..native.jit import noinline_kernel
 from .state import BODIES
 
 MICROPHONES = 64
@@ -22,11 +22,11 @@ MICROPHONE_STATE = np.dtype(
         ("direction", np.float64, (MICROPHONES, 3)),  # of length 1
         ("pattern", np.float64, MICROPHONES),
         # Of each body.
-        ("until", np.float64, BODIES),  # s: up to when it sounds
         ("told", np.float64, (BODIES, MICROPHONES)),
         ("now", np.float64, (BODIES, MICROPHONES)),
         ("loudest", np.float64, BODIES),  # the gain at the microphone that hears it best
         ("sound", np.int64),  # how many bodies sound
+        ("found", np.int64),  # how many of them are to be told
         ("next", np.float64),  # s: when to look again
         ("changed", np.int64, BODIES),  # numbers of bodies whose gains are to be told
     ],
@@ -35,7 +35,7 @@ MICROPHONE_STATE = np.dtype(
 """Microphones, and how they hear each body."""
 
 
-@kernel
+@noinline_kernel
 def find_gains(microphones, state):
     """Find the gains of all bodies, and list those that sound and whose gains are others than those told; how many."""
     found = 0
@@ -53,7 +53,7 @@ def find_gains(microphones, state):
             microphones.now[n, m] = (1.0 - pattern + pattern * (along / distance)) / distance
             largest = max(largest, abs(microphones.now[n, m]))
         microphones.loudest[n] = largest
-        if microphones.until[n] > state.time:
+        if state.until[n] > state.time:
             microphones.sound += 1
             changed = False
             for m in range(microphones.count):
@@ -65,4 +65,5 @@ def find_gains(microphones, state):
                 for m in range(microphones.count):
                     microphones.told[n, m] = microphones.now[n, m]
     microphones.next = state.time + _PLACED if microphones.sound > 0 else math.inf
+    microphones.found = found
     return found

@@ -2,7 +2,7 @@
 
 import math
 
-from ..native.jit import kernel
+from ..native.jit import kernel, noinline_kernel
 from .state import KEPT, PAIRS
 
 MEMORY = 0.002
@@ -58,7 +58,7 @@ def _struck(state, a, b):
     return 0 if state.lightness[a] <= state.lightness[b] else 1
 
 
-@kernel
+@noinline_kernel
 def take_point(state, n, span, least):
     """Add a point of this step to its pair."""
     first, second = state.pair[n, 0], state.pair[n, 1]

@@ -9,6 +9,10 @@ PAIRS = 2_048
 """Pairs of bodies that touch at once."""
 EVENTS = 4_096
 """Events of one step, and changes."""
+MATERIALS = 64
+"""Materials of bodies."""
+OCTAVES = 21
+"""Contact times for which it is known how loud a blow is: s, by octaves up to 1."""
 KEPT = 16
 """Points of a pair that are remembered, to know a new one."""
 
@@ -102,6 +106,35 @@ CHANGE = np.dtype(
 )
 """A new value of a slide's parameter."""
 
+BLOW = np.dtype(
+    [
+        ("a", np.int64),
+        ("b", np.int64),
+        ("side", np.int64),  # of the body that is struck
+        ("contact", np.int64),  # of this step, the nearest
+        ("heard", np.int64),  # 1: it is to be heard
+        ("rings", np.int64),  # 1: what is struck rings, and the blow is one that an engine takes
+        ("time", np.float64),  # s
+        ("point", np.float64, 3),  # m, in the world
+        ("normal", np.float64, 3),  # from a to b
+        ("speed", np.float64),  # m/s: of the approach
+        ("mass", np.float64),  # kg: effective, along the normal
+        ("restitution", np.float64),
+        ("impulse", np.float64),  # N s: of a rigid blow
+        ("pressure", np.float64),  # Pa rms at the microphone that hears it best
+        # What an engine takes: places 0 to 1 on the strike paths of both, the speed, and the law, in which `left`, a
+        # restitution above 0, takes the place of the dissipation.
+        ("place", np.float64, 2),
+        ("met", np.float64),
+        ("stiffness", np.float64),
+        ("exponent", np.float64),
+        ("dissipation", np.float64),
+        ("left", np.float64),
+    ],
+    align=True,
+)
+"""A blow between a pair of bodies."""
+
 STATE = np.dtype(
     [
         ("time", np.float64),  # s: of the last step
@@ -121,6 +154,15 @@ STATE = np.dtype(
         ("reach", np.float64, BODIES),  # m: half of its greatest length
         ("edges", np.float64, (BODIES, 3)),  # m: of the box around it
         ("strip", np.int64, (BODIES, 3)),  # its object's strike path, as in strips.py
+        ("round", np.float64, BODIES),  # m: radius of its side, 0 for one with edges
+        ("material", np.int64, BODIES),
+        ("loudness", np.float64, (BODIES, OCTAVES)),  # Pa rms at 1 m of a blow of 1 N s
+        ("ringing", np.float64, BODIES),  # s for which it is heard after a blow
+        ("sliding", np.int64, BODIES),  # its slides
+        ("until", np.float64, BODIES),  # s: up to when it sounds
+        # Of each pair of materials: the stiffness of a contact of a radius of 1 m, dissipation, exponent.
+        ("law", np.float64, (MATERIALS, MATERIALS, 3)),
+        ("bounce", np.float64, (BODIES, BODIES)),  # 1 and the restitution of a pair, 0: its own
         # Of each point of contact of this step, so many.
         ("points", np.int64),
         ("pair", np.int32, (POINTS, 2)),
@@ -140,17 +182,33 @@ STATE = np.dtype(
         ("events", EVENT, EVENTS),
         ("changed", np.int64),
         ("changes", CHANGE, EVENTS),
+        # Blows of this step, `order` by their loudness; what was heard of late; and what became of all.
+        ("struck", np.int64),
+        ("blows", BLOW, EVENTS),
+        ("order", np.int64, EVENTS),
+        ("most_blows", np.int64),
+        ("heard_blows", np.int64),
+        ("heard_at", np.float64, EVENTS),  # a ring, from `oldest` on
+        ("oldest", np.int64),
+        ("faintest", np.float64),  # Pa rms
+        ("masked", np.float64),  # share of what was heard of late, below which nothing is heard
+        ("loudest", np.float64),  # Pa rms
+        ("loudest_at", np.float64),  # s
+        ("hits", np.int64),
+        ("faint", np.int64),
+        ("over_budget", np.int64),
     ],
     align=True,
 )
 """The whole memory. `pair` numbers bodies; `normal` leads from the first of them to the second."""
 
 
-def new_state(rest: float, gravity: float, most: int) -> np.ndarray:
-    """(1,) of STATE: nothing touches. rest: m/s; gravity: m/s^2; most: contacts that are heard as they move."""
+def new_state(rest: float, gravity: float) -> np.ndarray:
+    """(1,) of STATE: nothing touches, and nobody hears it. rest: m/s; gravity: m/s^2."""
     state = np.zeros(1, STATE)
-    state["rest"], state["gravity"], state["most"] = rest, gravity, most
+    state["rest"], state["gravity"] = rest, gravity
     state["turn"][:] = np.eye(3).ravel()
+    state["until"] = state["loudest_at"] = -np.inf
     for name in TOLD:
         state[name][:] = np.nan
     return state

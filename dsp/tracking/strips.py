@@ -1,11 +1,14 @@
-"""Where on an object's strike path a point of its body is."""
+"""A point of a body: where on its object's strike path it is, and how round the body is there."""
 
 import math
 
+from ..bodies.material import CONTACT_RADIUS
 from ..native.jit import kernel
 
 POINT, DISC, BAR, PLATE = range(4)
 """Kinds of paths: there is one place; from the middle to the edge; along an axis; from corner to corner of a plate."""
+
+_ENDS = 0.9  # of the half length: beyond, a point is at an end
 
 
 @kernel
@@ -25,3 +28,18 @@ def place_on(strip, edges, point):
     v = min(max(point[strip[2]] / edges[strip[2]] + 0.5, 0.0), 1.0) - 0.5
     u -= 0.5
     return 0.5 + math.copysign(0.5 * (abs(u) + abs(v)), u if abs(u) > abs(v) else v)
+
+
+@kernel
+def radius_at(side, edges, point):
+    """The radius (m) of the surface about a point (m), in the body's axes; of a face it is infinite.
+
+    side: the radius of the body's side, 0 for one with edges.
+    """
+    if side > 0.0:
+        return side
+    ends = 0
+    for k in range(3):
+        if abs(point[k]) > 0.5 * _ENDS * edges[k]:
+            ends += 1
+    return math.inf if ends < 2 else min(CONTACT_RADIUS, 0.5 * min(edges[0], edges[1], edges[2]))

@@ -5,13 +5,10 @@ from typing import NamedTuple
 
 from ...dsp.bodies.material import Material
 from ...dsp.bodies.striker import StrikerSound
-from ...dsp.contact.law import ELASTIC_TIME
+from ...dsp.contact.estimate import LONGEST_CONTACT, longest_estimate
 from ...dsp.rolling.surface import CREST
 from ...presets import Presets, SurfacePreset
 from ..osc.arguments import Refused
-
-LONGEST_CONTACT = 1.0
-"""s: a striker so soft or heavy that it would stay longer is refused."""
 
 LONGEST_BOUNCE = 3_600.0
 """s: a bounce that would go on for longer on a rigid floor is refused."""
@@ -95,14 +92,9 @@ class ContactLaws:
 
 
 def longest(velocity: float, contact: Contact) -> float:
-    """An upper estimate (s) of a contact's duration.
-
-    It is that of `contact_time_bound`, with an upper estimate of the depth, so that nothing is compiled for it.
-    """
-    a, w = contact.exponent, contact.loss(velocity)
-    length = (contact.mass * velocity**2 / contact.stiffness) ** (1 / (a + 1))
-    deepest = ((a + 1) * min(0.5, 1 / w if w else math.inf)) ** (1 / (a + 1))
-    return float(length / velocity * (ELASTIC_TIME + w * deepest))
+    """An upper estimate (s) of a contact's duration."""
+    w = contact.loss(velocity)
+    return float(longest_estimate.py_func(velocity, contact.mass, contact.stiffness, contact.exponent, w))
 
 
 def require_short(velocity: float, contact: Contact) -> None:

@@ -6,11 +6,13 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from ...dsp.bodies.material import CONTACT_RADIUS, Material, contact_between
+from ...dsp.bodies.material import Material, contact_between
 from ...dsp.bodies.modes import Modes
 from ...dsp.schema import SETTINGS
+from ...dsp.tracking.blows import contact_radius
+from ...dsp.tracking.state import OCTAVES
 from ...dsp.wording import expected
 from ...presets import Presets
 from ..osc.arguments import Refused, shown
@@ -19,8 +21,7 @@ from ..scene.object_call import require_name
 from .shapes import SHAPES, Shape, Vector, shape_of
 
 _CALIBRATED = {"level": 0.0, "roll_level": 0.0, "slide_level": 0.0, "stereo_width": 0.0}
-_OCTAVES = np.exp2(np.arange(-20.0, 1.0))
-"""s: contact times for which it is known how loud a blow is."""
+_OCTAVES = np.exp2(np.arange(1.0 - OCTAVES, 1.0))  # s
 
 
 class WorldError(Refused):
@@ -61,23 +62,17 @@ class Body:
         """The place 0 to 1 on its object's strike path, of a point (m) in its axes."""
         return self.shape.place(point)
 
-    @cached_property
-    def _loudness(self) -> list[float]:
-        """The pressure (Pa rms at 1 m, just after) of a blow of 1 N s, for the contact times _OCTAVES."""
+    def loudness(self) -> NDArray[np.float64]:
+        """The pressure (Pa rms at 1 m, just after) of a blow of 1 N s, as an estimate, for contact times of octaves up
+        to 1 s."""
         if self.modes is None:
-            return [0.0] * len(_OCTAVES)
+            return np.zeros(OCTAVES)
         heard = 0.25 * (self.modes.pressure**2).sum(axis=0) * (self.modes.strike**2).max(axis=0)
         slow = 1 + (2 * self.modes.frequency * _OCTAVES[:, None]) ** 4
         power = (heard / slow).sum(axis=1)
         for click in self.modes.clicks:
             power += 0.5 * click.strength**2 / (1 + (2 * click.frequency * _OCTAVES) ** 4)
-        return [float(each) for each in np.sqrt(power)]
-
-    def loudness(self, contact_time: float) -> float:
-        """The pressure (Pa rms at 1 m) of a blow of 1 N s that lasts so long (s), as an estimate."""
-        octave = min(max(math.log2(contact_time) + 20.0, 0.0), 19.999)
-        low = int(octave)
-        return self._loudness[low] + (octave - low) * (self._loudness[low + 1] - self._loudness[low])
+        return np.asarray(np.sqrt(power))
 
 
 class BodyMaker:
@@ -141,10 +136,5 @@ def contact_of(a: Body, b: Body, local: tuple[Vector, Vector]) -> tuple[float, f
     Hertz's, of both materials and both radii; two faces meet as rounded corners do.
     """
     curvature = 1 / a.shape.radius_at(local[0]) + 1 / b.shape.radius_at(local[1])
-    radius = min(max(1 / curvature if curvature else CONTACT_RADIUS, 1e-4), 10.0)
+    radius = float(contact_radius.py_func(curvature))
     return (*contact_between(a.material, b.material, radius), radius)
-
-
-def duration(mass: float, stiffness: float, speed: float) -> float:
-    """How long a blow lasts (s) by Hertz: 3.218 (m^2/(k^2 v))^(1/5)."""
-    return float(3.218 * (mass**2 / (stiffness**2 * speed)) ** 0.2)

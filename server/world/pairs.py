@@ -64,16 +64,3 @@ class Surfaces:
             names = [SURFACES.get(name, "wood") for name in key]
             self._rougher[key] = max(names, key=lambda name: self._presets.surface(name).roughness)
         return self._rougher[key]
-
-
-def restitution_of(dissipation: float, speed: float) -> float:
-    """The share of its speed that Hunt and Crossley's law leaves a body: d - ln(1 + d) = -e d - ln(1 - e d), d = mu v.
-
-    e d = 1 + W(-exp(-1 - d) (1 + d)), W Lambert's function.
-    """
-    from scipy.special import lambertw
-
-    d = dissipation * speed
-    if d < 1e-4:
-        return 1.0 - 2.0 / 3.0 * d
-    return float(1.0 + lambertw(-(1.0 + d) * math.exp(-1.0 - d)).real) / d

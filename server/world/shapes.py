@@ -8,8 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...dsp.bodies.material import CONTACT_RADIUS
-from ...dsp.tracking.strips import BAR, DISC, PLATE, POINT, place_on
+from ...dsp.tracking.strips import BAR, DISC, PLATE, POINT, place_on, radius_at
 from ..osc.wire import Argument
 
 Vector = tuple[float, float, float]
@@ -21,7 +20,6 @@ FLAT = 3.0
 LONG = 4.0
 """How many times its width a body is long that rings as a bar all the same."""
 _THICKEST, _LONGEST, _SHORTEST = 0.5, 20.0, 1e-3  # m: what objects can be
-_ENDS = 0.9  # of the half length: beyond, a point is at an end
 _PATH: dict[str, Argument] = {
     "path_from": (0.0, 0.1),
     "path_to": (1.0, 0.9),
@@ -66,10 +64,7 @@ class Shape:
 
     def radius_at(self, point: Sequence[float]) -> float:
         """The radius (m) of the surface about a point; of a face it is infinite."""
-        if self.round:
-            return self.round
-        at_ends = sum(abs(x) > _ENDS * 0.5 * edge for x, edge in zip(point, self.edges, strict=True))
-        return math.inf if at_ends < 2 else min(CONTACT_RADIUS, 0.5 * min(self.edges))
+        return float(radius_at.py_func(self.round, self.edges, point))
 
 
 def shape_of(name: str, size: ArrayLike, held: bool) -> Shape:

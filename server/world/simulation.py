@@ -1,25 +1,25 @@
 """A simulation as it is told step by step, and what is to be heard of it."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from ctypes import c_double, c_int32
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...dsp.bodies.material import Material, contact_between
 from ...dsp.runtime.telling import NO_ROOM, NOT_LATER, OBJECTS, TELLING, begin_telling, link_engine, tell
-from ...dsp.tracking.state import BODIES, EVENTS, HIT, MOVE, POINTS, REST, STEERED, new_state
+from ...dsp.tracking.state import BODIES, EVENTS, MATERIALS, MOVE, POINTS, REST, STEERED, new_state
 from ...dsp.wording import expected
 from ...presets import Presets
 from ..osc.arguments import shown
 from ..osc.wire import Argument
-from .blows import Blows, Counts, Hit, Laws, roles
-from .bodies import Body, BodyMaker, WorldError
+from .blows import Counts, Hit, blows_of, hits_of, roles
+from .bodies import Body, BodyMaker, WorldError, contact_of
 from .gestures import Gestures, id_of
-from .hearing import Hearing, Listener, Placing
+from .hearing import Hearing, begin_hearing
 from .pairs import Pair, Surfaces, pair_of
-from .requests import Ending, Gains, Request, Said, Slide, Steering
+from .requests import Gains, Request, Said, Slide, Steering
 from .step import Contacts, Event, Pose, Poses, events_of, take_contacts, take_pose
 
 
@@ -45,21 +45,18 @@ class Simulation:
                 raise WorldError(f"{name} = {value}: expected a number that is not negative")
         self._tell = tell.bare  # loaded now, or compiled
         self.bodies: list[Body] = []
-        self._counts = Counts()
         self._hits: tuple[int, list[Hit]] = 0, []  # of a step
         self.hearing = hearing or Hearing()
-        self.state = new_state(rest, gravity, self.hearing.gestures)
+        self.state = new_state(rest, gravity)
         self.state["time"] = start
+        self._microphones = begin_hearing(self.hearing, self.state)
         self._presets = presets
         self._maker = BodyMaker(presets, top)
         self._surfaces = Surfaces(presets)
         self._numbers: dict[str, int] = {}
         self._pairs: dict[tuple[int, int], Pair] = {}
-        self._laws = Laws(self.bodies)
-        listener = Listener(self.hearing)
-        self._placing = Placing(self.hearing, self.state)
-        self._blows = Blows(self.bodies, self._laws, self._pairs, listener, self._placing)
-        self._gestures = Gestures(self.hearing.seed)
+        self._materials: list[Material] = []
+        self._gestures, self._begun = Gestures(self.hearing.seed), 0
         events = self.state["events"][0]
         self._whole, self._floats = (events.view(kind).reshape(EVENTS, -1) for kind in (np.int64, np.float64))
         self._now, self._steps = self.state["time"], self.state["steps"]
@@ -67,7 +64,7 @@ class Simulation:
         """s: the simulation's time at the beginning of its sound."""
         self._telling = np.zeros(1, TELLING)
         self._objects = np.zeros(1, OBJECTS)
-        begin_telling(self._telling, self.state, self._placing.microphones, self._objects)
+        begin_telling(self._telling, self.state, self._microphones, self._objects)
         self._step_time, self._step_points = np.zeros(1), np.zeros(1, np.int32)
         self._own = self.telling(0, self._step_time.ctypes.data, self._step_points.ctypes.data)
 
@@ -107,9 +104,17 @@ class Simulation:
 
     @property
     def hits(self) -> list[Hit]:
-        """The blows of the last step."""
-        step, hits = self._hits
-        return hits if step == self.steps else []
+        """The blows of the last step, the loudest first."""
+        if self._hits[0] != self.steps:
+            self._hits = self.steps, hits_of(self._blows, self.bodies)
+        return self._hits[1]
+
+    @property
+    def _blows(self) -> NDArray[np.void]:
+        """The blows of the last step, as records of BLOW."""
+        count = int(self.state["struck"][0])
+        found: NDArray[np.void] = self.state["blows"][0, self.state["order"][0, :count]]
+        return found
 
     @property
     def channels(self) -> int:
@@ -119,12 +124,9 @@ class Simulation:
     @property
     def counts(self) -> Counts:
         """What was told since the beginning, and what became of it."""
-        unheard, crowded = (int(self.state[name][0]) for name in ("unheard", "left_out"))
-        return replace(self._counts, over_budget=self._counts.over_budget + unheard, crowded=crowded)
-
-    def ask_of_blows(self, said: Callable[[Event], tuple[float, float]]) -> None:
-        """Ask a simulator what it says of each blow: its effective mass (kg) and restitution; NaN: nothing."""
-        self._blows.said = said
+        names = ("hits", "faint", "over_budget", "unheard", "left_out")
+        hits, faint, over, unheard, crowded = (int(self.state[name][0]) for name in names)
+        return Counts(hits, faint, over + unheard, self._begun, crowded)
 
     def number(self, name: str) -> int:
         """The number of a body, from 0 on. WorldError if there is none of that name."""
@@ -149,6 +151,8 @@ class Simulation:
         record["rings"][number] = body.rings
         record["reach"][number] = 0.5 * max(body.shape.edges)
         record["edges"][number], record["strip"][number] = body.shape.edges, body.shape.strip
+        record["round"][number], record["ringing"][number] = body.shape.round, body.ringing
+        record["loudness"][number], record["material"][number] = body.loudness(), self._material(body)
         if pose is not None:
             take_pose(self.state, number, pose, f"body {name}")
         self.bodies.append(body)
@@ -156,26 +160,38 @@ class Simulation:
         self._numbers[name] = number
         return [Said(self.time, body.message())] if body.rings else []
 
+    def _material(self, body: Body) -> int:
+        """The number of a body's material, of whose contacts with the others the law is known from then on."""
+        if body.material not in self._materials:
+            if len(self._materials) == MATERIALS:
+                raise WorldError(f"body {body.name}: expected at most {MATERIALS} materials")
+            self._materials.append(body.material)
+            number = len(self._materials) - 1
+            for n, other in enumerate(self._materials):
+                law = contact_between(body.material, other, 1.0)
+                self.state["law"][0, number, n] = self.state["law"][0, n, number] = law
+        return self._materials.index(body.material)
+
     def take_back(self, name: str) -> None:
         """Forget the body that was added last."""
         if self.bodies and self.bodies[-1].name == name:
             self.bodies.pop()
             del self._numbers[name]
             self.state["bodies"] = len(self.bodies)
-            self._laws.forget()
 
     def pair(self, a: str, b: str, **keys: Argument) -> None:
         """Say how the contact of two bodies differs from that of their materials: keys of `pairs.KEYS`."""
         first, second = sorted((self.number(a), self.number(b)))
-        self._pairs[first, second] = pair_of(self._presets, a, b, keys)
+        pair = self._pairs[first, second] = pair_of(self._presets, a, b, keys)
+        self.state["bounce"][0, first, second] = 0.0 if math.isnan(pair.restitution) else 1.0 + pair.restitution
 
     def restart(self, time: float) -> None:
         """Forget all that touches, and go on at another time (s); bodies and pairs stay."""
         self.wait(time)
-        self.state["touching"] = self.state["place"] = self.state["heard"] = 0
-        self._hits = 0, []
-        self._placing.silence()
-        self._blows.restart(Listener(self.hearing))
+        for name in ("touching", "place", "heard", "sliding", "heard_blows", "loudest", "struck"):
+            self.state[name] = 0
+        self.state["until"] = self.state["loudest_at"] = -math.inf
+        self._microphones["next"] = math.inf
         self._gestures = Gestures(self.hearing.seed)
 
     def wait(self, time: float) -> None:
@@ -215,7 +231,7 @@ class Simulation:
             raise WorldError(
                 f"step {self.steps + 1}: {self._fault(c_int32.from_address(int(telling['points'][0])).value)}"
             )
-        return self._heard(before, bool(telling["due"][0]), not telling["entries"][0])
+        return self._heard(before, not telling["entries"][0])
 
     def _fault(self, points: int) -> str:
         """What of the last step cannot be."""
@@ -237,61 +253,37 @@ class Simulation:
                     return f"bodies {names[0]}, {names[1]}: {name} = {value}: expected finite numbers"
         return f"{points} contacts: expected finite numbers"
 
-    def _heard(self, before: float, due: bool, steers: bool) -> list[Request]:
-        """What is to be heard of the step since a time (s). due: bodies are to be placed anew; steers: that of slides
-        that go on, too."""
-        count = min(int(self.state["happened"][0]), EVENTS)
-        events = events_of(self._whole[:count], self._floats[:count]) if count else []
-        for event in events:
-            if event.kind != REST:
-                self._sounds(event.a)
-                self._sounds(event.b)
-        placed = self._placing.look() if events or due else []
-        requests: list[Request] = [Gains(before, self.bodies[n].name, tuple(gains)) for n, gains in placed]
-        hits = [event for event in events if event.kind == HIT]
-        if hits:
-            self._hits = self.steps, []
-            requests += self._blows.heard(hits, self.time, self._counts, self._hits[1])
-        if steers:
+    def _heard(self, before: float, all_of_it: bool) -> list[Request]:
+        """What is to be heard of the step since a time (s): all of it, or the slides alone that begin and end."""
+        requests: list[Request] = []
+        if all_of_it:
+            microphones = self._microphones[0]
+            for n in microphones["changed"][: microphones["found"]].tolist():
+                gains = microphones["now"][n, : self.channels].tolist()
+                requests.append(Gains(before, self.bodies[n].name, tuple(gains)))
+            requests += blows_of(self._blows, self.bodies)
             changes = self.state["changes"][0, : int(self.state["changed"][0])].tolist()
             requests += [Steering(self.time, id_of(slide), STEERED[n], value) for slide, _, n, value in changes]
-        for event in events:
+        count = min(int(self.state["happened"][0]), EVENTS)
+        for event in events_of(self._whole[:count], self._floats[:count]):
             if event.kind == REST:
-                requests += self._rests(event)
+                requests += self._gestures.rest((event.a, event.b), event)
             elif event.kind == MOVE:
                 requests.append(self._begins(event))
         return requests
-
-    def _sounds(self, number: int) -> None:
-        """A body sounds, for as long as it rings, or on and on where it slides."""
-        body = self.bodies[number]
-        if body.rings:
-            slides = any(number in pair for pair in self._gestures.running)
-            self._placing.sounds(number, math.inf if slides else self.time + body.ringing)
-
-    def _rests(self, event: Event) -> list[Ending]:
-        """The end of a slide, if it goes on: its bodies ring on."""
-        key = event.a, event.b
-        ended = self._gestures.rest(key, event)
-        for number in key if ended else ():
-            self._sounds(number)
-        return ended
 
     def _begins(self, event: Event) -> Slide:
         """The slide as which a standing contact is heard that begins to slip or to sweep."""
         key = first, second = event.a, event.b
         a, b = self.bodies[first], self.bodies[second]
         to, by, _, by_at = roles(a, b, event)
-        law = self._laws.of(first, second, event.local)
+        law = contact_of(a, b, event.local)
         pair = self._pairs.get(key, Pair())
         surface = pair.surface or self._surfaces.between(a, b)
         mass = 1.0 / max(float(self.state["lightness"][0, n]) for n in key)
         begun = self._gestures.begin(key, event, (to, by), by_at, _sliding(law, mass, surface, pair))
         self.state["pairs"]["slide"][0, self.state["place"][0, first, second] - 1] = self._gestures.made
-        self._counts.gestures += 1
-        for number in key:
-            self._sounds(number)
-        self._placing.look_at(self.time)  # so that they are placed in the next step
+        self._begun += 1
         return begun
 
 

@@ -82,7 +82,7 @@ class Simulator:
 
 def test_a_step_is_the_same_from_a_simulators_arrays():
     for pyramids in (False, True):
-        simulator, states = Simulator(), [new_state(0.01, 9.81, 24) for _ in range(2)]
+        simulator, states = Simulator(), [new_state(0.01, 9.81) for _ in range(2)]
         for state in states:
             state["bodies"], state["lightness"][:, 1:3], state["yielding"][:, 1:3] = 3, 2.0, 5.0
             state["rings"] = 1
@@ -98,5 +98,5 @@ def test_a_step_is_the_same_from_a_simulators_arrays():
 
 
 def test_too_many_contacts_are_refused_before_they_are_read():
-    state, arrays = new_state(0.01, 9.81, 24), Simulator().described(False)
+    state, arrays = new_state(0.01, 9.81), Simulator().described(False)
     assert Step(state, arrays).told(0.001, POINTS + 1) == NOT_WHOLE

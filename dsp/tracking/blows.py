@@ -1,0 +1,140 @@
+"""Blows: how hard each is, by which law, and whether it is heard.
+
+A blow of an impulse J is heard as the pressure that J leaves in the modes of both bodies, at the microphone that hears
+them best. What is fainter than what can be heard, or than what was heard of late by so much that it is masked, is left
+out, and so is what comes beyond the most at once: the loudest are taken.
+"""
+
+import math
+
+from ..bodies.material import CONTACT_RADIUS
+from ..contact.estimate import LONGEST_CONTACT, longest_estimate
+from ..contact.law import restitution_of
+from ..native.jit import kernel, noinline_kernel
+from .state import EVENTS, HIT, OCTAVES
+from .strips import place_on, radius_at
+
+_IN = 0.05  # s: the time over which blows are counted
+_RECENT = 0.1  # s: what was louder so lately hides what is fainter
+_DULLEST = 0.02  # restitution: with less, a blow would hardly end
+_FASTEST = 1e3  # m/s
+_LIGHTEST, _HEAVIEST = 1e-9, 1e6  # kg
+_SHARPEST, _FLATTEST = 1e-4, 10.0  # m: radii of contacts
+
+
+@noinline_kernel
+def judge_blows(state):
+    """Weigh the blows of a step, the loudest first, and say which are heard: how many."""
+    count = state.struck
+    for n in range(count):
+        state.order[n] = n
+        k = n
+        while k > 0 and state.blows[state.order[k - 1]].pressure < state.blows[n].pressure:
+            state.order[k] = state.order[k - 1]
+            k -= 1
+        state.order[k] = n
+    while state.heard_blows > 0 and state.heard_at[state.oldest] < state.time - _IN:
+        state.oldest = (state.oldest + 1) % EVENTS
+        state.heard_blows -= 1
+    room = min(state.most_blows, EVENTS) - state.heard_blows
+    found = 0
+    for n in range(count):
+        blow = state.blows[state.order[n]]
+        state.hits += 1
+        blow.heard = 0
+        if blow.rings == 0 or not _is_heard(state, blow.pressure, blow.time):
+            state.faint += 1
+        elif room <= 0:
+            state.over_budget += 1
+        else:
+            room -= 1
+            found += 1
+            blow.heard = 1
+            state.heard_at[(state.oldest + state.heard_blows) % EVENTS] = blow.time
+            state.heard_blows += 1
+    return found
+
+
+@kernel
+def _is_heard(state, pressure, time):
+    """True if a contact of a pressure (Pa rms at a microphone) is heard at a time (s), after those asked of."""
+    recent = time - state.loudest_at < _RECENT
+    if pressure < max(state.faintest, state.loudest * state.masked if recent else 0.0):
+        return False
+    if pressure >= state.loudest or not recent:
+        state.loudest, state.loudest_at = pressure, time
+    return True
+
+
+@noinline_kernel
+def find_blows(state):
+    """Make blows of a step's hits."""
+    state.struck = 0
+    for n in range(state.happened):
+        event = state.events[n]
+        if event.kind == HIT:
+            blow = state.blows[state.struck]
+            blow.a, blow.b, blow.side, blow.contact, blow.time = event.a, event.b, event.side, event.contact, event.time
+            blow.speed, blow.mass, blow.restitution = event.speed, event.mass, event.restitution
+            for k in range(3):
+                blow.point[k], blow.normal[k] = event.point[k], event.normal[k]
+            _find_law(state, blow, event.local)
+            for side in range(2):
+                body = event.b if side == 1 else event.a
+                blow.place[side] = place_on(state.strip[body], state.edges[body], event.local[side])
+            state.struck += 1
+
+
+@kernel
+def _find_law(state, blow, local):
+    """The law of a contact of two bodies at points in their axes, Hertz's."""
+    law = state.law[state.material[blow.a], state.material[blow.b]]
+    curvature = 1.0 / radius_at(state.round[blow.a], state.edges[blow.a], local[0])
+    curvature += 1.0 / radius_at(state.round[blow.b], state.edges[blow.b], local[1])
+    blow.stiffness = law[0] * math.sqrt(contact_radius(curvature))
+    blow.dissipation, blow.exponent = law[1], law[2]
+
+
+@noinline_kernel
+def weigh_blow(state, microphones, blow):
+    """Find a blow's impulse and its pressure, from its speed, mass and restitution."""
+    own = state.bounce[blow.a, blow.b]
+    if own > 0.0:
+        blow.restitution = own - 1.0
+    told = not math.isnan(blow.restitution)
+    speed, mass = blow.speed, blow.mass
+    share = min(max(blow.restitution, 0.0), 1.0) if told else restitution_of(blow.dissipation * speed)
+    blow.restitution = share
+    blow.impulse = mass * speed * (1.0 + share)
+    lasting = 3.218 * (mass * mass / (blow.stiffness * blow.stiffness * speed)) ** 0.2  # by Hertz
+    blow.pressure = 0.0
+    for side in range(2):
+        body = blow.b if side == 1 else blow.a
+        blow.pressure += blow.impulse * _loudness(state, body, lasting) * microphones.loudest[body]
+    blow.met, blow.left = min(speed, _FASTEST), 0.0
+    lost = blow.dissipation * blow.met
+    if told:
+        blow.dissipation, blow.left = 0.0, max(share, _DULLEST)
+        lost = 1.5 * (1.0 - blow.left) / blow.left
+    struck = blow.b if blow.side == 1 else blow.a
+    blow.rings = 0
+    if state.rings[struck] == 1 and _LIGHTEST <= mass <= _HEAVIEST:
+        longest = longest_estimate(blow.met, mass, blow.stiffness, blow.exponent, lost)
+        blow.rings = 1 if longest <= LONGEST_CONTACT else 0
+    if blow.rings == 0:
+        blow.pressure = 0.0
+
+
+@kernel
+def _loudness(state, body, lasting):
+    """The pressure (Pa rms at 1 m) of a blow of 1 N s on a body, that lasts so long (s), as an estimate."""
+    octave = min(max(math.log2(lasting) + (OCTAVES - 1), 0.0), OCTAVES - 1.001)
+    low = int(octave)
+    here = state.loudness[body, low]
+    return here + (octave - low) * (state.loudness[body, low + 1] - here)
+
+
+@kernel
+def contact_radius(curvature):
+    """The radius (m) of a contact, within bounds; of two faces, that of rounded corners."""
+    return min(max(1.0 / curvature if curvature > 0.0 else CONTACT_RADIUS, _SHARPEST), _FLATTEST)
