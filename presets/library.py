@@ -44,6 +44,7 @@ class Presets:
             if not Path(folder).is_dir():
                 raise PresetError(f"{folder}: expected a folder with {', '.join(KINDS)}")
         self._folders = (*map(Path, folders), BUILT_IN)
+        self._surfaces: dict[str, tuple[dict[str, Any], SurfacePreset]] = {}  # with the data of which each was made
 
     def names(self, kind: str) -> list[str]:
         """All names of a kind: materials, strikers, surfaces or objects. ValueError for another kind."""
@@ -62,7 +63,10 @@ class Presets:
 
     def surface(self, name: str) -> SurfacePreset:
         """The surface of that name. PresetError if there is none, or its file is wrong."""
-        return SurfacePreset.from_data(name, *self._read("surfaces", name))
+        where, data = self._read("surfaces", name)
+        if name not in self._surfaces or self._surfaces[name][0] is not data:  # another edition of the file
+            self._surfaces[name] = data, SurfacePreset.from_data(name, where, data)
+        return self._surfaces[name][1]
 
     def object(self, name: str) -> ObjectPreset:
         """The object of that name. PresetError if there is none, or its file is wrong."""

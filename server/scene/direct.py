@@ -13,14 +13,17 @@ from .session import Session
 _PLACES = {name: place for place, name in enumerate(STEERABLE)}
 _BLOW, _STEER, _STOP, _PLACE = int(Kind.IMPACT), int(Kind.STEER), int(Kind.STOP), int(Kind.PLACE)
 
-_Known = tuple[int, int, tuple[tuple[str, float | str], ...]]
+_Known = tuple[bool, tuple[str, ...], tuple[float | str, ...]]
+"""Whether what slides rings, the names of a slide's keys, and the values of those that are checked."""
+
+_CHECKED = ("surface", "radius", "roughness")
 
 
 class Direct:
     """Sends requests to a session's engine, as the messages would that say the same.
 
-    Objects, and the first slide of a pair, are messages, which are checked; the rest are numbers that are within their
-    ranges as the simulation made them. say: carries a message out at a time (samples).
+    Objects, and the first slide of a radius on a surface, are messages, which are checked; the rest are numbers that
+    are within their ranges as the simulation made them. say: carries a message out at a time (samples).
     """
 
     def __init__(self, session: Session, say: Callable[[Message, float], object]) -> None:
@@ -52,8 +55,8 @@ class Direct:
         self._write(waiting)
 
     def _known(self, slide: Slide) -> _Known:
-        objects = self._session.objects
-        return objects[slide.to].handle.serial, objects[slide.by].handle.serial if slide.by else 0, slide.keys
+        names = tuple(name for name, _ in slide.keys)
+        return bool(slide.by), names, tuple(value for name, value in slide.keys if name in _CHECKED)
 
     def _write(self, requests: Sequence[tuple[float, Request]]) -> None:
         """Write requests into the engine's ring."""
@@ -85,22 +88,33 @@ class Direct:
         return n
 
     def _blow(self, number: int, time: float, blow: Blow) -> None:
-        to, column, strike = self._session.objects[blow.to], self._column, self._strike
+        to, strike = self._session.objects[blow.to], self._strike
         n = self._add(number, time, self._blank, _BLOW)
-        column["slot"][n], column["serial"][n] = to.handle.slot, to.handle.serial
+        self._aim(n, blow.to, blow.by)
         if blow.by:
-            by = self._session.objects[blow.by].handle
-            column["by_slot"][n], column["by_serial"][n] = by.slot, by.serial
             strike["by_position"][n] = blow.by_place
         strike["velocity"][n], strike["position"][n] = blow.speed, blow.place
         strike["mass"][n], strike["stiffness"][n], strike["exponent"][n] = blow.mass, blow.stiffness, blow.exponent
         strike["dissipation"][n], strike["restitution"][n] = blow.dissipation, blow.restitution
         strike["gesture_level"][n] = self._session.scale.gesture(to.preset, "impact")
 
+    def _aim(self, n: int, to: str, by: str) -> None:
+        """Say which object a command is for, and which strikes it, if one does."""
+        objects, column = self._session.objects, self._column
+        handle = objects[to].handle
+        column["slot"][n], column["serial"][n] = handle.slot, handle.serial
+        if by:
+            handle = objects[by].handle
+            column["by_slot"][n], column["by_serial"][n] = handle.slot, handle.serial
+
     def _begin(self, number: int, time: float, slide: Slide) -> None:
-        """Begin a slide as one of the same pair began before."""
+        """Begin a slide as one of the same radius on the same surface began before."""
         n = self._add(number, time, self._slides[self._known(slide)])
         strike, own = self._strike, self._slide
+        self._aim(n, slide.to, slide.by)
+        for name, value in slide.keys:
+            if name not in _CHECKED:
+                (own if name in own else strike)[name][n] = value
         self._session.gestures.collect()  # those that have ended
         self._column["gesture"][n] = self._session.gestures.start(slide.id, f"/object/{slide.to}/slide", None).number
         strike["position"][n], strike["by_position"][n] = slide.place, slide.by_place

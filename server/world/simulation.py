@@ -158,6 +158,7 @@ class Simulation:
         self.bodies.append(body)
         record["bodies"] = len(self.bodies)
         self._numbers[name] = number
+        self._surfaces.between(body, body)  # its file is read now, and not in a step
         return [Said(self.time, body.message())] if body.rings else []
 
     def _material(self, body: Body) -> int:

@@ -85,13 +85,14 @@ def test_a_step_is_the_same_from_a_simulators_arrays():
         simulator, states = Simulator(), [new_state(0.01, 9.81) for _ in range(2)]
         for state in states:
             state["bodies"], state["lightness"][:, 1:3], state["yielding"][:, 1:3] = 3, 2.0, 5.0
-            state["rings"] = 1
+            state["rings"], state["most"] = 1, 24
         arrays = simulator.described(pyramids)
         steps = [Step(states[0]), Step(states[1], arrays)]
         for time in (0.001, 0.002, 0.04, 0.08):
             simulator.places += 1e-3
             simulator.told(states[0], pyramids)
-            assert [step.told(time, 3) for step in steps] == [LOOK, LOOK]
+            told = [step.told(time, 3) for step in steps]
+            assert told[0] == told[1] and (time > 0.001 or told[0] == LOOK)
             found = [int(state["happened"][0]) for state in states]
             assert found[0] == found[1] and (time > 0.001 or found[0] > 0)
             assert states[0]["events"][0, : found[0]].tobytes() == states[1]["events"][0, : found[0]].tobytes()
