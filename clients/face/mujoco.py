@@ -138,7 +138,7 @@ class Bridge:
         ):  # fmt: skip
             record[name] = array.ctypes.data
         for name, place in _layout().items():
-            if name in ARRAYS.fields:
+            if name in (ARRAYS.names or ()):
                 record[name] = place
         for name in ("contacts", "forces"):
             record[name] += data._address
@@ -148,9 +148,9 @@ class Bridge:
 
     def _mechanical(self, record: np.void) -> None:
         """Fill a record of MECHANISM."""
-        model, data, layout = self._model, self._data, _layout()
-        library = _library()
-        record["jacobian"], record["solve"] = (cast(library[name], c_void_p).value for name in ("mj_jac", "mj_solveM"))
+        model, data, layout, library = self._model, self._data, _layout(), _library()
+        for name, function in (("jacobian", library["mj_jac"]), ("solve", library["mj_solveM"])):
+            record[name] = cast(function, c_void_p).value or 0
         record["model"], record["data"] = model._address, data._address
         record["velocities"], record["own"] = model.nv, self._by_simulator
         record["smooth"], record["step"] = data._address + layout["smooth"], model._address + layout["step"]

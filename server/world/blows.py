@@ -47,12 +47,20 @@ class Counts:
 
 def hits_of(blows: NDArray[np.void], bodies: Sequence[Body]) -> list[Hit]:
     """The blows of a step, from records of the tracker's BLOW."""
-    names = ("time", "a", "b", "speed", "mass", "restitution", "impulse", "point", "normal", "heard")
-    columns = [blows[name].tolist() for name in names]
-    return [
-        Hit(time, bodies[a].name, bodies[b].name, *numbers, tuple(point), tuple(normal), bool(heard))
-        for time, a, b, *numbers, point, normal, heard in zip(*columns, strict=True)
-    ]
+    found = []
+    for blow in blows:
+        speed, mass, restitution, impulse = (float(blow[name]) for name in ("speed", "mass", "restitution", "impulse"))
+        a, b = bodies[int(blow["a"])].name, bodies[int(blow["b"])].name
+        point, normal = _vector(blow["point"]), _vector(blow["normal"])
+        found.append(
+            Hit(float(blow["time"]), a, b, speed, mass, restitution, impulse, point, normal, bool(blow["heard"]))
+        )
+    return found
+
+
+def _vector(values: NDArray[np.float64]) -> Vector:
+    x, y, z = values.tolist()
+    return x, y, z
 
 
 def blows_of(blows: NDArray[np.void], bodies: Sequence[Body]) -> list[Blow]:
