@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from collections.abc import Callable, Hashable, Iterable, Mapping
-from threading import Lock
 from typing import Any
 
 from ..dsp.bodies.heard import placed
 from ..dsp.bodies.modes import Modes, read_only
+from ..dsp.kept import Kept
 from ..dsp.numerics.blas import on_one_thread
 
 KEPT_BYTES = 64_000_000
@@ -41,37 +40,9 @@ def keep(modes: Iterable[tuple[Hashable, Modes]]) -> None:
         _kept.put(key, each)
 
 
-class _Kept:
-    """The modes used last, of no more than KEPT_BYTES; any thread may ask for them."""
-
-    def __init__(self) -> None:
-        self._lock = Lock()
-        self._modes: OrderedDict[Hashable, Modes] = OrderedDict()
-        self._bytes = 0
-
-    def get(self, key: Hashable) -> Modes | None:
-        with self._lock:
-            if key in self._modes:
-                self._modes.move_to_end(key)
-            return self._modes.get(key)
-
-    def all(self) -> list[tuple[Hashable, Modes]]:
-        with self._lock:
-            return list(self._modes.items())
-
-    def put(self, key: Hashable, modes: Modes) -> None:
-        with self._lock:
-            if key in self._modes:  # another thread was faster
-                return
-            self._modes[key] = modes
-            self._bytes += _bytes(modes)
-            while self._bytes > KEPT_BYTES:
-                self._bytes -= _bytes(self._modes.popitem(last=False)[1])
-
-
 def _bytes(modes: Modes) -> int:
     arrays = (modes.strike, modes.pressure, modes.frequency, modes.decay, *(modes.unheard or ()))
     return sum(array.nbytes for array in arrays)
 
 
-_kept = _Kept()
+_kept: Kept[Hashable, Modes] = Kept(KEPT_BYTES, _bytes)

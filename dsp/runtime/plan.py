@@ -1,10 +1,8 @@
 """How an object's modes lie in the bank: in which order, with which weights, and what comes beside them."""
 
 import math
-from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass
-from threading import Lock
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +10,7 @@ from numpy.typing import NDArray
 from ..bodies.material import Array
 from ..bodies.modes import Modes
 from ..engine.capacity import MODES_PER_OBJECT
+from ..kept import Kept
 from ..resonator.click import CLICK_MODES
 from ..resonator.simd import LANES
 from .arena import EngineFull
@@ -45,28 +44,19 @@ class Plan:
         return self.columns.nbytes + self.shape.nbytes
 
 
-_KEPT, _KEPT_BYTES = 64, 8_000_000
-"""Plans that are kept at most, and their bytes: a very large one is not."""
-
-_kept: OrderedDict[tuple[int, float, float, bool], Plan] = OrderedDict()
-_lock = Lock()
+_kept: Kept[tuple[int, float, float, bool], Plan] = Kept(8_000_000, lambda plan: plan.bytes)
 
 
 def planned(modes: Modes, top: float, nyquist: float, has_sides: bool) -> Plan:
     """Plan an object's modes up to a frequency (Hz), below Nyquist's; EngineFull if there are too many.
 
-    Its weights are in Pa at 1 m; has_sides: a left and a right output. The plans used last are kept.
+    Its weights are in Pa at 1 m; has_sides: a left and a right output.
     """
     key = id(modes), top, nyquist, has_sides  # a plan that is kept keeps its modes, and so their id
-    with _lock:
-        if key in _kept:
-            _kept.move_to_end(key)
-            return _kept[key]
-    plan = _made(modes, top, nyquist, has_sides)
-    with _lock:
-        _kept[key] = plan
-        while len(_kept) > _KEPT or sum(each.bytes for each in _kept.values()) > _KEPT_BYTES:
-            _kept.popitem(last=False)
+    plan = _kept.get(key)
+    if plan is None:
+        plan = _made(modes, top, nyquist, has_sides)
+        _kept.put(key, plan)
     return plan
 
 

@@ -13,15 +13,20 @@ from carom.dsp import bodies
 from carom.dsp.bodies import Partials
 from carom.dsp.bodies.added import Complete
 from carom.dsp.bodies.heard import placed
+from carom.dsp.kept import Kept
 from carom.dsp.numerics.blas import on_one_thread
 from carom.presets import Presets, making
 
 PRESETS = Presets()
 
 
+def fresh():
+    return Kept(making.KEPT_BYTES, making._bytes)
+
+
 @pytest.fixture
 def kept(monkeypatch):
-    kept = making._Kept()
+    kept = fresh()
     monkeypatch.setattr(making, "_kept", kept)
     return kept
 
@@ -61,24 +66,6 @@ def test_kept_modes_are_those_of_the_shape_and_cannot_be_changed(kept, name):
                 array[...] = 0.0
 
 
-def test_the_modes_used_last_are_kept_as_far_as_they_fit(kept, monkeypatch):
-    def modes(values):
-        return bodies.Modes(np.ones(1), np.ones(1), np.ones((values - 4, 1)), np.ones((2, 1)), 1.0)
-
-    monkeypatch.setattr(making, "KEPT_BYTES", 8 * 30)
-    for key in "abc":
-        kept.put(key, modes(10))
-    first = kept.get("a")
-    kept.put("d", modes(10))
-    assert [kept.get(key) is not None for key in "abcd"] == [True, False, True, True]
-    kept.put("a", modes(10))  # another thread made the same
-    assert kept.get("a") is first
-    kept.put("e", modes(31))
-    assert not any(kept.get(key) for key in "abcde")
-    kept.put("f", modes(30))
-    assert kept.get("f")
-
-
 @pytest.mark.parametrize("name", PRESETS.names("objects"))
 def test_no_object_takes_long_to_be_made(kept, name):
     """With what radiates: a tenth of a second more than its modes alone, here with room for a busy machine."""
@@ -110,7 +97,7 @@ def test_blas_has_one_thread_until_the_last_user_goes():
 def test_threads_make_modes_at_once(kept, monkeypatch):
     names = ["steel-plate", "tuning-fork", "iron-pan", "marimba-bar"]
     expected = {name: arrays(PRESETS.object(name).modes(10_000)) for name in names}
-    monkeypatch.setattr(making, "_kept", making._Kept())
+    monkeypatch.setattr(making, "_kept", fresh())
     found, before = {}, blas_threads()
 
     def work(number):

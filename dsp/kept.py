@@ -1,0 +1,55 @@
+"""What took time to make, kept for those who ask for it again soon."""
+
+import time
+from collections import OrderedDict
+from collections.abc import Callable, Hashable
+from threading import Lock
+from typing import Generic, TypeVar
+
+_Key = TypeVar("_Key", bound=Hashable)
+_Value = TypeVar("_Value")
+
+SECONDS = 120.0
+"""For how long something that nobody asks for is kept: so the memory of a server settles within minutes, whatever it is
+sent."""
+
+
+class Kept(Generic[_Key, _Value]):
+    """Values by keys, those asked for last: of no more than so many bytes, none older than SECONDS once another comes.
+
+    Any thread may ask.
+    """
+
+    def __init__(self, most: int, size: Callable[[_Value], int]) -> None:
+        """most: bytes; size: the bytes that a value takes."""
+        self.most = most
+        self._size = size
+        self._lock = Lock()
+        self._values: OrderedDict[_Key, tuple[_Value, float]] = OrderedDict()  # with when they were last asked for (s)
+        self._bytes = 0
+
+    def get(self, key: _Key) -> _Value | None:
+        """The value of a key, if it is kept."""
+        with self._lock:
+            if key not in self._values:
+                return None
+            value, _ = self._values.pop(key)
+            self._values[key] = value, time.monotonic()
+            return value
+
+    def all(self) -> list[tuple[_Key, _Value]]:
+        """All keys and values."""
+        with self._lock:
+            return [(key, value) for key, (value, _) in self._values.items()]
+
+    def put(self, key: _Key, value: _Value) -> None:
+        """Keep a value; where another thread was faster, that one's."""
+        with self._lock:
+            if key in self._values:
+                return
+            now = time.monotonic()
+            self._values[key] = value, now
+            self._bytes += self._size(value)
+            while self._values and (self._bytes > self.most or next(iter(self._values.values()))[1] < now - SECONDS):
+                _, (gone, _) = self._values.popitem(last=False)
+                self._bytes -= self._size(gone)
