@@ -1,6 +1,7 @@
 """carom dataset: render a data set from its recipe."""
 
 import argparse
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -60,6 +61,9 @@ def _run(arguments: argparse.Namespace) -> int:
 @contextmanager
 def _shown_progress() -> Iterator[Callable[[int, int], object]]:
     """A function that shows how many items there are, of how many, on a terminal, with the rate and the time left."""
+    if not sys.stderr.isatty():
+        yield lambda done, count: None
+        return
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, Task, TextColumn, TimeRemainingColumn
     from rich.text import Text
@@ -68,9 +72,8 @@ def _shown_progress() -> Iterator[Callable[[int, int], object]]:
         def render(self, task: Task) -> Text:
             return Text(f"{task.speed:.0f} per second" if task.speed else "")
 
-    terminal = Console(stderr=True)
     columns = (BarColumn(), MofNCompleteColumn(), Rate(""), TimeRemainingColumn())
-    with Progress(*columns, console=terminal, disable=not terminal.is_terminal, transient=True) as bar:
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         shown = bar.add_task("", total=None)
         yield lambda done, count: bar.update(shown, completed=done, total=count)
 
