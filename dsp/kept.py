@@ -9,7 +9,7 @@ from typing import Generic, TypeVar
 _Key = TypeVar("_Key", bound=Hashable)
 _Value = TypeVar("_Value")
 
-SECONDS = 120.0
+SECONDS = 60.0
 """For how long something that nobody asks for is kept: so the memory of a server settles within minutes, whatever it is
 sent."""
 
