@@ -3,22 +3,29 @@
 from __future__ import annotations
 
 import os
+import pickle
 import signal
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from concurrent import futures
 from concurrent.futures.process import BrokenProcessPool
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ...dsp.bodies.modes import Modes
+from ...presets import Presets
+from ...presets.making import kept
+from ...server.osc.wire import Message
 from ..errors import KINDS, is_expected, plain
-from .files import write_shard
-from .plan import Plan, make
+from .files import write, write_shard
+from .plan import Plan, make, make_modes, shared_objects
 
 if TYPE_CHECKING:
     from multiprocessing.synchronize import Event
 
 _LOOK = 0.2  # s between looks at whether to go on
+_MODES = "modes.part"  # the file by which processes have modes that were made; it goes as the run ends
 
 
 class WorkerError(RuntimeError):
@@ -30,28 +37,46 @@ def by_processes(
 ) -> Iterator[int]:
     """Make shards and write them to a folder, so many at once; the numbers of those that are there, as they come.
 
+    The processes share the modes that many items have: each makes some of them.
+
     KeyboardInterrupt, once nothing runs any more, if `interrupted` says so. WorkerError says what went wrong first.
     """
     import multiprocessing  # slow to load
 
     context = multiprocessing.get_context("spawn")
     stop = context.Event()
-    with futures.ProcessPoolExecutor(min(workers, len(shards)), context, _begin, (stop, plan, out)) as pool:
-        waiting = {pool.submit(_carry_out, shard) for shard in shards}
+    workers = min(workers, len(shards))
+    with futures.ProcessPoolExecutor(workers, context, _begin, (stop, plan, out)) as pool:
         try:
-            while waiting:
-                done, waiting = futures.wait(waiting, _LOOK, futures.FIRST_COMPLETED)
-                if interrupted():
-                    raise KeyboardInterrupt
-                for shard, failure in sorted(future.result() for future in done):
-                    if failure:
-                        raise WorkerError(failure)
-                    yield shard
+            objects = shared_objects(plan.recipe, Presets(plan.folders))
+            modes: dict[Hashable, Modes] = {}
+            for made in _each(pool, _make_modes, objects, interrupted):
+                modes.update(made)
+            write(out / _MODES, pickle.dumps(tuple(modes.items())))
+            yield from _each(pool, _carry_out, shards, interrupted)
         except BrokenProcessPool:
             raise WorkerError("a worker was killed; the same command goes on where this one ended") from None
         finally:
             stop.set()
             pool.shutdown(cancel_futures=True)
+
+
+def _each(
+    pool: futures.Executor,
+    work: Callable[[Any], tuple[Any, str]],
+    over: Sequence[Any],
+    interrupted: Callable[[], bool],
+) -> Iterator[Any]:
+    """What workers make of each of some things, as it comes. WorkerError says what went wrong first."""
+    waiting = {pool.submit(work, each) for each in over}
+    while waiting:
+        done, waiting = futures.wait(waiting, _LOOK, futures.FIRST_COMPLETED)
+        if interrupted():
+            raise KeyboardInterrupt
+        for made, failure in [future.result() for future in done]:
+            if failure:
+                raise WorkerError(failure)
+            yield made
 
 
 _process: dict[str, Any] = {}
@@ -75,10 +100,26 @@ def _end_with_parent() -> None:
     os._exit(1)
 
 
+def _make_modes(message: Message) -> tuple[dict[Hashable, Modes], str]:
+    """Make the modes of an object that many items have; these, and why that failed."""
+    plan: Plan = _process["plan"]
+    before = {key for key, _ in kept()}
+    try:
+        make_modes(plan.recipe, message, Presets(plan.folders))
+    except KINDS as error:
+        if not is_expected(error):
+            raise
+        return {}, plain(error)
+    return {key: modes for key, modes in kept() if key not in before}, ""
+
+
 def _carry_out(shard: int) -> tuple[int, str]:
     """Make a shard and write it; its number, and why that failed."""
+    plan, out = _process["plan"], _process["out"]
+    if not plan.modes:
+        plan = _process["plan"] = replace(plan, modes=pickle.loads((out / _MODES).read_bytes()))
     try:
-        write_shard(_process["out"], _process["plan"].recipe, make(_process["plan"], shard, "a worker", _go_on))
+        write_shard(out, plan.recipe, make(plan, shard, "a worker", _go_on))
     except KINDS as error:
         if not is_expected(error):
             raise

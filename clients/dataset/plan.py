@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 
@@ -15,6 +15,7 @@ from ...dsp.schema import SETTINGS
 from ...presets import Presets
 from ...presets.making import keep, kept
 from ...server.osc.addresses import calls
+from ...server.osc.wire import Message
 from ...server.scene.new_object import new_object
 from .clip import render
 from .design import items
@@ -50,9 +51,17 @@ class Made:
 
 def planned(recipe: Recipe, folders: Sequence[Path]) -> Plan:
     """The plan of a recipe, with modes that many items share."""
+    plan = outlined(recipe, folders)
+    presets = Presets(plan.folders)
+    for message in shared_objects(recipe, presets):
+        make_modes(recipe, message, presets)
+    return replace(plan, modes=tuple(kept()))
+
+
+def outlined(recipe: Recipe, folders: Sequence[Path]) -> Plan:
+    """The plan of a recipe, without modes."""
     places = tuple(map(str, folders))
-    _make_modes(recipe, Presets(places))
-    return Plan(recipe, places, dict(versions(places)), tuple(kept()))
+    return Plan(recipe, places, dict(versions(places)))
 
 
 def make(plan: Plan, shard: int, worker: str, go_on: Callable[[], object] = lambda: None) -> Made:
@@ -83,8 +92,9 @@ class Remembered(Presets):
 _presets = cache(Remembered)
 
 
-def _make_modes(recipe: Recipe, presets: Presets) -> None:
-    """Make the modes of all objects that there can be, if they are few; they are kept."""
+def shared_objects(recipe: Recipe, presets: Presets) -> list[Message]:
+    """The messages that make all objects that there can be, of other modes each, if they are few."""
+    found: list[Message] = []
     for section in OBJECTS:
         table = {key: value for key, value in recipe.sections.get(section, {}).items() if key not in SETTINGS}
         spreads = [value for value in table.values() if isinstance(value, Spread)]
@@ -98,6 +108,11 @@ def _make_modes(recipe: Recipe, presets: Presets) -> None:
             for value in table.values()
         ]
         for values in itertools.product(*ways):
-            message = object_message(section, dict(zip(table, values, strict=True)), presets)
-            (call,) = calls(message)
-            new_object(call, presets, NYQUIST_SHARE * 0.5 * recipe.rate)
+            found.append(object_message(section, dict(zip(table, values, strict=True)), presets))
+    return found
+
+
+def make_modes(recipe: Recipe, message: Message, presets: Presets) -> None:
+    """Make the modes of an object; they are kept."""
+    (call,) = calls(message)
+    new_object(call, presets, NYQUIST_SHARE * 0.5 * recipe.rate)

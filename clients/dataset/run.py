@@ -12,7 +12,7 @@ from ...server.files.whole import appearing
 from .check import require_sound
 from .files import about, missing, opened, rows_name, table_name
 from .local import by_processes
-from .plan import planned
+from .plan import outlined, planned
 from .recipe import Recipe
 from .table import join
 
@@ -40,7 +40,7 @@ def run(
     or OSError say what cannot be.
     """
     require_sound(recipe, Presets(folders))
-    plan = planned(recipe, folders)
+    plan = outlined(recipe, folders)
     said = about(recipe, plan.versions)
     with opened(out, said):
         shards = missing(out, recipe)
@@ -49,7 +49,7 @@ def run(
         if workers.dask:
             from .dask import by_dask
 
-            made = by_dask(plan, out, shards, workers.dask, interrupted)
+            made = by_dask(planned(recipe, folders), out, shards, workers.dask, interrupted)
         else:
             made = by_processes(plan, out, shards, workers.processes, interrupted) if shards else iter(())
         for shard in made:

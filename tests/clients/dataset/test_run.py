@@ -93,9 +93,10 @@ def test_other_versions_are_refused_by_name(made, tmp_path, monkeypatch):
         run(read(path), tmp_path / "out", Workers(1))
 
 
-def test_a_full_disk_is_one_line_and_leaves_no_half_shard(made, tmp_path):
-    path, _ = made
-    limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (30_000, 30_000))  # noqa: E731
+def test_a_full_disk_is_one_line_and_leaves_no_half_shard(tmp_path):
+    """There is room for the modes that its processes share, but not for a shard."""
+    path = written(tmp_path, 'format = "wav"\nsamples = "float"\n' + SMALL.replace("seconds = 0.25", "seconds = 4.0"))
+    limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1_000_000, 1_000_000))  # noqa: E731
     words = [*CAROM, "dataset", path, tmp_path / "out", "--workers", "1"]
     done = subprocess.run(words, capture_output=True, text=True, timeout=60, preexec_fn=limit)
     assert done.returncode == 1 and done.stderr.count("\n") == 1 and "Traceback" not in done.stderr
