@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..dsp.bodies.modes import Modes
 from ..dsp.engine.capacity import MODES, OBJECTS, STEMS
-from ..dsp.engine.commands import Handle
+from ..dsp.engine.commands import COMMAND, Handle, write
 from ..dsp.engine.state import TRACE
 from ..dsp.runtime.arena import EngineFull
 from ..dsp.runtime.engine import NOW, Engine
@@ -25,7 +25,7 @@ from ..server.render import Options
 from ..server.scene.direct import Direct
 from ..server.scene.session import Session
 from ..server.scene.transaction import Sent
-from ..server.world.requests import Request
+from ..server.world.requests import Request, Slide
 from .actions import CommandError
 from .contacts import Striking
 from .modes import Settings, gains_of
@@ -124,6 +124,12 @@ class Performer:
         """The slot and the serial of an object in the engine."""
         handle = self.scene.objects[name].handle
         return handle.slot, handle.serial
+
+    def slide_like(self, slide: Slide) -> tuple[NDArray[np.void], float]:
+        """The command of a slide, (1,) of COMMAND, and the least radius (m) on its surface."""
+        made = np.zeros(1, COMMAND)
+        write(made[0], 0, self.scene.command_of(slide.message))
+        return made, self.scene.least_radius(str(dict(slide.keys)["surface"]))
 
     def gesture(self, id: str) -> int:
         """The number of a gesture in the engine, by its id; 0 if there is none."""

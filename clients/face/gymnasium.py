@@ -54,12 +54,13 @@ class AddAudioObservation(gymnasium.Wrapper[Observation, Any, Any, Any], RecordC
     def _simulate(self, control: ArrayLike, steps: int) -> None:
         """The environment's own steps of MuJoCo, each of which is told."""
         model, data = self._inner.model, self._inner.data
+        step, tell, simulation = mujoco.mj_step, self._bridge.tell, self._bridge.world.simulation
         data.ctrl[:] = control
         self._hits = []
         for _ in range(steps):
-            mujoco.mj_step(model, data)
-            self._bridge.tell()
-            self._hits += self._bridge.world.hits
+            step(model, data)
+            tell()
+            self._hits += simulation.hits
         mujoco.mj_rnePostConstraint(model, data)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:

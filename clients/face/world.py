@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._capture import Capture
 from .clients.client import Client
-from .clients.performer import Folders, chosen
+from .clients.performer import Folders, Performer, chosen
+from .dsp.bodies.material import CONTACT_RADIUS
 from .dsp.engine.state import QUANTUM
 from .dsp.resonator.bank import NYQUIST_SHARE
 from .dsp.runtime.telling import tell
@@ -24,7 +25,8 @@ from .scene import Scene
 from .server.closing import Closing
 from .server.osc.score import format_line
 from .server.world.blows import Counts, Hit
-from .server.world.bodies import WorldError
+from .server.world.bodies import Body, WorldError
+from .server.world.gestures import like
 from .server.world.hearing import Hearing, Microphone
 from .server.world.requests import Request, Slide, in_order
 from .server.world.simulation import Simulation
@@ -98,7 +100,7 @@ class World(Closing):
         self._capture = Capture(self._scene._open, 0) if self._scene and keep else None
         self._kept: list[tuple[float, Request]] | None = [] if keep else None
         self._origin = math.nan  # Unix time of the simulation's time 0, of a live server
-        self._frames = 0
+        self._frames = self._surfaces = 0
 
     def close(self) -> None:
         """End it: give its memory back, or free its bodies' objects on the server. Sounds stay."""
@@ -155,7 +157,16 @@ class World(Closing):
         number = self.simulation.number(name)
         if self._scene and self.simulation.bodies[number].rings:
             self.simulation.has_object(name, *self._scene._open.placed_at(name))
+            self._know_surfaces(self._scene._open, self.simulation.bodies[number])
         return number
+
+    def _know_surfaces(self, performer: Performer, body: Body) -> None:
+        """Have slides ready on the surfaces of the bodies there are, as one on a body that rings."""
+        for surface in self.simulation.surfaces[self._surfaces :]:
+            least = performer.scene.least_radius(surface)
+            command, least = performer.slide_like(like(body, surface, max(least, CONTACT_RADIUS)))
+            self.simulation.slides_like(surface, command, least)
+            self._surfaces += 1
 
     def pair(self, a: str, b: str, **keys: Any) -> None:
         """Say how the contact of two bodies differs from that of their materials: surface (a preset), restitution,

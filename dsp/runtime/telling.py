@@ -1,7 +1,7 @@
 """A step of a simulation, from a simulator's memory to an engine's commands in one call.
 
-Slides that begin or end are left to Python, which is asked only then. Blows, what steers slides that go on, and the
-gains of bodies that sound are commands that are written here.
+Blows, slides that begin, go on and end, and the gains of bodies that sound are commands that are written here. Python
+is asked only where a pair slides in a way of its own.
 """
 
 import math
@@ -9,7 +9,7 @@ from ctypes import c_int64, c_void_p
 
 import numpy as np
 
-from ..engine.commands import COMMAND, KIND_IMPACT, KIND_PLACE, KIND_STEER
+from ..engine.commands import COMMAND, KIND_IMPACT, KIND_PLACE, KIND_SLIDE, KIND_STEER, KIND_STOP
 from ..engine.state import EVENTS as WAITING
 from ..engine.state import QUEUE, RING
 from ..engine.state import STATE as ENGINE
@@ -22,7 +22,8 @@ from ..tracking.blows import find_blows, judge_blows, weigh_blow
 from ..tracking.contact_events import take_step
 from ..tracking.mechanism import ask_mechanism
 from ..tracking.microphones import MICROPHONE_STATE, find_gains
-from ..tracking.state import BODIES, MOVE, STATE, STEERED
+from ..tracking.slides import find_slides
+from ..tracking.state import BODIES, DONE, MOVE, REST, STATE, STEERED
 from .ring import KEPT_FOR_NOW, SOON
 
 TELLING = np.dtype(
@@ -43,6 +44,7 @@ TELLING = np.dtype(
         ("start", np.int64),  # address of the simulation's time (s) at the engine's first sample, a float64
         ("latency", np.float64),  # s
         ("objects", np.int64),  # address of OBJECTS
+        ("likes", np.int64),  # address of LIKES
         ("blank", COMMAND),
     ],
     align=True,
@@ -52,6 +54,11 @@ TELLING = np.dtype(
 OBJECTS = np.dtype((np.int64, (BODIES, 2)))
 """The slot and the serial of each body's object in the engine."""
 
+SURFACES = 16
+LIKES = np.dtype([("least", np.float64), ("command", COMMAND)], align=True)
+"""A slide on a surface, as others on it are: the least radius (m) of what slides there, and the command."""
+
+_OWN = 1 << 40  # numbers of gestures from here on are those of slides, which no message names
 LOOK, NOTHING, NOT_WHOLE, NOT_LATER, NO_ROOM = 1, 0, -1, -2, -3
 """What a step says: Python has to look at it; nothing; its numbers cannot be, or its time; the ring is full."""
 
@@ -59,9 +66,9 @@ _STEERED = np.array([STEERABLE.index(name) for name in STEERED])
 _GRID = 256.0  # places between two samples, to which a time is rounded that is there but for rounding
 
 
-def begin_telling(telling: np.ndarray, state: np.ndarray, microphones: np.ndarray, objects: np.ndarray) -> None:
-    """Say where the tracker's memory, the microphones' and the objects' are, in a record (1,) of TELLING."""
-    for name, array in (("state", state), ("microphones", microphones), ("objects", objects)):
+def begin_telling(telling: np.ndarray, **arrays: np.ndarray) -> None:
+    """Say where arrays are, in a record (1,) of TELLING: state, microphones, objects, likes."""
+    for name, array in arrays.items():
         telling[name] = array.ctypes.data
     telling["blank"]["channel"] = -1
     telling["blank"]["strike"]["gain"] = 1.0
@@ -99,20 +106,23 @@ def tell(telling):
         find_gains(microphones, state)
     if state.happened > 0:
         heard = _find_blows(link, state, microphones)
-    changes = state.changed + microphones.found * microphones.count + heard
+    changes = state.changed + microphones.found * microphones.count + heard + state.happened - state.struck
     if link.entries == 0:
         return LOOK if changes + state.happened > 0 else NOTHING
     if changes > 0:
         if not _has_room(link, changes, _sample_of(link, time)):
             return NO_ROOM
         _write(link, state, microphones)
-    return LOOK if state.happened > state.struck else NOTHING
+        if _slide(link, state):
+            return LOOK
+    return NOTHING
 
 
 @kernel
 def _find_blows(link, state, microphones):
     """Find the blows of a step, and which are heard: how many. What begins to slide is placed anew in the next step."""
     find_blows(state)
+    find_slides(state)
     for n in range(state.struck):
         if link.arrays != 0:
             arrays = carray(pointer_to(link.arrays), (1,), ARRAYS)[0]
@@ -201,3 +211,52 @@ def _begin(link, entries, number, time, kind):
     command = entries[number % RING]
     command.number, command.time, command.kind = number, time, kind
     return command
+
+
+@noinline_kernel
+def _slide(link, state):
+    """Have slides begin and end, but for those of pairs that slide in a way of their own: true if there are such."""
+    entries = carray(pointer_to(link.entries), (RING,), COMMAND)
+    written = carray(pointer_to(link.written), (1,), np.int64)
+    number, time = written[0], _sample_of(link, state.time)
+    left = False
+    for n in range(state.happened):
+        event = state.events[n]
+        if event.kind == REST and event.gesture >= _OWN:
+            _begin(link, entries, number, time, KIND_STOP).gesture = event.gesture
+            number += 1
+            event.kind = DONE
+        elif event.kind == MOVE and _begin_slide(link, state, entries, number, time, event):
+            number += 1
+            event.kind = DONE
+        left |= event.kind == MOVE or event.kind == REST
+    store_release(written, 0, number)
+    return left
+
+
+@kernel
+def _begin_slide(link, state, entries, number, time, event):
+    """Make a command a slide; false for one of a pair that slides in a way of its own."""
+    surface = state.surface[state.material[event.a], state.material[event.b]] - 1
+    if surface < 0 or state.slides_so[event.a, event.b] == 1:
+        return False
+    like = carray(pointer_to(link.likes), (SURFACES,), LIKES)[surface]
+    if not event.radius >= like.least > 0.0:
+        return False
+    objects = carray(pointer_to(link.objects), (BODIES, 2), np.int64)
+    struck, strikes = (event.b, event.a) if event.side == 1 else (event.a, event.b)
+    entries[number % RING] = like.command
+    command = entries[number % RING]
+    command.number, command.time, command.kind = number, time, KIND_SLIDE
+    command.gesture = _OWN + event.slide
+    state.pairs[state.place[event.a, event.b] - 1].gesture = command.gesture
+    command.slot, command.serial = objects[struck, 0], objects[struck, 1]
+    strike, slide = command.strike, command.slide
+    if state.rings[strikes] == 1:
+        command.by_slot, command.by_serial = objects[strikes, 0], objects[strikes, 1]
+        strike.by_position = event.by_place
+    strike.mass, strike.stiffness, strike.exponent = event.mass, event.stiffness, event.exponent
+    slide.speed, slide.sweep, slide.force = event.motion[0], event.motion[1], event.motion[2]
+    strike.position = event.motion[3]
+    slide.radius, slide.patch, slide.seed = event.radius, event.patch, event.seed
+    return True

@@ -89,10 +89,15 @@ def find_blows(state):
 def _find_law(state, blow, local):
     """The law of a contact of two bodies at points in their axes, Hertz's."""
     law = state.law[state.material[blow.a], state.material[blow.b]]
-    curvature = 1.0 / radius_at(state.round[blow.a], state.edges[blow.a], local[0])
-    curvature += 1.0 / radius_at(state.round[blow.b], state.edges[blow.b], local[1])
-    blow.stiffness = law[0] * math.sqrt(contact_radius(curvature))
+    blow.stiffness = law[0] * math.sqrt(contact_radius(curvature_of(state, blow.a, blow.b, local)))
     blow.dissipation, blow.exponent = law[1], law[2]
+
+
+@kernel
+def curvature_of(state, a, b, local):
+    """The curvature (1/m) of a contact of two bodies, at points in their axes."""
+    first = radius_at(state.round[a], state.edges[a], local[0])
+    return 1.0 / first + 1.0 / radius_at(state.round[b], state.edges[b], local[1])
 
 
 @noinline_kernel

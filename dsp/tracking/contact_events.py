@@ -93,10 +93,7 @@ def _step_pair(state, i, span):
     elif pair.moves == UNHEARD:
         _begin(state, pair)
     elif state.time - pair.told_at >= _BETWEEN and is_noticed(pair):
-        if pair.slide == 0:
-            _tell(state, pair, MOVE)  # it found no room before
-        else:
-            steer_slide(state, pair)
+        steer_slide(state, pair)
 
 
 @kernel
@@ -109,6 +106,9 @@ def _begin(state, pair):
         pair.moves = HEARD
         state.sliding[pair.a] += 1
         state.sliding[pair.b] += 1
+        state.made += 1
+        state.begun += 1
+        pair.slide = state.made
         _tell(state, pair, MOVE)
     elif pair.moves == STILL:
         state.unheard += 1
@@ -254,6 +254,7 @@ def _tell(state, pair, kind):
     _sound(state, pair.a)
     _sound(state, pair.b)
     event.a, event.b, event.side = pair.a, pair.b, pair.side
+    event.slide, event.gesture = pair.slide, pair.gesture
     event.time = state.time
     if kind != HIT:
         pair.told_at = state.time

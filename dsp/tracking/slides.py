@@ -1,7 +1,10 @@
 """Standing contacts that are heard as slides: what is told of each changes only where that can be heard."""
 
-from ..native.jit import kernel
-from .state import EVENTS
+import math
+
+from ..native.jit import kernel, noinline_kernel
+from .blows import contact_radius, curvature_of
+from .state import EVENTS, MOVE
 from .strips import place_on
 
 RESTS = 0.004
@@ -10,6 +13,8 @@ RESTS = 0.004
 _CHANGED, _AWAY = 0.05, 0.01  # shares of a speed or a force, and of a strike path, by which it must change to be told
 _LEAST = 1e-6  # m/s, N: a slide of 0 would end
 _FASTEST, _HARDEST = 100.0, 1e5  # m/s, N
+_FLAT = 0.002  # m: width of the contact of two faces, of which a corner carries at a time
+_SEEDS = 2**31
 
 
 @kernel
@@ -50,3 +55,20 @@ def motion_of(state, pair, parameter):
         return min(max(pair.now[2], _LEAST), _HARDEST)
     body = pair.b if pair.side == 1 else pair.a
     return place_on(state.strip[body], state.edges[body], pair.local[pair.side])
+
+
+@noinline_kernel
+def find_slides(state):
+    """Say how those contacts slide that begin to."""
+    for n in range(state.happened):
+        event = state.events[n]
+        if event.kind == MOVE:
+            a, b = event.a, event.b
+            law = state.law[state.material[a], state.material[b]]
+            event.radius = contact_radius(curvature_of(state, a, b, event.local))
+            event.stiffness, event.exponent = law[0] * math.sqrt(event.radius), law[2]
+            event.mass = 1.0 / max(state.lightness[a], state.lightness[b])
+            event.patch = 0.0 if max(state.round[a], state.round[b]) > 0.0 else _FLAT
+            event.seed = (state.seed + event.slide) % _SEEDS
+            slides = a if event.side == 1 else b
+            event.by_place = place_on(state.strip[slides], state.edges[slides], event.local[1 - event.side])

@@ -16,8 +16,8 @@ OCTAVES = 21
 KEPT = 16
 """Points of a pair that are remembered, to know a new one."""
 
-HIT, MOVE, REST = range(3)
-"""Kinds of events: a blow; a standing contact begins to slip or to sweep; it does so no more."""
+HIT, MOVE, REST, DONE = range(4)
+"""Kinds of events: a blow; a standing contact begins to slip or to sweep; it does so no more; nothing is left to do."""
 
 STEERED = ("speed", "sweep", "force", "position")
 """The parameters of a slide that a standing contact steers."""
@@ -82,6 +82,10 @@ EVENT = np.dtype(
         ("b", np.int64),
         ("side", np.int64),  # of the body that is struck, or slid on
         ("contact", np.int64),  # of this step, the nearest to a blow
+        # Of a contact that moves: the number of its slide, its gesture in an engine, its random numbers.
+        ("slide", np.int64),
+        ("gesture", np.int64),
+        ("seed", np.int64),
         ("time", np.float64),
         ("point", np.float64, 3),  # m, in the world
         ("normal", np.float64, 3),  # from a to b
@@ -89,7 +93,14 @@ EVENT = np.dtype(
         ("speed", np.float64),  # m/s: of the approach
         ("mass", np.float64),  # kg: effective, along the normal
         ("restitution", np.float64),  # NaN: not told
-        ("motion", np.float64, len(STEERED)),  # of a contact that moves, as a slide takes it
+        # Of a contact that moves, as a slide takes it: its motion, its law, its radius and the width of its patch (m),
+        # and the place 0 to 1 on the strike path of the body that slides.
+        ("motion", np.float64, len(STEERED)),
+        ("stiffness", np.float64),
+        ("exponent", np.float64),
+        ("radius", np.float64),
+        ("patch", np.float64),
+        ("by_place", np.float64),
     ],
     align=True,
 )
@@ -162,7 +173,9 @@ STATE = np.dtype(
         ("until", np.float64, BODIES),  # s: up to when it sounds
         # Of each pair of materials: the stiffness of a contact of a radius of 1 m, dissipation, exponent.
         ("law", np.float64, (MATERIALS, MATERIALS, 3)),
+        ("surface", np.int64, (MATERIALS, MATERIALS)),  # 1 and the number of theirs, 0: it is not known
         ("bounce", np.float64, (BODIES, BODIES)),  # 1 and the restitution of a pair, 0: its own
+        ("slides_so", np.int8, (BODIES, BODIES)),  # 1: a pair slides as it was told to
         # Of each point of contact of this step, so many.
         ("points", np.int64),
         ("pair", np.int32, (POINTS, 2)),
@@ -194,6 +207,9 @@ STATE = np.dtype(
         ("masked", np.float64),  # share of what was heard of late, below which nothing is heard
         ("loudest", np.float64),  # Pa rms
         ("loudest_at", np.float64),  # s
+        ("seed", np.int64),  # of slides
+        ("made", np.int64),  # slides since the beginning, or since it began anew
+        ("begun", np.int64),  # all slides
         ("hits", np.int64),
         ("faint", np.int64),
         ("over_budget", np.int64),

@@ -143,8 +143,11 @@ def _require_end(culprit: str, duration: float) -> None:
 
 def require_rollable(radius: float, surface: SurfacePreset, roughness: float) -> None:
     """Refuse a body that is too small for a surface: it would go up and down, not over it."""
-    heights = roughness * (CREST * surface.roughness + surface.ripple)
-    if heights > radius / _SMOOTH:
-        raise Refused(
-            f"radius = {radius:g}: expected at least {_SMOOTH * heights:.3g} m on a surface of {heights:.3g} m"
-        )
+    least = least_radius(surface, roughness)
+    if radius < least:
+        raise Refused(f"radius = {radius:g}: expected at least {least:.3g} m on a surface of {least / _SMOOTH:.3g} m")
+
+
+def least_radius(surface: SurfacePreset, roughness: float) -> float:
+    """The least radius (m) of a body that rolls on a surface of which so many times the height is felt."""
+    return _SMOOTH * roughness * (CREST * surface.roughness + surface.ripple)

@@ -4,9 +4,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
+from ...dsp.engine.commands import Command
 from ...dsp.engine.state import RING
 from ...dsp.runtime.arena import EngineFull
-from ...dsp.runtime.engine import Engine
+from ...dsp.runtime.engine import NOW, Engine
 from ...presets import PresetError, Presets
 from ..osc.addresses import Call, calls
 from ..osc.arguments import GestureEnded, Refused
@@ -14,7 +15,7 @@ from ..osc.patterns import Selection, TooMuch
 from ..osc.wire import Message
 from ..world.wire import TellsWorld
 from .gesture_ids import Ended, GestureIds
-from .limits import ContactLaws
+from .limits import ContactLaws, least_radius
 from .new_object import NewObject
 from .objects import ObjectTable
 from .scale import Scale
@@ -95,6 +96,23 @@ class Session:
         transaction.keep()
         self.on_sent(first, transaction.sent)
         return transaction.replies
+
+    def command_of(self, message: Message) -> Command:
+        """The one command that a message asks for, and is not sent. Refused or PresetError say why there is none."""
+        (call,) = calls(message)
+        transaction = Transaction(
+            self.engine, self.presets, self._laws, self.objects, self.gestures, self.scale, NOW, None, self._world
+        )
+        try:
+            translate(transaction, call)
+            (command,) = transaction.commands
+        finally:
+            transaction.undo_to()
+        return command
+
+    def least_radius(self, surface: str) -> float:
+        """The least radius (m) of what rolls or slides on a surface. PresetError if there is none."""
+        return least_radius(self._laws.surface(surface), 1.0)
 
     def _refusal(self, call: Call, reason: str, error: Exception) -> Message:
         """The reply to a message that met an error."""

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from .bodies import Body
 from .requests import Blow
 from .shapes import Vector
-from .step import Event
 
 
 class Hit(NamedTuple):
@@ -75,10 +74,3 @@ def _asked(blow: np.void, bodies: Sequence[Body]) -> Blow:
     place, by_place = float(blow["place"][side]), float(blow["place"][1 - side])
     law = (float(blow[name]) for name in ("met", "mass", "stiffness", "exponent", "dissipation", "left"))
     return Blow(float(blow["time"]), to.name, by.name if by.rings else "", place, by_place if by.rings else 0.0, *law)
-
-
-def roles(a: Body, b: Body, event: Event) -> tuple[Body, Body, Vector, Vector]:
-    """The body that is struck and the one that strikes, with the points."""
-    if event.side == 0:
-        return a, b, event.local[0], event.local[1]
-    return b, a, event.local[1], event.local[0]

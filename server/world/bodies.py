@@ -8,10 +8,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...dsp.bodies.material import Material, contact_between
+from ...dsp.bodies.material import Material
 from ...dsp.bodies.modes import Modes
 from ...dsp.schema import SETTINGS
-from ...dsp.tracking.blows import contact_radius
 from ...dsp.tracking.state import OCTAVES
 from ...dsp.wording import expected
 from ...presets import Presets
@@ -128,13 +127,3 @@ def _positive(name: str, value: Argument) -> float:
     if not isinstance(value, int | float | np.integer | np.floating) or not 0.0 < value < math.inf:
         raise ValueError(f"{name} = {shown(value)}: expected a positive number")
     return float(value)
-
-
-def contact_of(a: Body, b: Body, local: tuple[Vector, Vector]) -> tuple[float, float, float, float]:
-    """The contact of two bodies at points in their axes: stiffness (N/m^a), dissipation (s/m), exponent a, radius (m).
-
-    Hertz's, of both materials and both radii; two faces meet as rounded corners do.
-    """
-    curvature = 1 / a.shape.radius_at(local[0]) + 1 / b.shape.radius_at(local[1])
-    radius = float(contact_radius.py_func(curvature))
-    return (*contact_between(a.material, b.material, radius), radius)

@@ -4,10 +4,8 @@ from collections.abc import Mapping
 
 from .bodies import Body
 from .requests import Ending, Slide
-from .shapes import Vector
 from .step import Event
 
-_FLAT = 0.002  # m: width of the contact of two faces, of which a corner carries at a time
 _STATIC, _DYNAMIC = 0.4, 0.3
 _STRIDE, _SEEDS = 1_000_003, 2**31
 
@@ -15,42 +13,43 @@ Key = tuple[int, int]
 
 
 class Gestures:
-    """The slides that go on, by the numbers of their bodies."""
+    """The slides that go on which Python has begun, by the numbers of their bodies."""
 
-    def __init__(self, seed: int = 0) -> None:
+    def __init__(self) -> None:
         self.running: dict[Key, str] = {}
-        self.made = 0
-        """How many there were: the number of the last."""
-        self._seed = seed
 
-    def begin(
-        self,
-        key: Key,
-        event: Event,
-        bodies: tuple[Body, Body],
-        by_at: Vector,
-        keys: Mapping[str, float | str],
-    ) -> Slide:
-        """Begin a slide on the first of two bodies, which the second touches at a point (m) in its axes."""
-        self.made += 1
-        self.running[key] = id_of(self.made)
-        to, by = bodies
+    def begin(self, event: Event, to: Body, by: Body, surface: str, keys: Mapping[str, float]) -> Slide:
+        """Begin a slide of one body on another, as an event and the keys of its pair say."""
+        id = self.running[event.a, event.b] = id_of(event.slide)
+        law = {"mass": event.mass, "stiffness": event.stiffness, "exponent": event.exponent}
+        given = _keys(event.patch, event.radius, surface, law | keys)
         slip, sweep, force, place = event.motion
-        round_ = to.shape.round or by.shape.round
-        given: dict[str, float | str] = {
-            "static": _STATIC, "dynamic": _DYNAMIC, "patch": 0.0 if round_ else _FLAT, **keys
-        }  # fmt: skip
-        if "static" in keys or "dynamic" in keys:
-            given["dynamic"] = min(float(given["dynamic"]), float(given["static"]))
-        seed = (self._seed * _STRIDE + self.made) % _SEEDS
-        other, by_place = (by.name, by.place(by_at)) if by.rings else ("", 0.0)
-        return Slide(event.time, to.name, other, self.running[key], place, by_place, slip, sweep, force, seed,
-                     tuple(given.items()))  # fmt: skip
+        other, by_place = (by.name, event.by_place) if by.rings else ("", 0.0)
+        return Slide(event.time, to.name, other, id, place, by_place, slip, sweep, force, event.seed, given)
 
-    def rest(self, key: Key, event: Event) -> list[Ending]:
+    def rest(self, event: Event) -> list[Ending]:
         """End a slide, if it goes on."""
-        id = self.running.pop(key, None)
+        id = self.running.pop((event.a, event.b), None)
         return [Ending(event.time, id)] if id else []
+
+
+def like(body: Body, surface: str, radius: float) -> Slide:
+    """A slide on a body as others are on such a surface, but for the numbers of a command."""
+    law = {"mass": 1.0, "stiffness": 1e6, "exponent": 1.5}
+    return Slide(0.0, body.name, "", id_of(0), 0.0, 0.0, 1.0, 1.0, 1.0, 0, _keys(0.0, radius, surface, law))
+
+
+def _keys(patch: float, radius: float, surface: str, more: Mapping[str, float]) -> tuple[tuple[str, float | str], ...]:
+    """The keys of a slide, what its pair says last."""
+    given = {"static": _STATIC, "dynamic": _DYNAMIC, "patch": patch, "radius": radius, **more}
+    if "static" in more or "dynamic" in more:
+        given["dynamic"] = min(given["dynamic"], given["static"])
+    return (*given.items(), ("surface", surface))
+
+
+def seed_of(seed: int) -> int:
+    """Where the seeds of a simulation's slides begin."""
+    return seed * _STRIDE % _SEEDS
 
 
 def id_of(number: int) -> str:

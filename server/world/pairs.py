@@ -4,12 +4,13 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from ...dsp.bodies.material import Material
 from ...dsp.wording import expected
 from ...presets import Presets
 from ..osc.arguments import check_number, shown
 from ..osc.wire import Argument
 from ..osc.world_verbs import PAIRED
-from .bodies import Body, WorldError
+from .bodies import WorldError
 
 SURFACES = {
     "aluminium": "steel", "bell-bronze": "steel", "brass": "steel", "ceramic": "tile", "glass": "glass",
@@ -57,9 +58,9 @@ class Surfaces:
         self._presets = presets
         self._rougher: dict[tuple[str, str], str] = {}
 
-    def between(self, a: Body, b: Body) -> str:
-        """The rougher one of both bodies' materials."""
-        key = (a.material.name, b.material.name)
+    def between(self, a: Material, b: Material) -> str:
+        """The rougher one of two materials."""
+        key = a.name, b.name
         if key not in self._rougher:
             names = [SURFACES.get(name, "wood") for name in key]
             self._rougher[key] = max(names, key=lambda name: self._presets.surface(name).roughness)

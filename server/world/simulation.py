@@ -1,22 +1,31 @@
 """A simulation as it is told step by step, and what is to be heard of it."""
 
 import math
-from collections.abc import Mapping
 from ctypes import c_double, c_int32
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...dsp.bodies.material import Material, contact_between
-from ...dsp.runtime.telling import NO_ROOM, NOT_LATER, OBJECTS, TELLING, begin_telling, link_engine, tell
+from ...dsp.runtime.telling import (
+    LIKES,
+    NO_ROOM,
+    NOT_LATER,
+    OBJECTS,
+    SURFACES,
+    TELLING,
+    begin_telling,
+    link_engine,
+    tell,
+)
 from ...dsp.tracking.state import BODIES, EVENTS, MATERIALS, MOVE, POINTS, REST, STEERED, new_state
 from ...dsp.wording import expected
 from ...presets import Presets
 from ..osc.arguments import shown
 from ..osc.wire import Argument
-from .blows import Counts, Hit, blows_of, hits_of, roles
-from .bodies import Body, BodyMaker, WorldError, contact_of
-from .gestures import Gestures, id_of
+from .blows import Counts, Hit, blows_of, hits_of
+from .bodies import Body, BodyMaker, WorldError
+from .gestures import Gestures, id_of, seed_of
 from .hearing import Hearing, begin_hearing
 from .pairs import Pair, Surfaces, pair_of
 from .requests import Gains, Request, Said, Slide, Steering
@@ -56,15 +65,21 @@ class Simulation:
         self._numbers: dict[str, int] = {}
         self._pairs: dict[tuple[int, int], Pair] = {}
         self._materials: list[Material] = []
-        self._gestures, self._begun = Gestures(self.hearing.seed), 0
+        self.surfaces: list[str] = []
+        """Of bodies that slide on each other, as far as they are known: presets, by their numbers."""
+        self._gestures = Gestures()
+        self.state["seed"] = seed_of(self.hearing.seed)
         events = self.state["events"][0]
         self._whole, self._floats = (events.view(kind).reshape(EVENTS, -1) for kind in (np.int64, np.float64))
-        self._now, self._steps = self.state["time"], self.state["steps"]
+        self._now, self._steps, self._struck = (self.state[name] for name in ("time", "steps", "struck"))
         self.start = np.array([start])
         """s: the simulation's time at the beginning of its sound."""
         self._telling = np.zeros(1, TELLING)
         self._objects = np.zeros(1, OBJECTS)
-        begin_telling(self._telling, self.state, self._microphones, self._objects)
+        self._likes = np.zeros(SURFACES, LIKES)
+        begin_telling(
+            self._telling, state=self.state, microphones=self._microphones, objects=self._objects, likes=self._likes
+        )
         self._step_time, self._step_points = np.zeros(1), np.zeros(1, np.int32)
         self._own = self.telling(0, self._step_time.ctypes.data, self._step_points.ctypes.data)
 
@@ -105,6 +120,8 @@ class Simulation:
     @property
     def hits(self) -> list[Hit]:
         """The blows of the last step, the loudest first."""
+        if not self._struck[0]:
+            return []
         if self._hits[0] != self.steps:
             self._hits = self.steps, hits_of(self._blows, self.bodies)
         return self._hits[1]
@@ -112,7 +129,7 @@ class Simulation:
     @property
     def _blows(self) -> NDArray[np.void]:
         """The blows of the last step, as records of BLOW."""
-        count = int(self.state["struck"][0])
+        count = int(self._struck[0])
         found: NDArray[np.void] = self.state["blows"][0, self.state["order"][0, :count]]
         return found
 
@@ -124,9 +141,9 @@ class Simulation:
     @property
     def counts(self) -> Counts:
         """What was told since the beginning, and what became of it."""
-        names = ("hits", "faint", "over_budget", "unheard", "left_out")
-        hits, faint, over, unheard, crowded = (int(self.state[name][0]) for name in names)
-        return Counts(hits, faint, over + unheard, self._begun, crowded)
+        names = ("hits", "faint", "over_budget", "unheard", "begun", "left_out")
+        hits, faint, over, unheard, begun, crowded = (int(self.state[name][0]) for name in names)
+        return Counts(hits, faint, over + unheard, begun, crowded)
 
     def number(self, name: str) -> int:
         """The number of a body, from 0 on. WorldError if there is none of that name."""
@@ -158,7 +175,6 @@ class Simulation:
         self.bodies.append(body)
         record["bodies"] = len(self.bodies)
         self._numbers[name] = number
-        self._surfaces.between(body, body)  # its file is read now, and not in a step
         return [Said(self.time, body.message())] if body.rings else []
 
     def _material(self, body: Body) -> int:
@@ -171,7 +187,22 @@ class Simulation:
             for n, other in enumerate(self._materials):
                 law = contact_between(body.material, other, 1.0)
                 self.state["law"][0, number, n] = self.state["law"][0, n, number] = law
+                surface = self._surface(body.material, other)
+                self.state["surface"][0, number, n] = self.state["surface"][0, n, number] = surface
         return self._materials.index(body.material)
+
+    def _surface(self, a: Material, b: Material) -> int:
+        """1 and the number of the surface on which bodies of two materials slide; 0 where there is no room for it."""
+        name = self._surfaces.between(a, b)
+        if name not in self.surfaces:
+            if len(self.surfaces) == SURFACES:
+                return 0
+            self.surfaces.append(name)
+        return self.surfaces.index(name) + 1
+
+    def slides_like(self, surface: str, command: NDArray[np.void], least: float) -> None:
+        """Say how an engine's command slides on a surface, (1,) of COMMAND, and from which radius (m) on."""
+        self._likes[self.surfaces.index(surface)] = least, command[0]
 
     def take_back(self, name: str) -> None:
         """Forget the body that was added last."""
@@ -184,16 +215,17 @@ class Simulation:
         """Say how the contact of two bodies differs from that of their materials: keys of `pairs.KEYS`."""
         first, second = sorted((self.number(a), self.number(b)))
         pair = self._pairs[first, second] = pair_of(self._presets, a, b, keys)
+        self.state["slides_so"][0, first, second] = bool(pair.surface or pair.slide)
         self.state["bounce"][0, first, second] = 0.0 if math.isnan(pair.restitution) else 1.0 + pair.restitution
 
     def restart(self, time: float) -> None:
         """Forget all that touches, and go on at another time (s); bodies and pairs stay."""
         self.wait(time)
-        for name in ("touching", "place", "heard", "sliding", "heard_blows", "loudest", "struck"):
+        for name in ("touching", "place", "heard", "sliding", "heard_blows", "loudest", "struck", "made"):
             self.state[name] = 0
         self.state["until"] = self.state["loudest_at"] = -math.inf
         self._microphones["next"] = math.inf
-        self._gestures = Gestures(self.hearing.seed)
+        self._gestures = Gestures()
 
     def wait(self, time: float) -> None:
         """Let time pass up to another (s), in which nothing is told."""
@@ -268,30 +300,15 @@ class Simulation:
         count = min(int(self.state["happened"][0]), EVENTS)
         for event in events_of(self._whole[:count], self._floats[:count]):
             if event.kind == REST:
-                requests += self._gestures.rest((event.a, event.b), event)
+                requests += self._gestures.rest(event)
             elif event.kind == MOVE:
                 requests.append(self._begins(event))
         return requests
 
     def _begins(self, event: Event) -> Slide:
         """The slide as which a standing contact is heard that begins to slip or to sweep."""
-        key = first, second = event.a, event.b
-        a, b = self.bodies[first], self.bodies[second]
-        to, by, _, by_at = roles(a, b, event)
-        law = contact_of(a, b, event.local)
-        pair = self._pairs.get(key, Pair())
-        surface = pair.surface or self._surfaces.between(a, b)
-        mass = 1.0 / max(float(self.state["lightness"][0, n]) for n in key)
-        begun = self._gestures.begin(key, event, (to, by), by_at, _sliding(law, mass, surface, pair))
-        self.state["pairs"]["slide"][0, self.state["place"][0, first, second] - 1] = self._gestures.made
-        self._begun += 1
-        return begun
-
-
-def _sliding(
-    law: tuple[float, float, float, float], mass: float, surface: str, pair: Pair
-) -> Mapping[str, float | str]:
-    """The keys of a slide: its contact's law, its surface, and what its pair says."""
-    stiffness, _, exponent, radius = law
-    return {"mass": mass, "stiffness": stiffness, "exponent": exponent, "radius": radius, "surface": surface,
-            **pair.slide}  # fmt: skip
+        a, b = self.bodies[event.a], self.bodies[event.b]
+        to, by = (a, b) if event.side == 0 else (b, a)
+        pair = self._pairs.get((event.a, event.b), Pair())
+        surface = pair.surface or self._surfaces.between(a.material, b.material)
+        return self._gestures.begin(event, to, by, surface, pair.slide)

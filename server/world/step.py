@@ -52,6 +52,9 @@ class Event(NamedTuple):
     b: int
     side: int
     contact: int
+    slide: int
+    gesture: int
+    seed: int
     time: float
     point: Vector
     normal: Vector
@@ -60,6 +63,11 @@ class Event(NamedTuple):
     mass: float
     restitution: float
     motion: tuple[float, float, float, float]
+    stiffness: float
+    exponent: float
+    radius: float
+    patch: float
+    by_place: float
 
 
 Contacts = Iterable[Touch] | Mapping[str, ArrayLike]
@@ -136,12 +144,8 @@ def rotation(turn: Sequence[float]) -> tuple[float, ...]:
 def events_of(whole: NDArray[np.int64], numbers: NDArray[np.float64]) -> list[Event]:
     """The events of a step, from rows of EVENT as integers and as floats."""
     found = []
-    for (kind, a, b, side, contact), row in zip(whole[:, :5].tolist(), numbers[:, 5:].tolist(), strict=True):
+    for integers, row in zip(whole[:, :8].tolist(), numbers[:, 8:].tolist(), strict=True):
         time, x, y, z, nx, ny, nz, ax, ay, az, bx, by, bz, speed, mass, restitution, *motion = row
-        local = ((ax, ay, az), (bx, by, bz))
-        found.append(
-            Event(
-                kind, a, b, side, contact, time, (x, y, z), (nx, ny, nz), local, speed, mass, restitution, tuple(motion)
-            )
-        )
+        local, where = ((ax, ay, az), (bx, by, bz)), ((x, y, z), (nx, ny, nz))
+        found.append(Event(*integers, time, *where, local, speed, mass, restitution, tuple(motion[:4]), *motion[4:]))
     return found

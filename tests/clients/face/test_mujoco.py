@@ -12,7 +12,7 @@ import carom
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
 
 from carom.mujoco import Bridge  # noqa: E402
-from tests.clients.face.corpus import EXAMPLES, SCENES, apart, episodes, over_seeds, run, separation, thirds  # noqa: E402
+from tests.clients.face.corpus import EXAMPLES, HEARING, SCENES, apart, episodes, over_seeds, run, separation, thirds  # noqa: E402
 
 pytestmark = pytest.mark.slow
 
@@ -81,9 +81,14 @@ def test_a_roll_sounds_alike_at_any_step():
 
 
 def test_a_slide_has_no_blows_and_the_same_energy_at_any_step():
-    runs = [run("slide", step) for step in (0.001, 0.005)]
-    assert not any(each.hits for each in runs) and all(each.counts.gestures == 1 for each in runs)
-    assert runs[1].energy == pytest.approx(runs[0].energy, rel=0.25)
+    """Over surfaces of eight seeds: that of one differs by a quarter or so."""
+    energies = []
+    for step in (0.001, 0.005):
+        hearings = [carom.Hearing(HEARING.microphones, seed=seed) for seed in range(8)]
+        runs = [run("slide", step, hearing=hearing) for hearing in hearings]
+        assert not any(each.hits for each in runs) and all(each.counts.gestures == 1 for each in runs)
+        energies.append(np.mean([each.energy for each in runs]))
+    assert energies[1] == pytest.approx(energies[0], rel=0.2)
 
 
 ARM = """<mujoco><option timestep="0.001"/><worldbody>

@@ -20,7 +20,7 @@ class Step:
         self.microphones, self.objects = np.zeros(1, MICROPHONE_STATE), np.zeros(1, OBJECTS)
         self.time, self.points = np.zeros(1), np.zeros(1, np.int32)
         self.telling = np.zeros(1, TELLING)
-        begin_telling(self.telling, state, self.microphones, self.objects)
+        begin_telling(self.telling, state=state, microphones=self.microphones, objects=self.objects)
         self.telling["time"], self.telling["points"] = self.time.ctypes.data, self.points.ctypes.data
         self.telling["arrays"] = 0 if arrays is None else arrays.ctypes.data
 
