@@ -18,6 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from .mujoco import Bridge
 from .server.world.bodies import WorldError
+from .server.world.hearing import Hearing
+from .world import microphones_of
 
 Observation = dict[str, Any]
 
@@ -28,6 +30,8 @@ class AddAudioObservation(gymnasium.Wrapper[Observation, Any, Any, Any], RecordC
     audio: float32 (frames, channels), in Pa, of the time that an action takes, a channel for each microphone; a longer
     or shorter one, of the time just before the observation, by `frames`. info["hits"]: the blows of the step. options:
     those of a Bridge. The environment is one with MuJoCo's `model` and `data`, as Gymnasium's own are.
+
+    It hears blows alone, as slides and rolls cost most by far, unless a `hearing` says how many of these there may be.
     """
 
     def __init__(self, env: gymnasium.Env[Any, Any], frames: int | None = None, **options: Any) -> None:
@@ -37,6 +41,9 @@ class AddAudioObservation(gymnasium.Wrapper[Observation, Any, Any, Any], RecordC
         if not hasattr(inner, "_step_mujoco_simulation"):
             raise WorldError(f"{inner}: expected an environment of Gymnasium with MuJoCo")
         self._inner = inner
+        if "hearing" not in options:
+            places = options.pop("microphones", Hearing().microphones)
+            options = {**options, "hearing": Hearing(microphones_of(places), gestures=0)}
         self._bridge = Bridge(inner.model, inner.data, **options)
         world = self._bridge.world
         self._frames = frames or round(inner.dt * world.rate)

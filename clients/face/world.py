@@ -80,7 +80,7 @@ class World(Closing):
     ) -> None:
         if (stems or contacts) and not keep:
             raise WorldError(f"stems = {stems}, contacts = {contacts}: expected keep=True with them")
-        hearing = hearing or Hearing(tuple(map(_microphone, microphones)))
+        hearing = hearing or Hearing(microphones_of(microphones))
         library = chosen(presets)
         self.rate = int(rate)
         self.latency = 0.0 if client else QUANTUM / rate
@@ -298,6 +298,11 @@ class World(Closing):
             pieces.append(engine.process(min(left, self._capture.room())))
             self._capture.add(pieces[-1])
         return np.concatenate(pieces)
+
+
+def microphones_of(given: Sequence[Microphone | Sequence[float]]) -> tuple[Microphone, ...]:
+    """Microphones, of which some may be places (m)."""
+    return tuple(map(_microphone, given))
 
 
 def _microphone(given: Microphone | Sequence[float]) -> Microphone:

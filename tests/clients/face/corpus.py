@@ -36,25 +36,29 @@ class Run(NamedTuple):
     forces: list[dict[tuple[str, str], float]]
     speeds: np.ndarray
     """(steps, nv): MuJoCo's velocities before each step."""
+    score: str = ""
+    """If it was kept."""
 
     @property
     def energy(self) -> float:
         return float((self.sound.astype(np.float64) ** 2).sum() / 48_000)
 
 
-def prepared(name: str, step: float, hearing: carom.Hearing = HEARING):
+def prepared(name: str, step: float, hearing: carom.Hearing = HEARING, keep: bool = False):
     """A scene at a step (s) before its start: MuJoCo's model and data, and what hears them."""
     make, _ = SCENES[name]
     model = mujoco.MjModel.from_xml_string(make(step))
     data = mujoco.MjData(model)
     if model.nkey:
         mujoco.mj_resetDataKeyframe(model, data, 0)
-    return model, data, Bridge(model, data, hearing=hearing)
+    return model, data, Bridge(model, data, hearing=hearing, keep=keep)
 
 
-def run(name: str, step: float, seconds: float | None = None, hearing: carom.Hearing = HEARING) -> Run:
+def run(
+    name: str, step: float, seconds: float | None = None, hearing: carom.Hearing = HEARING, keep: bool = False
+) -> Run:
     """Run a scene at a step (s), and hear it."""
-    model, data, bridge = prepared(name, step, hearing)
+    model, data, bridge = prepared(name, step, hearing, keep)
     hits, blocks, forces, speeds = [], [], [], []
     for _ in range(round((seconds or SCENES[name][1]) / step)):
         shake(name, data)
@@ -62,7 +66,8 @@ def run(name: str, step: float, seconds: float | None = None, hearing: carom.Hea
         blocks.append(bridge.step())
         hits += bridge.world.hits
         forces.append(_forces(model, data, bridge.world.bodies))
-    return Run(hits, np.concatenate(blocks), bridge.world.counts, forces, np.array(speeds))
+    score = bridge.world.score() if keep else ""
+    return Run(hits, np.concatenate(blocks), bridge.world.counts, forces, np.array(speeds), score)
 
 
 def _forces(model, data, names) -> dict[tuple[str, str], float]:

@@ -34,6 +34,7 @@ def test_an_ant_hears_its_steps_and_each_episode_alike():
     assert sound.shape == (20 * 800, 2) and len(hits) > 2 and np.abs(sound).max() > 0.01
     first = round((min(hit.time for hit in hits) + 0.004) * 16_000)
     assert not sound[: first - 100].any() and np.abs(sound[first : first + 160]).max() > 0
+    assert env.bridge.world.counts.gestures == 0  # of its own accord it hears blows alone
     again, later = episode(env, 20)
     assert [hit.impulse for hit in hits] == [hit.impulse for hit in later]
     np.testing.assert_allclose(again, sound, atol=1e-4 * np.abs(sound).max())

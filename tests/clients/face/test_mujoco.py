@@ -62,6 +62,13 @@ def test_every_blow_is_told_once(scene, step):
     assert heard.counts.hits == len(heard.hits) >= 3
 
 
+def test_what_is_told_straight_to_the_engine_has_the_bits_of_its_messages():
+    straight, kept = (run("domino", 0.002, 0.4, keep=keep) for keep in (False, True))
+    assert straight.hits == kept.hits and len(kept.hits) > 8 and kept.counts.gestures > 4
+    np.testing.assert_array_equal(straight.sound, kept.sound)
+    np.testing.assert_array_equal(carom.render(kept.score, calibrated=True, seconds=0.4).samples, kept.sound)
+
+
 @pytest.mark.parametrize("scene", ["drop", "stack", "topple", "chain", "rattle", "slide"])
 def test_it_is_silent_after_rest(scene):
     heard = run(scene, 0.002, 2.5)
