@@ -22,7 +22,7 @@ class Gestures:
         """Begin a slide of one body on another, as an event and the keys of its pair say."""
         id = self.running[event.a, event.b] = id_of(event.slide)
         law = {"mass": event.mass, "stiffness": event.stiffness, "exponent": event.exponent}
-        given = _keys(event.patch, event.radius, surface, law | keys)
+        given = _keys(event.patch, event.radius, surface, {**law, **keys})
         slip, sweep, force, place = event.motion
         other, by_place = (by.name, event.by_place) if by.rings else ("", 0.0)
         return Slide(event.time, to.name, other, id, place, by_place, slip, sweep, force, event.seed, given)

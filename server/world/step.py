@@ -144,8 +144,13 @@ def rotation(turn: Sequence[float]) -> tuple[float, ...]:
 def events_of(whole: NDArray[np.int64], numbers: NDArray[np.float64]) -> list[Event]:
     """The events of a step, from rows of EVENT as integers and as floats."""
     found = []
-    for integers, row in zip(whole[:, :8].tolist(), numbers[:, 8:].tolist(), strict=True):
-        time, x, y, z, nx, ny, nz, ax, ay, az, bx, by, bz, speed, mass, restitution, *motion = row
-        local, where = ((ax, ay, az), (bx, by, bz)), ((x, y, z), (nx, ny, nz))
-        found.append(Event(*integers, time, *where, local, speed, mass, restitution, tuple(motion[:4]), *motion[4:]))
+    for (kind, a, b, side, *numbered), row in zip(whole[:, :8].tolist(), numbers[:, 8:].tolist(), strict=True):
+        contact, slide, gesture, seed = numbered
+        time, x, y, z, nx, ny, nz, ax, ay, az, bx, by, bz, speed, mass, restitution, *moving = row
+        slip, sweep, force, place, stiffness, exponent, radius, patch, by_place = moving
+        local, motion = ((ax, ay, az), (bx, by, bz)), (slip, sweep, force, place)
+        found.append(
+            Event(kind, a, b, side, contact, slide, gesture, seed, time, (x, y, z), (nx, ny, nz), local, speed, mass,
+                  restitution, motion, stiffness, exponent, radius, patch, by_place)
+        )  # fmt: skip
     return found

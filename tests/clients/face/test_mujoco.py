@@ -63,10 +63,10 @@ def test_every_blow_is_told_once(scene, step):
 
 
 def test_what_is_told_straight_to_the_engine_has_the_bits_of_its_messages():
-    straight, kept = (run("domino", 0.002, 0.4, keep=keep) for keep in (False, True))
+    straight, kept = (run("domino", 0.002, 0.8, keep=keep) for keep in (False, True))
     assert straight.hits == kept.hits and len(kept.hits) > 8 and kept.counts.gestures > 4
     np.testing.assert_array_equal(straight.sound, kept.sound)
-    np.testing.assert_array_equal(carom.render(kept.score, calibrated=True, seconds=0.4).samples, kept.sound)
+    np.testing.assert_array_equal(carom.render(kept.score, calibrated=True, seconds=0.8).samples, kept.sound)
 
 
 @pytest.mark.parametrize("scene", ["drop", "stack", "topple", "chain", "rattle", "slide"])
