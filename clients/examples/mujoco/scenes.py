@@ -101,14 +101,14 @@ def juggle(step: float) -> str:
     return model(balls, "plate steel ball0 glass ball1 steel ball2 wood", step, floor=plate)
 
 
-def pile(step: float) -> str:
-    """Fifty bodies fall on a heap."""
+def pile(step: float, count: int = 50) -> str:
+    """Fifty bodies, or as many as are asked for, fall on a heap."""
     bodies = []
-    for n in range(50):
+    for n in range(count):
         x, y = 0.05 * math.cos(2.4 * n), 0.05 * math.sin(2.4 * n)
         place = f"{x} {y} {0.1 + 0.05 * n}"
         bodies.append(ball(f"body{n}", place) if n % 2 else box(f"body{n}", place, ".04 .02 .01"))
-    glass = " ".join(f"body{n} glass" for n in range(1, 50, 2))
+    glass = " ".join(f"body{n} glass" for n in range(1, count, 2))
     return model("".join(bodies), f"floor wood {glass}", step)
 
 
