@@ -37,6 +37,7 @@ def take_step(state, points, time):
     state.time = time
     state.steps += 1
     state.points = points
+    _glide(state.glide, span)
     state.happened = state.changed = 0
     for i in range(state.touching):
         clear(state.pairs[i])
@@ -53,19 +54,29 @@ def _is_whole(state, points):
     """True if all that was told is finite, and of bodies that there are."""
     if points > POINTS:
         return False
-    total = 0.0
+    x = y = z = w = 0.0  # sums that the processor follows side by side
     for n in range(state.bodies):
-        for k in range(3):
-            total += state.position[n, k] + state.velocity[n, k] + state.spin[n, k]
-        for k in range(9):
-            total += state.turn[n, k]
+        for row in range(3):
+            x += state.turn[n, row]
+            y += state.turn[n, 3 + row]
+            z += state.turn[n, 6 + row]
+            w += state.position[n, row] + (state.velocity[n, row] + state.spin[n, row])
     for n in range(points):
         for side in range(2):
             if not 0 <= state.pair[n, side] < state.bodies:
                 return False
-        for k in range(3):
-            total += state.point[n, k] + state.normal[n, k]
-    return math.isfinite(total)
+        x += state.point[n, 0] + state.normal[n, 0]
+        y += state.point[n, 1] + state.normal[n, 1]
+        z += state.point[n, 2] + state.normal[n, 2]
+    return math.isfinite(x + y + z + w)
+
+
+@kernel
+def _glide(glide, span):
+    """Find how far a contact's motion, its place and its force glide in a time (s)."""
+    glide.share, glide.near = -math.expm1(-span / _SMOOTH), -math.expm1(-span / _SMOOTH_PLACE)
+    glide.remembered = math.exp(-span / _REMEMBERED)
+    glide.harder, glide.softer = -math.expm1(-span / _SMOOTH_FORCE), math.exp(-span / _SMOOTH_FORCE)
 
 
 @noinline_kernel
@@ -135,15 +146,19 @@ def _leave(state, i, span):
         _end(state, pair)
         _forget(state, i)
     elif pair.settled > 0:
-        pair.now[2] *= math.exp(-span / _SMOOTH_FORCE)
+        pair.now[2] *= state.glide.softer
 
 
 @kernel
 def _follow(state, pair, span):
     """Find how a contact slips and sweeps, and how hard it is pressed, smoothed."""
-    passed = state.time - pair.last if pair.settled > 0 else span  # there may have been a hop
+    passed = state.time - pair.last if pair.settled > 0 else span
     pair.last = state.time
-    share, near = -math.expm1(-passed / _SMOOTH), -math.expm1(-passed / _SMOOTH_PLACE)
+    glide = state.glide
+    if passed != span:  # there was a hop
+        glide = state.hop
+        _glide(glide, passed)
+    share, near = glide.share, glide.near
     for side in range(2):
         for k in range(3):
             at = into(state, pair.a if side == 0 else pair.b, pair.point, k)
@@ -154,7 +169,7 @@ def _follow(state, pair, span):
     slip = pair.slip / pair.weight
     if pair.settled == 0:
         pair.now[0] = slip
-    pair.fastest = max(slip, pair.fastest * math.exp(-passed / _REMEMBERED))
+    pair.fastest = max(slip, pair.fastest * glide.remembered)
     pair.now[0] += share * (slip - pair.now[0])
     if pair.settled < 2:
         pair.settled = 2 if pair.followed > 0 else 1
@@ -165,7 +180,7 @@ def _follow(state, pair, span):
     force = pair.force if pair.force > 0.0 else weight
     if pair.now[2] == 0.0:
         pair.now[2] = weight if weight > 0.0 else force
-    pair.now[2] += -math.expm1(-span / _SMOOTH_FORCE) * (force - pair.now[2])
+    pair.now[2] += state.glide.harder * (force - pair.now[2])
 
 
 @kernel

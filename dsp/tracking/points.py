@@ -42,8 +42,7 @@ def _find(state, a, b):
     pair.side = _struck(state, a, b)
     pair.begun = state.time
     pair.moves = pair.settled = pair.stood = pair.slide = pair.gesture = 0
-    for k in range(KEPT):
-        pair.kept_at[k] = -math.inf
+    pair.known = 0
     for k in range(3):
         pair.now[k] = pair.said[k] = 0.0
     pair.sweep[0] = pair.sweep[1] = pair.fastest = 0.0
@@ -156,12 +155,10 @@ def _is_new(state, pair, n, span, rate):
     here = state.scratch
     near = max(_SAME, _SAME_SHARE * min(state.reach[pair.a], state.reach[pair.b]))
     longest, memory = longest_hop(state, pair, span), max(MEMORY, 2.5 * span)
-    found, oldest, least = -1, 0, math.inf
+    found, least = -1, math.inf
     for k in range(3):
         here[0, k], here[1, k] = into(state, pair.a, point, k), into(state, pair.b, point, k)
-    for m in range(KEPT):
-        if pair.kept_at[m] < pair.kept_at[oldest]:
-            oldest = m
+    for m in range(pair.known):
         passed = state.time - pair.kept_at[m]
         if 0.0 < passed <= longest:
             away = near + rate * passed
@@ -171,7 +168,7 @@ def _is_new(state, pair, n, span, rate):
                     found, least = m, square
     new = found < 0 or state.time - pair.kept_at[found] > memory
     if found < 0:
-        found = oldest
+        found = _room(pair)
     else:
         passed = state.time - pair.kept_at[found]
         pair.followed += 1
@@ -182,6 +179,19 @@ def _is_new(state, pair, n, span, rate):
         for k in range(3):
             pair.kept[found, side, k] = here[side, k]
     return new
+
+
+@kernel
+def _room(pair):
+    """The place among a pair's points of a new one: where there is none yet, or that of the oldest."""
+    if pair.known < KEPT:
+        pair.known += 1
+        return pair.known - 1
+    oldest = 0
+    for m in range(1, KEPT):
+        if pair.kept_at[m] < pair.kept_at[oldest]:
+            oldest = m
+    return oldest
 
 
 @kernel

@@ -38,7 +38,8 @@ _PAIR = np.dtype(
         ("stood", np.int64),  # 1: it began without a blow, or has stayed: it may graze
         ("fastest", np.float64),  # m/s: its slip, or what is left of a faster one of late
         ("moves", np.int64),  # STILL, UNHEARD or HEARD
-        # The points that were told of late, in the axes of each body.
+        # The points that were told of late, in the axes of each body: so many.
+        ("known", np.int64),
         ("kept", np.float64, (KEPT, 2, 3)),
         ("kept_at", np.float64, KEPT),
         # The points of this step.
@@ -74,6 +75,9 @@ _PAIR = np.dtype(
     ],
     align=True,
 )
+
+_GLIDE = np.dtype([(name, np.float64) for name in ("share", "near", "remembered", "harder", "softer")])
+"""Shares by which a contact goes on in a time: its motion, its place, its fastest slip, its force as it acts or not."""
 
 EVENT = np.dtype(
     [
@@ -184,6 +188,8 @@ STATE = np.dtype(
         *((name, np.float64, POINTS) for name in TOLD),
         # Pairs that touch, the first `touching` of `pairs`; `place` has their numbers plus 1.
         ("touching", np.int64),
+        ("glide", _GLIDE),  # in this step
+        ("hop", _GLIDE),
         ("pairs", _PAIR, PAIRS),
         ("place", np.int16, (BODIES, BODIES)),
         ("scratch", np.float64, (2, 3)),
