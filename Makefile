@@ -80,6 +80,7 @@ study: $(READY)  ## the hour-long stress tests: recordings, data sets, extreme c
 	$(BIN)/python -m tests.bench.friction
 	$(BIN)/python -m tests.bench.exactness
 	$(BIN)/python -m tests.bench.soak --minutes 10
+	$(BIN)/python -m tests.bench.hours
 	$(BIN)/python -m tests.bench.overload
 	$(BIN)/python -m tests.bench.gil --seconds 60
 	$(BIN)/python -m tests.bench.fuzz --count 1000000

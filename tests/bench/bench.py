@@ -30,7 +30,7 @@ from carom.dsp.native.jit import kernel as compiled
 from carom.dsp.resonator.bank import RESPONSES, Modes, Point, inject, ring
 from carom.dsp.resonator.coefficients import set_mode
 from carom.dsp.resonator.simd import LANES
-from tests.bench import clips, contacts, driven, gestures, klank, ringing, slides
+from tests.bench import clips, contacts, driven, gestures, klank, ringing, slides, struck
 from tests.bench.rounds import Contenders, minima
 
 RATE = 48_000.0
@@ -41,6 +41,7 @@ KLANK_SECONDS = (1, 9)  # two renderings, whose difference has no start-up in it
 
 TITLES = {
     "Objects that ring: ns per mode-sample, of the kernel by itself; share of a core": "ringing",
+    "Modes that ring while objects are struck 200 times per second: share of callbacks of 64 frames": "struck",
     "Modes on which a body rolls: ns per mode-sample, free and by its moments beside": "driven",
     "Impacts in the engine: µs each": "impacts",
     "Long contacts": "long_contacts",
@@ -222,7 +223,7 @@ def aims(results: dict[str, Any]) -> list[dict[str, Any]]:
         if row["solver"] in contacts.CLOSED and row["modes"] == 24 and row["contact_samples"] <= 6
     )
     prototype = max(row["of_prototype"] for row in results["solvers"] if row["of_prototype"])
-    mean, most = (results["ringing"][-1][f"single_{name}"] for name in ("mean", "most"))
+    mean, most = (results["struck"][-2][name] for name in ("mean", "most"))
     load = max(row["load"] for row in results["gestures"] if row["accuracy"] == "-60")
     friction = max(row["us_per_sample"] for row in results["friction"])
     bowed = results["slides"][-1]["load"]
@@ -232,7 +233,11 @@ def aims(results: dict[str, Any]) -> list[dict[str, Any]]:
     return [
         dict(aim="at least 0.8 of C's speed on 1024 modes and more", measured=of_c, met=of_c and of_c >= 0.8),
         dict(aim="50,000 modes and more at least 20 times as fast as by the kernel", measured=rings, met=rings >= 20.0),
-        dict(aim="a million modes in float32 under 0.35 of real time", measured=mean, met=mean < 0.35),
+        dict(
+            aim="a million modes in float32, some of them struck, under 0.35 of real time",
+            measured=mean,
+            met=mean < 0.35,
+        ),
         dict(aim="99.9 % of their callbacks of 64 frames under 0.6", measured=most, met=most < 0.6),
         dict(aim="at least 10 x scsynth's Klank", measured=ratio, met=ratio and ratio >= 10.0),
         dict(aim="an impact on 24 modes, contact up to 6 samples, under 5 µs", measured=impact, met=impact < 5.0),
@@ -293,6 +298,7 @@ def main() -> None:
         "kernels": measure_kernels(reference, rounds),
         "klank": measure_klank(few),
         "ringing": ringing.measure(rounds),
+        "struck": struck.measure(struck.CALLBACKS // (10 if options.quick else 1)),
         "driven": driven.measure(rounds),
         "impacts": contacts.measure_impacts(rounds),
         "long_contacts": contacts.measure_long_contacts(rounds),

@@ -13,7 +13,7 @@ from numba import njit
 
 from carom.dsp.bodies.modes import Modes as Body
 from carom.dsp.engine.capacity import MODES, OBJECTS
-from carom.dsp.engine.commands import Command, Kind
+from carom.dsp.engine.commands import Command, Handle, Kind
 from carom.dsp.engine.state import QUANTUM
 from carom.dsp.resonator.bank import Modes, ring
 from carom.dsp.runtime.engine import NOW, Engine
@@ -33,15 +33,17 @@ SCENES = ((1, 64), (32, 64), (100, 16), (4, 1_024), (1, 4_000), (60, 1_024), (1_
 """Objects that ring, and modes of each."""
 
 
-def ringing(count: int, modes: int) -> Engine:
-    """An engine in which so many objects ring, in all of their modes, and nothing else goes on."""
+def ringing(count: int, modes: int) -> tuple[Engine, list[Handle]]:
+    """An engine in which so many objects ring, in all of their modes, and nothing else goes on; and the objects."""
     engine = Engine(RATE, modes=MODES, objects=OBJECTS)
+    handles = []
     frequency = np.geomspace(100.0, 20_000.0, modes)
     body = Body(frequency, np.full(modes, DECAY), np.full((1, modes), SHAPE), np.full((2, modes), SHAPE), 1.0)
     level = LEVEL / max(1.0, (count * modes / 65_536) ** 0.5)
     for n in range(count):
         handle = engine.add(body, level, tune=1.0 - 0.03 * n / count)
         engine.send([Command(NOW, Kind.IMPACT, handle, BLOW)])
+        handles.append(handle)
         if n % AT_ONCE == AT_ONCE - 1:
             engine.process(QUANTUM)
     settled = -1
@@ -49,7 +51,7 @@ def ringing(count: int, modes: int) -> Engine:
         engine.process(100 * QUANTUM)
     stats = engine.stats
     assert stats.live_modes >= count * modes and stats.contacts_active == stats.limited == 0
-    return engine
+    return engine, handles
 
 
 @njit(error_model="numpy")
@@ -98,7 +100,7 @@ def measure(rounds: int, scenes: tuple[tuple[int, int], ...] = SCENES) -> list[d
     out = np.zeros((2, QUANTUM))
     ring_alone(alone(1, 16), 1, 16, out, 1)  # compiles
     for count, modes in scenes:
-        engine, arrays = ringing(count, modes), alone(count, modes)
+        engine, arrays = ringing(count, modes)[0], alone(count, modes)
         total = count * modes
         quanta = max(BLOCKS, MODE_SAMPLES // (total * QUANTUM))
         best = dict.fromkeys((*FORMS, "kernel"), math.inf)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.bench import bench, contacts, gestures, ringing, rounds, slides
+from tests.bench import bench, contacts, gestures, hours, ringing, rounds, slides, struck
 
 pytestmark = pytest.mark.slow
 
@@ -74,6 +74,20 @@ def test_ringing_is_measured_beside_its_kernel():
     assert all(row["ratio"] == row["kernel_ns"] / row["process_ns"] > 0 for row in rows)
     assert all(row["single_ratio"] == row["kernel_ns"] / row["single_ns"] > 0 for row in rows)
     assert all(0 < row[f"{of}mean"] <= row[f"{of}most"] for row in rows for of in ("", "single_"))
+
+
+def test_callbacks_are_measured_beside_an_idle_engine():
+    rows = struck.measure(60, (20, 64))
+    assert [row["modes"] for row in rows] == [1_280, 0, 1_280, 0] and [row["strikes"] > 10 for row in rows[::2]] == [
+        True
+    ] * 2
+    assert all(0 < row["mean"] <= row["most"] <= row["worst"] for row in rows)
+    assert all(busy["mean"] > idle["mean"] for busy, idle in zip(rows[::2], rows[1::2], strict=True))
+
+
+def test_an_evening_leaves_nothing_over():
+    found = hours.evening(5.0)
+    assert found["apart"] < hours.MOST_APART and found["left"] == found["lost"] == 0
 
 
 def test_extremes_run():

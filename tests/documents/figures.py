@@ -10,7 +10,7 @@ from carom.clients.chart import report
 from carom.clients.chart.tables import Row
 from tests.accuracy import GROWTH, PROMISES
 from tests.bench import fits as fitted
-from tests.bench import friction, fuzz, gil, overload, queries, soak
+from tests.bench import friction, fuzz, gil, hours, overload, queries, soak
 from tests.documents import study
 from tests.documents.markdown import table
 
@@ -63,6 +63,11 @@ def endurance() -> str:
         (
             "soak", f"ten minutes of {soak.RATE:,} impacts per second and {soak.ROLLS} rolls, none dropped, none late",
             f"{1e3 * soak.SLOWEST:.0f} ms per answer, {soak.MOST_GROWTH:g} MB of memory",
+        ),
+        (
+            "hours", f"four hours offline of {hours.OBJECTS * hours.MODES:,} modes that are struck and freed at random",
+            f"{hours.MOST_APART:g} dB of a mode that rings throughout, {hours.MOST_GROWTH:g} MB of memory, "
+            f"{hours.MOST_COST:g} of a fresh engine's cost",
         ),
         (
             "overload", "rolls and presses that need several times the time there is, after ten seconds",
@@ -119,6 +124,7 @@ def speed() -> str:
         _kernels(bench["kernels"], bench["klank"]),
         _impacts(bench["impacts"], bench["long_contacts"]),
         _ringing(bench["ringing"]),
+        _struck(bench.get("struck", [])),
         _driven(bench.get("driven", [])),
         _gestures(bench["gestures"]),
         _friction(bench.get("friction", []), bench.get("slides", [])),
@@ -175,6 +181,30 @@ def _ringing(rows: list[dict[str, Any]]) -> str:
         "times as fast", "of a core, mean", "99.9 % of callbacks of 64 frames",
     )  # fmt: skip
     return f"### Objects that ring\n\n{table(head, lines)}"
+
+
+def _struck(rows: list[dict[str, Any]]) -> str:
+    """What callbacks take in which a million modes ring and some are struck."""
+    if not rows:
+        return ""
+    lines = [
+        (
+            row["kept_in"],
+            f"{row['modes']:,}",
+            f"{row['strikes']:,}",
+            *(f"{row[name]:.1%}" for name in ("mean", "most", "worst")),
+        )
+        for row in rows
+    ]
+    head = (
+        "modes kept in",
+        "modes",
+        "strikes, 200 per second",
+        "of a callback of 64 frames, mean",
+        "99.9 %",
+        "the longest",
+    )
+    return f"Called in turns with an engine that does nothing:\n\n{table(head, lines)}"
 
 
 def _impacts(rows: list[dict[str, Any]], long: list[dict[str, Any]]) -> str:
