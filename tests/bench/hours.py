@@ -1,9 +1,8 @@
 """Hours of sound offline: 20,000 modes that are struck, freed and made anew at random.
 
 Fails where a witness that rings all the time has another phase or level than its modes' closed form says, by more than
--100 dB; where modes or objects are left over or memory grows by more than 10 MB after the first fifth, of 20
-minutes at least; or where what is
-there in the end costs over 1.2 times as much as the same made afresh.
+-100 dB; where modes are left over; where memory grows by more than 10 MB after the first fifth, of 20 minutes at
+least; or where what is there in the end costs over 1.2 times as much as the same made afresh.
 """
 
 import argparse
