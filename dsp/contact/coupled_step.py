@@ -61,6 +61,8 @@ def stay(contact, left, last):
         if whole != eta or ratio < WITHIN:
             # No need to seek a release that is too far away for one step.
             closing = closing and ratio >= WITHIN
+            if whole < eta:
+                finest = min(finest, FINEST * whole)  # it is short as the release comes soon
             eta = whole if ratio >= WITHIN else min(whole, ratio * eta)
             continue
         if _sound(contact, eta, x):

@@ -260,6 +260,22 @@ def test_coupled_contacts_are_bounded():
     assert energy(engine, handle, n) < taken * 0.5 * 0.1 and 10 < taken < 40 and engine.stats.faults == 0
 
 
+def test_no_force_is_held_where_a_striker_leaves_at_once():
+    """However little of a step is left of 300 contacts when they end."""
+    engine = Engine(RATE)
+    engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index("exact"))])
+    for mass in np.geomspace(0.003, 10.0, 100):
+        handle = engine.add(body(modal_mass=mass, t60=0.5), 0.05)
+        for time, law in (
+            (0.0, (0.01, 1e9, 0.3, 1.5)),
+            (200.0, (0.003, 1e8, 0.1, 1.5)),
+            (300.0, (3e-4, 1e8, 0.4, 1.5)),
+        ):
+            strike(engine, handle, law, time)
+    engine.process(4_800)
+    assert engine.stats.coupled == 300 and engine.stats.held == 0
+
+
 def test_a_contact_is_not_held_for_those_before_it():
     """In the place of one that chattered until it had to hold its force."""
     engine = Engine(RATE)
