@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 from .parser import Command
+from .progress import shown_progress
 
 
 def _options(parser: argparse.ArgumentParser) -> None:
@@ -17,16 +18,11 @@ def _options(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    from rich.console import Console
-    from rich.progress import Progress
-
     from ..chart.run import FULL, QUICK, chart
 
-    terminal = Console(stderr=True)
-    with Progress(console=terminal, disable=not terminal.is_terminal, transient=True) as bar:
-        task = bar.add_task("", total=1.0)
+    with shown_progress(total=1.0) as show:
         for what, done in chart(arguments.folder, QUICK if arguments.quick else FULL):
-            bar.update(task, description=what, completed=done)
+            show(description=what, completed=done)
     print(arguments.folder / "index.html")
     return 0
 

@@ -1,14 +1,17 @@
 """carom dataset: render a data set from its recipe."""
 
 import argparse
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from threading import Event
+from typing import TYPE_CHECKING
 
 from .options import add_presets, on_end, processors
 from .parser import Command, whole
+from .progress import shown_progress
+
+if TYPE_CHECKING:
+    from rich.progress import ProgressColumn
 
 MOST_WORKERS = 256
 
@@ -50,32 +53,27 @@ def _run(arguments: argparse.Namespace) -> int:
     prepare()  # once, before the processes that share the compiled code
     interrupted = Event()
     on_end(interrupted.set)
-    with _shown_progress() as show:
-        table = run(
-            recipe, arguments.out, Workers(workers, arguments.dask or ""), arguments.presets, show, interrupted.is_set
-        )
+    with shown_progress(_columns) as show:
+
+        def progress(done: int, count: int) -> None:
+            show(completed=done, total=count)
+
+        spread = Workers(workers, arguments.dask or "")
+        table = run(recipe, arguments.out, spread, arguments.presets, progress, interrupted.is_set)
     print(table)
     return 0
 
 
-@contextmanager
-def _shown_progress() -> Iterator[Callable[[int, int], object]]:
-    """A function that shows how many items there are, of how many, on a terminal, with the rate and the time left."""
-    if not sys.stderr.isatty():
-        yield lambda done, count: None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, Task, TextColumn, TimeRemainingColumn
+def _columns() -> "Sequence[ProgressColumn]":
+    """How many items there are, of how many, with the rate and the time left."""
+    from rich.progress import BarColumn, MofNCompleteColumn, Task, TextColumn, TimeRemainingColumn
     from rich.text import Text
 
     class Rate(TextColumn):
         def render(self, task: Task) -> Text:
             return Text(f"{task.speed:.0f} per second" if task.speed else "")
 
-    columns = (BarColumn(), MofNCompleteColumn(), Rate(""), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        shown = bar.add_task("", total=None)
-        yield lambda done, count: bar.update(shown, completed=done, total=count)
+    return BarColumn(), MofNCompleteColumn(), Rate(""), TimeRemainingColumn()
 
 
 COMMAND = Command("dataset", "RECIPE OUT", "render a data set with its ground truth from a recipe", _options, _run)

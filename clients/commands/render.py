@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator, Sequence
 from threading import Event
 from typing import TYPE_CHECKING
 
 from ..errors import tell
 from .options import RATE, SWITCH, add_bank, add_contact, add_presets, contact, on_end, processors, switch
 from .parser import Command, number, one_of, whole
+from .progress import shown_progress
 
 if TYPE_CHECKING:
+    from rich.progress import ProgressColumn
+
     from ...presets import Presets
     from ...server.render import Options
     from ..rendering import Result, Task
@@ -81,11 +82,12 @@ def _run(arguments: argparse.Namespace) -> int:
 def _render_one(task: Task, options: Options, presets: Presets, interrupted: Event) -> None:
     """Carry out a task, with its progress in seconds of sound on a terminal."""
     from ..rendering import render_task
+    from ..streams import score_name
 
-    with _shown_progress(task, options.seconds) as show:
+    with shown_progress(_columns_of_one, score_name(task.score), options.seconds) as show:
 
         def progress(seconds: float) -> None:
-            show(seconds)
+            show(completed=seconds)
             if interrupted.is_set():
                 raise KeyboardInterrupt
 
@@ -94,37 +96,28 @@ def _render_one(task: Task, options: Options, presets: Presets, interrupted: Eve
         tell("render", warning)
 
 
-@contextmanager
-def _shown_progress(task: Task, total: float | None) -> Iterator[Callable[[float], object]]:
-    """A function that shows how many seconds of sound there are, on a terminal."""
-    if not sys.stderr.isatty():
-        yield lambda seconds: None
-        return
-    from rich.console import Console  # slow to load
-    from rich.progress import Progress, TextColumn, TimeElapsedColumn
+def _columns_of_one() -> Sequence[ProgressColumn]:
+    """How long a sound is by now."""
+    from rich.progress import TextColumn, TimeElapsedColumn
 
-    from ..streams import score_name
+    return TextColumn("{task.description}"), TextColumn("{task.completed:.1f} s of sound"), TimeElapsedColumn()
 
-    columns = (TextColumn("{task.description}"), TextColumn("{task.completed:.1f} s of sound"), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        shown = bar.add_task(score_name(task.score), total=total)
-        yield lambda seconds: bar.update(shown, completed=seconds)
+
+def _columns_of_many() -> Sequence[ProgressColumn]:
+    """How many scores are rendered."""
+    from rich.progress import BarColumn, MofNCompleteColumn, TimeRemainingColumn
+
+    return BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
 
 
 def _render_many(results: Iterator[Result], count: int) -> int:
     """Tell results as they come, with progress in scores on a terminal; returns the exit code."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
-
     from ..streams import score_name
 
     failed = False
-    terminal = Console(stderr=True)
-    columns = (BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=terminal, disable=not terminal.is_terminal, transient=True) as bar:
-        shown = bar.add_task("", total=count)
-        for result in results:
-            bar.advance(shown)
+    with shown_progress(_columns_of_many, total=count) as show:
+        for done, result in enumerate(results, start=1):
+            show(completed=done)
             name = score_name(result.task.score)
             for text in (*result.warnings, *([result.failure] if result.failure else [])):
                 tell("render", text if text.startswith(name) else f"{name}: {text}")

@@ -1,0 +1,32 @@
+"""A bar that shows how far a command has come, on a terminal alone."""
+
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rich.progress import ProgressColumn
+
+
+@contextmanager
+def shown_progress(
+    columns: Callable[[], Sequence["ProgressColumn"]] = tuple, description: str = "", total: float | None = None
+) -> Iterator[Callable[..., object]]:
+    """A function that changes a bar's `completed`, `total` or `description`; it does nothing if stderr is no terminal.
+
+    columns: makes rich's columns, its usual ones if there are none; rich is slow to load.
+    """
+    if not sys.stderr.isatty():  # a bar that is off writes an empty line, up to rich 14
+        yield lambda **changes: None
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(*columns(), console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(description, total=total)
+
+        def change(**changes: Any) -> None:
+            bar.update(task, **changes)
+
+        yield change
