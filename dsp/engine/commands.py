@@ -145,6 +145,7 @@ COMMAND = np.dtype(
         ("slot", np.int64),
         ("serial", np.int64),  # of the object meant: commands to one that is gone are ignored
         ("order", np.int64),  # of arrival, set by the engine
+        ("waits_until", np.float64),  # samples: for an object that is yet to come; set by the engine, -1 before
         ("value", np.float64),  # as Kind says
         ("gesture", np.int64),  # its number, 0: none
         ("parameter", np.int64),  # its place in schema.STEERABLE or schema.SETTINGS

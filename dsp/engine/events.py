@@ -41,6 +41,7 @@ from .steering import is_running, steer, stop_gesture, stop_gestures_on
 
 _RETUNES = np.array([name in ("tune", "decay", "damp") for name in SETTINGS])
 _WANDER = 1.0 / 512.0  # share by which an event's sample, guessed from the clock, may be too late
+_PATIENCE = 1.0  # s that an event waits for its object
 
 
 @kernel
@@ -59,6 +60,7 @@ def take_commands(state):
         if time < state.position or command.has_clock == 1:
             # Past events and those for now keep the order in which they came; one with a clock is looked at at once.
             command.time = state.position
+        command.waits_until = -1.0
         push(state.queue, command)
         read += 1
     store_release(state.ring.read, 0, read)
@@ -118,9 +120,18 @@ def _read_clock(state, event):
 
 @kernel
 def _is_early(state, event):
-    """True if an event is for an object that is yet to come: where the clock is set, that may be later than was likely
-    as the event was sent."""
-    return event.kind != KIND_NEW and event.serial > state.objects[event.slot].serial
+    """True if an event waits for an object that is yet to come: where the clock is set, that may be later than was
+    likely as the event was sent.
+
+    It waits for _PATIENCE. Only what frees the object waits for as long as it takes, or the object would stay.
+    """
+    if event.kind == KIND_NEW or event.serial <= state.objects[event.slot].serial:
+        return False
+    if event.kind == KIND_FREE:
+        return True
+    if event.waits_until < 0.0:
+        event.waits_until = state.position + _PATIENCE * state.rate
+    return state.position < event.waits_until
 
 
 @kernel

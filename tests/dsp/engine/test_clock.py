@@ -9,10 +9,10 @@ from numba import njit
 from carom.dsp.engine.clock import CLOCK, lock, sample_at
 from carom.dsp.engine.commands import Command, Handle, Kind
 from carom.dsp.engine.events import _read_clock
-from carom.dsp.engine.state import QUANTUM
+from carom.dsp.engine.state import QUANTUM, End
 from carom.dsp.native.system import clock_ns
 from carom.dsp.runtime.engine import NOW, Engine, Stamp
-from tests.dsp.engine.support import RATE, bell, panic, setting
+from tests.dsp.engine.support import HARD, RATE, bell, gesture, panic, setting
 
 START = 10**15  # ns
 
@@ -176,6 +176,23 @@ def test_what_is_for_an_object_waits_for_it_wherever_the_clock_is_set():
     engine.process(2_048)
     assert [(number, time // QUANTUM) for number, time in engine.noted()] == [(0, 15), (1, 16), (2, 16)]
     assert not engine.objects["used"].any() and engine.queued == 0
+
+
+def test_what_is_for_an_object_of_next_year_does_not_wait_for_it():
+    """But its end does, or it would stay for good."""
+    engine = Engine(RATE)
+    engine.note()
+    handle, layout = engine.lay_out(bell(8), 1.0)
+    engine.send([Command(3.0 * RATE, Kind.NEW, handle, layout)])
+    engine.send(
+        [gesture(Kind.IMPACT, handle, HARD, number=7, velocity=1.0), Command(NOW, Kind.FREE, handle, value=1.0)]
+    )
+    engine.process(int(RATE) - QUANTUM)
+    assert engine.queued == 3 and engine.noted() == []
+    engine.process(2 * QUANTUM)
+    assert engine.queued == 2 and engine.noted() == [(1, -1.0)] and engine.ended() == [(7, End.GONE)]
+    engine.process(3 * int(RATE))
+    assert engine.queued == 0 and not engine.objects["used"].any()
 
 
 def test_stamps_are_floats_in_order():
