@@ -39,7 +39,7 @@ def test_a_wheel_holds_all_code_and_is_built_with_what_the_package_allows():
     marked = {path.relative_to(ROOT).with_suffix("") for path in files if "\n@c_function(" in path.read_text()}
     assert set(re.findall(r'"(.*)"', compiled)) == {".".join(("carom", *path.parts)) for path in marked}
     needed = tomllib.loads((ROOT / "pyproject.toml").read_text())["build-system"]["requires"]
-    assert set(needed) <= {*PROJECT["dependencies"], "setuptools>=69"}
+    assert set(needed) <= {*PROJECT["dependencies"], "setuptools>=77.0.3"}
 
 
 @pytest.mark.parametrize("path", ["CONTRIBUTING.md", ".github/pull_request_template.md", "SECURITY.md"])

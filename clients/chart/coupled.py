@@ -51,7 +51,7 @@ def coupled(rows: list[Row]) -> Figure:
     figure.legend(handles=handles, loc="outside lower center", ncols=4)
     figure.suptitle(
         "Contacts with objects that yield, by the striker's mass m over the object's M at the point\n"
-        "Along a line the oversampling grows, or the tolerance falls from none (a held force) to 1e-5"
+        "Along a line the oversampling grows, or the tolerance falls from none (a held force) to 1e-7"
     )
     return figure
 

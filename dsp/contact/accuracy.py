@@ -18,13 +18,13 @@ LEVELS = ("-40", "-60", "-80", "exact")
 RESIDUAL = np.array([7e-3, 4e-4, 3e-5, 0.0])
 """Residual up to which the closed form has that accuracy."""
 
-TOLERANCE = np.array([1e-1, 1e-1, 1e-2, 1e-5])
+TOLERANCE = np.array([1e-1, 1e-1, 1e-2, 1e-7])
 """Tolerances of the coupled solver for it, on objects that outweigh the striker: sum r_i below LIGHT."""
 
 LIGHT = 1.0
 """sum r_i from which on the object swings back and is touched again and again, by which errors grow."""
 
-LIGHT_TOLERANCE = np.array([2e-2, 2e-3, 1e-4, 1e-7])
+LIGHT_TOLERANCE = np.array([2e-2, 2e-3, 1e-4, 1e-9])
 """Tolerances there."""
 
 _HEAVY = 0.25  # sum r_i P_i from which on an object is too light
