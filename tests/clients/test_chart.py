@@ -170,7 +170,7 @@ def test_coupled_solvers_are_compared(charted):
     rows = read(charted[0] / "coupled.csv")
     bands = sorted({float(row["sum_r_from"]) for row in rows})
     assert bands == [band[0] for band in BANDS]
-    tolerances = {str(setting) for setting in ("inf", "0.1", "0.01", "1e-05")}
+    tolerances = {str(setting) for setting in ("inf", "0.1", "0.01", "1e-07")}
     assert {row["setting"] for row in pick(rows, solver="coupled")} == tolerances
     for row in rows:
         assert float(row["ns_per_contact"]) > 10
