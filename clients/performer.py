@@ -125,7 +125,7 @@ class Performer:
         handle = self.scene.objects[name].handle
         return handle.slot, handle.serial
 
-    def slide_like(self, slide: Slide) -> tuple[NDArray[np.void], float]:
+    def slide_template(self, slide: Slide) -> tuple[NDArray[np.void], float]:
         """The command of a slide, (1,) of COMMAND, and the least radius (m) on its surface."""
         made = np.zeros(1, COMMAND)
         write(made[0], 0, self.scene.command_of(slide.message))

@@ -26,7 +26,7 @@ from .server.closing import Closing
 from .server.osc.score import format_line
 from .server.world.blows import Counts, Hit
 from .server.world.bodies import Body, WorldError
-from .server.world.gestures import like
+from .server.world.gestures import template
 from .server.world.hearing import Hearing, Microphone
 from .server.world.requests import Request, Slide, in_order
 from .server.world.simulation import Simulation
@@ -164,8 +164,8 @@ class World(Closing):
         """Have slides ready on the surfaces of the bodies there are, as one on a body that rings."""
         for surface in self.simulation.surfaces[self._surfaces :]:
             least = performer.scene.least_radius(surface)
-            command, least = performer.slide_like(like(body, surface, max(least, CONTACT_RADIUS)))
-            self.simulation.slides_like(surface, command, least)
+            command, least = performer.slide_template(template(body, surface, max(least, CONTACT_RADIUS)))
+            self.simulation.has_template(surface, command, least)
             self._surfaces += 1
 
     def pair(self, a: str, b: str, **keys: Any) -> None:

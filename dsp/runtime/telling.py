@@ -44,7 +44,7 @@ TELLING = np.dtype(
         ("start", np.int64),  # address of the simulation's time (s) at the engine's first sample, a float64
         ("latency", np.float64),  # s
         ("objects", np.int64),  # address of OBJECTS
-        ("likes", np.int64),  # address of LIKES
+        ("templates", np.int64),  # address of TEMPLATES
         ("blank", COMMAND),
     ],
     align=True,
@@ -55,8 +55,9 @@ OBJECTS = np.dtype((np.int64, (BODIES, 2)))
 """The slot and the serial of each body's object in the engine."""
 
 SURFACES = 16
-LIKES = np.dtype([("least", np.float64), ("command", COMMAND)], align=True)
-"""A slide on a surface, as others on it are: the least radius (m) of what slides there, and the command."""
+TEMPLATES = np.dtype([("least", np.float64), ("command", COMMAND)], align=True)
+"""Of a slide on a surface: the least radius (m) of what slides there, and the command, which lacks the numbers of the
+contact."""
 
 _OWN = 1 << 40  # numbers of gestures from here on are those of slides, which no message names
 LOOK, NOTHING, NOT_WHOLE, NOT_LATER, NO_ROOM = 1, 0, -1, -2, -3
@@ -67,7 +68,7 @@ _GRID = 256.0  # places between two samples, to which a time is rounded that is 
 
 
 def begin_telling(telling: np.ndarray, **arrays: np.ndarray) -> None:
-    """Say where arrays are, in a record (1,) of TELLING: state, microphones, objects, likes."""
+    """Say where arrays are, in a record (1,) of TELLING: state, microphones, objects, templates."""
     for name, array in arrays.items():
         telling[name] = array.ctypes.data
     telling["blank"]["channel"] = -1
@@ -240,12 +241,12 @@ def _begin_slide(link, state, entries, number, time, event):
     surface = state.surface[state.material[event.a], state.material[event.b]] - 1
     if surface < 0 or state.slides_so[event.a, event.b] == 1:
         return False
-    like = carray(pointer_to(link.likes), (SURFACES,), LIKES)[surface]
-    if not event.radius >= like.least > 0.0:
+    template = carray(pointer_to(link.templates), (SURFACES,), TEMPLATES)[surface]
+    if not event.radius >= template.least > 0.0:
         return False
     objects = carray(pointer_to(link.objects), (BODIES, 2), np.int64)
     struck, strikes = (event.b, event.a) if event.side == 1 else (event.a, event.b)
-    entries[number % RING] = like.command
+    entries[number % RING] = template.command
     command = entries[number % RING]
     command.number, command.time, command.kind = number, time, KIND_SLIDE
     command.gesture = _OWN + event.slide

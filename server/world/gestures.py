@@ -33,8 +33,8 @@ class Gestures:
         return [Ending(event.time, id)] if id else []
 
 
-def like(body: Body, surface: str, radius: float) -> Slide:
-    """A slide on a body as others are on such a surface, but for the numbers of a command."""
+def template(body: Body, surface: str, radius: float) -> Slide:
+    """A slide on a body and a surface, in which the numbers of a contact are yet to be written."""
     law = {"mass": 1.0, "stiffness": 1e6, "exponent": 1.5}
     return Slide(0.0, body.name, "", id_of(0), 0.0, 0.0, 1.0, 1.0, 1.0, 0, _keys(0.0, radius, surface, law))
 

@@ -8,12 +8,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...dsp.bodies.material import Material, contact_between
 from ...dsp.runtime.telling import (
-    LIKES,
     NO_ROOM,
     NOT_LATER,
     OBJECTS,
     SURFACES,
     TELLING,
+    TEMPLATES,
     begin_telling,
     link_engine,
     tell,
@@ -76,9 +76,13 @@ class Simulation:
         """s: the simulation's time at the beginning of its sound."""
         self._telling = np.zeros(1, TELLING)
         self._objects = np.zeros(1, OBJECTS)
-        self._likes = np.zeros(SURFACES, LIKES)
+        self._templates = np.zeros(SURFACES, TEMPLATES)
         begin_telling(
-            self._telling, state=self.state, microphones=self._microphones, objects=self._objects, likes=self._likes
+            self._telling,
+            state=self.state,
+            microphones=self._microphones,
+            objects=self._objects,
+            templates=self._templates,
         )
         self._step_time, self._step_points = np.zeros(1), np.zeros(1, np.int32)
         self._own = self.telling(0, self._step_time.ctypes.data, self._step_points.ctypes.data)
@@ -200,9 +204,9 @@ class Simulation:
             self.surfaces.append(name)
         return self.surfaces.index(name) + 1
 
-    def slides_like(self, surface: str, command: NDArray[np.void], least: float) -> None:
-        """Say how an engine's command slides on a surface, (1,) of COMMAND, and from which radius (m) on."""
-        self._likes[self.surfaces.index(surface)] = least, command[0]
+    def has_template(self, surface: str, command: NDArray[np.void], least: float) -> None:
+        """Say which command, (1,) of COMMAND, is a slide on a surface, and from which radius (m) on."""
+        self._templates[self.surfaces.index(surface)] = least, command[0]
 
     def take_back(self, name: str) -> None:
         """Forget the body that was added last."""
