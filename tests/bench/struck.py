@@ -18,6 +18,8 @@ SCENE = (16_000, 64)
 """Objects, and modes of each."""
 STRIKES = 200.0  # per second
 CALLBACKS = 8_000
+RINGING = 0.99
+"""Share of the modes that ring to the end at least: a blow stops few, where it meets them in antiphase."""
 
 
 def measure(callbacks: int = CALLBACKS, scene: tuple[int, int] = SCENE) -> list[dict[str, Any]]:
@@ -42,7 +44,8 @@ def measure(callbacks: int = CALLBACKS, scene: tuple[int, int] = SCENE) -> list[
                 each.process(QUANTUM)
                 taken[which, n] = 1e-9 * (time.perf_counter_ns() - begun)
         stats = engine.stats
-        assert stats.live_modes >= scene[0] * scene[1] and stats.limited == stats.faults == stats.contacts_dropped == 0
+        assert stats.live_modes >= RINGING * scene[0] * scene[1]
+        assert stats.limited == stats.faults == stats.contacts_dropped == 0
         strikes = int(stats.impacts - before)
         for who, seconds in zip((form, f"nothing, beside {form}"), taken / (QUANTUM / RATE), strict=True):
             rows.append(
