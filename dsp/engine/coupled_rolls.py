@@ -15,6 +15,7 @@ import math
 import numpy as np
 
 from ..native.jit import kernel, noinline_kernel
+from ..rolling.contact_step import BRIEF
 from ..rolling.coupled_roll import begin_coupled_roll, lead_coupled_roll
 from .commands import KIND_SLIDE
 from .objects import is_felt, place, shape_at
@@ -25,7 +26,7 @@ from .state import COUPLING, QUANTUM
 GIVING = np.array([0.03, 0.01, 0.003, 0.0])
 """By accuracy: that sum, above which a roll feels the object."""
 
-_FINE = 2  # of the accuracies, from which on a path's kinks within a sample count
+_FINE = 2  # of the accuracies, from which on a path's kinks within a sample count, and short steps err no more
 _SHARE = 1.0 / 16.0  # of the room for coupled modes, which rolls take at most: they last
 _PLACES = 5  # along the path of a body that moves over its object, at which is looked
 _PLACED = 16  # frames after which one that feels all modes acts at another place
@@ -37,10 +38,11 @@ def couple_roll(state, contact):
     level, roll = state.choices.accuracy, state.rolls[contact.roll]
     mass, gravity = roll.target.mass, roll.target.gravity
     omega_c = math.sqrt(contact.a * gravity / (mass * gravity / contact.k) ** (1.0 / contact.a))
+    roll.brief = BRIEF if level < _FINE else 0.0
     mobility, greatest = _mobility(state, contact, omega_c)
     if not mass * greatest > GIVING[level]:
         return
-    roll.mobility = mobility / omega_c
+    roll.mobility, roll.brief = mobility / omega_c, BRIEF
     if level == 0 or contact.kind == KIND_SLIDE or holds_steps(state):
         return
     modes = BY_ITSELF

@@ -59,36 +59,74 @@ def ring_on(state, obj, voice, start, stop):
     if obj.rolls_head < 0:
         ring(modes_of(state, obj, 0, obj.live), voice, start, stop)
         return
+    moves = _moves(state, obj)
     frame = start
     while frame < stop:
-        end = min(stop, frame - frame % LINE + LINE)
+        end = min(stop, frame - frame % LINE + LINE) if moves else stop
         count, driven = _drivers(state, obj, frame, end)
         fed = min(driven, obj.bent // LANES * LANES)
         ring(modes_of(state, obj, driven, obj.live), voice, frame, end)
-        _ring_fed(state, obj, voice, count, fed, frame, end)
+        _ring_fed(state, obj, voice, _place_blows(state, count, frame, end), fed, frame, end, moves)
         if driven > fed:
             _ring_driven(state, obj, voice, count, fed, driven, frame, end)
         frame = end
 
 
 @kernel
-def _ring_fed(state, obj, voice, count, fed, frame, end):
-    """Let an object's first `fed` modes ring under rolls, by one number a frame; added to its voice."""
-    scratch, work, shape = state.scratch, state.scratch.work, shapes_of(state, obj)
+def _moves(state, obj):
+    """True if a roll on an object moves over it."""
+    moves = False
+    entry = obj.rolls_head
+    while entry >= 0:
+        contact = state.contacts[entry // 2]
+        moves = moves or (entry % 2 == 0 and contact.travel > 0.0)
+        entry = contact.point[entry % 2].next_roll
+    return moves
+
+
+@kernel
+def _place_blows(state, count, frame, end):
+    """Add up the forces of those drivers that stay at one place, in `blows`; how many places there are."""
+    scratch, places = state.scratch, 0
     for j in range(count):
-        samples = state.samples[scratch.drivers[j].feed]
+        driver = scratch.drivers[j]
+        samples = state.samples[driver.feed]
+        k = 0
+        while k < places and not _acts_alike(driver, scratch.drivers[scratch.placed[k]]):
+            k += 1
+        if k == places:
+            scratch.placed[k] = j
+            places += 1
+            for n in range(frame, end):
+                scratch.blows[k, n] = 0.0
         for n in range(frame, end):
-            scratch.blows[j, n] = samples[REACH - 1 + n]
-    room = len(work) // (2 * count) // LANES * LANES
+            scratch.blows[k, n] += samples[REACH - 1 + n]
+    return places
+
+
+@kernel
+def _acts_alike(a, b):
+    """True if two drivers act at one place, with one gain, and stay there."""
+    alike = a.row == b.row
+    for i in range(4):
+        alike = alike and a.weights[i] == b.weights[i] and a.drift[i] == b.drift[i] == 0.0
+    return alike
+
+
+@kernel
+def _ring_fed(state, obj, voice, places, fed, frame, end, moves):
+    """Let an object's first `fed` modes ring under rolls at some places, by one number a frame; added to its voice."""
+    scratch, work, shape = state.scratch, state.scratch.work, shapes_of(state, obj)
+    room = len(work) // (2 * places) // LANES * LANES
     first = 0
     while first < fed:
         size = min(room, fed - first)
         modes = modes_of(state, obj, first, first + size)
-        for j in range(count):
-            driver = scratch.drivers[j]
+        for k in range(places):
+            driver = scratch.drivers[scratch.placed[k]]
             where = Point(shape, obj.size, driver.row, driver.weights)
-            lay_blows(modes.response, where, driver.drift, first, work, 2 * j * size, size)
-        ring_fed(modes, work, scratch.blows, count, voice, frame, end)
+            lay_blows(modes.response, where, driver.drift, first, work, 2 * k * size, size)
+        ring_fed(modes, work, scratch.blows, places, moves, voice, frame, end)
         first += size
 
 

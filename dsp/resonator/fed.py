@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from ..native.jit import kernel, simd_kernel
 from ..numerics.legendre import KEPT
 from .bank import FED, RESPONSES
-from .simd import LANES, STRETCH, add_product, dot, inner_products, put_product, ring_blown
+from .simd import LANES, STRETCH, add_product, dot, inner_products, put_product, ring_blown, ring_blown_still
 
 HALF = 16
 """Samples ahead and behind that a band-limited sample of a force is made of."""
@@ -105,17 +105,15 @@ def lay_blows(response, point, drift, first, blows, at, count):
 
 
 @kernel
-def ring_fed(modes, blows, forces, count, out, start, stop):
+def ring_fed(modes, blows, forces, count, moves, out, start, stop):
     """Let modes ring from frame `start` to `stop` under `count` forces; added to out[0], out[1].
 
     Force j acts by forces[j, t] (N s) in frame t, on the modes as `lay_blows` put it into `blows`, as of frame `start`,
-    from 2 j times the number of modes on.
+    from 2 j times the number of modes on; without `moves` its changes are 0.
     """
     t = start
     while t + STRETCH <= stop:
-        l0, l1, l2, l3, r0, r1, r2, r3 = ring_blown(
-            modes.y1, modes.y2, modes.a1, modes.a2, modes.balance, blows, forces, count, t, float(t - start)
-        )
+        l0, l1, l2, l3, r0, r1, r2, r3 = _ring_stretch(modes, blows, forces, count, moves, t, float(t - start))
         out[0, t] += l0
         out[0, t + 1] += l1
         out[0, t + 2] += l2
@@ -128,6 +126,14 @@ def ring_fed(modes, blows, forces, count, out, start, stop):
     while t < stop:
         _ring_blown_once(modes, blows, forces, count, out, t, float(t - start))
         t += 1
+
+
+@kernel
+def _ring_stretch(modes, blows, forces, count, moves, t, since):
+    """STRETCH frames of `ring_fed`: the sums of all modes, left and right."""
+    if moves:
+        return ring_blown(modes.y1, modes.y2, modes.a1, modes.a2, modes.balance, blows, forces, count, t, since)
+    return ring_blown_still(modes.y1, modes.y2, modes.a1, modes.a2, modes.balance, blows, forces, count, t, since)
 
 
 @simd_kernel

@@ -195,6 +195,17 @@ def ring_blown(typingctx, y1, y2, a1, a2, balance, blows, forces, count, frame, 
     blow_j and change_j are in `blows` from 2 j and 2 j + 1 times the number of modes on, for j below `count`. The sums
     of y, then those of balance y, a tuple of 2 STRETCH values.
     """
+    return _ring_blown((y1, y2, a1, a2, balance, blows, forces, types.intp, types.intp, types.float64), moves=True)
+
+
+@intrinsic
+def ring_blown_still(typingctx, y1, y2, a1, a2, balance, blows, forces, count, frame, since):
+    """The same where each change_j is 0: they are not read."""
+    return _ring_blown((y1, y2, a1, a2, balance, blows, forces, types.intp, types.intp, types.float64), moves=False)
+
+
+def _ring_blown(arguments: tuple[Any, ...], moves: bool) -> Any:
+    """Signature and code of `ring_blown`, with changes or without."""
 
     def codegen(context, builder, signature, args):
         types_of = signature.args
@@ -226,11 +237,11 @@ def ring_blown(typingctx, y1, y2, a1, a2, balance, blows, forces, count, frame, 
             with cgutils.for_range(builder, count) as loop:
                 at = builder.add(builder.mul(builder.mul(loop.index, _i64(2)), size), i)
                 blow = builder.load(place(5, at), align=8)
-                change = builder.load(place(5, builder.add(at, size)), align=8)
+                change = builder.load(place(5, builder.add(at, size)), align=8) if moves else None
                 first = builder.add(builder.mul(loop.index, frames), frame)
                 for t, each in enumerate(pushes):
                     force = everywhere(builder.load(builder.gep(feeds.data, [builder.add(first, _i64(t))])))
-                    here = plus(blow, times(ages[t], change))
+                    here = plus(blow, times(ages[t], change)) if moves else blow
                     builder.store(plus(builder.load(each), times(here, force)), each)
             u, v, p, q, weight = (builder.load(place(n, i), align=8) for n in range(5))
             for t in range(STRETCH):
@@ -244,9 +255,7 @@ def ring_blown(typingctx, y1, y2, a1, a2, balance, blows, forces, count, frame, 
         total = _gathered(builder, [builder.load(each) for each in totals])
         return cgutils.pack_array(builder, [builder.extract_element(total, _i32(i)) for i in range(2 * STRETCH)])
 
-    returned = types.UniTuple(types.float64, 2 * STRETCH)
-    arguments = (y1, y2, a1, a2, balance, blows, forces, types.intp, types.intp, types.float64)
-    return returned(*arguments), codegen
+    return types.UniTuple(types.float64, 2 * STRETCH)(*arguments), codegen
 
 
 @intrinsic

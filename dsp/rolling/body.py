@@ -28,6 +28,7 @@ EVENTS = 120_000.0
 
 _BURST = 200.0  # events that it may need at once
 _LONGEST = 5e-4  # s: of a flight or a step, after which speed and gravity are looked at
+_ROOM = 1.01  # of the path over a step, which ends before it does
 _FIRST = 1e-5  # s: the first step to try
 _GLIDE = SPEED.glide  # s: time constant of speed, mass and gravity
 _FADE = 0.005  # s: time constant with which a roll that stopped is left
@@ -35,7 +36,6 @@ _STOPPED = 0.02  # share of its speed at which it has
 _GONE = 1e-5  # -100 dB
 _SLOWEST = 1e-9  # m/s
 _SMALL = 1e-7  # share of a goal that isn't glided any more
-_TOLERANCE = 3e-4  # share of the momentum at hand by which a step may err, times coarseness
 _STIFFEST = 2e5  # rad/s: a body that swings faster on its contact is as good as one that doesn't
 _LEAST_PACE = 0.2  # share of its speed that a lopsided body keeps
 _MOST_LIFT = 0.9  # share of its weight that a lopsided body loses or gains
@@ -52,6 +52,8 @@ ROLL = np.dtype(
         ("a", np.float64),
         ("stiffness", np.float64),  # k, as far as it makes a difference
         ("rest_compression", np.float64),  # m: compression under its weight
+        ("swing", np.float64),  # 1/s^2: square of the angular frequency at which it swings about that
+        ("lightness", np.float64),  # 1/kg: 1/m
         ("m", np.float64),
         ("g", np.float64),
         ("mobility", np.float64),  # m/(N s): of the object, where that yields as a dashpot; 0: it is rigid
@@ -68,7 +70,7 @@ ROLL = np.dtype(
         ("along", np.float64),  # m into it
         ("touching", np.int64),
         ("next", np.float64),  # s: the step to try
-        ("tolerance", np.float64),
+        ("brief", np.float64),  # s: a shorter step may err by more (contact_step.py); 0: none may
         ("debt", np.float64),  # events beyond what is granted
         ("fade", np.float64),  # 1, falling to 0 when the roll has stopped
         ("ended", np.int64),
@@ -115,7 +117,7 @@ def begin_roll(roll, place, k, mu, a, corners, coarseness):
     roll.angle = 0.5 * math.pi
     roll.s = roll.t = roll.since = roll.span = roll.given = roll.debt = 0.0
     roll.fade = 1.0
-    roll.mobility = 0.0
+    roll.mobility = roll.brief = 0.0
     roll.ended = roll.impacts = roll.events = roll.holds = 0
     roll.along = 0.0
     roll.piece = -1
@@ -131,7 +133,6 @@ def steer(roll):
     slowed = min(roll.target.friction * roll.g * roll.span, roll.target.speed)
     roll.target.speed -= slowed
     roll.v = max(roll.v - slowed, _SLOWEST)
-    roll.tolerance = _TOLERANCE * roll.path.coarseness
     roll.debt = max(roll.debt + 1.0 - EVENTS / roll.path.coarseness * roll.span, 0.0)
     stopped = roll.target.speed == 0.0 and roll.v <= max(_STOPPED * roll.top_speed, _SLOWEST)
     if stopped or roll.fade < 1.0:
@@ -153,6 +154,8 @@ def steer(roll):
     stiffest = roll.m * roll.g / (roll.a * roll.g / (_STIFFEST * _STIFFEST)) ** roll.a
     roll.stiffness = min(roll.k, stiffest)
     roll.rest_compression = (roll.m * roll.g / roll.stiffness) ** (1.0 / roll.a)
+    roll.swing = roll.a * roll.g / roll.rest_compression
+    roll.lightness = 1.0 / roll.m
 
 
 @kernel
@@ -186,8 +189,8 @@ def modulate(roll):
 
 
 @kernel
-def look_ahead(roll):
-    """Have the path ready; returns the time in s for which it is."""
+def look_ahead(roll, seconds):
+    """Have the path ready; returns the time in s for which it is, or one beyond `seconds`."""
     path = roll.path
     begun = roll.piece >= 0
     anew = not begun or roll.target.radius != path.radius
@@ -212,7 +215,7 @@ def look_ahead(roll):
     length = -roll.along
     for i in range(roll.piece, path.made):
         length += path.length[i & (PIECES - 1)]
-        if length > _LONGEST * roll.modulated_speed:
+        if length > seconds * roll.modulated_speed:
             break
     return length / roll.modulated_speed
 
@@ -233,10 +236,12 @@ def next_event(roll):
     """Let the body go on by one event: a flight or a part of one, or a step in contact."""
     steer(roll)
     modulate(roll)
-    longest = min(0.999 * look_ahead(roll), _LONGEST)
+    least = roll.path.coarseness / EVENTS if roll.debt > _BURST else 0.0
+    wanted = min(max(roll.next, least), _LONGEST) if roll.touching == 1 else _LONGEST
+    longest = min(0.999 * look_ahead(roll, _ROOM * wanted), _LONGEST)
     roll.since = roll.t
     if roll.touching == 1:
-        step_contact(roll, longest, roll.path.coarseness / EVENTS if roll.debt > _BURST else 0.0)
+        step_contact(roll, longest, least)
     else:
         _fly(roll, longest)
     roll.t += roll.span

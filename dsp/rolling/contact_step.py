@@ -12,29 +12,35 @@ import math
 
 from ..contact.collocation import (
     GAUSS,
-    INTEGRAL,
     NODES,
     WEIGHTS,
     better_step,
     discrete_gradient,
-    elastic,
     end_of,
     extrapolate,
-    law,
-    solve,
+    raised,
 )
-from ..native.jit import kernel
+from ..native.jit import kernel, noinline_kernel
+from .free_mass import solve_free_mass
 from .path import PIECES
 
+TOLERANCE = 3e-4
+"""Share of the momentum at hand by which a step may err, times the path's coarseness."""
+
+BRIEF = 1e-4
+"""s: a step that is shorter by a factor n may err n^2 times as much: its error is as brief, above what is heard. Third
+octaves stay within 1 dB."""
+
+_MOST = 1e-2  # of such a share
 _GROWTH = 1e-9  # share of its energy that a step may gain
 _TRIALS = 24
 _KINK = 1e-3  # share of the speed at hand by which a kink must change the compression's rate to end a step
 _NEAR = 1e-9  # share of a piece at whose end it is as good as over
-_SOLVED = 1e-5  # share of the momentum that a solver's last change may be worth: its error is the square
+_SOLVED = 3e-10  # share of the momentum at hand by which the solver's force may err
+_SOLVED_BENT = 1e-3  # the same, where the path bends, of what it bends by
+_SOLVED_WITHIN = 1e-2  # and of the tolerance at most
 
-_LEAST_RIPPLE = 1e-3  # share of the momentum at hand that counts as heard in any case
-
-_TWICE = INTEGRAL @ INTEGRAL
+_LEAST_RIPPLE = 1e-3  # share of the speed at hand that counts as heard in any case
 
 
 @kernel
@@ -82,21 +88,19 @@ def _walk(roll, h):
 
 
 @kernel
-def _collocate(roll, h, k, momentum):
+def _collocate(roll, h, k, speed):
     """Try a step in contact: whether it is solved, and the body's height and rate at its end."""
     step = roll.step
     y, w, g = roll.y, roll.w, roll.modulated_gravity
-    lightness = h / roll.m
+    lightness = h * roll.lightness
     rises = roll.mobility * roll.m * roll.g
     for i in range(NODES):
         t = h * GAUSS[i]
         step.free_x[i] = roll.level[i] - (y + t * (w - rises - 0.5 * g * t))
         step.free_v[i] = roll.path_rate[i] - (w - rises - g * t)
-        for j in range(NODES):
-            step.give_v[i, j] = lightness * INTEGRAL[i, j]
-            step.give_x[i, j] = h * (lightness * _TWICE[i, j] + roll.mobility * INTEGRAL[i, j])
-        step.give_v[i, i] += roll.mobility
-    solved = solve(step, k, roll.mu, roll.a, _SOLVED * momentum / h)
+    bend = abs(roll.path_rate[0] - roll.path_rate[1]) + abs(roll.path_rate[1] - roll.path_rate[NODES])
+    error = _SOLVED * speed + min(_SOLVED_BENT * bend, _SOLVED_WITHIN * TOLERANCE * speed)
+    solved = solve_free_mass(step, h, lightness, roll.mobility, (k, roll.mu, roll.a), error * roll.m / h)
     y += h * (w - rises - 0.5 * g * h)
     w -= g * h
     for j in range(NODES):
@@ -106,14 +110,15 @@ def _collocate(roll, h, k, momentum):
 
 
 @kernel
-def _judge(roll, h, k, x, stored, momentum, y, w):
-    """What to multiply a step with for the tolerance, and whether it will do; x: the compression at its beginning."""
+def _judge(roll, h, k, begin, y, w):
+    """What to multiply a step with for the tolerance, and whether it will do; begin: compression, its rate, and the
+    elastic energy at its beginning."""
     m, f = roll.m, roll.step.f
+    x, v, stored = begin
     x_end = roll.level[NODES] - y
-    v_end = _rate_of(roll, k, x_end, roll.path_rate[NODES] - w)
-    kept = elastic(x_end, k, roll.a)
-    momentum = max(momentum, m * math.sqrt(v_end * v_end + 2.0 * kept / m))
-    rest = abs(end_of(f) - law(x_end, v_end, k, roll.mu, roll.a)) * h
+    spring, kept = _spring(roll, k, x_end)
+    v_end = _rate_under(roll, spring, roll.path_rate[NODES] - w)
+    rest = abs(end_of(f) - spring * max(1.0 + roll.mu * v_end, 0.0)) * h
     # The work of path and dashpot, and how uncertain it is where the path bends.
     work = spread = sunk = 0.0
     for i in range(NODES):
@@ -124,27 +129,47 @@ def _judge(roll, h, k, x, stored, momentum, y, w):
         spread += h * WEIGHTS[i] * f[i] * bend
     lifted = m * roll.modulated_gravity * (y - sunk - roll.y)
     gained = 0.5 * m * (w - roll.w) * (w + roll.w) + lifted + kept - stored - work
-    room = spread + _GROWTH * (momentum * momentum / m + m * roll.modulated_gravity * max(x, x_end, 0.0))
-    ripple = max(_ripple(roll, x, roll.path_rate[0] - roll.w), _ripple(roll, x_end, v_end), _LEAST_RIPPLE * momentum)
-    wanted = roll.tolerance * ripple
+    square = max(_speed_squared(roll, v, stored), v_end * v_end + 2.0 * kept * roll.lightness)
+    room = spread + _GROWTH * m * (square + roll.modulated_gravity * max(x, x_end, 0.0))
+    ripple = max(_ripple(roll, x, v), _ripple(roll, x_end, v_end), _LEAST_RIPPLE * _LEAST_RIPPLE * square)
+    wanted = _tolerance(roll, h) * m * math.sqrt(ripple)
     return better_step(rest, wanted), rest <= wanted and gained <= room
 
 
 @kernel
-def _rate_of(roll, k, x, v):
-    """The rate of the compression x, which would be v (m/s) if the surface did not sink under the force there."""
-    if x <= 0.0:
-        return v + roll.mobility * roll.m * roll.g
-    spring = k * x**roll.a
-    v += roll.mobility * (roll.m * roll.g - spring)
-    return v / (1.0 + spring * roll.mu * roll.mobility)
+def _tolerance(roll, h):
+    """The share of the momentum at hand by which a step of h s may err."""
+    shorter = max(roll.brief / h, 1.0)
+    return min(TOLERANCE * shorter * shorter, _MOST) * roll.path.coarseness
+
+
+@kernel
+def _spring(roll, k, x):
+    """The force (N) without dissipation under a compression, and the elastic energy (J)."""
+    spring = k * raised(x, roll.a) if x > 0.0 else 0.0
+    return spring, spring * max(x, 0.0) / (roll.a + 1.0)
+
+
+@kernel
+def _rate_under(roll, spring, rate):
+    """The rate of compression under a spring's force (N), which would be `rate` (m/s) if the surface did not sink."""
+    if roll.mobility == 0.0:
+        return rate
+    return (rate + roll.mobility * (roll.m * roll.g - spring)) / (1.0 + spring * roll.mu * roll.mobility)
+
+
+@kernel
+def _speed_squared(roll, v, stored):
+    """The square of the speed that a rate of compression, the elastic energy and the rest's make together."""
+    return v * v + 2.0 * stored * roll.lightness + roll.g * roll.rest_compression
 
 
 @kernel
 def _ripple(roll, x, v):
-    """The momentum at hand of a swing about rest: what is heard of a body that never leaves the path, however soft."""
+    """The square of the speed of a swing about rest: what is heard of a body that never leaves the path, however
+    soft."""
     away = x - roll.rest_compression
-    return roll.m * math.sqrt(v * v + roll.a * roll.modulated_gravity / roll.rest_compression * away * away)
+    return v * v + roll.swing * away * away
 
 
 @kernel
@@ -161,7 +186,7 @@ def _hold(roll, h, k, x):
     return roll.level[NODES] - (x + change), roll.w + h * (force / roll.m - roll.modulated_gravity)
 
 
-@kernel
+@noinline_kernel
 def step_contact(roll, longest, least):
     """Take a step in contact of at most `longest` s, and no less than `least` whatever its error."""
     k = roll.stiffness
@@ -172,11 +197,11 @@ def step_contact(roll, longest, least):
     level, incline = path_at(roll)
     x = level - roll.y
     v = roll.modulated_speed * incline - roll.w
-    stored = elastic(x, k, roll.a)
-    momentum = roll.m * math.sqrt(v * v + 2.0 * stored / roll.m + roll.g * roll.rest_compression)
+    stored = _spring(roll, k, x)[1]
+    speed = math.sqrt(_speed_squared(roll, v, stored))
     h = min(max(roll.next, least), longest)
     if least == 0.0:
-        h = _to_kink(roll, h, _KINK * momentum / roll.m)
+        h = _to_kink(roll, h, _KINK * speed)
     cut = h < roll.next
     y = w = ratio = 0.0
     good = False
@@ -184,10 +209,10 @@ def step_contact(roll, longest, least):
     along = roll.along
     for _ in range(_TRIALS):
         piece, along = _walk(roll, h)
-        solved, y, w = _collocate(roll, h, k, momentum)
+        solved, y, w = _collocate(roll, h, k, speed)
         ratio = 0.25
         if solved:
-            ratio, good = _judge(roll, h, k, x, stored, momentum, y, w)
+            ratio, good = _judge(roll, h, k, (x, v, stored), y, w)
         if good or h <= least:
             break
         h = max(h * min(ratio, 0.7), least)

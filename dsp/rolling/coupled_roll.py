@@ -25,7 +25,7 @@ def begin_coupled_roll(roll, contact, rate, tolerance):
     roll.span = 0.0
     steer(roll)
     modulate(roll)
-    look_ahead(roll)
+    look_ahead(roll, 0.0)
     law = ContactLaw(roll.m, roll.stiffness, roll.mu, roll.a)
     begin_coupled(contact, 0.0, law, 0.0, 0.0, rate, tolerance)
     _weigh(roll, contact)
@@ -54,7 +54,7 @@ def lead_coupled_roll(roll, contact, begin, whole):
     steer(roll)
     modulate(roll)
     roll.w = -contact.v
-    look_ahead(roll)  # on another path the body keeps its rate against it
+    look_ahead(roll, 0.0)  # on another path the body keeps its rate against it
     contact.v = -roll.w
     contact.kinks = contact.kink = 0
     _lay_path(roll, contact, begin)

@@ -2,13 +2,8 @@
 
 import math
 
-from numpy.polynomial import legendre
-
-from ..contact.collocation import CARDINAL, NODES
+from ..contact.collocation import CARDINAL, GAUSS, NODES, WEIGHTS
 from ..native.jit import kernel
-from ..numerics.legendre import FALL, KEPT, RISE
-
-_NODES, _WEIGHTS = (g.copy() for g in legendre.leggauss(KEPT // 2 + 1))
 
 
 @kernel
@@ -43,13 +38,17 @@ def add_quadratic(force, since, span, start, stop, origin, rate, moments):
             moments[n, 1] += (a1 + a2) / 6.0 / rate
             moments[n, 2] += a2 / 30.0 / rate
             continue
-        for j in range(len(_NODES)):
-            x = low + half * (1.0 + _NODES[j])
+        m0 = m1 = m2 = m3 = 0.0
+        for j in range(NODES):
+            x = low + 2.0 * half * GAUSS[j]
             theta = early + (n + x) * step
-            before = half / rate * _WEIGHTS[j] * (c0 + theta * (c1 + theta * c2))
-            moments[n, 0] += before
+            here = 2.0 * half / rate * WEIGHTS[j] * (c0 + theta * (c1 + theta * c2))
             x = 2.0 * x - 1.0
-            here = before * x
-            for i in range(1, KEPT):
-                moments[n, i] += here
-                before, here = here, RISE[i] * x * here - FALL[i] * before
+            m0 += here
+            m1 += here * x
+            m2 += here * (1.5 * x * x - 0.5)
+            m3 += here * x * (2.5 * x * x - 1.5)
+        moments[n, 0] += m0
+        moments[n, 1] += m1
+        moments[n, 2] += m2
+        moments[n, 3] += m3

@@ -35,7 +35,7 @@ def ring_by_samples(modes, shape, arrays, quanta):
         fed.sample_force(moments, samples[0], 2 * fed.REACH)
         for frame in range(0, QUANTUM, fed.LINE):
             fed.lay_blows(modes.response, point, driver.drift, 0, work, 0, n)
-            fed.ring_fed(modes, work, samples, 1, out, frame, frame + fed.LINE)
+            fed.ring_fed(modes, work, samples, 1, True, out, frame, frame + fed.LINE)
         fed.feed_through(modes, point, work, taps)
 
 

@@ -11,6 +11,7 @@ from carom.dsp.contact.accuracy import LEVELS
 from carom.dsp.engine.commands import Command, Kind
 from carom.dsp.engine.state import CONTACTS, QUANTUM, TRACED
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
+from carom.dsp.rolling.contact_step import BRIEF
 from carom.dsp.rolling.surface import make_surface
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.dsp.study.roll import make_roll, roll_moments
@@ -126,6 +127,7 @@ def test_a_roll_gives_what_the_study_says():
     entries = follow(engine, 9_600)
     ground = make_surface(*SURFACE, seed=3)
     body = make_roll(ground, 0.008, m, k, mu, a, 0.5)
+    body["brief"] = BRIEF
     given = np.zeros(9_600)
     given[entries["sample"] + 1] = entries["impulse"]
     first = int(entries["sample"][0]) + 1

@@ -66,7 +66,7 @@ def by_samples(modes, shape, samples, start, speed, out, pieces):
         drift = (drift - weights) / pieces
         point = bank.Point(shape, MODES, row, weights)
         fed.lay_blows(modes.response, point, drift, 0, blows, 0, MODES)
-        fed.ring_fed(modes, blows, forces, 1, out, n, n + pieces)
+        fed.ring_fed(modes, blows, forces, 1, True, out, n, n + pieces)
     work, taps = np.zeros(100), np.zeros((2, fed.REACH + 1))
     for n in range(out.shape[1]):
         if n % fed.LINE == 0:

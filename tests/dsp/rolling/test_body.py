@@ -13,9 +13,10 @@ from scipy.stats import trim_mean
 
 from carom.dsp import contact
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
+from carom.dsp.numerics.legendre import KEPT
 from carom.dsp.rolling import path, surface
 from carom.dsp.rolling.body import fill_roll
-from carom.dsp.rolling.moments import KEPT
+from carom.dsp.rolling.contact_step import BRIEF
 from carom.dsp.study import roll
 from tests import accuracy
 from tests.dsp.rolling.support import CLOTH, GLASS, MARBLE, SOFT_BALL, STEEL_BALL, STONE, WHEEL, WOOD, flat, ground
@@ -309,3 +310,30 @@ def test_bounded_at_extremes():
 def test_bad_rolls_are_named(key, value):
     with pytest.raises(ValueError, match=f"{key} = "):
         roll.make_roll(flat(), **{**MARBLE, key: value})
+
+
+@pytest.mark.parametrize(
+    ("body", "on", "mobility"),
+    [
+        (SOFT_BALL, CLOTH, 0.0),
+        (SOFT_BALL, CLOTH, 1e-2),
+        (WHEEL, WOOD, 0.0),
+        (WHEEL, WOOD, 1e-2),
+        (STEEL_BALL, GLASS, 0.0),
+        (MARBLE, GLASS, 1e-2),
+    ],
+    ids=str,
+)
+def test_brief_steps_may_err_by_more(body, on, mobility):
+    """Bodies that hardly leave the path, so that their third octaves are not by chance."""
+    spectra, events = [], []
+    for brief in (0.0, BRIEF):
+        rolling = roll.make_roll(ground(3, **on), **body)
+        rolling["mobility"], rolling["brief"] = mobility, brief
+        frequency, spectrum = welch(roll.roll_moments(rolling, 0.0, 0.5, 48_000)[:, 0], 48_000, nperseg=8192)
+        spectra.append(thirds(spectrum, frequency))
+        events.append(int(rolling["events"]))
+    assert spectra[1] == pytest.approx(spectra[0], abs=1.0)
+    assert events[1] <= 1.02 * events[0]
+    if body is MARBLE:
+        assert events[1] < 0.6 * events[0]

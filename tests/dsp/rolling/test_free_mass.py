@@ -1,0 +1,47 @@
+"""Forces between a path and a free mass, against Newton's method with each node's own slopes."""
+
+import numpy as np
+import pytest
+from numba import njit
+
+from carom.dsp.contact.collocation import INTEGRAL, NODES, STEP, solve
+from carom.dsp.rolling.free_mass import solve_free_mass
+
+
+@njit(error_model="numpy")
+def forces(step, h, lightness, mobility, law, negligible):
+    return solve_free_mass(step, h, lightness, mobility, law, negligible)
+
+
+@njit(error_model="numpy")
+def newton(step, law):
+    return solve(step, law[0], law[1], law[2], 0.0)
+
+
+def case(random):
+    """A step in contact of a random body, up to a radian of its swing, that begins near rest or strikes."""
+    m, a = 10.0 ** random.uniform(-4, 1), random.choice([1.0, 1.5, 2.3])
+    rest = 10.0 ** random.uniform(-8, -5)
+    k = m * 9.81 / rest**a
+    h = 10.0 ** random.uniform(-2, 0) / np.sqrt(a * 9.81 / rest)
+    speed = rest / h
+    law = (k, random.choice([0.0, 0.3 / speed]), a)
+    mobility = random.choice([0.0, 1.0]) * rest / (h * m * 9.81)
+    step = np.zeros(1, STEP)[0]
+    step["free_x"] = rest * random.uniform(-1, 3) + rest * random.normal(size=NODES) * 0.3
+    step["free_v"] = speed * random.normal(size=NODES)
+    step["f"] = m * 9.81 * random.uniform(0, 2)
+    return step, h, h / m, mobility, law
+
+
+@pytest.mark.parametrize("seed", range(300))
+def test_forces_are_newtons(seed):
+    step, h, lightness, mobility, law = case(np.random.default_rng(seed))
+    exact = step.copy()
+    exact["give_v"] = lightness * INTEGRAL + mobility * np.eye(NODES)
+    exact["give_x"] = h * (lightness * INTEGRAL @ INTEGRAL + mobility * INTEGRAL)
+    if not newton(exact, law):
+        return
+    largest = max(np.abs(exact["f"]).max(), 1e-300)
+    assert forces(step, h, lightness, mobility, law, 0.0)
+    assert step["f"] == pytest.approx(exact["f"], abs=1e-9 * largest)
