@@ -78,7 +78,7 @@ BOUNCE_TIMES = Promise("times of a bounce's first 100 contacts", "mpmath, law an
 BOUNCE_SPEEDS = Promise("their speeds", "mpmath, law and parabola", 1e-10, "relative", _BOUNCE)
 WEIGHTY = Promise("duration and contacts of a bounce whose weight acts in contact", "DOP853", 1e-3, "relative", _BOUNCE)
 ROLL_THIRDS = Promise(
-    "third-octaves of a roll's force, 50 Hz to 16 kHz", "the same path at 100 times the rate", 1.0, "dB", _ROLL
+    "third-octaves of a roll's force at `-60`, 50 Hz to 16 kHz", "the same path at 100 times the rate", 1.0, "dB", _ROLL
 )
 ROLL_DRIVEN = Promise(
     "sound below 20 kHz of modes that a roll drives, at rest or moving", "the same force by its moments", -80.0, "dB",
@@ -90,7 +90,7 @@ RINGING = {
     )
     for form, bound in (("float64", -115.0), ("float32", -95.0))
 }
-ROLL_START = Promise("a roll's force over its first 10 ms", "DOP853", 1e-3, "of its peak", _ROLL)
+ROLL_START = Promise("a roll's force over its first 10 ms, from `-80` on", "DOP853", 1e-3, "of its peak", _ROLL)
 ROLL_RATES = Promise("impulses of a roll at 44.1, 48 and 96 kHz", "each other", 1e-9, "relative", _ROLL)
 ROLL_COUPLED = {
     level: Promise(

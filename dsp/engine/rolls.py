@@ -125,7 +125,7 @@ def _ring_fed(state, obj, voice, places, fed, frame, end, moves):
         for k in range(places):
             driver = scratch.drivers[scratch.placed[k]]
             where = Point(shape, obj.size, driver.row, driver.weights)
-            lay_blows(modes.response, where, driver.drift, first, work, 2 * k * size, size)
+            lay_blows(modes.response, where, driver.drift, moves, first, work, 2 * k * size, size)
         ring_fed(modes, work, scratch.blows, places, moves, voice, frame, end)
         first += size
 

@@ -89,9 +89,9 @@ def sample_force(moments, samples, begin):
 
 
 @simd_kernel
-def lay_blows(response, point, drift, first, blows, at, count):
-    """What a unit blow gives `count` modes from number `first` on, into blows[at + i], and its change from sample to
-    sample into blows[at + count + i].
+def lay_blows(response, point, drift, moves, first, blows, at, count):
+    """What a unit blow gives `count` modes from number `first` on, into blows[at + i], and if it moves, its change from
+    sample to sample into blows[at + count + i].
 
     point: where it acts, `drift` the change of its weights; `response` begins at the first mode.
     """
@@ -101,7 +101,8 @@ def lay_blows(response, point, drift, first, blows, at, count):
         row = point.row * point.stride + first + i
         scale = dot(response, i // LANES * RESPONSES + FED, 0, (1.0,))
         put_product(blows, at + i, dot(point.shape, row, point.stride, weights), scale)
-        put_product(blows, at + count + i, dot(point.shape, row, point.stride, drifts), scale)
+        if moves:
+            put_product(blows, at + count + i, dot(point.shape, row, point.stride, drifts), scale)
 
 
 @kernel
@@ -109,7 +110,7 @@ def ring_fed(modes, blows, forces, count, moves, out, start, stop):
     """Let modes ring from frame `start` to `stop` under `count` forces; added to out[0], out[1].
 
     Force j acts by forces[j, t] (N s) in frame t, on the modes as `lay_blows` put it into `blows`, as of frame `start`,
-    from 2 j times the number of modes on; without `moves` its changes are 0.
+    from 2 j times the number of modes on; without `moves` there are no changes.
     """
     t = start
     while t + STRETCH <= stop:
@@ -124,7 +125,7 @@ def ring_fed(modes, blows, forces, count, moves, out, start, stop):
         out[1, t + 3] += r3
         t += STRETCH
     while t < stop:
-        _ring_blown_once(modes, blows, forces, count, out, t, float(t - start))
+        _ring_blown_once(modes, blows, forces, count, moves, out, t, float(t - start))
         t += 1
 
 
@@ -137,7 +138,7 @@ def _ring_stretch(modes, blows, forces, count, moves, t, since):
 
 
 @simd_kernel
-def _ring_blown_once(modes, blows, forces, count, out, t, since):
+def _ring_blown_once(modes, blows, forces, count, moves, out, t, since):
     """A frame of `ring_fed`."""
     y1, y2, a1, a2, balance = modes.y1, modes.y2, modes.a1, modes.a2, modes.balance
     n = len(y1)
@@ -151,7 +152,7 @@ def _ring_blown_once(modes, blows, forces, count, out, t, since):
     for j in range(count):
         here, change, force = blows[2 * j * n :][:n], blows[(2 * j + 1) * n :][:n], forces[j, t]
         for i in range(n):
-            v = force * (here[i] + since * change[i])
+            v = force * (here[i] + since * change[i]) if moves else force * here[i]
             y1[i] += v
             left += v
             right += balance[i] * v

@@ -34,7 +34,7 @@ def ring_by_samples(modes, shape, arrays, quanta):
     for _ in range(quanta):
         fed.sample_force(moments, samples[0], 2 * fed.REACH)
         for frame in range(0, QUANTUM, fed.LINE):
-            fed.lay_blows(modes.response, point, driver.drift, 0, work, 0, n)
+            fed.lay_blows(modes.response, point, driver.drift, True, 0, work, 0, n)
             fed.ring_fed(modes, work, samples, 1, True, out, frame, frame + fed.LINE)
         fed.feed_through(modes, point, work, taps)
 

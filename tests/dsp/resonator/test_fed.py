@@ -65,7 +65,7 @@ def by_samples(modes, shape, samples, start, speed, out, pieces):
         weigh(drift, x + speed * pieces - row)
         drift = (drift - weights) / pieces
         point = bank.Point(shape, MODES, row, weights)
-        fed.lay_blows(modes.response, point, drift, 0, blows, 0, MODES)
+        fed.lay_blows(modes.response, point, drift, True, 0, blows, 0, MODES)
         fed.ring_fed(modes, blows, forces, 1, True, out, n, n + pieces)
     work, taps = np.zeros(100), np.zeros((2, fed.REACH + 1))
     for n in range(out.shape[1]):

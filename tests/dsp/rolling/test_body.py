@@ -73,7 +73,9 @@ def test_spectrum_is_that_of_brute_force(body, on, seeds):
     law = [body[key] for key in ("m", "k", "mu", "a")]
     ours, theirs = [], []
     for seed in range(seeds):
-        force = roll.roll_force(ground(seed, **on), seconds, rate, **body)
+        rolling = roll.make_roll(ground(seed, **on), **body)
+        rolling["brief"] = BRIEF
+        force = roll.roll_moments(rolling, 0.0, seconds, rate)[:, 0] * rate
         pieces = path.path_pieces(ground(seed, **on), body["radius"], body["speed"], 1.01 * seconds * body["speed"])
         steps = round(seconds * rate) * over
         exact = brute_force(pieces, body["speed"], *law, STANDARD_GRAVITY, 1 / (rate * over), steps, over)
