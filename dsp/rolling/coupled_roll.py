@@ -21,15 +21,16 @@ _FIRST = 0.2  # of a radian of its swing: the first step to try
 
 @kernel
 def begin_coupled_roll(roll, contact, rate, tolerance):
-    """Put a body, by `begin_roll` and at rest, on an object that it moves: to be called before its first sample."""
+    """Put a body, by `begin_roll`, on an object that it moves, at rest against the path: to be called before its first
+    sample."""
     roll.span = 0.0
     steer(roll)
     modulate(roll)
     look_ahead(roll, 0.0)
     law = ContactLaw(roll.m, roll.stiffness, roll.mu, roll.a)
-    begin_coupled(contact, 0.0, law, 0.0, 0.0, rate, tolerance)
+    begin_coupled(contact, -roll.w, law, 0.0, 0.0, rate, tolerance)
     _weigh(roll, contact)
-    begin_within(contact, contact.rest_compression, 0.0, 0.0, _FIRST / contact.swing * rate)
+    begin_within(contact, contact.rest_compression, -roll.w, 0.0, _FIRST / contact.swing * rate)
 
 
 @kernel
@@ -67,14 +68,14 @@ def lead_coupled_roll(roll, contact, begin, whole):
 
 @kernel
 def _lay_path(roll, contact, begin):
-    """Lay the path from `begin` to the sample's end under a contact, and have the body at its end."""
+    """Lay the path from `begin` to the sample's end under a contact, and a line before it. The body ends there."""
     path = roll.path
     pace = roll.modulated_speed * contact.period
     rise, bend = _slope_at(roll, pace)
     contact.rise, contact.bend = rise, bend
     if begin > 0.0:
-        contact.rise = contact.bend = 0.0
-        _lay_kink(contact, begin, rise, bend)
+        contact.bend = 0.0
+        _lay_kink(contact, begin, 0.0, bend)
     at = begin
     while True:
         i = roll.piece & (PIECES - 1)

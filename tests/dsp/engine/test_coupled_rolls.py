@@ -52,6 +52,7 @@ def reference(frequency, sigma, phi, law, times, pieces, speed, gravity):
     begin, level, incline, curvature = pieces[0]
     y = np.zeros(2 + 2 * n)
     y[0] = level + (0 - begin) * (incline - 0.5 * curvature * begin) - rest
+    y[1] = speed * (incline - curvature * begin)
     found = []
     t = 0.0
     for i, (begin, level, incline, curvature) in enumerate(pieces):
