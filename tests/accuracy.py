@@ -90,7 +90,9 @@ RINGING = {
     )
     for form, bound in (("float64", -115.0), ("float32", -95.0))
 }
-ROLL_START = Promise("a roll's force over its first 10 ms, from `-80` on", "DOP853", 1e-3, "of its peak", _ROLL)
+ROLL_START = Promise(
+    "a roll's force over its first 10 ms on a rigid object, from `-80` on", "DOP853", 1e-3, "of its peak", _ROLL
+)
 ROLL_RATES = Promise("impulses of a roll at 44.1, 48 and 96 kHz", "each other", 1e-9, "relative", _ROLL)
 ROLL_COUPLED = {
     level: Promise(

@@ -5,8 +5,6 @@ from __future__ import annotations
 import argparse
 import ctypes
 import sys
-import threading
-import time
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -34,8 +32,6 @@ _KEPT = (
 
 _TRIM_THRESHOLD, _MMAP_THRESHOLD, _ARENA_MAX = -1, -3, -8
 """Parameters of mallopt(3)."""
-
-_WHILE = 30.0  # s after which pages are given back
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -124,24 +120,14 @@ def serve(arguments: argparse.Namespace, on_start: Callable[[Server], object]) -
 
 
 def _keep_memory_together() -> None:
-    """Have the GNU C library take memory from one heap for all threads, and give back what is free.
+    """Have the GNU C library take memory from one heap for all threads, and give back what is free at its end.
 
     By itself it opens a heap for each thread, and raises the size from which on an array is a map of its own: in hours
-    of mixed traffic the heaps of the threads that make objects grow to twice what is used. It gives back the heap's end
-    at once; pages that are free between others, once in a while.
+    of mixed traffic the heaps of the threads that make objects grow to twice what is used.
     """
-    with suppress(AttributeError, OSError, TypeError):  # other libraries have no such functions
-        library = ctypes.CDLL(None)
+    with suppress(AttributeError, OSError, TypeError):  # other libraries have no such function
         for parameter, value in ((_ARENA_MAX, 1), (_MMAP_THRESHOLD, 1 << 18), (_TRIM_THRESHOLD, 1 << 20)):
-            library.mallopt(parameter, value)
-        threading.Thread(target=_give_back, args=(library.malloc_trim,), name="carom-memory", daemon=True).start()
-
-
-def _give_back(trim: Callable[[int], int]) -> None:
-    """Give pages back that are free, for as long as the process lives."""
-    while True:
-        time.sleep(_WHILE)
-        trim(0)
+            ctypes.CDLL(None).mallopt(parameter, value)
 
 
 def _announce(web: WebServer, has_page: bool) -> None:

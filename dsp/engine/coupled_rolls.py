@@ -2,7 +2,7 @@
 
 On an object that gives way a roll is coupled to its modes, as a blow is (rolling/coupled_roll.py). At the accuracy -40,
 where steps are held, where `/budget` has no room or too few steps (it takes some 1 + omega/rate, with omega that of the
-effective mass on the contact), and under a slide the object is a dashpot, which costs nothing more
+effective mass on the contact), and under a slide the object is a dashpot, which costs as much for any number of modes
 (rolling/contact_step.py).
 
 The contact swings at omega_c = sqrt(a g/x_e) about x_e, the compression at rest. Modes that are slower give way, those
