@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from ..dsp.bodies.heard import placed
-from ..dsp.bodies.modes import Modes, read_only
+from ..dsp.bodies.material import Array
+from ..dsp.bodies.modes import Modes, Unheard, read_only
 from ..dsp.kept import Kept
 from ..dsp.numerics.blas import on_one_thread
 
@@ -17,14 +21,15 @@ KEPT_BYTES = 64_000_000
 def made(make: Callable[..., Modes], top: float, arguments: Mapping[str, Any], width: float) -> Modes:
     """The modes that a shape makes of hashable arguments, up to `top` (Hz), in a stereo image of a width (0 to 1).
 
-    Their arrays are read-only.
+    Their arrays are read-only, and C-contiguous: where a copy in another process lay otherwise in memory, BLAS would
+    give what is computed of it other last bits.
     """
     key = (make, top, width, *sorted(arguments.items()))
     modes = _kept.get(key)
     if modes is None:
         with on_one_thread():
-            modes = placed(make(top=top, **arguments), width)
-        read_only(modes.frequency, modes.decay, modes.strike, modes.pressure, *(modes.unheard or ()))
+            modes = _contiguous(placed(make(top=top, **arguments), width))
+        read_only(*_arrays(modes))
         _kept.put(key, modes)
     return modes
 
@@ -40,9 +45,18 @@ def keep(modes: Iterable[tuple[Hashable, Modes]]) -> None:
         _kept.put(key, each)
 
 
+def _contiguous(modes: Modes) -> Modes:
+    """Modes in C-contiguous arrays."""
+    whole = {name: np.ascontiguousarray(getattr(modes, name)) for name in ("frequency", "decay", "strike", "pressure")}
+    return replace(modes, **whole, unheard=modes.unheard and Unheard(*map(np.ascontiguousarray, modes.unheard)))
+
+
+def _arrays(modes: Modes) -> tuple[Array, ...]:
+    return (modes.frequency, modes.decay, modes.strike, modes.pressure, *(modes.unheard or ()))
+
+
 def _bytes(modes: Modes) -> int:
-    arrays = (modes.strike, modes.pressure, modes.frequency, modes.decay, *(modes.unheard or ()))
-    return sum(array.nbytes for array in arrays)
+    return sum(array.nbytes for array in _arrays(modes))
 
 
 _kept: Kept[Hashable, Modes] = Kept(KEPT_BYTES, _bytes)
