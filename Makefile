@@ -77,6 +77,7 @@ study: $(READY)  ## the hour-long stress tests: recordings, data sets, extreme c
 	$(BIN)/python -m tests.bench.worlds
 	$(BIN)/python -m tests.bench.datasets
 	$(BIN)/python -m tests.bench.extremes
+	$(BIN)/python -m tests.bench.extreme_groups
 	$(BIN)/python -m tests.bench.friction
 	$(BIN)/python -m tests.bench.exactness
 	$(BIN)/python -m tests.bench.soak --minutes 10

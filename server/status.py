@@ -4,6 +4,8 @@ import math
 from collections.abc import Callable, Mapping
 from importlib.metadata import version as installed_version
 
+import numpy as np
+
 from ..dsp.runtime.engine import Engine
 from .audio.supervisor import Player
 from .limiting import LimiterWatch
@@ -182,8 +184,8 @@ class Status:
                 lines.append(text.format(now - self._warned[name], late_last=late_last))
                 self._warned[name] = now
         faults = self._engine.objects["faults"].copy()
-        self._object_faults.resize(faults.shape)
-        for slot in (faults > self._object_faults).nonzero()[0]:
+        before = np.pad(self._object_faults, (0, len(faults) - len(self._object_faults)))
+        for slot in (faults > before).nonzero()[0]:
             lines.append(f"object {self._names().get(int(slot), '(freed)')} was silenced: its output was not finite")
         self._object_faults = faults
         return lines

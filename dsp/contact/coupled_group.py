@@ -19,7 +19,7 @@ from ..numerics.legendre import FINE
 from .collocation import NODES
 from .coupled import MOST_STEPS, lift, look, move, pass_kinks, touch, until_kink
 from .coupled_group_step import LEAVES, MEETS, NOTHING, find_step
-from .coupled_step import FINEST, hold
+from .coupled_step import FINEST, LEAST, give_of, hold
 from .power_series import BINOMIAL, POWERS
 
 GROUP = 32
@@ -153,9 +153,9 @@ def _step(contacts, group, at, last):
         if taken > 0.0:
             eta = taken
             _move_all(contacts, group, eta, at)
-            _answer_others(contacts, group)
+            _answer_others(contacts, group, False)
         else:
-            eta = left if last else FINEST * eta
+            eta = left if last else max(FINEST * eta, min(LEAST, eta))
             _hold_in_turn(contacts, group, eta, at)
     for i in range(group.size):
         contact = contacts[group.member[i]].coupled
@@ -176,59 +176,48 @@ def _move_all(contacts, group, eta, at):
 
 
 @kernel
-def _answer_others(contacts, group):
-    """Let every point answer the other contacts' forces over the step that was taken."""
+def _answer_others(contacts, group, kept):
+    """Let every point answer the other contacts' forces over the step that was taken.
+
+    Where compressions are `kept` the strikers that touch move along: what is compressed holds energy.
+    """
     for i in range(group.size):
+        contact = contacts[group.member[i]].coupled
         for b in range(group.touching):
             if group.touches[b] != i:
-                _answer(contacts, group, i, group.touches[b], False)
+                other = contacts[group.member[group.touches[b]]].coupled
+                _answer(contact, group.answer[i, group.touches[b]], other, kept and contact.touching == 1)
 
 
 @kernel
-def _answer(contacts, group, i, j, kept):
-    """Let the point of contact i answer the force of contact j; its compression now may be `kept`."""
-    contact = contacts[group.member[i]].coupled
-    impulse = contacts[group.member[j]].coupled.impulse
+def _answer(contact, answer, other, kept):
+    """Let the point of a contact answer the force of another one; its compression now may be `kept`."""
     for k in range(FINE):
         total = 0.0
         for n in range(max(k, 1), FINE):
-            total += BINOMIAL[n, k] * group.answer[i, j, n] * impulse[n - k]
-        _displace(contact, k, total, kept)
-
-
-@kernel
-def _displace(contact, k, amount, kept):
-    """Take an amount off a coefficient of a contact's motion. Where the compression is kept the striker moves along.
-
-    What is compressed holds energy, which no other force may change but by its work.
-    """
-    if k == 0 and kept:
-        contact.position += amount
-    else:
-        contact.motion[k] -= amount
+            total += BINOMIAL[n, k] * answer[n] * other.impulse[n - k]
+        if k == 0 and kept:
+            contact.position += total
+        else:
+            contact.motion[k] -= total
 
 
 @kernel
 def _hold_in_turn(contacts, group, eta, at):
     """Hold the forces for a step, one after the other, and go on by it.
 
-    Each sees what those before it do as if it were done already, and what those after it do once it is over.
+    The work of two forces against the motion that each gives to the other's point is the same. So that energy can't
+    grow, the later of them does both: it is the one that knows the other. Compressions keep what they are by that.
     """
     for b in range(group.touching):
         j = group.touches[b]
         held = contacts[group.member[j]].coupled
-        hold(held, eta)
-        for i in range(group.size):
-            contact = contacts[group.member[i]].coupled
-            if contact.touching == 1 and i <= j:
-                continue
-            for n in range(1, FINE):
-                moment = held.force[0] * eta  # int (-s)^p f ds
-                for p in range(n + 1):
-                    amount = group.answer[i, j, n] * BINOMIAL[n, n - p] * moment / (p + 1)
-                    _displace(contact, n - p, amount, contact.touching == 1)
-                    moment *= -eta
+        taken = 0.0
+        for a in range(b):
+            i = group.touches[a]
+            taken += 2.0 * give_of(group.answer[j, i], eta) * contacts[group.member[i]].coupled.force[0]
+        hold(held, eta, taken)
+        held.motion[0] -= taken
+        held.position -= taken
     _move_all(contacts, group, eta, at)
-    for a in range(group.touching):
-        for b in range(a + 1, group.touching):
-            _answer(contacts, group, group.touches[a], group.touches[b], True)
+    _answer_others(contacts, group, True)

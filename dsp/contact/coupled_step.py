@@ -30,6 +30,7 @@ FINEST = 2.0**-16  # of the step tried first: where it comes to this, the force 
 _LOSS = 1e-4  # of the contact's energy, times the tolerance, that a step may lose beyond what the law takes
 _LEAST_LOSS = 1e-10  # share of that energy that it may lose in any case: rounding comes near it
 _LEAST_SWING = 1e-3  # of the compression at which a striker rests: an amplitude that counts as heard in any case
+LEAST = 1e-12  # samples: the force is held no shorter, or steps that fail one after the other come to nothing
 RETRY = 0.25  # of a step whose equations are not solved
 REFINE = 0.5  # of a step whose energy is not right
 ROUNDING = 1e-14  # share of the momentum at hand that no force is asked for
@@ -74,8 +75,8 @@ def stay(contact, left, last):
             return eta, closing
         eta *= REFINE
         closing = False
-    eta = max(eta, finest)
-    hold(contact, eta)
+    eta = max(eta, finest, min(LEAST, left))
+    hold(contact, eta, 0.0)
     return eta, False
 
 
@@ -170,15 +171,22 @@ def may_lose(contact):
 
 
 @kernel
-def hold(contact, eta):
-    """Hold the force for a step, which can't gain energy."""
-    h = contact.period
+def give_of(answer, eta):
+    """How far (m) a point gives way to 1 N that is held for a step, by its answer (FINE, m/(N sample)) to it."""
     give = 0.0
     power = eta
     for n in range(1, FINE):
         power *= eta
-        give += contact.answer[n] * power / (n + 1)
-    free = value_at(contact.motion, eta)[0] - contact.motion[0]
+        give += answer[n] * power / (n + 1)
+    return give
+
+
+@kernel
+def hold(contact, eta, taken):
+    """Hold the force for a step, which can't gain energy. taken (m): what others take off the compression meanwhile."""
+    h = contact.period
+    free = value_at(contact.motion, eta)[0] - contact.motion[0] - taken
+    give = give_of(contact.answer, eta)
     force = discrete_gradient(contact.motion[0], free, give, eta * h, contact.k, contact.mu, contact.a)[1]
     contact.held += 1
     contact.next = 2.0 * eta

@@ -169,7 +169,7 @@ COMMAND = np.dtype(
 )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Handle:
     """An object in the engine; commands to one that is gone are ignored."""
 
@@ -179,7 +179,7 @@ class Handle:
     table: int
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Command:
     """A command from Python: when (samples), what, to which object, and the values of its records by name.
 

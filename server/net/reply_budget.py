@@ -2,6 +2,7 @@
 
 import time
 from collections import OrderedDict
+from functools import lru_cache
 from ipaddress import ip_address
 
 _BURST = 1_000  # replies
@@ -28,6 +29,7 @@ class Allowance:
         return left >= 1.0
 
 
+@lru_cache(maxsize=64)
 def local(host: str) -> bool:
     """Whether a host is this machine's loopback, which others cannot reach."""
     try:

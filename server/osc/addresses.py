@@ -211,7 +211,7 @@ _SERVER = (
 VERBS = {verb.address: verb for verb in (*_OBJECTS, *_RUNNING, *_ENGINE, *WORLD, *_SERVER)}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Call:
     """A message to one verb (None: nothing has its address), and the part of its address that stands for NAME or ID,
     perhaps a pattern."""

@@ -36,7 +36,7 @@ class BadPacket(ValueError):
     """A datagram that is not OSC; the text says what is wrong with it."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Message:
     """An address (or address pattern) and its arguments."""
 
@@ -44,7 +44,7 @@ class Message:
     args: tuple[Argument, ...] = ()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Bundle:
     """Messages for one moment: a 64-bit NTP time tag, 1 being at once."""
 

@@ -19,7 +19,7 @@ _MOST_ENDS = 65_536  # that wait to be told
 _LONGEST_STEM = 40  # characters of an object's name in an id for a gesture that was given none
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, slots=True)
 class GestureId:
     """A name of gestures and its number in the engine."""
 
@@ -32,7 +32,7 @@ class GestureId:
     message, the oldest first."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Ended:
     """A gesture that is over: its id, the address that started it, who sent that, and how it ended."""
 

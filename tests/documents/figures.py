@@ -56,6 +56,10 @@ def endurance() -> str:
     rows = [
         ("extremes", "100,000 extreme contacts at each tolerance", f"energy grows by {GROWTH.bound:g} of a contact's"),
         (
+            "extreme_groups", "100,000 times one to four extreme strikers at once on an object, in the engine",
+            f"energy grows by {GROWTH.bound:g} of all that there is",
+        ),
+        (
             "friction", "100,000 random rubs in each way to solve friction; a bow's limits, and its map at three rates",
             f"{friction.BALANCE:g} of the work, {friction.SLOPE:g} of an exponent, "
             f"{100 * friction.DIFFERENT:g} % of a map",

@@ -11,10 +11,10 @@ from carom.dsp.contact.accuracy import LEVELS
 from carom.dsp.engine.commands import Command, Kind
 from carom.dsp.engine.state import QUANTUM, Solver
 from carom.dsp.runtime.engine import NOW, Engine
-from tests.accuracy import SEVERAL
+from tests.accuracy import GROWTH, SEVERAL
 from tests.dsp.contact.coupled_reference import Blow, several
 from tests.dsp.engine.support import gesture, steer, strike
-from tests.dsp.engine.test_coupling import modal
+from tests.dsp.engine.test_coupling import energy, felt, modal
 
 RATE = 48_000
 QUANTA = 9
@@ -127,6 +127,31 @@ def test_a_contact_of_closed_form_goes_on_coupled_when_it_is_moved():
     second = blow(engine, handle, WOOD, QUANTUM + 9.5, 2.0, 0.55)
     assert error(engine, handle, 24, [first, second], QUANTUM) < -55
     assert engine.stats.coupled == 1  # the other is fast, and the body as good as a wall for it
+
+
+def test_two_that_need_more_steps_than_a_sample_has_gain_no_energy():
+    """A light blow lies on a body as a heavy one comes, both so stiff that the sample ends in a held step."""
+    engine = Engine(22_050)
+    engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index("exact"))])
+    phi = np.array(
+        [
+            [-0.0555, -0.293, 0.231, -0.493, -0.119, -0.26, 0.105, -0.687],
+            [0.27, -0.0535, 0.197, 0.362, 0.344, 0.0124, -0.105, 0.0788],
+        ]
+    )
+    frequency = [784.0, 903.0, 1100.0, 1440.0, 1570.0, 4200.0, 7850.0, 8600.0]
+    modes = listed(
+        frequency=frequency, t60=1e12, modal_mass=1.0, mass=1.0, top=10_000, positions=[0.0, 1.0], gains=phi.T
+    )  # fmt: skip
+    handle = engine.add(modes, 1e6)
+    blow(engine, handle, (5.25, 1.03e13, 0.0, 1.0), 0.0265, 0.0049, 1.0)
+    blow(engine, handle, (1.34, 1.33e10, 0.0, 1.0), 11.1, 24.5, 0.0)
+    engine.process(QUANTUM)
+    strikers = engine.state["contacts"]["coupled"][0]
+    left = 0.5 * float((strikers["m"] * strikers["v"] ** 2).sum()) + energy(engine, handle, felt(engine, handle))
+    given = 0.5 * (5.25 * 0.0049**2 + 1.34 * 24.5**2)
+    assert engine.stats.held == 2 and not strikers["touching"].any()
+    assert abs(left / given - 1) < GROWTH.bound
 
 
 def test_twenty_strokes_in_a_tenth_of_a_second_all_sound():

@@ -16,7 +16,7 @@ from carom.dsp.study.coupled import Case, error
 from carom.presets.library import Presets
 from tests import accuracy
 from tests.dsp.contact.coupled_reference import Blow, reference, several
-from tests.dsp.engine.support import gesture, numbered, panic, setting, stop, strike
+from tests.dsp.engine.support import gesture, impact, numbered, panic, setting, stop, strike
 
 RATE = 48_000
 PRESETS = Presets()
@@ -239,6 +239,26 @@ def test_accuracy_moves_the_gate():
 
     counts = [coupled(level) for level in LEVELS]
     assert counts == sorted(counts) and counts[0] < counts[1] < counts[2] < counts[3] == 40
+
+
+@pytest.mark.parametrize(
+    ("frequency", "modal_mass", "law", "v_in"),
+    [
+        (52.7, 0.654, (0.168, 7.03e13, 9.22, 1.0), 82.4),
+        (214.0, 0.286, (0.799, 5.06e15, 4.6, 1.0), 34.7),
+        (236.0, 0.111, (6.88, 1.97e15, 0.0228, 1.0), 91.5),
+    ],
+)
+def test_a_stiff_striker_that_rides_on_a_slow_mode_stays_finite(frequency, modal_mass, law, v_in):
+    """It touches hundreds of times in some ms, by steps down to what rounding leaves of them."""
+    engine = Engine(RATE)
+    engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index("exact")), Command(NOW, Kind.LIMITER, value=0.0)])
+    slow = listed(frequency=[frequency], t60=[700.0], modal_mass=modal_mass, mass=1.0, top=20_000)
+    handle = engine.add(slow)
+    engine.send([impact(handle, law, 30.5, v_in)])
+    engine.process(14 * QUANTUM)
+    assert engine.stats.recontacts > 400 and engine.stats.faults == 0
+    assert energy(engine, handle, felt(engine, handle)) < 0.5 * law[0] * v_in**2
 
 
 def test_coupled_contacts_are_bounded():
