@@ -127,7 +127,10 @@ def test_a_roll_gives_what_the_study_says():
     entries = follow(engine, 9_600)
     ground = make_surface(*SURFACE, seed=3)
     body = make_roll(ground, 0.008, m, k, mu, a, 0.5)
-    body["brief"] = BRIEF
+    (place,) = np.flatnonzero(engine.state["contacts"]["gesture"][0])
+    roll = engine.state["contacts"]["roll"][0, place]
+    body["brief"], body["mobility"] = BRIEF, engine.state["rolls"]["mobility"][0, roll]
+    assert body["mobility"] > 0.0
     given = np.zeros(9_600)
     given[entries["sample"] + 1] = entries["impulse"]
     first = int(entries["sample"][0]) + 1
