@@ -47,12 +47,13 @@ def keep(modes: Iterable[tuple[Hashable, Modes]]) -> None:
 
 def _contiguous(modes: Modes) -> Modes:
     """Modes in C-contiguous arrays."""
-    whole = {name: np.ascontiguousarray(getattr(modes, name)) for name in ("frequency", "decay", "strike", "pressure")}
-    return replace(modes, **whole, unheard=modes.unheard and Unheard(*map(np.ascontiguousarray, modes.unheard)))
+    frequency, decay, strike, pressure = map(np.ascontiguousarray, _arrays(modes)[:4])
+    unheard = modes.unheard and Unheard(*map(np.ascontiguousarray, modes.unheard))
+    return replace(modes, frequency=frequency, decay=decay, strike=strike, pressure=pressure, unheard=unheard)
 
 
 def _arrays(modes: Modes) -> tuple[Array, ...]:
-    return (modes.frequency, modes.decay, modes.strike, modes.pressure, *(modes.unheard or ()))
+    return modes.frequency, modes.decay, modes.strike, modes.pressure, *(modes.unheard or ())
 
 
 def _bytes(modes: Modes) -> int:
