@@ -206,8 +206,8 @@ def _answer(contact, answer, other, kept):
 def _hold_in_turn(contacts, group, eta, at):
     """Hold the forces for a step, one after the other, and go on by it.
 
-    The work of two forces against the motion that each gives to the other's point is the same. So that energy can't
-    grow, the later of them does both: it is the one that knows the other. Compressions keep what they are by that.
+    Two forces do the same work, each against the motion that the other gives to its point. The later one is found where
+    the other is known, and does the work of both: so energy can't grow.
     """
     for b in range(group.touching):
         j = group.touches[b]
