@@ -13,9 +13,9 @@ _MOST_OPEN = 2_048  # contacts
 
 @dataclass
 class Touching:
-    """A contact: its command and its object's place, where and when (samples) it began, and what it gave."""
+    """A contact: its gesture's number and its object's place, where and when (samples) it began, and what it gave."""
 
-    command: int
+    gesture: int
     slot: int
     position: float
     speed: float
@@ -57,7 +57,7 @@ class ContactWatch:
                     continue
                 first = run[0]
                 touching = self._open[number] = Touching(
-                    int(first["command"]), int(first["slot"]), float(first["position"]), float(first["speed"]),
+                    int(first["gesture"]), int(first["slot"]), float(first["position"]), float(first["speed"]),
                     float(first["begin"]),
                 )  # fmt: skip
             self._add(touching, run)

@@ -31,7 +31,6 @@ from .osc.wire import Argument, BadPacket, Bundle, Message
 from .packets import Packet, read
 from .scene.gesture_ids import Ended
 from .scene.session import Session, fail
-from .scene.transaction import Sent
 from .scene.translate import sync
 from .status import Status, version
 from .subscribers import Subscribers
@@ -78,7 +77,8 @@ class Server:
         self._monitor: Monitor | None = None
         self._running = True
         self._log = log
-        self._session.on_sent = self._sent
+        if log:
+            self._session.on_sent = log.expect
         self._writers: dict[str, Recorder | Log | None] = {"recording": recorder, "logging": log}
         self._printed: set[str] = set()
         self._handlers: dict[str, Callable[[Values, Source], Iterable[Message] | None]] = {
@@ -116,11 +116,6 @@ class Server:
         """Solve contacts as /contact with these arguments asks; ServeError says why not."""
         for reply in self._session.perform([Message("/contact", args)], NOW):
             raise ServeError(": ".join(map(str, reply.args)))
-
-    def _sent(self, first: int, sent: list[Sent]) -> None:
-        self.teller.expect(first, sent)
-        if self._log:
-            self._log.expect(first, sent)
 
     def run(self) -> None:
         """Serve until told to stop."""

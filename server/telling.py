@@ -2,7 +2,6 @@
 
 import math
 import time
-from collections import OrderedDict
 from collections.abc import Callable, Mapping
 
 import numpy as np
@@ -15,7 +14,6 @@ from .contact_watch import ContactWatch, Touching, thinned
 from .net.network import Source
 from .osc.wire import Message
 from .scene.session import Session
-from .scene.transaction import Sent
 from .subscribers import Subscribers
 
 CHANGES, LEVELS = 2, 3
@@ -26,7 +24,6 @@ _MOST_MODES = 12  # of an object that are told
 _MOST_LEVELS = 48  # objects
 _SOFTEST = 1e-10  # squared amplitude of a mode that is told
 _PERIOD = 0.04  # s between levels
-_MOST_IDS = 8_192  # commands whose gesture's id is remembered
 
 
 class Teller:
@@ -42,7 +39,6 @@ class Teller:
         self._subscribers = subscribers
         self._reply = reply
         self._watch: ContactWatch | None = None
-        self._ids: OrderedDict[int, str] = OrderedDict()
         self._there: dict[str, str] = {}
         self._due = 0.0
         self._untold = 0
@@ -51,15 +47,6 @@ class Teller:
     def untold(self) -> int:
         """Contacts that were not told, as there were too many."""
         return self._untold + (self._watch.lost if self._watch else 0)
-
-    def expect(self, first: int, sent: list[Sent]) -> None:
-        """Remember the ids of the gestures that commands start, from the command with the number `first` on."""
-        for number, each in enumerate(sent, first):
-            args = each.message.args
-            if "id" in args[:-1]:
-                self._ids[number] = str(args[args.index("id") + 1])
-        while len(self._ids) > _MOST_IDS:
-            self._ids.popitem(last=False)
 
     def look(self) -> dict[str, str]:
         """Tell what is new; returns the objects that are there, with the names of their presets."""
@@ -110,7 +97,7 @@ class Teller:
             self._tell(Message("/force", (self._name(blows[-1]), span, *force)), watchers)
 
     def _head(self, touching: Touching, sample: float) -> tuple[str, str, int, float, float]:
-        id = self._ids.get(touching.command, "")
+        id = self._session.gestures.name_of(touching.gesture)
         return self._name(touching), id, round(sample), touching.position, touching.speed
 
     def _name(self, touching: Touching) -> str:

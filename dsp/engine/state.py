@@ -96,6 +96,7 @@ NOTE = np.dtype(
 TRACE = np.dtype(
     [
         ("command", np.int64),  # the number of the command that brought the striker
+        ("gesture", np.int64),  # the gesture's number, 0: none
         ("contact", np.int64),  # the contact's own number
         ("slot", np.int64),  # of the object touched
         ("position", np.float64),  # along its strike path

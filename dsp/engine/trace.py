@@ -22,6 +22,7 @@ def trace_sample(state, contact, sample, begin, end, impulse):
         return
     entry = trace.entries[written % TRACED]
     entry.command = contact.command
+    entry.gesture = contact.gesture
     entry.contact = contact.number
     entry.slot = contact.point[0].slot
     moves = contact.kind == KIND_ROLL or contact.kind == KIND_SLIDE

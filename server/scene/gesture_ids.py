@@ -106,6 +106,10 @@ class GestureIds:
         """The number of a gesture's id; 0 if there is none."""
         return self._ids[name].number if name in self._ids else 0
 
+    def name_of(self, number: int) -> str:
+        """The id of the gestures that have a number; "" where there is none, or none is remembered."""
+        return self._numbers[number].name if number in self._numbers else ""
+
     def running(self) -> list[GestureId]:
         """The ids of gestures that run, or were sent to begin later; any thread may ask."""
         return list(self._running.names.values())

@@ -13,7 +13,6 @@ from contextlib import suppress
 
 from carom.clients.client import Client
 from carom.server.osc import wire
-from carom.server.osc.wire import Message
 from tests.bench.fuzz import Findings, Junk, resident, run, worked
 
 LATE = 0.1
@@ -35,12 +34,12 @@ class Crowded(Junk):
             return super().packet()
         address = self.chance.choice(["/object/{}/" + verb for verb in _CHANGES] + ["/gesture/{}/gain", "/{}/{}/{}"])
         words = [self._pattern() for _ in range(address.count("{}"))]
-        message = Message(address.format(*words), self.chance.choice([(0.1,), (0.1, "id", self._pattern()), ()]))
+        args = self.chance.choice([(0.1,), (0.1, "id", self._pattern()), ()])
         count = self.chance.choice([1, 5, 45, 3_000])
         with suppress(ValueError):
-            one = wire.encode(message.address, *message.args)
-            fitting = (wire.MAX_DATAGRAM - 16) // (len(one) + 4)
-            return wire.encode_bundle(1, [message] * min(count, fitting))
+            one = wire.encode(address.format(*words), *args)
+            element = len(one).to_bytes(4, "big") + one
+            return wire.encode_bundle(1, []) + element * min(count, (wire.MAX_DATAGRAM - 16) // len(element))
         return b""
 
     def _pattern(self) -> str:

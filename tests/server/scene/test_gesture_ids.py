@@ -114,6 +114,7 @@ def test_ids_are_remembered_while_something_goes_on_and_for_a_while_after():
     assert len(remembered) == len(gestures._numbers) == 4_096
     assert remembered[0] == "on" and remembered[1:] == [f"g{n}" for n in range(4_500 - 4_095, 4_500)]
     assert [id.name for id in gestures.running()] == ["on"]
+    assert [gestures.name_of(number) for number in (0, 1, 2, 4_501)] == ["", "on", "", "g4499"]
     assert gestures.is_running("on", "/object/a/press") and not gestures.is_running("on", "/object/a/roll")
     assert not gestures.is_running("g4499", "/object/a/impact")
     assert [ended.id for ended in gestures.take_ends()] == [f"g{n}" for n in range(4_500)]

@@ -113,6 +113,7 @@ def test_a_bounce_is_told_contact_by_contact_and_its_momenta_say_when_it_is_back
             await page.send("/object/new", "board", "wood-board")
             await page.send("/object/board/bounce", 0.1, 0.4, "striker", "steel", "id", "ball")
             hits = await page.until("/hit", 4)
+            assert {id for _, id, *_ in hits} == {"ball"}
             mass = server._session.presets.striker("steel").mass
             for (*_, sample, _, speed, impulse, seconds), later in pairwise(hits[:4]):
                 up = impulse / mass - speed
