@@ -158,6 +158,11 @@ class _Carving(NamedTuple):
         slope = np.where(inside > 0, 2 * self.thickness * self.undercut * x / self.span**2, 0.0)
         return self.thickness * (1 - self.undercut * inside), slope
 
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """Between which it is smooth."""
+        return (-self.span, self.span) if self.undercut and self.span < 1 else ()
+
     def upright(self, nu: float, x: Array) -> Section:
         """For bending along the thickness."""
         depth = self.depth(x)[0]
@@ -182,10 +187,10 @@ def _rectangular(span: _Span, carving: _Carving, across: float, tilt: float) -> 
     def edge(x: Array) -> line.Outline:
         return line.on_edge(width, carving.depth(x)[0])
 
-    upright = bending(*span, partial(carving.upright, nu))
+    upright = bending(*span, partial(carving.upright, nu), carving.kinks)
     parts = [_Part(upright, partial(_everywhere, math.cos(tilt)), partial(_swaying, span, face), swayed)]
     if tilt:
-        sideways = bending(*span, partial(carving.sideways, nu))
+        sideways = bending(*span, partial(carving.sideways, nu), carving.kinks)
         parts.append(_Part(sideways, partial(_everywhere, math.sin(tilt)), partial(_swaying, span, edge), swayed))
     if across or tilt:
         arm = across * width / 2 * math.cos(tilt)
@@ -193,7 +198,7 @@ def _rectangular(span: _Span, carving: _Carving, across: float, tilt: float) -> 
         def along(positions: Array) -> Array:
             return np.asarray(arm - math.sin(tilt) * carving.depth(2 * positions - 1)[0] / 2)
 
-        twisted = torsion(*span, width, carving.depth)
+        twisted = torsion(*span, width, carving.depth, carving.kinks)
         parts.append(_Part(twisted, along, partial(_twisting, span, carving)))
     return parts
 

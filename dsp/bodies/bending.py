@@ -44,16 +44,23 @@ class Beyond(NamedTuple):
 
 
 def bending(
-    material: Material, length: float, clamped: bool, top: float, section: Callable[[Array], Section]
+    material: Material,
+    length: float,
+    clamped: bool,
+    top: float,
+    section: Callable[[Array], Section],
+    kinks: tuple[float, ...] = (),
 ) -> Motion:
     """Modes of a bar that bends in one plane, up to `top` (Hz), of sections at points in -1..1; free or clamped at -1.
 
-    Ritz's method on 1/2 int E I psi'^2 + kappa G A (w' - psi)^2, masses rho A and rho I (Timoshenko 1921), with
-    Legendre polynomials for the deflection w and the rotation psi.
+    kinks: the points in -1..1 between which sections change smoothly, ascending. Ritz's method on 1/2 int E I psi'^2
+    + kappa G A (w' - psi)^2, masses rho A and rho I (Timoshenko 1921), with Legendre polynomials for the deflection w
+    and the rotation psi.
     """
     thinnest = section(np.zeros(1))
     terms = terms_for(length / 2 * _wavenumber(material, thinnest, top))
-    frequency, vector = _solve(material, section, length / 2, terms, clamped)
+    points = quadrature(4 * terms, kinks)
+    frequency, vector = _solve(material, points, section(points[0]), length / 2, (terms, clamped))
     kept = converged(terms, 0 if clamped else 2)
     return motion_of(
         Series(
@@ -99,16 +106,18 @@ def motion_of(series: Series, top: float, terms: int, wavenumber: Callable[[floa
 
 
 def _solve(
-    material: Material, section: Callable[[Array], Section], half: float, terms: int, clamped: bool
+    material: Material, points: tuple[Array, Array], section: Section, half: float, series: tuple[int, bool]
 ) -> tuple[Array, Array]:
-    """Ritz's eigenvalue problem of a bar of length 2 `half` (m).
+    """Ritz's eigenvalue problem of a bar of length 2 `half` (m), by its sections at the points of a quadrature.
 
-    Returns all its frequencies (Hz), and the series of w and psi (2 terms + 1, modes) in `basis`.
+    series: how many terms, and whether they are clamped at -1. Returns all its frequencies (Hz), and the series of w
+    and psi (2 terms + 1, modes) in `basis`.
     """
     from scipy.linalg import eigh
 
-    nodes, weights = quadrature(4 * terms)
-    area, moment, kappa = section(nodes)
+    nodes, weights = points
+    terms, clamped = series
+    area, moment, kappa = section
     w, slope = basis(nodes, terms + 1, clamped)
     psi, bend = basis(nodes, terms, clamped)  # one degree less, so that thin bars can be free of shear
 

@@ -14,6 +14,7 @@ from .material import Array
 Indices = npt.NDArray[np.intp]
 
 MOST_MODES = 1024
+_LEAST = 1e-300  # Hz
 LOWEST_FREQUENCY = 1.0  # Hz; below lie rigid motions, which a Ritz method returns as rounding noise
 PATH_STEP = 0.6  # rad of the shortest wave between two positions: cubic interpolation then errs by < 0.6 %
 
@@ -64,9 +65,14 @@ def columns(size: int, of: str, **given: float | Sequence[float]) -> list[Array]
         raise ValueError(f"{counts}: expected {size}, as many as {of}, or one") from None
 
 
+def ascending(frequency: Array) -> Indices:
+    """Indices of modes by ascending frequency; those that rounding alone tells apart stay in their order."""
+    return np.argsort(np.round(np.log(np.maximum(frequency, _LEAST)), 9), kind="stable")
+
+
 def audible(frequency: Array, top: float) -> Indices:
     """Indices of the modes to keep, by ascending frequency: from 1 Hz to `top` (Hz), at most MOST_MODES."""
-    order = np.argsort(frequency, kind="stable")
+    order = ascending(frequency)
     heard = order[(frequency[order] >= LOWEST_FREQUENCY) & (frequency[order] <= top)]
     if not heard.size:
         raise ValueError(f"no mode lies between {LOWEST_FREQUENCY:g} Hz and {top:g} Hz")

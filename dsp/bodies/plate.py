@@ -10,17 +10,18 @@ from numpy.polynomial import legendre
 from . import acceleration
 from .heard import BAFFLES, heard, loaded
 from .material import Array, Material
-from .modes import LOWEST_FREQUENCY, Indices, Modes, audible, path, require_choice, require_positive
+from .modes import LOWEST_FREQUENCY, Indices, Modes, ascending, audible, path, require_choice, require_positive
 from .near import critical_frequency, near_field
 from .radiation.air import plate_mass
 from .radiation.plate import Group, Loads, Rectangle
 from .unheard import Felt, completed, with_unheard
 
 EDGES = ("free", "clamped", "supported")
-RESERVE = 2.0  # beam products up to this times the highest wanted frequency make the series
+RESERVE = 1.5  # beam products up to this times the highest wanted frequency make the series
 LEAST_PRODUCTS = 400  # of which the series is made at least
 MOST_PRODUCTS = 2200
 MOST_FACTORS = 400  # beam modes along a side; k^4 of more would be lost in rounding
+_MENDING = 3  # polynomials for each edge that is free or clamped; with more a long strip's lowest modes lose digits
 
 _SIGN_AT = (0.17, 0.29)  # fractions of the sides: whose sign a mode's sound has
 
@@ -67,7 +68,7 @@ def plate(
     waves = np.sqrt(2 * math.pi * frequency / speed)
     surface = Rectangle((length / 2, width / 2), areal, speed, along.value, across.value, groups, baffle)
     air = loaded(frequency, Loads(surface, frequency), plate_mass(areal, waves, frequency))
-    order = np.argsort(air.frequency, kind="stable")  # the air may bring neighbours past each other
+    order = ascending(air.frequency)  # the air may bring neighbours past each other
 
     span = math.hypot((path_to[0] - path_from[0]) * length, (path_to[1] - path_from[1]) * width)
     positions = path(waves[-1] * span)[:, None]
@@ -80,7 +81,7 @@ def plate(
     # The series' other modes are not exact, but yield together as much as the plate does, up to where it has enough.
     higher = Felt(beyond, (_shapes(_groups(blocks, others), *values) / math.sqrt(areal))[:-1])
     last = speed * RESERVE * complete / (2 * math.pi)
-    felt = completed(Felt(made.frequency, made.strike), higher, last, RESERVE * top)
+    felt = completed(Felt(made.frequency, made.strike), higher, last, 2 * top)
     made = with_unheard(made, felt, material.decay, top)
     if baffle != "free":
         return made
@@ -106,7 +107,10 @@ def _solve(along: "_Beam", across: "_Beam", wavenumber: float, nu: float) -> tup
         mixed = along.curvature[x] * across.curvature.T[y]
         energy = nu * (mixed + mixed.T) + 2 * (1 - nu) * along.slopes[x] * across.slopes[y]
         energy += along.bends[x] * np.equal.outer(jy, jy) + np.equal.outer(jx, jx) * across.bends[y]
-        square, vector = np.linalg.eigh(energy)
+        if along.supported and across.supported:  # the products are modes; rounding would mix those of one frequency
+            square, vector = np.diag(energy), np.eye(len(energy))
+        else:
+            square, vector = np.linalg.eigh(energy)
         blocks.append(_Block(jx, jy, square, vector))
     # A vast plate's series ends early.
     return blocks, float(min(limit, along.square.max(), across.square.max()) / RESERVE)
@@ -143,25 +147,26 @@ class _Block(NamedTuple):
 class _Beam:
     """Modes of a beam of unit stiffness and density, as Legendre series: the factors of a plate's shapes.
 
-    At a free edge these have neither curvature nor shear where a plate's shapes have some, and their series
-    converges slowly; two polynomials for each free edge, made orthogonal to the modes kept, mend that.
+    At a free edge these have neither curvature nor shear, and at a clamped one no fourth derivative. A plate's shapes
+    have some, so their series converges slowly. A few polynomials for each such edge mend that. They come first, and
+    the modes are made orthogonal to them: so they are whole beside any number of modes.
     """
 
     def __init__(self, low: str, high: str, length: float, wavenumber: float) -> None:
+        self.supported = low == high == "supported"
         resolved = min(math.sqrt(RESERVE) * wavenumber * length / math.pi + 4, MOST_FACTORS)
         degree = math.ceil(1.8 * resolved) + 14
         norm = 2 / (2 * np.arange(degree + 1) + 1)
         groups = [slice(0, None, 2), slice(1, None, 2)] if low == high else [slice(None)]  # even, odd
         kept = math.ceil(resolved / len(groups))
-        mending = 2 * (low, high).count("free") // len(groups)
+        mending = _MENDING * (2 - (low, high).count("supported")) // len(groups)
 
         square, series, parity = [], [], []
         for number, group in enumerate(groups):
             bubbles, fourth, modes = _ritz_beam(low, high, np.arange(degree + 1)[group], degree, kept)
-            extra = bubbles[:mending] - bubbles[:mending] * norm @ modes.T @ modes
-            extra = np.linalg.qr((extra * np.sqrt(norm)).T)[0].T / np.sqrt(norm)
-            series.append(np.concatenate([modes, extra]))
-            square.append(np.concatenate([np.sqrt(fourth), np.zeros(mending)]))
+            every = np.concatenate([bubbles[:mending], modes])
+            series.append(np.linalg.qr((every * np.sqrt(norm)).T)[0].T / np.sqrt(norm))
+            square.append(np.concatenate([np.zeros(mending), np.sqrt(fourth)]))
             parity.append(np.full(square[-1].size, number))
         scale = 2 / length  # from d/dxi, -1 <= xi <= 1, to d/dx
         self.square = np.concatenate(square) * scale**2  # k^2, and 0 for what must never be left out

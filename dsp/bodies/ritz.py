@@ -24,10 +24,14 @@ def converged(terms: int, rigid: int) -> slice:
     return slice(rigid, rigid + math.ceil(_CONVERGED * terms))
 
 
-@lru_cache(maxsize=MOST_TERMS)  # all there can be, 1 MB; to find them takes as long as the modes
-def quadrature(points: int) -> tuple[Array, Array]:
-    """Nodes and weights of Gauss and Legendre in -1..1, read-only."""
+@lru_cache(maxsize=2 * MOST_TERMS)  # nearly all there can be, 2 MB; to find them takes as long as the modes
+def quadrature(points: int, kinks: tuple[float, ...] = ()) -> tuple[Array, Array]:
+    """Nodes and weights of Gauss and Legendre in -1..1, read-only; so many in each of the pieces between kinks."""
     nodes, weights = legendre.leggauss(points)
+    if kinks:
+        edges = np.array([-1.0, *kinks, 1.0])[:, None]
+        middle, half = (edges[1:] + edges[:-1]) / 2, (edges[1:] - edges[:-1]) / 2
+        nodes, weights = (middle + half * nodes).ravel(), (half * weights).ravel()
     read_only(nodes, weights)
     return nodes, weights
 

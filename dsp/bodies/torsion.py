@@ -19,21 +19,22 @@ def torsion(
     top: float,
     width: float,
     depth: Callable[[Array], tuple[Array, Array]],
+    kinks: tuple[float, ...] = (),
 ) -> Motion:
     """Modes of a bar that twists, up to `top` (Hz), free or clamped at -1; an angle theta is its unknown.
 
-    depth: the thickness (m) and its derivative along -1..1, at points there. Ritz's method with Legendre polynomials on
-    1/2 int G J theta'^2 + E Gamma chi'^2, masses rho I theta^2 + rho Gamma chi^2: J is Saint-Venant's constant
-    (Timoshenko and Goodier, Theory of Elasticity, art. 109), I the polar moment, Gamma = w^3 t^3/144. The section's
-    points move along the bar by y z chi, chi = -(w^2 - t^2)/(w^2 + t^2) theta', which is Vlasov's warping where t is
-    small against w, and none in a square.
+    depth: the thickness (m) and its derivative along -1..1, at points there, smooth between `kinks`. Ritz's method with
+    Legendre polynomials on 1/2 int G J theta'^2 + E Gamma chi'^2, masses rho I theta^2 + rho Gamma chi^2: J is
+    Saint-Venant's constant (Timoshenko and Goodier, Theory of Elasticity, art. 109), I the polar moment,
+    Gamma = w^3 t^3/144. The section's points move along the bar by y z chi, chi = -(w^2 - t^2)/(w^2 + t^2) theta',
+    which is Vlasov's warping where t is small against w, and none in a square.
     """
     from scipy.linalg import eigh
 
     half = length / 2
     thinnest = depth(np.zeros(1))[0]
     terms = terms_for(half * _wavenumber(material, width, thinnest, top))
-    nodes, weights = quadrature(4 * terms)
+    nodes, weights = quadrature(4 * terms, kinks)
     thickness, slope = depth(nodes)
     constant, polar, warping, gamma = _section(width, thickness)
     bent = -4 * width**2 * thickness * slope / (width**2 + thickness**2) ** 2  # the derivative of `warping`

@@ -125,14 +125,14 @@ ROLLS = [
 
 @pytest.mark.parametrize(("name", "striker", "surface"), ROLLS)
 def test_faster_rolls_are_brighter_and_louder(name, striker, surface):
-    """On average over seeds by 1 dB at least from speed to speed; as bright, within 2 %, on a tile. One seed's centroid
-    there is within 3 % of the mean."""
+    """On average over seeds by 1 dB at least from speed to speed; as bright, within 4 %, on a tile. One seed's centroid
+    there is within 3 % of the mean of eight, and those means lie 2 % apart."""
     keys = {"striker": striker, "surface": surface}
     sounds = [[rolled(name, speed, seed=seed, **keys) for seed in (1, 2, 3)] for speed in (0.2, 0.6, 1.8)]
     levels = [np.mean([level(each) for each in same]) for same in sounds]
     assert all(slow + 1.0 < fast for slow, fast in pairwise(levels))
     slowest, fastest = (np.mean([centroid(each) for each in same]) for same in (sounds[0], sounds[-1]))
-    assert slowest < 1.02 * fastest
+    assert slowest < 1.04 * fastest
 
 
 @pytest.mark.parametrize("name", ["wood-board", "glass-plate", "steel-plate", "ceramic-tile", "iron-pan"])
