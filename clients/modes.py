@@ -107,6 +107,8 @@ def mode_table(
 
 def _decays(modes: Modes, settings: Settings, rate: float) -> NDArray[np.float64]:
     """The decays of all modes, as the engine has them."""
+    if not len(modes.decay):  # a small body that clicks alone
+        return modes.decay
     state = SimpleNamespace(bank=SimpleNamespace(sigma=modes.decay), rate=rate)
     obj = SimpleNamespace(first=0, settings=settings)
     most = int(np.argmax(modes.decay))

@@ -172,9 +172,10 @@ class Performer:
         """The ids of gestures that have ended since the last call."""
         return [ended.id for ended in self.scene.take_ends()]
 
-    def newest(self, name: str) -> Placed:
-        """The object of that name, which was made last."""
-        return replace(self.engine.placed[max(self.engine.placed)], position=self.scene.objects[name].preset.position)
+    def placed(self, name: str) -> Placed:
+        """The object of that name."""
+        obj = self.scene.objects[name]
+        return replace(self.engine.placed[obj.handle.serial], position=obj.preset.position)
 
     def heard(self, placed: Placed) -> tuple[Settings, NDArray[np.float64]] | None:
         """The settings of an object, and its gain in each channel; None before it is there."""

@@ -12,7 +12,8 @@ from ...server.osc.addresses import VERBS, calls
 from ...server.osc.arguments import Refused
 from ...server.scene.new_object import changed
 from .messages import gesture_message, object_message
-from .recipe import OBJECTS, OWN, Recipe
+from .recipe import OBJECTS, OWN, SCORE, Recipe
+from .scores import FILE, filled, require_filled, require_performable
 from .spread import Spread, Value
 
 _NAMED = {"striker": Presets.striker, "surface": Presets.surface}
@@ -26,6 +27,11 @@ def require_sound(recipe: Recipe, presets: Presets) -> None:
     """PresetError names the file, the section, the key and the value that no item could have."""
     for section, table in recipe.sections.items():
         where = f"{recipe.where}[{section}] "
+        if section == SCORE:
+            require_filled(where, recipe.scores, table, recipe.seconds)
+            for values in _tried(table, FILE):
+                require_performable(filled(recipe.scores[str(values[FILE])].lines, values, 0))
+            continue
         kind = "preset" if section in OBJECTS else GESTURES[section].argument.name
         if kind not in table:
             raise PresetError(f"{where}{kind} is missing: expected {_wanted(section)}")

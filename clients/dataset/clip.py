@@ -9,16 +9,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...dsp.engine.state import QUANTUM
 from ...presets import Presets
-from ...server.osc.wire import Message
 from ...server.render import Options
+from ..actions import CommandError
 from ..contacts import Contact, assemble
 from ..errors import KINDS, is_expected, plain
 from ..modes import mode_table
-from ..performer import TRACED, Performer, Placed
+from ..performer import TRACED, Performer
 from .design import Item
-from .messages import BY, OBJECT, gesture_message, number, object_message
-from .recipe import OBJECTS, Recipe
+from .messages import OBJECT, lines_of, number
+from .recipe import SCORE, Recipe
 
 Truth = dict[str, Any]
 """What is known of a clip, by name: numbers, words, and lists of these."""
@@ -28,7 +29,7 @@ FREE = ("impact", "bounce", "spin")
 
 
 _PIECE = 16 * TRACED
-"""Frames between two looks at the trace, which has room for the contacts of an item's one gesture."""
+"""Frames between two looks at the trace, which has room for the contacts of one gesture."""
 
 
 class ItemError(RuntimeError):
@@ -59,14 +60,7 @@ def _render(recipe: Recipe, item: Item, presets: Presets) -> Clip:
     options = Options(recipe.rate, calibrated=True, channels=recipe.channels)
     performer = Performer(options, recipe.channels, presets, stems=False, contacts=True, steers_ended=True)
     performer.perform(options.head, None)
-    placed = _perform(item, performer)
-    pieces, traces = [], []
-    for first in range(0, recipe.frames, _PIECE):
-        end = min(first + _PIECE, recipe.frames)
-        pieces.append(performer.engine.process(end - first))
-        traces.append(performer.traced(end))
-    contacts = assemble(np.concatenate([*filter(len, traces)] or traces), recipe.rate, 0, performer.striking)
-    pressure = np.concatenate(pieces)
+    pressure, contacts = _played(recipe, item, performer)
     peak = float(np.abs(pressure).max())
     if not peak <= recipe.full_scale:
         raise ItemError(
@@ -74,7 +68,9 @@ def _render(recipe: Recipe, item: Item, presets: Presets) -> Clip:
             f"({_said(item)})"
         )
     truth = _about(recipe, item, peak, pressure)
-    truth["objects"] = [_object(performer, recipe, item, name, each) for name, each in placed.items()]
+    touched = {name: _touched(item, name, contacts) for name in performer.scene.objects}
+    told = (_object(performer, recipe, name, position) for name, position in touched.items())
+    truth["objects"] = [each for each in told if each]
     truth["contacts"] = _contacts(contacts)
     forces = [np.zeros(0), *(contact.force for contact in contacts)]
     return Clip(pressure / np.float32(recipe.full_scale), truth, np.concatenate(forces).astype(np.float32))
@@ -91,19 +87,34 @@ def _said(item: Item) -> str:
     )
 
 
-def _perform(item: Item, performer: Performer) -> dict[str, Placed]:
-    """Have an item's messages carried out; its objects by name."""
-    placed = {}
-    for name in OBJECTS:
-        if name in item.values:
-            performer.perform([object_message(name, item.values[name], performer.presets)], 0.0)
-            placed[name] = performer.newest(name)
-    values = item.values[item.gesture]
-    gesture = gesture_message(item.gesture, values, item.seed, BY in item.values)
-    performer.perform([gesture], number(values, "at"))
-    if "until" in values:
-        performer.perform([Message(f"/gesture/{item.gesture}/stop")], number(values, "until"))
-    return placed
+def _played(recipe: Recipe, item: Item, performer: Performer) -> tuple[NDArray[np.float32], tuple[Contact, ...]]:
+    """The sound of an item (Pa), and its contacts. CommandError names the line of a score that was refused."""
+    pieces, traces = [], []
+    longest = TRACED if item.gesture == SCORE else _PIECE
+    done = 0
+    for line in [*lines_of(recipe, item, performer.presets), None]:
+        due = recipe.frames if line is None else int(line.time * recipe.rate) // QUANTUM * QUANTUM
+        while done < min(due, recipe.frames):
+            end = min(done + longest, due, recipe.frames)
+            pieces.append(performer.engine.process(end - done))
+            traces.append(performer.traced(end))
+            done = end
+        if line:
+            try:
+                performer.perform([line.message], line.time)
+            except CommandError as error:
+                raise CommandError(f"{line.where}: {error}" if line.where else str(error)) from None
+    trace = np.concatenate([*filter(len, traces)] or traces)
+    return np.concatenate(pieces), assemble(trace, recipe.rate, 0, performer.striking)
+
+
+def _touched(item: Item, name: str, contacts: tuple[Contact, ...]) -> float | None:
+    """Where an object is touched, along its strike path: by a score, where it is hit hardest. None: not said."""
+    if item.gesture != SCORE:
+        key = "position" if name == OBJECT else "by_position"
+        return number(item.values[item.gesture], key) if key in item.values[item.gesture] else None
+    hits = [contact for contact in contacts if contact.object == name]
+    return max(hits, key=lambda contact: contact.impulse).position if hits else None
 
 
 def _about(recipe: Recipe, item: Item, peak: float, pressure: NDArray[np.float32]) -> Truth:
@@ -123,13 +134,14 @@ def _about(recipe: Recipe, item: Item, peak: float, pressure: NDArray[np.float32
     }
 
 
-def _object(performer: Performer, recipe: Recipe, item: Item, name: str, placed: Placed) -> Truth:
-    """An object: what it is, and the modes that a blow where it is touched excites."""
+def _object(performer: Performer, recipe: Recipe, name: str, touched: float | None) -> Truth:
+    """An object: what it is, and the modes that a blow where it is touched excites; empty where it came too late."""
+    placed = performer.placed(name)
     heard = performer.heard(placed)
-    assert heard
+    if heard is None:
+        return {}
     preset = performer.scene.objects[name].preset
-    values, key = item.values[item.gesture], "position" if name == OBJECT else "by_position"
-    position = number(values, key, placed.position)
+    position = placed.position if touched is None else touched
     table = mode_table(placed.modes, placed.level, *heard, position, recipe.rate)
     relief = table.relief
     return {
@@ -160,8 +172,9 @@ def _contacts(contacts: tuple[Contact, ...]) -> list[Mapping[str, Any]]:
         free = each.gesture in FREE
         told.append(
             {
-                "object": each.object, "by": each.striker, "start": each.start, "duration": each.duration,
-                "position": each.position, "speed": each.speed, "mass": each.mass, "impulse": each.impulse,
+                "object": each.object, "by": each.striker, "gesture": each.gesture, "id": each.id,
+                "start": each.start, "duration": each.duration, "position": each.position,
+                "speed": each.speed, "mass": each.mass, "impulse": each.impulse,
                 "peak": each.peak, "energy": 0.5 * each.mass * each.speed**2 if free else 0.0,
                 "loss": each.impulse * (each.speed - 0.5 * each.impulse / each.mass) if free else 0.0,
                 "first": each.first, "force_begin": begin, "force_count": len(each.force),

@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from .recipe import GESTURE, Recipe
+from .recipe import GESTURE, SCORE, Recipe
+from .scores import FILE
 from .spread import Spread, Value
 
 _BITS = 30  # of a Sobol point
@@ -70,6 +71,9 @@ def _made(recipe: Recipe, number: int, seed: int, shares: NDArray[np.float64]) -
         for section in used
     }
     factors = {name: value for name, value in drawn.items() if name == GESTURE or name.partition(".")[0] in used}
+    if gesture == SCORE:  # a word that another score says alone makes no difference
+        words = {FILE, *recipe.scores[str(values[SCORE][FILE])].words}
+        factors = {name: value for name, value in factors.items() if name.partition(".")[2] in words}
     return Item(number, seed, gesture, values, factors)
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ...server.files.whole import appearing
+from ...server.osc.score import Line, format_line
 from .plan import Made
 from .recipe import Recipe
 from .shard import shard_name
@@ -40,7 +41,12 @@ def about(recipe: Recipe, versions: Mapping[str, str]) -> dict[str, Any]:
         "pascals_per_full_scale": recipe.full_scale,
         "computed_by": dict(versions),
         "recipe_text": recipe.text,
+        "scores": {name: [_text(line) for line in score.lines] for name, score in recipe.scores.items()},
     }
+
+
+def _text(line: Line) -> str:
+    return format_line(line.time, line.message)
 
 
 def table_name(recipe: Recipe) -> str:
@@ -86,9 +92,10 @@ def _remove_halves(out: Path) -> None:
 
 def _require_same(out: Path, there: Mapping[str, Any], said: Mapping[str, Any]) -> None:
     """FolderError or VersionError unless a folder holds the data set that is meant."""
-    for key, what in (("recipe", "recipe"), ("recipe_text", "text of the recipe"), ("items", "number of items")):
+    parts = {"recipe": "recipe", "recipe_text": "text of the recipe", "scores": "score", "items": "number of items"}
+    for key, what in parts.items():
         if there.get(key) != said[key]:
-            shown = f": {said[key]}, there are {there.get(key)}" if key != "recipe_text" else ""
+            shown = f": {said[key]}, there are {there.get(key)}" if key in ("recipe", "items") else ""
             raise FolderError(f"{out}: it holds a data set of another {what}{shown}; expected a new or empty folder")
     require_same(there["computed_by"], said["computed_by"], f"{out}: it was begun by other versions")
 

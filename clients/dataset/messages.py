@@ -8,12 +8,33 @@ from ...dsp.schema import GESTURES
 from ...presets import PresetError, Presets
 from ...presets.schema import SHAPES
 from ...presets.values import Quantity
+from ...server.osc.score import Line
 from ...server.osc.wire import Argument, Message
-from .recipe import OWN
+from .design import Item
+from .recipe import OBJECTS, OWN, SCORE, Recipe
+from .scores import FILE, filled
 from .spread import Value
 
 OBJECT, BY = "object", "by"
 """The names of an item's objects: those of their sections."""
+
+
+def lines_of(recipe: Recipe, item: Item, presets: Presets) -> list[Line]:
+    """What an item does, by time: its score, or objects that are made, a gesture, and perhaps its end.
+
+    PresetError as in `object_message`.
+    """
+    if item.gesture == SCORE:
+        values = item.values[SCORE]
+        return filled(recipe.scores[str(values[FILE])].lines, values, item.seed)
+    made = [object_message(name, item.values[name], presets) for name in OBJECTS if name in item.values]
+    values = item.values[item.gesture]
+    lines = [Line(0.0, message, "") for message in made]
+    gesture = gesture_message(item.gesture, values, item.seed, BY in item.values)
+    lines.append(Line(number(values, "at"), gesture, ""))
+    if "until" in values:
+        lines.append(Line(number(values, "until"), Message(f"/gesture/{item.gesture}/stop"), ""))
+    return lines
 
 
 def object_message(name: str, values: Mapping[str, Value], presets: Presets) -> Message:

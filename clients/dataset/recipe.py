@@ -18,6 +18,7 @@ from ...presets.library import read_file
 from ...presets.schema import Fields, check
 from ...presets.values import NAME, Choice, Name, Quantity, Section, Text, Whole, shown
 from ...server.render import HIGHEST_RATE, LOWEST_RATE
+from .scores import Score, read_scores
 from .spread import Choice as Chosen
 from .spread import Spread, Value, Words, spread_of
 
@@ -27,9 +28,14 @@ GESTURE = "gesture"
 OBJECTS = ("object", "by")
 """Sections of objects: that which is touched, and one that strikes it."""
 
+SCORE = "score"
+"""The section of a recipe whose items follow scores: they make their objects, and stand in the place of a gesture."""
+
 DESIGNS = ("random", "sobol", "grid", "pairs")
 FORMATS = ("flac", "wav")
 SAMPLES = ("16", "24", "float")
+
+_SECTIONS = (*OBJECTS, *GESTURES, SCORE)
 
 KEYS: Fields = {
     "description": Text(),
@@ -44,7 +50,7 @@ KEYS: Fields = {
     "samples": Choice(SAMPLES),
     "full_scale": Quantity(1e-6, 1e6, "Pa"),
     "shard": Whole(1, 100_000),
-    **dict.fromkeys((*OBJECTS, *GESTURES), Section()),
+    **dict.fromkeys(_SECTIONS, Section()),
 }
 """The keys of a recipe and its sections."""
 
@@ -75,8 +81,8 @@ class Recipe:
     """A recipe as it is used. text: of its file; where: how an error about it begins.
 
     count: items; seconds: of each; samples: of the files, 16, 24 or float; full_scale: Pa; shard: items in each.
-    sections: objects and gestures, each with values and distributions by key. differ: the factors in which pairs may
-    differ; empty: any.
+    sections: objects and gestures, or a score's, each with values and distributions by key. scores: by their files.
+    differ: the factors in which pairs may differ; empty: any.
     """
 
     name: str
@@ -97,6 +103,7 @@ class Recipe:
     gestures: tuple[str, ...]
     description: str = ""
     differ: tuple[str, ...] = ()
+    scores: Mapping[str, Score] = field(default_factory=dict, repr=False)
 
     @property
     def frames(self) -> int:
@@ -137,11 +144,18 @@ def read(path: Path, count: int | None = None) -> Recipe:
     where, data = read_file(path)
     if not NAME.fullmatch(path.stem):
         raise PresetError(f"{path}: {shown(path.stem)}: expected {Name()} before .toml, as files are named by it")
-    values = {**DEFAULTS, **check(where, data, KEYS, ("object",))}
-    sections = {name: _section(where, name, values.pop(name)) for name in (*OBJECTS, *GESTURES) if name in values}
-    gestures = tuple(name for name in GESTURES if name in sections)
+    needed = () if SCORE in data else ("object",)
+    values = {**DEFAULTS, **check(where, data, KEYS, needed)}
+    sections = {name: _section(where, name, values.pop(name)) for name in _SECTIONS if name in values}
+    gestures = tuple(name for name in (*GESTURES, SCORE) if name in sections)
     if not gestures:
-        raise PresetError(f"{where}no gesture: expected a section {', '.join(f'[{name}]' for name in GESTURES)}")
+        named = ", ".join(f"[{name}]" for name in (*GESTURES, SCORE))
+        raise PresetError(f"{where}no gesture: expected a section {named}")
+    scores = {}
+    if SCORE in sections:
+        if others := [name for name in sections if name != SCORE]:
+            raise PresetError(f"{where}[{others[0]}]: expected no section beside [{SCORE}], which makes its objects")
+        scores = read_scores(f"{where}[{SCORE}] ", path.parent, sections[SCORE])
     factors = [
         Factor(f"{section}.{key}", value)
         for section, table in sections.items()
@@ -158,8 +172,9 @@ def read(path: Path, count: int | None = None) -> Recipe:
         raise PresetError(f"{where}count is missing: expected {KEYS['count']}")
     text = path.read_text(encoding="utf-8")
     recipe = Recipe(
-        name=path.stem, text=text, where=where, sections=sections, factors=tuple(factors), gestures=gestures, **values
-    )
+        name=path.stem, text=text, where=where, sections=sections, factors=tuple(factors), gestures=gestures,
+        scores=scores, **values,
+    )  # fmt: skip
     _require_sense(recipe)
     return recipe
 

@@ -29,7 +29,7 @@ _OBJECT = pa.struct(
 )
 _CONTACT = pa.struct(
     {
-        **dict.fromkeys(("object", "by"), pa.string()),
+        **dict.fromkeys(("object", "by", "gesture", "id"), pa.string()),
         **dict.fromkeys(("start", "duration", "position", "speed", "mass"), pa.float64()),
         **dict.fromkeys(("impulse", "peak", "energy", "loss"), pa.float64()),
         "first": pa.int64(),

@@ -110,7 +110,7 @@ class Scene(Actions, Closing):
         """Make an object from a preset. Keys change the preset (length, material, ...), or are the object's first gain,
         pan, gains, distance, tune, decay and damp."""
         self.send("/object/new", name, preset, at=at, **keys)
-        return Object(self, name, self._open.newest(name), _settings(keys))
+        return Object(self, name, self._open.placed(name), _settings(keys))
 
     def ended(self) -> list[str]:
         """The ids of gestures that have ended since the last call, up to the scene's time, the oldest first."""

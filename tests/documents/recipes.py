@@ -1,6 +1,6 @@
 """The keys of recipes, from their schema, and the recipes that there are."""
 
-from carom.clients.dataset.recipe import DEFAULTS, GESTURES, KEYS, OWN, read
+from carom.clients.dataset.recipe import DEFAULTS, GESTURES, KEYS, OWN, SCORE, read
 from carom.clients.dataset.spread import FORMS
 from carom.presets import BUILT_IN
 from tests.documents.markdown import table
@@ -26,10 +26,13 @@ _MEANINGS = {
 
 def keys() -> str:
     """The keys of a recipe, those of its sections that no address has, and the distributions."""
-    plain = {key: domain for key, domain in KEYS.items() if key not in (*OWN, *GESTURES)}
+    plain = {key: domain for key, domain in KEYS.items() if key not in (*OWN, *GESTURES, SCORE)}
     rows = [(f"`{key}`", _value(key, domain), _MEANINGS[key]) for key, domain in plain.items()]
     own = {"object": "`[object]` ", "impact": "any gesture's "}
     rows += [(f"{own[name]}`{key}`", str(domain), _MEANINGS[key]) for name in own for key, domain in OWN[name].items()]
+    rows.append(
+        (f"`[{SCORE}]` `file`", "a score beside the recipe", "what an item does, with `$KEY` for what is drawn")
+    )
     forms = [(f"`{{ {form} }}`", what) for form, what in FORMS.items()]
     return "\n\n".join([table(("key", "value", "meaning"), rows), table(("distribution", "draws"), forms)])
 
