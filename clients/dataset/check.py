@@ -13,11 +13,8 @@ from ...server.osc.arguments import Refused
 from ...server.scene.new_object import changed
 from .messages import gesture_message, object_message
 from .recipe import OBJECTS, OWN, SCORE, Recipe
-from .scores import FILE, filled, require_filled, require_performable
+from .scores import FILE, NAMED, filled, require_filled, require_performable
 from .spread import Spread, Value
-
-_NAMED = {"striker": Presets.striker, "surface": Presets.surface}
-"""Keys of gestures that name presets."""
 
 _MADE = {"id": "no key", "by": "a section [by], as the object that strikes"}
 """Keys of gestures that a recipe does not have, and what is expected in their place."""
@@ -30,7 +27,7 @@ def require_sound(recipe: Recipe, presets: Presets) -> None:
         if section == SCORE:
             require_filled(where, recipe.scores, table, recipe.seconds)
             for values in _tried(table, FILE):
-                require_performable(filled(recipe.scores[str(values[FILE])].lines, values, 0))
+                require_performable(filled(recipe.scores[str(values[FILE])].lines, values, 0), presets)
             continue
         kind = "preset" if section in OBJECTS else GESTURES[section].argument.name
         if kind not in table:
@@ -79,6 +76,6 @@ def _try(section: str, values: Mapping[str, Value], presets: Presets, has_by: bo
         return
     message = gesture_message(section, values, 0, has_by)
     VERBS[f"/object/NAME/{section}"].parse(message.args)
-    for key, find in _NAMED.items():
+    for key, find in NAMED.items():
         if key in values:
             find(presets, str(values[key]))

@@ -72,6 +72,7 @@ def _render(recipe: Recipe, item: Item, presets: Presets) -> Clip:
     told = (_object(performer, recipe, name, position) for name, position in touched.items())
     truth["objects"] = [each for each in told if each]
     truth["contacts"] = _contacts(contacts)
+    truth["warnings"] = performer.warnings
     forces = [np.zeros(0), *(contact.force for contact in contacts)]
     return Clip(pressure / np.float32(recipe.full_scale), truth, np.concatenate(forces).astype(np.float32))
 

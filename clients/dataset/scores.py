@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from operator import attrgetter
 from pathlib import Path
 from typing import NamedTuple
 
 from ...dsp.wording import expected
-from ...presets import PresetError
+from ...presets import PresetError, Presets
 from ...presets.values import shown
 from ...server.osc.addresses import calls, unknown
 from ...server.osc.arguments import Refused
@@ -20,6 +20,11 @@ from .spread import Spread, Value
 
 FILE, SEED = "file", "seed"
 """The key of a score's name, and the word for a seed that each item has of its own."""
+
+NAMED: Mapping[str, Callable[[Presets, str], object]] = {
+    "striker": Presets.striker, "surface": Presets.surface, "preset": Presets.object, "material": Presets.material,
+}  # fmt: skip
+"""Words of messages that name presets."""
 
 _MARK = "$"
 
@@ -95,8 +100,8 @@ def _words(args: tuple[Argument, ...]) -> Iterator[str]:
             yield arg[1:]
 
 
-def require_performable(lines: Sequence[Line]) -> None:
-    """PresetError names a line that no server and no score could carry out."""
+def require_performable(lines: Sequence[Line], presets: Presets) -> None:
+    """PresetError names a line that no score could carry out, or that names a preset that there is not."""
     for line in lines:
         for call in calls(line.message):
             try:
@@ -104,6 +109,9 @@ def require_performable(lines: Sequence[Line]) -> None:
                     raise unknown(call.message.address)
                 if not call.verb.scored:
                     raise Refused("expected an address that a score may hold")
-                call.verb.parse(call.message.args)
-            except Refused as error:
+                words = call.verb.parse(call.message.args).words
+                for key, find in NAMED.items():
+                    if words.get(key):
+                        find(presets, words[key])
+            except (Refused, PresetError) as error:
                 raise PresetError(f"{line.where}: {call.message.address}: {error}") from None

@@ -46,7 +46,7 @@ def schema(recipe: Recipe, about: Mapping[str, Any]) -> pa.Schema:
         "item": pa.int64(), "key": pa.string(), "shard": pa.string(), "seed": pa.int64(), **paired,
         "gesture": pa.string(), "factors": pa.struct(factors) if factors else None, "rate": pa.int64(),
         "frames": pa.int64(), "full_scale": pa.float64(), "peak": pa.float64(), "exposure": _LIST,
-        "objects": pa.list_(_OBJECT), "contacts": pa.list_(_CONTACT),
+        "objects": pa.list_(_OBJECT), "contacts": pa.list_(_CONTACT), "warnings": pa.list_(pa.string()),
     }  # fmt: skip
     made = pa.schema({name: kind for name, kind in columns.items() if kind is not None})
     return made.with_metadata({"carom": json.dumps(about)})

@@ -125,6 +125,8 @@ BAD = [
     ("seconds = 0.3", "seconds = 0.1", "", "", "its last line is at 0.2 s", "expected at most seconds = 0.1"),
     ("[0.1, 1.0]", "[0.1, 1001.0]", "", "", "two.txt:2: /object/bar/impact: velocity = 1001", "from 0 to 1000 m/s"),
     ("", "", "impact", "impcat", "two.txt:2: /object/bar/impcat", "impact"),
+    ("", "", "rubber", "rubbr", "two.txt:2: /object/bar/impact: no striker 'rubbr'", "did you mean rubber?"),
+    ("", "", "xylophone-bar", "xylophone", "two.txt:3: /object/new: no object 'xylophone'", "did you mean"),
     ("", "", "/gesture/marble/speed", "/status", "two.txt:5: /status", "an address that a score may hold"),
     ("[score]", '[object]\npreset = "gong"\n[score]', "", "", "[object]", "expected no section beside [score]"),
 ]
@@ -140,8 +142,15 @@ def test_a_bad_score_is_one_line(tmp_path, old, new, line, other, named, wanted)
 
 
 def test_a_line_that_is_refused_names_item_and_line(tmp_path):
-    recipe = read(placed(tmp_path, two=SCORE.replace("rubber", "rubbr")))
+    recipe = read(placed(tmp_path, two=SCORE.replace("/object/bar/roll", "/object/baz/roll")))
     require_sound(recipe, Presets())
     (item,) = items(recipe, range(1))
-    with pytest.raises(ItemError, match=r"item 0: .*two.txt:2: .*no striker 'rubbr': did you mean rubber\?"):
+    with pytest.raises(ItemError, match=r"item 0: .*two.txt:4: .*baz: no such object"):
         render(recipe, item, Presets())
+
+
+def test_a_line_that_comes_too_late_is_told(tmp_path):
+    recipe = read(placed(tmp_path, two=SCORE.replace("rubber", "rubber id blow") + "0.25 /gesture/blow/gain -6\n"))
+    for item in items(recipe, range(2)):
+        (told,) = render(recipe, item, Presets()).truth["warnings"]
+        assert told.startswith("/gesture/blow/gain: blow: no such gesture is running")
