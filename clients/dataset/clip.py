@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ...dsp.engine.state import QUANTUM
 from ...presets import Presets
+from ...server.osc.score import Line, sample_at
 from ...server.render import Options
 from ..actions import CommandError
 from ..contacts import Contact, assemble
@@ -94,7 +95,7 @@ def _played(recipe: Recipe, item: Item, performer: Performer) -> tuple[NDArray[n
     longest = TRACED if item.gesture == SCORE else _PIECE
     done = 0
     for line in [*lines_of(recipe, item, performer.presets), None]:
-        due = recipe.frames if line is None else int(line.time * recipe.rate) // QUANTUM * QUANTUM
+        due = _due(recipe, item, line) if line else recipe.frames
         while done < min(due, recipe.frames):
             end = min(done + longest, due, recipe.frames)
             pieces.append(performer.engine.process(end - done))
@@ -107,6 +108,11 @@ def _played(recipe: Recipe, item: Item, performer: Performer) -> tuple[NDArray[n
                 raise CommandError(f"{line.where}: {error}" if line.where else str(error)) from None
     trace = np.concatenate([*filter(len, traces)] or traces)
     return np.concatenate(pieces), assemble(trace, recipe.rate, 0, performer.striking)
+
+
+def _due(recipe: Recipe, item: Item, line: Line) -> int:
+    """The frame before which a line is carried out: a score's in time, as what it says may depend on what has ended."""
+    return int(sample_at(line.time, recipe.rate)) // QUANTUM * QUANTUM if item.gesture == SCORE else 0
 
 
 def _touched(item: Item, name: str, contacts: tuple[Contact, ...]) -> float | None:
