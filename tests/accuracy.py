@@ -108,6 +108,21 @@ TIMOSHENKO = Promise(
     "partials of thick bars, L/h of 10 and 40, against thin ones", "published deviations", 0.1, "% of a partial",
     "dsp/bodies/test_bar.py",
 )  # fmt: skip
+PLATE = Promise(
+    "partials of a plate with free edges, 200 of them", "a longer series", 2e-5, "relative", "dsp/bodies/test_plate.py"
+)
+RATES = {
+    names: Promise(
+        f"a strike at 48 kHz, below 12 kHz: {', '.join(names)}", "the same at 192 kHz", bound, "dB, of its energy",
+        "presets/test_rates.py",
+    )
+    for names, bound in (
+        (("glass-plate", "wine-glass", "piano-string"), -68.0),
+        (("wood-board", "tin-lid"), -50.0),
+        (("steel-plate",), -33.0),
+    )
+}  # fmt: skip
+"""The shorter the contact, the less alike: what lies above 1.6 times the Nyquist frequency is felt there."""
 PITCH = Promise("pitch of a partial of a large object, as rendered", "the preset", 0.1, "cents", _SOUND)
 DECAY = Promise("its decay time", "the preset", 0.01, "relative", _SOUND)
 PARTIALS = Promise(
