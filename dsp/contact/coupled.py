@@ -31,7 +31,7 @@ from .collocation import NODES, STEP, law
 from .coupled_step import stay
 from .power_series import BINOMIAL, FORCE_AT, POWERS, QUADRATURE, QUADRATURE_WEIGHTS, TO_END, value_at
 
-MOST_STEPS = 600  # in a sample; what is left of it then is one held step
+MOST_STEPS = 3_000  # in a sample; what is left of it then is one held step
 _LOOKS = 8  # at the gap, in a sample
 KINKS = 32  # of the surface in a sample, at most
 _ON_KINK = 1e-12  # samples from a kink that are none

@@ -17,7 +17,7 @@ import numpy as np
 from ..native.jit import kernel
 from ..numerics.legendre import FINE
 from .collocation import NODES
-from .coupled import MOST_STEPS, lift, look, move, pass_kinks, touch, until_kink
+from .coupled import lift, look, move, pass_kinks, touch, until_kink
 from .coupled_group_step import LEAVES, MEETS, NOTHING, find_step
 from .coupled_step import FINEST, LEAST, give_of, hold
 from .power_series import BINOMIAL, POWERS
@@ -26,6 +26,7 @@ GROUP = 32
 """Contacts that are solved together at most."""
 
 _UNKNOWNS = GROUP * NODES
+_MOST_STEPS = 600  # in a sample; what is left of it then is one held step
 
 COUPLED_GROUP = np.dtype(
     [
@@ -82,11 +83,11 @@ def step_together(contacts, group):
             group.answer[i, i, k] = contact.answer[k]
     _lift_others(contacts, group)
     at = 0.0
-    for count in range(MOST_STEPS + 1):
+    for count in range(_MOST_STEPS + 1):
         left = 1.0 - at
         if left <= 0.0:
             break
-        eta = _step(contacts, group, at, count == MOST_STEPS)
+        eta = _step(contacts, group, at, count == _MOST_STEPS)
         at = 1.0 if eta >= left else at + eta
         for i in range(group.size):
             contact = contacts[group.member[i]].coupled
