@@ -118,11 +118,11 @@ RATES = {
     )
     for names, bound in (
         (("glass-plate", "wine-glass", "piano-string"), -68.0),
-        (("wood-board", "tin-lid"), -53.0),
-        (("steel-plate",), -40.0),
+        (("wood-board", "tin-lid"), -50.0),
+        (("steel-plate",), -33.0),
     )
 }  # fmt: skip
-"""The shorter the contact, the less alike: what lies above 1.85 times the Nyquist frequency is felt there."""
+"""The shorter the contact, the less alike: what lies above 1.6 times the Nyquist frequency is felt there."""
 PITCH = Promise("pitch of a partial of a large object, as rendered", "the preset", 0.1, "cents", _SOUND)
 DECAY = Promise("its decay time", "the preset", 0.01, "relative", _SOUND)
 PARTIALS = Promise(

@@ -13,7 +13,7 @@ from ..numerics.checks import Array
 from ..numerics.legendre import FINE
 from .collocation import CARDINAL, GAUSS, NODES
 
-_nodes, _weights = legendre.leggauss(FINE // 2 + 1)
+_nodes, _weights = legendre.leggauss(7)
 QUADRATURE, QUADRATURE_WEIGHTS = 0.5 * (_nodes + 1.0), 0.5 * _weights
 """Over a step, for a force times FINE powers."""
 
