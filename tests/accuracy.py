@@ -109,7 +109,11 @@ TIMOSHENKO = Promise(
     "dsp/bodies/test_bar.py",
 )  # fmt: skip
 PLATE = Promise(
-    "partials of a plate with free edges, 200 of them", "a longer series", 2e-5, "relative", "dsp/bodies/test_plate.py"
+    "partials of a plate with free edges, 200 of them",
+    "Ritz, plain Legendre polynomials",
+    2e-5,
+    "relative",
+    "dsp/bodies/test_plate.py",
 )
 RATES = {
     names: Promise(

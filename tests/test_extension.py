@@ -108,5 +108,6 @@ def test_a_steerable_parameter_is_added_in_two_places_and_heard_everywhere(tmp_p
         assert text.count(anchor) == 1, (name, anchor)
         (package / name).write_text(text.replace(anchor, replacement))
     (tmp_path / "script.py").write_text(SCRIPT)
-    env = os.environ | {"PYTHONPATH": str(tmp_path)}
+    # A cache of its own: what an earlier run of this test compiled is not found.
+    env = os.environ | {"PYTHONPATH": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path / "cache")}
     subprocess.run([sys.executable, "script.py"], cwd=tmp_path, env=env, check=True, timeout=300)

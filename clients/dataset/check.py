@@ -26,8 +26,11 @@ def require_sound(recipe: Recipe, presets: Presets) -> None:
         where = f"{recipe.where}[{section}] "
         if section == SCORE:
             require_filled(where, recipe.scores, table, recipe.seconds)
+            for score in recipe.scores.values():
+                require_performable(score.fixed(), presets)
+            drawn = {name: score.drawn() for name, score in recipe.scores.items()}
             for values in _tried(table, FILE):
-                require_performable(filled(recipe.scores[str(values[FILE])].lines, values, 0), presets)
+                require_performable(filled(drawn[str(values[FILE])], values, 0), presets)
             continue
         kind = "preset" if section in OBJECTS else GESTURES[section].argument.name
         if kind not in table:

@@ -35,6 +35,14 @@ class Score(NamedTuple):
     lines: tuple[Line, ...]
     words: frozenset[str]
 
+    def fixed(self) -> list[Line]:
+        """The lines in which nothing is drawn."""
+        return [line for line in self.lines if not any(_words(line.message.args))]
+
+    def drawn(self) -> list[Line]:
+        """The others."""
+        return [line for line in self.lines if any(_words(line.message.args))]
+
 
 def read_scores(where: str, folder: Path, table: Mapping[str, Value | Spread]) -> dict[str, Score]:
     """The scores that a section names, of a recipe's folder. PresetError names the file and its line."""

@@ -77,7 +77,7 @@ def plate(
     shapes = _shapes(groups, *values) / math.sqrt(areal) * air.shrinking
     shapes, resistance = shapes[:, order], air.resistance[order]
     mass = areal * length * width
-    rising = np.maximum.accumulate(air.frequency[order])  # where rounding alone had it otherwise
+    rising = np.maximum.accumulate(air.frequency[order])  # equal ones may fall by rounding
     made = heard(material, rising, resistance, (shapes[:-1], shapes[-1]), mass)
     # The series' other modes are not exact, but yield together as much as the plate does, up to where it has enough.
     higher = Felt(beyond, (_shapes(_groups(blocks, others), *values) / math.sqrt(areal))[:-1])

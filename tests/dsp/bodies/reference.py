@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+from numpy.polynomial import legendre
 from scipy.integrate import simpson
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
@@ -26,6 +27,29 @@ def plate_unit(material, thickness, side):
     """Hz of lambda^2 = 1."""
     rigidity = material.contact_modulus * thickness**3 / 12
     return math.sqrt(rigidity / (material.density * thickness)) / (2 * math.pi * side**2)
+
+
+def free_plate(sides, poisson, wavenumber):
+    """Squares of the wavenumbers (1/m^2) of a free rectangular plate's modes up to one, by plain Legendre polynomials.
+
+    Ritz's method with as many for each side (m) as resolve its waves, and 20 more.
+    """
+    counts = [math.ceil(wavenumber * side / 2) + 20 for side in sides]
+    (slope_x, bend_x, curve_x), (slope_y, bend_y, curve_y) = map(_legendre, sides, counts)
+    mixed = np.einsum("ik,lj->ijkl", curve_x, curve_y)
+    twist = np.einsum("ik,jl->ijkl", slope_x, slope_y)
+    bent = np.einsum("ik,jl->ijkl", bend_x, np.eye(counts[1])) + np.einsum("ik,jl->ijkl", np.eye(counts[0]), bend_y)
+    energy = bent + poisson * (mixed + mixed.transpose(2, 3, 0, 1)) + 2 * (1 - poisson) * twist
+    found = np.sqrt(np.maximum(np.linalg.eigvalsh(energy.reshape(2 * (math.prod(counts),))), 0))[3:]
+    return found[found <= wavenumber**2]
+
+
+def _legendre(side, count):
+    """int P_i' P_k', int P_i'' P_k'' and int P_i'' P_k of orthonormal Legendre polynomials over a side (m)."""
+    values = np.diag(np.sqrt((2 * np.arange(count) + 1) / side))
+    slope, bend = (legendre.legder(values, order, axis=1) * (2 / side) ** order for order in (1, 2))
+    norm = side / (2 * np.arange(count) + 1)
+    return slope * norm[:-1] @ slope.T, bend * norm[:-2] @ bend.T, bend * norm[:-2] @ values[:, :-2].T
 
 
 def integral_along(modes):

@@ -77,6 +77,14 @@ def test_the_ritz_series_of_a_bar_has_converged(monkeypatch, blow):
     assert coarse.frequency == pytest.approx(fine.frequency, rel=1e-3)
 
 
+@pytest.mark.parametrize("undercut", [0.0, 0.5])
+def test_a_bars_modes_are_the_same_beside_any_others(undercut):
+    """A carved bar's section has kinks, between which it is integrated."""
+    arguments = {"length": 0.36, "width": 0.055, "thickness": 0.02, "undercut": undercut}
+    few, many = (bodies.bar(HEAVY, top=top, **arguments) for top in (20_000, 80_000))
+    assert few.frequency == pytest.approx(many.frequency[: few.frequency.size], rel=5e-5)
+
+
 def test_an_undercut_tunes_the_second_mode_up_to_two_octaves():
     def ratio(undercut):
         arguments = {"length": 0.35, "width": 0.05, "thickness": 0.02, "undercut": undercut, **STRAIGHT}

@@ -9,7 +9,7 @@ from carom.dsp import bodies
 from carom.dsp.bodies import Material
 from carom.dsp.bodies.modes import MOST_MODES
 from tests.accuracy import PLATE
-from tests.dsp.bodies.reference import HEAVY, euler_bernoulli, integral_along, plate_unit
+from tests.dsp.bodies.reference import HEAVY, euler_bernoulli, free_plate, integral_along, plate_unit
 
 
 @pytest.mark.slow
@@ -71,6 +71,13 @@ def test_a_square_plates_doublets_are_equal(edge):
     values = square(HEAVY, edge)
     pair = {"free": (3, 4), "clamped": (1, 2), "supported": (1, 2)}[edge]
     assert values[pair[0]] == pytest.approx(values[pair[1]], rel=1e-9)
+
+
+def test_a_free_plate_has_the_modes_of_a_plain_series():
+    modes = bodies.plate(HEAVY, length=0.4, width=0.3, thickness=0.002, top=9000)
+    wavenumber = math.sqrt(9000 / plate_unit(HEAVY, 0.002, 1))
+    expected = plate_unit(HEAVY, 0.002, 1) * free_plate((0.4, 0.3), HEAVY.poisson_ratio, wavenumber)
+    assert modes.frequency == pytest.approx(expected, rel=PLATE.bound)
 
 
 @pytest.mark.parametrize(
