@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
+from functools import cache
 from importlib.metadata import version as installed_version
 
 import numpy as np
@@ -205,6 +206,7 @@ class Status:
         return [self._watch.take().said()]
 
 
+@cache
 def version() -> Message:
     """/version.reply: name, major, minor, patch."""
     major, minor, patch = (int(part) for part in installed_version("carom").split(".")[:3])

@@ -68,7 +68,7 @@ def objects(client: Client) -> int:
 
 
 def fuzz(
-    server: subprocess.Popen[str], port: int, count: int, seed: int, told: Callable[[int], None] = lambda packets: None
+    server: subprocess.Popen[str], port: int, count: int, seed: int, told: Callable[[Findings], None] = lambda _: None
 ) -> Findings:
     """Throw `count` packets at a crowded server, one by one. A hang is a packet after which the server worked for more
     than LATE before it answered another client."""
@@ -91,7 +91,7 @@ def fuzz(
             assert server.poll() is None, "the server has ended"
             if found.packets * 10 // count > len(found.memory):
                 found.memory += resident(server.pid)
-                told(found.packets)
+                told(found)
     return found
 
 

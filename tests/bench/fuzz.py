@@ -191,7 +191,7 @@ class Findings:
 
 
 def fuzz(
-    server: subprocess.Popen[str], port: int, count: int, seed: int, told: Callable[[int], None] = lambda packets: None
+    server: subprocess.Popen[str], port: int, count: int, seed: int, told: Callable[[Findings], None] = lambda _: None
 ) -> Findings:
     """Throw `count` packets at a server. AssertionError if it ends, TimeoutError if it does not answer any more."""
     junk = Junk(seed, time.time())
@@ -216,7 +216,7 @@ def fuzz(
             assert server.poll() is None, "the server has ended"
             if found.packets * 10 // count > len(found.memory):
                 found.memory += resident(server.pid)
-                told(found.packets)
+                told(found)
     for sock in streams:
         sock.close()
     return found
@@ -274,7 +274,7 @@ def still_plays(port: int) -> bool:
         return client.status().args[2] == 1  # one object sounds
 
 
-Throw = Callable[[subprocess.Popen[str], int, int, int, Callable[[int], None]], Findings]
+Throw = Callable[[subprocess.Popen[str], int, int, int, Callable[[Findings], None]], Findings]
 
 
 def run(throw: Throw, description: str | None, most: float, batch: int) -> int:
@@ -289,8 +289,9 @@ def run(throw: Throw, description: str | None, most: float, batch: int) -> int:
     with tempfile.TemporaryDirectory() as folder, serving(Path(folder), "--device", "none") as server:
         started = time.monotonic()
 
-        def told(packets: int) -> None:
-            print(f"{packets:>9} packets, {time.monotonic() - started:.0f} s", flush=True)
+        def told(found: Findings) -> None:
+            seconds = time.monotonic() - started
+            print(f"{found.packets:>9} packets, {found.hangs} hangs, {seconds:.0f} s", flush=True)
 
         found = throw(server.process, server.port, arguments.count, arguments.seed, told)
         plays = still_plays(server.port)
