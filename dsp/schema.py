@@ -7,6 +7,7 @@ the documentation. To add a parameter to a gesture, add it to the gesture's `key
 
 import dataclasses
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -65,7 +66,7 @@ class Gesture:
     fixed: tuple[str, ...] = ()
     """Keys that can be steered elsewhere, but not in this gesture."""
 
-    @property
+    @cached_property
     def steerable(self) -> tuple[str, ...]:
         """Names of the parameters that a running gesture takes anew."""
         given = (self.argument, *STRIKE, *self.keys)

@@ -28,7 +28,7 @@ from .osc.addresses import Call
 from .osc.arguments import Refused, Values
 from .osc.patterns import TooMuch
 from .osc.wire import Argument, BadPacket, Bundle, Message
-from .packets import Packet, read
+from .packets import Packet, is_question, read
 from .scene.gesture_ids import Ended
 from .scene.session import Session, fail
 from .scene.translate import sync
@@ -133,17 +133,20 @@ class Server:
                     self._print_once(traceback.format_exc())
                 due = time.monotonic() + _POLL
 
-    def _hear(self) -> None:
-        """Carry out what arrives, for a turn."""
-        arrived = self.network.receive(0.0 if self._waiting.in_a_hurry else _POLL)
+    def _hear(self, busy: Source | None = None) -> None:
+        """Carry out what arrives, for a turn; amid a bundle of the client `busy` the questions of others alone."""
+        arrived = self.network.receive(0.0 if busy or self._waiting.in_a_hurry else _POLL)
         end = time.monotonic() + _TURN
         while arrived and self._running:
-            self._receive(*arrived)
-            arrived = self.network.receive(0.0) if time.monotonic() < end else None
+            self._receive(*arrived, busy)
+            more = time.monotonic() < end and not (busy and self._waiting.is_full)
+            arrived = self.network.receive(0.0) if more else None
 
-    def _receive(self, packet: bytes, source: Source) -> None:
+    def _receive(self, packet: bytes, source: Source, busy: Source | None = None) -> None:
         self._subscribers.hear(source)
-        if not self._waiting.queue(packet, source):
+        if busy and (source == busy or not is_question(packet)):
+            self._waiting.put_last(packet, source)
+        elif not self._waiting.queue(packet, source):
             self._attempt((packet, source))
 
     def _attempt(self, arrived: Packet | tuple[bytes, Source]) -> None:
@@ -192,7 +195,8 @@ class Server:
             packet.rest.extend(partial(self._reply, fail(each.address, str(error)), source) for each in bundle.messages)
             return
         scored = [call for call in asked if call.verb is None or call.verb.scored]
-        replies = self._session.perform_calls(scored, when, source, packet.made, packet.selection)
+        pause = _every_turn(partial(self._hear, source))
+        replies = self._session.perform_calls(scored, when, source, packet.made, packet.selection, pause)
         packet.rest.extend(partial(self._reply, reply, source) for reply in replies)
         for call in scored:
             self._governor.note_request(call.message)
@@ -321,3 +325,16 @@ class Server:
     def _warn(self, text: str) -> None:
         for subscriber in self._subscribers:
             self._reply(Message("/warning", (text,)), subscriber)
+
+
+def _every_turn(pause: Callable[[], object]) -> Callable[[], None]:
+    """What does something whenever a turn is over at its call."""
+    end = time.monotonic() + _TURN
+
+    def look() -> None:
+        nonlocal end
+        if time.monotonic() > end:
+            pause()
+            end = time.monotonic() + _TURN
+
+    return look

@@ -64,6 +64,17 @@ class Waiting:
         self._bytes += len(packet) + _OVERHEAD
         return True
 
+    @property
+    def is_full(self) -> bool:
+        """Whether the next packet may find no room."""
+        return self._bytes > MOST_BYTES // 2 or len(self._lines) >= _MOST_LINES
+
+    def put_last(self, packet: bytes, source: Source) -> None:
+        """Let a packet wait for its turn, behind others of its client."""
+        self._lines.setdefault(source, _Line())
+        self._network.pause(source)
+        self.queue(packet, source)
+
     def hold(self, packet: Packet) -> bool:
         """Let a packet wait if it makes objects, or names one that is in the making; False if it need not."""
         new = [call for call in packet.calls if call.verb and call.verb.address == NEW]

@@ -1,8 +1,10 @@
 """Commands on their way into the engine: what they ask for, and the record that carries what they say."""
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import IntEnum
+from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -179,8 +181,7 @@ class Handle:
     table: int
 
 
-@dataclass(frozen=True, slots=True)
-class Command:
+class Command(NamedTuple):
     """A command from Python: when (samples), what, to which object, and the values of its records by name.
 
     `values` are in the engine's units: gains as amplitudes, tune as a ratio. Those that have a default may be left out;
@@ -190,7 +191,7 @@ class Command:
     time: float
     kind: Kind
     handle: Handle | None = None
-    values: Mapping[str, float] = field(default_factory=dict)
+    values: Mapping[str, float] = MappingProxyType({})
     value: float = 0.0
     gesture: int = 0
     parameter: str = ""

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Collection, Iterable
-from dataclasses import dataclass
 from functools import lru_cache, reduce
 from operator import or_
 from typing import Protocol
@@ -130,15 +129,22 @@ class Selection:
         self._left -= work
 
 
-@dataclass(frozen=True)
-class _Set:
-    """Characters between brackets: those in, or if negated outside, the ranges."""
+class _Set(dict[str, bool]):
+    """Characters between brackets: whether each that was looked for is in the ranges, or if negated outside."""
 
-    negated: bool
-    ranges: frozenset[tuple[str, str]]
+    def __init__(self, negated: bool, ranges: frozenset[tuple[str, str]]) -> None:
+        self._negated, self._ranges = negated, ranges
+
+    def __missing__(self, character: str) -> bool:
+        self[character] = self._negated != any(a <= character <= z for a, z in self._ranges)
+        return self[character]
 
     def places(self, places: dict[str, int]) -> int:
-        return _union(places[c] for c in places if self.negated != any(a <= c <= z for a, z in self.ranges))
+        found = 0
+        for character, bits in places.items():
+            if self[character]:
+                found |= bits
+        return found
 
 
 @lru_cache(maxsize=16)  # a pattern meets every object's name; few, as one may be as long as a datagram

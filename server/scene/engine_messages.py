@@ -1,7 +1,6 @@
 """Handlers of messages to the engine as a whole, alike in a score and on a server."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 from ...dsp.contact.accuracy import LEVELS
 from ...dsp.contact.sampled import CORRECTIONS, METHODS
@@ -20,7 +19,7 @@ Handler = Callable[[Transaction, Call, Values], None]
 
 def _send(transaction: Transaction, message: Message, command: Command) -> None:
     """Add a command that is about no object; `message` is what it stands for."""
-    transaction.add(replace(command, time=transaction.time), Sent(message, 0, 0, 0.0))
+    transaction.add(command._replace(time=transaction.time), Sent(message, 0, 0, 0.0))
 
 
 def _panic(transaction: Transaction, call: Call, values: Values) -> None:

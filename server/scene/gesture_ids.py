@@ -12,7 +12,7 @@ from typing import Any
 
 from ...dsp.engine.state import End
 from ...dsp.runtime.engine import Engine
-from ..osc.patterns import Selection, is_pattern, match, work
+from ..osc.patterns import Selection, is_pattern
 
 _REMEMBERED = 4_096  # ids: one that is given again soon has the number that it had
 _MOST_ENDS = 65_536  # that wait to be told
@@ -42,22 +42,21 @@ class Ended:
     end: End
 
 
-class _Running:
-    """The ids of gestures that run, by name, the one that was used last at the end: a pattern is matched with these."""
+class _Table:
+    """Ids by name, the one that was used last at the end: a pattern is matched with these."""
 
     def __init__(self) -> None:
         self.names: dict[str, GestureId] = {}
         self.version = 0
 
-    def add(self, id: GestureId) -> None:
+    def put(self, id: GestureId) -> None:
         """Add an id, or put it at the end."""
         self.version += self.names.pop(id.name, None) is None
         self.names[id.name] = id
 
-    def look_at(self, id: GestureId) -> None:
-        """Remove an id of which nothing runs any more."""
-        if not id.running:
-            self.version += self.names.pop(id.name, None) is not None
+    def remove(self, name: str) -> None:
+        """Remove an id, if it is there."""
+        self.version += self.names.pop(name, None) is not None
 
 
 class GestureIds:
@@ -65,33 +64,33 @@ class GestureIds:
 
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
-        self._ids: dict[str, GestureId] = {}  # the most recently used last
+        self._known = _Table()
         self._numbers: dict[int, GestureId] = {}
-        self._running = _Running()
+        self._running = _Table()
         self._ends: deque[Ended] = deque(maxlen=_MOST_ENDS)
         self._made = 0
         self._last = 0
 
     def start(self, name: str, address: str, source: Any) -> GestureId:
         """The id of a gesture about to be sent; `take_back` it if it is not."""
-        id = self._ids.pop(name, None)
+        id = self._known.names.get(name)
         if id is None:
             self._last += 1
             id = GestureId(name, self._last)
             self._numbers[id.number] = id
-        self._ids[name] = id
+        self._known.put(id)
         id.uses += 1
         id.running.append((address, source))
-        self._running.add(id)
+        self._running.put(id)
         return id
 
     def take_back(self, id: GestureId) -> None:
         """Undo `start`."""
         id.running.pop()
-        self._running.look_at(id)
+        self._look_at(id)
         id.uses -= 1
         if id.uses == 0:
-            del self._ids[id.name], self._numbers[id.number]
+            self._forget(id)
 
     def made_for(self, object_name: str) -> str:
         """A new id for a gesture on an object that was given none."""
@@ -100,11 +99,11 @@ class GestureIds:
 
     def is_running(self, name: str, address: str) -> bool:
         """Whether a gesture of an id that an address started runs, or was sent to begin later."""
-        return name in self._ids and any(started == address for started, _ in self._ids[name].running)
+        return name in self._known.names and any(started == address for started, _ in self._known.names[name].running)
 
     def number_of(self, name: str) -> int:
         """The number of a gesture's id; 0 if there is none."""
-        return self._ids[name].number if name in self._ids else 0
+        return self._known.names[name].number if name in self._known.names else 0
 
     def name_of(self, number: int) -> str:
         """The id of the gestures that have a number; "" where there is none, or none is remembered."""
@@ -122,14 +121,13 @@ class GestureIds:
         """Those of them whose id is, or matches, a pattern. TooMuch as `Selection.names`."""
         if is_pattern(pattern):
             return [self._running.names[name] for name in selection.names(pattern, self._running)]
-        return [self._ids[pattern]] if pattern in self._running.names else []
+        return [self._known.names[pattern]] if pattern in self._running.names else []
 
     def have_ended(self, pattern: str, selection: Selection) -> bool:
         """Whether an id matches a pattern whose gestures have all ended, not long ago. TooMuch as `Selection.names`."""
         if not is_pattern(pattern):
-            return pattern in self._ids and pattern not in self._running.names
-        selection.spend(work(pattern) * len(self._ids), pattern)
-        return any(match(pattern, name) for name in self._ids if name not in self._running.names)
+            return pattern in self._known.names and pattern not in self._running.names
+        return any(name not in self._running.names for name in selection.names(pattern, self._known))
 
     def end_at_once(self, name: str, address: str, source: Any) -> None:
         """Report the end of a gesture that did not move; `take_back_end` if it was not to be."""
@@ -146,13 +144,13 @@ class GestureIds:
             if id and id.running:
                 # A roll that was steered is still the one that began it.
                 address, source = id.running.pop() if end is End.JOINED else id.running.pop(0)
-                self._running.look_at(id)
+                self._look_at(id)
                 if end is not End.JOINED:
                     self._ends.append(Ended(id.name, address, source, end))
-        if len(self._ids) > _REMEMBERED:
-            ended = (id for id in self._ids.values() if not id.running)
-            for id in tuple(islice(ended, len(self._ids) - _REMEMBERED)):
-                del self._ids[id.name], self._numbers[id.number]
+        if len(self._known.names) > _REMEMBERED:
+            ended = (id for id in self._known.names.values() if not id.running)
+            for id in tuple(islice(ended, len(self._known.names) - _REMEMBERED)):
+                self._forget(id)
 
     def take_ends(self) -> list[Ended]:
         """The gestures that have ended since the last call."""
@@ -160,3 +158,12 @@ class GestureIds:
         ends = list(self._ends)
         self._ends.clear()
         return ends
+
+    def _look_at(self, id: GestureId) -> None:
+        """Stop counting an id of which nothing runs any more as one that runs."""
+        if not id.running:
+            self._running.remove(id.name)
+
+    def _forget(self, id: GestureId) -> None:
+        self._known.remove(id.name)
+        del self._numbers[id.number]

@@ -51,10 +51,11 @@ class Session:
     def perform_calls(
         self, calls: Sequence[Call], time: float, source: Any = None,
         made: Mapping[int, NewObject | Exception] = MappingProxyType({}), selection: Selection | None = None,
+        pause: Callable[[], object] = lambda: None,
     ) -> list[Message]:  # fmt: skip
         """As `perform`, for messages whose patterns are expanded. made: objects, or the errors that they met, by the
         identity of the calls that ask for them; others are made here. selection: of the packet, if these are not all of
-        its calls."""
+        its calls. pause: called before each."""
         self.gestures.collect()
         self.objects.forget_gone()
         transaction = Transaction(
@@ -73,6 +74,7 @@ class Session:
         accepted: list[str] = []
         try:
             for place, call in enumerate(calls):
+                pause()
                 savepoint = transaction.savepoint()
                 try:
                     translate(transaction, call)

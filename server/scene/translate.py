@@ -6,7 +6,6 @@ the same and leaves no choice open.
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from itertools import islice
 
 from ...dsp.engine.commands import Command, Kind
@@ -260,7 +259,7 @@ def _strike(to: ObjectCall, by: PlayedObject | None, law: Contact, command: Comm
         "gesture_level": to.transaction.scale.gesture(to.obj.preset, command.kind.name.lower()),
         "by_position": numbers.get("by_position", by.preset.position) if by else 0.0,
     }
-    _add(transaction, to.canonical, replace(command, values=values), to.obj, by)
+    _add(transaction, to.canonical, command._replace(values=values), to.obj, by)
 
 
 def _steer(transaction: Transaction, call: Call, values: Values) -> None:
@@ -344,6 +343,6 @@ def _add(
     time = transaction.time
     for each in (obj, by):
         time = max(time, transaction.objects.start_of(each, transaction.time)) if each else time
-    placed = replace(command, time=time, handle=obj.handle if obj else None, by=by.handle if by else None)
+    placed = command._replace(time=time, handle=obj.handle if obj else None, by=by.handle if by else None)
     serial, by_serial = (each.handle.serial if each else 0 for each in (obj, by))
     transaction.add(placed, Sent(message, serial, by_serial, command.values.get("mass", 0.0)))

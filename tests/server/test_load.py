@@ -11,6 +11,7 @@ from carom.clients.client import Client
 from carom.dsp.engine import state
 from carom.server.net.network import RECEIVE_BUFFER, Network
 from carom.server.osc import wire
+from carom.server.osc.wire import Message
 from tests.server.support import counted
 from tests.support import Running
 
@@ -79,6 +80,27 @@ def test_what_is_sent_on_one_connection_stays_in_order(server: Running):
             client.impact("a", 0.01)
         client.ask("/sync", 1, timeout=20.0)
         assert counted(client.status())["impacts"] == 20_000
+
+
+@pytest.mark.parametrize("tcp", [False, True])
+def test_questions_are_answered_amid_a_long_bundle(server: Running, tcp):
+    """One that takes some 0.1 s to translate; what its own client sends behind it comes after it."""
+    with Client(port=server.port, tcp=tcp) as busy, server.client() as other:
+        busy.new("a", "wood-block", gain=-60)
+        for n in range(8):
+            with busy.bundle():
+                for _ in range(1_300):
+                    busy.send("/object/a/roll", 0.1, "id", f"ball{n}")
+            busy.send(f"/gesture/ball{n}/speed", 0.2)
+        busy.send("/sync", 1)
+        answers = []
+        while Message("/synced", (1,)) not in busy.replies(0.0):
+            started = time.monotonic()
+            other.ask("/version")
+            other.status()
+            answers.append(time.monotonic() - started)
+        assert len(answers) > 10 and max(answers) < 0.08
+        assert busy.errors() == [] and other.errors() == []
 
 
 def client_buffer() -> int:

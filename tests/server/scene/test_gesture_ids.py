@@ -110,7 +110,7 @@ def test_ids_are_remembered_while_something_goes_on_and_for_a_while_after():
         id = gestures.start(f"g{n}", "/object/a/impact", "me")
         engine.ends.append((id.number, End.RESTED))
         gestures.collect()
-    remembered = list(gestures._ids)
+    remembered = list(gestures._known.names)
     assert len(remembered) == len(gestures._numbers) == 4_096
     assert remembered[0] == "on" and remembered[1:] == [f"g{n}" for n in range(4_500 - 4_095, 4_500)]
     assert [id.name for id in gestures.running()] == ["on"]
@@ -196,7 +196,7 @@ def test_ids_are_kept_and_made_where_they_are_needed(played):
     seconds(played, 20.0)
     assert ("ball", None) in ends(played)
     refusal(played, "/object/pane/bounce", 0.01, "id", "ball", "dissipation", 1e-310)
-    number = played.gestures._ids["ball"].number
+    number = played.gestures._known.names["ball"].number
     say(played, "/object/pane/bounce", 0.01, "id", "ball")
     assert [id.number for id in played.gestures.running() if id.name == "ball"] == [number]  # it was remembered
 
