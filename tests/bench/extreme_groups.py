@@ -103,7 +103,7 @@ def growth(engine: Engine, case: Case) -> float | None:
     first, coupled, impacts = float(engine.position), engine.stats.coupled, engine.stats.impacts
     engine.send(
         [
-            replace(impact(handle, each.law, first + each.time, each.velocity, position=each.position), gesture=n)
+            impact(handle, each.law, first + each.time, each.velocity, position=each.position)._replace(gesture=n)
             for n, each in enumerate(case.strikers, 1)
         ]
     )

@@ -1,7 +1,6 @@
 """Rolls that feel the modes of what they roll on, against DOP853 on the same path."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -75,7 +74,7 @@ def followed(engine, handle, quanta, surface=SURFACE, law=LAW, **values):
     """States of an object's modes after each quantum under a body that begins 3.25 samples late; as DOP853 has them."""
     roll = {**ROLL, **values}
     command = gesture(Kind.ROLL, handle, law, 3.25, 7, **roll)
-    engine.send([replace(command, surface=surface)])
+    engine.send([command._replace(surface=surface)])
     states, times = [], []
     for _ in range(quanta):
         engine.process(QUANTUM)

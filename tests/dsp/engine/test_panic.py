@@ -94,7 +94,7 @@ def with_striker(scene, sound, then=(), block=4096, frames=9600):
     values = engine.lay_out_striker(sound)
     engine.send([Command(NOW, Kind.LIMITER, value=0.0)])
     one, other = (engine.add(body(1, 0.1, 1e12)) for _ in range(2))
-    scene = [replace(each, values={**each.values, **values, "gain": 0.7}) for each in SCENES[scene](one, other)]
+    scene = [each._replace(values={**each.values, **values, "gain": 0.7}) for each in SCENES[scene](one, other)]
     engine.send([*scene, *(each(one) for each in then)])
     return np.concatenate([engine.process(min(block, frames - n)) for n in range(0, frames, block)]).astype(float)
 

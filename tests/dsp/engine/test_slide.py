@@ -1,6 +1,5 @@
 """Slides in the engine: what is bowed sings, what is scraped hisses, and a slide without slip is a roll."""
 
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -36,7 +35,7 @@ def slid(seconds, modes=None, rate=RATE, surface=STEEP, events=(), **keys):
     engine = Engine(rate)
     handle = engine.add(modes or glass(rate), 0.05)
     begin = gesture(Kind.SLIDE, handle, TIP, 0.0, 7, **{**SCRAPE, **keys})
-    engine.send([replace(begin, surface=surface), *events])
+    engine.send([begin._replace(surface=surface), *events])
     return engine.process(round(seconds * rate))[:, 0].astype(float), engine, handle
 
 
@@ -107,7 +106,7 @@ def test_a_slide_without_slip_is_a_roll():
     engine = Engine(RATE)
     handle = engine.add(glass(), 0.05)
     begin = gesture(Kind.ROLL, handle, TIP, 0.0, 7, speed=0.3, gravity=25.0, **keys)
-    engine.send([Command(NOW, Kind.ACCURACY, value=0), replace(begin, surface=STEEP)])
+    engine.send([Command(NOW, Kind.ACCURACY, value=0), begin._replace(surface=STEEP)])
     np.testing.assert_array_equal(slide, engine.process(24_000)[:, 0])
     assert np.abs(slide).max() > 1e-7
 
