@@ -26,7 +26,7 @@ _STEP = 0.6  # of the grid of wavenumbers
 _FALSI_STEPS = 12
 _TABLE_STEP = 0.2  # of Bessel functions: cubic Hermite interpolation errs by its fourth power over 384
 _SIGN_AT = (0.83, math.radians(13.0))  # radius and angle: whose sign a mode's sound has
-_FURTHER = math.sqrt(2)  # times the wavenumbers that are heard: those that are felt
+_FURTHER = 2.0  # times the wavenumbers that are heard: those that are felt
 _NEARLY = 1.1  # times the highest frequency wanted: a pair's lower member and the air's mass bring a mode below it
 
 

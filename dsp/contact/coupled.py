@@ -28,8 +28,17 @@ import numpy as np
 from ..native.jit import kernel
 from ..numerics.legendre import FINE
 from .collocation import NODES, STEP, law
-from .coupled_step import stay
-from .power_series import BINOMIAL, FORCE_AT, POWERS, QUADRATURE, QUADRATURE_WEIGHTS, TO_END, value_at
+from .coupled_step import set_powers, stay
+from .power_series import (
+    BINOMIAL,
+    FORCE_AT,
+    POWERS,
+    QUADRATURE,
+    QUADRATURE_WEIGHTS,
+    TO_END,
+    legendre_moments,
+    value_at,
+)
 
 MOST_STEPS = 3_000  # in a sample; what is left of it then is one held step
 _LOOKS = 8  # at the gap, in a sample
@@ -59,6 +68,8 @@ COUPLED = np.dtype(
         ("motion", np.float64, FINE),  # m: the compression without a force, from now to the sample's end
         ("answer", np.float64, FINE),  # m/(N sample): g times a sample's length
         ("power", np.float64, FINE),  # of the step's length
+        ("moved", np.float64, FINE),  # m: motion[n] times power[n]
+        ("given", np.float64, FINE),  # m/(N sample): answer[n] times power[n]
         ("impulse", np.float64, FINE),  # N samples^(n+1): int (eta - s)^n f ds over the step
         ("v", np.float64),  # the striker's velocity towards the object, m/s
         ("position", np.float64),  # the striker's, m: its compression of the object at rest
@@ -198,6 +209,7 @@ def step_coupled(contact, observed, moments):
             for j in range(NODES):
                 contact.force[j] = 0.0
         pass_kinks(contact, at)
+    legendre_moments(moments)
     moments[0] -= contact.rest_force * contact.period
     return contact.touching > 0
 
@@ -306,21 +318,17 @@ def fly(motion, left):
 
 
 @kernel
-def move(contact, eta, at, moments):
-    """Go on by `eta` samples under the step's force: its part of the moments, and what becomes of the sample's rest."""
-    f = contact.force
-    h = contact.period
-    power = contact.power
-    power[0] = 1.0
-    for n in range(1, FINE):
-        power[n] = power[n - 1] * eta
+def move(contact, eta, at, powers):
+    """Go on by `eta` samples under the step's force: what becomes of the sample's rest, and the force's part of its
+    moments, those of the powers of 2 t - 1 (see `legendre_moments`)."""
+    f, h, power = contact.force, contact.period, contact.power
+    set_powers(contact, eta)
     for n in range(FINE):
         contact.impulse[n] = eta * power[n] * (TO_END[n, 0] * f[0] + TO_END[n, 1] * f[1] + TO_END[n, 2] * f[2])
     for k in range(FINE):
         total = 0.0
         for n in range(k, FINE):
-            change = contact.motion[n] * power[n - k] - contact.answer[n] * contact.impulse[n - k]
-            total += BINOMIAL[n, k] * change
+            total += BINOMIAL[n, k] * (contact.motion[n] * power[n - k] - contact.answer[n] * contact.impulse[n - k])
         contact.motion[k] = total
     time = eta * h
     contact.position += time * (contact.v + 0.5 * time * contact.push / contact.m)
@@ -332,7 +340,6 @@ def move(contact, eta, at, moments):
         here = eta * h * QUADRATURE_WEIGHTS[q]
         here *= FORCE_AT[q, 0] * f[0] + FORCE_AT[q, 1] * f[1] + FORCE_AT[q, 2] * f[2]
         x = 2.0 * (at + eta * QUADRATURE[q]) - 1.0
-        before, legendre_k = 0.0, here
         for k in range(FINE):
-            moments[k] += legendre_k
-            before, legendre_k = legendre_k, (2 * k + 1) / (k + 1) * x * legendre_k - k / (k + 1) * before
+            powers[k] += here
+            here *= x

@@ -20,7 +20,7 @@ from .collocation import NODES
 from .coupled import lift, look, move, pass_kinks, touch, until_kink
 from .coupled_group_step import LEAVES, MEETS, NOTHING, find_step
 from .coupled_step import FINEST, LEAST, give_of, hold
-from .power_series import BINOMIAL, POWERS
+from .power_series import BINOMIAL, POWERS, legendre_moments
 
 GROUP = 32
 """Contacts that are solved together at most."""
@@ -95,6 +95,7 @@ def step_together(contacts, group):
             pass_kinks(contact, at)
     for i in range(group.size):
         contact = contacts[group.member[i]].coupled
+        legendre_moments(group.moments[i])
         group.moments[i, 0] -= contact.rest_force * contact.period
 
 

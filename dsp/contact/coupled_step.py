@@ -5,7 +5,6 @@ import math
 from ..native.jit import kernel
 from ..numerics.legendre import FINE
 from .collocation import (
-    GAUSS,
     INTEGRAL,
     NODES,
     WEIGHTS,
@@ -20,7 +19,7 @@ from .collocation import (
     solve,
     until_release,
 )
-from .power_series import DOUBLE, FORCE_AT, QUADRATURE, QUADRATURE_WEIGHTS, TO_END, TO_NODE, value_at
+from .power_series import ANSWER_AT, AT_NODES, TAKEN, WORK, value_at
 
 HELD = math.inf
 """Tolerance of one held step a sample: the cheapest, for when there is no time."""
@@ -83,38 +82,84 @@ def stay(contact, left, last):
 @kernel
 def _collocate(contact, eta):
     """Try a step: whether it is solved, and x and v at its end."""
-    step = contact.step
-    power = contact.power
-    power[0] = 1.0
+    step, h = contact.step, contact.period
+    set_powers(contact, eta)
+    _put_free(step, contact.moved, 1.0 / (eta * h))
+    _put_give(step, contact.given, eta * h, 1.0 / h)
+    speed = speed_of(contact, contact.motion[0], contact.motion[1] / h)
+    solved = solve(step, contact.k, contact.mu, contact.a, ROUNDING * contact.mass * speed / (eta * h))
+    x, v = _at_end(contact.moved, contact.given, step.f, eta)
+    return solved, x, v / (eta * h)
+
+
+@kernel
+def set_powers(contact, eta):
+    """The series of a contact in times of a step of `eta` samples."""
+    power = 1.0
+    for n in range(FINE):
+        contact.power[n] = power
+        contact.moved[n] = contact.motion[n] * power
+        contact.given[n] = contact.answer[n] * power
+        power *= eta
+
+
+@kernel
+def _put_free(step, moved, rate):
+    """The compression without a force at the nodes; rate: steps per s."""
+    x0 = x1 = x2 = v0 = v1 = v2 = 0.0
+    for n in range(FINE):
+        x0 += moved[n] * AT_NODES[n, 0]
+        x1 += moved[n] * AT_NODES[n, 1]
+        x2 += moved[n] * AT_NODES[n, 2]
+        v0 += moved[n] * AT_NODES[n, 4]
+        v1 += moved[n] * AT_NODES[n, 5]
+        v2 += moved[n] * AT_NODES[n, 6]
+    step.free_x[0], step.free_x[1], step.free_x[2] = x0, x1, x2
+    step.free_v[0], step.free_v[1], step.free_v[2] = rate * v0, rate * v1, rate * v2
+
+
+@kernel
+def _put_give(step, given, time, rate):
+    """What the nodes' forces take off over a step of `time` seconds; rate: samples per s."""
+    g0 = g1 = g2 = g3 = g4 = g5 = g6 = g7 = g8 = 0.0
     for n in range(1, FINE):
-        power[n] = power[n - 1] * eta
-    h = contact.period
-    for i in range(NODES):
-        step.free_x[i], slope = value_at(contact.motion, eta * GAUSS[i])
-        step.free_v[i] = slope / h
-        for j in range(NODES):
-            give = 0.0
-            for n in range(1, FINE):
-                give += n * contact.answer[n] * power[n] * TO_NODE[n - 1, i, j]
-            step.give_v[i, j] = give / h
+        answer = given[n]
+        g0 += answer * ANSWER_AT[n, 0]
+        g1 += answer * ANSWER_AT[n, 1]
+        g2 += answer * ANSWER_AT[n, 2]
+        g3 += answer * ANSWER_AT[n, 3]
+        g4 += answer * ANSWER_AT[n, 4]
+        g5 += answer * ANSWER_AT[n, 5]
+        g6 += answer * ANSWER_AT[n, 6]
+        g7 += answer * ANSWER_AT[n, 7]
+        g8 += answer * ANSWER_AT[n, 8]
+    step.give_v[0, 0], step.give_v[0, 1], step.give_v[0, 2] = rate * g0, rate * g1, rate * g2
+    step.give_v[1, 0], step.give_v[1, 1], step.give_v[1, 2] = rate * g3, rate * g4, rate * g5
+    step.give_v[2, 0], step.give_v[2, 1], step.give_v[2, 2] = rate * g6, rate * g7, rate * g8
     # By the Gauss method's own integral of the velocity: so stiff contacts at rest don't need short steps.
     for i in range(NODES):
         for j in range(NODES):
             give = 0.0
             for n in range(NODES):
                 give += INTEGRAL[i, n] * step.give_v[n, j]
-            step.give_x[i, j] = give * eta * h
-    speed = speed_of(contact, contact.motion[0], contact.motion[1] / h)
-    solved = solve(step, contact.k, contact.mu, contact.a, ROUNDING * contact.mass * speed / (eta * h))
-    x, v = value_at(contact.motion, eta)
+            step.give_x[i, j] = give * time
+
+
+@kernel
+def _at_end(moved, given, f, eta):
+    """x (m) and its derivative (m per step) at a step's end, with the nodes' forces."""
+    x = v = x0 = x1 = x2 = v0 = v1 = v2 = 0.0
     for n in range(FINE):
-        contact.impulse[n] = (
-            eta * power[n] * (TO_END[n, 0] * step.f[0] + TO_END[n, 1] * step.f[1] + TO_END[n, 2] * step.f[2])
-        )
-        x -= contact.answer[n] * contact.impulse[n]
-        if n > 0:
-            v -= n * contact.answer[n] * contact.impulse[n - 1]
-    return solved, x, v / h
+        x += moved[n]
+        v += n * moved[n]
+        x0 += given[n] * ANSWER_AT[n, 9]
+        x1 += given[n] * ANSWER_AT[n, 10]
+        x2 += given[n] * ANSWER_AT[n, 11]
+        v0 += given[n] * ANSWER_AT[n, 12]
+        v1 += given[n] * ANSWER_AT[n, 13]
+        v2 += given[n] * ANSWER_AT[n, 14]
+    x -= eta * (x0 * f[0] + x1 * f[1] + x2 * f[2])
+    return x, v - eta * (v0 * f[0] + v1 * f[1] + v2 * f[2])
 
 
 @kernel
@@ -142,16 +187,7 @@ def _sound(contact, eta, x):
     stored = elastic(contact.motion[0], contact.k, contact.a)
     v = contact.motion[1] / contact.period
     contact.scale = max(contact.scale, stored + 0.5 * contact.mass * v * v)
-    work = 0.0
-    for q in range(len(QUADRATURE)):
-        force = FORCE_AT[q, 0] * f[0] + FORCE_AT[q, 1] * f[1] + FORCE_AT[q, 2] * f[2]
-        work += eta * QUADRATURE_WEIGHTS[q] * force * value_at(contact.motion, eta * QUADRATURE[q])[1]
-    for n in range(1, FINE):
-        form = 0.0
-        for i in range(NODES):
-            for j in range(NODES):
-                form += f[i] * DOUBLE[n - 1, i, j] * f[j]
-        work -= n * contact.answer[n] * contact.power[n] * eta * form
+    work = _work(contact.moved, contact.given, f, eta)
     gain = elastic(x, contact.k, contact.a) - stored - work
     lost = -gain
     for i in range(NODES):
@@ -162,6 +198,25 @@ def _sound(contact, eta, x):
         return False
     contact.gained = max(contact.gained + gain, 0.0)
     return True
+
+
+@kernel
+def _work(moved, given, f, eta):
+    """A step's exact work (J), of the nodes' forces (N)."""
+    w0 = w1 = w2 = t0 = t1 = t2 = t01 = t02 = t12 = 0.0
+    for n in range(1, FINE):
+        w0 += moved[n] * WORK[n, 0]
+        w1 += moved[n] * WORK[n, 1]
+        w2 += moved[n] * WORK[n, 2]
+        t0 += given[n] * TAKEN[n, 0]
+        t1 += given[n] * TAKEN[n, 1]
+        t2 += given[n] * TAKEN[n, 2]
+        t01 += given[n] * TAKEN[n, 3]
+        t02 += given[n] * TAKEN[n, 4]
+        t12 += given[n] * TAKEN[n, 5]
+    f0, f1, f2 = f[0], f[1], f[2]
+    taken = f0 * (t0 * f0 + t01 * f1 + t02 * f2) + f1 * (t1 * f1 + t12 * f2) + t2 * f2 * f2
+    return w0 * f0 + w1 * f1 + w2 * f2 - eta * taken
 
 
 @kernel

@@ -13,7 +13,7 @@ from ..numerics.checks import Array
 from ..numerics.legendre import FINE
 from .collocation import CARDINAL, GAUSS, NODES
 
-_nodes, _weights = legendre.leggauss(7)
+_nodes, _weights = legendre.leggauss(FINE // 2 + 1)
 QUADRATURE, QUADRATURE_WEIGHTS = 0.5 * (_nodes + 1.0), 0.5 * _weights
 """Over a step, for a force times FINE powers."""
 
@@ -21,6 +21,9 @@ FORCE_AT = np.vander(QUADRATURE, NODES, increasing=True) @ CARDINAL
 """Values of a quadratic at QUADRATURE."""
 
 BINOMIAL = np.array([[math.comb(n, k) for k in range(FINE)] for n in range(FINE)], np.float64)
+
+CENTRED = np.array([np.pad(legendre.leg2poly([0] * k + [1]), (0, FINE - 1 - k)) for k in range(FINE)])
+"""Power series of the sample's Legendre polynomials in x = 2 t - 1: a row each."""
 
 POWERS = np.zeros((FINE, FINE))
 """Power series of the sample's Legendre polynomials: a column each."""
@@ -54,6 +57,32 @@ TO_NODE, TO_END, DOUBLE = _moment_tables()
 ds dt."""
 
 
+AT_NODES = np.zeros((FINE, 8))
+"""[n]: t^n at the nodes of a unit step and at its end, then its derivative there."""
+
+ANSWER_AT = np.zeros((FINE, 16))
+"""[n]: the derivative of int_0^t (t - s)^n l_j(s) ds at GAUSS[i], as 3 i + j; then that integral up to 1, and its
+derivative there."""
+
+WORK = np.zeros((FINE, 3))
+"""[n, j]: int_0^1 l_j(t) n t^(n-1) dt, the work of a force along t^n."""
+
+TAKEN = np.zeros((FINE, 6))
+"""[n]: n DOUBLE[n - 1, i, j] for (i, j) = (0, 0), (1, 1), (2, 2), and twice its mean of both orders for (0, 1), (0, 2),
+(1, 2)."""
+
+for _n in range(FINE):
+    _times = np.append(GAUSS, 1.0)
+    AT_NODES[_n] = np.concatenate([_times**_n, _n * _times ** max(_n - 1, 0)])
+    ANSWER_AT[_n, 9:12] = TO_END[_n]
+    if _n > 0:
+        ANSWER_AT[_n, :9] = _n * TO_NODE[_n - 1].ravel()
+        ANSWER_AT[_n, 12:15] = _n * TO_END[_n - 1]
+        WORK[_n] = CARDINAL.T @ (_n / (_n + np.arange(NODES)))
+        _both = _n * (DOUBLE[_n - 1] + DOUBLE[_n - 1].T)
+        TAKEN[_n] = [*0.5 * np.diag(_both), _both[0, 1], _both[0, 2], _both[1, 2]]
+
+
 @kernel
 def value_at(series, t):
     """A power series and its derivative."""
@@ -63,3 +92,13 @@ def value_at(series, t):
         slope = slope * t + value
         value = value * t + series[n]
     return value, slope
+
+
+@kernel
+def legendre_moments(moments):
+    """Make Legendre moments of a force over a sample, in the place of its moments of the powers of x = 2 t - 1."""
+    for k in range(FINE - 1, 1, -1):
+        total = 0.0
+        for n in range(k % 2, k + 1, 2):
+            total += CENTRED[k, n] * moments[n]
+        moments[k] = total

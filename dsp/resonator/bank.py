@@ -181,6 +181,7 @@ def inject_fine(modes, point, moments):
     m = (
         moments[0], moments[1], moments[2], moments[3], moments[4], moments[5],
         moments[6], moments[7], moments[8], moments[9], moments[10], moments[11],
+        moments[12], moments[13],
     )  # fmt: skip
     _inject(modes, point, m)
 

@@ -35,7 +35,7 @@ _GAIN = abs((1.0 - _NEAR) * (1.0 - _FAR)) ** 2
 _LEAST, _WIDEST = 0.03, 0.97 * math.pi  # of a pole: faster clicks are over with the six taps
 _SMALL = 1.0  # |x| up to which exp(x) is summed as a series
 _TERMS = 18
-_NODES, _WEIGHTS = (each.copy() for each in legendre.leggauss(14))
+_NODES, _WEIGHTS = (each.copy() for each in legendre.leggauss(16))
 
 
 @kernel

@@ -9,7 +9,7 @@ from .fed import REACH, feed_tap
 from .mode import ring_at
 from .simd import LANES
 
-_BESSEL_START = 24  # where the downward recursion of the spherical Bessel functions starts; |z| <= 1.6 needs 18
+_BESSEL_START = 24  # where the downward recursion of the spherical Bessel functions starts; |z| <= 3.5 needs 22
 
 
 @kernel

@@ -13,9 +13,9 @@ import math
 from ..native.jit import kernel, simd_kernel
 from .bank import state_of
 
-HIGHEST = 1.6
+HIGHEST = 2.2
 """Times the Nyquist frequency: no mode is higher, though none above it is heard."""
-APART = 0.01
+APART = 0.0003
 """Times the Nyquist frequency: from its multiples at least."""
 
 
@@ -44,7 +44,7 @@ def recurring(frequency, nyquist):
     """The frequency (Hz) nearest to one at which two samples tell how a mode rings, and what it answers to a force.
 
     That is at no multiple of the Nyquist frequency, and not so high that FINE moments of a force over a sample would
-    not do: at 2.2 times the Nyquist frequency contacts are exact to -100 dB, at 1.6 times to -120.
+    not do for contacts that are exact to -110 dB.
     """
     share = min(frequency / nyquist, HIGHEST)
     nearest = math.floor(share + 0.5)
