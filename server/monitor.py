@@ -7,6 +7,7 @@ from contextlib import suppress
 from .osc.wire import Message
 
 _MOST_WAITING = 1_000  # messages
+_LONGEST = 2_000  # characters of one that are printed
 
 
 class Monitor:
@@ -19,8 +20,11 @@ class Monitor:
 
     def show(self, message: Message) -> None:
         """Print a message soon."""
+        line = " ".join([ascii(message.address)[1:-1], *map(ascii, message.args)])
+        if len(line) > _LONGEST:
+            line = f"{line[:_LONGEST]}... {len(line)} characters"
         with suppress(queue.Full):
-            self._lines.put_nowait(" ".join([ascii(message.address)[1:-1], *map(ascii, message.args)]))
+            self._lines.put_nowait(line)
 
     def _print(self) -> None:
         with suppress(OSError):  # the reader has left
