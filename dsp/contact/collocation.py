@@ -169,11 +169,16 @@ def extrapolate(step, ratio):
     """Let the next step's Newton start where the last step's force leads; the next is `ratio` times as long."""
     f0, f1, f2 = step.f[0], step.f[1], step.f[2]
     for i in range(NODES):
-        theta = 1.0 + ratio * GAUSS[i]
-        value = 0.0
-        for power in range(NODES - 1, -1, -1):
-            value = value * theta + CARDINAL[power, 0] * f0 + CARDINAL[power, 1] * f1 + CARDINAL[power, 2] * f2
-        step.f[i] = max(value, 0.0)
+        step.f[i] = force_at(f0, f1, f2, 1.0 + ratio * GAUSS[i])
+
+
+@kernel
+def force_at(f0, f1, f2, theta):
+    """Where the quadratic of a step's forces leads, in times of the step; never negative."""
+    value = 0.0
+    for power in range(NODES - 1, -1, -1):
+        value = value * theta + CARDINAL[power, 0] * f0 + CARDINAL[power, 1] * f1 + CARDINAL[power, 2] * f2
+    return max(value, 0.0)
 
 
 @kernel

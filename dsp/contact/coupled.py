@@ -95,6 +95,7 @@ COUPLED = np.dtype(
         ("mass", np.float64),  # effective, of striker and modes in the first instant, kg
         ("tolerance", np.float64),
         ("next", np.float64),  # samples: the step to try
+        ("last", np.float64),  # samples: the step before
         ("gained", np.float64),  # J: by how much the energy is above the least so far
         ("scale", np.float64),  # J: the greatest energy of the contact so far
         ("touching", np.int64),
@@ -322,6 +323,7 @@ def move(contact, eta, at, powers):
     """Go on by `eta` samples under the step's force: what becomes of the sample's rest, and the force's part of its
     moments, those of the powers of 2 t - 1 (see `legendre_moments`)."""
     f, h, power = contact.force, contact.period, contact.power
+    contact.last = eta
     set_powers(contact, eta)
     for n in range(FINE):
         contact.impulse[n] = eta * power[n] * (TO_END[n, 0] * f[0] + TO_END[n, 1] * f[1] + TO_END[n, 2] * f[2])

@@ -41,6 +41,7 @@ COUPLED_GROUP = np.dtype(
         ("touching", np.int64),  # contacts that touch
         ("touches", np.int64, GROUP),  # places of these in the group
         ("power", np.float64, FINE),  # of its length
+        ("given", np.float64, FINE),  # an answer times that
         ("free_x", np.float64, _UNKNOWNS),  # m: compression at the nodes without the forces
         ("free_v", np.float64, _UNKNOWNS),  # m/s
         ("give_x", np.float64, (_UNKNOWNS, _UNKNOWNS)),  # m/N: what the forces take off

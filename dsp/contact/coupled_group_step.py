@@ -17,12 +17,26 @@ from .collocation import (
     WITHIN,
     allowance,
     elastic,
-    end_of,
+    force_at,
+    raised,
     until_release,
 )
 from .coupled import fly
-from .coupled_step import FINEST, REFINE, RETRY, ROUNDING, TRIALS, may_lose, ratio_to_longest, speed_of
-from .power_series import DOUBLE, FORCE_AT, QUADRATURE, QUADRATURE_WEIGHTS, TO_END, TO_NODE, value_at
+from .coupled_step import (
+    FINEST,
+    REFINE,
+    RETRY,
+    ROUNDING,
+    TRIALS,
+    may_lose,
+    ratio_to_longest,
+    set_powers,
+    speed_of,
+    sums_of_nine,
+    work_against,
+    work_of,
+)
+from .power_series import ANSWER_AT, TO_END, value_at
 
 NOTHING, MEETS, LEAVES = 0, 1, 2
 """What ends a step for a contact."""
@@ -105,13 +119,12 @@ def _collocate(contacts, group, eta):
 @kernel
 def _fill_give(group, a, b, eta, period):
     """What the nodes' forces of touching contact b take off at the nodes of touching contact a."""
-    answer = group.answer[group.touches[a], group.touches[b]]
-    for r in range(NODES):
-        for s in range(NODES):
-            give = 0.0
-            for n in range(1, FINE):
-                give += n * answer[n] * group.power[n] * TO_NODE[n - 1, r, s]
-            group.give_v[a * NODES + r, b * NODES + s] = give / period
+    _set_given(group, group.answer[group.touches[a], group.touches[b]])
+    g = sums_of_nine(ANSWER_AT, group.given)
+    u, w, v, rate = a * NODES, b * NODES, group.give_v, 1.0 / period
+    v[u, w], v[u, w + 1], v[u, w + 2] = rate * g[0], rate * g[1], rate * g[2]
+    v[u + 1, w], v[u + 1, w + 1], v[u + 1, w + 2] = rate * g[3], rate * g[4], rate * g[5]
+    v[u + 2, w], v[u + 2, w + 1], v[u + 2, w + 2] = rate * g[6], rate * g[7], rate * g[8]
     for r in range(NODES):
         for s in range(NODES):
             give = 0.0
@@ -121,14 +134,22 @@ def _fill_give(group, a, b, eta, period):
 
 
 @kernel
+def _set_given(group, answer):
+    """An answer's series in times of the step."""
+    for n in range(FINE):
+        group.given[n] = answer[n] * group.power[n]
+
+
+@kernel
 def _solve(contacts, group, eta):
-    """Forces at all nodes by Newton's method, from the last forces, then from 0. False if it does not converge."""
+    """Forces at all nodes by Newton's method, from where the last ones lead, then from 0. False if it fails."""
     size = group.touching * NODES
     for start in range(2):
         for a in range(group.touching):
-            force = max(end_of(contacts[group.member[group.touches[a]]].coupled.force), 0.0) if start == 0 else 0.0
+            contact = contacts[group.member[group.touches[a]]].coupled
+            f, ratio = contact.force, eta / contact.last if contact.last > 0.0 else 0.0
             for r in range(NODES):
-                group.f[a * NODES + r] = force
+                group.f[a * NODES + r] = force_at(f[0], f[1], f[2], 1.0 + ratio * GAUSS[r]) if start == 0 else 0.0
         for _ in range(NEWTON_STEPS):
             for a in range(group.touching):
                 _linearise(contacts[group.member[group.touches[a]]].coupled, group, a, size)
@@ -163,7 +184,7 @@ def _linearise(contact, group, a, size):
         stiffness = damping = force = 0.0
         slack = 1.0 + contact.mu * v
         if x > 0.0 and slack > 0.0:
-            spring = contact.k * x ** (contact.a - 1.0)
+            spring = contact.k * raised(x, contact.a - 1.0)
             force = spring * x * slack
             stiffness = contact.a * spring * slack
             damping = contact.mu * spring * x
@@ -277,36 +298,22 @@ def _is_sound(contacts, group, eta):
         stored = elastic(contact.motion[0], contact.k, contact.a)
         v = contact.motion[1] / contact.period
         contact.scale = max(contact.scale, stored + 0.5 * contact.mass * v * v)
-        work = 0.0
-        for q in range(len(QUADRATURE)):
-            force = FORCE_AT[q, 0] * f[0] + FORCE_AT[q, 1] * f[1] + FORCE_AT[q, 2] * f[2]
-            work += eta * QUADRATURE_WEIGHTS[q] * force * value_at(contact.motion, eta * QUADRATURE[q])[1]
+        set_powers(contact, eta)
+        work = work_of(f, contact.moved)
         for b in range(group.touching):
             j = group.touches[b]
-            work -= _work_against(f, contacts[group.member[j]].coupled.step.f, group.answer[i, j], group.power, eta)
+            _set_given(group, group.answer[i, j])
+            work -= work_against(f, contacts[group.member[j]].coupled.step.f, group.given, eta)
         gain = elastic(group.end_x[i], contact.k, contact.a) - stored - work
         lost = -gain
         for r in range(NODES):
             node = contact.step.x[r]
-            spring = contact.k * node**contact.a if node > 0.0 else 0.0
+            spring = contact.k * raised(node, contact.a) if node > 0.0 else 0.0
             lost -= eta * contact.period * WEIGHTS[r] * (f[r] - spring) * contact.step.v[r]
         if gain > allowance(contact.gained, contact.scale) or lost > may_lose(contact):
             return False
         group.gained[i] = gain
     return True
-
-
-@kernel
-def _work_against(f, other, answer, power, eta):
-    """The work of a force against what another force takes off."""
-    work = 0.0
-    for n in range(1, FINE):
-        form = 0.0
-        for r in range(NODES):
-            for s in range(NODES):
-                form += f[r] * DOUBLE[n - 1, r, s] * other[s]
-        work += n * answer[n] * power[n] * eta * form
-    return work
 
 
 @kernel

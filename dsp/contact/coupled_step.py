@@ -16,6 +16,7 @@ from .collocation import (
     end_of,
     extrapolate,
     law,
+    raised,
     solve,
     until_release,
 )
@@ -111,9 +112,9 @@ def _put_free(step, moved, rate):
         x0 += moved[n] * AT_NODES[n, 0]
         x1 += moved[n] * AT_NODES[n, 1]
         x2 += moved[n] * AT_NODES[n, 2]
-        v0 += moved[n] * AT_NODES[n, 4]
-        v1 += moved[n] * AT_NODES[n, 5]
-        v2 += moved[n] * AT_NODES[n, 6]
+        v0 += moved[n] * AT_NODES[n, 3]
+        v1 += moved[n] * AT_NODES[n, 4]
+        v2 += moved[n] * AT_NODES[n, 5]
     step.free_x[0], step.free_x[1], step.free_x[2] = x0, x1, x2
     step.free_v[0], step.free_v[1], step.free_v[2] = rate * v0, rate * v1, rate * v2
 
@@ -121,21 +122,10 @@ def _put_free(step, moved, rate):
 @kernel
 def _put_give(step, given, time, rate):
     """What the nodes' forces take off over a step of `time` seconds; rate: samples per s."""
-    g0 = g1 = g2 = g3 = g4 = g5 = g6 = g7 = g8 = 0.0
-    for n in range(1, FINE):
-        answer = given[n]
-        g0 += answer * ANSWER_AT[n, 0]
-        g1 += answer * ANSWER_AT[n, 1]
-        g2 += answer * ANSWER_AT[n, 2]
-        g3 += answer * ANSWER_AT[n, 3]
-        g4 += answer * ANSWER_AT[n, 4]
-        g5 += answer * ANSWER_AT[n, 5]
-        g6 += answer * ANSWER_AT[n, 6]
-        g7 += answer * ANSWER_AT[n, 7]
-        g8 += answer * ANSWER_AT[n, 8]
-    step.give_v[0, 0], step.give_v[0, 1], step.give_v[0, 2] = rate * g0, rate * g1, rate * g2
-    step.give_v[1, 0], step.give_v[1, 1], step.give_v[1, 2] = rate * g3, rate * g4, rate * g5
-    step.give_v[2, 0], step.give_v[2, 1], step.give_v[2, 2] = rate * g6, rate * g7, rate * g8
+    g = sums_of_nine(ANSWER_AT, given)
+    step.give_v[0, 0], step.give_v[0, 1], step.give_v[0, 2] = rate * g[0], rate * g[1], rate * g[2]
+    step.give_v[1, 0], step.give_v[1, 1], step.give_v[1, 2] = rate * g[3], rate * g[4], rate * g[5]
+    step.give_v[2, 0], step.give_v[2, 1], step.give_v[2, 2] = rate * g[6], rate * g[7], rate * g[8]
     # By the Gauss method's own integral of the velocity: so stiff contacts at rest don't need short steps.
     for i in range(NODES):
         for j in range(NODES):
@@ -143,6 +133,24 @@ def _put_give(step, given, time, rate):
             for n in range(NODES):
                 give += INTEGRAL[i, n] * step.give_v[n, j]
             step.give_x[i, j] = give * time
+
+
+@kernel
+def sums_of_nine(table, series):
+    """sum_n series[n] table[n, k], n > 0, for each k < 9: nine sums that do not wait for each other."""
+    s0 = s1 = s2 = s3 = s4 = s5 = s6 = s7 = s8 = 0.0
+    for n in range(1, FINE):
+        term = series[n]
+        s0 += term * table[n, 0]
+        s1 += term * table[n, 1]
+        s2 += term * table[n, 2]
+        s3 += term * table[n, 3]
+        s4 += term * table[n, 4]
+        s5 += term * table[n, 5]
+        s6 += term * table[n, 6]
+        s7 += term * table[n, 7]
+        s8 += term * table[n, 8]
+    return s0, s1, s2, s3, s4, s5, s6, s7, s8
 
 
 @kernel
@@ -187,12 +195,12 @@ def _sound(contact, eta, x):
     stored = elastic(contact.motion[0], contact.k, contact.a)
     v = contact.motion[1] / contact.period
     contact.scale = max(contact.scale, stored + 0.5 * contact.mass * v * v)
-    work = _work(contact.moved, contact.given, f, eta)
+    work = work_of(f, contact.moved) - work_against(f, f, contact.given, eta)
     gain = elastic(x, contact.k, contact.a) - stored - work
     lost = -gain
     for i in range(NODES):
         node = contact.step.x[i]
-        spring = contact.k * node**contact.a if node > 0.0 else 0.0
+        spring = contact.k * raised(node, contact.a) if node > 0.0 else 0.0
         lost -= eta * contact.period * WEIGHTS[i] * (f[i] - spring) * contact.step.v[i]
     if gain > allowance(contact.gained, contact.scale) or lost > may_lose(contact):
         return False
@@ -201,22 +209,25 @@ def _sound(contact, eta, x):
 
 
 @kernel
-def _work(moved, given, f, eta):
-    """A step's exact work (J), of the nodes' forces (N)."""
-    w0 = w1 = w2 = t0 = t1 = t2 = t01 = t02 = t12 = 0.0
+def work_of(f, moved):
+    """A step's work (J) of the nodes' forces (N) along a series of its times, exactly."""
+    w0 = w1 = w2 = 0.0
     for n in range(1, FINE):
         w0 += moved[n] * WORK[n, 0]
         w1 += moved[n] * WORK[n, 1]
         w2 += moved[n] * WORK[n, 2]
-        t0 += given[n] * TAKEN[n, 0]
-        t1 += given[n] * TAKEN[n, 1]
-        t2 += given[n] * TAKEN[n, 2]
-        t01 += given[n] * TAKEN[n, 3]
-        t02 += given[n] * TAKEN[n, 4]
-        t12 += given[n] * TAKEN[n, 5]
-    f0, f1, f2 = f[0], f[1], f[2]
-    taken = f0 * (t0 * f0 + t01 * f1 + t02 * f2) + f1 * (t1 * f1 + t12 * f2) + t2 * f2 * f2
-    return w0 * f0 + w1 * f1 + w2 * f2 - eta * taken
+    return w0 * f[0] + w1 * f[1] + w2 * f[2]
+
+
+@kernel
+def work_against(f, other, given, eta):
+    """The work (J) of the nodes' forces against what another's forces take off in a step of `eta` samples, exactly."""
+    t = sums_of_nine(TAKEN, given)
+    o0, o1, o2 = other[0], other[1], other[2]
+    work = f[0] * (t[0] * o0 + t[1] * o1 + t[2] * o2)
+    work += f[1] * (t[3] * o0 + t[4] * o1 + t[5] * o2)
+    work += f[2] * (t[6] * o0 + t[7] * o1 + t[8] * o2)
+    return eta * work
 
 
 @kernel

@@ -57,30 +57,27 @@ TO_NODE, TO_END, DOUBLE = _moment_tables()
 ds dt."""
 
 
-AT_NODES = np.zeros((FINE, 8))
-"""[n]: t^n at the nodes of a unit step and at its end, then its derivative there."""
+AT_NODES = np.zeros((FINE, 2 * NODES))
+"""[n]: t^n at the nodes of a unit step, then its derivative there."""
 
-ANSWER_AT = np.zeros((FINE, 16))
+ANSWER_AT = np.zeros((FINE, 15))
 """[n]: the derivative of int_0^t (t - s)^n l_j(s) ds at GAUSS[i], as 3 i + j; then that integral up to 1, and its
 derivative there."""
 
 WORK = np.zeros((FINE, 3))
 """[n, j]: int_0^1 l_j(t) n t^(n-1) dt, the work of a force along t^n."""
 
-TAKEN = np.zeros((FINE, 6))
-"""[n]: n DOUBLE[n - 1, i, j] for (i, j) = (0, 0), (1, 1), (2, 2), and twice its mean of both orders for (0, 1), (0, 2),
-(1, 2)."""
+TAKEN = np.zeros((FINE, NODES * NODES))
+"""[n]: n DOUBLE[n - 1, i, j], as 3 i + j."""
 
 for _n in range(FINE):
-    _times = np.append(GAUSS, 1.0)
-    AT_NODES[_n] = np.concatenate([_times**_n, _n * _times ** max(_n - 1, 0)])
+    AT_NODES[_n] = np.concatenate([GAUSS**_n, _n * GAUSS ** max(_n - 1, 0)])
     ANSWER_AT[_n, 9:12] = TO_END[_n]
     if _n > 0:
         ANSWER_AT[_n, :9] = _n * TO_NODE[_n - 1].ravel()
         ANSWER_AT[_n, 12:15] = _n * TO_END[_n - 1]
         WORK[_n] = CARDINAL.T @ (_n / (_n + np.arange(NODES)))
-        _both = _n * (DOUBLE[_n - 1] + DOUBLE[_n - 1].T)
-        TAKEN[_n] = [*0.5 * np.diag(_both), _both[0, 1], _both[0, 2], _both[1, 2]]
+        TAKEN[_n] = _n * DOUBLE[_n - 1].ravel()
 
 
 @kernel
