@@ -195,13 +195,15 @@ def test_the_force_grows_with_speed_and_roughness():
     body = {**MARBLE, "speed": 0.1, "mu": 20.0}
     soft, softer = (roll.roll_force(ground(6, roughness=r), 0.5, 48000, **body).std() for r in (1e-9, 1e-10))
     assert soft / softer == pytest.approx(10, rel=0.1)
-    # It leaves it where it is rough and fast enough, more and more often, until its flights get long.
-    fast = [len(roll.micro_impacts(ground(6, roughness=r), 0.5, **{**MARBLE, "speed": 0.9})) for r in (1e-9, 1e-8)]
-    rough = [
-        len(roll.micro_impacts(ground(6, roughness=3e-8), 0.5, **{**MARBLE, "speed": v})) for v in (0.02, 0.1, 0.3)
-    ]
-    assert fast[0] == 0 < fast[1]
-    assert rough[0] < rough[1] < rough[2]
+
+    # It leaves it where it is rough and fast enough, more and more often, until its flights get long. How often depends
+    # on the surface by a factor of two, and so on the rounding of whoever compiles it.
+    def hops(roughness, v):
+        grounds = (ground(seed, roughness=roughness) for seed in (6, 7, 8, 9))
+        return sum(len(roll.micro_impacts(each, 0.5, **{**MARBLE, "speed": v})) for each in grounds)
+
+    assert hops(1e-9, 0.9) == 0 < hops(1e-8, 0.9)
+    assert hops(3e-8, 0.02) < hops(3e-8, 0.1) < hops(3e-8, 0.3)
 
 
 @pytest.mark.parametrize(("mu", "keeps"), [(0.0, True), (0.5, False)])
