@@ -195,9 +195,10 @@ class Server:
             packet.rest.extend(partial(self._reply, fail(each.address, str(error)), source) for each in bundle.messages)
             return
         scored = [call for call in asked if call.verb is None or call.verb.scored]
-        pause = _every_turn(partial(self._hear, source))
-        replies = self._session.perform_calls(scored, when, source, packet.made, packet.selection, pause)
-        packet.rest.extend(partial(self._reply, reply, source) for reply in replies)
+        if scored:  # a question that is answered amid a bundle leaves the session as it is
+            pause = _every_turn(partial(self._hear, source))
+            replies = self._session.perform_calls(scored, when, source, packet.made, packet.selection, pause)
+            packet.rest.extend(partial(self._reply, reply, source) for reply in replies)
         for call in scored:
             self._governor.note_request(call.message)
         packet.rest.extend(partial(self._serve, call, source) for call in asked if call.verb and not call.verb.scored)

@@ -5,11 +5,12 @@ Over one sample, modes enter a contact by a few numbers only. The compression at
     x(t) = D(t) - int_0^t g(t - s) f(s) ds
 
 with D the compression if there were no force and g the impulse response of striker and modes together,
-g(t) = t/m + sum phi_i^2 exp(-sigma_i t) sin(omega_i t)/omega_i. No mode is above the Nyquist frequency, so over a
-sample both are polynomials. The bank says D's part (`observe`) and g's (`receptance`); what is left is a scalar
-equation, stepped through by Gauss collocation (collocation.py) in as many steps as the contact needs. A step's force is
-a quadratic, and what it does to the rest of the sample is again a polynomial, exactly. The modes get the force's FINE
-Legendre moments at the sample's end. The cost of a step does not depend on the number of modes.
+g(t) = t/m + sum phi_i^2 exp(-sigma_i t) sin(omega_i t)/omega_i. No mode is far above the Nyquist frequency
+(resonator/mode.py), so over a sample both are polynomials. The bank says D's part (`observe`) and g's (`receptance`);
+what is left is a scalar equation, stepped through by Gauss collocation (collocation.py) in as many steps as the contact
+needs. A step's force is a quadratic, and what it does to the rest of the sample is again a polynomial, exactly. The
+modes get the force's FINE Legendre moments at the sample's end. The cost of a step does not depend on the number of
+modes.
 
 Contacts begin and end at the times where x is 0. The striker may be caught up by the object and touch it again, and it
 may be pressed on by a constant force. The surface under it may rise and fall, by parabolas that meet in kinks (a body

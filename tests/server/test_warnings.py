@@ -318,15 +318,13 @@ def test_a_dump_shows_what_arrives_until_it_is_ended(client, capfd):
         client.send("/dump", on)
         client.ask("/sync", on)
         client.send("/nothing", "x" * 60_000)  # of which 1,000 may wait to be printed
-    shown = ""
-    deadline = time.monotonic() + 2.0
+    shown, deadline = "", time.monotonic() + 2.0
     while "/dump" not in shown and time.monotonic() < deadline:
         time.sleep(0.02)
         shown += capfd.readouterr().out
     time.sleep(0.05)
     shown += capfd.readouterr().out
-    assert "/sync 1" in shown and "/sync 0" not in shown
-    assert "xxx... 60011 characters" in shown and len(shown) < 3_000
+    assert "/sync 1" in shown and "/sync 0" not in shown and "xxx... 60011 characters" in shown and len(shown) < 3_000
 
 
 @pytest.mark.parametrize(
