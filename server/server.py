@@ -135,6 +135,8 @@ class Server:
 
     def _hear(self, busy: Source | None = None) -> None:
         """Carry out what arrives, for a turn; amid a bundle of the client `busy` the questions of others alone."""
+        if busy and self._waiting.is_full:
+            return
         arrived = self.network.receive(0.0 if busy or self._waiting.in_a_hurry else _POLL)
         end = time.monotonic() + _TURN
         while arrived and self._running:

@@ -20,7 +20,7 @@ from .collocation import (
     solve,
     until_release,
 )
-from .power_series import ANSWER_AT, AT_NODES, TAKEN, WORK, value_at
+from .power_series import ANSWER_AT, ANSWER_TO_END, AT_NODES, TAKEN, WORK, value_at
 
 HELD = math.inf
 """Tolerance of one held step a sample: the cheapest, for when there is no time."""
@@ -107,16 +107,23 @@ def set_powers(contact, eta):
 @kernel
 def _put_free(step, moved, rate):
     """The compression without a force at the nodes; rate: steps per s."""
-    x0 = x1 = x2 = v0 = v1 = v2 = 0.0
+    s = _sums_of_six(AT_NODES, moved)
+    step.free_x[0], step.free_x[1], step.free_x[2] = s[0], s[1], s[2]
+    step.free_v[0], step.free_v[1], step.free_v[2] = rate * s[3], rate * s[4], rate * s[5]
+
+
+@kernel
+def _sums_of_six(table, series):
+    """sum_n series[n] table[n, k] for each k < 6: six sums that do not wait for each other."""
+    s0 = s1 = s2 = s3 = s4 = s5 = 0.0
     for n in range(FINE):
-        x0 += moved[n] * AT_NODES[n, 0]
-        x1 += moved[n] * AT_NODES[n, 1]
-        x2 += moved[n] * AT_NODES[n, 2]
-        v0 += moved[n] * AT_NODES[n, 3]
-        v1 += moved[n] * AT_NODES[n, 4]
-        v2 += moved[n] * AT_NODES[n, 5]
-    step.free_x[0], step.free_x[1], step.free_x[2] = x0, x1, x2
-    step.free_v[0], step.free_v[1], step.free_v[2] = rate * v0, rate * v1, rate * v2
+        s0 += series[n] * table[n, 0]
+        s1 += series[n] * table[n, 1]
+        s2 += series[n] * table[n, 2]
+        s3 += series[n] * table[n, 3]
+        s4 += series[n] * table[n, 4]
+        s5 += series[n] * table[n, 5]
+    return s0, s1, s2, s3, s4, s5
 
 
 @kernel
@@ -156,18 +163,13 @@ def sums_of_nine(table, series):
 @kernel
 def _at_end(moved, given, f, eta):
     """x (m) and its derivative (m per step) at a step's end, with the nodes' forces."""
-    x = v = x0 = x1 = x2 = v0 = v1 = v2 = 0.0
+    x = v = 0.0
     for n in range(FINE):
         x += moved[n]
         v += n * moved[n]
-        x0 += given[n] * ANSWER_AT[n, 9]
-        x1 += given[n] * ANSWER_AT[n, 10]
-        x2 += given[n] * ANSWER_AT[n, 11]
-        v0 += given[n] * ANSWER_AT[n, 12]
-        v1 += given[n] * ANSWER_AT[n, 13]
-        v2 += given[n] * ANSWER_AT[n, 14]
-    x -= eta * (x0 * f[0] + x1 * f[1] + x2 * f[2])
-    return x, v - eta * (v0 * f[0] + v1 * f[1] + v2 * f[2])
+    s = _sums_of_six(ANSWER_TO_END, given)
+    x -= eta * (s[0] * f[0] + s[1] * f[1] + s[2] * f[2])
+    return x, v - eta * (s[3] * f[0] + s[4] * f[1] + s[5] * f[2])
 
 
 @kernel

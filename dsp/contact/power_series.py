@@ -52,7 +52,7 @@ def _moment_tables() -> tuple[Array, Array, Array]:
     return np.stack([running(c) for c in GAUSS], axis=1), running(1.0), np.asarray(double)
 
 
-TO_NODE, TO_END, DOUBLE = _moment_tables()
+_TO_NODE, TO_END, _DOUBLE = _moment_tables()
 """[n, i, j]: int_0^c_i (c_i - s)^n l_j ds; [n, j]: the same up to 1; [n, i, j]: int_0^1 l_i(t) int_0^t (t - s)^n l_j(s)
 ds dt."""
 
@@ -60,24 +60,26 @@ ds dt."""
 AT_NODES = np.zeros((FINE, 2 * NODES))
 """[n]: t^n at the nodes of a unit step, then its derivative there."""
 
-ANSWER_AT = np.zeros((FINE, 15))
-"""[n]: the derivative of int_0^t (t - s)^n l_j(s) ds at GAUSS[i], as 3 i + j; then that integral up to 1, and its
-derivative there."""
+ANSWER_AT = np.zeros((FINE, NODES * NODES))
+"""[n]: the derivative of int_0^t (t - s)^n l_j(s) ds at GAUSS[i], as 3 i + j."""
+
+ANSWER_TO_END = np.zeros((FINE, 2 * NODES))
+"""[n]: that integral up to 1, then its derivative there, for each l_j."""
 
 WORK = np.zeros((FINE, 3))
 """[n, j]: int_0^1 l_j(t) n t^(n-1) dt, the work of a force along t^n."""
 
 TAKEN = np.zeros((FINE, NODES * NODES))
-"""[n]: n DOUBLE[n - 1, i, j], as 3 i + j."""
+"""[n]: n int_0^1 l_i(t) int_0^t (t - s)^(n-1) l_j(s) ds dt, as 3 i + j."""
 
 for _n in range(FINE):
     AT_NODES[_n] = np.concatenate([GAUSS**_n, _n * GAUSS ** max(_n - 1, 0)])
-    ANSWER_AT[_n, 9:12] = TO_END[_n]
+    ANSWER_TO_END[_n, :NODES] = TO_END[_n]
     if _n > 0:
-        ANSWER_AT[_n, :9] = _n * TO_NODE[_n - 1].ravel()
-        ANSWER_AT[_n, 12:15] = _n * TO_END[_n - 1]
+        ANSWER_AT[_n] = _n * _TO_NODE[_n - 1].ravel()
+        ANSWER_TO_END[_n, NODES:] = _n * TO_END[_n - 1]
         WORK[_n] = CARDINAL.T @ (_n / (_n + np.arange(NODES)))
-        TAKEN[_n] = _n * DOUBLE[_n - 1].ravel()
+        TAKEN[_n] = _n * _DOUBLE[_n - 1].ravel()
 
 
 @kernel

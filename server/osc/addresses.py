@@ -204,7 +204,7 @@ _SERVER = (
         (Number("port", 1, 65_535, whole=True),),
         scored=False,
     ),
-    Verb("/dump", "1: prints each message, to 2,000 characters; 0: no more", (Number("on", 0, 1),), scored=False),
+    Verb("/dump", "1: prints messages, cut at 2,000 characters; 0: no more", (Number("on", 0, 1),), scored=False),
     Verb("/quit", "ends the server", scored=False),
 )
 
