@@ -20,6 +20,8 @@ class Monitor:
 
     def show(self, message: Message) -> None:
         """Print a message soon."""
+        if self._lines.full():
+            return
         line = " ".join([ascii(message.address)[1:-1], *map(ascii, message.args)])
         if len(line) > _LONGEST:
             line = f"{line[:_LONGEST]}... {len(line)} characters"

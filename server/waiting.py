@@ -17,7 +17,7 @@ from .packets import Packet
 from .scene.new_object import NEW
 
 MOST_BYTES = 1 << 22
-"""Of packets that wait; further datagrams are dropped."""
+"""Of packets that wait; further datagrams are dropped. Streams pause instead, with a packet each."""
 
 _OVERHEAD = 64  # bytes that a packet takes besides its own
 _MOST_LINES = 256  # clients whose packets wait
@@ -57,7 +57,7 @@ class Waiting:
         line = self._lines.get(source)
         if line is None:
             return False
-        if self._bytes + len(packet) + _OVERHEAD > MOST_BYTES:
+        if isinstance(source, tuple) and self._bytes + len(packet) + _OVERHEAD > MOST_BYTES:
             self._network.drop(source)
             return True
         line.behind.append(packet)
@@ -66,7 +66,7 @@ class Waiting:
 
     @property
     def is_full(self) -> bool:
-        """Whether the next packet may find no room."""
+        """Whether the next datagram may find no room. A stream's client waits with one packet, and finds room."""
         return self._bytes > MOST_BYTES // 2 or len(self._lines) >= _MOST_LINES
 
     def put_last(self, packet: bytes, source: Source) -> None:
@@ -80,7 +80,8 @@ class Waiting:
         new = [call for call in packet.calls if call.verb and call.verb.address == NEW]
         if not new and not (self._lines and self._is_about(packet.calls, self._names())):
             return False
-        if packet.source not in self._lines and len(self._lines) >= _MOST_LINES:
+        datagram = isinstance(packet.source, tuple)
+        if datagram and packet.source not in self._lines and len(self._lines) >= _MOST_LINES:
             self._network.drop(packet.source)
             return True
         # It is the last now of those that were read.

@@ -9,6 +9,7 @@ import sys
 import time
 from collections import Counter, deque
 from contextlib import suppress
+from functools import lru_cache
 
 from ..osc.wire import Message, encode
 from .remote import Doorway, Remote
@@ -85,13 +86,16 @@ class Network:
             "replies_dropped": self._replies_dropped,
         }
 
-    def receive(self, timeout: float) -> tuple[bytes, Source] | None:
-        """The next packet and its source, or None if none arrives within `timeout` seconds, or before `wake`."""
+    def receive(self, timeout: float, streams_only: bool = False) -> tuple[bytes, Source] | None:
+        """The next packet and its source, or None if none arrives within `timeout` seconds, or before `wake`.
+
+        streams_only: leave datagrams where they are.
+        """
         deadline = time.monotonic() + timeout
         wait = 0.0
         while True:
             self._gather(wait)
-            if arrived := self._next():
+            if arrived := self._from_streams() if streams_only else self._next():
                 return arrived
             wait = deadline - time.monotonic()
             if wait <= 0.0 or self._woken:
@@ -147,7 +151,7 @@ class Network:
 
     def send(self, message: Message, to: Source) -> None:
         """Send a reply, or count it as dropped; OSError if its receiver is gone."""
-        packet = encode(message.address, *message.args)
+        packet = _encoded(message)
         if not self.reaches(to):
             raise ConnectionResetError("the client has left")
         if isinstance(to, Connection):
@@ -282,6 +286,16 @@ class Network:
             with suppress(KeyError):
                 self._selector.unregister(connection.socket)
             connection.close()
+
+
+def _encoded(message: Message) -> bytes:
+    texts = tuple(arg for arg in message.args if isinstance(arg, str))
+    return (_encoded_texts if texts == message.args else encode)(message.address, *message.args)
+
+
+@lru_cache(maxsize=16)  # of equal messages in a bundle each is refused with the same words
+def _encoded_texts(address: str, *texts: str) -> bytes:
+    return encode(address, *texts)
 
 
 def _bound(host: str, port: int) -> tuple[socket.socket, socket.socket]:

@@ -152,12 +152,16 @@ class GestureIds:
             for id in tuple(islice(ended, len(self._known.names) - _REMEMBERED)):
                 self._forget(id)
 
-    def take_ends(self) -> list[Ended]:
-        """The gestures that have ended since the last call."""
+    @property
+    def ends_wait(self) -> bool:
+        """Whether ends wait to be taken."""
+        return bool(self._ends)
+
+    def take_ends(self) -> Iterator[Ended]:
+        """The gestures that have ended and were not taken before, one by one."""
         self.collect()
-        ends = list(self._ends)
-        self._ends.clear()
-        return ends
+        while self._ends:
+            yield self._ends.popleft()
 
     def _look_at(self, id: GestureId) -> None:
         """Stop counting an id of which nothing runs any more as one that runs."""

@@ -1,6 +1,6 @@
 """A session: messages in, engine commands out, alike for a live server and a score."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
@@ -55,7 +55,7 @@ class Session:
     ) -> list[Message]:  # fmt: skip
         """As `perform`, for messages whose patterns are expanded. made: objects, or the errors that they met, by the
         identity of the calls that ask for them; others are made here. selection: of the packet, if these are not all of
-        its calls. pause: called before each."""
+        its calls. pause: as a transaction's."""
         self.gestures.collect()
         self.objects.forget_gone()
         transaction = Transaction(
@@ -70,6 +70,7 @@ class Session:
             self._world,
             made,
             selection=selection or Selection(),
+            pause=pause,
         )
         accepted: list[str] = []
         try:
@@ -122,8 +123,8 @@ class Session:
         harmless = self._steers_ended and isinstance(error, GestureEnded)
         return (warning if harmless else fail)(call.message.address, reason)
 
-    def take_ends(self) -> list[Ended]:
-        """The gestures that have ended since the last call."""
+    def take_ends(self) -> Iterator[Ended]:
+        """The gestures that have ended and were not taken before, one by one."""
         return self.gestures.take_ends()
 
 

@@ -56,6 +56,8 @@ class Transaction:
     replies: list[Message] = field(default_factory=list)
     selection: Selection = field(default_factory=Selection)
     """The matches of its messages' patterns."""
+    pause: Callable[[], object] = lambda: None
+    """Called before each message, and before each object that a message reaches."""
     _compared: int = 0
     _undo: list[Callable[[], object]] = field(default_factory=list)
 

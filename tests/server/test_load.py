@@ -2,7 +2,7 @@
 
 import socket
 import time
-from contextlib import closing
+from contextlib import ExitStack, closing
 from pathlib import Path
 
 import pytest
@@ -101,6 +101,26 @@ def test_questions_are_answered_amid_a_long_bundle(server: Running, tcp):
             answers.append(time.monotonic() - started)
         assert len(answers) > 10 and max(answers) < 0.08
         assert busy.errors() == [] and other.errors() == []
+
+
+def test_many_ends_are_told_in_turns(server: Running):
+    """A thousand gestures for which there is no room, whose ends twenty clients are told of."""
+    with ExitStack() as stack:
+        for _ in range(20):
+            stack.enter_context(Client(port=server.port, tcp=True)).ask("/notify", 1)
+        busy = stack.enter_context(Client(port=server.port, tcp=True))
+        other = stack.enter_context(server.client())
+        busy.new("a", "wood-block", gain=-60)
+        with busy.bundle():
+            for _ in range(1_000 + state.CONTACTS):
+                busy.send("/object/a/press", 0.1)
+        answers, ended = [], 0
+        while ended < 1_000:
+            started = time.monotonic()
+            other.ask("/version")
+            answers.append(time.monotonic() - started)
+            ended += sum(reply.address == "/gesture/end" for reply in busy.replies(0.0))
+        assert len(answers) > 10 and max(answers) < 0.08
 
 
 def client_buffer() -> int:

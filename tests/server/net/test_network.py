@@ -161,6 +161,15 @@ def test_streams_are_heard_in_a_flood_of_datagrams(net, stack):
     assert sum(isinstance(source, Connection) for source in sources) == 10
 
 
+def test_datagrams_can_be_left_where_they_are(net, stack):
+    one, other = client(net, stack), udp(stack)
+    other.sendto(A, net.address)
+    one.sendall(Sized.framed(A) * 2)
+    time.sleep(0.1)
+    sources = [arrived[1] for only in (True, True, True, False) if (arrived := net.receive(0.0, streams_only=only))]
+    assert [isinstance(source, Connection) for source in sources] == [True, True, False]
+
+
 def test_a_port_that_either_has_taken_is_refused(net, stack):
     with pytest.raises(OSError):
         Network(*net.address)

@@ -13,7 +13,7 @@ from tests.server.scene.support import ends, refusal, say, seconds
 def test_a_bounce_touches_again_and_again_and_its_end_is_told(played):
     assert say(played, "/object/pane/bounce", 0.05, "striker", "ping-pong", "id", "ball", source="me") == []
     seconds(played, 1.0)
-    assert played.engine.stats.impacts > 5 and played.take_ends() == []
+    assert played.engine.stats.impacts > 5 and list(played.take_ends()) == []
     seconds(played, 20.0)
     assert ends(played) == [("ball", "me")] and played.engine.quiet()
 
@@ -65,7 +65,7 @@ def test_a_roll_that_goes_on_needs_no_ball_to_be_steered(played):
 def test_a_press_goes_on_until_it_is_stopped(played, striker):
     say(played, "/object/pane/press", 1.0, "striker", striker, "id", "hand")
     seconds(played, 1.0)
-    assert played.take_ends() == []
+    assert list(played.take_ends()) == []
     say(played, "/gesture/hand/stop")
     seconds(played, 1.0)
     assert ends(played) == [("hand", None)]
@@ -171,7 +171,7 @@ def test_a_hand_that_does_not_press_hovers(played):
     muted = ringing()
     say(played, "/gesture/hand/force", 0)
     seconds(played, 5.0)
-    assert played.take_ends() == [] and ringing() > 30 * muted and free > 30 * muted
+    assert list(played.take_ends()) == [] and ringing() > 30 * muted and free > 30 * muted
 
 
 def test_nothing_is_heard_of_modes_that_are_bent_and_silent(played):
