@@ -74,19 +74,7 @@ class Session:
         )
         accepted: list[str] = []
         try:
-            for place, call in enumerate(calls):
-                pause()
-                savepoint = transaction.savepoint()
-                try:
-                    translate(transaction, call)
-                except (Refused, TooMuch, PresetError, EngineFull) as error:
-                    transaction.undo_to(savepoint)
-                    transaction.replies.append(self._refusal(call, transaction.reason(error), error))
-                else:
-                    accepted.append(call.message.address)
-                if len(transaction.commands) > RING:  # they will never be sent: spare the time to translate the rest
-                    accepted += [rest.message.address for rest in calls[place + 1 :]]
-                    break
+            self._translate(transaction, calls, accepted)
             first = self.engine.sent
             self.engine.send(transaction.commands)
         except EngineFull as error:
@@ -99,6 +87,22 @@ class Session:
         transaction.keep()
         self.on_sent(first, transaction.sent)
         return transaction.replies
+
+    def _translate(self, transaction: Transaction, calls: Sequence[Call], accepted: list[str]) -> None:
+        """Add what calls ask for to a transaction, and the addresses of those that are not refused to `accepted`."""
+        for place, call in enumerate(calls):
+            transaction.pause()
+            savepoint = transaction.savepoint()
+            try:
+                translate(transaction, call)
+            except (Refused, TooMuch, PresetError, EngineFull) as error:
+                transaction.undo_to(savepoint)
+                transaction.replies.append(self._refusal(call, transaction.reason(error), error))
+            else:
+                accepted.append(call.message.address)
+            if len(transaction.commands) > RING:  # they will never be sent: spare the time to translate the rest
+                accepted += [rest.message.address for rest in calls[place + 1 :]]
+                return
 
     def command_of(self, message: Message) -> Command:
         """The one command that a message asks for, and is not sent. Refused or PresetError say why there is none."""
