@@ -9,8 +9,8 @@ from typing import Generic, TypeVar
 _Key = TypeVar("_Key", bound=Hashable)
 _Value = TypeVar("_Value")
 
-SECONDS = 60.0
-"""For how long something that nobody asks for is kept: so the memory of a server settles within minutes, whatever it is
+SECONDS = 20.0
+"""For how long something that nobody asks for is kept: so a server's memory settles within a minute, whatever it is
 sent."""
 
 

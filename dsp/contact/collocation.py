@@ -39,7 +39,7 @@ LAST = CARDINAL.sum(axis=0)
 WITHIN = 0.8
 """Share of the longest step within a tolerance that is tried: of `better_step`."""
 
-SOLVED = 1e-11  # relative change of the forces that ends Newton's method, whose error is then below its square
+SOLVED = 1e-8  # relative change of the forces that ends Newton's method, whose error is then about its square
 NEWTON_STEPS = 16
 _GROWTH = 4e-9  # share of its energy that a contact may gain in all
 _LEAST_GROWTH = 1e-15  # what rounding makes of it in a step
@@ -131,7 +131,7 @@ def solve(step, k, mu, a, negligible):
                     step.linear[i, j] = stiffness * step.give_x[i, j] + damping * step.give_v[i, j]
                 step.linear[i, i] += 1.0
                 step.linear[i, NODES] = force - step.f[i]
-            _eliminate(step.linear)
+            eliminate(step.linear, NODES)
             for i in range(NODES):
                 step.f[i] += step.linear[i, NODES]
                 change = max(change, abs(step.linear[i, NODES]))
@@ -144,18 +144,18 @@ def solve(step, k, mu, a, negligible):
 
 
 @kernel
-def _eliminate(linear):
+def eliminate(linear, size):
     """Solve the linear equations; the solution takes the right side's place. Their diagonal is safely positive."""
-    for i in range(NODES):
+    for i in range(size):
         reciprocal = 1.0 / linear[i, i]
-        for j in range(i + 1, NODES + 1):
+        for j in range(i + 1, size + 1):
             linear[i, j] *= reciprocal
-        for row in range(i + 1, NODES):
-            for j in range(i + 1, NODES + 1):
+        for row in range(i + 1, size):
+            for j in range(i + 1, size + 1):
                 linear[row, j] -= linear[row, i] * linear[i, j]
-    for i in range(NODES - 1, -1, -1):
-        for j in range(i + 1, NODES):
-            linear[i, NODES] -= linear[i, j] * linear[j, NODES]
+    for i in range(size - 1, -1, -1):
+        for j in range(i + 1, size):
+            linear[i, size] -= linear[i, j] * linear[j, size]
 
 
 @kernel

@@ -29,6 +29,7 @@ import numpy as np
 from ..native.jit import kernel
 from ..numerics.legendre import FINE
 from .collocation import NODES, STEP, law
+from .coupled_flight import fly
 from .coupled_step import set_powers, stay
 from .power_series import (
     BINOMIAL,
@@ -38,16 +39,12 @@ from .power_series import (
     QUADRATURE_WEIGHTS,
     TO_END,
     legendre_moments,
-    value_at,
 )
 
 MOST_STEPS = 3_000  # in a sample; what is left of it then is one held step
-_LOOKS = 8  # at the gap, in a sample
 KINKS = 32  # of the surface in a sample, at most
 _ON_KINK = 1e-12  # samples from a kink that are none
 _FIRST = 0.2  # share of the contact's natural time: the first step to try
-_NEWTON_STEPS = 50
-_EXACT = 1e-15  # relative width of a bracket that ends the search
 
 
 class ContactLaw(NamedTuple):
@@ -283,49 +280,30 @@ def touch(contact):
 
 
 @kernel
-def fly(motion, left):
-    """Samples until x comes up to 0, at most `left`, and whether it does."""
-    high = low = 0.0
-    meets = False
-    slope = motion[1]
-    for n in range(1, _LOOKS + 1):
-        before, low = low, left * n / _LOOKS
-        x, after = value_at(motion, low)
-        high = low
-        if x <= 0.0 and slope > 0.0 and after < 0.0:
-            # It may have looked in between: at its greatest, about there.
-            high = before + (low - before) * slope / (slope - after)
-            x = value_at(motion, high)[0]
-        slope = after
-        if x > 0.0:
-            low = before
-            meets = True
-            break
-    if not meets:
-        return left, False
-    # Newton's method within the bracket, from outside to the first point inside.
-    guess = high
-    for _ in range(_NEWTON_STEPS):
-        x, slope = value_at(motion, guess)
-        if x > 0.0:
-            high = guess
-        else:
-            low = guess
-        guess -= x / slope
-        if not low < guess < high:
-            guess = 0.5 * (low + high)
-        if high - low <= _EXACT * high:
-            break
-    return high, True
-
-
-@kernel
 def move(contact, eta, at, powers):
     """Go on by `eta` samples under the step's force: what becomes of the sample's rest, and the force's part of its
     moments, those of the powers of 2 t - 1 (see `legendre_moments`)."""
-    f, h, power = contact.force, contact.period, contact.power
     contact.last = eta
     set_powers(contact, eta)
+    time = eta * contact.period
+    contact.position += time * (contact.v + 0.5 * time * contact.push / contact.m)
+    contact.position += eta * (contact.rise + eta * contact.bend)
+    contact.rise += 2.0 * eta * contact.bend
+    contact.v += time * contact.push / contact.m
+    if contact.touching == 1 or contact.force[0] > 0.0:
+        _push(contact, eta, at, powers)
+        return
+    for k in range(FINE):
+        total = 0.0
+        for n in range(k, FINE):
+            total += BINOMIAL[n, k] * contact.motion[n] * contact.power[n - k]
+        contact.motion[k] = total
+
+
+@kernel
+def _push(contact, eta, at, powers):
+    """The rest of `move` where there is a force."""
+    f, h, power = contact.force, contact.period, contact.power
     for n in range(FINE):
         contact.impulse[n] = eta * power[n] * (TO_END[n, 0] * f[0] + TO_END[n, 1] * f[1] + TO_END[n, 2] * f[2])
     for k in range(FINE):
@@ -333,12 +311,8 @@ def move(contact, eta, at, powers):
         for n in range(k, FINE):
             total += BINOMIAL[n, k] * (contact.motion[n] * power[n - k] - contact.answer[n] * contact.impulse[n - k])
         contact.motion[k] = total
-    time = eta * h
-    contact.position += time * (contact.v + 0.5 * time * contact.push / contact.m)
-    contact.position += eta * (contact.rise + eta * contact.bend)
     contact.position -= h * h * contact.impulse[1] / contact.m
-    contact.rise += 2.0 * eta * contact.bend
-    contact.v += (time * contact.push - h * contact.impulse[0]) / contact.m
+    contact.v -= h * contact.impulse[0] / contact.m
     for q in range(len(QUADRATURE)):
         here = eta * h * QUADRATURE_WEIGHTS[q]
         here *= FORCE_AT[q, 0] * f[0] + FORCE_AT[q, 1] * f[1] + FORCE_AT[q, 2] * f[2]

@@ -1,11 +1,59 @@
-"""The flight of a coupled striker (coupled.py): for how long it surely touches nothing, and how it goes on unseen."""
+"""The flight of a coupled striker (coupled.py): where it meets the object, and how long it surely touches nothing."""
 
 import math
 
 from ..native.jit import kernel
+from ..numerics.legendre import FINE
+from .power_series import value_at
 
+_LOOKS = 8  # at the gap, in a sample
+_NEWTON_STEPS = 50
+_EXACT = 1e-15  # relative width of a bracket that ends the search
 _AGES = 1e12  # samples that are as good as for ever
 _LEAST_SPEED = 1e-300  # m/s: keeps a quotient finite
+
+
+@kernel
+def fly(motion, left):
+    """Samples until x comes up to 0, at most `left`, and whether it does."""
+    highest, power = motion[0], left
+    for n in range(1, FINE):
+        highest += max(motion[n], 0.0) * power
+        power *= left
+    if highest < 0.0:
+        return left, False
+    high = low = 0.0
+    meets = False
+    slope = motion[1]
+    for n in range(1, _LOOKS + 1):
+        before, low = low, left * n / _LOOKS
+        x, after = value_at(motion, low)
+        high = low
+        if x <= 0.0 and slope > 0.0 and after < 0.0:
+            # It may have looked in between: at its greatest, about there.
+            high = before + (low - before) * slope / (slope - after)
+            x = value_at(motion, high)[0]
+        slope = after
+        if x > 0.0:
+            low = before
+            meets = True
+            break
+    if not meets:
+        return left, False
+    # Newton's method within the bracket, from outside to the first point inside.
+    guess = high
+    for _ in range(_NEWTON_STEPS):
+        x, slope = value_at(motion, guess)
+        if x > 0.0:
+            high = guess
+        else:
+            low = guess
+        guess -= x / slope
+        if not low < guess < high:
+            guess = 0.5 * (low + high)
+        if high - low <= _EXACT * high:
+            break
+    return high, True
 
 
 @kernel

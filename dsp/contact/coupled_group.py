@@ -40,10 +40,8 @@ COUPLED_GROUP = np.dtype(
         # Of a step:
         ("touching", np.int64),  # contacts that touch
         ("touches", np.int64, GROUP),  # places of these in the group
-        ("power", np.float64, FINE),  # of its length
-        ("given", np.float64, FINE),  # an answer times that
-        ("free_x", np.float64, _UNKNOWNS),  # m: compression at the nodes without the forces
-        ("free_v", np.float64, _UNKNOWNS),  # m/s
+        ("given", np.float64, (GROUP, GROUP, FINE)),  # m/(N sample): answers times powers of its length
+        ("negligible", np.float64, GROUP),  # N: changes of a contact's force below it don't matter
         ("give_x", np.float64, (_UNKNOWNS, _UNKNOWNS)),  # m/N: what the forces take off
         ("give_v", np.float64, (_UNKNOWNS, _UNKNOWNS)),  # m/(s N)
         ("linear", np.float64, (_UNKNOWNS, _UNKNOWNS + 1)),

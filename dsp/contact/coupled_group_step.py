@@ -17,26 +17,31 @@ from .collocation import (
     WITHIN,
     allowance,
     elastic,
+    eliminate,
     force_at,
     raised,
     until_release,
 )
-from .coupled import fly
+from .coupled_flight import fly
 from .coupled_step import (
     FINEST,
     REFINE,
     RETRY,
     ROUNDING,
     TRIALS,
+    collocate,
+    end_without,
     may_lose,
+    put_free,
     ratio_to_longest,
     set_powers,
     speed_of,
     sums_of_nine,
+    taken_at_end,
     work_against,
     work_of,
 )
-from .power_series import ANSWER_AT, TO_END, value_at
+from .power_series import ANSWER_AT
 
 NOTHING, MEETS, LEAVES = 0, 1, 2
 """What ends a step for a contact."""
@@ -57,7 +62,7 @@ def find_step(contacts, group, eta, longest):
         if eta <= finest:
             break
         whole = 0.0
-        if _collocate(contacts, group, eta):
+        if _try(contacts, group, eta):
             ratio = _rate(contacts, group, eta)
             whole = _find_end(contacts, group, eta, longest)
             if ratio < WITHIN:
@@ -79,48 +84,69 @@ def find_step(contacts, group, eta, longest):
 
 
 @kernel
-def _collocate(contacts, group, eta):
+def _try(contacts, group, eta):
     """Try a step: true if it is solved; all forces are then in the contacts' steps, and `end_x`, `end_v` filled."""
-    power = group.power
-    power[0] = 1.0
-    for n in range(1, FINE):
-        power[n] = power[n - 1] * eta
-    for a in range(group.touching):
-        contact = contacts[group.member[group.touches[a]]].coupled
-        for r in range(NODES):
-            x, slope = value_at(contact.motion, eta * GAUSS[r])
-            group.free_x[a * NODES + r] = x
-            group.free_v[a * NODES + r] = slope / contact.period
-        for b in range(group.touching):
-            _fill_give(group, a, b, eta, contact.period)
-    solved = _solve(contacts, group, eta)
-    for a in range(group.touching):
-        contact = contacts[group.member[group.touches[a]]].coupled
-        for r in range(NODES):
-            contact.step.f[r] = group.f[a * NODES + r]
-        for n in range(FINE):
-            contact.impulse[n] = eta * power[n] * (
-                TO_END[n, 0] * contact.step.f[0] + TO_END[n, 1] * contact.step.f[1] + TO_END[n, 2] * contact.step.f[2]
-            )  # fmt: skip
+    _set_given(contacts, group, eta)
+    if group.touching == 1:
+        i = group.touches[0]
+        contact = contacts[group.member[i]].coupled
+        _start(contact, eta, 0)
+        solved, group.end_x[i], group.end_v[i] = collocate(contact, eta)
+    else:
+        _set_equations(contacts, group, eta)
+        # Most groups are pairs: the loops for two are unrolled.
+        solved = (
+            _solve(contacts, group, eta, 2) if group.touching == 2 else _solve(contacts, group, eta, group.touching)
+        )
     for i in range(group.size):
         contact = contacts[group.member[i]].coupled
-        x, v = value_at(contact.motion, eta)
+        if contact.touching == 0 or group.touching > 1:
+            _find_end_of(contacts, group, i, eta)
+    return solved
+
+
+@kernel
+def _find_end_of(contacts, group, i, eta):
+    """The compression of contact i at the step's end, and its rate."""
+    contact = contacts[group.member[i]].coupled
+    x, v = end_without(contact.moved)
+    for b in range(group.touching):
+        j = group.touches[b]
+        taken_x, taken_v = taken_at_end(group.given[i, j], contacts[group.member[j]].coupled.step.f, eta)
+        x -= taken_x
+        v -= taken_v
+    group.end_x[i] = x
+    group.end_v[i] = v / (eta * contact.period)
+
+
+@kernel
+def _set_given(contacts, group, eta):
+    """All series in times of the step."""
+    for i in range(group.size):
+        contact = contacts[group.member[i]].coupled
+        set_powers(contact, eta)
         for b in range(group.touching):
             j = group.touches[b]
-            impulse = contacts[group.member[j]].coupled.impulse
-            for n in range(1, FINE):
-                x -= group.answer[i, j, n] * impulse[n]
-                v -= n * group.answer[i, j, n] * impulse[n - 1]
-        group.end_x[i] = x
-        group.end_v[i] = v / contact.period
-    return solved
+            for n in range(FINE):
+                group.given[i, j, n] = group.answer[i, j, n] * contact.power[n]
+
+
+@kernel
+def _set_equations(contacts, group, eta):
+    """What is given of the equations of all nodes."""
+    for a in range(group.touching):
+        contact = contacts[group.member[group.touches[a]]].coupled
+        put_free(contact.step, contact.moved, 1.0 / (eta * contact.period))
+        speed = speed_of(contact, contact.motion[0], contact.motion[1] / contact.period)
+        group.negligible[a] = ROUNDING * contact.mass * speed / (eta * contact.period)
+        for b in range(group.touching):
+            _fill_give(group, a, b, eta, contact.period)
 
 
 @kernel
 def _fill_give(group, a, b, eta, period):
     """What the nodes' forces of touching contact b take off at the nodes of touching contact a."""
-    _set_given(group, group.answer[group.touches[a], group.touches[b]])
-    g = sums_of_nine(ANSWER_AT, group.given)
+    g = sums_of_nine(ANSWER_AT, group.given[group.touches[a], group.touches[b]])
     u, w, v, rate = a * NODES, b * NODES, group.give_v, 1.0 / period
     v[u, w], v[u, w + 1], v[u, w + 2] = rate * g[0], rate * g[1], rate * g[2]
     v[u + 1, w], v[u + 1, w + 1], v[u + 1, w + 2] = rate * g[3], rate * g[4], rate * g[5]
@@ -134,53 +160,55 @@ def _fill_give(group, a, b, eta, period):
 
 
 @kernel
-def _set_given(group, answer):
-    """An answer's series in times of the step."""
-    for n in range(FINE):
-        group.given[n] = answer[n] * group.power[n]
-
-
-@kernel
-def _solve(contacts, group, eta):
+def _solve(contacts, group, eta, touching):
     """Forces at all nodes by Newton's method, from where the last ones lead, then from 0. False if it fails."""
-    size = group.touching * NODES
+    size = touching * NODES
     for start in range(2):
-        for a in range(group.touching):
+        for a in range(touching):
             contact = contacts[group.member[group.touches[a]]].coupled
-            f, ratio = contact.force, eta / contact.last if contact.last > 0.0 else 0.0
+            _start(contact, eta, start)
             for r in range(NODES):
-                group.f[a * NODES + r] = force_at(f[0], f[1], f[2], 1.0 + ratio * GAUSS[r]) if start == 0 else 0.0
+                group.f[a * NODES + r] = contact.step.f[r]
         for _ in range(NEWTON_STEPS):
-            for a in range(group.touching):
+            for a in range(touching):
                 _linearise(contacts[group.member[group.touches[a]]].coupled, group, a, size)
-            _eliminate(group.linear, size)
+            eliminate(group.linear, size)
             converged = True
-            for a in range(group.touching):
+            for a in range(touching):
                 contact = contacts[group.member[group.touches[a]]].coupled
-                speed = speed_of(contact, contact.motion[0], contact.motion[1] / contact.period)
-                negligible = ROUNDING * contact.mass * speed / (eta * contact.period)
                 change = most = 0.0
-                for u in range(a * NODES, (a + 1) * NODES):
+                for r in range(NODES):
+                    u = a * NODES + r
                     group.f[u] += group.linear[u, size]
+                    contact.step.f[r] = group.f[u]
                     change = max(change, abs(group.linear[u, size]))
                     most = max(most, abs(group.f[u]))
-                converged &= change <= SOLVED * most + negligible
+                converged &= change <= SOLVED * most + group.negligible[a]
             if converged:
                 return True
     return False
 
 
 @kernel
+def _start(contact, eta, start):
+    """Forces of a step from which Newton's method starts first (0), and where that fails (1)."""
+    f, ratio = contact.force, eta / contact.last if contact.last > 0.0 else 0.0
+    for r in range(NODES):
+        contact.step.f[r] = force_at(f[0], f[1], f[2], 1.0 + ratio * GAUSS[r]) if start == 0 else 0.0
+
+
+@kernel
 def _linearise(contact, group, a, size):
     """The rows of Newton's equations for touching contact a."""
+    step = contact.step
     for r in range(NODES):
         u = a * NODES + r
-        x, v = group.free_x[u], group.free_v[u]
+        x, v = step.free_x[r], step.free_v[r]
         for w in range(size):
             x -= group.give_x[u, w] * group.f[w]
             v -= group.give_v[u, w] * group.f[w]
-        contact.step.x[r] = x
-        contact.step.v[r] = v
+        step.x[r] = x
+        step.v[r] = v
         stiffness = damping = force = 0.0
         slack = 1.0 + contact.mu * v
         if x > 0.0 and slack > 0.0:
@@ -192,22 +220,6 @@ def _linearise(contact, group, a, size):
             group.linear[u, w] = stiffness * group.give_x[u, w] + damping * group.give_v[u, w]
         group.linear[u, u] += 1.0
         group.linear[u, size] = force - group.f[u]
-
-
-@kernel
-def _eliminate(linear, size):
-    """Solve the linear equations; the solution takes the right side's place."""
-    for i in range(size):
-        reciprocal = 1.0 / linear[i, i]
-        for row in range(i + 1, size):
-            factor = linear[row, i] * reciprocal
-            if factor != 0.0:
-                for j in range(i + 1, size + 1):
-                    linear[row, j] -= factor * linear[i, j]
-    for i in range(size - 1, -1, -1):
-        for j in range(i + 1, size):
-            linear[i, size] -= linear[i, j] * linear[j, size]
-        linear[i, size] /= linear[i, i]
 
 
 @kernel
@@ -298,12 +310,10 @@ def _is_sound(contacts, group, eta):
         stored = elastic(contact.motion[0], contact.k, contact.a)
         v = contact.motion[1] / contact.period
         contact.scale = max(contact.scale, stored + 0.5 * contact.mass * v * v)
-        set_powers(contact, eta)
         work = work_of(f, contact.moved)
         for b in range(group.touching):
             j = group.touches[b]
-            _set_given(group, group.answer[i, j])
-            work -= work_against(f, contacts[group.member[j]].coupled.step.f, group.given, eta)
+            work -= work_against(f, contacts[group.member[j]].coupled.step.f, group.given[i, j], eta)
         gain = elastic(group.end_x[i], contact.k, contact.a) - stored - work
         lost = -gain
         for r in range(NODES):

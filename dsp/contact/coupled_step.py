@@ -52,7 +52,7 @@ def stay(contact, left, last):
     for _ in range(TRIALS):
         if eta <= finest:
             break
-        solved, x, v = _collocate(contact, eta)
+        solved, x, v = collocate(contact, eta)
         if not solved:
             eta *= RETRY
             closing = False
@@ -81,16 +81,17 @@ def stay(contact, left, last):
 
 
 @kernel
-def _collocate(contact, eta):
+def collocate(contact, eta):
     """Try a step: whether it is solved, and x and v at its end."""
     step, h = contact.step, contact.period
     set_powers(contact, eta)
-    _put_free(step, contact.moved, 1.0 / (eta * h))
+    put_free(step, contact.moved, 1.0 / (eta * h))
     _put_give(step, contact.given, eta * h, 1.0 / h)
     speed = speed_of(contact, contact.motion[0], contact.motion[1] / h)
     solved = solve(step, contact.k, contact.mu, contact.a, ROUNDING * contact.mass * speed / (eta * h))
-    x, v = _at_end(contact.moved, contact.given, step.f, eta)
-    return solved, x, v / (eta * h)
+    x, v = end_without(contact.moved)
+    taken_x, taken_v = taken_at_end(contact.given, step.f, eta)
+    return solved, x - taken_x, (v - taken_v) / (eta * h)
 
 
 @kernel
@@ -105,7 +106,7 @@ def set_powers(contact, eta):
 
 
 @kernel
-def _put_free(step, moved, rate):
+def put_free(step, moved, rate):
     """The compression without a force at the nodes; rate: steps per s."""
     s = _sums_of_six(AT_NODES, moved)
     step.free_x[0], step.free_x[1], step.free_x[2] = s[0], s[1], s[2]
@@ -161,15 +162,20 @@ def sums_of_nine(table, series):
 
 
 @kernel
-def _at_end(moved, given, f, eta):
-    """x (m) and its derivative (m per step) at a step's end, with the nodes' forces."""
+def end_without(moved):
+    """x (m) and its derivative (m per step) at a step's end without the forces."""
     x = v = 0.0
     for n in range(FINE):
         x += moved[n]
         v += n * moved[n]
+    return x, v
+
+
+@kernel
+def taken_at_end(given, f, eta):
+    """What the nodes' forces take off these."""
     s = _sums_of_six(ANSWER_TO_END, given)
-    x -= eta * (s[0] * f[0] + s[1] * f[1] + s[2] * f[2])
-    return x, v - eta * (s[3] * f[0] + s[4] * f[1] + s[5] * f[2])
+    return eta * (s[0] * f[0] + s[1] * f[1] + s[2] * f[2]), eta * (s[3] * f[0] + s[4] * f[1] + s[5] * f[2])
 
 
 @kernel
