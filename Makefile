@@ -91,6 +91,7 @@ study: $(READY)  ## the hour-long stress tests: recordings, data sets, extreme c
 	$(BIN)/python -m tests.bench.queries
 	$(BIN)/python -m tests.bench.page
 	$(BIN)/python -m tests.bench.starts
+	$(BIN)/python -m tests.bench.compiling
 	$(BIN)/python -m tests.bench.memory --minutes 30
 
 $(READY): pyproject.toml
