@@ -195,8 +195,8 @@ def _answer(contact, answer, other, kept):
     """Let the point of a contact answer the force of another one; its compression now may be `kept`."""
     for k in range(FINE):
         total = 0.0
-        for n in range(max(k, 1), FINE):
-            total += BINOMIAL[n, k] * answer[n] * other.impulse[n - k]
+        for n in range(k, FINE):
+            total += BINOMIAL[n, k] * (answer[n] * other.impulse[n - k])
         if k == 0 and kept:
             contact.position += total
         else:

@@ -50,7 +50,7 @@ def test_every_solver_is_measured_by_itself():
     compared = {(row["solver"], row["contact_samples"]) for row in rows if row["of_prototype"]}
     assert compared == set(contacts.PROTOTYPE)
     us = {(row["solver"], row["modes"]): row["us"] for row in rows if row["contact_samples"] == 8.0}
-    assert us["coupled 1e-05", 24] > us["coupled 0.1", 24] > us["held", 24]
+    assert us["coupled 1e-05", 24] > us["coupled 0.001", 24] > us["held", 24]
 
 
 def test_gestures_are_counted():
