@@ -37,13 +37,14 @@ from .subscribers import Subscribers
 from .telling import Teller
 from .texts import plain
 from .time_tags import time_of
-from .turns import TURN, every_turn, for_a_turn
 from .waiting import Waiting
 
 if TYPE_CHECKING:
     from .web.server import WebServer
 
 _POLL = 0.02  # s between looks at the engine
+_TURN = 0.005  # s that a packet, or all that arrive, are carried out before others get their turns
+_NOBODY = ("", 0)  # no source: all others may ask
 _MOST_PRINTED = 1_000  # texts that are remembered, so that none is repeated
 
 
@@ -97,7 +98,6 @@ class Server:
         }
         self._maker = Maker(presets, engine.top_frequency, lambda: self._waiting.look())
         self._waiting = Waiting(network, self._maker)
-        self._due = 0.0  # when to look at the engine again
         self.early: deque[tuple[bytes, Source]] = deque()
         """Packets that came before there was an engine; `run` carries them out first."""
 
@@ -122,23 +122,24 @@ class Server:
         """Serve until told to stop."""
         while self.early:
             self._receive(*self.early.popleft())
+        due = 0.0
         while self._running:
             self._hear()
             for waited in self._waiting.ready():
                 self._attempt(waited)
-            if time.monotonic() >= self._due:
+            if time.monotonic() >= due:
                 try:
                     self._poll()
                 except Exception:  # as below
                     self._print_once(traceback.format_exc())
-                self._due = time.monotonic() + (0.0 if self._session.gestures.ends_wait else _POLL)
+                due = time.monotonic() + _POLL
 
     def _hear(self, busy: Source | None = None) -> None:
         """Carry out what arrives, for a turn; amid a bundle of the client `busy` the questions of others alone, and
         where there is no room for datagrams to wait, those of streams alone."""
-        idle = 0.0 if busy or self._waiting.in_a_hurry else max(0.0, self._due - time.monotonic())
+        idle = 0.0 if busy or self._waiting.in_a_hurry else _POLL
         arrived = self.network.receive(idle, bool(busy) and self._waiting.is_full)
-        end = time.monotonic() + TURN
+        end = time.monotonic() + _TURN
         while arrived and self._running:
             self._receive(*arrived, busy)
             if time.monotonic() > end:
@@ -179,7 +180,7 @@ class Server:
         """Carry out a packet bundle by bundle. After a turn the rest waits until others had theirs."""
         if packet.making:
             packet.made, packet.making = self._maker.take(packet.making), None
-        end = time.monotonic() + TURN
+        end = time.monotonic() + _TURN
         while not packet.done:
             if packet.rest:
                 packet.rest.popleft()()
@@ -199,7 +200,7 @@ class Server:
             return
         scored = [call for call in asked if call.verb is None or call.verb.scored]
         if scored:  # a question that is answered amid a bundle leaves the session as it is
-            pause = every_turn(partial(self._hear, source))
+            pause = _every_turn(partial(self._hear, source))
             replies = self._session.perform_calls(scored, when, source, packet.made, packet.selection, pause)
             packet.rest.extend(partial(self._reply, reply, source) for reply in replies)
         for call in scored:
@@ -286,8 +287,10 @@ class Server:
             load = self.engine.stats.load_now
             self._warn(f"quality is now {int(quality)}, {quality.name.lower()}: the load is {load:.0%}")
         self._release_gone()
-        for ended in for_a_turn(self._session.take_ends()):
+        pause = _every_turn(partial(self._hear, _NOBODY))
+        for ended in self._session.take_ends():
             self._report_end(ended)
+            pause()
         self.on_look(self.teller.look())
         if lost := self.network.dropped():
             count, sender = lost
@@ -329,3 +332,16 @@ class Server:
     def _warn(self, text: str) -> None:
         for subscriber in self._subscribers:
             self._reply(Message("/warning", (text,)), subscriber)
+
+
+def _every_turn(pause: Callable[[], object]) -> Callable[[], None]:
+    """What does something whenever a turn is over at its call."""
+    end = time.monotonic() + _TURN
+
+    def look() -> None:
+        nonlocal end
+        if time.monotonic() > end:
+            pause()
+            end = time.monotonic() + _TURN
+
+    return look

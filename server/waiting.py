@@ -17,7 +17,7 @@ from .packets import Packet
 from .scene.new_object import NEW
 
 MOST_BYTES = 1 << 22
-"""Of packets that wait; further datagrams are dropped. Streams pause instead, with a packet each."""
+"""Of datagrams that wait; further ones are dropped. Streams pause instead, with a packet each."""
 
 _OVERHEAD = 64  # bytes that a packet takes besides its own
 _MOST_LINES = 256  # clients whose packets wait
@@ -57,11 +57,12 @@ class Waiting:
         line = self._lines.get(source)
         if line is None:
             return False
-        if isinstance(source, tuple) and self._bytes + len(packet) + _OVERHEAD > MOST_BYTES:
-            self._network.drop(source)
-            return True
+        if isinstance(source, tuple):
+            if self._bytes + len(packet) + _OVERHEAD > MOST_BYTES:
+                self._network.drop(source)
+                return True
+            self._bytes += len(packet) + _OVERHEAD
         line.behind.append(packet)
-        self._bytes += len(packet) + _OVERHEAD
         return True
 
     @property
@@ -121,7 +122,8 @@ class Waiting:
                 if line.first or not line.behind:
                     break
                 packet = line.behind.popleft()
-                self._bytes -= len(packet) + _OVERHEAD
+                if isinstance(source, tuple):
+                    self._bytes -= len(packet) + _OVERHEAD
                 yield packet, source
             if not (line.first or line.behind):
                 self._leave(source)

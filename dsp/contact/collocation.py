@@ -41,6 +41,7 @@ WITHIN = 0.8
 
 SOLVED = 1e-8  # relative change of the forces that ends Newton's method, whose error is then about its square
 NEWTON_STEPS = 16
+_SMALL = 2 * NODES  # unknowns: no zero is worth a look
 _GROWTH = 4e-9  # share of its energy that a contact may gain in all
 _LEAST_GROWTH = 1e-15  # what rounding makes of it in a step
 _CLOSED = 1e-10  # of a step's greatest compression, that is left at the release
@@ -105,8 +106,9 @@ def captured(x, v, m, k, a, push):
 def solve(step, k, mu, a, negligible):
     """Forces at the nodes by Newton's method from `step.f`, then from 0, where the law's convexity helps it.
 
-    Leaves the nodes' f, x, v in the step. Changes of a force below `negligible` (N) don't matter; that is needed where
-    1 + mu v is down to rounding. False if it doesn't converge: the step is too long.
+    Leaves the nodes' f in the step, and their x and v before the last change of f. Changes of a force below
+    `negligible` (N) don't matter; that is needed where 1 + mu v is down to rounding. False if it doesn't converge: the
+    step is too long.
     """
     for _ in range(2):
         for _ in range(NEWTON_STEPS):
@@ -151,6 +153,8 @@ def eliminate(linear, size):
         for j in range(i + 1, size + 1):
             linear[i, j] *= reciprocal
         for row in range(i + 1, size):
+            if size > _SMALL and linear[row, i] == 0.0:  # of many contacts few share an object
+                continue
             for j in range(i + 1, size + 1):
                 linear[row, j] -= linear[row, i] * linear[i, j]
     for i in range(size - 1, -1, -1):

@@ -121,7 +121,7 @@ def _find_end_of(contacts, group, i, eta):
 
 @kernel
 def _set_given(contacts, group, eta):
-    """All series in times of the step."""
+    """Write all series in times of the step."""
     for i in range(group.size):
         contact = contacts[group.member[i]].coupled
         set_powers(contact, eta)
@@ -133,7 +133,7 @@ def _set_given(contacts, group, eta):
 
 @kernel
 def _set_equations(contacts, group, eta):
-    """What is given of the equations of all nodes."""
+    """Write down the equations of all nodes."""
     for a in range(group.touching):
         contact = contacts[group.member[group.touches[a]]].coupled
         put_free(contact.step, contact.moved, 1.0 / (eta * contact.period))
@@ -191,7 +191,7 @@ def _solve(contacts, group, eta, touching):
 
 @kernel
 def _start(contact, eta, start):
-    """Forces of a step from which Newton's method starts first (0), and where that fails (1)."""
+    """Set the forces that Newton's method starts from: where the last ones lead, or at the second `start` zeros."""
     f, ratio = contact.force, eta / contact.last if contact.last > 0.0 else 0.0
     for r in range(NODES):
         contact.step.f[r] = force_at(f[0], f[1], f[2], 1.0 + ratio * GAUSS[r]) if start == 0 else 0.0

@@ -10,10 +10,11 @@ counts by the square of the swing in a step: each iteration gains two to four di
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contact.collocation import INTEGRAL, SOLVED, WEIGHTS, raised, solve
+from ..contact.collocation import INTEGRAL, WEIGHTS, raised, solve
 from ..native.jit import kernel, noinline_kernel
 
 _ITERATIONS = 10
+_SOLVED = 1e-11  # share of the forces by which they may err
 _SLOW = 0.3  # of the change before: where a change is more, Newton's method with each node's own slopes takes over
 
 
@@ -105,7 +106,7 @@ def solve_free_mass(step, h, lightness, mobility, law, negligible):
         d = _times(_B, real * c0, re * c1 + im * c2, re * c2 - im * c1)
         f = f[0] + d[0], f[1] + d[1], f[2] + d[2]
         change = max(abs(d[0]), abs(d[1]), abs(d[2]))
-        enough = SOLVED * max(abs(f[0]), abs(f[1]), abs(f[2])) + negligible
+        enough = _SOLVED * max(abs(f[0]), abs(f[1]), abs(f[2])) + negligible
         if change <= enough or (n > 0 and change * change <= enough * before):
             step.f[0], step.f[1], step.f[2] = f
             return True

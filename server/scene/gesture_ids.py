@@ -152,11 +152,6 @@ class GestureIds:
             for id in tuple(islice(ended, len(self._known.names) - _REMEMBERED)):
                 self._forget(id)
 
-    @property
-    def ends_wait(self) -> bool:
-        """Whether ends wait to be taken."""
-        return bool(self._ends)
-
     def take_ends(self) -> Iterator[Ended]:
         """The gestures that have ended and were not taken before, one by one."""
         self.collect()

@@ -74,7 +74,7 @@ class Session:
         )
         accepted: list[str] = []
         try:
-            self._translate(transaction, calls, accepted)
+            accepted = self._translate(transaction, calls)
             first = self.engine.sent
             self.engine.send(transaction.commands)
         except EngineFull as error:
@@ -88,8 +88,9 @@ class Session:
         self.on_sent(first, transaction.sent)
         return transaction.replies
 
-    def _translate(self, transaction: Transaction, calls: Sequence[Call], accepted: list[str]) -> None:
-        """Add what calls ask for to a transaction, and the addresses of those that are not refused to `accepted`."""
+    def _translate(self, transaction: Transaction, calls: Sequence[Call]) -> list[str]:
+        """Add what calls ask for to a transaction; returns the addresses of those that are not refused."""
+        accepted: list[str] = []
         for place, call in enumerate(calls):
             transaction.pause()
             savepoint = transaction.savepoint()
@@ -102,7 +103,8 @@ class Session:
                 accepted.append(call.message.address)
             if len(transaction.commands) > RING:  # they will never be sent: spare the time to translate the rest
                 accepted += [rest.message.address for rest in calls[place + 1 :]]
-                return
+                break
+        return accepted
 
     def command_of(self, message: Message) -> Command:
         """The one command that a message asks for, and is not sent. Refused or PresetError say why there is none."""

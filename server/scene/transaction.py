@@ -57,7 +57,7 @@ class Transaction:
     selection: Selection = field(default_factory=Selection)
     """The matches of its messages' patterns."""
     pause: Callable[[], object] = lambda: None
-    """Called before each message, and before each object that a message reaches."""
+    """Called before each message, and before each object of a message that reaches several."""
     _compared: int = 0
     _undo: list[Callable[[], object]] = field(default_factory=list)
 

@@ -307,7 +307,8 @@ def _on_objects(handle: Callable[[ObjectCall], None]) -> Handler:
         # One object is all that a message reaches without a pattern.
         transaction.selection.charge(_work(call, transaction) * (len(objects) - 1), call.target)
         for name, obj in objects.items():
-            transaction.pause()
+            if len(objects) > 1:
+                transaction.pause()
             handle(ObjectCall(transaction, call, values, name, obj))
 
     return handle_all
