@@ -33,6 +33,7 @@ import platformdirs
 
 from .jit import CFunction
 from .targets import Target, system, targets
+from .together import together
 
 try:
     import fcntl
@@ -251,7 +252,8 @@ def _linked(module: str, code_key: str, made: bytes, target: Target, origin: str
     """Have machine code ready to run."""
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), target.machine())
     engine.add_object_file(llvm.ObjectFileRef.from_data(made))
-    engine.finalize_object()
+    with together(len(made)):
+        engine.finalize_object()
     _ENGINES.append(engine)  # the code goes with it
     names = [each.py_func.__name__ for each in _functions_of(module)]
     return Code({name: engine.get_function_address(name) for name in names}, code_key, target.processor, origin)
