@@ -15,7 +15,7 @@ sent."""
 
 
 class Kept(Generic[_Key, _Value]):
-    """Values by keys, those asked for last: of no more than so many bytes, none older than SECONDS once another comes.
+    """Values by keys, those asked for last: of no more than so many bytes, none older than SECONDS when one is asked for.
 
     Any thread may ask.
     """
@@ -31,11 +31,11 @@ class Kept(Generic[_Key, _Value]):
     def get(self, key: _Key) -> _Value | None:
         """The value of a key, if it is kept."""
         with self._lock:
-            if key not in self._values:
-                return None
-            value, _ = self._values.pop(key)
-            self._values[key] = value, time.monotonic()
-            return value
+            found = self._values.pop(key, None)
+            if found:
+                self._values[key] = found[0], time.monotonic()
+            self._forget()
+            return found[0] if found else None
 
     def all(self) -> list[tuple[_Key, _Value]]:
         """All keys and values."""
@@ -47,9 +47,12 @@ class Kept(Generic[_Key, _Value]):
         with self._lock:
             if key in self._values:
                 return
-            now = time.monotonic()
-            self._values[key] = value, now
+            self._values[key] = value, time.monotonic()
             self._bytes += self._size(value)
-            while self._values and (self._bytes > self.most or next(iter(self._values.values()))[1] < now - SECONDS):
-                _, (gone, _) = self._values.popitem(last=False)
-                self._bytes -= self._size(gone)
+            self._forget()
+
+    def _forget(self) -> None:
+        oldest = time.monotonic() - SECONDS
+        while self._values and (self._bytes > self.most or next(iter(self._values.values()))[1] < oldest):
+            _, (gone, _) = self._values.popitem(last=False)
+            self._bytes -= self._size(gone)

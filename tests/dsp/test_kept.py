@@ -22,7 +22,7 @@ def test_what_was_asked_for_last_is_kept_as_far_as_it_fits():
     assert values.get("f")
 
 
-def test_what_nobody_asks_for_goes_when_another_comes(monkeypatch):
+def test_what_nobody_asks_for_goes_when_another_is_asked_for(monkeypatch):
     values, now = Kept(30, len), 1_000.0
     monkeypatch.setattr(time, "monotonic", lambda: now)
     values.put("a", "aaa")
@@ -30,6 +30,8 @@ def test_what_nobody_asks_for_goes_when_another_comes(monkeypatch):
     now += 0.75 * kept.SECONDS
     assert values.get("a")
     now += 0.5 * kept.SECONDS
+    assert values.get("c") is None
+    assert [key for key, _ in values.all()] == ["a"]
     values.put("c", "ccc")
     assert [key for key, _ in values.all()] == ["a", "c"]
     for number in range(10):  # what has gone takes no room
