@@ -15,7 +15,7 @@ sent."""
 
 
 class Kept(Generic[_Key, _Value]):
-    """Values by keys, those asked for last: of no more than so many bytes, none older than SECONDS when one is asked for.
+    """Values by keys, those asked for last: no more than so many bytes, none older than SECONDS once one is asked for.
 
     Any thread may ask.
     """
