@@ -251,8 +251,8 @@ def _digest(made: bytes) -> str:
 def _linked(module: str, code_key: str, made: bytes, target: Target, origin: str) -> Code:
     """Have machine code ready to run."""
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), target.machine())
-    engine.add_object_file(llvm.ObjectFileRef.from_data(made))
     with together(len(made)):
+        engine.add_object_file(llvm.ObjectFileRef.from_data(made))
         engine.finalize_object()
     _ENGINES.append(engine)  # the code goes with it
     names = [each.py_func.__name__ for each in _functions_of(module)]
