@@ -114,13 +114,13 @@ def test_questions_are_answered_while_many_ends_are_told(server: Running):
         with busy.bundle():
             for _ in range(1_000 + state.CONTACTS):
                 busy.send("/object/a/press", 0.1)
-        answers, ended = [], 0
-        while ended < 1_000:
+        answers, ended, deadline = [], 0, time.monotonic() + 20.0
+        while ended < 1_000 and time.monotonic() < deadline:
             started = time.monotonic()
             other.ask("/version")
             answers.append(time.monotonic() - started)
             ended += sum(reply.address == "/gesture/end" for reply in busy.replies(0.0))
-        assert len(answers) > 10 and max(answers) < 0.15
+        assert ended >= 1_000 and len(answers) > 10 and max(answers) < 0.15
 
 
 def client_buffer() -> int:
