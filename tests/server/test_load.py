@@ -12,6 +12,7 @@ from carom.dsp.engine import state
 from carom.server.net.network import RECEIVE_BUFFER, Network
 from carom.server.osc import wire
 from carom.server.osc.wire import Message
+from tests.bench.crowd import answer
 from tests.server.support import counted
 from tests.support import Running
 
@@ -95,11 +96,9 @@ def test_questions_are_answered_amid_a_long_bundle(server: Running, tcp):
         busy.send("/sync", 1)
         answers = []
         while Message("/synced", (1,)) not in busy.replies(0.0):
-            started = time.monotonic()
             other.ask("/version")
-            other.status()
-            answers.append(time.monotonic() - started)
-        assert len(answers) > 10 and sorted(answers)[-3] < 0.08  # others are at work on the machine, too
+            answers.append(answer(other, server.process)[0])
+        assert len(answers) > 10 and max(answers) < 0.08
         assert busy.errors() == [] and other.errors() == []
 
 
@@ -116,9 +115,7 @@ def test_questions_are_answered_while_many_ends_are_told(server: Running):
                 busy.send("/object/a/press", 0.1)
         answers, ended, deadline = [], 0, time.monotonic() + 20.0
         while ended < 1_000 and time.monotonic() < deadline:
-            started = time.monotonic()
-            other.ask("/version")
-            answers.append(time.monotonic() - started)
+            answers.append(answer(other, server.process)[0])
             ended += sum(reply.address == "/gesture/end" for reply in busy.replies(0.0))
         assert ended >= 1_000 and len(answers) > 10 and max(answers) < 0.15
 
