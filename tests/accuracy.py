@@ -122,11 +122,10 @@ RATES = {
     )
     for names, bound in (
         (("glass-plate", "wine-glass", "piano-string"), -68.0),
-        (("steel-plate", "tin-lid"), -60.0),
-        (("wood-board",), -58.0),
+        (("steel-plate", "tin-lid", "wood-board"), -60.0),
     )
 }  # fmt: skip
-"""The shorter the contact, the less alike. The click of the board comes 1.5 samples late at any rate."""
+"""The shorter the contact, the less alike. The click of the board comes 1.26 samples late at any rate."""
 PITCH = Promise("pitch of a partial of a large object, as rendered", "the preset", 0.1, "cents", _SOUND)
 DECAY = Promise("its decay time", "the preset", 0.01, "relative", _SOUND)
 PARTIALS = Promise(

@@ -45,7 +45,7 @@ def test_every_solver_is_measured_in_the_engine():
 
 
 def test_every_solver_is_measured_by_itself():
-    rows = contacts.measure_solvers(1)
+    rows = contacts.measure_solvers(3)
     assert len(rows) == 6 * len(contacts.MODES) * len(contacts.SAMPLES)
     compared = {(row["solver"], row["contact_samples"]) for row in rows if row["of_prototype"]}
     assert compared == set(contacts.PROTOTYPE)

@@ -41,6 +41,9 @@ FIGURES = [
 ]
 FIGURES += ["rebounds", *(f"paper-{n}" for n in range(1, 13))]
 
+ROUNDING = 1e-11
+"""%: of deviations, which come from the same code in another process, compiled there or read as machine code."""
+
 Rows = list[dict[str, str]]
 
 
@@ -123,8 +126,8 @@ def test_errors_are_the_studys_and_costs_are_there(charted):
                 (row,) = pick(rows, case=case, method=method, correction=correction, oversampling="1")
                 assert [float(row[name]) for name in ("v_in", "m", "k", "mu", "a")] == list(law)
                 assert float(row["err_v_out"]) == pytest.approx(made.err_v_out, rel=1e-8)
-                assert float(row["dev_x"]) == pytest.approx(made.dev_x, rel=1e-8)
-                assert float(row["dev_H"]) == pytest.approx(made.dev_h, rel=1e-8)
+                assert float(row["dev_x"]) == pytest.approx(made.dev_x, rel=1e-8, abs=ROUNDING)
+                assert float(row["dev_H"]) == pytest.approx(made.dev_h, rel=1e-8, abs=ROUNDING)
                 assert (int(row["steps"]), row["outcome"]) == (made.steps, made.outcome.name)
                 assert float(row["ns_per_contact"]) > 10
     assert {row["case"] for row in rows} == {"I", "1", "2", "hard", "damped"}

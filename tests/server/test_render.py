@@ -53,7 +53,7 @@ def test_something_is_heard_in_the_demo_as_long_as_it_goes_on(demo):
 def test_a_strike_is_the_same_at_any_rate(render_text, rate):
     """Below 8 kHz the spectrum of what rings does not know the sampling rate.
 
-    What strikes is silent: its click comes 1.5 samples late (dsp/resonator/click.py).
+    What strikes is silent: its click comes 1.26 samples late (dsp/resonator/click.py).
     """
 
     def spectrum(rate):
