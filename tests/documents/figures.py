@@ -227,8 +227,10 @@ def _impacts(rows: list[dict[str, Any]], long: list[dict[str, Any]]) -> str:
         for solver, name in says.items()
     ]
     head = (f"µs per impact, {' / '.join(map(str, modes))} modes", *(f"{length:g} samples" for length in samples))
-    held = [(says[row["solver"]], row["modes"], _number(row["us_per_sample"])) for row in long]
-    return f"### Contacts\n\n{table(head, lines)}\n\n{table(('contact that lasts', 'modes', 'µs per sample'), held)}"
+    costs = ("us_per_sample", "us_of_two")
+    held = [(says[row["solver"]], row["modes"], *(_number(row[name]) for name in costs)) for row in long]
+    lasting = table(("contact that lasts", "modes", "µs per sample", "of two on one object"), held)
+    return f"### Contacts\n\n{table(head, lines)}\n\n{lasting}"
 
 
 def _driven(rows: list[dict[str, Any]]) -> str:
