@@ -36,6 +36,8 @@ _ROOM = 16  # for as many coefficients
 _LOG_NODES = np.tile(np.log(0.5 + 0.5 * _NODES), 2)  # of both phases
 
 NODES = len(_PIECE_NODES)
+_PHASE_NODES = 0.5 + 0.5 * _PIECE_NODES  # of a whole phase
+_PHASE_LOGS = np.log(_PHASE_NODES)
 """Gauss nodes of a phase of a pulse."""
 
 
@@ -57,8 +59,8 @@ PULSE = np.dtype(
     [
         ("time_series", np.float64, (2, _ROOM)),  # samples from the phase's contact end, over x = 2 zeta - 1
         ("slowness", np.float64, 2 * _DEGREE),  # samples per zeta at _NODES
-        ("node_time", np.float64, (2, NODES)),  # samples: see `find_nodes`
-        ("node_impulse", np.float64, (2, NODES)),  # N s
+        ("node_time", np.float64, 2 * NODES),  # samples: see `find_nodes`
+        ("node_impulse", np.float64, 2 * NODES),  # N s
         ("span", np.float64, 2),  # |U| at the contact end
         ("phase_time", np.float64, 2),  # samples
         ("w", np.float64, 2),  # mu v_in, negative in the release
@@ -290,42 +292,54 @@ def find_nodes(pulse):
     a = pulse.exponent
     for phase in range(2):
         heat, series = pulse.w[phase] * pulse.span[phase], pulse.time_series[phase]
-        times, impulses = pulse.node_time[phase], pulse.node_impulse[phase]
+        times = pulse.node_time[phase * NODES : (phase + 1) * NODES]
+        impulses = pulse.node_impulse[phase * NODES : (phase + 1) * NODES]
         scale = 0.5 * pulse.momentum * (a + 1.0) * pulse.span[phase]
         late = pulse.duration if phase == 1 else 0.0
         sign = -1.0 if phase == 1 else 1.0
         for j in range(NODES):
-            node = 0.5 + 0.5 * _PIECE_NODES[j]
-            impulses[j] = scale * _PIECE_WEIGHTS[j] * _impulse_at(log(node), a, heat)
-            times[j] = late + sign * _time(series, node)
+            impulses[j] = scale * _PIECE_WEIGHTS[j] * _impulse_at(_PHASE_LOGS[j], a, heat)
+            times[j] = late + sign * _time(series, _PHASE_NODES[j])
 
 
-# Taylor's coefficients of cos(2 pi x): the argument is at most a half, where what is left out is below 1e-10.
-_COSINE = tuple((-1) ** k * (2.0 * math.pi) ** (2 * k) / math.factorial(2 * k) for k in range(11))
+# Taylor's coefficients of cos(pi x) and sin(pi x)/x: |x| is at most a half, where less than 6e-8 is left out.
+_COSINE = tuple((-1) ** k * math.pi ** (2 * k) / math.factorial(2 * k) for k in range(7))
+_SINE = tuple((-1) ** k * math.pi ** (2 * k + 1) / math.factorial(2 * k + 1) for k in range(6))
 
 
 @simd_kernel
-def _cos_turns(x):
-    """cos(2 pi x) to 1e-10, without a call or a division, so that loops over it become SIMD."""
+def _phasor(x):
+    """cos and sin of 2 pi x to 3e-7, without a call or a division, so that loops over it become SIMD."""
     x -= math.floor(x + 0.5)
     s = x * x
-    c = _COSINE[10]
-    c = c * s + _COSINE[9]
-    c = c * s + _COSINE[8]
-    c = c * s + _COSINE[7]
-    c = c * s + _COSINE[6]
-    c = c * s + _COSINE[5]
+    c = _COSINE[6] * s + _COSINE[5]
     c = c * s + _COSINE[4]
     c = c * s + _COSINE[3]
     c = c * s + _COSINE[2]
     c = c * s + _COSINE[1]
-    return c * s + _COSINE[0]
+    c = c * s + _COSINE[0]
+    d = _SINE[5] * s + _SINE[4]
+    d = d * s + _SINE[3]
+    d = d * s + _SINE[2]
+    d = d * s + _SINE[1]
+    d = (d * s + _SINE[0]) * x
+    return 1.0 - 2.0 * d * d, 2.0 * d * c
 
 
 @simd_kernel
-def add_phasors(impulse, t, frequency, re, im):
-    """Add impulse exp(2 pi i f t) to (re, im) for every frequency f (Hz)."""
+def find_power(pulse, period, frequency, power):
+    """Put a pulse's power spectrum by its nodes, over that at 0, into `power` for every frequency (Hz); period: s of a
+    sample."""
+    times, impulses = pulse.node_time, pulse.node_impulse
+    total = 0.0
+    for j in range(2 * NODES):
+        total += impulses[j]
+    share = 1.0 / (total * total)
     for i in range(len(frequency)):
-        turns = frequency[i] * t
-        re[i] += impulse * _cos_turns(turns)
-        im[i] += impulse * _cos_turns(turns - 0.25)
+        turns = period * frequency[i]
+        re = im = 0.0
+        for j in range(2 * NODES):
+            c, s = _phasor(turns * times[j])
+            re += impulses[j] * c
+            im += impulses[j] * s
+        power[i] = (re * re + im * im) * share

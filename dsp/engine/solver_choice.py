@@ -7,7 +7,7 @@ against them and they are quiet; otherwise the contact is coupled to their modes
 import math
 
 from ..contact.accuracy import LIGHT, LIGHT_TOLERANCE, RESIDUAL, TOLERANCE, closed_form_will_do
-from ..contact.closed_form import NODES, add_phasors, find_nodes
+from ..contact.closed_form import find_nodes, find_power
 from ..contact.coupled_step import HELD
 from ..native.jit import kernel
 from .commands import KIND_ROLL, KIND_SLIDE
@@ -71,6 +71,7 @@ def choose_solver(state, contact):
         return COUPLING, mass_ratio, -1.0
     if mass_ratio < _LIGHT and (sampled or mass_ratio + ringing_ratio < residual):
         return uncoupled, mass_ratio, -1.0
+    find_nodes(contact.pulse)
     seen = _seen_mass_ratio(state, contact)
     if sampled or closed_form_will_do(level, seen, mass_ratio, ringing_ratio, contact.pulse.restitution):
         return uncoupled, mass_ratio, seen
@@ -152,6 +153,8 @@ def soften_pulse(state, contact, mass_ratio, seen_mass_ratio):
 def _shorten(pulse, ratio):
     """Scale a pulse's times."""
     pulse.duration *= ratio
+    for i in range(len(pulse.node_time)):
+        pulse.node_time[i] *= ratio
     for phase in range(2):
         pulse.phase_time[phase] *= ratio
         for i in range(len(pulse.time_series[phase])):
@@ -160,16 +163,14 @@ def _shorten(pulse, ratio):
 
 @kernel
 def _seen_mass_ratio(state, contact):
-    """sum r_i P_i over the objects' modes."""
+    """sum r_i P_i over the objects' modes, with P by the pulse's nodes."""
     share = 0.0
-    find_nodes(contact.pulse)
     for side in range(2):
         point = contact.point[side]
         if point.slot >= 0:
             obj = state.objects[point.slot]
-            share += _seen_of(state, contact, point, 0, obj.felt) + _seen_of(
-                state, contact, point, obj.unheard, obj.size
-            )
+            share += _seen_of(state, contact, point, 0, obj.felt)
+            share += _seen_of(state, contact, point, obj.unheard, obj.size)
     return share
 
 
@@ -179,20 +180,14 @@ def _seen_of(state, contact, point, begin, end):
     if begin == end:
         return 0.0
     pulse, obj = contact.pulse, state.objects[point.slot]
-    re, im = state.scratch.spectrum[0, begin:end], state.scratch.spectrum[1, begin:end]
-    for i in range(end - begin):
-        re[i] = im[i] = 0.0
-    total = share = 0.0
     frequency = state.bank.frequency[obj.first + begin : obj.first + end]
+    power = state.scratch.power[begin:end]
     pitch = pitch_of(obj)
-    for phase in range(2):
-        for j in range(NODES):
-            impulse = pulse.node_impulse[phase, j]
-            total += impulse
-            add_phasors(impulse, pulse.node_time[phase, j] * pitch / state.rate, frequency, re, im)
+    find_power(pulse, pitch / state.rate, frequency, power)
     highest = _RESOLVED * state.rate / (2.0 * math.pi * pulse.duration * pitch)
+    share = 0.0
     for i in range(end - begin):
         if frequency[i] < highest:
             phi = shape_at(state, obj, point, begin + i)
-            share += contact.m * phi * phi * (re[i] * re[i] + im[i] * im[i]) / (total * total)
+            share += contact.m * phi * phi * power[i]
     return share

@@ -189,7 +189,7 @@ SCRATCH = np.dtype(
         ("work", np.float64, 3 * MODES_PER_OBJECT),
         ("voices", np.float64, (OBJECTS, 2, QUANTUM)),  # of the objects that are rendered together
         ("share", np.float64, QUANTUM),  # of one object in one channel
-        ("spectrum", np.float64, (2, MODES_PER_OBJECT)),
+        ("power", np.float64, MODES_PER_OBJECT),
         ("moments", np.float64, MOMENTS),
         ("fine", np.float64, FINE),
         ("observed", np.float64, FINE),

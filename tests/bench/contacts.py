@@ -44,20 +44,20 @@ held force took 32 steps a contact; at its tolerance of 1e-3 nine of ten erred l
 
 @dataclass(frozen=True)
 class _Struck:
-    """What is struck: sum r over its modes, their decay (1/s), accuracy asked for, and whether contacts are coupled."""
+    """What is struck: sum r over its modes, accuracy asked for, and whether contacts are coupled."""
 
     yielding: float
-    decay: float
     accuracy: str
     coupled: bool
 
 
-# What rings on after a strike must not change the next contact: objects that give way are damped.
+# What rings on after a strike must not change the next contact: the objects are damped, all alike.
 STRUCK = {
-    "wall": _Struck(1e-7, 1.0, "-60", False),
-    "m*": _Struck(5e-4, 500.0, "-40", False),
-    **{f"coupled {level}": _Struck(0.5, 500.0, level, True) for level in LEVELS[1:]},
+    "wall": _Struck(1e-7, "-60", False),
+    "m*": _Struck(5e-4, "-40", False),
+    **{f"coupled {level}": _Struck(0.5, level, True) for level in LEVELS[1:]},
 }
+DECAY = 500.0  # 1/s
 CLOSED = ("wall", "m*")
 
 
@@ -79,7 +79,7 @@ def struck_engine(solver: str, modes: int, samples: float) -> Engine:
     phi = math.sqrt(struck.yielding / (m * modes))
     body = Modes(
         frequency=frequencies(modes),
-        decay=np.full(modes, struck.decay),
+        decay=np.full(modes, DECAY),
         strike=np.full((4, modes), phi),
         pressure=np.full((2, modes), 1e-4 / phi),  # heard, but not limited
         mass=1.0,
