@@ -100,7 +100,7 @@ def tell(telling):
     microphones = carray(pointer_to(link.microphones), (1,), MICROPHONE_STATE)[0]
     if link.arrays != 0:
         gather(state, carray(pointer_to(link.arrays), (1,), ARRAYS)[0], points)
-    if take_step(state, points, time) < 0:
+    if take_step(state, microphones, points, time) < 0:
         return NOT_WHOLE
     microphones.found = state.struck = heard = 0
     if state.happened > 0 or time >= microphones.next:

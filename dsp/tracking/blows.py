@@ -58,12 +58,22 @@ def judge_blows(state):
 @kernel
 def _is_heard(state, pressure, time):
     """True if a contact of a pressure (Pa rms at a microphone) is heard at a time (s), after those asked of."""
-    recent = time - state.loudest_at < _RECENT
-    if pressure < max(state.faintest, state.loudest * state.masked if recent else 0.0):
+    if pressure < faintest_at(state, time):
         return False
-    if pressure >= state.loudest or not recent:
+    if pressure >= state.loudest or not _is_recent(state, time):
         state.loudest, state.loudest_at = pressure, time
     return True
+
+
+@kernel
+def faintest_at(state, time):
+    """The pressure (Pa rms) below which nothing is heard at a time (s): alone, or beside what was heard of late."""
+    return max(state.faintest, state.loudest * state.masked if _is_recent(state, time) else 0.0)
+
+
+@kernel
+def _is_recent(state, time):
+    return time - state.loudest_at < _RECENT
 
 
 @noinline_kernel
@@ -111,11 +121,11 @@ def weigh_blow(state, microphones, blow):
     share = min(max(blow.restitution, 0.0), 1.0) if told else restitution_of(blow.dissipation * speed)
     blow.restitution = share
     blow.impulse = mass * speed * (1.0 + share)
-    lasting = 3.218 * (mass * mass / (blow.stiffness * blow.stiffness * speed)) ** 0.2  # by Hertz
+    lasting = time_of_contact(mass, blow.stiffness, speed)
     blow.pressure = 0.0
     for side in range(2):
         body = blow.b if side == 1 else blow.a
-        blow.pressure += blow.impulse * _loudness(state, body, lasting) * microphones.loudest[body]
+        blow.pressure += blow.impulse * loudness_of(state, body, lasting) * microphones.loudest[body]
     blow.met, blow.left = min(speed, _FASTEST), 0.0
     lost = blow.dissipation * blow.met
     if told:
@@ -131,7 +141,13 @@ def weigh_blow(state, microphones, blow):
 
 
 @kernel
-def _loudness(state, body, lasting):
+def time_of_contact(mass, stiffness, speed):
+    """The time (s) of a blow, by Hertz, without dissipation."""
+    return 3.218 * (mass * mass / (stiffness * stiffness * speed)) ** 0.2
+
+
+@kernel
+def loudness_of(state, body, lasting):
     """The pressure (Pa rms at 1 m) of a blow of 1 N s on a body, that lasts so long (s), as an estimate."""
     octave = min(max(math.log2(lasting) + (OCTAVES - 1), 0.0), OCTAVES - 1.001)
     low = int(octave)

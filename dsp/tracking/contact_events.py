@@ -13,8 +13,9 @@ over each body. What is told of it changes only where that can be heard.
 import math
 
 from ..native.jit import kernel, noinline_kernel
+from .blows import faintest_at
 from .points import clear, into, longest_hop, take_point
-from .slides import RESTS, is_noticed, motion_of, steer_slide
+from .slides import RESTS, is_noticed, motion_of, pressure_of, steer_slide
 from .state import EVENTS, HEARD, HIT, MOVE, POINTS, REST, STEERED, STILL, UNHEARD
 
 _STOOD = 0.03  # s after a blow, when it is not one of a bounce
@@ -25,11 +26,12 @@ _REMEMBERED = 0.2  # s: time constant with which a fast slip is forgotten
 _MOVES = 0.01  # m/s: a faster contact begins to move; one slower than RESTS rests
 _SLIPS = 0.1  # m/s: what slips faster moves as soon as it touches, before it was followed
 _BETWEEN = 0.01  # s between two times that a contact is told: half the time constant by which a slide glides
+_LOUDER = 2.0  # times as loud is what takes another's room; half as loud as what begins to be heard, a slide ends
 _FALL = 1.05  # times the speed that gravity gives in a step, which is no blow either
 
 
 @noinline_kernel
-def take_step(state, points, time):
+def take_step(state, microphones, points, time):
     """Look at a step of so many points at a time (s); the number of events, -1 for numbers that cannot be."""
     if not _is_whole(state, points):
         return -1
@@ -45,7 +47,7 @@ def take_step(state, points, time):
     for n in range(points):
         take_point(state, n, span, least)
     for i in range(state.touching - 1, -1, -1):
-        _step_pair(state, i, span)
+        _step_pair(state, microphones, i, span)
     return state.happened
 
 
@@ -80,7 +82,7 @@ def _glide(glide, span):
 
 
 @noinline_kernel
-def _step_pair(state, i, span):
+def _step_pair(state, microphones, i, span):
     """Tell what happened to a pair in this step; forget it where it touches no more."""
     pair = state.pairs[i]
     if pair.count == 0:
@@ -98,20 +100,35 @@ def _step_pair(state, i, span):
     fastest = max(slip, sweep)
     if pair.moves == STILL:
         if pair.stood == 1 and ((fastest > _MOVES and pair.settled == 2) or slip > _SLIPS):
-            _begin(state, pair)
+            _begin(state, microphones, pair)
     elif fastest < RESTS:
         _end(state, pair)
+    elif state.time - pair.told_at < _BETWEEN:
+        return
     elif pair.moves == UNHEARD:
-        _begin(state, pair)
-    elif state.time - pair.told_at >= _BETWEEN and is_noticed(pair):
-        steer_slide(state, pair)
+        _begin(state, microphones, pair)
+    elif is_noticed(pair):
+        pair.pressure = pressure_of(state, microphones, pair)
+        if _LOUDER * pair.pressure < state.faintest:
+            _hush(state, pair)
+        else:
+            steer_slide(state, pair)
 
 
 @kernel
-def _begin(state, pair):
-    """A standing contact moves, and is heard if one of its bodies rings and there is room for it."""
+def _begin(state, microphones, pair):
+    """A standing contact moves, and is heard if one of its bodies rings, it is loud enough and there is room for it."""
     if state.rings[pair.a] == 0 and state.rings[pair.b] == 0:
         return
+    pair.pressure = pressure_of(state, microphones, pair)
+    pair.told_at = state.time
+    if pair.pressure < faintest_at(state, state.time):
+        if pair.moves == STILL:
+            state.faint += 1
+        pair.moves = UNHEARD
+        return
+    if state.heard >= state.most:
+        _make_room(state, pair)
     if state.heard < state.most:
         state.heard += 1
         pair.moves = HEARD
@@ -124,6 +141,27 @@ def _begin(state, pair):
     elif pair.moves == STILL:
         state.unheard += 1
         pair.moves = UNHEARD
+
+
+@kernel
+def _make_room(state, pair):
+    """End the faintest slide, if a contact that begins to move is louder by far."""
+    faintest, pressure = -1, pair.pressure / _LOUDER
+    for i in range(state.touching):
+        other = state.pairs[i]
+        if other.moves == HEARD and other.pressure < pressure:
+            faintest, pressure = i, other.pressure
+    if faintest >= 0:
+        _hush(state, state.pairs[faintest])
+        state.unheard += 1
+
+
+@kernel
+def _hush(state, pair):
+    """A contact that moves is heard no more, for now."""
+    _end(state, pair)
+    pair.moves = UNHEARD
+    pair.told_at = state.time
 
 
 @kernel

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from ..native.jit import noinline_kernel
+from ..native.jit import kernel, noinline_kernel
 from .state import BODIES
 
 MICROPHONES = 64
@@ -35,6 +35,19 @@ MICROPHONE_STATE = np.dtype(
 """Microphones, and how they hear each body."""
 
 
+@kernel
+def gain_at(microphones, m, place):
+    """What microphone m makes of a sound's pressure at 1 m, from a place (3,)."""
+    square = along = 0.0
+    for k in range(3):
+        way = place[k] - microphones.position[m, k]
+        square += way * way
+        along += way * microphones.direction[m, k]
+    distance = max(math.sqrt(square), microphones.nearest)
+    pattern = microphones.pattern[m]
+    return (1.0 - pattern + pattern * (along / distance)) / distance
+
+
 @noinline_kernel
 def find_gains(microphones, state):
     """Find the gains of all bodies, and list those that sound and whose gains are others than those told; how many."""
@@ -43,14 +56,7 @@ def find_gains(microphones, state):
     for n in range(state.bodies):
         largest = 0.0
         for m in range(microphones.count):
-            square = along = 0.0
-            for k in range(3):
-                way = state.position[n, k] - microphones.position[m, k]
-                square += way * way
-                along += way * microphones.direction[m, k]
-            distance = max(math.sqrt(square), microphones.nearest)
-            pattern = microphones.pattern[m]
-            microphones.now[n, m] = (1.0 - pattern + pattern * (along / distance)) / distance
+            microphones.now[n, m] = gain_at(microphones, m, state.position[n])
             largest = max(largest, abs(microphones.now[n, m]))
         microphones.loudest[n] = largest
         if state.until[n] > state.time:

@@ -1,9 +1,19 @@
-"""Standing contacts that are heard as slides: what is told of each changes only where that can be heard."""
+"""Standing contacts that are heard as slides: how loud each may be; and what is told of it, which changes only where
+that can be heard.
+
+The estimate of a slide's pressure is p = c L m v^1.5 (F/(m g))^0.5, in SI units: of a body of mass m, the lighter of
+two, that slips or sweeps at v under a force F, its weight at least. L is the pressure of a blow of 1 N s on both, as
+brief as one at 0.1 v. Rough ground makes a body's lowest point rise and fall by a share of v, the more often the faster
+it is: so m v sqrt(v). The factor c, 0.12 for round bodies and 0.02 for faces, is fitted to be seldom too small: of
+balls and boxes of all materials on plates, at 0.1 to 1 m/s, most are 5 to 19 dB fainter, and one is 21 dB louder.
+"""
 
 import math
 
 from ..native.jit import kernel, noinline_kernel
-from .blows import contact_radius, curvature_of
+from ..numerics.constants import STANDARD_GRAVITY
+from .blows import contact_radius, curvature_of, loudness_of, time_of_contact
+from .microphones import gain_at
 from .state import EVENTS, MOVE
 from .strips import place_on
 
@@ -13,8 +23,37 @@ RESTS = 0.004
 _CHANGED, _AWAY = 0.05, 0.01  # shares of a speed or a force, and of a strike path, by which it must change to be told
 _LEAST = 1e-6  # m/s, N: a slide of 0 would end
 _FASTEST, _HARDEST = 100.0, 1e5  # m/s, N
+_ROUGH, _ROUGH_FLAT = 0.12, 0.02  # sqrt(s/m): of the estimate, for round bodies and for faces
+_RISING = 0.1  # share of its speed at which a body rises and falls
 _FLAT = 0.002  # m: width of the contact of two faces, of which a corner carries at a time
 _SEEDS = 2**31
+
+
+@noinline_kernel
+def pressure_of(state, microphones, pair):
+    """The pressure (Pa rms) of a contact's slide at the microphone that hears it best, as an estimate.
+
+    It is infinite where none is known: of bodies that are held, and of pairs that slide as they were told to.
+    """
+    lightness = max(state.lightness[pair.a], state.lightness[pair.b])
+    if lightness == 0.0 or state.slides_so[pair.a, pair.b] == 1:
+        return math.inf
+    gain = 0.0
+    for m in range(microphones.count):
+        gain = max(gain, abs(gain_at(microphones, m, pair.point)))
+    speed, weights = max(pair.now[0], pair.now[1]), pair.now[2] * lightness / STANDARD_GRAVITY
+    stiffness = state.law[state.material[pair.a], state.material[pair.b]][0]
+    stiffness *= math.sqrt(contact_radius(curvature_of(state, pair.a, pair.b, pair.local)))
+    lasting = time_of_contact(1.0 / lightness, stiffness, _RISING * speed)
+    struck = loudness_of(state, pair.a, lasting) + loudness_of(state, pair.b, lasting)
+    rough = _ROUGH if is_round(state, pair.a, pair.b) else _ROUGH_FLAT
+    return rough * gain * struck * speed * math.sqrt(speed * max(weights, 1.0)) / lightness
+
+
+@kernel
+def is_round(state, a, b):
+    """True if one of two bodies is round where they touch: else faces do."""
+    return max(state.round[a], state.round[b]) > 0.0
 
 
 @kernel
@@ -68,7 +107,7 @@ def find_slides(state):
             event.radius = contact_radius(curvature_of(state, a, b, event.local))
             event.stiffness, event.exponent = law[0] * math.sqrt(event.radius), law[2]
             event.mass = 1.0 / max(state.lightness[a], state.lightness[b])
-            event.patch = 0.0 if max(state.round[a], state.round[b]) > 0.0 else _FLAT
+            event.patch = 0.0 if is_round(state, a, b) else _FLAT
             event.seed = (state.seed + event.slide) % _SEEDS
             slides = a if event.side == 1 else b
             event.by_place = place_on(state.strip[slides], state.edges[slides], event.local[1 - event.side])

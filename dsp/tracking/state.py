@@ -38,6 +38,7 @@ _PAIR = np.dtype(
         ("stood", np.int64),  # 1: it began without a blow, or has stayed: it may graze
         ("fastest", np.float64),  # m/s: its slip, or what is left of a faster one of late
         ("moves", np.int64),  # STILL, UNHEARD or HEARD
+        ("pressure", np.float64),  # Pa rms: of its slide, as it was last estimated
         # The points that were told of late, in the axes of each body: so many.
         ("known", np.int64),
         ("kept", np.float64, (KEPT, 2, 3)),
@@ -65,7 +66,7 @@ _PAIR = np.dtype(
         ("sweep", np.float64, 2),
         ("now", np.float64, 3),  # slip (m/s), sweep (m/s), force (N), smoothed
         ("said", np.float64, 3),  # the same, as it was told last
-        ("told_at", np.float64),  # s
+        ("told_at", np.float64),  # s: when that was, or when it was last found to be unheard
         ("side", np.int64),  # 0: a is struck, or slid on; 1: b is
         # The slide that it is heard as: its number, 0: none; its gesture's number in an engine, 0: it is in none; and
         # what was told of it last.

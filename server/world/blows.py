@@ -33,9 +33,9 @@ class Hit(NamedTuple):
 
 @dataclass(frozen=True)
 class Counts:
-    """What was told and what became of it. hits: blows; faint: of these, those that nobody would hear; over_budget:
-    those left out as too many came at once, and the same of gestures; gestures: slides and rolls that began; crowded:
-    points of contact that found no room."""
+    """What was told and what became of it. hits: blows; faint: of these, those that nobody would hear, and the same of
+    gestures; over_budget: those left out as too many came at once, and the same of gestures, of which some had begun;
+    gestures: slides and rolls that began; crowded: points of contact that found no room."""
 
     hits: int = 0
     faint: int = 0

@@ -222,44 +222,6 @@ def test_pressure_falls_with_distance_and_follows_the_pattern():
     assert rms[0] > 0 and rms[1] == pytest.approx(rms[0] / 4, rel=0.02) and rms[2] < 1e-6 * rms[0]
 
 
-def test_what_nobody_would_hear_costs_nothing_and_is_counted():
-    with World(hearing=carom.Hearing([carom.Microphone((0, 0, 900.0))], faintest=20.0)) as world:
-        world.body("plate", "plate", (0.4, 0.3, 0.003), "steel")
-        world.body("ball", "sphere", 0.001, "steel", Pose((0, 0, 0.001)))
-        world.step(0.001, [Touch("plate", "ball", (0.1, 0, 0), (0, 0, 1), approach=0.02)])
-        assert world.counts.hits == world.counts.faint == 1 and not world.hits[0].heard
-        assert not world.ring(0.1).any()
-
-
-def test_a_budget_takes_the_loudest():
-    with World(hearing=carom.Hearing(blows=3)) as world:
-        world.body("plate", "plate", (0.4, 0.3, 0.003), "steel", held=True)
-        for n in range(8):
-            world.body(f"ball{n}", "sphere", 0.01, "steel", Pose((0.1, 0, 0.01)))
-        speeds = np.random.default_rng(2).permutation(8) + 1.0
-        world.step(0.001, [
-            Touch("plate", f"ball{n}", (0.1, 0, 0), (0, 0, 1), approach=speed) for n, speed in enumerate(speeds)
-        ])  # fmt: skip
-        assert sorted(hit.speed for hit in world.hits if hit.heard) == [6, 7, 8]
-        assert world.counts.over_budget == 5
-
-
-def test_a_slide_that_finds_no_room_begins_once_there_is_some():
-    with World(hearing=carom.Hearing(gestures=1), keep=True) as world:
-        world.body("plate", "plate", (0.4, 0.3, 0.003), "steel", held=True, most_modes=8)
-        for name in "ab":
-            world.body(name, "sphere", 0.01, "steel", Pose((0.1, 0, 0.01)))
-        for n in range(1, 101):
-            slips = {"a": 0.5 if n > 5 else 0.0, "b": 0.5 if n < 50 else 0.0}
-            world.step(0.005 * n, [
-                Touch("plate", name, (0.1, 0, 0), (0, 0, 1), approach=0.0, slip=slip) for name, slip in slips.items()
-            ])  # fmt: skip
-        assert (world.counts.gestures, world.counts.over_budget) == (2, 1)
-        begun = [line.split() for line in world.score().splitlines() if "/slide" in line]
-    assert [words[words.index("by") + 1] for words in begun] == ["b", "a"]
-    assert float(begun[0][0]) < 0.05 and 0.25 < float(begun[1][0]) < 0.35
-
-
 def test_arrays_are_touches():
     columns = {
         "pair": np.array([[0, 1]]), "point": np.zeros((1, 3)), "normal": np.array([[0, 0, 1.0]]),

@@ -1,0 +1,127 @@
+"""What of a simulation is heard: blows, slides and rolls that are loud enough, and of too many the loudest."""
+
+import math
+
+import numpy as np
+import pytest
+
+import carom
+from carom import Pose, Touch, World
+
+
+def test_what_nobody_would_hear_costs_nothing_and_is_counted():
+    with World(hearing=carom.Hearing([carom.Microphone((0, 0, 900.0))], faintest=20.0)) as world:
+        world.body("plate", "plate", (0.4, 0.3, 0.003), "steel")
+        world.body("ball", "sphere", 0.001, "steel", Pose((0, 0, 0.001)))
+        world.step(0.001, [Touch("plate", "ball", (0.1, 0, 0), (0, 0, 1), approach=0.02)])
+        assert world.counts.hits == world.counts.faint == 1 and not world.hits[0].heard
+        assert not world.ring(0.1).any()
+
+
+def test_a_budget_takes_the_loudest():
+    with World(hearing=carom.Hearing(blows=3)) as world:
+        world.body("plate", "plate", (0.4, 0.3, 0.003), "steel", held=True)
+        for n in range(8):
+            world.body(f"ball{n}", "sphere", 0.01, "steel", Pose((0.1, 0, 0.01)))
+        speeds = np.random.default_rng(2).permutation(8) + 1.0
+        world.step(0.001, [
+            Touch("plate", f"ball{n}", (0.1, 0, 0), (0, 0, 1), approach=speed) for n, speed in enumerate(speeds)
+        ])  # fmt: skip
+        assert sorted(hit.speed for hit in world.hits if hit.heard) == [6, 7, 8]
+        assert world.counts.over_budget == 5
+
+
+def slipping(names, slips, step=0.005, steps=40, **hearing):
+    """A World with balls on a plate, that slip at speeds (m/s) which a function of the step's number tells."""
+    microphone = carom.Microphone((0, 0, hearing.pop("away", 1.0)))
+    world = World(hearing=carom.Hearing([microphone], **hearing), keep=True)
+    world.body("plate", "plate", (0.4, 0.3, 0.003), "steel", held=True, most_modes=8)
+    for name in names:
+        world.body(name, "sphere", 0.01, "steel", Pose((0.1, 0, 0.01)))
+    for n in range(1, steps + 1):
+        world.step(step * n, [
+            Touch("plate", name, (0.1, 0, 0), (0, 0, 1), approach=0.0, slip=slip)
+            for name, slip in zip(names, slips(n), strict=True)
+        ])  # fmt: skip
+    return world
+
+
+def begun(world) -> list[list[str]]:
+    """The words of the slides of a World's score."""
+    return [line.split() for line in world.score().splitlines() if "/slide" in line]
+
+
+def test_a_slide_that_nobody_would_hear_costs_nothing_and_is_counted():
+    with slipping(["a"], lambda n: [0.1], away=50.0, faintest=40.0) as world:
+        assert (world.counts.gestures, world.counts.faint, world.counts.over_budget) == (0, 1, 0)
+        assert begun(world) == [] and not world.sound().samples.any()
+    with slipping(["a"], lambda n: [0.1], away=50.0, faintest=0.0) as world:
+        assert (world.counts.gestures, world.counts.faint) == (1, 0)
+
+
+def test_a_slide_is_heard_while_it_is_loud_enough():
+    with slipping(["a"], lambda n: [3.0 if 30 <= n < 100 else 0.02], away=5.0, faintest=50.0, steps=160) as world:
+        assert (world.counts.gestures, world.counts.faint) == (1, 1)
+        (words,) = begun(world)
+        (end,) = [line.split() for line in world.score().splitlines() if "/stop" in line]
+    assert 0.15 <= float(words[0]) < 0.19 and 0.5 <= float(end[0]) < 0.6
+
+
+def test_a_blow_hides_what_begins_to_slip_and_is_fainter_by_far():
+    touches = {"drum": Touch("plate", "drum", (0, 0, 0), (0, 0, 1), approach=5.0)}
+    for masked, slides in ((150.0, 1), (5.0, 0)):
+        with World(hearing=carom.Hearing(masked=masked)) as world:
+            world.body("plate", "plate", (0.4, 0.3, 0.003), "steel", held=True, most_modes=8)
+            world.body("drum", "sphere", 0.03, "steel", Pose((0, 0, 0.03)))
+            world.body("a", "sphere", 0.01, "steel", Pose((0.1, 0, 0.01)))
+            for n in range(1, 30):
+                blow = [touches["drum"]] if n in (5, 20) else []
+                slip = Touch("plate", "a", (0.1, 0, 0), (0, 0, 1), approach=0.0, slip=0.03)
+                world.step(0.005 * n, [*blow, slip] if n >= 6 else blow)
+            assert world.counts.hits == 2 and world.counts.gestures == slides
+
+
+def test_slides_take_the_room_of_those_that_are_fainter_by_far():
+    speeds = dict(zip("abcdef", (0.05, 2.0, 0.1, 3.0, 0.2, 1.0), strict=True))
+    with slipping(list(speeds), lambda n: [speeds[name] for name in speeds], gestures=3) as world:
+        heard = {words[words.index("id") + 1]: words[words.index("by") + 1] for words in begun(world)}
+        for line in world.score().splitlines():
+            if "/stop" in line:
+                del heard[line.split("/")[2]]
+    assert sorted(heard.values()) == ["b", "d", "f"]
+
+
+def test_a_slide_that_finds_no_room_begins_once_there_is_some():
+    with World(hearing=carom.Hearing(gestures=1), keep=True) as world:
+        world.body("plate", "plate", (0.4, 0.3, 0.003), "steel", held=True, most_modes=8)
+        for name in "ab":
+            world.body(name, "sphere", 0.01, "steel", Pose((0.1, 0, 0.01)))
+        for n in range(1, 101):
+            slips = {"a": 0.5 if n > 5 else 0.0, "b": 0.5 if n < 50 else 0.0}
+            world.step(0.005 * n, [
+                Touch("plate", name, (0.1, 0, 0), (0, 0, 1), approach=0.0, slip=slip) for name, slip in slips.items()
+            ])  # fmt: skip
+        assert (world.counts.gestures, world.counts.over_budget) == (2, 2)  # b is fainter at its end
+        first, second = begun(world)
+    assert [words[words.index("by") + 1] for words in (first, second)] == ["b", "a"]
+    assert float(first[0]) < 0.05 and 0.25 < float(second[0]) < 0.35
+
+
+@pytest.mark.parametrize("floor, name, shape, size", [
+    ("steel", "steel", "sphere", 0.015), ("wood", "wood", "box", (0.12, 0.1, 0.012)),
+    ("glass", "rubber", "sphere", 0.03), ("aluminium", "iron", "sphere", 0.01), ("wood", "glass", "sphere", 0.02),
+])  # fmt: skip
+@pytest.mark.parametrize("slip, sweep", [(0.0, 0.1), (0.3, 0.3), (0.0, 1.0)])
+def test_a_slide_is_about_as_loud_as_was_thought(floor, name, shape, size, slip, sweep):
+    """The estimate is one that is seldom too small."""
+    blocks, step = [], 0.005
+    with World(microphones=[carom.Microphone((0, 0, 1.0))]) as world:
+        world.body("floor", "plate", (0.4, 0.3, 0.01), floor, held=True, most_modes=16)
+        world.body("a", shape, size, name, Pose((0, 0, 0.02)), most_modes=16)
+        for n in range(1, 101):
+            x = sweep * step * n % 0.3 - 0.15
+            touch = Touch("floor", "a", (x, 0, 0), (0, 0, 1), approach=0.0, slip=slip, force=0.3)
+            blocks.append(world.step(step * n, [touch], {"a": Pose((x, 0, 0.02), velocity=(slip, 0, 0))}))
+        thought = float(world.memory["pairs"]["pressure"][0, 0])
+    heard = math.sqrt(np.mean(np.concatenate(blocks)[12_000:].astype(float) ** 2))
+    assert -45.0 < 20.0 * math.log10(heard / thought) < 12.0
