@@ -35,9 +35,10 @@ _DEGREE = len(_NODES)
 _ROOM = 16  # for as many coefficients
 _LOG_NODES = np.tile(np.log(0.5 + 0.5 * _NODES), 2)  # of both phases
 
-NODES = len(_PIECE_NODES)
-_PHASE_NODES = 0.5 + 0.5 * _PIECE_NODES  # of a whole phase
+_PHASE_NODES = 0.5 + 0.5 * _PIECE_NODES  # zeta, of a whole phase
 _PHASE_LOGS = np.log(_PHASE_NODES)
+
+NODES = len(_PIECE_NODES)
 """Gauss nodes of a phase of a pulse."""
 
 
@@ -328,13 +329,15 @@ def _phasor(x):
 
 @simd_kernel
 def find_power(pulse, period, frequency, power):
-    """Put a pulse's power spectrum by its nodes, over that at 0, into `power` for every frequency (Hz); period: s of a
-    sample."""
+    """Put a pulse's power at every frequency (Hz), as a share of that at 0, into `power`.
+
+    It is that of the nodes, which `find_nodes` has set. period: of a sample (s), times the object's pitch.
+    """
     times, impulses = pulse.node_time, pulse.node_impulse
     total = 0.0
     for j in range(2 * NODES):
         total += impulses[j]
-    share = 1.0 / (total * total)
+    share = 1.0 / total
     for i in range(len(frequency)):
         turns = period * frequency[i]
         re = im = 0.0
@@ -342,4 +345,6 @@ def find_power(pulse, period, frequency, power):
             c, s = _phasor(turns * times[j])
             re += impulses[j] * c
             im += impulses[j] * s
-        power[i] = (re * re + im * im) * share
+        re *= share
+        im *= share
+        power[i] = re * re + im * im

@@ -163,7 +163,7 @@ def _shorten(pulse, ratio):
 
 @kernel
 def _seen_mass_ratio(state, contact):
-    """sum r_i P_i over the objects' modes, with P by the pulse's nodes."""
+    """sum r_i P_i over the objects' modes, with P by the pulse's nodes, which `find_nodes` has set."""
     share = 0.0
     for side in range(2):
         point = contact.point[side]

@@ -10,9 +10,10 @@ answered by a sequence that rings as one mode from its sixth sample on:
 in partial fractions three modes of two taps each, as the bank has them.
 
 The click comes 1.26 samples late (1.4 at 0.3 of the rate) and is within 0.1 dB up to 0.43 of the rate, but for what
-folds down. Of the sound at rate - f this much is heard at f: -40 dB where f is a quarter of the rate, -22 dB at 0.36
-and -16 dB at 0.4; of that at rate + f -47, -35 and -31 dB. It is less the softer the blow is. B alone lets 2 dB more
-of the first through and 11 dB less of the second, and comes 1.5 samples late.
+folds down. A part of the sound above half the rate is heard at f. Of the sound at rate - f it is -40 dB where f is a
+quarter of the rate, -22 dB at 0.36 and -16 dB at 0.4; of that at rate + f it is -47, -35 and -31 dB. Less of the sound
+higher up is heard, and a softer blow has less sound there. With B alone, the part from rate - f would be 2 dB greater,
+that from rate + f 8 to 12 dB smaller, and the click would come 1.5 samples late.
 """
 
 import math

@@ -212,7 +212,8 @@ def measure_startup(rounds: int) -> list[dict[str, Any]]:
 
 
 def aims(results: dict[str, Any]) -> list[dict[str, Any]]:
-    """The aims set before the engine was written; `met` is None where what to measure against is missing."""
+    """What was aimed at: mostly before the engine was written, for effective mass and two contacts later; `met` is None
+    where what to measure against is missing."""
     large = [r["of_c"] for r in results["kernels"] if r["modes"] >= 1024]
     of_c = min(large) if None not in large else None
     rings = min(row["ratio"] for row in results["ringing"] if row["objects"] * row["modes"] > 50_000)

@@ -42,7 +42,8 @@ FIGURES = [
 FIGURES += ["rebounds", *(f"paper-{n}" for n in range(1, 13))]
 
 ROUNDING = 1e-11
-"""%: of deviations, which come from the same code in another process, compiled there or read as machine code."""
+"""In %, of deviations: the chart's process may have compiled the kernels or loaded them as machine code, which rounds
+in another way."""
 
 Rows = list[dict[str, str]]
 

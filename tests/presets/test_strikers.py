@@ -135,7 +135,7 @@ def test_a_sphere_rings_at_the_speed_of_sound_over_its_size(name):
 
 @pytest.mark.parametrize("name", SOUNDING)
 def test_a_faster_one_is_louder_and_rings_out(library, name):
-    """By at least its velocity; what is left after its longest decay time is below -60 dB."""
+    """Its energy grows by the square of its velocity, at least; after its longest decay time it is below -60 dB."""
     longest = 6.91 / min(PRESETS.striker(name).sound.ringing.decay) if PRESETS.striker(name).sound.ringing else 0.0
     levels = []
     for velocity in (0.3, 1.0):

@@ -60,6 +60,23 @@ def _transform(state, s):
     return total
 
 
+@njit(error_model="numpy")
+def _power(state, period, frequency, power):
+    closed_form.find_nodes(state)
+    closed_form.find_power(state, period, frequency, power)
+
+
+@pytest.mark.parametrize("w", [0.0, 1.0, 50.0])
+def test_the_power_spectrum_is_that_of_the_nodes(w):
+    state = np.zeros(1, closed_form.PULSE)[0]
+    closed_form.begin_pulse(state, 1.0, 1.0, 1.0, w, 1.5, 1.0)
+    frequency = np.linspace(0.0, 28.0 / (2 * np.pi * state["duration"]), 50)
+    power = np.empty(50)
+    _power(state, 1.0, frequency, power)
+    exact = [abs(_transform(state, 2j * np.pi * f)) ** 2 for f in frequency]
+    np.testing.assert_allclose(power, np.array(exact) / exact[0], atol=1e-6)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("w", "bound"), [(0.0, 1e-5), (1.0, 1e-5), (5.0, 2e-4), (50.0, 1.8e-2), (1e3, 1.8e-2)])
 def test_eight_nodes_a_phase_are_as_exact_as_the_kernel_says(w, bound):

@@ -78,8 +78,7 @@ def spectrum_by_quadrature(law, radius, rate, frames=512):
 
 
 def smoothed(share):
-    """How much the smoothing of click.py lets through at a share of the rate, but for a factor that the shares by a
-    whole number more and less have in common."""
+    """The gain of click.py's smoothing at a share of the rate, but for a factor that is alike at f, 1 - f and 1 + f."""
     return np.abs(1 + 0.15j * (w := 2 * np.pi * share) - 0.05 * w**2) / share**4
 
 
@@ -99,7 +98,7 @@ def test_a_steel_ball_clicks_as_koss_and_alfredson_say(rate, radius):
         np.testing.assert_array_equal(sound[:, 0], sound[:, 1])
         heard = np.fft.rfft(sound[:, 0])[1:216]
         error = np.abs(np.abs(heard) / level - 1)
-        assert (error < 0.01 + folded).all()
+        assert (error < 0.01 + folded).all()  # what comes from about twice the rate is within the 0.01
         clean = (share > 0.04) & (share < 0.3) & (folded < 2e-3)
         early = (np.exp(2j * np.pi * share * time) * heard / exact)[clean]
         late = -np.angle(early) / (2 * np.pi * share[clean])

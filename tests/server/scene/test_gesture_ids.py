@@ -147,10 +147,11 @@ def test_ends_are_told_to_those_who_asked(server: Running):
         left, full = {f"b{i}" for i in range(600)}, []
         for reply in client.replies(20.0):
             if reply.address == "/gesture/end":
+                assert reply.args[0] in left
                 left.remove(reply.args[0])
             if reply.address == "/fail":
                 full.append(reply.args[1])
-            if not left and len(full) >= 600 - 512:  # more where the stop comes late: no room for coupled modes
+            if not left and len(full) >= 600 - 512:  # more where the stop comes late, as there is no room for modes
                 break
         assert not left and len(full) >= 600 - 512
         assert full[0] == "b512: engine full: 512 contacts or 8192 coupled modes in use"
