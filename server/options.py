@@ -11,7 +11,7 @@ from ..dsp.wording import expected
 from .osc.wire import DEFAULT_PORT, Argument, Message
 from .render import HIGHEST_RATE, LOWEST_RATE
 
-BUDGET = (4, 8_192)
+BUDGET = (16, 8_192)
 """What /budget is at a server's start: steps per sample of a coupled contact, and modes coupled at once."""
 OVER_BUDGET = (
     "contacts went over /budget {} times: a force was held for a sample, or a contact not coupled to the modes"

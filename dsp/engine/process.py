@@ -64,6 +64,7 @@ def _make_ready(state):
         for channel in range(output.channels):
             output.ready[n * output.channels + channel] = output.mix[channel, n]
     state.position += QUANTUM
+    state.steps_taken = 0
     if state.stats.sounding > 0:
         state.stats.sounded = state.position
 

@@ -16,7 +16,8 @@ from .quality import holds_steps
 from .state import CLOSED, COUPLING, SAMPLING
 
 _RESOLVED = 28.0  # rad of a mode over a pulse: up to here its nodes tell the spectrum, beyond it is as good as 0
-_BURST = 64  # times its steps per sample that a coupled contact may need at once
+_BURST = 256  # times its steps per sample that a coupled contact may need at once: a blow at `exact` takes 4,000
+_BURST_OF_ALL = 1024  # the same of all coupled contacts, in a quantum
 _LIGHT = 1e-4  # sum of m phi^2 below which the object is as good as a rigid wall (-80 dB)
 
 
@@ -31,8 +32,8 @@ def tolerance_of(state, contact):
 @kernel
 def choose_tolerance(state, contact):
     """Give a coupled contact the tolerance for the coming sample; false if its force is held."""
-    tolerance = tolerance_of(state, contact)
-    if tolerance != HELD and contact.debt > _BURST * state.choices.budget.steps:
+    tolerance, steps = tolerance_of(state, contact), state.choices.budget.steps
+    if steps > 0 and (contact.debt > _BURST * steps or state.steps_taken > _BURST_OF_ALL * steps):
         tolerance = HELD
     contact.coupled.tolerance = tolerance
     return tolerance != HELD
@@ -49,6 +50,7 @@ def count_steps(state, contact, sign, price):
     if contact.kind != KIND_ROLL:
         stats.recontacts += sign * max(coupled.contacts - 1, 0)
     contact.debt += sign * price * coupled.steps
+    state.steps_taken += sign * price * coupled.steps
     if sign > 0:
         steps = state.choices.budget.steps
         contact.debt = max(contact.debt - steps, 0) if steps > 0 else 0

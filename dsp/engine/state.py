@@ -290,6 +290,7 @@ STATE = np.dtype(
         ("free_contact", np.int64, CONTACTS),  # stack
         ("last_command", np.int64, CONTACTS),  # number of the event that was last about a gesture that lasts; 0: none
         ("contact_count", np.int64),  # numbers given to contacts so far
+        ("steps_taken", np.int64),  # by coupled contacts in this quantum
         ("settled_count", np.int64),  # and to the receptances that coupled contacts were told
         ("oldest_running", np.int64),  # the least of these that may go on in this quantum
         ("rolls", ROLL, ROLLS),

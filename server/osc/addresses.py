@@ -155,7 +155,7 @@ _ENGINE = (
         "/budget",
         "the most that contacts coupled to modes may cost from now on. With fewer steps than a contact needs its force "
         "is held for each sample; a contact that finds no room is left out. /status counts both. A score begins with "
-        "0 0, without bounds, a server with 4 8192",
+        "0 0, without bounds, a server with 16 8192",
         (STEPS, ROOM),
     ),
     Verb("/gain", "the level of everything", (MAIN_GAIN,)),
