@@ -15,7 +15,7 @@ import math
 from ..native.jit import kernel, noinline_kernel
 from .blows import faintest_at
 from .points import clear, into, longest_hop, take_point
-from .slides import RESTS, is_noticed, motion_of, pressure_of, steer_slide
+from .slides import RESTS, fainter_slide, is_noticed, is_too_faint, motion_of, pressure_of, steer_slide
 from .state import EVENTS, HEARD, HIT, MOVE, POINTS, REST, STEERED, STILL, UNHEARD
 
 _STOOD = 0.03  # s after a blow, when it is not one of a bounce
@@ -26,7 +26,6 @@ _REMEMBERED = 0.2  # s: time constant with which a fast slip is forgotten
 _MOVES = 0.01  # m/s: a faster contact begins to move; one slower than RESTS rests
 _SLIPS = 0.1  # m/s: what slips faster moves as soon as it touches, before it was followed
 _BETWEEN = 0.01  # s between two times that a contact is told: half the time constant by which a slide glides
-_LOUDER = 2.0  # times as loud is what takes another's room; half as loud as what begins to be heard, a slide ends
 _FALL = 1.05  # times the speed that gravity gives in a step, which is no blow either
 
 
@@ -107,12 +106,10 @@ def _step_pair(state, microphones, i, span):
         return
     elif pair.moves == UNHEARD:
         _begin(state, microphones, pair)
+    elif is_too_faint(state, microphones, pair):
+        _hush(state, pair)
     elif is_noticed(pair):
-        pair.pressure = pressure_of(state, microphones, pair)
-        if _LOUDER * pair.pressure < state.faintest:
-            _hush(state, pair)
-        else:
-            steer_slide(state, pair)
+        steer_slide(state, pair)
 
 
 @kernel
@@ -121,7 +118,7 @@ def _begin(state, microphones, pair):
     if state.rings[pair.a] == 0 and state.rings[pair.b] == 0:
         return
     pair.pressure = pressure_of(state, microphones, pair)
-    pair.told_at = state.time
+    pair.told_at = pair.weighed_at = pair.heard_at = state.time
     if pair.pressure < faintest_at(state, state.time):
         if pair.moves == STILL:
             state.faint += 1
@@ -146,11 +143,7 @@ def _begin(state, microphones, pair):
 @kernel
 def _make_room(state, pair):
     """End the faintest slide, if a contact that begins to move is louder by far."""
-    faintest, pressure = -1, pair.pressure / _LOUDER
-    for i in range(state.touching):
-        other = state.pairs[i]
-        if other.moves == HEARD and other.pressure < pressure:
-            faintest, pressure = i, other.pressure
+    faintest = fainter_slide(state, pair)
     if faintest >= 0:
         _hush(state, state.pairs[faintest])
         state.unheard += 1

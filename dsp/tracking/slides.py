@@ -14,7 +14,7 @@ from ..native.jit import kernel, noinline_kernel
 from ..numerics.constants import STANDARD_GRAVITY
 from .blows import contact_radius, curvature_of, loudness_of, time_of_contact
 from .microphones import gain_at
-from .state import EVENTS, MOVE
+from .state import EVENTS, HEARD, MOVE
 from .strips import place_on
 
 RESTS = 0.004
@@ -24,6 +24,8 @@ _CHANGED, _AWAY = 0.05, 0.01  # shares of a speed or a force, and of a strike pa
 _LEAST = 1e-6  # m/s, N: a slide of 0 would end
 _FASTEST, _HARDEST = 100.0, 1e5  # m/s, N
 _ROUGH, _ROUGH_FLAT = 0.12, 0.02  # sqrt(s/m): of the estimate, for round bodies and for faces
+_LOUDER = 2.0  # times as loud is what takes another's room; half as loud as what begins to be heard, a slide ends
+_STAYS = 0.1  # s for which a slide is heard, at least; so often it is weighed
 _RISING = 0.1  # share of its speed at which a body rises and falls
 _FLAT = 0.002  # m: width of the contact of two faces, of which a corner carries at a time
 _SEEDS = 2**31
@@ -33,21 +35,42 @@ _SEEDS = 2**31
 def pressure_of(state, microphones, pair):
     """The pressure (Pa rms) of a contact's slide at the microphone that hears it best, as an estimate.
 
-    It is infinite where none is known: of bodies that are held, and of pairs that slide as they were told to.
+    Of two bodies that are held it is infinite; of a pair that slides as it was told to, it is 20 dB more.
     """
     lightness = max(state.lightness[pair.a], state.lightness[pair.b])
-    if lightness == 0.0 or state.slides_so[pair.a, pair.b] == 1:
+    if lightness == 0.0:
         return math.inf
     gain = 0.0
     for m in range(microphones.count):
         gain = max(gain, abs(gain_at(microphones, m, pair.point)))
-    speed, weights = max(pair.now[0], pair.now[1]), pair.now[2] * lightness / STANDARD_GRAVITY
+    speed, weights = min(max(pair.now[0], pair.now[1]), _FASTEST), pair.now[2] * lightness / STANDARD_GRAVITY
     stiffness = state.law[state.material[pair.a], state.material[pair.b]][0]
     stiffness *= math.sqrt(contact_radius(curvature_of(state, pair.a, pair.b, pair.local)))
     lasting = time_of_contact(1.0 / lightness, stiffness, _RISING * speed)
     struck = loudness_of(state, pair.a, lasting) + loudness_of(state, pair.b, lasting)
     rough = _ROUGH if is_round(state, pair.a, pair.b) else _ROUGH_FLAT
+    rough *= 10.0 if state.slides_so[pair.a, pair.b] == 1 else 1.0
     return rough * gain * struck * speed * math.sqrt(speed * max(weights, 1.0)) / lightness
+
+
+@kernel
+def is_too_faint(state, microphones, pair):
+    """Weigh a slide, if it was not of late; true if nobody hears it any more."""
+    if state.time - pair.weighed_at < _STAYS:
+        return False
+    pair.pressure, pair.weighed_at = pressure_of(state, microphones, pair), state.time
+    return _LOUDER * pair.pressure < state.faintest
+
+
+@kernel
+def fainter_slide(state, pair):
+    """The number of the faintest pair whose slide is heard, has been for a while, and is fainter by far; else -1."""
+    faintest, pressure = -1, pair.pressure / _LOUDER
+    for i in range(state.touching):
+        other = state.pairs[i]
+        if other.moves == HEARD and other.pressure < pressure and state.time - other.heard_at >= _STAYS:
+            faintest, pressure = i, other.pressure
+    return faintest
 
 
 @kernel

@@ -39,6 +39,8 @@ _PAIR = np.dtype(
         ("fastest", np.float64),  # m/s: its slip, or what is left of a faster one of late
         ("moves", np.int64),  # STILL, UNHEARD or HEARD
         ("pressure", np.float64),  # Pa rms: of its slide, as it was last estimated
+        ("weighed_at", np.float64),  # s: when that was
+        ("heard_at", np.float64),  # s: when its slide began
         # The points that were told of late, in the axes of each body: so many.
         ("known", np.int64),
         ("kept", np.float64, (KEPT, 2, 3)),

@@ -14,6 +14,7 @@ from .shapes import Vector
 
 NEAREST = 0.1
 """m: a body that is nearer to a microphone is as loud as at this distance."""
+_MOST_DB = 1000.0
 _CHANGED = 0.03  # share by which a gain changes before it is told: 0.26 dB
 
 
@@ -45,6 +46,12 @@ class Hearing:
     def __post_init__(self) -> None:
         if not 1 <= len(self.microphones) <= 64:
             raise WorldError(f"microphones: {len(self.microphones)} of them: expected 1 to 64")
+        for name in ("faintest", "masked"):
+            if not -_MOST_DB <= (value := getattr(self, name)) <= _MOST_DB:
+                raise WorldError(f"{name} = {value}: expected -{_MOST_DB:g} to {_MOST_DB:g} dB")
+        for name in ("blows", "gestures"):
+            if not (value := getattr(self, name)) >= 0:
+                raise WorldError(f"{name} = {value}: expected 0 or more")
         for number, microphone in enumerate(self.microphones):
             for name, vector in (("position", microphone.position), ("direction", microphone.direction)):
                 if vector is not None and not (len(vector) == 3 and all(map(math.isfinite, vector))):

@@ -81,14 +81,50 @@ def test_a_blow_hides_what_begins_to_slip_and_is_fainter_by_far():
             assert world.counts.hits == 2 and world.counts.gestures == slides
 
 
+SPEEDS = {"a": 0.05, "b": 2.0, "c": 0.1, "d": 3.0, "e": 0.2, "f": 1.0}  # m/s
+
+
 def test_slides_take_the_room_of_those_that_are_fainter_by_far():
-    speeds = dict(zip("abcdef", (0.05, 2.0, 0.1, 3.0, 0.2, 1.0), strict=True))
-    with slipping(list(speeds), lambda n: [speeds[name] for name in speeds], gestures=3) as world:
+    with slipping(list(SPEEDS), lambda n: SPEEDS.values(), steps=60, gestures=3) as world:
         heard = {words[words.index("id") + 1]: words[words.index("by") + 1] for words in begun(world)}
         for line in world.score().splitlines():
             if "/stop" in line:
                 del heard[line.split("/")[2]]
     assert sorted(heard.values()) == ["b", "d", "f"]
+
+
+def test_slides_that_took_the_room_of_others_all_end_and_sound_as_the_score():
+    sounds = []
+    for keep in (False, True):
+        blocks = []
+        with World(hearing=carom.Hearing(gestures=2), keep=keep) as world:
+            world.body("plate", "plate", (0.4, 0.3, 0.003), "steel", held=True, most_modes=8)
+            for name in SPEEDS:
+                world.body(name, "sphere", 0.01, "steel", Pose((0.1, 0, 0.01)))
+            for n in range(1, 161):
+                speeds = {name: speed * (1 + 0.9 * math.sin(n * (1 + speed))) for name, speed in SPEEDS.items()}
+                blocks.append(world.step(0.005 * n, [
+                    Touch("plate", name, (0.1, 0, 0), (0, 0, 1), approach=0.0, slip=speed)
+                    for name, speed in speeds.items() if n <= 120
+                ]))  # fmt: skip
+            assert world.memory["heard"][0] == 0 and not np.abs(world.ring(1.0)[-480:]).max() > 1e-9
+            assert world.counts.gestures > 3
+            sounds.append(np.concatenate(blocks))
+            score = world.score() if keep else ""
+    sounds.append(carom.render(score, calibrated=True, seconds=0.8).samples)
+    assert all(np.array_equal(sounds[0], each) for each in sounds[1:])
+
+
+def test_a_slide_that_is_carried_away_ends():
+    with World(hearing=carom.Hearing(faintest=60.0)) as world:
+        world.body("plate", "plate", (0.4, 0.3, 0.003), "steel", most_modes=8)
+        world.body("a", "sphere", 0.01, "steel")
+        for n in range(1, 101):
+            x = 0.0 if n <= 50 else 300.0
+            poses = {"plate": Pose((x, 0, 0)), "a": Pose((x, 0, 0.01))}
+            world.step(0.01 * n, [Touch("plate", "a", (x, 0, 0), (0, 0, 1), approach=0.0, slip=0.5)], poses)
+            assert n != 50 or world.memory["heard"][0] == 1
+        assert world.memory["heard"][0] == 0 and world.counts.gestures == 1
 
 
 def test_a_slide_that_finds_no_room_begins_once_there_is_some():
@@ -101,10 +137,19 @@ def test_a_slide_that_finds_no_room_begins_once_there_is_some():
             world.step(0.005 * n, [
                 Touch("plate", name, (0.1, 0, 0), (0, 0, 1), approach=0.0, slip=slip) for name, slip in slips.items()
             ])  # fmt: skip
-        assert (world.counts.gestures, world.counts.over_budget) == (2, 2)  # b is fainter at its end
+        assert (world.counts.gestures, world.counts.over_budget) == (2, 1)
         first, second = begun(world)
     assert [words[words.index("by") + 1] for words in (first, second)] == ["b", "a"]
     assert float(first[0]) < 0.05 and 0.25 < float(second[0]) < 0.35
+
+
+@pytest.mark.parametrize("key, value, expected", [
+    ("faintest", 1e4, "-1000 to 1000 dB"), ("masked", math.nan, "-1000 to 1000 dB"),
+    ("gestures", -1, "0 or more"), ("blows", -3, "0 or more"),
+])  # fmt: skip
+def test_what_cannot_be_heard_is_refused(key, value, expected):
+    with pytest.raises(carom.WorldError, match=f"{key} = {value}: expected {expected}"):
+        carom.Hearing(**{key: value})
 
 
 @pytest.mark.parametrize("floor, name, shape, size", [
