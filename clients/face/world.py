@@ -207,15 +207,12 @@ class World(Closing):
         return self._up_to(self.time)
 
     def restart(self, time: float) -> None:
-        """Begin anew at a simulation's time (s), in silence: bodies stay, nothing touches. It is no part of what is
-        kept. WorldError for a live world."""
+        """Begin anew at a simulation's time (s), in silence: bodies stay, nothing touches. A score that is kept does
+        not tell of it. WorldError for a live world."""
         if self._scene is None:
             raise WorldError("restart: expected a World without a client")
         self._scene.panic()
-        engine = self._scene._open.engine
-        silence = _FADED + -self._frames % QUANTUM
-        engine.process(silence)
-        self._frames += silence
+        self._process(_FADED + -self._frames % QUANTUM)
         self.simulation.start[0] = time - self._frames / self.rate
         self.simulation.restart(time)
 
@@ -288,7 +285,11 @@ class World(Closing):
         """The sound up to a time."""
         if self._scene is None:
             return np.empty((0, self.simulation.channels), np.float32)
-        frames = round((time - self._start) * self.rate) - self._frames
+        return self._process(round((time - self._start) * self.rate) - self._frames)
+
+    def _process(self, frames: int) -> Blocks:
+        """The next frames of the sound."""
+        assert self._scene
         self._frames += frames
         engine = self._scene._open.engine
         if self._capture is None:

@@ -209,6 +209,20 @@ def test_a_second_slide_of_a_pair_has_the_bits_of_the_score():
     assert np.abs(sounds[0]).max() > 0 and all(np.array_equal(sounds[0], each) for each in sounds[1:])
 
 
+def test_after_a_restart_the_sound_keeps_step_with_the_simulation():
+    blocks: dict[bool, list[np.ndarray]] = {False: [], True: []}
+    for keep, found in blocks.items():
+        with World(microphones=MICROPHONES, keep=keep) as world:
+            world.body("floor", "plate", (1, 0.8, 0.02), "wood", held=True, most_modes=16)
+            world.body("ball", "sphere", 0.03, "steel")
+            for _ in range(2):
+                found += [world.step(*step) for step in rolled(0.4, 0.0, seconds=0.3, step=0.005)]
+                world.restart(0.0)
+            assert not keep or len(world.sound().samples) > len(np.concatenate(found))
+    assert all(len(block) == 240 for found in blocks.values() for block in found)
+    np.testing.assert_array_equal(np.concatenate(blocks[False]), np.concatenate(blocks[True]))
+
+
 def test_pressure_falls_with_distance_and_follows_the_pattern():
     near, far = carom.Microphone((0, 0, 1.0)), carom.Microphone((0, 0, 4.0))
     behind = carom.Microphone((0, 0, 1.0), direction=(0, 0, 1.0), pattern=0.5)
