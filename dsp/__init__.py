@@ -26,9 +26,9 @@ if TYPE_CHECKING:
         release_velocity,
         restitution,
     )
-    from .rolling.path import path_pieces
     from .rolling.surface import heights, make_surface
     from .study import Case, make_roll, micro_impacts, roll_contacts, roll_force, roll_moments, simulate
+    from .study.rolling_path import path_pieces
 
 __all__ = [
     "Case", "Material", "Modes", "bar", "compression", "contact_time", "contact_time_bound", "disc", "energy", "force",
@@ -41,9 +41,9 @@ _MODULES = {
     ".bodies": "Material Modes bar disc glass hertz listed membrane plate ring string",
     ".contact": "compression contact_time contact_time_bound energy force force_nodes force_pulse max_compression "
     "potential_energy release_velocity restitution",
-    ".rolling.path": "path_pieces",
     ".rolling.surface": "heights make_surface",
     ".study": "Case make_roll micro_impacts roll_contacts roll_force roll_moments simulate",
+    ".study.rolling_path": "path_pieces",
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names.split()}
 

@@ -1,5 +1,8 @@
 """Chooses the quality by the load: it steps down before the sound breaks up, and up again when there is time.
 
+Where the load is neither little nor too much, one step upwards is tried now and then, the less often the more of them
+were taken back.
+
 Each choice goes to the session as /quality, so that a log renders to the same sound.
 """
 
@@ -11,6 +14,9 @@ _TOO_MUCH = 0.8  # load, averaged over a tenth of a second
 _LITTLE = 0.4  # load, averaged over a second
 _BETWEEN = 0.2  # s from step to step downwards: as long as it takes to see the effect of one
 _CALM = 4.0  # s of little load before a step upwards
+_BEARABLE = 0.65  # load, averaged over a second, at which a step upwards is tried
+_PATIENCE = 10.0  # s of bearable load before the first try; twice as long after each that failed
+_LONGEST_PATIENCE = 160.0  # s
 _LAST_FOR_BURSTS = Quality.QUIET
 
 
@@ -20,7 +26,8 @@ class Governor:
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
         self._stepped = 0.0
-        self._calm_since = 0.0
+        self._calm_since = self._bearable_since = 0.0
+        self._patience, self._tried = _PATIENCE, -_LONGEST_PATIENCE
         self._overruns = 0
         self._best = Quality.FULL
 
@@ -38,11 +45,18 @@ class Governor:
         self._overruns = overruns
         if load > _LITTLE:
             self._calm_since = now
+        if load > _BEARABLE:
+            self._bearable_since = now
         if burst or stats.load_now > _TOO_MUCH:
             if quality < max(Quality) and now - self._stepped >= _BETWEEN:
+                if now - self._tried < _PATIENCE:
+                    self._patience, self._tried = min(2.0 * self._patience, _LONGEST_PATIENCE), -_LONGEST_PATIENCE
                 self._stepped = now
                 return Quality(quality + 1)
-        elif quality > self._best and now - max(self._calm_since, self._stepped) >= _CALM:
-            self._stepped = now
-            return Quality(quality - 1)
+        elif quality > self._best:
+            calm = now - max(self._calm_since, self._stepped) >= _CALM
+            if calm or now - max(self._bearable_since, self._stepped) >= self._patience:
+                self._patience, self._tried = (_PATIENCE if calm else self._patience), now
+                self._stepped = now
+                return Quality(quality - 1)
         return None

@@ -189,6 +189,7 @@ def _retune(state, obj, count):
                 set_mode(modes, i, 0.0, 0.0, state.rate, 0.0j)
         obj.retuning = (i + 1) % obj.size
     obj.stale_modes -= count
+    obj.retuned += 1 if count > 0 else 0
 
 
 @kernel

@@ -193,23 +193,40 @@ def _drive(driver, contact, point, side, rows, frame, end):
 @kernel
 def add_through(state, obj, voice):
     """Add what of the rolls' forces goes straight into an object's voice, over a quantum."""
-    scratch, shape = state.scratch, shapes_of(state, obj)
-    driver, taps = scratch.drivers[0], scratch.taps
+    driver, taps = state.scratch.drivers[0], state.scratch.taps
     entry = obj.rolls_head
     while entry >= 0:
         contact = state.contacts[entry // 2]
-        point = contact.point[entry % 2]
-        modes = modes_of(state, obj, 0, min(point.modes, obj.bent // LANES * LANES))
+        point, through = contact.point[entry % 2], state.through[contact.roll, entry % 2]
         moves = entry % 2 == 0 and contact.travel > 0.0
         for end in range(2 if moves else 1):
+            _drive(driver, contact, point, entry % 2, obj.rows, end * QUANTUM, end * QUANTUM)
+            _know_through(state, obj, point.modes, driver.row, through)
             for side in range(2):
                 for k in range(REACH + 1):
                     taps[end, side, k] = 0.0
-            _drive(driver, contact, point, entry % 2, obj.rows, end * QUANTUM, end * QUANTUM)
-            where = Point(shape, obj.size, driver.row, driver.weights)
-            feed_through(modes, where, scratch.work, taps[end])
+                    for i in range(4):
+                        taps[end, side, k] += driver.weights[i] * through.taps[i, side, k]
         _hear(taps[0], taps[1 if moves else 0], state.samples[contact.roll], voice)
         entry = point.next_roll
+
+
+@kernel
+def _know_through(state, obj, modes, row, through):
+    """Have the taps from a force on an object's first modes to its sound for four rows of shapes from one on."""
+    known = through.serial == obj.serial and through.retuned == obj.retuned
+    if known and through.modes == modes and through.row == row:
+        return
+    through.serial, through.retuned, through.modes, through.row = obj.serial, obj.retuned, modes, row
+    taken = modes_of(state, obj, 0, min(modes, obj.bent // LANES * LANES))
+    alone = state.scratch.power
+    for n in range(4):
+        for i in range(4):
+            alone[i] = 1.0 if i == n else 0.0
+        for side in range(2):
+            for k in range(REACH + 1):
+                through.taps[n, side, k] = 0.0
+        feed_through(taken, Point(shapes_of(state, obj), obj.size, row, alone[:4]), state.scratch.work, through.taps[n])
 
 
 @kernel

@@ -22,6 +22,7 @@ from .contact_record import CONTACT
 from .slide_record import SLIDE
 from .striker_state import STRIKER, STRIKERS, VOICE, VOICES
 from .tails_record import TAILS
+from .through_record import THROUGH
 
 QUANTUM = 64
 """Frames the engine computes at a time, on a grid of its own: the sound can't depend on the device's block size."""
@@ -129,6 +130,7 @@ OBJECT = np.dtype(
         ("returned_at", np.int64),  # samples: when they last came back, or could not go
         ("stale_modes", np.int64),  # that wait for new coefficients
         ("retuning", np.int64),  # the first of them
+        ("retuned", np.int64),  # times that some got them
         ("table", np.int64),  # first value of its mode shapes, `rows` rows of `size` values
         ("rows", np.int64),
         ("glide", np.float64),  # 1/J: rise of its tension, as a share of it, for the energy that rings
@@ -297,6 +299,7 @@ STATE = np.dtype(
         ("slides", SLIDE, ROLLS),  # what those that slide have besides
         ("feeds", np.float64, (ROLLS, BEHIND + QUANTUM + LEAD, KEPT)),  # moments of their forces, also about a quantum
         ("samples", np.float64, (ROLLS, QUANTUM + 2 * REACH)),  # their forces by one number a frame, likewise
+        ("through", THROUGH, (ROLLS, 2)),
         ("free_roll", np.int64, ROLLS),  # stack
         ("strikers", STRIKER, STRIKERS),  # kinds that sound
         ("voices", VOICE, VOICES),

@@ -1,10 +1,10 @@
 """A body that rolls over a rough surface: its normal motion, event by event, and the force it gives.
 
-The lowest point of the body would follow the path of envelope.py; while it does not, it flies: y'' = -g, until the
+The lowest point of the body would follow the path of path.py; while it does not, it flies: y'' = -g, until the
 path catches it. What is heard are the contacts: where path and body overlap by x, they push each other apart by the
-contact law, m y'' = f(x, x') - m g (contact.py). A kink of the path, passed in contact, jumps x' by the speed times
-the jump in slope: a micro-impact; where the path falls away faster than the body, it leaves. A body that has come to
-rest on a flat path gives its weight, which nobody hears: the force that is handed on is f - m g.
+contact law, m y'' = f(x, x') - m g (contact_step.py). A kink of the path, passed in contact, jumps x' by the speed
+times the jump in slope: a micro-impact; where the path falls away faster than the body, it leaves. A body that has come
+to rest on a flat path gives its weight, which nobody hears: the force that is handed on is f - m g.
 
 A flight ends by a quadratic, piece of the path by piece. Contacts go by the collocation step of collocation.py, with
 steps as long as its error allows. All of it is in seconds and metres: no sampling rate, quantum or block cuts a step.
@@ -30,6 +30,8 @@ _BURST = 200.0  # events that it may need at once
 _LONGEST = 5e-4  # s: of a flight or a step, after which speed and gravity are looked at
 _ROOM = 1.01  # of the path over a step, which ends before it does
 _FIRST = 1e-5  # s: the first step to try
+_BEGIN = 0.05  # of a contact's time scale: the first step to try in it
+_BEGIN_BRIEF = 0.2  # the same where brief steps may err by more
 _GLIDE = SPEED.glide  # s: time constant of speed, mass and gravity
 _FADE = 0.005  # s: time constant with which a roll that stopped is left
 _STOPPED = 0.02  # share of its speed at which it has
@@ -139,15 +141,13 @@ def steer(roll):
         goal = 0.0 if stopped else 1.0
         roll.fade = _nearer(roll.fade, goal, -math.expm1(-roll.span / _FADE))
         roll.ended = 1 if stopped and roll.fade < _GONE else 0
-    if (
-        roll.v == roll.target.speed
-        and roll.m == roll.target.mass
-        and roll.g == roll.target.gravity
-        and roll.stiffness > 0
-    ):
+    loaded = roll.m != roll.target.mass or roll.g != roll.target.gravity or roll.stiffness == 0.0
+    if roll.v == roll.target.speed and not loaded:
         return
     near = -math.expm1(-roll.span / _GLIDE)
     roll.v = max(_nearer(roll.v, roll.target.speed, near), _SLOWEST)
+    if not loaded:
+        return
     roll.m = _nearer(roll.m, roll.target.mass, near)
     roll.g = _nearer(roll.g, roll.target.gravity, near)
     # Where it rests, how fast it swings there, and how stiff a contact makes a difference.
@@ -262,29 +262,41 @@ def _fly(roll, longest):
     for i in range(NODES):
         roll.force[i] = 0.0
     for _ in range(PIECES):
-        level, incline = path_at(roll)
-        gap = max(roll.y - level, 0.0)
-        rate = roll.w - rises - v * incline
-        fall = g + v * v * path.curvature[roll.piece & (PIECES - 1)]
-        end = (path.length[roll.piece & (PIECES - 1)] - roll.along) / v
+        piece = roll.piece & (PIECES - 1)
+        end = (path.length[piece] - roll.along) / v
         left = longest - roll.span
-        time = _meeting(gap, rate, fall)
-        met = time <= min(end, left)
-        if not met:
-            time = min(end, left)
+        time = min(end, left)
+        met = False
+        if not _is_clear(roll, v, rises, time):
+            level, incline = path_at(roll)
+            gap, fall = max(roll.y - level, 0.0), g + v * v * path.curvature[piece]
+            meeting = _meeting(gap, roll.w - rises - v * incline, fall)
+            met = meeting <= time
+            time = min(meeting, time)
         roll.y += time * (roll.w - rises - 0.5 * g * time)
         roll.w -= g * time
         roll.along += v * time
         roll.span += time
         if met:
-            level, incline = path_at(roll)
-            roll.y = level
+            roll.y, incline = path_at(roll)
             _land(roll, v * incline + rises - roll.w)
             return
         if left <= end:
             return
         roll.piece += 1
         roll.along = 0.0
+
+
+@kernel
+def _is_clear(roll, v, rises, time):
+    """True if a flight surely stays above the piece of the path for a time: it is above its chord, and that is higher
+    at both ends than the piece swells above its own."""
+    path, piece = roll.path, roll.piece & (PIECES - 1)
+    level, incline = path_at(roll)
+    gap, bend, passed = roll.y - level, path.curvature[piece], v * time
+    swell = 0.125 * max(-bend, 0.0) * passed * passed
+    rise = time * (roll.w - rises - 0.5 * roll.modulated_gravity * time)
+    return gap > swell and gap + rise - passed * (incline + 0.5 * bend * passed) > swell
 
 
 @kernel
@@ -309,7 +321,8 @@ def _land(roll, v_in):
     roll.impacts += 1
     speed = math.sqrt(v_in * v_in + roll.g * roll.rest_compression)
     time = (roll.m / (roll.stiffness * speed ** (roll.a - 1.0))) ** (1.0 / (roll.a + 1.0))
-    roll.next = 0.05 * time / max(1.0, roll.mu * speed) ** (1.0 / (roll.a + 1.0))
+    time *= _BEGIN_BRIEF if roll.brief > 0.0 else _BEGIN
+    roll.next = time / max(1.0, roll.mu * speed) ** (1.0 / (roll.a + 1.0))
     for i in range(NODES):
         roll.step.f[i] = 0.0
 

@@ -24,14 +24,16 @@ from ..native.jit import kernel, noinline_kernel
 from .free_mass import solve_free_mass
 from .path import PIECES
 
-TOLERANCE = 3e-4
-"""Share of the momentum at hand by which a step may err, times the path's coarseness."""
+TOLERANCE = 2e-4
+"""Share of the momentum at hand by which a step is to err, times the path's coarseness. It is tried at the length at
+which the step before would err so much, and taken where it errs _TAKEN times as much."""
 
-BRIEF = 1e-4
+BRIEF = 2e-4
 """s: a step that is shorter by a factor n may err n^2 times as much: its error is as brief, above what is heard. Third
 octaves stay within 1 dB."""
 
 _MOST = 1e-2  # of such a share
+_TAKEN = 2.0  # where the path is rough, the errors of one step and the next differ by that, and more
 _GROWTH = 1e-9  # share of its energy that a step may gain
 _TRIALS = 24
 _KINK = 1e-3  # share of the speed at hand by which a kink must change the compression's rate to end a step
@@ -133,7 +135,7 @@ def _judge(roll, h, k, begin, y, w):
     room = spread + _GROWTH * m * (square + roll.modulated_gravity * max(x, x_end, 0.0))
     ripple = max(_ripple(roll, x, v), _ripple(roll, x_end, v_end), _LEAST_RIPPLE * _LEAST_RIPPLE * square)
     wanted = _tolerance(roll, h) * m * math.sqrt(ripple)
-    return better_step(rest, wanted), rest <= wanted and gained <= room
+    return better_step(rest, wanted), rest <= _TAKEN * wanted and gained <= room
 
 
 @kernel

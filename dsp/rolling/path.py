@@ -17,21 +17,20 @@ between them the profile is lowered by the parabolas of the corners, which are r
 Where bodies touch over a patch they feel the mean of the surface in it: of heights that are shorter than it by a
 factor n, and not alike across it, 1/n is left. So octaves of a wavelength (two spacings) below its width fall with it.
 
-The points are as far apart as the shortest wavelength passed in an audible time: the faster, the further. Octaves fade
-out towards it.
+The points are as far apart as the lattice of the finest octave that is read, the shortest wavelength passed in an
+audible time: the faster, the further. Octaves fade out towards it.
 """
 
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..native.jit import kernel
-from ..numerics.checks import checked
 from .surface import BLOCK, CREST, OCTAVES, SURFACE, read_heights
 
-AUDIBLE = 50_000.0
-"""1/s: octaves whose lattice is passed faster than this aren't read, and points come at up to twice this rate."""
+AUDIBLE = 60_000.0
+"""1/s: octaves whose lattice is passed faster than this aren't read. Points come at half of this rate or more, as often
+as the lattice of the finest octave."""
 
 POINTS = 2048
 """Points that can wait; a power of two."""
@@ -64,6 +63,8 @@ PATH = np.dtype(
         ("coarseness", np.float64),  # factor on the shortest wavelength
         ("patch", np.float64),  # m: width of the contact
         ("wanted", np.float64, OCTAVES),  # gains of the octaves
+        ("settled", np.int64),  # 1: they are as they are wanted for `read_for`: speed, roughness, coarseness and patch
+        ("read_for", np.float64, 4),
         ("ahead", np.float64, BLOCK),  # heights of points as they are read
         ("hidden", np.float64, BLOCK),  # 0 or more: two of these hide it
         # The hull: a double-ended queue of points.
@@ -107,7 +108,7 @@ def _refresh(path):
     reach = max(math.sqrt(4.0 * path.radius * most), path.side)
     shortest = max(path.speed * path.coarseness / AUDIBLE, reach / _REACH)
     path.stride = 1
-    while 2.0 * path.stride * surface.unit <= shortest and path.stride < _WIDEST:
+    while path.stride * surface.unit <= shortest and path.stride < _WIDEST:
         path.stride *= 2
     spacing = 2.0 ** (OCTAVES - 1) * surface.unit
     octaves = math.log(max(spacing / shortest, 1e-300)) / _OCTAVE  # how many are to be heard
@@ -128,6 +129,27 @@ def _nearer(gain, wanted):
 
 
 @kernel
+def _is_settled(path):
+    """True if what is read is what is wanted."""
+    now = path.read_for
+    same = now[0] == path.speed and now[1] == path.roughness and now[2] == path.coarseness and now[3] == path.patch
+    return same and path.settled == 1
+
+
+@kernel
+def _settle_gains(path, ripple_gain):
+    """Bring the gains a block nearer to those that are wanted, and see whether they are there."""
+    path.read_for[0], path.read_for[1] = path.speed, path.roughness
+    path.read_for[2], path.read_for[3] = path.coarseness, path.patch
+    settled = ripple_gain == path.roughness
+    for j in range(OCTAVES):
+        nearer = _nearer(path.surface.gain[j], path.wanted[j])
+        settled &= nearer == path.wanted[j] == path.surface.gain[j]
+        path.wanted[j] = nearer
+    path.settled = 1 if settled else 0
+
+
+@kernel
 def _edge(path, i, j):
     """From point i of the hull to where the body leaves it for point j, and to that point, m."""
     a = (path.first + i) & (POINTS - 1)
@@ -139,11 +161,12 @@ def _edge(path, i, j):
 @kernel
 def _read_block(path):
     """Take the profile's next points into the hull, and those out that they hide."""
-    _refresh(path)
     surface = path.surface
-    for j in range(OCTAVES):
-        path.wanted[j] = _nearer(surface.gain[j], path.wanted[j])
-    ripple_gain = _nearer(surface.ripple_gain, path.roughness)
+    ripple_gain = path.roughness
+    if not _is_settled(path):
+        _refresh(path)
+        ripple_gain = _nearer(surface.ripple_gain, path.roughness)
+        _settle_gains(path, ripple_gain)
     read_heights(surface, path.front + path.stride, path.stride, path.wanted, ripple_gain, path.ahead)
     if path.side > 0.0:
         _lower(path)
@@ -228,6 +251,7 @@ def _settle(path):
 def restart_path(path, place):
     """Begin the path anew at a place: piece 0 begins in the middle of the arc there."""
     _refresh(path)
+    path.settled = 0
     for j in range(OCTAVES):
         path.surface.gain[j] = path.wanted[j]
     path.surface.ripple_gain = path.roughness
@@ -295,56 +319,3 @@ def _lay(path, begin, length, curvature):
     path.origin[i] = path.place[path.first]
     path.start[i] = begin
     path.made += 1
-
-
-@kernel
-def _restart(path, surface, radius, corners, speed, place):
-    path.surface = surface
-    path.radius = radius
-    path.corners = corners
-    path.speed = speed
-    path.roughness = 1.0
-    path.coarseness = 1.0
-    restart_path(path, place)
-
-
-@kernel
-def _pieces(path, end, pieces):
-    total = 0.0
-    for n in range(len(pieces)):
-        while path.made <= n:
-            make_piece(path)
-        i = n & (PIECES - 1)
-        pieces[n, 0] = total
-        pieces[n, 1] = path.level[i]
-        pieces[n, 2] = path.incline[i]
-        pieces[n, 3] = path.curvature[i]
-        total += path.length[i]
-        if total >= end:
-            return n + 1
-    return len(pieces)
-
-
-def path_pieces(
-    surface: np.void,
-    radius: float,
-    speed: float,
-    length: float,
-    corners: int = 0,
-    place: int = 0,
-    most: int = 1_000_000,
-) -> NDArray[np.float64]:
-    """The path of a body of a radius (m) over `length` (m) of a surface, as detailed as it is heard at a speed (m/s).
-
-    Rows of where the piece begins (m from the first, which is at or just before `place`), and the path's height (m),
-    slope and curvature (1/m) there; (pieces, 4) float64, `most` at most. corners: the body's, 0 if it
-    is round. ValueError names what is out of range.
-    """
-    radius, speed, length = (
-        float(checked(name, value, 0.0)) for name, value in (("radius", radius), ("speed", speed), ("length", length))
-    )
-    path = np.zeros(1, PATH)[0]
-    angular = float(checked("corners", corners, 0.0, strict=False))
-    _restart(path, surface, radius, angular, speed, int(place))
-    pieces = np.empty((most, 4))
-    return pieces[: _pieces(path, length, pieces)].copy()

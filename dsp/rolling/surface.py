@@ -27,6 +27,8 @@ BLOCK = 64
 TAPS = 8
 """Lattice heights that LANES points lie between, where each cell holds two of them or more."""
 
+_FEW = 5  # the same, where each cell holds LANES or more
+
 _CELLS = np.array([2, 4, 8, 16, 32, 64])  # points in a cell, of octaves that are read by weights
 _TABLES = int(np.maximum(_CELLS // LANES, 1).sum())
 
@@ -91,11 +93,12 @@ def begin_surface(surface, roughness, correlation, slope, ripple, wavelength, se
 
 @kernel
 def _enter(surface, j, cell, count):
-    """Put octave j's heights at `count` points of its lattice, from a cell's first corner on, into `corner`."""
+    """Put octave j's heights at `count` points or more of its lattice, from a cell's first corner on, into `corner`."""
     corner, seed, scale = surface.corner, surface.seed[j], surface.height[j] * _TO_UNIFORM
-    for c in range(count):
-        bits = mixed(np.uint64(cell + c) * STEP + seed)
-        corner[c] = scale * (np.float64(np.int64(bits >> np.uint64(11))) - _HALF)
+    for first in range(0, count, LANES):
+        for c in range(first, first + LANES):
+            bits = mixed(np.uint64(cell + c) * STEP + seed)
+            corner[c] = scale * (np.float64(np.int64(bits >> np.uint64(11))) - _HALF)
 
 
 @kernel
@@ -145,6 +148,8 @@ def read_heights(surface, place, stride, gains, ripple_gain, z):
             _add_wide(surface, j, place, stride, gain, rise, z)
         elif points > 1:
             _add_narrow(surface, j, place, stride, gain, rise, z)
+        elif points == 1:
+            _add_narrowest(surface, j, place, gain, rise, z)
         else:
             for i in range(BLOCK):
                 z[i] += (gain + (i + 1) * rise) * _octave_at(surface, j, place + i * stride)
@@ -166,6 +171,11 @@ def _add_wide(surface, j, place, stride, gain, rise, z):
     _enter(surface, j, cell, 5)
     a0, a1, a2, a3 = _cubic(surface.corner, 0)
     b0, b1, b2, b3 = _cubic(surface.corner, 1)
+    if since + (BLOCK - 1) * step < 1.0:
+        for i in range(BLOCK):
+            t = since + i * step
+            z[i] += (gain + (i + 1) * rise) * (a0 + t * (a1 + t * (a2 + t * a3)))
+        return
     for i in range(BLOCK):
         t = since + i * step
         here = a0 + t * (a1 + t * (a2 + t * a3))
@@ -187,13 +197,44 @@ def _add_narrow(surface, j, place, stride, gain, rise, z):
         c = ((shifted + g * LANES * stride) >> level) - cell
         at = (table + (g & repeats)) * TAPS * LANES
         corners = dot(surface.corner, c, 0, (1.0,))
-        heights = dot(surface.weights, at, LANES, corners)
-        first = gain + (g * LANES + 1) * rise
-        gains = (
-            first, first + rise, first + 2.0 * rise, first + 3.0 * rise,
-            first + 4.0 * rise, first + 5.0 * rise, first + 6.0 * rise, first + 7.0 * rise,
-        )  # fmt: skip
-        add_product(z, g * LANES, heights, gains)
+        gains = _lanes_of(gain + (g * LANES + 1) * rise, rise)
+        if points >= LANES:
+            add_product(z, g * LANES, dot(surface.weights, at, LANES, corners[:_FEW]), gains)
+        else:
+            add_product(z, g * LANES, dot(surface.weights, at, LANES, corners), gains)
+
+
+@kernel
+def _add_narrowest(surface, j, place, gain, rise, z):
+    """Add octave j, of whose cells each holds one point of a block, all at one place in their cells."""
+    level = OCTAVES - 1 - j
+    shifted = place + surface.offset[j]
+    cell = shifted >> level
+    _enter(surface, j, cell, BLOCK + 3)
+    weights = _cubic_weights((shifted - (cell << level)) * 0.5**level)
+    for g in range(BLOCK // LANES):
+        heights = dot(surface.corner, g * LANES, 1, weights)
+        add_product(z, g * LANES, heights, _lanes_of(gain + (g * LANES + 1) * rise, rise))
+
+
+@kernel
+def _lanes_of(first, rise):
+    """LANES numbers that go evenly."""
+    return (
+        first, first + rise, first + 2.0 * rise, first + 3.0 * rise,
+        first + 4.0 * rise, first + 5.0 * rise, first + 6.0 * rise, first + 7.0 * rise,
+    )  # fmt: skip
+
+
+@kernel
+def _cubic_weights(t):
+    """What four corners of a lattice weigh at t, in [0, 1], of the cell in their middle."""
+    return (
+        _CUBIC[0, 0] + t * (_CUBIC[1, 0] + t * (_CUBIC[2, 0] + t * _CUBIC[3, 0])),
+        _CUBIC[0, 1] + t * (_CUBIC[1, 1] + t * (_CUBIC[2, 1] + t * _CUBIC[3, 1])),
+        _CUBIC[0, 2] + t * (_CUBIC[1, 2] + t * (_CUBIC[2, 2] + t * _CUBIC[3, 2])),
+        _CUBIC[0, 3] + t * (_CUBIC[1, 3] + t * (_CUBIC[2, 3] + t * _CUBIC[3, 3])),
+    )
 
 
 @kernel
@@ -227,9 +268,9 @@ def _make_weights(surface, place, stride):
             cell = (shifted + i * stride) >> level
             t = (shifted + i * stride - (cell << level)) * 0.5**level
             row += (cell - first) * LANES
-            for tap in range(4):
-                weight = _CUBIC[0, tap] + t * (_CUBIC[1, tap] + t * (_CUBIC[2, tap] + t * _CUBIC[3, tap]))
-                surface.weights[row + tap * LANES] = weight
+            w0, w1, w2, w3 = _cubic_weights(t)
+            surface.weights[row], surface.weights[row + LANES] = w0, w1
+            surface.weights[row + 2 * LANES], surface.weights[row + 3 * LANES] = w2, w3
 
 
 @kernel

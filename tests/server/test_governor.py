@@ -3,6 +3,8 @@
 from dataclasses import replace
 from itertools import pairwise
 
+import pytest
+
 from carom.dsp.engine.state import Quality
 from carom.dsp.schema import Stats
 from carom.server.governor import Governor
@@ -37,10 +39,34 @@ def test_it_steps_down_under_load_and_up_after_calm():
     down = run(governor, engine, 0.85, 3.0, 200.0)
     assert [quality for _, quality in down] == [1, 2, 3, 4, 5, 6, 7, 8]
     assert all(0.2 <= later - sooner < 0.23 for (sooner, _), (later, _) in pairwise(down))
-    assert run(governor, engine, 0.6, 60.0, 300.0) == []  # neither too much nor little: no swinging to and fro
+    assert run(governor, engine, 0.7, 60.0, 300.0) == []  # neither too much nor little: no swinging to and fro
     up = run(governor, engine, 0.1, 60.0, 360.0)
     assert [quality for _, quality in up] == [7, 6, 5, 4, 3, 2, 1, 0] and up[0][0] >= 364.0 - 0.03
     assert all(later - sooner >= 4.0 - 1e-9 for (sooner, _), (later, _) in pairwise(up))
+
+
+def test_it_tries_more_where_the_load_is_bearable_and_less_and_less_often_where_that_fails():
+    engine = Loaded()
+    governor = Governor(engine)
+    run(governor, engine, 0.85, 0.1, 100.0)
+    assert engine.quality == 1
+    tries, now = [], 100.1
+    for _ in range(6):
+        (tried,) = run(governor, engine, 0.6, 161.0 if len(tries) > 3 else 10.5 * 2 ** len(tries), now)
+        tries.append(tried[0] - now)
+        now = tried[0] + 0.1
+        assert tried[1] == 0 and [quality for _, quality in run(governor, engine, 0.85, 0.15, now)] == [1]
+        now += 200.0
+        engine.stats = replace(engine.stats, load=0.7, load_now=0.7)
+        assert governor.decide(now) is None
+    assert tries == pytest.approx([10.0, 20.0, 40.0, 80.0, 160.0, 160.0], abs=0.1)
+    (tried,) = run(governor, engine, 0.6, 165.0, now)
+    assert run(governor, engine, 0.6, 60.0, tried[0] + 0.1) == [] and engine.quality == 0  # it can be kept
+    run(governor, engine, 0.85, 0.1, now + 1_000.0)
+    assert [quality for _, quality in run(governor, engine, 0.1, 5.0, now + 1_001.0)] == [0]
+    run(governor, engine, 0.85, 0.1, now + 2_000.0)
+    ((again, _),) = run(governor, engine, 0.6, 15.0, now + 2_001.0)
+    assert again == pytest.approx(now + 2_010.1, abs=0.1)  # calm has made it forget
 
 
 def test_late_blocks_alone_are_the_systems_doing_or_a_bursts():

@@ -11,9 +11,9 @@ from carom.dsp.contact.accuracy import LEVELS
 from carom.dsp.engine.commands import Command, Kind
 from carom.dsp.engine.state import QUANTUM
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
-from carom.dsp.rolling.path import path_pieces
 from carom.dsp.rolling.surface import make_surface
 from carom.dsp.runtime.engine import NOW, Engine
+from carom.dsp.study.rolling_path import path_pieces
 from tests import accuracy
 from tests.dsp.engine.support import SURFACE, gesture
 from tests.dsp.engine.test_coupling import modal

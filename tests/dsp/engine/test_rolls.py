@@ -4,8 +4,8 @@ import numpy as np
 
 from carom.dsp.bodies import Modes
 from carom.dsp.engine.commands import Command, Kind
-from carom.dsp.runtime.engine import Engine
-from tests.dsp.engine.support import gesture
+from carom.dsp.runtime.engine import NOW, Engine
+from tests.dsp.engine.support import free, gesture, setting
 
 RATE = 48_000
 MARBLE = (5e-3, 3e9, 3.0, 1.5)
@@ -51,3 +51,26 @@ def test_rolls_add_up():
         parts = np.sum(alone[: len(rolls)], axis=0)
         assert np.abs(together - parts).max() < 1e-6 * np.abs(parts).max()
         assert np.abs(together).max() > 1.5 * np.abs(alone[0]).max()
+
+
+def heard(forgets):
+    """Rolls on an object that is tuned and damped meanwhile, and on the next one, which takes its place; what they
+    sound like if what goes straight through is found again in each quantum, or not."""
+    engine = Engine(RATE)
+    sound = []
+    for tune in (1.5, 0.7):
+        handle = engine.add(slab(), 1.0)
+        values = {"radius": 8e-3, "gravity": 9.81, "speed": 0.4, "position": 0.3}
+        rolls = [gesture(Kind.ROLL, handle, MARBLE, NOW, 7 + n, **values, travel=2.0 * n, seed=n) for n in range(2)]
+        settings = [setting(handle, "tune", tune, 3_000.5), setting(handle, "damp", 0.3, 6_000.5)]
+        engine.send([*rolls, *settings])
+        for _ in range(150):
+            engine.state["through"]["serial"] *= not forgets
+            sound.append(engine.process(64))
+        engine.send([free(handle, True)])
+        engine.process(RATE)
+    return np.concatenate(sound)
+
+
+def test_what_goes_straight_through_is_known_anew_where_it_changes():
+    np.testing.assert_array_equal(heard(False), heard(True))

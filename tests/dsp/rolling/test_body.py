@@ -14,10 +14,11 @@ from scipy.stats import trim_mean
 from carom.dsp import contact
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
 from carom.dsp.numerics.legendre import KEPT
-from carom.dsp.rolling import path, surface
+from carom.dsp.rolling import surface
 from carom.dsp.rolling.body import fill_roll
 from carom.dsp.rolling.contact_step import BRIEF
 from carom.dsp.study import roll
+from carom.dsp.study.rolling_path import path_pieces
 from tests import accuracy
 from tests.dsp.rolling.support import CLOTH, GLASS, MARBLE, SOFT_BALL, STEEL_BALL, STONE, WHEEL, WOOD, flat, ground
 
@@ -76,7 +77,7 @@ def test_spectrum_is_that_of_brute_force(body, on, seeds):
         rolling = roll.make_roll(ground(seed, **on), **body)
         rolling["brief"] = BRIEF
         force = roll.roll_moments(rolling, 0.0, seconds, rate)[:, 0] * rate
-        pieces = path.path_pieces(ground(seed, **on), body["radius"], body["speed"], 1.01 * seconds * body["speed"])
+        pieces = path_pieces(ground(seed, **on), body["radius"], body["speed"], 1.01 * seconds * body["speed"])
         steps = round(seconds * rate) * over
         exact = brute_force(pieces, body["speed"], *law, STANDARD_GRAVITY, 1 / (rate * over), steps, over)
         frequencies, power = welch(force, rate, nperseg=8192)
@@ -100,7 +101,7 @@ def test_one_contact_on_a_kink_against_dop853(mobility, bound):
     rolling = roll.make_roll(ground(3, **STONE), **body)
     rolling["mobility"] = mobility
     force = roll.roll_moments(rolling, 0.0, seconds, rate)[:, 0] * rate
-    pieces = path.path_pieces(ground(3, **STONE), body["radius"], body["speed"], 1.2 * seconds * body["speed"])
+    pieces = path_pieces(ground(3, **STONE), body["radius"], body["speed"], 1.2 * seconds * body["speed"])
     v = body["speed"]
     state = [pieces[0, 1] - (m * STANDARD_GRAVITY / k) ** (1 / a), v * pieces[0, 2], 0.0]
     grid = np.arange(len(force) + 1) / rate

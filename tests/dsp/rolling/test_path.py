@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from carom.dsp.rolling import path, surface
+from carom.dsp.study.rolling_path import path_pieces, pieces_of, restart
 
 pytestmark = pytest.mark.slow
 
@@ -37,10 +38,10 @@ def brute_force(ground, radius, stride, s):
 def test_path_is_the_highest_circle(roughness, correlation, slope, radius, speed):
     ground = make(roughness, correlation, slope, seed=9)
     length = 0.02 * speed
-    pieces = path.path_pieces(ground, radius, speed, length)
+    pieces = path_pieces(ground, radius, speed, length)
     record = np.zeros(1, path.PATH)[0]
-    path._restart(record, ground, radius, 0.0, speed, 0)
-    path._pieces(record, 1e-12, np.empty((1, 4)))
+    restart(record, ground, radius, 0.0, speed, 0)
+    pieces_of(record, 1e-12, np.empty((1, 4)))
     unit, stride = ground["unit"], int(record["stride"])
     start = record["origin"][0] * unit + record["start"][0]
     ground["gain"] = record["surface"]["gain"]
@@ -50,12 +51,12 @@ def test_path_is_the_highest_circle(roughness, correlation, slope, radius, speed
     assert np.median(np.abs(excess)) < 1e-9 * roughness
     # Only where it turns smoothly between two neighbouring points does the path lie above their circles.
     turns = np.diff(pieces[:, 0])[pieces[:-1, 3] > -1 / radius]
-    assert excess.max() < stride * unit * turns.max() / (8 * radius)
+    assert excess.max() < stride * unit * turns.max(initial=0.0) / (8 * radius) + 1e-9 * roughness
 
 
-@pytest.mark.parametrize("speed", [0.05, 0.5, 4.0])
-def test_path_has_no_steps_and_only_kinks_upwards(speed):
-    pieces = path.path_pieces(make(2e-6), 8e-3, speed, 0.02)
+@pytest.mark.parametrize(("speed", "roughness"), [(0.05, 2e-6), (0.5, 2e-6), (4.0, 2e-5)])
+def test_path_has_no_steps_and_only_kinks_upwards(speed, roughness):
+    pieces = path_pieces(make(roughness), 8e-3, speed, 0.02)
     step = np.diff(pieces[:, 0])
     end = pieces[:-1, 1] + step * (pieces[:-1, 2] + 0.5 * pieces[:-1, 3] * step)
     kink = pieces[1:, 2] - pieces[:-1, 2] - pieces[:-1, 3] * step
@@ -66,14 +67,14 @@ def test_path_has_no_steps_and_only_kinks_upwards(speed):
 
 def test_flat_is_flat():
     for radius in (1e-3, 1.0):
-        pieces = path.path_pieces(make(0.0), radius, 1.0, 0.05)
+        pieces = path_pieces(make(0.0), radius, 1.0, 0.05)
         assert np.abs(pieces[:, 1:3]).max() < 1e-12
 
 
 @pytest.mark.parametrize("corners", [3, 6, 40])
 def test_corners(corners):
     """A body with corners turns about one after the other: arcs of its radius, kinks of nearly 2 pi/n."""
-    pieces = path.path_pieces(make(0.0), 0.02, 0.5, 0.5, corners=corners)
+    pieces = path_pieces(make(0.0), 0.02, 0.5, 0.5, corners=corners)
     step = np.diff(pieces[:, 0])
     kink = pieces[1:, 2] - pieces[:-1, 2] - pieces[:-1, 3] * step
     turns = kink[kink > 0.5 * kink.max()]
@@ -86,7 +87,7 @@ def test_corners(corners):
 def test_smooth_surface_is_followed():
     """A corrugation wider than the body is felt as it is, but for the lift of half the slope's square times R."""
     ground = make(0.0, ripple=1e-4, wavelength=0.05)
-    pieces = path.path_pieces(ground, 5e-3, 1.0, 0.2)
+    pieces = path_pieces(ground, 5e-3, 1.0, 0.2)
     s = np.linspace(0.01, 0.19, 1000)
     touching = s  # the place that touches is R z' further on
     for _ in range(50):
@@ -99,7 +100,7 @@ def test_smooth_surface_is_followed():
 @pytest.mark.parametrize("radius", [1e-4, 0.1, 10.0])
 @pytest.mark.parametrize("share", [1e-9, 1e-3, 0.1])
 def test_extremes_stay_bounded(speed, radius, share):
-    pieces = path.path_pieces(make(share * radius, 1e-3), radius, speed, 2e-3 * speed)
+    pieces = path_pieces(make(share * radius, 1e-3), radius, speed, 2e-3 * speed)
     assert np.isfinite(pieces).all()
     assert len(pieces) < 2e-3 * 2 * 2 * path.AUDIBLE + 10
 
@@ -107,4 +108,4 @@ def test_extremes_stay_bounded(speed, radius, share):
 def test_bad_paths_are_named():
     for key in ("radius", "speed", "length"):
         with pytest.raises(ValueError, match=f"{key} = -1"):
-            path.path_pieces(make(), **{"radius": 1.0, "speed": 1.0, "length": 1.0, key: -1.0})
+            path_pieces(make(), **{"radius": 1.0, "speed": 1.0, "length": 1.0, key: -1.0})

@@ -8,9 +8,9 @@ from scipy.integrate import solve_ivp
 
 from carom.dsp import contact
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
-from carom.dsp.rolling.path import path_pieces
 from carom.dsp.rolling.surface import make_surface
 from carom.dsp.study import roll
+from carom.dsp.study.rolling_path import path_pieces
 
 pytestmark = pytest.mark.slow
 
