@@ -197,11 +197,7 @@ SCRATCH = np.dtype(
         ("observed", np.float64, FINE),
         ("receptance", np.float64, FINE),
         ("drivers", DRIVER, ROLLS),  # of the rolls on one object, at one time
-        (
-            "blows",
-            np.float64,
-            (ROLLS, QUANTUM),
-        ),  # their forces by one number a frame, those at one place together
+        ("blows", np.float64, (ROLLS, QUANTUM)),  # their forces by one number a frame, those at one place together
         ("placed", np.int64, ROLLS),  # the first driver at each place
         ("taps", np.float64, (2, 2, REACH + 1)),  # from one to the sound, at a quantum's beginning and end
         ("group", np.int64, OBJECTS),  # slots of those that are rendered together

@@ -27,7 +27,6 @@ BLOCK = 64
 TAPS = 8
 """Lattice heights that LANES points lie between, where each cell holds two of them or more."""
 
-_FEW = 5  # the same, where each cell holds LANES or more
 
 _CELLS = np.array([2, 4, 8, 16, 32, 64])  # points in a cell, of octaves that are read by weights
 _TABLES = int(np.maximum(_CELLS // LANES, 1).sum())
@@ -93,12 +92,11 @@ def begin_surface(surface, roughness, correlation, slope, ripple, wavelength, se
 
 @kernel
 def _enter(surface, j, cell, count):
-    """Put octave j's heights at `count` points or more of its lattice, from a cell's first corner on, into `corner`."""
+    """Put octave j's heights at `count` points of its lattice, from a cell's first corner on, into `corner`."""
     corner, seed, scale = surface.corner, surface.seed[j], surface.height[j] * _TO_UNIFORM
-    for first in range(0, count, LANES):
-        for c in range(first, first + LANES):
-            bits = mixed(np.uint64(cell + c) * STEP + seed)
-            corner[c] = scale * (np.float64(np.int64(bits >> np.uint64(11))) - _HALF)
+    for c in range(count):
+        bits = mixed(np.uint64(cell + c) * STEP + seed)
+        corner[c] = scale * (np.float64(np.int64(bits >> np.uint64(11))) - _HALF)
 
 
 @kernel
@@ -171,11 +169,6 @@ def _add_wide(surface, j, place, stride, gain, rise, z):
     _enter(surface, j, cell, 5)
     a0, a1, a2, a3 = _cubic(surface.corner, 0)
     b0, b1, b2, b3 = _cubic(surface.corner, 1)
-    if since + (BLOCK - 1) * step < 1.0:
-        for i in range(BLOCK):
-            t = since + i * step
-            z[i] += (gain + (i + 1) * rise) * (a0 + t * (a1 + t * (a2 + t * a3)))
-        return
     for i in range(BLOCK):
         t = since + i * step
         here = a0 + t * (a1 + t * (a2 + t * a3))
@@ -197,11 +190,8 @@ def _add_narrow(surface, j, place, stride, gain, rise, z):
         c = ((shifted + g * LANES * stride) >> level) - cell
         at = (table + (g & repeats)) * TAPS * LANES
         corners = dot(surface.corner, c, 0, (1.0,))
-        gains = _lanes_of(gain + (g * LANES + 1) * rise, rise)
-        if points >= LANES:
-            add_product(z, g * LANES, dot(surface.weights, at, LANES, corners[:_FEW]), gains)
-        else:
-            add_product(z, g * LANES, dot(surface.weights, at, LANES, corners), gains)
+        heights = dot(surface.weights, at, LANES, corners)
+        add_product(z, g * LANES, heights, _lanes_of(gain + (g * LANES + 1) * rise, rise))
 
 
 @kernel
