@@ -5,7 +5,8 @@ The estimate of a slide's pressure is p = c L m v^1.5 (F/(m g))^0.5, in SI units
 two, that slips or sweeps at v under a force F, its weight at least. L is the pressure of a blow of 1 N s on both, as
 brief as one at 0.1 v. Rough ground makes a body's lowest point rise and fall by a share of v, the more often the faster
 it is: so m v sqrt(v). The factor c, 0.12 for round bodies and 0.02 for faces, is fitted to be seldom too small: of
-balls and boxes of all materials on plates, at 0.1 to 1 m/s, most are 5 to 19 dB fainter, and one is 21 dB louder.
+balls and boxes of all materials on plates, at 0.1 to 1 m/s, half are 3 to 22 dB fainter than it; on soft plates up to
+55 dB, and one is 21 dB louder.
 """
 
 import math
