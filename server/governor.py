@@ -1,10 +1,12 @@
 """Chooses the quality by the load: it steps down before the sound breaks up, and up again when there is time.
 
-Where the load is neither little nor too much, one step upwards is tried now and then, the less often the more of them
-were taken back.
+At a load in between, a step upwards is tried now and then. Each try that has to be taken back doubles the wait for the
+next. Steps upwards that may double the load are not tried.
 
 Each choice goes to the session as /quality, so that a log renders to the same sound.
 """
+
+import math
 
 from ..dsp.engine.state import Quality
 from ..dsp.runtime.engine import Engine
@@ -13,10 +15,12 @@ from .osc.wire import Message
 _TOO_MUCH = 0.8  # load, averaged over a tenth of a second
 _LITTLE = 0.4  # load, averaged over a second
 _BETWEEN = 0.2  # s from step to step downwards: as long as it takes to see the effect of one
+_SOON = 0.05  # s, after a step upwards
 _CALM = 4.0  # s of little load before a step upwards
 _BEARABLE = 0.65  # load, averaged over a second, at which a step upwards is tried
 _PATIENCE = 10.0  # s of bearable load before the first try; twice as long after each that failed
 _LONGEST_PATIENCE = 160.0  # s
+_LASTING = Quality.COARSE  # from which on steps upwards wait for little load: they may double it
 _LAST_FOR_BURSTS = Quality.QUIET
 
 
@@ -27,7 +31,7 @@ class Governor:
         self._engine = engine
         self._stepped = 0.0
         self._calm_since = self._bearable_since = 0.0
-        self._patience, self._tried = _PATIENCE, -_LONGEST_PATIENCE
+        self._patience, self._tried = _PATIENCE, -math.inf
         self._overruns = 0
         self._best = Quality.FULL
 
@@ -45,12 +49,13 @@ class Governor:
         self._overruns = overruns
         if load > _LITTLE:
             self._calm_since = now
-        if load > _BEARABLE:
+        if max(load, stats.load_now) > _BEARABLE or quality >= _LASTING:
             self._bearable_since = now
         if burst or stats.load_now > _TOO_MUCH:
-            if quality < max(Quality) and now - self._stepped >= _BETWEEN:
-                if now - self._tried < _PATIENCE:
-                    self._patience, self._tried = min(2.0 * self._patience, _LONGEST_PATIENCE), -_LONGEST_PATIENCE
+            tried = now - self._tried < max(_PATIENCE, self._patience)
+            if quality < max(Quality) and now - self._stepped >= (_SOON if tried else _BETWEEN):
+                if tried:
+                    self._patience, self._tried = min(2.0 * self._patience, _LONGEST_PATIENCE), -math.inf
                 self._stepped = now
                 return Quality(quality + 1)
         elif quality > self._best:

@@ -272,7 +272,7 @@ def _fly(roll, longest):
             gap, fall = max(roll.y - level, 0.0), g + v * v * path.curvature[piece]
             meeting = _meeting(gap, roll.w - rises - v * incline, fall)
             met = meeting <= time
-            time = min(meeting, time)
+            time = meeting if met else time
         roll.y += time * (roll.w - rises - 0.5 * g * time)
         roll.w -= g * time
         roll.along += v * time
@@ -289,8 +289,8 @@ def _fly(roll, longest):
 
 @kernel
 def _is_clear(roll, v, rises, time):
-    """True if a flight surely stays above the piece of the path for a time: it is above its chord, and that is higher
-    at both ends than the piece swells above its own."""
+    """True if a flight surely stays above the piece of the path for a time. It stays above the line between its ends,
+    the path below `swell` above its own: so it is enough that the gaps at both ends are larger."""
     path, piece = roll.path, roll.piece & (PIECES - 1)
     level, incline = path_at(roll)
     gap, bend, passed = roll.y - level, path.curvature[piece], v * time

@@ -26,14 +26,14 @@ from .path import PIECES
 
 TOLERANCE = 2e-4
 """Share of the momentum at hand by which a step is to err, times the path's coarseness. It is tried at the length at
-which the step before would err so much, and taken where it errs _TAKEN times as much."""
+which the step before would err so much, and taken where it errs up to _TAKEN times as much."""
 
 BRIEF = 2e-4
 """s: a step that is shorter by a factor n may err n^2 times as much: its error is as brief, above what is heard. Third
 octaves stay within 1 dB."""
 
 _MOST = 1e-2  # of such a share
-_TAKEN = 2.0  # where the path is rough, the errors of one step and the next differ by that, and more
+_TAKEN = 2.0  # on a rough path the errors of two steps in a row differ by this factor or more
 _GROWTH = 1e-9  # share of its energy that a step may gain
 _TRIALS = 24
 _KINK = 1e-3  # share of the speed at hand by which a kink must change the compression's rate to end a step

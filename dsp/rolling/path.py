@@ -29,8 +29,8 @@ from ..native.jit import kernel
 from .surface import BLOCK, CREST, OCTAVES, SURFACE, read_heights
 
 AUDIBLE = 60_000.0
-"""1/s: octaves whose lattice is passed faster than this aren't read. Points come at half of this rate or more, as often
-as the lattice of the finest octave."""
+"""1/s: octaves whose lattice is passed faster than this aren't read. Points are those of the finest lattice that is
+read, so they come no more often either."""
 
 POINTS = 2048
 """Points that can wait; a power of two."""

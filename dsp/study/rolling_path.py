@@ -10,6 +10,7 @@ from ..rolling.path import PATH, PIECES, make_piece, restart_path
 
 @njit(error_model="numpy")
 def restart(path, surface, radius, corners, speed, place):
+    """Begin a body's path on a surface at a place."""
     path.surface = surface
     path.radius = radius
     path.corners = corners
@@ -21,6 +22,7 @@ def restart(path, surface, radius, corners, speed, place):
 
 @njit(error_model="numpy")
 def pieces_of(path, end, pieces):
+    """Put a path's pieces up to `end` m into rows of `pieces`; how many there are."""
     total = 0.0
     for n in range(len(pieces)):
         while path.made <= n:
