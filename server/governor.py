@@ -20,7 +20,7 @@ _CALM = 4.0  # s of little load before a step upwards
 _BEARABLE = 0.65  # load, averaged over a second, at which a step upwards is tried
 _PATIENCE = 10.0  # s of bearable load before the first try; twice as long after each that failed
 _LONGEST_PATIENCE = 160.0  # s
-_LASTING = Quality.COARSE  # from which on steps upwards wait for little load: they may double it
+_FURTHEST_TRY = Quality.QUIET  # from beyond it, a step upwards may double the load: only little load will do
 _LAST_FOR_BURSTS = Quality.QUIET
 
 
@@ -49,7 +49,7 @@ class Governor:
         self._overruns = overruns
         if load > _LITTLE:
             self._calm_since = now
-        if max(load, stats.load_now) > _BEARABLE or quality >= _LASTING:
+        if max(load, stats.load_now) > _BEARABLE or quality > _FURTHEST_TRY:
             self._bearable_since = now
         if burst or stats.load_now > _TOO_MUCH:
             tried = now - self._tried < max(_PATIENCE, self._patience)

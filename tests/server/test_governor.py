@@ -69,6 +69,19 @@ def test_it_tries_more_where_the_load_is_bearable_and_less_and_less_often_where_
     assert again == pytest.approx(now + 2_010.1, abs=0.1)  # calm has made it forget
 
 
+def test_it_tries_nothing_that_may_double_the_load_and_takes_a_try_back_at_once():
+    engine = Loaded()
+    governor = Governor(engine)
+    run(governor, engine, 0.85, 0.5, 100.0)
+    assert engine.quality == 3 and run(governor, engine, 0.6, 200.0, 100.5) == []
+    engine.quality = Quality.QUIET
+    (tried,) = run(governor, engine, 0.6, 10.5, 301.0)
+    ((back, quality),) = run(governor, engine, 0.85, 0.1, tried[0] + 0.02)
+    assert quality == 2 and back - tried[0] < 0.08
+    engine.stats = replace(engine.stats, load=0.6, load_now=0.7)
+    assert not any(governor.decide(back + 0.02 * n) for n in range(3_000))  # a busy moment is none for a try
+
+
 def test_late_blocks_alone_are_the_systems_doing_or_a_bursts():
     engine = Loaded()
     governor = Governor(engine)
