@@ -37,7 +37,7 @@ LAST = CARDINAL.sum(axis=0)
 """The quadratic's value at the step's end."""
 
 WITHIN = 0.8
-"""Share of the longest step within a tolerance that is tried: of `better_step`."""
+"""Share of the longest step within a tolerance that is tried: of `step_within`."""
 
 SOLVED = 1e-8  # relative change of the forces that ends Newton's method, whose error is then about its square
 NEWTON_STEPS = 16
@@ -266,11 +266,16 @@ def until_release(step, x, v, h, longest, closing):
 
 
 @kernel
-def better_step(rest, wanted):
+def step_within(rest, wanted):
     """The factor from a step to the next one to try; `rest` is left at its end, of which `wanted` is allowed.
 
     WITHIN or more means that the step itself will do. The rest grows with h^4 where the force is smooth, and less
     steeply where the contact begins.
     """
-    share = math.sqrt(math.sqrt(wanted / max(rest, _LEAST_REST)))
-    return min(max(WITHIN * share, _SHORTEN), _LENGTHEN)
+    return better_step(math.sqrt(math.sqrt(wanted / max(rest, _LEAST_REST))))
+
+
+@kernel
+def better_step(longest):
+    """The factor from a step to the next one to try, from that to the longest within a tolerance."""
+    return min(max(WITHIN * longest, _SHORTEN), _LENGTHEN)

@@ -10,7 +10,6 @@ from .collocation import (
     WEIGHTS,
     WITHIN,
     allowance,
-    better_step,
     discrete_gradient,
     elastic,
     end_of,
@@ -18,6 +17,7 @@ from .collocation import (
     law,
     raised,
     solve,
+    step_within,
     until_release,
 )
 from .power_series import ANSWER_AT, ANSWER_TO_END, AT_NODES, TAKEN, WORK, value_at
@@ -193,7 +193,7 @@ def ratio_to_longest(contact, eta, x, v):
     speed = max(speed_of(contact, x, v), speed_of(contact, contact.motion[0], contact.motion[1] / contact.period))
     rest = abs(end_of(contact.step.f) - law(x, v, contact.k, contact.mu, contact.a)) * eta * contact.period
     mass = contact.m if contact.swing > 0.0 else contact.mass
-    return better_step(rest, contact.tolerance * mass * speed)
+    return step_within(rest, contact.tolerance * mass * speed)
 
 
 @kernel

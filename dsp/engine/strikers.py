@@ -15,8 +15,8 @@ import numpy as np
 from ..native.jit import kernel, noinline_kernel
 from ..numerics.legendre import FALL, MOMENTS, RISE
 from ..numerics.random import STEP, mixed
-from ..resonator.bank import Drive, Point, inject, inject_fine, inject_kept, ring, ring_driven, state_of
-from ..resonator.simd import STRETCH
+from ..resonator.bank import Point, inject, inject_fine, inject_kept, ring, ring_alike, state_of
+from ..resonator.simd import LANES
 from .commands import KIND_SPIN
 from .contact_record import RIM
 from .fade import fade_length, going_on, left_of, pace_of, tilt_of
@@ -165,21 +165,15 @@ def _ring_on(state, voice, out, frame, stop):
         ring(modes, sound, frame, stop)
     elif voice.roll < 0:
         ring(modes, sound, frame, stop)
-    elif stop - frame < STRETCH:
+    elif stop - frame < LANES:
         stop = frame + 1
         inject_kept(modes, Point(voice.struck, 0, 0, voice.share), state.feeds[voice.roll, BEHIND + frame])
         ring(modes, sound, frame, stop)
     else:
-        stop = frame + STRETCH
-        driver = state.scratch.drivers[0]
-        driver.feed, driver.row = voice.roll, 0
-        for i in range(4):
-            driver.weights[i] = voice.share[i]
-            driver.drift[i] = 0.0
+        stop -= (stop - frame) % LANES
+        ring_alike(modes, voice.struck, voice.share[0], state.feeds[voice.roll, BEHIND:], sound[0], frame, stop)
         for n in range(frame, stop):
-            sound[0, n] = sound[1, n] = 0.0
-        drive = Drive(state.scratch.drivers, 1, state.feeds, BEHIND)
-        ring_driven(modes, voice.struck, 0, drive, state.scratch.work, sound, frame)
+            sound[1, n] = sound[0, n]
     energy = 0.0
     if voice.fades == 1:
         for n in range(frame, stop):

@@ -23,7 +23,8 @@ from numpy.typing import NDArray
 
 from ..native.jit import kernel, simd_kernel
 from ..numerics.legendre import FINE
-from .simd import HALF, LANES, STRETCH, add_product, dot, push, put_projections, ring_pushed
+from .simd import HALF, LANES, STRETCH, add_product, dot, put_product, put_projections
+from .simd_ring import push, ring_moved, ring_pushed
 
 Array = NDArray[Any]
 
@@ -165,6 +166,23 @@ def ring_driven(modes, shape, stride, drive, work, out, frame):
             for i in range(LANES):
                 total += totals[(2 * t + channel) * LANES + i]
             out[channel, frame + t] += total
+
+
+@simd_kernel
+def ring_alike(modes, shape, share, moments, out, start, stop):
+    """Let modes that are heard alike on both sides ring from frame `start` to `stop`, a multiple of LANES later.
+
+    A force moves them, by `share` times its moments (frames, KEPT) in N s. out (float64) is overwritten.
+    """
+    y1, y2, a1, a2 = modes.y1, modes.y2, modes.a1, modes.a2
+    for frame in range(start, stop, LANES):
+        for first in range(0, len(y1), LANES):
+            phi, group = dot(shape, first, 0, (share,)), first // LANES * RESPONSES
+            heard = ring_moved(y1, y2, a1, a2, first, phi, modes.response, group, moments, frame)
+            if first == 0:
+                put_product(out, frame, heard, _ONES)
+            else:
+                add_product(out, frame, heard, _ONES)
 
 
 @simd_kernel

@@ -24,9 +24,10 @@ from numpy.typing import NDArray
 from ..native.jit import kernel, simd_kernel
 from ..numerics.legendre import KEPT
 from .bank import FED, RESPONSES
-from .simd import LANES, STRETCH, add_product, dot, inner_products, put_product, ring_blown, ring_blown_still
+from .simd import FACTORS, LANES, STRETCH, add_product, dot, inner_products, put_product
+from .simd_ring import ring_blown, ring_blown_still
 
-HALF = 16
+HALF = FACTORS // KEPT // 2
 """Samples ahead and behind that a band-limited sample of a force is made of."""
 
 REACH = 2
@@ -85,7 +86,7 @@ def sample_force(moments, samples, begin):
     of the moments.
     """
     for n in range(0, len(samples) - begin, LANES):
-        put_product(samples, begin + n, inner_products(moments, n * KEPT, KEPT, _WINDOW), _ONES)
+        put_product(samples, begin + n, inner_products(moments, n * KEPT, _WINDOW), _ONES)
 
 
 @simd_kernel

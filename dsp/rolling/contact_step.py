@@ -21,6 +21,7 @@ from ..contact.collocation import (
     raised,
 )
 from ..native.jit import kernel, noinline_kernel
+from ..numerics.roots import rough_eighth_root
 from .free_mass import solve_free_mass
 from .path import PIECES
 
@@ -36,7 +37,9 @@ _MOST = 1e-2  # of such a share
 _TAKEN = 2.0  # on a rough path the errors of two steps in a row differ by this factor or more
 _GROWTH = 1e-9  # share of its energy that a step may gain
 _TRIALS = 24
+_HELD = 2.0  # what a step that had to be held is multiplied with for the next one
 _KINK = 1e-3  # share of the speed at hand by which a kink must change the compression's rate to end a step
+_LEAST_REST = 1e-300  # keeps a quotient finite
 _NEAR = 1e-9  # share of a piece at whose end it is as good as over
 _SOLVED = 3e-10  # share of the momentum at hand by which the solver's force may err
 _SOLVED_BENT = 1e-3  # the same, where the path bends, of what it bends by
@@ -134,8 +137,10 @@ def _judge(roll, h, k, begin, y, w):
     square = max(_speed_squared(roll, v, stored), v_end * v_end + 2.0 * kept * roll.lightness)
     room = spread + _GROWTH * m * (square + roll.modulated_gravity * max(x, x_end, 0.0))
     ripple = max(_ripple(roll, x, v), _ripple(roll, x_end, v_end), _LEAST_RIPPLE * _LEAST_RIPPLE * square)
-    wanted = _tolerance(roll, h) * m * math.sqrt(ripple)
-    return better_step(rest, wanted), rest <= _TAKEN * wanted and gained <= room
+    # Squares, whose eighth root is taken, as that of the ripple would take longer.
+    wanted, rest = (_tolerance(roll, h) * m) ** 2 * ripple, rest * rest
+    good = rest <= _TAKEN * _TAKEN * wanted and gained <= room
+    return better_step(rough_eighth_root(wanted / max(rest, _LEAST_REST))), good
 
 
 @kernel
@@ -183,7 +188,6 @@ def _hold(roll, h, k, x):
     change, force = discrete_gradient(x, free, give, h, k, roll.mu, roll.a)
     for i in range(NODES):
         roll.step.f[i] = force
-    roll.next = 2.0 * h
     roll.holds += 1
     return roll.level[NODES] - (x + change), roll.w + h * (force / roll.m - roll.modulated_gravity)
 
@@ -220,12 +224,14 @@ def step_contact(roll, longest, least):
         h = max(h * min(ratio, 0.7), least)
         cut = False
     if good:
-        roll.next = max(ratio * h, roll.next) if cut else ratio * h
+        ratio = roll.next / h if cut and roll.next > ratio * h else ratio
     else:
         y, w = _hold(roll, h, k, x)
+        ratio = _HELD
+    roll.next = ratio * h
     for i in range(NODES):
         roll.force[i] = roll.step.f[i]
-    extrapolate(roll.step, roll.next / h)
+    extrapolate(roll.step, ratio)
     roll.y = y
     roll.w = w
     roll.piece = piece

@@ -2,7 +2,7 @@
 
 import math
 
-from ..contact.collocation import CARDINAL, GAUSS, NODES, WEIGHTS
+from ..contact.collocation import CARDINAL, NODES
 from ..native.jit import kernel
 
 
@@ -13,42 +13,58 @@ def add_quadratic(force, since, span, start, stop, origin, rate, moments):
     It is the quadratic with the values `force` (N) at GAUSS of the `span` s that begin `since`. Frame n is the sample
     from origin + n/rate to origin + (n + 1)/rate; all times in s. moments: (frames, KEPT).
     """
-    if stop <= start:
+    begin, end = max((start - origin) * rate, 0.0), min((stop - origin) * rate, len(moments))
+    if begin >= end:
         return
     c0 = c1 = c2 = 0.0
     for j in range(NODES):
         c0 += CARDINAL[0, j] * force[j]
         c1 += CARDINAL[1, j] * force[j]
         c2 += CARDINAL[2, j] * force[j]
-    begin = (start - origin) * rate
-    end = (stop - origin) * rate
+    first, last = -math.floor(-begin), math.floor(end)  # the whole samples
     step = 1.0 / (rate * span)
     early = (origin - since) / span
-    for n in range(max(math.floor(begin), 0), len(moments)):
-        if n >= end:
-            break
-        low = max(begin - n, 0.0)
-        half = 0.5 * (min(end - n, 1.0) - low)
-        if half == 0.5:
-            # Over a whole sample a quadratic has no more than three moments.
-            theta = early + n * step
-            a1 = step * (c1 + 2.0 * theta * c2)
-            a2 = step * step * c2
-            moments[n, 0] += (c0 + theta * (c1 + theta * c2) + a1 / 2.0 + a2 / 3.0) / rate
-            moments[n, 1] += (a1 + a2) / 6.0 / rate
-            moments[n, 2] += a2 / 30.0 / rate
-            continue
-        m0 = m1 = m2 = m3 = 0.0
-        for j in range(NODES):
-            x = low + 2.0 * half * GAUSS[j]
-            theta = early + (n + x) * step
-            here = 2.0 * half / rate * WEIGHTS[j] * (c0 + theta * (c1 + theta * c2))
-            x = 2.0 * x - 1.0
-            m0 += here
-            m1 += here * x
-            m2 += here * (1.5 * x * x - 0.5)
-            m3 += here * x * (2.5 * x * x - 1.5)
-        moments[n, 0] += m0
-        moments[n, 1] += m1
-        moments[n, 2] += m2
-        moments[n, 3] += m3
+    curve = early, step, c0, c1, c2, 1.0 / rate
+    if begin < first:
+        _add_part(curve, begin, min(first, end), moments[first - 1])
+    _add_whole(curve, first, last, moments)
+    if first <= last < end:
+        _add_part(curve, last, end, moments[last])
+
+
+@kernel
+def _add_whole(curve, first, last, moments):
+    """Add the quadratic to whole samples, over which it has three moments."""
+    early, step, c0, c1, c2, sample = curve
+    reach = 0.5 * step
+    bent = (1.0 / 3.0) * sample * reach * reach * c2
+    rise, bend = (1.0 / 3.0) * sample * reach * c1, (2.0 / 3.0) * sample * reach * c2
+    c0, c1, c2 = sample * c0 + bent, sample * c1, sample * c2
+    for n in range(first, last):
+        theta = early + (n + 0.5) * step
+        moments[n, 0] += c0 + theta * (c1 + theta * c2)
+        moments[n, 1] += rise + theta * bend
+        moments[n, 2] += 0.4 * bent
+
+
+@kernel
+def _add_part(curve, begin, end, moments):
+    """Add the quadratic to the moments of a sample, from `begin` to `end` samples."""
+    early, step, c0, c1, c2, sample = curve
+    reach, middle = end - begin, begin + end
+    # About the middle of the part, up to whose ends u goes from -1 to 1.
+    theta, half = early + 0.5 * middle * step, 0.5 * reach * step
+    scale = 0.5 * reach * sample
+    g0, g1 = scale * (c0 + theta * (c1 + theta * c2)), scale * half * (c1 + 2.0 * theta * c2)
+    g2 = scale * half * half * c2
+    # Integrals with 1, u, u^2 and u^3; then with x, x^2 and x^3, where x = middle + reach u goes so over the sample.
+    u0, u1, u2, u3 = 2.0 * g0 + (2.0 / 3.0) * g2, (2.0 / 3.0) * g1, (2.0 / 3.0) * g0 + 0.4 * g2, 0.4 * g1
+    middle -= 2.0 * math.floor(begin) + 1.0
+    x1 = middle * u0 + reach * u1
+    bent = reach * (middle * u1 + reach * u2)
+    x2 = middle * x1 + bent
+    x3 = middle * (x2 + bent) + reach * reach * (middle * u2 + reach * u3)
+    moments[0] += u0
+    moments[1] += x1
+    moments[2] += 1.5 * x2 - 0.5 * u0
+    moments[3] += 2.5 * x3 - 1.5 * x1

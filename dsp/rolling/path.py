@@ -67,18 +67,18 @@ PATH = np.dtype(
         ("read_for", np.float64, 4),
         ("ahead", np.float64, BLOCK),  # heights of points as they are read
         ("hidden", np.float64, BLOCK),  # 0 or more: two of these hide it
+        ("kept", np.int64, BLOCK),  # those that aren't hidden
         # The hull: a double-ended queue of points.
         ("place", np.int64, POINTS),
-        ("previous", np.int64, POINTS),  # the profile's point before it
         ("height", np.float64, POINTS),
+        ("distance", np.float64, POINTS),  # from the hull's point before it, m
+        ("edge", np.float64, POINTS),  # from that one to where the body leaves that for this one, m
+        ("adjoins", np.int64, POINTS),  # 1: that one is the profile's point before it
         ("first", np.int64),
         ("count", np.int64),
         ("front", np.int64),  # place of the profile's last point
         ("stride", np.int64),  # places between points
         ("highest", np.float64),  # above which the profile can't rise, m
-        ("edge", np.float64),  # from the first point to where its arc ends, at `toward`'s
-        ("distance", np.float64),  # from the first point to that one, m
-        ("toward", np.int64),  # its place
         ("left", np.float64),  # from the first point to where its arc has come, m
         ("entered", np.float64),  # from the first point to the edge before it, m
         ("before", np.float64),  # between that edge's points, m
@@ -150,15 +150,6 @@ def _settle_gains(path, ripple_gain):
 
 
 @kernel
-def _edge(path, i, j):
-    """From point i of the hull to where the body leaves it for point j, and to that point, m."""
-    a = (path.first + i) & (POINTS - 1)
-    b = (path.first + j) & (POINTS - 1)
-    distance = (path.place[b] - path.place[a]) * path.surface.unit
-    return 0.5 * distance + path.radius * (path.height[a] - path.height[b]) / distance, distance
-
-
-@kernel
 def _read_block(path):
     """Take the profile's next points into the hull, and those out that they hide."""
     surface = path.surface
@@ -204,28 +195,36 @@ def _hide(path, k):
 
 
 @kernel
+def _keep(path):
+    """List the points of a block that aren't hidden; how many there are."""
+    count = 0
+    for i in range(BLOCK):
+        path.kept[count] = i
+        count += 1 if path.hidden[i] < 0.0 else 0
+    return count
+
+
+@kernel
 def _push(path):
     """Take the block's points that aren't hidden into the hull."""
-    unit, radius = path.surface.unit, path.radius
-    last, below = (path.first + path.count - 1) & (POINTS - 1), (path.first + path.count - 2) & (POINTS - 1)
-    place_b, height_b, place_a, height_a = path.place[last], path.height[last], path.place[below], path.height[below]
-    count = path.count
-    for i in range(BLOCK):
-        if path.hidden[i] >= 0.0:
-            continue
+    unit, radius, count = path.surface.unit, path.radius, path.count
+    last = (path.first + count - 1) & (POINTS - 1)
+    for n in range(_keep(path)):
+        i = path.kept[n]
         place, height = path.front + (i + 1) * path.stride, path.ahead[i]
-        while count > 1:
-            # Edges that would meet in the wrong order: b doesn't reach above the circles around a and the new point.
-            before, after = (place_b - place_a) * unit, (place - place_b) * unit
-            drop = (height_b - height) * before - (height_a - height_b) * after
-            if radius * drop > -0.5 * before * after * (before + after):
+        distance = edge = 0.0
+        while count > 0:
+            distance = (place - path.place[last]) * unit
+            edge = 0.5 * distance + radius * (path.height[last] - height) / distance
+            if count == 1 or edge > path.edge[last] - path.distance[last]:
                 break
+            # It would be left before it is reached.
             count -= 1
-            below = (path.first + count - 2) & (POINTS - 1)
-            place_b, height_b, place_a, height_a = place_a, height_a, path.place[below], path.height[below]
-        new = (path.first + count) & (POINTS - 1)
-        path.place[new], path.previous[new], path.height[new] = place, place - path.stride, height
-        place_a, height_a, place_b, height_b = place_b, height_b, place, height
+            last = (last - 1) & (POINTS - 1)
+        adjoins = 1 if count > 0 and path.place[last] == place - path.stride else 0
+        last = (path.first + count) & (POINTS - 1)
+        path.place[last], path.height[last], path.adjoins[last] = place, height, adjoins
+        path.distance[last], path.edge[last] = distance, edge
         count += 1
     path.count = count
     path.front += BLOCK * path.stride
@@ -233,18 +232,16 @@ def _push(path):
 
 @kernel
 def _settle(path):
-    """Read until nothing ahead can change the path before the hull's second edge; return where that is, and the
-    distance of its points."""
+    """Read until nothing ahead can change the path before the hull's second edge."""
     for _ in range(4 * POINTS):
         if path.count >= 3:
-            second = (path.first + 1) & (POINTS - 1)
-            edge, distance = _edge(path, 1, 2)
+            second, third = (path.first + 1) & (POINTS - 1), (path.first + 2) & (POINTS - 1)
+            edge = path.edge[third]
             ahead = (path.front - path.place[second]) * path.surface.unit - edge
             room = path.highest - path.height[second] + edge * edge / (2.0 * path.radius)
             if (ahead >= 0.0 and ahead * ahead >= 2.0 * path.radius * room) or path.count >= POINTS - BLOCK:
-                return edge, distance
+                return
         _read_block(path)
-    return _edge(path, 1, 2)
 
 
 @kernel
@@ -264,51 +261,49 @@ def restart_path(path, place):
     path.entered = -math.inf
     for _ in range(4 * POINTS):
         _settle(path)
-        edge, distance = _edge(path, 0, 1)
+        second = (path.first + 1) & (POINTS - 1)
+        edge, distance = path.edge[second], path.distance[second]
         if edge >= (place - path.place[path.first]) * path.surface.unit:
             break
         path.entered = edge - distance
         path.before = distance
-        path.first = (path.first + 1) & (POINTS - 1)
+        path.first = second
         path.count -= 1
     if path.entered < edge - 4.0 * distance:
         path.entered = edge - distance
         path.before = distance
     path.left = path.entered + (edge - path.entered) * path.before / (path.before + distance)
-    path.edge, path.distance, path.toward = edge, distance, path.place[(path.first + 1) & (POINTS - 1)]
 
 
 @kernel
 def make_piece(path):
     """Make the next piece or two: what is left of the first point's arc, and the turn to the second."""
-    after_edge, after = _settle(path)
-    second = (path.first + 1) & (POINTS - 1)
-    if path.toward != path.place[second]:  # there was no room to look far enough ahead
-        path.edge, path.distance = _edge(path, 0, 1)
-    distance = path.distance
-    edge = max(path.edge, path.left)
+    _settle(path)
+    second, third = (path.first + 1) & (POINTS - 1), (path.first + 2) & (POINTS - 1)
+    distance, after = path.distance[second], path.distance[third]
+    edge, after_edge = max(path.edge[second], path.left), path.edge[third]
     turn = 0.0
-    if path.previous[second] == path.place[path.first]:
+    if path.adjoins[second] == 1:
         # The turns on both sides of a point share its arc as they do on a flat surface.
         share = (edge - path.entered) / (path.before + distance)
         next_share = (after_edge + distance - edge) / (distance + after)
         turn = min(max(min(share, next_share) * distance, 0.0), edge - path.left)
     bend = -1.0 / path.radius
-    _lay(path, path.left, edge - turn - path.left, bend)
+    _lay(path, path.left, edge - turn - path.left, bend, distance)
     if turn > 0.0:
-        _lay(path, edge - turn, 2.0 * turn, bend - bend * distance / (2.0 * turn))
+        _lay(path, edge - turn, 2.0 * turn, bend - bend * distance / (2.0 * turn), distance)
     path.left = edge + turn - distance
     path.entered = edge - distance
     path.before = distance
     path.first = second
     path.count -= 1
-    path.edge, path.distance, path.toward = after_edge, after, path.place[(second + 1) & (POINTS - 1)]
 
 
 @kernel
-def _lay(path, begin, length, curvature):
-    """Make a piece of a length and curvature that begins so far from the first point, on its arc."""
-    if length <= _SHORTEST * path.distance:
+def _lay(path, begin, length, curvature, distance):
+    """Make a piece of a length and curvature that begins so far from the first point, on its arc; `distance`: from that
+    to the next."""
+    if length <= _SHORTEST * distance:
         return
     i = path.made & (PIECES - 1)
     slope = -begin / path.radius

@@ -25,10 +25,9 @@ BLOCK = 64
 """Points that are read at once."""
 
 TAPS = 8
-"""Lattice heights that LANES points lie between, where each cell holds two of them or more."""
+"""Lattice heights that LANES points lie between, where each cell holds two of them; five where it holds LANES."""
 
-
-_CELLS = np.array([2, 4, 8, 16, 32, 64])  # points in a cell, of octaves that are read by weights
+_CELLS = np.array([2, 4, 8, 16, 32])  # points in a cell, of octaves that are read by weights
 _TABLES = int(np.maximum(_CELLS // LANES, 1).sum())
 
 _LONGEST = 2.0
@@ -56,7 +55,7 @@ SURFACE = np.dtype(
         ("gain", np.float64, OCTAVES),
         ("ripple_gain", np.float64),
         ("corner", np.float64, BLOCK + TAPS),
-        # Of octaves that have 2 to BLOCK points in a cell: the weights of the lattice's heights, for LANES points at a
+        # Of octaves with 2 to BLOCK/2 points in a cell: the weights of the lattice's heights, for LANES points at a
         # time, and the points' stride for which they are made.
         ("weights", np.float64, _TABLES * TAPS * LANES),
         ("made_for", np.int64),
@@ -136,13 +135,18 @@ def read_heights(surface, place, stride, gains, ripple_gain, z):
         _make_weights(surface, place, stride)
     for i in range(BLOCK):
         z[i] = 0.0
+    c0 = c1 = c2 = c3 = c4 = 0.0
     for j in range(OCTAVES):
         gain, rise = surface.gain[j], (gains[j] - surface.gain[j]) / BLOCK
         surface.gain[j] = gains[j]
         if gain == 0.0 and rise == 0.0:
             continue
+        if _is_in_one_cell(surface, j, place, stride):
+            b0, b1, b2, b3, b4 = _in_one_cell(surface, j, place, stride, gain, rise)
+            c0, c1, c2, c3, c4 = c0 + b0, c1 + b1, c2 + b2, c3 + b3, c4 + b4
+            continue
         points = (1 << (OCTAVES - 1 - j)) // stride
-        if points > BLOCK:
+        if points >= BLOCK:
             _add_wide(surface, j, place, stride, gain, rise, z)
         elif points > 1:
             _add_narrow(surface, j, place, stride, gain, rise, z)
@@ -151,11 +155,36 @@ def read_heights(surface, place, stride, gains, ripple_gain, z):
         else:
             for i in range(BLOCK):
                 z[i] += (gain + (i + 1) * rise) * _octave_at(surface, j, place + i * stride)
+    for i in range(BLOCK):
+        z[i] += c0 + i * (c1 + i * (c2 + i * (c3 + i * c4)))
     gain, rise = surface.ripple_gain, (ripple_gain - surface.ripple_gain) / BLOCK
     surface.ripple_gain = ripple_gain
     if surface.ripple > 0.0:
         for i in range(BLOCK):
             z[i] += (gain + (i + 1) * rise) * _ripple_at(surface, place + i * stride)
+
+
+@kernel
+def _is_in_one_cell(surface, j, place, stride):
+    """True if a block's points lie in one cell of octave j's lattice."""
+    level = OCTAVES - 1 - j
+    shifted = place + surface.offset[j]
+    return shifted >> level == (shifted + (BLOCK - 1) * stride) >> level
+
+
+@kernel
+def _in_one_cell(surface, j, place, stride, gain, rise):
+    """Octave j over a block that lies in one of its cells: a power series in the points' number."""
+    level = OCTAVES - 1 - j
+    shifted = place + surface.offset[j]
+    cell = shifted >> level
+    t, step = (shifted - (cell << level)) * 0.5**level, stride * 0.5**level
+    _enter(surface, j, cell, 4)
+    c0, c1, c2, c3 = _cubic(surface.corner, 0)
+    a0, a1 = c0 + t * (c1 + t * (c2 + t * c3)), step * (c1 + t * (2.0 * c2 + 3.0 * t * c3))
+    a2, a3 = step * step * (c2 + 3.0 * t * c3), step * step * step * c3
+    gain += rise
+    return gain * a0, gain * a1 + rise * a0, gain * a2 + rise * a1, gain * a3 + rise * a2, rise * a3
 
 
 @kernel
@@ -189,8 +218,11 @@ def _add_narrow(surface, j, place, stride, gain, rise, z):
     for g in range(BLOCK // LANES):
         c = ((shifted + g * LANES * stride) >> level) - cell
         at = (table + (g & repeats)) * TAPS * LANES
-        corners = dot(surface.corner, c, 0, (1.0,))
-        heights = dot(surface.weights, at, LANES, corners)
+        b = dot(surface.corner, c, 0, (1.0,))
+        if points >= LANES:
+            heights = dot(surface.weights, at, LANES, (b[0], b[1], b[2], b[3], b[4]))
+        else:
+            heights = dot(surface.weights, at, LANES, b)
         add_product(z, g * LANES, heights, _lanes_of(gain + (g * LANES + 1) * rise, rise))
 
 
@@ -245,7 +277,7 @@ def _make_weights(surface, place, stride):
     for j in range(OCTAVES):
         level = OCTAVES - 1 - j
         points = (1 << level) // stride
-        if not 1 < points <= BLOCK:
+        if not 1 < points < BLOCK:
             continue
         table = _table_of(points)
         shifted = place + surface.offset[j]

@@ -18,13 +18,13 @@ from carom.dsp.contact.collocation import (
     WEIGHTS,
     WITHIN,
     allowance,
-    better_step,
     discrete_gradient,
     elastic,
     end_of,
     extrapolate,
     law,
     solve,
+    step_within,
     until_release,
 )
 from carom.dsp.native.jit import kernel
@@ -174,7 +174,7 @@ def _ratio(contact, h, x, v):
     """What to multiply the step with for the tolerance."""
     speed = max(_speed(contact, x, v), _speed(contact, contact.x, contact.v))
     rest = abs(end_of(contact.step.f) - law(x, v, contact.k, contact.mu, contact.a)) * h
-    return better_step(rest, contact.tolerance * contact.m * speed)
+    return step_within(rest, contact.tolerance * contact.m * speed)
 
 
 @kernel

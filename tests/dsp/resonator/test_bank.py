@@ -153,6 +153,29 @@ def test_stretches_under_forces_are_blows_and_ringing():
     np.testing.assert_allclose(other.y2, one.y2, atol=1e-13 * scale)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("groups", [1, 2])
+def test_modes_that_are_heard_alike_ring_under_a_force_as_all_do(groups):
+    random = np.random.default_rng(4)
+    count = groups * LANES
+    modes = bank.Modes(*np.zeros((5, count)), np.zeros(groups * bank.RESPONSES))
+    for i in range(count):
+        coefficients.set_mode(modes, i, 50.0 + 1_400.0 * i, 5.0, 48_000.0, random.uniform(-2, 2))
+    modes.balance[:] = 1.0
+    shape, moments = random.uniform(0.0, 1.0, count), random.normal(size=(64, KEPT))
+    one, other = (bank.Modes(*(table.copy() for table in modes)) for _ in range(2))
+    expected, out = np.zeros((2, 64)), np.full(64, math.nan)
+    for frame in range(8, 56):
+        bank.inject_kept(one, bank.Point(shape, 0, 0, np.array([0.3, 0.0, 0.0, 0.0])), moments[frame])
+        bank.ring(one, expected, frame, frame + 1)
+    bank.ring_alike(other, shape, 0.3, moments, out, 8, 56)
+    scale = np.abs(expected).max()
+    np.testing.assert_allclose(out[8:56], expected[0, 8:56], atol=1e-13 * scale)
+    np.testing.assert_allclose(other.y1, one.y1, atol=1e-13 * scale)
+    np.testing.assert_allclose(other.y2, one.y2, atol=1e-13 * scale)
+    assert np.isnan(out[:8]).all() and np.isnan(out[56:]).all()
+
+
 def test_retuning_keeps_amplitude_and_phase():
     modes = Bank(np.full(LANES, 440.0), np.full(LANES, 3.0), 48_000.0)
     blow = np.zeros(closed_form.MOMENTS)

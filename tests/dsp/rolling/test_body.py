@@ -63,7 +63,7 @@ def thirds(spectra, frequencies):
 @pytest.mark.parametrize(
     ("body", "on", "seeds"),
     [
-        ({**MARBLE, "mu": 20.0}, {**GLASS, "roughness": 5e-8}, 16),
+        ({**MARBLE, "mu": 20.0}, {**GLASS, "roughness": 5e-8}, 32),
         (STEEL_BALL, WOOD, 16),
         (WHEEL, STONE, 4),
         (SOFT_BALL, CLOTH, 4),

@@ -22,7 +22,7 @@ ALLOWED = {
     *("llvm.exp", "llvm.exp2", "llvm.log", "llvm.pow", "llvm.sin", "llvm.cos", "llvm.sqrt", "llvm.floor", "llvm.fabs"),
     *("llvm.fma", "llvm.fmuladd", "llvm.ctpop", "llvm.cttz", "llvm.copysign", "llvm.minnum", "llvm.maxnum"),
     *("llvm.abs", "llvm.smin", "llvm.smax", "llvm.umin", "llvm.umax", "llvm.vector.reduce"),
-    *("llvm.uadd.with.overflow", "llvm.usub.with.overflow", "llvm.umul.with.overflow"),
+    *("llvm.uadd.with.overflow", "llvm.usub.with.overflow", "llvm.umul.with.overflow", "llvm.usub.sat"),
     *("llvm.memset", "llvm.memcpy", "llvm.memmove", "llvm.prefetch"),
     *("llvm.masked.load", "llvm.masked.store", "llvm.masked.gather", "llvm.masked.scatter"),
     *("llvm.lifetime.start", "llvm.lifetime.end", "llvm.assume", "llvm.experimental.noalias.scope.decl"),

@@ -1,0 +1,192 @@
+"""LANES modes at once that ring under forces: see simd.py."""
+
+from typing import Any
+
+from ..native.jit import cgutils, intrinsic, ir, types
+from ..numerics.legendre import KEPT
+from .simd import LANES, REASSOCIATE, STRETCH, int32, int64, lanes_type, pointer_to, sums_of, vector_of, vector_type
+
+
+@intrinsic
+def push(typingctx, pushes, phi, slope, table, first, feeds, feed, frame):
+    """Add what a force does to a group of modes in each of STRETCH samples, for each lane i.
+
+    The force's moments are in feeds[feed, frame + t]; with sums over them, pushes[(2 t + s) LANES + i] +=
+    (phi[i] + t slope[i]) sum_k moment_k table[first + (2 k + s) LANES + i], s = 0, 1. feeds: (feeds, frames, KEPT).
+    """
+
+    def codegen(context, builder, signature, args):
+        pushes, phi, slope, table, first, feeds, feed, frame = args
+        memory = context.make_array(signature.args[5])(context, builder, feeds)
+        frames, count = cgutils.unpack_tuple(builder, memory.shape)[1:]
+        start = builder.mul(builder.add(builder.mul(feed, frames), frame), count)
+        phi, slope = (vector_of(builder, cgutils.unpack_tuple(builder, lanes)) for lanes in (phi, slope))
+        sums = [ir.Constant(vector_type(), None) for _ in range(2 * STRETCH)]
+        for k in range(KEPT):
+            at = [builder.add(first, int64((2 * k + s) * LANES)) for s in range(2)]
+            places = [pointer_to(context, builder, signature.args[3], table, each) for each in at]
+            rows = [builder.load(place, align=8) for place in places]
+            for t in range(STRETCH):
+                at = builder.gep(memory.data, [builder.add(start, builder.add(builder.mul(int64(t), count), int64(k)))])
+                moment = vector_of(builder, [builder.load(at)] * LANES)
+                for s in range(2):
+                    product = builder.fmul(moment, rows[s], flags=REASSOCIATE)
+                    sums[2 * t + s] = builder.fadd(sums[2 * t + s], product, flags=REASSOCIATE)
+        for n, total in enumerate(sums):
+            if n > 0 and n % 2 == 0:
+                phi = builder.fadd(phi, slope, flags=REASSOCIATE)
+            pointer = pointer_to(context, builder, signature.args[0], pushes, int64(n * LANES))
+            product = builder.fmul(phi, total, flags=REASSOCIATE)
+            builder.store(builder.fadd(builder.load(pointer, align=8), product, flags=REASSOCIATE), pointer, align=8)
+        return context.get_dummy_value()
+
+    return types.void(pushes, phi, slope, table, types.intp, feeds, types.intp, types.intp), codegen
+
+
+@intrinsic
+def ring_pushed(typingctx, y1, y2, a1, a2, balance, first, pushes, totals):
+    """STRETCH samples of the recursion y <- a1 y1 + a2 y2 for each lane i, from y1[first + i] and y2[first + i] on.
+
+    Before sample t pushes[2 t LANES + i] is added to y1 and pushes[(2 t + 1) LANES + i] to y2; y and balance y are
+    added to totals[2 t LANES + i] and totals[(2 t + 1) LANES + i].
+    """
+
+    def codegen(context, builder, signature, args):
+        index = args[5]
+
+        def place(n, at):
+            return pointer_to(context, builder, signature.args[n], args[n], at)
+
+        def load(n, at):
+            return builder.load(place(n, at), align=8)
+
+        def product_sum(a, b, c):
+            product = builder.fmul(a, b, flags=REASSOCIATE)
+            return builder.fadd(product, c, flags=REASSOCIATE)
+
+        u, v, p, q, balance = (load(n, index) for n in range(5))
+        for t in range(STRETCH):
+            at_left, at_right = int64(2 * t * LANES), int64((2 * t + 1) * LANES)
+            u = builder.fadd(u, load(6, at_left), flags=REASSOCIATE)
+            v = builder.fadd(v, load(6, at_right), flags=REASSOCIATE)
+            y = product_sum(p, u, builder.fmul(q, v, flags=REASSOCIATE))
+            u, v = y, u
+            builder.store(builder.fadd(load(7, at_left), y, flags=REASSOCIATE), place(7, at_left), align=8)
+            builder.store(product_sum(balance, y, load(7, at_right)), place(7, at_right), align=8)
+        builder.store(u, place(0, index), align=8)
+        builder.store(v, place(1, index), align=8)
+        return context.get_dummy_value()
+
+    return types.void(y1, y2, a1, a2, balance, types.intp, pushes, totals), codegen
+
+
+@intrinsic
+def ring_moved(typingctx, y1, y2, a1, a2, first, phi, table, row, moments, frame):
+    """LANES samples of the recursion of LANES modes from `first` on under a force, and the sums of y, a tuple.
+
+    phi: the modes' shapes where it acts. Its moments are moments[frame + t], (frames, KEPT); what they do to the modes
+    begins at table[row].
+    """
+
+    def codegen(context, builder, signature, args):
+        memory = context.make_array(signature.args[8])(context, builder, args[8])
+        start = builder.mul(args[9], int64(KEPT))
+
+        def place(n, at):
+            return pointer_to(context, builder, signature.args[n], args[n], at)
+
+        def times(a, b):
+            return builder.fmul(a, b, flags=REASSOCIATE)
+
+        def plus(a, b):
+            return builder.fadd(a, b, flags=REASSOCIATE)
+
+        shape = vector_of(builder, cgutils.unpack_tuple(builder, args[5]))
+        u, v, p, q = (builder.load(place(n, args[4]), align=8) for n in range(4))
+        at = [builder.add(args[7], int64(k * LANES)) for k in range(2 * KEPT)]
+        rows = [times(shape, builder.load(place(6, each), align=8)) for each in at]
+        heard = []
+        for t in range(LANES):
+            for k in range(KEPT):
+                each = builder.load(builder.gep(memory.data, [builder.add(start, int64(t * KEPT + k))]))
+                moment = vector_of(builder, [each] * LANES)
+                u, v = plus(u, times(moment, rows[2 * k])), plus(v, times(moment, rows[2 * k + 1]))
+            u, v = plus(times(p, u), times(q, v)), u
+            heard.append(u)
+        builder.store(u, place(0, args[4]), align=8)
+        builder.store(v, place(1, args[4]), align=8)
+        total = sums_of(builder, heard)
+        return cgutils.pack_array(builder, [builder.extract_element(total, int32(i)) for i in range(LANES)])
+
+    index = types.intp
+    return lanes_type()(y1, y2, a1, a2, index, phi, table, index, moments, index), codegen
+
+
+@intrinsic
+def ring_blown(typingctx, y1, y2, a1, a2, balance, blows, forces, count, frame, since):
+    """STRETCH samples of y <- a1 y1 + a2 y2 + sum_j (blow_j + (since + t) change_j) forces[j, frame + t] of all modes.
+
+    blow_j and change_j are in `blows` from 2 j and 2 j + 1 times the number of modes on, for j below `count`. The sums
+    of y, then those of balance y, a tuple of 2 STRETCH values.
+    """
+    return _ring_blown((y1, y2, a1, a2, balance, blows, forces, types.intp, types.intp, types.float64), moves=True)
+
+
+@intrinsic
+def ring_blown_still(typingctx, y1, y2, a1, a2, balance, blows, forces, count, frame, since):
+    """The same where each change_j is 0: they are not read."""
+    return _ring_blown((y1, y2, a1, a2, balance, blows, forces, types.intp, types.intp, types.float64), moves=False)
+
+
+def _ring_blown(arguments: tuple[Any, ...], moves: bool) -> Any:
+    """Signature and code of `ring_blown`, with changes or without."""
+
+    def codegen(context, builder, signature, args):
+        types_of = signature.args
+        count, frame, since = args[7:]
+        size = context.make_array(types_of[0])(context, builder, args[0]).nitems
+        feeds = context.make_array(types_of[6])(context, builder, args[6])
+        frames = cgutils.unpack_tuple(builder, feeds.shape)[1]
+
+        def place(n, at):
+            return pointer_to(context, builder, types_of[n], args[n], at)
+
+        def times(a, b):
+            return builder.fmul(a, b, flags=REASSOCIATE)
+
+        def plus(a, b):
+            return builder.fadd(a, b, flags=REASSOCIATE)
+
+        def everywhere(value):
+            return vector_of(builder, [value] * LANES)
+
+        zero = ir.Constant(vector_type(), None)
+        totals = [cgutils.alloca_once_value(builder, zero) for _ in range(2 * STRETCH)]
+        steps = [ir.Constant(ir.DoubleType(), float(t)) for t in range(STRETCH)]
+        ages = [everywhere(builder.fadd(since, step)) for step in steps]
+        with cgutils.for_range_slice(builder, int64(0), size, int64(LANES)) as (i, _):
+            pushes = [cgutils.alloca_once(builder, vector_type()) for _ in range(STRETCH)]
+            for each in pushes:
+                builder.store(zero, each)
+            with cgutils.for_range(builder, count) as loop:
+                at = builder.add(builder.mul(builder.mul(loop.index, int64(2)), size), i)
+                blow = builder.load(place(5, at), align=8)
+                change = builder.load(place(5, builder.add(at, size)), align=8) if moves else None
+                first = builder.add(builder.mul(loop.index, frames), frame)
+                for t, each in enumerate(pushes):
+                    force = everywhere(builder.load(builder.gep(feeds.data, [builder.add(first, int64(t))])))
+                    here = plus(blow, times(ages[t], change)) if moves else blow
+                    builder.store(plus(builder.load(each), times(here, force)), each)
+            u, v, p, q, weight = (builder.load(place(n, i), align=8) for n in range(5))
+            for t in range(STRETCH):
+                y = plus(plus(times(p, u), times(q, v)), builder.load(pushes[t]))
+                u, v = y, u
+                builder.store(plus(builder.load(totals[t]), y), totals[t])
+                right = totals[STRETCH + t]
+                builder.store(plus(builder.load(right), times(weight, y)), right)
+            builder.store(u, place(0, i), align=8)
+            builder.store(v, place(1, i), align=8)
+        total = sums_of(builder, [builder.load(each) for each in totals])
+        return cgutils.pack_array(builder, [builder.extract_element(total, int32(i)) for i in range(2 * STRETCH)])
+
+    return types.UniTuple(types.float64, 2 * STRETCH)(*arguments), codegen
