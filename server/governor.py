@@ -17,10 +17,11 @@ _LITTLE = 0.4  # load, averaged over a second
 _BETWEEN = 0.2  # s from step to step downwards: as long as it takes to see the effect of one
 _SOON = 0.05  # s, after a step upwards
 _CALM = 4.0  # s of little load before a step upwards
-_BEARABLE = 0.65  # load, averaged over a second, at which a step upwards is tried
+_BEARABLE = 0.75  # load, averaged over a second, at which a step upwards is tried
 _PATIENCE = 10.0  # s of bearable load before the first try; twice as long after each that failed
 _LONGEST_PATIENCE = 160.0  # s
 _FURTHEST_TRY = Quality.QUIET  # from beyond it, a step upwards may double the load: only little load will do
+_IN_A_ROW = 0.2  # s: so soon after another a late block is a burst's
 _LAST_FOR_BURSTS = Quality.QUIET
 
 
@@ -32,7 +33,7 @@ class Governor:
         self._stepped = 0.0
         self._calm_since = self._bearable_since = 0.0
         self._patience, self._tried = _PATIENCE, -math.inf
-        self._overruns = 0
+        self._overruns, self._late = 0, -math.inf
         self._best = Quality.FULL
 
     def note_request(self, message: Message) -> None:
@@ -44,12 +45,10 @@ class Governor:
         """The quality to change to, None to stay; to be called every few hundredths of a second with the time (s)."""
         quality, stats = self._engine.quality, self._engine.stats
         load, overruns = stats.load, stats.overruns
-        # At little load an overrun is the system's doing, else that of a burst of contacts.
-        burst = overruns > self._overruns and load > _LITTLE and quality < _LAST_FOR_BURSTS
-        self._overruns = overruns
+        burst = self._is_burst(now, overruns) and load > _LITTLE and quality < _LAST_FOR_BURSTS
         if load > _LITTLE:
             self._calm_since = now
-        if max(load, stats.load_now) > _BEARABLE or quality > _FURTHEST_TRY:
+        if load > _BEARABLE or quality > _FURTHEST_TRY:
             self._bearable_since = now
         if burst or stats.load_now > _TOO_MUCH:
             tried = now - self._tried < max(_PATIENCE, self._patience)
@@ -60,8 +59,16 @@ class Governor:
                 return Quality(quality + 1)
         elif quality > self._best:
             calm = now - max(self._calm_since, self._stepped) >= _CALM
-            if calm or now - max(self._bearable_since, self._stepped) >= self._patience:
+            bearable = now - max(self._bearable_since, self._stepped) >= self._patience
+            if calm or (bearable and stats.load_now <= _BEARABLE):
                 self._patience, self._tried = (_PATIENCE if calm else self._patience), now
                 self._stepped = now
                 return Quality(quality - 1)
         return None
+
+    def _is_burst(self, now: float, overruns: int) -> bool:
+        """Whether blocks were late in a row, as in a burst of contacts. A late block alone is the system's doing."""
+        new, self._overruns = overruns - self._overruns, overruns
+        in_a_row = new > 1 or (new == 1 and now - self._late <= _IN_A_ROW)
+        self._late = now if new > 0 else self._late
+        return in_a_row

@@ -171,18 +171,27 @@ def allowance(gained, scale):
 @kernel
 def extrapolate(step, ratio):
     """Let the next step's Newton start where the last step's force leads; the next is `ratio` times as long."""
-    f0, f1, f2 = step.f[0], step.f[1], step.f[2]
+    c0, c1, c2 = power_series_of(step.f[0], step.f[1], step.f[2])
     for i in range(NODES):
-        step.f[i] = force_at(f0, f1, f2, 1.0 + ratio * GAUSS[i])
+        theta = 1.0 + ratio * GAUSS[i]
+        step.f[i] = max(c0 + theta * (c1 + theta * c2), 0.0)
 
 
 @kernel
 def force_at(f0, f1, f2, theta):
     """Where the quadratic of a step's forces leads, in times of the step; never negative."""
-    value = 0.0
-    for power in range(NODES - 1, -1, -1):
-        value = value * theta + CARDINAL[power, 0] * f0 + CARDINAL[power, 1] * f1 + CARDINAL[power, 2] * f2
-    return max(value, 0.0)
+    c0, c1, c2 = power_series_of(f0, f1, f2)
+    return max(c0 + theta * (c1 + theta * c2), 0.0)
+
+
+@kernel
+def power_series_of(f0, f1, f2):
+    """The power series of the quadratic through a step's forces, in times of the step."""
+    return (
+        CARDINAL[0, 0] * f0 + CARDINAL[0, 1] * f1 + CARDINAL[0, 2] * f2,
+        CARDINAL[1, 0] * f0 + CARDINAL[1, 1] * f1 + CARDINAL[1, 2] * f2,
+        CARDINAL[2, 0] * f0 + CARDINAL[2, 1] * f1 + CARDINAL[2, 2] * f2,
+    )
 
 
 @kernel

@@ -6,6 +6,8 @@ from ..native.jit import cgutils, intrinsic, ir, types
 from ..numerics.legendre import KEPT
 from .simd import LANES, REASSOCIATE, STRETCH, int32, int64, lanes_type, pointer_to, sums_of, vector_of, vector_type
 
+_CONTRACT = ("contract",)  # where LLVM, if it might reorder, would have more wait for the last sample
+
 
 @intrinsic
 def push(typingctx, pushes, phi, slope, table, first, feeds, feed, frame):
@@ -96,23 +98,28 @@ def ring_moved(typingctx, y1, y2, a1, a2, first, phi, table, row, moments, frame
             return pointer_to(context, builder, signature.args[n], args[n], at)
 
         def times(a, b):
-            return builder.fmul(a, b, flags=REASSOCIATE)
+            return builder.fmul(a, b, flags=_CONTRACT)
 
         def plus(a, b):
-            return builder.fadd(a, b, flags=REASSOCIATE)
+            return builder.fadd(a, b, flags=_CONTRACT)
 
         shape = vector_of(builder, cgutils.unpack_tuple(builder, args[5]))
         u, v, p, q = (builder.load(place(n, args[4]), align=8) for n in range(4))
         at = [builder.add(args[7], int64(k * LANES)) for k in range(2 * KEPT)]
         rows = [times(shape, builder.load(place(6, each), align=8)) for each in at]
+        zero = ir.Constant(vector_type(), None)
         heard = []
         for t in range(LANES):
+            pushes = [zero, zero]
             for k in range(KEPT):
                 each = builder.load(builder.gep(memory.data, [builder.add(start, int64(t * KEPT + k))]))
                 moment = vector_of(builder, [each] * LANES)
-                u, v = plus(u, times(moment, rows[2 * k])), plus(v, times(moment, rows[2 * k + 1]))
-            u, v = plus(times(p, u), times(q, v)), u
-            heard.append(u)
+                pushes = [plus(pushes[s], times(moment, rows[2 * k + s])) for s in range(2)]
+            # What waits for the last sample is one product and one sum: the rest is known before.
+            v = plus(v, pushes[1])
+            y = plus(times(p, u), plus(times(p, pushes[0]), times(q, v)))
+            u, v = y, plus(u, pushes[0])
+            heard.append(y)
         builder.store(u, place(0, args[4]), align=8)
         builder.store(v, place(1, args[4]), align=8)
         total = sums_of(builder, heard)

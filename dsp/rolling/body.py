@@ -52,6 +52,7 @@ ROLL = np.dtype(
         ("k", np.float64),
         ("mu", np.float64),
         ("a", np.float64),
+        ("energy_share", np.float64),  # 1/(a + 1): elastic energy over force times compression
         ("stiffness", np.float64),  # k, as far as it makes a difference
         ("rest_compression", np.float64),  # m: compression under its weight
         ("swing", np.float64),  # 1/s^2: square of the angular frequency at which it swings about that
@@ -111,6 +112,7 @@ def begin_roll(roll, place, k, mu, a, corners, coarseness):
     roll.stiffness = 0.0
     roll.mu = mu
     roll.a = a
+    roll.energy_share = 1.0 / (a + 1.0)
     roll.path.speed = roll.v
     roll.path.corners = corners
     roll.path.roughness = target.roughness
@@ -190,7 +192,7 @@ def modulate(roll):
 
 @kernel
 def look_ahead(roll, seconds):
-    """Have the path ready; returns the time in s for which it is, or one beyond `seconds`."""
+    """Have the path ready; returns the time in s for which it is, at most `seconds`."""
     path = roll.path
     begun = roll.piece >= 0
     anew = not begun or roll.target.radius != path.radius
@@ -216,7 +218,7 @@ def look_ahead(roll, seconds):
     for i in range(roll.piece, path.made):
         length += path.length[i & (PIECES - 1)]
         if length > seconds * roll.modulated_speed:
-            break
+            return seconds
     return length / roll.modulated_speed
 
 

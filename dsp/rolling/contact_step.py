@@ -20,7 +20,7 @@ from ..contact.collocation import (
     extrapolate,
     raised,
 )
-from ..native.jit import kernel, noinline_kernel
+from ..native.jit import fused_kernel, fused_noinline_kernel, kernel
 from ..numerics.roots import rough_eighth_root
 from .free_mass import solve_free_mass
 from .path import PIECES
@@ -58,7 +58,7 @@ def path_at(roll):
     return level, path.incline[i] + path.curvature[i] * q
 
 
-@kernel
+@fused_kernel
 def _to_kink(roll, h, least):
     """The length of a step of at most h s that ends before the path kinks, by a jump of its rate of `least` m/s."""
     path = roll.path
@@ -74,7 +74,7 @@ def _to_kink(roll, h, least):
     return h
 
 
-@kernel
+@fused_kernel
 def _walk(roll, h):
     """Put the path's heights and their rates at a step's nodes and end; returns the piece and place of the end."""
     path = roll.path
@@ -92,9 +92,9 @@ def _walk(roll, h):
     return piece, q
 
 
-@kernel
-def _collocate(roll, h, k, speed):
-    """Try a step in contact: whether it is solved, and the body's height and rate at its end."""
+@fused_kernel
+def _collocate(roll, h, pace, k, speed):
+    """Try a step in contact, pace = 1/h: whether it is solved, and the body's height and rate at its end."""
     step = roll.step
     y, w, g = roll.y, roll.w, roll.modulated_gravity
     lightness = h * roll.lightness
@@ -105,7 +105,7 @@ def _collocate(roll, h, k, speed):
         step.free_v[i] = roll.path_rate[i] - (w - rises - g * t)
     bend = abs(roll.path_rate[0] - roll.path_rate[1]) + abs(roll.path_rate[1] - roll.path_rate[NODES])
     error = _SOLVED * speed + min(_SOLVED_BENT * bend, _SOLVED_WITHIN * TOLERANCE * speed)
-    solved = solve_free_mass(step, h, lightness, roll.mobility, (k, roll.mu, roll.a), error * roll.m / h)
+    solved = solve_free_mass(step, h, lightness, roll.mobility, (k, roll.mu, roll.a), error * roll.m * pace)
     y += h * (w - rises - 0.5 * g * h)
     w -= g * h
     for j in range(NODES):
@@ -114,8 +114,8 @@ def _collocate(roll, h, k, speed):
     return solved, y, w
 
 
-@kernel
-def _judge(roll, h, k, begin, y, w):
+@fused_kernel
+def _judge(roll, h, pace, k, begin, y, w):
     """What to multiply a step with for the tolerance, and whether it will do; begin: compression, its rate, and the
     elastic energy at its beginning."""
     m, f = roll.m, roll.step.f
@@ -138,26 +138,26 @@ def _judge(roll, h, k, begin, y, w):
     room = spread + _GROWTH * m * (square + roll.modulated_gravity * max(x, x_end, 0.0))
     ripple = max(_ripple(roll, x, v), _ripple(roll, x_end, v_end), _LEAST_RIPPLE * _LEAST_RIPPLE * square)
     # Squares, whose eighth root is taken, as that of the ripple would take longer.
-    wanted, rest = (_tolerance(roll, h) * m) ** 2 * ripple, rest * rest
+    wanted, rest = (_tolerance(roll, pace) * m) ** 2 * ripple, rest * rest
     good = rest <= _TAKEN * _TAKEN * wanted and gained <= room
     return better_step(rough_eighth_root(wanted / max(rest, _LEAST_REST))), good
 
 
-@kernel
-def _tolerance(roll, h):
-    """The share of the momentum at hand by which a step of h s may err."""
-    shorter = max(roll.brief / h, 1.0)
+@fused_kernel
+def _tolerance(roll, pace):
+    """The share of the momentum at hand by which a step of 1/pace s may err."""
+    shorter = max(roll.brief * pace, 1.0)
     return min(TOLERANCE * shorter * shorter, _MOST) * roll.path.coarseness
 
 
-@kernel
+@fused_kernel
 def _spring(roll, k, x):
     """The force (N) without dissipation under a compression, and the elastic energy (J)."""
     spring = k * raised(x, roll.a) if x > 0.0 else 0.0
-    return spring, spring * max(x, 0.0) / (roll.a + 1.0)
+    return spring, spring * max(x, 0.0) * roll.energy_share
 
 
-@kernel
+@fused_kernel
 def _rate_under(roll, spring, rate):
     """The rate of compression under a spring's force (N), which would be `rate` (m/s) if the surface did not sink."""
     if roll.mobility == 0.0:
@@ -165,13 +165,13 @@ def _rate_under(roll, spring, rate):
     return (rate + roll.mobility * (roll.m * roll.g - spring)) / (1.0 + spring * roll.mu * roll.mobility)
 
 
-@kernel
+@fused_kernel
 def _speed_squared(roll, v, stored):
     """The square of the speed that a rate of compression, the elastic energy and the rest's make together."""
     return v * v + 2.0 * stored * roll.lightness + roll.g * roll.rest_compression
 
 
-@kernel
+@fused_kernel
 def _ripple(roll, x, v):
     """The square of the speed of a swing about rest: what is heard of a body that never leaves the path, however
     soft."""
@@ -179,7 +179,7 @@ def _ripple(roll, x, v):
     return v * v + roll.swing * away * away
 
 
-@kernel
+@fused_kernel
 def _hold(roll, h, k, x):
     """Hold the force over a step, which can't gain energy however long it is; the body's height and rate at its end."""
     rate = roll.w - roll.mobility * roll.m * roll.g
@@ -192,7 +192,7 @@ def _hold(roll, h, k, x):
     return roll.level[NODES] - (x + change), roll.w + h * (force / roll.m - roll.modulated_gravity)
 
 
-@noinline_kernel
+@fused_noinline_kernel
 def step_contact(roll, longest, least):
     """Take a step in contact of at most `longest` s, and no less than `least` whatever its error."""
     k = roll.stiffness
@@ -214,11 +214,12 @@ def step_contact(roll, longest, least):
     piece = roll.piece
     along = roll.along
     for _ in range(_TRIALS):
+        pace = 1.0 / h
         piece, along = _walk(roll, h)
-        solved, y, w = _collocate(roll, h, k, speed)
+        solved, y, w = _collocate(roll, h, pace, k, speed)
         ratio = 0.25
         if solved:
-            ratio, good = _judge(roll, h, k, (x, v, stored), y, w)
+            ratio, good = _judge(roll, h, pace, k, (x, v, stored), y, w)
         if good or h <= least:
             break
         h = max(h * min(ratio, 0.7), least)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..contact.collocation import INTEGRAL, WEIGHTS, raised, solve
-from ..native.jit import kernel, noinline_kernel
+from ..native.jit import fused_kernel, fused_noinline_kernel
 
 _ITERATIONS = 10
 _SOLVED = 1e-11  # share of the forces by which they may err
@@ -30,13 +30,15 @@ def _eigenvectors() -> tuple[float, complex, NDArray[np.float64], NDArray[np.flo
 _REAL, _OTHER, _basis, _inverse = _eigenvectors()
 _OTHER_RE, _OTHER_IM = _OTHER.real, _OTHER.imag
 _SQUARE_RE, _SQUARE_IM = (_OTHER * _OTHER).real, (_OTHER * _OTHER).imag
+_TWICE = INTEGRAL @ INTEGRAL
 _P = tuple(tuple(float(x) for x in row) for row in INTEGRAL)
+_PP = tuple(tuple(float(x) for x in row) for row in _TWICE)
 _B = tuple(tuple(float(x) for x in row) for row in _basis)
 _C = tuple(tuple(float(x) for x in row) for row in _inverse)
 _W = tuple(float(x) for x in WEIGHTS)
 
 
-@kernel
+@fused_kernel
 def _times(matrix, f0, f1, f2):
     """A matrix of 3 x 3 numbers times a vector."""
     return (
@@ -46,7 +48,7 @@ def _times(matrix, f0, f1, f2):
     )
 
 
-@kernel
+@fused_kernel
 def _law(x, v, k, mu, a):
     """The contact force (N) and its slopes over x and v."""
     slack = 1.0 + mu * v
@@ -56,22 +58,26 @@ def _law(x, v, k, mu, a):
     return rate * x * slack, a * rate * slack, mu * rate * x
 
 
-@kernel
+@fused_kernel
 def _compressions(step, f, h, lightness, mobility):
     """Compressions and their rates under forces at the nodes."""
     p = _times(_P, f[0], f[1], f[2])
-    q0, q1, q2 = (
-        lightness * p[0] + mobility * f[0],
-        lightness * p[1] + mobility * f[1],
-        lightness * p[2] + mobility * f[2],
+    pp = _times(_PP, f[0], f[1], f[2])
+    heavy, light = h * lightness, h * mobility
+    x = (
+        step.free_x[0] - (heavy * pp[0] + light * p[0]),
+        step.free_x[1] - (heavy * pp[1] + light * p[1]),
+        step.free_x[2] - (heavy * pp[2] + light * p[2]),
     )
-    taken = _times(_P, q0, q1, q2)
-    x = step.free_x[0] - h * taken[0], step.free_x[1] - h * taken[1], step.free_x[2] - h * taken[2]
-    v = step.free_v[0] - q0, step.free_v[1] - q1, step.free_v[2] - q2
+    v = (
+        step.free_v[0] - (lightness * p[0] + mobility * f[0]),
+        step.free_v[1] - (lightness * p[1] + mobility * f[1]),
+        step.free_v[2] - (lightness * p[2] + mobility * f[2]),
+    )
     return x, v
 
 
-@kernel
+@fused_kernel
 def _slopes(stiffness, damping, h, lightness, mobility):
     """The reciprocals of Newton's matrix in P's eigenvectors: a real number, and a complex one by its parts."""
     c0, c1, c2 = 1.0 + damping * mobility, damping * lightness + stiffness * h * mobility, stiffness * h * lightness
@@ -82,7 +88,7 @@ def _slopes(stiffness, damping, h, lightness, mobility):
     return real, re * size, -im * size
 
 
-@noinline_kernel
+@fused_noinline_kernel
 def solve_free_mass(step, h, lightness, mobility, law, negligible):
     """Forces at the nodes, from `step.f` on, within `negligible` (N); false if the step is too long to find them.
 
@@ -116,7 +122,7 @@ def solve_free_mass(step, h, lightness, mobility, law, negligible):
     return _solve_each(step, h, lightness, mobility, law, negligible)
 
 
-@noinline_kernel
+@fused_noinline_kernel
 def _solve_each(step, h, lightness, mobility, law, negligible):
     """The same by Newton's method with each node's own slopes."""
     k, mu, a = law
@@ -126,6 +132,3 @@ def _solve_each(step, h, lightness, mobility, law, negligible):
             step.give_x[i, j] = h * (lightness * _TWICE[i, j] + mobility * INTEGRAL[i, j])
         step.give_v[i, i] += mobility
     return solve(step, k, mu, a, negligible)
-
-
-_TWICE = INTEGRAL @ INTEGRAL

@@ -2,7 +2,7 @@
 
 import math
 
-from ..contact.collocation import CARDINAL, NODES
+from ..contact.collocation import power_series_of
 from ..native.jit import kernel
 
 
@@ -16,11 +16,7 @@ def add_quadratic(force, since, span, start, stop, origin, rate, moments):
     begin, end = max((start - origin) * rate, 0.0), min((stop - origin) * rate, len(moments))
     if begin >= end:
         return
-    c0 = c1 = c2 = 0.0
-    for j in range(NODES):
-        c0 += CARDINAL[0, j] * force[j]
-        c1 += CARDINAL[1, j] * force[j]
-        c2 += CARDINAL[2, j] * force[j]
+    c0, c1, c2 = power_series_of(force[0], force[1], force[2])
     first, last = -math.floor(-begin), math.floor(end)  # the whole samples
     step = 1.0 / (rate * span)
     early = (origin - since) / span

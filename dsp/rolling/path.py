@@ -55,6 +55,7 @@ PATH = np.dtype(
     [
         ("surface", SURFACE),
         ("radius", np.float64),  # m
+        ("bend", np.float64),  # 1/m: curvature of the body's lowest arc, -1/radius
         ("corners", np.float64),  # of the body, 0: it is round
         ("side", np.float64),  # m between them, 0: it is round
         # What is asked for.
@@ -189,7 +190,7 @@ def _hide(path, k):
     """Find those that lie too low between the two that are k points away: the chord is above their arcs."""
     height, hidden = path.ahead, path.hidden
     distance = k * path.stride * path.surface.unit
-    least = -distance * distance / path.radius
+    least = path.bend * distance * distance
     for i in range(BLOCK - 2 * k):
         hidden[i + k] = max(hidden[i + k], least - (2.0 * height[i + k] - height[i] - height[i + 2 * k]))
 
@@ -238,7 +239,7 @@ def _settle(path):
             second, third = (path.first + 1) & (POINTS - 1), (path.first + 2) & (POINTS - 1)
             edge = path.edge[third]
             ahead = (path.front - path.place[second]) * path.surface.unit - edge
-            room = path.highest - path.height[second] + edge * edge / (2.0 * path.radius)
+            room = path.highest - path.height[second] - 0.5 * path.bend * edge * edge
             if (ahead >= 0.0 and ahead * ahead >= 2.0 * path.radius * room) or path.count >= POINTS - BLOCK:
                 return
         _read_block(path)
@@ -248,6 +249,7 @@ def _settle(path):
 def restart_path(path, place):
     """Begin the path anew at a place: piece 0 begins in the middle of the arc there."""
     _refresh(path)
+    path.bend = -1.0 / path.radius
     path.settled = 0
     for j in range(OCTAVES):
         path.surface.gain[j] = path.wanted[j]
@@ -288,7 +290,7 @@ def make_piece(path):
         share = (edge - path.entered) / (path.before + distance)
         next_share = (after_edge + distance - edge) / (distance + after)
         turn = min(max(min(share, next_share) * distance, 0.0), edge - path.left)
-    bend = -1.0 / path.radius
+    bend = path.bend
     _lay(path, path.left, edge - turn - path.left, bend, distance)
     if turn > 0.0:
         _lay(path, edge - turn, 2.0 * turn, bend - bend * distance / (2.0 * turn), distance)
@@ -306,7 +308,7 @@ def _lay(path, begin, length, curvature, distance):
     if length <= _SHORTEST * distance:
         return
     i = path.made & (PIECES - 1)
-    slope = -begin / path.radius
+    slope = path.bend * begin
     path.length[i] = length
     path.level[i] = path.height[path.first] + 0.5 * begin * slope
     path.incline[i] = slope
