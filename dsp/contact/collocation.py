@@ -36,6 +36,8 @@ INTEGRAL = np.array([[c ** np.arange(1, 4) / np.arange(1, 4) @ CARDINAL[:, j] fo
 LAST = CARDINAL.sum(axis=0)
 """The quadratic's value at the step's end."""
 
+_C = tuple(tuple(float(x) for x in row) for row in CARDINAL)
+
 WITHIN = 0.8
 """Share of the longest step within a tolerance that is tried: of `step_within`."""
 
@@ -188,9 +190,9 @@ def force_at(f0, f1, f2, theta):
 def power_series_of(f0, f1, f2):
     """The power series of the quadratic through a step's forces, in times of the step."""
     return (
-        CARDINAL[0, 0] * f0 + CARDINAL[0, 1] * f1 + CARDINAL[0, 2] * f2,
-        CARDINAL[1, 0] * f0 + CARDINAL[1, 1] * f1 + CARDINAL[1, 2] * f2,
-        CARDINAL[2, 0] * f0 + CARDINAL[2, 1] * f1 + CARDINAL[2, 2] * f2,
+        _C[0][0] * f0 + _C[0][1] * f1 + _C[0][2] * f2,
+        _C[1][0] * f0 + _C[1][1] * f1 + _C[1][2] * f2,
+        _C[2][0] * f0 + _C[2][1] * f1 + _C[2][2] * f2,
     )
 
 

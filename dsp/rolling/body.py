@@ -16,7 +16,7 @@ import math
 import numpy as np
 
 from ..contact.collocation import NODES, STEP
-from ..native.jit import kernel
+from ..native.jit import kernel, noinline_kernel
 from ..numerics.legendre import KEPT
 from ..schema import SPEED, STEERED
 from .contact_step import path_at, step_contact
@@ -129,7 +129,7 @@ def begin_roll(roll, place, k, mu, a, corners, coarseness):
     roll.path.start[0] = 0.0
 
 
-@kernel
+@noinline_kernel
 def steer(roll):
     """Bring speed, mass and gravity, after an event, nearer to their targets."""
     roll.path.roughness, roll.path.patch = roll.target.roughness, roll.target.patch

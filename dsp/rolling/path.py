@@ -25,7 +25,7 @@ import math
 
 import numpy as np
 
-from ..native.jit import kernel
+from ..native.jit import kernel, noinline_kernel
 from .surface import BLOCK, CREST, OCTAVES, SURFACE, read_heights
 
 AUDIBLE = 60_000.0
@@ -175,7 +175,7 @@ def _lower(path):
         path.ahead[i] -= s * s / (2.0 * EDGE * path.radius)
 
 
-@kernel
+@noinline_kernel
 def _look_around(path):
     """Find points of a block that can't touch: two others, so many points to either side, hide them."""
     path.hidden[:] = -1.0
@@ -205,27 +205,30 @@ def _keep(path):
     return count
 
 
-@kernel
+@noinline_kernel
 def _push(path):
     """Take the block's points that aren't hidden into the hull."""
     unit, radius, count = path.surface.unit, path.radius, path.count
     last = (path.first + count - 1) & (POINTS - 1)
+    last_place, last_height, bound = path.place[last], path.height[last], path.edge[last] - path.distance[last]
     for n in range(_keep(path)):
         i = path.kept[n]
         place, height = path.front + (i + 1) * path.stride, path.ahead[i]
-        distance = edge = 0.0
+        distance = drop = 0.0
         while count > 0:
-            distance = (place - path.place[last]) * unit
-            edge = 0.5 * distance + radius * (path.height[last] - height) / distance
-            if count == 1 or edge > path.edge[last] - path.distance[last]:
+            distance, drop = (place - last_place) * unit, radius * (last_height - height)
+            # The edge, 0.5 distance + drop/distance, lies beyond the one before: else that would be left too late.
+            if count == 1 or drop > distance * (bound - 0.5 * distance):
                 break
-            # It would be left before it is reached.
             count -= 1
             last = (last - 1) & (POINTS - 1)
-        adjoins = 1 if count > 0 and path.place[last] == place - path.stride else 0
+            last_place, last_height, bound = path.place[last], path.height[last], path.edge[last] - path.distance[last]
+        adjoins = 1 if count > 0 and last_place == place - path.stride else 0
+        edge = 0.5 * distance + drop / distance if count > 0 else 0.0
         last = (path.first + count) & (POINTS - 1)
         path.place[last], path.height[last], path.adjoins[last] = place, height, adjoins
         path.distance[last], path.edge[last] = distance, edge
+        last_place, last_height, bound = place, height, edge - distance
         count += 1
     path.count = count
     path.front += BLOCK * path.stride

@@ -223,7 +223,7 @@ def _add_narrow(surface, j, place, stride, gain, rise, z):
             heights = dot(surface.weights, at, LANES, (b[0], b[1], b[2], b[3], b[4]))
         else:
             heights = dot(surface.weights, at, LANES, b)
-        add_product(z, g * LANES, heights, _lanes_of(gain + (g * LANES + 1) * rise, rise))
+        add_product(z, g * LANES, heights, _gains(gain, rise, g * LANES))
 
 
 @kernel
@@ -236,12 +236,15 @@ def _add_narrowest(surface, j, place, gain, rise, z):
     weights = _cubic_weights((shifted - (cell << level)) * 0.5**level)
     for g in range(BLOCK // LANES):
         heights = dot(surface.corner, g * LANES, 1, weights)
-        add_product(z, g * LANES, heights, _lanes_of(gain + (g * LANES + 1) * rise, rise))
+        add_product(z, g * LANES, heights, _gains(gain, rise, g * LANES))
 
 
 @kernel
-def _lanes_of(first, rise):
-    """LANES numbers that go evenly."""
+def _gains(gain, rise, begin):
+    """An octave's gains at LANES points of a block from one on."""
+    if rise == 0.0:
+        return gain, gain, gain, gain, gain, gain, gain, gain
+    first = gain + (begin + 1) * rise
     return (
         first, first + rise, first + 2.0 * rise, first + 3.0 * rise,
         first + 4.0 * rise, first + 5.0 * rise, first + 6.0 * rise, first + 7.0 * rise,
