@@ -86,7 +86,8 @@ def ring_bank(state):
     if phase.modes == 0:
         phase.sounds = 0
         return
-    sum_bins(spectral.chunks, spectral.singles, phase.single, phase.start, phase.count, spectral.sums)
+    chunks, singles, weights = spectral.chunks, spectral.singles, spectral.weights
+    sum_bins(chunks, singles, weights, phase.single, phase.start, phase.count, spectral.sums)
     synthesize(spectral.sums, spectral.points[0], spectral.points[1], phase.out)
     phase.begin, phase.sounds = state.position, 1
 

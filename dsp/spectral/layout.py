@@ -4,13 +4,13 @@ A phase keeps its chunks in a region of its own, bin after bin as far as may be:
 which it is read is read several times faster. A bin has room for some more modes; one that runs full moves to the
 region's end. When too much has moved, the phase moves bin by bin to the spare region (places.py).
 
-A bin keeps its modes as float64 or, where that is chosen, as float32, which is half as much to read.
+A bin keeps what brings its modes further as float64 or, where that is chosen, as float32: half as much to read.
 """
 
 import numpy as np
 
 from .basis import BINS, FRAMES, SIZE
-from .simd import CHUNK, ROWS, SUMS
+from .simd import CHUNK, MOTION, SUMS, WEIGHTS
 from .synthesis import POINT
 
 PHASES = 8
@@ -42,8 +42,9 @@ PHASE = np.dtype(
 
 SPECTRAL = np.dtype(
     [
-        ("chunks", np.float64, CHUNKS * ROWS * CHUNK),  # modes, as simd.py says
-        ("singles", np.float32, CHUNKS * ROWS * CHUNK),  # the same places, of bins whose modes are kept in float32
+        ("chunks", np.float64, CHUNKS * MOTION * CHUNK),  # modes, as simd.py says
+        ("singles", np.float32, CHUNKS * MOTION * CHUNK),  # the same places, of bins whose modes are kept in float32
+        ("weights", np.float32, CHUNKS * WEIGHTS * CHUNK),  # of both
         ("owner", np.int32, CHUNKS * CHUNK),  # whose place it is: 1 + number of the mode; else minus the next free one
         ("sums", np.float64, BINS * SUMS),
         ("points", np.float64, (2, SIZE * POINT)),

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from ..native.jit import kernel
 from .basis import BINS
 from .layout import PHASE_MODES, REGION
-from .simd import CHUNK, ROWS
+from .simd import CHUNK, MOTION, ROWS, WEIGHTS
 
 _SPREAD = 4  # a bin that has run full gets room for this share more chunks, and
 _LEAST = 2  # so many at least
@@ -58,26 +58,29 @@ def give_place(spectral, phase, b, mode, slots):
 
 
 @kernel
-def number_at(place, row):
-    """Where a place's number of a row lies in the chunks."""
-    return place // CHUNK * (ROWS * CHUNK) + row * CHUNK + place % CHUNK
+def _number_at(place, row, rows):
+    """Where a place's number of a row lies among chunks of so many rows."""
+    return place // CHUNK * (rows * CHUNK) + row * CHUNK + place % CHUNK
 
 
 @kernel
 def number(spectral, single, place, row):
     """A place's number of a row, in a bin that is kept in float32 (single: 1) or in float64."""
-    at = number_at(place, row)
+    if row >= MOTION:
+        return float(spectral.weights[_number_at(place, row - MOTION, WEIGHTS)])
+    at = _number_at(place, row, MOTION)
     return float(spectral.singles[at]) if single == 1 else spectral.chunks[at]
 
 
 @kernel
 def put_number(spectral, single, place, row, value):
     """Set a place's number of a row; else as `number`."""
-    at = number_at(place, row)
-    if single == 1:
-        spectral.singles[at] = value
+    if row >= MOTION:
+        spectral.weights[_number_at(place, row - MOTION, WEIGHTS)] = value
+    elif single == 1:
+        spectral.singles[_number_at(place, row, MOTION)] = value
     else:
-        spectral.chunks[at] = value
+        spectral.chunks[_number_at(place, row, MOTION)] = value
 
 
 @kernel
@@ -185,7 +188,7 @@ def empty_phase(spectral, phase, slots):
 def levels_of(spectral: np.void, p: int, bins: NDArray[np.int16], places: NDArray[np.int32]) -> NDArray[np.float64]:
     """The squared amplitudes of modes of phase p in such bins and places, 1 + number; 0 where they have none."""
     place = np.maximum(places.astype(np.int64) - 1, 0)
-    first = place // CHUNK * (ROWS * CHUNK) + place % CHUNK
+    first = place // CHUNK * (MOTION * CHUNK) + place % CHUNK
     single = spectral["phases"][p]["single"][bins] == 1
     re, im = (np.where(single, spectral["singles"][at], spectral["chunks"][at]) for at in (first, first + CHUNK))
     return np.where(places > 0, re**2 + im**2, 0.0)

@@ -8,10 +8,14 @@ from typing import Any
 from ..native.jit import cgutils, intrinsic, ir, types
 from .basis import TERMS
 
-ROWS = 7
-"""Of a chunk, each as long as its modes: c, exp(lambda FRAMES), zeta, each by real and imaginary parts; and balance."""
 CHUNK = 8
 """Modes of a chunk."""
+MOTION = 4
+"""Rows of a chunk that bring it further, each as long as its modes: c, exp(lambda FRAMES), by real and imaginary parts.
+They are kept in float64 or in float32."""
+WEIGHTS = 3
+"""Rows behind these that it is heard by, always in float32: zeta, by real and imaginary parts, and balance."""
+ROWS = MOTION + WEIGHTS
 SUMS = 4 * TERMS
 """Sums of a bin: left by real and imaginary parts, then right."""
 
@@ -52,6 +56,10 @@ class _Writer:
 
     def store(self, value: Any, data: Any, index: Any, offset: int = 0) -> None:
         self.builder.store(value, self.place(data, index, offset), align=self._bits // 8)
+
+    def taken(self, value: Any) -> Any:
+        """A vector of float32 as one of this writer's numbers."""
+        return value if self._bits == 32 else self.builder.fpext(value, _vector_type())
 
     def ask_for(self, data: Any, index: Any, numbers: int) -> None:
         """Have so many numbers come from memory that lie _AHEAD of those at `index`. There may be nothing."""
@@ -111,19 +119,20 @@ class _Writer:
 
 
 @intrinsic
-def spread(typingctx, chunks, first, last, sums, at):
+def spread(typingctx, chunks, weights, first, last, sums, at):
     """Add up the modes of a bin, in chunks `first` to `last`, and bring them a block further.
 
     sums[at + j] = sum_m Re(c_m zeta_m^j), then Im at TERMS; from 2 TERMS on the same times the modes' balance. Then
-    c_m <- c_m exp(lambda_m FRAMES). Arrays are flat: chunks float64 or float32, which all but the last addition of a
-    bin's modes is done in; sums float64.
+    c_m <- c_m exp(lambda_m FRAMES). Arrays are flat: chunks (MOTION rows each) float64 or float32, which all but the
+    last addition of a bin's modes is done in; weights (WEIGHTS rows) float32; sums float64.
     """
     bits = chunks.dtype.bitwidth
 
     def codegen(context, builder, signature, args):
-        w, wide = _Writer(context, builder, bits), _Writer(context, builder)
-        chunks, first, last, sums, at = args
-        data, target = w.data(signature.args[0], chunks), wide.data(signature.args[3], sums)
+        w, wide, narrow = _Writer(context, builder, bits), _Writer(context, builder), _Writer(context, builder, 32)
+        chunks, weights, first, last, sums, at = args
+        data, target = w.data(signature.args[0], chunks), wide.data(signature.args[4], sums)
+        heard = narrow.data(signature.args[1], weights)
         totals = [cgutils.alloca_once(builder, _vector_type(bits)) for _ in range(SUMS)]
         for total in totals:
             builder.store(ir.Constant(_vector_type(bits), None), total)
@@ -132,9 +141,11 @@ def spread(typingctx, chunks, first, last, sums, at):
             builder.store(w.add(builder.load(totals[place]), value), totals[place])
 
         with cgutils.for_range_slice(builder, first, last, _i64(1), ir.IntType(64)) as (chunk, _):
-            begin = builder.mul(chunk, _i64(ROWS * CHUNK))
-            w.ask_for(data, begin, ROWS * CHUNK)
-            re, im, e_re, e_im, z_re, z_im, balance = (w.load(data, begin, row * CHUNK) for row in range(ROWS))
+            begin, behind = builder.mul(chunk, _i64(MOTION * CHUNK)), builder.mul(chunk, _i64(WEIGHTS * CHUNK))
+            w.ask_for(data, begin, MOTION * CHUNK)
+            narrow.ask_for(heard, behind, WEIGHTS * CHUNK)
+            re, im, e_re, e_im = (w.load(data, begin, row * CHUNK) for row in range(MOTION))
+            z_re, z_im, balance = (w.taken(narrow.load(heard, behind, row * CHUNK)) for row in range(WEIGHTS))
             w.store_pair(w.complex_times((re, im), (e_re, e_im)), data, begin)
             power = re, im
             for j in range(TERMS):
@@ -147,7 +158,7 @@ def spread(typingctx, chunks, first, last, sums, at):
             wide.store(builder.fpext(total, _vector_type()) if bits == 32 else total, target, at, k * TERMS)
         return context.get_dummy_value()
 
-    return types.void(chunks, types.intp, types.intp, sums, types.intp), codegen
+    return types.void(chunks, weights, types.intp, types.intp, sums, types.intp), codegen
 
 
 @intrinsic

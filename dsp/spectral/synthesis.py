@@ -14,17 +14,17 @@ POINT = 2 * TERMS
 
 
 @kernel
-def sum_bins(chunks, singles, single, start, count, sums):
+def sum_bins(chunks, singles, weights, single, start, count, sums):
     """Add up the modes by bin, and bring them a block further.
 
-    chunks, singles: as in `spread`, float64 and float32; those of bin b are `count[b]` from `start[b]` on, in `singles`
-    where single[b] is 1. sums: (BINS SUMS,) float64, overwritten.
+    chunks, singles, weights: as in `spread`, float64 and float32; those of bin b are `count[b]` from `start[b]` on, in
+    `singles` where single[b] is 1. sums: (BINS SUMS,) float64, overwritten.
     """
     for b in range(BINS):
         if count[b] > 0 and single[b] == 1:
-            spread(singles, start[b], start[b] + count[b], sums, b * SUMS)
+            spread(singles, weights, start[b], start[b] + count[b], sums, b * SUMS)
         elif count[b] > 0:
-            spread(chunks, start[b], start[b] + count[b], sums, b * SUMS)
+            spread(chunks, weights, start[b], start[b] + count[b], sums, b * SUMS)
         else:
             for k in range(b * SUMS, (b + 1) * SUMS):
                 sums[k] = 0.0

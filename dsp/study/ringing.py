@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..resonator.bank import Modes, ring
 from ..schema import FORMS
 from ..spectral.basis import BINS, CENTRE, FRAMES, MOST_LOSS, RADIUS, SIZE
-from ..spectral.simd import CHUNK, ROWS, SUMS
+from ..spectral.simd import CHUNK, MOTION, SUMS, WEIGHTS
 from ..spectral.synthesis import POINT, sum_bins, synthesize
 from .cost import cost_of
 
@@ -25,7 +25,7 @@ _AT_ONCE = 1_024  # modes that ring sample by sample together, as an object's do
 _BLOCKS, _COMPARED = 938, 134  # of ten seconds at 48 kHz; each so many is compared
 
 Array = NDArray[Any]
-Chunks = tuple[Array, Array, Array]
+Chunks = tuple[Array, Array, Array, Array]
 Blocks = Iterator[NDArray[np.float64]]
 
 
@@ -40,7 +40,8 @@ def random_modes(count: int, seed: int = 4) -> tuple[Array, Array, Array]:
 
 
 def placed(steps: Array, c: Array, balance: Array) -> Chunks:
-    """Chunks of the spectral bank (float64), the first of each bin and their count, of such modes."""
+    """Chunks of the spectral bank (float64), their weights (float32), the first of each bin and their count, of such
+    modes."""
     bins = np.minimum((steps.imag * BINS / np.pi + 0.5).astype(int), BINS - 1)
     held = np.bincount(bins, minlength=BINS)
     count = -(-held // CHUNK)
@@ -49,24 +50,25 @@ def placed(steps: Array, c: Array, balance: Array) -> Chunks:
     turned = np.exp(steps * FRAMES)
     order = np.argsort(bins, kind="stable")
     inside = np.arange(len(bins)) - np.repeat(np.cumsum(held) - held, held)  # of their bins, in that order
-    chunks = np.zeros((count.sum(), ROWS, CHUNK))
-    rows = np.array([c.real, c.imag, turned.real, turned.imag, zeta.real, zeta.imag, balance])
-    chunks[start[bins[order]] + inside // CHUNK, :, inside % CHUNK] = rows[:, order].T
-    return chunks.ravel(), start, count
+    chunks, weights = (np.zeros((count.sum(), rows, CHUNK)) for rows in (MOTION, WEIGHTS))
+    place = start[bins[order]] + inside // CHUNK, slice(None), inside % CHUNK
+    chunks[place] = np.array([c.real, c.imag, turned.real, turned.imag])[:, order].T
+    weights[place] = np.array([zeta.real, zeta.imag, balance])[:, order].T
+    return chunks.ravel(), weights.ravel().astype(np.float32), start, count
 
 
-def _arguments(chunks: Array, start: Array, count: Array) -> tuple[Array, ...]:
+def _arguments(chunks: Array, weights: Array, start: Array, count: Array) -> tuple[Array, ...]:
     """What `sum_bins` takes, of chunks in float64 or float32."""
     single = chunks.dtype == np.float32
     both = (np.zeros(0), chunks) if single else (chunks, np.zeros(0, np.float32))
-    return *both, np.full(BINS, int(single)), start, count
+    return *both, weights, np.full(BINS, int(single)), start, count
 
 
-def bank_blocks(chunks: Array, start: Array, count: Array, many: int) -> Blocks:
+def bank_blocks(chunks: Array, weights: Array, start: Array, count: Array, many: int) -> Blocks:
     """So many blocks of the spectral bank's sound, each (2, FRAMES); chunks: float64 or float32."""
     sums, points, out = np.zeros(BINS * SUMS), np.zeros((2, SIZE * POINT)), np.zeros((2, FRAMES))
     for _ in range(many):
-        sum_bins(*_arguments(chunks, start, count), sums)
+        sum_bins(*_arguments(chunks, weights, start, count), sums)
         synthesize(sums, points[0], points[1], out)
         yield out
 
@@ -93,7 +95,7 @@ def _ring_blocks(arrays, room, out, times):
 @njit(error_model="numpy")
 def _bank_blocks(kept, sums, points, out, times):
     for _ in range(times):
-        sum_bins(kept[0], kept[1], kept[2], kept[3], kept[4], sums)
+        sum_bins(kept[0], kept[1], kept[2], kept[3], kept[4], kept[5], sums)
         synthesize(sums, points[0], points[1], out)
 
 
@@ -107,8 +109,8 @@ def _one_by_one(steps: Array, c: Array, balance: Array) -> Array:
 
 def _blocks(way: str, steps: Array, c: Array, balance: Array, many: int) -> Blocks:
     if way != "one by one":
-        chunks, start, held = placed(steps, c, balance)
-        yield from bank_blocks(chunks.astype(way), start, held, many)
+        chunks, weights, start, held = placed(steps, c, balance)
+        yield from bank_blocks(chunks.astype(way), weights, start, held, many)
         return
     arrays, room, out = _one_by_one(steps, c, balance), np.zeros((2, FRAMES)), np.zeros((2, FRAMES))
     for _ in range(many):
@@ -140,8 +142,8 @@ def cost_by(way: str, count: int, repeats: int) -> float:
         arrays, room = _one_by_one(steps, c, balance), np.zeros((2, FRAMES))
         loop = lambda times: _ring_blocks(arrays, room, out, times)  # noqa: E731
     else:
-        chunks, start, held = placed(steps, c, balance)
-        arguments = _arguments(chunks.astype(way), start, held)
+        chunks, weights, start, held = placed(steps, c, balance)
+        arguments = _arguments(chunks.astype(way), weights, start, held)
         sums, points = np.zeros(BINS * SUMS), np.zeros((2, SIZE * POINT))
         loop = lambda times: _bank_blocks(arguments, sums, points, out, times)  # noqa: E731
     return cost_of(loop, repeats) / (count * FRAMES)

@@ -15,7 +15,7 @@ from carom.dsp.spectral.places import (
     put_number,
     take_place,
 )
-from carom.dsp.spectral.simd import CHUNK, ROWS
+from carom.dsp.spectral.simd import CHUNK, MOTION, ROWS, WEIGHTS
 
 MODES = 30_000
 
@@ -52,11 +52,14 @@ def check(spectral, phases, bins, slots):
         end = np.sort((phase["start"] + phase["room"])[phase["room"] > 0])
         assert (end[:-1] <= begin[1:]).all()  # no bin reaches into another
         for b in range(BINS):
-            numbers = spectral["singles" if phase["single"][b] else "chunks"][phase["start"][b] * ROWS * CHUNK :]
-            total += numbers[: phase["count"][b] * ROWS * CHUNK].sum(dtype=float)
+            for name, rows in (("singles" if phase["single"][b] else "chunks", MOTION), ("weights", WEIGHTS)):
+                numbers = spectral[name][phase["start"][b] * rows * CHUNK :]
+                total += numbers[: phase["count"][b] * rows * CHUNK].sum(dtype=float)
     for row in range(ROWS):
-        at = places // CHUNK * (ROWS * CHUNK) + row * CHUNK + places % CHUNK
+        at = places // CHUNK * (MOTION * CHUNK) + row * CHUNK + places % CHUNK
         found = np.where(phases[taken] == 1, spectral["singles"][at], spectral["chunks"][at])
+        if row >= MOTION:
+            found = spectral["weights"][places // CHUNK * (WEIGHTS * CHUNK) + (row - MOTION) * CHUNK + places % CHUNK]
         np.testing.assert_array_equal(found, taken + row / 8)
     assert total == pytest.approx((ROWS * taken + sum(range(ROWS)) / 8).sum(), rel=1e-9)
 
