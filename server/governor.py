@@ -7,6 +7,7 @@ Each choice goes to the session as /quality, so that a log renders to the same s
 """
 
 import math
+from collections import deque
 
 from ..dsp.engine.state import Quality
 from ..dsp.runtime.engine import Engine
@@ -22,6 +23,8 @@ _PATIENCE = 10.0  # s of bearable load before the first try; twice as long after
 _LONGEST_PATIENCE = 160.0  # s
 _FURTHEST_TRY = Quality.QUIET  # from beyond it, a step upwards may double the load: only little load will do
 _IN_A_ROW = 0.2  # s: so soon after another a late block is a burst's
+_OFTEN = 4  # late blocks within _LATELY that are those of bursts, too
+_LATELY = 3.0  # s
 _LAST_FOR_BURSTS = Quality.QUIET
 
 
@@ -33,7 +36,8 @@ class Governor:
         self._stepped = 0.0
         self._calm_since = self._bearable_since = 0.0
         self._patience, self._tried = _PATIENCE, -math.inf
-        self._overruns, self._late = 0, -math.inf
+        self._overruns = 0
+        self._late = deque([-math.inf] * _OFTEN, _OFTEN)
         self._best = Quality.FULL
 
     def note_request(self, message: Message) -> None:
@@ -45,7 +49,7 @@ class Governor:
         """The quality to change to, None to stay; to be called every few hundredths of a second with the time (s)."""
         quality, stats = self._engine.quality, self._engine.stats
         load, overruns = stats.load, stats.overruns
-        burst = self._is_burst(now, overruns) and load > _LITTLE and quality < _LAST_FOR_BURSTS
+        burst = self._note_overruns(now, overruns) and load > _LITTLE and quality < _LAST_FOR_BURSTS
         if load > _LITTLE:
             self._calm_since = now
         if load > _BEARABLE or quality > _FURTHEST_TRY:
@@ -66,9 +70,8 @@ class Governor:
                 return Quality(quality - 1)
         return None
 
-    def _is_burst(self, now: float, overruns: int) -> bool:
-        """Whether blocks were late in a row, as in a burst of contacts. A late block alone is the system's doing."""
+    def _note_overruns(self, now: float, overruns: int) -> bool:
+        """Note how many blocks were late; whether those of late are a burst's. One alone is the system's doing."""
         new, self._overruns = overruns - self._overruns, overruns
-        in_a_row = new > 1 or (new == 1 and now - self._late <= _IN_A_ROW)
-        self._late = now if new > 0 else self._late
-        return in_a_row
+        self._late.extend([now] * new)
+        return new > 0 and (self._late[-1] - self._late[-2] <= _IN_A_ROW or now - self._late[0] <= _LATELY)

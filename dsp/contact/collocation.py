@@ -39,7 +39,7 @@ LAST = CARDINAL.sum(axis=0)
 _C = tuple(tuple(float(x) for x in row) for row in CARDINAL)
 
 WITHIN = 0.8
-"""Share of the longest step within a tolerance that is tried: of `step_within`."""
+"""Share of the longest step within a tolerance that `better_step` tries."""
 
 SOLVED = 1e-8  # relative change of the forces that ends Newton's method, whose error is then about its square
 NEWTON_STEPS = 16
@@ -287,6 +287,6 @@ def step_within(rest, wanted):
 
 
 @kernel
-def better_step(longest):
-    """The factor from a step to the next one to try, from that to the longest within a tolerance."""
-    return min(max(WITHIN * longest, _SHORTEN), _LENGTHEN)
+def better_step(share):
+    """The factor from a step to the next one to try; share: the longest within the tolerance over this step."""
+    return min(max(WITHIN * share, _SHORTEN), _LENGTHEN)

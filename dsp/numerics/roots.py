@@ -24,10 +24,10 @@ def _number(typingctx, bits):
 
 
 _ONE = 1023 << 52  # the bits of 1: the exponent counts from 1023 on, above 52 bits of the mantissa
-_REST = _ONE - (_ONE >> 3) - (9 << 44)  # the last for errors as large either way
+_REST = _ONE - (_ONE >> 3) - (9 << 44)  # the last term makes the errors equal in both directions
 
 
 @kernel
 def rough_eighth_root(x):
-    """The eighth root of a number > 0 within 4 %: an eighth of its logarithm, which its bits nearly are."""
+    """The eighth root of a normal number > 0 within 4 %: an eighth of its logarithm, which its bits nearly are."""
     return _number((_bits(x) >> 3) + _REST)

@@ -6,7 +6,7 @@ from ..native.jit import cgutils, intrinsic, ir, types
 from ..numerics.legendre import KEPT
 from .simd import LANES, REASSOCIATE, STRETCH, int32, int64, lanes_type, pointer_to, sums_of, vector_of, vector_type
 
-_CONTRACT = ("contract",)  # where LLVM, if it might reorder, would have more wait for the last sample
+_CONTRACT = ("contract",)  # not reordered: LLVM would have more operations wait for the last sample's result
 
 
 @intrinsic

@@ -137,7 +137,7 @@ def _judge(roll, h, pace, k, begin, y, w):
     square = max(_speed_squared(roll, v, stored), v_end * v_end + 2.0 * kept * roll.lightness)
     room = spread + _GROWTH * m * (square + roll.modulated_gravity * max(x, x_end, 0.0))
     ripple = max(_ripple(roll, x, v), _ripple(roll, x_end, v_end), _LEAST_RIPPLE * _LEAST_RIPPLE * square)
-    # Squares, whose eighth root is taken, as that of the ripple would take longer.
+    # Squares: one rough eighth root stands for the square root of the ripple and the fourth root of the quotient.
     wanted, rest = (_tolerance(roll, pace) * m) ** 2 * ripple, rest * rest
     good = rest <= _TAKEN * _TAKEN * wanted and gained <= room
     return better_step(rough_eighth_root(wanted / max(rest, _LEAST_REST))), good

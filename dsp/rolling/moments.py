@@ -48,12 +48,12 @@ def _add_part(curve, begin, end, moments):
     """Add the quadratic to the moments of a sample, from `begin` to `end` samples."""
     early, step, c0, c1, c2, sample = curve
     reach, middle = end - begin, begin + end
-    # About the middle of the part, up to whose ends u goes from -1 to 1.
+    # About the middle of the part, over which u runs from -1 to 1.
     theta, half = early + 0.5 * middle * step, 0.5 * reach * step
     scale = 0.5 * reach * sample
     g0, g1 = scale * (c0 + theta * (c1 + theta * c2)), scale * half * (c1 + 2.0 * theta * c2)
     g2 = scale * half * half * c2
-    # Integrals with 1, u, u^2 and u^3; then with x, x^2 and x^3, where x = middle + reach u goes so over the sample.
+    # Integrals with 1, u, u^2 and u^3; then with x, x^2 and x^3; x = middle + reach u does so over the sample.
     u0, u1, u2, u3 = 2.0 * g0 + (2.0 / 3.0) * g2, (2.0 / 3.0) * g1, (2.0 / 3.0) * g0 + 0.4 * g2, 0.4 * g1
     middle -= 2.0 * math.floor(begin) + 1.0
     x1 = middle * u0 + reach * u1

@@ -73,7 +73,7 @@ PATH = np.dtype(
         ("place", np.int64, POINTS),
         ("height", np.float64, POINTS),
         ("distance", np.float64, POINTS),  # from the hull's point before it, m
-        ("edge", np.float64, POINTS),  # from that one to where the body leaves that for this one, m
+        ("edge", np.float64, POINTS),  # from the hull's point before it to where the body passes on to it, m
         ("adjoins", np.int64, POINTS),  # 1: that one is the profile's point before it
         ("first", np.int64),
         ("count", np.int64),
@@ -217,7 +217,8 @@ def _push(path):
         distance = drop = 0.0
         while count > 0:
             distance, drop = (place - last_place) * unit, radius * (last_height - height)
-            # The edge, 0.5 distance + drop/distance, lies beyond the one before: else that would be left too late.
+            # The edge, 0.5 distance + drop/distance, lies beyond the one before: else the last point would be left
+            # before it is reached.
             if count == 1 or drop > distance * (bound - 0.5 * distance):
                 break
             count -= 1

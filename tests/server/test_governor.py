@@ -88,7 +88,12 @@ def test_late_blocks_alone_are_the_systems_doing_or_a_bursts():
     assert run(governor, engine, 0.35, 5.0, 100.0, overruns=1) == []
     for n in range(20):
         engine.stats = replace(engine.stats, overruns=engine.stats.overruns + 1)
-        assert run(governor, engine, 0.7, 0.3, 150.0 + 0.3 * n) == []  # one by one
+        assert run(governor, engine, 0.7, 1.1, 150.0 + 1.1 * n) == []  # one by one
+    for n in range(4):
+        engine.stats = replace(engine.stats, overruns=engine.stats.overruns + 1)
+        steps = run(governor, engine, 0.7, 0.9, 180.0 + 0.9 * n)
+        assert [quality for _, quality in steps] == ([Quality.HELD] if n == 3 else [])  # a burst that comes again
+    engine.quality = Quality.FULL
     engine.stats = replace(engine.stats, overruns=engine.stats.overruns + 2)
     assert run(governor, engine, 0.5, 5.0, 200.0) == [(200.0, Quality.HELD)]  # once
     engine.stats, engine.quality = replace(engine.stats, overruns=engine.stats.overruns + 1), Quality.FULL

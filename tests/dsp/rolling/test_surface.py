@@ -4,6 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
+from numba import njit
 from scipy.signal import welch
 
 from carom.dsp.rolling import surface
@@ -86,3 +87,37 @@ def test_corrugation():
 def test_bad_surfaces_are_named(key, value):
     with pytest.raises(ValueError, match=rf"{key} = "):
         surface.make_surface(**{"roughness": 1e-6, "correlation": 1e-3, key: value})
+
+
+@njit(error_model="numpy")
+def read(ground, place, stride, gains, ripple_gain, z):
+    surface.read_heights(ground, place, stride, gains, ripple_gain, z)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("level", [0, 1, 6, 9, 14])
+def test_blocks_are_octaves_whose_gains_go_evenly_at_any_stride(level):
+    """Block after block, from before the origin on, with gains that glide, rest and are 0; strides double and halve."""
+    random, block = np.random.default_rng(level), surface.BLOCK
+    ground, octaves = make(seed=11, ripple=2e-7, wavelength=0.01), surface.OCTAVES
+    place = -int(random.integers(40 * block * 2**level))
+    ground["gain"][:], ground["ripple_gain"] = random.uniform(0.0, 1.0, octaves), 0.5
+    for turn in range(30):
+        stride = 2 ** max(min(level + (turn // 10) % 2, 15), 0)
+        before, ripple_before = ground["gain"].copy(), float(ground["ripple_gain"])
+        gains = before if turn % 3 == 0 else random.uniform(0.0, 1.0, octaves) * (random.uniform(size=octaves) > 0.2)
+        ripple_gain = ripple_before if turn % 3 == 0 else random.uniform()
+        places = place + stride * np.arange(block)
+        z = np.empty(block)
+        read(ground, place, stride, gains.copy(), ripple_gain, z)
+        after, share = ground["gain"].copy(), (np.arange(block) + 1) / block
+        assert (after == gains).all() and ground["ripple_gain"] == ripple_gain
+        expected = np.zeros(block)
+        for j in range(octaves + 1):
+            alone = np.eye(octaves + 1)[j]
+            ground["gain"][:], ground["ripple_gain"] = alone[:octaves], alone[octaves]
+            old, new = (ripple_before, ripple_gain) if j == octaves else (before[j], gains[j])
+            expected += (old + (new - old) * share) * surface.heights(ground, places)
+        ground["gain"][:], ground["ripple_gain"] = after, ripple_gain
+        np.testing.assert_allclose(z, expected, rtol=0, atol=1e-12 * ground["height"].sum())
+        place += block * stride
