@@ -149,18 +149,13 @@ _SAFE: dict[str, Any] = {"error_model": "numpy", "no_cpython_wrapper": True, "no
 _INLINED: dict[str, Any] = {"forceinline": True, "pipeline_class": _compiler(_Translation)}
 _APART: dict[str, Any] = {"forceinline": False, "pipeline_class": _compiler(_TranslationApart)}
 
-_ARITHMETIC: dict[str, dict[str, Any]] = {
-    "strict": {},
-    "fused": {"fastmath": {"contract"}},
-    "reordered": {"fastmath": {"contract", "reassoc", "nsz"}},
-}
-"""Closed forms are strict. Steps of rolls are fused, as they take most of their time in chains of products and sums.
-Modal sums have to be reordered to become SIMD reductions."""
+# What the modal sums need to become SIMD reductions; closed forms are compiled without it.
+_REASSOCIATE = {"contract", "reassoc", "nsz"}
 
 
-def part(function: Callable[..., Any], arithmetic: str, inlined: bool) -> Any:
+def part(function: Callable[..., Any], simd: bool, inlined: bool) -> Any:
     """A kernel for numba: translated where another function calls it."""
-    settings = _SAFE | (_INLINED if inlined else _APART) | _ARITHMETIC[arithmetic]
+    settings = _SAFE | (_INLINED if inlined else _APART) | ({"fastmath": _REASSOCIATE} if simd else {})
     compiled = njit(**settings)(function)
     resolve = compiled.get_call_template
 

@@ -43,10 +43,10 @@ carray: Any = Later("numba", "carray")
 class Kernel:
     """A function that is compiled into others. Called from Python, it runs as a function of its own."""
 
-    def __init__(self, function: Callable[..., Any], arithmetic: str = "strict", inlined: bool = True) -> None:
+    def __init__(self, function: Callable[..., Any], simd: bool = False, inlined: bool = True) -> None:
         functools.update_wrapper(self, function)
         self.py_func = function
-        self._settings = arithmetic, inlined
+        self._settings = simd, inlined
 
     @functools.cached_property
     def part(self) -> Any:
@@ -82,17 +82,7 @@ def noinline_kernel(function: Callable[..., Any]) -> Any:
 
 def simd_kernel(function: Callable[..., Any]) -> Any:
     """Decorator: a kernel whose sums may be reordered into vector lanes."""
-    return Kernel(function, "reordered")
-
-
-def fused_kernel(function: Callable[..., Any]) -> Any:
-    """Decorator: a kernel whose products may be rounded together with the sums that they enter."""
-    return Kernel(function, "fused")
-
-
-def fused_noinline_kernel(function: Callable[..., Any]) -> Any:
-    """Decorator: the same, that stays a function of its own."""
-    return Kernel(function, "fused", inlined=False)
+    return Kernel(function, simd=True)
 
 
 class Intrinsic:

@@ -20,7 +20,7 @@ from ..contact.collocation import (
     extrapolate,
     raised,
 )
-from ..native.jit import fused_kernel, fused_noinline_kernel, kernel
+from ..native.jit import kernel, noinline_kernel
 from ..numerics.roots import rough_eighth_root
 from .free_mass import solve_free_mass
 from .path import PIECES
@@ -58,7 +58,7 @@ def path_at(roll):
     return level, path.incline[i] + path.curvature[i] * q
 
 
-@fused_kernel
+@kernel
 def _to_kink(roll, h, least):
     """The length of a step of at most h s that ends before the path kinks, by a jump of its rate of `least` m/s."""
     path = roll.path
@@ -74,7 +74,7 @@ def _to_kink(roll, h, least):
     return h
 
 
-@fused_kernel
+@kernel
 def _walk(roll, h):
     """Put the path's heights and their rates at a step's nodes and end; returns the piece and place of the end."""
     path = roll.path
@@ -92,7 +92,7 @@ def _walk(roll, h):
     return piece, q
 
 
-@fused_kernel
+@kernel
 def _collocate(roll, h, pace, k, speed):
     """Try a step in contact, pace = 1/h: whether it is solved, and the body's height and rate at its end."""
     step = roll.step
@@ -114,7 +114,7 @@ def _collocate(roll, h, pace, k, speed):
     return solved, y, w
 
 
-@fused_kernel
+@kernel
 def _judge(roll, h, pace, k, begin, y, w):
     """What to multiply a step with for the tolerance, and whether it will do; begin: compression, its rate, and the
     elastic energy at its beginning."""
@@ -143,21 +143,21 @@ def _judge(roll, h, pace, k, begin, y, w):
     return better_step(rough_eighth_root(wanted / max(rest, _LEAST_REST))), good
 
 
-@fused_kernel
+@kernel
 def _tolerance(roll, pace):
     """The share of the momentum at hand by which a step of 1/pace s may err."""
     shorter = max(roll.brief * pace, 1.0)
     return min(TOLERANCE * shorter * shorter, _MOST) * roll.path.coarseness
 
 
-@fused_kernel
+@kernel
 def _spring(roll, k, x):
     """The force (N) without dissipation under a compression, and the elastic energy (J)."""
     spring = k * raised(x, roll.a) if x > 0.0 else 0.0
     return spring, spring * max(x, 0.0) * roll.energy_share
 
 
-@fused_kernel
+@kernel
 def _rate_under(roll, spring, rate):
     """The rate of compression under a spring's force (N), which would be `rate` (m/s) if the surface did not sink."""
     if roll.mobility == 0.0:
@@ -165,13 +165,13 @@ def _rate_under(roll, spring, rate):
     return (rate + roll.mobility * (roll.m * roll.g - spring)) / (1.0 + spring * roll.mu * roll.mobility)
 
 
-@fused_kernel
+@kernel
 def _speed_squared(roll, v, stored):
     """The square of the speed that a rate of compression, the elastic energy and the rest's make together."""
     return v * v + 2.0 * stored * roll.lightness + roll.g * roll.rest_compression
 
 
-@fused_kernel
+@kernel
 def _ripple(roll, x, v):
     """The square of the speed of a swing about rest: what is heard of a body that never leaves the path, however
     soft."""
@@ -179,7 +179,7 @@ def _ripple(roll, x, v):
     return v * v + roll.swing * away * away
 
 
-@fused_kernel
+@kernel
 def _hold(roll, h, k, x):
     """Hold the force over a step, which can't gain energy however long it is; the body's height and rate at its end."""
     rate = roll.w - roll.mobility * roll.m * roll.g
@@ -192,7 +192,7 @@ def _hold(roll, h, k, x):
     return roll.level[NODES] - (x + change), roll.w + h * (force / roll.m - roll.modulated_gravity)
 
 
-@fused_noinline_kernel
+@noinline_kernel
 def step_contact(roll, longest, least):
     """Take a step in contact of at most `longest` s, and no less than `least` whatever its error."""
     k = roll.stiffness

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..contact.collocation import INTEGRAL, WEIGHTS, raised, solve
-from ..native.jit import fused_kernel, fused_noinline_kernel
+from ..native.jit import kernel, noinline_kernel
 
 _ITERATIONS = 10
 _SOLVED = 1e-11  # share of the forces by which they may err
@@ -38,7 +38,7 @@ _C = tuple(tuple(float(x) for x in row) for row in _inverse)
 _W = tuple(float(x) for x in WEIGHTS)
 
 
-@fused_kernel
+@kernel
 def _times(matrix, f0, f1, f2):
     """A matrix of 3 x 3 numbers times a vector."""
     return (
@@ -48,7 +48,7 @@ def _times(matrix, f0, f1, f2):
     )
 
 
-@fused_kernel
+@kernel
 def _law(x, v, k, mu, a):
     """The contact force (N) and its slopes over x and v."""
     slack = 1.0 + mu * v
@@ -58,7 +58,7 @@ def _law(x, v, k, mu, a):
     return rate * x * slack, a * rate * slack, mu * rate * x
 
 
-@fused_kernel
+@kernel
 def _compressions(step, f, h, lightness, mobility):
     """Compressions and their rates under forces at the nodes."""
     p = _times(_P, f[0], f[1], f[2])
@@ -77,7 +77,7 @@ def _compressions(step, f, h, lightness, mobility):
     return x, v
 
 
-@fused_kernel
+@kernel
 def _slopes(stiffness, damping, h, lightness, mobility):
     """The reciprocals of Newton's matrix in P's eigenvectors: a real number, and a complex one by its parts."""
     c0, c1, c2 = 1.0 + damping * mobility, damping * lightness + stiffness * h * mobility, stiffness * h * lightness
@@ -88,7 +88,7 @@ def _slopes(stiffness, damping, h, lightness, mobility):
     return real, re * size, -im * size
 
 
-@fused_noinline_kernel
+@noinline_kernel
 def solve_free_mass(step, h, lightness, mobility, law, negligible):
     """Forces at the nodes, from `step.f` on, within `negligible` (N); false if the step is too long to find them.
 
@@ -122,7 +122,7 @@ def solve_free_mass(step, h, lightness, mobility, law, negligible):
     return _solve_each(step, h, lightness, mobility, law, negligible)
 
 
-@fused_noinline_kernel
+@noinline_kernel
 def _solve_each(step, h, lightness, mobility, law, negligible):
     """The same by Newton's method with each node's own slopes."""
     k, mu, a = law

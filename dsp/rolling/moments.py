@@ -3,10 +3,10 @@
 import math
 
 from ..contact.collocation import power_series_of
-from ..native.jit import fused_kernel
+from ..native.jit import kernel
 
 
-@fused_kernel
+@kernel
 def add_quadratic(force, since, span, start, stop, origin, rate, moments):
     """Add a force from `start` to `stop` to the moments (N s) of the frames it touches.
 
@@ -28,7 +28,7 @@ def add_quadratic(force, since, span, start, stop, origin, rate, moments):
         _add_part(curve, last, end, moments[last])
 
 
-@fused_kernel
+@kernel
 def _add_whole(curve, first, last, moments):
     """Add the quadratic to whole samples, over which it has three moments."""
     early, step, c0, c1, c2, sample = curve
@@ -43,7 +43,7 @@ def _add_whole(curve, first, last, moments):
         moments[n, 2] += 0.4 * bent
 
 
-@fused_kernel
+@kernel
 def _add_part(curve, begin, end, moments):
     """Add the quadratic to the moments of a sample, from `begin` to `end` samples."""
     early, step, c0, c1, c2, sample = curve

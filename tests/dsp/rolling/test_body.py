@@ -64,7 +64,7 @@ def thirds(spectra, frequencies):
     ("body", "on", "seeds"),
     [
         ({**MARBLE, "mu": 20.0}, {**GLASS, "roughness": 5e-8}, 32),
-        (STEEL_BALL, WOOD, 16),
+        (STEEL_BALL, WOOD, 32),
         (WHEEL, STONE, 4),
         (SOFT_BALL, CLOTH, 4),
     ],
