@@ -78,8 +78,9 @@ port = int(server.stdout.readline().split(",")[0].rsplit(":", 1)[1])
 with carom.Client(port=port) as client:
     client.accuracy(-40)
     client.new("board", "church-bell")
-    client.roll("board", 0.5, striker="glass-marble", surface="wood", seed=1, id="marble", looseness=0.9)
-    client.steer("marble", looseness=0.5)
+    with client.bundle():  # the server may take its time between two packets
+        client.roll("board", 0.5, striker="glass-marble", surface="wood", seed=1, id="marble", looseness=0.9)
+        client.steer("marble", looseness=0.5)
     client.ask("/sync", 1)
     time.sleep(1.0)
     client.ask("/quit")

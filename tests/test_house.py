@@ -104,17 +104,7 @@ def test_every_folder_is_packed():
     assert found == set(settings["packages"])
 
 
-KERNELS = {
-    "kernel",
-    "noinline_kernel",
-    "fused_kernel",
-    "fused_noinline_kernel",
-    "simd_kernel",
-    "njit",
-    "intrinsic",
-    "elementwise",
-    "c_function",
-}
+KERNELS = {"kernel", "noinline_kernel", "simd_kernel", "njit", "intrinsic", "elementwise", "c_function"}
 
 
 def test_all_but_kernels_have_hints():

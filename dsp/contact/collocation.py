@@ -41,6 +41,9 @@ _C = tuple(tuple(float(x) for x in row) for row in CARDINAL)
 WITHIN = 0.8
 """Share of the longest step within a tolerance that `better_step` tries."""
 
+LEAST_REST = 1e-300
+"""What is left at a step's end counts as at least so much, which keeps a quotient finite."""
+
 SOLVED = 1e-8  # relative change of the forces that ends Newton's method, whose error is then about its square
 NEWTON_STEPS = 16
 _SMALL = 2 * NODES  # unknowns: no zero is worth a look
@@ -50,7 +53,6 @@ _CLOSED = 1e-10  # of a step's greatest compression, that is left at the release
 _GRADIENT_STEPS = 200
 _ROUNDED = 2e-14  # share of its parts that is left of a residual by rounding
 _NEARLY_EQUAL = 3e-2  # share of x below which a change makes energies too equal to subtract
-_LEAST_REST = 1e-300  # keeps a quotient finite
 _SHORTEN, _LENGTHEN = 0.2, 2.0  # a step by at most, at once
 
 STEP = np.dtype(
@@ -173,10 +175,9 @@ def allowance(gained, scale):
 @kernel
 def extrapolate(step, ratio):
     """Let the next step's Newton start where the last step's force leads; the next is `ratio` times as long."""
-    c0, c1, c2 = power_series_of(step.f[0], step.f[1], step.f[2])
+    f0, f1, f2 = step.f[0], step.f[1], step.f[2]
     for i in range(NODES):
-        theta = 1.0 + ratio * GAUSS[i]
-        step.f[i] = max(c0 + theta * (c1 + theta * c2), 0.0)
+        step.f[i] = force_at(f0, f1, f2, 1.0 + ratio * GAUSS[i])
 
 
 @kernel
@@ -283,7 +284,7 @@ def step_within(rest, wanted):
     WITHIN or more means that the step itself will do. The rest grows with h^4 where the force is smooth, and less
     steeply where the contact begins.
     """
-    return better_step(math.sqrt(math.sqrt(wanted / max(rest, _LEAST_REST))))
+    return better_step(math.sqrt(math.sqrt(wanted / max(rest, LEAST_REST))))
 
 
 @kernel

@@ -28,7 +28,8 @@ from .simd import FACTORS, LANES, STRETCH, add_product, dot, inner_products, put
 from .simd_ring import ring_blown, ring_blown_still
 
 HALF = FACTORS // KEPT // 2
-"""Samples ahead and behind that a band-limited sample of a force is made of."""
+"""Samples ahead and behind that a band-limited sample of a force is made of: so many that the window's FACTORS weights
+stay in registers."""
 
 REACH = 2
 """Samples ahead and behind whose forces are heard in a sample: taps 0 to REACH on either side."""

@@ -12,6 +12,7 @@ import math
 
 from ..contact.collocation import (
     GAUSS,
+    LEAST_REST,
     NODES,
     WEIGHTS,
     better_step,
@@ -39,7 +40,6 @@ _GROWTH = 1e-9  # share of its energy that a step may gain
 _TRIALS = 24
 _HELD = 2.0  # what a step that had to be held is multiplied with for the next one
 _KINK = 1e-3  # share of the speed at hand by which a kink must change the compression's rate to end a step
-_LEAST_REST = 1e-300  # keeps a quotient finite
 _NEAR = 1e-9  # share of a piece at whose end it is as good as over
 _SOLVED = 3e-10  # share of the momentum at hand by which the solver's force may err
 _SOLVED_BENT = 1e-3  # the same, where the path bends, of what it bends by
@@ -140,7 +140,7 @@ def _judge(roll, h, pace, k, begin, y, w):
     # Squares: one rough eighth root stands for the square root of the ripple and the fourth root of the quotient.
     wanted, rest = (_tolerance(roll, pace) * m) ** 2 * ripple, rest * rest
     good = rest <= _TAKEN * _TAKEN * wanted and gained <= room
-    return better_step(rough_eighth_root(wanted / max(rest, _LEAST_REST))), good
+    return better_step(rough_eighth_root(wanted / max(rest, LEAST_REST))), good
 
 
 @kernel

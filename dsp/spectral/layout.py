@@ -4,7 +4,7 @@ A phase keeps its chunks in a region of its own, bin after bin as far as may be:
 which it is read is read several times faster. A bin has room for some more modes; one that runs full moves to the
 region's end. When too much has moved, the phase moves bin by bin to the spare region (places.py).
 
-A bin keeps what brings its modes further as float64 or, where that is chosen, as float32: half as much to read.
+A bin keeps what brings its modes further as float64 or, where that is chosen, as float32.
 """
 
 import numpy as np
