@@ -13,6 +13,7 @@ COMPILED = (
     "carom.dsp.native.system",
     "carom.dsp.runtime.callback",
     "carom.dsp.runtime.handover",
+    "carom.dsp.runtime.jobs",
     "carom.dsp.runtime.pacer",
     "carom.dsp.runtime.telling",
     "carom.dsp.tracking.track",

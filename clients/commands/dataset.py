@@ -6,7 +6,8 @@ from pathlib import Path
 from threading import Event
 from typing import TYPE_CHECKING
 
-from .options import add_presets, on_end, processors
+from ..processors import processors
+from .options import add_presets, on_end
 from .parser import Command, whole
 from .progress import shown_progress
 

@@ -1,7 +1,6 @@
 """The options that several commands share."""
 
 import argparse
-import os
 import signal
 import sys
 from collections.abc import Callable
@@ -77,11 +76,6 @@ def client(arguments: argparse.Namespace) -> Client:
 
 def _show_compiling(share: float, seconds: float) -> None:
     print(f"the server compiles its engine: {share:.0%}, about {seconds:.0f} s left", file=sys.stderr, flush=True)
-
-
-def processors() -> int:
-    """The processors that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _port(word: str) -> int:

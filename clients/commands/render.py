@@ -8,7 +8,8 @@ from threading import Event
 from typing import TYPE_CHECKING
 
 from ..errors import tell
-from .options import RATE, SWITCH, add_bank, add_contact, add_presets, contact, on_end, processors, switch
+from ..processors import processors
+from .options import RATE, SWITCH, add_bank, add_contact, add_presets, contact, on_end, switch
 from .parser import Command, number, one_of, whole
 from .progress import shown_progress
 

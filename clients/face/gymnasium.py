@@ -1,8 +1,10 @@
-"""Hearing for Gymnasium's MuJoCo environments: a wrapper whose observations hold the sound of each step.
+"""Hearing for Gymnasium's MuJoCo environments: wrappers whose observations hold the sound of each step.
 
     env = carom.gymnasium.AddAudioObservation(gymnasium.make("Ant-v5"), microphones=[(0, 0, 1)])
     observation, info = env.reset()
     observation["audio"]   # float32 (frames, channels), in pascals
+
+    envs = carom.gymnasium.VectorAddAudioObservation(gymnasium.make_vec("Ant-v5", num_envs=32), microphones=[(0, 0, 1)])
 
 It needs `pip install 'carom[gymnasium,mujoco]'`.
 """
@@ -14,12 +16,17 @@ import mujoco
 import numpy as np
 from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
+from gymnasium.vector import SyncVectorEnv, VectorEnv, VectorWrapper
+from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
+from .clients.processors import processors
+from .dsp.runtime.batch import Batch
 from .mujoco import Bridge
+from .server.world.blows import Hits
 from .server.world.bodies import WorldError
 from .server.world.hearing import Hearing
-from .world import microphones_of
+from .world import Blocks, microphones_of
 
 Observation = dict[str, Any]
 
@@ -37,60 +44,160 @@ class AddAudioObservation(gymnasium.Wrapper[Observation, Any, Any, Any], RecordC
     def __init__(self, env: gymnasium.Env[Any, Any], frames: int | None = None, **options: Any) -> None:
         RecordConstructorArgs.__init__(self, frames=frames, **options)
         gymnasium.Wrapper.__init__(self, env)
-        inner = cast(Any, env.unwrapped)
-        if not hasattr(inner, "_step_mujoco_simulation"):
-            raise WorldError(f"{inner}: expected an environment of Gymnasium with MuJoCo")
-        self._inner = inner
-        if "hearing" not in options:
-            places = options.pop("microphones", Hearing().microphones)
-            options = {**options, "hearing": Hearing(microphones_of(places), gestures=0)}
-        self._bridge = Bridge(inner.model, inner.data, **options)
-        world = self._bridge.world
-        self._frames = frames or round(inner.dt * world.rate)
-        self._audio = np.zeros((self._frames, world.simulation.channels), np.float32)
-        self._hits: list[Any] = []
-        sound = spaces.Box(-np.inf, np.inf, self._audio.shape, np.float32)
-        self.observation_space = spaces.Dict({"state": env.observation_space, "audio": sound})
-        inner._step_mujoco_simulation = self._simulate
+        self._sound = _Sound(env, frames, options)
+        self.observation_space = spaces.Dict({"state": env.observation_space, "audio": self._sound.space})
 
     @property
     def bridge(self) -> Bridge:
         """What tells the sound of this environment."""
-        return self._bridge
-
-    def _simulate(self, control: ArrayLike, steps: int) -> None:
-        """The environment's own steps of MuJoCo, each of which is told."""
-        model, data = self._inner.model, self._inner.data
-        step, tell, simulation = mujoco.mj_step, self._bridge.tell, self._bridge.world.simulation
-        data.ctrl[:] = control
-        self._hits = []
-        for _ in range(steps):
-            step(model, data)
-            tell()
-            self._hits += simulation.hits
-        mujoco.mj_rnePostConstraint(model, data)
+        return self._sound.bridge
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset the environment; the first observation is silent."""
         state, info = self.env.reset(seed=seed, options=options)
-        self._bridge.restart()
-        self._audio[:] = 0.0
-        return {"state": state, "audio": self._audio.copy()}, info
+        return {"state": state, "audio": self._sound.audio}, info
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         """Take an action, and hear it."""
+        self._sound.begin()
         state, reward, terminated, truncated, info = self.env.step(action)
-        audio = self._heard(self._bridge.world.block())
-        return {"state": state, "audio": audio}, reward, terminated, truncated, {**info, "hits": self._hits}
-
-    def _heard(self, block: NDArray[np.float32]) -> NDArray[np.float32]:
-        """The last frames, up to those of a block."""
-        if len(block) >= self._frames:
-            return block[-self._frames :]
-        self._audio = np.concatenate([self._audio, block])[-self._frames :]
-        return self._audio.copy()
+        hits = self._sound.end()
+        return {"state": state, "audio": self._sound.audio}, reward, terminated, truncated, {**info, "hits": hits}
 
     def close(self) -> None:
         """End the environment and its sound."""
-        self._bridge.world.close()
+        self._sound.bridge.world.close()
         super().close()
+
+
+class VectorAddAudioObservation(VectorWrapper[Observation, Any, Any, Any, Any], RecordConstructorArgs):
+    """A SyncVectorEnv that hears: as AddAudioObservation in each of its environments, the same bits, at less cost.
+
+    The sound of one environment is computed while the next one takes its action. threads: that compute it; as many as
+    there are further processors if not given. Observations: {"state": (n, ...), "audio": (n, frames, channels)}.
+    infos["hits"]: the blows of each. An AsyncVectorEnv takes AddAudioObservation in each of its processes.
+    """
+
+    def __init__(
+        self, env: VectorEnv[Any, Any, Any], frames: int | None = None, threads: int | None = None, **options: Any
+    ) -> None:
+        RecordConstructorArgs.__init__(self, frames=frames, threads=threads, **options)
+        super().__init__(env)
+        inner = env.unwrapped
+        if not isinstance(inner, SyncVectorEnv):
+            raise WorldError(f"{inner}: expected a SyncVectorEnv; in others, wrap each environment")
+        count = len(inner.envs)
+        self._batch = Batch(count, min(count - 1, processors() - 1 if threads is None else threads))
+        self._sounds = [_Sound(each, frames, options, self._batch) for each in inner.envs]
+        space = spaces.Dict({"state": env.single_observation_space, "audio": self._sounds[0].space})
+        self.single_observation_space = space
+        self.observation_space = batch_space(space, count)
+
+    @property
+    def bridges(self) -> list[Bridge]:
+        """What tells the sound of each environment."""
+        return [sound.bridge for sound in self._sounds]
+
+    def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Reset the environments; the first observations are silent."""
+        state, infos = self.env.reset(seed=seed, options=options)
+        return self._observed(state), infos
+
+    def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        """Take an action in each environment, and hear them."""
+        for sound in self._sounds:
+            sound.begin()
+        try:
+            state, rewards, terminations, truncations, infos = self.env.step(actions)
+        finally:
+            self._batch.finish()
+        hits = np.empty(len(self._sounds), object)
+        for number, sound in enumerate(self._sounds):
+            hits[number] = sound.end()
+        for ended in np.flatnonzero(infos.get("_final_obs", ())).tolist():
+            last = {"state": infos["final_obs"][ended], "audio": self._sounds[ended].final}
+            infos["final_obs"][ended] = last
+        infos |= {"hits": hits, "_hits": np.ones(len(hits), bool)}
+        return self._observed(state), rewards, terminations, truncations, infos
+
+    def _observed(self, state: Any) -> Observation:
+        return {"state": state, "audio": np.stack([sound.audio for sound in self._sounds])}
+
+    def close(self, **options: Any) -> None:
+        """End the environments and their sound."""
+        self._batch.close()
+        for sound in self._sounds:
+            sound.bridge.world.close()
+        super().close(**options)
+
+
+class _Sound:
+    """The sound of an environment, which is told each of its steps of MuJoCo, and begins anew where it is reset.
+
+    batch: has blocks computed; they are there after its `finish`. audio: of the time before the observation, an array
+    of its own for each. final: that before the last reset.
+    """
+
+    def __init__(
+        self, env: gymnasium.Env[Any, Any], frames: int | None, options: dict[str, Any], batch: Batch | None = None
+    ) -> None:
+        inner = cast(Any, env.unwrapped)
+        if not hasattr(inner, "_step_mujoco_simulation"):
+            raise WorldError(f"{inner}: expected an environment of Gymnasium with MuJoCo")
+        if "hearing" not in options:
+            places = options.get("microphones", Hearing().microphones)
+            others = {name: value for name, value in options.items() if name != "microphones"}
+            options = {**others, "hearing": Hearing(microphones_of(places), gestures=0)}
+        self._inner, self._batch = inner, batch
+        self.bridge = Bridge(inner.model, inner.data, **options)
+        world = self.bridge.world
+        self._shape = frames or round(inner.dt * world.rate), world.simulation.channels
+        self.audio = self.final = np.zeros(self._shape, np.float32)
+        self.space = spaces.Box(-np.inf, np.inf, self._shape, np.float32)
+        self._block: Blocks | None = None
+        self._reset = inner.reset
+        inner._step_mujoco_simulation, inner.reset = self._simulate, self._begin_anew
+
+    def begin(self) -> None:
+        """An action begins."""
+        self._blows: list[NDArray[np.void]] = []
+
+    def end(self) -> Hits:
+        """Hear what was simulated; the blows of the action."""
+        self._hear()
+        return Hits(self._blows, self.bridge.world.simulation.bodies)
+
+    def _hear(self) -> None:
+        if self._block is not None:
+            block, self._block = self._block, None
+            frames = self._shape[0]
+            self.audio = block if len(block) == frames else np.concatenate([self.audio, block])[-frames:]
+
+    def _simulate(self, control: ArrayLike, steps: int) -> None:
+        """The environment's own steps of MuJoCo, each of which is told."""
+        self._settle()
+        model, data, simulation = self._inner.model, self._inner.data, self.bridge.world.simulation
+        step, tell, struck = mujoco.mj_step, self.bridge.tell, simulation.struck
+        data.ctrl[:] = control
+        for _ in range(steps):
+            step(model, data)
+            tell()
+            if struck[0]:
+                self._blows.append(simulation.blows)
+        mujoco.mj_rnePostConstraint(model, data)
+        self._block = self.bridge.world.block(self._batch)
+
+    def _settle(self) -> None:
+        """Hear what is still being computed, before the World goes on."""
+        if self._block is not None:
+            if self._batch:
+                self._batch.finish()
+            self._hear()
+
+    def _begin_anew(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> Any:
+        """Reset the environment, in silence."""
+        self._settle()
+        found = self._reset(seed=seed, options=options)
+        self.bridge.restart()
+        self.final, self.audio = self.audio, np.zeros(self._shape, np.float32)
+        return found

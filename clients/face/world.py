@@ -20,6 +20,7 @@ from .clients.performer import Folders, Performer, chosen
 from .dsp.bodies.material import CONTACT_RADIUS
 from .dsp.engine.state import QUANTUM
 from .dsp.resonator.bank import NYQUIST_SHARE
+from .dsp.runtime.batch import Batch
 from .dsp.runtime.telling import tell
 from .scene import Scene
 from .server.closing import Closing
@@ -202,9 +203,10 @@ class World(Closing):
 
         return told
 
-    def block(self) -> Blocks:
-        """The sound from the last block up to the last step, (frames, channels)."""
-        return self._up_to(self.time)
+    def block(self, batch: Batch | None = None) -> Blocks:
+        """The sound from the last block up to the last step, (frames, channels). batch: a Batch of
+        `carom.dsp.runtime.batch`, whose `finish` computes it, before the next step."""
+        return self._up_to(self.time, batch)
 
     def restart(self, time: float) -> None:
         """Begin anew at a simulation's time (s), in silence: bodies stay, nothing touches. A score that is kept does
@@ -281,19 +283,19 @@ class World(Closing):
         if self._kept is not None:
             self._kept += timed
 
-    def _up_to(self, time: float) -> Blocks:
+    def _up_to(self, time: float, batch: Batch | None = None) -> Blocks:
         """The sound up to a time."""
         if self._scene is None:
             return np.empty((0, self.simulation.channels), np.float32)
-        return self._process(round((time - self._start) * self.rate) - self._frames)
+        return self._process(round((time - self._start) * self.rate) - self._frames, batch)
 
-    def _process(self, frames: int) -> Blocks:
+    def _process(self, frames: int, batch: Batch | None = None) -> Blocks:
         """The next frames of the sound."""
         assert self._scene
         self._frames += frames
         engine = self._scene._open.engine
         if self._capture is None:
-            return engine.process(frames)
+            return batch.add(engine, frames) if batch else engine.process(frames)
         pieces = [np.empty((0, engine.channels), np.float32)]
         while left := self._frames - self._capture.end:
             pieces.append(engine.process(min(left, self._capture.room())))

@@ -51,7 +51,7 @@ def exchange(typingctx, array, index, before, after):
 
 
 @c_function(None, c_void_p, c_int64)
-def _publish(address, value):
+def publish_at(address, value):
     """Store an int64 at an address with release ordering."""
     store_release(carray(address, (1,), np.int64), 0, value)
 
@@ -70,7 +70,7 @@ def _swap(address, before, after):
 
 def publish(counter: Any, value: int) -> None:
     """Store value in counter[0] (int64) so that the other thread sees all that was written before."""
-    _publish(counter.ctypes.data, value)
+    publish_at(counter.ctypes.data, value)
 
 
 def observe(counter: Any) -> int:

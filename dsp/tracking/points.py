@@ -151,33 +151,32 @@ def _is_new(state, pair, n, span, rate):
 
     One that was there, or before a hop, tells how fast the contact moves over both bodies.
     """
-    point = state.point[n]
-    here = state.scratch
+    point, time = state.point[n], state.time
     near = max(_SAME, _SAME_SHARE * min(state.reach[pair.a], state.reach[pair.b]))
     longest, memory = longest_hop(state, pair, span), max(MEMORY, 2.5 * span)
-    found, least = -1, math.inf
-    for k in range(3):
-        here[0, k], here[1, k] = into(state, pair.a, point, k), into(state, pair.b, point, k)
+    found, least, passed = -1, math.inf, 0.0
+    on_a = into(state, pair.a, point, 0), into(state, pair.a, point, 1), into(state, pair.a, point, 2)
+    on_b = into(state, pair.b, point, 0), into(state, pair.b, point, 1), into(state, pair.b, point, 2)
+    ways = 0.0, 0.0
     for m in range(pair.known):
-        passed = state.time - pair.kept_at[m]
-        if 0.0 < passed <= longest:
-            away = near + rate * passed
-            for side in range(2):
-                square = _square(here, pair.kept[m], side)
-                if square < min(least, away * away):
-                    found, least = m, square
-    new = found < 0 or state.time - pair.kept_at[found] > memory
+        before = time - pair.kept_at[m]
+        if 0.0 < before <= longest:
+            away = near + rate * before
+            squares = _square(on_a, pair.kept[m, 0]), _square(on_b, pair.kept[m, 1])
+            nearest = min(squares[0], squares[1])
+            if nearest < min(least, away * away):
+                found, least, passed, ways = m, nearest, before, squares
+    new = found < 0 or passed > memory
     if found < 0:
         found = _room(pair)
     else:
-        passed = state.time - pair.kept_at[found]
+        pace = 1.0 / passed
         pair.followed += 1
-        for side in range(2):
-            pair.swept[side] += math.sqrt(_square(here, pair.kept[found], side)) / passed
-    pair.kept_at[found] = state.time
-    for side in range(2):
-        for k in range(3):
-            pair.kept[found, side, k] = here[side, k]
+        pair.swept[0] += math.sqrt(ways[0]) * pace
+        pair.swept[1] += math.sqrt(ways[1]) * pace
+    pair.kept_at[found] = time
+    for k in range(3):
+        pair.kept[found, 0, k], pair.kept[found, 1, k] = on_a[k], on_b[k]
     return new
 
 
@@ -195,10 +194,10 @@ def _room(pair):
 
 
 @kernel
-def _square(here, there, side):
+def _square(here, there):
     """The square of the way between two points in the axes of a body (m^2)."""
     total = 0.0
     for k in range(3):
-        away = here[side, k] - there[side, k]
+        away = here[k] - there[k]
         total += away * away
     return total

@@ -195,7 +195,6 @@ STATE = np.dtype(
         ("hop", _GLIDE),
         ("pairs", _PAIR, PAIRS),
         ("place", np.int16, (BODIES, BODIES)),
-        ("scratch", np.float64, (2, 3)),
         ("most", np.int64),  # standing contacts that are heard as they slip or sweep
         ("heard", np.int64),  # of them, those there are
         ("unheard", np.int64),  # those that have found no room

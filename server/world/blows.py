@@ -2,7 +2,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,20 +47,39 @@ class Counts:
 
 def hits_of(blows: NDArray[np.void], bodies: Sequence[Body]) -> list[Hit]:
     """The blows of a step, from records of the tracker's BLOW."""
-    found = []
-    for blow in blows:
-        speed, mass, restitution, impulse = (float(blow[name]) for name in ("speed", "mass", "restitution", "impulse"))
-        a, b = bodies[int(blow["a"])].name, bodies[int(blow["b"])].name
-        point, normal = _vector(blow["point"]), _vector(blow["normal"])
-        found.append(
-            Hit(float(blow["time"]), a, b, speed, mass, restitution, impulse, point, normal, bool(blow["heard"]))
-        )
-    return found
+    columns: dict[str, list[Any]] = {name: blows[name].tolist() for name in Hit._fields}
+    for name in "a", "b":
+        columns[name] = [bodies[number].name for number in columns[name]]
+    for name in "point", "normal":
+        columns[name] = [tuple(vector) for vector in columns[name]]
+    columns["heard"] = [bool(heard) for heard in columns["heard"]]
+    return [Hit(*each) for each in zip(*columns.values(), strict=True)]
 
 
-def _vector(values: NDArray[np.float64]) -> Vector:
-    x, y, z = values.tolist()
-    return x, y, z
+class Hits(Sequence[Hit]):
+    """The blows of some steps, made from the tracker's records of BLOW, (n,) for each step, when they are asked for."""
+
+    def __init__(self, steps: Sequence[NDArray[np.void]], bodies: Sequence[Body]) -> None:
+        self._steps, self._bodies = steps, bodies
+
+    @cached_property
+    def _all(self) -> list[Hit]:
+        return [hit for blows in self._steps for hit in hits_of(blows, self._bodies)]
+
+    def __len__(self) -> int:
+        return sum(map(len, self._steps))
+
+    def __getitem__(self, place: Any) -> Any:
+        return self._all[place]
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Sequence) and self._all == list(other)
+
+    def __repr__(self) -> str:
+        return repr(self._all)
+
+    def __reduce__(self) -> tuple[type[list[Hit]], tuple[list[Hit]]]:
+        return list, (self._all,)
 
 
 def blows_of(blows: NDArray[np.void], bodies: Sequence[Body]) -> list[Blow]:

@@ -71,7 +71,10 @@ class Simulation:
         self.state["seed"] = seed_of(self.hearing.seed)
         events = self.state["events"][0]
         self._whole, self._floats = (events.view(kind).reshape(EVENTS, -1) for kind in (np.int64, np.float64))
-        self._now, self._steps, self._struck = (self.state[name] for name in ("time", "steps", "struck"))
+        self._now, self._steps = self.state["time"], self.state["steps"]
+        self._blows, self._order = self.state["blows"][0], self.state["order"][0]
+        self.struck: NDArray[np.int64] = self.state["struck"]
+        """(1,): how many blows the last step told."""
         self.start = np.array([start])
         """s: the simulation's time at the beginning of its sound."""
         self._telling = np.zeros(1, TELLING)
@@ -124,17 +127,16 @@ class Simulation:
     @property
     def hits(self) -> list[Hit]:
         """The blows of the last step, the loudest first."""
-        if not self._struck[0]:
+        if not self.struck[0]:
             return []
         if self._hits[0] != self.steps:
-            self._hits = self.steps, hits_of(self._blows, self.bodies)
+            self._hits = self.steps, hits_of(self.blows, self.bodies)
         return self._hits[1]
 
     @property
-    def _blows(self) -> NDArray[np.void]:
-        """The blows of the last step, as records of BLOW."""
-        count = int(self._struck[0])
-        found: NDArray[np.void] = self.state["blows"][0, self.state["order"][0, :count]]
+    def blows(self) -> NDArray[np.void]:
+        """The blows of the last step, the loudest first, copied: records of the tracker's BLOW, (struck,)."""
+        found: NDArray[np.void] = self._blows.take(self._order[: self.struck[0]])
         return found
 
     @property
@@ -298,7 +300,7 @@ class Simulation:
             for n in microphones["changed"][: microphones["found"]].tolist():
                 gains = microphones["now"][n, : self.channels].tolist()
                 requests.append(Gains(before, self.bodies[n].name, tuple(gains)))
-            requests += blows_of(self._blows, self.bodies)
+            requests += blows_of(self.blows, self.bodies)
             changes = self.state["changes"][0, : int(self.state["changed"][0])].tolist()
             requests += [Steering(self.time, id_of(slide), STEERED[n], value) for slide, _, n, value in changes]
         count = min(int(self.state["happened"][0]), EVENTS)

@@ -3,7 +3,7 @@
 `python -m tests.bench.worlds [SCENE ...]` prints a line for each scene and step: blows, energies, third octaves, and
 costs: of MuJoCo's own step, of the bridge, which is all from its arrays to the engine's commands, and of the engine.
 `costs` in place of scenes prints the costs alone, of a pile of 20 bodies too; and those with blows alone. `vector`
-prints the steps per second of the environments, with sound and without.
+prints the steps per second of the environments, without sound and with it, by a wrapper of each or of all together.
 
 A scene is run several times, and of each of its steps the least time counts: the others were disturbed.
 """
@@ -16,7 +16,7 @@ import mujoco
 import numpy as np
 
 import carom
-from carom.gymnasium import AddAudioObservation
+from carom.gymnasium import AddAudioObservation, VectorAddAudioObservation
 from tests.clients.face.corpus import HEARING, SCENES, apart, over_seeds, prepared, run, shake
 
 STEPS = (0.001, 0.002, 0.005)  # s
@@ -59,40 +59,45 @@ def cost_line(name: str, step: float) -> str:
     )
 
 
-def rate(name: str, gestures: int | None) -> float:
-    """Steps per second of environments in a vector, with so many slides at once in each (None: without sound)."""
+def vector(name: str, how: str, gestures: int):
+    """Environments in a vector, with at most so many slides at once in each; how: silent, each, or together."""
+    hearing = carom.Hearing([carom.Microphone((0.0, 0.0, 1.0))], gestures=gestures)
+    options = {"rate": 16_000, "modes": 16, "hearing": hearing}
 
     def make():
         env = gymnasium.make(name)
-        if gestures is None:
-            return env
-        hearing = carom.Hearing([carom.Microphone((0.0, 0.0, 1.0))], gestures=gestures)
-        return AddAudioObservation(env, rate=16_000, modes=16, hearing=hearing)
+        return AddAudioObservation(env, **options) if how == "each" else env
 
     envs = gymnasium.vector.SyncVectorEnv([make] * ENVIRONMENTS)
+    return VectorAddAudioObservation(envs, **options) if how == "together" else envs
+
+
+def rates(name: str, gestures: int) -> dict[str, float]:
+    """Steps per second of environments: silent, with sound by a wrapper of each, and by one of all together; in
+    turns."""
+    vectors = {how: vector(name, how, gestures) for how in ("silent", "each", "together")}
     generator = np.random.default_rng(0)
-    actions = generator.uniform(-0.4, 0.4, (ACTIONS + 1, *envs.action_space.shape)).astype(np.float32)
-    turns = []
+    actions = generator.uniform(-0.4, 0.4, (ACTIONS + 1, *vectors["silent"].action_space.shape)).astype(np.float32)
+    taken = {how: np.full(len(actions), np.inf) for how in vectors}
     for _ in range(TURNS):
-        envs.reset(seed=0)
-        taken = []
-        for action in actions:
-            begun = time.perf_counter()
-            envs.step(action)
-            taken.append(time.perf_counter() - begun)
-        turns.append(taken)
-    envs.close()
-    return ENVIRONMENTS / float(np.min(turns, axis=0)[1:].mean())
+        for how, envs in vectors.items():
+            envs.reset(seed=0)
+            for n, action in enumerate(actions):
+                begun = time.perf_counter()
+                envs.step(action)
+                taken[how][n] = min(taken[how][n], time.perf_counter() - begun)
+    for envs in vectors.values():
+        envs.close()
+    return {how: ENVIRONMENTS / float(each[1:].mean()) for how, each in taken.items()}
 
 
 def vectors() -> None:
     for name in ("Ant-v5", "HalfCheetah-v5"):
-        silent = rate(name, None)
         for gestures in (24, 0):
-            share = rate(name, gestures) / silent
-            print(
-                f"{name}: {silent:.0f} steps per second; with sound and at most {gestures} slides {100 * share:.0f} %"
-            )
+            found = rates(name, gestures)
+            shares = (f"{100 * found[how] / found['silent']:.0f} % {how}" for how in ("each", "together"))
+            words = f"with sound and at most {gestures} slides {', '.join(shares)}"
+            print(f"{name}: {found['silent']:.0f} steps per second; {words}", flush=True)
 
 
 def main() -> None:

@@ -1,0 +1,8 @@
+"""The machine's processors."""
+
+import os
+
+
+def processors() -> int:
+    """How many of them this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
