@@ -14,7 +14,7 @@ import math
 
 from ..native.jit import kernel, noinline_kernel
 from .blows import faintest_at
-from .points import clear, into, longest_hop, take_point
+from .points import clear, into, longest_hop, slip_at, take_point
 from .slides import RESTS, fainter_slide, is_noticed, is_too_faint, motion_of, pressure_of, steer_slide
 from .state import EVENTS, HEARD, HIT, MOVE, POINTS, REST, STEERED, STILL, UNHEARD
 
@@ -26,6 +26,7 @@ _REMEMBERED = 0.2  # s: time constant with which a fast slip is forgotten
 _MOVES = 0.01  # m/s: a faster contact begins to move; one slower than RESTS rests
 _SLIPS = 0.1  # m/s: what slips faster moves as soon as it touches, before it was followed
 _BETWEEN = 0.01  # s between two times that a contact is told: half the time constant by which a slide glides
+_STAYS_AT = 0.1  # share of its sweep over one body, at which a contact that is slower over the other stays there
 _FALL = 1.05  # times the speed that gravity gives in a step, which is no blow either
 
 
@@ -89,6 +90,7 @@ def _step_pair(state, microphones, i, span):
         return
     for k in range(3):
         pair.point[k] /= pair.count
+        pair.facing[k] = pair.normal[k] / pair.count
     if pair.fresh > 0:
         _hit(state, pair)
         pair.stood, pair.begun = 0, state.time
@@ -177,7 +179,28 @@ def _leave(state, i, span):
         _end(state, pair)
         _forget(state, i)
     elif pair.settled > 0:
-        pair.now[2] *= state.glide.softer
+        _hop(state, pair)
+        if pair.moves == HEARD and state.time - pair.told_at >= _BETWEEN and is_noticed(pair):
+            steer_slide(state, pair)
+
+
+@kernel
+def _hop(state, pair):
+    """Find how a contact that hops slips on: as its bodies move where it was last, or as it was told; nothing presses
+    it.
+
+    One that stays at its place on one body sweeps over the other as fast as it slips.
+    """
+    pair.now[2] *= state.glide.softer
+    if pair.told == 1:
+        return
+    share = state.glide.share
+    slip = slip_at(state, pair)
+    pair.now[0] += share * (slip - pair.now[0])
+    for side in range(2):
+        if pair.sweep[1 - side] < _STAYS_AT * pair.sweep[side]:
+            pair.sweep[side] += share * (slip - pair.sweep[side])
+    pair.now[1] = max(pair.sweep[0], pair.sweep[1])
 
 
 @kernel

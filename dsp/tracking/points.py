@@ -74,6 +74,7 @@ def take_point(state, n, span, least):
     pair = state.pairs[place]
     pair.seen = state.time
     pair.count += 1
+    pair.told = 0 if math.isnan(state.slip[n]) else 1
     point, normal = state.point[n], state.normal[n]
     approach, slip = _speeds(state, n, a, b, sign)
     force = state.force[n]
@@ -100,21 +101,40 @@ def take_point(state, n, span, least):
 @kernel
 def _speeds(state, n, a, b, sign):
     """How fast a point closes and slips (m/s): as it was told, else by the motion of the bodies."""
-    point, normal = state.point[n], state.normal[n]
+    closing, aside = _rates(state, a, b, state.point[n], state.normal[n])
+    approach, slip = state.approach[n], state.slip[n]
+    return sign * closing if math.isnan(approach) else approach, aside if math.isnan(slip) else slip
+
+
+@kernel
+def _rates(state, a, b, point, normal):
+    """How fast one body goes against another at a point (m/s): along a normal, and across it."""
     closing = square = 0.0
     for k in range(3):
         i, j = (k + 1) % 3, (k + 2) % 3
         rate = state.velocity[a, k] - state.velocity[b, k]
         rate += state.spin[a, i] * (point[j] - state.about[a, j]) - state.spin[a, j] * (point[i] - state.about[a, i])
         rate -= state.spin[b, i] * (point[j] - state.about[b, j]) - state.spin[b, j] * (point[i] - state.about[b, i])
-        closing += sign * rate * normal[k]
+        closing += rate * normal[k]
         square += rate * rate
-    approach, slip = state.approach[n], state.slip[n]
-    if math.isnan(approach):
-        approach = closing
-    if math.isnan(slip):
-        slip = math.sqrt(max(square - closing * closing, 0.0))
-    return approach, slip
+    return closing, math.sqrt(max(square - closing * closing, 0.0))
+
+
+@kernel
+def slip_at(state, pair):
+    """How fast the bodies of a pair go past each other where they touched last (m/s), which is its point then."""
+    for k in range(3):
+        pair.point[k] = _out_of(state, pair.a, pair.local[0], k)
+    return _rates(state, pair.a, pair.b, pair.point, pair.facing)[1]
+
+
+@kernel
+def _out_of(state, body, local, k):
+    """Component k of a point in the world (m) that is in the axes of a body."""
+    total = state.position[body, k]
+    for i in range(3):
+        total += state.turn[body, 3 * k + i] * local[i]
+    return total
 
 
 @kernel

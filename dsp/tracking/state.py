@@ -55,6 +55,8 @@ _PAIR = np.dtype(
         ("weight", np.float64),
         ("slip", np.float64),
         ("force", np.float64),
+        ("facing", np.float64, 3),  # the mean of their normals, of the last step that had any
+        ("told", np.int64),  # 1: how fast the last of them slips was told
         # Those among them that are new, and close fast enough to be heard.
         ("fresh", np.int64),
         ("fresh_point", np.float64, 3),

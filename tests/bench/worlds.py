@@ -20,7 +20,7 @@ from carom.gymnasium import AddAudioObservation, VectorAddAudioObservation
 from tests.clients.face.corpus import HEARING, SCENES, apart, over_seeds, prepared, run, shake
 
 STEPS = (0.001, 0.002, 0.005)  # s
-SEEDS = {"ramp": 16, "slide": 16}
+SEEDS = {"ramp": 16, "slide": 256}
 ENVIRONMENTS, ACTIONS = 32, 40
 TURNS = 5
 

@@ -12,7 +12,18 @@ import carom
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
 
 from carom.mujoco import Bridge  # noqa: E402
-from tests.clients.face.corpus import EXAMPLES, HEARING, SCENES, apart, episodes, over_seeds, run, separation, thirds  # noqa: E402
+from tests.clients.face.corpus import (  # noqa: E402
+    EXAMPLES,
+    HEARING,
+    SCENES,
+    apart,
+    episodes,
+    over_seeds,
+    prepared,
+    run,
+    separation,
+    thirds,
+)
 
 pytestmark = pytest.mark.slow
 
@@ -96,6 +107,28 @@ def test_a_slide_has_no_blows_and_the_same_energy_at_any_step():
         assert not any(each.hits for each in runs) and all(each.counts.gestures == 1 for each in runs)
         energies.append(np.mean([each.energy for each in runs]))
     assert energies[1] == pytest.approx(energies[0], rel=0.2)
+
+
+def test_a_slide_sounds_alike_at_any_step():
+    one = over_seeds("slide", 0.001, 128)
+    assert apart(one, over_seeds("slide", 0.005, 128)) < 1.0
+
+
+def test_a_slide_that_hops_is_told_its_weight_and_its_speed():
+    """At steps of 5 ms the box is off the floor most of the time, up to 60 ms on end."""
+    model, data, bridge = prepared("slide", 0.005)
+    told, speeds, off = [], [], 0
+    while data.time < 0.6:
+        speeds.append(data.qvel[0])
+        mujoco.mj_step(model, data)
+        bridge.tell()
+        told.append(bridge.world.memory["pairs"]["steered"][0, 0, :3].copy())
+        off += data.ncon == 0
+    weight = model.body_mass[1] * 9.81
+    slip, sweep, force = np.mean(told, axis=0)
+    assert off > 0.7 * len(told)
+    assert force == pytest.approx(weight, rel=0.03)
+    assert slip == pytest.approx(np.mean(speeds), rel=0.05) and sweep == pytest.approx(slip, rel=0.02)
 
 
 ARM = """<mujoco><option timestep="0.001"/><worldbody>
