@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...dsp.tracking.state import BLOW
 from .bodies import Body
 from .requests import Blow
 from .shapes import Vector
@@ -46,8 +47,8 @@ class Counts:
 
 
 def hits_of(blows: NDArray[np.void], bodies: Sequence[Body]) -> list[Hit]:
-    """The blows of a step, from records of the tracker's BLOW."""
-    columns: dict[str, list[Any]] = {name: blows[name].tolist() for name in Hit._fields}
+    """The blows of a step, from the bytes of records of the tracker's BLOW, (n,)."""
+    columns: dict[str, list[Any]] = {name: blows.view(BLOW)[name].tolist() for name in Hit._fields}
     for name in "a", "b":
         columns[name] = [bodies[number].name for number in columns[name]]
     for name in "point", "normal":
@@ -57,7 +58,7 @@ def hits_of(blows: NDArray[np.void], bodies: Sequence[Body]) -> list[Hit]:
 
 
 class Hits(Sequence[Hit]):
-    """The blows of some steps, made from the tracker's records of BLOW, (n,) for each step, when they are asked for."""
+    """The blows of some steps, made when they are asked for, from the bytes of the tracker's records, (n,) for each."""
 
     def __init__(self, steps: Sequence[NDArray[np.void]], bodies: Sequence[Body]) -> None:
         self._steps, self._bodies = steps, bodies
@@ -83,8 +84,8 @@ class Hits(Sequence[Hit]):
 
 
 def blows_of(blows: NDArray[np.void], bodies: Sequence[Body]) -> list[Blow]:
-    """What is to be heard of blows, from records of the tracker's BLOW."""
-    return [_asked(blow, bodies) for blow in blows if blow["heard"]]
+    """What is to be heard of blows, from the bytes of records of the tracker's BLOW, (n,)."""
+    return [_asked(blow, bodies) for blow in blows.view(BLOW) if blow["heard"]]
 
 
 def _asked(blow: np.void, bodies: Sequence[Body]) -> Blow:

@@ -18,7 +18,7 @@ from ...dsp.runtime.telling import (
     link_engine,
     tell,
 )
-from ...dsp.tracking.state import BODIES, EVENTS, MATERIALS, MOVE, POINTS, REST, STEERED, new_state
+from ...dsp.tracking.state import BLOW, BODIES, EVENTS, MATERIALS, MOVE, POINTS, REST, STEERED, new_state
 from ...dsp.wording import expected
 from ...presets import Presets
 from ..osc.arguments import shown
@@ -72,7 +72,8 @@ class Simulation:
         events = self.state["events"][0]
         self._whole, self._floats = (events.view(kind).reshape(EVENTS, -1) for kind in (np.int64, np.float64))
         self._now, self._steps = self.state["time"], self.state["steps"]
-        self._blows, self._order = self.state["blows"][0], self.state["order"][0]
+        self._blows = self.state["blows"][0].view((np.void, BLOW.itemsize))
+        self._order = self.state["order"][0]
         self.struck: NDArray[np.int64] = self.state["struck"]
         """(1,): how many blows the last step told."""
         self.start = np.array([start])
@@ -135,7 +136,10 @@ class Simulation:
 
     @property
     def blows(self) -> NDArray[np.void]:
-        """The blows of the last step, the loudest first, copied: records of the tracker's BLOW, (struck,)."""
+        """The blows of the last step, the loudest first, copied: the bytes of records of the tracker's BLOW, (struck,).
+
+        Bytes are copied ten times faster than records.
+        """
         found: NDArray[np.void] = self._blows.take(self._order[: self.struck[0]])
         return found
 
