@@ -35,14 +35,15 @@ class AddAudioObservation(gymnasium.Wrapper[Observation, Any, Any, Any], RecordC
     """An environment that hears: its observations are {"state": the environment's own, "audio": its sound}.
 
     audio: float32 (frames, channels), in Pa, of the time that an action takes, a channel for each microphone; a longer
-    or shorter one, of the time just before the observation, by `frames`. info["hits"]: the blows of the step. options:
-    those of a Bridge. The environment is one with MuJoCo's `model` and `data`, as Gymnasium's own are.
+    or shorter one, of the time just before the observation, by `frames`. info["hits"]: the blows of the step, a
+    sequence. options: those of a Bridge. The environment is one with MuJoCo's `model` and `data`, as Gymnasium's own
+    are. WorldError for any other, and for one that hears already.
 
     It hears blows alone, as slides and rolls cost most by far, unless a `hearing` says how many of these there may be.
     """
 
     def __init__(self, env: gymnasium.Env[Any, Any], frames: int | None = None, **options: Any) -> None:
-        RecordConstructorArgs.__init__(self, frames=frames, **options)
+        RecordConstructorArgs.__init__(self, _disable_deepcopy=True, frames=frames, **options)
         gymnasium.Wrapper.__init__(self, env)
         self._sound = _Sound(env, frames, options)
         self.observation_space = spaces.Dict({"state": env.observation_space, "audio": self._sound.space})
@@ -66,29 +67,35 @@ class AddAudioObservation(gymnasium.Wrapper[Observation, Any, Any, Any], RecordC
 
     def close(self) -> None:
         """End the environment and its sound."""
-        self._sound.bridge.world.close()
+        self._sound.close()
         super().close()
 
 
-class VectorAddAudioObservation(VectorWrapper[Observation, Any, Any, Any, Any], RecordConstructorArgs):
-    """A SyncVectorEnv that hears: as AddAudioObservation in each of its environments, the same bits, at less cost.
+class VectorAddAudioObservation(VectorWrapper, RecordConstructorArgs):
+    """A SyncVectorEnv that hears, as with AddAudioObservation around each of its environments, at less cost.
 
-    The sound of one environment is computed while the next one takes its action. threads: that compute it; as many as
-    there are further processors if not given. Observations: {"state": (n, ...), "audio": (n, frames, channels)}.
-    infos["hits"]: the blows of each. An AsyncVectorEnv takes AddAudioObservation in each of its processes.
+    Threads compute the sound of one environment while the next one takes its action. threads: how many; None: one for
+    each further processor. frames, options: as for AddAudioObservation, for each environment.
+
+    Observations: {"state": (n, ...), "audio": (n, frames, channels)}. infos["hits"]: the blows of each environment's
+    step, of its last one too where it was reset in that step. An AsyncVectorEnv takes AddAudioObservation in each of
+    its processes. WorldError for what is no SyncVectorEnv, and as AddAudioObservation has it.
     """
 
     def __init__(
         self, env: VectorEnv[Any, Any, Any], frames: int | None = None, threads: int | None = None, **options: Any
     ) -> None:
-        RecordConstructorArgs.__init__(self, frames=frames, threads=threads, **options)
-        super().__init__(env)
+        RecordConstructorArgs.__init__(self, _disable_deepcopy=True, frames=frames, threads=threads, **options)
         inner = env.unwrapped
         if not isinstance(inner, SyncVectorEnv):
             raise WorldError(f"{inner}: expected a SyncVectorEnv; in others, wrap each environment")
+        if options.get("world") is not None:
+            raise WorldError("world: expected none, as each environment has one of its own")
         count = len(inner.envs)
-        self._batch = Batch(count, min(count - 1, processors() - 1 if threads is None else threads))
-        self._sounds = [_Sound(each, frames, options, self._batch) for each in inner.envs]
+        further = processors() - 1 if threads is None else _whole("threads", threads, 0)
+        self._batch = Batch(count, min(count - 1, further))
+        self._sounds = _sounds(inner.envs, frames, options, self._batch)
+        super().__init__(env)  # last, as a wrapper that has an environment closes it when it is dropped
         space = spaces.Dict({"state": env.single_observation_space, "audio": self._sounds[0].space})
         self.single_observation_space = space
         self.observation_space = batch_space(space, count)
@@ -105,15 +112,17 @@ class VectorAddAudioObservation(VectorWrapper[Observation, Any, Any, Any, Any], 
 
     def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         """Take an action in each environment, and hear them."""
+        hits = np.empty(len(self._sounds), object)
         for sound in self._sounds:
             sound.begin()
         try:
             state, rewards, terminations, truncations, infos = self.env.step(actions)
         finally:
             self._batch.finish()
-        hits = np.empty(len(self._sounds), object)
-        for number, sound in enumerate(self._sounds):
-            hits[number] = sound.end()
+            for number, sound in enumerate(self._sounds):
+                hits[number] = sound.end()
+        if not isinstance(infos, dict):
+            raise WorldError(f"{self.env}: infos = {type(infos).__name__}: expected a dictionary; wrap it around this")
         for ended in np.flatnonzero(infos.get("_final_obs", ())).tolist():
             last = {"state": infos["final_obs"][ended], "audio": self._sounds[ended].final}
             infos["final_obs"][ended] = last
@@ -127,15 +136,38 @@ class VectorAddAudioObservation(VectorWrapper[Observation, Any, Any, Any, Any], 
         """End the environments and their sound."""
         self._batch.close()
         for sound in self._sounds:
-            sound.bridge.world.close()
+            sound.close()
         super().close(**options)
+
+
+def _sounds(envs: list[Any], frames: int | None, options: dict[str, Any], batch: Batch) -> list["_Sound"]:
+    """The sound of each environment of a vector: of all, or of none."""
+    made: list[_Sound] = []
+    try:
+        for number, env in enumerate(envs):
+            made.append(_Sound(env, frames, options, batch))
+            one, other = made[0].space.shape[0], made[-1].space.shape[0]
+            if one != other:
+                raise WorldError(f"environment {number}: {other} frames per action; expected {one}, as of the first")
+    except BaseException:
+        for each in made:
+            each.close()
+        raise
+    return made
+
+
+def _whole(name: str, value: Any, least: int) -> int:
+    """A whole number, or a WorldError."""
+    if not isinstance(value, int | np.integer) or value < least:
+        raise WorldError(f"{name} = {value!r}: expected a whole number from {least} on")
+    return int(value)
 
 
 class _Sound:
     """The sound of an environment, which is told each of its steps of MuJoCo, and begins anew where it is reset.
 
     batch: has blocks computed; they are there after its `finish`. audio: of the time before the observation, an array
-    of its own for each. final: that before the last reset.
+    of its own for each. final: the audio just before the last reset.
     """
 
     def __init__(
@@ -144,28 +176,53 @@ class _Sound:
         inner = cast(Any, env.unwrapped)
         if not hasattr(inner, "_step_mujoco_simulation"):
             raise WorldError(f"{inner}: expected an environment of Gymnasium with MuJoCo")
+        if isinstance(getattr(inner._step_mujoco_simulation, "__self__", None), _Sound):
+            raise WorldError(f"{env}: expected an environment without sound; this one has it already")
         if "hearing" not in options:
             places = options.get("microphones", Hearing().microphones)
             others = {name: value for name, value in options.items() if name != "microphones"}
             options = {**others, "hearing": Hearing(microphones_of(places), gestures=0)}
+        length = None if frames is None else _whole("frames", frames, 1)
         self._inner, self._batch = inner, batch
         self.bridge = Bridge(inner.model, inner.data, **options)
         world = self.bridge.world
-        self._shape = frames or round(inner.dt * world.rate), world.simulation.channels
+        self._shape = length or round(inner.dt * world.rate), world.simulation.channels
         self.audio = self.final = np.zeros(self._shape, np.float32)
         self.space = spaces.Box(-np.inf, np.inf, self._shape, np.float32)
+        self._blows: list[NDArray[np.void]] = []
         self._block: Blocks | None = None
-        self._reset = inner.reset
-        inner._step_mujoco_simulation, inner.reset = self._simulate, self._begin_anew
+        self._anew, self._struck = True, 0  # nothing was simulated since it began; the blows before that
+        self._before: list[tuple[Any, str, Any]] = []
+        self._resets = inner.reset, env.reset
+        self._replace(inner, "_step_mujoco_simulation", self._simulate)
+        self._replace(inner, "reset", self._reset)
+        if env is not inner:  # what a wrapper simulates as it resets is not heard either
+            self._replace(env, "reset", self._reset_whole)
+
+    def _replace(self, of: Any, name: str, method: Any) -> None:
+        """Put a method in the place of another, until `close`."""
+        self._before.append((of, name, vars(of).get(name)))
+        setattr(of, name, method)
 
     def begin(self) -> None:
         """An action begins."""
-        self._blows: list[NDArray[np.void]] = []
+        self._blows = []
 
     def end(self) -> Hits:
         """Hear what was simulated; the blows of the action."""
         self._hear()
-        return Hits(self._blows, self.bridge.world.simulation.bodies)
+        blows, self._blows = self._blows, []
+        return Hits(blows, self.bridge.world.simulation.bodies)
+
+    def close(self) -> None:
+        """Leave the environment as it was, and end its World."""
+        while self._before:
+            of, name, method = self._before.pop()
+            if method is None:
+                delattr(of, name)
+            else:
+                setattr(of, name, method)
+        self.bridge.world.close()
 
     def _hear(self) -> None:
         if self._block is not None:
@@ -176,6 +233,7 @@ class _Sound:
     def _simulate(self, control: ArrayLike, steps: int) -> None:
         """The environment's own steps of MuJoCo, each of which is told."""
         self._settle()
+        self._anew = False
         model, data, simulation = self._inner.model, self._inner.data, self.bridge.world.simulation
         step, tell, struck = mujoco.mj_step, self.bridge.tell, simulation.struck
         data.ctrl[:] = control
@@ -194,10 +252,24 @@ class _Sound:
                 self._batch.finish()
             self._hear()
 
-    def _begin_anew(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> Any:
+    def _reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> Any:
         """Reset the environment, in silence."""
         self._settle()
-        found = self._reset(seed=seed, options=options)
-        self.bridge.restart()
-        self.final, self.audio = self.audio, np.zeros(self._shape, np.float32)
+        self.final, self._struck = self.audio, len(self._blows)
+        found = self._resets[0](seed=seed, options=options)
+        self._begin_anew()
         return found
+
+    def _reset_whole(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> Any:
+        """The same with all that is wrapped around it."""
+        found = self._resets[1](seed=seed, options=options)
+        if not self._anew:
+            self._settle()
+            self._begin_anew()
+        del self._blows[self._struck :]
+        return found
+
+    def _begin_anew(self) -> None:
+        self.bridge.restart()
+        self.audio = np.zeros(self._shape, np.float32)
+        self._anew = True

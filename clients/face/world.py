@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from itertools import groupby
 from operator import attrgetter, itemgetter
 from os import PathLike
@@ -204,8 +204,11 @@ class World(Closing):
         return told
 
     def block(self, batch: Batch | None = None) -> Blocks:
-        """The sound from the last block up to the last step, (frames, channels). batch: a Batch of
-        `carom.dsp.runtime.batch`, whose `finish` computes it, before the next step."""
+        """The sound from the last block up to the last step, (frames, channels).
+
+        batch: a Batch of `carom.dsp.runtime.batch`. The block is filled once its `finish` was called, which is to be
+        before the next step. A World that keeps its sound fills it at once.
+        """
         return self._up_to(self.time, batch)
 
     def restart(self, time: float) -> None:
@@ -305,6 +308,8 @@ class World(Closing):
 
 def microphones_of(given: Sequence[Microphone | Sequence[float]]) -> tuple[Microphone, ...]:
     """Microphones, of which some may be places (m)."""
+    if not isinstance(given, Iterable):
+        raise WorldError(f"microphones = {given!r}: expected Microphones or places (m)")
     return tuple(map(_microphone, given))
 
 

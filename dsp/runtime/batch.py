@@ -1,55 +1,77 @@
 """Blocks of many engines on several threads."""
 
-from concurrent.futures import Future, ThreadPoolExecutor
+from threading import Thread
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..native.atomics import publish_at
+from ..native.atomics import observe, publish_at
 from .callback import callback
 from .engine import Engine
-from .jobs import ADDED, COUNTS, JOB, finish, work
+from .jobs import ADDED, COUNTS, ENDED, JOB, WORKING, finish, work
 
 
 class Batch:
     """Blocks of engines that threads compute while Python goes on; each engine has one block at a time in it.
 
-    most: blocks until `finish`; one more has the others finished. threads: in addition to the one that calls `finish`.
+    most: how many blocks may wait; `add` finishes them first where there is one more. threads: how many compute blocks,
+    beside the one that calls `finish`.
     """
 
     def __init__(self, most: int, threads: int) -> None:
-        self._jobs, self._counts, self._times = np.zeros(most, JOB), np.zeros(COUNTS, np.int64), np.zeros(3)
-        self._publish, self._at = publish_at.bare, self._counts[ADDED:].ctypes.data
-        counts, jobs, times = (each.ctypes.data for each in (self._counts, self._jobs, self._times))
-        self._arguments = counts, jobs, most, callback.address, times
-        self._threads, self._pool = threads, ThreadPoolExecutor(max(threads, 1), "carom-batch")
-        self._running: list[Future[None]] = []
-        self._added = self._finished = 0
+        self._room = _Room(most)
+        self._most, self._least_working = most, threads
+        self._threads: list[Thread] = []
+        self._publish, self._added_at = publish_at.bare, self._room.counts[ADDED:].ctypes.data
+        self._finished = 0
 
     def add(self, engine: Engine, frames: int) -> NDArray[np.float32]:
-        """Have the next frames of an engine computed: float32 (frames, channels), which `finish` has filled."""
-        if self._added - self._finished == len(self._jobs):
+        """Have the next frames of an engine computed: float32 (frames, channels), which is filled once `finish` was
+        called."""
+        room = self._room
+        added = int(room.counts[ADDED])
+        if added - self._finished >= self._most:
             self.finish()
-        if self._added == self._finished:
+        if room.counts[WORKING] < self._least_working:
             self._begin()
         out = np.empty((frames, engine.channels), np.float32)
-        self._jobs[self._added % len(self._jobs)] = engine.pointer, out.ctypes.data, frames, engine.channels
-        self._added += 1
-        self._publish(self._at, self._added)
+        room.held.append((engine, out))
+        room.jobs[added % self._most] = engine.pointer, out.ctypes.data, frames, engine.channels
+        self._publish(self._added_at, added + 1)
         return out
 
     def _begin(self) -> None:
-        """Have as many threads work as there may be."""
-        self._running = [each for each in self._running if not each.done()]
-        for _ in range(self._threads - len(self._running)):
-            self._running.append(self._pool.submit(work, *self._arguments))
+        """Have as many threads work as there may be: they end where nothing comes for a while."""
+        self._threads = [each for each in self._threads if each.is_alive()]
+        for _ in range(self._least_working - len(self._threads)):
+            self._threads.append(Thread(target=self._room.work, name="carom-batch", daemon=True))
+            self._threads[-1].start()
 
     def finish(self) -> None:
         """Wait until all blocks are there, and compute those that no thread has begun."""
-        finish(*self._arguments)
-        self._finished = self._added
+        finish(*self._room.arguments)
+        self._finished = observe(self._room.counts[ADDED:])
+        self._room.held.clear()
 
     def close(self) -> None:
-        """End the threads."""
+        """Finish, and end the threads."""
         self.finish()
-        self._pool.shutdown()
+        self._least_working = 0
+        self._room.counts[ENDED] = 1
+        for each in self._threads:
+            if each.is_alive():
+                each.join()
+
+
+class _Room:
+    """What threads read and write, which stays as long as one of them works."""
+
+    def __init__(self, most: int) -> None:
+        self.jobs, self.counts, self.times = np.zeros(most, JOB), np.zeros(COUNTS, np.int64), np.zeros(3)
+        self.held: list[tuple[Engine, NDArray[np.float32]]] = []
+        counts, jobs, times = (each.ctypes.data for each in (self.counts, self.jobs, self.times))
+        self.arguments = counts, jobs, most, callback.address, times
+
+    def work(self) -> None:
+        """Do jobs until there has been none for a while."""
+        work(*self.arguments)

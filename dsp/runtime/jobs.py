@@ -12,8 +12,8 @@ from ..native.system import call_back, pause_ns
 JOB = np.dtype([(name, np.int64) for name in ("state", "out", "frames", "channels")])
 """A block of an engine; its state, and where the block goes, are addresses."""
 
-ADDED, TAKEN, DONE, COUNTS = range(4)
-"""Places of the counts of jobs, since the beginning."""
+ADDED, TAKEN, DONE, WORKING, ENDED, COUNTS = range(6)
+"""Places of counts: of jobs since the beginning; of threads that work; and 1 if these are to end."""
 
 _PAUSE = 20_000  # ns: how long a thread that found no job waits until it looks again
 _IDLE = 50  # times that it looks in vain before it ends
@@ -27,13 +27,15 @@ def work(counts, jobs, most, callback, times):
     the callback reads them as PortAudio's.
     """
     counts, jobs = carray(counts, (COUNTS,), np.int64), carray(jobs, (most,), JOB)
+    _count(counts, WORKING, 1)
     idle = 0
-    while idle < _IDLE:
+    while idle < _IDLE and load_acquire(counts, ENDED) == 0:
         if _do_next(counts, jobs, callback, carray(times, (3,), np.float64)):
             idle = 0
         else:
             idle += 1
             pause_ns(_PAUSE)
+    _count(counts, WORKING, -1)
 
 
 @c_function(None, c_void_p, c_void_p, c_int64, c_int64, c_void_p)
@@ -53,7 +55,13 @@ def _do_next(counts, jobs, callback, times):
     job = jobs[taken % len(jobs)]
     out = carray(pointer_to(job.out), (job.frames, job.channels), np.float32)
     call_back(callback, out, job.frames, times, 0, job.state)
-    done = load_acquire(counts, DONE)
-    while not exchange(counts, DONE, done, done + 1):
-        done = load_acquire(counts, DONE)
+    _count(counts, DONE, 1)
     return True
+
+
+@kernel
+def _count(counts, which, change):
+    """Change a count that other threads change too."""
+    before = load_acquire(counts, which)
+    while not exchange(counts, which, before, before + change):
+        before = load_acquire(counts, which)

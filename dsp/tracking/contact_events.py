@@ -14,19 +14,15 @@ import math
 
 from ..native.jit import kernel, noinline_kernel
 from .blows import faintest_at
-from .points import clear, into, longest_hop, slip_at, take_point
+from .motion import find_glide, follow, hop
+from .points import clear, into, longest_hop, remember, take_point
 from .slides import RESTS, fainter_slide, is_noticed, is_too_faint, motion_of, pressure_of, steer_slide
 from .state import EVENTS, HEARD, HIT, MOVE, POINTS, REST, STEERED, STILL, UNHEARD
 
 _STOOD = 0.03  # s after a blow, when it is not one of a bounce
-_SMOOTH = 0.005  # s: time constant of slip and sweep
-_SMOOTH_FORCE = 0.1  # s: of the force
-_SMOOTH_PLACE = 0.05  # s: of the place
-_REMEMBERED = 0.2  # s: time constant with which a fast slip is forgotten
 _MOVES = 0.01  # m/s: a faster contact begins to move; one slower than RESTS rests
 _SLIPS = 0.1  # m/s: what slips faster moves as soon as it touches, before it was followed
 _BETWEEN = 0.01  # s between two times that a contact is told: half the time constant by which a slide glides
-_STAYS_AT = 0.1  # share of its sweep over one body, at which a contact that is slower over the other stays there
 _FALL = 1.05  # times the speed that gravity gives in a step, which is no blow either
 
 
@@ -39,7 +35,7 @@ def take_step(state, microphones, points, time):
     state.time = time
     state.steps += 1
     state.points = points
-    _glide(state.glide, span)
+    find_glide(state.glide, span)
     state.happened = state.changed = 0
     for i in range(state.touching):
         clear(state.pairs[i])
@@ -73,14 +69,6 @@ def _is_whole(state, points):
     return math.isfinite(x + y + z + w)
 
 
-@kernel
-def _glide(glide, span):
-    """Find how far a contact's motion, its place and its force glide in a time (s)."""
-    glide.share, glide.near = -math.expm1(-span / _SMOOTH), -math.expm1(-span / _SMOOTH_PLACE)
-    glide.remembered = math.exp(-span / _REMEMBERED)
-    glide.harder, glide.softer = -math.expm1(-span / _SMOOTH_FORCE), math.exp(-span / _SMOOTH_FORCE)
-
-
 @noinline_kernel
 def _step_pair(state, microphones, i, span):
     """Tell what happened to a pair in this step; forget it where it touches no more."""
@@ -90,13 +78,13 @@ def _step_pair(state, microphones, i, span):
         return
     for k in range(3):
         pair.point[k] /= pair.count
-        pair.facing[k] = pair.normal[k] / pair.count
+    remember(state, pair)
     if pair.fresh > 0:
         _hit(state, pair)
         pair.stood, pair.begun = 0, state.time
     elif pair.settled == 0 or state.time - pair.begun > _STOOD:
         pair.stood = 1
-    _follow(state, pair, span)
+    follow(state, pair, span)
     slip, sweep = pair.now[0], pair.now[1]
     fastest = max(slip, sweep)
     if pair.moves == STILL:
@@ -179,69 +167,9 @@ def _leave(state, i, span):
         _end(state, pair)
         _forget(state, i)
     elif pair.settled > 0:
-        _hop(state, pair)
+        hop(state, pair, span)
         if pair.moves == HEARD and state.time - pair.told_at >= _BETWEEN and is_noticed(pair):
             steer_slide(state, pair)
-
-
-@kernel
-def _hop(state, pair):
-    """Find how a contact that hops slips on: as its bodies move where it was last, or as it was told; nothing presses
-    it.
-
-    One that stays at its place on one body sweeps over the other as fast as it slips.
-    """
-    pair.now[2] *= state.glide.softer
-    if pair.told == 1:
-        return
-    share = state.glide.share
-    slip = slip_at(state, pair)
-    pair.now[0] += share * (slip - pair.now[0])
-    for side in range(2):
-        if pair.sweep[1 - side] < _STAYS_AT * pair.sweep[side]:
-            pair.sweep[side] += share * (slip - pair.sweep[side])
-    pair.now[1] = max(pair.sweep[0], pair.sweep[1])
-
-
-@kernel
-def _follow(state, pair, span):
-    """Find how a contact slips and sweeps, and how hard it is pressed, smoothed."""
-    passed = state.time - pair.last if pair.settled > 0 else span
-    pair.last = state.time
-    glide = state.glide
-    if passed != span:  # there was a hop
-        glide = state.hop
-        _glide(glide, passed)
-    share, near = glide.share, glide.near
-    for side in range(2):
-        for k in range(3):
-            at = into(state, pair.a if side == 0 else pair.b, pair.point, k)
-            pair.local[side, k] += (near if pair.settled > 0 else 1.0) * (at - pair.local[side, k])
-        if pair.followed > 0:
-            swept = pair.swept[side] / pair.followed
-            pair.sweep[side] += (share if pair.settled > 1 else 1.0) * (swept - pair.sweep[side])
-    slip = pair.slip / pair.weight
-    if pair.settled == 0:
-        pair.now[0] = slip
-    pair.fastest = max(slip, pair.fastest * glide.remembered)
-    pair.now[0] += share * (slip - pair.now[0])
-    if pair.settled < 2:
-        pair.settled = 2 if pair.followed > 0 else 1
-        if pair.followed == 0:  # it is likely to go over the larger body
-            pair.sweep[0 if state.reach[pair.a] >= state.reach[pair.b] else 1] = pair.now[0]
-    pair.now[1] = max(pair.sweep[0], pair.sweep[1])
-    weight = _weight(state, pair)
-    force = pair.force if pair.force > 0.0 else weight
-    if pair.now[2] == 0.0:
-        pair.now[2] = weight if weight > 0.0 else force
-    pair.now[2] += state.glide.harder * (force - pair.now[2])
-
-
-@kernel
-def _weight(state, pair):
-    """The weight (N) of the lighter body of a pair."""
-    lightness = max(state.lightness[pair.a], state.lightness[pair.b])
-    return state.gravity / lightness if lightness > 0.0 else 0.0
 
 
 @noinline_kernel

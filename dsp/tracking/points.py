@@ -45,7 +45,8 @@ def _find(state, a, b):
     pair.known = 0
     for k in range(3):
         pair.now[k] = pair.said[k] = 0.0
-    pair.sweep[0] = pair.sweep[1] = pair.fastest = 0.0
+    pair.sweep[0] = pair.sweep[1] = pair.fastest = pair.pushed = pair.over = 0.0
+    pair.hopped_at = -math.inf
     return place
 
 
@@ -121,20 +122,31 @@ def _rates(state, a, b, point, normal):
 
 
 @kernel
-def slip_at(state, pair):
-    """How fast the bodies of a pair go past each other where they touched last (m/s), which is its point then."""
+def remember(state, pair):
+    """Remember where the bodies of a pair touch, for when they hop."""
+    body = _smaller(state, pair)
     for k in range(3):
-        pair.point[k] = _out_of(state, pair.a, pair.local[0], k)
+        pair.facing[k] = pair.normal[k] / pair.count
+        pair.arm[k] = pair.point[k] - state.position[body, k]
+
+
+@kernel
+def slip_at(state, pair):
+    """How fast the bodies of a pair go past each other where they touched last (m/s).
+
+    That is as far from the centre of the smaller body as it was, in the world's axes: a ball that turns in the air is
+    looked at below.
+    """
+    body = _smaller(state, pair)
+    for k in range(3):
+        pair.point[k] = state.position[body, k] + pair.arm[k]
     return _rates(state, pair.a, pair.b, pair.point, pair.facing)[1]
 
 
 @kernel
-def _out_of(state, body, local, k):
-    """Component k of a point in the world (m) that is in the axes of a body."""
-    total = state.position[body, k]
-    for i in range(3):
-        total += state.turn[body, 3 * k + i] * local[i]
-    return total
+def _smaller(state, pair):
+    """The smaller body of a pair."""
+    return pair.a if state.reach[pair.a] <= state.reach[pair.b] else pair.b
 
 
 @kernel

@@ -55,7 +55,9 @@ _PAIR = np.dtype(
         ("weight", np.float64),
         ("slip", np.float64),
         ("force", np.float64),
-        ("facing", np.float64, 3),  # the mean of their normals, of the last step that had any
+        # Of the last step that had any: the mean of their normals, and the way to them from the smaller body's centre.
+        ("facing", np.float64, 3),
+        ("arm", np.float64, 3),
         ("told", np.int64),  # 1: how fast the last of them slips was told
         # Those among them that are new, and close fast enough to be heard.
         ("fresh", np.int64),
@@ -65,6 +67,9 @@ _PAIR = np.dtype(
         ("delay", np.float64),
         ("mass", np.float64),
         ("restitution", np.float64),
+        ("hopped_at", np.float64),  # s: when it was last told no more for a while
+        ("pushed", np.float64),  # N s: its force over a time (s) that the smoothed force knows nothing of yet
+        ("over", np.float64),
         # Where the contact is in the axes of each body, and how fast it moves over them.
         ("local", np.float64, (2, 3)),
         ("sweep", np.float64, 2),
@@ -81,8 +86,8 @@ _PAIR = np.dtype(
     align=True,
 )
 
-_GLIDE = np.dtype([(name, np.float64) for name in ("share", "near", "remembered", "harder", "softer")])
-"""Shares by which a contact goes on in a time: its motion, its place, its fastest slip, its force as it acts or not."""
+_GLIDE = np.dtype([(name, np.float64) for name in ("share", "near", "remembered", "harder")])
+"""Shares by which a contact goes on in a time: its motion, its place, its fastest slip, its force."""
 
 EVENT = np.dtype(
     [

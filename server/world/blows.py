@@ -74,7 +74,13 @@ class Hits(Sequence[Hit]):
         return self._all[place]
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Sequence) and self._all == list(other)
+        return isinstance(other, list | tuple | Hits) and self._all == list(other)
+
+    def __add__(self, other: Sequence[Hit]) -> list[Hit]:
+        return self._all + list(other)
+
+    def __radd__(self, other: Sequence[Hit]) -> list[Hit]:
+        return list(other) + self._all
 
     def __repr__(self) -> str:
         return repr(self._all)

@@ -136,3 +136,84 @@ def test_blows_of_an_action_are_a_sequence_that_can_be_sent():
     env.close()
     assert [len(each) for each in found if each] and pickle.loads(pickle.dumps(found)) == [list(each) for each in found]
     assert [hit for each in found for hit in each] == hits and all(each == list(each) for each in found)
+
+
+class Settling(gymnasium.Wrapper):
+    """Lets its body fall for a while as it resets."""
+
+    def reset(self, **options):
+        found = self.env.reset(**options)
+        self.unwrapped.do_simulation(np.zeros(self.action_space.shape), 100)
+        return found
+
+
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
+def test_what_a_wrapper_simulates_as_it_resets_is_not_heard(mode):
+    alone = ants(2, mode, lambda env: AddAudioObservation(Settling(env), frames=900, **HEARING))
+    together = VectorAddAudioObservation(ants(2, mode, Settling), frames=900, **HEARING)
+    one, other = turns(alone, 9), turns(together, 9)
+    assert not one[1][0].any() and one[1].any()
+    assert np.array_equal(one[0], other[0]) and np.array_equal(one[1], other[1]) and one[2] == other[2]
+
+
+def test_blows_that_were_returned_stay_as_they_are():
+    env = AddAudioObservation(gymnasium.make("Ant-v5"), **HEARING)
+    env.reset(seed=1)
+    hits, action = [], np.zeros(env.action_space.shape, np.float32)
+    while not hits:
+        hits = env.step(action)[4]["hits"]
+    count = len(hits)
+    for _ in range(20):
+        env.unwrapped.step(action)
+    assert len(hits) == len(list(hits)) == count and hits + hits == list(hits) + hits == 2 * list(hits) and hits != ""
+    env.close()
+
+
+def test_a_reset_of_some_after_an_error_leaves_the_sound_of_the_others():
+    heard = []
+    for wrap in (lambda env: AddAudioObservation(env, **HEARING), None):
+        envs = ants(3, "Disabled", wrap or (lambda env: env))
+        envs = envs if wrap else VectorAddAudioObservation(envs, **HEARING)
+        envs.reset(seed=1)
+        action = np.zeros(envs.action_space.shape, np.float32)
+        for _ in range(4):
+            envs.step(action)
+        inner = envs.unwrapped.envs[2].unwrapped
+        plain, inner._step_mujoco_simulation = inner._step_mujoco_simulation, None
+        with pytest.raises(TypeError):
+            envs.step(action)
+        inner._step_mujoco_simulation = plain
+        observation, _ = envs.reset(options={"reset_mask": np.array([False, False, True])})
+        heard.append(observation["audio"] if wrap is None else [each["audio"] for each in envs._env_obs])
+    assert np.array_equal(heard[0][2], heard[1][2]) and not heard[1][2].any() and heard[1][:2].any()
+
+
+def plain(env) -> bool:
+    """Whether nothing of an environment was replaced."""
+    return not {"_step_mujoco_simulation", "reset"} & (set(vars(env)) | set(vars(env.unwrapped)))
+
+
+def test_bad_input_is_told_and_leaves_the_environments_as_they_were():
+    envs = ants(3, "NextStep", lambda env: env)
+    for options, words in (
+        ({"threads": "2"}, "threads = '2': expected a whole number from 0 on"),
+        ({"threads": -1}, "threads = -1: expected a whole number from 0 on"),
+        ({"frames": 0}, "frames = 0: expected a whole number from 1 on"),
+        ({"microphones": 3}, r"microphones = 3: expected Microphones or places \(m\)"),
+        ({"world": carom.World()}, "world: expected none, as each environment has one of its own"),
+    ):
+        with pytest.raises(carom.WorldError, match=words):
+            VectorAddAudioObservation(envs, **options)
+    assert all(plain(env) for env in envs.envs)
+    envs.envs[2].unwrapped.frame_skip = 10
+    with pytest.raises(carom.WorldError, match="environment 2: 4800 frames per action; expected 2400, as of the first"):
+        VectorAddAudioObservation(envs)
+    assert all(plain(env) for env in envs.envs)
+    first = AddAudioObservation(envs.envs[0])
+    with pytest.raises(carom.WorldError, match="expected an environment without sound; this one has it already"):
+        VectorAddAudioObservation(envs)
+    with pytest.raises(carom.WorldError, match="expected an environment without sound; this one has it already"):
+        AddAudioObservation(first)
+    first.close()
+    first.close()
+    assert all(plain(env) for env in envs.envs)

@@ -8,6 +8,7 @@ import pytest
 
 from carom.dsp.runtime.batch import Batch
 from carom.dsp.runtime.engine import Engine
+from carom.dsp.runtime.jobs import ADDED, DONE
 from tests.dsp.engine.support import bell, strike
 
 ENGINES, ROUNDS = 5, 40
@@ -39,17 +40,42 @@ def test_each_engine_sounds_as_alone(threads):
 
 
 def test_its_threads_rest_when_nothing_comes_and_come_back():
-    batch, engine = Batch(2, 2), struck(1)
-    batch.add(engine, 64)
-    batch.finish()
-    deadline = time.monotonic() + 10.0
-    while not all(each.done() for each in batch._running):
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
-    begun = time.thread_time()
-    assert batch.add(engine, 64).shape == (64, 2)
-    batch.finish()
-    batch.finish()  # nothing is left to do
-    assert time.thread_time() - begun < 1.0
+    batch, engines = Batch(8, 2), [struck(n) for n in range(8)]
+    for _ in range(2):
+        batch.add(engines[0], 64)
+        batch.finish()
+        batch.finish()  # nothing is left to do
+        assert 0 < len(running()) <= 2
+        wait_until(lambda: not running())
+    for engine in engines:  # they come back though blocks wait, where the one that adds takes its time
+        batch.add(engine, 64)
+        wait_until(lambda: not running())
+    assert batch._room.counts[DONE] == batch._room.counts[ADDED] == 10
     batch.close()
-    assert not [each for each in threading.enumerate() if each.name.startswith("carom-batch")]
+    batch.add(engines[0], 64)
+    batch.close()
+    assert not running()
+
+
+def running() -> list[threading.Thread]:
+    return [each for each in threading.enumerate() if each.name == "carom-batch"]
+
+
+def wait_until(met) -> None:
+    deadline = time.monotonic() + 30.0
+    while not met():
+        assert time.monotonic() < deadline
+        time.sleep(0.001)
+
+
+def test_a_batch_that_is_dropped_lets_its_threads_end():
+    """They read its memory for a while; what they write to stays, too."""
+    engines = [struck(n) for n in range(3)]
+    for _ in range(100):
+        batch = Batch(4, 1)
+        for engine in engines:
+            batch.add(engine, 200)
+        del batch
+        kept = [np.full(6, 5) for _ in range(40)]  # takes the memory that is free
+        assert all((each == 5).all() for each in kept)
+        wait_until(lambda: not running())
