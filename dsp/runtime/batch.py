@@ -19,51 +19,51 @@ class Batch:
     """
 
     def __init__(self, most: int, threads: int) -> None:
-        self._room = _Room(most)
-        self._most, self._least_working = most, threads
+        self._shared = _Shared(most)
+        self._most, self._wanted = most, threads
         self._threads: list[Thread] = []
-        self._publish, self._added_at = publish_at.bare, self._room.counts[ADDED:].ctypes.data
+        self._publish, self._added_at = publish_at.bare, self._shared.counts[ADDED:].ctypes.data
         self._finished = 0
 
     def add(self, engine: Engine, frames: int) -> NDArray[np.float32]:
         """Have the next frames of an engine computed: float32 (frames, channels), which is filled once `finish` was
         called."""
-        room = self._room
-        added = int(room.counts[ADDED])
+        shared = self._shared
+        added = int(shared.counts[ADDED])
         if added - self._finished >= self._most:
             self.finish()
-        if room.counts[WORKING] < self._least_working:
+        if shared.counts[WORKING] < self._wanted:
             self._begin()
         out = np.empty((frames, engine.channels), np.float32)
-        room.held.append((engine, out))
-        room.jobs[added % self._most] = engine.pointer, out.ctypes.data, frames, engine.channels
+        shared.held.append((engine, out))
+        shared.jobs[added % self._most] = engine.pointer, out.ctypes.data, frames, engine.channels
         self._publish(self._added_at, added + 1)
         return out
 
     def _begin(self) -> None:
         """Have as many threads work as there may be: they end where nothing comes for a while."""
         self._threads = [each for each in self._threads if each.is_alive()]
-        for _ in range(self._least_working - len(self._threads)):
-            self._threads.append(Thread(target=self._room.work, name="carom-batch", daemon=True))
+        for _ in range(self._wanted - len(self._threads)):
+            self._threads.append(Thread(target=self._shared.work, name="carom-batch", daemon=True))
             self._threads[-1].start()
 
     def finish(self) -> None:
         """Wait until all blocks are there, and compute those that no thread has begun."""
-        finish(*self._room.arguments)
-        self._finished = observe(self._room.counts[ADDED:])
-        self._room.held.clear()
+        finish(*self._shared.arguments)
+        self._finished = observe(self._shared.counts[ADDED:])
+        self._shared.held.clear()
 
     def close(self) -> None:
         """Finish, and end the threads."""
         self.finish()
-        self._least_working = 0
-        self._room.counts[ENDED] = 1
+        self._wanted = 0
+        self._shared.counts[ENDED] = 1
         for each in self._threads:
             if each.is_alive():
                 each.join()
 
 
-class _Room:
+class _Shared:
     """What threads read and write, which stays as long as one of them works."""
 
     def __init__(self, most: int) -> None:

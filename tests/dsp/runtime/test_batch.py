@@ -50,7 +50,7 @@ def test_its_threads_rest_when_nothing_comes_and_come_back():
     for engine in engines:  # they come back though blocks wait, where the one that adds takes its time
         batch.add(engine, 64)
         wait_until(lambda: not running())
-    assert batch._room.counts[DONE] == batch._room.counts[ADDED] == 10
+    assert batch._shared.counts[DONE] == batch._shared.counts[ADDED] == 10
     batch.close()
     batch.add(engines[0], 64)
     batch.close()
