@@ -35,6 +35,9 @@ from tests.server.scene.support import refusal, say
         ("/object/new", ("b", "glass-plate", "length"), "length: its value is missing"),
         ("/object/x/impact", (1.0,), "x: no such object; there are a"),
         ("/object/a/kick", (1.0,), "unknown action 'kick'; expected impact, bounce"),
+        ("/object/a/strike", (1.0,), "unknown action 'strike'; expected impact, bounce"),  # not /gesture/a/stribeck
+        ("/object/a/sweep", (1.0,), "no such address; did you mean /gesture/a/sweep?"),
+        ("/objekt/a/inpact", (1.0,), "no such address; did you mean /object/a/impact?"),
         ("/object/a/impact", (), "velocity is missing"),
         ("/object/a/impact", (-1,), "velocity = -1: expected a number from 0 to 1000 m/s"),
         ("/object/a/impact", (math.nan,), "velocity = nan"),
