@@ -262,10 +262,9 @@ def unknown(address: str) -> Refused:
     if meant:
         return Refused(f"no such address; did you mean {' or '.join(meant)}?")
     parts = address.split("/")
-    if len(parts) == 4:
-        actions = [verb.action for (container, _), verb in _TARGETED.items() if container == parts[1]]
-        if actions:
-            return Refused(f"unknown action '{parts[3]}'; expected {', '.join(actions)}")
+    actions = [verb.action for (container, _), verb in _TARGETED.items() if len(parts) == 4 and container == parts[1]]
+    if actions:
+        return Refused(f"unknown action '{parts[3]}'; expected {', '.join(actions)}")
     return Refused(f"no such address; expected one of {', '.join(VERBS)}")
 
 
@@ -290,10 +289,8 @@ def _are_near(given: Sequence[str], known: Sequence[str]) -> bool:
 def _filled(template: str, given: Sequence[str], has_container: bool) -> str:
     """The template of an address with the name that was given, if one was."""
     _, container, name, action = template.split("/")
-    if len(given) == 3:
-        name = given[1]
-    elif len(given) == 2 and not has_container:
-        name = given[0]
+    if len(given) == 3 or (len(given) == 2 and not has_container):
+        name = given[-2]
     return f"/{container}/{name}/{action}"
 
 
