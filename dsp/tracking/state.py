@@ -58,7 +58,7 @@ _PAIR = np.dtype(
         # Of the last step that had any: the mean of their normals, and the way to them from the smaller body's centre.
         ("facing", np.float64, 3),
         ("arm", np.float64, 3),
-        ("told", np.int64),  # 1: how fast the last of them slips was told
+        ("told", np.int64),  # 1: the simulator told how fast the last of them slips
         # Those among them that are new, and close fast enough to be heard.
         ("fresh", np.int64),
         ("fresh_point", np.float64, 3),
