@@ -130,7 +130,7 @@ class VectorAddAudioObservation(VectorWrapper, RecordConstructorArgs):
         return self._observed(state), rewards, terminations, truncations, infos
 
     def _observed(self, state: Any) -> Observation:
-        return {"state": state, "audio": np.stack([sound.audio for sound in self._sounds])}
+        return {"state": state, "audio": np.array([sound.audio for sound in self._sounds])}
 
     def close(self, **options: Any) -> None:
         """End the environments and their sound."""
@@ -235,12 +235,11 @@ class _Sound:
         self._settle()
         self._anew = False
         model, data, simulation = self._inner.model, self._inner.data, self.bridge.world.simulation
-        step, tell, struck = mujoco.mj_step, self.bridge.tell, simulation.struck
+        step, tell = mujoco.mj_step, self.bridge.tell
         data.ctrl[:] = control
         for _ in range(steps):
             step(model, data)
-            tell()
-            if struck[0]:
+            if tell():
                 self._blows.append(simulation.blows)
         mujoco.mj_rnePostConstraint(model, data)
         self._block = self.bridge.world.block(self._batch)

@@ -95,9 +95,9 @@ class Bridge:
         self._number = _numbers(model, parts, self._first)
         self._arrays = self._described()
         places = (data._address + _layout()[name] for name in ("time", "count"))
-        self.tell: Callable[[], None] = self.world.teller(self._arrays.ctypes.data, *places)
-        """Tells the World of a step of MuJoCo, to be called after each. WorldError for what is not finite, or if time
-        has not gone on."""
+        self.tell: Callable[[], int] = self.world.teller(self._arrays.ctypes.data, *places)
+        """Tells the World of a step of MuJoCo, to be called after each; returns the number of its blows. WorldError for
+        what is not finite, or if time has not gone on."""
 
     def _add(self, part: _Part, material: str, about: Mapping[str, Any]) -> None:
         """Add a part to the World, with the mass and inertia of the body that moves it."""

@@ -21,7 +21,7 @@ from .dsp.bodies.material import CONTACT_RADIUS
 from .dsp.engine.state import QUANTUM
 from .dsp.resonator.bank import NYQUIST_SHARE
 from .dsp.runtime.batch import Batch
-from .dsp.runtime.telling import tell
+from .dsp.runtime.telling import PER_BLOW, tell
 from .scene import Scene
 from .server.closing import Closing
 from .server.osc.score import format_line
@@ -188,18 +188,23 @@ class World(Closing):
         """As `step`, for bridges: poses and contacts are in the columns of `memory` already. `block` has the sound."""
         self._send(self.simulation.advance(time, points))
 
-    def teller(self, arrays: int, time: int, points: int) -> Callable[[], None]:
-        """A function that tells a step, for bridges: where a simulator has its poses and contacts, as a record of
-        `carom.dsp.tracking.arrays.ARRAYS` at an address says; its time (s), a float64 at an address; and the number of
-        its contacts, an int32. Python does next to nothing then, unless something begins or ends."""
-        simulation, run = self.simulation, tell.bare
+    def teller(self, arrays: int, time: int, points: int) -> Callable[[], int]:
+        """A function that tells a step, for bridges, and returns the number of its blows.
+
+        Where a simulator has its poses and contacts, a record of `carom.dsp.tracking.arrays.ARRAYS` at an address says;
+        its time (s) is a float64 at an address, and the number of its contacts an int32. Python does next to nothing
+        then, unless something begins or ends.
+        """
+        simulation, run = self.simulation, tell.brief
         telling = simulation.telling(arrays, time, points)
         address = telling.ctypes.data
 
-        def told() -> None:
-            found = run(address)
-            if found:
-                self._send(simulation.told(telling, found))
+        def told() -> int:
+            found: int = run(address)
+            if found == 0:
+                return 0
+            self._send(simulation.told(telling, found))
+            return found // PER_BLOW
 
         return told
 

@@ -10,6 +10,8 @@ from .callback import callback
 from .engine import Engine
 from .jobs import ADDED, COUNTS, ENDED, JOB, WORKING, finish, work
 
+_BYTES = 4  # of a sample
+
 
 class Batch:
     """Blocks of engines that threads compute while Python goes on; each engine has one block at a time in it.
@@ -22,23 +24,34 @@ class Batch:
         self._shared = _Shared(most)
         self._most, self._wanted = most, threads
         self._threads: list[Thread] = []
-        self._publish, self._added_at = publish_at.bare, self._shared.counts[ADDED:].ctypes.data
+        self._publish, self._added_at = publish_at.brief, self._shared.counts[ADDED:].ctypes.data
         self._finished = 0
+        self._room, self._room_at, self._used = np.empty(0, np.float32), 0, 0
 
     def add(self, engine: Engine, frames: int) -> NDArray[np.float32]:
         """Have the next frames of an engine computed: float32 (frames, channels), which is filled once `finish` was
         called."""
-        shared = self._shared
+        shared, channels = self._shared, engine.channels
         added = int(shared.counts[ADDED])
         if added - self._finished >= self._most:
             self.finish()
         if shared.counts[WORKING] < self._wanted:
             self._begin()
-        out = np.empty((frames, engine.channels), np.float32)
+        begin, self._used = self._used, self._used + frames * channels
+        if self._used > len(self._room):
+            self._make_room(frames * channels)
+            begin = 0
+        out = self._room[begin : self._used].reshape(frames, channels)
         shared.held.append((engine, out))
-        shared.jobs[added % self._most] = engine.pointer, out.ctypes.data, frames, engine.channels
+        shared.jobs[added % self._most] = engine.pointer, self._room_at + _BYTES * begin, frames, channels
         self._publish(self._added_at, added + 1)
         return out
+
+    def _make_room(self, size: int) -> None:
+        """Have room for as many blocks of a size (samples) as may wait, of which the first is used."""
+        room = np.empty(self._most * size, np.float32)
+        at = room.ctypes.data
+        self._room, self._room_at, self._used = room, at, size  # at once: an interrupt comes before or after it
 
     def _begin(self) -> None:
         """Have as many threads work as there may be: they end where nothing comes for a while."""

@@ -60,8 +60,10 @@ TEMPLATES = np.dtype([("least", np.float64), ("command", COMMAND)], align=True)
 contact."""
 
 _OWN = 1 << 40  # numbers of gestures from here on are those of slides, which no message names
-LOOK, NOTHING, NOT_WHOLE, NOT_LATER, NO_ROOM = 1, 0, -1, -2, -3
-"""What a step says: Python has to look at it; nothing; its numbers cannot be, or its time; the ring is full."""
+LOOK, PER_BLOW = 1, 2
+"""What a step says: PER_BLOW for each of its blows, and LOOK if Python has to look at it, added up."""
+NOT_WHOLE, NOT_LATER, NO_ROOM = -1, -2, -3
+"""What it says else: that its numbers cannot be, or its time; that the ring is full."""
 
 _STEERED = np.array([STEERABLE.index(name) for name in STEERED])
 _GRID = 256.0  # places between two samples, to which a time is rounded that is there but for rounding
@@ -89,7 +91,7 @@ def link_engine(telling: np.ndarray, engine: np.ndarray) -> None:
 
 @c_function(c_int64, c_void_p)
 def tell(telling):
-    """Look at a step, as a record of TELLING says; LOOK, NOTHING, or what is wrong: then it was not taken, unless the
+    """Look at a step, as a record of TELLING says: what happened, or what is wrong: then it was not taken, unless the
     ring is full."""
     link = carray(telling, (1,), TELLING)[0]
     state = carray(pointer_to(link.state), (1,), STATE)[0]
@@ -108,15 +110,15 @@ def tell(telling):
     if state.happened > 0:
         heard = _find_blows(link, state, microphones)
     changes = state.changed + microphones.found * microphones.count + heard + state.happened - state.struck
+    looks = changes > 0
     if link.entries == 0:
-        return LOOK if changes + state.happened > 0 else NOTHING
-    if changes > 0:
+        looks |= state.happened > 0
+    elif changes > 0:
         if not _has_room(link, changes, _sample_of(link, time)):
             return NO_ROOM
         _write(link, state, microphones)
-        if _slide(link, state):
-            return LOOK
-    return NOTHING
+        looks = _slide(link, state)
+    return PER_BLOW * state.struck + (LOOK if looks else 0)
 
 
 @kernel

@@ -107,6 +107,8 @@ def _begin(state, microphones, pair):
     """A standing contact moves, and is heard if one of its bodies rings, it is loud enough and there is room for it."""
     if state.rings[pair.a] == 0 and state.rings[pair.b] == 0:
         return
+    if state.most == 0 and pair.moves == UNHEARD:
+        return
     pair.pressure = pressure_of(state, microphones, pair)
     pair.told_at = pair.weighed_at = pair.heard_at = state.time
     if pair.pressure < faintest_at(state, state.time):

@@ -16,7 +16,10 @@ _STAYS_AT = 0.1  # share of its sweep over one body, at which a contact that is 
 
 @kernel
 def find_glide(glide, span):
-    """Find how far a contact's motion, its place and its force glide in a time (s)."""
+    """Find how far a contact's motion, its place and its force glide in a time (s), unless it is the same as before."""
+    if glide.span == span:
+        return
+    glide.span = span
     glide.share, glide.near = -math.expm1(-span / _SMOOTH), -math.expm1(-span / _SMOOTH_PLACE)
     glide.remembered = math.exp(-span / _REMEMBERED)
     glide.harder = -math.expm1(-span / _SMOOTH_FORCE)

@@ -15,6 +15,7 @@ coefficient times the slip, and let it fall again (M. Anitescu, Math. Program. 1
 _LONGEST_HOP = 0.1  # s that what slides may be without a contact
 _SAME = 0.002  # m by which a point may move from step to step and stay the same
 _SAME_SHARE = 0.1  # of the smaller body's half length, by which it may as well
+_STILL = 0.01  # share of that: no other point is as near
 
 
 @kernel
@@ -86,7 +87,7 @@ def take_point(state, n, span, least):
     for k in range(3):
         pair.point[k] += point[k]
         pair.normal[k] += sign * normal[k]
-    fresh = _is_new(state, pair, n, span, abs(approach) + slip + _apart(state, a, b))
+    fresh = _is_new(state, pair, n, span, abs(approach) + slip)
     if fresh and approach > least and not (pair.stood == 1 and approach < GRAZING * max(slip, pair.fastest)):
         pair.fresh += 1
         pair.speed += approach
@@ -179,25 +180,24 @@ def longest_hop(state, pair, span):
 
 @kernel
 def _is_new(state, pair, n, span, rate):
-    """True if a point was not there in the last steps, but for the way it goes at a rate (m/s); it is remembered.
+    """True if a point was not there in the last steps, but for the way it goes at a rate (m/s), by which a point closes
+    and slips, and as its bodies move; it is remembered.
 
-    One that was there, or before a hop, tells how fast the contact moves over both bodies.
+    One that was there, or before a hop, tells how fast the contact moves over both bodies. Simulators tell points in
+    the same order from step to step: the one that was the same in the last step is looked at first.
     """
     point, time = state.point[n], state.time
     near = max(_SAME, _SAME_SHARE * min(state.reach[pair.a], state.reach[pair.b]))
     longest, memory = longest_hop(state, pair, span), max(MEMORY, 2.5 * span)
-    found, least, passed = -1, math.inf, 0.0
+    order = (pair.count - 1) % KEPT
     on_a = into(state, pair.a, point, 0), into(state, pair.a, point, 1), into(state, pair.a, point, 2)
     on_b = into(state, pair.b, point, 0), into(state, pair.b, point, 1), into(state, pair.b, point, 2)
-    ways = 0.0, 0.0
-    for m in range(pair.known):
-        before = time - pair.kept_at[m]
-        if 0.0 < before <= longest:
-            away = near + rate * before
-            squares = _square(on_a, pair.kept[m, 0]), _square(on_b, pair.kept[m, 1])
-            nearest = min(squares[0], squares[1])
-            if nearest < min(least, away * away):
-                found, least, passed, ways = m, nearest, before, squares
+    found = pair.same[order]
+    passed, ways = time - pair.kept_at[found], _ways(pair, found, on_a, on_b)
+    here = found < pair.known and 0.0 < passed <= longest and min(ways) < (_STILL * near) ** 2
+    if not here:
+        rate += _apart(state, pair.a, pair.b)
+        found, passed, ways = _nearest_of(pair, on_a, on_b, time, longest, near, rate)
     new = found < 0 or passed > memory
     if found < 0:
         found = _room(pair)
@@ -206,10 +206,33 @@ def _is_new(state, pair, n, span, rate):
         pair.followed += 1
         pair.swept[0] += math.sqrt(ways[0]) * pace
         pair.swept[1] += math.sqrt(ways[1]) * pace
+    pair.same[order] = found
     pair.kept_at[found] = time
     for k in range(3):
         pair.kept[found, 0, k], pair.kept[found, 1, k] = on_a[k], on_b[k]
     return new
+
+
+@noinline_kernel
+def _nearest_of(pair, on_a, on_b, time, longest, near, rate):
+    """The nearest of a pair's points, -1 if none is near: its number, for how long it was not told (s), and how far it
+    has come on each body, squared (m^2)."""
+    found, least, passed, ways = -1, math.inf, 0.0, (0.0, 0.0)
+    for m in range(pair.known):
+        before = time - pair.kept_at[m]
+        if 0.0 < before <= longest:
+            away = near + rate * before
+            squares = _ways(pair, m, on_a, on_b)
+            nearest = min(squares)
+            if nearest < min(least, away * away):
+                found, least, passed, ways = m, nearest, before, squares
+    return found, passed, ways
+
+
+@kernel
+def _ways(pair, m, on_a, on_b):
+    """How far a point has come since it was told as a pair's point m: on each body, squared (m^2)."""
+    return _square(on_a, pair.kept[m, 0]), _square(on_b, pair.kept[m, 1])
 
 
 @kernel

@@ -45,6 +45,7 @@ _PAIR = np.dtype(
         ("known", np.int64),
         ("kept", np.float64, (KEPT, 2, 3)),
         ("kept_at", np.float64, KEPT),
+        ("same", np.int64, KEPT),  # which of these a step's points were, in the order in which they were told
         # The points of this step.
         ("count", np.int64),
         ("followed", np.int64),  # of them, those that were there in the step before
@@ -86,8 +87,8 @@ _PAIR = np.dtype(
     align=True,
 )
 
-_GLIDE = np.dtype([(name, np.float64) for name in ("share", "near", "remembered", "harder")])
-"""Shares by which a contact goes on in a time: its motion, its place, its fastest slip, its force."""
+_GLIDE = np.dtype([(name, np.float64) for name in ("span", "share", "near", "remembered", "harder")])
+"""A time (s), and the shares by which a contact goes on in it: its motion, its place, its fastest slip, its force."""
 
 EVENT = np.dtype(
     [

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...dsp.bodies.material import Material, contact_between
 from ...dsp.runtime.telling import (
+    LOOK,
     NO_ROOM,
     NOT_LATER,
     OBJECTS,
@@ -52,7 +53,7 @@ class Simulation:
         for name, value in (("gravity", gravity), ("rest", rest), ("start", start)):
             if not (math.isfinite(value) and (value >= 0.0 or name == "start")):
                 raise WorldError(f"{name} = {value}: expected a number that is not negative")
-        self._tell = tell.bare  # loaded now, or compiled
+        self._tell = tell.brief  # loaded now, or compiled
         self.bodies: list[Body] = []
         self._hits: tuple[int, list[Hit]] = 0, []  # of a step
         self.hearing = hearing or Hearing()
@@ -258,11 +259,12 @@ class Simulation:
     def advance(self, time: float, points: int) -> list[Request]:
         """As `step`, where poses and so many contacts are in `state` already."""
         self._step_time[0], self._step_points[0] = time, points
-        found = self._tell(self._own.ctypes.data)
-        return self.told(self._own, found) if found else []
+        return self.told(self._own, self._tell(self._own.ctypes.data))
 
     def told(self, telling: NDArray[np.void], found: int) -> list[Request]:
         """What is to be heard of a step that was told, of which `tell` said what it found."""
+        if found >= 0 and not found & LOOK:
+            return []
         time, before = c_double.from_address(int(telling["time"][0])).value, float(telling["before"][0])
         if found == NOT_LATER:
             raise WorldError(
