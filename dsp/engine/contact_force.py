@@ -210,9 +210,19 @@ def _drive(state, contact, point):
     obj.driven_gain = max(obj.driven_gain, contact.now.gain)
     modes, where = modes_of(state, obj, 0, point.modes), point_of(state, obj, point)
     if contact.solver == COUPLING:
-        inject_fine(modes, where, state.scratch.fine)
+        if _is_any(state.scratch.fine):
+            inject_fine(modes, where, state.scratch.fine)
     else:
         inject(modes, where, state.scratch.moments)
+
+
+@kernel
+def _is_any(moments):
+    """True if there is a force: a striker that flies has none."""
+    total = 0.0
+    for n in range(FINE):
+        total += abs(moments[n])
+    return total != 0.0
 
 
 @kernel

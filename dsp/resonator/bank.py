@@ -84,6 +84,7 @@ class Drive(NamedTuple):
 
 
 _ONES = (1.0,) * LANES
+_FLAT = 1e-300  # keeps quotients of modes finite that are at rest for good
 
 
 @simd_kernel
@@ -242,11 +243,14 @@ def observe(modes, point, work, coefficients):
     n = len(y1)
     _shapes(n, point, work)
     # exp(s theta) = exp(s) exp(-s (1 - theta)): the reflected table, on the state a sample later.
-    for i in range(n):
-        mobility = work[i] * response[i // LANES * RESPONSES + MOBILITY + i % LANES]
-        after = a1[i] * y1[i] + a2[i] * y2[i]
-        work[n + i] = mobility * (a1[i] * after + a2[i] * y1[i])
-        work[2 * n + i] = mobility * a2[i] * after
+    for first in range(0, n, LANES):
+        row = first // LANES * RESPONSES + MOBILITY
+        for k in range(LANES):
+            i = first + k
+            mobility = work[i] * response[row + k]
+            after = a1[i] * y1[i] + a2[i] * y2[i]
+            work[n + i] = mobility * (a1[i] * after + a2[i] * y1[i])
+            work[2 * n + i] = mobility * a2[i] * after
     project(n, response, work, coefficients)
 
 
@@ -268,10 +272,13 @@ def transfer_receptance(modes, struck, point, work, coefficients):
     for i in range(n):
         work[n + i] = work[i]
     _shapes(n, point, work)
-    for i in range(n):
-        moved = work[i] * work[n + i] * response[i // LANES * RESPONSES + MOBILITY + LANES + i % LANES]
-        work[n + i] = moved * a1[i]
-        work[2 * n + i] = moved * a2[i]
+    for first in range(0, n, LANES):
+        row = first // LANES * RESPONSES + MOBILITY + LANES
+        for k in range(LANES):
+            i = first + k
+            moved = work[i] * work[n + i] * response[row + k]
+            work[n + i] = moved * a1[i]
+            work[2 * n + i] = moved * a2[i]
     project(n, response, work, coefficients)
 
 
@@ -285,14 +292,16 @@ def reach(modes, point, work):
     n = len(y1)
     _shapes(n, point, work)
     distance = speed = 0.0
-    for i in range(n):
-        scale = abs(response[i // LANES * RESPONSES + MOBILITY + LANES + i % LANES])
-        if scale > 0.0:
-            mobility = abs(response[i // LANES * RESPONSES + MOBILITY + i % LANES])
+    for first in range(0, n, LANES):
+        row = first // LANES * RESPONSES + MOBILITY
+        for k in range(LANES):
+            i = first + k
+            mobility, scale = abs(response[row + k]), abs(response[row + LANES + k])
             square = y1[i] * y1[i] - a1[i] * y1[i] * y2[i] - a2[i] * y2[i] * y2[i]  # |z|^2 sin(theta)^2
-            moved = abs(work[i]) * math.sqrt(max(square, 0.0))
-            distance += moved * scale / math.sqrt(1.0 + 0.25 * a1[i] * a1[i] / a2[i])
-            speed += moved * mobility / scale * math.sqrt(-a2[i])
+            moved = abs(work[i]) * math.sqrt(max(-a2[i] * square, 0.0))
+            sine = math.sqrt(max(-4.0 * a2[i] - a1[i] * a1[i], _FLAT))  # 2 r sin(theta)
+            distance += 2.0 * moved * scale / sine
+            speed += moved * mobility / max(scale, _FLAT)
     return distance, speed
 
 

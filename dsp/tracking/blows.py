@@ -58,7 +58,7 @@ def judge_blows(state):
 @kernel
 def _is_heard(state, pressure, time):
     """True if a contact of a pressure (Pa rms at a microphone) is heard at a time (s), after those asked of."""
-    if pressure < faintest_at(state, time):
+    if pressure < max(state.faintest, masked_at(state, time)):
         return False
     if pressure >= state.loudest or not _is_recent(state, time):
         state.loudest, state.loudest_at = pressure, time
@@ -66,9 +66,9 @@ def _is_heard(state, pressure, time):
 
 
 @kernel
-def faintest_at(state, time):
-    """The pressure (Pa rms) below which nothing is heard at a time (s): alone, or beside what was heard of late."""
-    return max(state.faintest, state.loudest * state.masked if _is_recent(state, time) else 0.0)
+def masked_at(state, time):
+    """The pressure (Pa rms) below which nothing is heard at a time (s) beside what was heard of late."""
+    return state.loudest * state.masked if _is_recent(state, time) else 0.0
 
 
 @kernel

@@ -13,10 +13,9 @@ over each body. What is told of it changes only where that can be heard.
 import math
 
 from ..native.jit import kernel, noinline_kernel
-from .blows import faintest_at
 from .motion import find_glide, follow, hop
 from .points import clear, into, longest_hop, remember, take_point
-from .slides import RESTS, fainter_slide, is_noticed, is_too_faint, motion_of, pressure_of, steer_slide
+from .slides import RESTS, fainter_slide, is_masked, is_noticed, is_too_faint, motion_of, pressure_of, steer_slide
 from .state import EVENTS, HEARD, HIT, MOVE, POINTS, REST, STEERED, STILL, UNHEARD
 
 _STOOD = 0.03  # s after a blow, when it is not one of a bounce
@@ -111,7 +110,7 @@ def _begin(state, microphones, pair):
         return
     pair.pressure = pressure_of(state, microphones, pair)
     pair.told_at = pair.weighed_at = pair.heard_at = state.time
-    if pair.pressure < faintest_at(state, state.time):
+    if pair.pressure < state.faintest or is_masked(state, pair):
         if pair.moves == STILL:
             state.faint += 1
         pair.moves = UNHEARD

@@ -13,7 +13,7 @@ import math
 
 from ..native.jit import kernel, noinline_kernel
 from ..numerics.constants import STANDARD_GRAVITY
-from .blows import contact_radius, curvature_of, loudness_of, time_of_contact
+from .blows import contact_radius, curvature_of, loudness_of, masked_at, time_of_contact
 from .microphones import gain_at
 from .state import EVENTS, HEARD, MOVE
 from .strips import place_on
@@ -26,6 +26,7 @@ _LEAST = 1e-6  # m/s, N: a slide of 0 would end
 _FASTEST, _HARDEST = 100.0, 1e5  # m/s, N
 _ROUGH, _ROUGH_FLAT = 0.12, 0.02  # sqrt(s/m): of the estimate, for round bodies and for faces
 _LOUDER = 2.0  # times as loud is what takes another's room; half as loud as what begins to be heard, a slide ends
+_LIKELY = 0.3  # of the estimate: half of all slides are as faint, or fainter
 _STAYS = 0.1  # s for which a slide is heard, at least; so often it is weighed
 _RISING = 0.1  # share of its speed at which a body rises and falls
 _FLAT = 0.002  # m: width of the contact of two faces, of which a corner carries at a time
@@ -61,6 +62,12 @@ def is_too_faint(state, microphones, pair):
         return False
     pair.pressure, pair.weighed_at = pressure_of(state, microphones, pair), state.time
     return _LOUDER * pair.pressure < state.faintest
+
+
+@kernel
+def is_masked(state, pair):
+    """True if nobody is likely to hear a slide beside the blows of late; it may begin a little later then."""
+    return _LIKELY * pair.pressure < masked_at(state, state.time)
 
 
 @kernel
