@@ -37,6 +37,7 @@ from .sound import Sound
 Blocks = NDArray[np.float32]
 
 _FADED = 16 * QUANTUM  # frames in which a panic fades
+_BUDGET = 1_000_000, 0  # steps and modes: any number, but counted, so that no striker is kept: the simulator moves it
 _AHEAD = 0.03  # s between a live step and its sound
 _DRIFT = 0.1  # s by which a simulation may run ahead of the clock or behind, before its sound is set to the clock again
 
@@ -94,6 +95,7 @@ class World(Closing):
             self._scene = Scene(
                 rate, channels=channels, calibrated=True, stems=stems, contacts=contacts, presets=library
             )
+            self._scene.budget(*_BUDGET)
         self._contacts = contacts
         self._straight = self._scene is not None and not keep
         if self._scene and self._straight:
@@ -250,7 +252,7 @@ class World(Closing):
             raise WorldError("score: expected a World(keep=True)")
         ordered = sorted(self._kept, key=lambda each: each[0])
         text = "".join(f"{format_line(at, request.message)}\n" for at, request in ordered)
-        head = f"0.0 /channels {self.simulation.channels}\n"
+        head = f"0.0 /channels {self.simulation.channels}\n0.0 /budget {' '.join(map(str, _BUDGET))}\n"
         if path is not None:
             Path(path).write_text(head + text, encoding="utf-8")
         return head + text
