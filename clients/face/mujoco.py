@@ -11,7 +11,7 @@ It needs `pip install 'carom[mujoco]'`.
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from ctypes import CDLL, c_int32, c_uint64, c_void_p, cast
 from functools import cache
 from pathlib import Path
@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .dsp.tracking.arrays import ARRAYS
+from .dsp.wording import expected
 from .presets import Presets
 from .server.world.bodies import WorldError
 from .server.world.step import Pose
@@ -50,16 +51,20 @@ class _Part(NamedTuple):
 class Bridge:
     """Tells a World what happens in MuJoCo's `data`.
 
-    Each body that moves is one of the World, shaped as its largest geom; each geom that does not move is one, held. A
-    plane rings as a plate of 2 m. Materials are presets: of a geom by `materials` (a mapping from names of geoms,
-    bodies or MuJoCo's materials), by the model's custom text `carom` ("floor wood ball glass"), or by a material of the
-    model that is named as a preset; else `default`. modes: at most, of each. bodies: keys of World.body by name, for
-    those that need more. The other options are those of a World; without any, `world` may be one that is there already.
+    Each body that moves is one of the World, shaped as its largest geom that collides; each such geom that does not
+    move is one, held. Where a name is there already, the geom's number follows it. A plane rings as a plate of 2 m.
+    Materials are presets: of a geom by `materials` (a mapping from names of geoms, bodies or MuJoCo's materials), by
+    the model's custom text `carom` ("floor wood ball glass"), or by a material of the model that is named as a preset;
+    else `default`. modes: at most, of each. bodies: keys of World.body by name, for those that need more. The other
+    options are those of a World; without any, `world` may be one that is there already.
 
     A blow's restitution is that of MuJoCo's own contact, so that its impulse is that of the motion, and its effective
-    mass is that of the whole mechanism. `restitution="materials"` takes the materials' instead.
+    mass is that of the whole mechanism, but for equality constraints. `restitution="materials"` takes the materials'
+    instead. With the integrator RK4 MuJoCo tells speeds that its contact has braked already: blows are up to a quarter
+    too soft. Flexes are silent.
 
-    The sound is a step of the model behind its state: only then are its contacts known.
+    The sound is a step of the model behind its state: only then are its contacts known. WorldError for names that the
+    model does not have.
     """
 
     def __init__(
@@ -83,8 +88,10 @@ class Bridge:
         gravity = float(np.linalg.norm(model.opt.gravity))
         self.world = world or World(**{"gravity": gravity, "start": float(data.time), **options})
         mujoco.mj_kinematics(model, data)
-        parts = sorted(_parts(model), key=lambda part: part.body == 0)
+        parts = _named_apart(sorted(_parts(model), key=lambda part: part.body == 0))
         chosen = {**_written(model), **(materials or {})}
+        _check_names("materials", chosen, _names(model))
+        _check_names("bodies", bodies or {}, {part.name for part in parts})
         self._first = len(self.world.bodies)
         for part in parts:
             self._add(part, _material(model, part, chosen) or default, (bodies or {}).get(part.name, {}))
@@ -95,7 +102,8 @@ class Bridge:
         self._number = _numbers(model, parts, self._first)
         self._arrays = self._described()
         places = (data._address + _layout()[name] for name in ("time", "count"))
-        self.tell: Callable[[], int] = self.world.teller(self._arrays.ctypes.data, *places)
+        kept = self._arrays, self._number, self._room, model, data
+        self.tell: Callable[[], int] = self.world.teller(self._arrays.ctypes.data, *places, kept)
         """Tells the World of a step of MuJoCo, to be called after each; returns the number of its blows. WorldError for
         what is not finite, or if time has not gone on."""
 
@@ -237,10 +245,11 @@ def _standing(data: mujoco.MjData | mujoco.MjModel, pointer: int) -> int:
 
 
 def _parts(model: mujoco.MjModel) -> Iterator[_Part]:
-    """The bodies of the World: of each that moves the largest geom, and all geoms that do not move."""
+    """The bodies of the World: of each that moves the largest geom, and all geoms that do not move; that collide."""
     largest: dict[int, int] = {}
+    paired = {*model.pair_geom1.tolist(), *model.pair_geom2.tolist()}
     for geom in range(model.ngeom):
-        if not (model.geom_contype[geom] or model.geom_conaffinity[geom]):
+        if not (model.geom_contype[geom] or model.geom_conaffinity[geom] or geom in paired):
             continue
         body = int(model.body_weldid[model.geom_bodyid[geom]])
         if body == 0:
@@ -250,6 +259,34 @@ def _parts(model: mujoco.MjModel) -> Iterator[_Part]:
     for body, geom in largest.items():
         name = _name(model, mujoco.mjtObj.mjOBJ_BODY, body) or _name(model, mujoco.mjtObj.mjOBJ_GEOM, geom)
         yield _Part(name or f"body{body}", geom, body)
+
+
+def _named_apart(parts: list[_Part]) -> list[_Part]:
+    """Parts of which no two have one name."""
+    seen: set[str] = set()
+    apart = []
+    for part in parts:
+        apart.append(part._replace(name=f"{part.name}_geom{part.geom}") if part.name in seen else part)
+        seen.add(apart[-1].name)
+    return apart
+
+
+def _names(model: mujoco.MjModel) -> set[str]:
+    """What materials may be of: the names of geoms, bodies and materials, and what geoms and bodies are called else."""
+    found = {f"{kind}{n}" for kind, count in (("geom", model.ngeom), ("body", model.nbody)) for n in range(count)}
+    for kind, count in (
+        (mujoco.mjtObj.mjOBJ_GEOM, model.ngeom), (mujoco.mjtObj.mjOBJ_BODY, model.nbody),
+        (mujoco.mjtObj.mjOBJ_MATERIAL, model.nmat),
+    ):  # fmt: skip
+        found |= {_name(model, kind, n) for n in range(count)}
+    return found
+
+
+def _check_names(what: str, given: Iterable[str], known: set[str]) -> None:
+    """Raise WorldError for the first name that is not known."""
+    for name in given:
+        if name not in known:
+            raise WorldError(f"{what}: {name}: {expected(name, sorted(known - {''}))}")
 
 
 def _extent(model: mujoco.MjModel, geom: int) -> float:
@@ -291,6 +328,7 @@ def _written(model: mujoco.MjModel) -> dict[str, str]:
 def _material(model: mujoco.MjModel, part: _Part, chosen: Mapping[str, str]) -> str:
     """The preset of a part's material; empty if nothing says it."""
     names = [part.name, _name(model, mujoco.mjtObj.mjOBJ_GEOM, part.geom)]
+    names.append(_name(model, mujoco.mjtObj.mjOBJ_BODY, int(model.geom_bodyid[part.geom])))
     material = int(model.geom_matid[part.geom])
     if material >= 0:
         names.append(_name(model, mujoco.mjtObj.mjOBJ_MATERIAL, material))
@@ -301,11 +339,11 @@ def _material(model: mujoco.MjModel, part: _Part, chosen: Mapping[str, str]) -> 
 
 
 def _numbers(model: mujoco.MjModel, parts: list[_Part], first: int) -> NDArray[np.int32]:
-    """The number of each geom's body in the World."""
+    """The number of each geom's body in the World, -1: it has none."""
     of_body = {part.body: first + n for n, part in enumerate(parts) if part.body}
     of_geom = {part.geom: first + n for n, part in enumerate(parts)}
     numbers = np.zeros(max(model.ngeom, 1), np.int32)
     for geom in range(model.ngeom):
         body = int(model.body_weldid[model.geom_bodyid[geom]])
-        numbers[geom] = of_body.get(body, of_geom.get(geom, first))
+        numbers[geom] = of_body.get(body, of_geom.get(geom, -1))
     return numbers

@@ -6,6 +6,7 @@ import math
 import time as clock
 from collections.abc import Callable, Iterable, Sequence
 from itertools import groupby
+from numbers import Real
 from operator import attrgetter, itemgetter
 from os import PathLike
 from pathlib import Path
@@ -15,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._capture import Capture
+from .clients.actions import CommandError
 from .clients.client import Client
 from .clients.performer import Folders, Performer, chosen
 from .dsp.bodies.material import CONTACT_RADIUS
@@ -38,6 +40,7 @@ Blocks = NDArray[np.float32]
 
 _FADED = 16 * QUANTUM  # frames in which a panic fades
 _BUDGET = 1_000_000, 0  # steps and modes: any number, but counted, so that no striker is kept: the simulator moves it
+_LONGEST = 3600  # s of sound at once
 _AHEAD = 0.03  # s between a live step and its sound
 _DRIFT = 0.1  # s by which a simulation may run ahead of the clock or behind, before its sound is set to the clock again
 
@@ -82,6 +85,8 @@ class World(Closing):
     ) -> None:
         if (stems or contacts) and not keep:
             raise WorldError(f"stems = {stems}, contacts = {contacts}: expected keep=True with them")
+        if not 0 < rate < math.inf:
+            raise WorldError(f"rate = {rate}: expected a positive number of Hz")
         hearing = hearing or Hearing(microphones_of(microphones))
         library = chosen(presets)
         self.rate = int(rate)
@@ -95,6 +100,7 @@ class World(Closing):
             self._scene = Scene(
                 rate, channels=channels, calibrated=True, stems=stems, contacts=contacts, presets=library
             )
+            self._scene.accuracy(hearing.accuracy)
             self._scene.budget(*_BUDGET)
         self._contacts = contacts
         self._straight = self._scene is not None and not keep
@@ -156,7 +162,12 @@ class World(Closing):
         not move. rings=False: it is silent. object: a preset that rings in its place. Further keys are those of
         `/object/new`, such as most_modes, damping or gain.
         """
-        self._send(self.simulation.add(name, shape, size, material, pose, **about))
+        requests = self.simulation.add(name, shape, size, material, pose, **about)
+        try:
+            self._send(requests)
+        except CommandError as error:
+            self.simulation.take_back(name)
+            raise WorldError(f"body {name}: {error}") from None
         number = self.simulation.number(name)
         if self._scene and self.simulation.bodies[number].rings:
             self.simulation.has_object(name, *self._scene._open.placed_at(name))
@@ -183,6 +194,9 @@ class World(Closing):
         contacts: all points that touch now, as Touch or as arrays by name. poses: Pose by name, of the bodies that have
         moved; others are where they were.
         """
+        if self._scene and isinstance(time, Real) and time - self.time > _LONGEST and math.isfinite(time):
+            where = f"step {self.simulation.steps + 1}"
+            raise WorldError(f"{where}: time = {time}: expected at most {_LONGEST} s after {self.time}")
         self._send(self.simulation.step(time, contacts, poses))
         return self._up_to(time)
 
@@ -190,22 +204,22 @@ class World(Closing):
         """As `step`, for bridges: poses and contacts are in the columns of `memory` already. `block` has the sound."""
         self._send(self.simulation.advance(time, points))
 
-    def teller(self, arrays: int, time: int, points: int) -> Callable[[], int]:
+    def teller(self, arrays: int, time: int, points: int, kept: object = None) -> Callable[[], int]:
         """A function that tells a step, for bridges, and returns the number of its blows.
 
         Where a simulator has its poses and contacts, a record of `carom.dsp.tracking.arrays.ARRAYS` at an address says;
-        its time (s) is a float64 at an address, and the number of its contacts an int32. Python does next to nothing
-        then, unless something begins or ends.
+        its time (s) is a float64 at an address, and the number of its contacts an int32; kept: what holds them. Python
+        does next to nothing then, unless something begins or ends.
         """
         simulation, run = self.simulation, tell.brief
         telling = simulation.telling(arrays, time, points)
-        address = telling.ctypes.data
+        address, holds = telling.ctypes.data, (telling, kept)
 
         def told() -> int:
             found: int = run(address)
             if found == 0:
                 return 0
-            self._send(simulation.told(telling, found))
+            self._send(simulation.told(holds[0], found))
             return found // PER_BLOW
 
         return told
@@ -223,6 +237,8 @@ class World(Closing):
         not tell of it. WorldError for a live world."""
         if self._scene is None:
             raise WorldError("restart: expected a World without a client")
+        if not math.isfinite(time):
+            raise WorldError(f"time = {time}: expected a finite number")
         self._scene.panic()
         self._process(_FADED + -self._frames % QUANTUM)
         self.simulation.start[0] = time - self._frames / self.rate
@@ -235,6 +251,8 @@ class World(Closing):
 
     def ring(self, seconds: float) -> Blocks:
         """The sound of some seconds more, in which no step is taken; steps go on after them."""
+        if not 0.0 <= seconds <= _LONGEST:
+            raise WorldError(f"seconds = {seconds}: expected 0 to {_LONGEST}")
         until = self.time + seconds
         self.simulation.wait(until)
         return self._up_to(until)
@@ -252,7 +270,12 @@ class World(Closing):
             raise WorldError("score: expected a World(keep=True)")
         ordered = sorted(self._kept, key=lambda each: each[0])
         text = "".join(f"{format_line(at, request.message)}\n" for at, request in ordered)
-        head = f"0.0 /channels {self.simulation.channels}\n0.0 /budget {' '.join(map(str, _BUDGET))}\n"
+        begun = (
+            f"channels {self.simulation.channels}",
+            f"accuracy {self.simulation.hearing.accuracy}",
+            f"budget {_BUDGET[0]} {_BUDGET[1]}",
+        )
+        head = "".join(f"0.0 /{each}\n" for each in begun)
         if path is not None:
             Path(path).write_text(head + text, encoding="utf-8")
         return head + text

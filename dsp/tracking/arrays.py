@@ -34,7 +34,7 @@ ARRAYS = np.dtype(
         ("dimensions", np.int64),  # int32
         ("forces", np.int64),  # where the address of the forces stands; 0: they are not known
         ("pyramids", np.int64),  # 1: a force is the sum of two rows for each tangent
-        ("numbers", np.int64),  # address of int32: the number of each geom's body
+        ("numbers", np.int64),  # address of int32: the number of each geom's body, -1: it has none
         ("mechanism", MECHANISM),
     ],
     align=True,
@@ -73,10 +73,10 @@ def _take_contact(state, arrays, n, contact):
     for side in range(2):
         geom = load_int32(contact + arrays.geoms + _INT * side)
         state.pair[n, side] = load_int32(arrays.numbers + _INT * max(geom, 0))
-        if geom < 0:
+        if geom < 0 or state.pair[n, side] < 0:
             row = -1
     if row < 0:
-        state.pair[n, 1] = state.pair[n, 0]
+        state.pair[n, 0] = state.pair[n, 1] = 0
     for k in range(3):
         state.point[n, k] = load_double(contact + arrays.point + _DOUBLE * k)
         state.normal[n, k] = load_double(contact + arrays.normal + _DOUBLE * k)

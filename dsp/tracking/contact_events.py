@@ -18,11 +18,13 @@ from .points import clear, into, longest_hop, remember, take_point
 from .slides import RESTS, fainter_slide, is_masked, is_noticed, is_too_faint, motion_of, pressure_of, steer_slide
 from .state import EVENTS, HEARD, HIT, MOVE, POINTS, REST, STEERED, STILL, UNHEARD
 
+_OPPOSITE = 0.1  # length of the mean of normals below which they are against each other
 _STOOD = 0.03  # s after a blow, when it is not one of a bounce
 _MOVES = 0.01  # m/s: a faster contact begins to move; one slower than RESTS rests
 _SLIPS = 0.1  # m/s: what slips faster moves as soon as it touches, before it was followed
 _BETWEEN = 0.01  # s between two times that a contact is told: half the time constant by which a slide glides
-_FALL = 1.05  # times the speed that gravity gives in a step, which is no blow either
+_FALL = 1.05  # times the speed that gravity gives in a step, which is no blow either;
+_LONGEST_FALL = 0.05  # s: of a step at most, as what is told less often is told of blows
 
 
 @noinline_kernel
@@ -38,7 +40,7 @@ def take_step(state, microphones, points, time):
     state.happened = state.changed = 0
     for i in range(state.touching):
         clear(state.pairs[i])
-    least = max(state.rest, _FALL * state.gravity * span)
+    least = max(state.rest, _FALL * state.gravity * min(span, _LONGEST_FALL))
     for n in range(points):
         take_point(state, n, span, least)
     for i in range(state.touching - 1, -1, -1):
@@ -182,7 +184,7 @@ def _hit(state, pair):
         pair.fresh_point[k] /= count
         length += pair.fresh_normal[k] * pair.fresh_normal[k]
     length = math.sqrt(length)
-    if length == 0.0:
+    if length < _OPPOSITE * count:
         return
     for k in range(3):
         pair.fresh_normal[k] /= length
@@ -196,7 +198,7 @@ def _hit(state, pair):
     happened = state.events[event]
     happened.contact = _nearest(state, pair)
     happened.time = state.time - pair.delay / count
-    happened.speed = pair.speed / count
+    happened.speed = pair.speed / length  # along the mean normal: more than along each, where they differ
     happened.mass = mass
     happened.restitution = pair.restitution / count
     for k in range(3):

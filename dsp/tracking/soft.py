@@ -33,16 +33,18 @@ _LONGEST = 1000  # steps of a blow that is followed
 
 @kernel
 def rebound_of(soft):
-    """The share of its speed that the contact leaves."""
+    """The share of its speed that the contact leaves: as it parts, or before other forces push it back."""
     depth, rate, least = soft.depth, soft.speed, soft.speed
+    slows = False
     for _ in range(_LONGEST):
-        impedance = _impedance(soft, depth)
+        impedance, before = _impedance(soft, depth), rate
         push = max(0.0, impedance * (soft.damping * rate + soft.stiffness * impedance * depth + soft.pushed))
         rate += soft.step * (soft.pushed - push)
         depth += soft.step * rate
-        if depth < 0.0 or rate > least:
+        least = min(least, rate)
+        if depth < 0.0 or (slows and rate > before):
             break
-        least = rate
+        slows |= rate < before
     return min(max(-least / soft.speed, 0.0), 1.0)
 
 

@@ -8,7 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...dsp.contact.accuracy import LEVELS
 from ...dsp.tracking.microphones import MICROPHONE_STATE
+from ...dsp.wording import expected
 from .bodies import WorldError
 from .shapes import Vector
 
@@ -33,7 +35,8 @@ class Hearing:
 
     microphones: one for each channel. faintest: dB over 20 µPa, below which a contact is left out. masked: dB by which
     it may lie below what was heard within 0.1 s. blows: the most in 50 ms; gestures: the most that slip or sweep at
-    once; the loudest are taken. seed: of the surfaces on which bodies slide and roll.
+    once; the loudest are taken. seed: of the surfaces on which bodies slide and roll. accuracy: of blows, as
+    `/accuracy` has it: "-40" (dB), "-60", "-80" or "exact"; a server keeps its own.
     """
 
     microphones: Sequence[Microphone] = (Microphone((0.0, 0.0, 1.5)),)
@@ -42,6 +45,7 @@ class Hearing:
     blows: int = 200
     gestures: int = 24
     seed: int = 0
+    accuracy: str | int = LEVELS[1]
 
     def __post_init__(self) -> None:
         if not 1 <= len(self.microphones) <= 64:
@@ -52,6 +56,8 @@ class Hearing:
         for name in ("blows", "gestures"):
             if not (value := getattr(self, name)) >= 0:
                 raise WorldError(f"{name} = {value}: expected 0 or more")
+        if str(self.accuracy) not in LEVELS:
+            raise WorldError(f"accuracy = {self.accuracy}: {expected(self.accuracy, LEVELS)}")
         for number, microphone in enumerate(self.microphones):
             for name, vector in (("position", microphone.position), ("direction", microphone.direction)):
                 if vector is not None and not (len(vector) == 3 and all(map(math.isfinite, vector))):

@@ -2,6 +2,7 @@
 
 import math
 from ctypes import c_double, c_int32
+from numbers import Real
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -30,15 +31,15 @@ from .gestures import Gestures, id_of, seed_of
 from .hearing import Hearing, begin_hearing
 from .pairs import Pair, Surfaces, pair_of
 from .requests import Gains, Request, Said, Slide, Steering
-from .step import Contacts, Event, Pose, Poses, events_of, take_contacts, take_pose
+from .step import Contacts, Event, Pose, Poses, checked_pose, checked_poses, events_of, put_pose, take_contacts
 
 
 class Simulation:
     """The bodies of a simulation, and what happens between them.
 
     presets: where materials, surfaces and objects are from. top: Hz, of modes. hearing: what is computed, and where it
-    is heard. gravity: m/s^2. rest: m/s, below which an approach is no blow; half of what gravity gives in a step is
-    none either. start: s, the time before the first step.
+    is heard. gravity: m/s^2. rest: m/s, below which an approach is no blow; what gravity gives in a step is none
+    either, of which 0.05 s count at most. start: s, the time before the first step.
     """
 
     def __init__(
@@ -182,7 +183,7 @@ class Simulation:
         record["round"][number], record["ringing"][number] = body.shape.round, body.ringing
         record["loudness"][number], record["material"][number] = body.loudness(), self._material(body)
         if pose is not None:
-            take_pose(self.state, number, pose, f"body {name}")
+            put_pose(self.state, number, checked_pose(pose, f"body {name}"))
         self.bodies.append(body)
         record["bodies"] = len(self.bodies)
         self._numbers[name] = number
@@ -252,9 +253,19 @@ class Simulation:
             except WorldError as error:
                 raise WorldError(f"{where}: {error}") from None
 
-        for name, pose in (poses or {}).items():
-            take_pose(self.state, number(name), pose, f"{where}: body {name}")
-        return self.advance(time, take_contacts(self.state, contacts, number, where))
+        self._check(time, where)
+        moved = checked_poses(poses, number, where)
+        points = take_contacts(self.state, contacts, number, tuple(self._numbers), where)
+        for body, pose in moved:
+            put_pose(self.state, body, pose)
+        return self.advance(time, points)
+
+    def _check(self, time: float, where: str) -> None:
+        """Raise WorldError unless a step may come at a time."""
+        if not isinstance(time, Real):
+            raise WorldError(f"{where}: time = {time!r}: expected a number")
+        if not self.time < time < math.inf:
+            raise WorldError(f"{where}: time = {time}: expected above {self.time}, that of the step before")
 
     def advance(self, time: float, points: int) -> list[Request]:
         """As `step`, where poses and so many contacts are in `state` already."""
@@ -267,9 +278,7 @@ class Simulation:
             return []
         time, before = c_double.from_address(int(telling["time"][0])).value, float(telling["before"][0])
         if found == NOT_LATER:
-            raise WorldError(
-                f"step {self.steps + 1}: time = {time}: expected above {self.time}, that of the step before"
-            )
+            self._check(time, f"step {self.steps + 1}")
         if found == NO_ROOM:
             raise WorldError(f"step {self.steps}: no room for more events: ask for the sound of these steps first")
         if found < 0:

@@ -76,12 +76,26 @@ Contacts = Iterable[Touch] | Mapping[str, ArrayLike]
 Poses = Mapping[str, Pose]
 
 _ROWS: dict[str, tuple[int, ...]] = {"pair": (2,), "point": (3,), "normal": (3,), **dict.fromkeys(TOLD, ())}
+_FINITE = -math.inf, math.inf, "a finite number"
+_BOUNDS = {
+    "approach": _FINITE,
+    "slip": (0.0, math.inf, "a finite number that is not negative"),
+    "depth": _FINITE,
+    "force": _FINITE,
+    "mass": (np.finfo(float).tiny, math.inf, "a positive number (kg)"),
+    "restitution": (0.0, 1.0, "0 to 1"),
+}
 _UNIT = 1e-3  # by which a normal's or a quaternion's length may differ from 1
 
 
-def take_contacts(state: NDArray[np.void], contacts: Contacts, number: Callable[[str], int], where: str) -> int:
-    """Put contacts into the tracker's memory; how many they are. number: of a body; where: the step, for an error."""
-    columns = contacts if isinstance(contacts, Mapping) else _columns(list(contacts), number)
+def take_contacts(
+    state: NDArray[np.void], contacts: Contacts, number: Callable[[str], int], names: Sequence[str], where: str
+) -> int:
+    """Put contacts into the tracker's memory; how many they are.
+
+    number: of a body; names: of all bodies; where: the step, for an error.
+    """
+    columns = contacts if isinstance(contacts, Mapping) else _columns(_touches(contacts, where), number)
     for name in columns:
         if name not in _ROWS:
             raise WorldError(f"{where}: contacts: {name}: {expected(name, _ROWS)}")
@@ -95,16 +109,57 @@ def take_contacts(state: NDArray[np.void], contacts: Contacts, number: Callable[
         if name not in columns:
             target[...] = np.nan
             continue
-        given = np.asarray(columns[name])
+        given = _numbers(columns[name], f"{where}: contacts: {name}")
         if given.shape != (count, *row):
             raise WorldError(f"{where}: contacts: {name}, of shape {given.shape}: expected {(count, *row)}")
+        if name == "pair":
+            _check_pairs(given, names, where)
         target[...] = given
-    lengths = np.linalg.norm(state["normal"][0, :count], axis=1)
-    wrong = np.flatnonzero(~(np.abs(lengths - 1.0) <= _UNIT))
-    if len(wrong):
-        normal = state["normal"][0, wrong[0]].tolist()
-        raise WorldError(f"{where}: contact {wrong[0]}: normal = {normal}: expected one of length 1")
+    _check_contacts(state, count, names, where)
     return count
+
+
+def _touches(contacts: Any, where: str) -> list[Touch]:
+    """Contacts that are Touches, or a WorldError."""
+    if isinstance(contacts, Touch) or not isinstance(contacts, Iterable):
+        raise WorldError(f"{where}: contacts = {contacts!r}: expected a list of Touch, or arrays by name")
+    touches = list(contacts)
+    for each in touches:
+        if not isinstance(each, Touch):
+            raise WorldError(f"{where}: contacts: {each!r}: expected a Touch")
+    return touches
+
+
+def _numbers(given: ArrayLike, what: str) -> NDArray[np.float64]:
+    """An array of numbers, or a WorldError."""
+    try:
+        return np.asarray(given, float)
+    except (TypeError, ValueError):
+        raise WorldError(f"{what} = {given!r}: expected numbers") from None
+
+
+def _check_pairs(pairs: NDArray[np.float64], names: Sequence[str], where: str) -> None:
+    """Raise WorldError for a pair that is not of two bodies."""
+    for pair in pairs[~((pairs >= 0) & (pairs < len(names)) & (pairs % 1 == 0)).all(axis=1)].tolist():
+        shown = ", ".join(names[int(n)] if n in range(len(names)) else f"number {n:g}" for n in pair)
+        raise WorldError(f"{where}: bodies {shown}: expected numbers below {len(names)}")
+
+
+def _check_contacts(state: NDArray[np.void], count: int, names: Sequence[str], where: str) -> None:
+    """Raise WorldError for the first contact of which something is told that cannot be."""
+    told = {name: state[name][0, :count] for name in _ROWS}
+    lengths = np.linalg.norm(told["normal"], axis=1)
+    wrong = {
+        "point": (~np.isfinite(told["point"]).all(axis=1), "finite numbers"),
+        "normal": (~(np.abs(lengths - 1.0) <= _UNIT), "one of length 1"),
+    }
+    for name, (least, most, words) in _BOUNDS.items():
+        values = told[name]
+        wrong[name] = ~(np.isnan(values) | (np.isfinite(values) & (values >= least) & (values <= most))), words
+    for name, (places, words) in wrong.items():
+        for n in np.flatnonzero(places):
+            a, b = (names[body] for body in told["pair"][n])
+            raise WorldError(f"{where}: bodies {a}, {b}: {name} = {told[name][n].tolist()}: expected {words}")
 
 
 def _columns(touches: list[Touch], number: Callable[[str], int]) -> Mapping[str, ArrayLike]:
@@ -117,13 +172,34 @@ def _columns(touches: list[Touch], number: Callable[[str], int]) -> Mapping[str,
     return {"pair": np.array(pair), **named}
 
 
-def take_pose(state: NDArray[np.void], body: int, pose: Pose, where: str) -> None:
-    """Put a body's pose into the tracker's memory. where: the body and the step, for an error."""
+def checked_poses(
+    poses: Poses | None, number: Callable[[str], int], where: str
+) -> list[tuple[int, Pose]]:
+    """The numbers of bodies that have moved, and their poses. where: the step, for an error."""
+    if not isinstance(poses, Mapping | None):
+        raise WorldError(f"{where}: poses = {poses!r}: expected a mapping from names to Pose")
+    return [(number(name), checked_pose(pose, f"{where}: body {name}")) for name, pose in (poses or {}).items()]
+
+
+def checked_pose(pose: Pose, where: str) -> Pose:
+    """A pose, or a WorldError. where: the body, and the step, for an error."""
+    if not isinstance(pose, Pose):
+        raise WorldError(f"{where}: {pose!r}: expected a Pose")
     for name, wanted, values in zip(Pose._fields, (3, 4, 3, 3), pose, strict=True):
-        if len(values) != wanted or not all(math.isfinite(each) for each in values):
-            raise WorldError(f"{where}: {name} = {tuple(values)}: expected {wanted} finite numbers")
+        try:
+            whole = len(values) == wanted and all(map(math.isfinite, values))
+        except TypeError:
+            whole = False
+        if not whole:
+            shown = tuple(values) if isinstance(values, Iterable) else values
+            raise WorldError(f"{where}: {name} = {shown}: expected {wanted} finite numbers")
     if abs(math.hypot(*pose.turn) - 1.0) > _UNIT:
         raise WorldError(f"{where}: turn = {tuple(pose.turn)}: expected a quaternion of length 1")
+    return pose
+
+
+def put_pose(state: NDArray[np.void], body: int, pose: Pose) -> None:
+    """Put a body's pose into the tracker's memory."""
     record = state[0]
     record["position"][body] = record["about"][body] = pose.position
     record["turn"][body] = rotation(pose.turn)

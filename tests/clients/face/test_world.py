@@ -264,7 +264,23 @@ WRONG = {
     "step 2: time = 0.005: expected above 0.01": lambda w: w.step(0.005),
     "step 2: time = nan": lambda w: w.step(math.nan),
     "step 2: bodies floor, ball: point = [0.0, nan, 0.0]": lambda w: touch(w, "floor", "ball", point=(0, math.nan, 0)),
-    "step 2: contact 0: normal = [0.0, 0.0, 2.0]: expected": lambda w: touch(w, "floor", "ball", normal=(0, 0, 2)),
+    "step 2: bodies floor, ball: normal = [0.0, 0.0, 2.0]: expected": lambda w: touch(w, "floor", "ball", normal=(0, 0, 2)),
+    "step 2: bodies number 0.9, ball: expected numbers below 2": lambda w: w.step(0.02, {**ONE, "pair": [[0.9, 1]]}),
+    "step 2: bodies floor, ball: approach = inf: expected a finite": lambda w: w.step(0.02, {**ONE, "approach": [math.inf]}),
+    "step 2: bodies floor, ball: mass = -1.0: expected a positive": lambda w: w.step(0.02, {**ONE, "mass": [-1]}),
+    "step 2: bodies floor, ball: restitution = 5.0: expected 0 to 1": lambda w: w.step(0.02, {**ONE, "restitution": [5]}),
+    "step 2: contacts: approach = ['a']: expected numbers": lambda w: w.step(0.02, {**ONE, "approach": ["a"]}),
+    "step 2: contacts = None: expected a list of Touch": lambda w: w.step(0.02, None),
+    "step 2: contacts = Touch(": lambda w: w.step(0.02, Touch("floor", "ball", (0, 0, 0), (0, 0, 1))),
+    "step 2: contacts: ('floor', 'ball'): expected a Touch": lambda w: w.step(0.02, [("floor", "ball")]),
+    "step 2: poses = ['ball']: expected a mapping": lambda w: w.step(0.02, (), ["ball"]),
+    "step 2: body ball: (0, 0, 0): expected a Pose": lambda w: w.step(0.02, (), {"ball": (0, 0, 0)}),
+    "step 2: body ball: position = ('a', 0, 0): expected 3 finite": lambda w: pose(w, ("a", 0, 0)),
+    "step 2: time = '1': expected a number": lambda w: w.step("1"),
+    "step 2: time = 10000000.0: expected at most 3600 s after 0.01": lambda w: w.step(1e7),
+    "seconds = -1: expected 0 to 3600": lambda w: w.ring(-1),
+    "time = nan: expected a finite number": lambda w: w.restart(math.nan),
+    "body a: /object/new: damp": lambda w: w.body("a", "sphere", 0.1, "steel", damp=2),
     "step 2: bodies ball, number 7: expected numbers below 2": lambda w: w.step(0.02, {**ONE, "pair": [[1, 7]]}),
     "step 2: contacts: points: did you mean point?": lambda w: w.step(0.02, {**ONE, "points": [[0, 0, 0]]}),
     "body ball: there is one of that name": lambda w: w.body("ball", "sphere", 0.1, "steel"),
@@ -285,9 +301,54 @@ def test_one_error_names_the_body_and_the_step(text):
         with pytest.raises(WorldError) as found:
             WRONG[text](world)
         assert str(found.value).startswith(text)
-        if "step 2" in text:  # nothing has changed
+        # Nothing has changed.
+        assert world.bodies == ("floor", "ball") and world.time == 0.01
+        if "step 2" in text:
             touch(world, "floor", "ball")
             assert len(world.hits) == 1
+
+
+def test_a_step_that_is_refused_moves_no_body():
+    with furnished() as world:
+        world.step(0.01)
+        where = world.memory["position"][0, :2].tolist()
+        there, nowhere = Pose((9, 9, 9)), Pose((math.nan, 0, 0))
+        for time, contacts, poses in (
+            (0.02, (), {"ball": there, "floor": nowhere}),
+            (0.005, (), {"ball": there}),
+            (0.02, [Touch("floor", "ball", (0, 0, 0), (0, 0, 2))], {"ball": there}),
+        ):
+            with pytest.raises(WorldError):
+                world.step(time, contacts, poses)
+        assert world.memory["position"][0, :2].tolist() == where
+
+
+def test_a_rate_that_cannot_be_is_refused():
+    with pytest.raises(WorldError, match="rate = 0: expected"):
+        World(rate=0)
+
+
+def test_a_blow_is_heard_though_nothing_was_told_for_long():
+    with furnished() as world:
+        world.step(0.01)
+        world.step(5.0, [Touch("floor", "ball", (0, 0, 0), (0, 0, 1), approach=1.0)])
+        assert len(world.hits) == 1 and world.counts.faint == 0
+
+
+def test_a_ball_in_a_groove_is_as_fast_as_it_falls():
+    """Two points whose normals lie 45 degrees from the way on which it comes."""
+    with World() as world:
+        world.body("groove", "box", (0.5, 0.5, 0.1), "wood")
+        world.body("ball", "sphere", 0.02, "glass", Pose((0, 0, 0.1)))
+        lean = math.sqrt(0.5)
+        points = [((side * 0.014, 0, 0.086), (-side * lean, 0, lean)) for side in (-1, 1)]
+        for told in ({}, {"approach": lean}):
+            world.restart(0.0)
+            poses = {"ball": Pose((0, 0, 0.1), velocity=(0, 0, -1.0))}
+            world.step(0.001, [Touch("groove", "ball", *point, **told) for point in points], poses)
+            (hit,) = world.hits
+            assert hit.speed == pytest.approx(1.0)
+            assert hit.normal == pytest.approx((0, 0, 1))
 
 
 def test_what_was_not_kept_is_an_error():
