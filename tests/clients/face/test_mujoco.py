@@ -1,5 +1,6 @@
 """The bridge to MuJoCo against what MuJoCo itself knows: forces, velocities, and runs at other steps."""
 
+import gc
 import subprocess
 import sys
 
@@ -151,6 +152,79 @@ def test_a_hammer_on_a_hinge_has_the_effective_mass_of_the_mechanism():
     mujoco.mj_mulM(model, data, inertia, np.ones(1))
     assert hits[0].mass == pytest.approx(inertia[0] / hits[0].point[0] ** 2, rel=0.02)
     assert {hits[0].a, hits[0].b} == {"arm", "table"}
+
+
+DROP = """<mujoco><option timestep="{step}"/><worldbody><geom name="floor" type="plane" size="2 2 .1"/>
+<body name="ball" pos="0 0 {height}"><freejoint/><geom size=".02" density="2500" solref="{solref}" priority="1"/></body>
+</worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize(
+    "step, solref",
+    [
+        (0.002, ".004 .3"), (0.002, ".006 .3"), (0.002, ".02 .1"), (0.002, "-40000 0"), (0.005, "-40000 0"),
+        (0.0005, "-500 0"), (0.0005, "-1000 0"), (0.002, "-100000 -20"),
+    ],
+)  # fmt: skip
+def test_a_stiff_or_a_soft_contact_leaves_what_the_simulators_does(step, solref):
+    """The last push counts, and a contact that its weight presses on at first."""
+    for height in (0.3, 0.31, 0.333):
+        model = mujoco.MjModel.from_xml_string(DROP.format(step=step, height=height, solref=solref))
+        data = mujoco.MjData(model)
+        bridge = carom.mujoco.Bridge(model, data, hearing=carom.Hearing(gestures=0))
+        speed, found = 0.0, []
+        while not (found and data.ncon == 0):
+            speed = speed if found else -data.qvel[2]
+            mujoco.mj_step(model, data)
+            bridge.tell()
+            found += bridge.world.hits
+        (hit,) = found
+        assert hit.speed == pytest.approx(speed, rel=1e-9)
+        left = min((data.qvel[2] + 9.81 * step) / speed, 1.0)
+        assert hit.impulse == pytest.approx(hit.mass * speed * (1.0 + left), rel=0.02)
+
+
+def test_a_contact_pair_is_heard_as_its_bodies():
+    text = """<mujoco><worldbody><geom name="floor" type="plane" size="2 2 .1" contype="0" conaffinity="0"/>
+    <body name="other" pos="1 0 .8"><geom size=".02"/></body>
+    <body name="ball" pos="0 0 .1"><freejoint/><geom name="shell" size=".02" contype="0" conaffinity="0"/></body>
+    </worldbody><contact><pair geom1="floor" geom2="shell"/></contact></mujoco>"""
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    bridge = carom.mujoco.Bridge(model, data, hearing=carom.Hearing(gestures=0))
+    found = []
+    for _ in range(200):
+        bridge.step()
+        found += bridge.world.hits
+    assert {(hit.a, hit.b) for hit in found} == {("ball", "floor")}
+
+
+def test_what_tells_stays_as_long_as_it_is_held():
+    model = mujoco.MjModel.from_xml_string(DROP.format(step=0.002, height=0.1, solref=".02 1"))
+    data = mujoco.MjData(model)
+    tell = carom.mujoco.Bridge(model, data).tell
+    gc.collect()
+    kept = [np.full(12_624 // 8, 7) for _ in range(200)]  # takes the memory that is free
+    blows = 0
+    for _ in range(200):
+        mujoco.mj_step(model, data)
+        blows += tell()
+    assert blows >= 1 and all((each == 7).all() for each in kept)
+
+
+def test_names_of_a_model_are_made_unique_and_unknown_ones_are_errors():
+    text = """<mujoco><worldbody><body name="table"><geom type="box" size=".5 .5 .02"/></body>
+    <geom name="ball" type="plane" size="1 1 .1" pos="0 0 -1"/>
+    <body name="ball" pos="0 0 .3"><freejoint/><geom size=".02"/></body></worldbody></mujoco>"""
+    model = mujoco.MjModel.from_xml_string(text)
+    bridge = carom.mujoco.Bridge(model, mujoco.MjData(model), materials={"table": "steel"})
+    assert bridge.world.bodies == ("ball", "ball_geom0", "geom1")
+    made = {body.name: body.material.name for body in bridge.world.simulation.bodies}
+    assert made == {"ball": "wood", "ball_geom0": "wood", "geom1": "steel"}
+    with pytest.raises(carom.WorldError, match="materials: tabel: did you mean table?"):
+        carom.mujoco.Bridge(model, mujoco.MjData(model), materials={"tabel": "steel"})
+    with pytest.raises(carom.WorldError, match="bodies: bal: did you mean ball?"):
+        carom.mujoco.Bridge(model, mujoco.MjData(model), bodies={"bal": {"density": 3.0}})
 
 
 def test_materials_come_from_the_model_or_the_call():
