@@ -101,9 +101,9 @@ class Bridge:
         self._roots = model.body_rootid[self._bodies].astype(np.intp)
         self._number = _numbers(model, parts, self._first)
         self._arrays = self._described()
-        places = (data._address + _layout()[name] for name in ("time", "count"))
+        time, count = (data._address + _layout()[name] for name in ("time", "count"))
         kept = self._arrays, self._number, self._room, model, data
-        self.tell: Callable[[], int] = self.world.teller(self._arrays.ctypes.data, *places, kept)
+        self.tell: Callable[[], int] = self.world.teller(self._arrays.ctypes.data, time, count, kept)
         """Tells the World of a step of MuJoCo, to be called after each; returns the number of its blows. WorldError for
         what is not finite, or if time has not gone on."""
 

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..contact.coupled_group import COUPLED_GROUP
+from ..native.pages import own_zeros
 from ..numerics.legendre import FINE, KEPT, MOMENTS
 from ..resonator.bank import DRIVER, RESPONSES
 from ..resonator.fed import HALF, REACH
@@ -323,8 +324,7 @@ def new_state(rate: float, channels: int = 2, memory: mmap.mmap | None = None) -
 
     memory: zeros that hold it; None: new ones.
     """
-    # A map of zeros takes memory page by page as it is used; NumPy's zeros would take huge pages at a touch.
-    state: NDArray[np.void] = np.frombuffer(memory or mmap.mmap(-1, STATE.itemsize), STATE)
+    state: NDArray[np.void] = np.frombuffer(memory or own_zeros(STATE.itemsize), STATE)
     record = state[0]
     record["rate"] = rate
     record["output"]["channels"] = channels

@@ -81,3 +81,9 @@ def observe(counter: Any) -> int:
 def swap(counter: Any, before: int, after: int) -> bool:
     """Store `after` in counter[0] (int64) if it holds `before`; returns whether it did."""
     return bool(_swap(counter.ctypes.data, before, after))
+
+
+def hold_page(address: int) -> None:
+    """Have the page of an address, a multiple of 8, lie in memory and be this process's own. What is there stays,
+    whoever writes to it meanwhile."""
+    _swap(address, 0, 0)

@@ -8,6 +8,7 @@ from ..bodies.modes import Modes
 from ..engine.capacity import SHAPE_VALUES
 from ..engine.commands import Handle
 from ..engine.state import BANK
+from ..native.atomics import hold_page
 from .arena import Arena, EngineFull
 from .plan import COLUMNS, Plan, planned
 
@@ -117,4 +118,6 @@ def touch(record: np.void, modes: int, objects: int) -> None:
     parts += [record["objects"][:objects]]
     parts += [record["bank"][name][:modes] for name in BANK.names or () if name not in ("response", "shape")]
     for part in parts:
-        np.frombuffer(part, np.uint8)[:: mmap.PAGESIZE].sum()  # a page that is read is held
+        begin = np.frombuffer(part, np.uint8).ctypes.data
+        for address in range(begin, begin + part.nbytes, mmap.PAGESIZE):
+            hold_page(address)

@@ -172,9 +172,7 @@ def _columns(touches: list[Touch], number: Callable[[str], int]) -> Mapping[str,
     return {"pair": np.array(pair), **named}
 
 
-def checked_poses(
-    poses: Poses | None, number: Callable[[str], int], where: str
-) -> list[tuple[int, Pose]]:
+def checked_poses(poses: Poses | None, number: Callable[[str], int], where: str) -> list[tuple[int, Pose]]:
     """The numbers of bodies that have moved, and their poses. where: the step, for an error."""
     if not isinstance(poses, Mapping | None):
         raise WorldError(f"{where}: poses = {poses!r}: expected a mapping from names to Pose")

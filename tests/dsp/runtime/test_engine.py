@@ -1,6 +1,9 @@
 """The engine from Python: what it has room for."""
 
+import os
 import re
+import subprocess
+import sys
 from dataclasses import fields
 from pathlib import Path
 
@@ -33,7 +36,7 @@ def test_what_is_touched_is_held_and_unchanged():
         pytest.skip("the system does not tell what a process holds")
 
     def held() -> int:
-        return int(re.search(r"RssShmem:\s+(\d+) kB", status.read_text())[1])
+        return int(re.search(r"RssAnon:\s+(\d+) kB", status.read_text())[1])
 
     engine = Engine(RATE)
     before, content = held(), engine.state.view(np.uint8)[:100_000].tobytes()
@@ -41,7 +44,7 @@ def test_what_is_touched_is_held_and_unchanged():
     assert 15_000 < held() - before < 60_000
     again = held()
     touch(engine.state[0], USUAL_MODES, USUAL_OBJECTS)
-    assert held() == again and engine.state.view(np.uint8)[:100_000].tobytes() == content
+    assert held() - again < 1_000 and engine.state.view(np.uint8)[:100_000].tobytes() == content
 
 
 def test_capacities_are_kept_and_said():
@@ -122,3 +125,31 @@ def test_a_state_that_is_a_map_of_another_is_as_fresh_as_a_new_one():
     np.testing.assert_array_equal(new["queue"]["heap"], mapped["queue"]["heap"])
     mapped["position"] = 64
     assert fresh_state(44_100.0, 3)[0]["position"] == 0
+
+
+FORKED = """
+import os, sys
+import numpy as np
+from carom.dsp.runtime.engine import Engine
+from tests.dsp.engine.support import bell, strike
+
+def sound(forks):
+    engine = Engine(48_000)
+    strike(engine, engine.add(bell(), 0.05))
+    blocks = [engine.process(1000)]
+    if forks and (child := os.fork()) == 0:
+        strike(engine, engine.add(bell(), 0.01))
+        engine.process(48_000)
+        os._exit(0)
+    if forks:
+        os.waitpid(child, 0)
+    return np.concatenate([*blocks, engine.process(9000)])
+
+forked = sound(True)  # the first engine of the process
+assert np.array_equal(forked, sound(False)) and np.array_equal(forked, sound(True))
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="nothing forks here")
+def test_after_a_fork_each_process_has_an_engine_of_its_own():
+    subprocess.run([sys.executable, "-c", FORKED], check=True, cwd=Path(__file__).parents[3])

@@ -1,0 +1,93 @@
+"""What a World refuses: one error that names the body and the step, and nothing has changed."""
+
+import math
+
+import pytest
+
+from carom import Pose, Touch, World, WorldError
+from tests.clients.face.test_world import furnished
+
+ONE = {"pair": [[0, 1]], "point": [[0, 0, 0]], "normal": [[0, 0, 1]]}
+
+
+def told(world: World, **columns) -> None:
+    world.step(0.02, {**ONE, **columns})
+
+
+def touch(world: World, *names: str, point=(0, 0, 0), normal=(0, 0, 1)) -> None:
+    world.step(0.02, [Touch(*names, point, normal, approach=1.0)])
+
+
+def pose(world: World, *pose) -> None:
+    world.step(0.02, (), {"ball": Pose(*pose)})
+
+
+WRONG = {
+    "step 2: body bal: no such body; did you mean ball?": lambda w: touch(w, "floor", "bal"),
+    "step 2: body ball: position = (nan, 0, 0): expected 3 finite": lambda w: pose(w, (math.nan, 0, 0)),
+    "step 2: body ball: turn = (0, 0, 0, 0): expected a quaternion": lambda w: pose(w, (0, 0, 0), (0, 0, 0, 0)),
+    "step 2: time = 0.005: expected above 0.01": lambda w: w.step(0.005),
+    "step 2: time = nan": lambda w: w.step(math.nan),
+    "step 2: bodies floor, ball: point = [0.0, nan, 0.0]": lambda w: touch(w, "floor", "ball", point=(0, math.nan, 0)),
+    "step 2: bodies floor, ball: normal = [0.0, 0.0, 2.0]": lambda w: touch(w, "floor", "ball", normal=(0, 0, 2)),
+    "step 2: bodies number 0.9, ball: expected numbers below 2": lambda w: told(w, pair=[[0.9, 1]]),
+    "step 2: bodies floor, ball: approach = inf: expected a finite": lambda w: told(w, approach=[math.inf]),
+    "step 2: bodies floor, ball: mass = -1.0: expected a positive": lambda w: told(w, mass=[-1]),
+    "step 2: bodies floor, ball: restitution = 5.0: expected 0 to 1": lambda w: told(w, restitution=[5]),
+    "step 2: contacts: approach = ['a']: expected numbers": lambda w: told(w, approach=["a"]),
+    "step 2: contacts = None: expected a list of Touch": lambda w: w.step(0.02, None),
+    "step 2: contacts = Touch(": lambda w: w.step(0.02, Touch("floor", "ball", (0, 0, 0), (0, 0, 1))),
+    "step 2: contacts: ('floor', 'ball'): expected a Touch": lambda w: w.step(0.02, [("floor", "ball")]),
+    "step 2: poses = ['ball']: expected a mapping": lambda w: w.step(0.02, (), ["ball"]),
+    "step 2: body ball: (0, 0, 0): expected a Pose": lambda w: w.step(0.02, (), {"ball": (0, 0, 0)}),
+    "step 2: body ball: position = ('a', 0, 0): expected 3 finite": lambda w: pose(w, ("a", 0, 0)),
+    "step 2: time = '1': expected a number": lambda w: w.step("1"),
+    "step 2: time = 10000000.0: expected at most 3600 s after 0.01": lambda w: w.step(1e7),
+    "seconds = -1: expected 0 to 3600": lambda w: w.ring(-1),
+    "time = nan: expected a finite number": lambda w: w.restart(math.nan),
+    "body a: /object/new: damp": lambda w: w.body("a", "sphere", 0.1, "steel", damp=2),
+    "step 2: bodies ball, number 7: expected numbers below 2": lambda w: told(w, pair=[[1, 7]]),
+    "step 2: contacts: points: did you mean point?": lambda w: told(w, points=[[0, 0, 0]]),
+    "body ball: there is one of that name": lambda w: w.body("ball", "sphere", 0.1, "steel"),
+    "body a: shape = spere: did you mean sphere?": lambda w: w.body("a", "spere", 0.1, "steel"),
+    "body a: size = [-0.1]: expected a radius": lambda w: w.body("a", "sphere", -0.1, "steel"),
+    "body a: no material 'stel': did you mean steel?": lambda w: w.body("a", "sphere", 0.1, "stel"),
+    "body a: mass = -1: expected a positive number": lambda w: w.body("a", "sphere", 0.1, "steel", mass=-1),
+    "body a: most_mods = 3: did you mean most_modes?": lambda w: w.body("a", "sphere", 0.1, "steel", most_mods=3),
+    "pair floor, ball: no surface 'wod': did you mean wood?": lambda w: w.pair("floor", "ball", surface="wod"),
+    "pair floor, ball: frction = 1": lambda w: w.pair("floor", "ball", frction=1),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("text", WRONG)
+def test_one_error_names_the_body_and_the_step(text):
+    with furnished() as world:
+        world.step(0.01)
+        with pytest.raises(WorldError) as found:
+            WRONG[text](world)
+        assert str(found.value).startswith(text)
+        # Nothing has changed.
+        assert world.bodies == ("floor", "ball") and world.time == 0.01
+        if "step 2" in text:
+            touch(world, "floor", "ball")
+            assert len(world.hits) == 1
+
+
+def test_a_step_that_is_refused_moves_no_body():
+    with furnished() as world:
+        world.step(0.01)
+        where = world.memory["position"][0, :2].tolist()
+        there, nowhere = Pose((9, 9, 9)), Pose((math.nan, 0, 0))
+        for time, contacts, poses in (
+            (0.02, (), {"ball": there, "floor": nowhere}),
+            (0.005, (), {"ball": there}),
+            (0.02, [Touch("floor", "ball", (0, 0, 0), (0, 0, 2))], {"ball": there}),
+        ):
+            with pytest.raises(WorldError):
+                world.step(time, contacts, poses)
+        assert world.memory["position"][0, :2].tolist() == where
+
+
+def test_a_rate_that_cannot_be_is_refused():
+    with pytest.raises(WorldError, match="rate = 0: expected"):
+        World(rate=0)
