@@ -22,6 +22,7 @@ from ..tracking.blows import find_blows, judge_blows, weigh_blow
 from ..tracking.contact_events import take_step
 from ..tracking.mechanism import ask_mechanism
 from ..tracking.microphones import MICROPHONE_STATE, find_gains
+from ..tracking.shared_blows import share_blows
 from ..tracking.slides import find_slides
 from ..tracking.state import BODIES, DONE, MOVE, REST, STATE, STEERED
 from .ring import KEPT_FOR_NOW, SOON
@@ -131,6 +132,8 @@ def _find_blows(link, state, microphones):
             arrays = carray(pointer_to(link.arrays), (1,), ARRAYS)[0]
             if arrays.mechanism.jacobian != 0:
                 ask_mechanism(arrays, state, state.blows[n])
+    share_blows(state)
+    for n in range(state.struck):
         weigh_blow(state, microphones, state.blows[n])
     for n in range(state.happened):
         if state.events[n].kind == MOVE:

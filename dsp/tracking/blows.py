@@ -113,12 +113,8 @@ def curvature_of(state, a, b, local):
 @noinline_kernel
 def weigh_blow(state, microphones, blow):
     """Find a blow's impulse and its pressure, from its speed, mass and restitution."""
-    own = state.bounce[blow.a, blow.b]
-    if own > 0.0:
-        blow.restitution = own - 1.0
-    told = not math.isnan(blow.restitution)
+    share, told = left_of(state, blow), not math.isnan(blow.restitution)
     speed, mass = blow.speed, blow.mass
-    share = min(max(blow.restitution, 0.0), 1.0) if told else restitution_of(blow.dissipation * speed)
     blow.restitution = share
     blow.impulse = mass * speed * (1.0 + share)
     lasting = time_of_contact(mass, blow.stiffness, speed)
@@ -138,6 +134,17 @@ def weigh_blow(state, microphones, blow):
         blow.rings = 1 if longest <= LONGEST_CONTACT else 0
     if blow.rings == 0:
         blow.pressure = 0.0
+
+
+@kernel
+def left_of(state, blow):
+    """The share of its speed that a blow leaves: of the pair, as it was told, or by its law."""
+    own = state.bounce[blow.a, blow.b]
+    if own > 0.0:
+        blow.restitution = own - 1.0
+    if math.isnan(blow.restitution):
+        return restitution_of(blow.dissipation * blow.speed)
+    return min(max(blow.restitution, 0.0), 1.0)
 
 
 @kernel

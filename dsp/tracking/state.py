@@ -25,6 +25,9 @@ STEERED = ("speed", "sweep", "force", "position")
 STILL, UNHEARD, HEARD = range(3)
 """Whether a standing contact slips or sweeps, and is told."""
 
+TOGETHER = 16
+"""Blows of one step on the same bodies that share them: of more each is taken alone."""
+
 TOLD = ("depth", "approach", "slip", "force", "mass", "restitution")
 """What a simulator may tell of a point, NaN where it does not."""
 
@@ -214,6 +217,9 @@ STATE = np.dtype(
         # Blows of this step, `order` by their loudness; what was heard of late; and what became of all.
         ("struck", np.int64),
         ("blows", BLOW, EVENTS),
+        # Of blows on the same bodies, to share them: see shared_blows.py.
+        ("opens", np.float64, (TOGETHER, TOGETHER)),
+        *((name, np.float64, TOGETHER) for name in ("rate", "missing", "part")),
         ("order", np.int64, EVENTS),
         ("most_blows", np.int64),
         ("heard_blows", np.int64),
