@@ -25,8 +25,8 @@ from .dsp.runtime.batch import Batch
 from .mujoco import Bridge
 from .server.world.blows import Hits
 from .server.world.bodies import WorldError
-from .server.world.hearing import Hearing
-from .world import Blocks, microphones_of
+from .server.world.hearing import Hearing, microphones_of
+from .world import Blocks
 
 Observation = dict[str, Any]
 

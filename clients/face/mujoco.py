@@ -11,41 +11,33 @@ It needs `pip install 'carom[mujoco]'`.
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from ctypes import CDLL, c_int32, c_uint64, c_void_p, cast
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from ._mujoco_model import (
+    Part,
+    check_names,
+    material_of,
+    named_apart,
+    names_in,
+    numbers_of,
+    parts_of,
+    shape_of,
+    written_in,
+)
 from .dsp.tracking.arrays import ARRAYS
-from .dsp.wording import expected
-from .presets import Presets
 from .server.world.bodies import WorldError
 from .server.world.step import Pose
 from .world import Blocks, World
 
-_SHAPES = {
-    mujoco.mjtGeom.mjGEOM_SPHERE: "sphere",
-    mujoco.mjtGeom.mjGEOM_CAPSULE: "capsule",
-    mujoco.mjtGeom.mjGEOM_CYLINDER: "cylinder",
-    mujoco.mjtGeom.mjGEOM_BOX: "box",
-    mujoco.mjtGeom.mjGEOM_ELLIPSOID: "box",
-    mujoco.mjtGeom.mjGEOM_MESH: "box",
-}
 _LOOKED = 64  # words of a struct that are looked at together
-_GROUND = (2.0, 2.0, 0.1)  # m: of a plane, a height field or the like, as far as it rings
-
-
-class _Part(NamedTuple):
-    """A body of the World: its name, its geom, and the model's body that moves it (0: none does)."""
-
-    name: str
-    geom: int
-    body: int
 
 
 class Bridge:
@@ -61,7 +53,8 @@ class Bridge:
     A blow's restitution is that of MuJoCo's own contact, so that its impulse is that of the motion, and its effective
     mass is that of the whole mechanism, but for equality constraints. `restitution="materials"` takes the materials'
     instead. With the integrator RK4 MuJoCo tells speeds that its contact has braked already: blows are up to a quarter
-    too soft. Flexes are silent.
+    too soft. A body that `mocap_pos` moves is as fast as its pose changes; friction does not count in the effective
+    mass. Flexes are silent.
 
     The sound is a step of the model behind its state: only then are its contacts known. WorldError for names that the
     model does not have.
@@ -82,24 +75,31 @@ class Bridge:
     ) -> None:
         if restitution not in ("simulator", "materials"):
             raise WorldError(f"restitution = {restitution}: expected simulator or materials")
+        if (data.geom_xpos.shape[0], len(data.qvel)) != (model.ngeom, model.nv):
+            raise WorldError("data: expected that of the model")
+        if world is not None and options:
+            raise WorldError(f"{next(iter(options))}: expected no options of a World that is there already")
         self._model, self._data = model, data
         self._modes = modes
         self._by_simulator = restitution == "simulator"
         gravity = float(np.linalg.norm(model.opt.gravity))
         self.world = world or World(**{"gravity": gravity, "start": float(data.time), **options})
         mujoco.mj_kinematics(model, data)
-        parts = _named_apart(sorted(_parts(model), key=lambda part: part.body == 0))
-        chosen = {**_written(model), **(materials or {})}
-        _check_names("materials", chosen, _names(model))
-        _check_names("bodies", bodies or {}, {part.name for part in parts})
+        parts = named_apart(sorted(parts_of(model), key=lambda part: part.body == 0))
+        chosen = {**written_in(model), **(materials or {})}
+        check_names("materials", chosen, names_in(model))
+        check_names("bodies", bodies or {}, {part.name for part in parts})
+        for name, keys in (bodies or {}).items():
+            if not isinstance(keys, Mapping):
+                raise WorldError(f"bodies: {name} = {keys!r}: expected a mapping of keys of World.body")
         self._first = len(self.world.bodies)
         for part in parts:
-            self._add(part, _material(model, part, chosen) or default, (bodies or {}).get(part.name, {}))
+            self._add(part, material_of(model, part, chosen) or default, (bodies or {}).get(part.name, {}))
         moving = [part for part in parts if part.body]
         self._geoms = np.array([part.geom for part in moving], np.intp)
         self._bodies = np.array([part.body for part in moving], np.intp)
         self._roots = model.body_rootid[self._bodies].astype(np.intp)
-        self._number = _numbers(model, parts, self._first)
+        self._number = numbers_of(model, parts, self._first)
         self._arrays = self._described()
         time, count = (data._address + _layout()[name] for name in ("time", "count"))
         kept = self._arrays, self._number, self._room, model, data
@@ -107,10 +107,10 @@ class Bridge:
         """Tells the World of a step of MuJoCo, to be called after each; returns the number of its blows. WorldError for
         what is not finite, or if time has not gone on."""
 
-    def _add(self, part: _Part, material: str, about: Mapping[str, Any]) -> None:
+    def _add(self, part: Part, material: str, about: Mapping[str, Any]) -> None:
         """Add a part to the World, with the mass and inertia of the body that moves it."""
         model, data = self._model, self._data
-        shape, size = _shape(model, part.geom)
+        shape, size = shape_of(model, part.geom)
         turn = data.geom_xmat[part.geom].reshape(3, 3)
         quaternion = np.empty(4)
         mujoco.mju_mat2Quat(quaternion, data.geom_xmat[part.geom])
@@ -140,6 +140,7 @@ class Bridge:
         record = made[0]
         record["first"], record["bodies"] = self._first, count
         record["geom"][:count], record["body"][:count], record["root"][:count] = self._geoms, self._bodies, self._roots
+        record["led"][:count] = self._model.body_mocapid[self._bodies] >= 0
         for name, array in (
             ("positions", data.geom_xpos), ("turns", data.geom_xmat), ("motions", data.cvel),
             ("abouts", data.subtree_com), ("numbers", self._number),
@@ -162,7 +163,8 @@ class Bridge:
         record["model"], record["data"] = model._address, data._address
         record["velocities"], record["own"] = model.nv, self._by_simulator
         record["smooth"], record["step"] = data._address + layout["smooth"], model._address + layout["step"]
-        record["reference"], record["impedance"] = layout["reference"], layout["impedance"]
+        for name in ("reference", "impedance", "margin"):
+            record[name] = layout[name]
         self._room = {"point": np.zeros(3), "slope": np.zeros((3, model.nv)), "along": np.zeros(model.nv)}
         self._room["answer"] = np.zeros(model.nv)
         for name, array in self._room.items():
@@ -180,6 +182,8 @@ class Bridge:
 
     def restart(self) -> None:
         """Begin anew where `data` is now, in silence; to be called after MuJoCo's data was reset."""
+        led = np.flatnonzero(self._arrays["led"][0])
+        self.world.memory["position"][0, self._first + led] = np.nan  # what comes next is no motion of theirs
         self.world.restart(float(self._data.time))
 
 
@@ -210,7 +214,7 @@ def _layout() -> dict[str, int]:
     parts = {
         "point": contact.pos, "normal": contact.frame, "distance": contact.dist, "geoms": contact.geom,
         "row": contact.efc_address, "dimensions": contact.dim, "reference": contact.solref,
-        "impedance": contact.solimp,
+        "impedance": contact.solimp, "margin": contact.includemargin,
     }  # fmt: skip
     return {
         "time": time,
@@ -242,108 +246,3 @@ def _standing(data: mujoco.MjData | mujoco.MjModel, pointer: int) -> int:
         if pointer in words:
             return offset + 8 * words.index(pointer)
         offset += 8 * _LOOKED
-
-
-def _parts(model: mujoco.MjModel) -> Iterator[_Part]:
-    """The bodies of the World: of each that moves the largest geom, and all geoms that do not move; that collide."""
-    largest: dict[int, int] = {}
-    paired = {*model.pair_geom1.tolist(), *model.pair_geom2.tolist()}
-    for geom in range(model.ngeom):
-        if not (model.geom_contype[geom] or model.geom_conaffinity[geom] or geom in paired):
-            continue
-        body = int(model.body_weldid[model.geom_bodyid[geom]])
-        if body == 0:
-            yield _Part(_name(model, mujoco.mjtObj.mjOBJ_GEOM, geom) or f"geom{geom}", geom, 0)
-        elif body not in largest or _extent(model, geom) > _extent(model, largest[body]):
-            largest[body] = geom
-    for body, geom in largest.items():
-        name = _name(model, mujoco.mjtObj.mjOBJ_BODY, body) or _name(model, mujoco.mjtObj.mjOBJ_GEOM, geom)
-        yield _Part(name or f"body{body}", geom, body)
-
-
-def _named_apart(parts: list[_Part]) -> list[_Part]:
-    """Parts of which no two have one name."""
-    seen: set[str] = set()
-    apart = []
-    for part in parts:
-        apart.append(part._replace(name=f"{part.name}_geom{part.geom}") if part.name in seen else part)
-        seen.add(apart[-1].name)
-    return apart
-
-
-def _names(model: mujoco.MjModel) -> set[str]:
-    """What materials may be of: the names of geoms, bodies and materials, and what geoms and bodies are called else."""
-    found = {f"{kind}{n}" for kind, count in (("geom", model.ngeom), ("body", model.nbody)) for n in range(count)}
-    for kind, count in (
-        (mujoco.mjtObj.mjOBJ_GEOM, model.ngeom), (mujoco.mjtObj.mjOBJ_BODY, model.nbody),
-        (mujoco.mjtObj.mjOBJ_MATERIAL, model.nmat),
-    ):  # fmt: skip
-        found |= {_name(model, kind, n) for n in range(count)}
-    return found
-
-
-def _check_names(what: str, given: Iterable[str], known: set[str]) -> None:
-    """Raise WorldError for the first name that is not known."""
-    for name in given:
-        if name not in known:
-            raise WorldError(f"{what}: {name}: {expected(name, sorted(known - {''}))}")
-
-
-def _extent(model: mujoco.MjModel, geom: int) -> float:
-    return float(np.prod(model.geom_aabb[geom, 3:]))
-
-
-def _name(model: mujoco.MjModel, kind: mujoco.mjtObj, number: int) -> str:
-    """A name as an object's may be; empty if there is none."""
-    name = mujoco.mj_id2name(model, kind, number) or ""
-    return "".join("_" if sign in "# *,/?[]{}" else sign for sign in name)
-
-
-def _shape(model: mujoco.MjModel, geom: int) -> tuple[str, tuple[float, ...]]:
-    """The shape of a geom, and its size as World.body takes it."""
-    kind = model.geom_type[geom]
-    x, y, z = map(float, model.geom_size[geom])
-    shape = _SHAPES.get(mujoco.mjtGeom(kind))
-    if shape is None:
-        return "box", _GROUND
-    if shape == "box":
-        x, y, z = map(float, model.geom_aabb[geom, 3:])
-        return shape, (2 * x, 2 * y, 2 * z)
-    return shape, (x,) if shape == "sphere" else (x, 2 * y)
-
-
-def _written(model: mujoco.MjModel) -> dict[str, str]:
-    """The materials that the model's custom text `carom` says."""
-    for number in range(model.ntext):
-        if mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_TEXT, number) == "carom":
-            first = int(model.text_adr[number])
-            text = bytes(model.text_data[first : first + int(model.text_size[number])]).rstrip(b"\0").decode()
-            words = text.split()
-            if len(words) % 2:
-                raise WorldError(f"custom text carom: {text}: expected pairs of a name and a material")
-            return dict(zip(words[::2], words[1::2], strict=True))
-    return {}
-
-
-def _material(model: mujoco.MjModel, part: _Part, chosen: Mapping[str, str]) -> str:
-    """The preset of a part's material; empty if nothing says it."""
-    names = [part.name, _name(model, mujoco.mjtObj.mjOBJ_GEOM, part.geom)]
-    names.append(_name(model, mujoco.mjtObj.mjOBJ_BODY, int(model.geom_bodyid[part.geom])))
-    material = int(model.geom_matid[part.geom])
-    if material >= 0:
-        names.append(_name(model, mujoco.mjtObj.mjOBJ_MATERIAL, material))
-    for name in names:
-        if name in chosen:
-            return chosen[name]
-    return names[-1] if material >= 0 and names[-1] in Presets().names("materials") else ""
-
-
-def _numbers(model: mujoco.MjModel, parts: list[_Part], first: int) -> NDArray[np.int32]:
-    """The number of each geom's body in the World, -1: it has none."""
-    of_body = {part.body: first + n for n, part in enumerate(parts) if part.body}
-    of_geom = {part.geom: first + n for n, part in enumerate(parts)}
-    numbers = np.zeros(max(model.ngeom, 1), np.int32)
-    for geom in range(model.ngeom):
-        body = int(model.body_weldid[model.geom_bodyid[geom]])
-        numbers[geom] = of_body.get(body, of_geom.get(geom, -1))
-    return numbers

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from itertools import groupby
 from numbers import Real
 from operator import attrgetter, itemgetter
@@ -30,7 +30,7 @@ from .server.osc.score import format_line
 from .server.world.blows import Counts, Hit
 from .server.world.bodies import Body, WorldError
 from .server.world.gestures import template
-from .server.world.hearing import Hearing, Microphone
+from .server.world.hearing import Hearing, Microphone, microphones_of
 from .server.world.requests import Request, Slide, in_order
 from .server.world.simulation import Simulation
 from .server.world.step import Contacts, Pose, Poses
@@ -334,17 +334,3 @@ class World(Closing):
             pieces.append(engine.process(min(left, self._capture.room())))
             self._capture.add(pieces[-1])
         return np.concatenate(pieces)
-
-
-def microphones_of(given: Sequence[Microphone | Sequence[float]]) -> tuple[Microphone, ...]:
-    """Microphones, of which some may be places (m)."""
-    if not isinstance(given, Iterable):
-        raise WorldError(f"microphones = {given!r}: expected Microphones or places (m)")
-    return tuple(map(_microphone, given))
-
-
-def _microphone(given: Microphone | Sequence[float]) -> Microphone:
-    if isinstance(given, Microphone):
-        return given
-    x, y, z = given
-    return Microphone((float(x), float(y), float(z)))

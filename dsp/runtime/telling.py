@@ -102,7 +102,7 @@ def tell(telling):
     link.before = state.time
     microphones = carray(pointer_to(link.microphones), (1,), MICROPHONE_STATE)[0]
     if link.arrays != 0:
-        gather(state, carray(pointer_to(link.arrays), (1,), ARRAYS)[0], points)
+        gather(state, carray(pointer_to(link.arrays), (1,), ARRAYS)[0], points, time - state.time)
     if take_step(state, microphones, points, time) < 0:
         return NOT_WHOLE
     microphones.found = state.struck = heard = 0

@@ -18,6 +18,7 @@ ARRAYS = np.dtype(
         ("geom", np.int64, BODIES),
         ("body", np.int64, BODIES),
         ("root", np.int64, BODIES),
+        ("led", np.int64, BODIES),  # 1: it is moved by its pose, and `motions` say nothing of it
         # Addresses of arrays of float64.
         ("positions", np.int64),  # by geom: 3
         ("turns", np.int64),  # by geom: a rotation matrix
@@ -45,9 +46,12 @@ _DOUBLE, _INT = 8, 4  # bytes
 
 
 @noinline_kernel
-def gather(state, arrays, points):
-    """Copy poses and so many contacts into the tracker's memory."""
+def gather(state, arrays, points, span):
+    """Copy poses and so many contacts into the tracker's memory, a time (s) after the last step's."""
     for n in range(arrays.bodies):
+        if arrays.led[n] == 1:
+            _lead(state, arrays, n, span)
+            continue
         to = arrays.first + n
         place = arrays.positions + 3 * _DOUBLE * arrays.geom[n]
         turn = arrays.turns + 9 * _DOUBLE * arrays.geom[n]
@@ -64,6 +68,32 @@ def gather(state, arrays, points):
         first = load_address(arrays.contacts)
         for n in range(points):
             _take_contact(state, arrays, n, first + arrays.stride * n)
+
+
+@noinline_kernel
+def _lead(state, arrays, n, span):
+    """Copy the pose of a body that is moved by it: its motion is what has changed. One that jumps has none."""
+    to = arrays.first + n
+    place = arrays.positions + 3 * _DOUBLE * arrays.geom[n]
+    turn = arrays.turns + 9 * _DOUBLE * arrays.geom[n]
+    square = 0.0
+    for k in range(3):
+        way = load_double(place + _DOUBLE * k) - state.position[to, k]
+        square += way * way
+        state.velocity[to, k] = way / span
+        i, j = (k + 1) % 3, (k + 2) % 3
+        state.spin[to, k] = 0.0
+        for m in range(3):  # of the turn from the last axes to those now, (R R' - R'R)/2
+            here_i, here_j = load_double(turn + _DOUBLE * (3 * i + m)), load_double(turn + _DOUBLE * (3 * j + m))
+            before_i, before_j = state.turn[to, 3 * i + m], state.turn[to, 3 * j + m]
+            state.spin[to, k] += 0.5 * (here_j * before_i - here_i * before_j) / span
+    jumps = not square <= state.reach[to] * state.reach[to] or state.steps == 0
+    for k in range(3):
+        if jumps:
+            state.velocity[to, k] = state.spin[to, k] = 0.0
+        state.position[to, k] = state.about[to, k] = load_double(place + _DOUBLE * k)
+    for k in range(9):
+        state.turn[to, k] = load_double(turn + _DOUBLE * k)
 
 
 @kernel

@@ -112,6 +112,8 @@ def _begin(state, microphones, pair):
         return
     pair.pressure = pressure_of(state, microphones, pair)
     pair.told_at = pair.weighed_at = pair.heard_at = state.time
+    if pair.moves == STILL:
+        pair.moved_at = state.time
     if pair.pressure < state.faintest or is_masked(state, pair):
         if pair.moves == STILL:
             state.faint += 1

@@ -19,8 +19,9 @@ MECHANISM = np.dtype(
         ("smooth", np.int64),  # where the address of their accelerations stands that are due to other forces
         ("step", np.int64),  # of the model's step (s)
         ("own", np.int64),  # 1: the restitution is its contact's
-        ("reference", np.int64),  # where in a contact its solref and solimp are
+        ("reference", np.int64),  # where in a contact its solref and solimp are,
         ("impedance", np.int64),
+        ("margin", np.int64),  # and the distance below which it pushes
         # Addresses of room for a point, for J's rows, for J and for M^-1 J'.
         ("point", np.int64),
         ("slope", np.int64),
@@ -95,6 +96,6 @@ def _rebound(arrays, blow, pushed):
         soft.stiffness, soft.damping = 1.0 / (root * root), 2.0 / (most * time)
     else:
         soft.stiffness, soft.damping = -first / (most * most), -second / most
-    soft.depth = max(-load_double(contact + arrays.distance), 0.0)
+    soft.depth = max(load_double(contact + mechanism.margin) - load_double(contact + arrays.distance), 0.0)
     soft.speed, soft.pushed = blow.speed, pushed
     return rebound_of(soft)

@@ -66,8 +66,9 @@ def is_too_faint(state, microphones, pair):
 
 @kernel
 def is_masked(state, pair):
-    """True if nobody is likely to hear a slide beside the blows of late; it may begin a little later then."""
-    return _LIKELY * pair.pressure < masked_at(state, state.time)
+    """True if nobody is likely to hear a slide beside the blows of late; for a while, if it is as loud as estimated."""
+    likely = _LIKELY if state.time - pair.moved_at < _STAYS else 1.0
+    return likely * pair.pressure < masked_at(state, state.time)
 
 
 @kernel

@@ -44,10 +44,12 @@ _PAIR = np.dtype(
         ("pressure", np.float64),  # Pa rms: of its slide, as it was last estimated
         ("weighed_at", np.float64),  # s: when that was
         ("heard_at", np.float64),  # s: when its slide began
+        ("moved_at", np.float64),  # s: when it began to move
         # The points that were told of late, in the axes of each body: so many.
         ("known", np.int64),
         ("kept", np.float64, (KEPT, 2, 3)),
         ("kept_at", np.float64, KEPT),
+        ("fresher", np.int64, KEPT),  # 1: it was new when it was told last
         ("same", np.int64, KEPT),  # which of these a step's points were, in the order in which they were told
         # The points of this step.
         ("count", np.int64),

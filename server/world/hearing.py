@@ -1,7 +1,7 @@
 """Where the sound is heard, and what of it is: microphones, and contacts that are too faint to be computed."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -64,6 +64,23 @@ class Hearing:
                     raise WorldError(f"microphone {number}: {name} = {vector}: expected three numbers")
             if not 0.0 <= microphone.pattern <= 1.0:
                 raise WorldError(f"microphone {number}: pattern = {microphone.pattern}: expected 0 to 1")
+
+
+def microphones_of(given: Sequence[Microphone | Sequence[float]]) -> tuple[Microphone, ...]:
+    """Microphones, of which some may be places (m)."""
+    if not isinstance(given, Iterable):
+        raise WorldError(f"microphones = {given!r}: expected Microphones or places (m)")
+    return tuple(map(_microphone, given))
+
+
+def _microphone(given: Microphone | Sequence[float]) -> Microphone:
+    if isinstance(given, Microphone):
+        return given
+    try:
+        x, y, z = given
+        return Microphone((float(x), float(y), float(z)))
+    except (TypeError, ValueError):
+        raise WorldError(f"microphones: {given!r}: expected a Microphone or a place, three numbers (m)") from None
 
 
 def begin_hearing(hearing: Hearing, state: NDArray[np.void]) -> NDArray[np.void]:

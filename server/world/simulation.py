@@ -51,9 +51,8 @@ class Simulation:
         rest: float = 0.01,
         start: float = 0.0,
     ) -> None:
-        for name, value in (("gravity", gravity), ("rest", rest), ("start", start)):
-            if not (math.isfinite(value) and (value >= 0.0 or name == "start")):
-                raise WorldError(f"{name} = {value}: expected a number that is not negative")
+        for name, value, least in (("gravity", gravity, 0.0), ("rest", rest, 0.0), ("start", start, -math.inf)):
+            _check_number(name, value, least)
         self._tell = tell.brief  # loaded now, or compiled
         self.bodies: list[Body] = []
         self._hits: tuple[int, list[Hit]] = 0, []  # of a step
@@ -333,3 +332,10 @@ class Simulation:
         pair = self._pairs.get((event.a, event.b), Pair())
         surface = pair.surface or self._surfaces.between(a.material, b.material)
         return self._gestures.begin(event, to, by, surface, pair.slide)
+
+
+def _check_number(name: str, value: object, least: float) -> None:
+    """Raise WorldError for what is no finite number from `least` on."""
+    if not (isinstance(value, Real) and math.isfinite(value) and value >= least):
+        words = "a finite number" if least < 0.0 else "a number that is not negative"
+        raise WorldError(f"{name} = {value!r}: expected {words}")

@@ -212,6 +212,58 @@ def test_what_tells_stays_as_long_as_it_is_held():
     assert blows >= 1 and all((each == 7).all() for each in kept)
 
 
+@pytest.mark.parametrize("step", [0.0005, 0.005])
+@pytest.mark.parametrize("margin", [0.001, 0.005])
+def test_a_contact_that_pushes_within_a_margin_leaves_what_the_simulators_does(step, margin):
+    model = mujoco.MjModel.from_xml_string(DROP.format(step=step, height=0.3, solref=".02 .4"))
+    model.geom_margin[:] = margin
+    data = mujoco.MjData(model)
+    bridge = carom.mujoco.Bridge(model, data, hearing=carom.Hearing(gestures=0))
+    speed, found = 0.0, []
+    while not (found and data.ncon == 0):
+        speed = speed if found else -data.qvel[2]
+        mujoco.mj_step(model, data)
+        bridge.tell()
+        found += bridge.world.hits
+    (hit,) = found
+    assert hit.impulse == pytest.approx(hit.mass * (speed + data.qvel[2] + 9.81 * step), rel=0.02)
+
+
+def test_a_body_that_is_led_by_its_pose_strikes_as_fast_as_it_moves():
+    text = """<mujoco><option timestep=".002" gravity="0 0 0"/><worldbody>
+    <body name="bat" mocap="true"><geom type="box" size=".02 .1 .1"/></body>
+    <body name="ball" pos=".2 0 0"><freejoint/><geom size=".02" density="2500"/></body></worldbody></mujoco>"""
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    bridge = carom.mujoco.Bridge(model, data, hearing=carom.Hearing(gestures=0))
+    for jump in (0.0, 5.0):
+        data.mocap_pos[0, 1] = jump  # it jumps there first, which is no motion
+        data.qpos[1] = jump
+        data.qpos[0], data.qvel[:] = 0.2, 0.0
+        found = []
+        for n in range(120):
+            data.mocap_pos[0, 0] = 0.001 * 2 * n
+            bridge.step()
+            found += bridge.world.hits
+        (hit,) = found
+        assert hit.speed == pytest.approx(1.0, rel=1e-3)
+        mujoco.mj_resetData(model, data)
+        bridge.restart()
+
+
+def test_a_patch_that_grows_beside_a_contact_is_no_blow():
+    with carom.World() as world:
+        world.body("jamb", "box", (0.1, 0.1, 0.1), "wood", held=True)
+        world.body("door", "box", (0.8, 0.04, 2.0), "wood")
+        edge = [(0.4, 0.0, z) for z in (0.0, 0.003, -0.003, 0.03)]
+        told = [edge[:1], edge[:1], edge[:3], edge]
+        hits = []
+        for n, points in enumerate(told, 1):
+            world.step(0.001 * n, [carom.Touch("jamb", "door", point, (0, 1, 0), approach=0.5) for point in points])
+            hits.append(len(world.hits))
+        assert hits == [1, 0, 0, 1]  # what is further away is one
+
+
 def test_names_of_a_model_are_made_unique_and_unknown_ones_are_errors():
     text = """<mujoco><worldbody><body name="table"><geom type="box" size=".5 .5 .02"/></body>
     <geom name="ball" type="plane" size="1 1 .1" pos="0 0 -1"/>

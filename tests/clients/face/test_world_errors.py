@@ -88,6 +88,17 @@ def test_a_step_that_is_refused_moves_no_body():
         assert world.memory["position"][0, :2].tolist() == where
 
 
-def test_a_rate_that_cannot_be_is_refused():
-    with pytest.raises(WorldError, match="rate = 0: expected"):
-        World(rate=0)
+@pytest.mark.parametrize(
+    "text, options",
+    [
+        ("rate = 0: expected", {"rate": 0}),
+        ("microphones: (0, 0): expected a Microphone or a place", {"microphones": [(0, 0)]}),
+        ("microphones: 0: expected a Microphone or a place", {"microphones": (0, -1, 0.5)}),
+        ("gravity = (0, 0, -9.81): expected a number", {"gravity": (0, 0, -9.81)}),
+        ("start = '1': expected a finite number", {"start": "1"}),
+    ],
+)
+def test_a_world_that_cannot_be_is_refused(text, options):
+    with pytest.raises(WorldError) as found:
+        World(**options)
+    assert str(found.value).startswith(text)
