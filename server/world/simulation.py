@@ -336,6 +336,6 @@ class Simulation:
 
 def _check_number(name: str, value: object, least: float) -> None:
     """Raise WorldError for what is no finite number from `least` on."""
-    if not (isinstance(value, Real) and math.isfinite(value) and value >= least):
+    if not (isinstance(value, Real) and math.isfinite(value) and float(value) >= least):
         words = "a finite number" if least < 0.0 else "a number that is not negative"
         raise WorldError(f"{name} = {value!r}: expected {words}")
