@@ -119,5 +119,5 @@ def touch(record: np.void, modes: int, objects: int) -> None:
     parts += [record["bank"][name][:modes] for name in BANK.names or () if name not in ("response", "shape")]
     for part in parts:
         begin = np.frombuffer(part, np.uint8).ctypes.data
-        for address in range(begin, begin + part.nbytes, mmap.PAGESIZE):
+        for address in range(begin - begin % 8, begin + part.nbytes, mmap.PAGESIZE):
             hold_page(address)

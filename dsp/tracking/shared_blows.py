@@ -10,7 +10,7 @@ from .blows import left_of
 from .state import TOGETHER
 
 _RIGID = 1e-3  # share by which a blow's mass may differ from that of rigid bodies; else it is taken alone
-_ROUNDS = 200
+_ROUNDS = 60  # for each blow
 _LEAST = 1e-12  # kg: the mass of a blow that has no part
 
 
@@ -22,7 +22,7 @@ def share_blows(state):
         return
     for i in range(count):
         state.part[i] = 0.0
-    for _ in range(_ROUNDS):
+    for _ in range(_ROUNDS * count):
         for i in range(count):
             missing = state.rate[i]
             for j in range(count):
