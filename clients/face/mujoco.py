@@ -51,10 +51,8 @@ class Bridge:
     options are those of a World; without any, `world` may be one that is there already.
 
     A blow's restitution is that of MuJoCo's own contact, so that its impulse is that of the motion, and its effective
-    mass is that of the whole mechanism, but for equality constraints. `restitution="materials"` takes the materials'
-    instead. With the integrator RK4 MuJoCo tells speeds that its contact has braked already: blows are up to a quarter
-    too soft. A body that `mocap_pos` moves is as fast as its pose changes; friction does not count in the effective
-    mass. Flexes are silent.
+    mass is that of the whole mechanism, but for equality constraints and friction. `restitution="materials"` takes the
+    materials' instead. A body that `mocap_pos` moves is as fast as its pose changes. Flexes are silent.
 
     The sound is a step of the model behind its state: only then are its contacts known. WorldError for names that the
     model does not have.
@@ -140,6 +138,7 @@ class Bridge:
         record = made[0]
         record["first"], record["bodies"] = self._first, count
         record["geom"][:count], record["body"][:count], record["root"][:count] = self._geoms, self._bodies, self._roots
+        record["late"] = self._model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
         record["led"][:count] = self._model.body_mocapid[self._bodies] >= 0
         for name, array in (
             ("positions", data.geom_xpos), ("turns", data.geom_xmat), ("motions", data.cvel),
@@ -162,6 +161,7 @@ class Bridge:
             record[name] = cast(function, c_void_p).value or 0
         record["model"], record["data"] = model._address, data._address
         record["velocities"], record["own"] = model.nv, self._by_simulator
+        record["runge"] = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
         record["smooth"], record["step"] = data._address + layout["smooth"], model._address + layout["step"]
         for name in ("reference", "impedance", "margin"):
             record[name] = layout[name]
@@ -182,6 +182,7 @@ class Bridge:
 
     def restart(self) -> None:
         """Begin anew where `data` is now, in silence; to be called after MuJoCo's data was reset."""
+        self._arrays["known"] = 0
         led = np.flatnonzero(self._arrays["led"][0])
         self.world.memory["position"][0, self._first + led] = np.nan  # what comes next is no motion of theirs
         self.world.restart(float(self._data.time))

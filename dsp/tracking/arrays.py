@@ -19,6 +19,10 @@ ARRAYS = np.dtype(
         ("body", np.int64, BODIES),
         ("root", np.int64, BODIES),
         ("led", np.int64, BODIES),  # 1: it is moved by its pose, and `motions` say nothing of it
+        # Where `motions` are of the end of a step, as with steps of Runge and Kutta: those of the step before, which count.
+        ("late", np.int64),  # 1: they are
+        ("known", np.int64),  # 1: there was a step before
+        ("before", np.float64, (BODIES, 9)),  # spin, velocity, and the point that it is of
         # Addresses of arrays of float64.
         ("positions", np.int64),  # by geom: 3
         ("turns", np.int64),  # by geom: a rotation matrix
@@ -64,10 +68,26 @@ def gather(state, arrays, points, span):
             state.about[to, k] = load_double(about + _DOUBLE * k)
         for k in range(9):
             state.turn[to, k] = load_double(turn + _DOUBLE * k)
+        if arrays.late == 1:
+            _take_before(state, arrays, n)
+    arrays.known = 1
     if 0 < points <= POINTS:
         first = load_address(arrays.contacts)
         for n in range(points):
             _take_contact(state, arrays, n, first + arrays.stride * n)
+
+
+@noinline_kernel
+def _take_before(state, arrays, n):
+    """Give a body the motion that it had a step before, and keep that of this one."""
+    to = arrays.first + n
+    before = arrays.before[n]
+    for k in range(3):
+        spin, velocity, about = state.spin[to, k], state.velocity[to, k], state.about[to, k]
+        if arrays.known == 1:
+            state.spin[to, k], state.velocity[to, k] = before[k], before[3 + k]
+            state.about[to, k] = before[6 + k]
+        before[k], before[3 + k], before[6 + k] = spin, velocity, about
 
 
 @noinline_kernel

@@ -22,6 +22,7 @@ MECHANISM = np.dtype(
         ("reference", np.int64),  # where in a contact its solref and solimp are,
         ("impedance", np.int64),
         ("margin", np.int64),  # and the distance below which it pushes
+        ("runge", np.int64),  # 1: its steps are Runge and Kutta's
         # Addresses of room for a point, for J's rows, for J and for M^-1 J'.
         ("point", np.int64),
         ("slope", np.int64),
@@ -97,5 +98,24 @@ def _rebound(arrays, blow, pushed):
     else:
         soft.stiffness, soft.damping = -first / (most * most), -second / most
     soft.depth = max(load_double(contact + mechanism.margin) - load_double(contact + arrays.distance), 0.0)
-    soft.speed, soft.pushed = blow.speed, pushed
+    soft.speed, soft.pushed, soft.runge = blow.speed, pushed, mechanism.runge
+    soft.braked = 0.0
+    if mechanism.runge == 1:
+        soft.braked = _closes_now(arrays, blow, blow.a) - _closes_now(arrays, blow, blow.b)
     return rebound_of(soft)
+
+
+@kernel
+def _closes_now(arrays, blow, body):
+    """How fast a body's point moves along a blow's normal at the end of a step (m/s): see `late` of ARRAYS."""
+    moving = body - arrays.first
+    if moving < 0 or moving >= arrays.bodies:
+        return 0.0
+    motion = arrays.before[moving]
+    total = 0.0
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        rate = motion[3 + k]
+        rate += motion[i] * (blow.point[j] - motion[6 + j]) - motion[j] * (blow.point[i] - motion[6 + i])
+        total += rate * blow.normal[k]
+    return total

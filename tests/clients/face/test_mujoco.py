@@ -154,9 +154,16 @@ def test_a_hammer_on_a_hinge_has_the_effective_mass_of_the_mechanism():
     assert {hits[0].a, hits[0].b} == {"arm", "table"}
 
 
-DROP = """<mujoco><option timestep="{step}"/><worldbody><geom name="floor" type="plane" size="2 2 .1"/>
-<body name="ball" pos="0 0 {height}"><freejoint/><geom size=".02" density="2500" solref="{solref}" priority="1"/></body>
+DROP = """<mujoco><option timestep="{step}" integrator="{integrator}"/><worldbody>
+<geom name="floor" type="plane" size="2 2 .1"/><body name="ball" pos="0 0 {height}"><freejoint/><geom size=".02" density="2500" solref="{solref}" priority="1"/></body>
 </worldbody></mujoco>"""
+
+
+def dropped(step: float, height: float, solref: str, integrator: str = "Euler"):
+    """A ball above a floor: model and data."""
+    text = DROP.format(step=step, height=height, solref=solref, integrator=integrator)
+    model = mujoco.MjModel.from_xml_string(text)
+    return model, mujoco.MjData(model)
 
 
 @pytest.mark.parametrize(
@@ -169,8 +176,7 @@ DROP = """<mujoco><option timestep="{step}"/><worldbody><geom name="floor" type=
 def test_a_stiff_or_a_soft_contact_leaves_what_the_simulators_does(step, solref):
     """The last push counts, and a contact that its weight presses on at first."""
     for height in (0.3, 0.31, 0.333):
-        model = mujoco.MjModel.from_xml_string(DROP.format(step=step, height=height, solref=solref))
-        data = mujoco.MjData(model)
+        model, data = dropped(step, height, solref)
         bridge = carom.mujoco.Bridge(model, data, hearing=carom.Hearing(gestures=0))
         speed, found = 0.0, []
         while not (found and data.ncon == 0):
@@ -182,6 +188,25 @@ def test_a_stiff_or_a_soft_contact_leaves_what_the_simulators_does(step, solref)
         assert hit.speed == pytest.approx(speed, rel=1e-9)
         left = min((data.qvel[2] + 9.81 * step) / speed, 1.0)
         assert hit.impulse == pytest.approx(hit.mass * speed * (1.0 + left), rel=0.02)
+
+
+@pytest.mark.parametrize("step, solref", [(0.002, ".02 1"), (0.002, ".02 .3"), (0.005, ".02 .1"), (0.01, ".02 1")])
+def test_steps_of_runge_and_kutta_leave_what_the_simulators_do(step, solref):
+    """Their contacts are shown as they are at the last of four stages, where they have braked already."""
+    for height in (0.3, 0.31, 0.333):
+        model, data = dropped(step, height, solref, "RK4")
+        bridge = carom.mujoco.Bridge(model, data, hearing=carom.Hearing(gestures=0))
+        found, speeds = [], []
+        while data.time < 0.45:
+            mujoco.mj_step(model, data)
+            bridge.tell()
+            found += bridge.world.hits
+            speeds.append(data.qvel[2])
+        (hit, *_) = found
+        fastest = -min(speeds)
+        left = min(max(0.0, *speeds), fastest)
+        assert hit.speed == pytest.approx(fastest, rel=0.01)
+        assert hit.impulse == pytest.approx(hit.mass * (fastest + left), rel=0.02)
 
 
 def test_a_contact_pair_is_heard_as_its_bodies():
@@ -200,8 +225,7 @@ def test_a_contact_pair_is_heard_as_its_bodies():
 
 
 def test_what_tells_stays_as_long_as_it_is_held():
-    model = mujoco.MjModel.from_xml_string(DROP.format(step=0.002, height=0.1, solref=".02 1"))
-    data = mujoco.MjData(model)
+    model, data = dropped(0.002, 0.1, ".02 1")
     tell = carom.mujoco.Bridge(model, data).tell
     gc.collect()
     kept = [np.full(12_624 // 8, 7) for _ in range(200)]  # takes the memory that is free
@@ -215,9 +239,8 @@ def test_what_tells_stays_as_long_as_it_is_held():
 @pytest.mark.parametrize("step", [0.0005, 0.005])
 @pytest.mark.parametrize("margin", [0.001, 0.005])
 def test_a_contact_that_pushes_within_a_margin_leaves_what_the_simulators_does(step, margin):
-    model = mujoco.MjModel.from_xml_string(DROP.format(step=step, height=0.3, solref=".02 .4"))
+    model, data = dropped(step, 0.3, ".02 .4")
     model.geom_margin[:] = margin
-    data = mujoco.MjData(model)
     bridge = carom.mujoco.Bridge(model, data, hearing=carom.Hearing(gestures=0))
     speed, found = 0.0, []
     while not (found and data.ncon == 0):
