@@ -155,8 +155,8 @@ def test_a_hammer_on_a_hinge_has_the_effective_mass_of_the_mechanism():
 
 
 DROP = """<mujoco><option timestep="{step}" integrator="{integrator}"/><worldbody>
-<geom name="floor" type="plane" size="2 2 .1"/><body name="ball" pos="0 0 {height}"><freejoint/><geom size=".02" density="2500" solref="{solref}" priority="1"/></body>
-</worldbody></mujoco>"""
+<geom name="floor" type="plane" size="2 2 .1"/><body name="ball" pos="0 0 {height}"><freejoint/>
+<geom size=".02" density="2500" solref="{solref}" priority="1"/></body></worldbody></mujoco>"""
 
 
 def dropped(step: float, height: float, solref: str, integrator: str = "Euler"):

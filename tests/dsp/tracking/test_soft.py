@@ -37,19 +37,6 @@ def left(low: float, high: float, ratio: float, pushed: float, speed: float = 1.
 def test_a_spring_and_a_damper_leave_what_their_equation_says(low, high, ratio):
     soft, time = np.zeros(1, SOFT), 0.02
     step = 5e-5
-    soft[0] = (
-        step,
-        1 / (high * time * ratio) ** 2,
-        2 / (high * time),
-        low,
-        high,
-        0.004,
-        0.5,
-        2.0,
-        0.0,
-        1.0,
-        0.0,
-        0.0,
-        0.0,
-    )
+    spring = 1 / (high * time * ratio) ** 2, 2 / (high * time)
+    soft[0] = (step, *spring, low, high, 0.004, 0.5, 2.0, 0.0, 1.0, 0.0, 0.0, 0.0)
     assert rebound(soft.ctypes.data) == pytest.approx(left(low, high, ratio, 0.0), rel=0.02)
