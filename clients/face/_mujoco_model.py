@@ -31,7 +31,7 @@ class Part(NamedTuple):
 
 
 def parts_of(model: mujoco.MjModel) -> Iterator[Part]:
-    """The bodies of the World: of each that moves the largest geom, and all geoms that do not move; that collide."""
+    """The bodies of the World. Of the geoms that collide: the largest of each body that moves, and all that do not."""
     largest: dict[int, int] = {}
     paired = {*model.pair_geom1.tolist(), *model.pair_geom2.tolist()}
     for geom in range(model.ngeom):
@@ -58,7 +58,7 @@ def named_apart(parts: list[Part]) -> list[Part]:
 
 
 def names_in(model: mujoco.MjModel) -> set[str]:
-    """What materials may be of: the names of geoms, bodies and materials, and what geoms and bodies are called else."""
+    """Names of geoms, bodies and materials; those without one have their number."""
     found = {f"{kind}{n}" for kind, count in (("geom", model.ngeom), ("body", model.nbody)) for n in range(count)}
     for kind, count in (
         (mujoco.mjtObj.mjOBJ_GEOM, model.ngeom), (mujoco.mjtObj.mjOBJ_BODY, model.nbody),

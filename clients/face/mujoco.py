@@ -161,7 +161,6 @@ class Bridge:
             record[name] = cast(function, c_void_p).value or 0
         record["model"], record["data"] = model._address, data._address
         record["velocities"], record["own"] = model.nv, self._by_simulator
-        record["runge"] = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
         record["smooth"], record["step"] = data._address + layout["smooth"], model._address + layout["step"]
         for name in ("reference", "impedance", "margin"):
             record[name] = layout[name]

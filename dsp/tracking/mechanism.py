@@ -22,7 +22,6 @@ MECHANISM = np.dtype(
         ("reference", np.int64),  # where in a contact its solref and solimp are,
         ("impedance", np.int64),
         ("margin", np.int64),  # and the distance below which it pushes
-        ("runge", np.int64),  # 1: its steps are Runge and Kutta's
         # Addresses of room for a point, for J's rows, for J and for M^-1 J'.
         ("point", np.int64),
         ("slope", np.int64),
@@ -98,9 +97,9 @@ def _rebound(arrays, blow, pushed):
     else:
         soft.stiffness, soft.damping = -first / (most * most), -second / most
     soft.depth = max(load_double(contact + mechanism.margin) - load_double(contact + arrays.distance), 0.0)
-    soft.speed, soft.pushed, soft.runge = blow.speed, pushed, mechanism.runge
+    soft.speed, soft.pushed, soft.late = blow.speed, pushed, arrays.late
     soft.braked = 0.0
-    if mechanism.runge == 1:
+    if arrays.late == 1:
         soft.braked = _closes_now(arrays, blow, blow.a) - _closes_now(arrays, blow, blow.b)
     return rebound_of(soft)
 

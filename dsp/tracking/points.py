@@ -207,7 +207,7 @@ def _is_new(state, pair, n, span, rate):
         pair.followed += 1
         pair.swept[0] += math.sqrt(ways[0]) * pace
         pair.swept[1] += math.sqrt(ways[1]) * pace
-    pair.same[order], pair.fresher[found] = found, 1 if new else 0
+    pair.same[order], pair.was_new[found] = found, 1 if new else 0
     pair.kept_at[found] = time
     for k in range(3):
         pair.kept[found, 0, k], pair.kept[found, 1, k] = on_a[k], on_b[k]
@@ -235,7 +235,7 @@ def _grows(pair, on_a, on_b, time, near):
     """True if a point lies beside one of this step that was there before: the patch of a contact grows."""
     grows = False
     for m in range(pair.known):
-        if pair.kept_at[m] == time and pair.fresher[m] == 0:
+        if pair.kept_at[m] == time and pair.was_new[m] == 0:
             grows |= min(_ways(pair, m, on_a, on_b)) < near * near
     return grows
 

@@ -19,8 +19,8 @@ SOFT = np.dtype(
             "depth",  # m, as the contact is seen first
             "speed",  # m/s, of the approach
             "pushed",  # m/s^2: how other forces push the bodies together
-            "runge",  # 1: the simulator's steps are Runge and Kutta's, and `depth` is that of the last of four stages,
-            "braked",  # m/s: and there they close so fast
+            "late",  # 1: the simulator's steps are Runge and Kutta's, and `depth` is that of the last of four stages
+            "braked",  # m/s: how fast they close at that stage
         )
     ],
     align=True,
@@ -41,7 +41,7 @@ def rebound_of(soft):
     slows = False
     for _ in range(_LONGEST):
         before = rate
-        if soft.runge == 1.0:
+        if soft.late == 1.0:
             depth, rate, _ = _runge_kutta(soft, depth, rate)
         else:
             rate += soft.step * _acceleration(soft, depth, rate)
@@ -56,7 +56,7 @@ def rebound_of(soft):
 @kernel
 def _first_depth(soft):
     """The depth (m) at the beginning of the step in which the contact is seen."""
-    if soft.runge == 0.0:
+    if soft.late == 0.0:
         return soft.depth
     depth = soft.depth - 0.5 * soft.step * (soft.speed + soft.braked)
     for _ in range(_GUESSES):

@@ -49,7 +49,7 @@ _PAIR = np.dtype(
         ("known", np.int64),
         ("kept", np.float64, (KEPT, 2, 3)),
         ("kept_at", np.float64, KEPT),
-        ("fresher", np.int64, KEPT),  # 1: it was new when it was told last
+        ("was_new", np.int64, KEPT),  # 1: it was new when it was told last
         ("same", np.int64, KEPT),  # which of these a step's points were, in the order in which they were told
         # The points of this step.
         ("count", np.int64),
