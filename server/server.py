@@ -317,8 +317,8 @@ class Server:
         return True
 
     def _report_end(self, ended: Ended) -> None:
-        clients: set[Source] = {ended.source, *self._subscribers}
-        for client in clients:
+        clients = {self._subscribers.receiver(each): each for each in (ended.source, *self._subscribers)}
+        for client in clients.values():
             self._reply(Message("/gesture/end", (ended.id,)), client)
         if ended.end is End.NO_ROOM:
             what = f"{CONTACTS} contacts"

@@ -36,12 +36,14 @@ class Subscribers:
     def add(self, source: Source, level: int = 1, port: int = 0) -> None:
         """Add a client, or hear from one again; `port`: where its answers go, if not to where it sends from.
 
-        Refused where there is no room.
+        Whoever is answered there already is the same client, that sends from another port now. Refused where there is
+        no room.
         """
         if port and not isinstance(source, tuple):
             raise Refused(f"port = {port}: a stream is answered where it is; expected none")
+        answered = (source[0], port) if port and isinstance(source, tuple) else self.receiver(source)
         for each in self:
-            if not self._network.reaches(each):
+            if not self._network.reaches(each) or (each != source and self.receiver(each) == answered):
                 self.remove(each)
         if source not in self._heard and len(self._heard) >= _MOST:
             self._make_room()

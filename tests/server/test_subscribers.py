@@ -35,3 +35,20 @@ def test_a_client_that_is_gone_makes_room():
     for n in range(32):
         clients.add(("host", n))
     assert ("gone", 1) not in clients
+
+
+def test_a_client_that_subscribes_again_is_told_once():
+    clients = Subscribers(Everywhere(), lambda message, source: None)
+    clients.add(("host", 5), level=1)
+    clients.add(("host", 5), level=3)
+    assert list(clients) == clients.of(3) == [("host", 5)]
+
+
+@pytest.mark.parametrize("again", [("host", 6), ("host", 9000)])
+def test_a_client_that_names_one_port_for_its_answers_subscribes_once_from_whichever_port_it_sends(again):
+    clients = Subscribers(Everywhere(), lambda message, source: None)
+    clients.add(("host", 5), port=9000)
+    clients.add(("other", 5), port=9000)
+    clients.add(again, port=9000 if again != ("host", 9000) else 0)
+    assert list(clients) == [("other", 5), again]
+    assert [clients.receiver(each) for each in clients] == [("other", 9000), ("host", 9000)]
