@@ -32,6 +32,7 @@ from .collocation import NODES, STEP, law
 from .coupled_flight import fly
 from .coupled_step import set_powers, stay
 from .power_series import (
+    BEYOND,
     BINOMIAL,
     FORCE_AT,
     POWERS,
@@ -257,9 +258,16 @@ def look(contact, observed):
 
 @kernel
 def lift(contact, answer, force):
-    """Let a point no longer give way to a constant force (N) over the sample, by its answer to one."""
+    """Let a point no longer give way to a constant force (N) over the sample, by its answer to one.
+
+    The answer's last power integrates to one that `motion` does not hold. The lower ones stand for it: where modes lie
+    above the Nyquist frequency it carries much of how a light object gives way.
+    """
     for n in range(1, FINE - 1):
         contact.motion[n + 1] += force * answer[n] / (n + 1)
+    last = force * answer[FINE - 1] / FINE
+    for n in range(2, FINE):
+        contact.motion[n] += last * BEYOND[n]
 
 
 @kernel

@@ -31,6 +31,7 @@ from .coupled_step import (
     TRIALS,
     collocate,
     end_without,
+    keep_at_rest,
     may_lose,
     put_free,
     ratio_to_longest,
@@ -141,6 +142,9 @@ def _set_equations(contacts, group, eta):
         group.negligible[a] = ROUNDING * contact.mass * speed / (eta * contact.period)
         for b in range(group.touching):
             _fill_give(group, a, b, eta, contact.period)
+            j = group.touches[b]
+            resting = contacts[group.member[j]].coupled.rest_force
+            keep_at_rest(contact.step, group.given[group.touches[a], j], eta * resting)
 
 
 @kernel

@@ -20,7 +20,7 @@ from .collocation import (
     step_within,
     until_release,
 )
-from .power_series import ANSWER_AT, ANSWER_TO_END, AT_NODES, TAKEN, WORK, value_at
+from .power_series import ANSWER_AT, ANSWER_TO_END, AT_NODES, MISSED, TAKEN, WORK, value_at
 
 HELD = math.inf
 """Tolerance of one held step a sample: the cheapest, for when there is no time."""
@@ -87,6 +87,7 @@ def collocate(contact, eta):
     set_powers(contact, eta)
     put_free(step, contact.moved, 1.0 / (eta * h))
     _put_give(step, contact.given, eta * h, 1.0 / h)
+    keep_at_rest(step, contact.given, eta * contact.rest_force)
     speed = speed_of(contact, contact.motion[0], contact.motion[1] / h)
     solved = solve(step, contact.k, contact.mu, contact.a, ROUNDING * contact.mass * speed / (eta * h))
     x, v = end_without(contact.moved)
@@ -141,6 +142,20 @@ def _put_give(step, given, time, rate):
             for n in range(NODES):
                 give += INTEGRAL[i, n] * step.give_v[n, j]
             step.give_x[i, j] = give * time
+
+
+@kernel
+def keep_at_rest(step, given, impulse):
+    """Have a force at rest move no node: what the Gauss method's integral makes of its answer is not the answer.
+
+    impulse: that force (N) times the step (samples).
+    """
+    if impulse > 0.0:
+        for i in range(NODES):
+            missed = 0.0
+            for n in range(NODES, FINE):
+                missed += given[n] * MISSED[n, i]
+            step.free_x[i] += impulse * missed
 
 
 @kernel

@@ -1,0 +1,45 @@
+"""Bodies that rest on objects push with their weight alone."""
+
+import numpy as np
+import pytest
+
+import carom
+from carom.dsp.contact.accuracy import LEVELS
+from carom.dsp.numerics.constants import STANDARD_GRAVITY
+
+PRESETS = carom.Presets()
+BALLS = ("bowling-ball", "glass-marble")
+LIGHT = ("polycarbonate-sheet", "glass-plate", "tin-lid")
+
+
+def excess(name, accuracy, *balls):
+    """Force of any ball beyond its weight, of those that roll over an object on a flat path, as a share of all weights
+    (100 ms)."""
+    with carom.Scene(channels=1, calibrated=True, contacts=True) as scene:
+        scene.accuracy(accuracy)
+        body = scene.new("a", name)
+        for ball in balls:
+            body.roll(0.1, 0.4, striker=ball, roughness=0.0, id=ball)
+        told = scene.render(0.1).contacts
+    assert len(told) == len(balls)
+    weight = sum(PRESETS.striker(ball).mass for ball in balls) * STANDARD_GRAVITY
+    return max(np.abs(each.force).max() for each in told) / weight
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", PRESETS.names("objects"))
+def test_a_ball_at_rest_pushes_with_its_weight(name):
+    for ball in BALLS:
+        assert excess(name, "-60", ball) < 1e-5
+
+
+@pytest.mark.parametrize("accuracy", LEVELS)
+@pytest.mark.parametrize("name", LIGHT)
+def test_a_ball_at_rest_on_a_light_object_pushes_with_its_weight(name, accuracy):
+    for ball in BALLS:
+        assert excess(name, accuracy, ball) < 1e-5
+
+
+@pytest.mark.parametrize("accuracy", LEVELS)
+def test_balls_at_rest_together_push_with_their_weights(accuracy):
+    assert excess("polycarbonate-sheet", accuracy, *BALLS) < 1e-5
