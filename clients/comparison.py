@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ..dsp.fitting.distance import Distance, distance
 from ..dsp.fitting.errors import RecordingError
 from ..dsp.fitting.hits import check
+from .plot import PlotError, require_matplotlib, require_picture
 from .recordings import read
 
 _LOWEST = 40.0  # Hz
@@ -40,8 +41,8 @@ Compared = tuple[Distance, tuple[str, str]]
 """A distance, and the names of A and B."""
 
 
-class PictureError(RuntimeError):
-    """The picture or page cannot be made; the text says why."""
+class PageError(RuntimeError):
+    """The page cannot be made; the text says why."""
 
 
 def compare(a: Path, b: Path) -> tuple[Distance, list[str]]:
@@ -91,17 +92,11 @@ def as_json(found: Distance) -> str:
 
 
 def draw(found: Distance, picture: Path | io.BytesIO, names: tuple[str, str]) -> None:
-    """Draw both spectrograms, the third octaves and the decays. PictureError if matplotlib or the folder is missing."""
-    try:
-        import matplotlib
-    except ImportError as error:
-        raise PictureError("a picture needs matplotlib: pip install matplotlib") from error
+    """Draw both spectrograms, the third octaves and the decays. PlotError if matplotlib or the folder is missing."""
     if isinstance(picture, Path):
-        if picture.suffix.lower() not in (".png", ".svg", ".pdf"):
-            raise PictureError(f"{picture}: expected a name that ends in .png, .svg or .pdf")
-        if not picture.parent.is_dir():
-            raise PictureError(f"{picture}: there is no folder {picture.parent}")
-    matplotlib.use("Agg")
+        require_picture(picture)
+    else:
+        require_matplotlib()
     from matplotlib import pyplot as plt
 
     figure, axes = plt.subplots(2, 2, figsize=(11, 7), layout="constrained", height_ratios=(1.5, 1))
@@ -124,15 +119,20 @@ def draw(found: Distance, picture: Path | io.BytesIO, names: tuple[str, str]) ->
     plt.close(figure)
 
 
+def require_page(page: Path) -> None:
+    """PageError if a page cannot have this name or folder."""
+    if page.suffix.lower() not in (".html", ".htm"):
+        raise PageError(f"{page}: expected a name that ends in .html")
+    if not page.parent.is_dir():
+        raise PageError(f"{page}: there is no folder {page.parent}")
+
+
 def write_page(page: Path, title: str, compared: Sequence[Compared], lines: Sequence[str] = ()) -> Path:
     """Write a page that holds players, figures and pictures of each pair in itself.
 
-    Without matplotlib it has no pictures. PictureError if the page cannot be there.
+    Without matplotlib it has no pictures. PageError if the page cannot be there.
     """
-    if page.suffix.lower() not in (".html", ".htm"):
-        raise PictureError(f"{page}: expected a name that ends in .html")
-    if not page.parent.is_dir():
-        raise PictureError(f"{page}: there is no folder {page.parent}")
+    require_page(page)
     parts = [
         "<!DOCTYPE html>",
         '<html lang="en"><head><meta charset="utf-8">',
@@ -174,7 +174,7 @@ def _figure(found: Distance, names: tuple[str, str]) -> str:
     memory = io.BytesIO()
     try:
         draw(found, memory, names)
-    except PictureError as error:
+    except PlotError as error:
         return f"<p>{escape(str(error))}</p>"
     data = base64.b64encode(memory.getvalue()).decode()
     return f'<figure><img alt="Spectrograms, third octaves and decays" src="data:image/png;base64,{data}"></figure>'

@@ -26,9 +26,9 @@ def examine() -> Iterator[Finding]:
     yield _burst()
     yield _priority()
     if find_spec("matplotlib"):
-        yield True, "matplotlib: render --plot and chart work", ""
+        yield True, "matplotlib: --plot, carom chart and pictures of fits work", ""
     else:
-        yield None, "no matplotlib: render --plot and chart do not work", "pip install matplotlib"
+        yield None, "no matplotlib: no --plot, no carom chart, no pictures of fits", "pip install 'carom[plot]'"
 
 
 def _engine() -> Finding:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from ..dsp.wording import near
 from .actions import CommandError
+from .folding import columns_of, folded
 
 KINDS = (CommandError, OSError, RuntimeError, ValueError)
 """Errors that may be Carom's own or the system's; `is_expected` tells these from bugs."""
@@ -35,5 +36,5 @@ def plain(error: Exception) -> str:
 
 
 def tell(command: str, text: str) -> None:
-    """Print a line about a command on stderr."""
-    print(f"carom {command}: {text}", file=sys.stderr)
+    """Print a line about a command on stderr, folded where that is a terminal."""
+    print(folded(f"carom {command}: {text}", columns_of(sys.stderr)), file=sys.stderr)

@@ -27,16 +27,26 @@ def plotter(picture: Path, calibrated: bool = False) -> Callable[[Path], None]:
 
     PlotError, before anything is drawn, if matplotlib is missing or the name or folder of the picture cannot be.
     """
-    try:
-        import matplotlib
-    except ImportError as error:
-        raise PlotError("--plot needs matplotlib: pip install matplotlib") from error
-    matplotlib.use("Agg")
+    require_picture(picture)
+    return lambda sound: _plot(sound, picture, calibrated)
+
+
+def require_picture(picture: Path) -> None:
+    """PlotError if matplotlib is missing, or if a picture cannot have this name or folder."""
+    require_matplotlib()
     if picture.suffix.lower() not in (".png", ".svg", ".pdf"):
         raise PlotError(f"{picture}: expected a name that ends in .png, .svg or .pdf")
     if not picture.parent.is_dir():
         raise PlotError(f"{picture}: there is no folder {picture.parent}")
-    return lambda sound: _plot(sound, picture, calibrated)
+
+
+def require_matplotlib() -> None:
+    """Have matplotlib draw into files. PlotError, with the extra that brings it, if it is missing."""
+    try:
+        import matplotlib
+    except ImportError as error:
+        raise PlotError(f"pictures need matplotlib ({error}): pip install 'carom[plot]'") from error
+    matplotlib.use("Agg")
 
 
 def _plot(sound: Path, picture: Path, calibrated: bool) -> None:

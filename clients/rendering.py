@@ -14,7 +14,7 @@ from ..server.provenance import logged_otherwise
 from ..server.render import Options, render
 from .errors import KINDS, is_expected, plain
 from .plot import plotter
-from .streams import STREAM, read_score, score_name, sound_file
+from .streams import STREAM, read_score, score_name, score_path, sound_file
 
 if TYPE_CHECKING:
     from multiprocessing.synchronize import Event
@@ -111,7 +111,7 @@ def render_task(task: Task, options: Options, presets: Presets, progress: Callab
         done = render(score, out, presets, options, progress, warnings.append, task.stems)
         if draw:
             draw(out)
-    if task.score != STREAM and (otherwise := logged_otherwise(Path(task.score), done.engine)):
+    if task.score != STREAM and (otherwise := logged_otherwise(score_path(task.score), done.engine)):
         warnings.append(otherwise)
     if limited := done.limiting.said():
         warnings.append(limited)

@@ -9,7 +9,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from ..server.osc.score import Line, parse, read
+from ..dsp.wording import listed, near
+from ..presets import BUILT_IN
+from ..server.osc.score import Line, ScoreError, parse, read
 
 STREAM = "-"
 """Stands for stdin where a file is read, and for stdout where one is written."""
@@ -25,8 +27,28 @@ def score_name(word: str) -> str:
 
 
 def read_score(word: str) -> list[Line]:
-    """The lines of a score from a file, or from stdin."""
-    return parse(sys.stdin.buffer.read(), score_name(word)) if word == STREAM else read(word)
+    """The lines of a score from a file, from stdin, or of one of Carom's own by its name."""
+    return parse(sys.stdin.buffer.read(), score_name(word)) if word == STREAM else read(score_path(word))
+
+
+def score_path(word: str) -> Path:
+    """The file of a score. A word that is no file's name, and could not be one with a folder or an ending, is the name
+    of one of Carom's own; ScoreError, which asks for a near name, if there is none."""
+    path = Path(word)
+    if path.exists() or path.suffix or path.name != word:
+        return path
+    own = own_scores()
+    if word in own:
+        return own[word]
+    here = {each.stem: each.name for each in Path().iterdir() if each.is_file()}
+    found = near(word, [*here, *own])
+    meant = f"did you mean {' or '.join(here.get(name, name) for name in found)}?" if found else ""
+    raise ScoreError(f"no score {word!r}: {meant or f'expected a file, or one of {listed(list(own))}'}")
+
+
+def own_scores() -> dict[str, Path]:
+    """Carom's own scores: their names and files."""
+    return {path.stem: path for path in sorted((BUILT_IN / "scores").glob("*.txt"))}
 
 
 @contextmanager

@@ -1,5 +1,6 @@
 """One strike on one object: its score, its sound file, or its sound on the default device."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,13 @@ from ..server.osc.wire import Argument, Message
 from ..server.render import Options, blocks, render
 from .streams import sound_file
 
+Progress = Callable[[float], object]
+"""What is told how many seconds of a sound are computed."""
+
+
+class StrikeError(ValueError):
+    """A strike that makes no sound; the text says why."""
+
 
 @dataclass(frozen=True)
 class Strike:
@@ -23,7 +31,9 @@ class Strike:
     striker: str | None = None
 
     def score(self, presets: Presets) -> list[Line]:
-        """The strike as a score. PresetError if there is no such object or striker."""
+        """The strike as a score. PresetError if there is no such object or striker, StrikeError if nothing sounds."""
+        if self.velocity == 0:
+            raise StrikeError("velocity = 0: nothing would sound; expected more than 0 m/s")
         name = self.preset
         velocity = presets.object(name).velocity if self.velocity is None else self.velocity
         position = () if self.position is None else (self.position,)
@@ -38,20 +48,23 @@ class Strike:
         return [Line(0.0, message, name) for message in messages]
 
 
-def write(strike: Strike, presets: Presets, options: Options, out: str) -> list[str]:
+def write(strike: Strike, presets: Presets, options: Options, out: str, progress: Progress) -> list[str]:
     """Write a strike's sound to a .wav or .flac file, or to stdout; returns warnings."""
     warnings: list[str] = []
     with sound_file(out) as path:
-        done = render(strike.score(presets), path, presets, options, warn=warnings.append)
+        done = render(strike.score(presets), path, presets, options, progress, warnings.append)
     limited = done.limiting.said()
     return [*warnings, limited] if limited else warnings
 
 
-def play(strike: Strike, presets: Presets, options: Options) -> list[str]:
+def play(strike: Strike, presets: Presets, options: Options, progress: Progress) -> list[str]:
     """Play a strike's sound on the default device and wait for its end; returns warnings. AudioError says why not."""
     warnings: list[str] = []
-    pieces = blocks(strike.score(presets), Engine(options.rate), presets, options, warn=warnings.append)
-    sound = np.concatenate(list(pieces))
+    pieces = []
+    for piece in blocks(strike.score(presets), Engine(options.rate), presets, options, warn=warnings.append):
+        pieces.append(piece)
+        progress(sum(map(len, pieces)) / options.rate)
+    sound = np.concatenate(pieces)
     device = portaudio()
     try:
         device.play(sound, options.rate, blocking=True)

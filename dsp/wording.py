@@ -1,12 +1,13 @@
 """What an error says where a word is not known: the nearest of the words that are known, else all of them."""
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 _LONGEST = 64  # characters of a word that is compared: a longer one is no misspelt name
 _MOST_LETTERS = 4_096  # of the known words that are compared: more would hold up a server
 _NEAR = 0.7  # of likeness, 0 to 1, for a word of another length
 _AS_NEAR = 0.1  # of likeness, 0 to 1, by which others may be less near than the nearest
+_MOST_LISTED = 64  # words that an error names
 _SHORTEST_PART = 3  # letters that are looked for inside the known words
 
 
@@ -43,4 +44,10 @@ def suggestion(word: object, known: Iterable[str]) -> str:
 def expected(word: object, known: Iterable[str]) -> str:
     """The question whether a near word is meant, or else all the words that are expected."""
     words = list(known)
-    return suggestion(word, words) or f"expected one of {', '.join(words) or 'none'}"
+    return suggestion(word, words) or f"expected one of {listed(words) or 'none'}"
+
+
+def listed(words: Sequence[str]) -> str:
+    """The words, or the first of them and the number of the others."""
+    more = len(words) - _MOST_LISTED
+    return ", ".join(words[:_MOST_LISTED]) + (f" and {more:,} more" if more > 0 else "")

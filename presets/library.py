@@ -23,7 +23,7 @@ else:
     import tomli as tomllib
 
 BUILT_IN = Path(__file__).resolve().parent
-KINDS = ("materials", "strikers", "surfaces", "objects")
+KINDS = ("objects", "strikers", "surfaces", "materials")
 
 Folder = str | PathLike[str]
 

@@ -2,13 +2,16 @@
 
 import math
 from collections.abc import Iterable, Iterator
+from itertools import islice
 
+from ..dsp.wording import suggestion
 from ..presets import Presets
 from .osc.arguments import Refused
 from .osc.wire import Argument, Message
 from .scene.object_call import listed
 from .scene.objects import PlayedObject
 from .scene.session import Session
+from .scene.transaction import MOST_COMPARED
 
 _LARGEST = 1_200  # bytes of the arguments of an answer: a datagram of it fits any network
 _T60 = math.log(1e3)  # times the time constant
@@ -35,7 +38,8 @@ def described(session: Session, target: str, modes: int) -> Iterator[Message]:
     """/object/NAME/get.reply and pairs, for each object that matches; with a number of modes, get.modes, too."""
     found = session.objects.at(target, 0.0)
     if not found:
-        raise Refused(f"{target}: no such object; there are {listed(session.objects.there(0.0))}")
+        there = list(islice(session.objects.there(0.0), MOST_COMPARED))
+        raise Refused(f"{target}: no such object; {suggestion(target, there) or f'there are {listed(there)}'}")
     for name, obj in found.items():
         spectrum = obj.preset.modes(session.engine.top_frequency)
         pairs: dict[str, Argument] = {

@@ -35,7 +35,7 @@ def test_the_lowest_and_the_highest_numba_are_tested():
 
 def test_a_wheel_holds_all_code_and_is_built_with_what_the_package_allows():
     compiled = re.search(r"^COMPILED = \((.*?)\)$", (ROOT / "setup.py").read_text(), re.M | re.S)[1]
-    files = [path for room in ("dsp", "server") for path in (ROOT / room).rglob("*.py")]
+    files = [path for package in ("dsp", "server") for path in (ROOT / package).rglob("*.py")]
     marked = {path.relative_to(ROOT).with_suffix("") for path in files if "\n@c_function(" in path.read_text()}
     assert set(re.findall(r'"(.*)"', compiled)) == {".".join(("carom", *path.parts)) for path in marked}
     needed = tomllib.loads((ROOT / "pyproject.toml").read_text())["build-system"]["requires"]

@@ -1,4 +1,4 @@
-"""The house rules that a test can hold: rooms, sizes, what the wheel takes along."""
+"""The house rules that a test can hold: packages, sizes, what the wheel takes along."""
 
 import ast
 import subprocess
@@ -69,9 +69,9 @@ def test_functions_are_short_and_take_few_parameters():
     assert set(found) == set(EXCEPTIONS), found
 
 
-def test_dsp_is_rooms_not_a_corridor():
+def test_dsp_is_made_of_packages():
     assert len(list((ROOT / "dsp").glob("*.py"))) <= MOST_IN_DSP
-    assert all((room / "__init__.py").exists() for room in (ROOT / "dsp").iterdir() if any(room.glob("*.py")))
+    assert all((each / "__init__.py").exists() for each in (ROOT / "dsp").iterdir() if any(each.glob("*.py")))
 
 
 @pytest.mark.slow

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ...dsp.study import comparison
 from ...dsp.study.wall import PAPER_CASES
+from ..plot import require_matplotlib
 from . import pages, report, tables
 from .tables import Extent, Row
 
@@ -48,13 +49,12 @@ QUICK = Extent(
 def chart(folder: Path, extent: Extent) -> Iterator[tuple[str, float]]:
     """Run the study and write its tables and figures into a folder, which is made if it is missing.
 
-    Yields the name of each step and the share of the work done before it, 0 to 1. Raises ChartError at the first
-    step if matplotlib is missing or the folder cannot be written to.
+    Yields the name of each step and the share of the work done before it, 0 to 1. At the first step raises PlotError
+    if matplotlib is missing, and ChartError if the folder cannot be written to.
     """
-    try:
-        from . import bowing, coupled, failures, friction, paper, rigid, ringing, style
-    except ImportError as error:
-        raise ChartError("chart needs matplotlib: pip install matplotlib") from error
+    require_matplotlib()
+    from . import bowing, coupled, failures, friction, paper, rigid, ringing, style
+
     _make(folder)
     rows: list[Row] = []
     laws = list(tables.cases(extent))

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from ..errors import tell
 from .parser import Command
+from .progress import at_work, shown_progress
 
 
 def _options(parser: argparse.ArgumentParser) -> None:
@@ -20,17 +21,23 @@ def _options(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    from ..comparison import as_json, compare, draw, table, write_page
+    from ..comparison import as_json, compare, draw, require_page, table, write_page
+    from ..plot import require_picture
 
-    found, notes = compare(arguments.a, arguments.b)
+    if arguments.plot:
+        require_picture(arguments.plot)
+    if arguments.page:
+        require_page(arguments.page)
+    names = (arguments.a.name, arguments.b.name)
+    with shown_progress(at_work, f"{names[0]} and {names[1]}"):
+        found, notes = compare(arguments.a, arguments.b)
+        if arguments.plot:
+            draw(found, arguments.plot, names)
+        if arguments.page:
+            write_page(arguments.page, f"{names[0]} and {names[1]}", [(found, names)])
     for note in notes:
         tell("compare", note)
     print(as_json(found) if arguments.json else table(found))
-    names = (arguments.a.name, arguments.b.name)
-    if arguments.plot:
-        draw(found, arguments.plot, names)
-    if arguments.page:
-        write_page(arguments.page, f"{names[0]} and {names[1]}", [(found, names)])
     return 0
 
 

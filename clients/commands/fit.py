@@ -7,6 +7,7 @@ from pathlib import Path
 from ..errors import tell
 from .options import add_presets
 from .parser import Command, number, whole
+from .progress import at_work, shown_progress
 
 
 def _options(parser: argparse.ArgumentParser) -> None:
@@ -47,6 +48,7 @@ def _options(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(arguments: argparse.Namespace) -> int:
+    from ...dsp.runtime.engine import prepare
     from ...presets import Presets
     from ..fitting import Wanted, make
 
@@ -61,15 +63,18 @@ def _run(arguments: argparse.Namespace) -> int:
         licence=_told(arguments.licence, "Under which licence?"),
         **given,
     )
-    made = make(arguments.recordings, arguments.out, wanted, Presets(arguments.presets))
+    prepare()  # before there is another progress bar
+    with shown_progress(at_work, f"fitting {wanted.name}"):
+        made = make(arguments.recordings, arguments.out, wanted, Presets(arguments.presets))
+        files = list(made.files)
+        if not arguments.no_report:
+            from ..fit_report import write_report
+
+            files.append(write_report(made, wanted.name, arguments.out))
     for note in made.notes:
         tell("fit", note)
-    for file in made.files:
+    for file in files:
         print(file)
-    if not arguments.no_report:
-        from ..fit_report import write_report
-
-        print(write_report(made, wanted.name, arguments.out))
     return 0
 
 

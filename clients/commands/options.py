@@ -15,6 +15,10 @@ RATE = 48_000
 """Hz, where no other rate is given."""
 
 
+SCORE = "a text or binary score, or the name of one of Carom's own; - for stdin"
+"""The help of an argument that is a score."""
+
+
 SWITCH: dict[str, Any] = {"choices": ("on", "off"), "type": one_of("on", "off")}
 """The settings of an option that is on or off; `switch` reads it."""
 

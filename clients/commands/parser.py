@@ -2,12 +2,14 @@
 
 import argparse
 import re
+import sys
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
 
 from ...dsp.wording import expected, suggestion
+from ..folding import columns_of, folded
 
 _VALUE = re.compile(r"[-+]?\d*\.?\d+([eE][-+]?\d+)?")  # a number
 _NUMBER = re.compile(r"-\.?\d")  # how a negative number begins, "-3.5e-1" too, and what no option looks like
@@ -34,8 +36,9 @@ class Parser(argparse.ArgumentParser):
         super().__init__(**{"allow_abbrev": False, **options})
 
     def error(self, message: str) -> NoReturn:
-        """End with the error and the usage of this command in one line."""
-        self.exit(2, f"{self.prog}: {message} ({' '.join(self.format_usage().split())})\n")
+        """End with the error and the usage of this command in one line, folded on a terminal."""
+        line = f"{self.prog}: {message} ({' '.join(self.format_usage().split())})"
+        self.exit(2, folded(line, columns_of(sys.stderr)) + "\n")
 
     def actions(self) -> list[argparse.Action]:
         """The options and arguments of the command."""

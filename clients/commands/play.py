@@ -1,16 +1,24 @@
 """carom play: send a score to a running server, in time."""
 
+from __future__ import annotations
+
 import argparse
 import sys
 import time
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from ..client import Client
-from .options import add_server, client
+from .options import SCORE, add_server, client
 from .parser import Command
+from .progress import shown_progress
+
+if TYPE_CHECKING:
+    from rich.progress import ProgressColumn
 
 
 def _options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("score", metavar="SCORE", help="a text or binary score; - for stdin")
+    parser.add_argument("score", metavar="SCORE", help=SCORE)
     add_server(parser)
 
 
@@ -22,14 +30,23 @@ def _run(arguments: argparse.Namespace) -> int:
     with client(arguments) as server:
         server.ask("/version")
         start = time.time() + 0.5
-        for line in lines:
-            # Up to a second ahead: enough for the server to be in time, little to lose if it goes.
-            while (wait := start + line.time - time.time() - 1.0) > 0:
-                failed += _print_failures(server, min(wait, 0.1))
-            server.send(line.message.address, *line.message.args, at=start + line.time)
         last = lines[-1].time if lines else 0.0
-        failed += _print_failures(server, max(0.0, start + last - time.time()) + 0.2)
+        with shown_progress(_columns, arguments.score, last) as show:
+            for line in lines:
+                # Up to a second ahead: enough for the server to be in time, little to lose if it goes.
+                while (wait := start + line.time - time.time() - 1.0) > 0:
+                    failed += _print_failures(server, min(wait, 0.1))
+                    show(completed=time.time() - start)
+                server.send(line.message.address, *line.message.args, at=start + line.time)
+            failed += _print_failures(server, max(0.0, start + last - time.time()) + 0.2)
     return 1 if failed else 0
+
+
+def _columns() -> Sequence[ProgressColumn]:
+    """The score's name, and how much of its time is left."""
+    from rich.progress import BarColumn, TextColumn
+
+    return TextColumn("{task.description}"), BarColumn(), TextColumn("{task.completed:.0f} of {task.total:.0f} s")
 
 
 def _print_failures(server: Client, seconds: float) -> int:

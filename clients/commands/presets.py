@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ...dsp.wording import expected, suggestion
+from ...dsp.wording import suggestion
 from ..errors import tell
+from ..folding import columns_of, folded
 from .options import add_presets
 from .parser import Command
 
@@ -17,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def _options(parser: argparse.ArgumentParser) -> None:
-    names = "presets to show, a kind to list (objects, strikers, materials, surfaces), or files to check"
+    names = "presets to show, a kind to list (objects, strikers, surfaces, materials), or files to check"
     parser.add_argument("names", nargs="*", metavar="NAME", help=names)
     parser.add_argument(
         "--check", action="store_true", help="check the files NAME, or all in a folder NAME, and describe each"
@@ -37,23 +39,42 @@ def _run(arguments: argparse.Namespace) -> int:
             raise CheckError("--check: no file; expected one or more")
         return _check(arguments.names, presets, arguments.json)
     if set(arguments.names) <= set(KINDS):
-        _list([kind for kind in KINDS if kind in arguments.names or not arguments.names], presets, arguments)
+        _list(arguments.names or KINDS, presets, arguments)
     else:
         _show(arguments.names, presets, arguments.json)
     return 0
 
 
 def _list(kinds: Sequence[str], presets: Presets, arguments: argparse.Namespace) -> None:
-    """Print all presets of some kinds."""
+    """Print all presets of some kinds; where none is asked for, objects with their descriptions and the other names."""
     if arguments.json:
         _print({kind: list(_described(kind, presets)) for kind in kinds})
     elif arguments.bare:
         print("\n".join(dict.fromkeys(name for kind in kinds for name in presets.names(kind))))
-    else:
+    elif arguments.names:
         for kind in kinds:
-            print(f"{kind}:")
-            for each in _described(kind, presets):
-                print(f"  {each['name']:20s} {each['description']}")
+            _describe(kind, presets)
+    else:
+        _overview(kinds, presets)
+
+
+def _overview(kinds: Sequence[str], presets: Presets) -> None:
+    """Print the first kind's presets with their descriptions, and the names of the others, and how to see more."""
+    from ..streams import own_scores
+
+    _describe(kinds[0], presets)
+    for kind, names in (*((kind, presets.names(kind)) for kind in kinds[1:]), ("scores", list(own_scores()))):
+        print(f"{kind}:")
+        print(folded(f"  {', '.join(names)}", columns_of(sys.stdout), 2))
+    more = "carom presets KIND describes those of a kind, carom presets NAME shows one, carom strike OBJECT plays one"
+    print(folded(more, columns_of(sys.stdout), 0))
+
+
+def _describe(kind: str, presets: Presets) -> None:
+    print(f"{kind}:")
+    width = max(map(len, presets.names(kind)))
+    for each in _described(kind, presets):
+        print(folded(f"  {each['name']:{width}}  {each['description']}", columns_of(sys.stdout), width + 4))
 
 
 def _described(kind: str, presets: Presets) -> Iterator[dict[str, str]]:
@@ -75,8 +96,10 @@ def _show(names: Sequence[str], presets: Presets, as_json: bool) -> None:
     for name in names:
         kinds = [kind for kind in known if name in known[kind]]
         if not kinds:
-            all_names = dict.fromkeys(each for kind in reversed(known) for each in known[kind])
-            raise PresetError(f"no preset {name!r}: {suggestion(name, KINDS) or expected(name, all_names)}")
+            all_names = dict.fromkeys(each for kind in known for each in known[kind])
+            meant = suggestion(name, KINDS) or suggestion(name, all_names)
+            listed = f"expected a name that `carom presets` lists, or one of {', '.join(KINDS)}"
+            raise PresetError(f"no preset {name!r}: {meant or listed}")
         found += [(kind, name, presets.path(kind, name)) for kind in kinds]
     if as_json:
         _print(

@@ -30,3 +30,17 @@ def shown_progress(
             bar.update(task, **changes)
 
         yield change
+
+
+def seconds_of_sound() -> "Sequence[ProgressColumn]":
+    """Columns: the name, how long the sound is by now, and how long that took."""
+    from rich.progress import TextColumn, TimeElapsedColumn
+
+    return TextColumn("{task.description}"), TextColumn("{task.completed:.1f} s of sound"), TimeElapsedColumn()
+
+
+def at_work() -> "Sequence[ProgressColumn]":
+    """Columns for work of which nobody knows how long it takes: a bar that moves, and the time by now."""
+    from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
+
+    return TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn()

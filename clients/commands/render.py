@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 from ..errors import tell
 from ..processors import processors
-from .options import RATE, SWITCH, add_bank, add_contact, add_presets, contact, on_end, switch
+from .options import RATE, SCORE, SWITCH, add_bank, add_contact, add_presets, contact, on_end, switch
 from .parser import Command, number, one_of, whole
-from .progress import shown_progress
+from .progress import seconds_of_sound, shown_progress
 
 if TYPE_CHECKING:
     from rich.progress import ProgressColumn
@@ -30,7 +30,12 @@ PEAK = -1.0
 
 
 def _options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("scores", nargs="+", metavar="SCORE", help="a text or binary score; - for stdin")
+    parser.add_argument(
+        "scores",
+        nargs="+",
+        metavar="SCORE",
+        help=SCORE,
+    )
     out = "sound file, .wav or .flac; - for WAV on stdout; for several scores a folder, or a name such as 'out/{}.flac'"
     parser.add_argument("out", metavar="OUT", help=out)
     parser.add_argument("--jobs", type=whole, metavar="N", help="scores to render at once (one for each processor)")
@@ -85,7 +90,7 @@ def _render_one(task: Task, options: Options, presets: Presets, interrupted: Eve
     from ..rendering import render_task
     from ..streams import score_name
 
-    with shown_progress(_columns_of_one, score_name(task.score), options.seconds) as show:
+    with shown_progress(seconds_of_sound, score_name(task.score), options.seconds) as show:
 
         def progress(seconds: float) -> None:
             show(completed=seconds)
@@ -95,13 +100,6 @@ def _render_one(task: Task, options: Options, presets: Presets, interrupted: Eve
         warnings = render_task(task, options, presets, progress)
     for warning in warnings:
         tell("render", warning)
-
-
-def _columns_of_one() -> Sequence[ProgressColumn]:
-    """How long a sound is by now."""
-    from rich.progress import TextColumn, TimeElapsedColumn
-
-    return TextColumn("{task.description}"), TextColumn("{task.completed:.1f} s of sound"), TimeElapsedColumn()
 
 
 def _columns_of_many() -> Sequence[ProgressColumn]:

@@ -5,6 +5,7 @@ import argparse
 from ..errors import tell
 from .options import RATE, add_presets
 from .parser import Command, number, whole
+from .progress import seconds_of_sound, shown_progress
 
 
 def _options(parser: argparse.ArgumentParser) -> None:
@@ -20,19 +21,28 @@ def _options(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(arguments: argparse.Namespace) -> int:
+    from ...dsp.runtime.engine import prepare
     from ...presets import Presets
     from ...server.render import Options
     from ..strike import Strike, device_rate, play, write
 
     presets = Presets(arguments.presets)
-    presets.object(arguments.preset)  # before a device is looked for
     strike = Strike(arguments.preset, arguments.velocity, arguments.position, arguments.striker)
-    if arguments.out is None:
-        rate = device_rate(arguments.preset) if arguments.rate is None else arguments.rate
-        warnings = play(strike, presets, Options(rate, seconds=arguments.seconds))
-    else:
-        rate = RATE if arguments.rate is None else arguments.rate
-        warnings = write(strike, presets, Options(rate, seconds=arguments.seconds), arguments.out)
+    strike.score(presets)  # what is wrong is told before a device is looked for
+    rate = arguments.rate
+    if rate is None:
+        rate = device_rate(arguments.preset) if arguments.out is None else RATE
+    options = Options(rate, seconds=arguments.seconds)
+    prepare()  # before there is another progress bar
+    with shown_progress(seconds_of_sound, arguments.preset, arguments.seconds) as show:
+
+        def progress(seconds: float) -> None:
+            show(completed=seconds)
+
+        if arguments.out is None:
+            warnings = play(strike, presets, options, progress)
+        else:
+            warnings = write(strike, presets, options, arguments.out, progress)
     for warning in warnings:
         tell("strike", warning)
     return 0

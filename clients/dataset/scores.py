@@ -16,6 +16,7 @@ from ...server.osc.arguments import Refused
 from ...server.osc.score import Line, ScoreError
 from ...server.osc.score import read as read_score
 from ...server.osc.wire import Argument, Message
+from ..errors import plain
 from .spread import Spread, Value
 
 FILE, SEED = "file", "seed"
@@ -57,7 +58,7 @@ def read_scores(where: str, folder: Path, table: Mapping[str, Value | Spread]) -
         try:
             lines = read_score(folder / name)
         except OSError as error:
-            raise PresetError(f"{culprit}: {folder / name}: {error.strerror}") from None
+            raise PresetError(f"{culprit}: {plain(error)}") from None
         except ScoreError as error:
             raise PresetError(f"{culprit}: {error}") from None
         if not lines:

@@ -10,6 +10,7 @@ from typing import Any
 
 from scipy.special import ndtr, ndtri
 
+from ...dsp.wording import expected
 from ...presets.schema import PresetError, check
 from ...presets.values import Domain, Quantity, Row, Text, Unfit, Whole, shown
 
@@ -180,7 +181,8 @@ def spread_of(where: str, table: Mapping[str, object]) -> Spread:
     """The distribution that a table of a recipe says. `where` begins the text of a PresetError."""
     kinds = [kind for kind in _KINDS if kind in table]
     if len(kinds) != 1:
-        raise PresetError(f"{where.rstrip(' .')} = {shown(dict(table))}: expected one of {', '.join(_KINDS)}")
+        known = f"expected one of {', '.join(_KINDS)}" if kinds else expected(next(iter(table), ""), _KINDS)
+        raise PresetError(f"{where.rstrip(' .')} = {shown(dict(table))}: {known}")
     kind = kinds[0]
     fields: Mapping[str, Domain] = _KINDS[kind]
     values = check(where, table, fields, ("low", "high") if kind == "normal" else ())

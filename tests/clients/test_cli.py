@@ -1,6 +1,5 @@
 """The command line, as a user runs it."""
 
-import os
 import signal
 import subprocess
 import sys
@@ -66,7 +65,7 @@ def test_wrong_usage_is_code_2(carom):
 
 def test_an_early_end_of_the_reader_is_no_error(tmp_path):
     run = subprocess.run(f"{' '.join(CAROM)} presets | head -1", shell=True, capture_output=True, text=True)
-    assert (run.stdout, run.stderr) == ("materials:\n", "")
+    assert (run.stdout, run.stderr) == ("objects:\n", "")
 
 
 @pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
@@ -94,22 +93,12 @@ def test_no_matplotlib_is_told_before_rendering(carom, tmp_path, monkeypatch):
     (tmp_path / "s.txt").write_text(STRIKE)
     (tmp_path / "matplotlib.py").write_text("raise ImportError('no matplotlib')\n")
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
-    run = carom("render", "s.txt", "s.wav", "--plot", "s.png")
-    assert run.returncode == 1 and "--plot needs matplotlib: pip install" in run.stderr
+    (tmp_path / "a.wav").write_bytes(b"")
+    for words in (("render", "s.txt", "s.wav", "--plot", "s.png"), ("compare", "a.wav", "a.wav", "--plot", "s.png")):
+        run = carom(*words)
+        assert run.returncode == 1 and run.stderr.count("\n") == 1
+        assert "pictures need matplotlib (no matplotlib): pip install 'carom[plot]'" in run.stderr
     assert not (tmp_path / "s.wav").exists()
-
-
-def test_a_terminal_sees_progress(tmp_path):
-    """On a terminal, and only there."""
-    import pty
-
-    (tmp_path / "s.txt").write_text(STRIKE)
-    master, slave = pty.openpty()
-    words = [*CAROM, "render", "s.txt", "s.wav", "--seconds", "20"]
-    subprocess.run(words, cwd=tmp_path, stderr=slave, check=True, env=os.environ | {"TERM": "xterm"}, timeout=60)
-    assert b"s of sound" in os.read(master, 65_536)
-    os.close(slave)
-    os.close(master)
 
 
 def test_presets_are_listed_and_shown(carom):

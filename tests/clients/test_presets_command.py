@@ -22,9 +22,9 @@ def test_json_lists_every_preset(carom):
 def test_json_shows_presets_of_every_kind_of_that_name(carom):
     shown = json.loads(carom("presets", "steel", "glass-plate", "--json", check=True).stdout)
     assert [(each["kind"], each["name"]) for each in shown] == [
-        ("materials", "steel"),
         ("strikers", "steel"),
         ("surfaces", "steel"),
+        ("materials", "steel"),
         ("objects", "glass-plate"),
     ]
     assert shown[-1]["data"]["geometry"]["thickness"] == 0.004

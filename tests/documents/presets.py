@@ -85,7 +85,7 @@ def listed() -> str:
     """The presets of each kind, each with what it says of itself."""
     presets = Presets()
     parts = []
-    for kind in reversed(KINDS):
+    for kind in KINDS:
         names = presets.names(kind)
         rows = [(f"`{name}`", presets.description(kind, name).replace("\n", " ")) for name in names]
         if kind == "materials":

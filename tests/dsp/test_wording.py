@@ -33,6 +33,8 @@ def test_an_error_asks_or_lists():
     assert expected("colour", KEYS) == f"expected one of {', '.join(KEYS)}"
     assert expected(1.0, ("a", "b")) == "expected one of a, b" and expected("a", ()) == "expected one of none"
     assert suggestion("colour", KEYS) == suggestion(None, KEYS) == ""
+    many = [f"word{n}" for n in range(2_000)]
+    assert expected("colour", many).endswith("word62, word63 and 1,936 more")
 
 
 @given(st.text(max_size=80), st.lists(st.text(max_size=80), max_size=8))

@@ -32,6 +32,7 @@ BAD = [
     ("[0.1, 1.0]", "[1.0, 0.1]", "[impact] velocity.log_uniform = [1.0, 0.1]", "the lower one first"),
     ("log_uniform = [0.1, 1.0]", "log_uniform = [0, 1.0]", "[impact] velocity.log_uniform: item 1 = 0", "1e-12"),
     ("log_uniform = [0.1, 1.0]", "normal = [1, 0.2]", "[impact] velocity.low is missing", "expected a number"),
+    ("uniform = [0, 1]", "unifrom = [0, 1]", "position = {'unifrom': [0, 1]}", "did you mean uniform"),
     ("uniform = [0, 1]", "even = [0, 1]", "[impact] position = {'even': [0, 1]}", "expected one of uniform"),
     ("uniform = [0, 1]", "choice = [0, true]", "[impact] position.choice = [0, True]", "numbers, or of words"),
     ("uniform = [0, 1]", "choice = [0, 1], weights = [1]", "[impact] position.weights = [1.0]", "expected 2"),

@@ -74,8 +74,8 @@ def test_the_callbacks_key_holds_its_kernels_and_neither_bodies_nor_study():
     kernels = {"contact.law", "contact.closed_form", "contact.coupled", "resonator.bank", "rolling.body", "native.jit"}
     kernels |= {"rolling.surface", "engine.process", "engine.render", "numerics.random"}
     assert {f"carom.dsp.{name}" for name in kernels} <= held
-    rooms = {name.split(".")[2] for name in held}
-    assert rooms == {
+    packages = {name.split(".")[2] for name in held}
+    assert packages == {
         "native",
         "numerics",
         "contact",

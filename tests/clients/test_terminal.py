@@ -1,0 +1,66 @@
+"""What a terminal shows, and nothing else does: progress, and long lines folded to its width."""
+
+import fcntl
+import os
+import pty
+import struct
+import subprocess
+import termios
+from pathlib import Path
+
+import pytest
+
+from carom.clients.folding import columns_of, folded
+from tests.support import CAROM
+
+COLUMNS = 60
+
+
+def on_terminal(folder: Path, *words: str) -> str:
+    """What a command shows on a terminal of so many columns."""
+    master, slave = pty.openpty()
+    fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", 24, COLUMNS, 0, 0))
+    environment = os.environ | {"TERM": "xterm"}
+    process = subprocess.Popen([*CAROM, *words], cwd=folder, stdout=slave, stderr=slave, env=environment)
+    os.close(slave)
+    shown = b""
+    try:
+        while piece := os.read(master, 65_536):
+            shown += piece
+    except OSError:  # as Linux says that nobody writes any more
+        pass
+    os.close(master)
+    assert process.wait(timeout=60) in (0, 1, 2)
+    return shown.decode().replace("\r", "")
+
+
+@pytest.mark.slow
+def test_what_takes_long_shows_its_progress(tmp_path):
+    (tmp_path / "s.txt").write_text("0 /object/new a wood-block\n0.01 /object/a/impact 1\n")
+    assert "s of sound" in on_terminal(tmp_path, "render", "s.txt", "s.wav", "--seconds", "20")
+    assert "s of sound" in on_terminal(tmp_path, "strike", "wood-block", "a.wav", "--seconds", "20")
+    assert "s.wav and a.wav" in on_terminal(tmp_path, "compare", "s.wav", "a.wav")
+    shown = on_terminal(tmp_path, "fit", "a.wav", "mine", "--name", "block", "--source", "", "--licence", "")
+    assert "fitting block" in shown
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("words", [("strike", "cannon"), ("presets", "materials"), ("presets",), ("render", "--zzz")])
+def test_long_lines_fold_on_a_terminal(tmp_path, carom, words):
+    """No line is longer than the terminal is wide, and no word is cut. Elsewhere an error is one line."""
+    lines = on_terminal(tmp_path, *words).splitlines()
+    assert len(lines) > 3 and max(map(len, lines)) < COLUMNS
+    run = carom(*words)
+    assert (run.stdout + run.stderr).split() == [word for line in lines for word in line.split()]
+    assert run.stderr.count("\n") == (words[0] != "presets")
+
+
+def test_a_line_is_folded_between_words():
+    assert folded("one two three four", 10, 2) == "one two\n  three\n  four"
+    assert folded("one two", None) == folded("one two", 10) == "one two"
+    assert folded("a glass-marble_of_many-letters", 12, 1) == "a\n glass-marble_of_many-letters"
+
+
+def test_what_is_no_terminal_has_no_columns(tmp_path):
+    with (tmp_path / "file").open("w") as file:
+        assert columns_of(file) is None and columns_of(None) is None
