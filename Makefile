@@ -18,8 +18,8 @@ demo: $(READY)  ## render the demo score to demo.wav and draw demo.png
 	@$(BIN)/carom render presets/scores/demo.txt demo.wav --plot demo.png
 	@echo "demo.wav and demo.png are here"
 
-quick: $(READY)  ## the tests that are fast: less than a minute, once the engine is compiled
-	@$(BIN)/python -m pytest -m "not slow"
+quick: $(READY)  ## the tests that are fast: less than a minute on two cores, once the engine is compiled
+	@OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -m "not slow" -n 2 --dist loadfile --no-loadscope-reorder
 
 test: $(READY) lint  ## linters, types and all tests: some ten minutes on two cores
 	@echo "all tests: $$(cat $(LAST) 2>/dev/null || echo 'some ten minutes on two cores'); make quick runs the fast ones"
@@ -91,7 +91,7 @@ study: $(READY)  ## the hour-long stress tests: recordings, data sets, extreme c
 	$(BIN)/python -m tests.bench.queries
 	$(BIN)/python -m tests.bench.page
 	$(BIN)/python -m tests.bench.starts
-	$(BIN)/python -m tests.bench.compiling
+	$(BIN)/python -m tests.bench.compiling --json tests/measured/compiling.json
 	$(BIN)/python -m tests.bench.memory --minutes 30
 
 $(READY): pyproject.toml
@@ -103,7 +103,7 @@ $(READY): pyproject.toml
 	@$(PYTHON) -m venv $(VENV)
 	@$(BIN)/python -m pip install -qq --upgrade pip
 	@$(BIN)/python -m pip install -qq --editable '.[dev]'
-	@echo "compiling the engine, once: a minute or two"
+	@echo "compiling the engine, once: README.md says how long that takes"
 	@$(BIN)/python -c 'from carom.dsp.runtime.engine import prepare; prepare()'
 	@touch $@
 

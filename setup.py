@@ -32,7 +32,7 @@ code.build(sys.argv[1:], {"targets.WHEEL" if EVERYWHERE else "targets.built()"},
 
 
 class BuildWithCode(build_py):
-    """Copies the package, and has the copy compile itself, which takes a minute where no code of it is cached."""
+    """Copies the package, and has the copy compile itself, which takes long where no code of it is cached."""
 
     def run(self) -> None:
         super().run()

@@ -107,6 +107,7 @@ def test_every_folder_is_packed():
 KERNELS = {"kernel", "noinline_kernel", "simd_kernel", "njit", "intrinsic", "elementwise", "c_function"}
 
 
+@pytest.mark.slow
 def test_all_but_kernels_have_hints():
     """mypy is told to forgive functions without hints where kernels are: this finds the others there."""
     found = []

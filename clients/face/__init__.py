@@ -23,7 +23,7 @@ Units are SI, but for levels (dB), tuning (semitones) and angles (degrees). What
 that names the culprit, its value and what was expected: CommandError from a Scene or a Client, ScoreError, RenderError
 or PresetError elsewhere.
 
-Nothing is loaded before it is asked for. The very first sound on a machine compiles the engine (20 to 40 s).
+Nothing is loaded before it is asked for. The first sound of a checkout compiles the engine.
 """
 
 from importlib import import_module

@@ -45,7 +45,7 @@ class Stamp(float):
 
 
 def prepare() -> None:
-    """Load the engine's code, or compile it, which takes a minute; after this, an Engine takes milliseconds."""
+    """Load the engine's code, or compile it, which takes long; after this, an Engine takes milliseconds."""
     load(callback.__module__)
 
 

@@ -149,6 +149,7 @@ def told(words: list[str], capsys) -> str:
     return errors
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("words", "culprit", "right"), COMMANDS, ids=[words for words, _, _ in COMMANDS])
 def test_a_wrong_command_is_told_in_one_line(folder, capsys, words, culprit, right):
     line = told(words.split(), capsys)
@@ -156,6 +157,7 @@ def test_a_wrong_command_is_told_in_one_line(folder, capsys, words, culprit, rig
     assert line.startswith(("carom: ", f"carom {words.split(' ')[0]}: "))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("line", "culprit", "right"), LINES, ids=[line for line, _, _ in LINES])
 def test_a_wrong_line_of_a_score_is_told_in_one_line(folder, tmp_path, capsys, line, culprit, right):
     (tmp_path / "s.txt").write_text(GOOD + line + "\n")

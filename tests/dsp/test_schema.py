@@ -72,6 +72,7 @@ def test_a_counter_has_a_type_and_a_meaning(field):
     assert STATS[field.name].kind == {int: "i", float: "f"}[field.type]
 
 
+@pytest.mark.slow
 def test_every_counter_is_written_by_the_engine():
     """One that is declared and not counted would always be what it was at the beginning."""
     folder = Path(schema.__file__).parent
@@ -97,6 +98,7 @@ def test_the_steerable_are_those_of_the_gestures():
     assert "gain" not in PRESS.steerable and "gain" in GESTURES["impact"].steerable
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", ["1", "2"])
 def test_numbers_of_the_steerable_do_not_depend_on_hashes(seed):
     """They are numbers in the engine's compiled code, which is kept between runs."""

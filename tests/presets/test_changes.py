@@ -138,6 +138,7 @@ def test_wrong_changes_name_the_key_and_no_file(changes, message):
     assert str(caught.value).startswith(message)
 
 
+@pytest.mark.slow
 @given(
     st.sampled_from([name for name in PRESETS.names("objects")]),
     st.dictionaries(

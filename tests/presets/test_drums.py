@@ -49,6 +49,7 @@ def test_a_tom_glides_by_an_eighth_of_its_pitch():
     assert pitch(struck("tom", 0.3), 0.01, 0.06, own) / own - 1 < 0.005
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("soft", "seconds"), [(1.0, 0.02), (1.34, 0.02), (2.0, 0.02), (1.34, 0.6), (2.0, 0.6)])
 def test_a_tom_brightens_by_half_an_octave_and_more(soft, seconds):
     """14 dB more of velocity, in the attack and over all. Without its tension's rise it would not."""

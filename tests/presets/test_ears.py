@@ -54,6 +54,7 @@ def centroid(sound: np.ndarray) -> float:
     return float(power @ np.fft.rfftfreq(len(sound), 1 / RATE) / power.sum())
 
 
+@pytest.mark.slow
 def test_t60_times_frequency_tells_the_materials():
     """Radiation included: the median of each preset, then of each kind of material. 1/tan(phi) = T60 f pi/ln(1000).
 
@@ -105,6 +106,7 @@ def attack(name: str, stiffness: float) -> float:
     return math.exp(np.mean([math.log(centroid(each)) for each in strikes]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", [name for name in PRESETS.names("objects") if PRESETS.object(name).shape != "membrane"]
 )
@@ -123,6 +125,7 @@ ROLLS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "striker", "surface"), ROLLS)
 def test_faster_rolls_are_brighter_and_louder(name, striker, surface):
     """On average over seeds by 1 dB at least from speed to speed; as bright, within 4 %, on a tile. One seed's centroid
@@ -135,6 +138,7 @@ def test_faster_rolls_are_brighter_and_louder(name, striker, surface):
     assert slowest < 1.04 * fastest
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["wood-board", "glass-plate", "steel-plate", "ceramic-tile", "iron-pan"])
 def test_bigger_balls_are_lower_and_louder(name):
     """Glass balls of 8, 16 and 32 mm, at the same speed."""

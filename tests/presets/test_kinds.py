@@ -176,6 +176,7 @@ def test_an_object_has_the_modes_that_its_preset_adds(folder):
     assert {1.5 * lowest, 6 * lowest} <= set(more.modes(20000).frequency)
 
 
+@pytest.mark.slow
 def test_a_change_of_material_changes_the_losses_of_what_is_added(folder):
     steel = with_object(folder, BAR + MORE).object("mine")
     assert decay_of_the_second_partial(steel) == pytest.approx(math.log(1000) / 0.5)

@@ -15,6 +15,7 @@ from tests.presets.examples import BAR, with_object
 PRESETS = Presets()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PRESETS.names("objects"))
 def test_every_object_is_a_body_that_can_be_struck(name):
     preset = PRESETS.object(name)

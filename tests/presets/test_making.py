@@ -35,6 +35,7 @@ def arrays(modes):
     return modes.frequency, modes.decay, modes.strike, modes.pressure
 
 
+@pytest.mark.slow
 def test_equal_objects_share_their_modes_and_others_do_not(kept):
     preset = PRESETS.object("marimba-bar")
     modes = preset.modes(20_000)
@@ -52,6 +53,7 @@ def test_equal_objects_share_their_modes_and_others_do_not(kept):
     assert len({other.pressure.tobytes() + other.decay.tobytes() for other in (*others, modes)}) == 7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["cymbal", "tom", "bass-string", "church-bell", "wine-glass", "tubular-bell"])
 def test_kept_modes_are_those_of_the_shape_and_cannot_be_changed(kept, name):
     preset = PRESETS.object(name)
@@ -66,6 +68,7 @@ def test_kept_modes_are_those_of_the_shape_and_cannot_be_changed(kept, name):
                 array[...] = 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PRESETS.names("objects"))
 def test_a_copy_in_another_process_lies_in_memory_alike(name):
     """So that ground truth of data sets, and all else that BLAS computes of modes, has the same bits there."""
@@ -73,6 +76,7 @@ def test_a_copy_in_another_process_lies_in_memory_alike(name):
     assert all(array.flags.c_contiguous for array in (*arrays(modes), *(modes.unheard or ())))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PRESETS.names("objects"))
 def test_no_object_takes_long_to_be_made(kept, name):
     """With what radiates: a tenth of a second more than its modes alone, here with room for a busy machine."""
@@ -101,6 +105,7 @@ def test_blas_has_one_thread_until_the_last_user_goes():
         assert blas_threads() == before
 
 
+@pytest.mark.slow
 def test_threads_make_modes_at_once(kept, monkeypatch):
     names = ["steel-plate", "tuning-fork", "iron-pan", "marimba-bar"]
     expected = {name: arrays(PRESETS.object(name).modes(10_000)) for name in names}

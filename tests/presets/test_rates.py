@@ -20,6 +20,7 @@ def sound(name: str, rate: int) -> np.ndarray:
     return spectrum[np.fft.rfftfreq(len(left), 1 / rate) < TOP]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "within"), [(name, RATES[names].bound) for names in RATES for name in names])
 def test_a_strike_is_alike_at_48_and_192_khz(name, within):
     coarse, fine = sound(name, 48_000), sound(name, 192_000)

@@ -12,6 +12,7 @@ FIRST, LOWEST, SHARE, HEARD = 8, 25.0, 0.1, 0.01
 """Of the first 8 modes from `LOWEST` Hz on those are looked at that may be within 40 dB of the loudest."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PRESETS.names("objects"))
 def test_a_default_strike_meets_no_node_of_the_first_modes(name):
     """Each moves there by a good part of what it moves elsewhere on the path, and the path lies on no nodal line."""
@@ -55,6 +56,7 @@ def fall(pulse: np.ndarray) -> float:
     return 20 * float(np.log10(low / high))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "keys", "shortest", "longest"),
     [
@@ -70,6 +72,7 @@ def test_a_hammer_stroke_is_as_wide_and_as_dull_as_a_hands(name, keys, shortest,
     assert 10 <= fall(pulse) <= 30
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "striker", "shortest", "longest"),
     [("marimba-bar", "yarn", 0.8, 2.0), ("vibraphone-bar", "yarn", 0.8, 2.0), ("tubular-bell", "rawhide", 0.8, 1.3)],
@@ -78,6 +81,7 @@ def test_yarn_stays_for_1_to_2_ms_and_rawhide_for_1_ms(name, striker, shortest, 
     assert shortest < width(force(name, 1.5, striker=striker)) < longest
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PRESETS.names("objects"))
 def test_hardly_anything_is_heard_below_30_hz(name):
     """What does not radiate there is not heard: under half a percent of a strike's energy."""

@@ -45,6 +45,7 @@ def test_it_steps_down_under_load_and_up_after_calm():
     assert all(later - sooner >= 4.0 - 1e-9 for (sooner, _), (later, _) in pairwise(up))
 
 
+@pytest.mark.slow
 def test_it_tries_more_where_the_load_is_bearable_and_less_and_less_often_where_that_fails():
     engine = Loaded()
     governor = Governor(engine)

@@ -31,6 +31,7 @@ def test_block_size_changes_no_bit_of_the_demo(demo, block):
     np.testing.assert_array_equal(render_lines(read(DEMO), block=block), demo)
 
 
+@pytest.mark.slow
 def test_the_demo_is_loud_enough_clean_and_ends(demo):
     assert 0.2 < np.abs(demo).max() < 1.0
     assert 15 < len(demo) / 48_000 < 25 and np.abs(demo[-4800:]).max() < 1e-4
@@ -218,6 +219,7 @@ def rendered(tmp_path: Path, text: str, **options) -> tuple[int, list[str]]:
     return sum(map(len, parts)), warnings
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ENDLESS)
 def test_a_render_of_what_never_ends_stops_some_time_after_the_last_event_and_says_so(tmp_path, kind, monkeypatch):
     monkeypatch.setattr("carom.server.render.LONGEST_TAIL", 0.5)

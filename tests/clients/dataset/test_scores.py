@@ -102,6 +102,7 @@ def test_scores_go_along_to_a_worker(tmp_path):
     assert (here.tar, here.rows) == (there.tar, there.rows) and len(unpacked(here.tar)) == 2
 
 
+@pytest.mark.slow
 def test_a_folder_holds_the_data_set_of_one_score(tmp_path):
     path, out = placed(tmp_path), tmp_path / "out"
     run(read(path), out, Workers(1))

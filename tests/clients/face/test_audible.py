@@ -168,6 +168,7 @@ def test_what_cannot_be_heard_is_refused(key, value, expected):
         carom.Hearing(**{key: value})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("floor, name, shape, size", [
     ("steel", "steel", "sphere", 0.015), ("wood", "wood", "box", (0.12, 0.1, 0.012)),
     ("glass", "rubber", "sphere", 0.03), ("aluminium", "iron", "sphere", 0.01), ("wood", "glass", "sphere", 0.02),

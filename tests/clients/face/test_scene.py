@@ -68,6 +68,7 @@ def play(scene):
     scene.send("/object/a/impact", 0.2, at=0.31)
 
 
+@pytest.mark.slow
 def test_a_scene_makes_the_bits_of_the_score_that_says_the_same():
     expected = carom.render(SCORE, seconds=0.4)
     with carom.Scene() as scene:
@@ -85,6 +86,7 @@ def test_every_address_of_a_score_is_a_method():
             assert callable(getattr(carom.Scene, address.rsplit("/", 1)[1]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["demo", "marbles", "pencil"])
 def test_scores_sent_line_by_line_make_the_bits_that_they_render_to(name):
     seconds = 4.0
@@ -125,6 +127,7 @@ def test_events_between_renders_fall_where_they_should():
     np.testing.assert_array_equal(np.concatenate(sounds), carom.render(score, seconds=6000 / 48_000).samples)
 
 
+@pytest.mark.slow
 def test_scenes_play_in_threads_at_once():
     expected = carom.render(SCORE, seconds=0.4).samples
     sounds = {}
@@ -239,6 +242,7 @@ def test_the_gestures_that_ended_are_told():
         assert scene.ended() == ["palm"] and scene.ended() == []
 
 
+@pytest.mark.slow
 def test_a_contact_that_crosses_renders_is_whole():
     """The force of three sounds is that of one."""
     forces = []

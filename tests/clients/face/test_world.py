@@ -59,6 +59,7 @@ def played(steps, **options):
         return hits, np.concatenate(blocks), world
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("step", [0.001, 0.002, 0.005])
 def test_a_ball_that_bounces_hits_when_and_as_fast_as_it_does(step):
     steps, truth = dropped(step)
@@ -174,6 +175,7 @@ def rolled(speed: float, spin: float, seconds: float = 1.0, step: float = 0.002)
         yield n * step, [touch], {"ball": pose}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("spin, slip", [(0.4 / 0.03, 0.0), (0.0, 0.4)])
 def test_a_ball_that_rolls_or_slides_is_heard_until_it_rests(spin, slip):
     blocks = []

@@ -59,6 +59,7 @@ WRONG = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", WRONG)
 def test_one_error_names_the_body_and_the_step(text):
     with furnished() as world:

@@ -93,6 +93,7 @@ def test_a_thick_disc_also_displaces_air():
     assert ratio[0] == pytest.approx(1 + math.pi * 0.0023 / (8 / 3 * 0.0116), rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("slenderness", "error"), [(2, 1), (5, 1), (10, 1), (20, 2.5), (40, 5)])
 def test_a_rod_is_a_cylinder(slenderness, error):
     """Every part of a long cylinder radiates as cos theta of an infinite one."""

@@ -128,6 +128,7 @@ def test_losses_go_with_the_material_that_takes_the_place_of_another():
     assert again.decay[again.frequency == 3000.0] == pytest.approx(decays[0][0] + inside[0])
 
 
+@pytest.mark.slow
 def test_what_is_added_takes_the_place_of_the_highest_modes():
     make = Complete(bodies.disc, (Noise(edges=(1e3, 2e3), t60=1.0, level=0.0, modes=300),), STEEL)
     disc = {"material": STEEL, "radius": 0.3, "thickness": 0.001, "split": 0.004}

@@ -77,6 +77,7 @@ def test_the_ritz_series_of_a_bar_has_converged(monkeypatch, blow):
     assert coarse.frequency == pytest.approx(fine.frequency, rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("undercut", [0.0, 0.5])
 def test_a_bars_modes_are_the_same_beside_any_others(undercut):
     """A carved bar's section has kinks, between which it is integrated."""
@@ -85,6 +86,7 @@ def test_a_bars_modes_are_the_same_beside_any_others(undercut):
     assert few.frequency == pytest.approx(many.frequency[: few.frequency.size], rel=5e-5)
 
 
+@pytest.mark.slow
 def test_an_undercut_tunes_the_second_mode_up_to_two_octaves():
     def ratio(undercut):
         arguments = {"length": 0.35, "width": 0.05, "thickness": 0.02, "undercut": undercut, **STRAIGHT}
@@ -104,6 +106,7 @@ def test_a_tube_rings_between_a_rod_and_a_shell():
 
 
 # Timoshenko and Goodier, Theory of Elasticity, art. 109: J = k w t^3
+@pytest.mark.slow
 @pytest.mark.parametrize(("slenderness", "k"), [(1.0, 0.1406), (1.5, 0.196), (2.0, 0.229), (3.0, 0.263), (5.0, 0.291)])
 @pytest.mark.parametrize("ends", ["free", "cantilever"])
 def test_a_long_bar_twists_as_a_shaft(slenderness, k, ends):

@@ -82,6 +82,7 @@ def test_the_centre_moves_only_in_axisymmetrical_modes(shape):
     assert modes.strike[0, ~still] == pytest.approx(modes.strike[-1, ~still])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("edge", disc.EDGES)
 def test_roots_do_not_depend_on_how_far_was_searched(edge, monkeypatch):
     limits = (0.5, 5.5, 17.9, 18.0, 30.8, 45.0)

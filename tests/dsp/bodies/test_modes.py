@@ -11,6 +11,7 @@ from carom.dsp.bodies.modes import MOST_MODES
 from tests.dsp.bodies.reference import EVERY, HEAVY, integral_along
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", EVERY)
 def test_modes_are_well_formed(shape):
     modes = EVERY[shape](top=12000)
@@ -23,6 +24,7 @@ def test_modes_are_well_formed(shape):
         assert array.dtype == np.float64 and np.all(np.isfinite(array))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", EVERY)
 def test_a_lower_top_keeps_the_same_low_modes(shape):
     high = EVERY[shape](top=20000)
@@ -40,6 +42,7 @@ def test_a_top_below_the_lowest_mode_is_an_error_that_says_so(shape):
         EVERY[shape](top=2.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", [name for name in EVERY if name != "listed"])
 def test_cubic_interpolation_along_the_path_is_within_one_percent(shape, monkeypatch):
     coarse = EVERY[shape](top=12000)

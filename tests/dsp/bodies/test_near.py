@@ -28,6 +28,7 @@ def decibels(ratio):
     return 20 * np.log10(ratio)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("frequency", [200.0, 1000.0, 5000.0])
 def test_an_endless_plate_radiates_by_its_mass_alone(frequency):
     """Rayleigh's integral, straight ahead, over the velocity about a force of 1 N; the plate loses a little."""
@@ -56,6 +57,7 @@ def test_a_stiff_or_small_plate_is_heard_as_a_whole():
     assert near_field(78.0, whole, 1200.0) == (whole,)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["cymbal", "tom", "polycarbonate-sheet"])
 def test_thin_presets_have_it(name):
     preset = Presets().object(name)

@@ -73,6 +73,7 @@ def test_a_square_plates_doublets_are_equal(edge):
     assert values[pair[0]] == pytest.approx(values[pair[1]], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_free_plate_has_the_modes_of_a_plain_series():
     modes = bodies.plate(HEAVY, length=0.4, width=0.3, thickness=0.002, top=9000)
     wavenumber = math.sqrt(9000 / plate_unit(HEAVY, 0.002, 1))
@@ -80,6 +81,7 @@ def test_a_free_plate_has_the_modes_of_a_plain_series():
     assert modes.frequency == pytest.approx(expected, rel=PLATE.bound)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("edges", "within"),
     [

@@ -69,6 +69,7 @@ def test_every_mode_is_found_and_grows_with_the_size():
     np.testing.assert_allclose(small.frequency, 2 * large.frequency, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_breathing_ball_radiates_as_a_pulsating_sphere():
     soft = Material("soft", 1000.0, 1e8, 0.3, alpha=1.0, beta=0.0)
     made = sphere(soft, radius=0.1, top=8_000.0)

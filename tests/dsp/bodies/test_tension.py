@@ -86,6 +86,7 @@ def test_berger_is_near_von_karman(mode, share):
     assert exact / berger == pytest.approx(share, rel=0.003)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("velocity", [1.0, 2.0, 5.0, 10.0])
 def test_the_head_is_tight_about_a_striker_at_once(velocity):
     """The force of the first 2 ms: by von Karman, and on a linear membrane that is tighter by tau from the start."""

@@ -65,6 +65,7 @@ def source_panels(thickness, count=60):
     return abs((source * length * middle[:, 0] * middle[:, 1]).sum()) / (math.pi / 8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("thickness", "flatness"), list(zip(THICKNESS, FLATNESS, strict=True))[1:])
 def test_a_turning_rectangles_quadrupole_is_that_of_potential_flow(thickness, flatness):
     assert source_panels(thickness) == pytest.approx(flatness, rel=3e-3, abs=1e-9)

@@ -80,6 +80,7 @@ def test_what_is_heard_and_what_is_not_yield_together_as_the_body_does(made, tol
     assert whole - heard > 1e-4 * whole
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["tin-lid", "steel-plate", "wood-board", "wine-glass", "piano-string", "glockenspiel-bar", "steel-ring"]
 )

@@ -66,6 +66,7 @@ def _power(state, period, frequency, power):
     closed_form.find_power(state, period, frequency, power)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("w", [0.0, 1.0, 50.0])
 def test_the_power_spectrum_is_that_of_the_nodes(w):
     state = np.zeros(1, closed_form.PULSE)[0]
@@ -90,6 +91,7 @@ def test_eight_nodes_a_phase_are_as_exact_as_the_kernel_says(w, bound):
             assert error < bound * impulse.sum(), (a, s)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("samples", [0.01, 0.05, 0.3, 1.0, 3.7, 17.0, 200.0])
 @pytest.mark.parametrize(("a", "w"), LAWS)
 def test_momentum_is_exact_over_any_sampling(a, w, samples):

@@ -72,6 +72,7 @@ def modes(random, n: int, modal_mass: float, samples: int) -> Case:
     return Case(frequency, sigma, phi, 1.0, 0.01, 1e6, 0.0, 1.5, samples=samples)
 
 
+@pytest.mark.slow
 def test_one_alone_is_as_without_a_group():
     random = np.random.default_rng(3)
     case = modes(random, 20, 0.05, 200)
@@ -105,6 +106,7 @@ def test_energy_never_grows(tolerance):
     assert worst < 1e-8
 
 
+@pytest.mark.slow
 def test_lossless_strikers_keep_the_energy():
     random = np.random.default_rng(5)
     case = modes(random, 40, 0.1, 300)

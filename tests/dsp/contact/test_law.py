@@ -52,6 +52,7 @@ def test_paper_approximation_errs_as_the_paper_says():
     assert w[error.argmax()] == pytest.approx(3.00, abs=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("w", [0.0, 1e-12, 1e-8, 1e-4, 0.1, 0.999, 1.0, 1.001, 3.0, 20.0, 39.9, 40.1, 1e3, 1e6])
 def test_compression_and_energy_follow_the_trajectory(w):
     e = float(exact_restitution(w))

@@ -13,6 +13,7 @@ from tests.dsp.contact import wall_reference
 from tests.dsp.contact.wall_reference import LAWS, solution
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("a", "w"), LAWS)
 def test_contact_time(a, w):
     _, duration = solution(2.0, 0.01, 1e6, w / 2, a)
@@ -58,6 +59,7 @@ def test_contact_time_broadcasts():
     assert isinstance(contact.contact_time(2.0, 0.01, 1e9, 0.5, 1.5), float)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("a", "w"), LAWS)
 def test_force_pulse(a, w):
     v_in, m, k, mu = 2.0, 0.01, 1e6, w / 2

@@ -36,11 +36,13 @@ def test_small_deviations_round_as_printed():
     assert (round(am1, 4), round(heun, 4)) == (3e-4, 4e-4) and rk4 < 1e-5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", ERR_V_OUT)
 def test_release_errors_are_the_papers(case):
     np.testing.assert_allclose(in_order(case, "err_v_out"), ERR_V_OUT[case], rtol=0, atol=SHOWN)
 
 
+@pytest.mark.slow
 def test_case_2_is_printed_against_the_papers_own_release():
     law = PAPER_CASES["2"]
     reference = contact.paper_release_velocity(law[0], law[3])

@@ -9,6 +9,7 @@ from tests.dsp.engine.test_contact_groups import PROMISED
 PRESETS = Presets()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("level", ["-60", "-80", "exact"])
 @pytest.mark.parametrize(("striker", "position"), [("ball-bearing", 0.6), ("coin", 0.5)])
 def test_a_striker_that_chatters_is_as_exact_as_promised(striker, position, level):

@@ -82,6 +82,7 @@ def smoothed(share):
     return np.abs(1 + 0.15j * (w := 2 * np.pi * share) - 0.05 * w**2) / share**4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [48_000.0, 96_000.0])
 @pytest.mark.parametrize("radius", [0.0008, 0.002, 0.005, 0.008, 0.0125])
 def test_a_steel_ball_clicks_as_koss_and_alfredson_say(rate, radius):

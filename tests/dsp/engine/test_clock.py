@@ -26,6 +26,7 @@ def run(clock, entered, frames, errors, true_period):
         errors[i] = sample_at(clock, START + int(ahead * true_period)) - ahead
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("frames", [64, 480, 2048])
 @pytest.mark.parametrize("wrong", [0.0, 300e-6])
 def test_a_second_ahead_is_told_to_a_fraction_of_the_jitter(frames, wrong):

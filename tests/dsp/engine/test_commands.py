@@ -64,6 +64,7 @@ def test_every_value_lands_in_the_field_of_its_name(kind):
     assert not any(entry[record][name] for record in others for name in COMMAND[record].names)
 
 
+@pytest.mark.slow
 @every_record
 def test_a_value_that_is_missing_is_named(kind):
     values = some(NEEDED[kind])

@@ -91,6 +91,7 @@ def apart(found, right):
     return 20 * math.log10(np.abs(found - right).max() / np.abs(right).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("level", "bound"), [(1, -60), (2, -100), (3, -140)])
 def test_a_roll_and_the_modes_that_it_moves_against_dop853(level, bound):
     """A body on an object that is as light: the modes' states over 40 ms, the path's kinks and all."""
@@ -102,6 +103,7 @@ def test_a_roll_and_the_modes_that_it_moves_against_dop853(level, bound):
     assert apart(found, right) < bound
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("level", accuracy.ROLL_COUPLED)
 def test_a_body_that_hops_on_an_object_that_it_moves_against_dop853(level):
     """On a rough surface it leaves and lands three times in 16 ms."""

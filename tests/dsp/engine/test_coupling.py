@@ -207,6 +207,7 @@ def test_a_hand_damps():
     assert left_after(0.5, True) < 0.1 * left_after(0.5, False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("side", [0, 1])
 def test_an_object_that_is_retuned_under_a_press_is_felt_as_it_is(side):
     """Either of the two that touch: a strike sounds as if it had been tuned so from the beginning."""
@@ -241,6 +242,7 @@ def test_accuracy_moves_the_gate():
     assert counts == sorted(counts) and counts[0] < counts[1] < counts[2] < counts[3] == 40
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("frequency", "modal_mass", "law", "v_in"),
     [
@@ -261,6 +263,7 @@ def test_a_stiff_striker_that_rides_on_a_slow_mode_stays_finite(frequency, modal
     assert energy(engine, handle, felt(engine, handle)) < 0.5 * law[0] * v_in**2
 
 
+@pytest.mark.slow
 def test_coupled_contacts_are_bounded():
     """512 heavy strikers at once on a light object: most are left out, and energy doesn't grow."""
     engine = Engine(RATE)
@@ -280,6 +283,7 @@ def test_coupled_contacts_are_bounded():
     assert energy(engine, handle, n) < taken * 0.5 * 0.1 and 10 < taken < 40 and engine.stats.faults == 0
 
 
+@pytest.mark.slow
 def test_no_force_is_held_where_a_striker_leaves_at_once():
     """However little of a step is left of 300 contacts when they end."""
     engine = Engine(RATE)

@@ -74,6 +74,7 @@ def kirchhoff(frequencies, glide, amplitudes, seconds):
     return solve_ivp(motion, (0, seconds), start, "DOP853", t, rtol=1e-10, atol=1e-14).y[: len(omega)] * omega[:, None]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("frequencies", [(200.0,), (200.0, 310.0, 543.0)])
 def test_pitch_is_kirchhoffs(frequencies):
     """The rise of each partial where the tension rises by 2 %: as far from the exact motion's as the square of that."""
@@ -94,6 +95,7 @@ def test_pitch_is_kirchhoffs(frequencies):
         assert rise == pytest.approx(expected, rel=0.03)
 
 
+@pytest.mark.slow
 def test_one_mode_alone_rises_by_half_as_much_again():
     """The 3/4 of Duffing's oscillator, where the tension of all modes together would make it 1/2."""
     engine = Engine(RATE)

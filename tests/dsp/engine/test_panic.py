@@ -67,6 +67,7 @@ def beyond(sound, reference):
     return 20 * np.log10(more.max() / np.abs(reference).max() + 1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", SCENES)
 @pytest.mark.parametrize("at", [4800, 4864, 5000, 7000])
 def test_no_click_and_then_silence(scene, at):
@@ -170,6 +171,7 @@ def test_what_is_played_right_after_it_is_as_in_silence(scene):
     np.testing.assert_allclose(both[begin:], (faded + fresh)[begin:], atol=1e-6 * np.abs(fresh).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", SCENES)
 def test_blocks_change_no_bit(scene):
     then = [lambda _: panic(5000.0), lambda one: impact(one, BALL, 5001.5)]

@@ -75,6 +75,7 @@ def test_rolls_get_coarser_and_about_as_loud():
     assert fewer < 0.8 * events and abs(20 * np.log10(coarse / loud)) < 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("begin", [roll, press])
 def test_rolls_and_presses_act_on_fewer_modes(begin):
     """Those that it no longer acts on ring out; all come back with the quality, and strikes have them at any time."""
@@ -217,6 +218,7 @@ def test_a_fade_is_no_click():
     assert spectrum[frequencies > 15_000].max() < 1e-3 * spectrum.max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("block", [1, 37, 480])
 def test_block_size_changes_no_bit(block):
     def run(size):

@@ -81,6 +81,7 @@ def test_a_slide_that_is_stopped_ends_silent(keys):
     assert np.abs(sound[-4_800:]).max() == 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("keys", [BOW, CREAK])
 def test_a_bow_that_stops_on_a_body_lets_it_rest(keys):
     """It sticks to a bow at rest, and the bow's force bends it without a sound."""

@@ -78,6 +78,7 @@ def steering_of(engine):
     return {field: dict(zip(STEERABLE, contact[field].item(), strict=True)) for field in ("target", "now")}
 
 
+@pytest.mark.slow
 @every_case
 def test_a_parameter_steers_the_gestures_that_it_says_and_no_other_parameter(kind, name):
     before, after = steering_of(begin(kind)), steering_of(steered(kind, name))
@@ -87,6 +88,7 @@ def test_a_parameter_steers_the_gestures_that_it_says_and_no_other_parameter(kin
     assert [after["now"][other] for other in others] == [before["now"][other] for other in others]
 
 
+@pytest.mark.slow
 @every_case
 def test_steerable_parameters_are_heard_and_others_are_not(kind, name):
     sound = begin(kind).process(9_600)
@@ -96,6 +98,7 @@ def test_steerable_parameters_are_heard_and_others_are_not(kind, name):
     assert same == (name not in GESTURES[kind].steerable)
 
 
+@pytest.mark.slow
 @steerable_cases
 @pytest.mark.parametrize("quanta", [1, 5, 20])
 def test_a_parameter_glides_as_declared(kind, name, quanta):

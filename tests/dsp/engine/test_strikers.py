@@ -42,6 +42,7 @@ def sound_of(*commands, engine, frames=2048):
     return engine.process(frames).astype(float)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mass", [1.0, 1.7])
 def test_a_ball_clicks_as_koss_and_alfredson_say(mass):
     """Up to 0.36 of the rate, also with another mass than its own: it is accelerated less."""

@@ -151,6 +151,7 @@ def test_contacts_at_once_are_told_apart():
         assert entries["impulse"][entries["command"] == number].sum() == pytest.approx(lost, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_contacts_are_traced_on_request_only_and_unread_samples_are_counted():
     engine = Engine(RATE)
     handle = engine.add(heavy())

@@ -37,6 +37,7 @@ def test_beats_are_no_hits():
     assert len(hits(np.concatenate([np.zeros(2_000), 0.3 * beats]), RATE)) == 1
 
 
+@pytest.mark.slow
 def test_a_tone_that_hardly_falls_before_a_short_recording_ends_is_no_noise():
     t = np.arange(round(0.12 * RATE)) / RATE
     tone = 0.1 * np.sin(2 * np.pi * 740 * t) + np.exp(-800 * t) * np.sin(2 * np.pi * 5000 * t)
@@ -76,6 +77,7 @@ USELESS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", USELESS)
 def test_what_is_no_strike_is_refused_in_one_line(name):
     samples, says = USELESS[name]

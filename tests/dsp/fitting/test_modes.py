@@ -42,6 +42,7 @@ def test_60_modes_in_noise_are_found_within_twice_the_cramer_rao_bound(seed):
     assert 10 * np.log10(left / np.sum(take**2)) == pytest.approx(20 * np.log10(NOISE), abs=0.3)
 
 
+@pytest.mark.slow
 def test_a_pair_that_beats_once_in_its_whole_decay_stays_a_pair():
     pair = Modes(np.array([440.0, 440.7]), np.array([2.0, 2.3]), np.array([1.0, 0.8j]))
     take, noise = noisy(pair.sound(2.0), 1e-3, 1)
@@ -51,6 +52,7 @@ def test_a_pair_that_beats_once_in_its_whole_decay_stays_a_pair():
     assert np.all(np.abs(-found.real - pair.decay) < 4 * decay)
 
 
+@pytest.mark.slow
 def test_two_takes_of_one_body_share_their_poles():
     known = modes(12, 5, apart=200.0)
     mute = known.amplitude.copy()

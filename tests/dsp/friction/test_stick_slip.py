@@ -18,6 +18,7 @@ REACH = 1.5 * MU * NORMAL / K
 """The stretch (m) at which all slips."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("held", [False, True])
 def test_work_is_what_is_stored_and_lost(held):
     """The damping's loss is integrated by itself; friction never gives energy back that it did not take."""
@@ -43,6 +44,7 @@ def of(modes: int, rate: float, samples: int) -> Rub:
     return Rub(frequency, sigma, phi, constant(0.1, samples), constant(1.0, samples), BOWED, rate)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("modes", [1, 4])
 def test_events_and_motion_are_of_order_three(modes):
     state, times = exact_rub(of(modes, 48_000.0, 1), 0.1)
@@ -58,12 +60,14 @@ def test_events_and_motion_are_of_order_three(modes):
     assert np.all(orders > 2.8)
 
 
+@pytest.mark.slow
 def test_one_force_a_sample_is_of_order_two_at_best_and_close():
     state, _ = exact_rub(of(1, 48_000.0, 1), 0.1)
     course = rub_modes(of(1, 48_000.0, 4800), held=True)
     assert abs(course.velocity[-1] - 10.0 * state[1]) < 5e-3 * 0.1 * 10.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("beta", "force"), [(0.05, 0.8), (0.08, 0.6), (0.12, 0.4)])
 def test_a_bowed_string_slips_once_a_period(beta, force):
     """Helmholtz's motion: it sticks for 1 - beta of the period, and the bow's speed is the string's meanwhile."""
@@ -73,6 +77,7 @@ def test_a_bowed_string_slips_once_a_period(beta, force):
     assert np.mean(late == 0.0) == pytest.approx(1.0 - beta, abs=0.03)
 
 
+@pytest.mark.slow
 def test_a_string_that_is_pressed_too_hard_or_too_softly_is_not_in_helmholtz_motion():
     for force in (0.02, 15.0):
         course = rub_modes(bowed_string(0.12, force))
@@ -90,6 +95,7 @@ def test_limits_of_force_are_schellengs():
     assert np.polyfit(np.log(betas[:3]), np.log(least), 1)[0] < -1.7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("force", "speed"), [(1.0, 0.1), (3.0, 0.1), (5.0, 0.2), (10.0, 0.4)])
 def test_a_bowed_bar_sings_at_its_lowest_mode(force, speed):
     """One limit cycle, harmonic, below a force that is proportional to speed (Essl and Cook 2000)."""
@@ -102,6 +108,7 @@ def test_a_bowed_bar_sings_at_its_lowest_mode(force, speed):
     assert power[harmonic & (frequency > 100.0)].sum() > 0.98 * power[frequency > 100.0].sum()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [44_100.0, 96_000.0])
 @pytest.mark.parametrize("force", [0.05, 0.5])
 def test_a_rubbed_glass_grows_at_the_rate_of_theory(force, rate):
@@ -123,6 +130,7 @@ def test_a_normal_force_below_zero_is_named():
         Rub(np.array([440.0]), np.array([1.0]), np.array([3.0]), constant(0.1, 5), constant(-1.0, 5))
 
 
+@pytest.mark.slow
 def test_work_on_an_elastic_contact_is_stored_and_lost():
     rng = np.random.default_rng(22)
     for _ in range(100):

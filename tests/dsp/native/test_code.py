@@ -151,6 +151,7 @@ def test_edited_sources_are_compiled_again_and_the_old_code_is_found_again(doubl
     assert doubled(doubling) == (42, "cache")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", ["empty", "half", "noise", "gone"])
 @pytest.mark.parametrize("ending", ["*.o", "sources.json", "code.bc", "source.bc"])
 def test_damaged_code_is_compiled_anew_and_no_start_fails(doubling, tmp_path, way, ending):

@@ -23,6 +23,7 @@ code.load(callback.__name__)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems map in other ways")
 def test_code_is_loaded_beside_gigabytes_with_small_gaps_above():
     done = subprocess.run([sys.executable, "-c", CROWDED], capture_output=True, text=True)

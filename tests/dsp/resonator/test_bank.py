@@ -76,6 +76,7 @@ def test_ringing_does_not_depend_on_how_it_is_cut():
     np.testing.assert_allclose(run([64] * 4), run([1, 2, 3, 58, 63, 5, 124]), atol=1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("frequency", [30.0, 700.0, 5000.0, 16_000.0, 22_800.0])
 @pytest.mark.parametrize("samples", [0.05, 0.3, 1.0, 2.7, 8.0, 50.0])
 def test_a_contact_drives_a_mode_within_94_db(samples, frequency):
@@ -234,6 +235,7 @@ def test_a_contact_sees_the_modes_as_they_are(rate):
     assert speed == pytest.approx(np.abs(phi * z).sum(), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_fine_moments_are_those_of_the_coarse_and_more():
     coarse, fine = (Bank(np.linspace(100, 20_000, LANES), np.full(LANES, 5.0), 48_000.0) for _ in range(2))
     moments = np.zeros(bank.FINE)

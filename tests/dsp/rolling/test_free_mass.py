@@ -34,6 +34,7 @@ def case(random):
     return step, h, h / m, mobility, law
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(300))
 def test_forces_are_newtons(seed):
     step, h, lightness, mobility, law = case(np.random.default_rng(seed))

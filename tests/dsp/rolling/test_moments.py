@@ -24,6 +24,7 @@ def by_quadrature(force, since, span, start, stop, origin):
     return moments
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(300))
 def test_a_quadratic_of_any_length_anywhere(seed):
     random = np.random.default_rng(seed)

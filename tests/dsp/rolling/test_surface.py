@@ -32,6 +32,7 @@ def test_spectrum(slope):
     assert low == pytest.approx(lower, rel=0.25)
 
 
+@pytest.mark.slow
 def test_correlation_length():
     ground = make(1e-6, 1e-3, 2.0, seed=5)
     step = 128

@@ -150,6 +150,7 @@ assert np.array_equal(forked, sound(False)) and np.array_equal(forked, sound(Tru
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="nothing forks here")
 def test_after_a_fork_each_process_has_an_engine_of_its_own():
     subprocess.run([sys.executable, "-c", FORKED], check=True, cwd=Path(__file__).parents[3])

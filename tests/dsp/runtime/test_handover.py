@@ -5,6 +5,7 @@ import threading
 import time
 
 import numpy as np
+import pytest
 
 from carom.dsp.native.atomics import publish
 from carom.dsp.native.jit import c_function, carray
@@ -54,6 +55,7 @@ def slow(_input, output, frames, times, flags, userdata):
     return 0
 
 
+@pytest.mark.slow
 def test_the_engine_is_run_by_one_at_a_time():
     """Two devices that call without end; each is given what was taken from the other."""
     state = np.zeros(3, np.int64)

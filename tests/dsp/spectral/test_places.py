@@ -89,6 +89,7 @@ def test_modes_come_and_go_at_random(spectral):
     assert not slots.any() and spectral["modes"] == 0
 
 
+@pytest.mark.slow
 def test_a_phase_that_was_put_in_order_lies_so(spectral):
     """Bins that grew in turn lie one after the other afterwards, with room between them."""
     slots = np.zeros(MODES, np.int32)

@@ -11,6 +11,7 @@ from tests.accuracy import RINGING
 ERROR = 10 ** (RINGING["float64"].bound / 20)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
 @pytest.mark.parametrize("offset", [-0.5, 0.0, 0.5])
 def test_each_mode_is_right_within_115_db_wherever_it_lies_in_its_bin(share, offset):

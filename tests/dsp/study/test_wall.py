@@ -23,6 +23,7 @@ def test_reference_restitution_is_lamberts():
     assert reference.restitution(0.0) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("w", "k", "a"), [(0.5, 1e9, 1.5), (0.0, 1e12, 3.0), (40.0, 1e9, 1.5), (5.0, 1e7, 1.0)])
 def test_reference_spectrum(w, k, a):
     v_in, m = 1.0, 0.01
@@ -108,6 +109,7 @@ def lasting(samples: float, law: wall.Law) -> wall.Law:
     return v_in, m, k * (contact.contact_time(*law) * PAPER_RATE / samples) ** (a + 1), mu, a
 
 
+@pytest.mark.slow
 def test_the_closed_spectrum_beats_every_method_on_short_contacts():
     for case in ("1", "2"):
         law = PAPER_CASES[case]
@@ -146,6 +148,7 @@ def test_pareto_keeps_what_no_other_beats():
     assert set(zip(cost_of[best], error[best], strict=True)) == unbeaten and best.sum() == len(unbeaten)
 
 
+@pytest.mark.slow
 def test_the_exact_release_costs_less_than_twenty_samples_of_verlet():
     law = lasting(20.0, PAPER_CASES["2"])
     assert contact.contact_time(*law) * PAPER_RATE == pytest.approx(20)

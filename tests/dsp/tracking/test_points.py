@@ -28,6 +28,7 @@ def slide(order) -> tuple[list[list[float]], list[tuple[float, ...]]]:
         return motions, blows
 
 
+@pytest.mark.slow
 def test_points_are_the_same_in_any_order():
     generator = np.random.default_rng(1)
     motions, blows = slide(np.arange)

@@ -5,7 +5,6 @@ import os
 import random
 import re
 import subprocess
-import sys
 import time
 from collections.abc import Callable
 
@@ -23,7 +22,7 @@ from carom.server.osc.wire import Message
 from carom.server.render import Options, blocks
 from carom.server.scene.session import Session
 from tests.bench.logs import random_gesture, random_message
-from tests.support import render_lines, serving
+from tests.support import CAROM, render_lines, serving
 
 PRESETS = Presets()
 
@@ -333,6 +332,7 @@ def test_a_log_without_room_keeps_whole_lines(logged, tmp_path, monkeypatch):
     assert [line.message.args for line in lines[1:]] == [(0.01 * n,) for n in range(len(lines) - 1)]
 
 
+@pytest.mark.slow
 def test_a_log_names_what_computed_it_and_a_render_by_something_else_is_warned_of(tmp_path):
     with serving(tmp_path, "--device", "none", "--log", "log.txt") as server:
         with server.client() as client:
@@ -344,7 +344,8 @@ def test_a_log_names_what_computed_it_and_a_render_by_something_else_is_warned_o
     said = r"# carom \S+, .*; code [0-9a-f]{16} for \S+, numpy \S+, scipy \S+; render it at --rate 48000\n"
     assert re.match(said, text)
     (tmp_path / "other.txt").write_text(text.replace("scipy ", "scipy 0.", 1))
-    words = [sys.executable, "-m", "carom", "render"]
     for name, warned in (("log.txt", False), ("other.txt", True)):
-        run = subprocess.run([*words, name, "out.wav"], cwd=tmp_path, capture_output=True, text=True, check=True)
+        run = subprocess.run(
+            [*CAROM, "render", name, "out.wav"], cwd=tmp_path, capture_output=True, text=True, check=True
+        )
         assert ("other.txt was logged by code" in run.stderr and "may differ" in run.stderr) == warned, run.stderr

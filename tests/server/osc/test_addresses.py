@@ -28,6 +28,7 @@ def test_the_table_names_every_address_and_argument():
     )
 
 
+@pytest.mark.slow
 def test_the_module_prints_the_table():
     run = subprocess.run([sys.executable, "-m", "carom.server.osc.addresses"], capture_output=True, text=True)
     assert (run.stdout, run.stderr) == (table() + "\n", "")

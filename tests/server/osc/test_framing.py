@@ -16,6 +16,7 @@ awkward = st.sampled_from([b"\xc0\xdb", b"\xdb\xdc\xdd\xc0" * 3])
 packets = st.lists(st.one_of(st.binary(min_size=1, max_size=40), awkward))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", FRAMINGS)
 @given(packets, st.integers(1, 9))
 def test_whatever_the_pieces(kind, sent, piece):

@@ -47,6 +47,7 @@ def naive_listed(character: str, inside: str) -> bool:
     return False
 
 
+@pytest.mark.slow
 @settings(max_examples=500)
 @given(st.text("abc-!,*?[]{}", max_size=9), st.text("abc-!,", max_size=6))
 def test_match_agrees_with_naive(pattern: str, part: str) -> None:
@@ -101,6 +102,7 @@ def test_match_examples(pattern: str, part: str, expected: bool) -> None:
 LONG = "a" * 10_000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("pattern", "part", "expected"),
     [

@@ -224,6 +224,7 @@ arguments = scalars | st.recursive(scalars, lambda items: st.lists(items, max_si
 messages = st.builds(Message, texts.map("/".__add__), st.lists(arguments, max_size=6).map(tuple))
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(st.floats(0, 86_400), messages), max_size=4))
 def test_what_is_written_is_read(tmp_path_factory: pytest.TempPathFactory, events: list[tuple[float, Message]]) -> None:
     text = "".join(score.format_line(at, message) + "\n" for at, message in events)

@@ -184,6 +184,7 @@ messages = st.builds(Message, texts.map("/".__add__), st.lists(arguments, max_si
 tags = st.integers(0, 2**64 - 1)
 
 
+@pytest.mark.slow
 @given(tags, st.lists(messages, min_size=1, max_size=4), st.sampled_from("fd"))
 def test_what_is_written_is_read(tag: int, sent: list[Message], real: str) -> None:
     (bundle,) = wire.parse(wire.encode_bundle(tag, sent, real=real))
@@ -207,6 +208,7 @@ def survives(datagram: bytes) -> None:
     assert all(message.address.startswith("/") for bundle in bundles for message in bundle.messages)
 
 
+@pytest.mark.slow
 @settings(max_examples=500)
 @given(st.binary(max_size=80), st.sampled_from([b"", b"/a\0\0,", b"#bundle\0", bundled(1)]))
 def test_random_bytes(tail: bytes, head: bytes) -> None:

@@ -39,6 +39,7 @@ def carried_out(scene, *args, action="impact"):
     return dict(zip(said[::2], said[1::2], strict=True))
 
 
+@pytest.mark.slow
 def test_each_body_strikes_a_board_in_its_own_way(scene):
     """Of equal mass: the softer, the longer the contact; the softest sounds the dullest. Hard ones ring themselves."""
     times, centroids = [], []

@@ -133,6 +133,7 @@ def peak(played, t):
     return np.abs(played.engine.process(round(t * played.engine.rate))).max()
 
 
+@pytest.mark.slow
 def test_a_panic_leaves_nothing_of_what_was_bent(played):
     say(played, "/object/pane/press", 100.0, "striker", "rubber")
     seconds(played, 3.0)  # what its coming sounded has faded
@@ -181,6 +182,7 @@ def test_nothing_is_heard_of_modes_that_are_bent_and_silent(played):
     assert peak(played, 0.1) < 1e-7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [8_000, 48_000, 192_000])
 def test_the_heaviest_damping_is_silence_and_no_fault(rate):
     played = Session(Engine(rate), Presets())

@@ -163,6 +163,7 @@ def test_a_roll_over_what_is_quite_smooth_is_silent(render):
     assert np.abs(rolled(render, 0.5, "striker", "steel", "surface", "glass", "roughness", 0)).max() < 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "steer",
     ["speed 0.9", "speed 0", "mass 0.02", "radius 0.02", "gravity 3", "position 0.9", "gain 6", "friction 1"],

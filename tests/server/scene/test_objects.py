@@ -78,6 +78,7 @@ def test_an_edited_striker_counts_from_the_next_object_on(tmp_path):
         assert last_sent(session)["strike"]["mass"] == mass
 
 
+@pytest.mark.slow
 def test_an_object_that_is_yet_to_be_can_be_struck_and_freed(session):
     say(session, "/object/new", "a", "wood-block", time=4800.0)
     assert say(session, "/object/a/impact", 1.0) == []
@@ -127,6 +128,7 @@ def test_what_is_late_comes_before_what_is_for_now(session):
     assert session.engine.stats.impacts == 1 and session.engine.stats.late == 1
 
 
+@pytest.mark.slow
 def test_objects_run_out_and_come_back(session):
     for i in range(USUAL_OBJECTS):
         assert say(session, "/object/new", f"o{i}", "church-bell")[0].address == "/done"
@@ -150,6 +152,7 @@ def test_modes_run_out(session, monkeypatch):
     assert say(session, "/object/new", "small", "tuning-fork")[0].address == "/done"
 
 
+@pytest.mark.slow
 def test_one_among_many_is_found_at_once(session):
     for n in range(USUAL_OBJECTS):
         say(session, "/object/new", f"o{n}", "wood-block")

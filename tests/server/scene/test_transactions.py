@@ -44,6 +44,7 @@ def test_a_full_queue_refuses_whole_bundles_and_forgets_nothing(session):
     assert say(session, "/object/new", "b", "wood-block")[0].address == "/done"
 
 
+@pytest.mark.slow
 def test_what_waits_far_ahead_leaves_room_for_now(session):
     say(session, "/object/new", "a", "wood-block")
     later = [Message("/object/a/impact", (1.0,))] * 1000
@@ -124,6 +125,7 @@ def test_what_fails_by_a_fault_of_ours_leaves_nothing(session, monkeypatch):
     assert not session.objects and say(session, "/object/new", "a0", "wood-block")[0].address == "/done"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "messages",
     [

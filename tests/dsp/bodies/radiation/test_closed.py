@@ -27,6 +27,7 @@ def test_a_spheres_orders_by_hankel_functions_of_many_digits(order):
     assert sphere_efficiency(order, SIZES) == pytest.approx(expected, rel=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", range(1, 7))
 def test_a_cylinders_orders_by_hankel_functions_of_many_digits(order):
     def hankel(x):
@@ -41,6 +42,7 @@ def test_what_hardly_radiates_is_small_and_no_error():
     assert 0 <= sphere_efficiency(200, np.array([1e-3]))[0] < 1e-200
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("count", "most"), [(1, 3.0), (2, 5.0), (8, 8.0), (20, 60.0), (60, 60.0), (300, 900.0)])
 def test_bessel_functions_of_many_orders(count, most):
     x = np.concatenate([[0.0, 1e-9, 1e-3], np.random.default_rng(1).uniform(0, most, 500)])

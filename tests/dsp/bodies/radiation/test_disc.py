@@ -21,6 +21,7 @@ def decibels(ratio):
     return 10 * np.log10(ratio)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("order", "x", "growing"), [(0, 0.1, 0), (0, 1, 0.5), (0, 3, -0.4), (1, 2, 0), (2, 1, 0.7), (3, 4, 0.2)]
 )

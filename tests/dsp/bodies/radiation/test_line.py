@@ -38,6 +38,7 @@ def test_a_long_rod_that_moves_as_a_whole_is_a_cylinder(x):
     assert decibels(line.load_of(bar, frequency).resistance / expected) == pytest.approx(0, abs=0.1)
 
 
+@pytest.mark.slow
 def test_a_slow_rod_is_a_line_of_dipoles():
     """p = k sin(t) cos(f)/(4 pi r) |int F' exp(-i k x cos t) dx|, F' of displaced and added mass, by brute force."""
     bar = bodies.bar(HEAVY, length=0.5, diameter=0.006, top=3000)

@@ -26,6 +26,7 @@ def radiated(modes):
     return 4 * math.pi * (modes.pressure**2).mean(axis=0) / IMPEDANCE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", [name for name in EVERY if name not in ("string", "listed")])
 def test_a_body_loses_what_it_radiates(shape):
     """One number for both: sigma = R/2, p^2/(rho c) 4 pi = R."""
@@ -34,6 +35,7 @@ def test_a_body_loses_what_it_radiates(shape):
     assert np.array_equal(modes.pressure[0], modes.pressure[1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", [name for name in EVERY if name != "listed"])
 def test_air_lowers_every_mode_a_little(shape):
     light, heavy = (EVERY[shape](material, top=8000) for material in (STEEL, HEAVY))
@@ -67,6 +69,7 @@ def test_a_head_in_a_wall_is_damped_more_than_an_open_one():
     assert radiated(low)[0] == pytest.approx(IMPEDANCE * k**2 / (2 * math.pi) * volume**2, rel=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("shape", "rms"),
     [

@@ -187,6 +187,7 @@ def steel_plate(monkeypatch):
     return kept["plate"], kept["frequency"]
 
 
+@pytest.mark.slow
 def test_a_plates_modes_are_those_solved_each_by_itself(monkeypatch, steel_plate):
     usual = loads_of(monkeypatch, *steel_plate)
     exact = loads_of(monkeypatch, *steel_plate, MARGIN=5, NODES_PER_OCTAVE=24, MOST_TERMS=1e9, CLOSED=20.0)

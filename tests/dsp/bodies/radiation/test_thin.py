@@ -49,6 +49,7 @@ def strip_by_panels(x, count):
     return complex((jump * 2 * half).sum())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("x", [0.3, 1.0, 1.7, 4.0])
 def test_a_strip_is_that_of_panels(x):
     coarse, fine = (strip_by_panels(x, count) for count in (100, 200))
