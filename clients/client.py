@@ -11,6 +11,8 @@ from ..server.osc import wire
 from .actions import Actions, CommandError, Value, key_pairs, message_of
 from .connection import Connection
 
+_MAKING = 10.0  # s: a busy machine may take that long over a large object
+
 KEPT = 1_000
 """Replies of each kind that a client keeps until they are asked for."""
 
@@ -176,7 +178,7 @@ class Client(Actions, Closing):
     def new(self, name: str, preset: str, at: SupportsFloat | None = None, **keys: Value) -> None:
         """Make an object from a preset and wait until it is there; keys change the preset, or are the object's first
         gain, pan, gains, distance, tune, decay and damp."""
-        self.ask("/object/new", name, preset, *key_pairs(keys), at=at)
+        self.ask("/object/new", name, preset, *key_pairs(keys), timeout=_MAKING, at=at)
 
     def gesture(self, id: str, what: str, *value: Value, at: SupportsFloat | None = None) -> None:
         """Steer the running gestures of an id or pattern by the name of what changes; `stop` takes no value."""

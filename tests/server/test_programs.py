@@ -3,6 +3,7 @@
 import os
 import shutil
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -77,6 +78,47 @@ def test_a_slider_in_pd_rolls_a_marble(tmp_path):
     start = int(np.argmax(level > 1e-3))
     fast, slow = level[start : start + 19_200].std(), level[start + 36_000 : start + 48_000].std()
     assert fast > 3 * slow > 0  # steered, not started anew
+
+
+PD_NOTE = """#N canvas 0 0 400 300 12;
+#X obj 20 20 loadbang;
+#X obj 20 50 delay 800;
+#X msg 20 80 57 90;
+#X obj 20 110 s note;
+#X obj 220 50 delay 2000;
+#X msg 220 80 \\; pd quit;
+#X connect 0 0 1 0;
+#X connect 1 0 2 0;
+#X connect 2 0 3 0;
+#X connect 0 0 4 0;
+#X connect 4 0 5 0;
+"""
+
+
+@pytest.mark.parametrize(
+    ("words", "notes"),
+    [
+        (("pd", "-nogui", "-noaudio", "-send", "port PORT", EXAMPLES / "puredata" / "notes.pd", "note.pd"), 1),
+        (("sclang", EXAMPLES / "supercollider" / "notes.scd", "PORT", "exit"), 8),
+        ((sys.executable, EXAMPLES / "python" / "notes.py", "PORT"), 9),
+    ],
+    ids=["pd", "sclang", "python"],
+)
+def test_other_programs_play_notes(tmp_path, server: Running, words, notes):
+    """As many as they are, each on a copy of the bar, and none is refused."""
+    if not shutil.which(words[0]):
+        pytest.skip(f"{words[0]} is not installed")
+    (tmp_path / "note.pd").write_text(PD_NOTE)
+    env = os.environ | {"QT_QPA_PLATFORM": "offscreen", "QTWEBENGINE_DISABLE_SANDBOX": "1", "HOME": str(tmp_path)}
+    words = [str(word).replace("PORT", str(server.port)) for word in words]
+    with server.client() as client:
+        client.new("first", "marimba-bar")  # on a busy machine that takes longer than the programs wait
+        client.ask("/notify", 2)
+        subprocess.run(words, cwd=tmp_path, env=env, check=True, timeout=60, capture_output=True)
+        told = list(client.replies(0.5))
+        assert counted(client.status())["impacts"] == notes
+    added = [reply.args[0] for reply in told if reply.address == "/object.added"]
+    assert len(added) == len(set(added)) > 1 and {name.split(".")[0] for name in added} == {"bar"}
 
 
 SCLANG_TCP = """(fork {
