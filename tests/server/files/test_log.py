@@ -345,7 +345,6 @@ def test_a_log_names_what_computed_it_and_a_render_by_something_else_is_warned_o
     assert re.match(said, text)
     (tmp_path / "other.txt").write_text(text.replace("scipy ", "scipy 0.", 1))
     for name, warned in (("log.txt", False), ("other.txt", True)):
-        run = subprocess.run(
-            [*CAROM, "render", name, "out.wav"], cwd=tmp_path, capture_output=True, text=True, check=True
-        )
+        words = [*CAROM, "render", name, "out.wav"]
+        run = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=True)
         assert ("other.txt was logged by code" in run.stderr and "may differ" in run.stderr) == warned, run.stderr
