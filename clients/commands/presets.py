@@ -13,6 +13,7 @@ from ..errors import tell
 from ..folding import columns_of, folded
 from .options import add_presets
 from .parser import Command
+from .progress import shown_progress
 
 if TYPE_CHECKING:
     from ...presets import Presets
@@ -115,7 +116,12 @@ def _check(files: Sequence[str], presets: Presets, as_json: bool) -> int:
     """Print what each file holds, or on stderr what is wrong; returns the exit code."""
     from ..preset_files import checked, files_in
 
-    results = [checked(path, presets) for file in files for path in files_in(file)]
+    paths = [path for file in files for path in files_in(file)]
+    with shown_progress(description="checking", total=len(paths)) as show:
+        results = []
+        for path in paths:
+            results.append(checked(path, presets))
+            show(completed=len(results))
     if as_json:
         _print([result._asdict() for result in results])
     for result in results:
