@@ -61,7 +61,6 @@ REFUSED = [
 ]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("words", "culprit", "right"), REFUSED, ids=[words for words, _, _ in REFUSED])
 def test_what_cannot_be_fitted_is_told_in_one_line(folder, capsys, monkeypatch, words, culprit, right):
     monkeypatch.chdir(folder)
@@ -94,7 +93,6 @@ def test_a_stereo_recording_becomes_an_object_and_a_page(folder, tmp_path, capsy
     assert json.loads(capsys.readouterr().out)["log_spectral_distance_db"] < 4
 
 
-@pytest.mark.slow
 def test_a_sound_is_no_distance_from_itself(folder, tmp_path, capsys):
     ring, page, picture = str(folder / "ring.wav"), tmp_path / "a.html", tmp_path / "a.png"
     assert main(["compare", ring, ring, "--page", str(page), "--plot", str(picture)]) == 0

@@ -14,7 +14,6 @@ def strikes() -> dict[str, loudness.Heard]:
     return {name: loudness.strike(name) for name in PRESETS.names("objects")}
 
 
-@pytest.mark.slow
 def test_strikes_are_within_6_lu_of_each_other(strikes):
     found = [each.loudness for each in strikes.values()]
     assert max(found) - min(found) < 6.0
@@ -29,7 +28,6 @@ def test_eight_strikes_at_once_do_not_limit(strikes):
         assert scene.render(1.0).report.limited == ()
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", PRESETS.names("objects"))
 def test_rolls_and_bounces_are_within_12_lu_of_the_strike(strikes, name):
     for other in (loudness.roll(name), loudness.bounce(name)):

@@ -122,7 +122,6 @@ def with_levels(tmp_path: Path) -> Presets:
     return Presets(tmp_path)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "text", "gain"),
     [
@@ -146,7 +145,6 @@ def test_a_preset_says_how_loud_gestures_on_it_are(tmp_path, name, text, gain):
     np.testing.assert_array_equal(sound(f"my-{name}", calibrated=True), sound(f"plain-{name}", calibrated=True))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("line", ["0.1 /gesture/ball/gain -6", "0.1 /object/a/roll 0.4 id ball gain -6"])
 def test_a_gesture_that_is_steered_keeps_its_level(tmp_path, line):
     presets = with_levels(tmp_path)
@@ -164,7 +162,6 @@ def test_a_gesture_that_is_steered_keeps_its_level(tmp_path, line):
 # The head of a score
 
 
-@pytest.mark.slow
 def test_a_score_says_its_channels_gain_and_limiter():
     head = "0 /gain 12\n0 /limiter off\n0 /channels 1\n"
     sound = heard(head + SCORE)
@@ -172,7 +169,6 @@ def test_a_score_says_its_channels_gain_and_limiter():
     np.testing.assert_array_equal(sound, heard(SCORE, channels=1, gain=12.0, limiter=False))
 
 
-@pytest.mark.slow
 def test_options_take_the_place_of_a_score_s_head_alone():
     head = "0 /gain 12\n0 /limiter off\n0 /channels 1\n"
     sound = heard(head + SCORE, channels=4, gain=-3.0, limiter=True)
@@ -189,7 +185,6 @@ def test_a_line_that_says_other_channels_is_refused():
         heard("0 /channels 0\n" + SCORE)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("channels", [1, 8])
 def test_block_size_changes_no_bit_of_channels(channels):
     text = SCORE + "0.3 /object/bell/gains 0.5 0\n0.35 /panic\n0.36 /object/bell/impact 1\n0.4 /object/bell/gains\n"
@@ -203,7 +198,6 @@ def test_block_size_changes_no_bit_of_channels(channels):
 # A file for each object
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("channels", [1, 2, 8])
 def test_stems_add_up_to_the_sound(tmp_path, channels):
     """Of an object that is freed and a namesake, one that is moved, and one that never sounds."""
@@ -233,7 +227,6 @@ def test_a_folder_that_can_not_be_made_is_named(tmp_path):
 # A peak that is asked for
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("level", [-1.0, -20.0, 0.0])
 def test_the_whole_is_brought_to_a_peak(tmp_path, level):
     """The sound as it is without a limiter, times one gain, which is told."""
