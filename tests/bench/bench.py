@@ -8,14 +8,12 @@ import ctypes
 import json
 import math
 import os
-import platform
 import shutil
 import subprocess
 import sys
 import tempfile
 from datetime import date
 from functools import partial
-from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -31,6 +29,7 @@ from carom.dsp.resonator.bank import RESPONSES, Modes, Point, inject, ring
 from carom.dsp.resonator.coefficients import set_mode
 from carom.dsp.resonator.simd import LANES
 from tests.bench import clips, contacts, driven, gestures, klank, ringing, slides, struck
+from tests.bench.machine import machine
 from tests.bench.rounds import Contenders, minima
 
 RATE = 48_000.0
@@ -63,14 +62,6 @@ engine = Engine(48000.0)
 made = perf_counter()
 engine.process(64)
 print(imported - start, made - imported, perf_counter() - made)
-"""
-
-COMPILE = """
-from time import perf_counter
-from carom.dsp.native.code import compiled
-start = perf_counter()
-compiled("carom.dsp.runtime.callback")
-print(perf_counter() - start)
 """
 
 
@@ -260,22 +251,6 @@ def aims(results: dict[str, Any]) -> list[dict[str, Any]]:
     ]
 
 
-def machine() -> dict[str, Any]:
-    """What the figures were taken on."""
-    info = Path("/proc/cpuinfo")
-    names = [line for line in info.read_text().splitlines() if "model name" in line] if info.exists() else []
-    cpu = names[0].partition(":")[2].strip() if names else platform.processor()
-    packages = {name: version(name) for name in ("numba", "llvmlite", "numpy")}
-    return {
-        "cpu": cpu,
-        "cores": os.cpu_count(),
-        "load_before": os.getloadavg()[0] if hasattr(os, "getloadavg") else None,
-        "system": platform.platform(),
-        "python": platform.python_version(),
-        **packages,
-    }
-
-
 def show(console: Console, title: str, rows: list[dict[str, Any]]) -> None:
     """A table of rows alike."""
     table = Table(*rows[0], title=title)
@@ -316,7 +291,6 @@ def main() -> None:
         "empty_scene": clips.measure_empty(),
         "clips": clips.measure_clips(clips.CLIPS // (10 if options.quick else 1)),
         "startup": measure_startup(few),
-        "compile_seconds": fresh(COMPILE, "")[1][0],
     }
     results["aims"] = aims(results)
     show(console, "Machine", [results["machine"]])
@@ -326,7 +300,6 @@ def main() -> None:
     for title, name in TITLES.items():
         show(console, title, results[name])
     show(console, "An empty scene", [results["empty_scene"]])
-    console.print(f"compiling alone: {results['compile_seconds']:.1f} s")
     show(console, "Aims", results["aims"])
     if options.json:
         options.json.write_text(json.dumps(results, indent=2) + "\n")

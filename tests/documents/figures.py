@@ -15,6 +15,7 @@ from tests.documents import study
 from tests.documents.markdown import table
 
 BENCH = study.MEASURED / "bench.json"
+COMPILING = study.MEASURED / "compiling.json"
 
 
 def accuracy() -> str:
@@ -135,6 +136,19 @@ def speed() -> str:
         _starts(bench),
     ]
     return "\n\n".join(part for part in parts if part)
+
+
+def compiling() -> str:
+    """How long the engine takes to be compiled, in a sentence."""
+    found = json.loads(COMPILING.read_text(encoding="utf-8"))
+    own = f"Compiling the engine for one's own machine takes about {_round(found['start'])} s of one core"
+    wheel = f", for the {found['levels']} levels of a wheel {_round(found['wheel'])} s" if "wheel" in found else ""
+    return f"{own}{wheel} ({found['machine']['cpu']})."
+
+
+def _round(seconds: float) -> int:
+    """Seconds to the next ten."""
+    return 10 * math.ceil(seconds / 10)
 
 
 def _machine(bench: dict[str, Any]) -> str:

@@ -11,7 +11,7 @@ from carom.server.osc.addresses import address_table, key_table
 from tests.documents import commands, figures, presets, protocol, recipes
 
 ROOT = Path(__file__).parents[2]
-PAGES = ("README.md", *(f"{room}/README.md" for room in ("server", "clients", "presets", "dsp", "tests")))
+PAGES = ("README.md", *(f"{folder}/README.md" for folder in ("server", "clients", "presets", "dsp", "tests")))
 
 PARTS: dict[str, Callable[[], str]] = {
     "addresses": address_table,
@@ -27,6 +27,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "scores": presets.scores,
     "accuracy": figures.accuracy,
     "speed": figures.speed,
+    "compile time": figures.compiling,
     "failures": figures.failures,
     "rebounds": figures.rebounds,
     "choices": figures.choices,
