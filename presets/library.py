@@ -47,7 +47,7 @@ class Presets:
         self._surfaces: dict[str, tuple[dict[str, Any], SurfacePreset]] = {}  # with the data of which each was made
 
     def names(self, kind: str) -> list[str]:
-        """All names of a kind: materials, strikers, surfaces or objects. ValueError for another kind."""
+        """All names of a kind: objects, strikers, surfaces or materials. ValueError for another kind."""
         if kind not in KINDS:
             raise ValueError(f"kind = {kind!r}: {expected(kind, KINDS)}")
         files = (path for folder in self._folders for path in (folder / kind).glob("*.toml"))

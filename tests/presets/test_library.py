@@ -178,7 +178,7 @@ def test_unknown_names_come_with_close_ones():
 def test_a_missing_folder_and_an_unknown_kind_are_named(tmp_path):
     with pytest.raises(PresetError, match="nowhere: expected a folder"):
         Presets([tmp_path / "nowhere"])
-    with pytest.raises(ValueError, match="kind = 'sounds': expected one of materials, strikers, surfaces, objects"):
+    with pytest.raises(ValueError, match="kind = 'sounds': expected one of objects, strikers, surfaces, materials"):
         PRESETS.names("sounds")
 
 
