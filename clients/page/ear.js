@@ -3,7 +3,9 @@
 import { decode } from "./osc.js";
 
 const AGAIN = 1000; // ms
+const AT_ONCE = 1024; // frames that the page gets in one piece; the player gets each block as it comes
 let player = null; // the port of the AudioWorklet, where there is one
+let blocks = []; // for the page
 
 onmessage = ({ data }) => {
   if (data.player) player = data.player;
@@ -21,8 +23,32 @@ function connect(address) {
     if (address !== "/sound") return;
     const block = parted(...args);
     player?.postMessage(block);
-    postMessage(block);
+    gather(block);
   };
+}
+
+/** Hand blocks that follow each other on to the page, some at once. */
+function gather(block) {
+  const last = blocks.at(-1);
+  if (last && last.position + last.left.length !== block.position) flush();
+  blocks.push(block);
+  if (blocks.reduce((sum, { left }) => sum + left.length, 0) >= AT_ONCE) flush();
+}
+
+function flush() {
+  const [{ position, rate }] = blocks;
+  postMessage({ position, rate, left: joined(blocks.map(({ left }) => left)), right: joined(blocks.map(({ right }) => right)) });
+  blocks = [];
+}
+
+function joined(pieces) {
+  const out = new Float32Array(pieces.reduce((sum, each) => sum + each.length, 0));
+  let at = 0;
+  for (const each of pieces) {
+    out.set(each, at);
+    at += each.length;
+  }
+  return out;
 }
 
 /** A block of sound by channels: the first two. */

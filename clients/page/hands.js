@@ -37,15 +37,16 @@ export class Hands extends EventTarget {
     return this.chosen.impact.velocity ?? object.preset.velocity;
   }
 
-  strike(object, position, speed = this.velocity(object)) {
+  /** `stamp`: when a finger asked for it, ms of the page's clock. */
+  strike(object, position, speed = this.velocity(object), stamp = undefined) {
     this.link.send(`/object/${object.name}/impact`, speed, position, ...this.keys("impact", object));
-    this.tell("struck", object, position, speed);
+    this.tell("struck", { object, position, stamp });
   }
 
   drop(object, position, height = this.chosen.bounce.height ?? 0.2) {
     const id = this.id("ball");
     this.link.send(`/object/${object.name}/bounce`, height, position, ...this.keys("bounce", object, { id }));
-    this.tell("dropped", object, position, height, id);
+    this.tell("dropped", { object, position, value: height, id });
   }
 
   spin(object, position) {
@@ -100,7 +101,7 @@ export class Hands extends EventTarget {
     this.link.send(`/object/${object.name}/note`, note, velocity, object.preset.position, ...striker);
   }
 
-  tell(type, object, position, value, id) {
-    this.dispatchEvent(new CustomEvent(type, { detail: { object, position, value, id } }));
+  tell(type, detail) {
+    this.dispatchEvent(new CustomEvent(type, { detail }));
   }
 }

@@ -1,6 +1,7 @@
 // The page: puts its parts together.
 
 import { Controls } from "./controls.js";
+import { Delay } from "./delay.js";
 import { Hands } from "./hands.js";
 import { Keys } from "./keys.js";
 import { Link } from "./link.js";
@@ -166,7 +167,8 @@ async function start() {
   const hands = new Hands(link, scene);
   const table = new Table($("table"), scene);
   const touch = (table.touch = new Touch(table.stage, table, hands));
-  const views = new Views(scene, sound);
+  const delay = new Delay(link, hands, sound);
+  const views = new Views(scene, sound, delay);
   const controls = new Controls($("inspector"), scene, hands);
   const silence = () => link.send("/panic");
   const keys = new Keys(scene, hands, table, silence);
@@ -191,7 +193,7 @@ async function start() {
   setUpHint(hands);
   controls.show();
   link.open();
-  window.carom = { link, scene, sound, hands, table, touch, views, keys };
+  window.carom = { link, scene, sound, delay, hands, table, touch, views, keys };
 }
 
 start().catch((error) => notice(`The page can't start: ${error.message}`, "bad"));

@@ -50,21 +50,28 @@ export class Sound {
     await this.context?.suspend();
   }
 
-  /** Seconds from the engine's sample to the loudspeaker, but for the network. */
-  get latency() {
-    const device = this.context ? this.context.baseLatency + (this.context.outputLatency || 0) : 0;
-    return this.isHeard ? device + (this.node ? this.state.waits : LEAD) : 0;
+  /** Seconds that the device itself takes, as the browser knows it. */
+  get device() {
+    return this.context?.outputLatency || 0;
+  }
+
+  /** When a sample of the engine is heard, in ms of the page's clock, less the device's own latency; null if unknown. */
+  heardAt(sample) {
+    const { contextTime, performanceTime } = this.context.getOutputTimestamp();
+    if (this.state.at === undefined || !performanceTime) return null;
+    const at = this.state.at + (sample - this.state.sample) / this.rate;
+    return performanceTime + 1000 * (at - contextTime - this.device);
   }
 
   take(position, rate, left, right) {
     this.rate = rate;
     this.keep(left, right);
     if (this.recording) this.record(position, left, right);
-    if (this.isHeard && !this.hasWorklet && this.context?.state === "running") this.schedule(rate, left, right);
+    if (this.isHeard && !this.hasWorklet && this.context?.state === "running") this.schedule(position, rate, left, right);
   }
 
   /** Play a block by a buffer of its own: later than the worklet, but it needs no https. */
-  schedule(rate, left, right) {
+  schedule(position, rate, left, right) {
     const buffer = this.context.createBuffer(2, left.length, rate);
     buffer.copyToChannel(left, 0);
     buffer.copyToChannel(right, 1);
@@ -73,8 +80,8 @@ export class Sound {
     const now = this.context.currentTime;
     if (this.end < now + 0.01 || this.end > now + 0.5) this.end = now + LEAD;
     source.start(this.end);
+    this.state = { waits: this.end - now, gaps: 0, playing: true, at: this.end, sample: position };
     this.end += left.length / rate;
-    this.state = { waits: this.end - now, gaps: 0, playing: true };
   }
 
   keep(left, right) {

@@ -43,7 +43,7 @@ export class Touch {
     else if (this.moves) this.lift(pointer);
     else {
       pointer.kind = "touch";
-      this.hands.strike(found.object, found.position, this.speed(event, found.object));
+      this.hands.strike(found.object, found.position, this.speed(event, found.object), event.timeStamp);
       this.hands.scene.choose(found.object.name);
       pointer.timer = setTimeout(() => this.hold(pointer), HOLD);
     }

@@ -46,8 +46,8 @@ export function spectrum(sound) {
 }
 
 export class Views {
-  constructor(scene, sound) {
-    Object.assign(this, { scene, sound, peaks: [-200, -200], limited: 0, limits: 0, words: "", last: null });
+  constructor(scene, sound, delay) {
+    Object.assign(this, { scene, sound, delay, peaks: [-200, -200], limited: 0, limits: 0, words: "", last: null });
     this.smooth = null;
     const { link } = scene;
     link.on("/meter", (...args) => this.meter(...args));
@@ -70,7 +70,10 @@ export class Views {
     const words = [`${Math.round(100 * load)} % load`, `${contacts} contact${contacts === 1 ? "" : "s"}`];
     if (quality) words.push(`quality ${quality}`);
     if (this.limits) words.push("limiter");
-    if (this.sound.isHeard) words.push(`${Math.round(1000 * this.sound.latency)} ms`);
+    const { median } = this.delay;
+    if (this.sound.isHeard && median !== null) {
+      words.push(`finger to sound ${Math.round(median)} ms + device ${Math.round(1000 * this.sound.device)} ms`);
+    }
     this.words = words.join(" · ");
   }
 

@@ -19,7 +19,8 @@ from ...dsp.runtime.handover import Handover
 from ...dsp.runtime.pacer import keep_pace
 from .portaudio import AudioError, give_up, jack_rate, never_end, portaudio
 
-_CLOCK_BLOCK = 480
+_BLOCKS = {"none": 480, "page": 128}
+"""Frames of a block without a device: short where pages hear it, as a message waits for the next block."""
 _WRONG_RATE, _DEVICE_UNAVAILABLE = -9997, -9985  # PortAudio's errors
 _CALL = 0.2  # s for a call of the engine to end
 _PATIENCE = 3.0  # s for a device to be closed
@@ -59,7 +60,7 @@ class ClockOutput:
 
     def __init__(self, engine: Engine, block: int, latency: float | None, name: str = "none") -> None:
         self.name = name
-        frames = block or _CLOCK_BLOCK
+        frames = block or _BLOCKS[name]
         self.latency = max(frames / engine.rate, latency or 0.0)
         self._engine = engine
         self._running = np.ones(1, np.int64)

@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 from ...dsp.runtime.engine import Engine
 
 PERIOD = 0.01  # s between looks
+_SOON = 0.0025  # s between them while somebody listens
 
 Sound = NDArray[np.float32]
 Sink = Callable[[int, Sound], object]
-"""Takes the number of the first sample, and float32 (frames, channels)."""
+"""Takes the number of the first sample, and float32 (frames, channels); true if it wants more as soon as there is."""
 
 
 class Tap:
@@ -26,6 +27,7 @@ class Tap:
         self._sinks: list[Sink] = []
         self._peaks = np.zeros(engine.channels, np.float32)
         self._read = 0
+        self._hurries = False
         self._stop = threading.Event()
         engine.record()
         self._thread = threading.Thread(target=self._run, name="carom-tap", daemon=True)
@@ -41,7 +43,7 @@ class Tap:
         return [float(peak) for peak in peaks]
 
     def _run(self) -> None:
-        while not self._stop.wait(PERIOD):
+        while not self._stop.wait(_SOON if self._hurries else PERIOD):
             self._look()
 
     def _look(self) -> None:
@@ -51,8 +53,7 @@ class Tap:
         first = self._read + self._engine.stats.tap_lost
         self._read += len(sound)
         self._peaks = np.maximum(self._peaks, np.abs(sound).max(axis=0))
-        for sink in self._sinks:
-            sink(first, sound)
+        self._hurries = any([sink(first, sound) for sink in self._sinks])
 
     def close(self) -> None:
         """Hand on what is left, and end."""

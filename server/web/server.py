@@ -57,10 +57,12 @@ class WebServer:
         """Send the sound to the clients that want to hear it."""
         rate, channels = round(engine.rate), engine.channels
 
-        def hand_on(first: int, sound: NDArray[np.float32]) -> None:
-            if any(client.sound_on for client in tuple(self.site.clients)):
+        def hand_on(first: int, sound: NDArray[np.float32]) -> bool:
+            heard = any(client.sound_on for client in tuple(self.site.clients))
+            if heard:
                 packet = sound_packet(first, rate, channels, sound.astype("<f4", copy=False).tobytes())
                 self._loop.call_soon_threadsafe(self.site.play, packet, len(sound) / rate)
+            return heard
 
         tap.add(hand_on)
 

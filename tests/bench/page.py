@@ -1,8 +1,8 @@
-"""The page's delays: from a click to its message and its sample, and from a sample to the browser's loudspeaker.
+"""The page's delays: from a click to its message, to its sample, and to its sound in the browser.
 
 `python -m tests.bench.page --minutes 10` starts a server with `--device page` and Debian's Chromium, clicks, and then
-listens. It fails where a median is over LIMITS, where the slowest hundredth takes twice that, where the stream had a
-gap, or where it came later than STREAM.
+listens. It fails where a median is over LIMITS, where the slowest hundredth takes twice that, where the stream had more
+gaps than one a minute, or where more of it waited than STREAM.
 """
 
 import argparse
@@ -20,10 +20,10 @@ import numpy as np
 
 from tests.support import CAROM, Running, serving
 
-LIMITS = {"click to OSC": 5.0, "click to sample": 20.0}
-"""ms in the median; the slowest hundredth may take twice that."""
-STREAM = 0.15
-"""s from a sample of the engine to the loudspeaker that the browser knows."""
+LIMITS = {"click to OSC": 5.0, "click to sample": 15.0, "click to sound": 50.0}
+"""ms in the median, less the device's own; the slowest hundredth may take twice that."""
+STREAM = 0.04
+"""s of the engine's sound that wait in the page."""
 ROOT = Path(__file__).resolve().parents[2]
 HERE = (sys.executable, "-m", "tests.bench.page", "timed")
 
@@ -82,7 +82,7 @@ def page(folder: Path, carom: tuple[str, ...] = CAROM) -> Iterator[tuple[Running
 
 def clicks(folder: Path, count: int) -> dict[str, np.ndarray]:
     """The delays (ms) of clicks on an object, a quarter of a second apart on average."""
-    samples = []
+    samples, heard = [], []
     random = np.random.default_rng(1)
     with page(folder, HERE) as (server, view), server.client() as listener:
         view.evaluate(_CLICKS)
@@ -97,16 +97,18 @@ def clicks(folder: Path, count: int) -> dict[str, np.ndarray]:
             view.mouse.click(x, y)
             view.wait_for_timeout(random.uniform(150, 350))
             samples += [told.args[2] for told in listener.replies(0.0) if told.address == "/hit"]
+            heard += view.evaluate("carom.delay.measured.splice(0)")
         clicked = np.array(view.evaluate("clicks"))
         server.quit()
     arrived = np.loadtxt(folder / "arrivals.txt")
     assert len(arrived) == len(clicked) == len(samples) == count, (len(arrived), len(clicked), len(samples))
     to_osc = 1e-6 * (arrived[:, 0] - clicked)
-    return {"click to OSC": to_osc, "click to sample": to_osc + 1e3 * (samples - arrived[:, 1]) / arrived[:, 2]}
+    to_sample = to_osc + 1e3 * (samples - arrived[:, 1]) / arrived[:, 2]
+    return {"click to OSC": to_osc, "click to sample": to_sample, "click to sound": np.array(heard)}
 
 
 def stream(folder: Path, minutes: float) -> list[dict[str, float]]:
-    """Twice a second: the latency (s) of the stream to the browser's loudspeaker, and the gaps so far; objects ring."""
+    """Twice a second: the sound (s) that waits in the page, and the gaps so far; objects ring."""
     told = []
     with page(folder) as (server, view), server.client() as client:
         view.mouse.click(640, 400)
@@ -114,7 +116,7 @@ def stream(folder: Path, minutes: float) -> list[dict[str, float]]:
         while time.monotonic() < end:
             client.send("/object/*/impact", 0.5)
             view.wait_for_timeout(500)
-            told.append(view.evaluate("({latency: carom.sound.latency, ...carom.sound.state})"))
+            told.append(view.evaluate("carom.sound.state"))
         server.quit()
     return told
 
@@ -134,10 +136,10 @@ def main() -> int:
             print(f"{name}: median {middle:.1f} ms, 99 % under {slow:.1f} ms, the slowest {delays.max():.1f} ms")
     with tempfile.TemporaryDirectory() as folder:
         told = stream(Path(folder), args.minutes)
-    late = max(each["latency"] for each in told[4:])
+    waits = np.quantile([each["waits"] for each in told[4:]], 0.99)
     gaps = told[-1]["gaps"]
-    print(f"stream of {args.minutes:g} minutes: {gaps} gaps, latency at most {1e3 * late:.0f} ms")
-    return int(failed or gaps > 0 or late > STREAM)
+    print(f"stream of {args.minutes:g} minutes: {gaps} gaps, 99 % of the time under {1e3 * waits:.0f} ms of it wait")
+    return int(failed or gaps > args.minutes or waits > STREAM)
 
 
 if __name__ == "__main__":
