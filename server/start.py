@@ -1,5 +1,6 @@
 """The start of a live server: its network, files, device and web server, and their end."""
 
+import errno
 import gc
 import sys
 import tempfile
@@ -32,7 +33,7 @@ _SWITCH = 0.0005  # s that a thread may keep Python's lock while another one wan
 def serving(options: Options) -> Iterator[Server]:
     """A server ready to `run`. OSError, AudioError, ServeError or PresetError say why it can't start."""
     with ExitStack() as last, ExitStack() as stack:
-        with _named(options.bind, options.port):
+        with _named(options.bind, options.port, "--port"):
             network = stack.enter_context(closing(Network(options.bind, options.port)))
         presets = Presets(options.presets)
         early = wait_for_code(network)
@@ -92,7 +93,7 @@ def _start_web(options: Options, server: Server, tap: Tap | None, stack: ExitSta
     if tap:
         web.hear(server.engine, tap)
         server.teller.tap = tap
-    with _named(options.bind, options.web):
+    with _named(options.bind, options.web, "--oscquery" if options.page is None else "--page"):
         stack.enter_context(answering(web))
     server.on_look = listening.look
     return web
@@ -107,9 +108,13 @@ def _warm_up(engine: Engine) -> None:
 
 
 @contextmanager
-def _named(host: str, port: int) -> Iterator[None]:
-    """An OSError inside names the port."""
+def _named(host: str, port: int, option: str) -> Iterator[None]:
+    """An OSError inside names the port, and the option that chooses another one where it is taken."""
     try:
         yield
     except OSError as error:
-        raise OSError(f"port {port} on {host}: {error.strerror or error}") from error
+        text = f"port {port} on {host}"
+        if error.errno != errno.EADDRINUSE:
+            raise OSError(f"{text}: {error.strerror or error}") from error
+        free = f"{option} 0 takes any free one"
+        raise OSError(f"{text} is in use, perhaps by a Carom that runs already: {free}") from None

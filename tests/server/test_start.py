@@ -60,12 +60,16 @@ def test_an_unknown_device_is_told(tmp_path):
 
 
 def test_a_second_server_says_so(tmp_path, server: Running):
-    assert f"port {server.port} on 127.0.0.1: Address already in use" in failing(tmp_path, "--port", str(server.port))
+    assert f"port {server.port} on 127.0.0.1 is in use, perhaps by a Carom that runs already: --port 0" in failing(
+        tmp_path, "--port", str(server.port)
+    )
     with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as taken:  # by another program, for TCP alone
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         port = str(taken.getsockname()[1])
-        assert f"port {port} on 127.0.0.1: Address already in use" in failing(tmp_path, "--port", port)
+        assert f"port {port} on 127.0.0.1 is in use, perhaps by a Carom that runs already: --port 0" in failing(
+            tmp_path, "--port", port
+        )
     with server.client() as client:
         assert client.status().args[0] == 1
 

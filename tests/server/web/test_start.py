@@ -57,6 +57,19 @@ def test_what_can_not_be_is_told_in_a_line(tmp_path: Path, options, said):
     assert run.returncode == 1 and said in run.stderr and run.stderr.count("\n") == 1
 
 
+@pytest.mark.parametrize("option", ["--page", "--oscquery"])
+def test_a_port_that_is_taken_is_told_in_a_sentence(tmp_path: Path, option):
+    with serving(tmp_path, "--device", "none", "--page", "0") as server:
+        port = re.search(r":(\d+)/", told(server))[1]
+        words = [*CAROM, "serve", "--port", "0", "--device", "none", option, port]
+        run = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert run.returncode == 1
+    assert run.stderr == (
+        f"carom serve: port {port} on 127.0.0.1 is in use, perhaps by a Carom that runs already: "
+        f"{option} 0 takes any free one\n"
+    )
+
+
 def test_without_aiohttp_it_says_what_to_install(tmp_path):
     (tmp_path / "aiohttp.py").write_text("raise ModuleNotFoundError('no', name='aiohttp')")
     run = subprocess.run(
