@@ -13,6 +13,7 @@ from ..presets import PresetError, Presets
 from .discovery import tuning_of
 from .osc.score import format_line
 from .osc.wire import Message
+from .scene.notes import keys_of
 from .scene.session import Session
 
 _MOST_MODES = 64  # of an object that are shown
@@ -138,6 +139,7 @@ class Knowledge:
             "position": obj.preset.position,
             "mass": obj.mass,
             "settings": dict(obj.settings),
+            "made": keys_of(obj),
             "frequency": [round(tuning_of(obj) * float(f), 3) for f in modes.frequency[:count]],
             "t60": [round(_T60 / float(d), 4) if d > 0 else 0.0 for d in modes.decay[:count]],
             "loud": [float(f"{each:.4g}") for each in loud],

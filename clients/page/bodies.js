@@ -1,9 +1,10 @@
 // The shapes of objects: how large they are on the table, where a point of them lies along their strike path, and back.
 // Lengths are in pixels about the middle of the body.
 
-import { bar, bell, bowl, disc, fork, plate, ring, string, triangle } from "./drawing.js";
+import { ball, bar, bell, block, bowl, disc, fork, plate, ring, string, triangle } from "./drawing.js";
 
 const TAU = 2 * Math.PI;
+const SIZE = 0.2; // m, of a body of which only the modes are known
 
 /** Pixels for a length in m: what is ten times as long is drawn three and a half times as long. */
 function pixels(metres) {
@@ -108,9 +109,9 @@ function standing(w, h, top, tilt, draw) {
   };
 }
 
-function plateBody(preset, length, width, draw) {
-  const [x0, y0] = preset.geometry.path_from ?? [0, 0];
-  const [x1, y1] = preset.geometry.path_to ?? [1, 1];
+function plateBody(geometry, length, width, draw) {
+  const [x0, y0] = geometry.path_from ?? [0, 0];
+  const [x1, y1] = geometry.path_to ?? [1, 1];
   const ax = (x0 - 0.5) * length, ay = (0.5 - y0) * width;
   const dx = (x1 - x0) * length, dy = (y0 - y1) * width;
   const square = dx * dx + dy * dy;
@@ -166,43 +167,51 @@ function triangleBody(length, material) {
   };
 }
 
-/** The body of a preset: size, drawing, and the way between its points and its strike path. */
-export function bodyOf(preset) {
-  const { shape, geometry, name, material } = preset;
+/** The body of an object of a preset, as its shape, its geometry and its material have it: size, drawing, and the way
+ * between its points and its strike path. `metres`: its width; `key`: alike for those that look alike. */
+export function bodyOf({ shape, geometry, name, material }) {
+  const body = shaped(shape, geometry, name, material);
+  const metres = geometry.length ?? (geometry.radius ? 2 * geometry.radius : SIZE);
+  return Object.assign(body, { metres, key: JSON.stringify([shape, geometry, name, material]) });
+}
+
+function shaped(shape, geometry, name, material) {
   const size = (key, other = 0.1) => geometry[key] ?? other;
+  const r = pixels(2 * size("radius")) / 2;
   if (shape === "string") {
     const length = pixels(size("length", 1)) * 0.92;
     return long(length, 10, (g) => string(g, length, material), 26);
   }
-  if (shape === "bar") {
-    const length = pixels(size("length"));
-    if (name === "triangle") return triangleBody(size("length"), material);
-    const wide = size("diameter", size("width", 0.02));
-    const width = Math.max(12, length * Math.min(0.4, wide / size("length")));
-    if (name === "tuning-fork") return long(length * 1.35, width * 3.2, (g) => fork(g, length * 1.35, width * 3.2, material));
-    return long(length, width, (g) => bar(g, length, width, material, geometry));
-  }
+  if (shape === "bar") return barBody(geometry, size, name, material);
   if (shape === "plate") {
     const length = pixels(size("length"));
     const width = length * (size("width") / size("length"));
-    return plateBody(preset, length, width, (g) => plate(g, length, width, material));
+    return plateBody(geometry, length, width, (g) => plate(g, length, width, material));
   }
-  if (shape === "disc" || shape === "membrane") {
-    const r = pixels(2 * size("radius")) / 2;
-    return round(r, (g) => disc(g, r, material, shape, name));
-  }
+  if (shape === "disc" || shape === "membrane") return round(r, (g) => disc(g, r, material, shape, name));
+  if (shape === "sphere") return round(r, (g) => ball(g, r, material));
   if (shape === "ring") {
-    const r = pixels(2 * size("radius")) / 2 + 6;
-    const inner = r * (1 - Math.max(0.16, size("thickness", 0.005) / size("radius")));
-    return rim(r, inner, (g) => ring(g, r, inner, material));
+    const outer = r + 6;
+    const inner = outer * (1 - Math.max(0.16, size("thickness", 0.005) / size("radius")));
+    return rim(outer, inner, (g) => ring(g, outer, inner, material));
   }
   if (shape === "glass") {
-    const r = pixels(2 * size("radius")) / 2;
     const stem = name.includes("wine");
-    const h = pixels(2 * size("radius")) * (size("height") / (2 * size("radius"))) * (stem ? 1.9 : 1);
+    const h = 2 * r * (size("height") / (2 * size("radius"))) * (stem ? 1.9 : 1);
     return standing(2 * r, h + r * 0.5, -h / 2, r * 0.26, (g) => bowl(g, r, h, material, stem));
   }
-  const r = pixels(2 * size("radius", 0.2)) / 2;
-  const h = 2 * r * (size("height", 0.3) / (2 * size("radius", 0.2))) * 1.1;
-  return standing(2 * r, h, h / 2 - r * 0.16, r * 0.16, (g) => bell(g, r, h, material));
+  if (name.includes("bell") && geometry.radius && geometry.height) {
+    const h = 2 * r * (geometry.height / (2 * geometry.radius)) * 1.1;
+    return standing(2 * r, h, h / 2 - r * 0.16, r * 0.16, (g) => bell(g, r, h, material));
+  }
+  const length = pixels(size("length", geometry.radius ? 2 * geometry.radius : SIZE));
+  return long(length, 0.5 * length, (g) => block(g, length, 0.5 * length, material));
+}
+
+function barBody(geometry, size, name, material) {
+  const length = pixels(size("length"));
+  if (name === "triangle") return triangleBody(size("length"), material);
+  const width = Math.max(12, length * Math.min(0.4, size("diameter", size("width", 0.02)) / size("length")));
+  if (name === "tuning-fork") return long(length * 1.35, width * 3.2, (g) => fork(g, length * 1.35, width * 3.2, material));
+  return long(length, width, (g) => bar(g, length, width, material, geometry));
 }

@@ -31,8 +31,8 @@ export class Controls {
   }
 
   head(object) {
-    const { name, preset, modes } = object;
-    const facts = [preset.material.replaceAll("-", " "), modes && `${modes.frequency.length}${modes.frequency.length === 64 ? "+" : ""} modes`,
+    const { name, preset, material, modes } = object;
+    const facts = [material.replaceAll("-", " "), modes && `${modes.frequency.length}${modes.frequency.length === 64 ? "+" : ""} modes`,
       modes && `${modes.mass < 1 ? `${(modes.mass * 1000).toFixed(0)} g` : `${modes.mass.toFixed(1)} kg`}`].filter(Boolean).join(" · ");
     const copy = el("button", { textContent: "Copy" });
     copy.onclick = () => this.scene.add(preset.name);

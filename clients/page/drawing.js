@@ -194,6 +194,58 @@ export function disc(g, r, material, shape, name) {
   g.restore();
 }
 
+/** A solid ball; light falls through one that is clear. */
+export function ball(g, r, material) {
+  const m = look(material), clear = m.alpha < 1;
+  const path = () => {
+    g.beginPath();
+    g.arc(0, 0, r, 0, TAU);
+  };
+  g.globalAlpha = clear ? 0.8 : 1;
+  shadowed(g, () => {
+    g.fillStyle = clear ? through(g, r, m) : polished(g, r, m);
+    path();
+    g.fill();
+  });
+  path();
+  edged(g, m);
+  g.globalAlpha = 0.85;
+  g.fillStyle = "#ffffff";
+  g.beginPath();
+  g.ellipse(-0.38 * r, -0.46 * r, 0.2 * r, 0.11 * r, -0.7, 0, TAU);
+  g.fill();
+  g.globalAlpha = 1;
+}
+
+/** The shade of a clear ball: dark where the light enters, bright where it gathers on the other side. */
+function through(g, r, { base, light, dark }) {
+  const shade = g.createRadialGradient(0.3 * r, 0.4 * r, 0.05 * r, 0, 0, r);
+  shade.addColorStop(0, light);
+  shade.addColorStop(0.35, base);
+  shade.addColorStop(0.85, dark);
+  shade.addColorStop(1, base);
+  return shade;
+}
+
+/** A body of no known shape: a rounded block. */
+export function block(g, length, width, material) {
+  const m = look(material);
+  const path = () => {
+    g.beginPath();
+    g.roundRect(-length / 2, -width / 2, length, width, width * 0.4);
+  };
+  g.globalAlpha = m.alpha;
+  shadowed(g, () => {
+    g.fillStyle = sheen(g, -length / 2, -width, length / 2, width, m);
+    path();
+    g.fill();
+  });
+  path();
+  if (m.wooden) grain(g, length, width, m);
+  path();
+  edged(g, m);
+}
+
 export function ring(g, r, inner, material) {
   const m = look(material);
   shadowed(g, () => {

@@ -58,7 +58,7 @@ export class Hands extends EventTarget {
   roll(object, position, speed) {
     const id = this.id("roll");
     const { radius, click_radius } = this.strikerOf(object);
-    const surface = this.chosen.roll.surface ?? SURFACES[object.preset.material] ?? OTHERWISE;
+    const surface = this.chosen.roll.surface ?? SURFACES[object.material] ?? OTHERWISE;
     const more = { radius: Math.max(SMALLEST, radius ?? click_radius ?? 0.008), ...this.chosen.roll, surface, id };
     this.link.send(`/object/${object.name}/roll`, speed, position, ...this.keys("roll", object, more));
     return id;
@@ -99,6 +99,12 @@ export class Hands extends EventTarget {
   note(object, note, velocity) {
     const striker = this.striker ? ["striker", this.striker] : [];
     this.link.send(`/object/${object.name}/note`, note, velocity, object.preset.position, ...striker);
+  }
+
+  /** Lay a hand on an object and on the copies of it that notes are played on, as firmly as 0 to 1 says. */
+  damp(object, firmly) {
+    object.settings.damp = firmly;
+    for (const name of this.scene.namesOf(object)) this.link.steer(`/object/${name}/damp`, firmly);
   }
 
   tell(type, detail) {

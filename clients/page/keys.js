@@ -1,4 +1,4 @@
-// The keyboard and MIDI.
+// The computer's keyboard.
 
 const PIANO = "awsedftgyhujkolp";
 const STEP = 0.02;
@@ -30,15 +30,15 @@ export class Keys {
     if (event.repeat) return;
     if (event.key === "Escape") this.silence();
     else if (event.key === "?") document.getElementById("help").click();
-    else if (/^[1-9]$/.test(key)) this.strikeNumber(Number(key));
+    else if (/^[1-9]$/.test(key)) this.strikeNumber(Number(key), event.timeStamp);
     else if (key === "z" || key === "x") this.octave = Math.max(0, Math.min(8, this.octave + (key === "x" ? 1 : -1)));
     else if (PIANO.includes(key) && this.selected) this.hands.note(this.selected, 12 * (this.octave + 1) + PIANO.indexOf(key), event.shiftKey ? 120 : 90);
   }
 
-  strikeNumber(number) {
+  strikeNumber(number, stamp) {
     const object = [...this.scene.objects.values()][number - 1];
     if (object) {
-      this.hands.strike(object, object.preset.position);
+      this.hands.strike(object, object.preset.position, undefined, stamp);
       this.scene.choose(object.name);
     }
   }
@@ -66,25 +66,5 @@ export class Keys {
   release(key) {
     if (this.held.has(key)) this.hands.stop(this.held.get(key));
     this.held.delete(key);
-  }
-
-  /** Listen to all MIDI inputs: notes play tuned copies of the selected object, controller 1 is a hand on it. */
-  async listen() {
-    const midi = await navigator.requestMIDIAccess();
-    const connect = () => {
-      for (const input of midi.inputs.values()) input.onmidimessage = ({ data }) => this.hear(data);
-    };
-    connect();
-    midi.onstatechange = connect;
-    return [...midi.inputs.values()].map((input) => input.name);
-  }
-
-  hear([status, first, second]) {
-    const object = this.selected;
-    if (!object) return;
-    const kind = status & 0xf0;
-    if (kind === 0x90 && second > 0) this.hands.note(object, first, second);
-    else if (kind === 0xb0 && first === 1) this.scene.set(object.name, "damp", second / 127, false);
-    else if (kind === 0xb0 && first >= 120) this.silence();
   }
 }

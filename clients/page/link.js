@@ -31,7 +31,7 @@ export class Link extends EventTarget {
     this.socket.onclose = () => {
       this.dispatchEvent(new Event("lost"));
       setTimeout(() => this.open(), this.wait);
-      this.wait = Math.min(2 * this.wait, 4000);
+      this.wait = Math.min(2 * this.wait, 2000);
     };
   }
 

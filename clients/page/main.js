@@ -5,10 +5,13 @@ import { Delay } from "./delay.js";
 import { Hands } from "./hands.js";
 import { Keys } from "./keys.js";
 import { Link } from "./link.js";
+import { Midi } from "./midi.js";
 import { presets, strikers } from "./palettes.js";
 import { Scene } from "./scene.js";
+import { Shelf } from "./shelf.js";
 import { Sound } from "./sound.js";
 import { Table } from "./table.js";
+import { HEAD, read } from "./tables.js";
 import { Touch } from "./touch.js";
 import { Views } from "./views.js";
 
@@ -42,8 +45,8 @@ async function catalogue() {
   return response.json();
 }
 
-function tellProblems(link) {
-  link.on("/fail", (address, reason) => notice(`${address}: ${reason}`, "bad"));
+function tellProblems(link, scene) {
+  link.on("/fail", (address, reason) => scene.restored.has(reason.match(/^name = (\S+): there is/)?.[1]) || notice(`${address}: ${reason}`, "bad"));
   link.on("/warning", (text) => notice(text));
   link.addEventListener("lost", () => document.body.classList.add("lost"));
   link.addEventListener("open", () => document.body.classList.remove("lost"));
@@ -82,23 +85,30 @@ function setUpSound(link, sound) {
   };
 }
 
-function setUpScores(link) {
+/** Open a file: a table is laid, any other score is played. */
+async function open(link, scene, file) {
+  const text = await file.text();
+  if (text.startsWith(HEAD)) {
+    scene.replace(read(text).objects);
+    return;
+  }
+  const response = await fetch(`/page/score?client=${encodeURIComponent(link.client)}`, { method: "POST", body: file });
+  if (!response.ok) throw new Error(await response.text());
+  const { messages, seconds } = await response.json();
+  notice(`${file.name}: ${messages} messages, ${seconds.toFixed(1)} s`);
+}
+
+function setUpScores(openFile) {
   let depth = 0;
   const show = (on) => ($("drop").hidden = !on);
   addEventListener("dragenter", (event) => event.dataTransfer?.types.includes("Files") && (++depth, show(true)));
   addEventListener("dragleave", () => show((depth = Math.max(0, depth - 1)) > 0));
   addEventListener("dragover", (event) => event.preventDefault());
-  addEventListener("drop", async (event) => {
+  addEventListener("drop", (event) => {
     event.preventDefault();
     show((depth = 0) > 0);
     const file = event.dataTransfer?.files[0];
-    if (!file) return;
-    const response = await fetch(`/page/score?client=${encodeURIComponent(link.client)}`, { method: "POST", body: file });
-    if (!response.ok) notice(await response.text(), "bad");
-    else {
-      const { messages, seconds } = await response.json();
-      notice(`${file.name}: ${messages} messages, ${seconds.toFixed(1)} s`);
-    }
+    if (file) openFile(file);
   });
 }
 
@@ -126,26 +136,12 @@ function setUpSheets() {
   $("table").addEventListener("pointerdown", () => (document.body.dataset.sheet = ""));
 }
 
-function setUpHelp(keys, sound) {
+function setUpHelp(sound) {
   $("help").onclick = () => $("help-text").showModal();
-  const missing = [];
-  if (!sound.hasWorklet) missing.push("sound with low latency");
-  if (!navigator.requestMIDIAccess) missing.push("MIDI");
-  else {
-    const connect = document.createElement("button");
-    Object.assign(connect, { type: "button", id: "midi", textContent: "Connect MIDI" });
-    connect.onclick = async () => {
-      try {
-        const names = await keys.listen();
-        connect.textContent = names.length ? `Listening to ${names.join(", ")}.` : "No MIDI input yet: connect one.";
-      } catch (error) {
-        connect.textContent = `MIDI: ${error.message}`;
-      }
-    };
-    $("midi-note").append(connect);
-  }
-  const why = isSecureContext ? "This browser lacks" : "Over plain http from another machine browsers withhold";
-  $("missing").textContent = missing.length ? `${why} ${missing.join(" and ")}.${isSecureContext ? "" : " carom serve --page --tls has it."}` : "";
+  if (sound.hasWorklet) return;
+  $("missing").textContent = isSecureContext
+    ? "This browser lacks sound with low latency."
+    : "Over plain http from another machine browsers withhold sound with low latency: carom page --bind 0.0.0.0 --tls has it.";
 }
 
 function setUpHint(hands) {
@@ -158,11 +154,17 @@ function setUpHint(hands) {
   }, { once: true });
 }
 
+function setUpEmpty(scene) {
+  const show = () => ($("empty").hidden = !scene.isKnown || scene.objects.size > 0 || scene.pending.size > 0);
+  scene.addEventListener("changed", show);
+  $("begin").onclick = () => scene.lay(scene.first());
+}
+
 async function start() {
   setUpTheme();
   const link = new Link();
-  tellProblems(link);
   const scene = new Scene(link, await catalogue());
+  tellProblems(link, scene);
   const sound = new Sound(link);
   const hands = new Hands(link, scene);
   const table = new Table($("table"), scene);
@@ -187,13 +189,18 @@ async function start() {
   $("undo").onclick = () => scene.undo();
   scene.addEventListener("done", () => ($("undo").disabled = !scene.done.length));
   setUpSound(link, sound);
-  setUpScores(link);
+  const openFile = (file) => open(link, scene, file).catch((error) => notice(`${file.name}: ${error.message}`, "bad"));
+  setUpScores(openFile);
+  setUpEmpty(scene);
+  const midi = new Midi($("midi"), $("midi-open"), scene, hands, silence);
+  new Shelf($("tables"), scene, openFile, saved);
+  addEventListener("pagehide", () => scene.keep());
   setUpSheets();
-  setUpHelp(keys, sound);
+  setUpHelp(sound);
   setUpHint(hands);
   controls.show();
   link.open();
-  window.carom = { link, scene, sound, delay, hands, table, touch, views, keys };
+  window.carom = { link, scene, sound, delay, hands, table, touch, views, keys, midi };
 }
 
 start().catch((error) => notice(`The page can't start: ${error.message}`, "bad"));

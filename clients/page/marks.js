@@ -1,6 +1,7 @@
 // What is drawn over the objects: contacts, strikers in flight, hands, rolls, nodal lines.
 
 import { GRAVITY } from "./hands.js";
+import { disc, look } from "./materials.js";
 
 const FLASH = 520; // ms
 const TAU = 2 * Math.PI;
@@ -32,7 +33,7 @@ export class Marks {
 
   /** Follow a striker that is dropped from a height. */
   follow({ object, position, value, id }, striker, gravity = GRAVITY) {
-    this.balls.set(id, { object, position, gravity, mass: striker.mass, radius: size(striker), falls: value, up: 0, since: performance.now() });
+    this.balls.set(id, { object, position, gravity, striker, mass: striker.mass, radius: size(striker), falls: value, up: 0, since: performance.now() });
     this.table.wake();
   }
 
@@ -92,7 +93,7 @@ export class Marks {
     if (height < 0 && ball.up === 0 && ball.falls === 0) return seconds * 1000 < LOST;
     const over = Math.sqrt(Math.max(0, height)) * HEIGHT * this.table.scale;
     this.shadow(g, x, y, ball.radius, over);
-    this.sphere(g, x, y - over - ball.radius, ball.radius);
+    this.sphere(g, x, y - over - ball.radius, ball.radius, ball.striker);
     const gone = seconds - Math.max((2 * ball.up) / ball.gravity, Math.sqrt((2 * ball.falls) / ball.gravity));
     return gone * 1000 < LOST;
   }
@@ -106,25 +107,25 @@ export class Marks {
     g.restore();
   }
 
-  sphere(g, x, y, r) {
-    const shade = g.createRadialGradient(x - 0.35 * r, y - 0.4 * r, r * 0.08, x, y, r);
-    shade.addColorStop(0, "#ffffff");
-    shade.addColorStop(0.4, "#8fd8d4");
-    shade.addColorStop(1, "#12605e");
-    g.fillStyle = shade;
+  sphere(g, x, y, r, { material }) {
+    g.save();
+    g.translate(x, y);
+    g.fillStyle = disc(g, r, look(material));
     g.beginPath();
-    g.arc(x, y, r, 0, TAU);
+    g.arc(0, 0, r, 0, TAU);
     g.fill();
+    g.restore();
   }
 
   pointer(g, pointer) {
     const { kind, object, position, x, y } = pointer;
     const { hands } = this.table.touch;
     if (kind === "roll") {
-      const r = size(hands.strikerOf(object));
+      const striker = hands.strikerOf(object);
+      const r = size(striker);
       const [px, py] = this.table.pixel(object, position);
       this.shadow(g, x, y, r, 4);
-      this.sphere(g, x, y - r * 0.6, r);
+      this.sphere(g, x, y - r * 0.6, r, striker);
       this.dot(g, px, py);
       this.label(g, x, y - 2 * r - 12, `${pointer.speed.toFixed(2)} m/s`);
     } else if (kind === "hold") {
@@ -153,7 +154,7 @@ export class Marks {
     g.stroke();
     g.restore();
     this.dot(g, px, py);
-    this.sphere(g, x, y, 11);
+    this.sphere(g, x, y, 11, this.table.touch.hands.strikerOf(object));
     this.label(g, x, y - 26, `${speed.toFixed(speed < 1 ? 2 : 1)} m/s`);
   }
 
@@ -163,14 +164,14 @@ export class Marks {
     const striker = over ? touch.hands.strikerOf(over.object) : this.table.scene.strikers.get(touch.hands.striker ?? "steel");
     const r = size(striker);
     if (!over) {
-      this.sphere(g, x, y - r, r);
+      this.sphere(g, x, y - r, r, striker);
       return;
     }
     const height = touch.height(pointer);
     const lift = Math.sqrt(height) * HEIGHT * this.table.scale;
     const [px, py] = this.table.pixel(over.object, over.position);
     this.shadow(g, px, py, r, lift);
-    this.sphere(g, px, py - lift - r, r);
+    this.sphere(g, px, py - lift - r, r, striker);
     this.label(g, px, py - lift - 2 * r - 12, `${(100 * height).toFixed(0)} cm`);
   }
 

@@ -18,10 +18,11 @@ const LOOKS = {
   rubber: ["#3b3d44", "#74777f", "#16171a"],
   "piano-wire": ["#a9adb6", "#f4f6f9", "#585c66"],
 };
+const UNKNOWN = ["#948a80", "#ddd4ca", "#4d463f"];
 
 /** The look of a material: {base, light, dark, alpha, wooden}. */
 export function look(material) {
-  const [base, light, dark, alpha = 1] = LOOKS[material] ?? LOOKS.steel;
+  const [base, light, dark, alpha = 1] = LOOKS[material] ?? UNKNOWN;
   return { base, light, dark, alpha, wooden: material === "wood" || material === "rosewood" };
 }
 

@@ -18,10 +18,19 @@ function number(value) {
   return [whole ? "i" : "d", new Uint8Array(out.buffer)];
 }
 
-/** A message as a packet: numbers go as i or d, all else as a string. */
+/** Arguments as [type tags, bytes]. */
+function argument(value) {
+  if (Array.isArray(value)) {
+    const inner = value.map(argument);
+    return [`[${inner.map(([tags]) => tags).join("")}]`, ...inner.flatMap(([, ...bytes]) => bytes)];
+  }
+  return typeof value === "number" ? number(value) : ["s", padded(String(value))];
+}
+
+/** A message as a packet: numbers go as i or d, lists as such, all else as a string. */
 export function encode(address, ...args) {
-  const parts = args.map((each) => (typeof each === "number" ? number(each) : ["s", padded(String(each))]));
-  const chunks = [padded(address), padded("," + parts.map(([tag]) => tag).join("")), ...parts.map(([, bytes]) => bytes)];
+  const parts = args.map(argument);
+  const chunks = [padded(address), padded("," + parts.map(([tags]) => tags).join("")), ...parts.flatMap(([, ...bytes]) => bytes)];
   const out = new Uint8Array(chunks.reduce((sum, each) => sum + each.length, 0));
   let at = 0;
   for (const each of chunks) {

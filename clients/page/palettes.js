@@ -73,7 +73,7 @@ export function strikers(box, hands, onChosen) {
     const name = striker ? striker.name.replaceAll("-", " ") : "each one's own";
     const dot = el("i", { "aria-hidden": "true" });
     if (striker) {
-      const colors = look(striker.material || "rubber");
+      const colors = look(striker.material);
       dot.style.background = `radial-gradient(circle at 35% 30%, ${colors.light}, ${colors.base} 45%, ${colors.dark})`;
     }
     const title = striker ? `${striker.description}; ${short(striker.mass * 1000)} g` : "Each object is struck by what its preset names";

@@ -1,11 +1,13 @@
 // The objects on the table: what the server has, where they lie, what was done last.
 
 import { bodyOf } from "./bodies.js";
+import { read, write } from "./tables.js";
 
-const SPOTS = [[0.5, 0.48], [0.2, 0.26], [0.81, 0.24], [0.18, 0.78], [0.81, 0.76], [0.5, 0.87], [0.5, 0.1], [0.1, 0.52], [0.9, 0.5]];
 const FIRST = ["church-bell", "wine-glass", "steel-plate", "wood-board", "singing-bowl", "marimba-bar"];
 const SOFTEST = -72; // dB at which an object is dark
-const KEPT = "carom-places";
+const PLACES = "carom-places";
+const TABLE = "carom-table"; // as it was last, for a server that has lost it
+const LATER = 300; // ms after a change in which others may come, until the table is kept
 
 const isCopy = (name) => /.\.\d+(\.\d+)?$/.test(name);
 const isTrial = (name) => name.startsWith("try~");
@@ -18,43 +20,67 @@ export class Scene extends EventTarget {
     this.presets = new Map(catalogue.objects.map((each) => [each.name, each]));
     this.strikers = new Map(catalogue.strikers.map((each) => [each.name, each]));
     this.objects = new Map();
+    this.copies = new Set(); // names of objects that notes are played on
     this.selected = null;
     this.done = [];
-    this.pending = new Set(); // names of objects that were asked for
-    this.places = JSON.parse(localStorage.getItem(KEPT) ?? "{}");
+    this.pending = new Map(); // by name, objects that were asked for
+    this.places = JSON.parse(localStorage.getItem(PLACES) ?? "{}");
+    this.room = null; // the table, which knows where there is room
     this.trials = 0;
-    this.isNew = true;
+    this.isKnown = false; // whether it is known what the server has
+    this.restored = new Set(); // names of objects that were made again: another page may have been faster
     link.on("/objects.reply", (first, total, ...pairs) => this.meet(first, total, pairs));
     link.on("/object.added", (name, preset) => this.appear(name, preset));
     link.on("/object.removed", (name) => this.vanish(name));
     link.on("/modes", (name, level, ...pairs) => this.ring(name, level, pairs));
     link.addEventListener("open", () => {
+      this.isKnown = false;
       link.send("/notify", 3);
       link.send("/objects");
     });
+    for (const type of ["changed", "known", "set"]) this.addEventListener(type, () => this.keepSoon());
   }
 
-  /** What the server has as the page comes to it; a server without objects gets some. */
+  /** What the server has as the page comes to it; a server without objects gets the table that was here last. */
   meet(first, total, pairs) {
     const there = new Set();
     for (let n = 0; n < pairs.length; n += 2) {
       there.add(pairs[n]);
-      this.appear(pairs[n], pairs[n + 1]);
+      this.appear(pairs[n], pairs[n + 1], true);
     }
     if (first === 0 && pairs.length === 2 * total) {
       for (const name of this.objects.keys()) if (!there.has(name)) this.vanish(name);
     }
-    if (total === 0 && this.isNew) FIRST.forEach((preset, n) => this.presets.has(preset) && this.make(preset, ...SPOTS[n]));
-    this.isNew = false;
+    const comes = !this.isKnown;
+    this.isKnown = true;
+    if (total === 0 && comes) this.restore();
+    this.changed();
   }
 
-  appear(name, presetName) {
+  restore() {
+    const kept = localStorage.getItem(TABLE);
+    const objects = kept === null ? this.first() : read(kept).objects;
+    this.restored = new Set(objects.map(({ name }) => name));
+    this.lay(objects);
+  }
+
+  /** Objects to begin with. */
+  first() {
+    return FIRST.filter((preset) => this.presets.has(preset)).map((preset) => ({ name: preset, preset, keys: {} }));
+  }
+
+  appear(name, presetName, isHere = false) {
     const preset = this.presets.get(presetName);
+    const { near, exact = isHere } = this.pending.get(name) ?? {};
     this.pending.delete(name);
+    if (isCopy(name)) this.copies.add(name);
     if (!preset || this.objects.has(name) || isTrial(name) || isCopy(name)) return;
-    const [x, y] = this.places[name] ?? this.freeSpot();
-    const object = { name, preset, body: bodyOf(preset), x, y, level: -200, seen: 0, amps: new Map(), modes: null, settings: {} };
+    const body = bodyOf(preset);
+    const place = this.places[name];
+    const [x, y] = exact && place ? place : this.room.freeSpot(name, body, place ?? near);
+    const object = { name, preset, body, material: preset.material, level: -200, seen: 0, amps: new Map(), modes: null, settings: {}, made: {} };
     this.objects.set(name, object);
+    this.place(name, x, y);
     this.look(object);
     if (!this.selected) this.select(name);
     this.changed();
@@ -66,11 +92,15 @@ export class Scene extends EventTarget {
     if (!response.ok) return;
     object.modes = await response.json();
     object.settings = object.modes.settings;
+    object.made = object.modes.made;
+    object.material = object.modes.material;
+    object.body = bodyOf({ ...object.preset, ...object.modes, name: object.preset.name });
     object.peaks = object.modes.frequency.map((_, i) => Math.max(...object.modes.strike.map((row) => Math.abs(row[i]))));
     this.dispatchEvent(new CustomEvent("known", { detail: object.name }));
   }
 
   vanish(name) {
+    this.copies.delete(name);
     if (!this.objects.delete(name)) return;
     if (this.selected === name) this.select(this.objects.keys().next().value ?? null);
     this.changed();
@@ -91,15 +121,6 @@ export class Scene extends EventTarget {
     return Math.max(0, Math.min(1, (object.level - 40 * Math.max(0, age - 0.08) - SOFTEST) / (-8 - SOFTEST)));
   }
 
-  freeSpot() {
-    const taken = [...this.objects.values()];
-    const far = ([x, y]) => Math.min(2, ...taken.map((each) => Math.hypot(each.x - x, each.y - y)));
-    const spot = SPOTS.find((each) => far(each) > 0.15);
-    if (spot) return spot;
-    const tries = Array.from({ length: 40 }, () => [0.12 + 0.76 * Math.random(), 0.14 + 0.72 * Math.random()]);
-    return tries.reduce((best, each) => (far(each) > far(best) ? each : best));
-  }
-
   freeName(preset) {
     for (let n = 1; ; n++) {
       const name = n === 1 ? preset : `${preset}-${n}`;
@@ -107,26 +128,76 @@ export class Scene extends EventTarget {
     }
   }
 
-  make(preset, x, y, settings = {}) {
-    const name = this.freeName(preset);
-    this.pending.add(name);
+  /** Ask for an object; `keys`: of /object/new; `where`: near which place it should lie, if there is room. */
+  make(name, preset, keys = {}, where = {}) {
+    this.pending.set(name, where);
     setTimeout(() => this.pending.delete(name), 3000);
-    if (x !== undefined) this.place(name, x, y);
-    this.link.send("/object/new", name, preset, ...Object.entries(settings).flat());
-    return name;
+    this.link.send("/object/new", name, preset, ...Object.entries(keys).flat());
   }
 
   add(preset, x, y) {
-    const name = this.make(preset, x, y);
+    const name = this.freeName(preset);
+    delete this.places[name]; // a namesake's
+    this.make(name, preset, {}, x === undefined ? {} : { near: [x, y] });
     this.did(() => this.link.send(`/object/${name}/free`, 1));
     this.selectSoon = name;
     return name;
   }
 
   remove(name) {
-    const { preset, x, y, settings } = this.objects.get(name);
+    const { preset, keys } = this.entry(this.objects.get(name));
     this.link.send(`/object/${name}/free`, 1);
-    this.did(() => this.make(preset.name, x, y, settings));
+    this.did(() => this.make(name, preset, keys));
+  }
+
+  /** An object as a table keeps it. */
+  entry({ name, preset, made, settings, x, y }) {
+    const usual = new Map(this.catalogue.settings.map((each) => [each.name, each.default]));
+    const set = Object.entries(settings).filter(([key, value]) => value !== usual.get(key) || key in made);
+    return { name, preset: preset.name, keys: { ...made, ...Object.fromEntries(set) }, x, y, velocity: preset.velocity, position: preset.position };
+  }
+
+  /** The table as a score. */
+  text(title) {
+    return write(title, [...this.objects.values()].map((object) => this.entry(object)));
+  }
+
+  /** The same, with what others have set meanwhile. */
+  async freshText(title) {
+    await Promise.all([...this.objects.values()].map((object) => this.look(object)));
+    return this.text(title);
+  }
+
+  keepSoon() {
+    clearTimeout(this.keeping);
+    this.keeping = setTimeout(() => this.keep(), LATER);
+  }
+
+  /** Keep the table for a server that will have lost it. */
+  keep() {
+    if (this.pending.size) this.keepSoon();
+    else if (this.isKnown && this.link.isOpen) localStorage.setItem(TABLE, this.text("as it was last"));
+  }
+
+  /** Lay objects in place of all that are there. */
+  replace(objects) {
+    const before = [...this.objects.values()].map((object) => this.entry(object));
+    for (const name of [...this.objects.keys()]) {
+      this.link.send(`/object/${name}/free`, 1);
+      this.vanish(name);
+    }
+    this.room.spread();
+    this.lay(objects);
+    this.link.send("/objects"); // an object that came in a namesake's place is not told
+    this.did(() => this.replace(before));
+  }
+
+  lay(objects) {
+    for (const { name, preset, keys, x, y } of objects) {
+      if (x === undefined) delete this.places[name];
+      else this.place(name, x, y);
+      this.make(name, preset, keys, { exact: x !== undefined });
+    }
   }
 
   /** Let a preset be heard without putting it on the table. */
@@ -144,11 +215,12 @@ export class Scene extends EventTarget {
     const before = object.settings[key];
     object.settings[key] = value;
     this.link.steer(`/object/${name}/${key}`, value);
+    this.dispatchEvent(new Event("set"));
     if (remember && before !== undefined) this.did(() => { this.set(name, key, before, false); this.select(name); });
   }
 
   place(name, x, y) {
-    const at = [x, y].map((each) => Math.min(0.97, Math.max(0.03, each)));
+    const at = [x, y].map((each) => Number(Math.min(0.97, Math.max(0.03, each)).toFixed(4)));
     this.places[name] = at;
     const object = this.objects.get(name);
     if (object) [object.x, object.y] = at;
@@ -156,9 +228,14 @@ export class Scene extends EventTarget {
 
   /** Keep where things lie; `from`: where the object lay before it was moved. */
   moved(name, from) {
-    localStorage.setItem(KEPT, JSON.stringify(this.places));
+    localStorage.setItem(PLACES, JSON.stringify(this.places));
     if (from) this.did(() => { this.place(name, ...from); this.changed(); });
     this.changed();
+  }
+
+  /** An object and the copies of it that notes are played on: their names. */
+  namesOf({ name }) {
+    return [name, ...[...this.copies].filter((each) => each.startsWith(`${name}.`))];
   }
 
   select(name) {

@@ -4,11 +4,34 @@ import { draw } from "./frames.js";
 import { Marks } from "./marks.js";
 
 const SEGMENTS = 28;
+const APART = 8; // px between objects
+const TOP = 34; // px that are left free for words
+const NAME = 36, LETTER = 2.9; // px that an object's name takes below it, and a letter of it to both sides
+const STEP = 11; // px between places that are tried
+const SPOTS = [[0.5, 0.48], [0.2, 0.26], [0.81, 0.24], [0.18, 0.78], [0.81, 0.76], [0.5, 0.87]]; // of the first objects
+const CLOSER = 0.93; // times as large is all drawn, where there is no room
+const CROWDED = 0.5, CLOSEST = 0.3;
+const SIZE = "carom-size"; // where it is kept how large that is
+
+const meet = (a, b) => a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3];
+const apart = ([x, y], [u, v]) => Math.hypot(x - u, y - v);
+
+/** The item of the least value; null of none. */
+function least(items, value) {
+  let [found, low] = [null, Infinity];
+  for (const item of items) {
+    const at = value(item);
+    if (at < low) [found, low] = [item, at];
+  }
+  return found;
+}
 
 export class Table {
   constructor(main, scene) {
     this.main = main;
     this.scene = scene;
+    scene.room = this;
+    this.size = Number(localStorage.getItem(SIZE) ?? 1);
     this.bodies = main.querySelector("#bodies");
     this.stage = main.querySelector("#stage");
     this.pills = main.querySelector("#pills");
@@ -21,7 +44,7 @@ export class Table {
     new ResizeObserver(() => this.fit()).observe(main);
     scene.addEventListener("changed", () => this.arrange());
     scene.addEventListener("selected", () => this.arrange());
-    scene.addEventListener("known", () => this.wake());
+    scene.addEventListener("known", () => this.arrange());
     for (const address of ["/modes", "/hit", "/touch"]) scene.link.on(address, () => this.wake());
   }
 
@@ -32,10 +55,62 @@ export class Table {
     this.w = clientWidth;
     this.h = clientHeight;
     this.dense = dense;
-    this.scale = Math.max(0.42, Math.min(2.6, Math.min(this.w / 760, this.h / 560, Math.sqrt(this.w * this.h) / 650)));
+    this.draws(this.size);
+  }
+
+  /** Draw all so many times as large as there is room for. */
+  draws(size) {
+    this.size = size;
+    localStorage.setItem(SIZE, size);
+    this.scale = size * Math.max(0.42, Math.min(2.6, this.w / 760, this.h / 560, Math.sqrt(this.w * this.h) / 650));
     this.pictures.clear();
     this.laid = "";
     this.arrange();
+  }
+
+  /** Draw all as large as on a fresh table. */
+  spread() {
+    this.draws(1);
+  }
+
+  /** What an object of a body takes of the table, with its name, about a place: [left, top, right, bottom] in px. */
+  box(name, { w, h }, [x, y]) {
+    const half = Math.max((w * this.scale) / 2, LETTER * name.length + 12) + APART / 2;
+    return [x - half, y - (h * this.scale) / 2 - APART / 2, x + half, y + (h * this.scale) / 2 + NAME];
+  }
+
+  /** A place near another one (shares of the sides) where an object lies on no other; all get smaller if need be. */
+  freeSpot(name, body, near) {
+    const wished = (near ? [near] : SPOTS).map(([x, y]) => [x * this.w, y * this.h]);
+    const cost = near ? (spot) => apart(spot, wished[0]) : ([x, y]) => Math.min(x, this.w - x) + 0.1 * Math.abs(y - this.h / 2);
+    let found = null;
+    while (!found && this.size > CLOSEST) {
+      const named = (name) => (this.size > CROWDED ? name : ""); // where all is small, names may lie on each other
+      const about = (spot) => this.box(named(name), body, spot);
+      const taken = [...this.scene.objects.values()].map((each) => this.box(named(each.name), each.body, this.middle(each)));
+      const isFree = (spot) => this.isInside(about(spot)) && !taken.some((each) => meet(each, about(spot)));
+      found = wished.find(isFree) ?? least(this.places(isFree), cost);
+      if (!found) this.draws(this.size * CLOSER);
+    }
+    return (found ?? this.loneliest(name, body)).map((each, n) => each / [this.w, this.h][n]);
+  }
+
+  isInside([left, top, right, bottom]) {
+    return left >= 0 && top >= TOP && right <= this.w && bottom <= this.h;
+  }
+
+  /** Pixels all over the table that are accepted. */
+  places(accepts) {
+    const spots = [];
+    for (let y = STEP; y < this.h; y += STEP) for (let x = STEP; x < this.w; x += STEP) spots.push([x, y]);
+    return spots.filter(accepts);
+  }
+
+  /** The pixel that is farthest from the middles of all objects. */
+  loneliest(name, body) {
+    const middles = [...this.scene.objects.values()].map((each) => this.middle(each));
+    const places = this.places((spot) => this.isInside(this.box(name, body, spot)));
+    return least(places.length ? places : [[this.w / 2, this.h / 2]], (spot) => -Math.min(...middles.map((each) => apart(spot, each))));
   }
 
   spot(event) {
@@ -76,9 +151,8 @@ export class Table {
   }
 
   /** Metres of an object per pixel on the table. */
-  metresPerPixel({ preset: { geometry }, body }) {
-    const metres = geometry.length ?? 2 * (geometry.radius ?? 0.1);
-    return metres / (body.w * this.scale);
+  metresPerPixel({ body }) {
+    return body.metres / (body.w * this.scale);
   }
 
   /** The object under a pixel, the nearest to whose middle it is, and the position on it. */
@@ -148,7 +222,7 @@ export class Table {
   lay() {
     const objects = [...this.scene.objects.values()];
     const { theme } = document.documentElement.dataset;
-    const spots = objects.map(({ name, preset, x, y }) => [name, preset.name, x, y]);
+    const spots = objects.map(({ name, body, x, y }) => [name, body.key, x, y]);
     const laid = JSON.stringify([theme, this.scene.selected, spots]);
     if (laid === this.laid) return;
     this.laid = laid;
@@ -208,7 +282,7 @@ export class Table {
 
   /** An object's picture, drawn once for each size of the table. */
   picture(object) {
-    const key = object.preset.name;
+    const { key } = object.body;
     let picture = this.pictures.get(key);
     if (!picture) {
       const w = (object.body.w + 90) * this.scale;

@@ -67,12 +67,12 @@ export class Views {
     this.limits = limited > this.limited ? 12 : Math.max(0, this.limits - 1);
     this.limited = limited;
     this.peaks = peaks.map((peak, n) => Math.max(peak, (this.peaks[n] ?? -200) - 1.2));
-    const words = [`${Math.round(100 * load)} % load`, `${contacts} contact${contacts === 1 ? "" : "s"}`];
+    const words = [`load ${Math.round(100 * load)} %`];
     if (quality) words.push(`quality ${quality}`);
     if (this.limits) words.push("limiter");
     const { median } = this.delay;
     if (this.sound.isHeard && median !== null) {
-      words.push(`finger to sound ${Math.round(median)} ms + device ${Math.round(1000 * this.sound.device)} ms`);
+      words.push(`delay ${Math.round(median)} + ${Math.round(1000 * this.sound.device)} ms`);
     }
     this.words = words.join(" · ");
   }

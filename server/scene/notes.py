@@ -39,11 +39,15 @@ def speed_of(velocity: float) -> float:
     return float(_SLOWEST * (_FASTEST / _SLOWEST) ** ((max(velocity, 1.0) - 1.0) / 126.0))
 
 
+def keys_of(obj: PlayedObject) -> dict[str, Argument]:
+    """The keys of the /object/new that makes an object anew, as it is set now."""
+    keys = {str(key): value for key, value in zip(obj.made[2::2], obj.made[3::2], strict=True) if key not in TUNINGS}
+    keys.update({key: value for key, value in obj.settings.items() if value != SETTINGS[key].default or key in keys})
+    return keys
+
+
 def copy_of(obj: PlayedObject, name: str, note: float) -> tuple[Argument, ...]:
     """The arguments of the /object/new that makes an object anew, as it is set now, tuned to a note."""
-    keys: dict[Argument, Argument] = dict(zip(obj.made[2::2], obj.made[3::2], strict=True))
-    keys = {key: value for key, value in keys.items() if key not in TUNINGS}
-    keys.update({key: value for key, value in obj.settings.items() if value != SETTINGS[key].default})
-    keys.pop("tune", None)
+    keys = {key: value for key, value in keys_of(obj).items() if key != "tune"}
     keys["note"] = note
     return name, obj.preset.name, *(each for pair in keys.items() for each in pair)

@@ -76,9 +76,9 @@ def browser() -> Iterator[Any]:
 
 
 @contextmanager
-def served(folder: Path) -> Iterator[tuple[Running, str]]:
-    """A server with a page, and its address."""
-    with serving(folder, "--device", "page", "--page", "0", "--log", "log.txt", "--record", "out.wav") as server:
+def served(folder: Path, port: str = "0") -> Iterator[tuple[Running, str]]:
+    """A server with a page on a port, and its address."""
+    with serving(folder, "--device", "page", "--page", port, "--log", "log.txt", "--record", "out.wav") as server:
         assert server.process.stdout
         match = re.search(r"http://\S+", server.process.stdout.readline())
         assert match

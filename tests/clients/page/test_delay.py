@@ -1,5 +1,7 @@
 """From the finger to the sound: the page's own measure of it, and the buffer that plays the stream."""
 
+import re
+
 import pytest
 
 from tests.clients.page.conftest import Table
@@ -92,4 +94,4 @@ def test_a_tap_is_heard_within_50_ms(play):
     held = table.ask("1000 * (carom.sound.state.reserve - 0.004)")
     assert 5.0 < table.ask("Math.min(...carom.delay.measured)") < LONGEST + held
     shown = table.page.locator("#numbers").inner_text()
-    assert "finger to sound" in shown and "device" in shown
+    assert re.search(r"delay \d+ \+ \d+ ms", shown)

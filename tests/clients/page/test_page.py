@@ -204,23 +204,6 @@ def test_everything_can_be_played_from_the_keyboard(play):
     table.until("/panic")
 
 
-MIDI = """
-navigator.requestMIDIAccess = async () => ({
-  inputs: new Map([["1", (window.midiInput = { name: "stub", onmidimessage: null })]]), onstatechange: null });
-"""
-
-
-def test_midi_notes_play_tuned_copies_at_the_stated_speeds(play):
-    table = play(MIDI)
-    table.page.get_by_title("How to play (?)").click()
-    table.page.get_by_role("button", name="Connect MIDI").click()
-    table.page.get_by_role("button", name="Listening to stub.").wait_for()
-    for note, velocity in ((64, 1), (67, 127)):
-        table.ask(f"midiInput.onmidimessage({{ data: [0x90, {note}, {velocity}] }})")
-    speeds = [table.until(f"/church-bell.{note}/impact")[0].message.args[0] for note in (64, 67)]
-    assert speeds == pytest.approx([0.05, 5.0])
-
-
 def test_a_session_renders_to_the_bits_of_its_recording(browser, tmp_path):
     """The score that is downloaded, from the sample on at which the recording began."""
     with served(tmp_path) as (server, url), opened(browser, server, url, tmp_path) as table:
