@@ -33,6 +33,7 @@ def test_a_ball_at_rest_pushes_with_its_weight(name):
         assert excess(name, "-60", ball) < 1e-5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("accuracy", LEVELS)
 @pytest.mark.parametrize("name", LIGHT)
 def test_a_ball_at_rest_on_a_light_object_pushes_with_its_weight(name, accuracy):
@@ -40,6 +41,7 @@ def test_a_ball_at_rest_on_a_light_object_pushes_with_its_weight(name, accuracy)
         assert excess(name, accuracy, ball) < 1e-5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("accuracy", LEVELS)
 def test_balls_at_rest_together_push_with_their_weights(accuracy):
     assert excess("polycarbonate-sheet", accuracy, *BALLS) < 1e-5

@@ -15,6 +15,8 @@ from carom.server.osc.score import ScoreError, parse
 from carom.server.render import Options, RenderError, blocks, render
 from tests.support import render_lines
 
+pytestmark = pytest.mark.slow
+
 SCORE = """
 0 /object/new bell church-bell pan -0.2
 0 /object/new tom tom pan 0.7

@@ -10,6 +10,8 @@ from carom.dsp.contact import sampled
 from carom.dsp.study import wall
 from carom.dsp.study.wall import PAPER_CASES, PAPER_RATE
 
+pytestmark = pytest.mark.slow
+
 # As printed, in the order am1, verlet, heun, rk4; but for AM1's %dev(x) in case I, where 0.255 is printed, and for
 # case 2's %err(v_out), printed against the approximation (7), all are within 0.001 of what is recomputed.
 DEV_X = {"I": (0.197, 0.018, 0.319, 0.005), "1": (1.011, 1.083, 1.136, 0.052), "2": (4.381, 4.418, 19.506, 0.412)}
@@ -23,26 +25,22 @@ def in_order(case: str, what: str) -> list[float]:
     return [getattr(wall.deviations(m, "none", PAPER_CASES[case], PAPER_RATE), what) for m in sampled.METHODS]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("case", PAPER_CASES)
 def test_deviations_are_the_papers(case):
     np.testing.assert_allclose(in_order(case, "dev_x"), DEV_X[case], rtol=0, atol=SHOWN)
     np.testing.assert_allclose(in_order(case, "dev_h"), DEV_H[case], rtol=0, atol=SHOWN)
 
 
-@pytest.mark.slow
 def test_small_deviations_round_as_printed():
     am1, _, heun, rk4 = in_order("I", "dev_h")
     assert (round(am1, 4), round(heun, 4)) == (3e-4, 4e-4) and rk4 < 1e-5
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("case", ERR_V_OUT)
 def test_release_errors_are_the_papers(case):
     np.testing.assert_allclose(in_order(case, "err_v_out"), ERR_V_OUT[case], rtol=0, atol=SHOWN)
 
 
-@pytest.mark.slow
 def test_case_2_is_printed_against_the_papers_own_release():
     law = PAPER_CASES["2"]
     reference = contact.paper_release_velocity(law[0], law[3])

@@ -117,6 +117,7 @@ def test_strikers_at_once_against_dop853(level, modal_mass, given):
     assert engine.stats.held == engine.stats.over_budget == engine.stats.contacts_dropped == 0
 
 
+@pytest.mark.slow
 def test_a_contact_of_closed_form_goes_on_coupled_when_it_is_moved():
     engine = Engine(RATE)
     handle = engine.add(body(30_000.0), 5e3)

@@ -83,6 +83,7 @@ def test_a_blow_sounds_alike_at_48_and_192_kHz(name, bound):
     assert error(felt) < bound < error(replace(felt, unheard=None)) - 9
 
 
+@pytest.mark.slow
 def test_modes_above_the_nyquist_frequency_take_no_more_energy_than_there_is():
     """Lossless hits on modes of which half are so high; all are kept, at any frequency that the bank can keep."""
     for case in random_cases(300, 5, (1e-2, 30.0)):

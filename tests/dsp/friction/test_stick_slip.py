@@ -13,12 +13,13 @@ from tests.bench import slides
 
 from .friction_reference import exact_rub
 
+pytestmark = pytest.mark.slow
+
 K, MU, NORMAL = 1e5, 0.5, 2.0
 REACH = 1.5 * MU * NORMAL / K
 """The stretch (m) at which all slips."""
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("held", [False, True])
 def test_work_is_what_is_stored_and_lost(held):
     """The damping's loss is integrated by itself; friction never gives energy back that it did not take."""
@@ -44,7 +45,6 @@ def of(modes: int, rate: float, samples: int) -> Rub:
     return Rub(frequency, sigma, phi, constant(0.1, samples), constant(1.0, samples), BOWED, rate)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("modes", [1, 4])
 def test_events_and_motion_are_of_order_three(modes):
     state, times = exact_rub(of(modes, 48_000.0, 1), 0.1)
@@ -60,14 +60,12 @@ def test_events_and_motion_are_of_order_three(modes):
     assert np.all(orders > 2.8)
 
 
-@pytest.mark.slow
 def test_one_force_a_sample_is_of_order_two_at_best_and_close():
     state, _ = exact_rub(of(1, 48_000.0, 1), 0.1)
     course = rub_modes(of(1, 48_000.0, 4800), held=True)
     assert abs(course.velocity[-1] - 10.0 * state[1]) < 5e-3 * 0.1 * 10.0
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("beta", "force"), [(0.05, 0.8), (0.08, 0.6), (0.12, 0.4)])
 def test_a_bowed_string_slips_once_a_period(beta, force):
     """Helmholtz's motion: it sticks for 1 - beta of the period, and the bow's speed is the string's meanwhile."""
@@ -77,14 +75,12 @@ def test_a_bowed_string_slips_once_a_period(beta, force):
     assert np.mean(late == 0.0) == pytest.approx(1.0 - beta, abs=0.03)
 
 
-@pytest.mark.slow
 def test_a_string_that_is_pressed_too_hard_or_too_softly_is_not_in_helmholtz_motion():
     for force in (0.02, 15.0):
         course = rub_modes(bowed_string(0.12, force))
         assert abs(slips_per_period(course.times, 0.3, 0.5, 147.0) - 1.0) > 0.1
 
 
-@pytest.mark.slow
 def test_limits_of_force_are_schellengs():
     """The greatest force falls as 1/position, near 2 Z v/(beta (mu_s - mu_d)), and the least one more steeply."""
     betas = np.geomspace(0.0203, 0.15, 8)
@@ -95,7 +91,6 @@ def test_limits_of_force_are_schellengs():
     assert np.polyfit(np.log(betas[:3]), np.log(least), 1)[0] < -1.7
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("force", "speed"), [(1.0, 0.1), (3.0, 0.1), (5.0, 0.2), (10.0, 0.4)])
 def test_a_bowed_bar_sings_at_its_lowest_mode(force, speed):
     """One limit cycle, harmonic, below a force that is proportional to speed (Essl and Cook 2000)."""
@@ -108,7 +103,6 @@ def test_a_bowed_bar_sings_at_its_lowest_mode(force, speed):
     assert power[harmonic & (frequency > 100.0)].sum() > 0.98 * power[frequency > 100.0].sum()
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("rate", [44_100.0, 96_000.0])
 @pytest.mark.parametrize("force", [0.05, 0.5])
 def test_a_rubbed_glass_grows_at_the_rate_of_theory(force, rate):
@@ -130,7 +124,6 @@ def test_a_normal_force_below_zero_is_named():
         Rub(np.array([440.0]), np.array([1.0]), np.array([3.0]), constant(0.1, 5), constant(-1.0, 5))
 
 
-@pytest.mark.slow
 def test_work_on_an_elastic_contact_is_stored_and_lost():
     rng = np.random.default_rng(22)
     for _ in range(100):
@@ -202,7 +195,6 @@ def test_an_elastic_contact_at_rest_leaves_modes_at_rest():
     assert np.abs(rub_modes(replace(rub, tangential=K)).velocity).max() == 0.0
 
 
-@pytest.mark.slow
 def test_its_cost_is_measured_with_its_events():
     rows = slides.measure_contacts()
     assert [row["modes"] for row in rows] == 3 * [slides.MODES]

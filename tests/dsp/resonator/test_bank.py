@@ -177,6 +177,7 @@ def test_modes_that_are_heard_alike_ring_under_a_force_as_all_do(groups):
     assert np.isnan(out[:8]).all() and np.isnan(out[56:]).all()
 
 
+@pytest.mark.slow
 def test_retuning_keeps_amplitude_and_phase():
     modes = Bank(np.full(LANES, 440.0), np.full(LANES, 3.0), 48_000.0)
     blow = np.zeros(closed_form.MOMENTS)

@@ -43,6 +43,7 @@ def test_correlation_length():
     assert length == pytest.approx(1e-3, rel=0.1)
 
 
+@pytest.mark.slow
 def test_a_place_has_its_height_whenever_it_is_read():
     places = np.random.default_rng(1).integers(-(2**60), 2**60, 500)
     ground = make(seed=7)

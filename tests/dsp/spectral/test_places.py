@@ -114,6 +114,7 @@ def test_a_phase_says_when_it_is_full(spectral):
     assert not has_room(spectral["phases"][0], 4_096)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("phase", [0, 1])
 def test_levels_are_squared_amplitudes(spectral, phase):
     slots, bins = np.zeros(8, np.int32), np.full(8, 7, np.int16)

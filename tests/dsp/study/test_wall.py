@@ -62,6 +62,7 @@ def test_scattered_laws_cover_their_ranges(scattered):
     assert 0.08 < (laws[:, 3] == 0).mean() < 0.12
 
 
+@pytest.mark.slow
 def test_scattered_laws_are_the_seeds():
     first, second, other = (wall.scattered_laws(1_000, seed)[0] for seed in (7, 7, 8))
     np.testing.assert_array_equal(first, second)
@@ -89,6 +90,7 @@ def test_sampled_methods_fail_below_two_samples(scattered):
         assert (outcomes != Outcome.SOUND).all()
 
 
+@pytest.mark.slow
 def test_outcomes_are_what_they_say():
     hard = (1.0, 0.01, 1e14, 0.5, 1.5)
     assert wall.deviations("verlet", "none", hard, PAPER_RATE).outcome == Outcome.FASTER
@@ -119,6 +121,7 @@ def test_the_closed_spectrum_beats_every_method_on_short_contacts():
             assert min(spectrum_error(method, c, law, PAPER_RATE, 8) for c in CORRECTIONS) > closed + 30
 
 
+@pytest.mark.slow
 def test_a_fine_enough_method_has_the_exact_spectrum():
     assert spectrum_error("rk4", "none", PAPER_CASES["2"], PAPER_RATE, 128) < -105
     assert spectrum_error("rk4", "none", (1.0, 0.01, 1e14, 50.0, 1.5), PAPER_RATE) == np.inf

@@ -53,6 +53,7 @@ def test_each_body_strikes_a_board_in_its_own_way(scene):
     assert times[0] > 5 * times[1] and centroids[0] < centroids[1] / 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["rubber", "steel"])
 def test_the_law_is_that_of_the_presets_and_the_mass_the_object_s(scene, name):
     law = carried_out(scene, 1.0, "by", name)
