@@ -1,5 +1,7 @@
 // What a hand does to an object, as messages: strikes, drops, rolls, slides, presses, meetings.
 
+import { strokeOn } from "./strokes.js";
+
 const SURFACES = { glass: "glass", polycarbonate: "glass", wood: "polished-wood", rosewood: "polished-wood", ceramic: "tile" };
 const OTHERWISE = "steel";
 const SMALLEST = 0.004; // m: a smaller body is caught in every groove
@@ -55,19 +57,31 @@ export class Hands extends EventTarget {
     this.link.send(`/object/${object.name}/spin`, duration, position, ...this.keys("spin", object, { id, ...(this.striker ? {} : { striker: "coin" }) }));
   }
 
-  roll(object, position, speed) {
+  /** What a drag over an object does; a striker that was chosen rolls. */
+  stroke(object) {
+    return this.striker ? { gesture: "roll", keys: {} } : strokeOn(object);
+  }
+
+  /** Begin the stroke of a drag. */
+  draw(object, position, speed) {
+    const { gesture, keys } = this.stroke(object);
+    return this[gesture](object, position, speed, keys);
+  }
+
+  roll(object, position, speed, keys = {}) {
     const id = this.id("roll");
     const { radius, click_radius } = this.strikerOf(object);
-    const surface = this.chosen.roll.surface ?? SURFACES[object.material] ?? OTHERWISE;
-    const more = { radius: Math.max(SMALLEST, radius ?? click_radius ?? 0.008), ...this.chosen.roll, surface, id };
+    const surface = SURFACES[object.material] ?? OTHERWISE;
+    const round = keys.surface ? {} : { radius: Math.max(SMALLEST, radius ?? click_radius ?? 0.008) };
+    const more = { ...round, surface, ...keys, ...this.chosen.roll, id };
     this.link.send(`/object/${object.name}/roll`, speed, position, ...this.keys("roll", object, more));
     return id;
   }
 
-  slide(object, position) {
+  slide(object, position, speed = this.chosen.slide.speed ?? 0.1, keys = { striker: "bow", force: 2 }) {
     const id = this.id("slide");
-    const more = this.striker ? { id } : { id, striker: "bow", ...("force" in this.chosen.slide ? {} : { force: 2 }) };
-    this.link.send(`/object/${object.name}/slide`, this.chosen.slide.speed ?? 0.1, position, ...this.keys("slide", object, more));
+    const more = { ...(this.striker ? {} : keys), ...this.chosen.slide, id };
+    this.link.send(`/object/${object.name}/slide`, speed, position, ...this.keys("slide", object, more));
     return id;
   }
 

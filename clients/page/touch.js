@@ -1,9 +1,11 @@
 // Fingers, pens and mice on the table: each pointer goes its own way from pressing to letting go.
 
+import { speedOf } from "./strokes.js";
+
 const MOVED = 11; // px before a touch is a drag
 const OFF = 26; // px beside an object, from which on a drag pulls the striker back
 const HOLD = 380; // ms until a touch is a hold
-const SLOWEST = 0.01; // m/s of a roll that rests under the finger
+const SLOWEST = 0.01, FASTEST = 5; // m/s of a stroke; the first where it rests under the finger
 const FORGETS = 90; // ms after which a pointer that does not move has no speed
 const SMOOTH = 0.04; // s over which a pointer's speed is taken
 const PULLED = 260; // px for the hardest strike
@@ -114,9 +116,11 @@ export class Touch {
       }
       return;
     }
-    const speed = Math.max(SLOWEST, Math.min(5, Math.hypot(pointer.vx, pointer.vy) * this.table.metresPerPixel(object)));
+    const pixels = Math.hypot(pointer.vx, pointer.vy);
+    const wanted = speedOf(this.hands.stroke(object), pixels * this.table.metresPerPixel(object), pixels);
+    const speed = Math.max(SLOWEST, Math.min(FASTEST, wanted));
     Object.assign(pointer, { position, speed });
-    if (!pointer.id) pointer.id = this.hands.roll(object, position, speed);
+    if (!pointer.id) pointer.id = this.hands.draw(object, position, speed);
     else {
       this.hands.steer(pointer.id, "speed", speed);
       this.hands.steer(pointer.id, "position", position);
