@@ -5,6 +5,8 @@ import { draw } from "./frames.js";
 const LOWEST = 20, HIGHEST = 20000; // Hz
 const SOFT = -110; // dB
 const EVERY = 50; // ms
+const RANGE = 60; // dB below full scale that the meter covers
+const QUIETEST = -70; // LUFS that are told
 
 function fitted(canvas) {
   const dense = Math.min(window.devicePixelRatio || 1, 2);
@@ -63,13 +65,18 @@ export class Views {
     this.last = null;
   }
 
-  meter(sample, load, quality, limited, contacts, ...peaks) {
+  /** Levels: peaks come last, one for each channel, after the loudness (LUFS) and the limiter's gain (dB), if told. */
+  meter(sample, load, quality, limited, contacts, ...levels) {
+    const peaks = levels.splice(-this.scene.catalogue.channels);
+    [this.loudness, this.gain] = levels;
+
     this.limits = limited > this.limited ? 12 : Math.max(0, this.limits - 1);
     this.limited = limited;
     this.peaks = peaks.map((peak, n) => Math.max(peak, (this.peaks[n] ?? -200) - 1.2));
     const words = [`load ${Math.round(100 * load)} %`];
     if (quality) words.push(`quality ${quality}`);
-    if (this.limits) words.push("limiter");
+    if (this.loudness > QUIETEST) words.push(`${this.loudness.toFixed(0)} LUFS`);
+    if (this.limits) words.push(this.gain === undefined ? "limiter" : `limiter ${this.gain.toFixed(1)} dB`);
     const { median } = this.delay;
     if (this.sound.isHeard && median !== null) {
       words.push(`delay ${Math.round(median)} + ${Math.round(1000 * this.sound.device)} ms`);
@@ -80,7 +87,7 @@ export class Views {
   levels() {
     const { g, w, h } = fitted(document.getElementById("meter"));
     this.peaks.slice(0, 2).forEach((peak, n) => {
-      const share = Math.max(0, Math.min(1, (peak + 60) / 60));
+      const share = Math.max(0, Math.min(1, 1 + peak / RANGE));
       g.fillStyle = color("--track");
       g.fillRect(0, n * (h / 2) + 1, w, h / 2 - 2);
       const shade = g.createLinearGradient(0, 0, w, 0);
@@ -90,6 +97,14 @@ export class Views {
       g.fillStyle = shade;
       g.fillRect(0, n * (h / 2) + 1, w * share, h / 2 - 2);
     });
+    if (this.loudness > -RANGE) {
+      g.fillStyle = color("--text");
+      g.fillRect(w * (1 + this.loudness / RANGE) - 1, 0, 2, h);
+    }
+    if (this.limits && this.gain < 0) {
+      g.fillStyle = "#ff5340"; // from the right: how far the limiter turned down
+      g.fillRect(w * (1 + this.gain / RANGE), h - 3, (w * -this.gain) / RANGE, 3);
+    }
     const numbers = document.getElementById("numbers");
     if (numbers.textContent !== this.words) numbers.textContent = this.words;
   }

@@ -296,3 +296,24 @@ def test_the_controls_slide_a_bow_along_the_selected_object(play):
     (slid,) = table.until("/slide")
     assert slid.message.args[:1] == (0.1,) and keys(slid.message).items() >= {"striker": "bow", "force": 2.0}.items()
     table.until("/stop")
+
+
+def test_the_meter_shows_peaks_loudness_and_the_limiters_gain(play):
+    """At the very messages that a server sends; one that tells no loudness shows none."""
+    table = play(color_scheme="dark")
+    shown = """(levels) => { carom.link.heard.delete("/meter"); const { views } = carom;
+      Object.assign(views, { limited: 0, peaks: [-200, -200] });
+      views.meter(0, 0.1, 0, levels.length > 2 ? 7 : 0, 0, ...levels);
+      views.levels();
+      const canvas = document.getElementById("meter"), { width, height } = canvas;
+      const copy = Object.assign(document.createElement("canvas"), { width, height });
+      const g = copy.getContext("2d", { willReadFrequently: true });
+      g.drawImage(canvas, 0, 0);
+      const at = (x, y) => g.getImageData(x * width, y * height, 1, 1).data[0];
+      const places = [[0.2, 0.25], [0.8, 0.25], [0.7, 0.5], [0.97, 0.9]];
+      return [document.getElementById("numbers").textContent, ...places.map((each) => at(...each))]; }"""
+    words, low, high, _, right = table.page.evaluate(shown, [-30.0, -200.0])
+    assert "LUFS" not in words and low != high
+    words, _, _, line, limited = table.page.evaluate(shown, [-18.0, -6.0, -30.0, -200.0])
+    assert "-18 LUFS" in words and "limiter -6.0 dB" in words
+    assert line > 200 and limited > 200 > right
