@@ -17,8 +17,8 @@ class Actions(ABC):
     """Every address of a score as a method, but `/object/new`. A method makes messages; a subclass sends them.
 
     name, id: of objects and gestures, or an OSC pattern. at: the time (s) at which the sound is heard, on the clock
-    that the subclass states; None is as soon as possible. keys: those of the OSC address of the same name. Numbers may
-    be NumPy's, lists may be arrays.
+    that the subclass states; None is as soon as possible. keys: those of the OSC address of the same name; where a
+    number changes, `over` says how many seconds that takes. Numbers may be NumPy's, lists may be arrays.
     """
 
     @abstractmethod
@@ -116,44 +116,48 @@ class Actions(ABC):
         place = () if position is None else (position,)
         self.send(f"/object/{name}/note", note, velocity, *place, *key_pairs(keys), at=at)
 
-    def damp(self, name: str, amount: SupportsFloat, at: SupportsFloat | None = None) -> None:
+    def damp(self, name: str, amount: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
         """Lay a hand on an object: 0 none, 1 the firmest."""
-        self.send(f"/object/{name}/damp", amount, at=at)
+        self.send(f"/object/{name}/damp", amount, at=at, **keys)
 
-    def gain(self, name: str, level: SupportsFloat, at: SupportsFloat | None = None) -> None:
+    def gain(self, name: str, level: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
         """Set an object's level (dB)."""
-        self.send(f"/object/{name}/gain", level, at=at)
+        self.send(f"/object/{name}/gain", level, at=at, **keys)
 
-    def pan(self, name: str, place: SupportsFloat, at: SupportsFloat | None = None) -> None:
+    def pan(self, name: str, place: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
         """Place an object between left (-1) and right (1); on a ring of channels from behind (-1) over left, in front
         (0) and right to behind (1)."""
-        self.send(f"/object/{name}/pan", place, at=at)
+        self.send(f"/object/{name}/pan", place, at=at, **keys)
 
     def gains(self, name: str, *gains: Value, at: SupportsFloat | None = None) -> None:
         """Place an object by a factor for each channel, one by one or as a list; without any, by its pan again."""
         self.send(f"/object/{name}/gains", *gains, at=at)
 
-    def distance(self, name: str, metres: SupportsFloat, at: SupportsFloat | None = None) -> None:
+    def distance(self, name: str, metres: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
         """Set how far (m) the listener is from an object: twice as far is half the pressure."""
-        self.send(f"/object/{name}/distance", metres, at=at)
+        self.send(f"/object/{name}/distance", metres, at=at, **keys)
 
-    def tune(self, name: str, semitones: SupportsFloat, at: SupportsFloat | None = None) -> None:
+    def tune(self, name: str, semitones: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
         """Move all frequencies of an object by some semitones from the preset's."""
-        self.send(f"/object/{name}/tune", semitones, at=at)
+        self.send(f"/object/{name}/tune", semitones, at=at, **keys)
 
-    def decay(self, name: str, ratio: SupportsFloat, at: SupportsFloat | None = None) -> None:
+    def decay(self, name: str, ratio: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
         """Multiply all decay times of the preset by a ratio."""
-        self.send(f"/object/{name}/decay", ratio, at=at)
+        self.send(f"/object/{name}/decay", ratio, at=at, **keys)
 
     def free(self, name: str, at_once: bool = False, at: SupportsFloat | None = None) -> None:
         """Remove an object once it is silent, or at once, with a short fade; its name is free."""
         self.send(f"/object/{name}/free", *([1] if at_once else []), at=at)
 
-    def steer(self, id: str, at: SupportsFloat | None = None, **values: Value) -> None:
-        """Change the running gestures of an id or pattern, all values together: `steer("ball", speed=0.8, gain=-6)`."""
+    def steer(
+        self, id: str, at: SupportsFloat | None = None, over: Value = None, curve: Value = None, **values: Value
+    ) -> None:
+        """Change the running gestures of an id or pattern, all values together: `steer("ball", speed=0.8, gain=-6)`;
+        within `over` s, by a `curve`, if these are given."""
         if not values:
             raise CommandError(f"/gesture/{id}: expected a value to steer, such as speed=0.5")
-        self._send([message_of(f"/gesture/{id}/{name}", (value,), {}) for name, value in values.items()], at)
+        ramp = {key: value for key, value in (("over", over), ("curve", curve)) if value is not None}
+        self._send([message_of(f"/gesture/{id}/{name}", (value,), ramp) for name, value in values.items()], at)
 
     def stop(self, id: str, at: SupportsFloat | None = None) -> None:
         """End the running gestures of an id or pattern."""
@@ -181,9 +185,9 @@ class Actions(ABC):
         """Choose how contacts are solved from then on: closed (exact, the default), am1, verlet, heun or rk4."""
         self._send_keyed("/contact", method, oversampling, at, keys)
 
-    def main_gain(self, level: SupportsFloat, at: SupportsFloat | None = None) -> None:
+    def main_gain(self, level: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
         """Set the level of everything (dB)."""
-        self.send("/gain", level, at=at)
+        self.send("/gain", level, at=at, **keys)
 
     def limiter(self, on: bool, at: SupportsFloat | None = None) -> None:
         """Keep the sound within full scale (the default), or leave it as it is."""

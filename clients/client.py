@@ -180,9 +180,9 @@ class Client(Actions, Closing):
         gain, pan, gains, distance, tune, decay and damp."""
         self.ask("/object/new", name, preset, *key_pairs(keys), timeout=_MAKING, at=at)
 
-    def gesture(self, id: str, what: str, *value: Value, at: SupportsFloat | None = None) -> None:
+    def gesture(self, id: str, what: str, *value: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
         """Steer the running gestures of an id or pattern by the name of what changes; `stop` takes no value."""
-        self.send(f"/gesture/{id}/{what}", *value, at=at)
+        self.send(f"/gesture/{id}/{what}", *value, at=at, **keys)
 
 
 def _time_tag(at: SupportsFloat | None) -> int:

@@ -16,9 +16,23 @@ from .client import Client
 PERIOD = 0.25  # s
 
 _NINE = ("", "modes", "sounding", "objects", "contacts", "load", "load_peak", "rate", "rate_actual")
-_ALARMING = {"quality", "contacts_dropped", "late", "limited", "faults", "underflows", "tap_lost", "reconnects"}
+_ALARMING = {
+    "quality",
+    "contacts_dropped",
+    "ramps_dropped",
+    "late",
+    "limited",
+    "faults",
+    "underflows",
+    "tap_lost",
+    "reconnects",
+}
 _FILES = {"recording", "logging"}
-_SPOKEN = {"time", "device", "scheduling", "latency", "latency_requested", "latency_measured", "limiter_lowest"}
+_SPOKEN = {
+    "time", "device", "scheduling", "latency", "latency_requested", "latency_measured", "limiter_lowest", "peak",
+    "loudness",
+}  # fmt: skip
+_RANGE, _SILENT = 60.0, 120.0  # dB below full scale that a level's bar covers; from which on it is silence
 
 
 def top(client: Client, once: bool) -> None:
@@ -61,9 +75,13 @@ def view(status: Message, before: dict[str, object]) -> RenderableType:
         f" (measured {now['rate_actual']:.1f}), {now['scheduling']}, latency {_latency(now)}",
     )  # fmt: skip
     load = Table.grid(padding=(0, 2))
-    for name, share in (("load", now["load"]), ("peak", now["load_peak"])):
+    for name, share in (("load", now["load"]), ("load peak", now["load_peak"])):
         assert isinstance(share, int | float)
         load.add_row(name, ProgressBar(total=100.0, completed=min(share, 100.0), width=50), f"{share:6.1f} %")
+    for name, unit in (("peak", "dB"), ("loudness", "LUFS")):
+        level = float(str(now[name]))
+        bar = ProgressBar(total=_RANGE, completed=min(max(level + _RANGE, 0.0), _RANGE), width=50)
+        load.add_row(name, bar, f"{level:6.1f} {unit}" if level > -_SILENT else "silence")
     lowest = now["limiter_lowest"]
     assert isinstance(lowest, int | float)
     load.add_row("limiter", "", f"{20 * math.log10(max(lowest, 1e-6)):6.1f} dB at most" if lowest < 1 else "   0 dB")

@@ -46,6 +46,11 @@ class Parameter:
         usual = f", usually {self.useful[0]:g} to {self.useful[1]:g}" if self.useful else ""
         return f"{self.name} {self.bounds}".rstrip() + usual
 
+    @property
+    def by_ratios(self) -> bool:
+        """Whether equal steps of it are equal ratios in the engine."""
+        return self.unit in ("dB", "semitones")
+
     def in_engine(self, value: float) -> float:
         """A value as the engine takes it: dB as an amplitude, semitones as a ratio of frequencies, others unchanged."""
         if self.unit == "dB":
@@ -279,6 +284,14 @@ ROOM = Parameter(
     "that may be coupled to contacts at once, each as often as it is, and 32 more for each contact; 0: any number",
     default=0.0, useful=(0, 65_536), whole=True,
 )  # fmt: skip
+OVER = Parameter(
+    "over", 0.0, 3600.0, "s", "time in which it goes there from where it is; 0: at once", default=0.0,
+    useful=(0.01, 10.0),
+)  # fmt: skip
+CURVE = Parameter(
+    "curve", -20.0, 20.0, "", "0: evenly, below 0: fast at first, above 0: slowly at first, as in SuperCollider's Env",
+    default=0.0, useful=(-8.0, 8.0),
+)  # fmt: skip
 OWN_GAIN = Parameter("gain", -100.0, 100.0, "", "factor of one channel", useful=(0.0, 1.0))
 
 
@@ -306,6 +319,7 @@ class Stats:
     faults: int = _counter("times that an object was silenced because its sound was not finite")
     limited: int = _counter("frames that the limiter turned down", "frames")
     strikers_cut: int = _counter("strikers whose sound was cut short or left out, as too many sounded")
+    ramps_dropped: int = _counter("changes that were made at once, as too many took their time")
     tap_lost: int = _counter("frames missing in the recording", "frames")
     notes_lost: int = _counter("events missing in the log")
     trace_lost: int = _counter("samples missing in the record of contacts", "samples")

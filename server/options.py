@@ -31,7 +31,8 @@ class Options:
     to, folders of presets, the arguments of a /contact to begin with, a port for HTTP (None: none, 0: any free
     one), the folder of the page that is there beside OSCQuery (None: no page), whether it goes over TLS, with the
     certificate of which file (None: one that is made), channels, the main gain in dB, whether the limiter is on, for
-    how many modes and objects there is room, and what the spectral bank keeps its modes in."""
+    how many modes and objects there is room, what the spectral bank keeps its modes in, and a folder for what clients
+    record, with the most bytes that all files in it may have."""
 
     port: int = DEFAULT_PORT
     bind: str = "127.0.0.1"
@@ -53,6 +54,8 @@ class Options:
     modes: int = USUAL_MODES
     objects: int = USUAL_OBJECTS
     bank: str = FORMS[0]
+    recordings: Path | None = None
+    quota: int = 10**10
 
     def __post_init__(self) -> None:
         for name, value, low, high in (
@@ -64,6 +67,7 @@ class Options:
             ("gain", self.gain, MAIN_GAIN.low, MAIN_GAIN.high),
             ("modes", self.modes, 1, MODES),
             ("objects", self.objects, 1, OBJECTS),
+            ("quota", self.quota, 0, 2**63),
         ):
             if not low <= value <= high:
                 raise ServeError(f"{name} = {value:g}: expected {low:g} to {high:g}")

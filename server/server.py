@@ -29,6 +29,7 @@ from .osc.arguments import Refused, Values
 from .osc.patterns import TooMuch
 from .osc.wire import Argument, BadPacket, Bundle, Message
 from .packets import Packet, is_question, read
+from .recording import Recording
 from .scene.gesture_ids import Ended
 from .scene.session import Session, fail
 from .scene.translate import sync
@@ -37,14 +38,15 @@ from .subscribers import Subscribers
 from .telling import Teller
 from .texts import plain
 from .time_tags import time_of
+from .turns import TURN, every_turn
 from .waiting import Waiting
 
 if TYPE_CHECKING:
     from .web.server import WebServer
 
 _POLL = 0.02  # s between looks at the engine
-_TURN = 0.005  # s that a packet, or all that arrive, are carried out before others get their turns
 _NOBODY = ("", 0)  # no source: all others may ask
+_METER = ("meter", 0)  # who asks for the limiter's gain
 _MOST_PRINTED = 1_000  # texts that are remembered, so that none is repeated
 
 
@@ -69,7 +71,9 @@ class Server:
         self._status = Status(engine, player, lambda: self._session.objects.slots)
         self._governor = Governor(engine)
         self._subscribers = Subscribers(network, self._reply)
-        self.teller = Teller(engine, self._session, self._subscribers, self._reply)
+        engine.meter.start()
+        lowest_gain = partial(self._status.lowest_gain.since_last_asked, _METER)
+        self.teller = Teller(engine, self._session, self._subscribers, self._reply, lowest_gain)
         self.known = Knowledge(self._session, presets, log.path if log else None)
         self.on_look: Callable[[Iterable[str]], object] = lambda there: None
         """Called at every look at the engine, with the names of the objects that are there."""
@@ -82,6 +86,7 @@ class Server:
             self._session.on_sent = log.expect
         self._writers: dict[str, Recorder | Log | None] = {"recording": recorder, "logging": log}
         self._printed: set[str] = set()
+        self.recording = Recording(log, self._reply, self._warn)
         self._handlers: dict[str, Callable[[Values, Source], Iterable[Message] | None]] = {
             "/status": self._status_asked,
             "/version": self._version_asked,
@@ -93,6 +98,7 @@ class Server:
             "/presets": lambda values, source: discovery.presets(self._session.presets, values.words["kind"]),
             "/objects": lambda values, source: discovery.objects(self._session),
             "/gestures": lambda values, source: discovery.gestures(self._session),
+            "/record": self.recording.asked,
             "/dump": self._dump,
             "/quit": self._quit,
         }
@@ -139,7 +145,7 @@ class Server:
         where there is no room for datagrams to wait, those of streams alone."""
         idle = 0.0 if busy or self._waiting.in_a_hurry else _POLL
         arrived = self.network.receive(idle, bool(busy) and self._waiting.is_full)
-        end = time.monotonic() + _TURN
+        end = time.monotonic() + TURN
         while arrived and self._running:
             self._receive(*arrived, busy)
             if time.monotonic() > end:
@@ -180,7 +186,7 @@ class Server:
         """Carry out a packet bundle by bundle. After a turn the rest waits until others had theirs."""
         if packet.making:
             packet.made, packet.making = self._maker.take(packet.making), None
-        end = time.monotonic() + _TURN
+        end = time.monotonic() + TURN
         while not packet.done:
             if packet.rest:
                 packet.rest.popleft()()
@@ -200,7 +206,7 @@ class Server:
             return
         scored = [call for call in asked if call.verb is None or call.verb.scored]
         if scored:  # a question that is answered amid a bundle leaves the session as it is
-            pause = _every_turn(partial(self._hear, source))
+            pause = every_turn(partial(self._hear, source))
             replies = self._session.perform_calls(scored, when, source, packet.made, packet.selection, pause)
             packet.rest.extend(partial(self._reply, reply, source) for reply in replies)
         for call in scored:
@@ -223,6 +229,7 @@ class Server:
         own: dict[str, int | str] = {
             "waiting": len(self._waiting),
             **self._file_states(),
+            "take": self.recording.state,
             "pages": len(self.web.site.clients) if self.web else 0,
             "untold": self.teller.untold + self.engine.stats.trace_lost,
         }
@@ -278,6 +285,7 @@ class Server:
         for writer in self._open_writers():
             if writer.error and self._print_once(writer.error):
                 self._warn(writer.error)
+        self.recording.look()
         done = self.engine.stats.synced
         for count in [count for count in self._syncs if count <= done]:
             identity, source = self._syncs.pop(count)
@@ -287,7 +295,7 @@ class Server:
             load = self.engine.stats.load_now
             self._warn(f"quality is now {int(quality)}, {quality.name.lower()}: the load is {load:.0%}")
         self._release_gone()
-        pause = _every_turn(partial(self._hear, _NOBODY))
+        pause = every_turn(partial(self._hear, _NOBODY))
         for ended in self._session.take_ends():
             self._report_end(ended)
             pause()
@@ -332,16 +340,3 @@ class Server:
     def _warn(self, text: str) -> None:
         for subscriber in self._subscribers:
             self._reply(Message("/warning", (text,)), subscriber)
-
-
-def _every_turn(pause: Callable[[], object]) -> Callable[[], None]:
-    """What does something whenever a turn is over at its call."""
-    end = time.monotonic() + _TURN
-
-    def look() -> None:
-        nonlocal end
-        if time.monotonic() > end:
-            pause()
-            end = time.monotonic() + _TURN
-
-    return look

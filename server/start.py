@@ -19,6 +19,7 @@ from .audio.tap import Queue, Tap
 from .compiling import wait_for_code
 from .files.log import Log
 from .files.recorder import Recorder
+from .files.takes import Takes
 from .net.network import Network
 from .options import Options, ServeError
 from .server import Server
@@ -38,10 +39,13 @@ def serving(options: Options) -> Iterator[Server]:
         presets = Presets(options.presets)
         early = wait_for_code(network)
         engine = options.engine()
-        tap = stack.enter_context(closing(Tap(engine))) if options.page is not None else None
+        files = stack.enter_context(ExitStack())  # which end after the tap has handed on the last sound
+        tap = None
+        if options.page is not None or options.recordings is not None:
+            tap = stack.enter_context(closing(Tap(engine)))
         recorder = _recorder(engine, options.record, tap) if options.record else None
         if recorder:
-            stack.callback(recorder.close)
+            files.callback(recorder.close)
         path = options.log
         if path is None and options.page is not None:
             path = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="carom-"))) / "session.txt"
@@ -57,6 +61,9 @@ def serving(options: Options) -> Iterator[Server]:
         stack.callback(sys.setswitchinterval, sys.getswitchinterval())
         sys.setswitchinterval(_SWITCH)
         server.early.extend(early)
+        if options.recordings is not None and tap:
+            takes = server.recording.takes = Takes(engine, tap, options.recordings, options.quota)
+            files.callback(takes.close)
         if options.contact:
             server.choose_contact(options.contact)
         server.start_files()  # not before all else is well: older ones would be lost
@@ -92,7 +99,6 @@ def _start_web(options: Options, server: Server, tap: Tap | None, stack: ExitSta
     )
     if tap:
         web.hear(server.engine, tap)
-        server.teller.tap = tap
     with _named(options.bind, options.web, "--oscquery" if options.page is None else "--page"):
         stack.enter_context(answering(web))
     server.on_look = listening.look

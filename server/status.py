@@ -27,6 +27,7 @@ _COUNTERS = (
     "faults",
     "underflows",
     "tap_lost",
+    "ramps_dropped",
 )
 FIRST = (
     "1",
@@ -54,6 +55,8 @@ FIELDS = {
     "budget": "as `/budget` sets it: steps per sample, and modes at once",
     "overruns": "",
     "limiter_lowest": "the limiter's lowest gain since this client last asked, 1: it did nothing",
+    "peak": "highest amplitude in the last 0.4 s, dB of full scale; -200: silence",
+    "loudness": "momentary, of the last 0.4 s, by ITU-R BS.1770, LUFS",
     "latency": "of the device, s",
     "latency_requested": "as `--latency` asks for it, s; -1: not asked for",
     "latency_measured": "",
@@ -67,8 +70,9 @@ FIELDS = {
     "replies_dropped": "replies that were not sent, as a client reads too slowly or asks for too many",
     "connections": "TCP clients",
     "waiting": "clients whose messages wait for an object to be made, or for their turn",
-    "recording": "yes, no, or why the recording ended",
+    "recording": "yes, no, or why the recording of `--record` ended",
     "logging": "yes, no, or why the log ended",
+    "take": "the file that `/record` writes, no, or why the last one ended",
     "pages": "clients of web sockets",
     "untold": "contacts that `/notify` did not tell, as there were too many",
     "time": "of the sound since the server's start, s",
@@ -121,8 +125,8 @@ class Status:
         self._engine = engine
         self._player = player
         self._names = names
-        self._lowest_gain = LowestGain(engine)
-        self._watch = LimiterWatch(engine, names, self._lowest_gain.since_last_told)
+        self.lowest_gain = LowestGain(engine)
+        self._watch = LimiterWatch(engine, names, self.lowest_gain.since_last_told)
         self._limited_from: int | None = None
         self._limited_to = 0
         self._warned = dict.fromkeys(_COUNTERS, 0)
@@ -151,7 +155,9 @@ class Status:
             "bank": self._engine.bank,
             "budget": " ".join(map(str, self._engine.budget)),
             "overruns": stats.overruns,
-            "limiter_lowest": self._lowest_gain.since_last_asked(client),
+            "limiter_lowest": self.lowest_gain.since_last_asked(client),
+            "peak": max(self._engine.meter.peaks()),
+            "loudness": self._engine.meter.loudness,
             "latency": self._player.latency,
             "latency_requested": -1.0 if self._player.requested is None else self._player.requested,
             "latency_measured": stats.latency_measured,
@@ -176,6 +182,7 @@ class Status:
             ("over_budget", OVER_BUDGET),
             ("strikers_cut", "{} strikers were cut short or left out: too many sounded"),
             ("late", "{} late events were played at once; the last was {late_last:.1f} ms late"),
+            ("ramps_dropped", "{} changes were made at once: too many took their time"),
             ("tap_lost", "{} frames are missing from the recording: the disk is too slow"),
             ("underflows", "the device ran out of sound {} times"),
         ):

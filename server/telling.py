@@ -1,6 +1,5 @@
 """What subscribers of /notify are told as it happens: objects that come and go, contacts, levels."""
 
-import math
 import time
 from collections.abc import Callable, Mapping
 
@@ -8,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..dsp.runtime.engine import Engine
+from ..dsp.runtime.meter import decibels
 from ..dsp.spectral.places import levels_of
-from .audio.tap import Tap
 from .contact_watch import ContactWatch, Touching, thinned
 from .net.network import Source
 from .osc.wire import Message
@@ -30,11 +29,17 @@ class Teller:
     """Looks at an engine and tells those that asked. `look` often."""
 
     def __init__(
-        self, engine: Engine, session: Session, subscribers: Subscribers, reply: Callable[[Message, Source], None]
+        self,
+        engine: Engine,
+        session: Session,
+        subscribers: Subscribers,
+        reply: Callable[[Message, Source], None],
+        lowest_gain: Callable[[], float],
     ) -> None:
-        self.tap: Tap | None = None
-        """Where the meters are read, if anywhere."""
+        """lowest_gain: the limiter's lowest gain since the last call."""
         self._engine = engine
+        self._lowest_gain = lowest_gain
+        self._metered = 0  # samples up to which peaks were told
         self._session = session
         self._subscribers = subscribers
         self._reply = reply
@@ -107,16 +112,17 @@ class Teller:
         """The levels of the output, of each object that sounds and of its loudest modes."""
         engine = self._engine
         stats = engine.stats
-        peaks = [_decibels(peak * peak) for peak in self.tap.peaks()] if self.tap else []
-        meter = (engine.position, stats.load, int(engine.quality), stats.limited, stats.contacts_active, *peaks)
-        messages = [Message("/meter", meter)]
+        counts = engine.position, stats.load, int(engine.quality), stats.limited, stats.contacts_active
+        loudness, lowest, peaks = engine.meter.loudness, self._lowest_gain(), engine.meter.peaks(self._metered)
+        self._metered = counts[0]
+        messages = [Message("/meter", (*counts, loudness, decibels(lowest * lowest), *peaks))]
         for name in there:
             squares = mode_levels(engine, self._session.objects[name].handle.slot)
             loud = np.flatnonzero(squares > _SOFTEST)
             if len(loud):
                 loudest = loud[np.argsort(-squares[loud])][:_MOST_MODES]
-                pairs = [each for i in loudest.tolist() for each in (i, _decibels(float(squares[i])))]
-                messages.append(Message("/modes", (name, _decibels(0.5 * float(squares.sum())), *pairs)))
+                pairs = [each for i in loudest.tolist() for each in (i, decibels(float(squares[i])))]
+                messages.append(Message("/modes", (name, decibels(0.5 * float(squares.sum())), *pairs)))
             if len(messages) > _MOST_LEVELS:
                 break
         return messages
@@ -139,7 +145,3 @@ def mode_levels(engine: Engine, slot: int) -> NDArray[np.float64]:
     square = (y1 * y1 - a1 * y1 * y2 - a2 * y2 * y2) * 4.0 * a2
     level = np.divide(square, scale, out=np.zeros_like(square), where=scale != 0.0)
     return np.where(np.isfinite(level), np.maximum(level, 0.0), 0.0)
-
-
-def _decibels(square: float) -> float:
-    return 10.0 * math.log10(square) if square > 1e-20 else -200.0

@@ -38,7 +38,8 @@ from numba.core import event
 
 import carom
 from carom.dsp.native.code import PASSES
-from carom.server.osc.addresses import VERBS, table
+from carom.server.osc.addresses import VERBS
+from carom.server.osc.tables import table
 from carom.server.osc.oscquery import node
 
 def level(sound):

@@ -154,3 +154,13 @@ def number(word: str) -> float:
         return float(word)
     except ValueError:
         raise argparse.ArgumentTypeError(f"{word!r}: expected a number") from None
+
+
+_SIZE = re.compile(r"(\d+(?:\.\d+)?) ?([kMGT]?)B?", re.IGNORECASE)
+
+
+def size(word: str) -> int:
+    """The type of an option that is a number of bytes, such as 500MB or 1.5G."""
+    if not (given := _SIZE.fullmatch(word)):
+        raise argparse.ArgumentTypeError(f"{word!r}: expected bytes, such as 500MB or 10GB")
+    return round(float(given[1]) * 1000 ** " kmgt".index(given[2].lower() or " "))

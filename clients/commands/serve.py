@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from ...server.osc.wire import DEFAULT_PORT
 from ..actions import CommandError
 from .options import RATE, SWITCH, add_bank, add_contact, add_presets, contact, on_end
-from .parser import Command, number, whole
+from .parser import Command, number, size, whole
 
 if TYPE_CHECKING:
     from ...server.server import Server
@@ -26,7 +26,7 @@ PAGE = Path(__file__).parents[1] / "page"
 
 _KEPT = (
     "port", "bind", "device", "latency", "rate", "block", "record", "log", "channels", "gain", "modes", "objects",
-    "bank",
+    "bank", "recordings", "quota",
 )  # fmt: skip
 """The options that the server takes as they are given."""
 
@@ -49,6 +49,16 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rate", type=whole, default=RATE, help="sampling rate in Hz (%(default)s)")
     parser.add_argument("--block", type=whole, default=0, help="frames per block (0: the device's)")
     parser.add_argument("--record", type=_file, metavar="OUT.wav", help="record the sound")
+    parser.add_argument(
+        "--recordings", type=Path, metavar="DIR", help="folder for new files that clients record by /record (none)"
+    )
+    parser.add_argument(
+        "--quota",
+        type=size,
+        default="10GB",
+        metavar="SIZE",
+        help="the most that all files there may take (%(default)s)",
+    )
     parser.add_argument(
         "--page", type=whole, nargs="?", const=PAGE_PORT, metavar="PORT",
         help=f"offer a page to play from, and OSCQuery, over HTTP ({PAGE_PORT}; 0: any free port)",

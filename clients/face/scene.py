@@ -221,34 +221,34 @@ class Object:
         127)."""
         self.scene.note(self.name, note, velocity, position, at, **keys)
 
-    def damp(self, amount: SupportsFloat, at: SupportsFloat | None = None) -> None:
+    def damp(self, amount: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
         """Lay a hand on it: 0 none, 1 the firmest."""
-        self.scene.damp(self.name, amount, at)
+        self.scene.damp(self.name, amount, at, **keys)
 
-    def gain(self, level: SupportsFloat, at: SupportsFloat | None = None) -> None:
+    def gain(self, level: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
         """Set its level, dB."""
-        self.scene.gain(self.name, level, at)
+        self.scene.gain(self.name, level, at, **keys)
 
-    def pan(self, place: SupportsFloat, at: SupportsFloat | None = None) -> None:
+    def pan(self, place: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
         """Place it between left (-1) and right (1); on a ring of channels from behind (-1) over left, in front (0) and
         right to behind (1)."""
-        self.scene.pan(self.name, place, at)
+        self.scene.pan(self.name, place, at, **keys)
 
     def gains(self, *gains: Value, at: SupportsFloat | None = None) -> None:
         """Place it by a factor for each channel, one by one or as a list; without any, by its pan again."""
         self.scene.gains(self.name, *gains, at=at)
 
-    def distance(self, metres: SupportsFloat, at: SupportsFloat | None = None) -> None:
+    def distance(self, metres: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
         """Set how far (m) the listener is from it: twice as far is half the pressure."""
-        self.scene.distance(self.name, metres, at)
+        self.scene.distance(self.name, metres, at, **keys)
 
-    def tune(self, semitones: SupportsFloat, at: SupportsFloat | None = None) -> None:
+    def tune(self, semitones: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
         """Move all its frequencies, semitones."""
-        self.scene.tune(self.name, semitones, at)
+        self.scene.tune(self.name, semitones, at, **keys)
 
-    def decay(self, ratio: SupportsFloat, at: SupportsFloat | None = None) -> None:
+    def decay(self, ratio: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
         """Make all its decay times that many times longer, or shorter."""
-        self.scene.decay(self.name, ratio, at)
+        self.scene.decay(self.name, ratio, at, **keys)
 
     def free(self, at_once: bool = False, at: SupportsFloat | None = None) -> None:
         """Remove it once it is silent, or at once, with a short fade; its name is free."""

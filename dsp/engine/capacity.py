@@ -13,6 +13,8 @@ USUAL_OBJECTS = 512
 USUAL_MODES = 131_072
 STEMS = 512
 """Objects whose shares of the mix can be kept."""
+RAMPS = 4_096
+"""Ramps that run or wait; each point of a list is one."""
 
 
 def check_sizes(channels: int, modes: int, objects: int) -> None:

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from ..schema import (
     BY_POSITION,
+    CURVE,
     GESTURES,
+    OVER,
     RESTITUTION,
     SETTINGS,
     STEERABLE,
@@ -95,6 +97,9 @@ PRESS_RECORD = record_of(*_PRESS)
 SPIN_RECORD = record_of(*_SPIN)
 SLIDE_RECORD = record_of(*_SLIDE)
 SETTINGS_RECORD = record_of(*SETTINGS)
+_AFTER = Parameter("after", 0.0, np.inf, "s", "until it begins; 0: what was asked for before ends", default=0.0)
+_RAMP = {each.name: each for each in (OVER, CURVE, _AFTER)}
+RAMP_RECORD = record_of(*_RAMP)
 
 
 def _places(record: np.dtype[np.void]) -> NDArray[np.int64]:
@@ -166,6 +171,7 @@ COMMAND = np.dtype(
         ("layout", LAYOUT),  # of a new object
         ("method", METHOD),
         ("budget", BUDGET),
+        ("ramp", RAMP_RECORD),  # of a change: how it takes its time
     ],
     align=True,
 )
@@ -203,7 +209,7 @@ class Command(NamedTuple):
 
 _PARAMETERS = {
     "strike": _STRIKE, "bounce": _BOUNCE, "roll": _ROLL, "press": _PRESS, "spin": _SPIN, "slide": _SLIDE,
-    "settings": SETTINGS,
+    "settings": SETTINGS, "ramp": _RAMP,
 }  # fmt: skip
 _DEFAULTS: dict[str, dict[str, float]] = {
     record: {each.name: each.in_engine(each.default) for each in parameters.values() if each.default is not None}
@@ -221,6 +227,7 @@ _RECORDS = {
     Kind.SLIDE: ("strike", "slide"),
     Kind.METHOD: ("method",),
     Kind.BUDGET: ("budget",),
+    **dict.fromkeys((Kind.STEER, Kind.SET, Kind.GAIN), ("ramp",)),
 }
 _FIELDS = {kind: [(name, tuple(COMMAND[name].names or ())) for name in names] for kind, names in _RECORDS.items()}
 _TAKEN = {kind: {name for _, names in records for name in names} for kind, records in _FIELDS.items()}

@@ -1,11 +1,7 @@
 """Commands become events: they join the queue, wait for their time, and are carried out."""
 
-import numpy as np
-
 from ..native.atomics import load_acquire, store_release
 from ..native.jit import kernel, noinline_kernel
-from ..native.records import set_field
-from ..schema import SETTINGS
 from .channels import ask_gains
 from .clock import sample_at
 from .commands import (
@@ -33,13 +29,14 @@ from .commands import (
 )
 from .contact_list import report_end
 from .gestures import start_gesture
+from .objects import set_of
 from .order import wake
 from .panic import let_fade
 from .queue import has_room, order_heap, pop, push, sink, swap
+from .ramp_list import takes_time
 from .state import END_GONE, NOTES, QUANTUM, RING
 from .steering import is_running, steer, stop_gesture, stop_gestures_on
 
-_RETUNES = np.array([name in ("tune", "decay", "damp") for name in SETTINGS])
 _WANDER = 1.0 / 512.0  # share by which an event's sample, guessed from the clock, may be too late
 _PATIENCE = 1.0  # s that an event waits for its object
 
@@ -180,7 +177,8 @@ def carry_out(state, event):
     elif kind == KIND_STOP:
         stop_gesture(state, event)
     elif kind == KIND_SET:
-        _set(state.objects[event.slot], event)
+        if not takes_time(state, event, event.slot, event.serial):
+            set_of(state.objects[event.slot], event.parameter, event.value)
     elif kind == KIND_PLACE:
         _place(state.objects[event.slot], event)
     elif kind == KIND_NEW:
@@ -193,6 +191,9 @@ def carry_out(state, event):
         _panic(state, event.order)
     elif kind == KIND_SYNC:
         state.stats.synced = int(event.value)
+    elif kind == KIND_GAIN:
+        if not takes_time(state, event, 0, 0):
+            state.choices.gain = event.value
     else:
         _choose(state.choices, event)
 
@@ -210,19 +211,8 @@ def _choose(choices, event):
         choices.method = event.method
     elif event.kind == KIND_BUDGET:
         choices.budget = event.budget
-    elif event.kind == KIND_GAIN:
-        choices.gain = event.value
     elif event.kind == KIND_LIMITER:
         choices.limiter = int(event.value)
-
-
-@kernel
-def _set(obj, event):
-    """Change a setting of an object; its modes get new coefficients where it is about them."""
-    set_field(obj.settings, event.parameter, event.value)
-    obj.returns = int(obj.spectral > 0)
-    if _RETUNES[event.parameter]:
-        obj.stale_modes = obj.size
 
 
 @kernel
@@ -285,4 +275,5 @@ def _panic(state, order):
                 report_end(state, event.gesture, END_GONE)
     queue.size = kept
     order_heap(queue)
+    state.ramps.count = 0
     let_fade(state)

@@ -2,15 +2,29 @@
 
 import math
 
+import numpy as np
+
 from ..native.jit import kernel
+from ..native.records import set_field
 from ..resonator.bank import NYQUIST_SHARE, RESPONSES, Modes, Point, reach
 from ..resonator.mode import mode_energy, recurring
 from ..resonator.simd import LANES
+from ..schema import SETTINGS
 
 _HAND = 200.0  # 1/s: decay that a hand adds at damp = 1
 GONE = 0.35  # of a relief's frequency, where the middle of its modes lies an octave above the highest there is
 _FADE = 500.0  # 1/s: decay added to a mode that was tuned above the Nyquist share
 _HEAVIEST = 10.0  # of a mode's decay a sample, in nepers: it is gone in one, and more only costs digits
+_RETUNES = np.array([name in ("tune", "decay", "damp") for name in SETTINGS])
+
+
+@kernel
+def set_of(obj, parameter, value):
+    """Change a setting of an object; its modes get new coefficients where it is about them."""
+    set_field(obj.settings, parameter, value)
+    obj.returns = int(obj.spectral > 0)
+    if _RETUNES[parameter]:
+        obj.stale_modes = obj.size
 
 
 @kernel

@@ -8,6 +8,8 @@ from ..native.atomics import load_acquire, store_release
 from ..native.jit import kernel
 from .events import carry_out, take_commands, take_due
 from .limiter import limit
+from .meter import measure
+from .ramps import run_ramps
 from .render import forget_quiet, mix_objects, retune_objects, update_objects
 from .spectral import recall_objects, ring_bank
 from .state import QUANTUM, TAP
@@ -41,6 +43,7 @@ def render_quantum(state):
         if index < 0:
             break
         carry_out(state, state.queue.events[index])
+    run_ramps(state)
     # Gestures glide and bodies roll on; modes that were retuned get their coefficients.
     update_objects(state)
     recall_objects(state)
@@ -49,8 +52,9 @@ def render_quantum(state):
     ring_bank(state)
     # Contacts drive the modes, the modes ring, and each object adds its sound to the mix.
     mix_objects(state)
-    # The limiter has the last word; what leaves is kept for a recorder.
+    # The limiter has the last word; what leaves is measured, and kept for a recorder.
     limit(state)
+    measure(state)
     forget_quiet(state)
     _make_ready(state)
     _tap(state)

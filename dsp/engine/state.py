@@ -20,6 +20,8 @@ from .channels import MOST_CHANNELS, PLACE
 from .clock import CLOCK
 from .commands import BUDGET, COMMAND, METHOD, SETTINGS_RECORD
 from .contact_record import CONTACT
+from .meter_record import METER
+from .ramp_list import RAMP_LIST
 from .slide_record import SLIDE
 from .striker_state import STRIKER, STRIKERS, VOICE, VOICES
 from .tails_record import TAILS
@@ -302,8 +304,10 @@ STATE = np.dtype(
         ("voices", VOICE, VOICES),
         ("free_voice", np.int64, VOICES),  # stack
         ("voices_active", np.int64),
+        ("ramps", RAMP_LIST),
         ("choices", CHOICES),
         ("output", OUTPUT),
+        ("meter", METER),
         ("rate", np.float64),
         ("position", np.int64),  # samples computed
         ("stats", STATS),
@@ -329,20 +333,16 @@ def new_state(rate: float, channels: int = 2, memory: mmap.mmap | None = None) -
     record["rate"] = rate
     record["output"]["channels"] = channels
     record["output"]["consumed"] = QUANTUM
-    record["output"]["limit"] = 1.0
-    record["output"]["gain"] = 1.0
+    record["output"]["limit"] = record["output"]["gain"] = 1.0
     record["output"]["silent"] = 1
     record["stats"]["limit_lowest"] = 1.0
     record["scratch"]["together"]["known"] = -1
     record["contacts"]["sound"] = record["contacts"]["voice"] = -1
-    record["contacts"]["index"] = np.arange(CONTACTS)
+    record["contacts"]["index"] = record["free_contact"] = np.arange(CONTACTS)
     record["queue"]["heap"] = np.arange(EVENTS)
-    record["free_contact"] = np.arange(CONTACTS)
     record["free_roll"] = np.arange(ROLLS)
     record["free_voice"] = np.arange(VOICES)
-    record["choices"]["accuracy"] = 1
-    record["choices"]["gain"] = 1.0
-    record["choices"]["limiter"] = 1
+    record["choices"]["accuracy"] = record["choices"]["gain"] = record["choices"]["limiter"] = 1
     record["spectral"]["spare"] = PHASES * REGION
     record["spectral"]["phases"]["region"] = record["spectral"]["phases"]["top"] = np.arange(PHASES) * REGION
     return state

@@ -12,11 +12,13 @@ from .commands import (
     KIND_PRESS,
     KIND_ROLL,
     KIND_SLIDE,
+    KIND_STEER,
     STEERS,
 )
+from .ramp_list import drop_ramps, takes_time
 
 _GAIN, _GRAVITY, _FORCE = STEERABLE.index("gain"), STEERABLE.index("gravity"), STEERABLE.index("force")
-_SPEED = STEERABLE.index("speed")
+_SPEED, _SWEEP = STEERABLE.index("speed"), STEERABLE.index("sweep")
 
 
 @kernel
@@ -31,10 +33,10 @@ def steer_existing(state, event):
         if contact.gesture == event.gesture and contact.kind == event.kind and contact.gesture > 0 and here:
             found = True
             state.last_command[i] = state.queue.carried_out
-            _set_target(state, contact, _SPEED, event.slide.speed if slides else event.roll.speed)
             for n in range(len(IN_ROLL)):
-                if event.given >> n & 1 and n != _SPEED:
-                    _set_target(state, contact, n, _given(event, slides, n))
+                if n == _SPEED or event.given >> n & 1:
+                    drop_ramps(state, KIND_STEER, n, i, contact.command)
+                    set_target(state, contact, n, _given(event, slides, n))
     return found
 
 
@@ -55,12 +57,20 @@ def steer(state, event):
         contact = state.contacts[i]
         if contact.gesture == event.gesture:
             _count_command(state, i)
-            if STEERS[contact.kind, event.parameter]:
-                _set_target(state, contact, event.parameter, event.value)
+            if STEERS[contact.kind, event.parameter] and not takes_time(state, event, i, contact.command):
+                set_target(state, contact, event.parameter, event.value)
 
 
 @kernel
-def _set_target(state, contact, parameter, value):
+def target_of(state, contact, parameter):
+    """What one parameter of a contact was last told to be; the speed of a roll, as far as friction has slowed it."""
+    target = state.rolls[contact.roll].target if contact.kind == KIND_ROLL else contact.target
+    value = field(target, parameter)
+    return value / contact.level if parameter == _GAIN and contact.level > 0.0 else value
+
+
+@kernel
+def set_target(state, contact, parameter, value):
     """Give one parameter of a contact a new target."""
     if parameter == _GAIN:
         value *= contact.level
@@ -80,7 +90,7 @@ def stop_gesture(state, event):
         contact = state.contacts[i]
         if contact.gesture == event.gesture:
             _count_command(state, i)
-            _stop(state, contact, event.time)
+            _stop(state, i, event.time)
 
 
 @kernel
@@ -100,9 +110,12 @@ def is_running(state, gesture):
 
 
 @kernel
-def _stop(state, contact, time):
+def _stop(state, index, time):
     """End a gesture: a bouncing striker doesn't come back, a rolling body halts, a pressing one is released."""
+    contact = state.contacts[index]
     contact.until = min(contact.until, time)
+    drop_ramps(state, KIND_STEER, _SPEED, index, contact.command)
+    drop_ramps(state, KIND_STEER, _SWEEP, index, contact.command)
     if contact.kind == KIND_ROLL:
         state.rolls[contact.roll].target.speed = 0.0
     elif contact.kind == KIND_SLIDE:
@@ -116,5 +129,5 @@ def stop_gestures_on(state, obj, time):
     while index >= 0:
         contact = state.contacts[index]
         if contact.kind != KIND_IMPACT or contact.touching == 1:  # a blow that was to come still does
-            _stop(state, contact, time)
+            _stop(state, index, time)
         index = contact.next

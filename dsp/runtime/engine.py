@@ -21,6 +21,7 @@ from .arena import EngineFull
 from .callback import callback
 from .fresh import fresh_state
 from .memory import Memory
+from .meter import Meter
 from .ring import KEPT_FOR_NOW as KEPT_FOR_NOW
 from .ring import NOW as NOW
 from .ring import Ring
@@ -64,6 +65,7 @@ class Engine:
         self.state = fresh_state(rate, channels)
         self._record = self.state[0]
         self.ring = Ring(self._record)
+        self.meter = Meter(self._record)
         self._pointer, self._channels = self.state.ctypes.data, channels
         self._pace: tuple[int, float, float] | None = None
         self._memory = Memory(self._record, modes, objects)

@@ -1,4 +1,4 @@
-"""The sound as it is computed, handed on: to pages that hear it, to a recorder, to meters."""
+"""The sound as it is computed, handed on: to pages that hear it, and to recorders."""
 
 import threading
 from collections.abc import Callable
@@ -25,7 +25,6 @@ class Tap:
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
         self._sinks: list[Sink] = []
-        self._peaks = np.zeros(engine.channels, np.float32)
         self._read = 0
         self._hurries = False
         self._stop = threading.Event()
@@ -37,10 +36,9 @@ class Tap:
         """Call a sink with all sound from here on."""
         self._sinks.append(sink)
 
-    def peaks(self) -> list[float]:
-        """The highest amplitude in each channel since the last call."""
-        peaks, self._peaks = self._peaks, np.zeros_like(self._peaks)
-        return [float(peak) for peak in peaks]
+    def remove(self, sink: Sink) -> None:
+        """Call a sink no more."""
+        self._sinks.remove(sink)
 
     def _run(self) -> None:
         while not self._stop.wait(_SOON if self._hurries else PERIOD):
@@ -52,8 +50,7 @@ class Tap:
             return
         first = self._read + self._engine.stats.tap_lost
         self._read += len(sound)
-        self._peaks = np.maximum(self._peaks, np.abs(sound).max(axis=0))
-        self._hurries = any([sink(first, sound) for sink in self._sinks])
+        self._hurries = any([sink(first, sound) for sink in tuple(self._sinks)])
 
     def close(self) -> None:
         """Hand on what is left, and end."""
@@ -76,3 +73,53 @@ class Queue:
         """All sound since the last call."""
         blocks, self._blocks = self._blocks, []
         return np.concatenate([self._empty, *blocks])
+
+
+class Part:
+    """A sink that keeps a part of the sound until it is taken: from the engine's present sample on.
+
+    Frames that the tap has lost are silence there: so the part is as long as the time.
+    """
+
+    def __init__(self, engine: Engine, tap: Tap, most: int) -> None:
+        """most: frames, after which it ends by itself."""
+        self._engine, self._tap = engine, tap
+        self._lock = threading.Lock()
+        self._kept = Queue(engine.channels)
+        self._next = -1
+        tap.add(self)
+        with self._lock:
+            self.first = self._next = engine.position
+            """The number of its first sample."""
+            self.end = self.first + most
+            """That of the sample after its last."""
+
+    def stop(self) -> int:
+        """Let it end at the engine's present sample; returns that."""
+        with self._lock:
+            self.end = min(self.end, max(self._next, self._engine.position))
+            return self.end
+
+    def __call__(self, first: int, sound: Sound) -> None:
+        with self._lock:
+            begin, end = max(first, self._next), min(first + len(sound), self.end)
+            if self._next < 0 or begin >= end:
+                return
+            if begin > self._next:
+                self._kept(self._next, np.zeros((begin - self._next, sound.shape[1]), np.float32))
+            self._kept(begin, sound[begin - first : end - first])
+            self._next = end
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether all of it has come."""
+        return self._next >= self.end
+
+    def take(self) -> Sound:
+        """Its sound since the last call."""
+        with self._lock:
+            return self._kept.take()
+
+    def close(self) -> None:
+        """Keep no more."""
+        self._tap.remove(self)

@@ -71,6 +71,11 @@ class Log:
         if not self.error:
             self._write(lines)
 
+    def remark(self, frame: int, text: str) -> None:
+        """Note what is no message of a score, and at which frame it happened."""
+        if not self.error:
+            self._write([f"# {frame / self._engine.rate!r} {text} at frame {frame}\n"])
+
     def _named(self, sent: Sent) -> Message:
         """A message as it is carried out, on the one object that it is about."""
         message, serial = sent.message, sent.serial

@@ -30,12 +30,13 @@ class OutFile:
     OSError, naming the file, if it cannot be opened, or if this or another process is writing it.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, anew: bool = False) -> None:
+        """anew: where there is something of that name already, the file cannot be opened."""
         self.path = path
         self.begun = False
         self._target = path.resolve()  # what a symbolic link leads to
         self._new = not path.exists()
-        self.descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+        self.descriptor = os.open(path, os.O_RDWR | os.O_CREAT | (os.O_EXCL if anew else 0), 0o666)
         if fcntl and stat.S_ISREG(os.fstat(self.descriptor).st_mode):
             try:
                 fcntl.flock(self.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)

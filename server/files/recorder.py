@@ -25,12 +25,15 @@ class Recorder:
     content until `start`. OSError if it cannot be opened, RecordError if the name ends in another format's ending.
     """
 
-    def __init__(self, engine: Engine, path: Path, take: Callable[[], NDArray[np.float32]] | None = None) -> None:
-        """take: what has sounded since its last call; None: the engine's own `recorded`, which nobody else may call."""
+    def __init__(
+        self, engine: Engine, path: Path, take: Callable[[], NDArray[np.float32]] | None = None, anew: bool = False
+    ) -> None:
+        """take: what has sounded since its last call; None: the engine's own `recorded`, which nobody else may call.
+        anew: an OSError if there is such a file."""
         if path.suffix.lower() not in ("", ".wav"):
             raise RecordError(f"{path}: expected a name that ends in .wav")
         self._engine = engine
-        self._out = OutFile(path)
+        self._out = OutFile(path, anew)
         self._file: FloatWav | None = None
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="carom-recorder", daemon=True)

@@ -1,7 +1,4 @@
-"""The address space: every address, declared once for checking, for the documents, for OSCQuery and for clients.
-
-`python -m carom.server.osc.addresses` prints it as the tables of server/README.md.
-"""
+"""The address space: every address, declared once for checking, for the documents, for OSCQuery and for clients."""
 
 import difflib
 from collections.abc import Sequence
@@ -30,8 +27,9 @@ from ...dsp.schema import (
     Parameter as Number,
 )
 from ...dsp.wording import near
-from .arguments import Either, Note, Numbers, Parameter, Refused, Verb, Word
+from .arguments import Either, Note, Numbers, Refused, Verb, Word
 from .patterns import is_pattern, match
+from .points import Change
 from .wire import Message
 from .world_verbs import WORLD
 
@@ -96,7 +94,7 @@ _OBJECTS = (
         Verb(f"/object/NAME/{name}", gesture.help, (gesture.argument,), (POSITION,), (*STRIKE, *KEYS[name]))
         for name, gesture in GESTURES.items()
     ),
-    *(Verb(f"/object/NAME/{name}", setting.help, (setting,)) for name, setting in SETTINGS.items()),
+    *(Change(f"/object/NAME/{name}", setting.help, (setting,)) for name, setting in SETTINGS.items()),
     Verb(
         "/object/NAME/gains",
         "gives it a factor for each channel in place of its pan; without arguments its pan counts again",
@@ -122,7 +120,7 @@ _RUNNING = (
         "/gesture/ID/stop",
         "ends it: a bouncing striker or a disc does not come back, a rolling or sliding body halts, a hand lets go",
     ),
-    *(Verb(f"/gesture/ID/{name}", _steers(name), (_steering(name),)) for name in STEERABLE),
+    *(Change(f"/gesture/ID/{name}", _steers(name), (_steering(name),)) for name in STEERABLE),
 )
 
 _ENGINE = (
@@ -158,7 +156,7 @@ _ENGINE = (
         "0 0, without bounds, a server with 16 8192",
         (STEPS, ROOM),
     ),
-    Verb("/gain", "the level of everything", (MAIN_GAIN,)),
+    Change("/gain", "the level of everything", (MAIN_GAIN,)),
     Verb(
         "/limiter",
         "on (or 1, the default): the sound stays within full scale. off (or 0): it is left as it is",
@@ -202,6 +200,14 @@ _SERVER = (
         "too. 3: levels, too. With a port all answers to your datagrams go there",
         (Number("level", 0, 3, whole=True),),
         (Number("port", 1, 65_535, whole=True),),
+        scored=False,
+    ),
+    Verb(
+        "/record",
+        "1: records into a new file of the server's folder, by that name or else the day and time, and answers "
+        "/done /record FILE FIRST; 0: ends that, and answers /done /record FILE FIRST END, in samples",
+        (Number("on", 0, 1),),
+        keys=(Word("name"),),
         scored=False,
     ),
     Verb("/dump", "1: prints messages, cut at 2,000 characters; 0: no more", (Number("on", 0, 1),), scored=False),
@@ -292,58 +298,3 @@ def _filled(template: str, given: Sequence[str], has_container: bool) -> str:
     if len(given) == 3 or (len(given) == 2 and not has_container):
         name = given[-2]
     return f"/{container}/{name}/{action}"
-
-
-def table() -> str:
-    """The address space as two Markdown tables: addresses, and the keys of gestures."""
-    return f"{address_table()}\n\n{key_table()}"
-
-
-def address_table() -> str:
-    """Every address, its arguments and its meaning, as a Markdown table."""
-
-    def listed(verb: Verb) -> str:
-        shared = len(STRIKE) if verb.keys[: len(STRIKE)] == STRIKE else 0
-        whole = verb.keys if verb in WORLD else (NOTE, PITCH)
-        own = [_marked(key) if key in whole else f"`{key.name}`" for key in verb.keys[shared:]]
-        keys = ["a gesture's"] * bool(shared) + own
-        return f"; keys: {', '.join(keys)}" if keys else ""
-
-    lines = ["| address | arguments | does |", "|---|---|---|"]
-    for verb in VERBS.values():
-        many = [f"[{_marked(verb.many)}]"] if verb.many else []
-        optional = [f"[{_marked(number)}]" for number in verb.optional]
-        arguments = ", ".join([*map(_marked, verb.required), *optional, *many])
-        lines.append(f"| `{verb.address}` | {arguments}{listed(verb)} | {verb.help} |")
-    return "\n".join(lines)
-
-
-def key_table() -> str:
-    """The keys of gestures, as a Markdown table."""
-    keys: dict[str, list[str]] = {_row(key): ["all"] for key in STRIKE}
-    for name, own in KEYS.items():
-        for key in own:
-            keys.setdefault(_row(key), []).append(name)
-    lines = ["| a gesture's key | of | meaning |", "|---|---|---|"]
-    lines += [row.format(", ".join(gestures)) for row, gestures in keys.items()]
-    return "\n".join(lines)
-
-
-def _row(key: Parameter) -> str:
-    """The row of a gesture's key, with a place for the gestures that take it."""
-    return f"| {_marked(key)} | {{}} | {key.help}{_default(key)} |"
-
-
-def _marked(parameter: Parameter | Numbers) -> str:
-    """A parameter in Markdown."""
-    return str(parameter).replace(parameter.name, f"`{parameter.name}`", 1)
-
-
-def _default(parameter: Parameter) -> str:
-    if not isinstance(parameter, Number) or parameter.default is None:
-        return ""
-    return f"{'; ' * bool(parameter.help)}{parameter.default:g} if not given"
-
-
-if __name__ == "__main__":
-    print(table())

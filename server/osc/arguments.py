@@ -2,9 +2,10 @@
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 from ...dsp.schema import Parameter as Number
 from ...dsp.wording import expected
@@ -126,6 +127,15 @@ Parameter = Number | Word | Either | Note
 Key = Number | Word | Numbers | Note
 
 
+class Point(NamedTuple):
+    """Where a number goes that may take its time: s until the way there begins, s that it takes, and its curve."""
+
+    value: float
+    after: float = 0.0
+    over: float = 0.0
+    curve: float = 0.0
+
+
 @dataclass
 class Values:
     """The checked arguments of a message, by name: those that it gives, and the defaults of its numbers."""
@@ -136,6 +146,8 @@ class Values:
     defaults: dict[str, float] = field(default_factory=dict)
     many: tuple[float, ...] = ()
     """Those of an argument that is any number of numbers."""
+    points: tuple[Point, ...] = ()
+    """Those of an argument that may take its time."""
 
     def number(self, name: str) -> float:
         """A number as it is given, else its default."""
@@ -203,29 +215,29 @@ class Verb:
         for number in self.optional:
             if rest and not isinstance(rest[0], str):
                 values.add(number, rest.pop(0))
-        for key, value in _pairs(rest, self):
+        for key, value in self._pairs(rest):
             if key in self.named:
                 values.add(self.named[key], value)
             elif key in values.others:
                 raise Refused(f"{key} = {shown(value)}: given twice")
-            elif self.open_keys:
-                values.others[key] = value
             else:
-                raise Refused(f"{key}: no such key; {expected(key, self.named)}")
+                values.others[key] = value
         return values
+
+    def _pairs(self, rest: Sequence[Argument]) -> Iterator[tuple[str, Argument]]:
+        """Keys and their values; Refused names one that is no key."""
+        for i in range(0, len(rest), 2):
+            key = rest[i]
+            if not isinstance(key, str):
+                raise Refused(f"{shown(key)}: expected a key; {self.usage()}")
+            if key not in self.named and not self.open_keys:
+                raise Refused(f"{key}: no such key; {expected(key, self.named)}")
+            if i + 1 == len(rest):
+                raise Refused(f"{key}: its value is missing")
+            yield key, rest[i + 1]
 
     def usage(self) -> str:
         """The address and the names of its arguments, optional ones in brackets."""
         words = [a.name for a in self.required] + [f"[{a.name}]" for a in self.optional]
         words += [f"[{self.many.name} ...]"] if self.many else []
         return " ".join([self.address, *words, *(["[key value ...]"] if self.keys or self.open_keys else [])])
-
-
-def _pairs(rest: list[Argument], verb: Verb) -> Iterator[tuple[str, Argument]]:
-    for i in range(0, len(rest), 2):
-        key = rest[i]
-        if not isinstance(key, str):
-            raise Refused(f"{shown(key)}: expected a key; {verb.usage()}")
-        if i + 1 == len(rest):
-            raise Refused(f"{key}: its value is missing")
-        yield key, rest[i + 1]

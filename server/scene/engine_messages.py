@@ -6,7 +6,7 @@ from ...dsp.contact.accuracy import LEVELS
 from ...dsp.contact.sampled import CORRECTIONS, METHODS
 from ...dsp.engine.commands import Command, Kind
 from ...dsp.runtime.engine import NOW
-from ...dsp.schema import FORMS, MAIN_GAIN
+from ...dsp.schema import CURVE, FORMS, MAIN_GAIN, OVER, Parameter
 from ...dsp.wording import expected
 from ..osc.addresses import Call
 from ..osc.arguments import Refused, Values, shown
@@ -20,6 +20,17 @@ Handler = Callable[[Transaction, Call, Values], None]
 def _send(transaction: Transaction, message: Message, command: Command) -> None:
     """Add a command that is about no object; `message` is what it stands for."""
     transaction.add(command._replace(time=transaction.time), Sent(message, 0, 0, 0.0))
+
+
+def changes(kind: Kind, number: Parameter, values: Values) -> list[Command]:
+    """The commands of a number that may take its time: one for each point that it goes to."""
+    return [
+        Command(
+            NOW, kind, value=number.in_engine(point.value),
+            values={"after": point.after, OVER.name: point.over, CURVE.name: point.curve},
+        )
+        for point in values.points
+    ]  # fmt: skip
 
 
 def _panic(transaction: Transaction, call: Call, values: Values) -> None:
@@ -45,8 +56,8 @@ def _budget(transaction: Transaction, call: Call, values: Values) -> None:
 
 
 def _gain(transaction: Transaction, call: Call, values: Values) -> None:
-    gain = MAIN_GAIN.in_engine(values.numbers["gain"])
-    _send(transaction, call.message, Command(NOW, Kind.GAIN, value=gain))
+    for change in changes(Kind.GAIN, MAIN_GAIN, values):
+        _send(transaction, call.message, change)
 
 
 def _limiter(transaction: Transaction, call: Call, values: Values) -> None:

@@ -17,9 +17,10 @@ from ...presets.kinds import DRY
 from ..osc.addresses import Call, calls, unknown
 from ..osc.arguments import GestureEnded, Refused, Values
 from ..osc.patterns import is_pattern
+from ..osc.points import Change
 from ..osc.wire import Message
 from .contact_law import law_of, law_on
-from .engine_messages import ENGINE_HANDLERS, Handler
+from .engine_messages import ENGINE_HANDLERS, Handler, changes
 from .limits import Contact, fall, require_rest, require_rollable, require_short, rim_speed
 from .notes import copy_of, speed_of, tuned
 from .object_call import ObjectCall, listed, require_name
@@ -82,8 +83,9 @@ def _set(to: ObjectCall) -> None:
     before = to.obj.settings.get(setting, value)
     to.obj.settings[setting] = value
     to.transaction.on_undo(lambda: to.obj.settings.update({setting: before}))
-    change = Command(NOW, Kind.SET, value=SETTINGS[setting].in_engine(value), parameter=setting)
-    _add(to.transaction, to.canonical, change, to.obj)
+    message = to.canonical
+    for change in changes(Kind.SET, SETTINGS[setting], to.values):
+        _add(to.transaction, message, change._replace(parameter=setting), to.obj)
 
 
 def _gains(to: ObjectCall) -> None:
@@ -269,14 +271,15 @@ def _steer(transaction: Transaction, call: Call, values: Values) -> None:
     if not ids:
         error = GestureEnded if transaction.gestures.have_ended(call.target, transaction.selection) else Refused
         raise error(f"{call.target}: no such gesture is running{_running(transaction, call.target)}")
-    transaction.selection.charge(_CHANGE_WORK * (len(ids) - 1), call.target)
+    commands = [Command(NOW, Kind.STOP)]
+    if action != "stop":
+        assert isinstance(call.verb, Change)
+        commands = [each._replace(parameter=action) for each in changes(Kind.STEER, call.verb.number, values)]
+    transaction.selection.charge(_CHANGE_WORK * (len(ids) * len(commands) - 1), call.target)
     for id in ids:
         message = Message(f"/gesture/{id.name}/{action}", call.message.args)
-        if action == "stop":
-            _add(transaction, message, Command(NOW, Kind.STOP, gesture=id.number))
-        else:
-            value = GAIN.in_engine(values.numbers[action]) if action == GAIN.name else values.numbers[action]
-            _add(transaction, message, Command(NOW, Kind.STEER, gesture=id.number, parameter=action, value=value))
+        for command in commands:
+            _add(transaction, message, command._replace(gesture=id.number))
 
 
 def _running(transaction: Transaction, target: str) -> str:
@@ -287,12 +290,13 @@ def _running(transaction: Transaction, target: str) -> str:
     return f"; {suggestion(target, running) or f'running are {listed(running)}'}"
 
 
-def _work(call: Call, transaction: Transaction) -> int:
+def _work(call: Call, values: Values, transaction: Transaction) -> int:
     """The work of carrying out a call on one object."""
     assert call.verb
     if call.verb.action in GESTURES:
         return _GESTURE_WORK
-    return _CHANGE_WORK * (transaction.engine.channels if call.verb.action == "gains" else 1)
+    commands = transaction.engine.channels if call.verb.action == "gains" else len(values.points)
+    return _CHANGE_WORK * max(1, commands)
 
 
 def _on_objects(handle: Callable[[ObjectCall], None]) -> Handler:
@@ -305,7 +309,7 @@ def _on_objects(handle: Callable[[ObjectCall], None]) -> Handler:
             known = transaction.suggestion(call.target, there) or f"there are {listed(there)}"
             raise Refused(f"{call.target}: no such object; {known}")
         # One object is all that a message reaches without a pattern.
-        transaction.selection.charge(_work(call, transaction) * (len(objects) - 1), call.target)
+        transaction.selection.charge(_work(call, values, transaction) * (len(objects) - 1), call.target)
         for name, obj in objects.items():
             if len(objects) > 1:
                 transaction.pause()

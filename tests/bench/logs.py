@@ -18,6 +18,11 @@ from carom.server.osc.wire import Message
 from tests.support import render_lines, serving
 
 
+def _takes_time(rng: random.Random) -> tuple[str | float, ...]:
+    """Keys of a change that takes its time, or none."""
+    return rng.choice(((), ("over", rng.uniform(0.0, 0.3)), ("over", 0.1, "curve", rng.uniform(-6.0, 6.0))))
+
+
 def random_message(rng: random.Random) -> Message:
     name = rng.choice("abcd")
     match rng.randrange(16):
@@ -33,7 +38,9 @@ def random_message(rng: random.Random) -> Message:
             return Message("/contact", rng.choice((("closed",), ("verlet", 4), ("am1", "correction", "both"), ("no",))))
         case 5:
             action = rng.choice(("damp", "pan", "gain", "decay", "tune"))
-            return Message(f"/object/{rng.choice((name, '[a-c]'))}/{action}", (rng.uniform(0.01, 0.9),))
+            return Message(
+                f"/object/{rng.choice((name, '[a-c]'))}/{action}", (rng.uniform(0.01, 0.9), *_takes_time(rng))
+            )
         case 6:
             height = rng.choice((0.0, 0.001, 0.02))
             return Message(f"/object/{name}/bounce", (height, "irregularity", 0.5, *rng.choice(((), ("id", "x")))))
@@ -48,7 +55,10 @@ def random_message(rng: random.Random) -> Message:
             what = rng.choice(
                 (("stop",), ("gain", -6.0), ("speed", 0.5), ("gravity", 5.0), ("force", 1.0), ("flat", 0.4))
             )
-            return Message(f"/gesture/{rng.choice(('x', '*', 'y', '[a-c]*'))}/{what[0]}", what[1:])
+            return Message(
+                f"/gesture/{rng.choice(('x', '*', 'y', '[a-c]*'))}/{what[0]}",
+                (*what[1:], *(_takes_time(rng) if what[1:] else ())),
+            )
         case 10:
             by = ("by", rng.choice("abcd"), *rng.choice(((), ("by_position", 0.2), ("mass", 0.05))))
             return Message(f"/object/{name}/{rng.choice(('impact', 'bounce'))}", (0.02, *by))
@@ -68,7 +78,7 @@ def random_gesture(rng: random.Random, ids: int) -> Message:
         case 4:
             return Message(f"/object/{name}/press", (0.5, "striker", "felt", "id", id))
         case 5:
-            return Message(f"/gesture/{id}/gain", (rng.uniform(-6.0, 0.0),))
+            return Message(f"/gesture/{id}/gain", (rng.uniform(-6.0, 0.0), *_takes_time(rng)))
         case 6:
             return Message(f"/gesture/{id}/stop")
         case _:

@@ -7,7 +7,7 @@ import signal
 import subprocess
 import threading
 import time
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from functools import partial
 from itertools import islice
 
@@ -22,6 +22,7 @@ PAIRS = {
     "impacts": 1234, "contacts_dropped": 0, "late": 2, "underflows": 1, "queued": 0, "limiter_lowest": 0.5,
     "latency": 0.01, "latency_requested": 0.02, "latency_measured": 0.015, "late_last_ms": 1.5, "late_worst_ms": 99.0,
     "device": "none", "reconnects": 0, "scheduling": "fifo", "time": 3725.0, "rung_closed": 7,
+    "peak": -7.5, "loudness": -23.0,
 }  # fmt: skip
 
 
@@ -43,7 +44,7 @@ def test_all_that_is_told_is_shown():
     text = plain(shown({}))
     for part in (
         "1:02:05", "none at 48000 Hz", "measured 47999.5", "fifo", "10.0 ms, requested 20.0, measured 15.0", "12.5 %",
-        "40.0 %", "-6.0 dB",
+        "40.0 %", "-6.0 dB", "-7.5 dB", "-23.0 LUFS",
     ):  # fmt: skip
         assert part in text
     for name, value in (("impacts", "1,234"), ("late_worst_ms", "99"), ("modes", "24"), ("rung_closed", "7")):
@@ -111,7 +112,11 @@ def test_live_on_a_terminal(server: Running):
     env = os.environ | {"TERM": "xterm", "COLUMNS": "120", "LINES": "40"}
     text: list[str] = []
     heed = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # shells have what runs in the background ignore it
-    with subprocess.Popen(words, stdin=theirs, stdout=theirs, stderr=theirs, env=env, preexec_fn=heed) as process:
+    with (
+        subprocess.Popen(words, stdin=theirs, stdout=theirs, stderr=theirs, env=env, preexec_fn=heed) as process,
+        ExitStack() as stack,
+    ):
+        stack.callback(process.kill)  # if the server is late, it would be waited for
         os.close(theirs)
         reader = threading.Thread(target=read_on, args=(ours, text))
         reader.start()

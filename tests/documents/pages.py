@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-from carom.server.osc.addresses import address_table, key_table
+from carom.server.osc.tables import address_table, key_table
 from tests.documents import commands, figures, presets, protocol, recipes
 
 ROOT = Path(__file__).parents[2]

@@ -6,8 +6,9 @@ import sys
 import pytest
 
 from carom.dsp.schema import GESTURES, SETTINGS, STEERABLE, Parameter, gestures_steered_by
-from carom.server.osc.addresses import VERBS, calls, table
+from carom.server.osc.addresses import VERBS, calls
 from carom.server.osc.arguments import Refused, check_number
+from carom.server.osc.tables import table
 from carom.server.osc.wire import Message
 from carom.server.scene.translate import HANDLERS
 
@@ -23,14 +24,14 @@ def test_the_table_names_every_address_and_argument():
         for argument in (*verb.required, *verb.optional, *verb.keys):
             assert f"`{argument.name}`{str(argument).removeprefix(argument.name)}" in text
     assert (
-        "| `gravity` 0.01 to 1000 m/s^2, usually 1 to 30 | steers a bounce (from its next flight on), a roll or a spin "
-        "(from its next contact on) |" in text
+        "| `gravity` 0.01 to 1000 m/s^2, usually 1 to 30; keys: a change's | steers a bounce (from its next flight on),"
+        " a roll or a spin (from its next contact on) |" in text
     )
 
 
 @pytest.mark.slow
 def test_the_module_prints_the_table():
-    run = subprocess.run([sys.executable, "-m", "carom.server.osc.addresses"], capture_output=True, text=True)
+    run = subprocess.run([sys.executable, "-m", "carom.server.osc.tables"], capture_output=True, text=True)
     assert (run.stdout, run.stderr) == (table() + "\n", "")
 
 

@@ -1,0 +1,42 @@
+"""The record of the level meter, and the filters of ITU-R BS.1770 that it weighs by."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .channels import MOST_CHANNELS
+
+METERED = 1_280
+"""Quanta that are kept: 0.4 s at the highest rate, and some that may be written meanwhile."""
+WINDOW = 0.4
+"""s over which momentary loudness is taken."""
+
+METER = np.dtype(
+    [
+        ("on", np.int64),
+        ("shelf", np.float64, 5),  # b0, b1, b2, a1, a2
+        ("high_pass", np.float64, 5),
+        ("memory", np.float64, (MOST_CHANNELS, 4)),  # two of each filter
+        ("power", np.float64, METERED),  # of each quantum: the weighted mean square, all channels added
+        ("peak", np.float32, (METERED, MOST_CHANNELS)),
+    ],
+    align=True,
+)
+
+
+def k_weighting(rate: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The shelf and the high pass at a sampling rate (Hz): each b0, b1, b2, a1, a2.
+
+    They are the standard's at 48 kHz; at other rates the bilinear transform of the analogue filters behind these.
+    """
+    k, q = math.tan(math.pi * 1681.974450955533 / rate), 0.7071752369554196
+    high = 10.0 ** (3.999843853973347 / 20.0)
+    middle = high**0.4996667741545416
+    a0 = 1.0 + k / q + k * k
+    shelf = high + middle * k / q + k * k, 2.0 * (k * k - high), high - middle * k / q + k * k
+    shelf = *shelf, 2.0 * (k * k - 1.0), 1.0 - k / q + k * k
+    k, q = math.tan(math.pi * 38.13547087602444 / rate), 0.5003270373238773
+    b0 = 1.0 + k / q + k * k
+    high_pass = 1.0, -2.0, 1.0, 2.0 * (k * k - 1.0) / b0, (1.0 - k / q + k * k) / b0
+    return np.array(shelf) / a0, np.array(high_pass)

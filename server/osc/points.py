@@ -1,0 +1,77 @@
+"""A number that takes its time: where it goes, how long each way takes, and by which curve."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import accumulate
+
+from ...dsp.schema import CURVE, OVER, Parameter
+from .arguments import Key, Point, Refused, Values, Verb, check_number, shown
+from .wire import Argument
+
+CHANGE = (OVER, CURVE)
+"""Keys of what changes a number."""
+MOST_POINTS = 64
+"""Of a list."""
+
+
+@dataclass(frozen=True)
+class Change(Verb):
+    """An address that changes a number: at once, in a time, or by a list of values with the time of each."""
+
+    keys: tuple[Key, ...] = CHANGE
+
+    @property
+    def number(self) -> Parameter:
+        """The number that it changes."""
+        (number,) = self.required
+        assert isinstance(number, Parameter)
+        return number
+
+    def parse(self, args: tuple[Argument, ...]) -> Values:
+        """The last value by name, and the points on the way there; Refused names the argument that does not fit."""
+        if not args:
+            return super().parse(args)
+        keys: dict[str, Argument] = {}
+        for key, value in self._pairs(args[1:]):
+            if key in keys:
+                raise Refused(f"{key} = {shown(value)}: given twice")
+            keys[key] = value
+        points = _points(self.number, args[0], keys)
+        return Values({self.number.name: points[-1].value}, points=points)
+
+
+def _points(number: Parameter, value: Argument, keys: Mapping[str, Argument]) -> tuple[Point, ...]:
+    values = _numbers(number, value)
+    if len(values) > MOST_POINTS:
+        raise Refused(f"{number.name}: {len(values)} values: expected at most {MOST_POINTS}")
+    if len(values) != 1 and OVER.name not in keys:
+        raise Refused(f"{number.name} = {shown(value)}: over is missing: expected the time of each value, s")
+    over, curve = (_of_each(len(values), each, keys.get(each.name, 0.0)) for each in (OVER, CURVE))
+    return tuple(map(Point, values, accumulate(over, initial=0.0), over, curve))
+
+
+def _of_each(count: int, number: Parameter, given: Argument) -> tuple[float, ...]:
+    """A number for each of some values: a list, or one that is the same for all."""
+    numbers = _numbers(number, given)
+    if len(numbers) == 1:
+        return numbers * count
+    if len(numbers) != count:
+        raise Refused(f"{number.name} = {shown(given)}: expected one number, or as many as there are values: {count}")
+    return numbers
+
+
+def _numbers(number: Parameter, value: Argument) -> tuple[float, ...]:
+    """The numbers of a list, of a text such as 0.2,1, or of a number alone."""
+    if isinstance(value, str) and "," in value:
+        value = tuple(map(_spelled, value.split(",")))
+    if isinstance(value, tuple) and value:
+        return tuple(check_number(number, each) for each in value)
+    return (check_number(number, value),)
+
+
+def _spelled(text: str) -> float | str:
+    """The number that a text spells, or else the text."""
+    try:
+        return float(text)
+    except ValueError:
+        return text

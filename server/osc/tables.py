@@ -1,0 +1,65 @@
+"""The address space as the tables of server/README.md; `python -m carom.server.osc.tables` prints them."""
+
+from ...dsp.schema import Parameter as Number
+from .addresses import KEYS, NOTE, PITCH, STRIKE, VERBS
+from .arguments import Numbers, Parameter, Verb
+from .points import CHANGE, Change
+from .world_verbs import WORLD
+
+
+def table() -> str:
+    """The address space as two Markdown tables: addresses, and the keys of gestures."""
+    return f"{address_table()}\n\n{key_table()}"
+
+
+def address_table() -> str:
+    """Every address, its arguments and its meaning, as a Markdown table."""
+
+    def listed(verb: Verb) -> str:
+        if isinstance(verb, Change):
+            return "; keys: a change's"
+        shared = len(STRIKE) if verb.keys[: len(STRIKE)] == STRIKE else 0
+        whole = verb.keys if verb in WORLD else (NOTE, PITCH)
+        own = [_marked(key) if key in whole else f"`{key.name}`" for key in verb.keys[shared:]]
+        keys = ["a gesture's"] * bool(shared) + own
+        return f"; keys: {', '.join(keys)}" if keys else ""
+
+    lines = ["| address | arguments | does |", "|---|---|---|"]
+    for verb in VERBS.values():
+        many = [f"[{_marked(verb.many)}]"] if verb.many else []
+        optional = [f"[{_marked(number)}]" for number in verb.optional]
+        arguments = ", ".join([*map(_marked, verb.required), *optional, *many])
+        lines.append(f"| `{verb.address}` | {arguments}{listed(verb)} | {verb.help} |")
+    return "\n".join(lines)
+
+
+def key_table() -> str:
+    """The keys of gestures, as a Markdown table."""
+    keys: dict[str, list[str]] = {_row(key): ["all"] for key in STRIKE}
+    for name, own in KEYS.items():
+        for key in own:
+            keys.setdefault(_row(key), []).append(name)
+    keys |= {_row(key): ["changes"] for key in CHANGE}
+    lines = ["| a gesture's key | of | meaning |", "|---|---|---|"]
+    lines += [row.format(", ".join(gestures)) for row, gestures in keys.items()]
+    return "\n".join(lines)
+
+
+def _row(key: Parameter) -> str:
+    """The row of a gesture's key, with a place for the gestures that take it."""
+    return f"| {_marked(key)} | {{}} | {key.help}{_default(key)} |"
+
+
+def _marked(parameter: Parameter | Numbers) -> str:
+    """A parameter in Markdown."""
+    return str(parameter).replace(parameter.name, f"`{parameter.name}`", 1)
+
+
+def _default(parameter: Parameter) -> str:
+    if not isinstance(parameter, Number) or parameter.default is None:
+        return ""
+    return f"{'; ' * bool(parameter.help)}{parameter.default:g} if not given"
+
+
+if __name__ == "__main__":
+    print(table())
