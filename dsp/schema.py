@@ -113,10 +113,7 @@ VELOCITY = Parameter(
     "velocity", 0.0, 1000.0, "m/s", "of the striker as it meets the object; 0 does nothing", useful=(0.01, 5.0)
 )
 HEIGHT = Parameter("height", 0.0, 1000.0, "m", "from which it falls", useful=(0.01, 2.0))
-THROW = Parameter(
-    "velocity", -100.0, 100.0, "m/s", "thrown downwards, or upwards", default=0.0,
-    useful=(-5.0, 5.0),
-)  # fmt: skip
+THROW = Parameter("velocity", -100.0, 100.0, "m/s", "thrown downwards, or upwards", default=0.0, useful=(-5.0, 5.0))
 SPEED = Parameter(
     "speed", 0.0, 100.0, "m/s", "along the surface; 0 stops it", useful=(0.01, 5.0), steerable=True, glide=0.02
 )
@@ -150,9 +147,7 @@ BOUNCE = Gesture(
         dataclasses.replace(GRAVITY, steered="from its next flight on"),
         IRREGULARITY,
         SEED,
-        Parameter(
-            "weight", 0, 1, "", "1: gravity acts in every contact too, not only near rest", default=0.0
-        ),
+        Parameter("weight", 0, 1, "", "1: gravity acts in every contact too, not only near rest", default=0.0),
     ),
 )  # fmt: skip
 ROLL = Gesture(
@@ -178,17 +173,12 @@ ROLL = Gesture(
 PRESS = Gesture(
     "press", "lays the striker on it and presses, until it is stopped: a hand, a mute", FORCE, fixed=("gain",)
 )
-DURATION = Parameter(
-    "duration", 0.0, 3600.0, "s", "until it lies still; 0 does nothing", useful=(0.1, 10.0)
-)  # fmt: skip
+DURATION = Parameter("duration", 0.0, 3600.0, "s", "until it lies still; 0 does nothing", useful=(0.1, 10.0))
 SPIN = Gesture(
     "spin", "lets a coin, a lid or a ring spin down on it: contacts ever faster and fainter, then silence", DURATION,
     (
         Parameter("angle", 0.1, 80.0, "degrees", "of its tilt at first", default=20.0, useful=(1.0, 40.0)),
-        Parameter(
-            "radius", 1e-3, 10.0, "m", "of the disc", default=0.0116,
-            useful=(0.005, 0.2),
-        ),
+        Parameter("radius", 1e-3, 10.0, "m", "of the disc", default=0.0116, useful=(0.005, 0.2)),
         Parameter(
             "quickening", 0.1, 0.9, "", "n, where t before its end the rate of contacts goes as t^-n: 1/3 by rolling "
             "friction, 1/2 where it loses power evenly", default=0.4, useful=(0.3, 0.5),
@@ -284,10 +274,7 @@ ROOM = Parameter(
     "that may be coupled to contacts at once, each as often as it is, and 32 more for each contact; 0: any number",
     default=0.0, useful=(0, 65_536), whole=True,
 )  # fmt: skip
-OVER = Parameter(
-    "over", 0.0, 3600.0, "s", "time in which it goes there from where it is; 0: at once", default=0.0,
-    useful=(0.01, 10.0),
-)  # fmt: skip
+OVER = Parameter("over", 0.0, 3600.0, "s", "time from the present value", default=0.0, useful=(0.01, 10.0))
 CURVE = Parameter(
     "curve", -20.0, 20.0, "", "0: evenly, below 0: fast at first, above 0: slowly at first, as in SuperCollider's Env",
     default=0.0, useful=(-8.0, 8.0),

@@ -19,19 +19,19 @@ _T60 = math.log(1e3)  # times the time constant
 
 def presets(library: Presets, kind: str) -> Iterator[Message]:
     """/presets.reply KIND FIRST TOTAL NAME ...: as many as are needed."""
-    yield from _in_parts("/presets.reply", (kind,), [(name,) for name in library.names(kind)])
+    yield from in_parts("/presets.reply", (kind,), [(name,) for name in library.names(kind)])
 
 
 def objects(session: Session) -> Iterator[Message]:
     """/objects.reply FIRST TOTAL and pairs of name and preset."""
     there = [(name, session.objects[name].preset.name) for name in session.objects.there(0.0)]
-    yield from _in_parts("/objects.reply", (), there)
+    yield from in_parts("/objects.reply", (), there)
 
 
 def gestures(session: Session) -> Iterator[Message]:
     """/gestures.reply FIRST TOTAL and pairs of id and the address that started it."""
     running = [(id.name, address) for id in session.gestures.running() for address, _ in tuple(id.running)]
-    yield from _in_parts("/gestures.reply", (), running)
+    yield from in_parts("/gestures.reply", (), running)
 
 
 def described(session: Session, target: str, modes: int) -> Iterator[Message]:
@@ -59,7 +59,7 @@ def described(session: Session, target: str, modes: int) -> Iterator[Message]:
             for i in range(count)
         ]
         if count:
-            yield from _in_parts(f"/object/{name}/get.modes", (), values)
+            yield from in_parts(f"/object/{name}/get.modes", (), values)
 
 
 def tuning_of(obj: PlayedObject) -> float:
@@ -67,7 +67,7 @@ def tuning_of(obj: PlayedObject) -> float:
     return float(2.0 ** (obj.settings.get("tune", 0.0) / 12.0))
 
 
-def _in_parts(address: str, head: tuple[Argument, ...], items: Iterable[tuple[Argument, ...]]) -> Iterator[Message]:
+def in_parts(address: str, head: tuple[Argument, ...], items: Iterable[tuple[Argument, ...]]) -> Iterator[Message]:
     """Messages with all items, each with the place of its first one and their number after the head."""
     items = list(items)
     part: list[Argument] = []

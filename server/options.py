@@ -31,8 +31,9 @@ class Options:
     to, folders of presets, the arguments of a /contact to begin with, a port for HTTP (None: none, 0: any free
     one), the folder of the page that is there beside OSCQuery (None: no page), whether it goes over TLS, with the
     certificate of which file (None: one that is made), channels, the main gain in dB, whether the limiter is on, for
-    how many modes and objects there is room, what the spectral bank keeps its modes in, and a folder for what clients
-    record, with the most bytes that all files in it may have."""
+    how many modes and objects there is room, what the spectral bank keeps its modes in, a folder for what clients
+    record, with the most bytes that all files in it may have, and the MIDI inputs that play, by index or part of a
+    name."""
 
     port: int = DEFAULT_PORT
     bind: str = "127.0.0.1"
@@ -56,6 +57,7 @@ class Options:
     bank: str = FORMS[0]
     recordings: Path | None = None
     quota: int = 10**10
+    midi: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         for name, value, low, high in (

@@ -20,6 +20,7 @@ from .files.recorder import Recorder
 from .governor import Governor
 from .knowledge import Knowledge
 from .making import Maker
+from .midi.midi import Midi
 from .monitor import Monitor
 from .net.network import Network, Source
 from .net.remote import Remote
@@ -87,9 +88,18 @@ class Server:
         self._writers: dict[str, Recorder | Log | None] = {"recording": recorder, "logging": log}
         self._printed: set[str] = set()
         self.recording = Recording(log, self._reply, self._warn)
-        self._handlers: dict[str, Callable[[Values, Source], Iterable[Message] | None]] = {
+        self.midi = Midi(network.doorway, self._session, self._warn)
+        self._handlers = self._all_handlers()
+        self._maker = Maker(presets, engine.top_frequency, lambda: self._waiting.look())
+        self._waiting = Waiting(network, self._maker)
+        self.early: deque[tuple[bytes, Source]] = deque()
+        """Packets that came before there was an engine; `run` carries them out first."""
+
+    def _all_handlers(self) -> dict[str, Callable[[Values, Source], Iterable[Message] | None]]:
+        """By address, what carries out the messages that are about the server, not the sound."""
+        return {
             "/status": self._status_asked,
-            "/version": self._version_asked,
+            "/version": lambda values, source: [version()],
             "/sync": self._sync,
             "/notify": self._notify,
             "/object/NAME/get": lambda values, source: discovery.described(
@@ -101,11 +111,8 @@ class Server:
             "/record": self.recording.asked,
             "/dump": self._dump,
             "/quit": self._quit,
+            **self.midi.handlers,
         }
-        self._maker = Maker(presets, engine.top_frequency, lambda: self._waiting.look())
-        self._waiting = Waiting(network, self._maker)
-        self.early: deque[tuple[bytes, Source]] = deque()
-        """Packets that came before there was an engine; `run` carries them out first."""
 
     def stop(self) -> None:
         self._running = False
@@ -230,13 +237,11 @@ class Server:
             "waiting": len(self._waiting),
             **self._file_states(),
             "take": self.recording.state,
+            "midi": self.midi.state,
             "pages": len(self.web.site.clients) if self.web else 0,
             "untold": self.teller.untold + self.engine.stats.trace_lost,
         }
         self._reply(self._status.reply(source, objects, self.network, own), source)
-
-    def _version_asked(self, values: Values, source: Source) -> None:
-        self._reply(version(), source)
 
     def _sync(self, values: Values, source: Source) -> None:
         self.engine.send([sync(self._sync_count + 1)])
@@ -286,6 +291,7 @@ class Server:
             if writer.error and self._print_once(writer.error):
                 self._warn(writer.error)
         self.recording.look()
+        self.midi.look(self._reply)
         done = self.engine.stats.synced
         for count in [count for count in self._syncs if count <= done]:
             identity, source = self._syncs.pop(count)

@@ -25,6 +25,7 @@ from .options import Options, ServeError
 from .server import Server
 
 if TYPE_CHECKING:
+    from .midi.ports import Ports
     from .web.server import WebServer
 
 _SWITCH = 0.0005  # s that a thread may keep Python's lock while another one wants it
@@ -69,6 +70,8 @@ def serving(options: Options) -> Iterator[Server]:
         server.start_files()  # not before all else is well: older ones would be lost
         if options.web is not None:
             server.web = _start_web(options, server, tap, stack)
+        if options.midi:
+            server.midi.ports = stack.enter_context(closing(_midi_ports(options, server)))
         _warm_up(engine)
         # Not before it listens: that is 6,000 pages.
         threading.Thread(
@@ -84,6 +87,15 @@ def _recorder(engine: Engine, path: Path, tap: Tap | None) -> Recorder:
     recorder = Recorder(engine, path, queue.take)
     tap.add(queue)
     return recorder
+
+
+def _midi_ports(options: Options, server: Server) -> "Ports":
+    try:
+        from .midi.ports import Ports
+
+        return Ports(options.midi, server.midi.hear)
+    except ModuleNotFoundError as error:
+        raise ServeError(f"midi: {error.name} is missing: pip install 'carom[midi]'") from None
 
 
 def _start_web(options: Options, server: Server, tap: Tap | None, stack: ExitStack) -> "WebServer":

@@ -73,6 +73,7 @@ FIELDS = {
     "recording": "yes, no, or why the recording of `--record` ended",
     "logging": "yes, no, or why the log ended",
     "take": "the file that `/record` writes, no, or why the last one ended",
+    "midi": "MIDI inputs that are open, or no",
     "pages": "clients of web sockets",
     "untold": "contacts that `/notify` did not tell, as there were too many",
     "time": "of the sound since the server's start, s",

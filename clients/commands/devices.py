@@ -1,6 +1,7 @@
-"""carom devices: list the devices that can play."""
+"""carom devices: list the devices that can play, and MIDI inputs."""
 
 import argparse
+from contextlib import suppress
 
 from .options import no_options
 from .parser import Command
@@ -9,6 +10,8 @@ from .parser import Command
 def _run(_: argparse.Namespace) -> int:
     from ...server.audio.portaudio import AudioError, devices
 
+    for text in _midi_inputs():
+        print(text)
     found = devices()
     if not found:
         raise AudioError("no device can play: start JACK, PipeWire or PulseAudio, or `carom serve --device none`")
@@ -19,4 +22,15 @@ def _run(_: argparse.Namespace) -> int:
     return 0
 
 
-COMMAND = Command("devices", "", "list the devices that can play", no_options, _run)
+def _midi_inputs() -> list[str]:
+    """A line for each MIDI input, where the extra for it is installed and the system has any."""
+    from ...server.options import ServeError
+
+    with suppress(ModuleNotFoundError, ServeError):
+        from ...server.midi.ports import inputs
+
+        return [f" {index:3d}  {name} (MIDI input)" for index, name in enumerate(inputs())]
+    return []
+
+
+COMMAND = Command("devices", "", "list the devices that can play, and MIDI inputs", no_options, _run)

@@ -163,4 +163,4 @@ def size(word: str) -> int:
     """The type of an option that is a number of bytes, such as 500MB or 1.5G."""
     if not (given := _SIZE.fullmatch(word)):
         raise argparse.ArgumentTypeError(f"{word!r}: expected bytes, such as 500MB or 10GB")
-    return round(float(given[1]) * 1000 ** " kmgt".index(given[2].lower() or " "))
+    return int(float(given[1]) * 1000.0 ** " kmgt".index(given[2].lower() or " "))

@@ -48,17 +48,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--rate", type=whole, default=RATE, help="sampling rate in Hz (%(default)s)")
     parser.add_argument("--block", type=whole, default=0, help="frames per block (0: the device's)")
-    parser.add_argument("--record", type=_file, metavar="OUT.wav", help="record the sound")
-    parser.add_argument(
-        "--recordings", type=Path, metavar="DIR", help="folder for new files that clients record by /record (none)"
-    )
-    parser.add_argument(
-        "--quota",
-        type=size,
-        default="10GB",
-        metavar="SIZE",
-        help="the most that all files there may take (%(default)s)",
-    )
+    _add_files_and_midi(parser)
     parser.add_argument(
         "--page", type=whole, nargs="?", const=PAGE_PORT, metavar="PORT",
         help=f"offer a page to play from, and OSCQuery, over HTTP ({PAGE_PORT}; 0: any free port)",
@@ -68,7 +58,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--oscquery", type=whole, metavar="PORT", help="describe all addresses over HTTP (0: any free port)"
     )
-    parser.add_argument("--log", type=_file, metavar="OUT.txt", help="log all events, as a score")
     parser.add_argument(
         "--channels", type=whole, default=2, metavar="N", help="channels, 1 to 64 (%(default)s: left and right)"
     )
@@ -83,6 +72,24 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add_bank(parser, "float64", "%(default)s")
     add_contact(parser)
     add_presets(parser)
+
+
+def _add_files_and_midi(parser: argparse.ArgumentParser) -> None:
+    """Add the options of what is written, and of MIDI."""
+    parser.add_argument("--record", type=_file, metavar="OUT.wav", help="record the sound")
+    parser.add_argument("--log", type=_file, metavar="OUT.txt", help="log all events, as a score")
+    parser.add_argument(
+        "--recordings", type=Path, metavar="DIR", help="folder for new files that clients record by /record (none)"
+    )
+    parser.add_argument(
+        "--quota", type=size, default="10GB", metavar="SIZE",
+        help="the most that all files there may take (%(default)s)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--midi", action="append", default=[], metavar="PORT",
+        help="MIDI input that plays: index or part of a name from `carom devices`; virtual: one to connect to; may be "
+        "given more than once",
+    )  # fmt: skip
 
 
 def _file(word: str) -> Path:
@@ -109,6 +116,7 @@ def serve(arguments: argparse.Namespace, on_start: Callable[[Server], object]) -
         tls=arguments.tls,
         certificate=arguments.certificate,
         presets=tuple(arguments.presets),
+        midi=tuple(arguments.midi),
         contact=contact(arguments),
         limiter=arguments.limiter == "on",
     )

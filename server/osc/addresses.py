@@ -28,6 +28,7 @@ from ...dsp.schema import (
 )
 from ...dsp.wording import near
 from .arguments import Either, Note, Numbers, Refused, Verb, Word
+from .midi_verbs import MIDI
 from .patterns import is_pattern, match
 from .points import Change
 from .wire import Message
@@ -214,7 +215,7 @@ _SERVER = (
     Verb("/quit", "ends the server", scored=False),
 )
 
-VERBS = {verb.address: verb for verb in (*_OBJECTS, *_RUNNING, *_ENGINE, *WORLD, *_SERVER)}
+VERBS = {verb.address: verb for verb in (*_OBJECTS, *_RUNNING, *_ENGINE, *WORLD, *MIDI, *_SERVER)}
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,7 +17,7 @@ Handler = Callable[[Transaction, Call, Values], None]
 """Adds what a call asks for, by its checked values, to a transaction."""
 
 
-def _send(transaction: Transaction, message: Message, command: Command) -> None:
+def send(transaction: Transaction, message: Message, command: Command) -> None:
     """Add a command that is about no object; `message` is what it stands for."""
     transaction.add(command._replace(time=transaction.time), Sent(message, 0, 0, 0.0))
 
@@ -34,30 +34,30 @@ def changes(kind: Kind, number: Parameter, values: Values) -> list[Command]:
 
 
 def _panic(transaction: Transaction, call: Call, values: Values) -> None:
-    _send(transaction, call.message, Command(NOW, Kind.PANIC))
+    send(transaction, call.message, Command(NOW, Kind.PANIC))
 
 
 def _quality(transaction: Transaction, call: Call, values: Values) -> None:
-    _send(transaction, call.message, Command(NOW, Kind.QUALITY, value=values.numbers["quality"]))
+    send(transaction, call.message, Command(NOW, Kind.QUALITY, value=values.numbers["quality"]))
 
 
 def _accuracy(transaction: Transaction, call: Call, values: Values) -> None:
     accuracy = LEVELS.index(values.words["accuracy"])
-    _send(transaction, call.message, Command(NOW, Kind.ACCURACY, value=accuracy))
+    send(transaction, call.message, Command(NOW, Kind.ACCURACY, value=accuracy))
 
 
 def _bank(transaction: Transaction, call: Call, values: Values) -> None:
-    _send(transaction, call.message, Command(NOW, Kind.BANK, value=FORMS.index(values.words["bank"])))
+    send(transaction, call.message, Command(NOW, Kind.BANK, value=FORMS.index(values.words["bank"])))
 
 
 def _budget(transaction: Transaction, call: Call, values: Values) -> None:
     budget = {name: int(values.numbers[name]) for name in ("steps", "modes")}
-    _send(transaction, call.message, Command(NOW, Kind.BUDGET, values=budget))
+    send(transaction, call.message, Command(NOW, Kind.BUDGET, values=budget))
 
 
 def _gain(transaction: Transaction, call: Call, values: Values) -> None:
     for change in changes(Kind.GAIN, MAIN_GAIN, values):
-        _send(transaction, call.message, change)
+        send(transaction, call.message, change)
 
 
 def _limiter(transaction: Transaction, call: Call, values: Values) -> None:
@@ -66,7 +66,7 @@ def _limiter(transaction: Transaction, call: Call, values: Values) -> None:
         text = "/limiter: no effect: samples are pascals, which nothing limits"
         transaction.replies.append(Message("/warning", (text,)))
         return
-    _send(transaction, call.message, Command(NOW, Kind.LIMITER, value=float(on)))
+    send(transaction, call.message, Command(NOW, Kind.LIMITER, value=float(on)))
 
 
 def _channels(transaction: Transaction, call: Call, values: Values) -> None:
@@ -89,7 +89,7 @@ def _contact(transaction: Transaction, call: Call, values: Values) -> None:
         choice = {"method": number, "correction": CORRECTIONS[correction], "oversampling": oversampling}
     elif correction != "none" or oversampling != 1:
         raise Refused("closed: it is exact already; expected neither correction nor oversampling")
-    _send(transaction, call.message, Command(NOW, Kind.METHOD, values=choice))
+    send(transaction, call.message, Command(NOW, Kind.METHOD, values=choice))
 
 
 ENGINE_HANDLERS: dict[str, Handler] = {

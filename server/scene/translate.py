@@ -12,12 +12,10 @@ from ...dsp.engine.commands import Command, Kind
 from ...dsp.numerics.constants import STANDARD_GRAVITY
 from ...dsp.runtime.engine import NOW
 from ...dsp.schema import BOUNCE, GAIN, GESTURES, ROLL, SETTINGS, SLIDE, SPIN, STEERABLE, STRIKE, Gesture
-from ...dsp.wording import suggestion
 from ...presets.kinds import DRY
 from ..osc.addresses import Call, calls, unknown
-from ..osc.arguments import GestureEnded, Refused, Values
+from ..osc.arguments import Refused, Values
 from ..osc.patterns import is_pattern
-from ..osc.points import Change
 from ..osc.wire import Message
 from .contact_law import law_of, law_on
 from .engine_messages import ENGINE_HANDLERS, Handler, changes
@@ -25,13 +23,14 @@ from .limits import Contact, fall, require_rest, require_rollable, require_short
 from .notes import copy_of, speed_of, tuned
 from .object_call import ObjectCall, listed, require_name
 from .objects import PlayedObject
+from .steering import CHANGE_WORK, steer
 from .transaction import MOST_COMPARED, Sent, Transaction
 from .world_messages import world_handlers
 
 _SHARED = {each.name for each in STRIKE} | {"velocity"}
 _SURFACE = "wood"
 _ANY_RADIUS = 0.01  # m: of a roll that is steered, and so has one
-_GESTURE_WORK, _CHANGE_WORK = 400, 80  # of carrying out a gesture, or a change, on one object, as in patterns.work
+_GESTURE_WORK = 400  # of carrying out a gesture on one object, as in patterns.work
 _COPY_WORK = 10_000  # of making a copy for a note, where a pattern asks for many
 _APPROACH = 0.01  # m/s: how fast a pressing striker is laid on
 
@@ -264,39 +263,13 @@ def _strike(to: ObjectCall, by: PlayedObject | None, law: Contact, command: Comm
     _add(transaction, to.canonical, command._replace(values=values), to.obj, by)
 
 
-def _steer(transaction: Transaction, call: Call, values: Values) -> None:
-    assert call.verb
-    action = call.verb.action
-    ids = transaction.gestures.selected(call.target, transaction.selection)
-    if not ids:
-        error = GestureEnded if transaction.gestures.have_ended(call.target, transaction.selection) else Refused
-        raise error(f"{call.target}: no such gesture is running{_running(transaction, call.target)}")
-    commands = [Command(NOW, Kind.STOP)]
-    if action != "stop":
-        assert isinstance(call.verb, Change)
-        commands = [each._replace(parameter=action) for each in changes(Kind.STEER, call.verb.number, values)]
-    transaction.selection.charge(_CHANGE_WORK * (len(ids) * len(commands) - 1), call.target)
-    for id in ids:
-        message = Message(f"/gesture/{id.name}/{action}", call.message.args)
-        for command in commands:
-            _add(transaction, message, command._replace(gesture=id.number))
-
-
-def _running(transaction: Transaction, target: str) -> str:
-    """Which gestures run, for the first errors of a packet."""
-    if not transaction.explains():
-        return ""
-    running = list(islice(transaction.gestures.newest_running(), MOST_COMPARED))
-    return f"; {suggestion(target, running) or f'running are {listed(running)}'}"
-
-
 def _work(call: Call, values: Values, transaction: Transaction) -> int:
     """The work of carrying out a call on one object."""
     assert call.verb
     if call.verb.action in GESTURES:
         return _GESTURE_WORK
     commands = transaction.engine.channels if call.verb.action == "gains" else len(values.points)
-    return _CHANGE_WORK * max(1, commands)
+    return CHANGE_WORK * max(1, commands)
 
 
 def _on_objects(handle: Callable[[ObjectCall], None]) -> Handler:
@@ -330,7 +303,7 @@ HANDLERS: dict[str, Handler] = {
     "/object/NAME/gains": _on_objects(_gains),
     "/object/NAME/free": _on_objects(_free),
     "/object/NAME/note": _on_objects(_note),
-    **dict.fromkeys((f"/gesture/ID/{action}" for action in ("stop", *STEERABLE)), _steer),
+    **dict.fromkeys((f"/gesture/ID/{action}" for action in ("stop", *STEERABLE)), steer),
     **ENGINE_HANDLERS,
     **world_handlers(translate),
 }

@@ -65,7 +65,7 @@ def test_what_it_offers_is_taken():
             assert kind["CLIPMODE"] == ["none"] * len(ranges)
             for place, each in enumerate(ranges):
                 values = [other["VALS"][0] if "VALS" in other else other["MAX"] for other in ranges]
-                values[place] = "no number" if "MAX" in each else 7
+                values[place] = "no number" if "MAX" in each else 7.5
                 with pytest.raises(Refused):
                     verb.parse(tuple(values))
                 checked += 1

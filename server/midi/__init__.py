@@ -1,0 +1,1 @@
+"""MIDI into the server: notes, a pedal and controllers become messages."""

@@ -1,0 +1,44 @@
+"""The handler of messages that steer or stop gestures."""
+
+from itertools import islice
+
+from ...dsp.engine.commands import Command, Kind
+from ...dsp.runtime.engine import NOW
+from ...dsp.wording import suggestion
+from ..osc.addresses import Call
+from ..osc.arguments import GestureEnded, Refused, Values
+from ..osc.points import Change
+from ..osc.wire import Message
+from .engine_messages import changes, send
+from .object_call import listed
+from .transaction import MOST_COMPARED, Transaction
+
+CHANGE_WORK = 80
+"""Of carrying out a change on one gesture or object, as in patterns.work."""
+
+
+def steer(transaction: Transaction, call: Call, values: Values) -> None:
+    """Steer or stop all gestures that the ID of an address matches."""
+    assert call.verb
+    action = call.verb.action
+    ids = transaction.gestures.selected(call.target, transaction.selection)
+    if not ids:
+        error = GestureEnded if transaction.gestures.have_ended(call.target, transaction.selection) else Refused
+        raise error(f"{call.target}: no such gesture is running{_running(transaction, call.target)}")
+    commands = [Command(NOW, Kind.STOP)]
+    if action != "stop":
+        assert isinstance(call.verb, Change)
+        commands = [each._replace(parameter=action) for each in changes(Kind.STEER, call.verb.number, values)]
+    transaction.selection.charge(CHANGE_WORK * (len(ids) * len(commands) - 1), call.target)
+    for id in ids:
+        message = Message(f"/gesture/{id.name}/{action}", call.message.args)
+        for command in commands:
+            send(transaction, message, command._replace(gesture=id.number))
+
+
+def _running(transaction: Transaction, target: str) -> str:
+    """Which gestures run, for the first errors of a packet."""
+    if not transaction.explains():
+        return ""
+    running = list(islice(transaction.gestures.newest_running(), MOST_COMPARED))
+    return f"; {suggestion(target, running) or f'running are {listed(running)}'}"
