@@ -8,6 +8,7 @@ import json
 import math
 from collections.abc import Sequence
 from html import escape
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,7 @@ from .recordings import read
 _LOWEST = 40.0  # Hz
 _DYNAMIC = 80.0  # dB of a spectrogram
 _WINDOW = 2048
-_COLUMNS = 900
+_COLUMNS, _ROWS = 450, 200  # of a spectrogram
 
 _STYLE = """
 :root { color-scheme: light dark; }
@@ -99,7 +100,8 @@ def draw(found: Distance, picture: Path | io.BytesIO, names: tuple[str, str]) ->
         require_matplotlib()
     from matplotlib import pyplot as plt
 
-    figure, axes = plt.subplots(2, 2, figsize=(11, 7), layout="constrained", height_ratios=(1.5, 1))
+    figure, axes = plt.subplots(2, 2, figsize=(11, 7), height_ratios=(1.5, 1))
+    figure.subplots_adjust(0.06, 0.07, 0.98, 0.96, wspace=0.15, hspace=0.25)
     grids = [_spectrogram(samples, found.rate) for samples in (found.a, found.b)]
     highest = max(level.max() for _, _, level in grids)
     for ax, name, (time, frequency, level) in zip(axes[0], names, grids, strict=True):
@@ -127,8 +129,8 @@ def require_page(page: Path) -> None:
         raise PageError(f"{page}: there is no folder {page.parent}")
 
 
-def write_page(page: Path, title: str, compared: Sequence[Compared], lines: Sequence[str] = ()) -> Path:
-    """Write a page that holds players, figures and pictures of each pair in itself.
+def write_page(page: Path, title: str, compared: Sequence[Compared], lines: Sequence[str] = (), more: str = "") -> Path:
+    """Write a page that holds players, figures and pictures of each pair in itself, and more HTML after all lines.
 
     Without matplotlib it has no pictures. PageError if the page cannot be there.
     """
@@ -140,6 +142,7 @@ def write_page(page: Path, title: str, compared: Sequence[Compared], lines: Sequ
         f"<title>{escape(title)}</title><style>{_STYLE}</style></head><body>",
         f"<h1>{escape(title)}</h1>",
         *(f"<p>{escape(line)}</p>" for line in lines),
+        more,
         *(_section(*each) for each in compared),
         "</body></html>",
     ]
@@ -157,10 +160,10 @@ def _section(found: Distance, names: tuple[str, str]) -> str:
         f"residual {found.residual:.1f} dB, log-spectral distance {found.spectral:.2f} dB; B was changed by "
         f"{found.gain:.1f} dB and {1e3 * found.shift:.2f} ms"
     )
-    thirds = _rows(
+    thirds = rows(
         ("Hz", "A (dB)", "B (dB)"), [[f"{row[0]:.0f}", *(f"{x:.1f}" for x in row[1:])] for row in _heard(found)]
     )
-    decays = _rows(
+    decays = rows(
         ("Hz", "T60 A (s)", "T60 B (s)"), [[f"{row[0]:.0f}", *map(_seconds, row[1:])] for row in found.decays]
     )
     return (
@@ -187,11 +190,13 @@ def _player(samples: NDArray[np.float64], rate: float) -> str:
     return f'<audio controls src="data:audio/flac;base64,{data}"></audio>'
 
 
-def _rows(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def rows(head: Sequence[str], body: Sequence[Sequence[str]]) -> str:
+    """A table, as HTML."""
+
     def row(cells: Sequence[str], tag: str) -> str:
         return "<tr>" + "".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in cells) + "</tr>"
 
-    return f"<table>{row(head, 'th')}{''.join(row(each, 'td') for each in rows)}</table>"
+    return f"<table>{row(head, 'th')}{''.join(row(each, 'td') for each in body)}</table>"
 
 
 def _heard(found: Distance) -> list[list[float]]:
@@ -205,9 +210,12 @@ def _seconds(value: float) -> str:
 
 
 def _spectrogram(samples: NDArray[np.float64], rate: float) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
-    """Times (s), frequencies (Hz) and levels (dB)."""
+    """Times (s), frequencies (Hz), alike far apart for the ear, and levels (dB): of each the highest near it."""
     padded = np.pad(samples, _WINDOW // 2)
     hop = max(_WINDOW // 16, len(samples) // _COLUMNS)
     frames = np.lib.stride_tricks.sliding_window_view(padded, _WINDOW)[::hop]
-    level = 20 * np.log10(np.abs(np.fft.rfft(frames * np.hanning(_WINDOW))) + 1e-12).T
-    return np.arange(len(frames)) * hop / rate, np.fft.rfftfreq(_WINDOW, 1 / rate), level
+    power = np.abs(np.fft.rfft(frames * np.hanning(_WINDOW))).T ** 2
+    edges = np.geomspace(_LOWEST, rate / 2, _ROWS + 1)
+    lines = np.clip(np.round(edges * _WINDOW / rate).astype(int), 0, len(power) - 1)
+    highest = np.array([power[low : max(high, low + 1)].max(axis=0) for low, high in pairwise(lines)])
+    return np.arange(len(frames)) * hop / rate, np.sqrt(edges[:-1] * edges[1:]), 10 * np.log10(highest + 1e-24)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from ..dsp.fitting.blow import earliest
 from ..dsp.fitting.distance import Distance, distance
-from .comparison import Compared, write_page
+from ..dsp.fitting.strongest import Strongest, strongest
+from .comparison import Compared, rows, write_page
 from .fitting import Made
 
 
@@ -34,14 +36,29 @@ def write_report(made: Made, name: str, out: Path) -> Path:
     fit = made.fit
     left = ", ".join(f"{each:.1f}" for each in fit.residual)
     blows = ", ".join(f"{1e3 * each.duration:.2g}" for each in fit.blows)
-    strongest = np.argsort(-np.abs(fit.gains[0]))[:8]
-    listing = ", ".join(f"{fit.frequency[mode]:.1f} Hz ({np.log(1000) / fit.decay[mode]:.2f} s)" for mode in strongest)
     lines = [
         f"{len(fit.frequency)} modes, which leave {left} dB of the recording; {len(fit.noise.rms)} bands of noise; "
         f"blows of {blows} ms.",
-        f"The strongest modes and their T60: {listing}.",
         "Presets have modes of one phase or the opposite one, so their waves differ from the recording's where their "
         "spectra agree: a played preset is judged by its log-spectral distance.",
         *made.notes,
     ]
-    return write_page(out / f"{name}.html", f"{name}: recording and preset", compared(made), lines)
+    table = _table(strongest(fit), fit.rate)
+    return write_page(out / f"{name}.html", f"{name}: recording and preset", compared(made), lines, table)
+
+
+def _table(modes: Sequence[Strongest], rate: float) -> str:
+    """The strongest modes, as HTML."""
+    loudest = max(each.amplitude for each in modes)
+    figures = [
+        [
+            f"{each.frequency:.1f}",
+            f"{'≥ ' * each.at_least}{each.t60:.3g}",
+            f"{100 * each.spread:.1g} %",
+            f"{20 * np.log10(each.amplitude / loudest):.1f}",
+            f"{100 * each.share:.2g} %",
+        ]
+        for each in modes
+    ]
+    head = ("Hz", "T60 (s)", "within", "at the onset (dB)", "of the energy")
+    return f"<h2>The strongest modes</h2>{rows(head, figures)}"

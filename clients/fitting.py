@@ -16,11 +16,13 @@ from ..dsp.fitting.errors import RecordingError
 from ..dsp.fitting.fit import MODES, Fit, fit
 from ..dsp.fitting.hits import Hit, clearest, hits
 from ..dsp.fitting.strikers import MASS, VELOCITY, Striker, durations, striker_of
+from ..dsp.numerics.constants import FULL_SCALE_PRESSURE
 from ..dsp.runtime.engine import Engine
 from ..presets import Presets
 from ..presets import fitted as texts
 from ..presets.values import NAME, Name
 from ..server.render import Options, blocks
+from . import fit_notes as said
 from .loudness import heard
 from .recordings import Recording, found, read
 from .strike import Strike
@@ -32,7 +34,6 @@ UNKNOWN = "unknown"
 """What a preset says of a source or a licence that nobody told."""
 
 _MOST_MODES = 200
-_FIRST_LEVEL = -20.0  # dB, until it is known how loud the preset is
 
 
 class FitError(ValueError):
@@ -44,7 +45,9 @@ class Wanted:
     """What is known beside the recordings.
 
     positions: 0 to 1, one for each hit. strikers: a preset each, or a new name. force: the hammer's recording. mass: of
-    the body (kg). velocity: of the strikes (m/s). source, licence: of the recordings.
+    the body (kg). velocity: of the strikes (m/s). full_scale (Pa), distance (m): the sound pressure that full scale of
+    the recordings stands for, and how far the microphone was; None where nobody measured it: the strike plays as loud
+    as the recording. source, licence: of the recordings.
     """
 
     name: str
@@ -54,6 +57,8 @@ class Wanted:
     force: Path | None = None
     mass: float | None = None
     velocity: float = VELOCITY
+    full_scale: float | None = None
+    distance: float | None = None
     source: str | None = None
     licence: str | None = None
 
@@ -68,9 +73,18 @@ class Wanted:
         for striker in self.strikers:
             if not NAME.fullmatch(striker):
                 raise FitError(f"strikers: {striker!r}: expected {Name()}")
-        for key, value, most in (("mass", self.mass, 1e5), ("velocity", self.velocity, 100.0)):
+        for key, value, most in (
+            ("mass", self.mass, 1e5), ("velocity", self.velocity, 100.0), ("full-scale", self.full_scale, 1e5),
+            ("distance", self.distance, 1e3),
+        ):  # fmt: skip
             if value is not None and not 1e-3 <= value <= most:
                 raise FitError(f"{key} = {value:g}: expected 0.001 to {most:g}")
+
+    @property
+    def raised(self) -> float:
+        """How much louder (dB) the strike is to play than the recording, which full scale at 1 m would be."""
+        pressure = (self.full_scale or FULL_SCALE_PRESSURE) * (self.distance or 1.0)
+        return 20 * float(np.log10(pressure / FULL_SCALE_PRESSURE))
 
 
 @dataclass(frozen=True)
@@ -121,10 +135,13 @@ def make(recordings: Sequence[Path], out: Path, wanted: Wanted, presets: Presets
         raise RecordingError(f"{', '.join(str(each.path) for each in read_in)}: {error}") from None
     found_in, strikers = _strikers(found_in, takes, blows, wanted)
     default = next(iter(strikers), str(takes[0].striker))
-    files, sound = _write(found_in, takes, wanted, strikers, default, out)
+    files, sound, louder = _write(found_in, takes, wanted, strikers, default, out)
     licence = (
         [] if wanted.licence else [f"the licence of {read_in[0].path} is not told: --licence and --source keep it"]
     )
+    notes += said.notes(found_in, [take.hit for take in takes])
+    if wanted.full_scale is not None:
+        notes += said.too_loud(louder, wanted.mass, wanted.velocity)
     return Made(found_in, tuple(takes), tuple(files), (*notes, *licence), sound)
 
 
@@ -197,8 +214,9 @@ def _strikers(
 
 def _write(
     found_in: Fit, takes: Sequence[Take], wanted: Wanted, strikers: dict[str, Striker], default: str, out: Path
-) -> tuple[list[Path], NDArray[np.float64]]:
-    """Write the presets, levelled as they sound; returns the files and the sound of the default strike."""
+) -> tuple[list[Path], NDArray[np.float64], float]:
+    """Write the presets, as loud as the recording says; returns the files, the sound of the default strike, and by how
+    much (dB) it is louder than such a strike can be."""
     names = ", ".join(dict.fromkeys(take.recording.path.name for take in takes))
     source = wanted.source or UNKNOWN
     facts = texts.Facts(
@@ -219,12 +237,13 @@ def _write(
         what = replace(facts, description=f"What struck {wanted.name} ({1e3 * striker.duration:.2g} ms)")
         files.append(_put(out / "strikers" / f"{name}.toml", texts.striker_text(striker, what)))
     file = out / "objects" / f"{wanted.name}.toml"
-    _put(file, texts.object_text(found_in, facts, _FIRST_LEVEL))
-    sound = played(wanted.name, out, int(found_in.rate))
-    loud = heard(sound, int(found_in.rate))
-    level = float(np.clip(round(_FIRST_LEVEL + loud.raise_by, 1), -120, 120))
-    files.insert(0, _put(file, texts.object_text(found_in, facts, level)))
-    return files, sound.mean(axis=1) * 10 ** ((level - _FIRST_LEVEL) / 20)
+    _put(file, texts.object_text(found_in, facts))
+    rate = int(found_in.rate)
+    sound = played(wanted.name, out, rate)
+    recorded = np.tile(found_in.takes[0][:, None], 2)  # as it plays from two channels
+    louder = heard(recorded, rate).loudness + wanted.raised - heard(sound, rate).loudness
+    files.insert(0, _put(file, texts.object_text(found_in, facts, louder)))
+    return files, sound.mean(axis=1) * 10 ** (louder / 20), louder
 
 
 def _put(path: Path, text: str) -> Path:

@@ -47,20 +47,21 @@ class Facts:
     measured: Sequence[str] = field(default=())
 
 
-def object_text(fit: Fit, facts: Facts, level: float) -> str:
-    """The file of an object of listed modes and bands of noise, at a level (dB).
+def object_text(fit: Fit, facts: Facts, louder: float = 0.0) -> str:
+    """The file of an object of listed modes and bands of noise, so much louder (dB) than the loudest possible.
 
     All modes together yield to a force as a body of the mass does at its end. Their weights stand to each other as the
-    modes do in the recording, and are as high as they can be if no mode radiates more than it loses.
+    modes do in the recording. Where no mode radiates more than it loses they are as loud as is asked for; the key
+    `level` adds what is missing.
     """
-    geometry = geometry_of(fit, facts)
+    geometry = geometry_of(fit, facts, min(louder, 0.0))
     head = {
         "description": facts.description,
         "source": facts.source,
         "licence": facts.licence,
         "shape": "listed",
     }
-    lines = [*(f"# {line}" for line in facts.measured), *_keys(head), f"level = {level:.1f}  # dB", ""]
+    lines = [*(f"# {line}" for line in facts.measured), *_keys(head), f"level = {max(louder, 0.0):.1f}  # dB", ""]
     units = {"frequency": "Hz", "t60": "s", "modal_mass": "kg", "mass": "kg", "weight": "Pa per m/s"}
     lines += ["[geometry]", *_keys(geometry, units), ""]
     if noise := noise_of(fit, geometry):
@@ -70,8 +71,8 @@ def object_text(fit: Fit, facts: Facts, level: float) -> str:
     return "\n".join(lines) + "\n"
 
 
-def geometry_of(fit: Fit, facts: Facts) -> dict[str, object]:
-    """The keys of the shape `listed`."""
+def geometry_of(fit: Fit, facts: Facts, louder: float = 0.0) -> dict[str, object]:
+    """The keys of the shape `listed`, so much louder (dB) than the loudest possible."""
     keep = (fit.frequency <= _HIGHEST) & (np.abs(fit.gains).max(axis=0) > 0)
     gains, decay = fit.gains[:, keep], fit.decay[keep]
     rows = _by_position(gains, facts.positions)
@@ -80,7 +81,8 @@ def geometry_of(fit: Fit, facts: Facts) -> dict[str, object]:
     modal_mass = facts.mass * rows.shape[1] / _YIELDS
     # A mode radiates 4 pi G^2/(rho c), G = weight/sqrt(modal mass), and loses 2 sigma.
     most = np.sqrt(2 * decay * IMPEDANCE * modal_mass / (4 * np.pi))
-    weight = first * highest * min(np.min(most / highest), _HEAVIEST / highest.max())
+    loudest = min(np.min(most / highest), _HEAVIEST / highest.max())
+    weight = first * highest * loudest * 10 ** (louder / 20)
     geometry: dict[str, object] = {
         "frequency": _rounded(fit.frequency[keep], 7),
         "t60": _rounded(np.clip(np.log(1000) / decay, _SHORTEST, _LONGEST), 4),

@@ -25,7 +25,7 @@ def _options(parser: argparse.ArgumentParser) -> None:
         help="folder for the presets and the report, as --presets takes it; made if missing",
     )
     parser.add_argument("--name", required=True, help="the new object's name")
-    parser.add_argument("--modes", type=whole, default=40, metavar="N", help="how many modes (%(default)s)")
+    parser.add_argument("--modes", type=whole, default=40, metavar="N", help="how many modes at most (%(default)s)")
     parser.add_argument(
         "--positions",
         type=_numbers,
@@ -40,6 +40,8 @@ def _options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--velocity", type=number, metavar="V", help="of the strikes, m/s (1)")
     parser.add_argument("--mass", type=number, metavar="KG", help="of the object (1: a guess)")
+    parser.add_argument("--full-scale", type=number, metavar="PA", help="sound pressure of the recordings' full scale")
+    parser.add_argument("--distance", type=number, metavar="M", help="of the microphone, m (1)")
     parser.add_argument("--force", type=Path, metavar="HAMMER.wav", help="the force, as a hammer measured it")
     parser.add_argument("--source", metavar="TEXT", help="who recorded what: kept in the preset")
     parser.add_argument("--licence", metavar="TEXT", help="of the recordings: kept in the preset")
@@ -52,7 +54,8 @@ def _run(arguments: argparse.Namespace) -> int:
     from ...presets import Presets
     from ..fitting import Wanted, make
 
-    given = {key: getattr(arguments, key) for key in ("mass", "velocity") if getattr(arguments, key) is not None}
+    asked = ("mass", "velocity", "full_scale", "distance")
+    given = {key: getattr(arguments, key) for key in asked if getattr(arguments, key) is not None}
     wanted = Wanted(
         name=arguments.name,
         modes=arguments.modes,

@@ -14,12 +14,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cache
 
 import numpy as np
 
-from ..contact.pulse import force_nodes
 from ..numerics.checks import Array
+from .pulses import unit_pulse, unit_time
 from .refinement import amplitudes, solved
 from .sums import Complex, Head, as_weights, real_gram, ringing_products, ringing_project
 
@@ -89,21 +88,16 @@ class Blow:
         return Head(ringing * begun, slopes, onset)
 
 
-@cache
-def _unit() -> Blow:
-    """The pulse of a striker of which nothing is known: of 1 N s, 1 s long."""
-    times, impulses = force_nodes(1.0, 1.0, 1.0, DISSIPATION, EXPONENT)
-    return Blow(times / times[-1], impulses / impulses.sum())
-
-
 def pulse(duration: float, impulse: float = 1.0) -> Blow:
     """The force of an unknown striker, so long (s) and so strong (N s)."""
-    return Blow(_unit().times * duration, _unit().impulses * impulse)
+    times, impulses = unit_pulse(DISSIPATION, EXPONENT)
+    return Blow(times * duration / (times[0] + times[-1]), impulses * impulse / impulses.sum())
 
 
 def striker_pulse(velocity: float, mass: float, stiffness: float, dissipation: float, exponent: float) -> Blow:
     """The force of a known striker on a rigid wall: m/s, kg, N/m^a, s/m and a."""
-    return Blow(*force_nodes(velocity, mass, stiffness, dissipation, exponent))
+    times, impulses = unit_pulse(dissipation * velocity, exponent)
+    return Blow(times * unit_time(velocity, mass, stiffness, exponent), impulses * mass * velocity)
 
 
 def measured(force: Array, rate: float) -> Blow:

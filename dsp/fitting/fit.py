@@ -6,12 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from ..numerics.blas import on_one_thread
 from ..numerics.checks import Array
 from .blow import Blow, begun, earliest, sought
 from .errors import RecordingError
 from .esprit import candidates
+from .evidence import UNKNOWN, Floor, energies, floor_of, floor_of_rest, needed, slowest_known, spread, standing
 from .gains import real_gains
 from .hits import Hit
 from .noise import Bands, noise_bands, without_tones
@@ -19,18 +21,24 @@ from .pruning import prune
 from .pursuit import pursued
 from .refinement import amplitudes, plain, refine
 from .selection import select
-from .sums import Complex, ring
+from .sums import Complex, Head, ring
 
 MODES = 40
-"""Unless it is said."""
+"""At most, unless it is said."""
+
+LOWEST_HEARD = 20.0
+"""Hz"""
 
 _ROUNDS, _HARDLY_LESS = 3, 0.995  # in which modes of the rest take the place of weaker ones, while less is left
+_CLEARINGS, _NEAR = 8, 20.0  # times that modes are left out whose decays nobody knows, one of those so near (Hz)
 _STEPS, _FEW, _LAST = 10, 4, 25
-_HUM = 0.5  # of a mode's amplitude: what has that before the hit already is no mode
 _POOREST, _LEAST_FALL = -6.0, 15.0  # dB: the residual of what need not fall, the fall of what modes need not explain
+_NOISY = 2.0  # times the noise's energy: a rest that has less is noise
+_FALL_IN_NOISE = 6.0  # dB, which a hit falls at least into noise
 _SHORT_BLOW, _LONGEST_BLOW = 0.0015, 0.01  # s
 _RINGING, _CLICK = 0.4, 1000.0  # of its angular frequency, and 1/s: a mode that decays faster is a click
-_STEADY = 60.0  # s, of a decay by 60 dB: what takes longer stands still
+_STEADY = 0.12  # nepers, by which a mode falls over the whole recording: less is a tone that stands
+_BRIEFEST, _RINGS = 460.0, 0.1  # 1/s, and a share of the energy: so much has to decay no faster
 _TELLS = 0.5  # s: in less, nobody can tell
 
 
@@ -41,8 +49,9 @@ class Fit:
     frequency (k,) in Hz and decay (k,) in 1/s of the undamped mode, ascending; amplitude: of each take's modes (k,) at
     its onset; gains (R, k): of each mode, per N s of an ideal blow; noise: bands as loud, per N s. blows: of each take,
     in time from its onset.
-    residual (R,) in dB: what the modes leave of each take's energy. takes: the samples from 5 ms before the onset on.
-    modes, rest: the parts of each take.
+    residual (R,) in dB: what the modes leave of each take's energy. takes: the samples from 5 ms before the onset on,
+    without tones that stand. modes: their part of each take. spread (k,): standard deviations of the decays, as shares
+    of them. at_least (k,): whether a mode rings on for longer than the takes tell. tones: Hz, of what stands.
     """
 
     rate: float
@@ -55,6 +64,9 @@ class Fit:
     residual: Array
     takes: tuple[Array, ...]
     modes: tuple[Array, ...]
+    spread: Array
+    at_least: npt.NDArray[np.bool_]
+    tones: Array
 
     def sound(self, take: int = 0, noise: bool = True) -> Array:
         """A take as it was fitted."""
@@ -84,32 +96,62 @@ class Fit:
         return replace(self, blows=tuple(blows), gains=gains, noise=_per_impulse(self.heard_noise, blows))
 
 
-def fit_modes(takes: Sequence[Array], rate: float, count: int) -> Complex:
-    """Log poles per sample of the `count` modes that explain most of all takes, which begin with the modes' ringing."""
+def fit_modes(takes: Sequence[Array], rate: float, count: int, floors: Sequence[Floor] | None = None) -> Complex:
+    """Log poles per sample of the modes that explain most of all takes, which begin with the modes' ringing.
+
+    count: at most so many; fewer where no more rise above the noise. floors: of each take; what modes leave at its end
+    unless it is given.
+    """
     with on_one_thread():
         heads = plain(takes)
-        s = candidates(takes, rate)
-        if len(s) < count:
-            s = np.concatenate([s, pursued(takes, rate, count)])
-        s = select(takes, s, count)
+        s = select(takes, _candidates(takes, rate, count), count)
         s = refine(takes, s, rate, heads, _STEPS)
+        floors = floors or [floor_of_rest(rest, rate) for rest in _rests(takes, s)]
+        s = prune(takes, s, count, needed(takes, floors, s, rate))
         best, least = s, amplitudes(takes, s, heads(s))[1]
         for _ in range(_ROUNDS):
-            rests = [take - part for take, part in zip(takes, _parts(takes, s), strict=True)]
-            more = np.concatenate([candidates(rests, rate), pursued(rests, rate, count // 2)])
-            more = select(rests, more, -(-count // 2))
+            rests = _rests(takes, s)
+            more = select(rests, _candidates(rests, rate, count // 2), -(-count // 2))
             s = refine(takes, np.concatenate([s, more]), rate, heads, _FEW)
-            s = refine(takes, prune(takes, s, count), rate, heads, _STEPS)
+            s = refine(takes, prune(takes, s, count, needed(takes, floors, s, rate)), rate, heads, _STEPS)
             left = amplitudes(takes, s, heads(s))[1]
             if left >= _HARDLY_LESS * least:
                 break
             best, least = s, left
-        return refine(takes, best, rate, heads, _LAST)
+        return _known(takes, refine(takes, best, rate, heads, _LAST), rate, floors)
 
 
-def _parts(takes: Sequence[Array], s: Complex) -> list[Array]:
+def _known(takes: Sequence[Array], s: Complex, rate: float, floors: Sequence[Floor]) -> Complex:
+    """The modes that rise above the noise and whose decays are known; the least known ones go first."""
+    heads = plain(takes)
+    for _ in range(_CLEARINGS):
+        s = prune(takes, s, len(s), needed(takes, floors, s, rate))
+        if not len(s):
+            return s
+        amplitude, _ = amplitudes(takes, s, heads(s))
+        rests = [take - ring(c, s, len(take)) for c, take in zip(amplitude, takes, strict=True)]
+        doubt = spread(takes, rests, s, amplitude, heads(s))
+        if doubt.max() < UNKNOWN:
+            return s
+        keep = np.ones(len(s), bool)
+        for mode in np.argsort(-doubt):
+            near = np.abs(s.imag - s.imag[mode]) < 2 * np.pi * _NEAR / rate
+            if doubt[mode] >= UNKNOWN and np.all(keep[near]):
+                keep[mode] = False
+        if not keep.any():
+            return s
+        s = refine(takes, s[keep], rate, heads, _FEW)
+    return s
+
+
+def _candidates(takes: Sequence[Array], rate: float, count: int) -> Complex:
+    return np.concatenate([candidates(takes, rate), pursued(takes, rate, count)])
+
+
+def _rests(takes: Sequence[Array], s: Complex) -> list[Array]:
+    """What modes leave of takes."""
     found, _ = amplitudes(takes, s, [None] * len(takes))
-    return [ring(amplitude, s, len(take)) for amplitude, take in zip(found, takes, strict=True)]
+    return [take - ring(amplitude, s, len(take)) for amplitude, take in zip(found, takes, strict=True)]
 
 
 def fit(found: Sequence[Hit], blows: Sequence[Blow | None], count: int = MODES) -> Fit:
@@ -125,7 +167,10 @@ def fit(found: Sequence[Hit], blows: Sequence[Blow | None], count: int = MODES) 
 def _fit(found: Sequence[Hit], blows: Sequence[Blow | None], count: int) -> Fit:
     rate = found[0].rate
     after = [hit.samples[_blow_end(hit, blow) :] for hit, blow in zip(found, blows, strict=True)]
-    s = _without_hum(fit_modes(after, rate, count), found)
+    floors = [floor_of(hit.quiet, rate) for hit in found] if all(len(hit.quiet) for hit in found) else None
+    s = fit_modes(after, rate, count, floors)
+    if not len(s):
+        raise RecordingError("nothing in it rings: expected the sound of a strike")
     early = earliest(rate)
     takes = [_with_beginning(hit, early) for hit in found]
     begins = _begun(takes, s, rate, blows)
@@ -133,19 +178,27 @@ def _fit(found: Sequence[Hit], blows: Sequence[Blow | None], count: int) -> Fit:
     s = s[np.argsort(s.imag)]
     heads = [blow.head(s, rate, early) for blow in begins]
     amplitude, _ = amplitudes(takes, s, heads)
-    modes = [ring(c, s, len(take), head) for c, take, head in zip(amplitude, takes, heads, strict=True)]
-    residual = [
-        10 * np.log10(np.sum((take - mode) ** 2) / np.sum(take**2)) for take, mode in zip(takes, modes, strict=True)
-    ]
-    if np.mean(residual) > _POOREST and min(hit.fall for hit in found) < _LEAST_FALL:
+    rests = [take - ring(c, s, len(take), head) for c, take, head in zip(amplitude, takes, heads, strict=True)]
+    residual = [10 * np.log10(np.sum(rest**2) / np.sum(take**2)) for take, rest in zip(takes, rests, strict=True)]
+    if np.mean(residual) > _POOREST and not all(_is_noise(*pair) for pair in zip(rests, found, strict=True)):
         raise RecordingError(
-            f"its level hardly falls, and {count} modes explain {100 - 100 * 10 ** (np.mean(residual) / 10):.0f} %: "
+            f"its level hardly falls, and {len(s)} modes explain {100 - 100 * 10 ** (np.mean(residual) / 10):.0f} %: "
             "expected a strike that rings out"
         )
-    tones = s.imag * rate / (2 * np.pi), -s.real * rate
-    rests = [without_tones(take[early:] - mode[early:], *tones, rate) for take, mode in zip(takes, modes, strict=True)]
-    heard = noise_bands(rests, [hit.quiet for hit in found], rate)
-    poles = s * rate
+    spreads = spread(takes, rests, s, amplitude, heads)
+    keep = _decaying(found, s, amplitude)
+    kept = [Head(head.atoms[:, keep], head.slopes[:, keep], head.origin) for head in heads]
+    amplitude = [c[keep] for c in amplitude]
+    tones = s[~keep].imag * rate / (2 * np.pi)
+    s, spreads = s[keep], spreads[keep]
+    modes = [ring(c, s, len(take), head) for c, take, head in zip(amplitude, takes, kept, strict=True)]
+    takes = [mode + rest for mode, rest in zip(modes, rests, strict=True)]
+    clear = s.imag * rate / (2 * np.pi), -s.real * rate
+    heard = noise_bands(
+        [without_tones(rest[early:], *clear, rate) for rest in rests], [hit.quiet for hit in found], rate
+    )
+    least = slowest_known(takes)
+    poles = np.minimum(s.real, -least) * rate + 1j * s.imag * rate
     blank = Fit(
         rate=rate,
         frequency=np.abs(poles) / (2 * np.pi),
@@ -157,9 +210,36 @@ def _fit(found: Sequence[Hit], blows: Sequence[Blow | None], count: int) -> Fit:
         residual=np.array(residual),
         takes=tuple(takes),
         modes=tuple(modes),
+        spread=spreads,
+        at_least=-s.real < least,
+        tones=tones[tones > LOWEST_HEARD],
         heard_noise=heard,
     )
     return blank.struck_by(begins)
+
+
+def _is_noise(rest: Array, hit: Hit) -> bool:
+    """Whether what modes leave of a hit may be so much: as it falls well, or as it is no more than the noise."""
+    noise = _NOISY * len(rest) * hit.floor**2
+    return hit.fall >= _LEAST_FALL or (hit.fall >= _FALL_IN_NOISE and float(rest @ rest) < noise)
+
+
+def _decaying(found: Sequence[Hit], s: Complex, amplitude: Sequence[Complex]) -> npt.NDArray[np.bool_]:
+    """Which modes ring and are heard: neither hum, nor lower than what is heard.
+
+    RecordingError if there are none, or if what is loudest does not decay.
+    """
+    rate = found[0].rate
+    energy = energies([hit.samples for hit in found], s, amplitude)
+    longest = max(len(hit.samples) for hit in found)
+    steady = -s.real * longest < _STEADY
+    dead = energy[steady].sum() > 0.5 * energy.sum() and min(hit.fall for hit in found) < _LEAST_FALL
+    keep = ~standing(found, s, amplitude) & (s.imag * rate > 2 * np.pi * LOWEST_HEARD)
+    if (dead and longest > _TELLS * rate) or not keep.any():
+        raise RecordingError("nothing that is heard decays: expected the sound of a strike")
+    if energy[keep & (-s.real < _BRIEFEST / rate)].sum() < _RINGS * sum(np.sum(hit.samples**2) for hit in found):
+        raise RecordingError("a click, in which nothing rings for 15 ms: expected the sound of a strike")
+    return keep
 
 
 def _begun(takes: Sequence[Array], s: Complex, rate: float, blows: Sequence[Blow | None]) -> list[Blow]:
@@ -190,25 +270,3 @@ def _per_impulse(noise: Bands, blows: Sequence[Blow]) -> Bands:
     middle = np.sqrt(noise.edges[:-1] * noise.edges[1:])
     drive = np.sqrt(np.mean([np.abs(blow.drive(2j * np.pi * middle)) ** 2 for blow in blows], axis=0))
     return Bands(noise.edges, noise.rms / drive, noise.decay, noise.floor)
-
-
-def _without_hum(s: Complex, found: Sequence[Hit]) -> Complex:
-    """The modes that do not stand in the recording before the hit already.
-
-    RecordingError if there are none, or if what is loudest does not decay.
-    """
-    rate = found[0].rate
-    keep = np.ones(len(s), bool)
-    size = [np.abs(c) for c in amplitudes([hit.samples for hit in found], s, [None] * len(found))[0]]
-    for hit, amplitude in zip(found, size, strict=True):
-        if len(hit.before) > 0.1 * rate:
-            window = np.hanning(len(hit.before))
-            tone = np.exp(-1j * np.outer(s.imag, np.arange(len(hit.before))))
-            keep &= 2 * np.abs(tone @ (window * hit.before)) / window.sum() < _HUM * amplitude
-    energy = np.sum(np.square(size), axis=0) / -s.real
-    steady = -s.real * rate < np.log(1000) / _STEADY
-    stands = energy[steady].sum() > 0.5 * energy.sum() and min(hit.fall for hit in found) < _LEAST_FALL
-    stands &= max(len(hit.samples) for hit in found) > _TELLS * rate
-    if stands or not keep.any():
-        raise RecordingError("nothing that is heard decays: expected the sound of a strike")
-    return s[keep]

@@ -29,7 +29,7 @@ def real_gains(amplitude: Sequence[Complex], s: Complex, lengths: Sequence[int])
         return _alike(np.array(amplitude))
     energy = products(s, lengths[0])[1]
     gains = np.zeros((1, len(s)))
-    for group in _groups(energy):
+    for group in overlapping(energy):
         gains[0, group] = _nearest(amplitude[0][group], energy[np.ix_(group, group)])
     return gains
 
@@ -43,8 +43,8 @@ def _alike(amplitude: Complex) -> Array:
     return gains
 
 
-def _groups(energy: Complex) -> list[Indices]:
-    """Indices of modes that overlap."""
+def overlapping(energy: Complex) -> list[Indices]:
+    """Groups of modes that overlap, by their indices; energy (k, k): sums over time of conj(a_i) a_j."""
     scale = np.sqrt(np.diag(energy).real)
     alike = np.abs(energy) / np.outer(scale, scale) > _ALIKE
     count, label = connected_components(csr_array(alike), directed=False)

@@ -23,6 +23,7 @@ _RISE = 10 ** (9 / 10)  # in power, of a hit's beginning against the 60 ms befor
 _SOFTEST = 1e-4  # in power, of the loudest: a softer rise is none
 _APART = 0.06  # s: of two hits at least
 _BEGIN, _RISEN = 0.05, 0.3  # of a hit's highest sample: it begins after the last quiet before it has risen
+_NOISE_S_PEAKS = 3.0  # times its rms, in 0.25 ms
 _ATTACK = 0.02  # s in which its first peak comes
 _DROP, _ABOVE_FLOOR = 60.0, 6.0  # dB: a hit ends so far below its peak, or so little above the floor
 _LEAST_FALL, _LEAST_FALL_OF_MANY = -3.0, 15.0  # dB by which a hit must fall before it ends, and before the next one
@@ -91,12 +92,13 @@ def hits(samples: Array, rate: float) -> list[Hit]:
     step = max(1, round(_STEP * rate))
     power = _power(samples, step)
     floor = 0.0 if _is_tone(samples[-len(samples) // 4 :]) else _floor(power)
-    starts = _starts(_power(np.diff(samples, prepend=samples[0]), step), step, rate)
+    slope = np.diff(samples, prepend=samples[0])
+    starts = _starts(_power(slope, step), step, rate) or _starts(power, step, rate) or [0]
     ends = [place * step - round(0.01 * rate) for place in starts[1:]] + [len(samples)]
     least = _LEAST_FALL if len(starts) == 1 else _LEAST_FALL_OF_MANY
     found = []
     for number, (start, end) in enumerate(zip(starts, ends, strict=True)):
-        onset = _onset(samples, start * step, end, rate)
+        onset = _onset(samples, start * step, end, rate, floor)
         length, fall = _length(power[onset // step : end // step], step, rate, floor)
         if length >= SHORTEST_HIT * rate and fall >= least:
             before = samples[max(ends[number - 1] if number else 0, onset - round(0.5 * rate)) : onset]
@@ -153,7 +155,7 @@ def _is_tone(samples: Array) -> bool:
 
 
 def _starts(power: Array, step: int, rate: float) -> list[int]:
-    """Steps at which the recording rises suddenly, from the power of its slope, which weighs what is high."""
+    """Steps at which a power rises suddenly: that of the slope weighs what is high, as onsets do and hiss does, too."""
     apart = round(_APART * rate / step)
     quiet = float(np.median(np.sort(power)[: max(3, len(power) // 20)]))
     padded = np.r_[np.full(apart, quiet), power]
@@ -164,17 +166,18 @@ def _starts(power: Array, step: int, rate: float) -> list[int]:
     for place in np.flatnonzero(rises):
         if not starts or place - starts[-1] > apart:
             starts.append(int(place))
-    return starts or [0]
+    return starts
 
 
-def _onset(samples: Array, place: int, end: int, rate: float) -> int:
+def _onset(samples: Array, place: int, end: int, rate: float, floor: float) -> int:
     """The sample at which a hit near `place` begins: after the last quiet before it has risen."""
     low = max(0, place - round(_STEP * rate))
     piece = np.abs(samples[low : min(end, place + round(_ATTACK * rate))])
     risen = int(np.argmax(piece > _RISEN * piece.max()))
     width = max(1, round(2.5e-4 * rate))
     envelope = np.array([piece[max(0, i - width) : i + 1].max() for i in range(risen)])
-    quiet = np.flatnonzero(envelope < _BEGIN * piece.max())
+    begin = max(_BEGIN * piece.max(), min(_NOISE_S_PEAKS * np.sqrt(floor), _RISEN * piece.max()))
+    quiet = np.flatnonzero(envelope < begin)
     return low + (int(quiet[-1]) if quiet.size else 0)
 
 

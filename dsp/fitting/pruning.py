@@ -2,6 +2,8 @@
 
 One by one the mode goes whose loss raises the squared error least, while the others take over what they can. Modes that
 were chosen too many and refined together, and then pruned, fit better than as many chosen one by one (selection.py).
+Then those go that explain less than noise would, and those that others stand for: two modes of nearly one pole, large
+and of opposite signs, fit the end of an attack better than one, but no body has them.
 """
 
 from __future__ import annotations
@@ -15,11 +17,16 @@ from .sums import Complex, as_weights, products, project, real_gram
 
 _RIDGE = 1e-9  # of a normalised Gram matrix
 _ALIKE = 1e-12  # of a determinant
+_STOOD_FOR = 0.01  # of a mode's own energy: if the others explain all but so little of it, it is none
 
 
-def prune(takes: Sequence[Array], s: Complex, count: int) -> Complex:
-    """The `count` of the modes `s` (k,) that can be spared least."""
+def prune(takes: Sequence[Array], s: Complex, count: int, needed: Array | None = None) -> Complex:
+    """Those of the modes `s` (k,) that can be spared least: at most `count`.
+
+    needed (k,): the energy that each has to explain, which nothing else does; 0 unless it is given.
+    """
     size = len(s)
+    needed = np.zeros(size) if needed is None else needed
     inverses, weights = [], []
     for take in takes:
         gram = real_gram(*products(s, len(take)))
@@ -28,9 +35,13 @@ def prune(takes: Sequence[Array], s: Complex, count: int) -> Complex:
         inverses.append(inverse)
         weights.append(inverse @ (as_weights(project(take, s)) / scale))
     kept = np.ones(size, bool)
-    while kept.sum() > count:
-        loss = sum(_loss(inverse, weight) for inverse, weight in zip(inverses, weights, strict=True))
-        spared = int(np.argmin(np.where(kept, loss, np.inf)))
+    while kept.any():
+        loss = np.sum([_loss(inverse, weight) for inverse, weight in zip(inverses, weights, strict=True)], axis=0)
+        own = np.sum([weight[:size] ** 2 + weight[size:] ** 2 for weight in weights], axis=0)
+        weak = loss < np.maximum(needed, _STOOD_FOR * own)
+        if kept.sum() <= count and not np.any(kept & weak):
+            break
+        spared = int(np.argmin(np.where(kept & (weak | (kept.sum() > count)), loss, np.inf)))
         kept[spared] = False
         pair = [spared, spared + size]
         for each, (inverse, weight) in enumerate(zip(inverses, weights, strict=True)):

@@ -21,12 +21,14 @@ _APART = 1.5  # candidates lie apart by so many half widths of their peaks, and 
 
 
 def pursued(takes: Sequence[Array], rate: float, count: int) -> Complex:
-    """Log poles per sample of the `count` damped sines that, each alone, explain most of all takes; peaks apart."""
+    """Log poles per sample of up to `count` damped sines that, each alone, explain most of all takes; peaks apart."""
     gain, frequency = _gains(takes, rate)
     longest = max(map(len, takes)) / rate
     found = []
     for _ in range(count):
         row, place = np.unravel_index(int(np.argmax(gain)), gain.shape)
+        if gain[row, place] <= 0:
+            break
         found.append(-_DECAYS[row] / rate + 2j * np.pi * frequency[place] / rate)
         for other, decay in enumerate(_DECAYS):
             reach = _APART * (max(_DECAYS[row], decay) / (2 * np.pi) + 1 / longest)

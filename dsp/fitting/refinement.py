@@ -21,8 +21,14 @@ _SMALLEST = 1e-20  # of the highest of a diagonal
 _RIDGE = 1e-10  # of a normalised Gram matrix
 _FIRST, _CALMER, _BOLDER, _LEAST = 1e-3, 6.0, 0.2, 1e-8  # the damping: to begin with, and how it goes up and down
 _TRIES = 5
-_LEAST_DECAY, _MOST_DECAY = 0.1, 5000.0  # 1/s
+_MOST_DECAY = 5000.0  # 1/s
+_LEAST_FALL = 0.5  # dB by which a mode falls over the longest take
 _MOST_DAMPED = 0.5  # of a mode's angular frequency, its decay rate: more is a click, and no mode
+
+
+def slowest(takes: Sequence[Array]) -> float:
+    """The least decay per sample that is looked for."""
+    return float(np.log(10) / 20 * _LEAST_FALL / max(map(len, takes)))
 
 
 def plain(takes: Sequence[Array]) -> Heads:
@@ -54,7 +60,10 @@ def refine(
 
     s (k,): log poles per sample. rate: Hz. It ends after some steps, or where one gains less than a share of the error.
     """
-    s = _bounded(s, rate)
+    least = slowest(takes)
+    s = _bounded(s, rate, least)
+    if not len(s):
+        return s
     amplitude, error = amplitudes(takes, s, heads(s))
     damping = _FIRST
     for _ in range(steps):
@@ -63,7 +72,7 @@ def refine(
         scaled = normal / np.outer(scale, scale)
         for _try in range(_TRIES):
             step = np.linalg.solve(scaled + damping * np.eye(len(scaled)), slope / scale) / scale
-            tried = _bounded(s + step[: len(s)] + 1j * step[len(s) :], rate)
+            tried = _bounded(s + step[: len(s)] + 1j * step[len(s) :], rate, least)
             there, left = amplitudes(takes, tried, heads(tried))
             if left < error:
                 break
@@ -75,6 +84,15 @@ def refine(
         if gain < enough:
             break
     return s
+
+
+def variances(takes: Sequence[Array], s: Complex, amplitude: list[Complex], heads: Sequence[Head | None]) -> Array:
+    """Those of the decays (k,), per sample squared, in white noise of the power 1: the Cramer-Rao bound."""
+    normal, _ = _normal(takes, s, amplitude, heads)
+    scale = np.sqrt(np.maximum(np.diag(normal), _SMALLEST * np.diag(normal).max()))
+    inverse = np.linalg.inv(normal / np.outer(scale, scale) + _RIDGE * np.eye(len(normal)))
+    found: Array = (np.diag(inverse) / scale**2)[: len(s)]
+    return found
 
 
 def _normal(
@@ -102,8 +120,8 @@ def _normal(
     return normal, slope
 
 
-def _bounded(s: Complex, rate: float) -> Complex:
+def _bounded(s: Complex, rate: float, least: float) -> Complex:
     omega = np.clip(s.imag, 2 * np.pi * 10 / rate, np.pi * 0.99)
     most = np.minimum(_MOST_DECAY / rate, _MOST_DAMPED * omega)
-    bounded: Complex = -np.clip(-s.real, _LEAST_DECAY / rate, most) + 1j * omega
+    bounded: Complex = -np.clip(-s.real, np.minimum(least, most), most) + 1j * omega
     return bounded

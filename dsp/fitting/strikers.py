@@ -7,10 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..contact.law import restitution
-from ..contact.pulse import contact_time
 from ..numerics.checks import Array
 from .blow import DISSIPATION, EXPONENT, Blow, pulse
+from .pulses import unit_duration, unit_time
 from .sums import Complex
 
 MASS, VELOCITY = 0.02, 1.0
@@ -31,15 +30,10 @@ class Striker:
     duration: float
     velocity: float
 
-    @property
-    def impulse(self) -> float:
-        """What it gives a rigid wall (N s)."""
-        return self.mass * self.velocity * (1 + float(restitution(self.velocity, self.dissipation)))
-
 
 def striker_of(duration: float, mass: float = MASS, velocity: float = VELOCITY) -> Striker:
     """The striker of a mass (kg) and Hertz's exponent whose contact at a velocity (m/s) lasts so long (s)."""
-    unit = float(contact_time(velocity, mass, 1.0, DISSIPATION, EXPONENT))
+    unit = unit_duration(DISSIPATION * velocity, EXPONENT) * unit_time(velocity, mass, 1.0, EXPONENT)
     stiffness = (unit / duration) ** (EXPONENT + 1)  # a contact's time goes as k^(-1/(a+1))
     return Striker(mass, stiffness, DISSIPATION, EXPONENT, duration, velocity)
 

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 import soundfile
 
+import carom
 from carom.clients.cli import main
+from carom.dsp.numerics.constants import FULL_SCALE_PRESSURE
 
 RATE = 32_000
 T = np.arange(RATE) / RATE
@@ -26,6 +28,10 @@ def folder(tmp_path_factory):
         "tiny": RING[:50],
         "steady": 0.1 * np.sin(2 * np.pi * 440 * T),
         "reversed": RING[::-1],
+        "click": np.where(np.arange(RATE) == 9_000, 0.9, 0.2),
+        "hum": RING + noise + 0.01 * np.sin(2 * np.pi * 50 * T),
+        "short": np.exp(-0.5 * T)[:8_000] * np.sin(2 * np.pi * 440 * T)[:8_000],
+        "noisy": RING + 1_000 * noise,
     }
     for name, samples in files.items():
         soundfile.write(folder / f"{name}.wav", samples, RATE, subtype="FLOAT")
@@ -45,6 +51,7 @@ REFUSED = [
     ("empty.wav out --name a", "empty.wav: empty", "expected the sound of a strike"),
     ("steady.wav out --name a", "steady.wav: ", "expected"),
     ("reversed.wav out --name a", "reversed.wav: ", "expected"),
+    ("click.wav out --name a", "click.wav: a click", "expected the sound of a strike"),
     ("long.wav out --name a", "long.wav: 130 s long", "expected at most 120 s"),
     ("text.wav out --name a", "text.wav: ", "expected a sound file"),
     ("notes out --name a", "notes: a folder of 1 files", "expected .wav"),
@@ -55,6 +62,8 @@ REFUSED = [
     ("ring.wav out --name a --positions 1.5", "positions: 1.5", "expected 0 to 1"),
     ("ring.wav out --name a --positions left", "'left'", "expected a number"),
     ("ring.wav out --name a --mass -1", "mass = -1", "expected 0.001 to"),
+    ("ring.wav out --name a --full-scale 0", "full-scale = 0", "expected 0.001 to"),
+    ("ring.wav out --name a --distance -1", "distance = -1", "expected 0.001 to"),
     ("ring.wav out --name a --force silence.wav", "silence.wav: silent", "expected the force of a hammer"),
     ("ring.wav ring.wav --name a", "ring.wav", "expected a folder"),
     ("ring.wav out", "--name", "usage: carom fit"),
@@ -91,6 +100,59 @@ def test_a_stereo_recording_becomes_an_object_and_a_page(folder, tmp_path, capsy
     capsys.readouterr()
     assert main(["compare", str(folder / "ring.wav"), str(tmp_path / "x.wav"), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["log_spectral_distance_db"] < 4
+
+
+def struck(folder, recording, out, *options) -> float:
+    """By how much (dB) the default strike is quieter than the recording it was fitted to, in what Carom writes."""
+    source = folder / recording
+    assert main(["fit", str(source), str(out), "--name", "bar", "--licence", "CC0", "--no-report", *options]) == 0
+    assert main(["strike", "bar", str(out / "x.wav"), "--presets", str(out), "--seconds", "1"]) == 0
+    loud = [np.mean(soundfile.read(file)[0] ** 2) for file in (source, out / "x.wav")]
+    return 10 * np.log10(loud[0] / loud[1])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("options", "quieter"),
+    [
+        ((), 0.0),
+        (("--full-scale", str(FULL_SCALE_PRESSURE / 10), "--distance", "0.5"), 26.0),
+    ],
+    ids=["as it is", "calibrated"],
+)
+def test_the_default_strike_is_as_loud_as_the_recording_says(folder, tmp_path, options, quieter):
+    assert struck(folder, "ring.wav", tmp_path, *options) == pytest.approx(quieter, abs=1)
+
+
+@pytest.mark.slow
+def test_a_strike_that_cannot_be_so_loud_is_told(folder, tmp_path, capsys):
+    struck(folder, "ring.wav", tmp_path, "--full-scale", "1000")
+    assert "dB, which calibrated sound lacks" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_pascals_are_those_that_the_recording_s_full_scale_stands_for(folder, tmp_path):
+    """Where the strike has the energy for it."""
+    struck(folder, "ring.wav", tmp_path, "--full-scale", "0.1", "--velocity", "3")
+    assert "level = 0.0" in (tmp_path / "objects" / "bar.toml").read_text()
+    with carom.Scene(RATE, presets=tmp_path, calibrated=True) as scene:
+        scene.new("a", "bar").impact(3.0)
+        pascals = scene.render(1.0).samples
+    assert 10 * np.log10(np.mean(pascals**2) / np.mean((0.1 * RING) ** 2)) == pytest.approx(0, abs=1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [
+        ("hum", "left out, as they do not decay with the strike: 50 Hz"),
+        ("short", "its T60 is taken to be"),
+        ("noisy", "noise at -3"),
+    ],
+)
+def test_what_a_recording_cannot_tell_is_told(folder, tmp_path, capsys, name, says):
+    assert main(["fit", str(folder / f"{name}.wav"), str(tmp_path), "--name", "bar", "--no-report"]) == 0
+    assert says in capsys.readouterr().err
 
 
 def test_a_sound_is_no_distance_from_itself(folder, tmp_path, capsys):

@@ -59,7 +59,7 @@ def test_modes_get_the_gains_that_they_have_without_the_blow(way):
     there = nearest(found)[moved]
     assert moved.sum() >= 3
     assert found.frequency[there] == pytest.approx(BODY.frequency[moved], abs=0.05)
-    assert found.decay[there] == pytest.approx(BODY.decay[moved], rel=0.02)
+    assert found.decay[there] == pytest.approx(BODY.decay[moved], rel=0.03)
     ratio = np.abs(found.gains[0, there]) / GAIN[moved] / (1 if way != "sought" else FORCE.impulse)
     assert 20 * np.log10(ratio) == pytest.approx(np.zeros(moved.sum()), abs=WITHIN[way])
 
@@ -88,5 +88,5 @@ def test_strikers_are_told_apart_by_what_they_leave_out():
 def test_a_striker_stays_as_long_as_it_was_found_to(duration):
     made = striker_of(duration, 0.05, 2.0)
     law = (2.0, made.mass, made.stiffness, made.dissipation, made.exponent)
-    assert float(contact_time(*law)) == pytest.approx(duration, rel=1e-9)
-    assert striker_pulse(*law).impulse == pytest.approx(made.impulse, rel=1e-6)
+    assert float(contact_time(*law)) == pytest.approx(duration, rel=1e-6)
+    assert striker_pulse(*law).duration == pytest.approx(duration, rel=0.003)
