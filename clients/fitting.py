@@ -6,12 +6,13 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..dsp.fitting.blow import Blow, measured, pulse, striker_pulse
-from ..dsp.fitting.distance import at_rate
+from ..dsp.fitting.blow import Blow, alike, measured, pulse, striker_pulse
+from ..dsp.fitting.distance import at_rate, distance
 from ..dsp.fitting.errors import RecordingError
 from ..dsp.fitting.fit import MODES, Fit, fit
 from ..dsp.fitting.hits import Hit, clearest, hits
@@ -34,6 +35,7 @@ UNKNOWN = "unknown"
 """What a preset says of a source or a licence that nobody told."""
 
 _MOST_MODES = 200
+_AS_NEAR = 0.1  # dB: a strike by the measured force that is no further from the recording than that is as good
 
 
 class FitError(ValueError):
@@ -124,18 +126,18 @@ def make(recordings: Sequence[Path], out: Path, wanted: Wanted, presets: Presets
     known = {name: presets.striker(name) for name in wanted.strikers if name in presets.names("strikers")}
     blows: list[Blow | None] = [None] * len(takes)
     for number, take in enumerate(takes):
-        if take.striker in known:
+        if take.striker in known and wanted.force is None:
             law = known[take.striker].contact(None)
             blows[number] = striker_pulse(wanted.velocity, *law)
-    if wanted.force is not None:
-        blows = [_force(wanted.force, take) for take in takes]
     try:
         found_in = fit([take.hit for take in takes], blows, wanted.modes)
     except RecordingError as error:
         raise RecordingError(f"{', '.join(str(each.path) for each in read_in)}: {error}") from None
     found_in, strikers = _strikers(found_in, takes, blows, wanted)
-    default = next(iter(strikers), str(takes[0].striker))
-    files, sound, louder = _write(found_in, takes, wanted, strikers, default, out)
+    if wanted.force is not None:
+        found_in, strikers, more = _by_force(wanted.force, (found_in, strikers), takes, wanted)
+        notes += more
+    files, sound, louder = _write(found_in, takes, wanted, strikers, out)
     licence = (
         [] if wanted.licence else [f"the licence of {read_in[0].path} is not told: --licence and --source keep it"]
     )
@@ -186,34 +188,66 @@ def _force(path: Path, take: Take) -> Blow:
     samples = recording.samples if recording.rate == rate else at_rate(recording.samples, recording.rate, rate)
     if not np.any(samples):
         raise RecordingError(f"{path}: silent: expected the force of a hammer")
-    middle = int(np.argmax(np.abs(samples)))
-    width = round(0.02 * rate)
-    return measured(samples[max(0, middle - width) : middle + width], rate)
+    try:
+        return measured(samples, rate)
+    except RecordingError as error:
+        raise RecordingError(f"{path}: {error}") from None
+
+
+def _by_force(
+    path: Path, heard_of: tuple[Fit, dict[str, Striker]], takes: Sequence[Take], wanted: Wanted
+) -> tuple[Fit, dict[str, Striker], list[str]]:
+    """The fit and its strikers as a hammer measured the force, unless those `heard_of` play nearer to the recording."""
+    own, _ = heard_of
+    forces = [alike(_force(path, take)) for take in takes]
+    begun = [each.later(blow.times[0] - each.times[0]) for each, blow in zip(forces, own.blows, strict=True)]
+    made = [(take.striker, blow, 1.0) for take, blow in zip(takes, begun, strict=True)]
+    hammered = own.struck_by(begun), _named(made, wanted)
+    apart, by_force = (_apart(*each, takes, wanted) for each in (heard_of, hammered))
+    if by_force <= apart + _AS_NEAR:
+        return *hammered, []
+    note = (
+        f"{path}: struck for {1e3 * begun[0].duration:.2g} ms, as it says, the preset is {by_force:.1f} dB from the "
+        f"recording; for {1e3 * own.blows[0].duration:.2g} ms, as the recording says, {apart:.1f} dB: that is taken"
+    )
+    return *heard_of, [note]
+
+
+def _apart(found_in: Fit, strikers: dict[str, Striker], takes: Sequence[Take], wanted: Wanted) -> float:
+    """The log-spectral distance (dB) of a fit's default strike from the recording."""
+    with TemporaryDirectory() as folder:
+        _, sound, _ = _write(found_in, takes, wanted, strikers, Path(folder))
+    return distance(found_in.takes[0], sound, found_in.rate).spectral
 
 
 def _strikers(
     found_in: Fit, takes: Sequence[Take], blows: Sequence[Blow | None], wanted: Wanted
 ) -> tuple[Fit, dict[str, Striker]]:
     """The strikers that no preset holds yet, by the names of the presets to write, and the fit with them."""
-    new = [number for number, blow in enumerate(blows) if blow is None or wanted.force is not None]
-    if not new:
-        return found_in, {}
-    labels = [takes[number].striker for number in new]
-    times = np.array([found_in.blows[number].duration for number in new])
-    strengths = np.ones(len(new))
-    if len(set(labels)) > 1 and wanted.force is None:
+    strengths = np.ones(len(takes))
+    new = [number for number, blow in enumerate(blows) if blow is None]
+    if len({takes[number].striker for number in new}) > 1:
         amplitude = [found_in.amplitude[number] for number in new]
-        times, strengths = durations(amplitude, found_in.poles, [found_in.blows[number] for number in new])
-        found_in = found_in.struck_by([pulse(time, strength) for time, strength in zip(times, strengths, strict=True)])
-    made: dict[str, Striker] = {}
-    for label, time, strength in zip(labels, times, strengths, strict=True):
+        times, strengths[new] = durations(amplitude, found_in.poles, [found_in.blows[number] for number in new])
+        begun = list(found_in.blows)
+        for number, time in zip(new, times, strict=True):
+            begun[number] = pulse(time, strengths[number])
+        found_in = found_in.struck_by(begun)
+    made = [(takes[number].striker, found_in.blows[number], strengths[number]) for number in new]
+    return found_in, _named(made, wanted)
+
+
+def _named(made: Sequence[tuple[str | None, Blow, float]], wanted: Wanted) -> dict[str, Striker]:
+    """Strikers by the names of their presets, of labels, blows and strengths: the first of each label."""
+    strikers: dict[str, Striker] = {}
+    for label, blow, strength in made:
         name = f"{wanted.name}-{label or 'striker'}"
-        made.setdefault(name, striker_of(float(time), MASS * float(strength), wanted.velocity))
-    return found_in, made
+        strikers.setdefault(name, striker_of(blow.duration, MASS * float(strength), wanted.velocity))
+    return strikers
 
 
 def _write(
-    found_in: Fit, takes: Sequence[Take], wanted: Wanted, strikers: dict[str, Striker], default: str, out: Path
+    found_in: Fit, takes: Sequence[Take], wanted: Wanted, strikers: dict[str, Striker], out: Path
 ) -> tuple[list[Path], NDArray[np.float64], float]:
     """Write the presets, as loud as the recording says; returns the files, the sound of the default strike, and by how
     much (dB) it is louder than such a strike can be."""
@@ -223,7 +257,7 @@ def _write(
         description=f"{wanted.name}, fitted to {names}",
         source=f"fitted to {names} by carom fit; recordings: {source}; masses are assumed",
         licence=wanted.licence or UNKNOWN,
-        striker=default,
+        striker=next(iter(strikers), str(takes[0].striker)),
         velocity=wanted.velocity,
         position=takes[0].position or 0.0,
         positions=tuple(take.position for take in takes if take.position is not None),

@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..numerics.checks import Array
+from .errors import RecordingError
 from .pulses import unit_pulse, unit_time
 from .refinement import amplitudes, solved
 from .sums import Complex, Head, as_weights, real_gram, ringing_products, ringing_project
@@ -30,6 +31,12 @@ _SHARES = (0.0, 0.06, 0.12, 0.2, 0.3, 0.42, 0.55, 0.7, 0.9)  # of a duration: so
 _EARLIEST = 0.005  # s: the recording is looked at from so long before the onset
 _TOLERANCE = 0.5  # of what the best blow leaves of the attack: as good
 _HARDLY = 1e-4  # of a take's energy
+_FOOT, _STANDS_OUT = 0.005, 0.3  # of a measured force's peak: its pulse ends there; its noise may reach so high
+_NOISE_S_PEAKS, _MEDIAN_OF_NOISE = (
+    4.0,
+    0.6745,
+)  # rms of noise that its samples hardly reach; its median size over its rms
+_LOWEST_LIKENESS, _HIGHEST_LIKENESS = 50.0, 20_000.0  # Hz
 _SHALLOWEST = 0.02  # of the impulse: where a blow moves a mode less, it is said to move it as much
 
 
@@ -101,11 +108,33 @@ def striker_pulse(velocity: float, mass: float, stiffness: float, dissipation: f
 
 
 def measured(force: Array, rate: float) -> Blow:
-    """A force (n,) in N as a hammer measured it at a rate (Hz), from its onset on."""
-    size = np.abs(force)
-    loud = np.flatnonzero(size > 0.01 * size.max())
-    piece = force[loud[0] : loud[-1] + 1] * np.sign(force[np.argmax(size)])
-    return Blow((np.arange(len(piece)) + loud[0]) / rate, np.maximum(piece, 0) / rate)
+    """A force (n,) in any unit as a hammer measured it at a rate (Hz), without its noise and offset.
+
+    RecordingError if no pulse stands out of it.
+    """
+    force = force - np.median(force)
+    peak = int(np.argmax(np.abs(force)))
+    force = force * np.sign(force[peak])
+    noise = float(np.median(np.abs(force))) / _MEDIAN_OF_NOISE
+    least = max(_FOOT * force[peak], _NOISE_S_PEAKS * noise)
+    if least > _STANDS_OUT * force[peak]:
+        raise RecordingError("no pulse stands out of its noise: expected the force of a hammer")
+    below = np.flatnonzero(force < least)
+    begin = int(below[below < peak].max(initial=-1)) + 1
+    end = int(below[below > peak].min(initial=len(force)))
+    return Blow(np.arange(begin, end) / rate, force[begin:end] / rate)
+
+
+def alike(blow: Blow) -> Blow:
+    """The pulse of an unknown striker that is nearest to a blow, by the sizes of their spectra, at the same time."""
+    frequency = np.geomspace(_LOWEST_LIKENESS, _HIGHEST_LIKENESS, 60)
+    size = np.abs(blow.transform(2j * np.pi * frequency))
+    longest = max(blow.duration, 2 * _DURATIONS[0])
+    tried = [pulse(each, blow.impulse) for each in np.geomspace(0.5 * longest, 2 * longest, 81)]
+    errors = [np.sum((np.abs(each.transform(2j * np.pi * frequency)) - size) ** 2) for each in tried]
+    found = tried[int(np.argmin(errors))]
+    middle = blow.times @ blow.impulses / blow.impulse
+    return found.later(middle - found.times @ found.impulses / found.impulse)
 
 
 def begun(take: Array, s: Complex, rate: float, blow: Blow, onset: int) -> Blow:

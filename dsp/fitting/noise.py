@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -99,9 +100,14 @@ def without_tones(rest: Array, frequency: Array, decay: Array, rate: float) -> A
 
 def band(samples: Array, rate: float, low: float, high: float) -> Array:
     """A band (Hz) of a signal, by a filter that looks at what was alone: nothing spreads to before it begins."""
-    sections = butter(_ORDER, (low, min(high, 0.4999 * rate)), "bandpass", fs=rate, output="sos")
-    filtered: Array = sosfilt(sections, samples)
+    filtered: Array = sosfilt(_sections(rate, low, min(high, 0.4999 * rate)), samples)
     return filtered
+
+
+@cache
+def _sections(rate: float, low: float, high: float) -> Array:
+    found: Array = butter(_ORDER, (low, high), "bandpass", fs=rate, output="sos")
+    return found
 
 
 def _fitted(frames: list[Array], width: float, floor: float) -> tuple[float, float, float]:

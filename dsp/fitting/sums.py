@@ -35,14 +35,20 @@ class Head:
         return len(self.atoms)
 
 
-def geometric(exponent: Complex, n: int) -> tuple[Complex, Complex, Complex]:
-    """Sums of w^t, t w^t and t^2 w^t over t = 0 ... n - 1, w = exp(exponent), |w| < 1; written so that none cancels."""
-    w, last = np.exp(exponent), np.exp(n * exponent)
-    rest: Complex = np.negative(np.expm1(exponent), dtype=np.complex128)
-    gone: Complex = np.negative(np.expm1(n * exponent), dtype=np.complex128)
+def geometric(left: Complex, right: Complex, n: int) -> tuple[Complex, Complex, Complex]:
+    """Sums of w^t, t w^t and t^2 w^t over t = 0 ... n - 1, for w = exp(left_i + right_j), |w| < 1, (k, k) each.
+
+    They are written so that none cancels. Exponentials are taken of the k numbers, not of the k^2 sums.
+    """
+    first_part, second_part = np.expm1(left)[:, None], np.expm1(right)[None]
+    rest: Complex = np.negative(first_part + second_part + first_part * second_part, dtype=np.complex128)
+    w = 1 - rest
+    last = np.outer(np.exp(n * left), np.exp(n * right))
+    gone: Complex = np.subtract(1, last, dtype=np.complex128)
+    shared = n * rest
     zeroth = gone / rest
-    first = (w * gone - n * last * rest) / rest**2
-    second = (w * (1 + w) * gone - last * n * rest * (n * rest + 2 * w)) / rest**3
+    first = (w * zeroth - n * last) / rest
+    second = (w * (1 + w) * zeroth - last * n * (shared + 2 * w)) / rest**2
     return zeroth, first, second
 
 
@@ -63,7 +69,7 @@ def ringing_products(s: Complex, n: int, later: int, slopes: bool = False) -> tu
     begin = np.exp(s * later)
     both = []
     for left, begins in ((s, begin), (s.conj(), begin.conj())):
-        zeroth, first, second = geometric(left[:, None] + s, n)
+        zeroth, first, second = geometric(left, s, n)
         if slopes:
             second = second + 2 * later * first + later**2 * zeroth
             first = first + later * zeroth
@@ -99,12 +105,18 @@ def ringing_project(x: Array, s: Complex, later: int, slopes: bool = False) -> C
     inside = np.exp(np.outer(s, np.arange(_BLOCK)))
     starts = later + _BLOCK * np.arange(count)
     between = np.exp(np.outer(s, starts))
-    zeroth = inside @ blocks
+    zeroth = _times_real(inside, blocks)
     sums: Complex = np.sum(zeroth * between, axis=1)
     if not slopes:
         return sums
-    first = (inside * np.arange(_BLOCK)) @ blocks
+    first = _times_real(inside * np.arange(_BLOCK), blocks)
     return np.concatenate([sums, np.sum((first + zeroth * starts) * between, axis=1)])
+
+
+def _times_real(left: Complex, right: Array) -> Complex:
+    """Their product as matrices; numpy would make the right one complex, too."""
+    product: Complex = left.real @ right + 1j * (left.imag @ right)
+    return product
 
 
 def as_weights(products_with_x: Complex) -> Array:

@@ -26,6 +26,7 @@ def folder(tmp_path_factory):
         "clipped": np.clip(20 * RING, -1, 1),
         "nan": np.where(np.arange(RATE) == 9, np.nan, RING),
         "tiny": RING[:50],
+        "noise": 1e4 * noise,
         "steady": 0.1 * np.sin(2 * np.pi * 440 * T),
         "reversed": RING[::-1],
         "click": np.where(np.arange(RATE) == 9_000, 0.9, 0.2),
@@ -65,6 +66,7 @@ REFUSED = [
     ("ring.wav out --name a --full-scale 0", "full-scale = 0", "expected 0.001 to"),
     ("ring.wav out --name a --distance -1", "distance = -1", "expected 0.001 to"),
     ("ring.wav out --name a --force silence.wav", "silence.wav: silent", "expected the force of a hammer"),
+    ("ring.wav out --name a --force noise.wav", "noise.wav: no pulse", "expected the force of a hammer"),
     ("ring.wav ring.wav --name a", "ring.wav", "expected a folder"),
     ("ring.wav out", "--name", "usage: carom fit"),
 ]
@@ -139,6 +141,19 @@ def test_pascals_are_those_that_the_recording_s_full_scale_stands_for(folder, tm
         scene.new("a", "bar").impact(3.0)
         pascals = scene.render(1.0).samples
     assert 10 * np.log10(np.mean(pascals**2) / np.mean((0.1 * RING) ** 2)) == pytest.approx(0, abs=1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("force", [np.hanning(400), np.hanning(12)], ids=["of another blow", "short"])
+def test_a_force_makes_no_fit_worse(folder, tmp_path, capsys, force):
+    soundfile.write(tmp_path / "hammer.wav", np.concatenate([np.zeros(900), 0.5 * force, np.zeros(900)]), RATE)
+    apart = []
+    for options in ((), ("--force", str(tmp_path / "hammer.wav"))):
+        assert abs(struck(folder, "ring.wav", tmp_path, *options)) < 1
+        capsys.readouterr()
+        assert main(["compare", str(folder / "ring.wav"), str(tmp_path / "x.wav"), "--json"]) == 0
+        apart.append(json.loads(capsys.readouterr().out)["log_spectral_distance_db"])
+    assert apart[1] < apart[0] + 0.2
 
 
 @pytest.mark.slow

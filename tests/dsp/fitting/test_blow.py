@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from carom.dsp.contact import contact_time
-from carom.dsp.fitting.blow import Blow, measured, pulse, striker_pulse
+from carom.dsp.fitting.blow import Blow, alike, measured, pulse, striker_pulse
+from carom.dsp.fitting.errors import RecordingError
 from carom.dsp.fitting.fit import Fit, fit
 from carom.dsp.fitting.hits import Hit, clearest, hits
 from carom.dsp.fitting.strikers import durations, striker_of
@@ -73,6 +74,25 @@ def test_gains_have_the_signs_of_the_shapes():
     there = nearest(found)
     apart = found.gains[1, there] / found.gains[0, there]
     assert apart * apart[0] / abs(apart[0]) == pytest.approx(turned / GAIN * np.sign(turned[0]), abs=0.05)
+
+
+@pytest.mark.parametrize(("offset", "noise", "sign"), [(0, 0, 1), (0.1, 0, -1), (0, 0.01, 1)])
+def test_a_hammer_s_pulse_is_found_in_noise_on_an_offset_and_turned(offset, noise, sign):
+    hammer = np.zeros(5_000)
+    pressed = np.histogram(FORCE.times * RATE, np.arange(200), weights=FORCE.impulses * RATE)[0]
+    hammer[2_000 : 2_000 + len(pressed)] = sign * pressed / pressed.max()
+    found = measured(hammer + offset + noise * np.random.default_rng(1).standard_normal(len(hammer)), RATE)
+    assert found.duration == pytest.approx(LONG, rel=0.15)
+    same = alike(found)
+    assert same.duration == pytest.approx(LONG, rel=0.05)
+    poles = 2j * np.pi * np.array([100, 300, 600.0])
+    apart = np.abs(same.transform(poles)) / np.abs(FORCE.transform(poles))
+    assert apart / apart[0] == pytest.approx(np.ones(3), abs=0.05)
+
+
+def test_a_hammer_s_noise_is_no_force():
+    with pytest.raises(RecordingError, match="expected the force of a hammer"):
+        measured(np.random.default_rng(1).standard_normal(5_000), RATE)
 
 
 def test_strikers_are_told_apart_by_what_they_leave_out():
