@@ -29,8 +29,7 @@ _RINGS_OUT = 15.0  # dB: so much has to fall for that
 _HUM = 0.5  # of a mode's amplitude: what has that before the hit already is no mode
 _BEFORE = 0.1  # s of a recording before the hit in which a tone is looked for
 _MAINS, _NEAR, _HIGHEST_HUM = (50.0, 60.0), 0.3, 1000.0  # Hz: frequencies of hum, and how near them it is
-UNKNOWN = 0.5
-"""A decay that may be off by such a share of itself is not known."""
+_BARELY = 1e-5  # of all modes' energy: a decay of a mode that has less has to be known twice as well
 _TAIL = 4  # the last of so many parts of what modes leave is taken for noise where none is heard alone
 
 
@@ -98,6 +97,12 @@ def standing(found: Sequence[Hit], s: Complex, amplitude: Sequence[Complex]) -> 
             tone = np.exp(-1j * np.outer(s.imag, np.arange(len(hit.before))))
             stands |= 2 * np.abs(tone @ (window * hit.before)) / window.sum() > _HUM * np.abs(c)
     return stands
+
+
+def unknown(doubt: Array, energy: Array) -> npt.NDArray[np.bool_]:
+    """Which decays nobody knows, of these standard deviations as shares (k,) and of modes of these energies (k,)."""
+    found: npt.NDArray[np.bool_] = doubt > np.where(energy < _BARELY * energy.sum(), 0.5, 1.0)
+    return found
 
 
 def spread(

@@ -13,7 +13,7 @@ from ..numerics.checks import Array
 from .blow import Blow, begun, earliest, sought
 from .errors import RecordingError
 from .esprit import candidates
-from .evidence import UNKNOWN, Floor, energies, floor_of, floor_of_rest, needed, slowest_known, spread, standing
+from .evidence import Floor, energies, floor_of, floor_of_rest, needed, slowest_known, spread, standing, unknown
 from .gains import real_gains
 from .hits import Hit
 from .noise import Bands, noise_bands, without_tones
@@ -131,14 +131,11 @@ def _known(takes: Sequence[Array], s: Complex, rate: float, floors: Sequence[Flo
         amplitude, _ = amplitudes(takes, s, heads(s))
         rests = [take - ring(c, s, len(take)) for c, take in zip(amplitude, takes, strict=True)]
         doubt = spread(takes, rests, s, amplitude, heads(s))
-        if doubt.max() < UNKNOWN:
-            return s
-        keep = np.ones(len(s), bool)
+        keep, unclear = np.ones(len(s), bool), unknown(doubt, energies(takes, s, amplitude))
         for mode in np.argsort(-doubt):
             near = np.abs(s.imag - s.imag[mode]) < 2 * np.pi * _NEAR / rate
-            if doubt[mode] >= UNKNOWN and np.all(keep[near]):
-                keep[mode] = False
-        if not keep.any():
+            keep[mode] = not (unclear[mode] and np.all(keep[near]))
+        if keep.all() or not keep.any():
             return s
         s = refine(takes, s[keep], rate, heads, _FEW)
     return s
