@@ -38,6 +38,7 @@ _FALL_IN_NOISE = 6.0  # dB, which a hit falls at least into noise
 _SHORT_BLOW, _LONGEST_BLOW = 0.0015, 0.01  # s
 _RINGING, _CLICK = 0.4, 1000.0  # of its angular frequency, and 1/s: a mode that decays faster is a click
 _STEADY = 0.12  # nepers, by which a mode falls over the whole recording: less is a tone that stands
+_FILTERED, _FILTER_DAMPED = 40.0, 0.3  # Hz, of its angular frequency: the answer of the filter that takes rumble away
 _BRIEFEST, _RINGS = 460.0, 0.1  # 1/s, and a share of the energy: so much has to decay no faster
 _TELLS = 0.5  # s: in less, nobody can tell
 
@@ -231,7 +232,8 @@ def _decaying(found: Sequence[Hit], s: Complex, amplitude: Sequence[Complex]) ->
     longest = max(len(hit.samples) for hit in found)
     steady = -s.real * longest < _STEADY
     dead = energy[steady].sum() > 0.5 * energy.sum() and min(hit.fall for hit in found) < _LEAST_FALL
-    keep = ~standing(found, s, amplitude) & (s.imag * rate > 2 * np.pi * LOWEST_HEARD)
+    filtered = (s.imag * rate < 2 * np.pi * _FILTERED) & (-s.real > _FILTER_DAMPED * s.imag)
+    keep = ~(standing(found, s, amplitude) | filtered | (s.imag * rate < 2 * np.pi * LOWEST_HEARD))
     if (dead and longest > _TELLS * rate) or not keep.any():
         raise RecordingError("nothing that is heard decays: expected the sound of a strike")
     if energy[keep & (-s.real < _BRIEFEST / rate)].sum() < _RINGS * sum(np.sum(hit.samples**2) for hit in found):
