@@ -1,29 +1,45 @@
-"""Makes the objects that packets ask for, in a thread of its own: a gong takes 0.1 s, in which others want answers."""
+"""Makes the objects and bodies that packets ask for, in a thread of its own.
+
+A gong takes 0.1 s, in which others want answers.
+"""
 
 import threading
 from collections import deque
 from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 from ..dsp.engine.capacity import OBJECTS
 from ..dsp.runtime.arena import EngineFull
 from ..presets import PresetError, Presets
 from .osc.addresses import Call
 from .osc.arguments import Refused
-from .scene.new_object import NewObject, new_object
+from .scene.new_object import NEW, new_object
+from .world.wire import BODY, new_body
+
+if TYPE_CHECKING:
+    from .scene.transaction import Made
 
 _MOST_BYTES = 2**27
 """Of mode shapes in the objects of a packet, and in all that wait to be played, but for the last: the engine has room
 for no more."""
 
+_MAKERS: dict[str, "Callable[[Call, Presets, float], Made]"] = {NEW: new_object, BODY: new_body}
+"""By the address of a call, the function that makes what it asks for."""
+
 _LONGEST_END = 1.0  # s that the end of the server waits for an object that is being made
 
 
+def makes(call: Call) -> bool:
+    """Whether a call asks for something to be made."""
+    return call.verb is not None and call.verb.address in _MAKERS
+
+
 class Making:
-    """The objects that the calls of a packet ask for. Once it is done, `made` has each, or the error that it met, by
-    the identity of its call."""
+    """What the calls of a packet ask for, objects and bodies. Once it is done, `made` has each, or the error that it
+    met, by the identity of its call."""
 
     def __init__(self, calls: Sequence[Call]) -> None:
-        self.made: dict[int, NewObject | Exception] = {}
+        self.made: dict[int, Made] = {}
         self.bytes = 0
         """Of the mode shapes of those that were made."""
         self._left = deque(enumerate(calls))
@@ -36,20 +52,22 @@ class Making:
     def make_next(self, presets: Presets, top: float) -> None:
         """Make the next one, with modes up to `top` (Hz)."""
         place, call = self._left[0]
-        made: NewObject | Exception
+        made: Made
         if place >= OBJECTS or self.bytes > _MOST_BYTES:
             made = EngineFull("no room for all objects of this packet: expected fewer of them in one")
         else:
             made = _made(call, presets, top)
         self.made[id(call)] = made
-        self.bytes += made.modes.strike.nbytes if isinstance(made, NewObject) else 0
+        if not isinstance(made, Exception) and made.modes:
+            self.bytes += made.modes.strike.nbytes
         self._left.popleft()
 
 
-def _made(call: Call, presets: Presets, top: float) -> NewObject | Exception:
-    """The object that a call asks for, or the error: whoever carries the call out meets it again."""
+def _made(call: Call, presets: Presets, top: float) -> "Made":
+    """What a call asks for, or the error: whoever carries the call out meets it again."""
+    assert call.verb
     try:
-        return new_object(call, presets, top)
+        return _MAKERS[call.verb.address](call, presets, top)
     except (Refused, PresetError) as error:
         return error.with_traceback(None)  # whose frames hold those who keep the error: a circle
     except Exception as error:  # a fault, which is told with its place
@@ -57,10 +75,10 @@ def _made(call: Call, presets: Presets, top: float) -> NewObject | Exception:
 
 
 class Maker:
-    """A thread that makes objects, one after the other; packets take turns. `close` it."""
+    """A thread that makes objects and bodies, one after the other; packets take turns. `close` it."""
 
     def __init__(self, presets: Presets, top: float, finished: Callable[[], object]) -> None:
-        """top: Hz, of the modes. finished: called in the thread whenever all objects of a packet are made."""
+        """top: Hz, of the modes. finished: called in the thread whenever all that a packet asks for is made."""
         self._presets, self._top, self._finished = presets, top, finished
         self._changed = threading.Condition()
         self._waiting: deque[Making] = deque()
@@ -77,8 +95,8 @@ class Maker:
             self._thread = threading.Thread(target=self._run, name="carom-maker", daemon=True)
             self._thread.start()
 
-    def take(self, making: Making) -> dict[int, NewObject | Exception]:
-        """The objects of a packet, as `Making.made`; they count no longer."""
+    def take(self, making: Making) -> "dict[int, Made]":
+        """What was made for a packet, as `Making.made`; they count no longer."""
         with self._changed:
             self._bytes -= making.bytes
         return making.made

@@ -4,13 +4,16 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from .making import Making
 from .net.network import Source
 from .osc.addresses import Call, calls
 from .osc.patterns import Selection, is_pattern
 from .osc.wire import BadPacket, Bundle, Message, parse
-from .scene.new_object import NewObject
+
+if TYPE_CHECKING:
+    from .scene.transaction import Made
 
 _MOST_CALLS = 2_048
 """That the patterns of a packet may make, beyond one each."""
@@ -33,8 +36,8 @@ class Packet:
     selection: Selection = field(default_factory=Selection)
     """The matches of its patterns."""
     making: Making | None = None
-    """The objects that it asks for."""
-    made: Mapping[int, NewObject | Exception] = field(default_factory=dict)
+    """The objects and bodies that it asks for."""
+    made: "Mapping[int, Made]" = field(default_factory=dict)
     """Those that are made, by the identity of their calls."""
     kept: list[Call] = field(default_factory=list)
     """All its calls: `made` goes by their identities, which no others may take while it is carried out."""

@@ -1,7 +1,8 @@
-"""Packets that wait for objects to be made, while others are carried out.
+"""Packets that wait for objects or bodies to be made, while others are carried out.
 
 What a client sends is carried out in its order: its later packets wait behind one that makes an object. So do packets
-of others that name such an object, as each message of a shell script comes from a client of its own.
+of others that name such an object, or tell the simulation of which a body is made: each message of a shell script comes
+from a client of its own.
 """
 
 from collections import deque
@@ -9,12 +10,11 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from .making import Maker, Making
+from .making import Maker, Making, makes
 from .net.network import Network, Source
 from .osc.addresses import Call
 from .osc.patterns import is_pattern, match, work
 from .packets import Packet
-from .scene.new_object import NEW
 
 MOST_BYTES = 1 << 22
 """Of datagrams that wait; further ones are dropped. Streams pause instead, with a packet each."""
@@ -22,6 +22,7 @@ MOST_BYTES = 1 << 22
 _OVERHEAD = 64  # bytes that a packet takes besides its own
 _MOST_LINES = 256  # clients whose packets wait
 _MOST_WORK = 50_000  # of matching a packet's patterns: some 5 ms
+_WORLD = "/world/"
 _AT_ONCE = 16  # packets of a client that are carried out before others are heard
 
 
@@ -78,7 +79,7 @@ class Waiting:
 
     def hold(self, packet: Packet) -> bool:
         """Let a packet wait if it makes objects, or names one that is in the making; False if it need not."""
-        new = [call for call in packet.calls if call.verb and call.verb.address == NEW]
+        new = [call for call in packet.calls if makes(call)]
         if not new and not (self._lines and self._is_about(packet.calls, self._names())):
             return False
         datagram = isinstance(packet.source, tuple)
@@ -149,7 +150,8 @@ class Waiting:
         """Whether one of some calls names, or may by a pattern, one of some objects and gestures."""
         left = _MOST_WORK
         for call in calls if names else ():
-            if any(isinstance(arg, str) and arg in names for arg in call.message.args) or call.target in names:
+            given = (call.target, *call.message.args, *_world(call))
+            if any(isinstance(name, str) and name in names for name in given):
                 return True
             if is_pattern(call.target):
                 left -= work(call.target) * len(names)
@@ -162,7 +164,8 @@ def _made_names(calls: Iterable[Call]) -> frozenset[str]:
     """The names of objects that calls make, and the ids of their gestures."""
     names: set[object] = set()
     for call in calls:
-        if call.verb and call.verb.address == NEW:
+        names.update(_world(call))
+        if makes(call):
             names.update(call.message.args[:1])
         else:
             names.update(_values(call, ("id",)))
@@ -173,8 +176,13 @@ def _made_names(calls: Iterable[Call]) -> frozenset[str]:
 
 def _given_names(calls: Iterable[Call]) -> frozenset[str]:
     """The names of objects and gestures that stand in calls, but for patterns."""
-    names = {name for call in calls for name in (call.target, *_values(call, ("id", "by")))}
+    names = {name for call in calls for name in (call.target, *_values(call, ("id", "by")), *_world(call))}
     return frozenset(name for name in names if isinstance(name, str) and name and not is_pattern(name))
+
+
+def _world(call: Call) -> tuple[str, ...]:
+    """The name of the simulation, if a call tells of it: no object's name begins so."""
+    return (_WORLD,) if call.message.address.startswith(_WORLD) else ()
 
 
 def _values(call: Call, keys: tuple[str, ...]) -> Iterator[object]:

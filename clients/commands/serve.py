@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from ...server.osc.wire import DEFAULT_PORT
 from ..actions import CommandError
+from .ending import end_within
 from .options import RATE, SWITCH, add_bank, add_contact, add_presets, contact, on_end
 from .parser import Command, number, size, whole
 
@@ -29,6 +30,8 @@ _KEPT = (
     "bank", "recordings", "quota",
 )  # fmt: skip
 """The options that the server takes as they are given."""
+
+_LONGEST_END = 10.0  # s, whatever the threads do: a server that is well takes less than 2
 
 _TRIM_THRESHOLD, _MMAP_THRESHOLD, _ARENA_MAX = -1, -3, -8
 """Parameters of mallopt(3)."""
@@ -120,6 +123,7 @@ def serve(arguments: argparse.Namespace, on_start: Callable[[Server], object]) -
         contact=contact(arguments),
         limiter=arguments.limiter == "on",
     )
+    ends = end_within(_LONGEST_END, arguments.command)
     with serving(options) as server:
         on_end(server.stop)
         host, port = server.address
@@ -134,6 +138,7 @@ def serve(arguments: argparse.Namespace, on_start: Callable[[Server], object]) -
             _announce(server.web, options.page is not None)
         on_start(server)
         server.run()
+        ends()
     return 0
 
 

@@ -1,20 +1,25 @@
 """Solid spheres, free in air."""
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from . import acceleration
 from .heard import heard
 from .material import Array, Material
-from .modes import MOST_MODES, Modes, require_positive
+from .modes import MOST_MODES, Indices, Modes, ascending, require_positive
 from .radiation.air import IMPEDANCE, wavenumber
 from .radiation.closed import sphere_efficiency
 
-_STEP = 0.02  # of k a between two looks for a sign's change: neighbouring roots lie 0.5 and more apart
-_LEAST = 0.5  # k a below which there is no root: the lowest is above 2
-_NODES = 96  # of the quadrature along the radius
+_STEP = 0.05  # of y between two looks for a sign's change: the roots of an order lie 0.068 and more apart
+_LEAST = 0.5  # y below which there is no root: the lowest is above 2
+_MOST = math.sqrt(8 * MOST_MODES)  # y below which there are more modes than are kept: shear waves alone have y^2/8
+_SLOWEST = 0.89  # y/n below which an order has no root: its lowest is a Rayleigh wave that runs around the sphere
+_BEYOND = 40  # orders between the highest that is wanted and the first of the recurrence of Bessel functions
+_LOOKS = 8  # at a root, whose error is then that of rounding
 
 
 def sphere(material: Material, *, radius: float, top: float) -> Modes:
@@ -32,34 +37,52 @@ def sphere(material: Material, *, radius: float, top: float) -> Modes:
     require_positive(radius=radius)
     shear = math.sqrt(material.shear_modulus / material.density)
     ratio = math.sqrt((1 - 2 * material.poisson_ratio) / (2 - 2 * material.poisson_ratio))  # c_t/c_l
-    highest = 2 * math.pi * top * radius / shear
-    found = [(y, n) for n in range(int(1.2 * highest) + 3) for y in _roots(n, ratio, highest)]
-    found = sorted(found)[:MOST_MODES]
-    roots, orders = np.array([y for y, _ in found]), np.array([n for _, n in found], np.int64)
+    roots, orders = _roots(ratio, min(2 * math.pi * top * radius / shear, _MOST))
     frequency = roots * shear / (2 * math.pi * radius)
     mass = material.density * 4 / 3 * math.pi * radius**3
-    shape = np.array([_at_pole(n, ratio, y) for y, n in found]) / math.sqrt(mass)
-    efficiency = [
-        float(sphere_efficiency(int(n), np.array(wavenumber(f) * radius)))
-        for n, f in zip(orders, frequency, strict=True)
-    ]
+    shape = _at_pole(orders, ratio, roots) / math.sqrt(mass)
+    efficiency = sphere_efficiency(orders, wavenumber(frequency) * radius)
     area = 4 * math.pi * radius**2
-    resistance = IMPEDANCE * area * np.array(efficiency) * shape**2 / (2 * orders + 1)
+    resistance = IMPEDANCE * area * efficiency * shape**2 / (2 * orders + 1)
     made = heard(material, frequency, resistance, (shape[None], shape), mass)
     return replace(made, clicks=(acceleration.sphere(mass, radius),))
 
 
-def _bessel(n: int, z: Array) -> tuple[Array, Array]:
-    """j_n and j_{n+1}."""
-    from scipy.special import spherical_jn
+class _Wave(NamedTuple):
+    """j_n and j_{n+1} at z, each over the root of the sum of their squares."""
 
-    return spherical_jn(n, z), spherical_jn(n + 1, z)
+    n: Indices
+    z: Array
+    at: Array
+    above: Array
+
+    def of(self, orders: Indices) -> "_Wave":
+        """Of waves of all orders from 0 on, (orders, k), the one of the order that is given for each z, (k,)."""
+        places = orders, np.arange(self.z.size)
+        return _Wave(orders, self.z, self.at[places], self.above[places])
 
 
-def _terms(n: int, ratio: float, y: Array) -> tuple[Array, Array, Array, Array]:
+def _waves(count: int, z: Array) -> _Wave:
+    """The waves of so many orders from 0 on, (count, k), at z (k,).
+
+    j_{n+1}/j_n follows from the ratio of the next order, which is stable, and neither overflows nor vanishes (W.
+    Gautschi, SIAM Review 9, 1967).
+    """
+    ratios = np.empty((count, z.size))
+    now = np.zeros(z.size)
+    for n in range(count + _BEYOND, -1, -1):
+        now = 1 / ((2 * n + 3) / z - now + 1e-300)  # not by 0, where j_n is
+        if n < count:
+            ratios[n] = now
+    signs = np.where(np.vstack([np.sin(z), ratios[:-1]]) < 0, -1.0, 1.0)
+    at = np.cumprod(signs, axis=0) / np.hypot(1.0, ratios)
+    return _Wave(np.arange(count)[:, None], z, at, at * ratios)
+
+
+def _terms(of_pressure: _Wave, of_shear: _Wave) -> tuple[Array, Array, Array, Array]:
     """T11, T13, T41 and T43."""
-    x = ratio * y
-    (j, above), (s, s_above) = _bessel(n, x), _bessel(n, y)
+    n, x, j, above = of_pressure
+    _, y, s, s_above = of_shear
     return (
         (n * n - n - y**2 / 2) * j + 2 * x * above,
         n * (n + 1) * ((n - 1) * s - y * s_above),
@@ -68,31 +91,68 @@ def _terms(n: int, ratio: float, y: Array) -> tuple[Array, Array, Array, Array]:
     )
 
 
-def _roots(n: int, ratio: float, highest: float) -> list[float]:
-    """The y up to `highest` at which modes of order n are."""
-    from scipy.optimize import brentq
+def _determinant(of_pressure: _Wave, of_shear: _Wave) -> Array:
+    """0 where a mode is; one that breathes, of order 0, has no wave of shear."""
+    t11, t13, t41, t43 = _terms(of_pressure, of_shear)
+    return np.where(of_pressure.n == 0, t11, t11 * t43 - t13 * t41)
+
+
+def _roots(ratio: float, highest: float) -> tuple[Array, Indices]:
+    """The y up to `highest` at which modes are, the lowest ones, and their orders."""
+    if highest <= _LEAST:
+        return np.empty(0), np.empty(0, np.intp)
+    count = int(highest / _SLOWEST) + 2
+    grid = np.arange(_LEAST, highest + _STEP, _STEP)
+    found = _determinant(_waves(count, ratio * grid), _waves(count, grid))
+    orders, places = np.nonzero(found[:, 1:] * found[:, :-1] < 0)
 
     def determinant(y: Array) -> Array:
-        t11, t13, t41, t43 = _terms(n, ratio, y)
-        return t11 if n == 0 else t11 * t43 - t13 * t41
+        return _determinant(_waves(count, ratio * y).of(orders), _waves(count, y).of(orders))
 
-    if highest <= _LEAST:
-        return []
-    grid = np.arange(_LEAST, highest + _STEP, _STEP)
-    sign = np.sign(determinant(grid))
-    places = np.flatnonzero(sign[1:] * sign[:-1] < 0)
-    found = [brentq(determinant, grid[i], grid[i + 1], xtol=1e-12) for i in places]
-    return [y for y in found if y <= highest]
+    ends = (grid[places], found[orders, places]), (grid[places + 1], found[orders, places + 1])
+    y = _between(determinant, *ends)
+    kept = ascending(y)
+    kept = kept[y[kept] <= highest][:MOST_MODES]
+    return y[kept], orders[kept]
 
 
-def _at_pole(n: int, ratio: float, y: float) -> float:
-    """The radial motion at the pole of a mode whose mean square over the volume is 1."""
-    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-    r = np.append(0.5 * (nodes + 1), 1.0)
-    t11, t13, t41, t43 = (float(each) for each in _terms(n, ratio, np.array(y)))
-    share = 0.0 if n == 0 else (-t11 / t13 if abs(t13) > abs(t43) else -t41 / t43)
-    (j, above), (s, s_above) = _bessel(n, ratio * y * r), _bessel(n, y * r)
-    radial = (n * j - ratio * y * r * above + share * n * (n + 1) * s) / r
-    along = (j + share * ((n + 1) * s - y * r * s_above)) / r
-    square = (radial**2 + n * (n + 1) * along**2)[:-1] @ (0.5 * weights * r[:-1] ** 2)
-    return float(radial[-1] / math.sqrt(3 * square / (2 * n + 1)))
+def _between(function: Callable[[Array], Array], old: tuple[Array, Array], new: tuple[Array, Array]) -> Array:
+    """The roots between places (k,) at which a function has values of opposite signs: the Illinois method.
+
+    old, new: places and values (M. Dowell and P. Jarratt, BIT 11, 1971).
+    """
+    (x0, f0), (x1, f1) = old, new
+    for _ in range(_LOOKS):
+        x = x1 - f1 * (x1 - x0) / (f1 - f0)
+        f = function(x)
+        same = f * f1 >= 0
+        x0, f0 = np.where(same, x0, x1), np.where(same, 0.5 * f0, f1)
+        x1, f1 = x, f
+    return x1
+
+
+def _at_pole(orders: Indices, ratio: float, y: Array) -> Array:
+    """The radial motion at the pole of modes whose mean squares over the volume are 1.
+
+    U = n j - x j_{n+1} + c n (n + 1) s, at the surface and with s = j_n(y); c is the share of the shear wave. The
+    integrals of U^2 r^2 and n (n + 1) V^2 r^2, V being the motion along the surface, add up to differentials.
+    """
+    count = int(orders.max(initial=0)) + 1
+    pressure, shear = (_waves(count, z).of(orders) for z in (ratio * y, y))
+    t11, t13, t41, t43 = _terms(pressure, shear)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        c = np.where(np.abs(t13) > np.abs(t43), -t11 / t13, -t41 / t43)
+    c = np.where(orders == 0, 0.0, c)
+    n, both = orders, orders * (orders + 1)
+    (_, x, j, above), (_, _, s, s_above) = pressure, shear
+    slope, s_slope = n * j - x * above, n * s - y * s_above  # z j_n'(z), twice
+    square = j * slope + _square(pressure)
+    square += c**2 * both * (s * (s + s_slope) + _square(shear)) + 2 * c * both * j * s
+    radial: Array = (slope + c * both * s) / np.sqrt(3 * square / (2 * n + 1))
+    return radial
+
+
+def _square(wave: _Wave) -> Array:
+    """z^2 times the integral of j_n(z r)^2 r^2 from 0 to 1: z^2 (j_n^2 - j_{n-1} j_{n+1})/2."""
+    n, z, at, above = wave
+    return 0.5 * z * (z * (at**2 + above**2) - (2 * n + 1) * at * above)

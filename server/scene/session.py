@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...dsp.engine.commands import Command
 from ...dsp.engine.state import RING
@@ -16,11 +16,13 @@ from ..osc.wire import Message
 from ..world.wire import TellsWorld
 from .gesture_ids import Ended, GestureIds
 from .limits import ContactLaws, least_radius
-from .new_object import NewObject
 from .objects import ObjectTable
 from .scale import Scale
 from .transaction import Sent, Transaction
 from .translate import translate
+
+if TYPE_CHECKING:
+    from .transaction import Made
 
 
 class Session:
@@ -50,7 +52,7 @@ class Session:
 
     def perform_calls(
         self, calls: Sequence[Call], time: float, source: Any = None,
-        made: Mapping[int, NewObject | Exception] = MappingProxyType({}), selection: Selection | None = None,
+        made: "Mapping[int, Made]" = MappingProxyType({}), selection: Selection | None = None,
         pause: Callable[[], object] = lambda: None,
     ) -> list[Message]:  # fmt: skip
         """As `perform`, for messages whose patterns are expanded. made: objects, or the errors that they met, by the

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar, cast
 
 from ...dsp.engine.commands import Command
 from ...dsp.runtime.engine import Engine
@@ -13,12 +13,18 @@ from ..osc.patterns import Selection
 from ..osc.wire import Message
 from .gesture_ids import GestureIds
 from .limits import ContactLaws
-from .new_object import NewObject, new_object
+from .new_object import NewObject
 from .objects import ObjectTable
 from .scale import Scale
 
 if TYPE_CHECKING:
+    from ..world.bodies import Body
     from ..world.wire import TellsWorld
+
+    Made: TypeAlias = NewObject | Body | Exception
+
+MadeOf = TypeVar("MadeOf", "NewObject", "Body")
+"""An object, or a body of a simulation."""
 
 MOST_COMPARED = 128
 """Names among which a near one is looked for."""
@@ -48,8 +54,8 @@ class Transaction:
     time: float
     source: Any
     world: "TellsWorld"
-    made: Mapping[int, NewObject | Exception] = field(default_factory=dict)
-    """Objects that were made before, or the errors they met, by the identity of their calls."""
+    made: "Mapping[int, Made]" = field(default_factory=dict)
+    """Objects and bodies that were made before, or the errors they met, by the identity of their calls."""
     commands: list[Command] = field(default_factory=list)
     sent: list[Sent] = field(default_factory=list)
     """The origin of each command."""
@@ -66,12 +72,12 @@ class Transaction:
         self.commands.append(command)
         self.sent.append(sent)
 
-    def new_object(self, call: Call) -> NewObject:
-        """The object that a call asks for. Refused or PresetError say why there is none."""
+    def made_of(self, call: Call, make: Callable[[Call, Presets, float], MadeOf]) -> MadeOf:
+        """The object or the body that a call asks for. Refused or PresetError say why there is none."""
         made = self.made.get(id(call))
         if isinstance(made, Exception):
             raise made
-        return made or new_object(call, self.presets, self.engine.top_frequency)
+        return cast(MadeOf, made) if made else make(call, self.presets, self.engine.top_frequency)
 
     def suggestion(self, word: str, known: Collection[str]) -> str:
         """Names near a word; none for the later ones of many refusals, as to find them takes 1 ms."""

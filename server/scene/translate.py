@@ -20,6 +20,7 @@ from ..osc.wire import Message
 from .contact_law import law_of, law_on
 from .engine_messages import ENGINE_HANDLERS, Handler, changes
 from .limits import Contact, fall, require_rest, require_rollable, require_short, rim_speed
+from .new_object import NEW, new_object
 from .notes import copy_of, speed_of, tuned
 from .object_call import ObjectCall, listed, require_name
 from .objects import PlayedObject
@@ -61,7 +62,7 @@ def _new(transaction: Transaction, call: Call, values: Values) -> None:
         raise Refused("name = new: expected another name, as /object/new is an address")
     if objects.at(name, transaction.time):
         raise Refused(f"name = {name}: there is such an object already; free it first")
-    preset, modes = transaction.new_object(call)
+    preset, modes = transaction.made_of(call, new_object)
     transaction.laws.forget()
     transaction.laws.of(preset.striker, preset.material)
     settings = {name: values.number(name) for name in SETTINGS}
@@ -74,7 +75,7 @@ def _new(transaction: Transaction, call: Call, values: Values) -> None:
     _add(transaction, call.message, Command(NOW, Kind.NEW, values={**layout, **in_engine}), obj)
     if values.many:
         _place(transaction, call.message, values.many, obj)
-    transaction.replies.append(Message("/done", ("/object/new", name)))
+    transaction.replies.append(Message("/done", (NEW, name)))
 
 
 def _set(to: ObjectCall) -> None:
@@ -157,7 +158,7 @@ def _note(to: ObjectCall) -> None:
     if not transaction.objects.at(name, transaction.time):
         if is_pattern(to.call.target):
             transaction.selection.charge(_COPY_WORK, to.call.target)
-        messages.insert(0, Message("/object/new", copy_of(to.obj, name, note)))
+        messages.insert(0, Message(NEW, copy_of(to.obj, name, note)))
     for message in messages:
         for call in calls(message):
             translate(transaction, call)
@@ -292,7 +293,7 @@ def _on_objects(handle: Callable[[ObjectCall], None]) -> Handler:
 
 
 HANDLERS: dict[str, Handler] = {
-    "/object/new": _new,
+    NEW: _new,
     "/object/NAME/impact": _on_objects(_impact),
     "/object/NAME/bounce": _on_objects(_bounce),
     "/object/NAME/roll": _on_objects(_roll),

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from ..osc.addresses import Call, calls
 from ..osc.arguments import Values
 from ..osc.wire import Message
-from ..world.wire import about_body
+from ..world.wire import BODY, new_body
 from .transaction import Transaction
 
 Handler = Callable[[Transaction, Call, Values], None]
@@ -26,12 +26,16 @@ def world_handlers(translate: Translate) -> dict[str, Handler]:
             transaction.time = before
 
     def body(transaction: Transaction, call: Call, values: Values) -> None:
-        simulation, name = transaction.world.simulation, values.words["name"]
-        size, about = about_body(values.numbers, values.words)
-        made = simulation.add(name, values.words["shape"], size, values.words["material"], None, **about)
-        transaction.on_undo(lambda: simulation.take_back(name))
-        for each in made:
-            carry_out(transaction, each.message, transaction.time)
+        made, simulation = transaction.made_of(call, new_body), transaction.world.simulation
+        simulation.put(made)
+        transaction.on_undo(lambda: simulation.take_back(made.name))
+        if made.sound:
+            (its,), before = calls(made.message()), transaction.made
+            transaction.made = {id(its): made.sound}
+            try:
+                translate(transaction, its)
+            finally:
+                transaction.made = before  # before another call has this one's identity
 
     def step(transaction: Transaction, call: Call, values: Values) -> None:
         engine = transaction.engine
@@ -45,7 +49,7 @@ def world_handlers(translate: Translate) -> dict[str, Handler]:
             carry_out(transaction, Message(f"/object/{name}/free", (1,)), transaction.time)
 
     return {
-        "/world/body": body,
+        BODY: body,
         "/world/pair": lambda transaction, call, values: transaction.world.simulation.pair(
             values.words.pop("a"), values.words.pop("b"), **values.numbers, **values.words
         ),

@@ -16,6 +16,7 @@ from ...dsp.wording import expected
 from ...presets import Presets
 from ..osc.arguments import Refused, shown
 from ..osc.wire import Argument, Message
+from ..scene.new_object import NEW, NewObject
 from ..scene.object_call import require_name
 from .shapes import SHAPES, Shape, Vector, shape_of
 
@@ -38,19 +39,23 @@ class Body:
     mass: float
     inertia: Vector
     held: bool
-    preset: str
     keys: Mapping[str, Argument] = field(default_factory=dict)
-    modes: Modes | None = None
-    """None: it does not ring."""
+    sound: NewObject | None = None
+    """Its object. None: it does not ring."""
 
     @property
     def rings(self) -> bool:
-        return self.modes is not None
+        return self.sound is not None
+
+    @property
+    def modes(self) -> Modes | None:
+        return self.sound.modes if self.sound else None
 
     def message(self) -> Message:
         """The message that makes its object."""
+        assert self.sound
         pairs = [part for pair in self.keys.items() for part in pair]
-        return Message("/object/new", (self.name, self.preset, *pairs))
+        return Message(NEW, (self.name, self.sound.preset.name, *pairs))
 
     @cached_property
     def ringing(self) -> float:
@@ -114,13 +119,14 @@ class BodyMaker:
             keys = {**_CALIBRATED, **ringing.keys, "material": material, **about}
         else:
             source, keys = "", {}
-        modes = self._modes(source, keys) if source else None
-        return Body(name, shape, made_of, mass, moments, bool(held), source, keys, modes)  # type: ignore[arg-type]
+        sound = self._sound(source, keys) if source else None
+        return Body(name, shape, made_of, mass, moments, bool(held), keys, sound)  # type: ignore[arg-type]
 
-    def _modes(self, preset: str, keys: dict[str, Argument]) -> Modes:
-        """The modes of an object. PresetError or ValueError say why there are none."""
+    def _sound(self, name: str, keys: dict[str, Argument]) -> NewObject:
+        """An object. PresetError or ValueError say why there is none."""
         changes = {key: value for key, value in keys.items() if key not in SETTINGS}
-        return self._presets.object(preset).replace(**changes).modes(self._top)
+        preset = self._presets.object(name).replace(**changes)
+        return NewObject(preset, preset.modes(self._top))
 
 
 def _positive(name: str, value: Argument) -> float:

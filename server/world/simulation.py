@@ -167,12 +167,15 @@ class Simulation:
         self, name: str, shape: str, size: ArrayLike, material: str, pose: Pose | None = None, **about: Argument
     ) -> list[Request]:
         """Add a body, as BodyMaker makes it; what makes its object."""
+        return self.put(self._maker.make(name, shape, size, material, **about), pose)
+
+    def put(self, body: Body, pose: Pose | None = None) -> list[Request]:
+        """Add a body that was made; what makes its object."""
+        name, number = body.name, len(self.bodies)
         if name in self._numbers:
             raise WorldError(f"body {name}: there is one of that name already")
-        if len(self.bodies) == BODIES:
+        if number == BODIES:
             raise WorldError(f"body {name}: expected at most {BODIES} bodies")
-        body = self._maker.make(name, shape, size, material, **about)
-        number = len(self.bodies)
         record = self.state[0]
         record["lightness"][number] = 0.0 if body.held else 1.0 / body.mass
         record["yielding"][number] = 0.0 if body.held else 1.0 / np.array(body.inertia)

@@ -4,13 +4,16 @@ import math
 from collections.abc import Sequence
 
 from ...presets import Presets
+from ..osc.addresses import VERBS, Call
 from ..osc.wire import Argument
 from ..osc.world_verbs import TOUCHED
-from .bodies import WorldError
+from .bodies import Body, BodyMaker, WorldError
 from .hearing import Hearing, Microphone
 from .requests import Request
 from .simulation import Simulation
 from .step import Pose, Touch
+
+BODY = "/world/body"
 
 
 class TellsWorld:
@@ -70,10 +73,15 @@ class TellsWorld:
         return names
 
 
-def about_body(numbers: dict[str, float], words: dict[str, str]) -> tuple[list[float], dict[str, Argument]]:
-    """The size of a body that a message makes, and what World.body takes beside."""
+def new_body(call: Call, presets: Presets, top: float) -> Body:
+    """The body that a call of BODY asks for, with modes up to `top` (Hz). Any thread may ask; it can take seconds.
+
+    Refused says why there is none.
+    """
+    values = VERBS[BODY].parse(call.message.args)
+    words, numbers = values.words, values.numbers
     size = [numbers[axis] for axis in "xyz" if axis in numbers]
     about: dict[str, Argument] = {key: value for key, value in numbers.items() if key not in ("x", "y", "z")}
     if "object" in words:
         about["object"] = words["object"]
-    return size, about
+    return BodyMaker(presets, top).make(words["name"], words["shape"], size, words["material"], **about)

@@ -8,9 +8,10 @@ import math
 import numpy as np
 
 from ..material import Array
+from ..modes import Indices
 
 
-def sphere_efficiency(order: int, x: Array) -> Array:
+def sphere_efficiency(order: int | Indices, x: Array) -> Array:
     """Of a sphere's spherical harmonics of order n, at x = k a: 1/(x^2 |h_n'(x)|^2)."""
     from scipy.special import spherical_jn, spherical_yn
 

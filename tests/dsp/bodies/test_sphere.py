@@ -1,13 +1,17 @@
-"""Solid spheres against Ritz's method in powers of x, y and z, which knows nothing of Bessel functions."""
+"""Solid spheres against Ritz's method in powers of x, y and z, and against their equations in 30 digits."""
 
 import math
+import time
 from itertools import product
 
+import mpmath
 import numpy as np
 import pytest
 from scipy.linalg import eigh
+from scipy.special import spherical_jn
 
 from carom.dsp.bodies import Material, sphere
+from carom.dsp.bodies.modes import MOST_MODES
 from carom.dsp.bodies.radiation.air import IMPEDANCE, SPEED
 
 GLASS = Material("glass", 2600.0, 62e9, 0.2, alpha=1.0, beta=0.0)
@@ -61,6 +65,77 @@ def test_frequencies_and_motion_where_it_is_struck_are_ritzs():
         # Of the 2 n + 1 modes of a frequency a blow at the pole moves one, whose motion there is all of theirs.
         expected = np.sqrt((pole[same] ** 2).sum() / (GLASS.density * RADIUS**3))
         assert abs(phi) == pytest.approx(expected, rel=2e-3)
+
+
+def surface(n, ratio, y, bessel=spherical_jn):
+    """Stresses at the surface of the waves of pressure and of shear: T11, T13, T41 and T43."""
+    x = ratio * y
+    j, above, s, s_above = bessel(n, x), bessel(n + 1, x), bessel(n, y), bessel(n + 1, y)
+    t11, t13 = (n * n - n - y * y / 2) * j + 2 * x * above, n * (n + 1) * ((n - 1) * s - y * s_above)
+    return t11, t13, (n - 1) * j - x * above, (n * n - 1 - y * y / 2) * s + y * s_above
+
+
+def determinant(n, ratio, y, bessel=spherical_jn):
+    t11, t13, t41, t43 = surface(n, ratio, y, bessel)
+    return t11 * t43 - t13 * t41 if n else t11
+
+
+def exact_bessel(n, z):
+    return mpmath.sqrt(mpmath.pi / (2 * z)) * mpmath.besselj(n + mpmath.mpf(1) / 2, z)
+
+
+def made_of(nu, top=1e6):
+    """A sphere whose frequencies are y: waves of shear go at 1 m/s around a circumference of 1 m."""
+    material = Material("nu", 1000.0, 2.0 * (1 + nu) * 1e3, nu, alpha=1.0, beta=0.0)
+    return sphere(material, radius=0.5 / math.pi, top=top), math.sqrt((1 - 2 * nu) / (2 - 2 * nu))
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.225, 0.4999])
+def test_frequencies_are_those_of_the_equation_in_30_digits(nu):
+    made, ratio = made_of(nu)
+    with mpmath.workdps(30):
+        for place, orders in ((0, range(3)), (5, range(6)), (MOST_MODES - 1, range(110))):
+            y = mpmath.mpf(made.frequency[place])
+            low, high = ([determinant(n, ratio, y * (1 + e), exact_bessel) for n in orders] for e in (-1e-13, 1e-13))
+            assert any(a * b < 0 for a, b in zip(low, high, strict=True))
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.225, 0.49])
+def test_the_motion_at_the_pole_is_that_of_a_quadrature_along_the_radius(nu):
+    made, ratio = made_of(nu)
+    nodes, weights = np.polynomial.legendre.leggauss(200)
+    r = np.append(0.5 * (nodes + 1), 1.0)
+    for place in (0, 1, 2, 3, 50, 100, 400):
+        y = made.frequency[place]
+        n = int(
+            np.argmax(
+                [determinant(n, ratio, y * (1 - 1e-9)) * determinant(n, ratio, y * (1 + 1e-9)) < 0 for n in range(80)]
+            )
+        )
+        t11, t13, t41, t43 = surface(n, ratio, y)
+        share = 0.0 if n == 0 else -t11 / t13 if abs(t13) > abs(t43) else -t41 / t43
+        x, z = ratio * y * r, y * r
+        j, above, s, s_above = (spherical_jn(m, each) for each in (x, z) for m in (n, n + 1))
+        radial, along = (n * j - x * above + share * n * (n + 1) * s) / r, (j + share * ((n + 1) * s - z * s_above)) / r
+        square = (radial**2 + n * (n + 1) * along**2)[:-1] @ (0.5 * weights * r[:-1] ** 2)
+        expected = radial[-1] / math.sqrt(3 * square / (2 * n + 1) * made.mass)
+        assert abs(made.strike[0, place]) == pytest.approx(abs(expected), rel=1e-9)
+
+
+@pytest.mark.parametrize("material", [GLASS, Material("rubber", 1100.0, 2e6, 0.4999, alpha=1.0, beta=1e-5)])
+def test_the_largest_sphere_takes_a_tenth_of_a_second(material):
+    sphere(material, radius=0.1, top=20_000.0)  # scipy is loaded
+    begun = time.process_time()
+    assert sphere(material, radius=20.0, top=96_000.0).frequency.size == MOST_MODES
+    assert time.process_time() - begun < 0.5  # 0.08 s on an idle machine
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.45, 0.4999])
+def test_no_mode_is_missed_however_close_two_are(nu):
+    made, ratio = made_of(nu, top=25.0)
+    y = np.arange(0.5, 25.0, 0.01)
+    found = [determinant(n, ratio, y) for n in range(30)]
+    assert made.frequency.size == sum(np.count_nonzero(each[1:] * each[:-1] < 0) for each in found) > 75
 
 
 def test_every_mode_is_found_and_grows_with_the_size():
