@@ -1,6 +1,7 @@
 """The options of a server."""
 
 from dataclasses import dataclass
+from ipaddress import IPv4Network, IPv6Network, ip_network
 from pathlib import Path
 
 from ..dsp.engine.capacity import MODES, OBJECTS, USUAL_MODES, USUAL_OBJECTS
@@ -26,17 +27,18 @@ class ServeError(ValueError):
 
 @dataclass(frozen=True)
 class Options:
-    """How to serve: port (0: any free one) and address, device (None: the default), latency to ask it for in s
-    (None: its lowest), rate in Hz, block in frames (0: the device's), files to record the sound and to log the events
-    to, folders of presets, the arguments of a /contact to begin with, a port for HTTP (None: none, 0: any free
-    one), the folder of the page that is there beside OSCQuery (None: no page), whether it goes over TLS, with the
-    certificate of which file (None: one that is made), channels, the main gain in dB, whether the limiter is on, for
-    how many modes and objects there is room, what the spectral bank keeps its modes in, a folder for what clients
-    record, with the most bytes that all files in it may have, and the MIDI inputs that play, by index or part of a
-    name."""
+    """How to serve: port (0: any free one) and address, networks whose hosts are trusted to be who they say, device
+    (None: the default), latency to ask it for in s (None: its lowest), rate in Hz, block in frames (0: the
+    device's), files to record the sound and to log the events to, folders of presets, the arguments of a /contact
+    to begin with, a port for HTTP (None: none, 0: any free one), the folder of the page that is there beside
+    OSCQuery (None: no page), whether it goes over TLS, with the certificate of which file (None: one that is made),
+    channels, the main gain in dB, whether the limiter is on, for how many modes and objects there is room, what the
+    spectral bank keeps its modes in, a folder for what clients record, with the most bytes that all files in it may
+    have, and the MIDI inputs that play, by index or part of a name."""
 
     port: int = DEFAULT_PORT
     bind: str = "127.0.0.1"
+    trust: tuple[str, ...] = ()
     device: str | None = None
     latency: float | None = None
     rate: int = 48_000
@@ -75,8 +77,14 @@ class Options:
                 raise ServeError(f"{name} = {value:g}: expected {low:g} to {high:g}")
         if self.latency is not None and not 0 <= self.latency <= _LONGEST_LATENCY:
             raise ServeError(f"latency = {self.latency:g}: expected 0 to {_LONGEST_LATENCY:g} s")
+        _ = self.trusted
         if self.bank not in FORMS:
             raise ServeError(f"bank = {self.bank}: {expected(self.bank, FORMS)}")
+
+    @property
+    def trusted(self) -> list[IPv4Network | IPv6Network]:
+        """The networks that are trusted; ServeError names one that is none."""
+        return [_network(each) for each in self.trust]
 
     def engine(self) -> Engine:
         """An engine that begins with them."""
@@ -96,3 +104,10 @@ class Options:
             Message("/channels", (self.channels,)), Message("/limiter", (limiter,)), Message("/gain", (self.gain,)),
             Message("/budget", BUDGET), Message("/bank", (self.bank,)),
         ]  # fmt: skip
+
+
+def _network(text: str) -> IPv4Network | IPv6Network:
+    try:
+        return ip_network(text)
+    except ValueError as error:
+        raise ServeError(f"trust = {text}: {error}: expected a network such as 192.168.1.0/24, or a host") from None

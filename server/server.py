@@ -301,6 +301,7 @@ class Server:
             load = self.engine.stats.load_now
             self._warn(f"quality is now {int(quality)}, {quality.name.lower()}: the load is {load:.0%}")
         self._release_gone()
+        self._subscribers.lapse()
         pause = every_turn(partial(self._hear, _NOBODY))
         for ended in self._session.take_ends():
             self._report_end(ended)

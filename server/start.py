@@ -36,7 +36,7 @@ def serving(options: Options) -> Iterator[Server]:
     """A server ready to `run`. OSError, AudioError, ServeError or PresetError say why it can't start."""
     with ExitStack() as last, ExitStack() as stack:
         with _named(options.bind, options.port, "--port"):
-            network = stack.enter_context(closing(Network(options.bind, options.port)))
+            network = stack.enter_context(closing(Network(options.bind, options.port, options.trusted)))
         presets = Presets(options.presets)
         early = wait_for_code(network)
         engine = options.engine()

@@ -8,6 +8,7 @@ from .osc.arguments import Refused
 from .osc.wire import Message
 
 _MOST = 32
+_LONGEST_TRUST = 60.0  # s of silence after which a client of another host is told no more: it may have been forged
 
 
 class Subscribers:
@@ -65,6 +66,12 @@ class Subscribers:
         self._heard.pop(source, None)
         self._levels.pop(source, None)
         self._ports.pop(source, None)
+
+    def lapse(self) -> None:
+        """Forget the clients elsewhere that have long been silent."""
+        late = time.monotonic() - _LONGEST_TRUST
+        for source in [each for each, heard in self._heard.items() if heard < late and self._network.forgets(each)]:
+            self.remove(source)
 
     def hear(self, source: Source) -> None:
         """Remember that a client has sent something."""

@@ -68,12 +68,14 @@ def add_server(parser: argparse.ArgumentParser) -> None:
     """Add the options that say where the server is; `client` reads them."""
     parser.add_argument("--host", default="127.0.0.1", help="the server's name or address (%(default)s)")
     parser.add_argument("--port", type=_port, default=DEFAULT_PORT, help="the server's port (%(default)s)")
-    parser.add_argument("--tcp", action="store_true", help="use TCP, which loses nothing, instead of UDP")
+    parser.add_argument("--tcp", action="store_true", help="use TCP, which loses nothing, as for another host, not UDP")
 
 
 def client(arguments: argparse.Namespace) -> Client:
     """A client of the server that the options name."""
-    found = Client(arguments.host, arguments.port, arguments.tcp)
+    from ...server.net.reply_budget import local
+
+    found = Client(arguments.host, arguments.port, arguments.tcp or not local(arguments.host))
     found.tell_compiling(_show_compiling)
     return found
 

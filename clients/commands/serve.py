@@ -42,6 +42,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--port", type=whole, default=DEFAULT_PORT, help="port for UDP and TCP, 0 for any free one (%(default)s)"
     )
     parser.add_argument("--bind", default="127.0.0.1", help="address to listen on (%(default)s: for this machine only)")
+    text = "answer all that hosts of this network ask over UDP, and tell them on; others get 3 times what they sent"
+    parser.add_argument("--trust", action="append", default=[], metavar="NET", help=text)
     parser.add_argument(
         "--device",
         help="index or part of a name from `carom devices`; none: paced by the clock; page: heard in browsers only",
@@ -120,6 +122,7 @@ def serve(arguments: argparse.Namespace, on_start: Callable[[Server], object]) -
         certificate=arguments.certificate,
         presets=tuple(arguments.presets),
         midi=tuple(arguments.midi),
+        trust=tuple(arguments.trust),
         contact=contact(arguments),
         limiter=arguments.limiter == "on",
     )

@@ -13,7 +13,7 @@ from functools import lru_cache
 
 from ..osc.wire import Message, encode
 from .remote import Doorway, Remote
-from .reply_budget import Allowance
+from .reply_budget import Allowance, Nets
 from .tcp import Connection, listen
 from .udp import Intake
 
@@ -36,8 +36,8 @@ Source = tuple[str, int] | Connection | Remote
 class Network:
     """The UDP socket and the TCP listener of a port, and the TCP clients. `close` it."""
 
-    def __init__(self, host: str, port: int) -> None:
-        """Listen on a port, 0 for any free one. OSError if that fails."""
+    def __init__(self, host: str, port: int, trusted: Nets = ()) -> None:
+        """Listen on a port, 0 for any free one. OSError if that fails. trusted: other hosts that get all replies."""
         self._replies_dropped = 0
         self._warned: Counter[str] = Counter()
         self._told = 0  # datagrams dropped, whose sender was told
@@ -51,7 +51,7 @@ class Network:
         self._connections: set[Connection] = set()
         self._paused: set[Connection | Remote] = set()
         self._lingering: dict[Connection, float] = {}  # their stream has ended: when replies to them end too
-        self._allowance = Allowance()
+        self._allowance = Allowance(trusted)
         self._udp, self._listener = _bound(host, port)
         self.doorway = Doorway()
         self._intake = Intake(self._udp)
@@ -105,8 +105,15 @@ class Network:
     def _next(self) -> tuple[bytes, Source] | None:
         self._stream_next = not self._stream_next
         if self._stream_next:
-            return self._from_streams() or self._intake.take()
-        return self._intake.take() or self._from_streams()
+            return self._from_streams() or self._datagram()
+        return self._datagram() or self._from_streams()
+
+    def _datagram(self) -> tuple[bytes, Source] | None:
+        """The next datagram, for which its sender may get replies."""
+        arrived = self._intake.take()
+        if arrived:
+            self._allowance.hear(arrived[1][0], len(arrived[0]))
+        return arrived
 
     def _from_streams(self) -> tuple[bytes, Source] | None:
         """A packet of the client whose turn it is: clients take turns, however much each has sent."""
@@ -163,7 +170,7 @@ class Network:
             self._watch(to)
         elif isinstance(to, Remote):
             sent = to.send(packet)
-        elif sent := self._allowance.take(to[0]):
+        elif sent := self._allowance.take(to[0], len(packet)):
             try:
                 self._udp.sendto(packet, _NEVER_WAIT, to)
             except BlockingIOError:
@@ -175,6 +182,10 @@ class Network:
         if isinstance(source, Remote):
             return not source.gone
         return not isinstance(source, Connection) or source in self._connections
+
+    def forgets(self, source: Source) -> bool:
+        """Whether a source is told nothing more once it is silent: one that may have been forged."""
+        return isinstance(source, tuple) and not self._allowance.trusts(source[0])
 
     def dropped(self) -> tuple[int, tuple[str, int]] | None:
         """How many datagrams found no room since the last call, and who sent the last one; None if none was lost."""
@@ -190,7 +201,7 @@ class Network:
         texts = {
             "dropped": "{} datagrams dropped: the queue was full",
             "dropped_by_system": "{} datagrams lost: the system's receive buffer is too small, see `carom doctor`",
-            "replies_dropped": "{} replies dropped: a client reads too slowly, or asks for too many from another host",
+            "replies_dropped": "{} replies dropped: a client reads too slowly, or is on another host: see --trust",
         }
         return [texts[name].format(count) for name, count in new.items()]
 

@@ -11,6 +11,9 @@ class Everywhere:
     def reaches(self, source) -> bool:
         return source != ("gone", 1)
 
+    def forgets(self, source) -> bool:
+        return source[0] == "elsewhere"
+
 
 def test_a_client_that_has_long_been_silent_makes_room(monkeypatch):
     told = []
@@ -52,3 +55,19 @@ def test_a_client_that_names_one_port_for_its_answers_subscribes_once_from_which
     clients.add(again, port=9000 if again != ("host", 9000) else 0)
     assert list(clients) == [("other", 5), again]
     assert [clients.receiver(each) for each in clients] == [("other", 9000), ("host", 9000)]
+
+
+def test_a_client_elsewhere_that_is_silent_for_a_minute_is_told_no_more(monkeypatch):
+    clients = Subscribers(Everywhere(), lambda message, source: None)
+    now = 0.0
+    monkeypatch.setattr(subscribers.time, "monotonic", lambda: now)
+    for source in (("elsewhere", 1), ("elsewhere", 2), ("host", 1)):
+        clients.add(source, 3)
+    now = 50.0
+    clients.hear(("elsewhere", 2))
+    now = 61.0
+    clients.lapse()
+    assert set(clients) == {("elsewhere", 2), ("host", 1)}
+    now = 111.0
+    clients.lapse()
+    assert list(clients) == [("host", 1)]

@@ -1,5 +1,7 @@
 """Replies to other hosts are rationed."""
 
+from ipaddress import ip_network
+
 import pytest
 
 from carom.server.net import reply_budget
@@ -7,37 +9,51 @@ from carom.server.osc.wire import Message
 from tests.server.net.sockets import udp
 
 
-def test_answers_elsewhere_are_rationed(monkeypatch):
+def test_a_host_elsewhere_gets_three_times_the_bytes_it_sent(monkeypatch):
     now = 100.0
     monkeypatch.setattr(reply_budget.time, "monotonic", lambda: now)
     rations = reply_budget.Allowance()
-    assert sum(rations.take("192.0.2.1") for _ in range(5000)) == 1000
-    assert rations.take("192.0.2.2") and not rations.take("192.0.2.1")
-    now += 0.5
-    assert sum(rations.take("192.0.2.1") for _ in range(100)) == 50
-    assert all(rations.take(host) for host in ["127.0.0.1", "::1"] for _ in range(5000))
-    answered = 0
-    for _ in range(1000):  # who asks faster than it may be answered is answered at that rate
-        now += 0.001
-        answered += rations.take("192.0.2.1")
-    assert 99 <= answered <= 101
-    for n in range(5000):
-        rations.take(f"10.0.{n // 256}.{n % 256}")
-        assert n % 500 or not rations.take("192.0.2.1")  # not forgotten for others' sake
-    assert len(rations._budgets) <= 1024
-    now += 1e4
-    for host in ("192.0.2.1", "192.0.2.3"):  # however long it was silent, and however many others there are
-        assert sum(rations.take(host) for _ in range(5000)) == 1000
+    assert not rations.take("192.0.2.1", 1)
+    rations.hear("192.0.2.1", 20)
+    assert sum(rations.take("192.0.2.1", 10) for _ in range(100)) == 6
+    rations.hear("192.0.2.1", 1 << 30)
+    assert sum(rations.take("192.0.2.1", 1 << 10) for _ in range(5000)) == 1 << 10  # it saves a MB at most
+    assert all(rations.take(host, 1 << 20) for host in ["127.0.0.1", "::1"] for _ in range(5000))
 
 
-def test_a_host_elsewhere_gets_no_more_than_its_ration(net, stack, monkeypatch):
+def test_hosts_that_are_too_many_share_what_they_sent_and_take_nothing_from_those_that_were_first(monkeypatch):
+    now = 100.0
+    monkeypatch.setattr(reply_budget.time, "monotonic", lambda: now)
+    rations = reply_budget.Allowance()
+    rations.hear("192.0.2.1", 20)
+    hosts = [f"10.0.{n // 256}.{n % 256}" for n in range(5000)]
+    for host in hosts:
+        rations.hear(host, 10)
+    assert len(rations._saved) <= 1025
+    assert sum(rations.take("192.0.2.1", 10) for _ in range(100)) == 6
+    sent = sum(rations.take(host, 10) for _ in range(20) for host in hosts)
+    assert sent == 3 * 5000 and not rations.take("192.0.2.9", 1)
+    now += 61.0
+    rations.hear("192.0.2.2", 10)  # has a place of its own, now that the others were silent
+    assert len(rations._saved) == 2 and rations.take("192.0.2.2", 30)
+
+
+def test_a_network_that_is_trusted_is_told_all(monkeypatch):
+    rations = reply_budget.Allowance([ip_network("192.0.2.0/24")])
+    assert rations.take("192.0.2.7", 1 << 20) and not rations.take("192.0.3.7", 1)
+    assert rations.trusts("127.0.0.1") and not rations.trusts("somewhere")
+
+
+def test_no_question_from_elsewhere_is_answered_by_more_than_three_times_its_bytes(net, stack, monkeypatch):
     monkeypatch.setattr(reply_budget, "local", lambda host: False)
     one = udp(stack)
     one.bind(("127.0.0.1", 0))
-    for _ in range(3_000):
-        net.send(Message("/a"), one.getsockname())
-    assert 1_000 < net.counts["replies_dropped"] <= 2_000
-    assert "replies dropped" in net.warnings()[0]
+    one.sendto(b"/object/*/get\0\0\0,i\0\0\0\0\x10\0", net.address)
+    assert net.receive(2.0)
+    for _ in range(1_000):
+        net.send(Message("/a", ("0123456789",)), one.getsockname())
+    assert net.counts["replies_dropped"] == 997  # of 20 bytes each
+    assert "--trust" in net.warnings()[0]
 
 
 @pytest.mark.parametrize(
