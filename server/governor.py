@@ -1,7 +1,8 @@
 """Chooses the quality by the load: it steps down before the sound breaks up, and up again when there is time.
 
-At a load in between, a step upwards is tried now and then. Each try that has to be taken back doubles the wait for the
-next. Steps upwards that may double the load are not tried.
+With little load it takes a step upwards in 4 s, with very little one each second. At a load in between, a step upwards
+is tried now and then. Each try that has to be taken back doubles the wait for the next. Steps upwards that may double
+the load are not tried.
 
 Each choice goes to the session as /quality, so that a log renders to the same sound.
 """
@@ -18,6 +19,8 @@ _LITTLE = 0.4  # load, averaged over a second
 _BETWEEN = 0.2  # s from step to step downwards: as long as it takes to see the effect of one
 _SOON = 0.05  # s, after a step upwards
 _CALM = 4.0  # s of little load before a step upwards
+_ROOM = 0.2  # load, averaged over a second: with so little a step upwards that doubles it leaves it little
+_SPARE = 1.0  # s of so little load before a step upwards
 _BEARABLE = 0.75  # load, averaged over a second, at which a step upwards is tried
 _PATIENCE = 10.0  # s of bearable load before the first try; twice as long after each that failed
 _LONGEST_PATIENCE = 160.0  # s
@@ -34,7 +37,7 @@ class Governor:
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
         self._stepped = 0.0
-        self._calm_since = self._bearable_since = 0.0
+        self._calm_since = self._bearable_since = self._spare_since = 0.0
         self._patience, self._tried = _PATIENCE, -math.inf
         self._overruns = 0
         self._late = deque([-math.inf] * _OFTEN, _OFTEN)
@@ -50,6 +53,8 @@ class Governor:
         quality, stats = self._engine.quality, self._engine.stats
         load, overruns = stats.load, stats.overruns
         burst = self._note_overruns(now, overruns) and load > _LITTLE and quality < _LAST_FOR_BURSTS
+        if load > _ROOM:
+            self._spare_since = now
         if load > _LITTLE:
             self._calm_since = now
         if load > _BEARABLE or quality > _FURTHEST_TRY:
@@ -63,6 +68,7 @@ class Governor:
                 return Quality(quality + 1)
         elif quality > self._best:
             calm = now - max(self._calm_since, self._stepped) >= _CALM
+            calm = calm or now - max(self._spare_since, self._stepped) >= _SPARE
             bearable = now - max(self._bearable_since, self._stepped) >= self._patience
             if calm or (bearable and stats.load_now <= _BEARABLE):
                 self._patience, self._tried = (_PATIENCE if calm else self._patience), now

@@ -19,7 +19,8 @@ class _Refused(asyncio.Protocol):
 
 
 class BoundedServer(web.Server):
-    """aiohttp's server, which closes connections that are too many, or that are open and ask for nothing.
+    """aiohttp's server, which closes connections that are open and ask for nothing: after a while, and at once where a
+    new one needs the place, the one that was quiet for longest. New ones are closed where all are being answered.
 
     aiohttp bounds headers, bodies and frames; it waits for ever for the end of a request's head.
     """
@@ -31,12 +32,26 @@ class BoundedServer(web.Server):
         self._watching: asyncio.Task[None] | None = None
 
     def __call__(self) -> Any:
-        if len(self.connections) >= MOST_CONNECTIONS:
+        if len(self.connections) >= MOST_CONNECTIONS and not self._make_room():
             return _Refused()
         self._watching = self._watching or asyncio.ensure_future(self._watch())
         protocol = super().__call__()
         self._quiet_since[protocol] = time.monotonic()
         return protocol
+
+    def connection_lost(self, handler: Any, exc: BaseException | None = None) -> None:
+        """Forget a connection."""
+        self._quiet_since.pop(handler, None)
+        super().connection_lost(handler, exc)
+
+    def _make_room(self) -> bool:
+        """Close the connection that was quiet for longest; False if none is quiet."""
+        quiet = next((each for each in self._quiet_since if each.transport), None)
+        if quiet is None:
+            return False
+        del self._quiet_since[quiet]
+        quiet.transport.abort()
+        return True
 
     async def _attend(self, request: web.BaseRequest) -> web.StreamResponse:
         self._quiet_since.pop(request.protocol, None)
@@ -53,12 +68,11 @@ class BoundedServer(web.Server):
     async def _watch(self) -> None:
         while True:
             await asyncio.sleep(_LOOK)
-            there = set(self.connections)
             late = time.monotonic() - _SPEAKING
             for protocol, since in list(self._quiet_since.items()):
                 if since < late:
                     del self._quiet_since[protocol]
-                    if protocol in there and protocol.transport:
+                    if protocol.transport:
                         protocol.transport.abort()
 
     async def end(self) -> None:

@@ -28,11 +28,12 @@ class Guard:
     _names: frozenset[str] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        own = {"localhost", socket.gethostname().lower(), *(name.lower() for name in self.also)}
+        host = socket.gethostname().lower()
+        own = {"localhost", host, f"{host.partition('.')[0]}.local", *(name.lower() for name in self.also)}
         object.__setattr__(self, "_names", frozenset(own))
 
     def refusal(self, headers: CIMultiDictProxy[str], url: URL) -> str:
-        """Why a request is refused; empty if it is not."""
+        """Why a request is refused; empty if it is not. url: its path and query, whatever host it names."""
         hosts = headers.getall("Host", [])
         if len(hosts) != 1 or not self._is_ours(hosts[0]):
             return "another site's name: expected this server's own address"
@@ -44,14 +45,14 @@ class Guard:
         return ""
 
     def _is_ours(self, host: str) -> bool:
-        """Whether a Host is this server: an address, localhost, or this machine's name.
+        """Whether a Host is this server: an address, localhost, or this machine's name, alone or in `.local`.
 
         A page of another site that makes its own name lead here (DNS rebinding) is told nothing.
         """
         name = ""
         with suppress(ValueError):
             name = (urlsplit(f"//{host}").hostname or "").lower()
-        if name in self._names or name.endswith(".local"):
+        if name in self._names:
             return True
         with suppress(ValueError):
             return bool(ip_address(name))
@@ -60,7 +61,7 @@ class Guard:
     def _has_token(self, headers: CIMultiDictProxy[str], url: URL) -> bool:
         cookie = SimpleCookie(headers.get("Cookie", "")).get(COOKIE)
         given = url.query.get("token") or (cookie.value if cookie else "")
-        return secrets.compare_digest(given.encode(), self.token.encode())
+        return secrets.compare_digest(given.encode(errors="replace"), self.token.encode())
 
 
 def new_token() -> str:

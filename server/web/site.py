@@ -72,7 +72,7 @@ class Site:
 
     async def answer(self, request: web.BaseRequest) -> web.StreamResponse:
         """The answer to a request."""
-        if refusal := self.guard.refusal(request.headers, request.url):
+        if refusal := self.guard.refusal(request.headers, request.rel_url):
             return _refused(403, refusal)
         if request.headers.get("Upgrade", "").lower() == "websocket":
             return await self._talk(request)

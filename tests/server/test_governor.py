@@ -40,9 +40,19 @@ def test_it_steps_down_under_load_and_up_after_calm():
     assert [quality for _, quality in down] == [1, 2, 3, 4, 5, 6, 7, 8]
     assert all(0.2 <= later - sooner < 0.23 for (sooner, _), (later, _) in pairwise(down))
     assert run(governor, engine, 0.78, 60.0, 300.0) == []  # neither too much nor little: no swinging to and fro
-    up = run(governor, engine, 0.1, 60.0, 360.0)
+    up = run(governor, engine, 0.3, 60.0, 360.0)
     assert [quality for _, quality in up] == [7, 6, 5, 4, 3, 2, 1, 0] and up[0][0] >= 364.0 - 0.03
     assert all(later - sooner >= 4.0 - 1e-9 for (sooner, _), (later, _) in pairwise(up))
+
+
+def test_it_is_back_in_seconds_where_there_is_room_for_twice_the_load():
+    engine = Loaded()
+    governor = Governor(engine)
+    run(governor, engine, 0.85, 3.0, 200.0)
+    assert engine.quality == 8
+    up = run(governor, engine, 0.1, 20.0, 203.0)
+    assert [quality for _, quality in up] == [7, 6, 5, 4, 3, 2, 1, 0] and up[-1][0] < 212.0
+    assert all(later - sooner >= 1.0 - 1e-9 for (sooner, _), (later, _) in pairwise(up))
 
 
 @pytest.mark.slow
