@@ -51,6 +51,11 @@ class Kept(Generic[_Key, _Value]):
             self._bytes += self._size(value)
             self._forget()
 
+    def forget(self) -> None:
+        """Forget what nobody has asked for lately."""
+        with self._lock:
+            self._forget()
+
     def _forget(self) -> None:
         oldest = time.monotonic() - SECONDS
         while self._values and (self._bytes > self.most or next(iter(self._values.values()))[1] < oldest):

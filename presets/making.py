@@ -45,6 +45,11 @@ def keep(modes: Iterable[tuple[Hashable, Modes]]) -> None:
         _kept.put(key, each)
 
 
+def forget() -> None:
+    """Forget the modes that nobody has asked for lately."""
+    _kept.forget()
+
+
 def _contiguous(modes: Modes) -> Modes:
     """Modes in C-contiguous arrays."""
     frequency, decay, strike, pressure = map(np.ascontiguousarray, _arrays(modes)[:4])

@@ -3,7 +3,9 @@
 A gong takes 0.1 s, in which others want answers.
 """
 
+import math
 import threading
+import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
@@ -14,6 +16,7 @@ from ..presets import PresetError, Presets
 from .osc.addresses import Call
 from .osc.arguments import Refused
 from .scene.new_object import NEW, new_object
+from .tidying import PERIOD, tidy
 from .world.wire import BODY, new_body
 
 if TYPE_CHECKING:
@@ -74,6 +77,11 @@ def _made(call: Call, presets: Presets, top: float) -> "Made":
         return error
 
 
+def _until(due: float) -> float | None:
+    """How long (s) to wait for a time; None: for ever."""
+    return None if due == math.inf else max(0.0, due - time.monotonic())
+
+
 class Maker:
     """A thread that makes objects and bodies, one after the other; packets take turns. `close` it."""
 
@@ -102,11 +110,17 @@ class Maker:
         return making.made
 
     def _run(self) -> None:
+        due, last = math.inf, 0.0  # s: when to tidy up, and when something was made
         while True:
             with self._changed:
-                self._changed.wait_for(lambda: self._waiting or self._stopped)
+                self._changed.wait_for(lambda: self._waiting or self._stopped, _until(due))
                 if self._stopped:
                     return
+                if time.monotonic() >= due:
+                    tidy()
+                    due = last + PERIOD if last + PERIOD > time.monotonic() else math.inf
+                if not self._waiting:
+                    continue
                 if self._bytes <= _MOST_BYTES:
                     self._waiting.rotate(-1)  # else the one that came first is done first
                 making = self._waiting[0]
@@ -118,6 +132,8 @@ class Maker:
                     self._waiting.remove(making)
             if making.done:
                 self._finished()
+            last = time.monotonic()
+            due = min(due, last + PERIOD)
 
     def close(self) -> None:
         """End the thread, but for an object that takes very long."""

@@ -29,7 +29,8 @@ class Arena:
                 return first
         raise EngineFull(f"no room for {size} {self.what}: {self._left} of {self.size} are free")
 
-    def give(self, first: int) -> None:
+    def give(self, first: int) -> int:
+        """Give a span back; returns its size."""
         size = self._taken.pop(first)
         self._left += size
         place = bisect_left(self._free, (first, 0))
@@ -39,3 +40,4 @@ class Arena:
         if place > 0 and sum(self._free[place - 1]) == first:
             begin, low = self._free[place - 1][0], place - 1
         self._free[low:high] = [(begin, end - begin)]
+        return size

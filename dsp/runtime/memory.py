@@ -1,8 +1,10 @@
 """Room for objects in the engine's memory: slots, modes in the bank, and values in the table of mode shapes."""
 
 import mmap
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..bodies.modes import Modes
 from ..engine.capacity import SHAPE_VALUES
@@ -95,7 +97,8 @@ class Memory:
         if users > 1:
             self._tables[handle.table] = key, users - 1
             return
-        self._shapes.give(handle.table)
+        size = self._shapes.give(handle.table)
+        _give_back(self._bank["shape"][handle.table : handle.table + size])
         del self._plans[key], self._tables[handle.table]
 
     def _collect(self) -> None:
@@ -121,3 +124,20 @@ def touch(record: np.void, modes: int, objects: int) -> None:
         begin = np.frombuffer(part, np.uint8).ctypes.data
         for address in range(begin - begin % 8, begin + part.nbytes, mmap.PAGESIZE):
             hold_page(address)
+
+
+def _give_back(part: NDArray[Any]) -> None:
+    """Have the whole pages of a contiguous part of a state take no memory until they are written again.
+
+    What they held is lost. Nothing happens where the system cannot do it.
+    """
+    memory: Any = part
+    while isinstance(memory, np.ndarray | np.void):
+        memory = memory.base
+    memory = memory.obj if isinstance(memory, memoryview) else memory
+    if not isinstance(memory, mmap.mmap) or not hasattr(mmap, "MADV_DONTNEED"):
+        return
+    begin = part.ctypes.data - np.frombuffer(memory, np.uint8).ctypes.data
+    first, end = -(-begin // mmap.PAGESIZE) * mmap.PAGESIZE, (begin + part.nbytes) // mmap.PAGESIZE * mmap.PAGESIZE
+    if first < end:
+        memory.madvise(mmap.MADV_DONTNEED, first, end - first)

@@ -18,7 +18,7 @@ _SLOWEST, _FASTEST = 0.05, 5.0  # m/s of the velocities 1 and 127
 def tuned(modes: Modes, values: Values) -> float:
     """The tuning (semitones) of an object: `tune`, from the note or the pitch that is asked for if one is.
 
-    Refused where both are given, or the tuning goes too far.
+    Refused where both are given, the tuning goes too far, or it has no mode.
     """
     given = [key for key in TUNINGS if key in values.numbers]
     tune = values.number("tune")
@@ -26,6 +26,8 @@ def tuned(modes: Modes, values: Values) -> float:
         return tune
     if len(given) > 1:
         raise Refused("note and pitch: expected one of the two")
+    if not modes.frequency.size:
+        raise Refused(f"{given[0]}: it has no mode that is heard, and so no pitch; expected an object that has one")
     pitch = values.numbers.get("pitch") or _A4 * 2.0 ** ((values.numbers["note"] - _A4_NUMBER) / 12.0)
     tune += 12.0 * math.log2(pitch / float(modes.frequency[0]))
     try:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 
+from ...dsp.bodies.modes import Modes
 from ...dsp.engine.commands import Handle
 from ...dsp.runtime.engine import Engine
 from ...presets import ObjectPreset
@@ -13,11 +14,11 @@ from ..osc.wire import Argument
 
 @dataclass(eq=False)
 class PlayedObject:
-    """An object in the engine: the preset that it was made from, its mass (kg) and its time (samples)."""
+    """An object in the engine: the preset that it was made from, its modes and its time (samples)."""
 
     handle: Handle
     preset: ObjectPreset
-    mass: float
+    modes: Modes
     born: float
     """Nothing happens to it before."""
     freed: float = math.inf
@@ -28,6 +29,11 @@ class PlayedObject:
     """As they were last set, in the units of messages."""
     warned_of_stand_in: bool = False
     """Whether its maker was told which material stands in for the one that it lacks."""
+
+    @property
+    def mass(self) -> float:
+        """kg."""
+        return self.modes.mass
 
 
 class ObjectTable(Mapping[str, PlayedObject]):

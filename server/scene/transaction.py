@@ -1,6 +1,7 @@
 """A transaction: the commands of messages that belong together. The engine gets all of them, or none."""
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar, cast
 
@@ -78,6 +79,15 @@ class Transaction:
         if isinstance(made, Exception):
             raise made
         return cast(MadeOf, made) if made else make(call, self.presets, self.engine.top_frequency)
+
+    @contextmanager
+    def has_made(self, call: Call, made: "Made") -> Iterator[None]:
+        """For a while, have what a call asks for made already."""
+        before, self.made = self.made, {id(call): made}
+        try:
+            yield
+        finally:
+            self.made = before  # before another call has this one's identity
 
     def suggestion(self, word: str, known: Collection[str]) -> str:
         """Names near a word; none for the later ones of many refusals, as to find them takes 1 ms."""

@@ -20,7 +20,7 @@ from ..osc.wire import Message
 from .contact_law import law_of, law_on
 from .engine_messages import ENGINE_HANDLERS, Handler, changes
 from .limits import Contact, fall, require_rest, require_rollable, require_short, rim_speed
-from .new_object import NEW, new_object
+from .new_object import NEW, NewObject, new_object
 from .notes import copy_of, speed_of, tuned
 from .object_call import ObjectCall, listed, require_name
 from .objects import PlayedObject
@@ -69,7 +69,7 @@ def _new(transaction: Transaction, call: Call, values: Values) -> None:
     settings["tune"] = tuned(modes, values)
     handle, layout = engine.lay_out(modes, transaction.scale.object(preset))
     transaction.on_undo(lambda: engine.release(handle))
-    obj = PlayedObject(handle, preset, modes.mass, transaction.time, made=call.message.args, settings=settings)
+    obj = PlayedObject(handle, preset, modes, transaction.time, made=call.message.args, settings=settings)
     transaction.on_undo(objects.add(name, obj))
     in_engine = {name: setting.in_engine(settings[name]) for name, setting in SETTINGS.items()}
     _add(transaction, call.message, Command(NOW, Kind.NEW, values={**layout, **in_engine}), obj)
@@ -154,14 +154,13 @@ def _note(to: ObjectCall) -> None:
     if velocity == 0.0:
         return
     name = f"{to.name}.{note:g}"
-    messages = [Message(f"/object/{name}/impact", (speed_of(velocity), *to.call.message.args[2:]))]
     if not transaction.objects.at(name, transaction.time):
         if is_pattern(to.call.target):
             transaction.selection.charge(_COPY_WORK, to.call.target)
-        messages.insert(0, Message(NEW, copy_of(to.obj, name, note)))
-    for message in messages:
-        for call in calls(message):
-            translate(transaction, call)
+        new = calls(Message(NEW, copy_of(to.obj, name, note)))[0]
+        with transaction.has_made(new, NewObject(to.obj.preset, to.obj.modes)):  # to make them again may take seconds
+            translate(transaction, new)
+    translate(transaction, calls(Message(f"/object/{name}/impact", (speed_of(velocity), *to.call.message.args[2:])))[0])
 
 
 def _roll(to: ObjectCall) -> None:

@@ -30,12 +30,13 @@ def world_handlers(translate: Translate) -> dict[str, Handler]:
         simulation.put(made)
         transaction.on_undo(lambda: simulation.take_back(made.name))
         if made.sound:
-            (its,), before = calls(made.message()), transaction.made
-            transaction.made = {id(its): made.sound}
-            try:
+            (its,) = calls(made.message())
+            with transaction.has_made(its, made.sound):
                 translate(transaction, its)
-            finally:
-                transaction.made = before  # before another call has this one's identity
+
+    def pair(transaction: Transaction, call: Call, values: Values) -> None:
+        a, b = values.words.pop("a"), values.words.pop("b")
+        transaction.world.of(a, b).pair(a, b, **values.numbers, **values.words)
 
     def step(transaction: Transaction, call: Call, values: Values) -> None:
         engine = transaction.engine
@@ -50,9 +51,7 @@ def world_handlers(translate: Translate) -> dict[str, Handler]:
 
     return {
         BODY: body,
-        "/world/pair": lambda transaction, call, values: transaction.world.simulation.pair(
-            values.words.pop("a"), values.words.pop("b"), **values.numbers, **values.words
-        ),
+        "/world/pair": pair,
         "/world/microphones": lambda transaction, call, values: transaction.world.place_microphones(values.many),
         "/world/pose": lambda transaction, call, values: transaction.world.pose(values.words["name"], values.many),
         "/world/touch": lambda transaction, call, values: transaction.world.touch(

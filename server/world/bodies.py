@@ -21,6 +21,8 @@ from ..scene.object_call import require_name
 from .shapes import SHAPES, Shape, Vector, shape_of
 
 _CALIBRATED = {"level": 0.0, "roll_level": 0.0, "slide_level": 0.0, "stereo_width": 0.0}
+_MOST = 1e30
+"""Of a density, a mass and an inertia, whose reciprocals are needed, too."""
 _OCTAVES = np.exp2(np.arange(1.0 - OCTAVES, 1.0))  # s
 
 
@@ -130,6 +132,6 @@ class BodyMaker:
 
 
 def _positive(name: str, value: Argument) -> float:
-    if not isinstance(value, int | float | np.integer | np.floating) or not 0.0 < value < math.inf:
-        raise ValueError(f"{name} = {shown(value)}: expected a positive number")
+    if not isinstance(value, int | float | np.integer | np.floating) or not 1.0 / _MOST <= value <= _MOST:
+        raise ValueError(f"{name} = {shown(value)}: expected a number from {1.0 / _MOST:g} to {_MOST:g}")
     return float(value)

@@ -24,6 +24,7 @@ _PATH: dict[str, Argument] = {
     "path_from": (0.0, 0.1),
     "path_to": (1.0, 0.9),
 }  # of a plate: from corner to corner, off the diagonal
+_LEAST, _MOST = 1e-6, 1e6  # m: of edges and radii
 _WAYS = {
     "box": "three edges, in m",
     "plate": "three edges, in m",
@@ -73,10 +74,8 @@ def shape_of(name: str, size: ArrayLike, held: bool) -> Shape:
     if name == "mesh":
         return _mesh(numbers, held)
     given = numbers.ravel()
-    if len(given) != {"sphere": 1, "cylinder": 2, "capsule": 2}.get(name, 3) or not np.all(
-        (given > 0) & np.isfinite(given)
-    ):
-        raise ValueError(f"size = {given.tolist()}: expected {_WAYS[name]}")
+    if len(given) != {"sphere": 1, "cylinder": 2, "capsule": 2}.get(name, 3) or not _can_be(given):
+        raise ValueError(f"size = {given.tolist()}: expected {_WAYS[name]}, from {_LEAST:g} to {_MOST:g}")
     if name == "sphere":
         return _sphere(float(given[0]))
     if name in ("cylinder", "capsule"):
@@ -84,13 +83,19 @@ def shape_of(name: str, size: ArrayLike, held: bool) -> Shape:
     return _box(name, (float(given[0]), float(given[1]), float(given[2])), held)
 
 
+def _can_be(lengths: NDArray[np.float64]) -> bool:
+    return bool(np.all((lengths >= _LEAST) & (lengths <= _MOST)))
+
+
 def _mesh(vertices: NDArray[np.float64], held: bool) -> Shape:
     """The box around a mesh, whose axes and origin are those of the body."""
     if vertices.ndim != 2 or vertices.shape[1] != 3 or len(vertices) < 4 or not np.isfinite(vertices).all():
         raise ValueError(f"size, of shape {vertices.shape}: expected {_WAYS['mesh']}")
-    edges = np.ptp(vertices, axis=0)
-    if not np.all(edges > 0):
-        raise ValueError(f"size: vertices with edges {edges.tolist()}: expected a body, not a surface")
+    with np.errstate(over="ignore"):
+        edges = np.ptp(vertices, axis=0)
+    if not _can_be(edges):
+        wanted = f"a body, not a surface, with edges from {_LEAST:g} to {_MOST:g} m"
+        raise ValueError(f"size: vertices with edges {edges.tolist()}: expected {wanted}")
     return _box("mesh", (float(edges[0]), float(edges[1]), float(edges[2])), held)
 
 

@@ -3,8 +3,10 @@
 import math
 from collections.abc import Sequence
 
+from ...dsp.runtime.telling import tell
 from ...presets import Presets
 from ..osc.addresses import VERBS, Call
+from ..osc.arguments import shown
 from ..osc.wire import Argument
 from ..osc.world_verbs import TOUCHED
 from .bodies import Body, BodyMaker, WorldError
@@ -26,9 +28,17 @@ class TellsWorld:
         self._touches: list[Touch] = []
         self._poses: dict[str, Pose] = {}
 
+    def of(self, *names: str) -> Simulation:
+        """The simulation that has bodies of these names. WorldError if there is none."""
+        if self._simulation is None:
+            raise WorldError(f"body {shown(names[0])}: no such body; there is no body yet")
+        for name in names:
+            self._simulation.number(name)
+        return self._simulation
+
     @property
     def simulation(self) -> Simulation:
-        """The simulation, which begins with what is told first."""
+        """The simulation, which begins with its first body."""
         if self._simulation is None:
             self._simulation = Simulation(self._presets, self._top, Hearing(self._microphones), start=-1.0)
         return self._simulation
@@ -46,14 +56,13 @@ class TellsWorld:
         """Keep a body's pose until the step ends."""
         if len(values) not in (3, 7, 10, 13):
             raise WorldError(f"body {name}: {len(values)} values: expected 3, 7, 10 or 13")
-        self.simulation.number(name)
+        self.of(name)
         parts = [tuple(values[first:last]) for first, last in ((0, 3), (3, 7), (7, 10), (10, 13))]
         self._poses[name] = Pose(*(part for part in parts if part))
 
     def touch(self, a: str, b: str, numbers: dict[str, float]) -> None:
         """Keep a point of contact until the step ends."""
-        for name in (a, b):
-            self.simulation.number(name)
+        self.of(a, b)
         point, normal = ([numbers[f"{sign}{axis}"] for axis in "xyz"] for sign in ("", "n"))
         told = {each.name: numbers.get(each.name, math.nan) for each in TOUCHED}
         self._touches.append(Touch(a, b, point, normal, **told))
@@ -62,8 +71,11 @@ class TellsWorld:
         """End a step: the time of the step before, and what is to be heard of what happened since."""
         touches, poses = self._touches, self._poses
         self._touches, self._poses = [], {}
-        before = max(self.simulation.time, 0.0) if self.simulation.steps else time
-        return before, self.simulation.step(time, touches, poses)
+        simulation = self._simulation
+        if simulation is None:
+            return time, []
+        before = max(simulation.time, 0.0) if simulation.steps else time
+        return before, simulation.step(time, touches, poses)
 
     def end(self) -> list[str]:
         """Forget the simulation; the names of its objects."""
@@ -79,6 +91,7 @@ def new_body(call: Call, presets: Presets, top: float) -> Body:
     Refused says why there is none.
     """
     values = VERBS[BODY].parse(call.message.args)
+    _ = tell.brief  # loaded now, or compiled, and not where others wait
     words, numbers = values.words, values.numbers
     size = [numbers[axis] for axis in "xyz" if axis in numbers]
     about: dict[str, Argument] = {key: value for key, value in numbers.items() if key not in ("x", "y", "z")}

@@ -13,7 +13,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -22,6 +22,7 @@ from carom.clients.top import values
 from carom.server.osc import wire
 from carom.server.osc.framing import Sized, Slip
 from carom.server.osc.wire import Message
+from tests.bench.declared import declared, extreme
 from tests.support import serving
 
 BATCH = 20
@@ -49,6 +50,8 @@ _AWKWARD = (
     -(2**31),
     2**63 - 1,
 )
+_MAKES = (b"/object/new", b"/world/body")
+"""In packets that a client of their own sends: what it sends later waits until all is made."""
 _INTERESTING = b"\0\1\4\x7f\x80\xc0\xdb\xdc\xfc\xff/#,*?[]{}!-sibfdhtmrcTFNI"
 
 # What has brought down servers, this one and others.
@@ -121,8 +124,13 @@ class Junk:
         name = self.chance.choice([*_NAMES, "*", "?", "[a-c]", "{a,b}", "nobody"])
         number = self._number
         verb = self.chance.choices(
-            ("impact", "new", "free", "setting", "server", "contact", "pattern"), (10, 1, 1, 5, 2, 0.5, 1)
+            ("impact", "new", "free", "setting", "server", "contact", "pattern", "declared", "extreme"),
+            (10, 1, 1, 5, 2, 0.5, 1, 10, 0.05),
         )[0]
+        if verb == "declared":
+            return declared(self.chance)
+        if verb == "extreme":
+            return extreme(self.chance)
         if verb == "impact":
             keys = self.chance.choice(
                 [(), ("striker", "felt"), ("mass", number()), ("gain", number(), "position", 0.2)]
@@ -198,14 +206,15 @@ def fuzz(
     found = Findings()
     streams: list[socket.socket] = []
     here = ("127.0.0.1", port)
-    with Client(port=port) as looker, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+    with Client(port=port) as looker, ExitStack() as stack:
+        sock, maker = (stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) for _ in range(2))
         while found.packets < count:
             batch = [junk.packet() for _ in range(BATCH)]
             stream = junk.stream(BATCH) if junk.chance.random() < _STREAMS else None
             before, started = worked(server.pid), time.monotonic()
             if stream is None:
                 for packet in batch:
-                    sock.sendto(packet, here)
+                    (maker if any(word in packet for word in _MAKES) else sock).sendto(packet, here)
             else:
                 found.streams += 1
                 _pour(stream, here, streams, junk.chance)

@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from carom.server.scene import translate
 from tests.server.scene.support import refusal, say
 
 
@@ -58,6 +59,9 @@ from tests.server.scene.support import refusal, say
         ("/accuracy", (-50,), "accuracy = -50: expected one of -40, -60, -80, exact"),
         ("/object/a/damp", (2.0,), "damp = 2: expected a number from 0 to 1"),
         ("/object/a/pan", (-2.0,), "pan = -2"),
+        ("/object/new", ("b", "glass-ball", "radius", 0.005, "note", 60), "note: it has no mode that is heard"),
+        ("/object/new", ("b", "glass-ball", "radius", 0.005, "pitch", 60), "pitch: it has no mode that is heard"),
+        ("/world/body", ("b", "mesh", "wood", 1, 1, 1), "size, of shape (3,): expected its vertices"),
         ("/object/a/distance", (0.0,), "distance = 0: expected a number from 0.1 to 1000 m"),
         ("/object/a/gains", (0.1, 0.2, 0.3), "3 gains: expected at most 2, one for each channel"),
         ("/object/a/gains", ((0.0,) * 65,), "65 gains: expected at most 64"),
@@ -76,6 +80,18 @@ def test_bad_messages_are_told_why(session, address, args, reason):
     before = session.engine.room(), list(session.objects)
     assert reason in refusal(session, address, *args)
     assert (session.engine.room(), list(session.objects)) == before
+
+
+def test_a_note_on_what_has_no_mode_is_refused(session):
+    say(session, "/object/new", "b", "glass-ball", "radius", 0.005)
+    assert "it has no mode that is heard" in refusal(session, "/object/b/note", 60, 100)
+
+
+def test_a_copy_for_a_note_has_the_modes_of_its_object_and_makes_none(session, monkeypatch):
+    say(session, "/object/new", "b", "marimba-bar", "length", 0.3)
+    monkeypatch.setattr(translate, "new_object", lambda *_: pytest.fail("they are made again"))
+    say(session, "/object/b/note", 60, 100)
+    assert session.objects["b.60"].modes is session.objects["b"].modes
 
 
 @pytest.mark.parametrize("key", ["preset", "striker", "material"])
