@@ -78,9 +78,11 @@ def _holds(preset: object) -> str:
     """A preset in a few words. PresetError if an object's geometry gives no modes."""
     if isinstance(preset, ObjectPreset):
         modes = preset.modes(_TOP)
-        low, high = modes.frequency[0], modes.frequency[-1]
         of = f" of {preset.material.name}" if preset.material else ""
         what = f"{preset.shape}{of}, {modes.mass:.3g} kg"
+        if not modes.frequency.size:
+            return f"an object: {what}, no mode below {_TOP:.0f} Hz, but a click"
+        low, high = modes.frequency[0], modes.frequency[-1]
         return f"an object: {what}, {modes.frequency.size} modes from {low:.1f} to {high:.0f} Hz"
     if isinstance(preset, StrikerPreset):
         return f"a striker of {preset.mass:.3g} kg"

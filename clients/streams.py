@@ -18,7 +18,7 @@ STREAM = "-"
 
 
 class StreamError(RuntimeError):
-    """Stdout cannot take a sound; the text says why."""
+    """Stdin has no score, or stdout cannot take a sound; the text says why."""
 
 
 def score_name(word: str) -> str:
@@ -28,7 +28,11 @@ def score_name(word: str) -> str:
 
 def read_score(word: str) -> list[Line]:
     """The lines of a score from a file, from stdin, or of one of Carom's own by its name."""
-    return parse(sys.stdin.buffer.read(), score_name(word)) if word == STREAM else read(score_path(word))
+    if word != STREAM:
+        return read(score_path(word))
+    if sys.stdin is None:
+        raise StreamError("stdin is closed: expected a score there")
+    return parse(sys.stdin.buffer.read(), score_name(word))
 
 
 def score_path(word: str) -> Path:
@@ -57,6 +61,8 @@ def sound_file(out: str) -> Iterator[Path]:
     if out != STREAM:
         yield Path(out)
         return
+    if sys.stdout is None:
+        raise StreamError("stdout is closed: expected a program, or a file, that takes WAV")
     if sys.stdout.isatty():
         raise StreamError("stdout is a terminal: expected a pipe to a program, or a file, that takes WAV")
     with tempfile.TemporaryDirectory() as folder:

@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from ..dsp.engine.capacity import MODES, OBJECTS, STEMS
 from ..dsp.engine.state import QUANTUM, RING
 from ..dsp.runtime.engine import Engine
-from ..dsp.schema import CHANNELS, FORMS, MAIN_GAIN, Parameter
+from ..dsp.schema import CHANNELS, FORMS, MAIN_GAIN, ROOM, STEPS, Parameter
 from ..dsp.wording import expected
 from ..presets import Presets
 from .files.spool import Spool, StemSpools
 from .files.whole import RenderError, require_format, writing
 from .limiting import LimiterWatch, Limiting
-from .osc.addresses import VERBS
+from .osc.addresses import VERBS, calls
 from .osc.arguments import Refused, check_number
 from .osc.score import LONGEST_SCORE, Line, ScoreError, sample_at
 from .osc.wire import Argument, Message
@@ -37,6 +37,7 @@ _PIECE = 1_024  # frames
 _MOST_NAMES = 8  # of gestures, in a warning
 
 
+_BUDGET = "/budget"
 _PEAK = Parameter("normalize", -100.0, 0.0, "dBFS")
 
 
@@ -46,7 +47,8 @@ class Options:
     seconds (None: until silence), and the arguments of a /contact to begin with.
 
     channels, gain (dB), limiter and bank (one of FORMS) hold from the start, in place of what the score says of them at
-    time 0 (None: as it says, else 2 channels, 0 dB, on, and float64). calibrated: samples are pascals, without a
+    time 0 (None: as it says, else 2 channels, 0 dB, on, and float64). budget: steps and modes, as /budget has them, in
+    place of all that the score says of them. calibrated: samples are pascals, without a
     limiter, as floats. normalize: the peak (dBFS) to which the whole is brought; without a limiter, unless one is asked
     for.
     """
@@ -62,6 +64,7 @@ class Options:
     calibrated: bool = False
     normalize: float | None = None
     bank: str | None = None
+    budget: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.rate, SupportsIndex) or not LOWEST_RATE <= int(self.rate) <= HIGHEST_RATE:
@@ -71,7 +74,10 @@ class Options:
         require_format(self.format)
         if self.seconds is not None and not 1 / self.rate <= self.seconds <= LONGEST_SCORE:
             raise RenderError(f"seconds = {self.seconds:g}: expected at least a frame and at most {LONGEST_SCORE}")
-        for number, value in ((CHANNELS, self.channels), (MAIN_GAIN, self.gain), (_PEAK, self.normalize)):
+        steps, room = self.budget or (None, None)
+        for number, value in (
+            (CHANNELS, self.channels), (MAIN_GAIN, self.gain), (_PEAK, self.normalize), (STEPS, steps), (ROOM, room),
+        ):  # fmt: skip
             require(number, value)
         if self.bank not in (None, *FORMS):
             raise RenderError(f"bank = {self.bank}: {expected(str(self.bank), FORMS)}")
@@ -95,6 +101,7 @@ class Options:
             *([Message("/limiter", ("on" if limiter else "off",))] if limiter is not None else []),
             *([Message("/gain", (self.gain,))] if self.gain is not None else []),
             *([Message("/bank", (self.bank,))] if self.bank is not None else []),
+            *([Message(_BUDGET, self.budget)] if self.budget is not None else []),
         ]
 
     def gain_of(self, peak: float, warn: Callable[[str], object]) -> float:
@@ -118,9 +125,15 @@ class Options:
             raise ScoreError(f"{said[0].where}: /channels: {error}") from None
 
     def without_head(self, score: Sequence[Line]) -> list[Line]:
-        """The lines of a score but for those at time 0 in whose place the options are."""
+        """The lines of a score but for those in whose place the options are: at time 0, and of the budget all."""
         given = {message.address for message in self.head} | ({"/channels"} if self.channels is not None else set())
-        return [line for line in score if line.time > 0.0 or line.message.address not in given]
+        lines = [line for line in score if line.time > 0.0 or line.message.address not in given]
+        return lines if self.budget is None else [line for line in lines if not _is_of_budget(line)]
+
+
+def _is_of_budget(line: Line) -> bool:
+    """Whether a line sets the budget, be it by a pattern."""
+    return any(call.verb is VERBS[_BUDGET] for call in calls(line.message))
 
 
 def require(number: Parameter, value: object) -> None:

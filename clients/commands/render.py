@@ -54,6 +54,8 @@ def _options(parser: argparse.ArgumentParser) -> None:
     normalize = f"bring the whole to this peak ({PEAK:g} if none is given), without a limiter unless it is on"
     parser.add_argument("--normalize", type=number, nargs="?", const=PEAK, metavar="DBFS", help=normalize)
     add_bank(parser, None, "as the score says, else float64")
+    budget = "bound what coupled contacts cost, as /budget does, whatever the score says: 16 8192 is a server's"
+    parser.add_argument("--budget", type=number, nargs=2, metavar=("STEPS", "MODES"), help=budget)
     add_contact(parser)
     add_presets(parser)
 
@@ -67,7 +69,8 @@ def _run(arguments: argparse.Namespace) -> int:
 
     keys = ("rate", "block", "format", "seconds", "channels", "gain", "calibrated", "normalize", "bank")
     given = {key: getattr(arguments, key) for key in keys}
-    options = Options(**given, contact=contact(arguments), limiter=switch(arguments.limiter))
+    budget = None if arguments.budget is None else tuple(arguments.budget)
+    options = Options(**given, contact=contact(arguments), limiter=switch(arguments.limiter), budget=budget)
     todo = tasks(arguments.scores, arguments.out, arguments.plot, arguments.stems)
     jobs = min(len(todo), processors() if arguments.jobs is None else arguments.jobs)
     if not 1 <= jobs <= MOST_JOBS:

@@ -76,7 +76,11 @@ def _lines(score: PathLike[str] | str | Iterable[Line | Sequence[Any]]) -> list[
     if isinstance(score, str):
         if len(score.split()) == 1 and not score.startswith("#"):
             raise ScoreError(f"{score}: expected a score's text; a file's name is given as pathlib.Path({score!r})")
-        return parse(score.encode(), "score")
+        try:
+            return parse(score.encode(), "score")
+        except UnicodeEncodeError as error:
+            line = score.count("\n", 0, error.start) + 1
+            raise ScoreError(f"score:{line}: {score[error.start]!a} is no character, but half of one") from None
     return [line if isinstance(line, Line) else _line(line, f"line {n}") for n, line in enumerate(score, 1)]
 
 

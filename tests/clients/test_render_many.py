@@ -2,6 +2,7 @@
 
 import os
 import pty
+import shlex
 import signal
 import subprocess
 import time
@@ -34,6 +35,17 @@ def test_a_score_comes_from_stdin_and_its_sound_goes_to_stdout(carom, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["s.txt", "s.wav"]
     run = subprocess.run([*CAROM, "render", "-", "x.wav"], input=b"0 /objct/new\n", capture_output=True, cwd=tmp_path)
     assert run.returncode == 1 and run.stderr.startswith(b"carom render: stdin:1: /objct/new: no such address")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("redirected", "said"), [("- x.wav <&-", "stdin is closed"), ("s.txt - >&-", "stdout is closed")]
+)
+def test_a_stream_that_is_closed_is_told_in_one_line(tmp_path, redirected, said):
+    (tmp_path / "s.txt").write_text("0 /panic\n")
+    line = f"{shlex.join(CAROM)} render {redirected}"
+    run = subprocess.run(["sh", "-c", line], capture_output=True, text=True, cwd=tmp_path)
+    assert run.returncode == 1 and run.stderr.startswith(f"carom render: {said}") and run.stderr.count("\n") == 1
 
 
 def test_a_terminal_gets_no_sound(tmp_path):

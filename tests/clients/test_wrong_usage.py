@@ -174,6 +174,8 @@ def test_a_wrong_line_of_a_score_is_told_in_one_line(folder, tmp_path, capsys, l
         (lambda: carom.Presets().object("cymbl"), carom.PresetError, "did you mean cymbal?"),
         (lambda: carom.Scene().new("b", "wood-block", lenght=1), carom.CommandError, "did you mean length?"),
         (lambda: carom.Scene().impact("b", 1), carom.CommandError, "there are none"),
+        (lambda: carom.render("0 /panic\n1 /gain '\ud800'"), carom.ScoreError, "score:2: '\\ud800' is no character"),
+        (lambda: carom.render('1 /gain "\\ud800"'), carom.ScoreError, "score:1: "),
         (lambda: carom.render("strike.txt"), carom.ScoreError, "pathlib.Path('strike.txt')"),
     ],
 )

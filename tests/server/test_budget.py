@@ -8,7 +8,10 @@ from carom.dsp.contact.accuracy import LEVELS
 from carom.dsp.engine.commands import Command, Kind
 from carom.dsp.engine.state import QUANTUM
 from carom.dsp.runtime.engine import NOW, Engine
+from carom.presets import Presets
 from carom.server.options import BUDGET
+from carom.server.osc.score import parse
+from carom.server.render import Options, RenderError, blocks
 from tests.dsp.engine.support import strike
 from tests.dsp.engine.test_coupling import body, budget
 
@@ -48,3 +51,25 @@ def test_all_contacts_together_take_a_bounded_number_of_steps():
         taken, most = steps, max(most, steps - taken)
     assert 1_000 < most < 1_024 + 3_000 + 40 * QUANTUM and engine.stats.held > 0
     assert np.isfinite(engine.process(QUANTUM)).all()
+
+
+DEAR = """
+0 /budget 0 0
+0 /accuracy exact
+0 /object/new plate steel-plate thickness 0.001
+0.001 /budg?t 0 0
+0.01 /object/plate/impact 5 0.3 mass 0.5 stiffness 1e9 exponent 1
+"""
+
+
+def test_a_render_keeps_to_a_budget_whatever_the_score_says():
+    free, bound = (Options(seconds=0.05, budget=given) for given in (None, (1.0, 64.0)))
+    lines = parse(DEAR.encode(), "dear")
+    found = []
+    for options in (free, bound):
+        engine = Engine(48_000, 2)
+        list(blocks(lines, engine, Presets(), options))
+        found.append((engine.budget, engine.stats.held + engine.stats.over_budget))
+    assert found[0] == ((0, 0), 0) and found[1][0] == (1, 64) and found[1][1] > 0
+    with pytest.raises(RenderError, match="steps = -1"):
+        Options(budget=(-1.0, 64.0))

@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from carom import Pose, Touch, World, WorldError
@@ -52,7 +53,11 @@ WRONG = {
     "body a: shape = spere: did you mean sphere?": lambda w: w.body("a", "spere", 0.1, "steel"),
     "body a: size = [-0.1]: expected a radius": lambda w: w.body("a", "sphere", -0.1, "steel"),
     "body a: no material 'stel': did you mean steel?": lambda w: w.body("a", "sphere", 0.1, "stel"),
-    "body a: mass = -1: expected a positive number": lambda w: w.body("a", "sphere", 0.1, "steel", mass=-1),
+    "body a: size = [1e+300]: expected a radius, in m, from 1e-06": lambda w: w.body("a", "sphere", 1e300, "wood"),
+    "body a: size = [1e-300]: expected a radius": lambda w: w.body("a", "sphere", 1e-300, "steel"),
+    "body a: size: vertices with edges [1e+300": lambda w: w.body("a", "mesh", 1e300 * np.eye(4)[:, :3], "steel"),
+    "body a: density = 1e-35: expected a": lambda w: w.body("a", "sphere", 0.1, "steel", density=1e-35),
+    "body a: mass = -1: expected a number from 1e-30 to 1e+30": lambda w: w.body("a", "sphere", 0.1, "steel", mass=-1),
     "body a: most_mods = 3: did you mean most_modes?": lambda w: w.body("a", "sphere", 0.1, "steel", most_mods=3),
     "pair floor, ball: no surface 'wod': did you mean wood?": lambda w: w.pair("floor", "ball", surface="wod"),
     "pair floor, ball: frction = 1": lambda w: w.pair("floor", "ball", frction=1),
