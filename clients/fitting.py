@@ -17,8 +17,6 @@ from ..dsp.fitting.errors import RecordingError
 from ..dsp.fitting.fit import MODES, Fit, fit
 from ..dsp.fitting.hits import Hit, clearest, hits
 from ..dsp.fitting.strikers import MASS, VELOCITY, Striker, durations, striker_of
-from ..dsp.numerics.constants import FULL_SCALE_PRESSURE
-from ..dsp.runtime.engine import Engine
 from ..presets import Presets
 from ..presets import fitted as texts
 from ..presets.values import NAME, Name
@@ -306,5 +304,6 @@ def played(name: str, folder: Path, rate: int, seconds: float | None = None) -> 
     """The default strike (n, 2) of a folder's object, as the engine plays it, without a limiter."""
     presets = Presets([folder])
     options = Options(rate, seconds=seconds or 4.0, limiter=False)
-    pieces = list(blocks(Strike(name).score(presets), Engine(rate), presets, options))
+    score = Strike(name).score(presets)
+    pieces = list(blocks(score, options.engine(score), presets, options))
     return np.concatenate(pieces).astype(np.float64)

@@ -19,7 +19,7 @@ from ..dsp.runtime.arena import EngineFull
 from ..dsp.runtime.engine import NOW, Engine
 from ..dsp.schema import SETTINGS
 from ..presets import Presets
-from ..server.osc.score import LONGEST_SCORE, sample_at
+from ..server.osc.score import LONGEST_SCORE, Line, sample_at
 from ..server.osc.wire import Argument, Message
 from ..server.render import Options
 from ..server.scene.direct import Direct
@@ -53,8 +53,8 @@ class Placed:
 class _Engine(Engine):
     """An engine that remembers the modes of its objects, by serial, for as long as they have a place."""
 
-    def __init__(self, rate: float, channels: int, objects: int) -> None:
-        super().__init__(rate, channels, MODES, objects)
+    def __init__(self, rate: float, channels: int, objects: int, limited: bool) -> None:
+        super().__init__(rate, channels, MODES, objects, limited)
         self.placed: dict[int, Placed] = {}
 
     def lay_out(self, modes: Modes, level: float) -> tuple[Handle, dict[str, float]]:
@@ -70,23 +70,24 @@ class _Engine(Engine):
 class Performer:
     """An engine and a scene of its own, and what is told of both. Errors are CommandErrors.
 
-    stems, contacts: whether they are kept. steers_ended: as for a Session.
+    score: which may say its channels and its full scale. stems, contacts: whether they are kept. steers_ended: as for a
+    Session.
     """
 
     def __init__(
         self,
         options: Options,
-        channels: int,
+        score: Sequence[Line],
         presets: Folders,
         stems: bool,
         contacts: bool,
         steers_ended: bool = False,
     ) -> None:
         self.presets = chosen(presets)
-        self.calibrated = options.calibrated
+        scale, room = options.scale_of(score), STEMS if stems else OBJECTS
         with _compiling:
-            self.engine = _Engine(options.rate, channels, STEMS if stems else OBJECTS)
-        self.scene = Session(self.engine, self.presets, steers_ended, options.calibrated)
+            self.engine = _Engine(options.rate, options.channels_of(score), room, not options.calibrated)
+        self.scene = Session(self.engine, self.presets, steers_ended, scale)
         self.scene.on_sent = self._remember
         self.stems = stems
         self.contacts = contacts
@@ -94,7 +95,7 @@ class Performer:
         self._names: dict[int, str] = {}  # of objects, by serial
         self._striking: dict[int, Striking] = {}  # by command
         self._trace = np.empty(0, TRACE)  # what was traced beyond the end of the last sound
-        self.engine.keep_stems(stems)
+        self.engine.stems.keep(stems)
         self.engine.trace(contacts)
 
     def perform(self, messages: Sequence[Message], at: SupportsFloat | None) -> None:
@@ -195,7 +196,7 @@ class Performer:
 
     def stem_pieces(self, first: int, frames: int) -> dict[str, NDArray[np.float64]]:
         """Each object's part, (frames, channels), of the last quantum, from its frame `first` on."""
-        stems = self.engine.stems()
+        stems = self.engine.stems.shares()
         pieces: dict[str, NDArray[np.float64]] = {}
         for slot, name in self.slots().items():
             piece = stems[slot, :, first : first + frames].T

@@ -8,8 +8,6 @@ import numpy as np
 import soundfile
 from numpy.typing import NDArray
 
-from ..dsp.numerics.constants import FULL_SCALE_PRESSURE
-
 _WINDOW = 4096
 _COLUMNS = 1500
 _FLOOR, _CEILING = -100.0, -10.0  # dBFS
@@ -65,12 +63,12 @@ def _plot(sound: Path, picture: Path, calibrated: bool) -> None:
         highest = max(float(np.abs(samples).max(initial=0.0)), _LEAST_PRESSURE) if calibrated else 1.0
         ax.set(ylim=(-highest, highest), ylabel=f"{name}\n{'pressure (Pa)' if calibrated else 'amplitude'}")
     for name, wave, ax in zip(names, samples.T, axes[channels:], strict=True):
-        drawn = _spectrogram(wave / FULL_SCALE_PRESSURE if calibrated else wave, rate)
+        drawn = _spectrogram(wave, rate)
         image = ax.pcolormesh(*drawn, vmin=_FLOOR, vmax=_CEILING, cmap="magma", rasterized=True)
         ax.set(ylabel=f"{name}\nfrequency (Hz)", yscale="log", ylim=(_LOWEST, rate / 2))
     axes[0].set(title=sound.name)
     axes[-1].set(xlabel="time (s)", xlim=(0, frames / rate))
-    figure.colorbar(image, ax=axes[channels:], label="dB re 20 Pa" if calibrated else "dBFS")
+    figure.colorbar(image, ax=axes[channels:], label="dB re 1 Pa" if calibrated else "dBFS")
     figure.savefig(picture, dpi=110)
     plt.close(figure)
 

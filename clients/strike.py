@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..dsp.runtime.engine import Engine
 from ..presets import Presets
 from ..server.audio.portaudio import AudioError, devices, portaudio
 from ..server.osc.score import Line
@@ -61,7 +60,8 @@ def play(strike: Strike, presets: Presets, options: Options, progress: Progress)
     """Play a strike's sound on the default device and wait for its end; returns warnings. AudioError says why not."""
     warnings: list[str] = []
     pieces = []
-    for piece in blocks(strike.score(presets), Engine(options.rate), presets, options, warn=warnings.append):
+    score = strike.score(presets)
+    for piece in blocks(score, options.engine(score), presets, options, warn=warnings.append):
         pieces.append(piece)
         progress(sum(map(len, pieces)) / options.rate)
     sound = np.concatenate(pieces)

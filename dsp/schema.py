@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from .numerics.constants import STANDARD_GRAVITY
+from .numerics.constants import FULL_SCALE_PRESSURE, STANDARD_GRAVITY
 
 
 @dataclass(frozen=True)
@@ -262,6 +262,10 @@ SETTINGS = {
 
 # What can be set of the whole.
 CHANNELS = Parameter("channels", 1, 64, "", "of the output; 2: left and right, else a ring", default=2, whole=True)
+FULL_SCALE = Parameter(
+    "full_scale", 1e-6, 1e6, "Pa", "that a sample of 1.0 is, of an object whose level is 0 dB",
+    default=FULL_SCALE_PRESSURE, useful=(0.1, 100.0),
+)  # fmt: skip
 FORMS = ("float64", "float32")
 """Numbers that the spectral bank can keep its modes in; their places are their numbers."""
 MAIN_GAIN = Parameter("gain", -120.0, 40.0, "dB", "of everything", default=0.0, useful=(-40.0, 12.0))

@@ -46,7 +46,7 @@ class LimiterWatch:
         self._engine = engine
         self._names = names
         self._take_lowest = take_lowest or engine.take_limit_lowest
-        self._seen = engine.position
+        self._seen = engine.left
         self._limited = engine.stats.limited
         self._take_lowest()
         engine.limited_energy()
@@ -59,7 +59,7 @@ class LimiterWatch:
 
     def look(self) -> bool:
         """Take notice of all that was computed since the last look; true if any of it was turned down."""
-        start, self._seen = self._seen, self._engine.position
+        start, self._seen = self._seen, self._engine.left
         limited = self._engine.stats.limited
         if limited == self._limited:
             return False

@@ -6,11 +6,13 @@ from pathlib import Path
 
 from ..dsp.engine.capacity import MODES, OBJECTS, USUAL_MODES, USUAL_OBJECTS
 from ..dsp.engine.commands import Command, Kind
+from ..dsp.numerics.constants import FULL_SCALE_PRESSURE
 from ..dsp.runtime.engine import NOW, Engine
-from ..dsp.schema import CHANNELS, FORMS, MAIN_GAIN
+from ..dsp.schema import CHANNELS, FORMS, FULL_SCALE, MAIN_GAIN
 from ..dsp.wording import expected
 from .osc.wire import DEFAULT_PORT, Argument, Message
 from .render import HIGHEST_RATE, LOWEST_RATE
+from .scene.scale import Scale
 
 BUDGET = (16, 8_192)
 """What /budget is at a server's start: steps per sample of a coupled contact, and modes coupled at once."""
@@ -27,14 +29,14 @@ class ServeError(ValueError):
 
 @dataclass(frozen=True)
 class Options:
-    """How to serve: port (0: any free one) and address, networks whose hosts are trusted to be who they say, device
-    (None: the default), latency to ask it for in s (None: its lowest), rate in Hz, block in frames (0: the
-    device's), files to record the sound and to log the events to, folders of presets, the arguments of a /contact
-    to begin with, a port for HTTP (None: none, 0: any free one), the folder of the page that is there beside
-    OSCQuery (None: no page), whether it goes over TLS, with the certificate of which file (None: one that is made),
-    channels, the main gain in dB, whether the limiter is on, for how many modes and objects there is room, what the
-    spectral bank keeps its modes in, a folder for what clients record, with the most bytes that all files in it may
-    have, and the MIDI inputs that play, by index or part of a name."""
+    """How to serve: port (0: any free one) and address, device (None: the default), latency to ask it for in s
+    (None: its lowest), rate in Hz, block in frames (0: the device's), files to record the sound and to log the events
+    to, folders of presets, the arguments of a /contact to begin with, a port for HTTP (None: none, 0: any free
+    one), the folder of the page that is there beside OSCQuery (None: no page), whether it goes over TLS, with the
+    certificate of which file (None: one that is made), channels, the main gain in dB, whether the limiter is on, for
+    how many modes and objects there is room, what the spectral bank keeps its modes in, a folder for what clients
+    record, with the most bytes that all files in it may have, the MIDI inputs that play, by index or part of a name,
+    and the pressure (Pa) of full scale, of an object of level 0."""
 
     port: int = DEFAULT_PORT
     bind: str = "127.0.0.1"
@@ -60,6 +62,7 @@ class Options:
     recordings: Path | None = None
     quota: int = 10**10
     midi: tuple[str, ...] = ()
+    full_scale: float = FULL_SCALE_PRESSURE
 
     def __post_init__(self) -> None:
         for name, value, low, high in (
@@ -69,6 +72,7 @@ class Options:
             ("page" if self.page else "oscquery", self.web or 0, 0, 65_535),
             ("channels", self.channels, CHANNELS.low, CHANNELS.high),
             ("gain", self.gain, MAIN_GAIN.low, MAIN_GAIN.high),
+            ("full_scale", self.full_scale, FULL_SCALE.low, FULL_SCALE.high),
             ("modes", self.modes, 1, MODES),
             ("objects", self.objects, 1, OBJECTS),
             ("quota", self.quota, 0, 2**63),
@@ -88,7 +92,7 @@ class Options:
 
     def engine(self) -> Engine:
         """An engine that begins with them."""
-        engine = Engine(self.rate, self.channels, self.modes, self.objects)
+        engine = Engine(self.rate, self.channels, self.modes, self.objects, limited=True)
         gain = Command(NOW, Kind.GAIN, value=MAIN_GAIN.in_engine(self.gain))
         steps, modes = BUDGET
         budget = Command(NOW, Kind.BUDGET, values={"steps": steps, "modes": modes})
@@ -97,11 +101,17 @@ class Options:
         return engine
 
     @property
+    def scale(self) -> Scale:
+        """The scale of the samples."""
+        return Scale(full_scale=self.full_scale)
+
+    @property
     def head(self) -> list[Message]:
         """The messages that a log begins with."""
         limiter = "on" if self.limiter else "off"
         return [
-            Message("/channels", (self.channels,)), Message("/limiter", (limiter,)), Message("/gain", (self.gain,)),
+            Message("/channels", (self.channels,)), Message("/full_scale", (self.full_scale,)),
+            Message("/limiter", (limiter,)), Message("/gain", (self.gain,)),
             Message("/budget", BUDGET), Message("/bank", (self.bank,)),
         ]  # fmt: skip
 

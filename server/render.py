@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..dsp.engine.capacity import MODES, OBJECTS, STEMS
 from ..dsp.engine.state import QUANTUM, RING
 from ..dsp.runtime.engine import Engine
-from ..dsp.schema import CHANNELS, FORMS, MAIN_GAIN, ROOM, STEPS, Parameter
+from ..dsp.schema import CHANNELS, FORMS, FULL_SCALE, MAIN_GAIN, Parameter
 from ..dsp.wording import expected
 from ..presets import Presets
 from .files.spool import Spool, StemSpools
@@ -25,6 +25,7 @@ from .osc.arguments import Refused, check_number
 from .osc.score import LONGEST_SCORE, Line, ScoreError, sample_at
 from .osc.wire import Argument, Message
 from .scene.limits import LONGEST_BOUNCE
+from .scene.scale import Scale
 from .scene.session import Session
 
 LOWEST_RATE, HIGHEST_RATE = 8_000, 192_000
@@ -47,10 +48,10 @@ class Options:
     seconds (None: until silence), and the arguments of a /contact to begin with.
 
     channels, gain (dB), limiter and bank (one of FORMS) hold from the start, in place of what the score says of them at
-    time 0 (None: as it says, else 2 channels, 0 dB, on, and float64). budget: steps and modes, as /budget has them, in
-    place of all that the score says of them. calibrated: samples are pascals, without a
-    limiter, as floats. normalize: the peak (dBFS) to which the whole is brought; without a limiter, unless one is asked
-    for.
+    time 0 (None: as it says, else 2 channels, 0 dB, on, and float64). full_scale: the pressure (Pa) of a sample of 1.0,
+    of an object of level 0 (None: as the score says, else FULL_SCALE_PRESSURE). calibrated: samples are pascals,
+    without a limiter, as floats. normalize: the peak (dBFS) to which the whole is brought; without a limiter, unless
+    one is asked for.
     """
 
     rate: int = 48_000
@@ -64,7 +65,7 @@ class Options:
     calibrated: bool = False
     normalize: float | None = None
     bank: str | None = None
-    budget: tuple[float, float] | None = None
+    full_scale: float | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.rate, SupportsIndex) or not LOWEST_RATE <= int(self.rate) <= HIGHEST_RATE:
@@ -74,9 +75,8 @@ class Options:
         require_format(self.format)
         if self.seconds is not None and not 1 / self.rate <= self.seconds <= LONGEST_SCORE:
             raise RenderError(f"seconds = {self.seconds:g}: expected at least a frame and at most {LONGEST_SCORE}")
-        steps, room = self.budget or (None, None)
         for number, value in (
-            (CHANNELS, self.channels), (MAIN_GAIN, self.gain), (_PEAK, self.normalize), (STEPS, steps), (ROOM, room),
+            (CHANNELS, self.channels), (MAIN_GAIN, self.gain), (_PEAK, self.normalize), (FULL_SCALE, self.full_scale),
         ):  # fmt: skip
             require(number, value)
         if self.bank not in (None, *FORMS):
@@ -89,6 +89,8 @@ class Options:
             raise RenderError("limiter = on: expected none, as calibrated samples are pascals")
         if self.normalize is not None:
             raise RenderError(f"normalize = {self.normalize:g}: expected none, as calibrated samples are pascals")
+        if self.full_scale is not None:
+            raise RenderError(f"full_scale = {self.full_scale:g}: expected none, as calibrated samples are pascals")
         if self.format not in (None, "float"):
             raise RenderError(f"format = {self.format}: expected float, as calibrated samples are pascals")
 
@@ -116,24 +118,33 @@ class Options:
 
     def channels_of(self, score: Sequence[Line]) -> int:
         """How many channels the render of a score has. ScoreError names a line that says no number of them."""
-        said = [line for line in score if line.message.address == "/channels"]
-        if self.channels is not None or not said:
-            return self.channels or int(CHANNELS.default or 0)
-        try:
-            return int(VERBS["/channels"].parse(said[0].message.args).numbers["channels"])
-        except Refused as error:
-            raise ScoreError(f"{said[0].where}: /channels: {error}") from None
+        return int(_chosen(CHANNELS, self.channels, score))
+
+    def scale_of(self, score: Sequence[Line]) -> Scale:
+        """The scale of the samples in the render of a score. ScoreError names a line that says no full scale."""
+        return Scale(True) if self.calibrated else Scale(False, _chosen(FULL_SCALE, self.full_scale, score))
+
+    def engine(self, score: Sequence[Line], objects: int = OBJECTS) -> Engine:
+        """An engine for the render of a score. ScoreError as in `channels_of`."""
+        return Engine(self.rate, self.channels_of(score), MODES, objects, limited=not self.calibrated)
 
     def without_head(self, score: Sequence[Line]) -> list[Line]:
-        """The lines of a score but for those in whose place the options are: at time 0, and of the budget all."""
-        given = {message.address for message in self.head} | ({"/channels"} if self.channels is not None else set())
-        lines = [line for line in score if line.time > 0.0 or line.message.address not in given]
-        return lines if self.budget is None else [line for line in lines if not _is_of_budget(line)]
+        """The lines of a score but for those at time 0 in whose place the options are."""
+        given = {message.address for message in self.head}
+        given |= {f"/{name}" for name in ("channels", "full_scale") if getattr(self, name) is not None}
+        return [line for line in score if line.time > 0.0 or line.message.address not in given]
 
 
-def _is_of_budget(line: Line) -> bool:
-    """Whether a line sets the budget, be it by a pattern."""
-    return any(call.verb is VERBS[_BUDGET] for call in calls(line.message))
+def _chosen(number: Parameter, given: float | None, score: Sequence[Line]) -> float:
+    """The value of what holds for a whole render: as an option gives it, else as the score does, else the usual one."""
+    address = f"/{number.name}"
+    said = [line for line in score if line.message.address == address]
+    if given is not None or not said:
+        return float(number.default or 0.0) if given is None else float(given)
+    try:
+        return VERBS[address].parse(said[0].message.args).numbers[number.name]
+    except Refused as error:
+        raise ScoreError(f"{said[0].where}: {address}: {error}") from None
 
 
 def require(number: Parameter, value: object) -> None:
@@ -157,7 +168,9 @@ class Rendered:
 class _Timeline:
     """When a score's lines are due, and where its render ends. Times are in frames."""
 
-    def __init__(self, score: Sequence[Line], options: Options) -> None:
+    def __init__(self, score: Sequence[Line], options: Options, delay: int) -> None:
+        """delay: the frames that the limiter begins with, before the sound."""
+        self._delay = delay
         self._rate = options.rate
         self._lines = sorted(score, key=lambda line: line.time)
         self._next = 0
@@ -182,15 +195,16 @@ class _Timeline:
 
     def piece(self, written: int, frames: int) -> int:
         """How many of `frames` frames to compute at once: up to the next quantum at which there is something to do."""
+        computed = written + self._delay
         if self._next < len(self._lines):
             stop = self._quantum(self._lines[self._next])
         elif self.end is not None:
-            stop = self.end
-        elif written < self._tail:
+            stop = self.end + self._delay
+        elif computed < self._tail:
             stop = self._tail
         else:  # every quantum may be the last
-            stop = (written // QUANTUM + 1) * QUANTUM
-        return min(frames, _PIECE, max(1, stop - written))
+            stop = (computed // QUANTUM + 1) * QUANTUM
+        return min(frames, _PIECE, max(1, stop - computed))
 
     def look_for_end(self, session: Session, warn: Callable[[str], object]) -> None:
         """Set the end if nothing sounds any more, or if the score has gone on for long enough since its last line."""
@@ -223,7 +237,7 @@ def blocks(
 ) -> Iterator[NDArray[np.float32]]:
     """The sound of a score, block by block, each float32 (frames, channels); ScoreError names a line that is refused.
 
-    engine: one of `options.channels_of(score)` channels. session: of the engine, if it has one already.
+    engine: `options.engine(score)`. session: of the engine, if it has one already.
     Without `seconds` the sound ends with the quantum in which the last object falls silent. If all that goes on would
     go on for ever (a press, a roll without friction) it ends LONGEST_TAIL after the last event, and in any case
     LONGEST_REST after it; `warn` is told of either, and of lines that have no effect. The block size does not matter.
@@ -231,11 +245,11 @@ def blocks(
     lines = options.without_head(score)
     if not lines:
         raise RenderError("the score is empty: expected lines of time, address and arguments")
-    session = session or Session(engine, presets, steers_ended=True, calibrated=options.calibrated)
+    session = session or Session(engine, presets, steers_ended=True, scale=options.scale_of(score))
     for message in options.head:
         _perform(session, Line(0.0, message, message.address[1:]), warn)
-    timeline = _Timeline(lines, options)
-    written = 0
+    timeline = _Timeline(lines, options, engine.delay)
+    written = -engine.delay  # the silence that a limiter begins with is dropped
     while timeline.end is None or written < timeline.end:
         stop = written + options.block if timeline.end is None else min(written + options.block, timeline.end)
         parts = []
@@ -251,8 +265,9 @@ def blocks(
                 parts[-1] = parts[-1][: piece - surplus]
                 stop = min(stop, timeline.end)
         sound = np.concatenate(parts)
-        if len(sound):
-            yield sound
+        if written <= 0:
+            continue
+        yield sound[-written:] if written < len(sound) else sound
 
 
 def _perform(session: Session, line: Line, warn: Callable[[str], object]) -> None:
@@ -280,23 +295,24 @@ def render(
     ends early, as in `blocks`. stems: a folder, made if missing, for a file of the same kind for each object, with its
     part of the sound before the limiter. RenderError, ScoreError or OSError say what went wrong.
     """
-    engine = Engine(options.rate, options.channels_of(score), MODES, STEMS if stems else OBJECTS)
-    session = Session(engine, presets, steers_ended=True, calibrated=options.calibrated)
+    engine = options.engine(score, STEMS if stems else OBJECTS)
+    session = Session(engine, presets, steers_ended=True, scale=options.scale_of(score))
     watch = LimiterWatch(engine, lambda: session.objects.slots)
     with ExitStack() as stack:
         format = "float" if options.calibrated else options.format
-        write = stack.enter_context(writing(out, options.rate, engine.channels, format))
+        scale = session.scale.said if options.normalize is None else ""
+        write = stack.enter_context(writing(out, options.rate, engine.channels, format, scale))
         if stems:
             _make_folder(stems)
             options = replace(options, block=QUANTUM)
-            engine.keep_stems(True)
+            engine.stems.keep(True)
         folder = Path(stack.enter_context(TemporaryDirectory(prefix=".carom-", dir=stems or out.parent)))
         spool, parts = Spool(folder / "whole", engine.channels), StemSpools(folder, engine.channels)
         keep = write if options.normalize is None else spool.append
         frames = 0
         for sound in blocks(score, engine, presets, options, session, warn):
             if stems:
-                parts.add(session.objects.slots, engine.stems(), engine.sounding_stems(), frames)
+                parts.add(session.objects.slots, engine.stems.shares(), engine.stems.sounding(), frames)
             watch.look()
             keep(sound)
             frames += len(sound)
@@ -305,7 +321,7 @@ def render(
         for piece in spool.pieces(gain):
             write(piece)
         if stems:
-            parts.save(lambda name: stems / f"{name}{out.suffix}", options.rate, format, frames, gain)
+            parts.save(lambda name: stems / f"{name}{out.suffix}", options.rate, format, frames, gain, scale)
     return Rendered(engine, watch.take(), None if options.normalize is None else 20.0 * math.log10(gain))
 
 

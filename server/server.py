@@ -32,6 +32,7 @@ from .osc.wire import Argument, BadPacket, Bundle, Message
 from .packets import Packet, is_question, read
 from .recording import Recording
 from .scene.gesture_ids import Ended
+from .scene.scale import USUAL_SCALE, Scale
 from .scene.session import Session, fail
 from .scene.translate import sync
 from .status import Status, version
@@ -62,13 +63,14 @@ class Server:
         presets: Presets,
         recorder: Recorder | None = None,
         log: Log | None = None,
+        scale: Scale = USUAL_SCALE,
     ) -> None:
         self.player = player
         self.engine = engine
         self.address = network.address
         self.network = network
         self.web: WebServer | None = None
-        self._session = Session(engine, presets)
+        self._session = Session(engine, presets, scale=scale)
         self._status = Status(engine, player, lambda: self._session.objects.slots)
         self._governor = Governor(engine)
         self._subscribers = Subscribers(network, self._reply)
@@ -233,8 +235,9 @@ class Server:
 
     def _status_asked(self, values: Values, source: Source) -> None:
         objects = len(self._session.objects)
-        own: dict[str, int | str] = {
+        own: dict[str, float | str] = {
             "waiting": len(self._waiting),
+            "full_scale": self._session.scale.full_scale,
             **self._file_states(),
             "take": self.recording.state,
             "midi": self.midi.state,

@@ -44,7 +44,7 @@ def serving(options: Options) -> Iterator[Server]:
         tap = None
         if options.page is not None or options.recordings is not None:
             tap = stack.enter_context(closing(Tap(engine)))
-        recorder = _recorder(engine, options.record, tap) if options.record else None
+        recorder = _recorder(engine, options.record, tap, options.scale.said) if options.record else None
         if recorder:
             files.callback(recorder.close)
         path = options.log
@@ -57,7 +57,7 @@ def serving(options: Options) -> Iterator[Server]:
         # The files end with the last sound, and before PortAudio is asked to: that may fail, and take its time.
         last.callback(player.close)
         stack.callback(player.rest)
-        server = stack.enter_context(closing(Server(network, engine, player, presets, recorder, log)))
+        server = stack.enter_context(closing(Server(network, engine, player, presets, recorder, log, options.scale)))
         # Web clients, datagrams and the making of objects have threads of their own, which keep each other waiting.
         stack.callback(sys.setswitchinterval, sys.getswitchinterval())
         sys.setswitchinterval(_SWITCH)
@@ -80,11 +80,11 @@ def serving(options: Options) -> Iterator[Server]:
         yield server
 
 
-def _recorder(engine: Engine, path: Path, tap: Tap | None) -> Recorder:
+def _recorder(engine: Engine, path: Path, tap: Tap | None, comment: str) -> Recorder:
     if tap is None:
-        return Recorder(engine, path)
+        return Recorder(engine, path, comment=comment)
     queue = Queue(engine.channels)
-    recorder = Recorder(engine, path, queue.take)
+    recorder = Recorder(engine, path, queue.take, comment)
     tap.add(queue)
     return recorder
 

@@ -57,7 +57,7 @@ FIELDS = {
     "limiter_lowest": "the limiter's lowest gain since this client last asked, 1: it did nothing",
     "peak": "highest amplitude in the last 0.4 s, dB of full scale; -200: silence",
     "loudness": "momentary, of the last 0.4 s, by ITU-R BS.1770, LUFS",
-    "latency": "of the device, s",
+    "latency": "of the device and the limiter, s",
     "latency_requested": "as `--latency` asks for it, s; -1: not asked for",
     "latency_measured": "",
     "late_last_ms": "by how much the last late event was late, ms",
@@ -70,6 +70,7 @@ FIELDS = {
     "replies_dropped": "replies that were not sent, as a client reads too slowly or asks for too many",
     "connections": "TCP clients",
     "waiting": "clients whose messages wait for an object to be made, or for their turn",
+    "full_scale": "sound pressure of full scale, of objects of level 0, Pa",
     "recording": "yes, no, or why the recording of `--record` ended",
     "logging": "yes, no, or why the log ended",
     "take": "the file that `/record` writes, no, or why the last one ended",
@@ -133,7 +134,7 @@ class Status:
         self._warned = dict.fromkeys(_COUNTERS, 0)
         self._object_faults = engine.objects["faults"].copy()
 
-    def reply(self, client: Source, objects: int, network: Network, own: Mapping[str, int | str]) -> Message:
+    def reply(self, client: Source, objects: int, network: Network, own: Mapping[str, float | str]) -> Message:
         """/status.reply to a client, of a server with a number of objects; `own` is what the server says of itself.
 
         It begins with scsynth's nine values (1, live modes, sounding objects, objects, contacts, average and peak load
@@ -159,9 +160,9 @@ class Status:
             "limiter_lowest": self.lowest_gain.since_last_asked(client),
             "peak": max(self._engine.meter.peaks()),
             "loudness": self._engine.meter.loudness,
-            "latency": self._player.latency,
+            "latency": self._player.latency + self._engine.delay / self._engine.rate,
             "latency_requested": -1.0 if self._player.requested is None else self._player.requested,
-            "latency_measured": stats.latency_measured,
+            "latency_measured": stats.latency_measured + self._engine.delay / self._engine.rate,
             "late_last_ms": 1e3 * stats.late_last,
             "late_worst_ms": 1e3 * stats.late_worst,
             "device": self._player.name,

@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 
 from carom.clients.client import Client
-from carom.dsp.runtime.engine import Engine
 from carom.presets.library import Presets
 from carom.server.osc.score import Line
 from carom.server.render import Options, blocks
@@ -27,8 +26,7 @@ Render = Callable[..., np.ndarray]
 def render_lines(lines: list[Line], **options) -> np.ndarray:
     """The sound of a score, float32 (frames, channels)."""
     chosen = Options(**options)
-    engine = Engine(chosen.rate, chosen.channels_of(lines))
-    return np.concatenate(list(blocks(lines, engine, Presets(), chosen)))
+    return np.concatenate(list(blocks(lines, chosen.engine(lines), Presets(), chosen)))
 
 
 @dataclass

@@ -9,7 +9,7 @@ from typing import Any
 
 from ...server.osc.wire import DEFAULT_PORT
 from ..client import Client
-from .parser import one_of, whole
+from .parser import one_of, pascals, whole
 
 RATE = 48_000
 """Hz, where no other rate is given."""
@@ -56,6 +56,12 @@ def add_bank(parser: argparse.ArgumentParser, default: str | None, otherwise: st
     """Add the option for what the spectral bank keeps its modes in; otherwise: what it is where none is given."""
     text = f"numbers that freely ringing modes are kept in: float64, or float32 for speed ({otherwise})"
     parser.add_argument("--bank", default=default, metavar="FORM", help=text)
+
+
+def add_full_scale(parser: argparse.ArgumentParser, default: float | None = None, otherwise: str = "4") -> None:
+    """Add the option for the pressure of full scale; otherwise: what it is where none is given."""
+    text = f"sound pressure that is full scale, of objects of level 0, such as 2 or 2Pa ({otherwise})"
+    parser.add_argument("--full-scale", type=pascals, default=default, metavar="PA", help=text)
 
 
 def add_presets(parser: argparse.ArgumentParser) -> None:

@@ -148,6 +148,11 @@ def whole(word: str) -> int:
         raise argparse.ArgumentTypeError(f"{word!r}: expected a whole number") from None
 
 
+def pascals(word: str) -> float:
+    """The type of an option that is a pressure in Pa, with its unit or without it."""
+    return number(word.removesuffix("Pa").rstrip())
+
+
 def number(word: str) -> float:
     """The type of an option that is a number."""
     try:

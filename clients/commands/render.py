@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from ..errors import tell
 from ..processors import processors
-from .options import RATE, SCORE, SWITCH, add_bank, add_contact, add_presets, contact, on_end, switch
+from .options import RATE, SCORE, SWITCH, add_bank, add_contact, add_full_scale, add_presets, contact, on_end, switch
 from .parser import Command, number, one_of, whole
 from .progress import seconds_of_sound, shown_progress
 
@@ -53,6 +53,7 @@ def _options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--limiter", **SWITCH, help="keep within full scale (as the score says, else on)")
     normalize = f"bring the whole to this peak ({PEAK:g} if none is given), without a limiter unless it is on"
     parser.add_argument("--normalize", type=number, nargs="?", const=PEAK, metavar="DBFS", help=normalize)
+    add_full_scale(parser, otherwise="as the score says, else 4")
     add_bank(parser, None, "as the score says, else float64")
     budget = "bound what coupled contacts cost, as /budget does, whatever the score says: 16 8192 is a server's"
     parser.add_argument("--budget", type=number, nargs=2, metavar=("STEPS", "MODES"), help=budget)
@@ -67,7 +68,7 @@ def _run(arguments: argparse.Namespace) -> int:
     from ...server.render import Options
     from ..rendering import make_folders, render_all, tasks
 
-    keys = ("rate", "block", "format", "seconds", "channels", "gain", "calibrated", "normalize", "bank")
+    keys = ("rate", "block", "format", "seconds", "channels", "gain", "calibrated", "normalize", "bank", "full_scale")
     given = {key: getattr(arguments, key) for key in keys}
     budget = None if arguments.budget is None else tuple(arguments.budget)
     options = Options(**given, contact=contact(arguments), limiter=switch(arguments.limiter), budget=budget)

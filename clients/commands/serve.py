@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 
 from ...server.osc.wire import DEFAULT_PORT
 from ..actions import CommandError
-from .ending import end_within
-from .options import RATE, SWITCH, add_bank, add_contact, add_presets, contact, on_end
+from .options import RATE, SWITCH, add_bank, add_contact, add_full_scale, add_presets, contact, on_end
 from .parser import Command, number, size, whole
 
 if TYPE_CHECKING:
@@ -27,7 +26,7 @@ PAGE = Path(__file__).parents[1] / "page"
 
 _KEPT = (
     "port", "bind", "device", "latency", "rate", "block", "record", "log", "channels", "gain", "modes", "objects",
-    "bank", "recordings", "quota",
+    "bank", "recordings", "quota", "full_scale",
 )  # fmt: skip
 """The options that the server takes as they are given."""
 
@@ -74,6 +73,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--objects", type=whole, default=512, metavar="N", help="room for objects (%(default)s, at most 16384)"
     )
+    add_full_scale(parser, 4.0, "%(default)g")
     add_bank(parser, "float64", "%(default)s")
     add_contact(parser)
     add_presets(parser)

@@ -3,7 +3,7 @@
 import argparse
 
 from ..errors import tell
-from .options import RATE, add_presets
+from .options import RATE, add_full_scale, add_presets
 from .parser import Command, number, whole
 from .progress import seconds_of_sound, shown_progress
 
@@ -17,6 +17,7 @@ def _options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--striker", help="a preset (the object's own)")
     parser.add_argument("--rate", type=whole, help="sampling rate in Hz (the device's, 48000 for a file)")
     parser.add_argument("--seconds", type=number, help="length of the sound (until silence)")
+    add_full_scale(parser)
     add_presets(parser)
 
 
@@ -32,7 +33,7 @@ def _run(arguments: argparse.Namespace) -> int:
     rate = arguments.rate
     if rate is None:
         rate = device_rate(arguments.preset) if arguments.out is None else RATE
-    options = Options(rate, seconds=arguments.seconds)
+    options = Options(rate, seconds=arguments.seconds, full_scale=arguments.full_scale)
     prepare()  # before there is another progress bar
     with shown_progress(seconds_of_sound, arguments.preset, arguments.seconds) as show:
 

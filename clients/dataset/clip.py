@@ -59,7 +59,7 @@ def render(recipe: Recipe, item: Item, presets: Presets) -> Clip:
 
 def _render(recipe: Recipe, item: Item, presets: Presets) -> Clip:
     options = Options(recipe.rate, calibrated=True, channels=recipe.channels)
-    performer = Performer(options, recipe.channels, presets, stems=False, contacts=True, steers_ended=True)
+    performer = Performer(options, (), presets, stems=False, contacts=True, steers_ended=True)
     performer.perform(options.head, None)
     pressure, contacts = _played(recipe, item, performer)
     peak = float(np.abs(pressure).max())

@@ -10,7 +10,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ...dsp.numerics.constants import FULL_SCALE_PRESSURE
 from ...dsp.schema import GESTURES
 from ...dsp.wording import expected
 from ...presets import BUILT_IN, NoPreset, PresetError
@@ -56,7 +55,7 @@ KEYS: Fields = {
 
 DEFAULTS: Mapping[str, Any] = {
     "design": "random", "seed": 0, "seconds": 1.0, "rate": 48_000, "channels": 1, "format": "flac", "samples": "24",
-    "full_scale": FULL_SCALE_PRESSURE, "shard": 256,
+    "full_scale": 20.0, "shard": 256,
 }  # fmt: skip
 """Of keys that need not be given."""
 

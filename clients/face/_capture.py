@@ -59,7 +59,7 @@ class Capture:
             report=self._meter.report(self._start, self.end, self._warnings()),
             stems={name: self._stem(pieces) for name, pieces in self._stems.items()} if self._performer.stems else None,
             contacts=contacts,
-            calibrated=self._performer.calibrated,
+            scale=self._performer.scene.scale,
         )
 
     def _warnings(self) -> list[str]:

@@ -24,6 +24,7 @@ def render(
     limiter: bool | None = None,
     gain: float | None = None,
     channels: int | None = None,
+    full_scale: float | None = None,
     calibrated: bool = False,
     normalize: float | None = None,
     seconds: float | None = None,
@@ -38,10 +39,10 @@ def render(
 
     score: a Path to a file of text or of scsynth's binary form, a text, or lines in any order of time, each
     (time in s, address, argument, ...). rate: Hz, 8000 to 192000. seconds: its length (None: until silence).
-    limiter, gain, channels, calibrated, stems, contacts, presets: as for a Scene; the first three hold in place of what
-    the score says at time 0 (None: as it says). normalize: the peak (dBFS) to which the whole is brought, which the
-    report notes; without a limiter, unless one is asked for. contact: how contacts are solved from the start, as the
-    address /contact takes it: "verlet", or ("verlet", 4, "correction", "both").
+    limiter, gain, channels, full_scale, calibrated, stems, contacts, presets: as for a Scene; the first four hold in
+    place of what the score says at time 0 (None: as it says). normalize: the peak (dBFS) to which the whole is brought,
+    which the report notes; without a limiter, unless one is asked for. contact: how contacts are solved from the start,
+    as the address /contact takes it: "verlet", or ("verlet", 4, "correction", "both").
     ScoreError names a line that cannot be read or was refused; RenderError or PresetError say what else cannot be;
     OSError, that the file cannot be read.
     """
@@ -49,9 +50,9 @@ def render(
     choice = (contact,) if isinstance(contact, str) else tuple(map(plain, contact))
     options = Options(
         rate, seconds=seconds, contact=choice, channels=plain(channels), gain=plain(gain), limiter=limiter,
-        calibrated=calibrated, normalize=plain(normalize),
+        calibrated=calibrated, normalize=plain(normalize), full_scale=plain(full_scale),
     )  # fmt: skip
-    performer = Performer(options, options.channels_of(lines), presets, stems, contacts, steers_ended=True)
+    performer = Performer(options, lines, presets, stems, contacts, steers_ended=True)
     capture = Capture(performer, 0)
     options = replace(options, block=capture.step)
     for piece in blocks(lines, performer.engine, performer.presets, options, performer.scene, capture.warnings.append):

@@ -29,7 +29,8 @@ class Scene(Actions, Closing):
 
     rate: Hz, 8000 to 192000. limiter: False leaves the sum of all objects as it is, beyond full scale too (None: it is
     on, unless calibrated). gain: of everything, dB. channels: 1 to 64; 2 are left and right, any other number a ring
-    around the listener. calibrated: samples are pascals, whatever the levels of presets, and nothing limits them.
+    around the listener. full_scale: the sound pressure (Pa) of a sample of 1.0, of an object of level 0 (None: 4).
+    calibrated: samples are pascals, whatever the levels of presets, and nothing limits them.
     stems: keep each object's part of the sound; contacts: keep each contact's time, force and impulse (see Sound).
     presets: folders of your own presets, looked through first, or a carom.Presets.
 
@@ -52,13 +53,17 @@ class Scene(Actions, Closing):
         limiter: bool | None = None,
         gain: float = 0.0,
         channels: int = 2,
+        full_scale: float | None = None,
         calibrated: bool = False,
         stems: bool = False,
         contacts: bool = False,
         presets: Folders = (),
     ) -> None:
-        options = Options(rate, limiter=limiter, gain=plain(gain), channels=plain(channels), calibrated=calibrated)
-        self._performer: Performer | None = Performer(options, options.channels_of(()), presets, stems, contacts)
+        options = Options(
+            rate, limiter=limiter, gain=plain(gain), channels=plain(channels), full_scale=plain(full_scale),
+            calibrated=calibrated,
+        )  # fmt: skip
+        self._performer: Performer | None = Performer(options, (), presets, stems, contacts)
         self._performer.perform(options.head, None)
         self.rate = int(rate)
         """Hz."""
@@ -80,8 +85,8 @@ class Scene(Actions, Closing):
     def time(self) -> float:
         """The earliest time (s) of what is asked for now.
 
-        The engine computes 64 frames at a time. After a `render` of no whole multiple of that, the time lies up to 63
-        frames behind the end of the sound that was given.
+        The engine computes 64 frames at a time, and the limiter, on or off, looks 64 frames ahead. So after a `render`
+        the time lies up to 127 frames behind the end of the sound that was given; up to 63 in a calibrated scene.
         """
         return self._open.time
 
@@ -95,6 +100,8 @@ class Scene(Actions, Closing):
         if frames is not None and not (1 <= _number(frames) <= most and _number(frames).is_integer()):
             raise ValueError(f"frames = {frames}: expected a whole number from 1 to {most}")
         capture = Capture(self._open, self._frames)
+        if self._open.engine.position == 0:
+            self._open.engine.process(self._open.engine.delay)  # the silence that the limiter begins with
         self._frames += round(_number(seconds) * self.rate) if frames is None else int(_number(frames))
         while left := self._frames - capture.end:
             capture.add(self._open.engine.process(min(left, capture.room())))

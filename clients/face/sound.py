@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .clients.contacts import Contact
-from .dsp.numerics.constants import FULL_SCALE_PRESSURE
 from .report import Report
+from .server.scene.scale import USUAL_SCALE, Scale
 
 
 @dataclass(frozen=True)
@@ -32,12 +32,12 @@ class Sound:
     """A sound, and what there is to know about it.
 
     samples: float32 (frames, channels), of two channels left and right. 1.0 is full scale, which it exceeds only where
-    it was computed without a limiter; where it is calibrated, 1.0 is a pascal. rate: Hz. start: s on the scene's clock
+    it was computed without a limiter: as many pascals as `scale` says. rate: Hz. start: s on the scene's clock
     at which it begins. report: what happened meanwhile.
     stems: for each object, float32 (frames, channels), its part of the sound before the limiter: without one, the sum
     of the stems is the sound, up to rounding; None unless they were asked for.
     contacts: every contact as it was played, by start; None unless they were asked for.
-    calibrated: whether samples are pascals.
+    scale: whether samples are pascals (`calibrated`), else the pressure (Pa) of full scale (`full_scale`).
 
     A notebook shows it as a player. `numpy.asarray(sound)` gives the samples.
     """
@@ -48,7 +48,12 @@ class Sound:
     report: Report = field(default_factory=Report)
     stems: Mapping[str, NDArray[np.float32]] | None = field(default=None, repr=False)
     contacts: tuple[Contact, ...] | None = field(default=None, repr=False)
-    calibrated: bool = False
+    scale: Scale = USUAL_SCALE
+
+    @property
+    def calibrated(self) -> bool:
+        """Whether samples are pascals."""
+        return self.scale.calibrated
 
     @property
     def pressure(self) -> NDArray[np.float32]:
@@ -83,7 +88,7 @@ class Sound:
         if self.calibrated and format not in (None, "float"):
             raise RenderError(f"format = {format}: expected float, as calibrated samples are pascals")
         format = "float" if self.calibrated else format
-        with writing(Path(path), self.rate, self.samples.shape[1], format) as write:
+        with writing(Path(path), self.rate, self.samples.shape[1], format, self.scale.said) as write:
             write(self.samples)
 
     def plot(self, path: str | PathLike[str] | None = None) -> Picture | None:
@@ -106,7 +111,7 @@ class Sound:
         import soundfile
 
         heard = self.samples if self.samples.shape[1] <= 2 else self.samples.sum(axis=1, keepdims=True)
-        full = FULL_SCALE_PRESSURE if self.calibrated else 1.0
+        full = self.scale.full_scale if self.calibrated else 1.0
         peak = max(full, float(np.abs(heard).max(initial=0.0)))
         memory = io.BytesIO()
         soundfile.write(memory, heard / peak, self.rate, format="FLAC", subtype="PCM_16")

@@ -22,12 +22,14 @@ def clear_mix(state):
             output.mix[channel, n] = 0.0
     if output.stems_on == 0:
         return
+    if output.delay > 0:
+        output.turn = 1 - output.turn
     for slot in range(STEMS):
-        if output.stem_sounds[slot] == 1:
-            output.stem_sounds[slot] = 0
+        if output.stem_sounds[output.turn, slot] == 1:
+            output.stem_sounds[output.turn, slot] = 0
             for channel in range(output.channels):
                 for n in range(QUANTUM):
-                    output.stems[slot, channel, n] = 0.0
+                    output.stems[output.turn, slot, channel, n] = 0.0
 
 
 @kernel
@@ -62,8 +64,8 @@ def glide_gain(state):
         _scale(output.mix[channel], before, now)
     if output.stems_on == 1:
         for slot in range(STEMS):
-            for channel in range(output.channels if output.stem_sounds[slot] == 1 else 0):
-                _scale(output.stems[slot, channel], before, now)
+            for channel in range(output.channels if output.stem_sounds[output.turn, slot] == 1 else 0):
+                _scale(output.stems[output.turn, slot, channel], before, now)
 
 
 @kernel
@@ -126,9 +128,9 @@ def add_share(state, slot, voice):
             output.mix[channel, n] += scratch.share[n]
         obj.energy += _energy(scratch.share)
         if output.stems_on == 1:
-            output.stem_sounds[slot] = 1
+            output.stem_sounds[output.turn, slot] = 1
             for n in range(QUANTUM):
-                output.stems[slot, channel, n] += scratch.share[n]
+                output.stems[output.turn, slot, channel, n] += scratch.share[n]
 
 
 @simd_kernel

@@ -52,7 +52,7 @@ def render_quantum(state):
     ring_bank(state)
     # Contacts drive the modes, the modes ring, and each object adds its sound to the mix.
     mix_objects(state)
-    # The limiter has the last word; what leaves is measured, and kept for a recorder.
+    # The limiter has the last word, and a quantum's delay; what leaves is measured, and kept for a recorder.
     limit(state)
     measure(state)
     forget_quiet(state)
@@ -75,9 +75,9 @@ def _make_ready(state):
 
 @kernel
 def _tap(state):
-    """Keep the quantum for a recorder, if it keeps up."""
+    """Keep the quantum for a recorder, if it keeps up; not the silence that a limiter begins with."""
     tap = state.tap
-    if tap.on == 0:
+    if tap.on == 0 or state.position <= state.output.delay:
         return
     written = tap.written[0]
     if written + QUANTUM - load_acquire(tap.read, 0) > TAP:

@@ -236,12 +236,16 @@ OUTPUT = np.dtype(
         ("mix", np.float64, (MOST_CHANNELS, QUANTUM)),
         ("ready", np.float32, QUANTUM * MOST_CHANNELS),  # frame by frame
         ("consumed", np.int64),  # frames of `ready` that have left
+        ("delay", np.int64),  # frames by which the limiter delays the sound, QUANTUM; 0: there is none
+        ("held", np.float64, (MOST_CHANNELS, QUANTUM)),  # the mix that the limiter delays
+        ("allowed", np.float64, 2 * QUANTUM),  # gain that each frame of it, and then of `mix`, allows
         ("limit", np.float64),  # the limiter's gain
         ("stems_on", np.int64),
         ("gain", np.float64, 2),  # of everything, gliding: at the quantum's beginning and end
         ("silent", np.int64),  # 1: nothing sounded in the last quantum
-        ("stems", np.float64, (STEMS, MOST_CHANNELS, QUANTUM)),  # each slot's share, where they are asked for
-        ("stem_sounds", np.int64, STEMS),  # 1: that is not silence
+        ("turn", np.int64),  # which of two quanta of stems was computed last
+        ("stems", np.float64, (2, STEMS, MOST_CHANNELS, QUANTUM)),  # each slot's share, where they are asked for
+        ("stem_sounds", np.int64, (2, STEMS)),  # 1: that is not silence
     ],
     align=True,
 )
@@ -324,16 +328,16 @@ STATE = np.dtype(
 
 
 def new_state(rate: float, channels: int = 2, memory: mmap.mmap | None = None) -> NDArray[np.void]:
-    """A fresh engine state, (1,) of STATE, 64-byte aligned, for a sampling rate in Hz and a number of channels.
+    """Return a fresh engine state, (1,) of STATE, 64-byte aligned, for a sampling rate in Hz and a number of channels.
 
-    memory: zeros that hold it; None: new ones.
+    memory: zeros that hold it; None: new ones. It has no limiter.
     """
     state: NDArray[np.void] = np.frombuffer(memory or own_zeros(STATE.itemsize), STATE)
     record = state[0]
     record["rate"] = rate
     record["output"]["channels"] = channels
     record["output"]["consumed"] = QUANTUM
-    record["output"]["limit"] = record["output"]["gain"] = 1.0
+    record["output"]["limit"] = record["output"]["gain"] = record["output"]["allowed"] = 1.0
     record["output"]["silent"] = 1
     record["stats"]["limit_lowest"] = 1.0
     record["scratch"]["together"]["known"] = -1

@@ -11,7 +11,7 @@ from ..bodies.striker import StrikerSound
 from ..contact.accuracy import LEVELS
 from ..engine.capacity import USUAL_MODES, USUAL_OBJECTS, check_sizes
 from ..engine.commands import Command, Handle, Kind
-from ..engine.state import ENDED, RING, TAP, End, Quality
+from ..engine.state import ENDED, QUANTUM, RING, TAP, End, Quality
 from ..native.atomics import observe, publish
 from ..native.code import Code, load
 from ..native.system import clock_ns
@@ -25,6 +25,7 @@ from .meter import Meter
 from .ring import KEPT_FOR_NOW as KEPT_FOR_NOW
 from .ring import NOW as NOW
 from .ring import Ring
+from .stems import Stems
 from .strikers import Strikers
 
 _STEADY = 1e-3  # s by which the clock may turn out to be wrong before what is said of it changes
@@ -53,22 +54,32 @@ def prepare() -> None:
 class Engine:
     """A running engine at one sampling rate (Hz), with a number of channels, 1 to MOST_CHANNELS (channels.py).
 
-    It holds so many modes and objects at most. Memory is taken as they are made.
+    It holds so many modes and objects at most. Memory is taken as they are made. limited: whether it has a limiter, on
+    or off, which delays the sound by a quantum.
 
     `process` computes sound here and now; a sound card's thread may do the same through `address` and `pointer`, while
     one other thread at a time makes objects and sends commands.
     """
 
-    def __init__(self, rate: float, channels: int = 2, modes: int = USUAL_MODES, objects: int = USUAL_OBJECTS) -> None:
+    def __init__(
+        self,
+        rate: float,
+        channels: int = 2,
+        modes: int = USUAL_MODES,
+        objects: int = USUAL_OBJECTS,
+        limited: bool = False,
+    ) -> None:
         check_sizes(channels, modes, objects)
         load(callback.__module__)  # before the memory, which may leave no room for code that lies together
         self.state = fresh_state(rate, channels)
         self._record = self.state[0]
+        self._record["output"]["delay"] = QUANTUM if limited else 0
         self.ring = Ring(self._record)
         self.meter = Meter(self._record)
         self._pointer, self._channels = self.state.ctypes.data, channels
         self._pace: tuple[int, float, float] | None = None
         self._memory = Memory(self._record, modes, objects)
+        self.stems = Stems(self._record)
         self._strikers = Strikers(self._record, self.top_frequency)
         self._ends_read = 0
 
@@ -97,8 +108,9 @@ class Engine:
         return 1e9 / period if period else self.rate
 
     def set_latency(self, latency: float) -> None:
-        """Say how long (s) after its callback a sound is heard: events that have a time begin that much earlier."""
-        self._record["clock"]["latency"] = latency * self.rate
+        """Say how long (s) after its callback a sound is heard: events that have a time begin that much earlier, and
+        earlier by the limiter's delay."""
+        self._record["clock"]["latency"] = latency * self.rate + self.delay
 
     @property
     def thread(self) -> int:
@@ -113,6 +125,16 @@ class Engine:
     def position(self) -> int:
         """Samples computed so far."""
         return int(self._record["position"])
+
+    @property
+    def delay(self) -> int:
+        """Samples by which the limiter delays the sound; 0 without one."""
+        return int(self._record["output"]["delay"])
+
+    @property
+    def left(self) -> int:
+        """Samples of sound that have left the limiter so far."""
+        return max(self.position - self.delay, 0)
 
     def stamp(self, time: int) -> Stamp:
         """A time of `clock_ns` for `send`. Two stamps compare as their times do, unless the clock is set meanwhile."""
@@ -189,7 +211,8 @@ class Engine:
         return objects
 
     def process(self, frames: int) -> NDArray[np.float32]:
-        """The next `frames` frames, float32 (frames, channels)."""
+        """Return the next `frames` frames, float32 (frames, channels). A limiter begins with `delay` frames of silence,
+        which offline callers drop."""
         out = np.empty((frames, self._channels), np.float32)
         callback(None, out.ctypes.data, frames, _NO_TIMES_AT, 0, self._pointer)
         return out
@@ -267,21 +290,6 @@ class Engine:
         """(n,) of TRACE: the forces of contacts since the last call; call it every 1,024 frames, so that none is
         lost."""
         return self._taken("trace", self._record["trace"]["entries"])
-
-    def keep_stems(self, on: bool) -> None:
-        """Keep each object's share of the quantum computed last for `stems`, or no more."""
-        self._record["output"]["stems_on"] = on
-
-    def stems(self) -> NDArray[np.float64]:
-        """(STEMS, channels, QUANTUM) by slot: each object's share of the quantum computed last, before the limiter. A
-        view: call `process` quantum by quantum."""
-        stems: NDArray[np.float64] = self._record["output"]["stems"][:, : self.channels]
-        return stems
-
-    def sounding_stems(self) -> list[int]:
-        """The slots whose stems are not silent."""
-        sounding: list[int] = np.flatnonzero(self._record["output"]["stem_sounds"]).tolist()
-        return sounding
 
     def limited_energy(self) -> NDArray[np.float64]:
         """By slot: the sum of squares of each object's share of the mix, over the quanta that the limiter turned down

@@ -26,13 +26,15 @@ class Recorder:
     """
 
     def __init__(
-        self, engine: Engine, path: Path, take: Callable[[], NDArray[np.float32]] | None = None, anew: bool = False
-    ) -> None:
+        self, engine: Engine, path: Path, take: Callable[[], NDArray[np.float32]] | None = None, anew: bool = False,
+        comment: str = "",
+    ) -> None:  # fmt: skip
         """take: what has sounded since its last call; None: the engine's own `recorded`, which nobody else may call.
-        anew: an OSError if there is such a file."""
+        anew: an OSError if there is such a file. comment: in the file's metadata."""
         if path.suffix.lower() not in ("", ".wav"):
             raise RecordError(f"{path}: expected a name that ends in .wav")
         self._engine = engine
+        self._comment = comment
         self._out = OutFile(path, anew)
         self._file: FloatWav | None = None
         self._stop = threading.Event()
@@ -47,7 +49,7 @@ class Recorder:
         """Begin to write, from the engine's first sample on. OSError if that fails."""
         self._out.begin()
         try:
-            self._file = FloatWav(self._out.descriptor, round(self._engine.rate), self._engine.channels)
+            self._file = FloatWav(self._out.descriptor, round(self._engine.rate), self._engine.channels, self._comment)
         except OSError as error:
             self._out.begun = False
             raise OSError(error.errno, error.strerror, str(self._out.path)) from error

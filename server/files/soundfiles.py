@@ -23,16 +23,20 @@ class SoundWriter(Protocol):
         """Complete the file; its descriptor stays open."""
 
 
-def open_sound(descriptor: int, rate: int, channels: int, container: str, subtype: str) -> SoundWriter:
+def open_sound(
+    descriptor: int, rate: int, channels: int, container: str, subtype: str, comment: str = ""
+) -> SoundWriter:
     """Write sound at a rate (Hz) to an open, empty file: container WAV or FLAC, subtype as libsndfile names it.
 
-    Errors here and in `write`: OSError for float WAV, LibsndfileError for the rest.
+    comment: ASCII, in its metadata. Errors here and in `write`: OSError for float WAV, LibsndfileError for the rest.
     """
     if (container, subtype) == ("WAV", "FLOAT"):
-        return FloatWav(descriptor, rate, channels)
+        return FloatWav(descriptor, rate, channels, comment)
     # libsndfile gets the descriptor itself, so that it sees errors of writing.
     file = soundfile.SoundFile(descriptor, "w", rate, channels, subtype=subtype, format=container, closefd=False)
     # The peak chunk holds the time of day, and equal sounds would not be equal files. soundfile has no word for this.
     soundfile._snd.sf_command(file._file, _SET_ADD_PEAK_CHUNK, soundfile._ffi.NULL, 0)
+    if comment:
+        file.comment = comment
     writer: SoundWriter = file
     return writer

@@ -79,10 +79,18 @@ class StemSpools:
             self._spools[name].put(samples, self._first)
         self._waiting.clear()
 
-    def save(self, file_of: Callable[[str], Path], rate: int, format: str | None, frames: int, gain: float) -> None:
-        """Write the first frames of each object, times a gain, to the file that its name gets."""
+    def save(
+        self,
+        file_of: Callable[[str], Path],
+        rate: int,
+        format: str | None,
+        frames: int,
+        gain: float,
+        comment: str,
+    ) -> None:
+        """Write the first frames of each object, times a gain, to the file that its name gets, with a comment."""
         self._flush()
         for name, spool in self._spools.items():
-            with writing(file_of(name), rate, self._channels, format) as write:
+            with writing(file_of(name), rate, self._channels, format, comment) as write:
                 for piece in spool.pieces(gain, frames):
                     write(piece)

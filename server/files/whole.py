@@ -23,11 +23,12 @@ class RenderError(ValueError):
 
 @contextmanager
 def writing(
-    out: Path, rate: int, channels: int, format: str | None = None
+    out: Path, rate: int, channels: int, format: str | None = None, comment: str = ""
 ) -> Iterator[Callable[[NDArray[np.float32]], None]]:
     """A function that appends float32 (frames, channels) to a WAV or FLAC file, told by its ending, at a rate in Hz.
 
-    format: 16, 24 or float (None: 24 for FLAC, else float). The file appears under its name once it is whole.
+    format: 16, 24 or float (None: 24 for FLAC, else float). comment: in the file's metadata. The file appears under its
+    name once it is whole.
     RenderError or OSError say what went wrong.
     """
     container = _ENDINGS.get(out.suffix.lower())
@@ -43,7 +44,7 @@ def writing(
         raise RenderError(f"{out}: there is no folder {out.parent}")
     with appearing(out) as descriptor:
         with _naming(out):
-            file = open_sound(descriptor, rate, channels, container, subtype)
+            file = open_sound(descriptor, rate, channels, container, subtype, comment)
 
         def write(sound: NDArray[np.float32]) -> None:
             with _naming(out):

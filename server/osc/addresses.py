@@ -10,6 +10,7 @@ from ...dsp.schema import (
     BY_RADIUS,
     CHANNELS,
     FORMS,
+    FULL_SCALE,
     GAIN,
     GESTURES,
     LAW,
@@ -167,6 +168,12 @@ _ENGINE = (
         "/channels",
         "sets the number of channels that a score is rendered with; a server refuses any other number than its own",
         (CHANNELS,),
+    ),
+    Verb(
+        "/full_scale",
+        "sets the pressure that is full scale, of objects whose level is 0 dB, as a score is rendered; a server "
+        "refuses any other than its own",
+        (FULL_SCALE,),
     ),
     Verb("/panic", "ends everything: all sound fades within 11 ms; objects stay"),
 )

@@ -1,5 +1,6 @@
 """Handlers of messages to the engine as a whole, alike in a score and on a server."""
 
+import math
 from collections.abc import Callable
 
 from ...dsp.contact.accuracy import LEVELS
@@ -15,6 +16,8 @@ from .transaction import Sent, Transaction
 
 Handler = Callable[[Transaction, Call, Values], None]
 """Adds what a call asks for, by its checked values, to a transaction."""
+
+_AS_TOLD = 1e-6  # by which a float32 may miss a number
 
 
 def send(transaction: Transaction, message: Message, command: Command) -> None:
@@ -75,6 +78,12 @@ def _channels(transaction: Transaction, call: Call, values: Values) -> None:
         raise Refused(f"channels = {asked}: expected {there}, as many as were opened at the start")
 
 
+def _full_scale(transaction: Transaction, call: Call, values: Values) -> None:
+    asked, scale = values.numbers["full_scale"], transaction.scale
+    if not scale.calibrated and not math.isclose(asked, scale.full_scale, rel_tol=_AS_TOLD):
+        raise Refused(f"full_scale = {asked:g}: expected {scale.full_scale:g} Pa, as was chosen at the start")
+
+
 def _contact(transaction: Transaction, call: Call, values: Values) -> None:
     method = values.words["method"]
     correction = values.words.get("correction", "none")
@@ -101,6 +110,7 @@ ENGINE_HANDLERS: dict[str, Handler] = {
     "/gain": _gain,
     "/limiter": _limiter,
     "/channels": _channels,
+    "/full_scale": _full_scale,
     "/panic": _panic,
 }
 """By address."""

@@ -8,19 +8,31 @@ from ...presets import ObjectPreset
 
 @dataclass(frozen=True)
 class Scale:
-    """Levels of objects and of gestures on them. calibrated: samples are pascals, whatever the presets' levels."""
+    """Levels of objects and of gestures on them.
+
+    calibrated: samples are pascals, whatever the presets' levels. Else full_scale (Pa) is 1.0 of an object of level 0.
+    """
 
     calibrated: bool = False
+    full_scale: float = FULL_SCALE_PRESSURE
 
     def object(self, preset: ObjectPreset) -> float:
-        """The value of a sample for each Pa of an object."""
-        return 1.0 if self.calibrated else _amplitude(preset.level) / FULL_SCALE_PRESSURE
+        """Return the value of a sample for each Pa of an object."""
+        return 1.0 if self.calibrated else _amplitude(preset.level) / self.full_scale
 
     def gesture(self, preset: ObjectPreset, kind: str) -> float:
-        """The amplitude of gestures of a kind on an object, times their own gain."""
+        """Return the amplitude of gestures of a kind on an object, times their own gain."""
         return 1.0 if self.calibrated else _amplitude(preset.gesture_levels.get(kind, 0.0))
+
+    @property
+    def said(self) -> str:
+        """What a sample of 1.0 is, for the metadata of sound files."""
+        return "1.0 is 1 Pa" if self.calibrated else f"1.0 is {self.full_scale:.6g} Pa of an object of level 0 dB"
+
+
+USUAL_SCALE = Scale()
 
 
 def _amplitude(level: float) -> float:
-    """The amplitude of a level in dB."""
+    """Return the amplitude of a level in dB."""
     return float(10.0 ** (level / 20.0))

@@ -17,7 +17,7 @@ from ..world.wire import TellsWorld
 from .gesture_ids import Ended, GestureIds
 from .limits import ContactLaws, least_radius
 from .objects import ObjectTable
-from .scale import Scale
+from .scale import USUAL_SCALE, Scale
 from .transaction import Sent, Transaction
 from .translate import translate
 
@@ -28,9 +28,11 @@ if TYPE_CHECKING:
 class Session:
     """The objects and gestures of an engine, by name, and the messages that make and change them."""
 
-    def __init__(self, engine: Engine, presets: Presets, steers_ended: bool = False, calibrated: bool = False) -> None:
+    def __init__(
+        self, engine: Engine, presets: Presets, steers_ended: bool = False, scale: Scale = USUAL_SCALE
+    ) -> None:
         """steers_ended: steering a gesture that has ended is answered by /warning, not /fail. A score can't know when
-        friction ends a roll. calibrated: the sound is in Pa: presets' levels do not count, and there is no limiter."""
+        friction ends a roll. scale: of the samples; a calibrated one goes with an engine that has no limiter."""
         self.engine = engine
         self.presets = presets
         self.objects = ObjectTable(engine)
@@ -38,7 +40,7 @@ class Session:
         self._laws = ContactLaws(presets)
         self._world = TellsWorld(presets, engine.top_frequency, engine.channels)
         self._steers_ended = steers_ended
-        self.scale = Scale(calibrated)
+        self.scale = scale
         self.on_sent: Callable[[int, list[Sent]], object] = lambda first, sent: None
         """Called with all commands that are sent: the number of the first, and what each stands for."""
 

@@ -74,7 +74,7 @@ class Measured(NamedTuple):
 def measure(presets: Presets, case: Case, level: str) -> Measured:
     """How exact an object's sound is; the reference's own error is sought where the promise is not kept at `exact`."""
     engine = Engine(case.rate)
-    engine.keep_stems(True)  # so that the modes stay out of the spectral bank, and can be looked at
+    engine.stems.keep(True)  # so that the modes stay out of the spectral bank, and can be looked at
     engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index(level))])
     preset = presets.object(case.name)
     modes = replace(preset.modes(engine.top_frequency), glide=0.0)

@@ -129,7 +129,7 @@ def main(count: int) -> int:
         worst, uncoupled, infinite = (0.0, ""), 0, 0
         for rate in RATES:
             engine = Engine(rate)
-            engine.keep_stems(True)  # so that the modes stay out of the spectral bank, and can be looked at
+            engine.stems.keep(True)  # so that the modes stay out of the spectral bank, and can be looked at
             engine.send([Command(NOW, Kind.ACCURACY, value=level), Command(NOW, Kind.LIMITER, value=0.0)])
             for _ in range(count // (len(RATES) * len(LEVELS))):
                 case = random_case(random, rate)

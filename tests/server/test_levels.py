@@ -16,7 +16,7 @@ def test_the_levels_of_modes_are_told_wherever_they_ring(pan):
     levels = []
     for stems in (False, True):  # with stems, modes stay out of the spectral bank
         engine = Engine(RATE)
-        engine.keep_stems(stems)
+        engine.stems.keep(stems)
         handle = engine.add(BODY, 10.0)
         engine.send([setting(handle, "pan", pan), impact(handle, (0.002, 1e9, 0.5, 1.5), 0.0, velocity=1.0)])
         engine.process(9_600)

@@ -72,7 +72,7 @@ def test_pascals_are_not_limited():
     warnings: list[str] = []
     options = Options(seconds=0.3, calibrated=True)
     lines = parse(text.encode(), "score")
-    sound = np.concatenate(list(blocks(lines, Engine(48_000), Presets(), options, warn=warnings.append)))
+    sound = np.concatenate(list(blocks(lines, options.engine(lines), Presets(), options, warn=warnings.append)))
     assert np.abs(sound).max() > 100.0
     assert warnings == ["score:3: /limiter: no effect: samples are pascals, which nothing limits"]
 

@@ -19,7 +19,6 @@ EPSILON = np.finfo(np.float32).eps
 def heard(channels, frames=FRAMES, then=(), **settings):
     """An object's sound on some channels, as float64 (frames, channels)."""
     engine = Engine(RATE, channels)
-    set_limiter(engine, False)
     handle = engine.add(bell(), 1.0, **settings)
     engine.send([command(handle) for command in then])
     strike(engine, handle)
@@ -85,11 +84,9 @@ def test_pressure_falls_with_the_distance(channels):
 def test_no_change_of_a_gain_makes_a_step(change):
     """From one frame to the next the gain changes by no more than a hundredth of what it changes by in all."""
     engine = Engine(RATE, 4)
-    set_limiter(engine, False)
     handle = engine.add(bell(8, t60=20.0), 1.0)
     strike(engine, handle)
     still = Engine(RATE, 4)
-    set_limiter(still, False)
     strike(still, still.add(bell(8, t60=20.0), 1.0))
     engine.process(640), still.process(640)
     engine.send(
@@ -112,33 +109,31 @@ def test_no_change_of_a_gain_makes_a_step(change):
 
 def test_the_main_gain_counts_at_once_where_nothing_sounds():
     engine, handle = (engine := Engine(RATE, 1)), engine.add(bell(), 1.0)
-    engine.send([Command(NOW, Kind.LIMITER, value=0.0), Command(NOW, Kind.GAIN, value=0.25), impact(handle)])
+    engine.send([Command(NOW, Kind.GAIN, value=0.25), impact(handle)])
     np.testing.assert_allclose(engine.process(FRAMES)[:, 0], 0.25 * POINT, rtol=2 * EPSILON)
 
 
 @pytest.mark.parametrize("channels", [1, 2, 8])
 def test_shares_add_up_to_the_sound(channels):
     engine = Engine(RATE, channels)
-    set_limiter(engine, False)
     a, b, c = (engine.add(bell(n), 2.0, pan=pan) for n, pan in ((5, -1.0), (24, 0.0), (40, 0.7)))
     engine.send([gesture(Kind.IMPACT, a, (0.01, 1e7, 0.5, 1.5), by=b, velocity=1.0, by_position=0.5), impact(c)])
     engine.send([setting(b, "pan", 0.9, 1000.0), Command(3000.0, Kind.GAIN, value=3.0), Command(5000.0, Kind.PANIC)])
-    engine.keep_stems(True)
+    engine.stems.keep(True)
     loudest = 0.0
     for _ in range(100):
         sound = engine.process(QUANTUM)
-        assert engine.stems().shape == (STEMS, channels, QUANTUM)
+        assert engine.stems.shares().shape == (STEMS, channels, QUANTUM)
         loudest = max(loudest, np.abs(sound).max())
-        np.testing.assert_allclose(engine.stems().sum(axis=0).T, sound, rtol=EPSILON, atol=1e-7 * loudest)
+        np.testing.assert_allclose(engine.stems.shares().sum(axis=0).T, sound, rtol=EPSILON, atol=1e-7 * loudest)
     assert loudest > 0.1 and not sound.any()
 
 
 def test_the_limiter_turns_all_channels_down_alike():
-    free, limited = Engine(RATE, 8), Engine(RATE, 8)
-    set_limiter(free, False)
+    free, limited = Engine(RATE, 8), Engine(RATE, 8, limited=True)
     for engine in (free, limited):
         strike(engine, engine.add(bell(), 1e3, pan=0.1))
-    loud, sound = free.process(FRAMES), limited.process(FRAMES)
+    loud, sound = free.process(FRAMES), limited.process(FRAMES + QUANTUM)[QUANTUM:]
     held = np.abs(loud).max(axis=1) > 0.01 * np.abs(loud).max()
     ratio = sound[held][:, :3] / np.where(loud[held][:, :3] == 0, 1, loud[held][:, :3])
     assert np.abs(sound).max() <= 1.0 < np.abs(loud).max()
@@ -146,7 +141,7 @@ def test_the_limiter_turns_all_channels_down_alike():
 
 
 def test_a_limiter_that_is_switched_off_lets_go_without_a_step():
-    engine = Engine(RATE, 1)
+    engine = Engine(RATE, 1, limited=True)
     strike(engine, engine.add(bell(1, t60=20.0), 1e5))
     engine.process(9600)
     set_limiter(engine, False)

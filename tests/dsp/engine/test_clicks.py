@@ -11,7 +11,7 @@ from carom.dsp.bodies import acceleration
 from carom.dsp.bodies.modes import Modes
 from carom.dsp.bodies.radiation import air
 from carom.dsp.runtime.engine import Engine
-from tests.dsp.engine.support import RATE, bell, impact, set_limiter, setting, strike
+from tests.dsp.engine.support import RATE, bell, impact, setting, strike
 
 C, RHO = air.SPEED, air.DENSITY
 
@@ -31,7 +31,6 @@ def steel(radius):
 def struck(law, radius, time, rate=RATE):
     """The sound (512, 2) of a sphere that is struck with its own mass at 1 m/s."""
     engine = Engine(rate)
-    set_limiter(engine, False)
     strike(engine, engine.add(body(acceleration.sphere(law[0], radius))), law, time)
     return engine.process(512).astype(float)
 
@@ -111,7 +110,6 @@ def test_no_contact_feels_a_click():
 
     def sound(click):
         engine = Engine(RATE)
-        set_limiter(engine, False)
         engine.trace(True)
         handle = engine.add(body(click, bell(n=9, modal_mass=0.05)))
         engine.send([impact(handle, time=40.0 * i, velocity=1.0 + i) for i in range(4)])
@@ -130,7 +128,6 @@ def test_no_contact_feels_a_click():
 def test_settings_of_the_modes_leave_the_click(name, value):
     def sound(*settings):
         engine = Engine(RATE)
-        set_limiter(engine, False)
         handle = engine.add(body(acceleration.sphere(0.1, 0.03)))
         engine.send([setting(handle, *each) for each in settings])
         strike(engine, handle, time=100.0)

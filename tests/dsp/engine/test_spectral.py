@@ -14,7 +14,7 @@ from carom.dsp.runtime.engine import NOW, Engine
 from carom.dsp.schema import FORMS
 from carom.server.telling import mode_levels
 from tests.accuracy import RINGING
-from tests.dsp.engine.support import RATE, active, free, gesture, impact, panic, set_limiter, setting, strike
+from tests.dsp.engine.support import RATE, active, free, gesture, impact, panic, setting, strike
 
 ERROR, SINGLE_ERROR = (10 ** (promise.bound / 20) for promise in RINGING.values())
 COUNT, SIZE = 6, 256
@@ -38,7 +38,6 @@ BODIES = [plate(seed) for seed in range(COUNT)]
 def played(which, commands, channels=2, blocks=(QUANTUM,), first=()):
     """The sound of some of the bodies, and how many modes were in the bank at most; commands(handle, k) of each."""
     engine = Engine(RATE, channels)
-    set_limiter(engine, False)
     handles = {k: engine.add(BODIES[k], LEVEL) for k in which}
     engine.send([*first, *(command for k, handle in handles.items() for command in commands(handle, k))])
     sound, most, n = [], 0, 0

@@ -170,12 +170,12 @@ def test_contacts_that_last_longer_than_a_turn_leave_turns_out():
 def test_an_object_that_spins_rings_too():
     engine = Engine(RATE)
     table, coin = engine.add(bell(), 1.0), engine.add(bell(n=8), 1.0, pan=0.0)
-    engine.keep_stems(True)
+    engine.stems.keep(True)
     engine.send([gesture(Kind.SPIN, table, COIN, 0.0, 7, by=coin, **{**EURO, "duration": 0.5})])
     heard = 0.0
     for _ in range(100):
         engine.process(QUANTUM)
-        heard = max(heard, np.abs(engine.stems()[coin.slot]).max())
+        heard = max(heard, np.abs(engine.stems.shares()[coin.slot]).max())
     assert heard > 0
 
 

@@ -13,7 +13,7 @@ from carom.dsp.engine.commands import Kind
 from carom.dsp.engine.state import QUANTUM
 from carom.dsp.engine.striker_state import STRIKERS, VOICES
 from carom.dsp.runtime.engine import Engine
-from tests.dsp.engine.support import HARD, RATE, active, bell, free, gesture, impact, panic, set_limiter, setting, stop
+from tests.dsp.engine.support import HARD, RATE, active, bell, free, gesture, impact, panic, setting, stop
 from tests.dsp.engine.test_clicks import spectrum_by_quadrature, steel
 
 RADIUS = 0.008
@@ -32,9 +32,7 @@ def wall(engine, level=1.0, **settings):
 
 
 def started(rate=RATE):
-    engine = Engine(rate)
-    set_limiter(engine, False)
-    return engine
+    return Engine(rate)
 
 
 def sound_of(*commands, engine, frames=2048):
@@ -74,13 +72,13 @@ def test_it_is_heard_with_the_object(level):
     values = engine.lay_out_striker(BALL_SOUND)
     plain = sound_of(impact(wall(engine), BALL, 100.0, **values), engine=engine)
     engine = started()
-    engine.keep_stems(True)
+    engine.stems.keep(True)
     handle = wall(engine, level, gain=0.5, pan=-1.0)
     engine.send([impact(handle, BALL, 100.0, **engine.lay_out_striker(BALL_SOUND))])
     stems = []
     for _ in range(2048 // QUANTUM):
         sound = engine.process(QUANTUM)
-        stems.append(engine.stems()[handle.slot].T.copy())
+        stems.append(engine.stems.shares()[handle.slot].T.copy())
         np.testing.assert_allclose(sound, stems[-1], atol=1e-6)
     expected = plain * [0.5 * level * math.sqrt(2), 0]
     np.testing.assert_allclose(np.concatenate(stems), expected, atol=1e-6 * level)

@@ -53,7 +53,7 @@ def sound(modes, rate, law, velocity, position):
     """What the modes below TOP sound like once in each 64th of 48,000 samples in a second."""
     engine = Engine(rate)
     engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index("exact"))])
-    engine.keep_stems(True)  # so that the modes stay out of the spectral bank, and can be looked at
+    engine.stems.keep(True)  # so that the modes stay out of the spectral bank, and can be looked at
     handle = engine.add(replace(modes, glide=0.0), 1e3)
     ratio = rate // RATE
     strike(engine, handle, law, 4.0 * ratio - 1, velocity, position=position)

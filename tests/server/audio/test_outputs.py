@@ -31,20 +31,19 @@ LEAD = 1.0  # s before the first event, for the recorder to connect
 
 PLAYER = """
 import sys, time
-from carom.dsp.runtime.engine import Engine
 from carom.server.audio.outputs import open_output
 from carom.presets.library import Presets
 from carom.server.render import Options
 from carom.server.scene.session import Session
 from carom.server.osc.score import read, sample_at
 score = read(sys.argv[1])
-engine = Engine(48_000, Options().channels_of(score))
+engine = Options().engine(score)
 scene = Session(engine, Presets())
 for line in sorted(score, key=lambda line: line.time):
     assert all(r.address == "/done" for r in scene.perform([line.message], sample_at(line.time + 1.0, 48_000)))
 output = open_output(engine, sys.argv[2], 0)
 output.start()
-while engine.position < float(sys.argv[3]) * 48_000:
+while engine.position < float(sys.argv[3]) * 48_000 + engine.delay:
     time.sleep(0.01)
 output.close()
 print(engine.stats.underflows)

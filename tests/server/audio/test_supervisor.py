@@ -165,16 +165,18 @@ def test_a_device_is_served_while_python_is_held_up(tmp_path, request):
 
 
 def test_latency_is_asked_for_and_told(tmp_path):
-    engine = Engine(48_000)
+    """The limiter's delay is counted."""
+    engine = Engine(48_000, limited=True)
     player = Player(engine, "none", 480, 0.05)
-    assert player.requested == player.latency == 0.05 and engine.state["clock"]["latency"][0] == 2_400
+    assert player.requested == player.latency == 0.05 and engine.state["clock"]["latency"][0] == 2_400 + engine.delay
     player.close()
     with serving(tmp_path, "--device", "none", "--latency", "0.03") as server:
         with server.client() as client:
             within(30, lambda: 0 < status(client)["latency_measured"] < 0.03)  # a busy machine is late at first
             told = status(client)
         server.quit()
-    assert told["latency"] == told["latency_requested"] == pytest.approx(0.03)
+    assert told["latency_requested"] == pytest.approx(0.03)
+    assert told["latency"] == pytest.approx(0.03 + engine.delay / 48_000)
     assert told["latency_measured"] >= 0 and told["device"] == "none" and told["time"] > 0
 
 

@@ -41,7 +41,7 @@ def test_seconds_name_every_sample_that_the_engine_lets_live_events_fall_on(rate
 def replay(tmp_path, rng, messages: Callable[[], list[Message]], rounds: int, options=None) -> list[Line]:
     """Carry out messages for now, for later, too late, by samples and by the clock; what is logged renders to what was
     heard. options: a server's, with which engine and log begin. Returns the log."""
-    engine = options.engine() if options else Engine(48_000)
+    engine = options.engine() if options else Engine(48_000, limited=True)
     scene = Session(engine, PRESETS)
     log = Log(engine, tmp_path / "log.txt", options.head if options else ())
     scene.on_sent = log.expect
@@ -61,12 +61,12 @@ def replay(tmp_path, rng, messages: Callable[[], list[Message]], rounds: int, op
         log.write()
     sound.append(engine.process(30_000))
     log.close()
-    heard = np.concatenate(sound)
+    heard = np.concatenate(sound)[engine.delay :]
     assert heard.any() and log.error is None
     lines = read(tmp_path / "log.txt")
     assert [line.time for line in lines] == sorted(line.time for line in lines)
     options = Options(seconds=len(heard) / 48_000)
-    np.testing.assert_array_equal(np.concatenate(list(blocks(lines, Engine(48_000), PRESETS, options))), heard)
+    np.testing.assert_array_equal(np.concatenate(list(blocks(lines, options.engine(lines), PRESETS, options))), heard)
     return lines
 
 
@@ -144,7 +144,7 @@ def test_a_server_s_log_renders_to_its_recording(tmp_path):
     said = [line.message.address for line in lines]
     assert said.count("/object/a/impact") == 3 + 3 + 1 and said.count("/object/b/impact") == 3 + 3
     assert (
-        said[:6] == ["/channels", "/limiter", "/gain", "/budget", "/bank", "/contact"]
+        said[:7] == ["/channels", "/full_scale", "/limiter", "/gain", "/budget", "/bank", "/contact"]
         and "/panic" in said
         and "/object/nobody/impact" not in said
     )
@@ -153,9 +153,9 @@ def test_a_server_s_log_renders_to_its_recording(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_log_s_head_says_channels_limiter_and_gain(tmp_path):
+def test_a_log_s_head_says_channels_full_scale_limiter_and_gain(tmp_path):
     """It renders to the recording of a server that was started with other ones, and changed while it played."""
-    options = ("--device", "none", "--record", "out.wav", "--log", "log.txt")
+    options = ("--device", "none", "--record", "out.wav", "--log", "log.txt", "--full-scale", "0.7Pa")
     with serving(tmp_path, *options, "--channels", "3", "--gain", "9.5", "--limiter", "off") as server:
         with server.client() as client:
             client.new("a", "glockenspiel-bar", gains=[0.2, -1.0], distance=2.0)
@@ -178,9 +178,10 @@ def test_a_log_s_head_says_channels_limiter_and_gain(tmp_path):
             assert dict(zip((args := client.status().args)[9::2], args[10::2], strict=True))["limited"] > 0
         server.quit()
     lines = read(tmp_path / "log.txt")
-    said = [(line.time, line.message) for line in lines[:3]]
+    said = [(line.time, line.message) for line in lines[:4]]
     assert said == [
-        (0.0, Message("/channels", (3,))), (0.0, Message("/limiter", ("off",))), (0.0, Message("/gain", (9.5,)))
+        (0.0, Message("/channels", (3,))), (0.0, Message("/full_scale", (0.7,))),
+        (0.0, Message("/limiter", ("off",))), (0.0, Message("/gain", (9.5,))),
     ]  # fmt: skip
     assert sum(line.message.address == "/object/b/gains" for line in lines) == 1
     recorded, rate = soundfile.read(tmp_path / "out.wav", dtype="float32")
