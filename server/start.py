@@ -84,7 +84,7 @@ def _recorder(engine: Engine, path: Path, tap: Tap | None, comment: str) -> Reco
     if tap is None:
         return Recorder(engine, path, comment=comment)
     queue = Queue(engine.channels)
-    recorder = Recorder(engine, path, queue.take, comment)
+    recorder = Recorder(engine, path, queue.take, comment=comment)
     tap.add(queue)
     return recorder
 
