@@ -72,6 +72,7 @@ CONTACT = np.dtype(
         ("push_target", np.float64),  # to this
         ("sound", np.int64),  # place of its striker among those that sound, -1: none
         ("sound_serial", np.int64),
+        ("spot", np.uint64),  # of its striker that touches, by which second pulses scatter; 0: not known yet
         ("voice", np.int64),  # that it drives, -1: none
         # A roll or a slide:
         ("roll", np.int64),

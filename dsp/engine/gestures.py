@@ -135,6 +135,7 @@ def _describe(state, contact, event):
 def _choose_sound(state, contact, strike):
     """Say which striker's modes sound with a contact, if it has any, and have them ready."""
     contact.sound = contact.voice = -1
+    contact.spot = np.uint64(0)
     if strike.sound_serial > 0.0:
         contact.sound, contact.sound_serial = int(strike.sound), int(strike.sound_serial)
         striker = state.strikers[contact.sound]

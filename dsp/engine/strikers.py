@@ -17,7 +17,7 @@ from ..numerics.legendre import FALL, MOMENTS, RISE
 from ..numerics.random import STEP, mixed
 from ..resonator.bank import Point, inject, inject_fine, inject_kept, ring, ring_alike, state_of
 from ..resonator.simd import LANES
-from .commands import KIND_SPIN
+from .commands import KIND_BOUNCE, KIND_SPIN
 from .contact_record import RIM
 from .fade import fade_length, going_on, left_of, pace_of, tilt_of
 from .quality import silence_of
@@ -125,13 +125,15 @@ def _take_voice(state, contact, needed):
 def _second_pulse(striker, contact):
     """The momentum (N s) of the second pulse of a contact: it grows as a power of the velocity, and scatters.
 
-    It gives the modes no more energy than the contact takes from the striker.
+    Equal blows at equal times are equal. A round body, which does not turn as it bounces, lands on the same spot again,
+    so that its second pulses fall with its velocity. It gives the modes no more energy than the contact takes from the
+    striker.
     """
     v, e = contact.v_in, contact.pulse.restitution
-    # Equal blows at equal times are equal.
-    seed = mixed(np.uint64(np.int64(v * _FINE)) + mixed(np.uint64(np.int64(contact.start)) + STEP))
-    first = (np.float64(seed >> np.uint64(11)) + 1.0) * 2.0**-53
-    second = np.float64(mixed(seed + STEP) >> np.uint64(11)) * 2.0**-53
+    if contact.kind != KIND_BOUNCE or contact.target.irregularity > 0.0 or contact.spot == np.uint64(0):
+        contact.spot = mixed(np.uint64(np.int64(v * _FINE)) + mixed(np.uint64(np.int64(contact.start)) + STEP))
+    first = (np.float64(contact.spot >> np.uint64(11)) + 1.0) * 2.0**-53
+    second = np.float64(mixed(contact.spot + STEP) >> np.uint64(11)) * 2.0**-53
     normal = math.sqrt(-2.0 * math.log(first)) * math.cos(2.0 * math.pi * second)
     momentum = striker.momentum * v**striker.exponent * 10.0 ** (0.05 * striker.scatter * normal)
     return min(momentum, v * math.sqrt(max(1.0 - e * e, 0.0) * contact.m / striker.mobility))

@@ -74,7 +74,7 @@ MEANINGS = {
     ("ringing", "radiated"): "share of the loss that is sound",
     ("snap", "momentum"): "at 1 m/s",
     ("snap", "exponent"): "power of the velocity by which the momentum grows",
-    ("snap", "scatter"): "standard deviation of the momentum",
+    ("snap", "scatter"): "standard deviation of the momentum, from blow to blow; a round body bounces on one spot",
     ("snap", "delay"): "after the beginning of the contact",
     # Materials and surfaces.
     ("material", "density"): "",

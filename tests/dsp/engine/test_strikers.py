@@ -264,6 +264,23 @@ def test_second_pulses_scatter_and_equal_blows_are_equal():
     assert snap_of(1.0, snap=snap) == energies[0]
 
 
+@pytest.mark.parametrize(("irregularity", "scatter"), [(0.0, (0.0, 0.1)), (0.3, (1.0, 6.0))])
+def test_second_pulses_of_a_round_body_that_bounces_fall_with_its_velocity(irregularity, scatter):
+    """It lands on the same spot; one that turns lands on others."""
+    engine = started()
+    engine.trace(True)
+    values = engine.lay_out_striker(StrikerSound(0.0027, None, 1.0, RING, Snap(1e-6, 1.86, 2.8, 4e-4)))
+    values |= {"velocity": 1.0, "irregularity": irregularity, "seed": 3}
+    bounce = gesture(Kind.BOUNCE, wall(engine), PING_PONG, 100.0, 7, **values)
+    sound = sound_of(bounce, engine=engine, frames=48_000)[:, 0]
+    entries = engine.traced()
+    begins = np.unique(entries["contact"], return_index=True)[1]
+    times, speeds = entries["begin"][begins].astype(int), entries["speed"][begins]
+    energies = [(sound[time : time + 2_000] ** 2).sum() for time in times if time < 46_000]
+    levels = 10 * np.log10(energies) - 1.86 * 20 * np.log10(speeds[: len(energies)])
+    assert len(levels) > 4 and scatter[0] <= np.std(levels) < scatter[1]
+
+
 def test_a_second_pulse_gives_no_more_than_the_contact_takes():
     """However strong it was said to be: its modes get what a wall takes from the striker."""
     engine = started()
