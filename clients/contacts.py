@@ -24,17 +24,19 @@ class Contact:
 
     object: the name of the object touched; striker: that of the object that touched it (its key `by`), else empty;
     id: the gesture's `id`, else empty; gesture: impact, bounce, roll, press, spin or slide.
-    start: s on the scene's clock, between samples as it falls; duration: s until the last force ends; both as far as
-    this sound goes: a contact that outlasts it goes on in the next one. Both are exact in closed form; a contact that
-    is coupled to the modes ends with a frame.
-    position: 0 to 1 on the object's strike path, where it began. speed: m/s of the striker as they met; of a roll or a
-    slide, along the surface. mass: kg, of the striker.
+    start: s on the scene's clock, between samples as it falls; duration: s until the force ends; both as far as this
+    sound goes: a contact that outlasts it goes on in the next one.
+    position: 0 to 1 on the object's strike path, where it began. speed: m/s at which striker and object met; of a roll
+    or a slide, along the surface. velocity: m/s of the striker then, towards the object: below 0 where it was leaving,
+    and the object caught up with it; of a roll or a slide 0. mass: kg, of the striker.
     impulse: N s that the striker gave the object. A gesture's `gain` makes it louder, and is not in here.
     first: the first frame of the sound that the force reaches; force: (n,) N, its mean over the sample that ends with
     each frame from there on.
 
-    A bounce has a contact for each time that the striker comes back from a flight, a spin one for each turn. A roll or
-    a press is one contact; a roll's force is the excess over its weight, so that its sum tends to 0.
+    A contact ends where the two part, be it for a microsecond: where they meet again, another one begins. So a blow on
+    an object that gives way may be several contacts, whose impulses add up to what the striker loses; so may a press. A
+    roll or a slide is one contact, hops and all; a roll's force is the excess over its weight, so that its sum tends to
+    0.
     """
 
     object: str
@@ -45,6 +47,7 @@ class Contact:
     duration: float
     position: float
     speed: float
+    velocity: float
     mass: float
     impulse: float
     first: int
@@ -74,14 +77,14 @@ def assemble(
 def _contact(run: NDArray[np.void], rate: float, start: int, striking: Striking) -> Contact:
     first = int(run["sample"][0])
     force = np.zeros(int(run["sample"][-1]) - first + 1)
-    # A striker may leave and come back within one contact: no entries, no force. It may do so within one sample.
-    np.add.at(force, run["sample"] - first, run["impulse"] * rate)
+    force[run["sample"] - first] = run["impulse"] * rate  # a roll's may be 0 meanwhile, without an entry
     return Contact(
         striking.object, striking.striker, striking.id, striking.gesture,
         start=float(run["begin"][0]) / rate,
         duration=float(run["end"][-1] - run["begin"][0]) / rate,
         position=float(run["position"][0]),
         speed=float(run["speed"][0]),
+        velocity=float(run["velocity"][0]),
         mass=striking.mass,
         impulse=float(run["impulse"].sum()),
         first=first + 1 - start,

@@ -19,7 +19,9 @@ class Touching:
     slot: int
     position: float
     speed: float
-    """m/s, of the striker as it met the object, or along the surface."""
+    """m/s, at which striker and object met, or along the surface."""
+    velocity: float
+    """m/s, of the striker then, towards the object."""
     begin: float
     end: float = 0.0
     impulse: float = 0.0
@@ -58,7 +60,7 @@ class ContactWatch:
                 first = run[0]
                 touching = self._open[number] = Touching(
                     int(first["gesture"]), int(first["slot"]), float(first["position"]), float(first["speed"]),
-                    float(first["begin"]),
+                    float(first["velocity"]), float(first["begin"]),
                 )  # fmt: skip
             self._add(touching, run)
             if touching.goes_on:

@@ -93,7 +93,8 @@ class Teller:
         self._untold += max(0, len(blows) - _MOST_BLOWS)
         for blow in blows[-_MOST_BLOWS:]:
             seconds = (blow.end - blow.begin) / self._engine.rate
-            self._tell(Message("/hit", (*self._head(blow, blow.begin), blow.impulse, seconds)), listeners)
+            told = (*self._head(blow, blow.begin), blow.impulse, seconds, blow.velocity)
+            self._tell(Message("/hit", told), listeners)
         for touching in on[-_MOST_BLOWS:]:
             self._tell(Message("/touch", (*self._head(touching, touching.end), touching.strength)), listeners)
         if blows and (watchers := self._subscribers.of(LEVELS)):

@@ -181,9 +181,9 @@ def _contacts(contacts: tuple[Contact, ...]) -> list[Mapping[str, Any]]:
             {
                 "object": each.object, "by": each.striker, "gesture": each.gesture, "id": each.id,
                 "start": each.start, "duration": each.duration, "position": each.position,
-                "speed": each.speed, "mass": each.mass, "impulse": each.impulse,
-                "peak": each.peak, "energy": 0.5 * each.mass * each.speed**2 if free else 0.0,
-                "loss": each.impulse * (each.speed - 0.5 * each.impulse / each.mass) if free else 0.0,
+                "speed": each.speed, "velocity": each.velocity, "mass": each.mass, "impulse": each.impulse,
+                "peak": each.peak, "energy": 0.5 * each.mass * each.velocity**2 if free else 0.0,
+                "loss": each.impulse * (each.velocity - 0.5 * each.impulse / each.mass) if free else 0.0,
                 "first": each.first, "force_begin": begin, "force_count": len(each.force),
             }
         )  # fmt: skip

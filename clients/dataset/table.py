@@ -30,7 +30,7 @@ _OBJECT = pa.struct(
 _CONTACT = pa.struct(
     {
         **dict.fromkeys(("object", "by", "gesture", "id"), pa.string()),
-        **dict.fromkeys(("start", "duration", "position", "speed", "mass"), pa.float64()),
+        **dict.fromkeys(("start", "duration", "position", "speed", "velocity", "mass"), pa.float64()),
         **dict.fromkeys(("impulse", "peak", "energy", "loss"), pa.float64()),
         "first": pa.int64(),
         "force": pa.list_(pa.float32()),

@@ -8,15 +8,15 @@ from .server.limiting import LimiterWatch, Limiting
 from .server.options import OVER_BUDGET
 
 _COUNTERS = {
-    "contacts": "impacts",
-    "contacts_dropped": "contacts_dropped",
-    "strikers_cut": "strikers_cut",
-    "steps_held": "held",
-    "over_budget": "over_budget",
-    "late": "late",
-    "faults": "faults",
+    "contacts": ("impacts", "recontacts"),
+    "contacts_dropped": ("contacts_dropped",),
+    "strikers_cut": ("strikers_cut",),
+    "steps_held": ("held",),
+    "over_budget": ("over_budget",),
+    "late": ("late",),
+    "faults": ("faults",),
 }
-"""The engine's counter behind each count of a report."""
+"""The engine's counters that each count of a report adds up."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class Meter:
 
     def _counted(self) -> dict[str, int]:
         stats = self._engine.stats
-        return {name: getattr(stats, counter) for name, counter in _COUNTERS.items()}
+        return {name: sum(getattr(stats, each) for each in counters) for name, counters in _COUNTERS.items()}
 
     def look(self) -> None:
         """Take notice of all that was computed since the last look."""

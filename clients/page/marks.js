@@ -21,14 +21,14 @@ export class Marks {
     return this.flashes.length > 0 || this.balls.size > 0;
   }
 
-  hit(name, id, sample, position, speed, impulse) {
+  hit(name, id, sample, position, speed, impulse, seconds, velocity) {
     const object = this.table.scene.objects.get(name) ?? this.table.scene.objects.get(name.replace(/\.\d+(\.\d+)?$/, ""));
     if (!object) return;
     this.flashes.push({ object, position, speed, since: performance.now() });
     if (this.flashes.length > 60) this.flashes.shift();
     const ball = this.balls.get(id);
     // The striker's momentum says how fast it leaves, and so how high it comes and when it is back.
-    if (ball) Object.assign(ball, { position, up: Math.max(0, impulse / ball.mass - speed), since: performance.now(), falls: 0 });
+    if (ball) Object.assign(ball, { position, up: Math.max(0, impulse / ball.mass - velocity), since: performance.now(), falls: 0 });
   }
 
   /** Follow a striker that is dropped from a height. */

@@ -41,6 +41,7 @@ from .power_series import (
     TO_END,
     legendre_moments,
 )
+from .touches import TOUCH, TOUCHES, begin_touch, end_touch, look_at_touches
 
 MOST_STEPS = 3_000  # in a sample; what is left of it then is one held step
 KINKS = 32  # of the surface in a sample, at most
@@ -99,6 +100,10 @@ COUPLED = np.dtype(
         ("scale", np.float64),  # J: the greatest energy of the contact so far
         ("touching", np.int64),
         ("contacts", np.int64),
+        ("approach", np.float64),  # m/s: the speed at which striker and object last met
+        ("arrival", np.float64),  # m/s: the striker's velocity then
+        ("touched", np.int64),  # touches in this sample
+        ("touches", TOUCH, TOUCHES),  # the first of them
         ("steps", np.int64),
         ("held", np.int64),  # steps with the force held
     ],
@@ -132,7 +137,8 @@ def begin_coupled(contact, v, law, push, fraction, rate, tolerance):
     contact.gained = 0.0
     contact.scale = 0.0
     contact.touching = 0
-    contact.contacts = 0
+    contact.contacts = contact.touched = 0
+    contact.approach = contact.arrival = v
     contact.steps = 0
     contact.held = 0
     for j in range(NODES):
@@ -192,26 +198,34 @@ def step_coupled(contact, observed, moments):
             contact.wait = -1.0
             meets = True
         elif contact.touching or n == MOST_STEPS:
+            if contact.touching == 0:
+                begin_touch(contact, at)  # the last step may
             eta, released = stay(contact, left, n == MOST_STEPS)
         else:
             eta, meets = fly(contact.motion, left)
         move(contact, eta, at, moments)
         at = min(at + eta, 1.0) if eta < left or contact.kink < contact.kinks else 1.0
-        if meets or released:
-            contact.position -= contact.motion[0]
-            contact.motion[0] = 0.0
-        if meets and contact.motion[1] > 0.0:
-            touch(contact)
-        elif contact.motion[0] > 0.0:
-            contact.touching = 1
-        elif contact.motion[0] < 0.0 or released:
-            contact.touching = 0
-            for j in range(NODES):
-                contact.force[j] = 0.0
+        settle(contact, at, meets, released)
         pass_kinks(contact, at)
     legendre_moments(moments)
     moments[0] -= contact.rest_force * contact.period
     return contact.touching > 0
+
+
+@kernel
+def settle(contact, at, meets, released):
+    """Begin or end a touch at the end of a step: at a time in the sample, where striker and object meet or part."""
+    if meets or released:
+        contact.position -= contact.motion[0]
+        contact.motion[0] = 0.0
+    if meets and contact.motion[1] > 0.0:
+        _touch(contact, at)
+    elif contact.motion[0] > 0.0 and contact.touching == 0:
+        begin_touch(contact, at)
+    elif contact.motion[0] < 0.0 or released:
+        end_touch(contact, at)
+        for j in range(NODES):
+            contact.force[j] = 0.0
 
 
 @kernel
@@ -233,7 +247,8 @@ def pass_kinks(contact, at):
 
 @kernel
 def look(contact, observed):
-    """Find the compression over the sample, if no more force acted."""
+    """Find the compression over the sample, if no more force acted; begin the record of its touches."""
+    look_at_touches(contact)
     place = 0.0
     for k in range(FINE):
         place += POWERS[0, k] * observed[k]
@@ -271,8 +286,8 @@ def lift(contact, answer, force):
 
 
 @kernel
-def touch(contact):
-    """Begin a contact at x = 0: the first step is a share of its natural time, or of strong dissipation's.
+def _touch(contact, at):
+    """Begin a touch at x = 0: the first step is a share of its natural time, or of strong dissipation's.
 
     Where a restitution was given, mu follows from the speed at which striker and object meet.
     """
@@ -281,8 +296,7 @@ def touch(contact):
         contact.mu = contact.w / max(v, contact.slowest)
     time = (contact.mass / (contact.k * v ** (contact.a - 1.0))) ** (1.0 / (contact.a + 1.0))
     contact.next = _FIRST * time / max(1.0, contact.mu * v) ** (1.0 / (contact.a + 1.0)) / contact.period
-    contact.touching = 1
-    contact.contacts += 1
+    begin_touch(contact, at)
     for j in range(NODES):
         contact.step.f[j] = 0.0
 
@@ -321,6 +335,7 @@ def _push(contact, eta, at, powers):
         contact.motion[k] = total
     contact.position -= h * h * contact.impulse[1] / contact.m
     contact.v -= h * contact.impulse[0] / contact.m
+    contact.touches[contact.touched - 1].impulse += h * contact.impulse[0]
     for q in range(len(QUADRATURE)):
         here = eta * h * QUADRATURE_WEIGHTS[q]
         here *= FORCE_AT[q, 0] * f[0] + FORCE_AT[q, 1] * f[1] + FORCE_AT[q, 2] * f[2]

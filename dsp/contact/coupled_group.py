@@ -17,7 +17,7 @@ import numpy as np
 from ..native.jit import kernel
 from ..numerics.legendre import FINE
 from .collocation import NODES
-from .coupled import lift, look, move, pass_kinks, touch, until_kink
+from .coupled import lift, look, move, pass_kinks, settle, until_kink
 from .coupled_group_step import LEAVES, MEETS, NOTHING, find_step
 from .coupled_step import FINEST, LEAST, give_of, hold
 from .power_series import BINOMIAL, POWERS, legendre_moments
@@ -90,7 +90,7 @@ def step_together(contacts, group):
         at = 1.0 if eta >= left else at + eta
         for i in range(group.size):
             contact = contacts[group.member[i]].coupled
-            _settle(contact, group.event[i])
+            _settle(contact, at, group.event[i])
             pass_kinks(contact, at)
     for i in range(group.size):
         contact = contacts[group.member[i]].coupled
@@ -110,23 +110,13 @@ def _lift_others(contacts, group):
 
 
 @kernel
-def _settle(contact, event):
+def _settle(contact, at, event):
     """Begin or end a contact at the end of a step."""
     if contact.wait >= 0.0:
         if event != MEETS:
             return
         contact.wait = -1.0
-    if event != NOTHING:
-        contact.position -= contact.motion[0]
-        contact.motion[0] = 0.0
-    if event == MEETS and contact.motion[1] > 0.0:
-        touch(contact)
-    elif contact.motion[0] > 0.0:
-        contact.touching = 1
-    elif contact.motion[0] < 0.0 or event == LEAVES:
-        contact.touching = 0
-        for j in range(NODES):
-            contact.force[j] = 0.0
+    settle(contact, at, event == MEETS, event == LEAVES)
 
 
 @kernel

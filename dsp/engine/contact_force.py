@@ -21,7 +21,7 @@ from .quality import BY_ITSELF, holds_steps, modes_for, room_for_coupling
 from .solver_choice import choose_solver, choose_tolerance, count_steps, soften_pulse, tolerance_of
 from .state import COUPLING, SAMPLING
 from .strikers import begin_striker, drive_striker
-from .trace import trace_sample
+from .trace import trace_blow, trace_touches
 
 _FIRST = 0.05  # of a pulse: the first step after it is coupled
 _TOO_STRONG = 1e3  # times its momentum that a sampled method may give in a step: it has failed, and would deafen
@@ -100,6 +100,7 @@ def _begin_coupled(state, contact):
     """Begin a contact that is solved together with the modes."""
     contact.unsettled = 1
     contact.debt = 0
+    contact.told = 1
     law = ContactLaw(contact.m, contact.k, contact.mu, contact.a)
     begin_coupled(
         contact.coupled, contact.v_in, law, contact.push, contact.fraction, state.rate, tolerance_of(state, contact)
@@ -156,25 +157,24 @@ def apply_contact_force(state, contact, frame):
     """
     scratch = state.scratch
     sample = state.position + frame - 1
-    begin, end = contact.start + contact.fraction, math.inf
     age = sample + 1 - contact.start - contact.fraction
     acted = contact.solved == 1
     if contact.solver == COUPLING:
-        began_earlier = contact.coupled.contacts > 0
         lasts = _advance_coupled(state, contact, age)
-        trace_sample(state, contact, sample, 0.0 if began_earlier else begin, end, scratch.fine[0])
+        trace_touches(state, contact, sample, scratch.fine[0])
         note_force(contact.forces, scratch.fine[0] * state.rate)
         gain = gain_of(state, contact)
         for n in range(FINE):
             scratch.fine[n] *= gain
         impulse = scratch.fine[0]
     else:
+        begin, end = contact.start + contact.fraction, math.inf
         if contact.solver == SAMPLING:
             lasts = _advance_sampled(state, contact, age)
         else:
             lasts = _advance_closed(state, contact, age)
             end = begin + contact.pulse.duration
-        trace_sample(state, contact, sample, begin, end, scratch.moments[0])
+        trace_blow(state, contact, sample, begin, end, scratch.moments[0])
         note_force(contact.forces, scratch.moments[0] * state.rate)
         for n in range(MOMENTS):
             scratch.moments[n] *= contact.now.gain

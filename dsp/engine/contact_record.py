@@ -37,6 +37,7 @@ CONTACT = np.dtype(
         ("gesture", np.int64),  # its number, 0: none
         ("command", np.int64),  # number of the command that brought the striker
         ("number", np.int64),  # of the contact
+        ("told", np.int64),  # touches of a coupled striker that have a number; the first has that of the contact
         ("touching", np.int64),  # 0: it waits for its beginning
         ("solver", np.int64),  # a Solver
         ("modes", np.int64),  # that a coupled contact counts for in the budget

@@ -104,7 +104,8 @@ TRACE = np.dtype(
         ("contact", np.int64),  # the contact's own number
         ("slot", np.int64),  # of the object touched
         ("position", np.float64),  # along its strike path
-        ("speed", np.float64),  # m/s: of the striker as it met the object, of a roll along the surface
+        ("speed", np.float64),  # m/s: at which striker and object met, of a roll along the surface
+        ("velocity", np.float64),  # m/s: of the striker then, towards the object
         ("sample", np.int64),  # the force acted between this sample and the next
         ("begin", np.float64),  # samples: when it began in there, exact where the solver knows it, else `sample`
         ("end", np.float64),  # samples: when it ended in there, else `sample` + 1

@@ -74,6 +74,7 @@ def test_a_blow_conserves_momentum_and_loses_energy(small):
     for item in found:
         (contact,) = item["truth"]["contacts"]
         assert contact["speed"] == pytest.approx(item["truth"]["factors"]["impact.velocity"])
+        assert contact["velocity"] == pytest.approx(contact["speed"], rel=1e-12)
         assert contact["energy"] == pytest.approx(0.5 * contact["mass"] * contact["speed"] ** 2)
         after = contact["speed"] - contact["impulse"] / contact["mass"]
         assert contact["loss"] == pytest.approx(contact["energy"] - 0.5 * contact["mass"] * after**2)

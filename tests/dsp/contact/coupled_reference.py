@@ -9,6 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 from scipy.integrate import DOP853
+from scipy.interpolate import CubicHermiteSpline
+from scipy.optimize import brentq
 
 _A, _B, _C, _E3, _E5 = DOP853.A[:12, :12].copy(), DOP853.B.copy(), DOP853.C[:12].copy(), DOP853.E3, DOP853.E5
 
@@ -118,6 +120,12 @@ def several(frequency, sigma, phi, blows, times, ringing=0.0, tolerance=1e-13):
 
     phi: (blows, n), the shapes where each striker touches; blows in the order of their times; ringing: z at 0.
     """
+    states, _, velocities, contacts = _states(frequency, sigma, phi, blows, times, ringing, tolerance)
+    return states, velocities, contacts
+
+
+def _states(frequency, sigma, phi, blows, times, ringing, tolerance):
+    """As `several`, with the strikers' places before their velocities."""
     omega = 2 * np.pi * np.asarray(frequency)
     n, s = len(omega), len(blows)
     z = np.broadcast_to(ringing, n)
@@ -131,7 +139,42 @@ def several(frequency, sigma, phi, blows, times, ringing=0.0, tolerance=1e-13):
     out = np.empty((len(times), len(y)))
     modes = omega, np.asarray(sigma, float), np.ascontiguousarray(phi, float)
     contacts = _integrate(y, *modes, laws, touches, np.asarray(times, float), scale, tolerance, first, out)
-    return out[:, 2 * s : 2 * s + n] + 1j * out[:, 2 * s + n :], out[:, 1 : 2 * s : 2], contacts
+    return out[:, 2 * s : 2 * s + n] + 1j * out[:, 2 * s + n :], out[:, : 2 * s : 2], out[:, 1 : 2 * s : 2], contacts
+
+
+class Touch(NamedTuple):
+    """When a striker began to touch and ceased (s), how fast they met and how fast it came (m/s), its impulse (N s)."""
+
+    begin: float
+    end: float
+    speed: float
+    velocity: float
+    impulse: float
+
+
+def touches(frequency, sigma, phi, blow, seconds, step, ringing=0.0):
+    """Each Touch of one blow that has ended `seconds` after 0, by states that are `step` (s) apart.
+
+    Between two states the compression is a cubic that has its values and slopes at both.
+    """
+    times = blow.time + step * np.arange(1, int((seconds - blow.time) / step))
+    z, place, v, _ = _states(frequency, sigma, phi[None], [blow], times, ringing, 1e-13)
+    damping = sigma / (2 * np.pi * np.asarray(frequency))
+    x = place[:, 0] - (z.imag / (2 * np.pi * np.asarray(frequency))) @ phi
+    rate = v[:, 0] - (z.real - damping * z.imag) @ phi
+    given = blow.m * (blow.v_in - v[:, 0]) + blow.push * (times - blow.time)
+    found, met = [], (blow.time, blow.v_in - float((ringing * np.ones(len(phi))).real @ phi), blow.v_in, 0.0)
+    for i in np.flatnonzero((x[:-1] > 0.0) != (x[1:] > 0.0)):
+        cubic = CubicHermiteSpline([0.0, step], x[i : i + 2], rate[i : i + 2])
+        at = brentq(cubic, 0.0, step, xtol=1e-18)
+        if x[i] > 0.0:
+            begin, speed, velocity, before = met
+            found.append(Touch(begin, float(times[i]) + at, speed, velocity, float(given[i + 1]) - before))
+        else:
+            share = at / step
+            velocity = float(v[i, 0] * (1.0 - share) + v[i + 1, 0] * share)
+            met = float(times[i]) + at, float(cubic.derivative()(at)), velocity, float(given[i])
+    return found
 
 
 def reference(case, tolerance=1e-13):

@@ -93,8 +93,8 @@ def test_a_page_plays_and_is_told_of_contacts_where_and_how_they_were(server):
             await page.send("/object/new", "bar", "steel-plate")
             await page.until("/done", 2)
             await page.send("/object/bar/impact", 1.5, 0.25, "id", "mine")
-            ((name, id, sample, position, speed, impulse, seconds),) = await page.until("/hit")
-            assert (name, id, position, speed) == ("bar", "mine", 0.25, 1.5)
+            ((name, id, sample, position, speed, impulse, seconds, velocity),) = await page.until("/hit")
+            assert (name, id, position, speed, velocity) == ("bar", "mine", 0.25, 1.5, 1.5)
             # A ball of m = 4.11 g loses its momentum, and gets back some of it.
             assert 0.00411 * 1.5 < impulse < 2 * 0.00411 * 1.5 and 0.0 < seconds < 0.01 and sample > 0
             ((struck, span, *force),) = await page.until("/force")
@@ -115,10 +115,24 @@ def test_a_bounce_is_told_contact_by_contact_and_its_momenta_say_when_it_is_back
             hits = await page.until("/hit", 4)
             assert {id for _, id, *_ in hits} == {"ball"}
             mass = server._session.presets.striker("steel").mass
-            for (*_, sample, _, speed, impulse, seconds), later in pairwise(hits[:4]):
-                up = impulse / mass - speed
+            for (*_, sample, _, _, impulse, seconds, velocity), later in pairwise(hits[:4]):
+                up = impulse / mass - velocity
                 back = (later[2] - sample) / server.engine.rate - seconds
                 assert back == pytest.approx(2 * up / 9.80665, rel=0.03)
+
+    run(play())
+
+
+def test_a_striker_that_a_yielding_object_catches_up_with_is_told_twice(server):
+    async def play() -> None:
+        async with page_of(server) as page:
+            await page.send("/notify", 2)
+            await page.send("/object/new", "sheet", "polycarbonate-sheet")
+            await page.send("/object/sheet/impact", 1.5, 0.583, "striker", "plastic", "id", "mallet")
+            one, other = await page.until("/hit", 2)
+            assert one[:2] == other[:2] == ("sheet", "mallet") and 0.0014 < (other[2] - one[2]) / 48_000 < 0.0016
+            mass = server._session.presets.striker("plastic").mass
+            assert other[7] == pytest.approx(1.5 - one[5] / mass, abs=1e-4) and 0.0 < other[7] < other[4] < 0.2
 
     run(play())
 
