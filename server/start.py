@@ -63,7 +63,7 @@ def serving(options: Options) -> Iterator[Server]:
         sys.setswitchinterval(_SWITCH)
         server.early.extend(early)
         if options.recordings is not None and tap:
-            takes = server.recording.takes = Takes(engine, tap, options.recordings, options.quota)
+            takes = server.recording.takes = Takes(engine, tap, options.recordings, options.quota, options.scale.said)
             files.callback(takes.close)
         if options.contact:
             server.choose_contact(options.contact)

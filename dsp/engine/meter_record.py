@@ -35,8 +35,8 @@ def k_weighting(rate: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     middle = high**0.4996667741545416
     a0 = 1.0 + k / q + k * k
     shelf = high + middle * k / q + k * k, 2.0 * (k * k - high), high - middle * k / q + k * k
-    shelf = *shelf, 2.0 * (k * k - 1.0), 1.0 - k / q + k * k
+    poles = 2.0 * (k * k - 1.0), 1.0 - k / q + k * k
     k, q = math.tan(math.pi * 38.13547087602444 / rate), 0.5003270373238773
     b0 = 1.0 + k / q + k * k
     high_pass = 1.0, -2.0, 1.0, 2.0 * (k * k - 1.0) / b0, (1.0 - k / q + k * k) / b0
-    return np.array(shelf) / a0, np.array(high_pass)
+    return np.array((*shelf, *poles)) / a0, np.array(high_pass)

@@ -89,7 +89,7 @@ class Part:
         self._next = -1
         tap.add(self)
         with self._lock:
-            self.first = self._next = engine.position
+            self.first = self._next = engine.left
             """The number of its first sample."""
             self.end = self.first + most
             """That of the sample after its last."""
@@ -97,7 +97,7 @@ class Part:
     def stop(self) -> int:
         """Let it end at the engine's present sample; returns that."""
         with self._lock:
-            self.end = min(self.end, max(self._next, self._engine.position))
+            self.end = min(self.end, max(self._next, self._engine.left))
             return self.end
 
     def __call__(self, first: int, sound: Sound) -> None:

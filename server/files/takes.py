@@ -33,11 +33,11 @@ class Takes:
     numbers. OSError if the folder can't be made.
     """
 
-    def __init__(self, engine: Engine, tap: Tap, folder: Path, quota: int) -> None:
-        """quota: bytes of all files in the folder."""
+    def __init__(self, engine: Engine, tap: Tap, folder: Path, quota: int, comment: str = "") -> None:
+        """quota: bytes of all files in the folder. comment: in their metadata."""
         folder.mkdir(parents=True, exist_ok=True)
         self._folder = folder.resolve(strict=True)
-        self._engine, self._tap, self._quota = engine, tap, quota
+        self._engine, self._tap, self._quota, self._comment = engine, tap, quota, comment
         self._file = ""
         self._part: Part | None = None
         self._recorder: Recorder | None = None
@@ -52,11 +52,11 @@ class Takes:
         path = self._folder / (_file_of(name) if name else self._free_name())
         frame = 4 * self._engine.channels
         left = self._quota - self._used()
-        most = (left - len(header(round(self._engine.rate), 0, self._engine.channels))) // frame
+        most = (left - len(header(round(self._engine.rate), 0, self._engine.channels, self._comment))) // frame
         if most <= 0:
             raise Refused(f"quota: {self._quota} bytes are used up: expected recordings to be removed first")
         try:
-            self._recorder = Recorder(self._engine, path, lambda: part.take(), anew=True)
+            self._recorder = Recorder(self._engine, path, lambda: part.take(), True, self._comment)
             part = self._part = Part(self._engine, self._tap, most)
             self._recorder.start()
         except FileExistsError:
