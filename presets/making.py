@@ -11,6 +11,7 @@ import numpy as np
 from ..dsp.bodies.heard import placed
 from ..dsp.bodies.material import Array
 from ..dsp.bodies.modes import Modes, Unheard, read_only
+from ..dsp.bodies.small import heard_or_felt
 from ..dsp.kept import Kept
 from ..dsp.numerics.blas import on_one_thread
 
@@ -28,7 +29,7 @@ def made(make: Callable[..., Modes], top: float, arguments: Mapping[str, Any], w
     modes = _kept.get(key)
     if modes is None:
         with on_one_thread():
-            modes = _contiguous(placed(make(top=top, **arguments), width))
+            modes = _contiguous(placed(heard_or_felt(make, top, **arguments), width))
         read_only(*_arrays(modes))
         _kept.put(key, modes)
     return modes

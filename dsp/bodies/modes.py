@@ -19,6 +19,10 @@ LOWEST_FREQUENCY = 1.0  # Hz; below lie rigid motions, which a Ritz method retur
 PATH_STEP = 0.6  # rad of the shortest wave between two positions: cubic interpolation then errs by < 0.6 %
 
 
+class Silent(ValueError):
+    """A body that has no mode between the lowest frequency and the highest one wanted."""
+
+
 class Unheard(NamedTuple):
     """Modes that contacts feel and nobody hears (unheard.py): frequency (Hz) and decay (1/s), (k,), and strike (P, k),
     as in Modes. Their frequencies may be as high as they like."""
@@ -71,11 +75,14 @@ def ascending(frequency: Array) -> Indices:
 
 
 def audible(frequency: Array, top: float) -> Indices:
-    """Indices of the modes to keep, by ascending frequency: from 1 Hz to `top` (Hz), at most MOST_MODES."""
+    """Indices of the modes to keep, by ascending frequency: from 1 Hz to `top` (Hz), at most MOST_MODES.
+
+    Silent if there is none.
+    """
     order = ascending(frequency)
     heard = order[(frequency[order] >= LOWEST_FREQUENCY) & (frequency[order] <= top)]
     if not heard.size:
-        raise ValueError(f"no mode lies between {LOWEST_FREQUENCY:g} Hz and {top:g} Hz")
+        raise Silent(f"no mode lies between {LOWEST_FREQUENCY:g} Hz and {top:g} Hz")
     return heard[:MOST_MODES]
 
 

@@ -21,6 +21,7 @@ RESERVE = 1.5  # beam products up to this times the highest wanted frequency mak
 LEAST_PRODUCTS = 400  # of which the series is made at least
 MOST_PRODUCTS = 2200
 MOST_FACTORS = 400  # beam modes along a side; k^4 of more would be lost in rounding
+_ROUNDING = 1e-7  # of the highest frequency of a series: what lies lower is rounding
 _MENDING = 3  # polynomials for each edge that is free or clamped; with more a long strip's lowest modes lose digits
 
 _SIGN_AT = (0.17, 0.29)  # fractions of the sides: whose sign a mode's sound has
@@ -60,6 +61,7 @@ def plate(
     blocks, complete = _solve(along, across, wavenumber, material.poisson_ratio)
     squares = np.concatenate([block.square for block in blocks])
     frequency = speed * np.sqrt(np.maximum(squares, 0)) / (2 * math.pi)
+    frequency[frequency < _ROUNDING * frequency.max()] = 0.0  # rigid motions
     keep = audible(frequency, min(top, speed * complete / (2 * math.pi)))
     others = np.setdiff1d(np.flatnonzero(frequency >= LOWEST_FREQUENCY), keep)
     beyond, frequency = frequency[others], frequency[keep]

@@ -9,9 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from . import acceleration
+from .acceleration import Click
 from .heard import Loaded, heard, loaded
 from .material import Array, Material
 from .modes import MOST_MODES, Indices, Modes, audible, path, require_positive
+from .near import critical_frequency, near_field
 from .radiation import wall as wall_air
 from .radiation.air import DENSITY, Load
 from .radiation.sampling import between, members
@@ -56,7 +58,9 @@ def ring(
     frequency = _bending(material, radius, thickness, order)
     wall = _Wall(radius, length / 2, thickness * material.density, mass, mass / 2)
     made = _around(material, wall, [(frequency, _uniform)], Doublets(split, imperfection), top)
-    return replace(made, clicks=(acceleration.ring(mass, radius, length, mass / material.density),))
+    return replace(
+        made, clicks=_clicks(material, thickness, acceleration.ring(mass, radius, length, mass / material.density))
+    )
 
 
 def glass(
@@ -90,7 +94,9 @@ def glass(
     ]
     # A cantilever's tip moves by twice the rms of its length, whatever its mode.
     wall = _Wall(radius, height / 2, thickness * material.density, mass, mass / 8)
-    return _around(material, wall, made, Doublets(split, imperfection), top)
+    whole = acceleration.ring(mass, radius, height, mass / material.density)
+    clicks = _clicks(material, thickness, whole, held=True)
+    return replace(_around(material, wall, made, Doublets(split, imperfection), top), clicks=clicks)
 
 
 def doublets(frequency: Array, order: Array, split: float, imperfection: float) -> tuple[Array, Indices, Array]:
@@ -123,6 +129,13 @@ def _bending(material: Material, radius: float, thickness: float, order: Array) 
     hoppe *= math.sqrt(material.youngs_modulus / (12 * material.density)) / (2 * math.pi)
     shear = material.youngs_modulus / (5 / 6 * material.shear_modulus)
     return hoppe / np.sqrt(1 + (order * thickness / radius) ** 2 / 12 * (1 + shear))
+
+
+def _clicks(material: Material, thickness: float, whole: Click, held: bool = False) -> tuple[Click, ...]:
+    """What a wall radiates from about the point that is struck, or as a whole, as a plate of its thickness does: where
+    sound is shorter than the wall is round, all waves around it but the breathing one bend as freely as a plate's."""
+    areal, rigidity = material.density * thickness, material.contact_modulus * thickness**3 / 12
+    return near_field(areal, whole, critical_frequency(areal, rigidity), held)
 
 
 class _Wall(NamedTuple):

@@ -269,7 +269,7 @@ def test_a_geometry_that_contradicts_itself_is_named_when_modes_are_made(folder)
     with pytest.raises(PresetError, match=r"mine.toml: \[geometry\] wall = 0.015: expected at most half"):
         with_object(folder, text).object("mine").modes(20000)
     with pytest.raises(PresetError, match=r"mine.toml: \[geometry\] no mode lies between 1 Hz and 20 Hz"):
-        with_object(folder, BAR).object("mine").modes(20)
+        with_object(folder, BAR.replace("width", 'ends = "cantilever"\nwidth', 1)).object("mine").modes(20)
 
 
 def test_listed_objects_need_no_material_and_take_no_damping(folder):

@@ -71,3 +71,17 @@ def test_a_head_in_a_wall_has_none():
     film = Presets().material("mylar")
     given = {"radius": 0.165, "thickness": 0.00025, "fundamental": 103.0, "top": 400}
     assert bodies.membrane(film, **given).clicks and not bodies.membrane(film, baffle="wall", **given).clicks
+
+
+@pytest.mark.parametrize("radius", [0.035, 0.2])
+def test_a_wall_that_bends_round_a_cup_radiates_about_the_blow_as_a_plate_does(radius):
+    """Where sound is shorter than the wall is round, also of a cup that is held; its band is narrow, and errs to the
+    quiet side."""
+    plastic = Presets().material("plastic")
+    cup = bodies.glass(plastic, radius=radius, height=0.09, thickness=0.0015, top=20_000)
+    flat = DENSITY / (2 * math.pi * plastic.density * 0.0015)
+    middle = np.geomspace(2 * SPEED / (2 * math.pi * radius), 15_000, 20)
+    level = decibels(response(cup.clicks, middle) / flat)
+    assert -7.0 < level.max() < 1.0
+    low = 0.1 * SPEED / (2 * math.pi * radius)
+    assert decibels(response(cup.clicks, [low])[0] / flat) < -12.0

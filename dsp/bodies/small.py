@@ -1,0 +1,58 @@
+"""Bodies so small and stiff that none of their modes is heard: stones, dice, screws.
+
+A blow still accelerates such a body as a whole, and the air hears that (acceleration.py); and it yields to the blow as
+it would, by modes that are felt alone (unheard.py). Each shape gives these once it is asked for modes up to where it
+has some.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from .modes import Modes, Silent, Unheard
+
+_WIDER = 4.0  # times the highest frequency, for the next look
+_HIGHEST = 1e9  # Hz, of the last one: a grain of 10 µm has modes there
+
+
+def heard_or_felt(make: Callable[..., Modes], top: float, **arguments: Any) -> Modes:
+    """The modes up to `top` (Hz) that a shape makes; of one that has none there, its clicks, and modes that are felt.
+
+    Silent if such a body is held, or listed: nothing of it is heard.
+    """
+    try:
+        return make(top=top, **arguments)
+    except Silent:
+        higher = _first(make, top, arguments)
+        if higher is None or not higher.clicks:
+            raise
+        return _felt_above(higher, top)
+
+
+def _first(make: Callable[..., Modes], top: float, arguments: dict[str, Any]) -> Modes | None:
+    """The modes up to the first frequency above `top` up to which there are some."""
+    while top < _HIGHEST:
+        top *= _WIDER
+        try:
+            return make(top=top, **arguments)
+        except Silent:
+            continue
+    return None
+
+
+def _felt_above(modes: Modes, top: float) -> Modes:
+    """Modes of which those above `top` (Hz) are felt alone."""
+    heard = modes.frequency <= top
+    above = [each[..., ~heard] for each in (modes.frequency, modes.decay, modes.strike)]
+    if modes.unheard is not None:
+        above = [np.concatenate(pair, axis=-1) for pair in zip(above, modes.unheard, strict=True)]
+    return replace(
+        modes,
+        frequency=modes.frequency[heard],
+        decay=modes.decay[heard],
+        strike=modes.strike[:, heard],
+        pressure=modes.pressure[:, heard],
+        unheard=Unheard(*above),
+    )
