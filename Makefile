@@ -59,8 +59,9 @@ chart: $(READY)  ## measure speed against accuracy; figures go to tests/measured
 	@$(BIN)/python -m tests.documents.study build/chart
 	@$(BIN)/python -m tests.documents.pages
 
-levels: $(READY)  ## make the built-in objects equally loud at their default gestures
+levels: $(READY)  ## make the built-in objects equally loud when struck, and measure their gestures
 	$(BIN)/python -m tests.bench.loudness
+	@$(BIN)/python -m tests.documents.pages
 
 sounds: $(READY)  ## render the sounds and draw the pictures of the documents
 	@$(BIN)/python -m tests.documents.sounds

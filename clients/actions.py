@@ -17,8 +17,9 @@ class Actions(ABC):
     """Every address of a score as a method, but `/object/new`. A method makes messages; a subclass sends them.
 
     name, id: of objects and gestures, or an OSC pattern. at: the time (s) at which the sound is heard, on the clock
-    that the subclass states; None is as soon as possible. keys: those of the OSC address of the same name; where a
-    number changes, `over` says how many seconds that takes. Numbers may be NumPy's, lists may be arrays.
+    that the subclass states; None is as soon as possible. What a gesture is not given is as the object's preset has it.
+    keys: those of the OSC address of the same name; where a number changes, `over` says how many seconds that takes.
+    Numbers may be NumPy's, lists may be arrays.
     """
 
     @abstractmethod
@@ -32,13 +33,15 @@ class Actions(ABC):
     def _send_keyed(
         self, address: str, value: Value, optional: Value, at: SupportsFloat | None, keys: dict[str, Value]
     ) -> None:
-        """Send a message of a value, of a second one unless it is None, and of keys."""
-        self.send(address, value, *(() if optional is None else (optional,)), *key_pairs(keys), at=at)
+        """Send a message of a value and a position, unless they are None, and of keys."""
+        if value is None and optional is not None:
+            keys, optional = {"position": optional, **keys}, None
+        self.send(address, *(each for each in (value, optional) if each is not None), *key_pairs(keys), at=at)
 
     def impact(
         self,
         name: str,
-        velocity: SupportsFloat,
+        velocity: SupportsFloat | None = None,
         position: SupportsFloat | None = None,
         at: SupportsFloat | None = None,
         **keys: Value,
@@ -49,7 +52,7 @@ class Actions(ABC):
     def bounce(
         self,
         name: str,
-        height: SupportsFloat,
+        height: SupportsFloat | None = None,
         position: SupportsFloat | None = None,
         at: SupportsFloat | None = None,
         **keys: Value,
@@ -60,7 +63,7 @@ class Actions(ABC):
     def roll(
         self,
         name: str,
-        speed: SupportsFloat,
+        speed: SupportsFloat | None = None,
         position: SupportsFloat | None = None,
         at: SupportsFloat | None = None,
         **keys: Value,
@@ -82,7 +85,7 @@ class Actions(ABC):
     def spin(
         self,
         name: str,
-        duration: SupportsFloat,
+        duration: SupportsFloat | None = None,
         position: SupportsFloat | None = None,
         at: SupportsFloat | None = None,
         **keys: Value,
@@ -93,7 +96,7 @@ class Actions(ABC):
     def slide(
         self,
         name: str,
-        speed: SupportsFloat,
+        speed: SupportsFloat | None = None,
         position: SupportsFloat | None = None,
         at: SupportsFloat | None = None,
         **keys: Value,

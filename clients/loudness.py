@@ -1,5 +1,7 @@
-"""How loud a strike is heard: integrated loudness by ITU-R BS.1770 (pyloudnorm), and the level that suits a preset."""
+"""How loud a gesture is heard, by ITU-R BS.1770: its momentary loudness (pyloudnorm) and its true peak; and the level
+that suits a preset."""
 
+import math
 import warnings
 from dataclasses import dataclass
 from typing import Any
@@ -7,39 +9,50 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-SECONDS, BLOCK = 0.8, 0.2
-"""s from the onset that are listened to; s, the meter's blocks: half the standard's, for short sounds."""
-PEAK = 1 / 8
-"""Of full scale, at most: eight strikes at once do not limit."""
-LOUDEST = -41.8
-"""LUFS: of the built-in presets' default strikes."""
-ONSET = 1e-3  # of the peak
+BLOCK = 0.4
+"""s: over which loudness is taken; each block begins a quarter of this after the last."""
+LOUDNESS, PEAK, LEAST = -18.0, -3.0, -28.0
+"""Of a strike at a preset's defaults: its loudness (LUFS), unless its true peak (dB of full scale) is there before, but
+at least so much (LUFS)."""
+_OVERSAMPLED = 4  # as annex 2 of the recommendation asks for at 48 kHz
 
 
 @dataclass(frozen=True)
 class Heard:
-    """Integrated loudness (LUFS) and peak (dB below full scale) of a gesture."""
+    """The greatest momentary loudness (LUFS) and the true peak (dB of full scale) of a gesture."""
 
     loudness: float
     peak: float
 
     @property
     def raise_by(self) -> float:
-        """What is to be added to a preset's level (dB): then it is as loud as the built-in ones, its peak allowing."""
-        return min(20 * float(np.log10(PEAK)) - self.peak, LOUDEST - self.loudness)
+        """What is to be added to a preset's level (dB) to make this the loudness of its strike, the peak allowing."""
+        return min(PEAK - self.peak, LOUDNESS - self.loudness)
 
 
 def heard(samples: NDArray[Any], rate: int) -> Heard:
-    """What is heard of stereo samples (n, 2) at a rate (Hz) in the first 0.8 s from the onset."""
+    """How loud stereo samples (n, 2) at a rate (Hz) are. A sound that ends or begins inside a block counts as it is."""
     import pyloudnorm
 
-    size = np.abs(samples).max()
-    length = round(SECONDS * rate)
-    begin = int(np.argmax(np.abs(samples).max(axis=1) > ONSET * size))
-    piece = samples[begin : begin + length].astype(float) / size
-    piece = np.pad(piece, ((0, max(0, length - len(piece))), (0, 0)))
+    size = float(np.abs(samples).max(initial=0.0))
+    if size == 0.0:
+        return Heard(-math.inf, -math.inf)
+    silence = np.zeros((round(BLOCK * rate), samples.shape[1]))
+    meter = pyloudnorm.Meter(rate, block_size=BLOCK)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # pyloudnorm warns of samples above full scale, where there are none
-        loudness = pyloudnorm.Meter(rate, block_size=BLOCK).integrated_loudness(piece)
-    peak = 20 * float(np.log10(size))
-    return Heard(float(loudness) + peak, peak)
+        warnings.simplefilter("ignore")  # blocks of silence have a loudness of -inf
+        meter.integrated_loudness(np.concatenate([samples / size, silence]))
+    return Heard(max(map(float, meter.blockwise_loudness)) + decibels(size), decibels(true_peak(samples)))
+
+
+def true_peak(samples: NDArray[Any]) -> float:
+    """The highest value between samples (n, channels), or at one, by four times as many."""
+    from scipy.signal import resample_poly
+
+    between = np.abs(resample_poly(np.asarray(samples, np.float64), _OVERSAMPLED, 1, axis=0)).max()
+    return float(max(between, np.abs(samples).max()))
+
+
+def decibels(amplitude: float) -> float:
+    """An amplitude in dB."""
+    return 20 * math.log10(amplitude) if amplitude > 0.0 else -math.inf

@@ -7,6 +7,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any, Protocol
 
 from ..dsp import bodies as shapes
@@ -14,12 +15,12 @@ from ..dsp.bodies.added import Added, Complete
 from ..dsp.bodies.material import CONTACT_RADIUS, HERTZ_EXPONENT, Material, contact_between, hertz
 from ..dsp.bodies.striker import StrikerSound
 from ..dsp.wording import expected
+from .gestures import Usual
 from .making import made
 from .schema import (
     ADDED,
     BALL,
     DESCRIPTION,
-    GESTURE_LEVELS,
     LAW,
     LICENCE,
     LOST,
@@ -30,6 +31,7 @@ from .schema import (
     SOUNDS,
     STRIKE,
     STRIKER,
+    SUITABLE,
     SURFACE,
     SURFACE_REQUIRED,
     Fields,
@@ -59,6 +61,8 @@ class Library(Protocol):
     def material(self, name: str) -> Material: ...
 
     def striker(self, name: str) -> StrikerPreset: ...
+
+    def path(self, kind: str, name: str) -> Path: ...
 
 
 @dataclass(frozen=True)
@@ -160,7 +164,8 @@ class ObjectPreset:
     velocity: float
     position: float
     level: float
-    gesture_levels: Mapping[str, float]
+    gestures: Mapping[str, Usual]
+    """How gestures of a name go on it by default: those that suit it."""
     glide: float | None
     """Rise of its tension (1/J) with the energy that rings; None: by its geometry and material."""
     stereo_width: float
@@ -203,7 +208,7 @@ class ObjectPreset:
             geometry=geometry,
             material=material,
             level=values["level"],
-            gesture_levels={name: values[key] for name, key in GESTURE_LEVELS.items() if key in values},
+            gestures={name: _usual(name, titles[name], values[name], library) for name in SUITABLE if name in values},
             glide=values.get("glide"),
             stereo_width=values.get("stereo_width", STEREO_WIDTH),
             most_modes=values.get("most_modes"),
@@ -250,7 +255,7 @@ class ObjectPreset:
         shape = SHAPES[self.shape]
         sections = {"geometry": shape.fields, "damping": shape.damping, "strike": STRIKE}
         own = {key: (section, fields) for section, fields in sections.items() for key in fields}
-        given = ("material", "level", *GESTURE_LEVELS.values(), "stereo_width", "most_modes", "glide")
+        given = ("material", "level", "stereo_width", "most_modes", "glide")
         return {**own, **dict.fromkeys(given, ("", OBJECT))}
 
     @property
@@ -259,7 +264,7 @@ class ObjectPreset:
         return tuple(self._sections)
 
     def replace(self, /, **changes: object) -> ObjectPreset:
-        """The preset with other values of its geometry, damping, strike, material (a name), levels, stereo width
+        """The preset with other values of its geometry, damping, strike, material (a name), level, stereo width
         or glide.
 
         A list may be a list, a tuple, or a text like "free,clamped,free,clamped". A key that excludes others (tension,
@@ -288,6 +293,17 @@ def _added(section: str, where: str, data: Mapping[str, object]) -> Added:
         return addition.make(**values)
     except ValueError as error:
         raise PresetError(f"{where}{error}") from None
+
+
+def _usual(name: str, where: str, data: Mapping[str, object], library: Library) -> Usual:
+    usual = Usual.from_data(name, where, data)
+    for key, value in (("striker", usual.striker), ("surface", usual.surface)):
+        try:
+            if value:
+                library.path(f"{key}s", value)
+        except PresetError as error:
+            raise PresetError(f"{where}{key} = {shown(value)}: {_reason(error)}") from None
+    return usual
 
 
 def _material(name: str, where: str, library: Library) -> Material:

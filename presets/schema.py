@@ -323,17 +323,18 @@ ADDED: Mapping[str, Addition] = {
 }
 """Sections of an object's preset, each with the class that it fills."""
 
-SECTIONS = ("geometry", "damping", "strike", *ADDED)
+SUITABLE = ("bounce", "roll", "slide", "spin")
+"""Gestures that suit some objects, each with a section that says how it goes; a strike and a press suit all."""
+
+SECTIONS = ("geometry", "damping", "strike", *ADDED, *SUITABLE)
 STRIKE: Fields = {"striker": Name(), "velocity": Quantity(1e-3, 100, "m/s"), "position": FRACTION}
-GESTURE_LEVELS = {name: f"{name}_level" for name in schema.GESTURES if name not in ("impact", "press")}
-"""Keys of an object's file: a level in dB for gestures of that name on it, by their names."""
 
 OBJECT: Fields = {
     **DESCRIPTION,
     **LICENCE,
     "shape": Choice(tuple(SHAPES)),
     "material": Name(),
-    **dict.fromkeys(("level", *GESTURE_LEVELS.values()), Quantity(-120, 120, "dB")),
+    "level": Quantity(-120, 120, "dB"),
     "glide": Quantity(0, 1e6, "1/J"),
     "stereo_width": FRACTION,
     "most_modes": Whole(1, 4096),

@@ -103,6 +103,10 @@ class Knowledge:
             "striker": preset.striker,
             "velocity": preset.velocity,
             "position": preset.position,
+            "gestures": {
+                kind: {"striker": usual.striker, "surface": usual.surface, **usual.numbers}
+                for kind, usual in preset.gestures.items()
+            },
         }
 
     def _striker(self, name: str) -> dict[str, Any]:

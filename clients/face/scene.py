@@ -157,7 +157,7 @@ class Object:
 
     def impact(
         self,
-        velocity: SupportsFloat,
+        velocity: SupportsFloat | None = None,
         position: SupportsFloat | None = None,
         at: SupportsFloat | None = None,
         **keys: Value,
@@ -167,7 +167,7 @@ class Object:
 
     def bounce(
         self,
-        height: SupportsFloat,
+        height: SupportsFloat | None = None,
         position: SupportsFloat | None = None,
         at: SupportsFloat | None = None,
         **keys: Value,
@@ -177,7 +177,7 @@ class Object:
 
     def roll(
         self,
-        speed: SupportsFloat,
+        speed: SupportsFloat | None = None,
         position: SupportsFloat | None = None,
         at: SupportsFloat | None = None,
         **keys: Value,
@@ -197,7 +197,7 @@ class Object:
 
     def spin(
         self,
-        duration: SupportsFloat,
+        duration: SupportsFloat | None = None,
         position: SupportsFloat | None = None,
         at: SupportsFloat | None = None,
         **keys: Value,
@@ -207,7 +207,7 @@ class Object:
 
     def slide(
         self,
-        speed: SupportsFloat,
+        speed: SupportsFloat | None = None,
         position: SupportsFloat | None = None,
         at: SupportsFloat | None = None,
         **keys: Value,

@@ -45,7 +45,7 @@ export class Hands extends EventTarget {
     this.tell("struck", { object, position, stamp });
   }
 
-  drop(object, position, height = this.chosen.bounce.height ?? 0.2) {
+  drop(object, position, height = this.chosen.bounce.height ?? object.preset.gestures.bounce?.height ?? 0.2) {
     const id = this.id("ball");
     this.link.send(`/object/${object.name}/bounce`, height, position, ...this.keys("bounce", object, { id }));
     this.tell("dropped", { object, position, value: height, id });
@@ -53,8 +53,9 @@ export class Hands extends EventTarget {
 
   spin(object, position) {
     const id = this.id("spin");
-    const duration = this.chosen.spin.duration ?? 3;
-    this.link.send(`/object/${object.name}/spin`, duration, position, ...this.keys("spin", object, { id, ...(this.striker ? {} : { striker: "coin" }) }));
+    const usual = object.preset.gestures.spin;
+    const duration = this.chosen.spin.duration ?? usual?.duration ?? 3;
+    this.link.send(`/object/${object.name}/spin`, duration, position, ...this.keys("spin", object, { id, ...(this.striker || usual ? {} : { striker: "coin" }) }));
   }
 
   /** What a drag over an object does; a striker that was chosen rolls. */

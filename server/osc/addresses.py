@@ -35,7 +35,7 @@ from .points import Change
 from .wire import Message
 from .world_verbs import WORLD
 
-STRIKER = Word("striker", "a preset; the object's own if none is given")
+STRIKER = Word("striker", "a preset; the object's own for such a gesture, or for a strike, if none is given")
 
 STRIKE: tuple[Number | Word, ...] = (
     STRIKER,
@@ -49,7 +49,7 @@ STRIKE: tuple[Number | Word, ...] = (
 )
 """Keys that every gesture takes."""
 
-_SURFACE = Word("surface", "a preset; wood if none is given")
+_SURFACE = Word("surface", "a preset; the object's own for such a gesture, or wood, if none is given")
 _PRESS = Word("press", "the id of a press on the object: its friction feels that force, in place of its own")
 _WORDS = {"roll": (_SURFACE,), "slide": (_SURFACE, _PRESS)}
 """Keys of gestures that are not numbers."""
@@ -93,7 +93,7 @@ _OBJECTS = (
         open_keys=True,
     ),
     *(
-        Verb(f"/object/NAME/{name}", gesture.help, (gesture.argument,), (POSITION,), (*STRIKE, *KEYS[name]))
+        Verb(f"/object/NAME/{name}", gesture.help, (), (gesture.argument, POSITION), (*STRIKE, *KEYS[name]))
         for name, gesture in GESTURES.items()
     ),
     *(Change(f"/object/NAME/{name}", setting.help, (setting,)) for name, setting in SETTINGS.items()),

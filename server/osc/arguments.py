@@ -213,7 +213,7 @@ class Verb:
             return values
         rest = list(args[len(self.required) :])
         for number in self.optional:
-            if rest and not isinstance(rest[0], str):
+            if rest and (not isinstance(rest[0], str) or (len(rest) % 2 and rest[0] not in self.named)):
                 values.add(number, rest.pop(0))
         for key, value in self._pairs(rest):
             if key in self.named:

@@ -88,7 +88,7 @@ class Direct:
         return n
 
     def _blow(self, number: int, time: float, blow: Blow) -> None:
-        to, strike = self._session.objects[blow.to], self._strike
+        strike = self._strike
         n = self._add(number, time, self._blank, _BLOW)
         self._aim(n, blow.to, blow.by)
         if blow.by:
@@ -96,7 +96,7 @@ class Direct:
         strike["velocity"][n], strike["position"][n] = blow.speed, blow.place
         strike["mass"][n], strike["stiffness"][n], strike["exponent"][n] = blow.mass, blow.stiffness, blow.exponent
         strike["dissipation"][n], strike["restitution"][n] = blow.dissipation, blow.restitution
-        strike["gesture_level"][n] = self._session.scale.gesture(to.preset, "impact")
+        strike["gesture_level"][n] = 1.0
 
     def _aim(self, n: int, to: str, by: str) -> None:
         """Say which object a command is for, and which strikes it, if one does."""

@@ -1,6 +1,7 @@
 """Contact laws of strikers, and the limits of a gesture: how long a contact lasts, whether a bounce ever rests."""
 
 import math
+from dataclasses import replace
 from typing import NamedTuple
 
 from ...dsp.bodies.material import Material
@@ -46,7 +47,7 @@ class ContactLaws:
     def __init__(self, presets: Presets) -> None:
         self._presets = presets
         self._laws: dict[tuple[str, Material | None], Contact] = {}
-        self._sounds: dict[str, StrikerSound | None] = {}
+        self._sounds: dict[tuple[str, bool], StrikerSound | None] = {}
         self._radii: dict[str, float | None] = {}
         self._sliding: dict[str, dict[str, float]] = {}
         self._surfaces: dict[str, SurfacePreset] = {}
@@ -58,11 +59,12 @@ class ContactLaws:
             self._laws[striker, material] = Contact(*preset.contact(material), preset.restitution or 0.0)
         return self._laws[striker, material]
 
-    def sound_of(self, striker: str) -> StrikerSound | None:
-        """A striker's own sound. PresetError if there is no such striker."""
-        if striker not in self._sounds:
-            self._sounds[striker] = self._presets.striker(striker).sound
-        return self._sounds[striker]
+    def sound_of(self, striker: str, held: bool = False) -> StrikerSound | None:
+        """A striker's own sound; one that is held, as it slides, does not ring. PresetError if there is none."""
+        if (striker, held) not in self._sounds:
+            sound = self._presets.striker(striker).sound
+            self._sounds[striker, held] = replace(sound, ringing=None, snap=None) if sound and held else sound
+        return self._sounds[striker, held]
 
     def radius_of(self, striker: str) -> float | None:
         """A striker's radius (m), if it has one. PresetError if there is no such striker."""

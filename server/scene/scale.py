@@ -8,7 +8,7 @@ from ...presets import ObjectPreset
 
 @dataclass(frozen=True)
 class Scale:
-    """Levels of objects and of gestures on them.
+    """Levels of objects.
 
     calibrated: samples are pascals, whatever the presets' levels. Else full_scale (Pa) is 1.0 of an object of level 0.
     """
@@ -19,10 +19,6 @@ class Scale:
     def object(self, preset: ObjectPreset) -> float:
         """Return the value of a sample for each Pa of an object."""
         return 1.0 if self.calibrated else _amplitude(preset.level) / self.full_scale
-
-    def gesture(self, preset: ObjectPreset, kind: str) -> float:
-        """Return the amplitude of gestures of a kind on an object, times their own gain."""
-        return 1.0 if self.calibrated else _amplitude(preset.gesture_levels.get(kind, 0.0))
 
     @property
     def said(self) -> str:

@@ -26,6 +26,7 @@ from .object_call import ObjectCall, listed, require_name
 from .objects import PlayedObject
 from .steering import CHANGE_WORK, steer
 from .transaction import MOST_COMPARED, Sent, Transaction
+from .usual import completed
 from .world_messages import world_handlers
 
 _SHARED = {each.name for each in STRIKE} | {"velocity"}
@@ -120,7 +121,7 @@ def _free(to: ObjectCall) -> None:
 
 
 def _impact(to: ObjectCall) -> None:
-    velocity = to.values.numbers["velocity"]
+    velocity = to.values.number("velocity")
     if velocity == 0.0:
         to.end_at_once()
         return
@@ -136,7 +137,7 @@ def _bounce(to: ObjectCall) -> None:
     by = to.striking_object()
     law = law_of(to, by)
     gravity = values.number("gravity")
-    velocity, seconds = fall(values.numbers["height"], values.number("velocity"), gravity)
+    velocity, seconds = fall(values.number("height"), values.number("velocity"), gravity)
     if velocity == 0.0:
         to.end_at_once()
         return
@@ -170,9 +171,9 @@ def _roll(to: ObjectCall) -> None:
     id = to.id(lambda name: name)
     goes_on = to.transaction.gestures.is_running(id, to.address)
     law = law_on(to, by, surface, goes_on, "rolls")
-    speed, roughness = values.numbers["speed"], values.number("roughness")
+    speed, roughness = values.number("speed"), values.number("roughness")
     own_radius = to.contact_radius if to.by_materials else to.transaction.laws.radius_of(to.striker)
-    radius = values.numbers.get("radius", own_radius)
+    radius = values.numbers.get("radius", values.defaults.get("radius", own_radius))
     if to.by_materials and not goes_on:
         to.say("radius", radius)
     if speed > 0.0 and not goes_on:
@@ -195,12 +196,13 @@ def _slide(to: ObjectCall) -> None:
     law = law_on(to, by, surface, goes_on, "slides")
     own = {**DRY, "radius": to.contact_radius} if to.by_materials else dict(laws.sliding_of(to.striker))
     own["force"] = law.mass * STANDARD_GRAVITY
-    motion = {**_own_values(to, SLIDE), **{key: values.numbers.get(key, value) for key, value in own.items()}}
+    own |= {key: value for key, value in (*values.defaults.items(), *values.numbers.items()) if key in own}
+    motion = {**_own_values(to, SLIDE), **own}
     if motion["dynamic"] > motion["static"]:
         raise Refused(f"dynamic = {motion['dynamic']:g}: expected at most static = {motion['static']:g}")
     if not goes_on:
         require_rollable(motion["radius"], surface, values.number("roughness"))
-    motion |= {"speed": values.numbers["speed"], "seed": to.seed(number := to.start(id))}
+    motion |= {"speed": values.number("speed"), "seed": to.seed(number := to.start(id))}
     if "press" in values.words:
         motion["press"] = _press_of(to, values.words["press"])
     given = [name for name in SLIDE.steerable if name in values.numbers]
@@ -229,18 +231,17 @@ def _press(to: ObjectCall) -> None:
     law = law_of(to, by)
     require_short(_APPROACH, law)
     number = to.start(to.id(to.transaction.gestures.made_for))
-    motion = {"velocity": _APPROACH, "force": to.values.numbers["force"]}
+    motion = {"velocity": _APPROACH, "force": to.values.number("force")}
     _strike(to, by, law, Command(NOW, Kind.PRESS, gesture=number, values=motion))
 
 
 def _spin(to: ObjectCall) -> None:
     values = to.values
-    duration = values.numbers["duration"]
+    duration = values.number("duration")
     if duration == 0.0:
         to.end_at_once()
         return
-    by = to.striking_object()
-    law = law_of(to, by)
+    law = law_of(to, by := to.striking_object())
     require_short(rim_speed(*map(values.number, ("flat", "radius", "angle", "gravity"))), law)
     number = to.start(to.id(to.transaction.gestures.made_for))
     motion = {**_own_values(to, SPIN), "duration": duration, "seed": to.seed(number)}
@@ -250,14 +251,13 @@ def _spin(to: ObjectCall) -> None:
 def _strike(to: ObjectCall, by: PlayedObject | None, law: Contact, command: Command) -> None:
     """Add the command of a gesture, with the values that every gesture has."""
     numbers, transaction = to.values.numbers, to.transaction
-    sound = None if by or to.is_point_mass else transaction.laws.sound_of(to.striker)
+    sound = None if by or to.is_point_mass else transaction.laws.sound_of(to.striker, command.kind is Kind.SLIDE)
     values = {
         **command.values,
         **(transaction.engine.lay_out_striker(sound) if sound else {}),
         **law._asdict(),
         "position": numbers.get("position", to.obj.preset.position),
         "gain": GAIN.in_engine(to.values.number("gain")),
-        "gesture_level": to.transaction.scale.gesture(to.obj.preset, command.kind.name.lower()),
         "by_position": numbers.get("by_position", by.preset.position) if by else 0.0,
     }
     _add(transaction, to.canonical, command._replace(values=values), to.obj, by)
@@ -286,7 +286,7 @@ def _on_objects(handle: Callable[[ObjectCall], None]) -> Handler:
         for name, obj in objects.items():
             if len(objects) > 1:
                 transaction.pause()
-            handle(ObjectCall(transaction, call, values, name, obj))
+            handle(ObjectCall(transaction, call, completed(values, call.verb, obj.preset), name, obj))
 
     return handle_all
 

@@ -20,7 +20,7 @@ from ..scene.new_object import NEW, NewObject
 from ..scene.object_call import require_name
 from .shapes import SHAPES, Shape, Vector, shape_of
 
-_CALIBRATED = {"level": 0.0, "roll_level": 0.0, "slide_level": 0.0, "stereo_width": 0.0}
+_CALIBRATED = {"level": 0.0, "stereo_width": 0.0}
 _MOST = 1e30
 """Of a density, a mass and an inertia, whose reciprocals are needed, too."""
 _OCTAVES = np.exp2(np.arange(1.0 - OCTAVES, 1.0))  # s

@@ -1,95 +1,95 @@
-"""How loud presets are, and the levels that make them alike: integrated loudness by ITU-R BS.1770 (pyloudnorm).
+"""How loud presets are at their defaults, and the levels that make their strikes alike, by ITU-R BS.1770.
 
-`make levels` measures every object at its defaults and writes `level`, `roll_level` and `bounce_level` into its preset:
-strikes within 5 LU of each other, none with a peak above an eighth of full scale, so that eight at once do not limit;
-rolls and bounces no further from the strike than GESTURES. `--dry` only prints.
+`make levels` measures every object's strike, writes `level` into its preset, and keeps the figures of all its gestures
+in tests/measured, from where they come into presets/README.md. A strike is as loud as clients/loudness.py says; all
+other gestures that suit the object are within GESTURES of it. `--dry` only prints.
 """
 
 import argparse
+import json
 import re
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 import carom
-from carom.clients.loudness import PEAK, Heard, heard
+from carom.clients.loudness import Heard, decibels, heard, true_peak
 from carom.presets import BUILT_IN
+from carom.presets.schema import SUITABLE
 
 RATE = 48_000
-SPREAD = 5.0  # LU between the loudest strike and the softest
-GESTURES = 9.0  # LU between a strike and a roll or a bounce on the same object, at most
+GESTURES = 14.0  # LU between a strike and another gesture on the same object, at most
+SECONDS = {"impact": 1.0, "bounce": 1.0, "roll": 1.5, "slide": 1.5, "spin": 3.0}
+"""s: of each gesture that are listened to."""
+MEASURED = Path(__file__).parents[1] / "measured" / "levels.json"
+_HEARING = 2e-5  # Pa
+
+Folders = tuple[Path, ...] | Path
 
 
-def strike(name: str) -> Heard:
-    """An object's own strike."""
-    return _played(name, lambda body, preset: body.impact(preset.velocity), 1.0)
+@dataclass(frozen=True)
+class Loudness:
+    """An object at its defaults: its level (dB); of its strike the loudness (LUFS), the true peak (dB of full scale)
+    and the peak pressure at 1 m (Pa, dB); of its other gestures the loudness over the strike's (LU)."""
+
+    level: float
+    loudness: float
+    peak: float
+    pascals: float
+    pressure_level: float
+    gestures: dict[str, float]
 
 
-def roll(name: str) -> Heard:
-    """Its own striker, or a marble where that is not round, rolling at 0.5 m/s over the surface `wood`."""
-    presets = carom.Presets()
-    own = presets.object(name).striker
-    striker = "glass-marble" if presets.striker(own).radius is None else own
-    return _played(name, lambda body, preset: body.roll(0.5, surface="wood", striker=striker), 1.0)
+def measured(name: str, folders: Folders = ()) -> Loudness:
+    """How loud an object is at its defaults; folders: of presets, as for a Scene."""
+    preset = carom.Presets(folders).object(name)
+    struck = gesture(name, "impact", folders)
+    pascals = true_peak(_played(name, "impact", folders, calibrated=True))
+    others = {each: gesture(name, each, folders).loudness - struck.loudness for each in preset.gestures}
+    return Loudness(preset.level, struck.loudness, struck.peak, pascals, decibels(pascals / _HEARING), others)
 
 
-def bounce(name: str) -> Heard:
-    """Its own striker, dropped from 0.3 m."""
-    return _played(name, lambda body, preset: body.bounce(0.3), 1.5)
+def gesture(name: str, kind: str, folders: Folders = ()) -> Heard:
+    """How loud a gesture at its defaults is, on an object at its defaults."""
+    return heard(_played(name, kind, folders), RATE)
 
 
-def _played(name, gesture, seconds: float) -> Heard:
-    with carom.Scene(RATE, limiter=False) as scene:
-        gesture(scene.new("a", name), carom.Presets().object(name))
-        return heard(scene.render(seconds).samples, RATE)
+def _played(name: str, kind: str, folders: Folders, calibrated: bool = False) -> NDArray[np.float32]:
+    with carom.Scene(RATE, limiter=False, presets=folders, calibrated=calibrated) as scene:
+        body = scene.new("a", name)
+        getattr(body, kind)(**{} if kind == "impact" else {"seed": 1})
+        return scene.render(SECONDS[kind]).samples
 
 
-def levels(strikes: dict[str, Heard]) -> dict[str, float]:
-    """What is to be added to each object's level (dB): all as loud as they can be without one being SPREAD louder."""
-    headroom = {name: 20 * np.log10(PEAK) - each.peak for name, each in strikes.items()}
-    softest = min(each.loudness + headroom[name] for name, each in strikes.items())
-    return {name: min(headroom[name], softest + SPREAD - each.loudness) for name, each in strikes.items()}
-
-
-def gesture_level(strike: Heard, other: Heard) -> float:
-    """What is to be added to a gesture (dB) so that it lies no further than GESTURES from the strike."""
-    apart = other.loudness - strike.loudness
-    return float(np.clip(apart, -GESTURES, GESTURES) - apart)
-
-
-def write(path: Path, **values: float) -> None:
-    """Write levels (dB) into a preset's file, above its sections: in place where there are some, else after `level`."""
+def write(path: Path, level: float) -> None:
+    """Write a level (dB) into an object's preset."""
     head, section, rest = path.read_text(encoding="utf-8").partition("\n[")
-    for key, value in values.items():
-        line = f"{key} = {round(value, 1) + 0.0:.1f}  # dB"
-        head, found = re.subn(rf"^{key} = .*$", line, head, flags=re.M)
-        if not found:
-            head = re.sub(r"^(level = .*)$", rf"\1\n{line}", head, flags=re.M)
+    head, found = re.subn(r"^level = .*$", f"level = {round(level, 1) + 0.0:.1f}  # dB", head, flags=re.M)
+    assert found == 1
     path.write_text(head + section + rest, encoding="utf-8")
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--dry", action="store_true", help="print the levels, write none")
+    parser.add_argument("--dry", action="store_true", help="print the figures, write none")
     options = parser.parse_args()
-    presets = carom.Presets()
-    strikes = {name: strike(name) for name in presets.names("objects")}
-    added = levels(strikes)
-    print(f"{'object':22} {'LUFS':>6} {'peak':>6} {'roll':>6} {'bounce':>6}")
-    for name, struck in strikes.items():
-        preset = presets.object(name)
-        others = {"roll": roll(name), "bounce": bounce(name)}
-        apart = [other.loudness - struck.loudness for other in others.values()]
-        print(
-            f"{name:22} {struck.loudness + added[name]:6.1f} {struck.peak + added[name]:6.1f} "
-            f"{apart[0]:6.1f} {apart[1]:6.1f}"
-        )
-        if not options.dry:
-            raised = {
-                f"{gesture}_level": preset.gesture_levels.get(gesture, 0.0) + gesture_level(struck, other)
-                for gesture, other in others.items()
-            }
-            write(BUILT_IN / "objects" / f"{name}.toml", level=preset.level + added[name], **raised)
+    names = carom.Presets().names("objects")
+    if not options.dry:
+        for name in names:
+            level = carom.Presets().object(name).level + gesture(name, "impact").raise_by
+            write(BUILT_IN / "objects" / f"{name}.toml", level)
+    rows = {name: measured(name) for name in names}
+    print(
+        f"{'object':20} {'level':>6} {'LUFS':>6} {'peak':>6} {'Pa':>7}  {' '.join(f'{each:>7}' for each in SUITABLE)}"
+    )
+    for name, row in rows.items():
+        others = " ".join(f"{row.gestures[each]:7.1f}" if each in row.gestures else " " * 7 for each in SUITABLE)
+        print(f"{name:20} {row.level:6.1f} {row.loudness:6.1f} {row.peak:6.1f} {row.pascals:7.3f}  {others}")
+    if not options.dry:
+        kept = {name: asdict(row) for name, row in rows.items()}
+        MEASURED.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -24,6 +24,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "preset files": presets.files,
     "shapes": presets.shapes,
     "presets": presets.listed,
+    "levels": presets.levels,
     "scores": presets.scores,
     "accuracy": figures.accuracy,
     "speed": figures.speed,

@@ -1,11 +1,14 @@
 """Tables of the presets: the keys of every kind of file, the values that they may have, and all presets there are."""
 
+import json
 from collections.abc import Collection
 from pathlib import Path
 
-from carom.presets import BUILT_IN, KINDS, Presets
+from carom.dsp.schema import GESTURES
+from carom.presets import BUILT_IN, KINDS, Presets, gestures
 from carom.presets import schema as known
 from carom.presets.values import Choice, Many, Name, OneOrMany, Quantity, Row, Rows, Whole
+from tests.bench.loudness import MEASURED
 from tests.documents.markdown import table
 from tests.documents.meanings import MEANINGS
 
@@ -41,6 +44,17 @@ def _keys(where: str, fields: known.Fields, required: Collection[str] = ()) -> s
     return table(_HEAD, rows)
 
 
+def _usual(name: str) -> str:
+    """The keys of a gesture's section: the words, and the numbers that the gesture has."""
+    fields = gestures.FIELDS[name]
+    words = {key: domain for key, domain in fields.items() if isinstance(domain, Name)}
+    own = ", ".join(f"`{key}`" for key in fields if key not in (*words, *gestures.REQUIRED[name]))
+    first = GESTURES[name].argument
+    rows = [(f"`{key}` (required)", "a preset's name", f"a {key} preset") for key in words]
+    rows += [(f"`{first.name}` (required)", first.bounds, first.help), (own, "as messages have them", "")]
+    return table(_HEAD, rows)
+
+
 def _meaning(where: str, key: str) -> str:
     return MEANINGS[where, key] if (where, key) in MEANINGS else MEANINGS["", key]
 
@@ -63,6 +77,7 @@ def files() -> str:
             f"`[{name}]` of an object": _keys(name, addition.fields, addition.required)
             for name, addition in known.ADDED.items()
         },
+        **{f"`[{name}]` of an object": _usual(name) for name in known.SUITABLE},
         "A striker": _keys("striker", known.STRIKER, known.DESCRIPTION),
         **{f"`[{name}]` of a striker": _keys(name, fields, needed[name]) for name, fields in of_striker},
         "A material": _keys("material", known.MATERIAL, known.MATERIAL_REQUIRED),
@@ -114,3 +129,14 @@ def _comment(path: Path) -> str:
             break
         lines.append(line.lstrip("# ").split("   ")[0])
     return " ".join(lines)
+
+
+def levels() -> str:
+    """How loud each object is at its defaults, as `make levels` measured it."""
+    rows = []
+    for name, row in json.loads(MEASURED.read_text(encoding="utf-8")).items():
+        others = (f"{row['gestures'][each]:+.0f}" if each in row["gestures"] else "" for each in known.SUITABLE)
+        strike = f"{row['level']:.1f}", f"{row['loudness']:.1f}", f"{row['peak']:.1f}"
+        rows.append((f"`{name}`", *strike, f"{row['pascals']:.2g}", f"{row['pressure_level']:.0f}", *others))
+    head = "name", "level, dB", "LUFS", "peak, dBFS", "Pa", "dB SPL", *known.SUITABLE
+    return table(head, rows)

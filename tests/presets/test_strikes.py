@@ -12,8 +12,12 @@ FIRST, LOWEST, SHARE, HEARD = 8, 25.0, 0.1, 0.01
 """Of the first 8 modes from `LOWEST` Hz on those are looked at that may be within 40 dB of the loudest."""
 
 
+MIDDLE = ("glockenspiel-bar",)
+"""Struck in their middle, where every other mode has a node, as the recording is that they are compared with."""
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", PRESETS.names("objects"))
+@pytest.mark.parametrize("name", [name for name in PRESETS.names("objects") if name not in MIDDLE])
 def test_a_default_strike_meets_no_node_of_the_first_modes(name):
     """Each moves there by a good part of what it moves elsewhere on the path, and the path lies on no nodal line."""
     preset = PRESETS.object(name)

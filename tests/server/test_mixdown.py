@@ -1,7 +1,6 @@
 """What a render makes of the whole: channels, levels, pascals, a peak, and a file for each object."""
 
 import math
-import re
 from pathlib import Path
 
 import numpy as np
@@ -60,7 +59,7 @@ def test_a_sample_is_a_share_of_full_scale_by_the_preset_s_level_or_a_pascal(str
     assert np.abs(pascals).max() > 1e-3
     expected = pascals * 10 ** (level / 20) / FULL_SCALE_PRESSURE
     np.testing.assert_allclose(share, expected, atol=1e-4 * np.abs(expected).max())
-    changed = heard(text.replace("tom gain 20", "tom gain 20 level 60 roll_level 10"), calibrated=True)
+    changed = heard(text.replace("tom gain 20", "tom gain 20 level 60"), calibrated=True)
     np.testing.assert_array_equal(changed, pascals)
     louder = heard(text.replace("gain 20", "gain 40"), calibrated=True)
     np.testing.assert_allclose(louder, 10 * pascals, atol=1e-4 * np.abs(louder).max())
@@ -103,62 +102,6 @@ def test_pascals_are_written_as_floats(tmp_path):
         rendered(tmp_path, SCORE, "x.flac", calibrated=True)
     with pytest.raises(RenderError, match=r"x\.flac: 9 channels: FLAC holds at most 8"):
         rendered(tmp_path, SCORE, "x.flac", channels=9)
-
-
-# The levels of gestures
-
-ROLLED = "0 /object/new a {}\n0.01 /object/a/roll 0.4 striker glass-marble id ball seed 1\n"
-# Where modes are put to rest, which goes by how loud they are, decides how long a bounce goes on as it did: it is loud.
-BOUNCED = "0 /object/new a {} gain 40\n0 /object/a/bounce 0.01 striker glass-marble seed 1\n"
-
-
-def with_levels(tmp_path: Path) -> Presets:
-    """The tom and the board with levels of their own for gestures."""
-    (tmp_path / "objects").mkdir()
-    for name in ("tom", "wood-board"):
-        text = Presets().path("objects", name).read_text()
-        text = re.sub(r"^(roll|bounce|spin)_level = .*\n", "", text, flags=re.M)
-        (tmp_path / "objects" / f"plain-{name}.toml").write_text(text)
-        text = text.replace("\n[geometry]", "roll_level = 20\nbounce_level = -20\n\n[geometry]", 1)
-        (tmp_path / "objects" / f"my-{name}.toml").write_text(text)
-    return Presets(tmp_path)
-
-
-@pytest.mark.parametrize(
-    ("name", "text", "gain"),
-    [
-        ("tom", ROLLED, 10.0),
-        ("wood-board", BOUNCED, 0.1),
-        ("tom", "0 /object/new a {}\n0 /object/a/impact 0.2\n", 1.0),
-        ("tom", "0 /object/new a {}\n0 /object/a/impact 0.2\n0.1 /object/a/press 1\n", 1.0),
-    ],
-)
-def test_a_preset_says_how_loud_gestures_on_it_are(tmp_path, name, text, gain):
-    """The object's sound and the striker's alike, and its pitch glides by no more."""
-    presets = with_levels(tmp_path)
-
-    def sound(name: str, **options) -> np.ndarray:
-        chosen = Options(seconds=0.3, **options)
-        lines = parse(text.format(name).encode(), "score")
-        return np.concatenate(list(blocks(lines, Engine(48_000), presets, chosen)))
-
-    plain, levelled = sound(f"plain-{name}", limiter=False), sound(f"my-{name}", limiter=False)
-    np.testing.assert_allclose(levelled, gain * plain, atol=1e-4 * np.abs(levelled).max())
-    np.testing.assert_array_equal(sound(f"my-{name}", calibrated=True), sound(f"plain-{name}", calibrated=True))
-
-
-@pytest.mark.parametrize("line", ["0.1 /gesture/ball/gain -6", "0.1 /object/a/roll 0.4 id ball gain -6"])
-def test_a_gesture_that_is_steered_keeps_its_level(tmp_path, line):
-    presets = with_levels(tmp_path)
-
-    def sound(name: str, *lines: str) -> np.ndarray:
-        text = ROLLED.format(name) + "\n".join(lines)
-        chosen = Options(seconds=0.6, limiter=False)
-        return np.concatenate(list(blocks(parse(text.encode(), "score"), Engine(48_000), presets, chosen)))
-
-    plain, levelled = sound("plain-tom", line), sound("my-tom", line)
-    np.testing.assert_allclose(levelled, 10 * plain, atol=1e-4 * np.abs(levelled).max())
-    assert np.abs(plain[-9600:]).max() < 0.8 * np.abs(sound("plain-tom")[-9600:]).max()
 
 
 # The head of a score

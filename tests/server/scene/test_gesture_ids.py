@@ -45,7 +45,7 @@ def test_steering_what_does_not_run_is_refused_and_the_running_ones_are_named(pl
     """A gesture runs from when it is sent, also to begin later, to when the engine reports its end."""
     assert refusal(played, "/gesture/marble/stop") == "marble: no such gesture is running; running are none"
     say(played, "/object/pane/impact", 0.1, "id", "blow")
-    say(played, "/object/pane/bounce", 0.2, "id", "ball")
+    say(played, "/object/pane/bounce", 0.2, "id", "ball", "striker", "fingernail")
     say(played, "/object/cup/press", 1.0, "id", "hand", time=96_000.0)
     seconds(played, 1.0)  # the blow is over, the ball bounces, the hand is still to come
     ended = "blow: no such gesture is running; running are hand, ball"

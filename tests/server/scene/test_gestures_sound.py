@@ -205,7 +205,7 @@ def test_a_roll_sounds_the_same_beside_other_contacts(render):
 0 /object/new pane glass-plate
 0 /object/new glass wine-glass
 0.01 /object/pane/roll 0.4 striker glass-marble surface glass travel 0.3 seed 1 id one
-0.02 /object/pane/roll 0.3 by glass radius 0.01 gain 6 seed 2 id other
+0.02 /object/pane/roll 0.3 by glass surface wood radius 0.01 gain 6 seed 2 id other
 """
     # 50 ms long, and not coupled to what rings
     soft = "0.05 /contact heun\n0.05 /object/*/impact 0.01 0.3 mass 1e-3 stiffness 1 exponent 1 gain -120\n"

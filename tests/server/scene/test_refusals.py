@@ -39,7 +39,8 @@ from tests.server.scene.support import refusal, say
         ("/object/a/strike", (1.0,), "unknown action 'strike'; expected impact, bounce"),  # not /gesture/a/stribeck
         ("/object/a/sweep", (1.0,), "no such address; did you mean /gesture/a/sweep?"),
         ("/objekt/a/inpact", (1.0,), "no such address; did you mean /object/a/impact?"),
-        ("/object/a/impact", (), "velocity is missing"),
+        ("/object/a/press", (), "force is missing, and church-bell has none: expected /object/NAME/press [force]"),
+        ("/object/a/roll", ("striker", "steel"), "speed is missing, and church-bell has none"),
         ("/object/a/impact", (-1,), "velocity = -1: expected a number from 0 to 1000 m/s"),
         ("/object/a/impact", (math.nan,), "velocity = nan"),
         ("/object/a/impact", (math.inf,), "velocity = inf"),
@@ -103,7 +104,6 @@ def test_overlong_names_are_refused(session, key):
 @pytest.mark.parametrize(
     ("args", "reason"),
     [
-        ((), "height is missing"),
         ((-0.1,), "height = -0.1: expected a number from 0 to 1000 m"),
         ((float("nan"),), "height = nan: expected"),
         ((1e9,), "height = 1e+09: expected"),
@@ -129,7 +129,7 @@ def test_a_bounce_that_can_not_be_is_refused_and_leaves_nothing(played, args, re
     ("action", "args", "reason"),
     [
         ("roll", ("striker", "felt-hammer"), "radius is missing: the striker has none"),
-        ("roll", ("striker", "steel", "radius", 1e-3, "roughness", 100), "radius = 0.001: expected at least"),
+        ("roll", ("surface", "wood", "radius", 1e-3, "roughness", 100), "radius = 0.001: expected at least"),
         ("roll", ("striker", "steel", "radius", 8e-4, "surface", "corrugated"), "radius = 0.0008: expected at least"),
         ("roll", ("striker", "steel", "corners", 0.5), "corners = 0.5: expected a whole number"),
         ("roll", ("striker", "steel", "surface", "mud"), "no surface 'mud'"),

@@ -1,0 +1,51 @@
+"""How gestures go on an object where a message does not say it: the sections [bounce], [roll], [slide] and [spin].
+
+An object has the section of a gesture that suits it. Another gesture can be played on it, too, if the message says how.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ..dsp import schema
+from .schema import SUITABLE, Fields, check
+from .values import Name, Quantity
+
+ON_SURFACE = ("roll", "slide")
+
+_OTHERS = {"seed", *(each.name for each in schema.STRIKE)}
+"""Keys that a section has not: a seed is another for each gesture, and the rest is the striker's."""
+
+
+def _fields(gesture: schema.Gesture) -> Fields:
+    words = ("striker", "surface") if gesture.name in ON_SURFACE else ("striker",)
+    numbers = (gesture.argument, *(key for key in gesture.keys if key.name not in _OTHERS))
+    named = {each.name: Quantity(each.low, each.high, each.unit) for each in numbers}
+    return {**dict.fromkeys(words, Name()), **named}
+
+
+FIELDS: Mapping[str, Fields] = {name: _fields(schema.GESTURES[name]) for name in SUITABLE}
+"""The keys of each section."""
+
+REQUIRED: Mapping[str, tuple[str, ...]] = {
+    name: (*(key for key in FIELDS[name] if key in ("striker", "surface")), schema.GESTURES[name].argument.name)
+    for name in SUITABLE
+}
+
+
+@dataclass(frozen=True)
+class Usual:
+    """A gesture as a preset has it: its striker, its surface ("" where it has none), and numbers by name, its first
+    argument among them."""
+
+    striker: str
+    surface: str
+    numbers: Mapping[str, float]
+
+    @classmethod
+    def from_data(cls, name: str, where: str, data: Mapping[str, Any]) -> Usual:
+        """A gesture of a name from its section's data. `where` begins the text of a PresetError."""
+        values = check(where, data, FIELDS[name], REQUIRED[name])
+        return cls(values.pop("striker"), values.pop("surface", ""), values)

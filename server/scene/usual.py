@@ -1,0 +1,29 @@
+"""What a gesture's message leaves out, as the object's preset has it."""
+
+from dataclasses import replace
+
+from ...dsp.schema import GESTURES
+from ...presets import ObjectPreset
+from ..osc.arguments import Refused, Values, Verb
+
+
+def completed(values: Values, verb: Verb | None, preset: ObjectPreset) -> Values:
+    """The values of a message; of a gesture's with those that the preset has for what it leaves out.
+
+    A message that says what strikes takes none of the preset's striker; the surface is the object's all the same.
+    Refused if neither says the gesture's first argument.
+    """
+    if verb is None or verb.action not in GESTURES:
+        return values
+    usual, argument = preset.gestures.get(verb.action), GESTURES[verb.action].argument.name
+    words, defaults = values.words, values.defaults
+    if verb.action == "impact":
+        defaults = {**defaults, argument: preset.velocity}
+    elif usual:
+        strikes = {"striker", "by"} & words.keys() or {"mass", "stiffness"} <= values.numbers.keys()
+        named = {"surface": usual.surface} if usual.surface else {}
+        words = {**named, **({} if strikes else {"striker": usual.striker}), **words}
+        defaults = {**defaults, **({argument: usual.numbers[argument]} if strikes else usual.numbers)}
+    if argument not in values.numbers and argument not in defaults:
+        raise Refused(f"{argument} is missing, and {preset.name} has none: expected {verb.usage()}")
+    return replace(values, words=words, defaults=defaults)
