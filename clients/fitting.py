@@ -17,6 +17,7 @@ from ..dsp.fitting.errors import RecordingError
 from ..dsp.fitting.fit import MODES, Fit, fit
 from ..dsp.fitting.hits import Hit, clearest, hits
 from ..dsp.fitting.strikers import MASS, VELOCITY, Striker, durations, striker_of
+from ..dsp.numerics.constants import FULL_SCALE_PRESSURE
 from ..presets import Presets
 from ..presets import fitted as texts
 from ..presets.values import NAME, Name

@@ -29,14 +29,15 @@ class ServeError(ValueError):
 
 @dataclass(frozen=True)
 class Options:
-    """How to serve: port (0: any free one) and address, device (None: the default), latency to ask it for in s
-    (None: its lowest), rate in Hz, block in frames (0: the device's), files to record the sound and to log the events
-    to, folders of presets, the arguments of a /contact to begin with, a port for HTTP (None: none, 0: any free
-    one), the folder of the page that is there beside OSCQuery (None: no page), whether it goes over TLS, with the
-    certificate of which file (None: one that is made), channels, the main gain in dB, whether the limiter is on, for
-    how many modes and objects there is room, what the spectral bank keeps its modes in, a folder for what clients
-    record, with the most bytes that all files in it may have, the MIDI inputs that play, by index or part of a name,
-    and the pressure (Pa) of full scale, of an object of level 0."""
+    """How to serve: port (0: any free one) and address, networks whose hosts are trusted to be who they say, device
+    (None: the default), latency to ask it for in s (None: its lowest), rate in Hz, block in frames (0: the
+    device's), files to record the sound and to log the events to, folders of presets, the arguments of a /contact
+    to begin with, a port for HTTP (None: none, 0: any free one), the folder of the page that is there beside
+    OSCQuery (None: no page), whether it goes over TLS, with the certificate of which file (None: one that is made),
+    channels, the main gain in dB, whether the limiter is on, for how many modes and objects there is room, what the
+    spectral bank keeps its modes in, a folder for what clients record, with the most bytes that all files in it may
+    have, the MIDI inputs that play, by index or part of a name, and the pressure (Pa) of full scale, of an object of
+    level 0."""
 
     port: int = DEFAULT_PORT
     bind: str = "127.0.0.1"

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..dsp.engine.capacity import MODES, OBJECTS, STEMS
 from ..dsp.engine.state import QUANTUM, RING
 from ..dsp.runtime.engine import Engine
-from ..dsp.schema import CHANNELS, FORMS, FULL_SCALE, MAIN_GAIN, Parameter
+from ..dsp.schema import CHANNELS, FORMS, FULL_SCALE, MAIN_GAIN, ROOM, STEPS, Parameter
 from ..dsp.wording import expected
 from ..presets import Presets
 from .files.spool import Spool, StemSpools
@@ -49,9 +49,9 @@ class Options:
 
     channels, gain (dB), limiter and bank (one of FORMS) hold from the start, in place of what the score says of them at
     time 0 (None: as it says, else 2 channels, 0 dB, on, and float64). full_scale: the pressure (Pa) of a sample of 1.0,
-    of an object of level 0 (None: as the score says, else FULL_SCALE_PRESSURE). calibrated: samples are pascals,
-    without a limiter, as floats. normalize: the peak (dBFS) to which the whole is brought; without a limiter, unless
-    one is asked for.
+    of an object of level 0 (None: as the score says, else FULL_SCALE_PRESSURE). budget: steps and modes, as /budget has
+    them, in place of all that the score says of them. calibrated: samples are pascals, without a limiter, as floats.
+    normalize: the peak (dBFS) to which the whole is brought; without a limiter, unless one is asked for.
     """
 
     rate: int = 48_000
@@ -66,6 +66,7 @@ class Options:
     normalize: float | None = None
     bank: str | None = None
     full_scale: float | None = None
+    budget: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.rate, SupportsIndex) or not LOWEST_RATE <= int(self.rate) <= HIGHEST_RATE:
@@ -75,8 +76,10 @@ class Options:
         require_format(self.format)
         if self.seconds is not None and not 1 / self.rate <= self.seconds <= LONGEST_SCORE:
             raise RenderError(f"seconds = {self.seconds:g}: expected at least a frame and at most {LONGEST_SCORE}")
+        steps, room = self.budget or (None, None)
         for number, value in (
             (CHANNELS, self.channels), (MAIN_GAIN, self.gain), (_PEAK, self.normalize), (FULL_SCALE, self.full_scale),
+            (STEPS, steps), (ROOM, room),
         ):  # fmt: skip
             require(number, value)
         if self.bank not in (None, *FORMS):
@@ -129,10 +132,16 @@ class Options:
         return Engine(self.rate, self.channels_of(score), MODES, objects, limited=not self.calibrated)
 
     def without_head(self, score: Sequence[Line]) -> list[Line]:
-        """The lines of a score but for those at time 0 in whose place the options are."""
+        """The lines of a score but for those in whose place the options are: at time 0, and of the budget all."""
         given = {message.address for message in self.head}
         given |= {f"/{name}" for name in ("channels", "full_scale") if getattr(self, name) is not None}
-        return [line for line in score if line.time > 0.0 or line.message.address not in given]
+        lines = [line for line in score if line.time > 0.0 or line.message.address not in given]
+        return lines if self.budget is None else [line for line in lines if not _is_of_budget(line)]
+
+
+def _is_of_budget(line: Line) -> bool:
+    """True if a line sets the budget, be it by a pattern."""
+    return any(call.verb is VERBS[_BUDGET] for call in calls(line.message))
 
 
 def _chosen(number: Parameter, given: float | None, score: Sequence[Line]) -> float:

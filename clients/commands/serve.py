@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from ...server.osc.wire import DEFAULT_PORT
 from ..actions import CommandError
+from .ending import end_within
 from .options import RATE, SWITCH, add_bank, add_contact, add_full_scale, add_presets, contact, on_end
 from .parser import Command, number, size, whole
 

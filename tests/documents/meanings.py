@@ -6,7 +6,7 @@ MEANINGS = {
     ("", "material"): "a material preset",
     # Objects.
     ("object", "shape"): "the function that makes the modes",
-    ("object", "level"): "gain; at 0 dB, full scale is 20 Pa",
+    ("object", "level"): "gain; at 0 dB, full scale is 4 Pa",
     ("", "licence"): "of the recordings that it was made of",
     ("object", "glide"): "rise of the tension with the energy that rings; from geometry and material if not given",
     ("object", "stereo_width"): "of its image: 0 is a point, 1 reaches from the left output to the right one",

@@ -8,7 +8,6 @@ import pytest
 import soundfile
 
 from carom.dsp.numerics.constants import FULL_SCALE_PRESSURE
-from carom.dsp.runtime.engine import Engine
 from carom.presets import Presets
 from carom.server.osc.score import ScoreError, parse
 from carom.server.render import Options, RenderError, blocks, render
