@@ -61,8 +61,10 @@ def _number_of(address: str) -> tuple[Parameter, bool]:
     first = made[0].verb
     if len(made) == 1 and isinstance(first, Change):
         return first.number, True
-    if len(made) == 1 and first and first.action in _BEGIN and isinstance(first.required[0], Parameter):
-        return first.required[0], False
+    if len(made) == 1 and first and first.action in _BEGIN:
+        number = (*first.required, *first.optional)[0]
+        if isinstance(number, Parameter):
+            return number, False
     raise Refused(f"address = {address}: expected one that sets one number, such as /gesture/ID/speed")
 
 

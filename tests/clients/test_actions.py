@@ -37,12 +37,13 @@ def test_every_address_of_a_score_is_shared_but_those_that_only_begin_it():
     """The gain of everything has another name than that of an object; a simulation is told to World."""
     others = "/gesture/", "/world/"
     said = {verb.action for verb in VERBS.values() if verb.scored and not verb.address.startswith(others)}
-    assert set(SHARED) == said - {"new", "channels"} | {"main_gain", "send", "steer", "stop"}
+    assert set(SHARED) == said - {"new", "channels", "full_scale"} | {"main_gain", "send", "steer", "stop"}
 
 
 def test_the_keys_are_listed_for_a_scene_alone():
-    taking = {verb.action for verb in VERBS.values() if verb.keys and not verb.address.startswith("/world/")} - {"new"}
-    assert taking == {"impact", "bounce", "roll", "press", "spin", "slide", "note", "contact"}
+    taking = {verb.action for verb in VERBS.values() if verb.keys} & set(SHARED)
+    changing = {"gain", "pan", "distance", "tune", "decay", "damp"}
+    assert taking == {"impact", "bounce", "roll", "press", "spin", "slide", "note", "contact", *changing}
     for name in SHARED:
         assert ("\n\nKeys:\n  " in inspect.getdoc(getattr(carom.Scene, name))) == (name in taking)
         assert "Keys:" not in inspect.getdoc(getattr(carom.Client, name))

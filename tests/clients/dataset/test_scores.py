@@ -1,5 +1,6 @@
 """Items that follow a score: worlds, and whatever takes more than one gesture."""
 
+import itertools
 import pickle
 
 import numpy as np
@@ -74,7 +75,9 @@ def test_a_ball_that_falls_gives_the_floor_its_momentum():
         truth = render(recipe, item, Presets()).truth
         ball = next(each for each in truth["objects"] if each["name"] == "ball")
         first = truth["contacts"][0]
-        assert first["object"] == "floor" and first["by"] == "ball" and len(truth["contacts"]) == 7
+        starts = [each["start"] for each in truth["contacts"]]
+        falls = sum(after > before + 0.05 for before, after in itertools.pairwise([-1.0, *starts]))
+        assert first["object"] == "floor" and first["by"] == "ball" and falls == 7  # a floor may swing back after one
         # It is as fast as a fall of 0.3 m makes it. The floor gives way, so that it takes less than a wall.
         assert first["speed"] == pytest.approx((2 * 9.81 * 0.3) ** 0.5, rel=1e-3)
         share = first["impulse"] / (ball["mass"] * first["speed"])

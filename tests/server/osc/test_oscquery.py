@@ -76,7 +76,7 @@ def test_what_it_offers_is_taken():
 
 def test_an_impact_is_one_float_or_two():
     impact = node("/object/bell/impact", NAMES)
-    velocity, position = VERBS["/object/NAME/impact"].required[0], VERBS["/object/NAME/impact"].optional[0]
+    velocity, position = VERBS["/object/NAME/impact"].optional
     assert isinstance(velocity, Number) and isinstance(position, Number)
     assert (impact["TYPE"], impact["UNIT"], impact["ACCESS"]) == ("f", ["speed.m/s"], 2)
     assert impact["RANGE"] == [{"MIN": 0.01, "MAX": 5.0}] == [dict(zip(("MIN", "MAX"), velocity.useful, strict=True))]
