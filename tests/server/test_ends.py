@@ -44,12 +44,12 @@ stuck = threading.Lock()
 stuck.acquire()
 def never(self, values, source):
     {busy}
-Server._version_asked = never
+Server._sync = never
 sys.exit(cli.main(sys.argv[1:]))
 """
     with serving(tmp_path, "--device", "none", "--record", "out.wav", carom=(sys.executable, "-c", program)) as server:
         with server.client() as client:
-            client.send("/version")
+            client.send("/sync", 1)
             time.sleep(0.3)
         server.process.send_signal(signal.SIGTERM)
         begun = time.monotonic()
