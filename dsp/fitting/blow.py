@@ -128,13 +128,14 @@ def measured(force: Array, rate: float) -> Blow:
 def alike(blow: Blow) -> Blow:
     """The pulse of an unknown striker that is nearest to a blow, by the sizes of their spectra, at the same time."""
     frequency = np.geomspace(_LOWEST_LIKENESS, _HIGHEST_LIKENESS, 60)
-    size = np.abs(blow.transform(2j * np.pi * frequency))
+    turning: Complex = 2j * np.pi * frequency
+    size = np.abs(blow.transform(turning))
     longest = max(blow.duration, 2 * _DURATIONS[0])
     tried = [pulse(each, blow.impulse) for each in np.geomspace(0.5 * longest, 2 * longest, 81)]
-    errors = [np.sum((np.abs(each.transform(2j * np.pi * frequency)) - size) ** 2) for each in tried]
+    errors = [np.sum((np.abs(each.transform(turning)) - size) ** 2) for each in tried]
     found = tried[int(np.argmin(errors))]
-    middle = blow.times @ blow.impulses / blow.impulse
-    return found.later(middle - found.times @ found.impulses / found.impulse)
+    middle, its_own = (float(each.times @ each.impulses) / each.impulse for each in (blow, found))
+    return found.later(middle - its_own)
 
 
 def begun(take: Array, s: Complex, rate: float, blow: Blow, onset: int) -> Blow:
