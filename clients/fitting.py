@@ -274,7 +274,8 @@ def _write(
     rate = int(found_in.rate)
     sound = played(wanted.name, out, rate)
     recorded = np.tile(found_in.takes[0][:, None], 2)  # as it plays from two channels
-    louder = heard(recorded, rate).loudness + wanted.raised - heard(sound, rate).loudness
+    as_long = sound[: len(recorded)]
+    louder = heard(recorded, rate).loudness + wanted.raised - heard(as_long, rate).loudness
     files.insert(0, _put(file, texts.object_text(found_in, facts, louder)))
     return files, sound.mean(axis=1) * 10 ** (louder / 20), louder
 

@@ -173,6 +173,7 @@ def _fit(found: Sequence[Hit], blows: Sequence[Blow | None], count: int) -> Fit:
     takes = [_with_beginning(hit, early) for hit in found]
     begins = _begun(takes, s, rate, blows)
     s = refine(takes, s, rate, lambda each: [blow.head(each, rate, early) for blow in begins], _STEPS)
+    s = prune(after, s, len(s))
     s = s[np.argsort(s.imag)]
     heads = [blow.head(s, rate, early) for blow in begins]
     amplitude, _ = amplitudes(takes, s, heads)
