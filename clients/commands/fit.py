@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ..errors import tell
 from .options import add_presets
-from .parser import Command, number, whole
+from .parser import Command, number, pascals, whole
 from .progress import at_work, shown_progress
 
 
@@ -40,7 +40,7 @@ def _options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--velocity", type=number, metavar="V", help="of the strikes, m/s (1)")
     parser.add_argument("--mass", type=number, metavar="KG", help="of the object (1: a guess)")
-    parser.add_argument("--full-scale", type=number, metavar="PA", help="sound pressure of the recordings' full scale")
+    parser.add_argument("--full-scale", type=pascals, metavar="PA", help="sound pressure of the recordings' full scale")
     parser.add_argument("--distance", type=number, metavar="M", help="of the microphone, m (1)")
     parser.add_argument("--force", type=Path, metavar="HAMMER.wav", help="the force, as a hammer measured it")
     parser.add_argument("--source", metavar="TEXT", help="who recorded what: kept in the preset")
