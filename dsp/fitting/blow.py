@@ -128,7 +128,7 @@ def measured(force: Array, rate: float) -> Blow:
 def alike(blow: Blow) -> Blow:
     """The pulse of an unknown striker that is nearest to a blow, by the sizes of their spectra, at the same time."""
     frequency = np.geomspace(_LOWEST_LIKENESS, _HIGHEST_LIKENESS, 60)
-    turning: Complex = 2j * np.pi * frequency
+    turning = np.asarray(2j * np.pi * frequency, np.complex128)
     size = np.abs(blow.transform(turning))
     longest = max(blow.duration, 2 * _DURATIONS[0])
     tried = [pulse(each, blow.impulse) for each in np.geomspace(0.5 * longest, 2 * longest, 81)]
