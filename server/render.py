@@ -258,7 +258,8 @@ def blocks(
     for message in options.head:
         _perform(session, Line(0.0, message, message.address[1:]), warn)
     timeline = _Timeline(lines, options, engine.delay)
-    written = -engine.delay  # the silence that a limiter begins with is dropped
+    written = -engine.delay
+    silence = engine.delay  # that a limiter begins with: it is dropped
     while timeline.end is None or written < timeline.end:
         stop = written + options.block if timeline.end is None else min(written + options.block, timeline.end)
         parts = []
@@ -274,9 +275,10 @@ def blocks(
                 parts[-1] = parts[-1][: piece - surplus]
                 stop = min(stop, timeline.end)
         sound = np.concatenate(parts)
-        if written <= 0:
-            continue
-        yield sound[-written:] if written < len(sound) else sound
+        dropped = min(silence, len(sound))
+        silence -= dropped
+        if len(sound) > dropped:
+            yield sound[dropped:]
 
 
 def _perform(session: Session, line: Line, warn: Callable[[str], object]) -> None:

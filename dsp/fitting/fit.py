@@ -179,11 +179,7 @@ def _fit(found: Sequence[Hit], blows: Sequence[Blow | None], count: int) -> Fit:
     amplitude, _ = amplitudes(takes, s, heads)
     rests = [take - ring(c, s, len(take), head) for c, take, head in zip(amplitude, takes, heads, strict=True)]
     residual = [10 * np.log10(np.sum(rest**2) / np.sum(take**2)) for take, rest in zip(takes, rests, strict=True)]
-    if np.mean(residual) > _POOREST and not all(_is_noise(*pair) for pair in zip(rests, found, strict=True)):
-        raise RecordingError(
-            f"its level hardly falls, and {len(s)} modes explain {100 - 100 * 10 ** (np.mean(residual) / 10):.0f} %: "
-            "expected a strike that rings out"
-        )
+    _require_ringing(residual, rests, found, len(s))
     spreads = spread(takes, rests, s, amplitude, heads)
     keep = _decaying(found, s, amplitude)
     kept = [Head(head.atoms[:, keep], head.slopes[:, keep], head.origin) for head in heads]
@@ -215,6 +211,15 @@ def _fit(found: Sequence[Hit], blows: Sequence[Blow | None], count: int) -> Fit:
         heard_noise=heard,
     )
     return blank.struck_by(begins)
+
+
+def _require_ringing(residual: Sequence[float], rests: Sequence[Array], found: Sequence[Hit], count: int) -> None:
+    """RecordingError where so many modes leave too much (dB), and what they leave is not the noise."""
+    if np.mean(residual) > _POOREST and not all(_is_noise(*pair) for pair in zip(rests, found, strict=True)):
+        explained = 100 - 100 * 10 ** (np.mean(residual) / 10)
+        raise RecordingError(
+            f"its level hardly falls, and {count} modes explain {explained:.0f} %: expected a strike that rings out"
+        )
 
 
 def _is_noise(rest: Array, hit: Hit) -> bool:

@@ -1,6 +1,8 @@
 """MIDI inputs: found by their names, opened, and opened again once they are back."""
 
+import os
 import re
+import sys
 import threading
 from collections.abc import Callable, Sequence
 from queue import SimpleQueue
@@ -14,6 +16,7 @@ from ..options import ServeError
 VIRTUAL = "virtual"
 """The name that asks for an input of Carom's own, to which other programs connect."""
 _OWN_NAME = "carom"
+_SEQUENCER = "/dev/snd/seq"
 _AGAIN = 2.0  # s between looks at which inputs there are
 _NUMBERS = re.compile(r" \d+:\d+$")  # of ALSA's client and port, which change when a device is plugged in again
 
@@ -86,6 +89,8 @@ class Ports:
 
 def inputs() -> list[str]:
     """The names of all inputs that there are. ServeError where the system has no MIDI."""
+    if sys.platform == "linux" and "MIDO_BACKEND" not in os.environ and not os.path.exists(_SEQUENCER):
+        raise ServeError(f"midi: there is no {_SEQUENCER}: expected ALSA's sequencer")  # ALSA would print it, too
     try:
         names: list[str] = mido.get_input_names()
     except OSError as error:

@@ -253,5 +253,8 @@ def test_no_matplotlib_is_said(carom, tmp_path, monkeypatch):
     (tmp_path / "matplotlib.py").write_text("raise ImportError('no matplotlib')\n")
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     run = carom("chart", "out")
-    assert (run.returncode, run.stderr) == (1, "carom chart: chart needs matplotlib: pip install matplotlib\n")
+    assert (run.returncode, run.stderr) == (
+        1,
+        "carom chart: pictures need matplotlib (no matplotlib): pip install 'carom[plot]'\n",
+    )
     assert not (tmp_path / "out").exists()

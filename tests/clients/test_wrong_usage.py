@@ -103,7 +103,7 @@ LINES = [
     ("0 /object/new b wood-block material wod", "material = 'wod'", "did you mean wood?"),
     ("0 /object/blok/impact 1", "blok: no such object", "did you mean block?"),
     ("0 /object/zzz/impact 1", "zzz: no such object", "there are block"),
-    ("0 /object/block/impact", "velocity is missing", "expected /object/NAME/impact velocity [position]"),
+    ("0 /object/block/press", "force is missing", "expected /object/NAME/press [force] [position]"),
     ("0 /object/block/impact fast", "velocity = fast", "expected a number from 0 to 1000 m/s"),
     ("0 /object/block/impact 1 2", "position = 2", "expected a number from 0 to 1"),
     ("0 /object/block/impact 1 strikr wood", "strikr: no such key", "did you mean striker?"),

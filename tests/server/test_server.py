@@ -43,7 +43,7 @@ def test_manners(server: Running):
         client.new("a", "wood-block", gain=-6)
         with pytest.raises(CommandError, match="there is such an object already"):
             client.new("a", "wood-block")
-        for address, reason in (("/nothing", "no such address"), ("/object/a/impact", "velocity is missing")):
+        for address, reason in (("/nothing", "no such address"), ("/object/a/press", "force is missing")):
             with pytest.raises(CommandError, match=reason):
                 client.ask(address)
         with pytest.raises(CommandError, match=r"id = 0\.5"):
@@ -142,7 +142,7 @@ def test_files_that_can_not_be_written_on_are_told_for_good(tmp_path):
             client.ask("/quit")
         assert process.wait(timeout=10) == 0
     lines = read(tmp_path / "log.txt")
-    assert 100 < len(lines) < 800 and lines[5].message.address == "/object/new"
+    assert 100 < len(lines) < 800 and lines[6].message.address == "/object/new"
 
 
 def test_what_is_an_age_late_counts_an_hour(server: Running):
