@@ -9,6 +9,7 @@ import carom
 from carom.clients.loudness import LEAST, LOUDNESS, PEAK, heard, true_peak
 from tests.bench.loudness import GESTURES, gesture
 
+pytestmark = pytest.mark.slow
 RATE = 48_000
 PRESETS = carom.Presets()
 SUITED = [(name, kind) for name in PRESETS.names("objects") for kind in PRESETS.object(name).gestures]
@@ -30,6 +31,15 @@ def test_a_strike_is_as_loud_as_others_or_at_its_highest_peak(strikes, name):
 @pytest.mark.parametrize(("name", "kind"), SUITED)
 def test_a_gesture_is_nearly_as_loud_as_the_strike(strikes, name, kind):
     assert abs(gesture(name, kind).loudness - strikes[name].loudness) <= GESTURES
+
+
+@pytest.mark.parametrize("name", PRESETS.names("objects"))
+def test_one_strike_is_not_limited_and_eight_within_50_ms_are_by_6_db_at_most(name):
+    for count, most in ((1, 0.0), (8, 6.0)):
+        with carom.Scene(RATE) as scene:
+            for n in range(count):
+                scene.new(f"o{n}", name).impact(PRESETS.object(name).velocity, at=0.01 + n * 0.0066)
+            assert scene.render(0.4).report.limited_db <= most
 
 
 def test_every_gesture_suits_some_objects_and_none_suits_all():
