@@ -1,4 +1,4 @@
-"""What took time to make, kept for those who ask for it again soon."""
+"""A cache of what took time to make, for those who ask for it again soon."""
 
 import time
 from collections import OrderedDict
@@ -10,7 +10,7 @@ _Key = TypeVar("_Key", bound=Hashable)
 _Value = TypeVar("_Value")
 
 SECONDS = 20.0
-"""For how long something that nobody asks for is kept: so a server's memory settles within a minute, whatever it is
+"""Time (s) for which something that nobody asks for is kept: a server's memory settles within a minute, whatever it is
 sent."""
 
 
@@ -21,7 +21,7 @@ class Kept(Generic[_Key, _Value]):
     """
 
     def __init__(self, most: int, size: Callable[[_Value], int]) -> None:
-        """most: bytes; size: the bytes that a value takes."""
+        """Prepare to keep at most `most` bytes; `size` returns the bytes that a value takes."""
         self.most = most
         self._size = size
         self._lock = Lock()
@@ -29,7 +29,7 @@ class Kept(Generic[_Key, _Value]):
         self._bytes = 0
 
     def get(self, key: _Key) -> _Value | None:
-        """The value of a key, if it is kept."""
+        """Return the value of a key, if it is kept."""
         with self._lock:
             found = self._values.pop(key, None)
             if found:
@@ -38,7 +38,7 @@ class Kept(Generic[_Key, _Value]):
             return found[0] if found else None
 
     def all(self) -> list[tuple[_Key, _Value]]:
-        """All keys and values."""
+        """Return all keys and values."""
         with self._lock:
             return [(key, value) for key, (value, _) in self._values.items()]
 

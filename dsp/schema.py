@@ -34,11 +34,11 @@ class Parameter:
     whole: bool = False
     """Only whole numbers are allowed."""
     steered: str = ""
-    """When a running gesture takes a new value, if not at once."""
+    """The time at which a running gesture takes a new value, if not at once."""
 
     @property
     def bounds(self) -> str:
-        """From where to where, with the unit; six digits that do not say a whole number are all of them."""
+        """The range, with the unit; six digits that do not say a whole number are all of them."""
         ends = (f"{end:g}" if float(f"{end:g}") == end or end % 1 else f"{end:.0f}" for end in (self.low, self.high))
         return f"{' to '.join(ends)} {self.unit}".rstrip()
 
@@ -48,11 +48,12 @@ class Parameter:
 
     @property
     def by_ratios(self) -> bool:
-        """Whether equal steps of it are equal ratios in the engine."""
+        """True if equal steps of it are equal ratios in the engine."""
         return self.unit in ("dB", "semitones")
 
     def in_engine(self, value: float) -> float:
-        """A value as the engine takes it: dB as an amplitude, semitones as a ratio of frequencies, others unchanged."""
+        """Return a value as the engine takes it: dB as an amplitude, semitones as a ratio of frequencies, others
+        unchanged."""
         if self.unit == "dB":
             return float(10.0 ** (value / 20.0))
         if self.unit == "semitones":
@@ -226,7 +227,7 @@ STEERABLE = tuple(dict.fromkeys(name for gesture in GESTURES.values() for name i
 
 
 def gestures_steered_by(name: str) -> dict[str, Parameter]:
-    """The gestures that a steerable parameter steers, by name, each with the parameter as it has it."""
+    """Return the gestures that a steerable parameter steers, by name, each with the parameter as it has it."""
     found = {}
     for gesture in GESTURES.values():
         own = {each.name: each for each in (*STRIKE, *gesture.keys, gesture.argument)}
@@ -296,7 +297,8 @@ def _measure(help: str, unit: str = "") -> float:
 
 @dataclass(frozen=True)
 class Stats:
-    """What the engine counts and measures. Counters only rise; `metadata` of each field holds its meaning and unit."""
+    """The engine's counters and measurements. Counters only rise; `metadata` of each field holds its meaning and
+    unit."""
 
     impacts: int = _counter("contacts that began, or were left out")
     contacts_dropped: int = _counter("contacts left out because there was no room")
@@ -334,7 +336,7 @@ class Stats:
 
 
 def record_of(*names: str) -> np.dtype[np.void]:
-    """A record of float64 fields of these names."""
+    """Return a record of float64 fields of these names."""
     return np.dtype([(name, np.float64) for name in names], align=True)
 
 

@@ -1,4 +1,4 @@
-"""What an error says where a word is not known: the nearest of the words that are known, else all of them."""
+"""Suggestions in errors for a word that is not known: the nearest of the known words, else all of them."""
 
 import difflib
 from collections.abc import Iterable, Sequence
@@ -12,7 +12,7 @@ _SHORTEST_PART = 3  # letters that are looked for inside the known words
 
 
 def near(word: str, known: Iterable[str]) -> list[str]:
-    """Up to three known words that a misspelt or cut one may stand for, the nearest first."""
+    """Return up to three known words that a misspelt or cut one may stand for, the nearest first."""
     if len(word) > _LONGEST or not any(letter.isalpha() for letter in word):  # a number is not misspelt, but wrong
         return []
     folded: dict[str, str] = {}
@@ -36,18 +36,18 @@ def near(word: str, known: Iterable[str]) -> list[str]:
 
 
 def suggestion(word: object, known: Iterable[str]) -> str:
-    """The question whether a near word is meant; "" where there is none, or where `word` is no text."""
+    """Ask whether a near word is meant; "" where there is none, or where `word` is no text."""
     found = near(word, known) if isinstance(word, str) else []
     return f"did you mean {' or '.join(found)}?" if found else ""
 
 
 def expected(word: object, known: Iterable[str]) -> str:
-    """The question whether a near word is meant, or else all the words that are expected."""
+    """Ask whether a near word is meant, or else list all the words that are expected."""
     words = list(known)
     return suggestion(word, words) or f"expected one of {listed(words) or 'none'}"
 
 
 def listed(words: Sequence[str]) -> str:
-    """The words, or the first of them and the number of the others."""
+    """List the words, or the first of them and the number of the others."""
     more = len(words) - _MOST_LISTED
     return ", ".join(words[:_MOST_LISTED]) + (f" and {more:,} more" if more > 0 else "")

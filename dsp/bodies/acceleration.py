@@ -47,13 +47,13 @@ class Click(NamedTuple):
 
 
 def sphere(mass: float, radius: float) -> Click:
-    """The click of a sphere, exact; mass in kg, radius in m."""
+    """Return the click of a sphere, exact; mass in kg, radius in m."""
     volume = 4 / 3 * math.pi * radius**3
     return _click(mass, (1 + _SPHERE_ADDED) * volume, 4 / 3 * math.pi * radius**2, _SPHERE)
 
 
 def disc(mass: float, radius: float, thickness: float = 0.0) -> Click:
-    """The click of a free disc along its axis; lengths in m.
+    """Return the click of a free disc along its axis; lengths in m.
 
     Q = 8/3 a^3 + pi a^2 h, S = 2 pi a^2. Of a thin one within 2 dB at every frequency, 0.6 dB rms.
     """
@@ -62,7 +62,7 @@ def disc(mass: float, radius: float, thickness: float = 0.0) -> Click:
 
 
 def rectangle(mass: float, length: float, width: float, volume: float) -> Click:
-    """The click of a free plate or bar along its normal; lengths in m, volume (m^3) of its matter.
+    """Return the click of a free plate or bar along its normal; lengths in m, volume (m^3) of its matter.
 
     The added volume is pi/4 w^2 l/(1 + 0.726 (w/l)^1.15) for sides l >= w, within 1 % of thin plates' (M. K. Meyerhoff,
     J. Ship Res. 14, 1970). Within 2 dB of thin plates up to l = 10 w, 0.9 dB rms; within 5 dB of longer ones.
@@ -74,7 +74,7 @@ def rectangle(mass: float, length: float, width: float, volume: float) -> Click:
 
 
 def cylinder(mass: float, length: float, diameter: float) -> Click:
-    """The click of a free rod or closed tube across its axis; lengths in m.
+    """Return the click of a free rod or closed tube across its axis; lengths in m.
 
     Q = 2 pi a^2 l, S = pi a l. Within 1 dB up to l = 10 diameters, 5 dB of longer ones, its ends left out.
     """
@@ -84,7 +84,7 @@ def cylinder(mass: float, length: float, diameter: float) -> Click:
 
 
 def ring(mass: float, radius: float, length: float, volume: float) -> Click:
-    """The click of an open ring or tube across its axis; lengths in m, volume (m^3) of its matter.
+    """Return the click of an open ring or tube across its axis; lengths in m, volume (m^3) of its matter.
 
     The added volume goes from that of a narrow strip bent round, pi^2 l^2 a/4, to that of a long tube, 2 pi a^2 l, in
     which air moves along; within 5 % in between. Within 4 dB rms: where the wavelength is about the circumference the
@@ -96,7 +96,7 @@ def ring(mass: float, radius: float, length: float, volume: float) -> Click:
 
 
 def _click(mass: float, volume: float, area: float, damping: float) -> Click:
-    """The click of a body of a mass (kg), from Q (m^3), S (m^2) and the damping ratio z."""
+    """Return the click of a body of a mass (kg), from Q (m^3), S (m^2) and the damping ratio z."""
     natural = SPEED * math.sqrt(math.sqrt(12 * math.pi * area) / volume)
     damping = min(damping, _MOST_DAMPED)
     decay, omega = natural * damping, natural * math.sqrt(1 - damping**2)

@@ -1,4 +1,4 @@
-"""What a real body has beside the modes of its shape, as measured: single partials, bands of noise, a cavity.
+"""Additions to the modes of a body's shape, as measured: single partials, bands of noise, a cavity.
 
 Each is a dataclass of what a preset's section of the same name says, and becomes modes of the body. They are driven by
 the contacts' forces as all modes are, wherever along the path it is struck, and hold the losses that they are given.
@@ -40,7 +40,7 @@ class Lines:
 
 
 class Added(Protocol):
-    """What gives modes to add to a body whose lowest mode is at `lowest` (Hz)."""
+    """A source of modes to add to a body whose lowest mode is at `lowest` (Hz)."""
 
     def lines(self, lowest: float) -> Lines: ...
 
@@ -150,7 +150,7 @@ class Complete:
     written: Material | None
 
     def __call__(self, *, top: float, **arguments: Any) -> Modes:
-        """The modes up to `top` (Hz); where there would be more than MOST_MODES, without the shape's highest."""
+        """Return the modes up to `top` (Hz); where there would be more than MOST_MODES, without the shape's highest."""
         own = self.make(top=top, **arguments)
         loudness = np.sqrt(np.mean(own.strike**2, axis=0) * np.mean(own.pressure**2, axis=0))
         parts = [
@@ -176,7 +176,7 @@ class Complete:
 
 
 def _modes(lines: Lines, loudest: float, mass: float, top: float) -> Modes:
-    """Lines as modes up to `top` (Hz), their weights of pseudo-random signs."""
+    """Return the lines as modes up to `top` (Hz), their weights of pseudo-random signs."""
     masses = np.full(lines.frequency.shape, LOAD * lines.frequency.size * mass)
     masses = masses if lines.modal_mass is None else lines.modal_mass
     loudness = loudest * 10 ** (lines.level / 20)  # Pa per N s
@@ -196,14 +196,15 @@ def _modes(lines: Lines, loudest: float, mass: float, top: float) -> Modes:
 
 
 def _decays(decay: Array, frequency: Array, written: Material, material: Material) -> Array:
-    """Decay rates (1/s) of modes that were given for a body of another material; what exceeds its loss stays."""
+    """Return the decay rates (1/s) of modes that were given for a body of another material; what exceeds its loss
+    stays."""
     inside, other = written.decay(frequency), material.decay(frequency)
     changed: Array = np.maximum(decay - inside, 0) + other * decay / np.maximum(decay, inside)
     return changed
 
 
 def _either(lowest: float, **given: tuple[float, ...]) -> Array:
-    """Frequencies (Hz) from those that are given in Hz or as multiples of the lowest."""
+    """Return the frequencies (Hz) from those that are given in Hz or as multiples of the lowest."""
     (absolute, frequency), (relative, ratio) = given.items()
     if bool(frequency) == bool(ratio):
         raise ValueError(f"{absolute} and {relative}: expected one of the two")
@@ -211,6 +212,6 @@ def _either(lowest: float, **given: tuple[float, ...]) -> Array:
 
 
 def _random(seed: float, count: int) -> Array:
-    """Numbers (count,) in 0..1, always the same for the same seed."""
+    """Return numbers (count,) in 0..1, always the same for the same seed."""
     numbers: Array = np.random.PCG64(zlib.crc32(repr(float(seed)).encode())).random_raw(count) / 2.0**64
     return numbers

@@ -23,7 +23,7 @@ from .unheard import FINER, Felt, completed, with_unheard
 ENDS = ("free", "cantilever")
 _SIGN_AT = 0.03  # of the length: whose sign a mode's sound has
 ACROSS, TILT = 0.2, 5.0
-"""Where a bar is struck across its width, and the blow's angle (degrees): what a hand does unless it takes care."""
+"""Place of a blow across the bar's width, and its angle (degrees): as a hand strikes unless it takes care."""
 
 
 def bar(
@@ -44,7 +44,7 @@ def bar(
     ends: str = "free",
     board: str | None = None,
 ) -> Modes:
-    """A Timoshenko bar, free at both ends or a cantilever (clamped at position 0).
+    """Return A Timoshenko bar, free at both ends or a cantilever (clamped at position 0).
 
     Lengths in m, top in Hz. The section is either `width` by `thickness` or round, of an outer `diameter` and a `wall`
     (solid without). The strike path is the length. ValueError names what is out of range.
@@ -131,7 +131,7 @@ class _Part(NamedTuple):
 
 
 def _beyond(parts: list[_Part], positions: Array, highest: float) -> Felt:
-    """What the parts' motions leave out, at positions (p,) in 0..1; as modes up to `highest` (Hz) and above."""
+    """Return the residual of the parts' motions at positions (p,) in 0..1: as modes up to `highest` (Hz) and above."""
     found = []
     for part in parts:
         along, motion, more = part.along(positions)[:, None], part.motion, part.motion.beyond
@@ -153,29 +153,29 @@ class _Carving(NamedTuple):
     span: float
 
     def depth(self, x: Array) -> tuple[Array, Array]:
-        """The thickness (m) at points in -1..1, and its derivative."""
+        """Return the thickness (m) at points in -1..1, and its derivative."""
         inside = np.maximum(0, 1 - (x / self.span) ** 2)
         slope = np.where(inside > 0, 2 * self.thickness * self.undercut * x / self.span**2, 0.0)
         return self.thickness * (1 - self.undercut * inside), slope
 
     @property
     def kinks(self) -> tuple[float, ...]:
-        """Between which it is smooth."""
+        """Points between which it is smooth."""
         return (-self.span, self.span) if self.undercut and self.span < 1 else ()
 
     def upright(self, nu: float, x: Array) -> Section:
-        """For bending along the thickness."""
+        """Return the section at x for bending along the thickness."""
         depth = self.depth(x)[0]
         return Section(self.width * depth, self.width * depth**3 / 12, _shear(nu))
 
     def sideways(self, nu: float, x: Array) -> Section:
-        """For bending along the width."""
+        """Return the section at x for bending along the width."""
         depth = self.depth(x)[0]
         return Section(self.width * depth, self.width**3 * depth / 12, _shear(nu))
 
 
 def _rectangular(span: _Span, carving: _Carving, across: float, tilt: float) -> list[_Part]:
-    """What a blow excites at a point that lies off the middle line, and half the thickness above the axis."""
+    """Return the motions that a blow excites at a point off the middle line, and half the thickness above the axis."""
     nu, width = span.material.poisson_ratio, carving.width
 
     def swayed(x: Array) -> Array:
@@ -224,7 +224,8 @@ def _everywhere(factor: float, positions: Array) -> Array:
 
 
 def _into(board: str | None, span: _Span, part: _Part) -> Array:
-    """What a motion loses (1/s) to the board that the bar is clamped in: its shear force there moves the board."""
+    """Return the loss of a motion (1/s) to the board in which the bar is clamped: its shear force there moves the
+    board."""
     motion = part.motion
     if board is None or part.swayed is None:
         return np.zeros_like(motion.frequency)
@@ -236,7 +237,7 @@ def _into(board: str | None, span: _Span, part: _Part) -> Array:
 
 
 def _swaying(span: _Span, outline: Callable[[Array], line.Outline], motion: Motion) -> Loaded:
-    """The air's load on a motion across the bar."""
+    """Return the air's load on a motion across the bar."""
     nodes, weights = quadrature(2 * motion.terms)
     at = (nodes + 1) / 2
     half = span.length / 2
@@ -245,7 +246,7 @@ def _swaying(span: _Span, outline: Callable[[Array], line.Outline], motion: Moti
 
 
 def _twisting(span: _Span, carving: _Carving, motion: Motion) -> Loaded:
-    """The air's load on a twist; the air's mass is left out."""
+    """Return the air's load on a twist; the air's mass is left out."""
     nodes, weights = quadrature(2 * motion.terms)
     sides = span.length / 2, carving.width / 2
     twist = Twist(sides, nodes, weights, motion.shape((nodes + 1) / 2), carving.depth(nodes)[0])
@@ -253,12 +254,12 @@ def _twisting(span: _Span, carving: _Carving, motion: Motion) -> Loaded:
 
 
 def _shear(nu: float) -> float:
-    """The shear coefficient of a rectangle (Cowper 1966)."""
+    """Return the shear coefficient of a rectangle (Cowper 1966)."""
     return 10 * (1 + nu) / (12 + 11 * nu)
 
 
 def _tube(diameter: float, wall: float | None, nu: float) -> Section:
-    """The section of a rod or tube; its shear coefficient by Cowper (1966)."""
+    """Return the section of a rod or tube; its shear coefficient by Cowper (1966)."""
     bore = 0.0 if wall is None else diameter - 2 * wall
     if bore < 0:
         raise ValueError(f"wall = {wall}: expected at most half the diameter, {diameter / 2}")

@@ -51,7 +51,8 @@ def bending(
     section: Callable[[Array], Section],
     kinks: tuple[float, ...] = (),
 ) -> Motion:
-    """Modes of a bar that bends in one plane, up to `top` (Hz), of sections at points in -1..1; free or clamped at -1.
+    """Return the modes of a bar that bends in one plane, up to `top` (Hz), of sections at points in -1..1; free or
+    clamped at -1.
 
     kinks: the points in -1..1 between which sections change smoothly, ascending. Ritz's method on 1/2 int E I psi'^2
     + kappa G A (w' - psi)^2, masses rho A and rho I (Timoshenko 1921), with Legendre polynomials for the deflection w
@@ -88,7 +89,8 @@ class Series(NamedTuple):
 
 
 def motion_of(series: Series, top: float, terms: int, wavenumber: Callable[[float], float]) -> Motion:
-    """The motion of a series' modes up to `top` (Hz); wavenumber: rad/m of the shortest wave at a frequency (Hz)."""
+    """Return the motion of a series' modes up to `top` (Hz); wavenumber: rad/m of the shortest wave at a frequency
+    (Hz)."""
     frequency, vector, values, slopes = series
     count = int((frequency <= top).sum())
 
@@ -108,9 +110,9 @@ def motion_of(series: Series, top: float, terms: int, wavenumber: Callable[[floa
 def _solve(
     material: Material, points: tuple[Array, Array], section: Section, half: float, series: tuple[int, bool]
 ) -> tuple[Array, Array]:
-    """Ritz's eigenvalue problem of a bar of length 2 `half` (m), by its sections at the points of a quadrature.
+    """Solve Ritz's eigenvalue problem of a bar of length 2 `half` (m), by its sections at the points of a quadrature.
 
-    series: how many terms, and whether they are clamped at -1. Returns all its frequencies (Hz), and the series of w
+    series: how many terms, and whether they are clamped at -1. Return all its frequencies (Hz), and the series of w
     and psi (2 terms + 1, modes) in `basis`.
     """
     from scipy.linalg import eigh
@@ -138,7 +140,7 @@ def _solve(
 
 
 def _wavenumber(material: Material, section: Section, frequency: float) -> float:
-    """The larger wavenumber (rad/m) of Timoshenko's dispersion relation for a section at a frequency (Hz)."""
+    """Return the larger wavenumber (rad/m) of Timoshenko's dispersion relation for a section at a frequency (Hz)."""
     (area,), (moment,), kappa = section
     e, rho, kg = material.youngs_modulus, material.density, kappa * material.shear_modulus
     square = (2 * np.pi * frequency) ** 2

@@ -1,4 +1,4 @@
-"""Round plates and membranes, by Bessel functions."""
+"""Circular plates and membranes, by Bessel functions."""
 
 import math
 from collections.abc import Callable
@@ -41,7 +41,7 @@ def disc(
     imperfection: float = 20.0,
     baffle: str = "free",
 ) -> Modes:
-    """A thin round plate (Kirchhoff), its edge free, clamped or simply supported.
+    """Return a thin round plate (Kirchhoff), its edge free, clamped or simply supported.
 
     radius and thickness in m, top in Hz; the strike path is a diameter, from edge (0) over the centre (0.5) to edge
     (1); split and imperfection as in `ring.doublets`, baffle as in `heard.BAFFLES`. ValueError names what is out of
@@ -86,7 +86,7 @@ def membrane(
     imperfection: float = 20.0,
     baffle: str = "free",
 ) -> Modes:
-    """A round membrane held at its edge.
+    """Return a round membrane held at its edge.
 
     radius and thickness in m; either tension T (N/m) or fundamental (Hz, without the air, whose mass lowers it); the
     rest as for `disc`. f = k/(2 pi) sqrt((T + D k^2)/(rho h)), k R the zeros of J_n: the film's own stiffness D, as if
@@ -143,7 +143,7 @@ class _Round(NamedTuple):
 
 
 def _enough(members: int) -> float:
-    """A k R below which MOST_MODES modes lie surely: there are about (k R)^2 / 8 of each member."""
+    """Return a k R below which MOST_MODES modes lie surely: there are about (k R)^2 / 8 of each member."""
     return math.sqrt(8 * MOST_MODES / members) + 8
 
 
@@ -186,14 +186,15 @@ def _round(material: Material, body: _Round, pairs: Doublets, top: float) -> Mod
 
 
 def _across(along: Array, order: Array, phase: Array) -> Array:
-    """Shapes along a diameter from those along a radius, from the centre on (p, k), cos(n theta - phase) times them."""
+    """Return shapes along a diameter from those along a radius, from the centre on (p, k): cos(n theta - phase) times
+    them."""
     far, near = (np.cos(angle * order - phase) for angle in (math.pi, 0.0))
     return np.concatenate([along[:0:-1] * far, along * near])
 
 
 @lru_cache(maxsize=2)  # of single modes and of doublets; 50 ms each
 def _membrane_roots(limit: float) -> tuple[Array, Array]:
-    """Orders n and roots j of J_n(j) = 0, 0 < j < limit; read-only."""
+    """Return orders n and roots j of J_n(j) = 0, 0 < j < limit; read-only."""
     from scipy.special import jn_zeros
 
     orders, roots = [], []
@@ -208,7 +209,7 @@ def _membrane_roots(limit: float) -> tuple[Array, Array]:
 
 
 def _bessel(order: Array, x: Array) -> Array:
-    """J_n(x) of whole orders (k,) at x (p, k), within 5e-6; from a table, as many points share few orders."""
+    """Return J_n(x) of whole orders (k,) at x (p, k), within 5e-6; from a table, as many points share few orders."""
     table, slopes = _bessel_table()
     n, (t, cell) = order.astype(int), np.modf(x / _TABLE_STEP)
     i = cell.astype(int)
@@ -220,7 +221,8 @@ def _bessel(order: Array, x: Array) -> Array:
 
 @cache  # 0.8 MB in all, 40 ms
 def _bessel_table() -> tuple[Array, Array]:
-    """J_n of the orders n from 0 and its change in a step, at the steps from 0, as far as roots go; read-only."""
+    """Return J_n of the orders n from 0 and its change in a step, at the steps from 0, as far as roots go;
+    read-only."""
     from scipy.special import jv
 
     step, most = _TABLE_STEP, _enough(1)
@@ -233,7 +235,7 @@ def _bessel_table() -> tuple[Array, Array]:
 
 
 def _conditions(edge: str, nu: float, root: Array, order: Array) -> tuple[Array, Array, Array, Array]:
-    """The edge's conditions on J_n(root r) and I_n(root r) / I_n(root) at r = 1: (J1, J2, I1, I2)."""
+    """Return the edge's conditions on J_n(root r) and I_n(root r) / I_n(root) at r = 1: (J1, J2, I1, I2)."""
     from scipy.special import ive, jv
 
     j = jv(order, root)
@@ -271,7 +273,7 @@ class _Search(NamedTuple):
 
 
 def _plate_roots(edge: str, nu: float, limit: float) -> tuple[Array, Array]:
-    """Orders n and roots lambda of the determinant of the edge's conditions, 0 < lambda < limit."""
+    """Return orders n and roots lambda of the determinant of the edge's conditions, 0 < lambda < limit."""
     search = _search(edge, nu, min(rung for rung in _RUNGS if rung >= limit))
     mine = (search.order <= math.ceil(limit)) & (search.cell < _grid(limit).size - 1)
     # These alone decide which step is their last, so that a root does not depend on the rung, to the bit.
@@ -283,7 +285,7 @@ def _plate_roots(edge: str, nu: float, limit: float) -> tuple[Array, Array]:
 
 @lru_cache(maxsize=64)  # 10 MB at most; up to 150 ms each, of use for discs of any size
 def _search(edge: str, nu: float, limit: float) -> _Search:
-    """The search for the roots up to a limit, read-only."""
+    """Return the search for the roots up to a limit, read-only."""
 
     def determinant(root: Array, order: Array) -> Array:
         j1, j2, i1, i2 = _conditions(edge, nu, root, order)
@@ -312,12 +314,13 @@ def _search(edge: str, nu: float, limit: float) -> _Search:
 
 
 def _grid(limit: float) -> Array:
-    """Wavenumbers at which the sign of a determinant is looked at, to find roots up to a limit."""
+    """Return wavenumbers at which the sign of a determinant is looked at, to find roots up to a limit."""
     return np.arange(_STEP, limit + 1, _STEP)
 
 
 def _plate_waves(edge: str, nu: float, root: Array, order: Array) -> tuple[Array, Array]:
-    """The c (k,) of the shapes J_n(root r) + c I_n(root r) / I_n(root), and the integrals of r times their squares."""
+    """Return the c (k,) of the shapes J_n(root r) + c I_n(root r) / I_n(root), and the integrals of r times their
+    squares."""
     from scipy.special import ive, jv
 
     j1, j2, i1, i2 = _conditions(edge, nu, root, order)
@@ -336,7 +339,7 @@ def _plate_waves(edge: str, nu: float, root: Array, order: Array) -> tuple[Array
 
 @lru_cache(maxsize=16)  # 20 MB at most; 100 ms each
 def _plate_shapes(*columns: bytes) -> Array:
-    """Radial shapes (p, k) J + c I, read-only.
+    """Return the radial shapes (p, k) J + c I, read-only.
 
     columns: bytes, which can be a key, of radii (p,) in 0..1, roots, orders and c (k,).
     """

@@ -1,4 +1,4 @@
-"""How a body's modes are heard: what the air does to them, their sound pressure, their places in the stereo image."""
+"""Modes as they are heard: their load by the air, their sound pressure, their places in the stereo image."""
 
 import math
 from collections.abc import Callable
@@ -29,7 +29,8 @@ class Loaded(NamedTuple):
 
 
 def loaded(frequency: Array, load: Callable[[Array], Load], guess: Array) -> Loaded:
-    """The air's load on modes that have these frequencies (Hz) without air; `load` gives it for frequencies in air.
+    """Return the air's load on modes that have these frequencies (Hz) without air; `load` gives it for frequencies in
+    air.
 
     guess (n,): about its mass. The mass mu lowers the frequency by sqrt(1 + mu), and shapes and resistances are those
     of the greater modal mass. One mode's load on another is left out.
@@ -51,7 +52,8 @@ def heard(
     mass: float,
     passed_on: Array | None = None,
 ) -> Modes:
-    """The modes of a body in air; shapes: those along the strike path, and those (n,) of which the sign is heard.
+    """Return the modes of a body in air; shapes: those along the strike path, and those (n,) of which the sign is
+    heard.
 
     What a mode radiates, or passes on to what radiates for it (passed_on, 1/s as the resistance), adds to the losses
     of its material, unless these were measured with it. Then it is in them, and no more than them.
@@ -70,13 +72,14 @@ def heard(
 
 
 def pressure(resistance: Array, sign: Array) -> Array:
-    """Sound pressure (2, n) at 1 m per unit modal velocity, alike on both sides: G = sqrt(rho c R/(4 pi))."""
+    """Return the sound pressure (2, n) at 1 m per unit modal velocity, alike on both sides: G = sqrt(rho c R/(4
+    pi))."""
     size = np.sqrt(IMPEDANCE * resistance / (4 * math.pi))
     return np.tile(np.where(sign < 0, -size, size), (2, 1))
 
 
 def placed(modes: Modes, width: float) -> Modes:
-    """The modes at places of their own in the stereo image, between -width and width (0 to 1), by equal power.
+    """Return the modes at places of their own in the stereo image, between -width and width (0 to 1), by equal power.
 
     The places follow the golden ratio, so that neighbours lie apart and a mode's place does not depend on the others.
     """

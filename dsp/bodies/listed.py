@@ -33,7 +33,7 @@ def listed(
     positions: Sequence[float] | None = None,
     gains: Sequence[Sequence[float]] | None = None,
 ) -> Modes:
-    """Modes given one by one, those up to `top` (Hz).
+    """Return modes given one by one, those up to `top` (Hz).
 
     frequency (Hz), t60 (decay times, s, what is radiated included) and modal_mass (kg): (n,) each; a single one holds
     for every mode. mass (kg) is that of the whole body. A modal mass belongs to a shape that is 1 at the striking
@@ -75,7 +75,7 @@ def listed(
 
 
 def _along_path(positions: Sequence[float] | None, gains: Sequence[Sequence[float]] | None, count: int) -> Array:
-    """Shapes (places, n) at equally spaced places 0..1."""
+    """Return the shapes (places, n) at equally spaced places 0..1."""
     if positions is None and gains is None:
         return np.ones((1, count))
     if positions is None or gains is None:
@@ -95,7 +95,7 @@ def _along_path(positions: Sequence[float] | None, gains: Sequence[Sequence[floa
 
 
 def _of_body(frequency: Array, order: Array, radius: float, height: float | None) -> Array:
-    """What modes of unit motion at their lip, or pole, radiate (kg/s)."""
+    """Return the radiation resistance (kg/s) of modes of unit motion at their lip, or pole."""
     k = wavenumber(frequency)
     each = [(int(m), float(at)) for m, at in zip(order, k, strict=True)]
     if height is None:

@@ -56,7 +56,7 @@ class Material:
         return self.youngs_modulus / (1 - self.poisson_ratio**2)
 
     def decay(self, frequency: npt.ArrayLike) -> Array:
-        """Amplitude decay rates sigma (1/s) of modes at `frequency` (Hz), float64 of its shape.
+        """Return the amplitude decay rates sigma (1/s) of modes at `frequency` (Hz), float64 of its shape.
 
         A mode's amplitude falls as exp(-sigma t), sigma = (alpha + loss_factor omega_1 (f/1 kHz)^loss_exponent +
         beta omega^2)/2 with omega_1 = 2 pi 1 kHz, so that T60 = ln(1000)/sigma. An exponent of 1 is a loss factor that
@@ -68,7 +68,7 @@ class Material:
 
 
 def hertz(body: Material, radius: float, other: Material | None = None, other_radius: float = math.inf) -> float:
-    """Stiffness k (N/m^1.5) of the contact F = k x^1.5 between two spheres.
+    """Return the stiffness k (N/m^1.5) of the contact F = k x^1.5 between two spheres.
 
     Radii in m; an infinite one is a plane. Without `other`, the second body is rigid. ValueError names radii that make
     no contact. k = 4/3 E* sqrt(R*), 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2, 1/R* = 1/R1 + 1/R2: H. Hertz, "Ueber die
@@ -84,7 +84,7 @@ def hertz(body: Material, radius: float, other: Material | None = None, other_ra
 
 
 def contact_between(striker: Material, struck: Material, radius: float = CONTACT_RADIUS) -> tuple[float, float, float]:
-    """The contact law of two elastic bodies: stiffness (N/m^1.5), dissipation (s/m) and exponent (1.5).
+    """Return the contact law of two elastic bodies: stiffness (N/m^1.5), dissipation (s/m) and exponent (1.5).
 
     `radius` (m) is the striker's where they touch; the struck body is a plane there. ValueError if it is not positive.
     Stiffness and exponent are those of Hertz (1882), see `hertz`.

@@ -61,7 +61,7 @@ class Modes:
 
 
 def columns(size: int, of: str, **given: float | Sequence[float]) -> list[Array]:
-    """Each of the values given, one or as many as there are frequencies or the like, as an array (size,)."""
+    """Return each of the values given, one or as many as there are frequencies or the like, as an array (size,)."""
     try:
         return [np.broadcast_to(np.asarray(values, np.float64), (size,)) for values in given.values()]
     except ValueError:
@@ -70,12 +70,12 @@ def columns(size: int, of: str, **given: float | Sequence[float]) -> list[Array]
 
 
 def ascending(frequency: Array) -> Indices:
-    """Indices of modes by ascending frequency; those that rounding alone tells apart stay in their order."""
+    """Return indices of modes by ascending frequency; those that rounding alone tells apart stay in their order."""
     return np.argsort(np.round(np.log(np.maximum(frequency, _LEAST)), 9), kind="stable")
 
 
 def audible(frequency: Array, top: float) -> Indices:
-    """Indices of the modes to keep, by ascending frequency: from 1 Hz to `top` (Hz), at most MOST_MODES.
+    """Return indices of the modes to keep, by ascending frequency: from 1 Hz to `top` (Hz), at most MOST_MODES.
 
     Silent if there is none.
     """
@@ -87,7 +87,7 @@ def audible(frequency: Array, top: float) -> Indices:
 
 
 def loudest(modes: Modes, count: int) -> Modes:
-    """The modes that a blow where each moves most makes radiate most, at most `count`: by (G phi)^2/sigma."""
+    """Return the modes that a blow where each moves most makes radiate most, at most `count`: by (G phi)^2/sigma."""
     heard = (modes.pressure**2).sum(axis=0) * (modes.strike**2).max(axis=0) / modes.decay
     keep = np.sort(np.argsort(-heard, kind="stable")[:count])
     return replace(
@@ -106,7 +106,7 @@ def read_only(*arrays: npt.NDArray[Any]) -> None:
 
 
 def path(radians: float) -> Array:
-    """Equally spaced positions 0..1 along a path that the shortest wave crosses in `radians` of phase."""
+    """Return equally spaced positions 0..1 along a path that the shortest wave crosses in `radians` of phase."""
     return np.linspace(0, 1, max(5, 2 * math.ceil(radians / (2 * PATH_STEP)) + 1))
 
 

@@ -1,4 +1,4 @@
-"""What a thin body radiates from about the point that is struck, beside what its modes radiate.
+"""Radiation of a thin body from about the point that is struck, beside that of its modes.
 
 A plate or membrane whose waves are slower than sound radiates from its edges alone, which its modes hold; and from
 where a force F acts, around which nothing cancels. An endless one gives
@@ -33,12 +33,13 @@ _HIGHEST = 20_000.0  # Hz: where the band ends at the latest
 
 
 def critical_frequency(areal: float, rigidity: float) -> float:
-    """The frequency (Hz) at which waves in a plate of D (N m) and a mass per area (kg/m^2) are as fast as sound."""
+    """Return the frequency (Hz) at which waves in a plate of D (N m) and a mass per area (kg/m^2) are as fast as
+    sound."""
     return SPEED**2 / (2 * math.pi) * math.sqrt(areal / rigidity)
 
 
 def near_field(areal: float, whole: Click, critical: float, held: bool = False) -> tuple[Click, ...]:
-    """The clicks of a thin body: of its mass per area (kg/m^2), up to its critical frequency (Hz).
+    """Return the clicks of a thin body: of its mass per area (kg/m^2), up to its critical frequency (Hz).
 
     whole: the click of the body if it moved as a whole; that is all there is where the body is too small or too stiff
     for more, and nothing is if it is held.

@@ -41,7 +41,7 @@ def plate(
     path_to: Corner = (1.0, 1.0),
     baffle: str = "free",
 ) -> Modes:
-    """A thin rectangular plate (Kirchhoff), each edge free, clamped or simply supported.
+    """Return a thin rectangular plate (Kirchhoff), each edge free, clamped or simply supported.
 
     Lengths in m, top in Hz; edges at x = 0, x = length, y = 0, y = width; the strike path leads from a point to
     another, fractions (x, y) of the sides; baffle as in `heard.BAFFLES`. ValueError names what is out of range.
@@ -94,7 +94,8 @@ def plate(
 
 
 def _solve(along: "_Beam", across: "_Beam", wavenumber: float, nu: float) -> tuple[list["_Block"], float]:
-    """Ritz's eigenvalue problem, block by block, and the square of the wavenumber up to which it has all modes."""
+    """Solve Ritz's eigenvalue problem, block by block; return the modes, and the square of the wavenumber up to which
+    it has all."""
     estimate = along.square[:, None] + across.square
     ranked = np.sort(estimate, axis=None)
     least, most = (ranked[min(count, ranked.size) - 1] for count in (LEAST_PRODUCTS, MOST_PRODUCTS))
@@ -120,7 +121,7 @@ def _solve(along: "_Beam", across: "_Beam", wavenumber: float, nu: float) -> tup
 
 
 def _groups(blocks: list["_Block"], keep: Indices) -> list[Group]:
-    """The modes that are kept, of each block."""
+    """Return the modes that are kept, of each block."""
     rank = np.full(sum(block.square.size for block in blocks), -1)
     rank[keep] = np.arange(keep.size)
     groups = []
@@ -131,7 +132,7 @@ def _groups(blocks: list["_Block"], keep: Indices) -> list[Group]:
 
 
 def _shapes(groups: list[Group], value_x: Array, value_y: Array) -> Array:
-    """The modes (points, n), from the beams' functions at the points (points, beam modes)."""
+    """Return the modes (points, n), from the beams' functions at the points (points, beam modes)."""
     shapes = np.empty((len(value_x), sum(group.mode.size for group in groups)))
     for group in groups:
         shapes[:, group.mode] = (value_x[:, group.x] * value_y[:, group.y]) @ group.vector
@@ -184,12 +185,12 @@ class _Beam:
         self.curvature = bend * norm[:-2] @ self._series[:, :-2].T  # int phi_i'' phi_j
 
     def value(self, fraction: Array) -> Array:
-        """The functions (len(fraction), n) at fractions of the length."""
+        """Return the functions (len(fraction), n) at fractions of the length."""
         return legendre.legvander(2 * fraction - 1, self._series.shape[1] - 1) @ self._series.T
 
 
 def _ritz_beam(low: str, high: str, orders: Indices, degree: int, kept: int) -> tuple[Array, Array, Array]:
-    """The lowest modes of a beam on -1..1 from Legendre polynomials of the given orders.
+    """Return the lowest modes of a beam on -1..1 from Legendre polynomials of the given orders.
 
     The basis is the cubics that satisfy the edges and the twice-integrated Legendre polynomials, which vanish
     with their slopes at both ends: their bending energies are orthogonal, so high orders cost no accuracy.

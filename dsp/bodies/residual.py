@@ -1,4 +1,4 @@
-"""What the modes that a body's list leaves out yield to a force: its residual flexibility.
+"""Residual flexibility of a body: how far the modes that its list leaves out yield to a force.
 
 A membrane has more modes below 20 kHz than an object holds, and a tip that strikes between them would find it as hard
 as a small mass: it would chatter. The modes left out lie in waves shorter than a k (rad/m), those of an endless film of
@@ -23,7 +23,8 @@ _ABOVE = 1.2  # times the frequency from which on modes are left out: that of th
 
 
 def with_residual(modes: Modes, tension: float, rigidity: float, areal: float, wave: float, length: float) -> Modes:
-    """The modes of a membrane, with one in the place of the highest for all in waves of `wave` (rad/m) or shorter.
+    """Return the modes of a membrane, with one in the place of the highest for all in waves of `wave` (rad/m) or
+    shorter.
 
     length (m): of its strike path.
     """

@@ -29,7 +29,7 @@ CANTILEVER = np.array([1.8751040687, 4.6940911330, 7.8547574382])
 
 
 class Doublets(NamedTuple):
-    """How a body is not quite round: see `doublets`."""
+    """Imperfections of a round body: see `doublets`."""
 
     split: float
     imperfection: float
@@ -45,7 +45,7 @@ def ring(
     split: float = 0.0,
     imperfection: float = 20.0,
 ) -> Modes:
-    """A free ring or tube wall in in-plane bending, its radial displacement cos n theta, n >= 2.
+    """Return a free ring or tube wall in in-plane bending, its radial displacement cos n theta, n >= 2.
 
     radius (of the middle line), thickness (radial) and length (axial) in m, top in Hz; the strike path is half the
     circumference from angle 0; split and imperfection as in `doublets`. ValueError names what is out of range.
@@ -74,7 +74,7 @@ def glass(
     split: float = 0.0,
     imperfection: float = 20.0,
 ) -> Modes:
-    """A wine glass or bowl, held at its foot: cos n theta around it, a cantilever's shape m up its wall.
+    """Return a wine glass or bowl, held at its foot: cos n theta around it, a cantilever's shape m up its wall.
 
     Lengths in m, top in Hz; rows: the number of m, 1 to 3; the strike path is half the rim from angle 0; split and
     imperfection as in `doublets`. ValueError names what is out of range. The air moves through its open foot, too: a
@@ -100,10 +100,10 @@ def glass(
 
 
 def doublets(frequency: Array, order: Array, split: float, imperfection: float) -> tuple[Array, Indices, Array]:
-    """The modes cos and sin of n theta of a nearly round body, from those of the round one.
+    """Return the modes cos and sin of n theta of a nearly round body, from those of the round one.
 
     frequency (Hz) and order n (k,); split: relative difference of frequency within a pair; imperfection: angle
-    (degrees) of the nodal lines to the strike path. Returns frequencies, indices into (k,), and phases p (rad) such
+    (degrees) of the nodal lines to the strike path. Return frequencies, indices into (k,), and phases p (rad) such
     that the shape is cos(n theta - p). A round body (split 0) and n = 0 have one member each, that which the strike
     excites.
     """
@@ -121,7 +121,7 @@ def doublets(frequency: Array, order: Array, split: float, imperfection: float) 
 
 
 def _bending(material: Material, radius: float, thickness: float, order: Array) -> Array:
-    """Frequencies (Hz) of a ring, lowered by shear and rotation where the waves are short.
+    """Return the frequencies (Hz) of a ring, lowered by shear and rotation where the waves are short.
 
     That is the lower branch of Timoshenko's bar to first order in (k h)^2, k = n / R, for a rectangle's 5/6.
     """
@@ -132,8 +132,9 @@ def _bending(material: Material, radius: float, thickness: float, order: Array) 
 
 
 def _clicks(material: Material, thickness: float, whole: Click, held: bool = False) -> tuple[Click, ...]:
-    """What a wall radiates from about the point that is struck, or as a whole, as a plate of its thickness does: where
-    sound is shorter than the wall is round, all waves around it but the breathing one bend as freely as a plate's."""
+    """Return the clicks of a wall: from about the point that is struck, and as a whole, as a plate of its thickness
+    radiates. Where sound is shorter than the wall's radius, all waves around it but the breathing one bend as freely as
+    a plate's."""
     areal, rigidity = material.density * thickness, material.contact_modulus * thickness**3 / 12
     return near_field(areal, whole, critical_frequency(areal, rigidity), held)
 
@@ -160,7 +161,7 @@ class _Row(NamedTuple):
 
 
 def _row(wall: _Wall, frequency: Array, profile: Profile, top: float) -> _Row:
-    """A row, from the frequencies (Hz) of its orders from 2 up."""
+    """Return a row, from the frequencies (Hz) of its orders from 2 up."""
     count = int(np.searchsorted(frequency, _NEARLY * top))
     frequency = frequency[: _FURTHER * max(count, 1)]
     order = np.arange(2.0, frequency.size + 2)
@@ -190,7 +191,7 @@ def _row(wall: _Wall, frequency: Array, profile: Profile, top: float) -> _Row:
 def _around(
     material: Material, wall: _Wall, rows: Sequence[tuple[Array, Profile]], pairs: Doublets, top: float
 ) -> Modes:
-    """The modes of a wall, from the frequencies of the orders from 2 up in each row, and the row's profile."""
+    """Return the modes of a wall, from the frequencies of the orders from 2 up in each row, and the row's profile."""
     found = [_row(wall, frequency, profile, top) for frequency, profile in rows]
     order, peak = (np.concatenate([row[i] for row in found]) for i in (0, 1))
     frequency, resistance, shrinking = (np.concatenate([row.air[i] for row in found]) for i in range(3))
@@ -213,7 +214,7 @@ def _uniform(z: Array) -> Array:
 
 
 def _cantilever(root: float, z: Array) -> Array:
-    """A cantilever's shape, 1 or -1 at its tip z = 1, its foot at z = -1."""
+    """Return a cantilever's shape, 1 or -1 at its tip z = 1, its foot at z = -1."""
     y = root * (z + 1) / 2
     ratio = (math.cosh(root) + math.cos(root)) / (math.sinh(root) + math.sin(root))
     shape: Array = (np.cosh(y) - np.cos(y) - ratio * (np.sinh(y) - np.sin(y))) / 2

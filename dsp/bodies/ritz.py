@@ -1,4 +1,5 @@
-"""What all Ritz series along a bar share: Legendre polynomials on -1..1, their quadrature, and how many there are."""
+"""The common part of all Ritz series along a bar: Legendre polynomials on -1..1, their quadrature, and how many there
+are."""
 
 import math
 from functools import lru_cache
@@ -15,18 +16,19 @@ _CONVERGED = 0.6  # share of the modes of a Ritz series that mean something
 
 
 def terms_for(waves: float) -> int:
-    """Terms of a series for shapes of up to `waves` (rad) along half the bar."""
+    """Return the terms of a series for shapes of up to `waves` (rad) along half the bar."""
     return min(MOST_TERMS, math.ceil(_TERMS_PER_RADIAN * waves) + _MORE_TERMS)
 
 
 def converged(terms: int, rigid: int) -> slice:
-    """Which of a series' modes, by ascending frequency, are exact enough; the first `rigid` are no vibration."""
+    """Return which of a series' modes, by ascending frequency, are exact enough; the first `rigid` are no vibration."""
     return slice(rigid, rigid + math.ceil(_CONVERGED * terms))
 
 
 @lru_cache(maxsize=2 * MOST_TERMS)  # nearly all there can be, 2 MB; to find them takes as long as the modes
 def quadrature(points: int, kinks: tuple[float, ...] = ()) -> tuple[Array, Array]:
-    """Nodes and weights of Gauss and Legendre in -1..1, read-only; so many in each of the pieces between kinks."""
+    """Return nodes and weights of Gauss and Legendre in -1..1, read-only; so many in each of the pieces between
+    kinks."""
     nodes, weights = legendre.leggauss(points)
     if kinks:
         edges = np.array([-1.0, *kinks, 1.0])[:, None]
@@ -37,7 +39,7 @@ def quadrature(points: int, kinks: tuple[float, ...] = ()) -> tuple[Array, Array
 
 
 def basis(x: Array, terms: int, clamped: bool, derivatives: int = 1) -> list[Array]:
-    """Values and derivatives (len(x), terms) of normalised Legendre polynomials, zero at -1 where clamped."""
+    """Return values and derivatives (len(x), terms) of normalised Legendre polynomials, zero at -1 where clamped."""
     degree = np.arange(terms + 1)
     scale = np.diag(np.sqrt(degree + 0.5))
     if clamped:

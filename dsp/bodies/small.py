@@ -18,7 +18,8 @@ _HIGHEST = 1e9  # Hz, of the last one: a grain of 10 µm has modes there
 
 
 def heard_or_felt(make: Callable[..., Modes], top: float, **arguments: Any) -> Modes:
-    """The modes up to `top` (Hz) that a shape makes; of one that has none there, its clicks, and modes that are felt.
+    """Return the modes up to `top` (Hz) that a shape makes; of one that has none there, its clicks, and modes that are
+    felt.
 
     Silent if such a body is held, or listed: nothing of it is heard.
     """
@@ -32,7 +33,7 @@ def heard_or_felt(make: Callable[..., Modes], top: float, **arguments: Any) -> M
 
 
 def _first(make: Callable[..., Modes], top: float, arguments: dict[str, Any]) -> Modes | None:
-    """The modes up to the first frequency above `top` up to which there are some."""
+    """Return the modes up to the first frequency above `top` up to which there are some."""
     while top < _HIGHEST:
         top *= _WIDER
         try:
@@ -43,7 +44,7 @@ def _first(make: Callable[..., Modes], top: float, arguments: dict[str, Any]) ->
 
 
 def _felt_above(modes: Modes, top: float) -> Modes:
-    """Modes of which those above `top` (Hz) are felt alone."""
+    """Return modes of which those above `top` (Hz) are felt alone."""
     heard = modes.frequency <= top
     above = [each[..., ~heard] for each in (modes.frequency, modes.decay, modes.strike)]
     if modes.unheard is not None:

@@ -23,7 +23,7 @@ _LOOKS = 8  # at a root, whose error is then that of rounding
 
 
 def sphere(material: Material, *, radius: float, top: float) -> Modes:
-    """A solid elastic sphere, struck along its normal; radius in m, top in Hz. ValueError if it is out of range.
+    """Return a solid elastic sphere, struck along its normal; radius in m, top in Hz. ValueError if it is out of range.
 
     Spheroidal modes of orders n = 0, 1, 2, ...: a blow at the pole moves those that are symmetric about it, with
     u_r = U(r) P_n. With x = omega a/c_l and y = omega a/c_t the surface is free of forces where T11 T43 = T13 T41,
@@ -57,13 +57,13 @@ class _Wave(NamedTuple):
     above: Array
 
     def of(self, orders: Indices) -> "_Wave":
-        """Of waves of all orders from 0 on, (orders, k), the one of the order that is given for each z, (k,)."""
+        """Select, from waves of all orders from 0 on, (orders, k), that of the order given for each z, (k,)."""
         places = orders, np.arange(self.z.size)
         return _Wave(orders, self.z, self.at[places], self.above[places])
 
 
 def _waves(count: int, z: Array) -> _Wave:
-    """The waves of so many orders from 0 on, (count, k), at z (k,).
+    """Return the waves of so many orders from 0 on, (count, k), at z (k,).
 
     j_{n+1}/j_n follows from the ratio of the next order, which is stable, and neither overflows nor vanishes (W.
     Gautschi, SIAM Review 9, 1967).
@@ -80,7 +80,7 @@ def _waves(count: int, z: Array) -> _Wave:
 
 
 def _terms(of_pressure: _Wave, of_shear: _Wave) -> tuple[Array, Array, Array, Array]:
-    """T11, T13, T41 and T43."""
+    """Return T11, T13, T41 and T43."""
     n, x, j, above = of_pressure
     _, y, s, s_above = of_shear
     return (
@@ -92,13 +92,13 @@ def _terms(of_pressure: _Wave, of_shear: _Wave) -> tuple[Array, Array, Array, Ar
 
 
 def _determinant(of_pressure: _Wave, of_shear: _Wave) -> Array:
-    """0 where a mode is; one that breathes, of order 0, has no wave of shear."""
+    """Return a determinant that is 0 where a mode is; one that breathes, of order 0, has no wave of shear."""
     t11, t13, t41, t43 = _terms(of_pressure, of_shear)
     return np.where(of_pressure.n == 0, t11, t11 * t43 - t13 * t41)
 
 
 def _roots(ratio: float, highest: float) -> tuple[Array, Indices]:
-    """The y up to `highest` at which modes are, the lowest ones, and their orders."""
+    """Return the lowest roots y up to `highest`, at which modes are, and their orders."""
     if highest <= _LEAST:
         return np.empty(0), np.empty(0, np.intp)
     count = int(highest / _SLOWEST) + 2
@@ -117,7 +117,7 @@ def _roots(ratio: float, highest: float) -> tuple[Array, Indices]:
 
 
 def _between(function: Callable[[Array], Array], old: tuple[Array, Array], new: tuple[Array, Array]) -> Array:
-    """The roots between places (k,) at which a function has values of opposite signs: the Illinois method.
+    """Return the roots between places (k,) at which a function has values of opposite signs: the Illinois method.
 
     old, new: places and values (M. Dowell and P. Jarratt, BIT 11, 1971).
     """
@@ -132,7 +132,7 @@ def _between(function: Callable[[Array], Array], old: tuple[Array, Array], new: 
 
 
 def _at_pole(orders: Indices, ratio: float, y: Array) -> Array:
-    """The radial motion at the pole of modes whose mean squares over the volume are 1.
+    """Return the radial motion at the pole of modes whose mean squares over the volume are 1.
 
     U = n j - x j_{n+1} + c n (n + 1) s, at the surface and with s = j_n(y); c is the share of the shear wave. The
     integrals of U^2 r^2 and n (n + 1) V^2 r^2, V being the motion along the surface, add up to differentials.
@@ -153,6 +153,6 @@ def _at_pole(orders: Indices, ratio: float, y: Array) -> Array:
 
 
 def _square(wave: _Wave) -> Array:
-    """z^2 times the integral of j_n(z r)^2 r^2 from 0 to 1: z^2 (j_n^2 - j_{n-1} j_{n+1})/2."""
+    """Return z^2 times the integral of j_n(z r)^2 r^2 from 0 to 1: z^2 (j_n^2 - j_{n-1} j_{n+1})/2."""
     n, z, at, above = wave
     return 0.5 * z * (z * (at**2 + above**2) - (2 * n + 1) * at * above)

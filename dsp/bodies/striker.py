@@ -1,4 +1,4 @@
-"""How a striker sounds: its click, modes of its own, and a second pulse where its wall snaps through."""
+"""The sound of a striker: its click, modes of its own, and a second pulse where its wall snaps through."""
 
 import math
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ from .acceleration import Click
 from .radiation.air import IMPEDANCE
 
 MOST_MODES = 13
-"""Of a striker, besides its click."""
+"""Most modes of a striker, besides its click."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,8 @@ def ringing(
     modal_mass: float | Sequence[float],
     radiated: float | Sequence[float] = 1.0,
 ) -> Ringing:
-    """Modes by frequency (Hz), decay time (s), modal mass (kg) where they are struck, and radiated share of their loss.
+    """Return the modes by frequency (Hz), decay time (s), modal mass (kg) where they are struck, and radiated share of
+    their loss.
 
     One value holds for all. ValueError names what does not fit.
 

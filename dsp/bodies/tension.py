@@ -1,4 +1,4 @@
-"""How far the tension of strings and membranes rises with what rings on them: `Modes.glide`.
+"""The rise of the tension of strings and membranes with what rings on them: `Modes.glide`.
 
 What is displaced is longer: by int (w')^2/2 dx, a membrane's area by int |grad w|^2/2 dA. Held at its ends or its edge,
 it is stretched by that. The tension is taken to rise alike everywhere, as waves along it are much faster than those
@@ -18,19 +18,19 @@ from .material import Material
 
 
 def string_glide(material: Material, length: float, diameter: float, tension: float) -> float:
-    """1/J, of a string of a length and (core) diameter in m, under a tension in N."""
+    """Return the glide, 1/J, of a string of a length and (core) diameter in m, under a tension in N."""
     section = math.pi * diameter**2 / 4
     return material.youngs_modulus * section / (2 * length * tension**2)
 
 
 def membrane_glide(material: Material, radius: float, thickness: float, tension: float) -> float:
-    """1/J, of a round membrane of a radius and thickness in m, under a tension in N/m."""
+    """Return the glide, 1/J, of a round membrane of a radius and thickness in m, under a tension in N/m."""
     area = math.pi * radius**2
     return material.contact_modulus * thickness / (2 * area * tension**2)
 
 
 CONE = 1.5
-"""Of a membrane's own mass: `Modes.cone`, in the law of the tension about a striker.
+"""Coefficient of a membrane's own mass, `Modes.cone`, in the law of the tension about a striker.
 
 A striker of velocity v pulls a cone out of the head, whose edge runs outwards at the speed c of waves; its slope is
 v/c. Stretch along the cone tightens it at once, long before the head as a whole is stretched, by Delta T = eta E h

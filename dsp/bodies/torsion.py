@@ -21,7 +21,7 @@ def torsion(
     depth: Callable[[Array], tuple[Array, Array]],
     kinks: tuple[float, ...] = (),
 ) -> Motion:
-    """Modes of a bar that twists, up to `top` (Hz), free or clamped at -1; an angle theta is its unknown.
+    """Return the modes of a bar that twists, up to `top` (Hz), free or clamped at -1; an angle theta is its unknown.
 
     depth: the thickness (m) and its derivative along -1..1, at points there, smooth between `kinks`. Ritz's method with
     Legendre polynomials on 1/2 int G J theta'^2 + E Gamma chi'^2, masses rho I theta^2 + rho Gamma chi^2: J is
@@ -64,7 +64,7 @@ def torsion(
 
 
 def _section(width: float, thickness: Array) -> tuple[Array, Array, Array, Array]:
-    """Saint-Venant's constant (m^4), polar moment (m^4), -chi/theta' and Gamma (m^6), each (p,)."""
+    """Return Saint-Venant's constant (m^4), polar moment (m^4), -chi/theta' and Gamma (m^6), each (p,)."""
     long, short = np.maximum(width, thickness), np.minimum(width, thickness)
     series = (np.tanh(_SERIES * math.pi / 2 * long / short) / _SERIES**5).sum(axis=0)
     constant = long * short**3 / 3 * (1 - 192 / math.pi**5 * short / long * series)
@@ -74,7 +74,7 @@ def _section(width: float, thickness: Array) -> tuple[Array, Array, Array, Array
 
 
 def _wavenumber(material: Material, width: float, thickness: Array, frequency: float) -> float:
-    """The wavenumber (rad/m) of a section's torsional wave at a frequency (Hz)."""
+    """Return the wavenumber (rad/m) of a section's torsional wave at a frequency (Hz)."""
     constant, polar, warping, gamma = (float(value[0]) for value in _section(width, thickness))
     square = (2 * math.pi * frequency) ** 2
     gamma *= warping**2

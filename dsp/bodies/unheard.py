@@ -37,7 +37,7 @@ class Felt(NamedTuple):
 
 
 def with_unheard(modes: Modes, others: Felt, decay: Callable[[Array], Array], top: float) -> Modes:
-    """A body's modes up to `top` (Hz), with what is felt of its others; decay: 1/s at frequencies."""
+    """Return a body's modes up to `top` (Hz), with what is felt of its others; decay: 1/s at frequencies."""
     frequency, strike = others
     order = np.argsort(frequency, kind="stable")
     order = order[frequency[order] >= LOWEST_FREQUENCY]
@@ -54,7 +54,7 @@ def with_unheard(modes: Modes, others: Felt, decay: Callable[[Array], Array], to
 
 
 def _gather(frequency: Array, strike: Array, highest: float) -> tuple[Array, Array]:
-    """A few modes in the place of many, in Hz ascending (k,) with shapes (P, k): their frequencies and shapes."""
+    """Gather many modes into a few, in Hz ascending (k,) with shapes (P, k): return their frequencies and shapes."""
     if not frequency.size:
         return frequency, strike
     lowest = float(frequency[0])
@@ -65,7 +65,8 @@ def _gather(frequency: Array, strike: Array, highest: float) -> tuple[Array, Arr
 
 
 def completed(heard: Felt, others: Felt, last: float, highest: float, growth: float = 0.0) -> Felt:
-    """What a body's list leaves out: the others up to `last` (Hz), where they end, and those above, by bands.
+    """Return the modes that a body's list leaves out: the others up to `last` (Hz), where they end, and those above, by
+    bands.
 
     Above, a body has as many modes in each Hz as between half of `last` and it, times (f/last)^growth, and they are as
     large at each place: a plate's go with 0, as those of a bar that twists, those of a thin bar that bends with -1/2

@@ -33,7 +33,7 @@ _CAUGHT_UP = 0.8  # of the speed a striker leaves with: swinging back with .94 o
 
 @kernel
 def closed_form_will_do(level, seen_mass_ratio, mass_ratio, ringing_ratio, restitution):
-    """Whether the closed form has an accuracy (a number in LEVELS), given seen_mass_ratio = sum r_i P_i,
+    """True if the closed form is as accurate as `level` (a number in LEVELS) asks, given seen_mass_ratio = sum r_i P_i,
     mass_ratio = sum r_i, ringing_ratio = sum |phi_i z_i|/v_in and the restitution e.
 
     The object's modes swing back with up to seen_mass_ratio (1 + e) v_in, and the striker leaves with e v_in.

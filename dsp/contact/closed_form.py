@@ -43,7 +43,8 @@ NODES = len(_PIECE_NODES)
 
 
 def _antiderivative() -> Array:
-    """Matrix from a function's values at _NODES to the power series (in x = 2 zeta - 1) of its integral over zeta."""
+    """Return the matrix from a function's values at _NODES to the power series (in x = 2 zeta - 1) of its integral over
+    zeta."""
     degrees = np.arange(_DEGREE)
     # Legendre coefficients of the polynomials that are 1 at one node and 0 at the others.
     cardinal = (degrees + 0.5)[:, None] * legendre.legvander(_NODES, _DEGREE - 1).T * _WEIGHTS
@@ -80,14 +81,14 @@ PULSE = np.dtype(
 
 @kernel
 def velocity_of(w, U):
-    """(exp(w U) - 1)/w: the velocity whose logarithmic velocity is U."""
+    """Return (exp(w U) - 1)/w: the velocity whose logarithmic velocity is U."""
     z = w * U
     return U if z == 0.0 else math.expm1(z) / w
 
 
 @kernel
 def slowness_at(Z, span, w, a):
-    """dt/dzeta of a phase, at Z = zeta^(a+1)."""
+    """Return dt/dzeta of a phase, at Z = zeta^(a+1)."""
     u = velocity_of(w, span * (1.0 - Z))
     g = potential(velocity_of(w, span * Z), w * span * Z, u, w)
     return span * (a + 1.0) * (Z / ((a + 1.0) * g)) ** (a / (a + 1.0))
@@ -95,7 +96,7 @@ def slowness_at(Z, span, w, a):
 
 @kernel
 def spans_of(w, e):
-    """|U| at the beginning and at the release."""
+    """Return |U| at the beginning and at the release."""
     compressing = math.log1p(w) / w if w > 0.0 else 1.0
     return compressing, 1.0 + e - compressing
 
@@ -153,7 +154,7 @@ def _integrate(pulse):
 
 @simd_kernel
 def _time(series, zeta):
-    """Samples between the phase's contact end and zeta."""
+    """Return samples between the phase's contact end and zeta."""
     x = 2.0 * zeta - 1.0
     t = series[12]
     t = t * x + series[11]
@@ -172,7 +173,7 @@ def _time(series, zeta):
 
 @kernel
 def _zeta(series, duration, t):
-    """Inverse of `_time`, by Newton's method from the straight line, which it is close to."""
+    """Invert `_time` by Newton's method from the straight line, which it is close to."""
     zeta = t / duration
     for _ in range(8):
         x = 2.0 * zeta - 1.0
@@ -205,7 +206,7 @@ def _add_piece(pulse, phase, zeta, u, shift, moments):
 
 @simd_kernel
 def _impulse_at(log_zeta, a, heat):
-    """The force's impulse per zeta at a node, over momentum (a + 1) span; `heat` is w span."""
+    """Return the force's impulse per zeta at a node, over momentum (a + 1) span; `heat` is w span."""
     return exp(heat * (1.0 - exp((a + 1.0) * log_zeta)) + a * log_zeta)
 
 
@@ -246,7 +247,8 @@ def _add_moments(pulse, phase, ends, shift, moments):
 
 @kernel
 def advance_pulse(pulse, until, shift, moments):
-    """Moments (N s) of the force from where the pulse stands until `until`, both in the sample that begins at `shift`.
+    """Advance the pulse to the time `until`, and write the moments (N s) of its force on the way; both ends are in the
+    sample that begins at `shift`.
 
     Times are samples since the contact's beginning, and may be negative for `shift`. The zeroth moments of a contact
     add up to m (v_in - v_out) but for rounding.
@@ -273,7 +275,7 @@ def advance_pulse(pulse, until, shift, moments):
 
 @kernel
 def state_of_pulse(pulse, v_in, k):
-    """Where a pulse stands: compression (m), its velocity (m/s), and the momentum (N s) that was given so far."""
+    """Return the state of a pulse: compression (m), its velocity (m/s), and the momentum (N s) given so far."""
     phase = 0 if pulse.time < pulse.phase_time[0] else 1
     a, w, span = pulse.exponent, pulse.w[phase], pulse.span[phase]
     Z = pulse.zeta ** (a + 1.0)
@@ -310,7 +312,7 @@ _SINE = tuple((-1) ** k * math.pi ** (2 * k + 1) / math.factorial(2 * k + 1) for
 
 @simd_kernel
 def _phasor(x):
-    """cos and sin of 2 pi x to 3e-7, without a call or a division, so that loops over it become SIMD."""
+    """Return cos and sin of 2 pi x to 3e-7, without a call or a division, so that loops over it become SIMD."""
     x -= math.floor(x + 0.5)
     s = x * x
     c = _COSINE[6] * s + _COSINE[5]

@@ -42,7 +42,7 @@ WITHIN = 0.8
 """Share of the longest step within a tolerance that `better_step` tries."""
 
 LEAST_REST = 1e-300
-"""What is left at a step's end counts as at least so much, which keeps a quotient finite."""
+"""Lower bound of the remainder at a step's end, which keeps a quotient finite."""
 
 SOLVED = 1e-8  # relative change of the forces that ends Newton's method, whose error is then about its square
 NEWTON_STEPS = 16
@@ -75,7 +75,7 @@ STEP = np.dtype(
 
 @kernel
 def raised(x, exponent):
-    """x >= 0 to an exponent; by a root where that is one of a sphere's, 1/2, 3/2 or 5/2."""
+    """Raise x >= 0 to an exponent; by a root where that is one of a sphere's, 1/2, 3/2 or 5/2."""
     if exponent == 0.5:
         return math.sqrt(x)
     if exponent == 1.5:
@@ -87,13 +87,14 @@ def raised(x, exponent):
 
 @kernel
 def law(x, v, k, mu, a):
-    """Contact force (N), never negative: equation (1) of Papetti, Avanzini, Rocchesso 2011 (see law.py) where x > 0."""
+    """Return the contact force (N), never negative: equation (1) of Papetti, Avanzini, Rocchesso 2011 (see law.py)
+    where x > 0."""
     return k * raised(x, a) * max(1.0 + mu * v, 0.0) if x > 0.0 else 0.0
 
 
 @kernel
 def elastic(x, k, a):
-    """Elastic energy V(x) in J: equation (13) of Papetti, Avanzini, Rocchesso 2011."""
+    """Return the elastic energy V(x) in J: equation (13) of Papetti, Avanzini, Rocchesso 2011."""
     return k * raised(x, a + 1.0) / (a + 1.0) if x > 0.0 else 0.0
 
 
@@ -108,7 +109,8 @@ def captured(x, v, m, k, a, push):
 
 @kernel
 def solve(step, k, mu, a, negligible):
-    """Forces at the nodes by Newton's method from `step.f`, then from 0, where the law's convexity helps it.
+    """Solve for the forces at the nodes by Newton's method from `step.f`, then from 0, where the law's convexity helps
+    it.
 
     Leaves the nodes' f in the step, and their x and v before the last change of f. Changes of a force below
     `negligible` (N) don't matter; that is needed where 1 + mu v is down to rounding. False if it doesn't converge: the
@@ -168,13 +170,15 @@ def eliminate(linear, size):
 
 @kernel
 def allowance(gained, scale):
-    """Energy (J) that a step may gain, in a contact of about `scale`, after `gained`: half of what is left to gain."""
+    """Return the energy (J) that a step may gain, in a contact of about `scale`, after `gained`: half of what is left
+    to gain."""
     return max(0.5 * (_GROWTH * scale - gained), _LEAST_GROWTH * scale)
 
 
 @kernel
 def extrapolate(step, ratio):
-    """Let the next step's Newton start where the last step's force leads; the next is `ratio` times as long."""
+    """Extrapolate the last step's force as the first guess of the next step's Newton iteration; the next step is
+    `ratio` times as long."""
     f0, f1, f2 = step.f[0], step.f[1], step.f[2]
     for i in range(NODES):
         step.f[i] = force_at(f0, f1, f2, 1.0 + ratio * GAUSS[i])
@@ -182,14 +186,14 @@ def extrapolate(step, ratio):
 
 @kernel
 def force_at(f0, f1, f2, theta):
-    """Where the quadratic of a step's forces leads, in times of the step; never negative."""
+    """Return the quadratic through a step's forces at `theta`, in times of the step; never negative."""
     c0, c1, c2 = power_series_of(f0, f1, f2)
     return max(c0 + theta * (c1 + theta * c2), 0.0)
 
 
 @kernel
 def power_series_of(f0, f1, f2):
-    """The power series of the quadratic through a step's forces, in times of the step."""
+    """Return the power series of the quadratic through a step's forces, in times of the step."""
     return (
         _C[0][0] * f0 + _C[0][1] * f1 + _C[0][2] * f2,
         _C[1][0] * f0 + _C[1][1] * f1 + _C[1][2] * f2,
@@ -199,13 +203,13 @@ def power_series_of(f0, f1, f2):
 
 @kernel
 def end_of(f):
-    """The quadratic through the nodes' values at the step's end."""
+    """Evaluate the quadratic through the nodes' values at the step's end."""
     return LAST[0] * f[0] + LAST[1] * f[1] + LAST[2] * f[2]
 
 
 @kernel
 def discrete_gradient(x, free, give, h, k, mu, a):
-    """The change of x over a step of h seconds, and the force that is held for it.
+    """Return the change of x over a step of h seconds, and the force that is held for it.
 
     Without the force x would change by `free` (m); a held one takes off `give` (m/N) > 0. The change that the law
     allows is the root of an increasing convex function: Newton's method comes down to it from above.
@@ -238,7 +242,7 @@ def discrete_gradient(x, free, give, h, k, mu, a):
 
 @kernel
 def _held(x, stored, change, h, k, mu, a):
-    """[V(x + change) - V(x)]/change max(0, 1 + mu change/h), and its slope over the change; V(x) is `stored`."""
+    """Return [V(x + change) - V(x)]/change max(0, 1 + mu change/h), and its slope over the change; V(x) is `stored`."""
     slack = 1.0 + mu * change / h
     end = x + change
     if slack <= 0.0 or (x <= 0.0 and end <= 0.0):
@@ -259,7 +263,7 @@ def _held(x, stored, change, h, k, mu, a):
 
 @kernel
 def until_release(step, x, v, h, longest, closing):
-    """The length of the step, at most `longest`, that ends where x comes to 0; and whether that is being sought.
+    """Return the length of the step, at most `longest`, that ends where x comes to 0; and whether that is being sought.
 
     x and v (per unit of h) are those at the end of the step as tried. Newton's method from either side.
     """
@@ -279,7 +283,7 @@ def until_release(step, x, v, h, longest, closing):
 
 @kernel
 def step_within(rest, wanted):
-    """The factor from a step to the next one to try; `rest` is left at its end, of which `wanted` is allowed.
+    """Return the factor from a step to the next one to try; `rest` is left at its end, of which `wanted` is allowed.
 
     WITHIN or more means that the step itself will do. The rest grows with h^4 where the force is smooth, and less
     steeply where the contact begins.
@@ -289,5 +293,5 @@ def step_within(rest, wanted):
 
 @kernel
 def better_step(share):
-    """The factor from a step to the next one to try; share: the longest within the tolerance over this step."""
+    """Return the factor from a step to the next one to try; share: the longest within the tolerance over this step."""
     return min(max(WITHIN * share, _SHORTEN), _LENGTHEN)

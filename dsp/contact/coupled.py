@@ -114,7 +114,8 @@ COUPLED = np.dtype(
 
 @kernel
 def begin_coupled(contact, v, law, push, fraction, rate, tolerance):
-    """A striker, by its ContactLaw, that touches at v (m/s) after `fraction` in [0, 1) of the coming sample.
+    """Begin the contact of a striker, given by its ContactLaw, that touches at v (m/s) after `fraction` in [0, 1) of
+    the coming sample.
 
     `respond_with` must follow. `push` (N) presses it on; `tolerance` is for the momentum in a step (accuracy.py), or
     HELD.
@@ -147,7 +148,7 @@ def begin_coupled(contact, v, law, push, fraction, rate, tolerance):
 
 @kernel
 def begin_within(contact, x, v, v_relative, step):
-    """Let a contact that `begin_coupled` began be under way: compressed by x (m), its striker at v (m/s).
+    """Continue a contact that `begin_coupled` began as one under way: compressed by x (m), its striker at v (m/s).
 
     v_relative: how fast x grows; step: samples to try first.
     """
@@ -163,7 +164,8 @@ def begin_within(contact, x, v, v_relative, step):
 
 @kernel
 def respond_with(contact, receptance):
-    """Let the contact meet modes of that receptance (FINE, m/(N s)): at its beginning, and when they are retuned."""
+    """Set how the modes of a receptance (FINE, m/(N s)) respond to the contact: at its beginning, and when they are
+    retuned."""
     h = contact.period
     for n in range(1, FINE):
         total = 0.0
@@ -230,13 +232,13 @@ def settle(contact, at, meets, released):
 
 @kernel
 def until_kink(contact, at):
-    """Samples from `at` until the surface's next kink in this sample; infinity if there is none."""
+    """Return samples from `at` until the surface's next kink in this sample; infinity if there is none."""
     return contact.kink_at[contact.kink] - at if contact.kink < contact.kinks else math.inf
 
 
 @kernel
 def pass_kinks(contact, at):
-    """Let the surface go on as it does behind its kinks, up to a time in the sample."""
+    """Change the surface's slope and curvature at each kink that is passed up to a time in the sample."""
     while until_kink(contact, at) <= _ON_KINK:
         contact.rise += contact.kink_rise[contact.kink]
         contact.bend += contact.kink_bend[contact.kink]
@@ -273,7 +275,7 @@ def look(contact, observed):
 
 @kernel
 def lift(contact, answer, force):
-    """Let a point no longer give way to a constant force (N) over the sample, by its answer to one.
+    """Undo how far a point gives way to a constant force (N) over the sample, by its answer to one.
 
     The answer's last power integrates to one that `motion` does not hold. The lower ones stand for it: where modes lie
     above the Nyquist frequency it carries much of how a light object gives way.
@@ -324,7 +326,7 @@ def move(contact, eta, at, powers):
 
 @kernel
 def _push(contact, eta, at, powers):
-    """The rest of `move` where there is a force."""
+    """Apply the force to striker and point: the rest of `move` where there is one."""
     f, h, power = contact.force, contact.period, contact.power
     for n in range(FINE):
         contact.impulse[n] = eta * power[n] * (TO_END[n, 0] * f[0] + TO_END[n, 1] * f[1] + TO_END[n, 2] * f[2])

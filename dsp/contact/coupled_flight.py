@@ -15,7 +15,7 @@ _LEAST_SPEED = 1e-300  # m/s: keeps a quotient finite
 
 @kernel
 def fly(motion, left):
-    """Samples until x comes up to 0, at most `left`, and whether it does."""
+    """Return the samples until x comes up to 0, at most `left`, and whether it does."""
     highest, power = motion[0], left
     for n in range(1, FINE):
         highest += max(motion[n], 0.0) * power
@@ -58,7 +58,7 @@ def fly(motion, left):
 
 @kernel
 def apart_for(contact, distance, speed):
-    """Whole samples from now for which striker and object surely stay apart: those may be left to `fly_on`.
+    """Return for how many whole samples from now striker and object surely stay apart: those may be left to `fly_on`.
 
     To be asked right after `step_coupled`; `distance` and `speed` bound the object's point, by `bank.reach`. 0 while
     they touch, infinity if the striker is gone for good.
@@ -78,7 +78,7 @@ def apart_for(contact, distance, speed):
 
 @kernel
 def _until(way, speed, acceleration):
-    """Seconds until way >= 0 is covered; 0 if there is none."""
+    """Return seconds until way >= 0 is covered; 0 if there is none."""
     if way <= 0.0:
         return 0.0
     root = math.sqrt(max(speed * speed + 2.0 * acceleration * way, 0.0))
@@ -89,7 +89,7 @@ def _until(way, speed, acceleration):
 
 @kernel
 def fly_on(contact, samples):
-    """Let a striker that is apart fly for whole samples, nobody looking."""
+    """Advance a striker that touches nothing by whole samples, without a search for a meeting."""
     time = samples * contact.period
     contact.position += time * (contact.v + 0.5 * time * contact.push / contact.m)
     contact.v += time * contact.push / contact.m

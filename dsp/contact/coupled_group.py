@@ -61,7 +61,7 @@ COUPLED_GROUP = np.dtype(
 
 @kernel
 def answer_with(group, i, j, receptance, period, gain):
-    """Let the point of contact i answer the force of contact j, by a receptance (FINE, m/(N s)) times a gain."""
+    """Set how the point of contact i answers the force of contact j, by a receptance (FINE, m/(N s)) times a gain."""
     answer = group.answer[i, j]
     answer[0] = 0.0
     for n in range(1, FINE):
@@ -100,7 +100,7 @@ def step_together(contacts, group):
 
 @kernel
 def _lift_others(contacts, group):
-    """Let no point give way to what the other strikers weigh at rest."""
+    """Undo how far each point gives way to the weight of the other strikers at rest."""
     for j in range(group.size):
         force = contacts[group.member[j]].coupled.rest_force
         if force > 0.0:
@@ -121,7 +121,7 @@ def _settle(contact, at, event):
 
 @kernel
 def _step(contacts, group, at, last):
-    """Take a step from `at` on, with its events; the `last` one holds the forces for the rest. Returns its length."""
+    """Take a step from `at` on, with its events; the `last` one holds the forces for the rest. Return its length."""
     left = 1.0 - at
     longest = eta = left
     group.touching = 0
@@ -168,7 +168,7 @@ def _move_all(contacts, group, eta, at):
 
 @kernel
 def _answer_others(contacts, group, kept):
-    """Let every point answer the other contacts' forces over the step that was taken.
+    """Move every point as it answers the other contacts' forces over the step that was taken.
 
     Where compressions are `kept` the strikers that touch move along: what is compressed holds energy.
     """
@@ -182,7 +182,7 @@ def _answer_others(contacts, group, kept):
 
 @kernel
 def _answer(contact, answer, other, kept):
-    """Let the point of a contact answer the force of another one; its compression now may be `kept`."""
+    """Move the point of a contact as it answers another's force; its compression now may be `kept`."""
     for k in range(FINE):
         total = 0.0
         for n in range(k, FINE):

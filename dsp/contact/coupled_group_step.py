@@ -45,7 +45,7 @@ from .coupled_step import (
 from .power_series import ANSWER_AT
 
 NOTHING, MEETS, LEAVES = 0, 1, 2
-"""What ends a step for a contact."""
+"""The events that end a step for a contact."""
 
 _ON_TIME = 1e-9  # share of a step by which a striker that flies may miss the time at which it meets the object,
 _ROUNDED = 1e-10  # and samples by which it may in any case
@@ -108,7 +108,7 @@ def _try(contacts, group, eta):
 
 @kernel
 def _find_end_of(contacts, group, i, eta):
-    """The compression of contact i at the step's end, and its rate."""
+    """Find the compression of contact i at the step's end, and its rate."""
     contact = contacts[group.member[i]].coupled
     x, v = end_without(contact.moved)
     for b in range(group.touching):
@@ -149,7 +149,7 @@ def _set_equations(contacts, group, eta):
 
 @kernel
 def _fill_give(group, a, b, eta, period):
-    """What the nodes' forces of touching contact b take off at the nodes of touching contact a."""
+    """Fill in how far the nodes' forces of touching contact b move the nodes of touching contact a."""
     g = sums_of_nine(ANSWER_AT, group.given[group.touches[a], group.touches[b]])
     u, w, v, rate = a * NODES, b * NODES, group.give_v, 1.0 / period
     v[u, w], v[u, w + 1], v[u, w + 2] = rate * g[0], rate * g[1], rate * g[2]
@@ -165,7 +165,8 @@ def _fill_give(group, a, b, eta, period):
 
 @kernel
 def _solve(contacts, group, eta, touching):
-    """Forces at all nodes by Newton's method, from where the last ones lead, then from 0. False if it fails."""
+    """Solve for the forces at all nodes by Newton's method, from where the last ones lead, then from 0. False if it
+    fails."""
     size = touching * NODES
     for start in range(2):
         for a in range(touching):
@@ -203,7 +204,7 @@ def _start(contact, eta, start):
 
 @kernel
 def _linearise(contact, group, a, size):
-    """The rows of Newton's equations for touching contact a."""
+    """Fill the rows of Newton's equations for touching contact a."""
     step = contact.step
     for r in range(NODES):
         u = a * NODES + r
@@ -228,7 +229,7 @@ def _linearise(contact, group, a, size):
 
 @kernel
 def _rate(contacts, group, eta):
-    """The least `ratio` of the contacts that touch. One that asks for a shorter step will next time try that."""
+    """Return the least `ratio` of the contacts that touch. One that asks for a shorter step will next time try that."""
     least = math.inf
     for a in range(group.touching):
         i = group.touches[a]
@@ -243,7 +244,8 @@ def _rate(contacts, group, eta):
 
 @kernel
 def _find_end(contacts, group, eta, longest):
-    """The length of the step that ends where the first contact begins or ends; `eta` itself where this one does."""
+    """Return the length of the step that ends where the first contact begins or ends; `eta` itself where this one
+    does."""
     shorter, longer, exact = eta, math.inf, False
     for i in range(group.size):
         contact = contacts[group.member[i]].coupled
@@ -272,7 +274,8 @@ def _find_end(contacts, group, eta, longest):
 
 @kernel
 def _until_meeting(contacts, group, i, eta, longest):
-    """As `until_release`, for a striker that flies: where it meets the object, or `eta` if it does not."""
+    """Return the time at which a flying striker meets the object, and whether it does, else `eta`; compare
+    `until_release`."""
     contact = contacts[group.member[i]].coupled
     if group.sought[i] == 0:
         _follow_path(contacts, group, i, eta)
@@ -288,7 +291,7 @@ def _until_meeting(contacts, group, i, eta, longest):
 
 @kernel
 def _follow_path(contacts, group, i, eta):
-    """The compression of contact i over the step as a power series, moved by the forces of the others."""
+    """Write the compression of contact i over the step as a power series, moved by the forces of the others."""
     path = group.path
     motion = contacts[group.member[i]].coupled.motion
     for n in range(FINE):

@@ -38,7 +38,7 @@ ROUNDING = 1e-14  # share of the momentum at hand that no force is asked for
 
 @kernel
 def stay(contact, left, last):
-    """A step in contact, at most `left` samples long: its length, and whether it ends in the release.
+    """Take a step in contact, at most `left` samples long; return its length, and whether it ends in the release.
 
     A step is accepted where |f_end - f(x, v)| times its length, with f_end the end of the force's quadratic, is below
     tolerance times the momentum at hand, and energy grows by no more than rounding. The `last` step holds the force for
@@ -97,7 +97,7 @@ def collocate(contact, eta):
 
 @kernel
 def set_powers(contact, eta):
-    """The series of a contact in times of a step of `eta` samples."""
+    """Scale the series of a contact to times of a step of `eta` samples."""
     power = 1.0
     for n in range(FINE):
         contact.power[n] = power
@@ -108,7 +108,7 @@ def set_powers(contact, eta):
 
 @kernel
 def put_free(step, moved, rate):
-    """The compression without a force at the nodes; rate: steps per s."""
+    """Set compression and rate at the nodes as they are without a force; rate: steps per s."""
     s = _sums_of_six(AT_NODES, moved)
     step.free_x[0], step.free_x[1], step.free_x[2] = s[0], s[1], s[2]
     step.free_v[0], step.free_v[1], step.free_v[2] = rate * s[3], rate * s[4], rate * s[5]
@@ -116,7 +116,7 @@ def put_free(step, moved, rate):
 
 @kernel
 def _sums_of_six(table, series):
-    """sum_n series[n] table[n, k] for each k < 6: six sums that do not wait for each other."""
+    """Return sum_n series[n] table[n, k] for each k < 6: six sums that do not wait for each other."""
     s0 = s1 = s2 = s3 = s4 = s5 = 0.0
     for n in range(FINE):
         s0 += series[n] * table[n, 0]
@@ -130,7 +130,7 @@ def _sums_of_six(table, series):
 
 @kernel
 def _put_give(step, given, time, rate):
-    """What the nodes' forces take off over a step of `time` seconds; rate: samples per s."""
+    """Set how far the nodes' forces move the nodes over a step of `time` seconds; rate: samples per s."""
     g = sums_of_nine(ANSWER_AT, given)
     step.give_v[0, 0], step.give_v[0, 1], step.give_v[0, 2] = rate * g[0], rate * g[1], rate * g[2]
     step.give_v[1, 0], step.give_v[1, 1], step.give_v[1, 2] = rate * g[3], rate * g[4], rate * g[5]
@@ -146,7 +146,8 @@ def _put_give(step, given, time, rate):
 
 @kernel
 def keep_at_rest(step, given, impulse):
-    """Have a force at rest move no node: what the Gauss method's integral makes of its answer is not the answer.
+    """Correct the nodes so that a force at rest moves none: the Gauss method's integral of its answer differs from the
+    answer.
 
     impulse: that force (N) times the step (samples).
     """
@@ -160,7 +161,7 @@ def keep_at_rest(step, given, impulse):
 
 @kernel
 def sums_of_nine(table, series):
-    """sum_n series[n] table[n, k], n > 0, for each k < 9: nine sums that do not wait for each other."""
+    """Return sum_n series[n] table[n, k], n > 0, for each k < 9: nine sums that do not wait for each other."""
     s0 = s1 = s2 = s3 = s4 = s5 = s6 = s7 = s8 = 0.0
     for n in range(1, FINE):
         term = series[n]
@@ -178,7 +179,7 @@ def sums_of_nine(table, series):
 
 @kernel
 def end_without(moved):
-    """x (m) and its derivative (m per step) at a step's end without the forces."""
+    """Return x (m) and its derivative (m per step) at a step's end without the forces."""
     x = v = 0.0
     for n in range(FINE):
         x += moved[n]
@@ -188,14 +189,14 @@ def end_without(moved):
 
 @kernel
 def taken_at_end(given, f, eta):
-    """What the nodes' forces take off these."""
+    """Return how much the nodes' forces take off compression and rate at the step's end."""
     s = _sums_of_six(ANSWER_TO_END, given)
     return eta * (s[0] * f[0] + s[1] * f[1] + s[2] * f[2]), eta * (s[3] * f[0] + s[4] * f[1] + s[5] * f[2])
 
 
 @kernel
 def speed_of(contact, x, v):
-    """The speed that kinetic and elastic energy amount to; of a striker that rests, about its rest."""
+    """Return the speed that kinetic and elastic energy amount to; of a striker that rests, about its rest."""
     if contact.swing > 0.0:
         away = contact.swing * (x - contact.rest_compression)
         return max(math.sqrt(v * v + away * away), _LEAST_SWING * contact.swing * contact.rest_compression)
@@ -204,7 +205,7 @@ def speed_of(contact, x, v):
 
 @kernel
 def ratio_to_longest(contact, eta, x, v):
-    """What to multiply the step with for the tolerance."""
+    """Return the factor by which to change the step to meet the tolerance."""
     speed = max(speed_of(contact, x, v), speed_of(contact, contact.motion[0], contact.motion[1] / contact.period))
     rest = abs(end_of(contact.step.f) - law(x, v, contact.k, contact.mu, contact.a)) * eta * contact.period
     mass = contact.m if contact.swing > 0.0 else contact.mass
@@ -213,7 +214,7 @@ def ratio_to_longest(contact, eta, x, v):
 
 @kernel
 def _sound(contact, eta, x):
-    """Whether the step's energy is right: its exact work against the change of V, and what dissipation takes."""
+    """True if the step's energy is right: its exact work balances the change of V and the dissipation."""
     f = contact.step.f
     stored = elastic(contact.motion[0], contact.k, contact.a)
     v = contact.motion[1] / contact.period
@@ -233,7 +234,7 @@ def _sound(contact, eta, x):
 
 @kernel
 def work_of(f, moved):
-    """A step's work (J) of the nodes' forces (N) along a series of its times, exactly."""
+    """Return a step's work (J) of the nodes' forces (N) along a series of its times, exactly."""
     w0 = w1 = w2 = 0.0
     for n in range(1, FINE):
         w0 += moved[n] * WORK[n, 0]
@@ -244,7 +245,8 @@ def work_of(f, moved):
 
 @kernel
 def work_against(f, other, given, eta):
-    """The work (J) of the nodes' forces against what another's forces take off in a step of `eta` samples, exactly."""
+    """Return the work (J) of the nodes' forces against what another's forces take off in a step of `eta` samples,
+    exactly."""
     t = sums_of_nine(TAKEN, given)
     o0, o1, o2 = other[0], other[1], other[2]
     work = f[0] * (t[0] * o0 + t[1] * o1 + t[2] * o2)
@@ -255,13 +257,14 @@ def work_against(f, other, given, eta):
 
 @kernel
 def may_lose(contact):
-    """Energy (J) that a step may lose beyond what the law takes."""
+    """Return the energy (J) that a step may lose beyond what the law takes."""
     return max(_LOSS * contact.tolerance, _LEAST_LOSS) * contact.scale
 
 
 @kernel
 def give_of(answer, eta):
-    """How far (m) a point gives way to 1 N that is held for a step, by its answer (FINE, m/(N sample)) to it."""
+    """Return the distance (m) by which a point gives way to 1 N held for a step, by its answer (FINE, m/(N sample)) to
+    it."""
     give = 0.0
     power = eta
     for n in range(1, FINE):

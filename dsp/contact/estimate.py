@@ -1,4 +1,4 @@
-"""How long a contact lasts at most, by a formula that Python can run as it is."""
+"""The longest duration of a contact, estimated by a formula that Python can run as it is."""
 
 import math
 
@@ -11,7 +11,7 @@ LONGEST_CONTACT = 1.0
 
 @kernel
 def longest_estimate(v_in, m, k, a, w):
-    """An upper estimate (s) of `contact_time_bound`, with one of the depth; w: mu v_in, at least."""
+    """Return an upper estimate (s) of `contact_time_bound`, with one of the depth; w: mu v_in, at least."""
     length = (m * v_in * v_in / k) ** (1.0 / (a + 1.0))
     deepest = ((a + 1.0) * min(0.5, 1.0 / w if w > 0.0 else math.inf)) ** (1.0 / (a + 1.0))
     return length / v_in * (ELASTIC_TIME + w * deepest)

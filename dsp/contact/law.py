@@ -39,12 +39,13 @@ _STRONG_DISSIPATION = 40.0
 _BEYOND_RELEASE = 1e-12
 
 ELASTIC_TIME = 3.3
-"""Without dissipation a contact lasts at most 3.2213 L/v_in (at a = 1.658; pi at a = 1); rounded up."""
+"""Upper bound of a contact's duration without dissipation, in L/v_in: 3.2213 (at a = 1.658; pi at a = 1), rounded
+up."""
 
 
 @kernel
 def psi(z, log1p_z):
-    """(z - ln(1 + z))/z^2 for z > -1, given ln(1 + z); 1/2 at z = 0."""
+    """Return (z - ln(1 + z))/z^2 for z > -1, given ln(1 + z); 1/2 at z = 0."""
     if abs(z) > _SERIES_BELOW or z < -0.5:
         return (z - log1p_z) / (z * z) if z < _SQUARE_OVERFLOWS else 1.0 / z
     # ln(1 + z) = 2 artanh(r): the leading terms cancel by hand, not in floating point.
@@ -67,7 +68,7 @@ def psi(z, log1p_z):
 
 @kernel
 def restitution_of(w):
-    """Restitution E = |v_out/v_in| of w = mu v_in.
+    """Return the restitution E = |v_out/v_in| of w = mu v_in.
 
     The root of equation (6) of Papetti, Avanzini, Rocchesso 2011, by Halley's method on a form without cancellation.
     """
@@ -96,7 +97,7 @@ def restitution_of(w):
 
 @kernel
 def potential(distance, log1p_wd, u, w):
-    """x^(a+1)/((a+1) L^(a+1)) on the trajectory, from the distance d to the contact's nearer end.
+    """Return x^(a+1)/((a+1) L^(a+1)) on the trajectory, from the distance d to the contact's nearer end.
 
     Seen from the beginning d = (1 - u)/(1 + w u). Seen from the release d = (u + E)/(1 + w u), and u and w are given
     with their signs changed. `log1p_wd` is ln(1 + w d).
@@ -106,7 +107,7 @@ def potential(distance, log1p_wd, u, w):
 
 @kernel
 def potential_at(u, w):
-    """x^(a+1)/((a+1) L^(a+1)) at the velocity u = v/v_in.
+    """Return x^(a+1)/((a+1) L^(a+1)) at the velocity u = v/v_in.
 
     Equation (3) of Papetti, Avanzini, Rocchesso 2011 without its cancellation.
     """
@@ -121,20 +122,21 @@ def potential_at(u, w):
 
 @kernel
 def potential_from_entry(u, w):
-    """`potential_at` from the beginning alone: for all u > -1/w, negative beyond the release, near which it cancels."""
+    """Return `potential_at` from the beginning alone: for all u > -1/w, negative beyond the release, near which it
+    cancels."""
     d = (1.0 - u) / (1.0 + w * u)
     return potential(d, math.log1p(w * d), u, w)
 
 
 @kernel
 def _is_ordinary(value):
-    """Whether a product has lost nothing to underflow or overflow."""
+    """True if a product has lost nothing to underflow or overflow."""
     return _LEAST < value < _GREATEST
 
 
 @kernel
 def length_scale(v_in, m, k, a):
-    """L = (m v_in^2/k)^(1/(a+1)) in m."""
+    """Return L = (m v_in^2/k)^(1/(a+1)) in m."""
     energy = m * v_in * v_in
     power = energy / k
     if _is_ordinary(energy) and _is_ordinary(power):
@@ -144,7 +146,7 @@ def length_scale(v_in, m, k, a):
 
 @kernel
 def time_scale(v_in, m, k, a):
-    """L/v_in in s."""
+    """Return L/v_in in s."""
     length = length_scale(v_in, m, k, a)
     if _is_ordinary(length):
         return length / v_in
@@ -153,7 +155,7 @@ def time_scale(v_in, m, k, a):
 
 @kernel
 def force_scale(v_in, m, k, a):
-    """k L^a in N."""
+    """Return k L^a in N."""
     power = length_scale(v_in, m, k, a) ** a
     if _is_ordinary(power):
         return k * power
@@ -162,7 +164,7 @@ def force_scale(v_in, m, k, a):
 
 @kernel
 def _times_power(k, x, a):
-    """k x^a for x > 0."""
+    """Return k x^a for x > 0."""
     power = x**a
     if _is_ordinary(power):
         return k * power
@@ -171,7 +173,7 @@ def _times_power(k, x, a):
 
 @kernel
 def paper_release_of(v_in, mu):
-    """Approximation of v_out (m/s): equations (7) and (8) of Papetti, Avanzini, Rocchesso 2011."""
+    """Return the approximation of v_out (m/s): equations (7) and (8) of Papetti, Avanzini, Rocchesso 2011."""
     if mu == 0.0:
         return -v_in
     w = mu * v_in
@@ -181,14 +183,14 @@ def paper_release_of(v_in, mu):
 
 @kernel
 def trajectory(v, v_in, m, k, mu, a):
-    """Compression x(v) in m: equation (3) of Papetti, Avanzini, Rocchesso 2011."""
+    """Return the compression x(v) in m: equation (3) of Papetti, Avanzini, Rocchesso 2011."""
     g = potential_at(v / v_in, mu * v_in)
     return length_scale(v_in, m, k, a) * ((a + 1.0) * g) ** (1.0 / (a + 1.0))
 
 
 @kernel
 def longest_time(v_in, m, k, mu, a):
-    """A time (s) that the contact does not last: see `contact_time_bound`."""
+    """Return a time (s) within which the contact surely ends: see `contact_time_bound`."""
     return ELASTIC_TIME * time_scale(v_in, m, k, a) + mu * trajectory(0.0, v_in, m, k, mu, a)
 
 
@@ -239,7 +241,7 @@ def _longest_time(v_in, m, k, mu, a):
 
 
 def restitution(v_in: ArrayLike, mu: ArrayLike) -> Array:
-    """Coefficient of restitution E = |v_out/v_in|, in [0, 1], within a relative error of 1e-14.
+    """Return the coefficient of restitution E = |v_out/v_in|, in [0, 1], within a relative error of 1e-14.
 
     v_in (m/s) > 0 and mu (s/m) >= 0 broadcast; float64 of their shape. ValueError names what is out of range.
     Equation (5) and the exact root of equation (6) of Papetti, Avanzini, Rocchesso 2011.
@@ -249,7 +251,7 @@ def restitution(v_in: ArrayLike, mu: ArrayLike) -> Array:
 
 
 def release_velocity(v_in: ArrayLike, mu: ArrayLike) -> Array:
-    """Velocity at release v_out (m/s, negative), within a relative error of 1e-14.
+    """Return the velocity at release v_out (m/s, negative), within a relative error of 1e-14.
 
     Arguments as in `restitution`. The exact root of equation (6) of Papetti, Avanzini, Rocchesso 2011, a branch of
     Lambert's W function.
@@ -258,7 +260,7 @@ def release_velocity(v_in: ArrayLike, mu: ArrayLike) -> Array:
 
 
 def paper_release_velocity(v_in: ArrayLike, mu: ArrayLike) -> Array:
-    """Approximate velocity at release (m/s), for comparison: off by up to 2.05 % (at mu v_in = 3).
+    """Return the approximate velocity at release (m/s), for comparison: off by up to 2.05 % (at mu v_in = 3).
 
     Arguments as in `restitution`. Equations (7) and (8) of Papetti, Avanzini, Rocchesso 2011.
     """
@@ -266,7 +268,7 @@ def paper_release_velocity(v_in: ArrayLike, mu: ArrayLike) -> Array:
 
 
 def force(x: ArrayLike, v: ArrayLike, k: ArrayLike, mu: ArrayLike, a: ArrayLike) -> Array:
-    """Contact force f(x, v) = k x^a (1 + mu v) in N, 0 where x <= 0.
+    """Return the contact force f(x, v) = k x^a (1 + mu v) in N, 0 where x <= 0.
 
     x (m), v (m/s), k (N/m^a) > 0, mu (s/m) >= 0, a >= 1 broadcast; float64 of their shape. ValueError names what is out
     of range or not finite. Equation (1) of Papetti, Avanzini, Rocchesso 2011.
@@ -275,7 +277,7 @@ def force(x: ArrayLike, v: ArrayLike, k: ArrayLike, mu: ArrayLike, a: ArrayLike)
 
 
 def compression(v: ArrayLike, v_in: ArrayLike, m: ArrayLike, k: ArrayLike, mu: ArrayLike, a: ArrayLike) -> Array:
-    """Compression x(v) in m on the trajectory from v_in.
+    """Return the compression x(v) in m on the trajectory from v_in.
 
     v (m/s) in [v_out, v_in], v_in (m/s), m (kg), k (N/m^a) > 0, mu (s/m) >= 0, a >= 1 broadcast; float64 of their
     shape. ValueError names what is out of range. Near both ends x ~ (v_in - v)^(1/(a+1)) amplifies an error in v.
@@ -286,7 +288,7 @@ def compression(v: ArrayLike, v_in: ArrayLike, m: ArrayLike, k: ArrayLike, mu: A
 
 
 def max_compression(v_in: ArrayLike, m: ArrayLike, k: ArrayLike, mu: ArrayLike, a: ArrayLike) -> Array:
-    """Greatest compression x_max = x(0) in m.
+    """Return the greatest compression x_max = x(0) in m.
 
     Arguments as in `compression`. Equation (4) of Papetti, Avanzini, Rocchesso 2011.
     """
@@ -294,7 +296,7 @@ def max_compression(v_in: ArrayLike, m: ArrayLike, k: ArrayLike, mu: ArrayLike, 
 
 
 def potential_energy(x: ArrayLike, k: ArrayLike, a: ArrayLike) -> Array:
-    """Elastic energy V = k x^(a+1)/(a+1) in J, 0 where x <= 0.
+    """Return the elastic energy V = k x^(a+1)/(a+1) in J, 0 where x <= 0.
 
     Arguments as in `force`. Equation (13) of Papetti, Avanzini, Rocchesso 2011.
     """
@@ -302,7 +304,7 @@ def potential_energy(x: ArrayLike, k: ArrayLike, a: ArrayLike) -> Array:
 
 
 def energy(v: ArrayLike, v_in: ArrayLike, m: ArrayLike, mu: ArrayLike) -> Array:
-    """Energy H(v) in J, kinetic and elastic, on the trajectory from v_in.
+    """Return the energy H(v) in J, kinetic and elastic, on the trajectory from v_in.
 
     H falls from m v_in^2/2 to m v_out^2/2 and does not depend on k or a. Arguments as in `compression`. Equation (20)
     of Papetti, Avanzini, Rocchesso 2011.
@@ -312,7 +314,7 @@ def energy(v: ArrayLike, v_in: ArrayLike, m: ArrayLike, mu: ArrayLike) -> Array:
 
 
 def contact_time_bound(v_in: ArrayLike, m: ArrayLike, k: ArrayLike, mu: ArrayLike, a: ArrayLike) -> Array:
-    """A time (s) that a contact does not last, at a fraction of the cost of `contact_time`.
+    """Return a time (s) within which a contact surely ends, at a fraction of the cost of `contact_time`.
 
     It is 3.3 L/v_in + mu x_max. Without dissipation a contact lasts 2 ((a+1)/2)^n sqrt(pi) G(1 + n)/G(1/2 + n) L/v_in,
     with n = 1/(a+1) and the gamma function G: 3.2213 L/v_in at most, at a = 1.658. Dissipation adds at most the time
@@ -325,7 +327,7 @@ def contact_time_bound(v_in: ArrayLike, m: ArrayLike, k: ArrayLike, mu: ArrayLik
 def checked_law(
     v_in: ArrayLike, m: ArrayLike, k: ArrayLike, mu: ArrayLike, a: ArrayLike
 ) -> tuple[Array, Array, Array, Array, Array]:
-    """v_in, m, k, mu, a as float64 arrays; ValueError names what is out of range."""
+    """Return v_in, m, k, mu, a as float64 arrays; raise ValueError that names what is out of range."""
     law = checked("v_in", v_in, 0.0), checked("m", m, 0.0), checked("k", k, 0.0), _dissipation(mu), _exponent(a)
     with np.errstate(over="ignore"):
         checked("mu v_in", law[3] * law[0], 0.0, strict=False)
@@ -341,7 +343,7 @@ def _exponent(a: ArrayLike) -> Array:
 
 
 def _during_contact(v: ArrayLike, v_in: Array, mu: Array) -> Array:
-    """v as float64; ValueError names what is not on the trajectory from v_in."""
+    """Return v as float64; raise ValueError that names what is not on the trajectory from v_in."""
     velocity, v_out = checked("v", v), release_velocity(v_in, mu)
     outside = (velocity > v_in) | (velocity < v_out * (1.0 + _BEYOND_RELEASE))
     if outside.any():

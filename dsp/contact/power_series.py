@@ -1,4 +1,4 @@
-"""What moves over one sample, as power series in time: tables of their integrals, and their values.
+"""Power series of a motion over one sample: tables of their integrals, and their values.
 
 Time is in samples. Force over a step is a quadratic through its values at collocation.GAUSS of the step.
 """
@@ -15,7 +15,7 @@ from .collocation import CARDINAL, GAUSS, INTEGRAL, NODES
 
 _nodes, _weights = legendre.leggauss(FINE // 2 + 1)
 QUADRATURE, QUADRATURE_WEIGHTS = 0.5 * (_nodes + 1.0), 0.5 * _weights
-"""Over a step, for a force times FINE powers."""
+"""Nodes and weights over a step, for a force times FINE powers."""
 
 FORCE_AT = np.vander(QUADRATURE, NODES, increasing=True) @ CARDINAL
 """Values of a quadratic at QUADRATURE."""
@@ -44,7 +44,7 @@ BEYOND = _beyond()
 
 
 def _moment_tables() -> tuple[Array, Array, Array]:
-    """Integrals over a unit step with l_j, the quadratics that are 1 at one node and 0 at the others."""
+    """Return the integrals over a unit step with l_j, the quadratics that are 1 at one node and 0 at the others."""
 
     def running(t: float) -> Array:
         # int_0^t (t - s)^n s^p ds = n! p!/(n + p + 1)! t^(n + p + 1)
@@ -99,7 +99,7 @@ for _n in range(FINE):
 
 @kernel
 def value_at(series, t):
-    """A power series and its derivative."""
+    """Return a power series and its derivative."""
     value = series[FINE - 1]
     slope = 0.0
     for n in range(FINE - 2, -1, -1):

@@ -25,7 +25,7 @@ _LEAST_SHARE = 1e-13  # of the momentum: nodes that carry less are left out, who
 
 
 def _double_exponential() -> tuple[Array, Array]:
-    """Nodes and weights on (0, 1)."""
+    """Return nodes and weights on (0, 1)."""
     t = np.linspace(-_WIDEST, _WIDEST, _COUNT)
     s = np.pi * np.sinh(t)
     nodes = 1.0 / (1.0 + np.exp(-s))
@@ -37,7 +37,7 @@ _NODES, _WEIGHTS = _double_exponential()
 
 @cache
 def _running() -> Array:
-    """The matrix from integrand times weight to the integral from 0 to each node."""
+    """Return the matrix from integrand times weight to the integral from 0 to each node."""
     from scipy.special import sici
 
     steps = np.arange(_COUNT)
@@ -52,7 +52,7 @@ def _slowness(zeta, span, w, a):
 
 @kernel
 def _time(zeta, span, w, a):
-    """From a phase's contact end to zeta, in L/v_in."""
+    """Return the time from a phase's contact end to zeta, in L/v_in."""
     total = 0.0
     for j in range(_COUNT):
         total += _WEIGHTS[j] * _slowness(zeta * _NODES[j], span, w, a)
@@ -61,7 +61,7 @@ def _time(zeta, span, w, a):
 
 @kernel
 def _zeta(t, whole, span, w, a):
-    """Inverse of `_time`, by Newton's method within a bracket; `whole` is the phase's duration."""
+    """Invert `_time` by Newton's method within a bracket; `whole` is the phase's duration."""
     low, high = 0.0, 1.0
     zeta = t / whole
     for _ in range(_NEWTON_STEPS):
@@ -119,7 +119,8 @@ def _node_velocity(w, U):
 
 
 def contact_time(v_in: ArrayLike, m: ArrayLike, k: ArrayLike, mu: ArrayLike, a: ArrayLike) -> Array:
-    """Duration tau of a contact in s, within a relative error of 1e-13 (1e-12 where L/v_in needs logarithms).
+    """Return the duration tau of a contact in s, within a relative error of 1e-13 (1e-12 where L/v_in needs
+    logarithms).
 
     v_in (m/s), m (kg), k (N/m^a) > 0, mu (s/m) >= 0, a >= 1 broadcast; float64 of their shape. ValueError names what is
     out of range. Equation (9) of Papetti, Avanzini, Rocchesso 2011, in the variable of closed_form.py.
@@ -128,7 +129,7 @@ def contact_time(v_in: ArrayLike, m: ArrayLike, k: ArrayLike, mu: ArrayLike, a: 
 
 
 def force_pulse(t: ArrayLike, v_in: ArrayLike, m: ArrayLike, k: ArrayLike, mu: ArrayLike, a: ArrayLike) -> Array:
-    """Force f(t) in N at times t (s) since the contact began, 0 outside it; within 1e-10 of its peak.
+    """Return the force f(t) in N at times t (s) since the contact began, 0 outside it; within 1e-10 of its peak.
 
     All arguments broadcast; float64 of their shape. ValueError names a time that is not finite, and what else is out of
     range, as in `contact_time`.
@@ -137,7 +138,8 @@ def force_pulse(t: ArrayLike, v_in: ArrayLike, m: ArrayLike, k: ArrayLike, mu: A
 
 
 def force_nodes(v_in: float, m: float, k: float, mu: float, a: float) -> tuple[Array, Array]:
-    """Quadrature nodes of one force pulse: times (s, ascending) since contact, and impulses (N s), each (n,) float64.
+    """Return the quadrature nodes of one force pulse: times (s, ascending) since contact, and impulses (N s), each (n,)
+    float64.
 
     The sum of impulses times exp(-s t) is the pulse's Laplace transform, within 3e-10 of m (v_in - v_out) for
     |s| tau <= 40. n is some 100 to 250. Arguments as in `contact_time`, but one number each.

@@ -61,13 +61,14 @@ SAMPLED = np.dtype(
 
 @kernel
 def acceleration_of(x, v, m, k, mu, a):
-    """-f(x, v)/m in m/s^2: equations (1) and (2)."""
+    """Return -f(x, v)/m in m/s^2: equations (1) and (2)."""
     return -k / m * x**a * (1.0 + mu * v) if x > 0.0 else 0.0
 
 
 @kernel
 def am1(x, v, acceleration, h, m, k, mu, a):
-    """One-step Adams-Moulton (trapezoid rule), equation (23): safeguarded Newton's method on the new acceleration."""
+    """Step by one-step Adams-Moulton (trapezoid rule), equation (23): safeguarded Newton's method on the new
+    acceleration."""
     p = x + h * v + 0.25 * h * h * acceleration
     q = v + 0.5 * h * acceleration
     if p <= 0.0:
@@ -108,7 +109,7 @@ def _am1_residual(new, p, q, h, m, k, mu, a):
 
 @kernel
 def verlet(x, v, acceleration, h, m, k, mu, a):
-    """Velocity Verlet: equation (24)."""
+    """Step by velocity Verlet: equation (24)."""
     x1 = x + h * v + 0.5 * h * h * acceleration
     half = v + 0.5 * h * acceleration
     new = acceleration_of(x1, half, m, k, mu, a)
@@ -117,7 +118,7 @@ def verlet(x, v, acceleration, h, m, k, mu, a):
 
 @kernel
 def heun(x, v, acceleration, h, m, k, mu, a):
-    """Heun's method: equation (25)."""
+    """Step by Heun's method: equation (25)."""
     predicted = v + h * acceleration
     x1 = x + 0.5 * h * (v + predicted)
     new = acceleration_of(x1, predicted, m, k, mu, a)
@@ -126,7 +127,7 @@ def heun(x, v, acceleration, h, m, k, mu, a):
 
 @kernel
 def rk4(x, v, acceleration, h, m, k, mu, a):
-    """The classic Runge-Kutta method of order 4: equation (26)."""
+    """Step by the classic Runge-Kutta method of order 4: equation (26)."""
     a1 = acceleration
     v2 = v + 0.5 * h * a1
     a2 = acceleration_of(x + 0.5 * h * v, v2, m, k, mu, a)
@@ -142,7 +143,7 @@ def rk4(x, v, acceleration, h, m, k, mu, a):
 # The one parameter over eight chooses between methods that have eight.
 @kernel
 def step(method, x, v, acceleration, h, m, k, mu, a):
-    """A step of the method of that number."""
+    """Take a step of the method of that number."""
     if method == 0:
         return am1(x, v, acceleration, h, m, k, mu, a)
     if method == 1:
@@ -177,7 +178,7 @@ def begin_sampled(contact, method, correction, v_in, m, k, mu, a):
 
 @kernel
 def step_sampled(contact, h):
-    """One step of h seconds, corrections included. True as long as the contact lasts.
+    """Take one step of h seconds, corrections included. True as long as the contact lasts.
 
     It ends at the first sample with x <= 0, or where the state is not finite; a hybrid one also where v has passed the
     release velocity, as there is no x(v) beyond.

@@ -30,7 +30,7 @@ def look_at_touches(contact):
 
 @kernel
 def begin_touch(contact, at):
-    """Have the striker touch from a time in the sample on."""
+    """Begin a touch at a time in the sample."""
     contact.touching = 1
     contact.contacts += 1
     contact.approach = max(contact.motion[1] / contact.period, 0.0)
@@ -40,7 +40,7 @@ def begin_touch(contact, at):
 
 @kernel
 def end_touch(contact, at):
-    """Have the striker touch no more from a time in the sample on."""
+    """End the touch at a time in the sample."""
     if contact.touching == 1:
         contact.touches[contact.touched - 1].end = at
     contact.touching = 0

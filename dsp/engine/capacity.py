@@ -1,4 +1,4 @@
-"""How many modes and objects the engine has room for."""
+"""The engine's room for modes and objects."""
 
 from ..schema import CHANNELS
 
@@ -9,7 +9,7 @@ MODES_PER_OBJECT = 4_096
 SHAPE_VALUES = 96 * MODES
 """Values in the table of mode shapes: 96 positions for every mode, shared as objects need them."""
 USUAL_OBJECTS = 512
-"""Where nothing else is asked for."""
+"""Room for objects where nothing else is asked for."""
 USUAL_MODES = 131_072
 STEMS = 512
 """Objects whose shares of the mix can be kept."""

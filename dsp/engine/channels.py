@@ -46,7 +46,7 @@ def ask_gains(state, obj):
 
 @kernel
 def pan_gains(gains, channels, pan, gain):
-    """The gain of each channel for an object at a pan of -1 to 1; powers add up to the same wherever it is.
+    """Set the gain of each channel for an object at a pan of -1 to 1; powers add up to the same wherever it is.
 
     Of two: from left to right, and `gain` on both in the middle. Of a ring: pan times half a turn to the right, and
     `gain` on a channel at which the object stands.

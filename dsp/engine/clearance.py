@@ -1,4 +1,4 @@
-"""How long a striker that has left surely touches nothing: a while in which nobody needs to look.
+"""The time for which a striker that has left surely touches nothing: until then nobody needs to look.
 
 Two bounds hold for how far an object's point comes: the sum of its modes' amplitudes, as long as nobody else strikes
 it; and sqrt(2 E C), with E the energy that the modes have and may be given, and C = sum phi_i^2/omega_i^2 the
@@ -19,7 +19,7 @@ from .state import COUPLING
 
 @kernel
 def flight(state, contact, seen):
-    """Samples for which a coupled striker that has left surely touches nothing; infinity if it never comes back.
+    """Return samples for which a coupled striker that has left surely touches nothing; infinity if it never comes back.
 
     seen: the point was looked at just now.
     """
@@ -41,7 +41,7 @@ def flight(state, contact, seen):
 
 @kernel
 def _farthest(state, contact, side, far, given):
-    """How far (m) a point comes, whose modes reach so far (m) now, if others may give them energy (J).
+    """Return how far (m) a point can move, whose modes reach so far (m) now, if others may give them energy (J).
 
     Infinity where that is not known: the compliance is that of where the contact began, and only impacts stay there.
     """
@@ -56,7 +56,7 @@ def _farthest(state, contact, side, far, given):
 
 @kernel
 def _energy(state, obj, begin, end):
-    """The energy (J) of an object's modes from number `begin`, a multiple of LANES, up to `end`."""
+    """Return the energy (J) of an object's modes from number `begin`, a multiple of LANES, up to `end`."""
     if begin >= end:
         return 0.0
     weights = state.bank.weight[obj.first + begin : obj.first + obj.live]
@@ -65,7 +65,8 @@ def _energy(state, obj, begin, end):
 
 @kernel
 def _given_by_others(state, contact, slot):
-    """The energy (J) that others which touch an object may give it yet, and how much faster they make its points (m/s).
+    """Return the energy (J) that others which touch an object may give it yet, and how much faster they make its points
+    (m/s).
 
     Faster each by twice its own speed at most: a free surface moves with twice the speed of the wave that comes to it.
     """

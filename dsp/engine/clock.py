@@ -62,6 +62,6 @@ def lock(clock, rate, entered, sample, frames, gap):
 
 @kernel
 def sample_at(clock, time):
-    """The sample, on a grid of 1/256, that is heard at a CLOCK_MONOTONIC time in ns."""
+    """Return the sample, on a grid of 1/256, that is heard at a CLOCK_MONOTONIC time in ns."""
     sample = clock.sample + (time - clock.origin - clock.time) / clock.period - clock.latency
     return math.floor(sample * _GRID + 0.5) / _GRID

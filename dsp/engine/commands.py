@@ -26,7 +26,7 @@ from ..schema import (
 
 
 class Kind(IntEnum):
-    """What a command asks for."""
+    """Kind of a command."""
 
     NEW = 0
     FREE = 1  # value 1: at once; 0: once silent
@@ -78,7 +78,7 @@ _DELAY = Parameter("delay", 0.0, np.inf, "s", "from the beginning of a bounce to
 
 
 def _own(gesture: Gesture, *more: Parameter) -> dict[str, Parameter]:
-    """The parameters of a gesture's own record: all but those of the record that every gesture fills."""
+    """Return the parameters of a gesture's own record: all but those of the record that every gesture fills."""
     given = (*((gesture.argument,) if gesture.argument.steerable else ()), *gesture.keys, *more)
     return {each.name: each for each in given if each.name not in _STRIKE}
 
@@ -103,7 +103,7 @@ RAMP_RECORD = record_of(*_RAMP)
 
 
 def _places(record: np.dtype[np.void]) -> NDArray[np.int64]:
-    """For each parameter that can be steered its place in a record, -1 where it is not there."""
+    """Return the place of each steerable parameter in a record, -1 where it is not there."""
     names = list(record.names or ())
     return np.array([names.index(name) if name in names else -1 for name in STEERABLE])
 
@@ -118,7 +118,7 @@ STEERS = np.array(
         for kind in Kind
     ]
 )
-"""Whether a gesture of a kind can be steered by a parameter."""
+"""True where a gesture of a kind can be steered by a parameter."""
 for _kind in GESTURE_KINDS:
     STEERS[_kind] = [name in GESTURES[_kind.name.lower()].steerable for name in STEERABLE]
 
@@ -130,17 +130,16 @@ _SCALES_OF_NEW = ("level", "glide", "cone")
 LAYOUT = np.dtype(
     [*((name, np.int64) for name in _PLACES_OF_NEW), *((name, np.float64) for name in _SCALES_OF_NEW)], align=True
 )
-"""Where a new object's modes and shapes are: its first mode, how many (padded), first value and rows of its shapes, how
-many modes are felt and heard, of how many slow forces are heard, and where those begin that are felt alone; the output
-that 1 Pa is; how far its tension rises: for the energy that rings, 1/J, and about a striker, kg (bodies/tension.py).
-"""
+"""Layout of a new object's modes and shapes: its first mode, how many (padded), first value and rows of its shapes, how
+many modes are felt and heard, of how many slow forces are heard, and the first of those that are felt alone; the output
+that 1 Pa is; the rise of its tension: for the energy that rings, 1/J, and about a striker, kg (bodies/tension.py)."""
 
 METHOD = np.dtype([(name, np.int64) for name in ("method", "correction", "oversampling")], align=True)
-"""How contacts are solved: 0 closed form, else 1 + method; correction; steps per sample."""
+"""Method by which contacts are solved: 0 closed form, else 1 + method; correction; steps per sample."""
 
 BUDGET = np.dtype([(name, np.int64) for name in ("steps", "modes")], align=True)
-"""What contacts that are coupled to modes may cost: steps per sample of each, on average, and modes at once; 0: any
-number."""
+"""Bounds on the cost of contacts that are coupled to modes: steps per sample of each, on average, and modes at once; 0:
+any number."""
 
 COMMAND = np.dtype(
     [

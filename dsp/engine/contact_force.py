@@ -63,7 +63,7 @@ def begin_contact(state, contact, pushed):
 
 @kernel
 def _leave_unheard(state, contact):
-    """Have a contact act on no modes that nobody hears: it has its force already."""
+    """Stop a contact from acting on modes that nobody hears: it has its force already."""
     for side in range(2):
         point = contact.point[side]
         if point.slot >= 0:
@@ -72,7 +72,7 @@ def _leave_unheard(state, contact):
 
 @kernel
 def couple_pulse(state, contact):
-    """Have a contact of closed form, which touches, go on coupled to the modes, if there is room."""
+    """Couple a touching contact of closed form to the modes, if there is room."""
     update_mode_count(state, contact)
     if not _has_room(state, contact):
         state.stats.over_budget += 1
@@ -87,7 +87,7 @@ def couple_pulse(state, contact):
 
 @kernel
 def _resting_speed(contact):
-    """The speed (m/s) of a striker that rocks on its contact under what pushes it: sqrt(F x/m), k x^a = F.
+    """Return the speed (m/s) of a striker that rocks on its contact under what pushes it: sqrt(F x/m), k x^a = F.
 
     A restitution is that of blows. Slower ones, near rest, get the dissipation of this speed.
     """
@@ -188,7 +188,8 @@ def apply_contact_force(state, contact, frame):
 
 @kernel
 def gain_of(state, contact):
-    """Factor on the force that the modes get: the gesture's gain, and what is left of a roll that has stopped."""
+    """Return the factor on the force that the modes get: the gesture's gain, and what is left of a roll that has
+    stopped."""
     fade = state.rolls[contact.roll].fade if contact.kind == KIND_ROLL else 1.0
     return contact.now.gain * fade
 
@@ -227,14 +228,15 @@ def _is_any(moments):
 
 @kernel
 def _advance_closed(state, contact, age):
-    """The closed form over a sample."""
+    """Advance the closed form by a sample."""
     advance_pulse(contact.pulse, min(age, contact.pulse.duration), age - 1.0, state.scratch.moments)
     return age < contact.pulse.duration  # a duration that is not a number has no end
 
 
 @kernel
 def _advance_coupled(state, contact, age):
-    """A contact that is solved together with the modes over a sample: it lasts until the striker is gone for good."""
+    """Advance a contact that is solved together with the modes by a sample: it lasts until the striker is gone for
+    good."""
     if contact.solved == 1:  # with others on the same objects
         contact.solved = 0
         for n in range(FINE):
@@ -305,7 +307,7 @@ def find_static(state, contact, side, obj, count):
 
 @kernel
 def _advance_sampled(state, contact, age):
-    """A sampled method over a sample: the moments of its steps, each held for the step."""
+    """Advance a sampled method by a sample: the moments of its steps, each held for the step."""
     sampled = contact.sampled
     for n in range(MOMENTS):
         state.scratch.moments[n] = 0.0

@@ -27,7 +27,7 @@ def append_contact(state, obj, index):
 
 @kernel
 def schedule_contact(state, contact):
-    """Have a contact begin when its flight is over."""
+    """Schedule a contact for when its flight is over."""
     time = contact.origin + contact.elapsed * state.rate
     contact.start = math.floor(time)
     contact.fraction = time - contact.start
@@ -35,7 +35,7 @@ def schedule_contact(state, contact):
 
 @kernel
 def next_random(contact):
-    """The next number of a contact's own sequence, in [0, 1)."""
+    """Return the next number of a contact's own sequence, in [0, 1)."""
     contact.random += STEP
     z = mixed(contact.random)
     return np.float64(z >> np.uint64(11)) * 2.0**-53
@@ -52,7 +52,7 @@ def release_modes(state, contact):
 
 @kernel
 def give_room_back(state, contact):
-    """Have a coupled contact count for nothing in the budget while its striker flies."""
+    """Take a coupled contact out of the budget while its striker flies."""
     if contact.aside == 0:
         state.stats.coupled_modes -= contact.modes
         contact.aside = 1
@@ -60,7 +60,7 @@ def give_room_back(state, contact):
 
 @kernel
 def take_room_again(state, contact):
-    """Have a coupled contact whose striker comes back count in the budget again, even if there is no room."""
+    """Count a coupled contact whose striker comes back in the budget again, even if there is no room."""
     if contact.aside > 0:
         state.stats.coupled_modes += contact.modes
         contact.aside = 0

@@ -1,4 +1,4 @@
-"""What the engine keeps of a contact, and of the points at which it touches."""
+"""The engine's record of a contact, and of the points at which it touches."""
 
 import numpy as np
 

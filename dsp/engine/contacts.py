@@ -91,7 +91,7 @@ def _look_at_partner(state, contact, obj):
 
 @kernel
 def _go_on(state, index):
-    """Let a contact go on in a new quantum; true if its gesture has been stopped and is over."""
+    """Continue a contact in a new quantum; return True if its gesture has been stopped and is over."""
     contact = state.contacts[index]
     if contact.kind == KIND_ROLL or contact.kind == KIND_SLIDE:
         return _roll_on(state, index)
@@ -108,7 +108,7 @@ def _go_on(state, index):
 
 @kernel
 def _wait_longer(state, contact):
-    """Have time stand still for a gesture for a quantum; true if it has been told to end."""
+    """Halt a gesture's time for a quantum; return True if it has been told to end."""
     contact.forces[:] = 0.0
     if contact.kind == KIND_PRESS:
         _lift(state, contact, QUANTUM)
@@ -204,7 +204,8 @@ def _roll_on_coupled(state, contact):
 
 @kernel
 def next_driven_frame(state, obj, frame):
-    """The first frame from `frame` on that a contact, but for rolls, acts on, or QUANTUM: after its beginning."""
+    """Return the first frame from `frame` on that a contact, but for rolls, acts on, or QUANTUM: after its
+    beginning."""
     found = QUANTUM
     index = obj.contact
     while index >= 0:
@@ -223,7 +224,7 @@ def _is_due(state, contact, frame):
 
 @kernel
 def _begin(state, contact, frame):
-    """Have a contact that is due touch, if it does not yet; false if there is no room for it."""
+    """Begin the touch of a contact that is due, unless it touches already; return False if there is no room for it."""
     if contact.touching == 1:
         return True
     contact.begun = float(state.position + frame)
@@ -235,7 +236,7 @@ def _begin(state, contact, frame):
 
 @kernel
 def begin_contacts(state, obj, frame):
-    """Have an object's contacts begin that are due in the sample that ends at a frame; those without room end.
+    """Begin an object's contacts that are due in the sample that ends at a frame; end those without room.
 
     Where one begins, the others that touch and are of closed form may not stay so. True if one does.
     """
@@ -316,7 +317,8 @@ def _rub_all(state, obj, frame):
 
 @kernel
 def _take_turns(state, obj):
-    """Coupled contacts in the same sample see each other one after the other: next time another is the first."""
+    """Take turns among coupled contacts in the same sample, which see each other one after the other: next time another
+    is the first."""
     first = obj.contact
     if first < 0 or state.contacts[first].solver != COUPLING or state.contacts[first].next < 0:
         return

@@ -24,8 +24,8 @@ from .solver_choice import tolerance_of
 from .state import COUPLING, QUANTUM
 
 GIVING = np.array([math.inf, 3e-4, 3e-5, 0.0])
-"""By accuracy: that sum, above which a roll feels each of the object's modes. Where four modes ring for seconds a
-dashpot is 6 dB wrong in all at a sum of 0.003, 2 dB at 3e-4."""
+"""Sum, by accuracy, above which a roll feels each of the object's modes. Where four modes ring for seconds a dashpot is
+6 dB wrong in all at a sum of 0.003, 2 dB at 3e-4."""
 
 _FINE = 2  # of the accuracies, from which on a path's kinks within a sample count, and short steps err no more
 _SHARE = 1.0 / 16.0  # of the room for coupled modes, which rolls take at most: they last
@@ -65,7 +65,8 @@ def couple_roll(state, contact):
 
 @kernel
 def _mobility(state, contact, omega_c):
-    """sum phi^2/(1 + (omega/omega_c)^2) over the objects' modes, 1/kg: the mean and the greatest on a roll's way."""
+    """Return sum phi^2/(1 + (omega/omega_c)^2) over the objects' modes, 1/kg: the mean and the greatest on a roll's
+    way."""
     rows = state.objects[contact.point[0].slot].rows
     mean = greatest = 0.0
     places = _PLACES if contact.travel > 0.0 else 1
@@ -80,7 +81,7 @@ def _mobility(state, contact, omega_c):
 
 @kernel
 def _mobility_here(state, contact, omega_c):
-    """That sum where a contact is."""
+    """Return that sum at the place of a contact."""
     total = 0.0
     for side in range(2):
         point = contact.point[side]
@@ -110,7 +111,7 @@ def lead_roll(state, contact):
 
 @kernel
 def position_of(contact, frame):
-    """Where a rolling or sliding body is along the object's strike path, on which it goes to and fro."""
+    """Return the position of a rolling or sliding body on the object's strike path, along which it goes to and fro."""
     position = contact.now.position
     if contact.travel > 0.0:
         position += (contact.rolls * (frame / QUANTUM) + contact.rolled) / contact.travel

@@ -261,7 +261,7 @@ def _new(state, event):
 
 @kernel
 def _panic(state, order):
-    """Let everything fade and forget the strikes and changes that arrived before and still wait."""
+    """Fade everything out, and forget the strikes and changes that arrived before and still wait."""
     queue = state.queue
     kept = 0
     for i in range(queue.size):

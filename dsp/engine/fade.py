@@ -1,4 +1,4 @@
-"""How a panic lets forces and sounds go: without a step, and for good within 10 ms.
+"""The fade of forces and sounds in a panic: without a step, and for good within 10 ms.
 
 A force that acts goes on as exp(-a t) (A + B t + C t^2), with its value, slope and curvature of then: to let go of a
 body at once would sound. The faster it was changing, the sooner it is gone.
@@ -27,7 +27,7 @@ def note_force(forces, force):
 
 @kernel
 def pace_of(forces, rate):
-    """Which of RATES a force takes, by its last means (N)."""
+    """Choose the rate in RATES at which a force decays, by its last means (N)."""
     slope = abs(forces[0] - forces[1]) * rate
     bend = abs(forces[0] - 2.0 * forces[1] + forces[2]) * rate * rate
     value = abs(forces[0])
@@ -42,7 +42,8 @@ def pace_of(forces, rate):
 
 @kernel
 def going_on(forces, k, rate):
-    """(q, u, v, w) of a force by its last means (N): in sample n from now it gives p = q^n (u + v n + w n^2) N s."""
+    """Return (q, u, v, w) of a force by its last means (N): in sample n from now it gives p = q^n (u + v n + w n^2) N
+    s."""
     q = math.exp(-RATES[k] / rate)
     p1, p2, p3 = q * forces[0] / rate, q * q * forces[1] / rate, q * q * q * forces[2] / rate
     w = 0.5 * (p1 - 2.0 * p2 + p3)
@@ -52,7 +53,8 @@ def going_on(forces, k, rate):
 
 @kernel
 def tilt_of(q, u, v, w):
-    """(u', v', w') of such a force's first Legendre moments: a twelfth of the difference of p after and before."""
+    """Return (u', v', w') of such a force's first Legendre moments: a twelfth of the difference of p after and
+    before."""
     after, before = q / 12.0, 1.0 / (12.0 * q)
     more, less = after + before, after - before
     return less * (u + w) + more * v, less * v + 2.0 * more * w, less * w
@@ -60,12 +62,12 @@ def tilt_of(q, u, v, w):
 
 @kernel
 def fade_length(rate):
-    """Frames that a fade lasts."""
+    """Return the frames that a fade lasts."""
     return QUANTUM * max(int(_FADE * rate / QUANTUM + 0.5), 1)
 
 
 @kernel
 def left_of(rate, frames):
-    """What is left of a sound some frames after a panic, 1 to 0, without a step in slope or curvature."""
+    """Return the share left of a sound some frames after a panic, 1 to 0, without a step in slope or curvature."""
     x = min(frames / fade_length(rate), 1.0)
     return 1.0 - x * x * x * (10.0 - x * (15.0 - 6.0 * x))

@@ -1,4 +1,4 @@
-"""How strikers leave: the end of a touch, the flight of a bounce, and the striker that comes to rest on the object.
+"""Strikers that leave: the end of a touch, the flight of a bounce, and the striker that comes to rest on the object.
 
 Flights are parabolas. A bounce's restitution is what the contact leaves the striker. Near rest the striker's weight
 acts in contact too, until its energy says that it can't leave any more.
@@ -124,7 +124,7 @@ def follow_coupled(state, contact, frame):
 
 @kernel
 def _keep(state, contact, now):
-    """Let a striker that has left for good fly on for a while, as another one may throw the object after it."""
+    """Keep a striker that has left for good in flight for a while, as another one may throw the object after it."""
     coupled = contact.coupled
     away = max(_AFAR + coupled.position, 0.0) / max(-coupled.v, _AFAR / _KEPT)
     contact.gone_at = min(contact.gone_at, now + math.floor(away * state.rate) + 1.0)
@@ -154,7 +154,7 @@ def call_back(state, obj, frame):
 
 @kernel
 def _call_back(state, contact, now):
-    """Have a striker fly unseen, from a time in samples on, for no longer than it surely stays apart."""
+    """Advance a striker unseen, from a time in samples on, for no longer than it surely stays apart."""
     until = contact.gone_at if contact.aside == 2 else float(contact.start)
     if until <= now:
         return

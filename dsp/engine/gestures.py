@@ -1,4 +1,4 @@
-"""How gestures begin: a striker gets a place among the contacts, and what its command says of it."""
+"""The beginning of gestures: a striker gets a place among the contacts, and the values of its command."""
 
 import math
 
@@ -73,7 +73,7 @@ def start_gesture(state, obj, event):
 
 @kernel
 def _speed_of(event):
-    """How fast (m/s) a striker comes; of a spin the time (s) it takes: 0 does nothing."""
+    """Return the speed (m/s) at which a striker comes; for a spin its duration (s). A gesture of 0 does nothing."""
     if event.kind == KIND_ROLL:
         return event.roll.speed
     if event.kind == KIND_SLIDE:

@@ -1,4 +1,4 @@
-"""How an object's pitch glides: its tension follows what rings on it and who strikes it, once a quantum.
+"""The glide of an object's pitch: its tension follows what rings on it and who strikes it, once a quantum.
 
 The laws are those of resonator/mode.py, of the energy that rings, and of bodies/tension.py, of a striker that stretches
 a membrane about itself. Modes keep their energy where they are retuned, so that none is gained however often that is. A
@@ -44,7 +44,8 @@ def follow_tension(state, obj):
 
 @kernel
 def _energy_of(state, obj):
-    """Energy (J) that rings on an object, as it were if all gestures had a gain of 1: gains are heard, not felt.
+    """Return the energy (J) that rings on an object, as it were if all gestures had a gain of 1: gains are heard, not
+    felt.
 
     What energy has come in a quantum has come with the gain of the loudest gesture in it.
     """
@@ -59,7 +60,7 @@ def _energy_of(state, obj):
 
 @kernel
 def _cone_of(state, obj):
-    """Rise of the tension about the fastest of the strikers that touch an object in this quantum."""
+    """Return the rise of the tension about the fastest of the strikers that touch an object in this quantum."""
     fastest = 0.0
     index = obj.contact
     while index >= 0:
@@ -77,7 +78,7 @@ def _cone_of(state, obj):
 
 @kernel
 def _bend(state, obj):
-    """Let the modes that ring follow the tension."""
+    """Retune the modes that ring to the tension."""
     modes = modes_of(state, obj, 0, obj.live)
     for i in range(min(obj.live, obj.felt)):
         frequency, sigma, _ = ringing_of(state, obj, i)

@@ -26,7 +26,7 @@ def measure(state):
 
 @kernel
 def _filter(c, memory, at, sample):
-    """A sample through a filter of second order, whose memory begins at a place."""
+    """Filter a sample by a filter of second order, whose memory begins at a place."""
     out = c[0] * sample + memory[at]
     memory[at] = c[1] * sample - c[3] * out + memory[at + 1]
     memory[at + 1] = c[2] * sample - c[4] * out

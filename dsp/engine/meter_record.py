@@ -26,7 +26,7 @@ METER = np.dtype(
 
 
 def k_weighting(rate: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The shelf and the high pass at a sampling rate (Hz): each b0, b1, b2, a1, a2.
+    """Return the shelf and the high pass at a sampling rate (Hz): each b0, b1, b2, a1, a2.
 
     They are the standard's at 48 kHz; at other rates the bilinear transform of the analogue filters behind these.
     """

@@ -97,7 +97,7 @@ def is_finite(state, voice):
 
 @kernel
 def sides_of(state):
-    """Sides of a voice that are heard: left and right of two channels, else the first."""
+    """Return the sides of a voice that are heard: left and right of two channels, else the first."""
     return 2 if state.output.channels == 2 else 1
 
 
@@ -135,7 +135,7 @@ def add_share(state, slot, voice):
 
 @simd_kernel
 def _energy(share):
-    """Sum of squares."""
+    """Return the sum of squares."""
     energy = 0.0
     for n in range(QUANTUM):
         energy += share[n] * share[n]

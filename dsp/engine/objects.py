@@ -29,7 +29,7 @@ def set_of(obj, parameter, value):
 
 @kernel
 def place(point, position, rows):
-    """Rows and weights of the cubic through the mode shapes at a position in [0, 1]."""
+    """Find rows and weights of the cubic through the mode shapes at a position in [0, 1]."""
     x = position * (rows - 1)
     row = min(max(int(x) - 1, 0), rows - 4)
     point.row = row
@@ -38,7 +38,7 @@ def place(point, position, rows):
 
 @kernel
 def weigh(weights, x):
-    """Weights of the cubic through four rows at x in rows from the first."""
+    """Set the weights of the cubic through four rows at x in rows from the first."""
     weights[0] = -(x - 1.0) * (x - 2.0) * (x - 3.0) / 6.0
     weights[1] = 0.5 * x * (x - 2.0) * (x - 3.0)
     weights[2] = -0.5 * x * (x - 1.0) * (x - 3.0)
@@ -53,13 +53,14 @@ def is_felt(obj, i):
 
 @kernel
 def pitch_of(obj):
-    """Factor on an object's frequencies: as it is tuned and as tense as it is now."""
+    """Return the factor on an object's frequencies: as it is tuned and as tense as it is now."""
     return obj.settings.tune * math.sqrt(1.0 + obj.stretch)
 
 
 @kernel
 def frequency_of(state, obj, i):
-    """Frequency (Hz) of an object's mode i as it is now; of one that is stretched by its own ringing too (mode.py)."""
+    """Return the frequency (Hz) of an object's mode i as it is now; of one that is stretched by its own ringing too
+    (mode.py)."""
     at = obj.first + i
     frequency = state.bank.frequency[at] * obj.settings.tune
     if obj.stretch == 0.0:
@@ -72,7 +73,7 @@ def frequency_of(state, obj, i):
 
 @kernel
 def sigma_of(state, obj, i):
-    """Decay (1/s) of an object's mode i as it is now, with a hand on it."""
+    """Return the decay (1/s) of an object's mode i as it is now, with a hand on it."""
     return min(
         state.bank.sigma[obj.first + i] / obj.settings.decay + _HAND * obj.settings.damp * obj.settings.damp,
         _HEAVIEST * state.rate,
@@ -81,13 +82,14 @@ def sigma_of(state, obj, i):
 
 @kernel
 def highest_of(state):
-    """Frequency (Hz) above which modes are silent."""
+    """Return the frequency (Hz) above which modes are silent."""
     return NYQUIST_SHARE * 0.5 * state.rate
 
 
 @kernel
 def relief_of(state, obj, i):
-    """Frequency (Hz), decay (1/s) and weight of an object's mode i, a relief (see runtime/relief.py), as it is now.
+    """Return the frequency (Hz), decay (1/s) and weight of an object's mode i, a relief (see runtime/relief.py), as it
+    is now.
 
     It follows the pitch, up to the highest frequency there is, where it answers slow forces as it would above. Where
     the modes that it belongs to are silent, it is.
@@ -101,7 +103,7 @@ def relief_of(state, obj, i):
 
 @kernel
 def ringing_of(state, obj, i):
-    """How mode i of an object rings now: frequency (Hz), decay (1/s) and the weight of its answer to forces.
+    """Return frequency (Hz), decay (1/s) and weight of the answer to forces of mode i of an object, as it rings now.
 
     Nothing excites a mode above `highest_of`, and its ringing fades there; but those that were made so high are felt
     (runtime/unheard.py).
@@ -117,7 +119,7 @@ def ringing_of(state, obj, i):
 
 @kernel
 def modes_of(state, obj, begin, end):
-    """An object's modes from number `begin` up to `end`, both multiples of LANES."""
+    """Return an object's modes from number `begin` up to `end`, both multiples of LANES."""
     bank = state.bank
     first, last = obj.first + begin, obj.first + end
     return Modes(
@@ -128,25 +130,25 @@ def modes_of(state, obj, begin, end):
 
 @kernel
 def shapes_of(state, obj):
-    """An object's table of mode shapes, flat."""
+    """Return an object's table of mode shapes, flat."""
     return state.bank.shape[obj.table : obj.table + obj.rows * obj.size]
 
 
 @kernel
 def point_of(state, obj, point):
-    """The point of an object that a record of POINT says."""
+    """Return the point of an object that a record of POINT says."""
     return Point(shapes_of(state, obj), obj.size, point.row, point.weights)
 
 
 @kernel
 def reach_of(state, obj, point):
-    """Bounds of the object's motion where it is touched: displacement (m) and velocity (m/s)."""
+    """Return bounds of the object's motion where it is touched: displacement (m) and velocity (m/s)."""
     return reach(modes_of(state, obj, 0, obj.live), point_of(state, obj, point), state.scratch.work)
 
 
 @kernel
 def shape_at(state, obj, point, i):
-    """Mass-normalised shape of the object's mode i where the contact is, kg^-1/2."""
+    """Return the mass-normalised shape of the object's mode i where the contact is, kg^-1/2."""
     at = obj.table + point.row * obj.size + i
     phi = 0.0
     for n in range(4):

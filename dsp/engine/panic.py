@@ -62,7 +62,7 @@ def _set_aside(state, obj):
 
 @kernel
 def _age(state, obj, left):
-    """Let the output of an earlier panic's forces begin now, at a share that is left of it."""
+    """Restart the output of an earlier panic's forces from now, at the share that is left of it."""
     seconds = obj.faded / state.rate
     for k in range(len(RATES)):
         share = left * math.exp(-RATES[k] * seconds)
@@ -75,7 +75,7 @@ def _age(state, obj, left):
 
 @kernel
 def _let_go(state, contact, point):
-    """Let a contact's force on the modes that fade die away.
+    """Make a contact's force on the fading modes die away.
 
     A mode takes the momentum p[n] of a sample and its first moment p'[n] into its state, x[n + 1] = M (x[n] + b p[n] +
     b' p'[n]). For p[n] = q^n (u + v n + w n^2), x is q^n (c + d n + e n^2) and what rings freely, with (q - M) e = M W,
@@ -111,14 +111,14 @@ def _let_go(state, contact, point):
 
 @kernel
 def _driven(a1, a2, b, b1, p, p1):
-    """M (b p + b' p')."""
+    """Return M (b p + b' p')."""
     last, before = b[0] * p + b1[0] * p1, b[1] * p + b1[1] * p1
     return a1 * last + a2 * before, last
 
 
 @kernel
 def _steady(q, a1, a2, push, less):
-    """x of (q - M) x = push - q less."""
+    """Solve (q - M) x = push - q less for x."""
     first, second, inverse = push[0] - q * less[0], push[1] - q * less[1], 1.0 / (q * (q - a1) - a2)
     return (q * first + a2 * second) * inverse, (first + (q - a1) * second) * inverse
 

@@ -1,4 +1,4 @@
-"""What is left out when there is too little time, by the quality that is asked for (state.Quality).
+"""The work that is left out when time is short, by the quality asked for (state.Quality).
 
 Where only the newest gestures may go on, time stands still for the others: the newest are those that began or were
 steered last. Events count in the order in which they are carried out, which a log holds, not in that of their arrival.
@@ -41,19 +41,20 @@ def keeps_strikers(state):
 
 @kernel
 def silence_of(state):
-    """Output amplitude below which a mode is put to rest."""
+    """Return the output amplitude below which a mode is put to rest."""
     return _LOUDER_SILENCE if state.choices.quality >= _QUIET else _SILENCE
 
 
 @kernel
 def coarseness_of(state):
-    """Factor on the shortest wavelength that rolls feel."""
+    """Return the factor on the shortest wavelength that rolls feel."""
     return COARSER if state.choices.quality >= _COARSE else 1.0
 
 
 @kernel
 def modes_for(state, obj, contact):
-    """How many of an object's modes a contact acts on: rolls and slides that feel none on those that are heard."""
+    """Return how many of an object's modes a contact acts on; rolls and slides that feel none act on those that are
+    heard."""
     modes = obj.unheard if contact.solver == ROLLING else obj.size
     lasts = contact.kind in (KIND_ROLL, KIND_PRESS, KIND_SLIDE)
     return min(modes, _FEW) if lasts and state.choices.quality >= _COARSE else modes
@@ -68,7 +69,7 @@ def is_left_out(state, obj):
 
 @kernel
 def room_for_coupling(state):
-    """Modes that may be coupled to contacts at once; 0: any number."""
+    """Return the modes that may be coupled to contacts at once; 0: any number."""
     room = state.choices.budget.modes
     return max(room >> max(state.choices.quality - _NEWEST + 1, 0), 1) if room > 0 else 0
 

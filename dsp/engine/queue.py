@@ -53,7 +53,7 @@ def order_heap(queue):
 
 @kernel
 def look_again(queue, position):
-    """The clock was set anew: let all events that go by it be looked at as soon as possible."""
+    """Check all events that go by the clock as soon as possible, as it was set anew."""
     for i in range(queue.size):
         event = queue.events[queue.heap[i]]
         if event.has_clock == 1:
@@ -63,7 +63,7 @@ def look_again(queue, position):
 
 @kernel
 def sink(queue, i):
-    """Let entry i sink to where both entries below it come later."""
+    """Move entry i down until both entries below it come later."""
     while 2 * i + 1 < queue.size:
         child = 2 * i + 1
         if child + 1 < queue.size and _before(queue, child + 1, child):

@@ -26,8 +26,8 @@ RAMP_LIST = np.dtype([("entries", RAMP, RAMPS), ("count", np.int64)], align=True
 
 @kernel
 def takes_time(state, event, place, serial):
-    """Have an event that changes a parameter of a contact, an object or the whole end the ramps on it that were asked
-    for before; true if the event brings a ramp itself, which is begun, false if its value counts at once."""
+    """Start the ramp that an event brings; return False if its value counts at once. In either case the event ends the
+    ramps on its parameter, of a contact, an object or the whole, that were asked for before."""
     ramp = event.ramp
     if ramp.after == 0.0:  # else it is a later point of those that have just come
         drop_ramps(state, event.kind, event.parameter, place, serial)

@@ -1,4 +1,4 @@
-"""How ramps run: once a quantum each gives its parameter the value for the quantum's end, as a command would.
+"""The course of ramps: once a quantum each gives its parameter the value for the quantum's end, as a command would.
 
 From there it glides as it always does, so that a ramp has no steps that are heard. A parameter that users know in dB or
 semitones goes by equal ratios.
@@ -40,7 +40,7 @@ def run_ramps(state):
 
 @kernel
 def _goes_on(state, ramp):
-    """Let a ramp go on; false if it is over, or what it changes is gone."""
+    """Advance a ramp; return False if it is over, or its target is gone."""
     if not _has_target(state, ramp):
         return False
     if ramp.begun == 0:
@@ -68,7 +68,7 @@ def _has_target(state, ramp):
 
 @kernel
 def _between(ramp, share):
-    """The value at a share of a ramp's time."""
+    """Return the value at a share of a ramp's time."""
     if abs(ramp.curve) > _STRAIGHT:
         share = math.expm1(ramp.curve * share) / math.expm1(ramp.curve)
     if _goes_by_ratios(ramp) and ramp.first > 0.0:
@@ -88,7 +88,7 @@ def _goes_by_ratios(ramp):
 
 @kernel
 def _value_of(state, ramp):
-    """What a ramp's parameter was last told to be."""
+    """Return the value that a ramp's parameter was last set to."""
     if ramp.kind == KIND_GAIN:
         return state.choices.gain
     if ramp.kind == KIND_STEER:

@@ -1,4 +1,4 @@
-"""How objects sound: modes are retuned, ring, are driven by contacts, and come to rest.
+"""The sound of objects: modes are retuned, ring, are driven by contacts, and come to rest.
 
 Objects that share a contact are rendered together, sample by sample; every other one by itself.
 """
@@ -109,7 +109,7 @@ def _render_group(state):
 
 @kernel
 def _begin_and_solve(state, frame):
-    """Have contacts begin that are due, and solve those together that share objects: where there are several."""
+    """Begin contacts that are due, and, where there are several, solve those together that share objects."""
     scratch = state.scratch
     several = scratch.group_size > 1
     for g in range(scratch.group_size):

@@ -1,4 +1,4 @@
-"""How objects ring from contact to contact, driven meanwhile by the bodies that roll on them.
+"""The ringing of objects from contact to contact, driven meanwhile by the bodies that roll on them.
 
 A roll is computed LEAD frames ahead of its sound, so that one number a frame tells the modes its force (see
 resonator/fed.py); a click's modes, which answer in another way, get its moments. What a roll is told takes effect as
@@ -34,7 +34,7 @@ def feed_on(state, contact):
 
 @kernel
 def feed_of(state, contact):
-    """The moments (N s) of a roll's or slide's force over each frame of this quantum."""
+    """Return the moments (N s) of a roll's or slide's force over each frame of this quantum."""
     return state.feeds[contact.roll, BEHIND : BEHIND + QUANTUM]
 
 
@@ -55,7 +55,7 @@ def register_roll(state, index):
 
 @kernel
 def ring_on(state, obj, voice, start, stop):
-    """Let an object ring from frame `start` to `stop` into its voice."""
+    """Ring an object from frame `start` to `stop` into its voice."""
     if obj.rolls_head < 0:
         ring(modes_of(state, obj, 0, obj.live), voice, start, stop)
         return
@@ -115,7 +115,7 @@ def _acts_alike(a, b):
 
 @kernel
 def _ring_fed(state, obj, voice, places, fed, frame, end, moves):
-    """Let an object's first `fed` modes ring under rolls at some places, by one number a frame; added to its voice."""
+    """Ring an object's first `fed` modes under rolls at some places, by one number a frame; add to its voice."""
     scratch, work, shape = state.scratch, state.scratch.work, shapes_of(state, obj)
     room = len(work) // (2 * places) // LANES * LANES
     first = 0
@@ -132,7 +132,7 @@ def _ring_fed(state, obj, voice, places, fed, frame, end, moves):
 
 @kernel
 def _ring_driven(state, obj, voice, count, first, last, frame, end):
-    """Let an object's modes from `first` to `last` ring under rolls, by moments; added to its voice."""
+    """Ring an object's modes from `first` to `last` under rolls, by moments; add to its voice."""
     scratch, shape = state.scratch, shapes_of(state, obj)
     modes = modes_of(state, obj, first, last)
     here = shape[first:]
@@ -213,7 +213,8 @@ def add_through(state, obj, voice):
 
 @kernel
 def _know_through(state, obj, modes, row, through):
-    """Have the taps from a force on an object's first modes to its sound for four rows of shapes from one on."""
+    """Compute the taps from a force on an object's first modes to its sound, for four rows of shapes, unless they are
+    known."""
     known = through.serial == obj.serial and through.retuned == obj.retuned
     if known and through.modes == modes and through.row == row:
         return

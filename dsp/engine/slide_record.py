@@ -1,4 +1,4 @@
-"""What the engine keeps of a slide."""
+"""The engine's record of a slide."""
 
 import numpy as np
 
@@ -27,4 +27,4 @@ SLIDE = np.dtype(
     ],
     align=True,
 )
-"""What a slide has besides its roll, which has the same place."""
+"""The state of a slide besides its roll, which has the same place."""

@@ -50,13 +50,13 @@ def begin_slide(state, contact):
 
 @kernel
 def _sweep_of(contact):
-    """The sweep (m/s) that is asked for."""
+    """Return the sweep (m/s) that is asked for."""
     return contact.target.sweep if contact.target.sweep >= 0.0 else contact.target.speed
 
 
 @kernel
 def _lead_roll(state, contact):
-    """Have the normal motion go as the slide is asked to."""
+    """Set the normal motion to what the slide asks for."""
     asked, target = contact.target, state.rolls[contact.roll].target
     target.speed = max(asked.speed, _sweep_of(contact))
     target.mass = contact.m
@@ -93,7 +93,7 @@ def lead_slide(state, contact, changed):
 
 @kernel
 def _place_of_press(state, contact):
-    """The place of the press that a slide's friction feels; -1 where there is none on the object."""
+    """Return the place of the press that a slide's friction feels; -1 where there is none on the object."""
     press = state.slides[contact.roll].press
     index = state.objects[contact.point[0].slot].contact
     while index >= 0:
@@ -193,7 +193,7 @@ def _drive(state, contact, frame):
 
 @kernel
 def _force_of_press(state, slide):
-    """The force (N) of the press that a slide's friction feels, over the last sample."""
+    """Return the force (N) of the press that a slide's friction feels, over the last sample."""
     if slide.pressed < 0 or state.contacts[slide.pressed].gesture != slide.press:
         return 0.0
     return max(state.contacts[slide.pressed].forces[0], 0.0)

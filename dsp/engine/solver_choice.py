@@ -1,4 +1,4 @@
-"""Which solver a contact gets: the cheapest whose error is known to be small enough (contact/accuracy.py).
+"""The choice of a contact's solver: the cheapest whose error is known to be small enough (contact/accuracy.py).
 
 The closed form of a rigid wall, with an effective mass where the objects give way, if a striker is light or slow
 against them and they are quiet; otherwise the contact is coupled to their modes (contact/coupled.py).
@@ -23,7 +23,7 @@ _LIGHT = 1e-4  # sum of m phi^2 below which the object is as good as a rigid wal
 
 @kernel
 def tolerance_of(state, contact):
-    """Tolerance of coupled contacts at the accuracy asked for, as far as there is time for it."""
+    """Return the tolerance of coupled contacts at the accuracy asked for, as far as there is time for it."""
     if holds_steps(state):
         return HELD
     return (LIGHT_TOLERANCE if contact.light == 1 else TOLERANCE)[state.choices.accuracy]
@@ -31,7 +31,7 @@ def tolerance_of(state, contact):
 
 @kernel
 def choose_tolerance(state, contact):
-    """Give a coupled contact the tolerance for the coming sample; false if its force is held."""
+    """Give a coupled contact the tolerance for the coming sample; return False if its force is held."""
     tolerance, steps = tolerance_of(state, contact), state.choices.budget.steps
     if steps > 0 and (contact.debt > _BURST * steps or state.steps_taken > _BURST_OF_ALL * steps):
         tolerance = HELD
@@ -58,7 +58,7 @@ def count_steps(state, contact, sign, price):
 
 @kernel
 def choose_solver(state, contact):
-    """The solver for a contact whose wall pulse has begun, with its sums of r_i and of r_i P_i.
+    """Return the solver for a contact whose wall pulse has begun, with its sums of r_i and of r_i P_i.
 
     r_i = m phi_i^2, and P_i is the wall pulse's power spectrum at mode i over that at 0. The second sum is -1 where it
     was not needed. A contact is never coupled where a sampled method was asked for.
@@ -82,7 +82,7 @@ def choose_solver(state, contact):
 
 @kernel
 def _ratios(state, contact):
-    """sum r_i over the objects' modes, and how fast their ringing can be against the striker."""
+    """Return sum r_i over the objects' modes, and how fast their ringing can be against the striker."""
     mass_ratio = ringing_ratio = 0.0
     for side in range(2):
         point = contact.point[side]
@@ -103,7 +103,7 @@ def _ratios(state, contact):
 
 @kernel
 def moved_by(contact, other):
-    """How fast another contact may move a contact's points, against its own speed: sum |phi_i phi'_i| 2 J'/v_in.
+    """Return the speed that another contact may give a contact's points, against its own: sum |phi_i phi'_i| 2 J'/v_in.
 
     The sum is at most sqrt(sum phi_i^2 sum phi'_i^2), which is taken: it costs the same however many modes there are.
     """
@@ -165,7 +165,7 @@ def _shorten(pulse, ratio):
 
 @kernel
 def _seen_mass_ratio(state, contact):
-    """sum r_i P_i over the objects' modes, with P by the pulse's nodes, which `find_nodes` has set."""
+    """Return sum r_i P_i over the objects' modes, with P by the pulse's nodes, which `find_nodes` has set."""
     share = 0.0
     for side in range(2):
         point = contact.point[side]
@@ -178,7 +178,7 @@ def _seen_mass_ratio(state, contact):
 
 @kernel
 def _seen_of(state, contact, point, begin, end):
-    """sum r_i P_i over an object's modes from `begin` up to `end`."""
+    """Return sum r_i P_i over an object's modes from `begin` up to `end`."""
     if begin == end:
         return 0.0
     pulse, obj = contact.pulse, state.objects[point.slot]

@@ -74,7 +74,7 @@ def _recall_partners(state, obj):
 
 @noinline_kernel
 def ring_bank(state):
-    """Have the phase whose turn it is begin its block, with the objects that ring freely now."""
+    """Begin the block of the phase whose turn it is, with the objects that ring freely now."""
     spectral = state.spectral
     turn = state.position // QUANTUM % PHASES
     phase = spectral.phases[turn]
@@ -130,7 +130,7 @@ def _mix_phases(state):
 
 @kernel
 def let_bank_fade(state):
-    """Let all that rings in the bank fade. Its objects are free at once, and are at rest."""
+    """Fade out all that rings in the bank. Its objects are free at once, and are at rest."""
     spectral = state.spectral
     if spectral.modes == 0:
         return
@@ -186,7 +186,8 @@ def _go(state, turn):
 
 @kernel
 def _phases_for(total):
-    """Among how many phases so many modes are shared: each has a transform of its own, and a callback's work."""
+    """Return the number of phases that so many modes are shared among: each has a transform of its own, and a
+    callback's work."""
     phases = 1
     while phases < PHASES and total > phases * _FULL:
         phases *= 2

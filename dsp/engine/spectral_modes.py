@@ -31,7 +31,8 @@ _POWERS = 10  # squarings that reach the powers that are taken
 
 @kernel
 def _gains(state, obj):
-    """Gains of an object's modes at the left and at the right, the first far enough from 0 to be divided by."""
+    """Return the gains of an object's modes at the left and at the right, the first far enough from 0 to be divided
+    by."""
     left = obj.place.gain[0]
     right = obj.place.gain[1] if sides_of(state) == 2 else 0.0
     least = _SOFTEST * max(abs(right), _SOFTEST)
@@ -148,14 +149,14 @@ def _form_anew(state, phase, b):
 
 @kernel
 def _step(bank, i):
-    """exp(lambda): what a mode's state is multiplied by in a sample."""
+    """Return exp(lambda), the factor of a mode's state from sample to sample."""
     cosine = 0.5 * bank.a1[i]
     return complex(cosine, math.sqrt(-bank.a2[i] - cosine * cosine))
 
 
 @kernel
 def _power(base, exponent):
-    """A power with an exponent from 0 to 1,023, by squaring."""
+    """Raise to a power with an exponent from 0 to 1,023, by squaring."""
     result = complex(1.0, 0.0)
     for k in range(_POWERS):
         if exponent >> k & 1:

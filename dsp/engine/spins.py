@@ -27,7 +27,7 @@ _SCATTER = 0.25  # of a turn by which an irregular contact comes early or late a
 
 @kernel
 def begin_spin(contact, spin):
-    """Let a contact be the first of a disc's."""
+    """Begin a contact as the first of a disc's."""
     contact.m *= RIM
     contact.random = np.uint64(spin.seed)
     contact.lasts = spin.duration
@@ -79,7 +79,7 @@ def _turn(contact, now):
 
 @kernel
 def _speed_of(contact):
-    """Velocity (m/s) at which the flat hits; a contact that is irregular is weaker."""
+    """Return the velocity (m/s) at which the flat hits; a contact that is irregular is weaker."""
     left = contact.lasts - contact.turned
     whole = contact.target.flat * contact.swing * math.sqrt(contact.target.gravity) * left**contact.quickening
     return max(whole * (1.0 - contact.target.irregularity * next_random(contact)), _SLOWEST)

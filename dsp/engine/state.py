@@ -53,7 +53,7 @@ TRACED = 1_024 * CONTACTS
 
 
 class Quality(IntEnum):
-    """How much is computed; each step leaves out more than the one before."""
+    """Steps of quality; each leaves out more than the one before."""
 
     FULL = 0
     HELD = 1  # coupled contacts take one step per sample, and the closed form where that errs by no more than -40 dB
@@ -67,7 +67,7 @@ class Quality(IntEnum):
 
 
 class Solver(IntEnum):
-    """How a contact's force is found."""
+    """Solver of a contact's force."""
 
     CLOSED = 0  # the closed form
     SAMPLED = 1  # a method of sampled.py
@@ -76,7 +76,7 @@ class Solver(IntEnum):
 
 
 class End(IntEnum):
-    """How a gesture ended."""
+    """Reason for which a gesture ended."""
 
     RESTED = 0
     STOPPED = 1
@@ -263,7 +263,7 @@ CHOICES = np.dtype(
     ],
     align=True,
 )
-"""How the engine computes, as commands choose it."""
+"""The engine's choices of how to compute, as commands set them."""
 
 TAP_RING = np.dtype(
     [("on", np.int64), ("frames", np.float32, TAP * MOST_CHANNELS), ("written", np.int64, 8), ("read", np.int64, 8)],

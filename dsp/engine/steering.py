@@ -1,4 +1,4 @@
-"""How gestures that run are changed, and ended."""
+"""Changes to running gestures, and their ends."""
 
 from ..native.jit import kernel
 from ..native.records import field, set_field
@@ -42,7 +42,7 @@ def steer_existing(state, event):
 
 @kernel
 def _given(event, slides, n):
-    """What an event says of the steerable parameter n."""
+    """Return an event's value of the steerable parameter n."""
     if slides and IN_SLIDE[n] >= 0:
         return field(event.slide, IN_SLIDE[n])
     if not slides and IN_ROLL[n] >= 0:
@@ -63,7 +63,8 @@ def steer(state, event):
 
 @kernel
 def target_of(state, contact, parameter):
-    """What one parameter of a contact was last told to be; the speed of a roll, as far as friction has slowed it."""
+    """Return the value that one parameter of a contact was last set to; for a roll's speed, as far as friction has
+    slowed it."""
     target = state.rolls[contact.roll].target if contact.kind == KIND_ROLL else contact.target
     value = field(target, parameter)
     return value / contact.level if parameter == _GAIN and contact.level > 0.0 else value

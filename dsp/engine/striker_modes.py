@@ -14,14 +14,14 @@ _SAME = 1e-9  # relative difference of radii that are one
 
 @kernel
 def modes_of_voice(voice):
-    """The modes of a voice."""
+    """Return the modes of a voice."""
     n = voice.size
     return Modes(voice.y1[:n], voice.y2[:n], voice.a1[:n], voice.a2[:n], voice.balance[:n], voice.response)
 
 
 @kernel
 def become(state, voice, contact):
-    """Let a voice be that of a contact's striker, which is prepared, at rest."""
+    """Set a voice to the sound of a contact's striker, at rest."""
     striker = state.strikers[contact.sound]
     voice.size = striker.size
     for i in range(striker.size):
@@ -35,7 +35,7 @@ def become(state, voice, contact):
 
 @kernel
 def resize(state, voice, contact):
-    """Let a new voice click as a rolling body of its radius, of the same form as the striker."""
+    """Retune a new voice's click to a rolling body of its radius, of the same form as the striker."""
     striker = state.strikers[contact.sound]
     ratio = state.rolls[contact.roll].target.radius / striker.radius if striker.clicks > 0 else 1.0
     if abs(ratio - 1.0) > _SAME:

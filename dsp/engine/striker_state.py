@@ -1,4 +1,4 @@
-"""What the engine keeps of strikers that sound: their kinds, as Python lays them out, and the voices that play them."""
+"""The engine's record of strikers that sound: their kinds, as Python lays them out, and the voices that play them."""
 
 import numpy as np
 

@@ -44,7 +44,7 @@ def begin_striker(state, contact):
 
 @kernel
 def roll_striker(state, contact):
-    """Have a rolling body's voice moved by its force in this quantum, if it has one or one is free."""
+    """Drive a rolling body's voice by its force in this quantum, if it has one or one is free."""
     if not _sounds(state, contact):
         return
     has_one = contact.voice >= 0
@@ -123,7 +123,7 @@ def _take_voice(state, contact, needed):
 
 @kernel
 def _second_pulse(striker, contact):
-    """The momentum (N s) of the second pulse of a contact: it grows as a power of the velocity, and scatters.
+    """Return the momentum (N s) of the second pulse of a contact: it grows as a power of the velocity, and scatters.
 
     Equal blows at equal times are equal. A round body, which does not turn as it bounces, lands on the same spot again,
     so that its second pulses fall with its velocity. It gives the modes no more energy than the contact takes from the
@@ -153,7 +153,7 @@ def ring_strikers(state, obj, out, start, stop):
 
 @kernel
 def _ring_on(state, voice, out, frame, stop):
-    """Let a voice ring from a frame to another, at most `stop`, which is returned: forces act at its beginning."""
+    """Ring a voice from a frame to another, at most `stop`, and return the latter: forces act at its beginning."""
     modes = modes_of_voice(voice)
     sound = state.scratch.striker
     if voice.snap > 0.0:
@@ -193,7 +193,7 @@ def _ring_on(state, voice, out, frame, stop):
 
 @kernel
 def let_voice_go(state, contact):
-    """Let the force on a contact's voice die away in a panic, so that its end makes no sound."""
+    """Make the force on a contact's voice die away in a panic, so that its end makes no sound."""
     if contact.voice < 0:
         return
     voice = state.voices[contact.voice]
@@ -204,7 +204,7 @@ def let_voice_go(state, contact):
 
 @kernel
 def fade_voices(state, obj):
-    """Let all strikers that sound on an object fade, in a panic; their second pulses don't come any more."""
+    """Fade all strikers that sound on an object, in a panic; drop their second pulses."""
     index = obj.voice
     while index >= 0:
         voice = state.voices[index]
@@ -243,7 +243,7 @@ def _snap(state, voice, modes, frame):
 
 @kernel
 def rest_strikers(state, obj):
-    """At the end of a quantum free the voices on an object that nobody hears any more."""
+    """Free the voices on an object that nobody hears any more, at the end of a quantum."""
     threshold = silence_of(state) / max(1.0, obj.settings.gain)
     before = -1
     index = obj.voice

@@ -1,4 +1,4 @@
-"""What goes straight from a roll's force into the sound of an object."""
+"""The record of the direct path from a roll's force to the sound of an object."""
 
 import numpy as np
 

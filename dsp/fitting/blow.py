@@ -24,7 +24,7 @@ from .refinement import amplitudes, solved
 from .sums import Complex, Head, as_weights, real_gram, ringing_products, ringing_project
 
 EXPONENT, DISSIPATION = 1.5, 0.2
-"""Of a striker of which nothing is known: Hertz's, and s/m."""
+"""Exponent and dissipation (s/m) of a striker of which nothing is known: Hertz's."""
 
 _DURATIONS = np.geomspace(5e-5, 8e-3, 18)  # s
 _SHARES = (0.0, 0.06, 0.12, 0.2, 0.3, 0.42, 0.55, 0.7, 0.9)  # of a duration: so much before the onset it may begin
@@ -49,32 +49,32 @@ class Blow:
 
     @property
     def impulse(self) -> float:
-        """In N s."""
+        """Momentum that the blow gives, in N s."""
         return float(self.impulses.sum())
 
     @property
     def duration(self) -> float:
-        """In s."""
+        """Duration of the blow, in s."""
         return float(self.times[-1] - self.times[0])
 
     def later(self, seconds: float) -> Blow:
-        """The same blow, so much later."""
+        """Return the same blow, so much later."""
         return replace(self, times=self.times + seconds)
 
     def transform(self, poles: Complex) -> Complex:
-        """F (N s) at poles (1/s)."""
+        """Return F (N s) at poles (1/s)."""
         transformed: Complex = np.exp(-np.outer(poles, self.times)) @ self.impulses
         return transformed
 
     def drive(self, poles: Complex) -> Complex:
-        """F at poles (1/s), where it is next to nothing as large as that is taken to be."""
+        """Return F at poles (1/s), where it is next to nothing as large as that is taken to be."""
         force = self.transform(poles)
         size = np.abs(force)
         least = _SHALLOWEST * self.impulse
         return np.where(size < least, force * (least / np.maximum(size, 1e-30 * least)), force)
 
     def head(self, s: Complex, rate: float, onset: int, length: int | None = None) -> Head:
-        """The beginnings of the atoms of log poles per sample, and of their slopes, for a take at a rate (Hz).
+        """Return the beginnings of the atoms of log poles per sample, and of their slopes, for a take at a rate (Hz).
 
         onset: the take's. length: of the head, in samples; as long as the blow unless it is given.
         """
@@ -96,19 +96,19 @@ class Blow:
 
 
 def pulse(duration: float, impulse: float = 1.0) -> Blow:
-    """The force of an unknown striker, so long (s) and so strong (N s)."""
+    """Return the force of an unknown striker, so long (s) and so strong (N s)."""
     times, impulses = unit_pulse(DISSIPATION, EXPONENT)
     return Blow(times * duration / (times[0] + times[-1]), impulses * impulse / impulses.sum())
 
 
 def striker_pulse(velocity: float, mass: float, stiffness: float, dissipation: float, exponent: float) -> Blow:
-    """The force of a known striker on a rigid wall: m/s, kg, N/m^a, s/m and a."""
+    """Return the force of a known striker on a rigid wall: m/s, kg, N/m^a, s/m and a."""
     times, impulses = unit_pulse(dissipation * velocity, exponent)
     return Blow(times * unit_time(velocity, mass, stiffness, exponent), impulses * mass * velocity)
 
 
 def measured(force: Array, rate: float) -> Blow:
-    """A force (n,) in any unit as a hammer measured it at a rate (Hz), without its noise and offset.
+    """Return a force (n,) in any unit as a hammer measured it at a rate (Hz), without its noise and offset.
 
     RecordingError if no pulse stands out of it.
     """
@@ -126,7 +126,8 @@ def measured(force: Array, rate: float) -> Blow:
 
 
 def alike(blow: Blow) -> Blow:
-    """The pulse of an unknown striker that is nearest to a blow, by the sizes of their spectra, at the same time."""
+    """Return the pulse of an unknown striker that is nearest to a blow, by the sizes of their spectra, at the same
+    time."""
     frequency = np.geomspace(_LOWEST_LIKENESS, _HIGHEST_LIKENESS, 60)
     turning = np.asarray(2j * np.pi * frequency, np.complex128)
     size = np.abs(blow.transform(turning))
@@ -139,13 +140,14 @@ def alike(blow: Blow) -> Blow:
 
 
 def begun(take: Array, s: Complex, rate: float, blow: Blow, onset: int) -> Blow:
-    """The blow at the time near a take's onset (samples) at which its atoms explain most of the take."""
+    """Return the blow at the time near a take's onset (samples) at which its atoms explain most of the take."""
     tried = [blow.later(start - blow.times[0]) for start in _beginnings(blow.duration, onset / rate)]
     return tried[int(np.argmin(_errors(take, s, rate, tried, onset)))]
 
 
 def sought(take: Array, s: Complex, rate: float, onset: int) -> Blow:
-    """The longest blow whose atoms explain a take's attack as well as any do; it begins near the onset (samples).
+    """Return the longest blow whose atoms explain a take's attack as well as any do; it begins near the onset
+    (samples).
 
     It is no longer than what is heard of the high modes allows: most of what a take has is not from modes that the blow
     hardly moves.
@@ -167,12 +169,12 @@ def sought(take: Array, s: Complex, rate: float, onset: int) -> Blow:
 
 
 def _beginnings(duration: float, earliest: float) -> list[float]:
-    """When a blow may begin (s) before its sound is heard."""
+    """Return the times (s) before a blow's sound is heard at which it may begin."""
     return [max(-share * duration, -earliest) for share in _SHARES]
 
 
 def _errors(take: Array, s: Complex, rate: float, blows: Sequence[Blow], onset: int) -> Array:
-    """What is left of a take's energy by the atoms of each blow."""
+    """Return the energy of a take that the atoms of each blow leave unexplained."""
     length = onset + max(int(np.ceil(blow.times[-1] * rate)) for blow in blows) + 1
     plain, crossed = ringing_products(s, len(take) - length, length - onset)
     projected = ringing_project(take[length:], s, length - onset)
@@ -185,5 +187,5 @@ def _errors(take: Array, s: Complex, rate: float, blows: Sequence[Blow], onset: 
 
 
 def earliest(rate: float) -> int:
-    """How many samples before the onset a take begins."""
+    """Return by how many samples a take begins before the onset."""
     return round(_EARLIEST * rate)

@@ -1,4 +1,4 @@
-"""How far apart two sounds are: waveform, spectrum over time, third octaves, decays."""
+"""The distance between two sounds: waveform, spectrum over time, third octaves, decays."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Distance:
 
 
 def distance(a: Array, b: Array, rate: float, rate_b: float | None = None) -> Distance:
-    """The distance of two sounds (n,), (m,) at their rates (Hz)."""
+    """Measure the distance of two sounds (n,), (m,) at their rates (Hz)."""
     if rate_b is not None and rate_b != rate:
         b = at_rate(b, rate_b, rate)
     a, b = without_rumble(a, rate), without_rumble(b, rate)
@@ -68,14 +68,15 @@ def distance(a: Array, b: Array, rate: float, rate_b: float | None = None) -> Di
 
 
 def at_rate(samples: Array, old: float, new: float) -> Array:
-    """A sound (n,) at another rate (Hz)."""
+    """Resample a sound (n,) to another rate (Hz)."""
     common = np.gcd(round(old), round(new))
     resampled: Array = resample_poly(samples, round(new) // common, round(old) // common)
     return resampled
 
 
 def log_spectral(a: Array, b: Array, rate: float) -> float:
-    """Log-spectral distance, dB rms over the cells of A within 60 dB of its loudest: thirds of octaves, 21 ms each."""
+    """Return the log-spectral distance, dB rms over the cells of A within 60 dB of its loudest: thirds of octaves, 21
+    ms each."""
     first, second = cells(a, rate), cells(b, rate)
     least = first.max() * _DYNAMIC
     heard = first > least
@@ -84,7 +85,7 @@ def log_spectral(a: Array, b: Array, rate: float) -> float:
 
 
 def cells(samples: Array, rate: float) -> Array:
-    """Power (frames, bands) in third octaves from 100 Hz on, and below, of windows of 1024 samples."""
+    """Return the power (frames, bands) in third octaves from 100 Hz on, and below, of windows of 1024 samples."""
     padded = np.concatenate([np.zeros(_WINDOW // 2), samples, np.zeros(_WINDOW)])
     frames = np.lib.stride_tricks.sliding_window_view(padded, _WINDOW)[::_HOP]
     power = np.abs(np.fft.rfft(frames * np.hanning(_WINDOW))) ** 2
@@ -94,7 +95,8 @@ def cells(samples: Array, rate: float) -> Array:
 
 
 def decay(samples: Array, rate: float, middle: float) -> float:
-    """T60 (s) of the octave about some Hz, by backward integration (M. R. Schroeder 1965); nan if there is none."""
+    """Return T60 (s) of the octave about some Hz, by backward integration (M. R. Schroeder 1965); nan if there is
+    none."""
     inside = band(samples, rate, middle / np.sqrt(2), middle * np.sqrt(2))
     left = np.cumsum(inside[::-1] ** 2)[::-1]
     if left[0] < _FAINT * np.sum(samples**2):
@@ -127,7 +129,7 @@ def _third_octaves(a: Array, b: Array, rate: float) -> Array:
 
 
 def _shift(a: Array, b: Array, rate: float) -> int:
-    """By how many samples later B agrees best with A: first by their loudness over time, then by their waves."""
+    """Return by how many samples later B agrees best with A: first by their loudness over time, then by their waves."""
     most = round(_LATEST * rate)
     begin = [int(np.argmax(np.abs(each) > 0.05 * np.abs(each).max())) for each in (a, b)]
     rough = begin[0] - begin[1]

@@ -1,4 +1,4 @@
-"""What a recording must be."""
+"""The error of a recording that cannot be fitted."""
 
 
 class RecordingError(ValueError):

@@ -68,7 +68,7 @@ def _in_band(spectra: list[Complex], sizes: list[int], length: int, rate: float,
 
 
 def _cut(spectrum: Complex, center: int, reach: int, length: int) -> Complex:
-    """The analytic signal of a band, shifted to 0 Hz and decimated to 2 `reach` samples of the whole length."""
+    """Return the analytic signal of a band, shifted to 0 Hz and decimated to 2 `reach` samples of the whole length."""
     offset = np.arange(-reach, reach)
     share = np.abs(offset) / reach
     flank = 0.5 + 0.5 * np.cos(np.pi * (share - _FLAT) / (_END - _FLAT))
@@ -80,7 +80,7 @@ def _cut(spectrum: Complex, center: int, reach: int, length: int) -> Complex:
 
 
 def _heard(piece: Complex) -> Complex:
-    """A band's signal down to its own noise floor."""
+    """Return a band's signal down to its own noise floor."""
     if len(piece) < _SHORTEST:
         return piece
     width = max(4, len(piece) // 60)
@@ -91,7 +91,7 @@ def _heard(piece: Complex) -> Complex:
 
 
 def _rotation(pieces: list[Complex], lags: int) -> Complex:
-    """The poles per decimated sample that span the signals' space, as many as rise above its noise."""
+    """Return the poles per decimated sample that span the signals' space, as many as rise above its noise."""
     covariance = np.zeros((lags, lags), np.complex128)
     for piece in pieces:
         lagged = np.lib.stride_tricks.sliding_window_view(piece, len(piece) - lags + 1)

@@ -1,4 +1,5 @@
-"""What a recording tells of modes: which rise above its noise, which are tones that stand, how well decays are known.
+"""The evidence of a recording for modes: which rise above its noise, which are steady tones, and how well decays are
+known.
 
 In noise of the power S per sample at a mode's frequency, the most likely damped sine explains 2 S of the noise on
 average, and the luckiest of N some 2 S ln N. A mode that explains no more may be noise.
@@ -41,13 +42,13 @@ class Floor:
     power: Array
 
     def at(self, s: Complex, rate: float) -> Array:
-        """At log poles per sample (k,)."""
+        """Return the power at log poles per sample (k,)."""
         powers: Array = np.interp(s.imag * rate / (2 * np.pi), self.frequency, self.power)
         return powers
 
 
 def floor_of(noise: Array, rate: float) -> Floor:
-    """Of noise that is heard alone (n,)."""
+    """Estimate the floor of noise that is heard alone (n,)."""
     segment = min(_SEGMENT, len(noise))
     frequency, density = welch(noise, rate, nperseg=segment)
     padded = np.pad(density, _SMOOTH // 2, "reflect")
@@ -56,19 +57,20 @@ def floor_of(noise: Array, rate: float) -> Floor:
 
 
 def floor_of_rest(rest: Array, rate: float) -> Floor:
-    """Of what modes leave of a take (n,), towards its end."""
+    """Estimate the floor of what modes leave of a take (n,), towards its end."""
     return floor_of(rest[-max(2 * _SMOOTH, len(rest) // _TAIL) :], rate)
 
 
 def needed(takes: Sequence[Array], floors: Sequence[Floor], s: Complex, rate: float) -> Array:
-    """The energy (k,) that modes of log poles per sample must explain of all takes together, so that none is noise."""
+    """Return the energy (k,) that modes of log poles per sample must explain of all takes together, so that none is
+    noise."""
     noise = _SURE * np.sum([floor.at(s, rate) for floor in floors], axis=0)
     energies: Array = np.maximum(noise, _LEAST_HEARD * sum(float(take @ take) for take in takes))
     return energies
 
 
 def energies(takes: Sequence[Array], s: Complex, amplitude: Sequence[Complex]) -> Array:
-    """The energy (k,) of each mode by itself, in all takes."""
+    """Return the energy (k,) of each mode by itself, in all takes."""
     found: Array = np.sum(
         [0.5 * np.abs(c) ** 2 * np.diag(products(s, len(take))[1]).real
          for c, take in zip(amplitude, takes, strict=True)],
@@ -78,13 +80,13 @@ def energies(takes: Sequence[Array], s: Complex, amplitude: Sequence[Complex]) -
 
 
 def slowest_known(takes: Sequence[Array]) -> float:
-    """The least decay per sample that takes can tell: what decays more slowly may ring on for any time."""
+    """Return the least decay per sample that takes can tell: what decays more slowly may ring on for any time."""
     return float(np.log(10) / 20 * _FALL / max(map(len, takes)))
 
 
 def standing(found: Sequence[Hit], s: Complex, amplitude: Sequence[Complex]) -> npt.NDArray[np.bool_]:
-    """Which modes are tones that stand, as hum does (k,): those that are there before the hit, and faint ones that
-    hardly fall."""
+    """True for the modes (k,) that are steady tones, as hum is: those that are there before the hit, and faint ones
+    that hardly fall."""
     rate, takes = found[0].rate, [hit.samples for hit in found]
     energy, slow = energies(takes, s, amplitude), -s.real < slowest_known(takes)
     share, frequency = energy / energy.sum(), s.imag * rate / (2 * np.pi)
@@ -100,7 +102,8 @@ def standing(found: Sequence[Hit], s: Complex, amplitude: Sequence[Complex]) -> 
 
 
 def unknown(doubt: Array, energy: Array) -> npt.NDArray[np.bool_]:
-    """Which decays nobody knows, of these standard deviations as shares (k,) and of modes of these energies (k,)."""
+    """True for decays that the recording does not tell, given their standard deviations as shares (k,) and the modes'
+    energies (k,)."""
     found: npt.NDArray[np.bool_] = doubt > np.where(energy < _BARELY * energy.sum(), 0.5, 1.0)
     return found
 
@@ -108,7 +111,7 @@ def unknown(doubt: Array, energy: Array) -> npt.NDArray[np.bool_]:
 def spread(
     takes: Sequence[Array], rests: Sequence[Array], s: Complex, amplitude: list[Complex], heads: Sequence[Head | None]
 ) -> Array:
-    """How far off decays may be: their standard deviations (k,), as shares of the decays, or of the slowest known one.
+    """Return the standard deviations of the decays (k,), as shares of the decays, or of the slowest known one.
 
     rests: what modes leave. Near each mode's frequency and as long as it rings, that counts as noise.
     """

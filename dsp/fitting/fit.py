@@ -24,7 +24,7 @@ from .selection import select
 from .sums import Complex, Head, ring
 
 MODES = 40
-"""At most, unless it is said."""
+"""Most modes of a fit, unless the caller says otherwise."""
 
 LOWEST_HEARD = 20.0
 """Hz"""
@@ -45,7 +45,7 @@ _TELLS = 0.5  # s: in less, nobody can tell
 
 @dataclass(frozen=True)
 class Fit:
-    """What was found in one hit or several: k modes, R takes.
+    """The result of a fit to one hit or several: k modes, R takes.
 
     frequency (k,) in Hz and decay (k,) in 1/s of the undamped mode, ascending; amplitude: of each take's modes (k,) at
     its onset; gains (R, k): of each mode, per N s of an ideal blow; noise: bands as loud, per N s. blows: of each take,
@@ -70,7 +70,7 @@ class Fit:
     tones: Array
 
     def sound(self, take: int = 0, noise: bool = True) -> Array:
-        """A take as it was fitted."""
+        """Return a take as it was fitted."""
         early = earliest(self.rate)
         sound = self.modes[take].copy()
         if noise:
@@ -82,13 +82,13 @@ class Fit:
 
     @property
     def poles(self) -> Complex:
-        """Of the modes, in 1/s."""
+        """Poles of the modes, in 1/s."""
         omega = 2 * np.pi * self.frequency
         poles: Complex = -self.decay + 1j * np.sqrt(omega**2 - np.minimum(self.decay, 0.99 * omega) ** 2)
         return poles
 
     def struck_by(self, blows: Sequence[Blow]) -> Fit:
-        """The same with other blows, and the gains that follow from them."""
+        """Return the same with other blows, and the gains that follow from them."""
         poles = self.poles
         # A velocity's answer to an impulse begins as 1 + i sigma/omega, in amplitude and phase.
         answer = 1 - 1j * poles.real / poles.imag
@@ -123,7 +123,7 @@ def fit_modes(takes: Sequence[Array], rate: float, count: int, floors: Sequence[
 
 
 def _known(takes: Sequence[Array], s: Complex, rate: float, floors: Sequence[Floor]) -> Complex:
-    """The modes that rise above the noise and whose decays are known; the least known ones go first."""
+    """Return the modes that rise above the noise and whose decays are known; the least known ones go first."""
     heads = plain(takes)
     for _ in range(_CLEARINGS):
         s = prune(takes, s, len(s), needed(takes, floors, s, rate))
@@ -147,13 +147,13 @@ def _candidates(takes: Sequence[Array], rate: float, count: int) -> Complex:
 
 
 def _rests(takes: Sequence[Array], s: Complex) -> list[Array]:
-    """What modes leave of takes."""
+    """Return the rests of takes: what modes leave of each."""
     found, _ = amplitudes(takes, s, [None] * len(takes))
     return [take - ring(amplitude, s, len(take)) for amplitude, take in zip(found, takes, strict=True)]
 
 
 def fit(found: Sequence[Hit], blows: Sequence[Blow | None], count: int = MODES) -> Fit:
-    """The modes, noise and blows of hits on one body, all at one rate.
+    """Fit modes, noise and blows to hits on one body, all at one rate.
 
     blows: the force of each where it is known, from any time on; None where it is to be found. count: of modes.
     RecordingError if there are none.
@@ -214,7 +214,7 @@ def _fit(found: Sequence[Hit], blows: Sequence[Blow | None], count: int) -> Fit:
 
 
 def _require_ringing(residual: Sequence[float], rests: Sequence[Array], found: Sequence[Hit], count: int) -> None:
-    """RecordingError where so many modes leave too much (dB), and what they leave is not the noise."""
+    """Raise RecordingError where so many modes leave too much (dB), and what they leave is not the noise."""
     if np.mean(residual) > _POOREST and not all(_is_noise(*pair) for pair in zip(rests, found, strict=True)):
         explained = 100 - 100 * 10 ** (np.mean(residual) / 10)
         raise RecordingError(
@@ -223,13 +223,13 @@ def _require_ringing(residual: Sequence[float], rests: Sequence[Array], found: S
 
 
 def _is_noise(rest: Array, hit: Hit) -> bool:
-    """Whether what modes leave of a hit may be so much: as it falls well, or as it is no more than the noise."""
+    """True if the rest of a hit may be so large: the hit falls well, or the rest is no more than the noise."""
     noise = _NOISY * len(rest) * hit.floor**2
     return hit.fall >= _LEAST_FALL or (hit.fall >= _FALL_IN_NOISE and float(rest @ rest) < noise)
 
 
 def _decaying(found: Sequence[Hit], s: Complex, amplitude: Sequence[Complex]) -> npt.NDArray[np.bool_]:
-    """Which modes ring and are heard: neither hum, nor lower than what is heard.
+    """True for the modes that ring and are heard: neither hum, nor too low to hear.
 
     RecordingError if there are none, or if what is loudest does not decay.
     """
@@ -248,7 +248,8 @@ def _decaying(found: Sequence[Hit], s: Complex, amplitude: Sequence[Complex]) ->
 
 
 def _begun(takes: Sequence[Array], s: Complex, rate: float, blows: Sequence[Blow | None]) -> list[Blow]:
-    """Each take's blow, known or sought, where it begins; by the modes that ring, as clicks would explain any blow."""
+    """Return each take's blow, known or sought, where it begins; by the modes that ring, as clicks would explain any
+    blow."""
     early, rings = earliest(rate), -s.real < np.minimum(_RINGING * s.imag, _CLICK / rate)
     s = s[rings] if rings.any() else s
     return [
@@ -258,20 +259,20 @@ def _begun(takes: Sequence[Array], s: Complex, rate: float, blows: Sequence[Blow
 
 
 def _blow_end(hit: Hit, blow: Blow | None) -> int:
-    """The sample from which on a hit rings by itself; the onset where the blow is short, or nobody knows it."""
+    """Return the sample from which on a hit rings by itself; the onset where the blow is short, or nobody knows it."""
     if blow is None or blow.duration < _SHORT_BLOW:
         return 0
     return round(min(blow.duration, _LONGEST_BLOW) * hit.rate)
 
 
 def _with_beginning(hit: Hit, early: int) -> Array:
-    """A hit from so many samples before its onset on."""
+    """Return a hit from so many samples before its onset on."""
     before = hit.before[-early:] if len(hit.before) else hit.before
     return np.concatenate([np.zeros(early - len(before)), before, hit.samples])
 
 
 def _per_impulse(noise: Bands, blows: Sequence[Blow]) -> Bands:
-    """Noise per N s of an ideal blow."""
+    """Return the noise per N s of an ideal blow."""
     middle = np.sqrt(noise.edges[:-1] * noise.edges[1:])
     drive = np.sqrt(np.mean([np.abs(blow.drive(2j * np.pi * middle)) ** 2 for blow in blows], axis=0))
     return Bands(noise.edges, noise.rms / drive, noise.decay, noise.floor)

@@ -24,7 +24,7 @@ _PHASES = np.linspace(0, np.pi, 24, endpoint=False)
 
 
 def real_gains(amplitude: Sequence[Complex], s: Complex, lengths: Sequence[int]) -> Array:
-    """Gains (takes, k) of modes of log poles s per sample from their amplitudes (k,) in each take."""
+    """Return the gains (takes, k) of modes of log poles s per sample from their amplitudes (k,) in each take."""
     if len(amplitude) > 1:
         return _alike(np.array(amplitude))
     energy = products(s, lengths[0])[1]
@@ -35,7 +35,7 @@ def real_gains(amplitude: Sequence[Complex], s: Complex, lengths: Sequence[int])
 
 
 def _alike(amplitude: Complex) -> Array:
-    """Gains of several takes: the sizes, with signs by a phase that each mode has in common in all."""
+    """Return the gains of several takes: the sizes, with signs by a phase that each mode has in common in all."""
     phase = 0.5 * np.angle(np.sum(amplitude**2, axis=0))
     turned = amplitude * np.exp(-1j * phase)
     turned = turned * np.where(turned[0].real < 0, -1, 1)
@@ -44,7 +44,7 @@ def _alike(amplitude: Complex) -> Array:
 
 
 def overlapping(energy: Complex) -> list[Indices]:
-    """Groups of modes that overlap, by their indices; energy (k, k): sums over time of conj(a_i) a_j."""
+    """Return the groups of modes that overlap, by their indices; energy (k, k): sums over time of conj(a_i) a_j."""
     scale = np.sqrt(np.diag(energy).real)
     alike = np.abs(energy) / np.outer(scale, scale) > _ALIKE
     count, label = connected_components(csr_array(alike), directed=False)
@@ -52,7 +52,7 @@ def overlapping(energy: Complex) -> list[Indices]:
 
 
 def _nearest(amplitude: Complex, energy: Complex) -> Array:
-    """The real gains g that leave the least energy in the sum of (c - g exp(i phase)) exp(s t), over phases."""
+    """Return the real gains g that leave the least energy in the sum of (c - g exp(i phase)) exp(s t), over phases."""
     if len(amplitude) == 1:
         return np.where(amplitude.real < 0, -1.0, 1.0) * np.abs(amplitude)
     best, least = np.abs(amplitude), np.inf

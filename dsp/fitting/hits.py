@@ -65,7 +65,7 @@ class Hit:
 
 
 def check(samples: Array, rate: float) -> None:
-    """RecordingError if a recording (n,) is silent, too short, clipped, or not of numbers."""
+    """Raise RecordingError if a recording (n,) is silent, too short, clipped, or not of numbers."""
     bad = np.flatnonzero(~np.isfinite(samples))
     if bad.size:
         raise RecordingError(f"sample {bad[0]} is {samples[bad[0]]}: expected numbers")
@@ -83,7 +83,7 @@ def check(samples: Array, rate: float) -> None:
 
 
 def hits(samples: Array, rate: float) -> list[Hit]:
-    """The single hits of a recording (n,) at a rate (Hz), in time's order.
+    """Find the single hits of a recording (n,) at a rate (Hz), in time's order.
 
     RecordingError if it cannot be used (`check`), or if nothing in it rings out.
     """
@@ -117,19 +117,19 @@ def hits(samples: Array, rate: float) -> list[Hit]:
 
 
 def clearest(found: list[Hit]) -> Hit:
-    """The hit that stands highest above the noise, for longest."""
+    """Return the hit that stands highest above the noise, for longest."""
     return max(found, key=lambda hit: 2 * np.log(hit.peak) + np.log(min(len(hit.samples) / hit.rate, 1.0)))
 
 
 def without_rumble(samples: Array, rate: float) -> Array:
-    """A recording without an offset, or what else lies below hearing."""
+    """Return a recording without an offset, or what else lies below hearing."""
     sections = butter(2, _INAUDIBLE, "highpass", fs=rate, output="sos")
     filtered: Array = sosfilt(sections, samples - np.median(samples))
     return filtered
 
 
 def _power(samples: Array, step: int) -> Array:
-    """Mean power of two steps from each step on."""
+    """Return the mean power of two steps from each step on."""
     padded = np.pad(samples**2, (0, -len(samples) % step + step))
     each = padded.reshape(-1, step).mean(axis=1)
     power: Array = 0.5 * (each[:-1] + each[1:])
@@ -137,7 +137,7 @@ def _power(samples: Array, step: int) -> Array:
 
 
 def _floor(power: Array) -> float:
-    """The power of the noise: that of the quietest twentieth, unless the recording ends while it still falls."""
+    """Return the power of the noise: that of the quietest twentieth, unless the recording ends while it still falls."""
     lowest = float(np.median(np.sort(power)[: max(3, len(power) // 20)]))
     last = power[-max(4, len(power) // 4) :]
     halves = [float(np.mean(half)) for half in np.array_split(last, 2)]
@@ -148,14 +148,15 @@ def _floor(power: Array) -> float:
 
 
 def _is_tone(samples: Array) -> bool:
-    """Whether one frequency stands out of what is heard, which then is no noise; the slope weighs what is high."""
+    """True if one frequency stands out of what is heard, which then is no noise; the slope weighs what is high."""
     power = np.abs(np.fft.rfft(np.diff(samples) * np.hanning(len(samples) - 1))) ** 2
     highest = int(np.argmax(power))
     return bool(power[max(0, highest - 2) : highest + 3].sum() > _TONAL * power.sum())
 
 
 def _starts(power: Array, step: int, rate: float) -> list[int]:
-    """Steps at which a power rises suddenly: that of the slope weighs what is high, as onsets do and hiss does, too."""
+    """Return steps at which a power rises suddenly: that of the slope weighs what is high, as onsets do and hiss does,
+    too."""
     apart = round(_APART * rate / step)
     quiet = float(np.median(np.sort(power)[: max(3, len(power) // 20)]))
     padded = np.r_[np.full(apart, quiet), power]
@@ -170,7 +171,7 @@ def _starts(power: Array, step: int, rate: float) -> list[int]:
 
 
 def _onset(samples: Array, place: int, end: int, rate: float, floor: float) -> int:
-    """The sample at which a hit near `place` begins: after the last quiet before it has risen."""
+    """Return the sample at which a hit near `place` begins: after the last quiet before it has risen."""
     low = max(0, place - round(_STEP * rate))
     piece = np.abs(samples[low : min(end, place + round(_ATTACK * rate))])
     risen = int(np.argmax(piece > _RISEN * piece.max()))
@@ -182,7 +183,8 @@ def _onset(samples: Array, place: int, end: int, rate: float, floor: float) -> i
 
 
 def _length(power: Array, step: int, rate: float, floor: float) -> tuple[int, float]:
-    """How long (samples) a hit of this power is heard above the floor, and by how much it falls until then (dB)."""
+    """Return for how long (samples) a hit of this power is heard above the floor, and by how much it falls until then
+    (dB)."""
     if len(power) < 4:
         return 0, 0.0
     level = 10 * np.log10(power + 1e-30)

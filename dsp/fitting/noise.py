@@ -1,4 +1,4 @@
-"""What modes leave over, as bands of noise: one exponential each, above a floor that stays.
+"""Bands of noise, fitted to what modes leave over: one exponential each, above a floor that stays.
 
 The power of a band, in frames that are long against 1/bandwidth, scatters about p(t) = A^2 exp(-2 sigma t) + N^2 as
 chi-squared variables do. N is what the recording has where nothing rings. The most likely A and sigma minimize
@@ -41,7 +41,7 @@ class Bands:
     floor: Array
 
     def sound(self, length: int, rate: float, seed: int = 1) -> Array:
-        """So many samples of such noise at a rate (Hz), without the floor."""
+        """Return so many samples of such noise at a rate (Hz), without the floor."""
         spectrum = np.fft.rfft(np.random.default_rng(seed).standard_normal(length))
         frequency, t = np.fft.rfftfreq(length, 1 / rate), np.arange(length) / rate
         total = np.zeros(length)
@@ -54,13 +54,13 @@ class Bands:
 
 
 def band_edges(rate: float) -> Array:
-    """The bands' edges (Hz) at a rate (Hz): the lowest from 1 Hz on."""
+    """Return the bands' edges (Hz) at a rate (Hz): the lowest from 1 Hz on."""
     edges = np.geomspace(LOWEST, HIGHEST, COUNT + 1)
     return np.concatenate([[20.0], edges[edges < 0.49 * rate]])
 
 
 def noise_bands(rests: Sequence[Array], quiet: Sequence[Array], rate: float) -> Bands:
-    """The noise that several rests (n,) share at a rate (Hz): its decays, and its rms averaged over them.
+    """Return the noise that several rests (n,) share at a rate (Hz): its decays, and its rms averaged over them.
 
     quiet: for each the recording's own noise, (m,); empty where it is not known, and taken to be none.
     """
@@ -76,7 +76,7 @@ def noise_bands(rests: Sequence[Array], quiet: Sequence[Array], rate: float) -> 
 
 
 def _frames(rest: Array, rate: float, low: float, high: float, width: float) -> Array:
-    """Mean power of a band in frames of a width (s)."""
+    """Return the mean power of a band in frames of a width (s)."""
     size = max(1, min(round(width * rate), len(rest) // 4))
     power = band(rest, rate, low, high) ** 2
     powers: Array = power[: len(power) // size * size].reshape(-1, size).mean(axis=1)
@@ -84,7 +84,8 @@ def _frames(rest: Array, rate: float, low: float, high: float, width: float) -> 
 
 
 def without_tones(rest: Array, frequency: Array, decay: Array, rate: float) -> Array:
-    """A rest (n,) without what is left of modes of these frequencies (Hz) and decay rates (1/s), close beside them.
+    """Return a rest (n,) without what is left of modes of these frequencies (Hz) and decay rates (1/s), close beside
+    them.
 
     A tone that was fitted not quite right is no noise, and would fill its whole band.
     """
@@ -99,7 +100,7 @@ def without_tones(rest: Array, frequency: Array, decay: Array, rate: float) -> A
 
 
 def band(samples: Array, rate: float, low: float, high: float) -> Array:
-    """A band (Hz) of a signal, by a filter that looks at what was alone: nothing spreads to before it begins."""
+    """Filter a band (Hz) out of a signal, from what was alone: nothing spreads to before it begins."""
     filtered: Array = sosfilt(_sections(rate, low, min(high, 0.4999 * rate)), samples)
     return filtered
 
@@ -111,7 +112,7 @@ def _sections(rate: float, low: float, high: float) -> Array:
 
 
 def _fitted(frames: list[Array], width: float, floor: float) -> tuple[float, float, float]:
-    """A (rms), sigma (1/s) and N (rms) of bands that decay alike, their powers averaged; floor: N^2."""
+    """Return A (rms), sigma (1/s) and N (rms) of bands that decay alike, their powers averaged; floor: N^2."""
     length = min(map(len, frames))
     power = np.mean([each[:length] for each in frames], axis=0)
     scale = float(power.max())

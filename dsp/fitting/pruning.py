@@ -1,4 +1,4 @@
-"""Which modes can be spared: backward elimination in the inverse of the Gram matrix.
+"""Removal of modes that can be spared: backward elimination in the inverse of the Gram matrix.
 
 One by one the mode goes whose loss raises the squared error least, while the others take over what they can. Modes that
 were chosen too many and refined together, and then pruned, fit better than as many chosen one by one (selection.py).
@@ -21,7 +21,7 @@ _STOOD_FOR = 0.01  # of a mode's own energy: if the others explain all but so li
 
 
 def prune(takes: Sequence[Array], s: Complex, count: int, needed: Array | None = None) -> Complex:
-    """Those of the modes `s` (k,) that can be spared least: at most `count`.
+    """Keep those of the modes `s` (k,) that can be spared least: at most `count`.
 
     needed (k,): the energy that each has to explain, which nothing else does; 0 unless it is given.
     """
@@ -52,7 +52,7 @@ def prune(takes: Sequence[Array], s: Complex, count: int, needed: Array | None =
 
 
 def _loss(inverse: Array, weight: Array) -> Array:
-    """By how much the squared error grows without each mode."""
+    """Return by how much the squared error grows without each mode."""
     size = len(weight) // 2
     cosine, sine = np.diag(inverse)[:size], np.diag(inverse)[size:]
     between = np.diagonal(inverse, size)

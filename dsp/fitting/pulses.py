@@ -20,7 +20,7 @@ _LONGEST = 1e6  # L/v: no contact lasts so long
 
 @cache
 def unit_pulse(w: float, a: float) -> tuple[Array, Array]:
-    """Times (L/v) and impulses (m v) of the pieces of a pulse, (n,) each; the pieces are alike long."""
+    """Return times (L/v) and impulses (m v) of the pieces of a pulse, (n,) each; the pieces are alike long."""
 
     def motion(_: float, state: Array) -> list[float]:
         x, v = max(float(state[0]), 0.0), float(state[1])
@@ -39,11 +39,11 @@ def unit_pulse(w: float, a: float) -> tuple[Array, Array]:
 
 
 def unit_duration(w: float, a: float) -> float:
-    """How long a pulse lasts (L/v)."""
+    """Return a pulse's duration (L/v)."""
     times, _ = unit_pulse(w, a)
     return float(times[0] + times[-1])
 
 
 def unit_time(velocity: float, mass: float, stiffness: float, exponent: float) -> float:
-    """L/v in s; of m/s, kg, N/m^a, a."""
+    """Return L/v in s; of m/s, kg, N/m^a, a."""
     return float((mass * velocity**2 / stiffness) ** (1 / (exponent + 1)) / velocity)

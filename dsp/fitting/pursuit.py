@@ -38,7 +38,8 @@ def pursued(takes: Sequence[Array], rate: float, count: int) -> Complex:
 
 
 def _gains(takes: Sequence[Array], rate: float) -> tuple[Array, Array]:
-    """The energy (decays, frequencies) that each damped sine alone explains of all takes, and the frequencies (Hz)."""
+    """Return the energy (decays, frequencies) that each damped sine alone explains of all takes, and the frequencies
+    (Hz)."""
     length = 1 << int(np.ceil(np.log2(2 * max(map(len, takes)))))
     frequency = np.asarray(np.fft.rfftfreq(length, 1 / rate), np.float64)
     gain = np.zeros((len(_DECAYS), len(frequency)))

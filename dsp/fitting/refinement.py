@@ -15,7 +15,7 @@ from ..numerics.checks import Array
 from .sums import Complex, Head, as_weights, products, project, real_gram
 
 Heads = Callable[[Complex], Sequence[Head | None]]
-"""For log poles, the head of the atoms of each take."""
+"""Function from log poles to the head of the atoms of each take."""
 
 _SMALLEST = 1e-20  # of the highest of a diagonal
 _RIDGE = 1e-10  # of a normalised Gram matrix
@@ -27,17 +27,17 @@ _MOST_DAMPED = 0.5  # of a mode's angular frequency, its decay rate: more is a c
 
 
 def slowest(takes: Sequence[Array]) -> float:
-    """The least decay per sample that is looked for."""
+    """Return the least decay per sample that is looked for."""
     return float(np.log(10) / 20 * _LEAST_FALL / max(map(len, takes)))
 
 
 def plain(takes: Sequence[Array]) -> Heads:
-    """Atoms that begin at once."""
+    """Return atoms that begin at once."""
     return lambda _: [None] * len(takes)
 
 
 def amplitudes(takes: Sequence[Array], s: Complex, heads: Sequence[Head | None]) -> tuple[list[Complex], float]:
-    """The best amplitudes (k,) for each take, and the squared error that is left of all."""
+    """Return the best amplitudes (k,) for each take, and the squared error that is left of all."""
     found, error = [], 0.0
     for take, head in zip(takes, heads, strict=True):
         weights, less = solved(real_gram(*products(s, len(take), head)), as_weights(project(take, s, head)))
@@ -47,7 +47,8 @@ def amplitudes(takes: Sequence[Array], s: Complex, heads: Sequence[Head | None])
 
 
 def solved(gram: Array, side: Array) -> tuple[Array, float]:
-    """The best weights of atoms with this Gram matrix and these products with a take, and the energy they explain."""
+    """Return the best weights of atoms with this Gram matrix and these products with a take, and the energy they
+    explain."""
     scale = np.sqrt(np.maximum(np.diag(gram), 1e-300))
     weights = np.linalg.solve(gram / np.outer(scale, scale) + _RIDGE * np.eye(len(gram)), side / scale) / scale
     return weights, float(2 * weights @ side - weights @ gram @ weights)
@@ -56,7 +57,7 @@ def solved(gram: Array, side: Array) -> tuple[Array, float]:
 def refine(
     takes: Sequence[Array], s: Complex, rate: float, heads: Heads, steps: int = 20, enough: float = 1e-4
 ) -> Complex:
-    """The poles that leave the least of the takes, from a first guess on.
+    """Refine the poles from a first guess, so that they leave the least of the takes.
 
     s (k,): log poles per sample. rate: Hz. It ends after some steps, or where one gains less than a share of the error.
     """
@@ -87,7 +88,8 @@ def refine(
 
 
 def variances(takes: Sequence[Array], s: Complex, amplitude: list[Complex], heads: Sequence[Head | None]) -> Array:
-    """Those of the decays (k,), per sample squared, in white noise of the power 1: the Cramer-Rao bound."""
+    """Return the variances of the decays (k,), per sample squared, in white noise of the power 1: the Cramer-Rao
+    bound."""
     normal, _ = _normal(takes, s, amplitude, heads)
     scale = np.sqrt(np.maximum(np.diag(normal), _SMALLEST * np.diag(normal).max()))
     inverse = np.linalg.inv(normal / np.outer(scale, scale) + _RIDGE * np.eye(len(normal)))
@@ -98,7 +100,8 @@ def variances(takes: Sequence[Array], s: Complex, amplitude: list[Complex], head
 def _normal(
     takes: Sequence[Array], s: Complex, amplitude: list[Complex], heads: Sequence[Head | None]
 ) -> tuple[Array, Array]:
-    """The matrix and the right side of a Gauss-Newton step in Re s and Im s; the amplitudes follow by themselves."""
+    """Return the matrix and the right side of a Gauss-Newton step in Re s and Im s; the amplitudes follow by
+    themselves."""
     count = len(s)
     normal, slope = np.zeros((2 * count, 2 * count)), np.zeros(2 * count)
     own = np.r_[0:count, 2 * count : 3 * count]

@@ -1,4 +1,4 @@
-"""Which candidates are modes: orthogonal matching pursuit in the Gram matrix.
+"""Selection of modes among candidates: orthogonal matching pursuit in the Gram matrix.
 
 One by one the candidate is taken that lowers the squared error most, given those taken before (Y. C. Pati,
 R. Rezaiifar, P. S. Krishnaprasad, 1993). All of it happens between inner products (sums.py).
@@ -18,7 +18,7 @@ _ALIKE = 1e-12  # of a determinant
 
 
 def select(takes: Sequence[Array], s: Complex, count: int) -> Complex:
-    """The `count` of the candidates `s` that together explain most of the takes' energy, best first."""
+    """Select the `count` of the candidates `s` that together explain most of the takes' energy, best first."""
     grams, sides = [], []
     for take in takes:
         gram = real_gram(*products(s, len(take)))
@@ -40,7 +40,7 @@ def select(takes: Sequence[Array], s: Complex, count: int) -> Complex:
 
 
 def _gain(gram: Array, residual: Array) -> Array:
-    """By how much each candidate, alone, would lower the squared error."""
+    """Return by how much each candidate, alone, would lower the squared error."""
     size = len(gram) // 2
     cosine, sine = np.diag(gram)[:size], np.diag(gram)[size:]
     between = np.diagonal(gram, size)

@@ -13,7 +13,7 @@ from .pulses import unit_duration, unit_time
 from .sums import Complex
 
 MASS, VELOCITY = 0.02, 1.0
-"""Of a striker of which nothing is known: kg, m/s."""
+"""Mass (kg) and velocity (m/s) of a striker of which nothing is known."""
 
 _DURATIONS = np.geomspace(3e-5, 2e-2, 121)  # s
 _TRUST = 0.1  # in what an attack says of its blow's duration, against a spectrum's squared error (nepers)
@@ -32,14 +32,15 @@ class Striker:
 
 
 def striker_of(duration: float, mass: float = MASS, velocity: float = VELOCITY) -> Striker:
-    """The striker of a mass (kg) and Hertz's exponent whose contact at a velocity (m/s) lasts so long (s)."""
+    """Return the striker of a mass (kg) and Hertz's exponent whose contact at a velocity (m/s) lasts so long (s)."""
     unit = unit_duration(DISSIPATION * velocity, EXPONENT) * unit_time(velocity, mass, 1.0, EXPONENT)
     stiffness = (unit / duration) ** (EXPONENT + 1)  # a contact's time goes as k^(-1/(a+1))
     return Striker(mass, stiffness, DISSIPATION, EXPONENT, duration, velocity)
 
 
 def durations(amplitude: Sequence[Complex], poles: Complex, blows: Sequence[Blow]) -> tuple[Array, Array]:
-    """How long (s) blows at one point of a body are, and how strong against the shortest, by how their spectra differ.
+    """Return the durations (s) of blows at one point of a body, and their strengths against the shortest, by how their
+    spectra differ.
 
     amplitude: of the modes (k,) after each blow. poles (k,) in 1/s. What the body does is common to all amplitudes and
     drops out of their ratios. The shortest blow is taken as it was found in its attack; of the others their attacks say
@@ -63,6 +64,6 @@ def durations(amplitude: Sequence[Complex], poles: Complex, blows: Sequence[Blow
 
 
 def _spectrum(duration: float, poles: Complex) -> Array:
-    """How strongly a blow of 1 N s moves modes; no more than 60 dB less than an ideal one."""
+    """Return the response of modes to a blow of 1 N s; no more than 60 dB less than to an ideal one."""
     spectrum: Array = np.maximum(np.abs(pulse(duration).transform(poles)), 1e-3)
     return spectrum

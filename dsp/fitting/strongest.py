@@ -1,4 +1,4 @@
-"""Which modes of a fit are heard most: by their energy in the recording."""
+"""The modes of a fit that are heard most: by their energy in the recording."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Strongest:
 
 
 def strongest(fit: Fit, count: int = _MOST) -> list[Strongest]:
-    """The strongest modes of the first take, in order.
+    """Return the strongest modes of the first take, in order.
 
     Modes that overlap count together: two of them may be far stronger than their sum, which is all that is heard.
     """

@@ -36,7 +36,7 @@ class Head:
 
 
 def geometric(left: Complex, right: Complex, n: int) -> tuple[Complex, Complex, Complex]:
-    """Sums of w^t, t w^t and t^2 w^t over t = 0 ... n - 1, for w = exp(left_i + right_j), |w| < 1, (k, k) each.
+    """Return sums of w^t, t w^t and t^2 w^t over t = 0 ... n - 1, for w = exp(left_i + right_j), |w| < 1, (k, k) each.
 
     They are written so that none cancels. Exponentials are taken of the k numbers, not of the k^2 sums.
     """
@@ -53,7 +53,7 @@ def geometric(left: Complex, right: Complex, n: int) -> tuple[Complex, Complex, 
 
 
 def products(s: Complex, n: int, head: Head | None = None, slopes: bool = False) -> tuple[Complex, Complex]:
-    """Sums over time of a_i a_j and of conj(a_i) a_j for all atoms a, (k, k), or with their slopes (2 k, 2 k).
+    """Return sums over time of a_i a_j and of conj(a_i) a_j for all atoms a, (k, k), or with their slopes (2 k, 2 k).
 
     s (k,): log poles per sample, with negative real parts. n: samples.
     """
@@ -65,7 +65,7 @@ def products(s: Complex, n: int, head: Head | None = None, slopes: bool = False)
 
 
 def ringing_products(s: Complex, n: int, later: int, slopes: bool = False) -> tuple[Complex, Complex]:
-    """The same of exponentials alone, of n samples from `later` on."""
+    """Return the same of exponentials alone, of n samples from `later` on."""
     begin = np.exp(s * later)
     both = []
     for left, begins in ((s, begin), (s.conj(), begin.conj())):
@@ -81,7 +81,8 @@ def ringing_products(s: Complex, n: int, later: int, slopes: bool = False) -> tu
 
 
 def real_gram(plain: Complex, conjugate: Complex) -> Array:
-    """The Gram matrix (2 k, 2 k) of Re a_i and -Im a_i, of which Re(c a) is the sum with the weights Re c and Im c."""
+    """Return the Gram matrix (2 k, 2 k) of Re a_i and -Im a_i, of which Re(c a) is the sum with the weights Re c and Im
+    c."""
     between = 0.5 * (plain + conjugate).imag
     gram: Array = np.block([
         [0.5 * (plain + conjugate).real, -between],
@@ -91,7 +92,7 @@ def real_gram(plain: Complex, conjugate: Complex) -> Array:
 
 
 def project(x: Array, s: Complex, head: Head | None = None, slopes: bool = False) -> Complex:
-    """Sums over time of x a_i for all atoms (k,), or with their slopes (2 k,)."""
+    """Return sums over time of x a_i for all atoms (k,), or with their slopes (2 k,)."""
     if head is None:
         return ringing_project(x, s, 0, slopes)
     found = ringing_project(x[head.length :], s, head.length - head.origin, slopes)
@@ -99,7 +100,7 @@ def project(x: Array, s: Complex, head: Head | None = None, slopes: bool = False
 
 
 def ringing_project(x: Array, s: Complex, later: int, slopes: bool = False) -> Complex:
-    """The same of exponentials alone, from `later` on."""
+    """Return the same of exponentials alone, from `later` on."""
     count = -(-len(x) // _BLOCK)
     blocks = np.pad(x, (0, count * _BLOCK - len(x))).reshape(count, _BLOCK).T
     inside = np.exp(np.outer(s, np.arange(_BLOCK)))
@@ -114,18 +115,18 @@ def ringing_project(x: Array, s: Complex, later: int, slopes: bool = False) -> C
 
 
 def _times_real(left: Complex, right: Array) -> Complex:
-    """Their product as matrices; numpy would make the right one complex, too."""
+    """Multiply as matrices; numpy would make the right one complex, too."""
     product: Complex = left.real @ right + 1j * (left.imag @ right)
     return product
 
 
 def as_weights(products_with_x: Complex) -> Array:
-    """The inner products (2 k,) of a signal with Re a_i and -Im a_i, from those with a_i (k,)."""
+    """Return the inner products (2 k,) of a signal with Re a_i and -Im a_i, from those with a_i (k,)."""
     return np.concatenate([products_with_x.real, -products_with_x.imag])
 
 
 def ring(amplitude: Complex, s: Complex, n: int, head: Head | None = None) -> Array:
-    """The sum of Re(c_i a_i), (n,)."""
+    """Return the sum of Re(c_i a_i), (n,)."""
     if head is not None:
         later = head.length - head.origin
         rest = ring(amplitude * np.exp(s * later), s, n - head.length)

@@ -32,7 +32,7 @@ _slopes = -np.diff((1.0 - np.append(0.0, _reach)) ** 1.5, append=0.0) * SPRINGS 
 STIFFNESS = _slopes[:-1] - _slopes[1:]
 """The springs' shares of k."""
 SHARE = 1.5 * STIFFNESS * _reach
-"""Their shares of the limit; the sum is 1."""
+"""Shares of the springs in the limit; the sum is 1."""
 
 
 @kernel
@@ -74,7 +74,7 @@ def step_elastic(friction, mean):
 
 @kernel
 def _keep_within(friction, most):
-    """Let springs slip that the limit (N) has fallen below; the force of all (N)."""
+    """Make those springs slip that the limit (N) has fallen below; return the force of all (N)."""
     held = 0.0
     for i in range(SPRINGS):
         pull, bound = friction.pull[i], SHARE[i] * most
@@ -89,7 +89,7 @@ def _keep_within(friction, most):
 
 @kernel
 def _stretch_of(friction, sign, free, give, most):
-    """The stretch x >= 0 (m) over the sample, along `sign`, with x = free - give f(x), f being the mean force.
+    """Return the stretch x >= 0 (m) over the sample, along `sign`, with x = free - give f(x), f being the mean force.
 
     f is concave, so that Newton's method comes from 0 and never goes beyond the solution.
     """
@@ -139,7 +139,7 @@ def _take(friction, sign, stretch, most):
 
 @kernel
 def _renew(friction, stretch, load):
-    """Let the limit follow the slip, and tell what it will be in the middle of the next sample, if that is as fast."""
+    """Update the limit to the slip, and predict it for the middle of the next sample, should that slip as fast."""
     length = _MEMORY * friction.static * load / friction.tangential
     mu = coefficient(stretch / friction.period, friction.static, friction.dynamic, friction.stribeck)[0]
     kept = math.exp(-0.5 * stretch / length) if length > 0.0 else 0.0

@@ -14,7 +14,7 @@ from ..native.jit import kernel
 
 @kernel
 def coefficient(v, static, dynamic, stribeck):
-    """mu(v) and its slope (s/m); v in m/s, `stribeck` > 0 in m/s."""
+    """Return mu(v) and its slope (s/m); v in m/s, `stribeck` > 0 in m/s."""
     fall = static - dynamic
     if v < 0.0:
         return static - fall / stribeck * v, -fall / stribeck
@@ -24,7 +24,7 @@ def coefficient(v, static, dynamic, stribeck):
 
 @kernel
 def slip_of(drive, give, normal, static, dynamic, stribeck):
-    """The greater slip w >= 0 (m/s) with w = drive - give mu(w) N, or -1 where there is none.
+    """Return the greater slip w >= 0 (m/s) with w = drive - give mu(w) N, or -1 where there is none.
 
     drive: slip without friction, m/s; give >= 0: by how much 1 N slows it, m/(s N); N: normal force, N.
     """

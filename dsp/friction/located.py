@@ -66,7 +66,7 @@ def step_located(friction, observed, moments):
 
 @kernel
 def _value(series, t):
-    """A power series at t."""
+    """Return a power series at t."""
     value = 0.0
     for n in range(FINE - 1, -1, -1):
         value = value * t + series[n]
@@ -75,7 +75,7 @@ def _value(series, t):
 
 @kernel
 def _longest(friction, at, left):
-    """The longest piece for which the branch holds, and the branch after it; the piece's force is kept.
+    """Return the longest piece for which the branch holds, and the branch after it; the piece's force is kept.
 
     0 where it holds for no time.
     """
@@ -142,7 +142,7 @@ def _hold(friction, at, eta):
 
 @kernel
 def _work(friction, at, eta):
-    """Work on the object over a piece from now, and the driver's, in J a sample."""
+    """Return the work on the object over a piece from now, and the driver's, in J per sample."""
     f0, f1, drive = friction.start, friction.slope, friction.drive
     free = own = 0.0
     for n in range(FINE - 1, -1, -1):

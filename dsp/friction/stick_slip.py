@@ -25,7 +25,7 @@ MOST_PIECES = 40
 """Pieces of a sample; what is left then is one held piece."""
 
 SPRINGS = 8
-"""Of an elastic contact (elastic.py)."""
+"""Number of springs of an elastic contact (elastic.py)."""
 
 _NEWTON_STEPS = 12
 _SOLVED = 1e-11  # share of the velocities at hand by which an equation may fail
@@ -94,7 +94,8 @@ def begin_friction(friction, rate):
 
 @kernel
 def respond_along(friction, response):
-    """Let the driver meet a point by its `velocity_response` (FINE): at the beginning, and when modes are retuned."""
+    """Set how a point answers the driver, by its `velocity_response` (FINE): at the beginning, and when modes are
+    retuned."""
     for n in range(FINE):
         total = 0.0
         for k in range(n, FINE):

@@ -1,1 +1,1 @@
-"""How kernels are compiled, and what they need of the machine. It knows no sound."""
+"""Compilation of kernels, and access to the machine that they need. It knows no sound."""

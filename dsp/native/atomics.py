@@ -39,7 +39,7 @@ def store_release(typingctx, array, index, value):
 
 @intrinsic
 def exchange(typingctx, array, index, before, after):
-    """Compare-and-swap on array[index] (int64): store `after` if it holds `before`; returns whether it did."""
+    """Exchange array[index] (int64) by compare-and-swap: store `after` if it holds `before`; return whether it did."""
 
     def codegen(context, builder, signature, args):
         array, index, before, after = args
@@ -64,7 +64,7 @@ def _observe(address):
 
 @c_function(c_int64, c_void_p, c_int64, c_int64)
 def _swap(address, before, after):
-    """Compare-and-swap of an int64 at an address: 1 if it held `before`."""
+    """Exchange an int64 at an address by compare-and-swap: return 1 if it held `before`."""
     return int(exchange(carray(address, (1,), np.int64), 0, before, after))
 
 
@@ -79,11 +79,11 @@ def observe(counter: Any) -> int:
 
 
 def swap(counter: Any, before: int, after: int) -> bool:
-    """Store `after` in counter[0] (int64) if it holds `before`; returns whether it did."""
+    """Store `after` in counter[0] (int64) if it holds `before`; return whether it did."""
     return bool(_swap(counter.ctypes.data, before, after))
 
 
 def hold_page(address: int) -> None:
-    """Have the page of an address, a multiple of 8, lie in memory and be this process's own. What is there stays,
-    whoever writes to it meanwhile."""
+    """Bring the page of an address, a multiple of 8, into memory as this process's own. What is there stays, whoever
+    writes to it meanwhile."""
     _swap(address, 0, 0)

@@ -41,7 +41,7 @@ except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]
 
 PACKAGED = Path(__file__).parent / "objects"
-"""Where a wheel holds its code."""
+"""Folder in which a wheel holds its code."""
 
 _VERSIONS_KEPT = 4
 PASSES = {"carom.dsp.runtime.callback": 14_400}
@@ -62,7 +62,7 @@ class Code:
 
 @cache
 def load(module: str) -> Code:
-    """The code of a module's C functions: from the package, else from the cache, else compiled."""
+    """Load the code of a module's C functions: from the package, else from the cache, else compiled."""
     importlib.import_module(module)
     found = _found(module, package=PACKAGED, cache=_cache())
     if found:
@@ -72,7 +72,7 @@ def load(module: str) -> Code:
 
 
 def _found(module: str, **places: Path) -> Code | None:
-    """The code of a module's C functions in one of some places."""
+    """Return the code of a module's C functions in one of some places."""
     for origin, root in places.items():
         for folder in sorted((root / module).glob("*")):
             listed, needs = _listed(folder)
@@ -88,8 +88,8 @@ def _found(module: str, **places: Path) -> Code | None:
 
 @contextmanager
 def _alone(folder: Path) -> Iterator[None]:
-    """Let one process at a time compile what a folder keeps: the others wait and load it. Where no file can be locked,
-    each compiles for itself."""
+    """Lock a folder while one process compiles into it: the others wait and load its result. Where no file can be
+    locked, each compiles for itself."""
     with ExitStack() as stack:
         if fcntl:
             with suppress(OSError):
@@ -99,12 +99,13 @@ def _alone(folder: Path) -> Iterator[None]:
 
 
 def bitcode(module: str) -> bytes:
-    """LLVM's bitcode of a module's C functions, optimised for this processor: kept from earlier, else compiled."""
+    """Return LLVM's bitcode of a module's C functions, optimised for this processor: kept from earlier, else
+    compiled."""
     return _kept(module, "code.bc")
 
 
 def _kept(module: str, name: str) -> bytes:
-    """A file of bitcode in the cache; compiled where there is none that is whole."""
+    """Return a file of bitcode in the cache; compile it where there is none that is whole."""
     file = _cache() / module / key(module) / name
     try:
         llvm.parse_bitcode(file.read_bytes())
@@ -138,13 +139,14 @@ def build(modules: list[str], wanted: tuple[Target, ...], root: Path) -> None:
 
 
 def key(module: str) -> str:
-    """A hash of the sources of a module, of all that it imports, and of the compiler."""
+    """Return a hash of the sources of a module, of all that it imports, and of the compiler."""
     importlib.import_module(module)
     return _hash_of(sources(module))
 
 
 def sources(module: str) -> list[str]:
-    """The names of a loaded module, of all that it imports of its top-level package, and of the compiler, in order."""
+    """Return the names of a loaded module, of all that it imports of its top-level package, and of the compiler, in
+    order."""
     top = module.partition(".")[0]
     found = {f"{__package__}.{name}" for name in ("compiler", "platforms", "targets")}
     waiting = [module]
@@ -157,7 +159,8 @@ def sources(module: str) -> list[str]:
 
 
 def _imports(module: str) -> Iterator[str]:
-    """The names that a loaded module imports, each with the module that it is from: some are modules, some are not."""
+    """Yield the names that a loaded module imports, each with the module that it is from: some are modules, some are
+    not."""
     package = sys.modules[module].__package__
     file = _file_of(module)
     for node in ast.walk(ast.parse(file.read_bytes() if file else b"")):
@@ -168,7 +171,7 @@ def _imports(module: str) -> Iterator[str]:
 
 
 def _file_of(module: str) -> Path | None:
-    """The file of a module, which need not be loaded; its package is."""
+    """Return the file of a module, which need not be loaded; its package is."""
     if module in sys.modules:
         path = getattr(sys.modules[module], "__file__", None)
         return Path(path) if path else None
@@ -181,7 +184,7 @@ def _file_of(module: str) -> Path | None:
 
 
 def _hash_of(modules: list[str]) -> str:
-    """A hash of the sources of modules as they are now; empty where one of them is gone."""
+    """Return a hash of the sources of modules as they are now; empty where one of them is gone."""
     digest = hashlib.sha256()
     for name in modules:
         file = _file_of(name)
@@ -198,7 +201,7 @@ def _cache() -> Path:
 
 
 def _listed(folder: Path) -> tuple[list[str], dict[str, list[str]]]:
-    """The sources that sources.json of a folder names, and the needs by target; none where it cannot be read."""
+    """Return the sources that sources.json of a folder names, and the needs by target; none where it cannot be read."""
     try:
         listed = json.loads((folder / "sources.json").read_text())
         needs = {str(target): [str(each) for each in names] for target, names in listed["needs"].items()}
@@ -220,11 +223,11 @@ def _are_there(functions: list[str]) -> bool:
 
 
 _LIBRARIES = {"windows": ("kernel32.dll", "ucrtbase.dll", "ws2_32.dll")}
-"""That a system's processes have not loaded as a whole."""
+"""Libraries that a system's processes have not loaded as a whole."""
 
 
 def _object_in(folder: Path, needs: dict[str, list[str]]) -> tuple[bytes, Target] | None:
-    """The machine code in a folder for this machine, and the target that it is for."""
+    """Return the machine code in a folder for this machine, and the target that it is for."""
     for target in targets():
         if str(target) in needs and _are_there(needs[str(target)]):
             made = _read_object(folder, target)
@@ -234,7 +237,7 @@ def _object_in(folder: Path, needs: dict[str, list[str]]) -> tuple[bytes, Target
 
 
 def _read_object(folder: Path, target: Target) -> bytes | None:
-    """The machine code in a folder for a target; None where there is none that is whole."""
+    """Return the machine code in a folder for a target; None where there is none that is whole."""
     for file in folder.glob(f"{target}.*.o"):
         with suppress(OSError):
             made = file.read_bytes()
@@ -249,7 +252,7 @@ def _digest(made: bytes) -> str:
 
 
 def _linked(module: str, code_key: str, made: bytes, target: Target, origin: str) -> Code:
-    """Have machine code ready to run."""
+    """Link machine code into this process, ready to run."""
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), target.machine())
     with together(len(made)):
         engine.add_object_file(llvm.ObjectFileRef.from_data(made))
@@ -263,13 +266,13 @@ _ENGINES: list[Any] = []
 
 
 def _functions_of(module: str) -> list[CFunction]:
-    """The C functions that a module defines."""
+    """Return the C functions that a module defines."""
     values = vars(importlib.import_module(module)).values()
     return [each for each in values if isinstance(each, CFunction) and each.py_func.__module__ == module]
 
 
 def compiled(module: str) -> Code:
-    """The code of a module's C functions, compiled now, and kept in the cache where that can be written."""
+    """Compile the code of a module's C functions now, and keep it in the cache where that can be written."""
     global _notice
     from .compile_notice import CompileNotice  # it imports numba
     from .compiler import needed, optimised, written
@@ -296,7 +299,8 @@ def compiled(module: str) -> Code:
 
 
 def progress() -> tuple[float, float]:
-    """How far the code is that is being compiled now, as a share and as seconds left, estimated; 1 and 0 if none is."""
+    """Return the progress of the compilation under way: the share done, and the seconds left, estimated; 1 and 0 if
+    none is."""
     return _notice.progress(time.monotonic()) if _notice else (1.0, 0.0)
 
 
@@ -304,7 +308,7 @@ _notice: Any = None
 
 
 def _emitted(module: Any, target: Target) -> bytes:
-    """Machine code of LLVM's module, for a target."""
+    """Return the machine code of LLVM's module, for a target."""
     made: bytes = target.machine().emit_object(module)
     return made
 

@@ -1,4 +1,4 @@
-"""What a user sees while code is being compiled: progress on a terminal, else one line. Loading code shows nothing."""
+"""The notice to a user while code is compiled: progress on a terminal, else one line. Loading code shows nothing."""
 
 import logging
 import sys
@@ -58,7 +58,7 @@ class CompileNotice(event.Listener):
             self._thread.join()
 
     def share(self, now: float) -> float:
-        """The share of the work that is done at a time of the monotonic clock (s), estimated."""
+        """Return the share of the work that is done at a time of the monotonic clock (s), estimated."""
         translated = min(1.0, self._count / self._passes)
         idle = now - self._last
         if translated < _NEARLY or idle < 1.0:
@@ -67,7 +67,7 @@ class CompileNotice(event.Listener):
         return _TRANSLATION + (1.0 - _TRANSLATION) * min(0.99, idle / optimising)
 
     def progress(self, now: float) -> tuple[float, float]:
-        """The share of the work that is done, and the seconds that are left, estimated."""
+        """Return the share of the work that is done, and the seconds that are left, estimated."""
         if not self._passes or self._thread is None:
             return 0.0, 0.0
         share = self.share(now)

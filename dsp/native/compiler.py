@@ -1,4 +1,4 @@
-"""How numba and LLVM compile Carom's kernels: the one place where their settings live.
+"""Compilation of Carom's kernels by numba and LLVM: the one place where their settings live.
 
 All kernels end inside one function, the audio callback (or a test's, or a study's): there are hundreds of them, one in
 the other. numba would optimise each with all that is in it, again and again, and make machine code of it and wrappers
@@ -64,7 +64,7 @@ class _Part(_Library):
 
 
 def optimise(module: Any, target: Target) -> None:
-    """LLVM's optimiser, for a target; its vectors decide in which order sums are taken.
+    """Run LLVM's optimiser for a target; its vectors decide in which order sums are taken.
 
     Two runs: a scalar one, after which LLVM sees that no kernel can fail and drops the error paths, then the full one.
     The scalar run must not unroll loops: the full one vectorises unrolled modal loops by scatter and gather, which is
@@ -129,7 +129,7 @@ class _TranslationApart(_Translation):
 
 
 def _compiler(lowering: type) -> type:
-    """numba's usual compiler, but for its last step."""
+    """Return numba's usual compiler, but for its last step."""
 
     class Compiler(CompilerBase):
         def define_pipelines(self) -> list[Any]:
@@ -154,7 +154,7 @@ _REASSOCIATE = {"contract", "reassoc", "nsz"}
 
 
 def part(function: Callable[..., Any], simd: bool, inlined: bool) -> Any:
-    """A kernel for numba: translated where another function calls it."""
+    """Compile a kernel for numba: it is translated where another function calls it."""
     settings = _SAFE | (_INLINED if inlined else _APART) | ({"fastmath": _REASSOCIATE} if simd else {})
     compiled = njit(**settings)(function)
     resolve = compiled.get_call_template
@@ -169,7 +169,7 @@ def part(function: Callable[..., Any], simd: bool, inlined: bool) -> Any:
 
 
 def whole(part: Any) -> Any:
-    """A kernel as a function of its own."""
+    """Compile a kernel as a function of its own."""
 
     @njit(error_model="numpy")
     def call(*args):
@@ -179,12 +179,12 @@ def whole(part: Any) -> Any:
 
 
 def type_of(value: Any) -> Any:
-    """The type that numba knows a global value by."""
+    """Return the type that numba knows a global value by."""
     return cpu_target.typing_context.resolve_value_type(value)
 
 
 def type_of_intrinsic(function: Callable[..., Any]) -> Any:
-    """The type of an intrinsic that was met while something else is compiled."""
+    """Return the type of an intrinsic that was met while something else is compiled."""
     made = intrinsic(function)
     cpu_target.typing_context.refresh()
     cpu_target.target_context.refresh()
@@ -192,7 +192,7 @@ def type_of_intrinsic(function: Callable[..., Any]) -> Any:
 
 
 def type_of_external(name: str, returned: Any, arguments: tuple[Any, ...]) -> Any:
-    """The type of a function of the C library, whose pointers are numbers."""
+    """Return the type of a function of the C library, whose pointers are numbers."""
     kinds = [types.uintp if each is ctypes.c_void_p else _KINDS[each] for each in arguments]
     return type_of(types.ExternalFunction(name, _KINDS[returned](*kinds)))
 
@@ -208,7 +208,7 @@ _KINDS = {
 
 
 def written(functions: list[CFunction]) -> Any:
-    """LLVM's module of functions of C, each by its name, not optimised."""
+    """Write LLVM's module of functions of C, each by its name, not optimised."""
     module = None
     for function in functions:
         signature = _KINDS[function.returned](*(_KINDS[each] for each in function.arguments))
@@ -226,7 +226,7 @@ def written(functions: list[CFunction]) -> Any:
 
 
 def optimised(source: bytes, target: Target) -> Any:
-    """LLVM's module of the bitcode of `written`, optimised for a target. TypeError if it needs Python."""
+    """Optimise LLVM's module of the bitcode of `written` for a target. TypeError if it needs Python."""
     module = llvm.parse_bitcode(source)
     machine = target.machine()
     support = llvm.parse_assembly(assembly(target.system, target.triple))
@@ -253,7 +253,7 @@ _OF_C_LIBRARY = ("sin", "cos", "tan", "exp", "exp2", "log", "log2", "log10", "po
 
 
 def needed(module: Any) -> list[str]:
-    """The functions of the system's libraries that the code of a module calls."""
+    """Return the functions of the system's libraries that the code of a module calls."""
     names = [each.name for each in module.functions if each.is_declaration]
     inner = [name.split(".")[1] for name in names if name.startswith("llvm.")]
     return sorted({name for name in names if not name.startswith("llvm.")} | set(inner) & set(_OF_C_LIBRARY))

@@ -1,4 +1,4 @@
-"""How kernels are marked, and how C's callers and Python reach them.
+"""The decorators that mark kernels, and the calls from C and Python that reach them.
 
 Nothing here imports numba: where the machine code has come along, or is in the user's cache, it is not needed. It is
 imported when something is compiled (`compiler.py`).
@@ -67,12 +67,12 @@ class Kernel:
 
 
 def kernel(function: Callable[..., Any]) -> Any:
-    """Decorator: a kernel with strict IEEE arithmetic."""
+    """Mark a kernel with strict IEEE arithmetic: a decorator."""
     return Kernel(function)
 
 
 def noinline_kernel(function: Callable[..., Any]) -> Any:
-    """Decorator: a kernel that stays a function of its own in the one that calls it.
+    """Mark a kernel that stays a function of its own in the one that calls it: a decorator.
 
     For large ones that run per block, per event or per contact and sample: LLVM's passes take more than in proportion
     to a function's length.
@@ -81,7 +81,7 @@ def noinline_kernel(function: Callable[..., Any]) -> Any:
 
 
 def simd_kernel(function: Callable[..., Any]) -> Any:
-    """Decorator: a kernel whose sums may be reordered into vector lanes."""
+    """Mark a kernel whose sums may be reordered into vector lanes: a decorator."""
     return Kernel(function, simd=True)
 
 
@@ -98,7 +98,7 @@ class Intrinsic:
 
 
 def intrinsic(function: Callable[..., Any]) -> Any:
-    """Decorator: numba's `intrinsic`."""
+    """Mark an intrinsic as numba's `intrinsic` does: a decorator."""
     return Intrinsic(function)
 
 
@@ -123,7 +123,7 @@ class CFunction:
 
     @functools.cached_property
     def address(self) -> int:
-        """Where its code lies."""
+        """Address of the function's machine code."""
         addresses: dict[str, int] = import_module(f"{__package__}.code").load(self.py_func.__module__).addresses
         return addresses[self.py_func.__name__]
 
@@ -141,7 +141,8 @@ class CFunction:
 
 
 def c_function(returned: Any, *arguments: Any) -> Callable[[Callable[..., Any]], CFunction]:
-    """Decorator: a function of C. returned, arguments: types of ctypes: c_void_p, c_int, c_ulong, c_int64, c_double.
+    """Mark a function of C: a decorator. returned, arguments: types of ctypes: c_void_p, c_int, c_ulong, c_int64,
+    c_double.
 
     All C functions of a module are compiled together, from the sources that it imports.
     """

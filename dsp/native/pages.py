@@ -4,7 +4,7 @@ import mmap
 
 
 def own_zeros(size: int) -> mmap.mmap:
-    """So many bytes of zeros, of this process alone: after a fork each has its own."""
+    """Return so many bytes of zeros, of this process alone: after a fork each has its own."""
     if not hasattr(mmap, "MAP_PRIVATE"):  # Windows, where nothing forks
         return mmap.mmap(-1, size)
     unreserved = getattr(mmap, "MAP_NORESERVE", 0)

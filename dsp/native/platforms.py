@@ -1,4 +1,4 @@
-"""What kernels need of the machine and its system, in LLVM's assembly.
+"""The operations that kernels need of the machine and its system, in LLVM's assembly.
 
 Kernels are translated once, for all systems. What differs between these they call by the names of functions below,
 which are linked into their code, and inlined, before it is optimised for a system and a processor.
@@ -171,7 +171,7 @@ define void @carom_restore_denormals(i64 %mode) {
 
 
 def assembly(system: str, triple: str) -> str:
-    """The functions for an operating system and LLVM's name of a target."""
+    """Return the functions for an operating system and LLVM's name of a target."""
     clock = str(_CLOCK_MONOTONIC.get(system, _ELSEWHERE))
     calls = _WINDOWS if system == "windows" else _POSIX.replace("CLOCK_MONOTONIC", clock)
     thread = _THREAD if system == "linux" else _NO_THREAD

@@ -11,7 +11,7 @@ def _loaded(kind: Any, builder: Any, address: Any) -> Any:
 
 @intrinsic
 def load_double(typingctx, address):
-    """The float64 at an address."""
+    """Load the float64 at an address."""
 
     def codegen(context, builder, signature, args):
         return _loaded(ir.DoubleType(), builder, args[0])
@@ -21,7 +21,7 @@ def load_double(typingctx, address):
 
 @intrinsic
 def load_address(typingctx, address):
-    """The address at an address."""
+    """Load the address at an address."""
 
     def codegen(context, builder, signature, args):
         return _loaded(ir.IntType(64), builder, args[0])
@@ -31,7 +31,7 @@ def load_address(typingctx, address):
 
 @intrinsic
 def load_int32(typingctx, address):
-    """The int32 at an address, as an int64."""
+    """Load the int32 at an address, as an int64."""
 
     def codegen(context, builder, signature, args):
         return builder.sext(_loaded(ir.IntType(32), builder, args[0]), ir.IntType(64))
@@ -41,7 +41,7 @@ def load_int32(typingctx, address):
 
 @intrinsic
 def pointer_to(typingctx, address):
-    """A pointer to an address, for `carray`."""
+    """Return a pointer to an address, for `carray`."""
 
     def codegen(context, builder, signature, args):
         return builder.inttoptr(args[0], ir.IntType(8).as_pointer())

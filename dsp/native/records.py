@@ -11,7 +11,7 @@ def _field(builder: Any, record: Any, index: Any) -> Any:
 
 @intrinsic
 def field(typingctx, record, index):
-    """Field number `index` of a record whose fields are all float64."""
+    """Return field number `index` of a record whose fields are all float64."""
 
     def codegen(context, builder, signature, args):
         return builder.load(_field(builder, args[0], args[1]), align=8)

@@ -12,7 +12,7 @@ thread_id: Any = External("carom_thread_id", c_int64)
 """The system's number of this thread, by which Linux schedules it; 0 elsewhere."""
 
 pause_ns: Any = External("carom_pause_ns", None, c_int64)
-"""Let this thread sleep for some ns."""
+"""Pause this thread for some ns."""
 
 flush_denormals: Any = External("carom_flush_denormals", c_int64)
 """Set flush-to-zero on this thread and return the mode it had; does nothing where it is not known how."""
@@ -41,5 +41,5 @@ def call_back(typingctx, address, out, frames, times, flags, state):
 
 @c_function(c_int64)
 def clock_ns():
-    """The time (ns) by the clock that the callback reads."""
+    """Return the time (ns) by the clock that the callback reads."""
     return monotonic_ns()

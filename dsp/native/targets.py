@@ -1,4 +1,4 @@
-"""What machine code is made for: operating systems and kinds of processor; and which of them this machine is."""
+"""The targets of machine code: operating systems and kinds of processor; and which of them this machine is."""
 
 import os
 import platform
@@ -52,7 +52,7 @@ class Target:
         return _TRIPLES.get((self.system, family)) or str(llvm.get_process_triple())
 
     def machine(self) -> Any:
-        """LLVM's maker of machine code for it."""
+        """Return LLVM's maker of machine code for it."""
         llvm.initialize_all_targets()
         llvm.initialize_all_asmprinters()
         cpu, features = (self.processor, "-prefer-256-bit") if self.processor in LEVELS else ("generic", "")
@@ -70,13 +70,14 @@ WHEEL = tuple(
 
 @cache
 def system() -> str:
-    """This operating system, as the names of compiled files say it."""
+    """Return this operating system's name, as the names of compiled files have it."""
     return {"win32": "windows"}.get(sys.platform, sys.platform)
 
 
 @cache
 def processors() -> tuple[str, ...]:
-    """The kinds of processor whose code this one runs, the most able first; ValueError where VARIABLE asks for more."""
+    """Return the kinds of processor whose code this one runs, the most able first; ValueError where VARIABLE asks for
+    more."""
     machine = platform.machine().lower()
     machine = _OWN_NAMES.get(machine, machine)
     if machine != "x86_64":
@@ -93,11 +94,12 @@ def processors() -> tuple[str, ...]:
 
 
 def targets() -> tuple[Target, ...]:
-    """Those whose code this machine runs, the most able first."""
+    """Return the targets whose code this machine runs, the most able first."""
     return tuple(Target(system(), processor) for processor in processors())
 
 
 def built() -> tuple[Target, ...]:
-    """Those that a wheel holds code for if it is built on this machine for machines of its family and system."""
+    """Return the targets that a wheel holds code for if this machine builds it for machines of its family and
+    system."""
     kinds = LEVELS[1:] if processors()[-1] in LEVELS else processors()
     return tuple(Target(system(), kind) for kind in kinds)

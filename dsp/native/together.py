@@ -16,7 +16,7 @@ _PRIVATE, _ANONYMOUS, _UNRESERVED, _NEVER_REPLACING = 0x2, 0x20, 0x4000, 0x10_00
 
 @contextmanager
 def together(size: int) -> Iterator[None]:
-    """Have what is mapped meanwhile lie together, where it is the machine code of an object file of so many bytes.
+    """Map what is mapped meanwhile close together, where it is the machine code of an object file of so many bytes.
 
     Linux maps at the top of the highest gap that is large enough. A small section may find one that a large section
     does not, gigabytes away. So the gaps above the first one that holds all sections are closed meanwhile.
@@ -30,7 +30,8 @@ def together(size: int) -> Iterator[None]:
 
 
 def _small_gaps(enough: int) -> Iterator[tuple[int, int]]:
-    """The gaps between mappings from the highest down to the first of `enough` bytes: where they begin, and lengths."""
+    """Yield the gaps between mappings from the highest down to the first of `enough` bytes: where they begin, and
+    lengths."""
     mappings: list[tuple[int, int]] = []
     with suppress(OSError):
         for line in Path("/proc/self/maps").read_text().splitlines():

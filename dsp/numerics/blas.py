@@ -12,7 +12,8 @@ from threadpoolctl import ThreadpoolController
 
 
 def on_one_thread() -> AbstractContextManager[None]:
-    """Let BLAS use one thread of its own, from the first user to come to the last one to go."""
+    """Limit BLAS to one thread while any user is in this context: the first to enter sets the limit, the last to leave
+    lifts it."""
     return _blas.on_one_thread()
 
 
@@ -29,7 +30,8 @@ class _Blas:
 
     @contextmanager
     def on_one_thread(self) -> Iterator[None]:
-        """Let BLAS use one thread of its own, from the first user to come to the last one to go."""
+        """Limit BLAS to one thread while any user is in this context: the first to enter sets the limit, the last to
+        leave lifts it."""
         with self._lock:
             if self._users == 0:
                 self._limit = _controller().limit(limits=1, user_api="blas")

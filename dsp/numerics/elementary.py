@@ -25,14 +25,14 @@ def _whole(value: int) -> Any:
 
 
 def _biased(builder: Any, number: Any) -> Any:
-    """The exponent k of a number that is 2^k m with sqrt(1/2) <= m < sqrt(2), an int64; and its bits."""
+    """Return the exponent k of a number that is 2^k m with sqrt(1/2) <= m < sqrt(2), an int64; and its bits."""
     bits = builder.bitcast(number, ir.IntType(64))
     return builder.ashr(builder.sub(bits, _whole(_ROOT_HALF_BITS)), _whole(_FRACTION)), bits
 
 
 @intrinsic
 def _two_to(typingctx: Any, k: Any) -> Any:
-    """2^k of a whole number k, a float64, within +-1020."""
+    """Return 2^k of a whole number k, a float64, within +-1020."""
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         # By way of 32 bits: of 64, AVX2 would take one after the other.
@@ -44,7 +44,7 @@ def _two_to(typingctx: Any, k: Any) -> Any:
 
 @intrinsic
 def _exponent_of(typingctx: Any, number: Any) -> Any:
-    """The k of `_biased`, as a float64."""
+    """Return the k of `_biased`, as a float64."""
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         k = builder.trunc(_biased(builder, args[0])[0], ir.IntType(32))
@@ -55,7 +55,7 @@ def _exponent_of(typingctx: Any, number: Any) -> Any:
 
 @intrinsic
 def _mantissa_of(typingctx: Any, number: Any) -> Any:
-    """The m of `_biased`."""
+    """Return the m of `_biased`."""
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         exponent, bits = _biased(builder, args[0])
@@ -66,7 +66,7 @@ def _mantissa_of(typingctx: Any, number: Any) -> Any:
 
 @simd_kernel
 def _reduced(x):
-    """x = k ln 2 + r with whole k and |r| <= ln(2)/2: r, and k."""
+    """Reduce x = k ln 2 + r to r and k, with whole k and |r| <= ln(2)/2."""
     held = min(max(x, -_LIMIT), _LIMIT)
     k = float(math.floor(held * (1.0 / _LN2) + 0.5))
     return (held - k * _LN2_HIGH) - k * _LN2_LOW, k
@@ -74,7 +74,7 @@ def _reduced(x):
 
 @simd_kernel
 def _rise(r):
-    """exp(r) - 1 for |r| <= ln(2)/2."""
+    """Return exp(r) - 1 for |r| <= ln(2)/2."""
     e = _EXP[13]
     e = e * r + _EXP[12]
     e = e * r + _EXP[11]
@@ -93,14 +93,14 @@ def _rise(r):
 
 @simd_kernel
 def exp(x):
-    """exp(x)."""
+    """Return exp(x)."""
     r, k = _reduced(x)
     return _two_to(k) * (1.0 + _rise(r))
 
 
 @simd_kernel
 def expm1(x):
-    """exp(x) - 1, without cancellation near 0."""
+    """Return exp(x) - 1, without cancellation near 0."""
     r, k = _reduced(x)
     rise = _rise(r)
     return rise if k == 0.0 else _two_to(k) * (1.0 + rise) - 1.0
@@ -108,7 +108,7 @@ def expm1(x):
 
 @simd_kernel
 def _log_near_1(m):
-    """ln(m) = 2 artanh(s), s = (m - 1)/(m + 1)."""
+    """Return ln(m) = 2 artanh(s), s = (m - 1)/(m + 1)."""
     s = (m - 1.0) / (m + 1.0)
     z = s * s
     e = _LOG[10]
@@ -127,5 +127,5 @@ def _log_near_1(m):
 
 @simd_kernel
 def log(x):
-    """ln(x)."""
+    """Return ln(x)."""
     return _exponent_of(x) * _LN2 + _log_near_1(_mantissa_of(x))

@@ -10,7 +10,7 @@ from .checks import Array
 
 
 def elementwise(function: Callable[..., Any]) -> Callable[..., Array]:
-    """Decorator: a function of numbers takes arrays that broadcast, as a NumPy ufunc does; float64 in and out.
+    """Make a function of numbers take arrays that broadcast, as a NumPy ufunc does: a decorator; float64 in and out.
 
     It is compiled at the first call. What overflows or underflows on the way is the function's own business.
     """

@@ -5,7 +5,7 @@ from ..native.jit import intrinsic, ir, kernel, types
 
 @intrinsic
 def _bits(typingctx, x):
-    """A number's bits, as an integer."""
+    """Return a number's bits, as an integer."""
 
     def codegen(context, builder, signature, args):
         return builder.bitcast(args[0], ir.IntType(64))
@@ -15,7 +15,7 @@ def _bits(typingctx, x):
 
 @intrinsic
 def _number(typingctx, bits):
-    """The number that has these bits."""
+    """Return the number that has these bits."""
 
     def codegen(context, builder, signature, args):
         return builder.bitcast(args[0], ir.DoubleType())
@@ -29,5 +29,6 @@ _REST = _ONE - (_ONE >> 3) - (9 << 44)  # the last term makes the errors equal i
 
 @kernel
 def rough_eighth_root(x):
-    """The eighth root of a normal number > 0 within 4 %: an eighth of its logarithm, which its bits nearly are."""
+    """Return the eighth root of a normal number > 0 within 4 %: an eighth of its logarithm, which its bits nearly
+    are."""
     return _number((_bits(x) >> 3) + _REST)

@@ -29,9 +29,9 @@ from .simd_ring import push, ring_moved, ring_pushed
 Array = NDArray[Any]
 
 MOBILITY = 2 * FINE * LANES
-"""Where the rows begin that `observe`, `receptance` and velocity.py need."""
+"""First of the rows that `observe`, `receptance` and velocity.py need."""
 FED = MOBILITY + 3 * LANES
-"""Where the rows begin that fed.py needs."""
+"""First of the rows that fed.py needs."""
 RESPONSES = FED + 4 * LANES
 """Coefficients of one group of modes: for injection by moment, by sample (last, last but one), by mode; then two rows
 that `observe` and `receptance` need, sigma/omega, and those of fed.py."""
@@ -62,7 +62,7 @@ class Modes(NamedTuple):
 
 
 class Point(NamedTuple):
-    """Where a force acts: between four rows of a table of mode shapes, weighted."""
+    """A point where a force acts: between four rows of a table of mode shapes, weighted."""
 
     shape: Array
     """Flat, float32 or float64: rows of `stride` modes each."""
@@ -89,7 +89,7 @@ _FLAT = 1e-300  # keeps quotients of modes finite that are at rest for good
 
 @simd_kernel
 def ring(modes, out, start, stop):
-    """Let modes ring from frame `start` to `stop`: out[0], out[1] (float64, at least `stop` long) are overwritten.
+    """Ring modes from frame `start` to `stop`: out[0], out[1] (float64, at least `stop` long) are overwritten.
 
     The state is scaled by the modes' weights at the left output, so that left is a sum, which costs no multiplication.
     """
@@ -141,7 +141,7 @@ def ring(modes, out, start, stop):
 
 @simd_kernel
 def ring_driven(modes, shape, stride, drive, work, out, frame):
-    """Let modes ring for STRETCH samples from a frame on, driven in each; added to out[0], out[1].
+    """Ring modes for STRETCH samples from a frame on, driven in each; add the sound to out[0], out[1].
 
     shape, stride: as in Point. `work` (float64) has room for 4 STRETCH LANES values. Else as in `ring`.
     """
@@ -171,7 +171,7 @@ def ring_driven(modes, shape, stride, drive, work, out, frame):
 
 @simd_kernel
 def ring_alike(modes, shape, share, moments, out, start, stop):
-    """Let modes that are heard alike on both sides ring from frame `start` to `stop`, a multiple of LANES later.
+    """Ring modes that sound alike on both sides from frame `start` to `stop`, a multiple of LANES later.
 
     A force moves them, by `share` times its moments (frames, KEPT) in N s. out (float64) is overwritten.
     """
@@ -235,7 +235,7 @@ def _inject(modes, point, m):
 
 @simd_kernel
 def observe(modes, point, work, coefficients):
-    """The point's displacement (m) over the coming sample, if no force acts: FINE Legendre coefficients.
+    """Find the point's displacement (m) over the coming sample without a force: FINE Legendre coefficients.
 
     `work` (float64) has room for 3 n values, n being the number of modes.
     """
@@ -256,7 +256,7 @@ def observe(modes, point, work, coefficients):
 
 @simd_kernel
 def receptance(modes, point, work, coefficients):
-    """The point's displacement over a sample after a unit impulse there: FINE Legendre coefficients, m/(N s).
+    """Find the point's displacement over a sample after a unit impulse there: FINE Legendre coefficients, m/(N s).
 
     `work` as in `observe`; its first n values are the modes' shapes at the point afterwards.
     """
@@ -265,7 +265,8 @@ def receptance(modes, point, work, coefficients):
 
 @simd_kernel
 def transfer_receptance(modes, struck, point, work, coefficients):
-    """A point's displacement over a sample after a unit impulse at the one that is struck; else as `receptance`."""
+    """Find a point's displacement over a sample after a unit impulse at the one that is struck; else as
+    `receptance`."""
     a1, a2, response = modes.a1, modes.a2, modes.response
     n = len(a1)
     _shapes(n, struck, work)
@@ -284,7 +285,7 @@ def transfer_receptance(modes, struck, point, work, coefficients):
 
 @simd_kernel
 def reach(modes, point, work):
-    """Bounds of the point's displacement (m) and velocity (m/s, up to sigma/omega) by the ringing modes.
+    """Return bounds of the point's displacement (m) and velocity (m/s, up to sigma/omega) by the ringing modes.
 
     `work` as in `observe`.
     """
@@ -307,7 +308,7 @@ def reach(modes, point, work):
 
 @simd_kernel
 def _shapes(n, point, work):
-    """The modes' shapes at the point, into the first n values of `work`."""
+    """Write the modes' shapes at the point into the first n values of `work`."""
     shape, stride, row = point.shape, point.stride, point.row
     w = _four(point.weights)
     for i in range(n):
@@ -318,7 +319,8 @@ def _shapes(n, point, work):
 
 @simd_kernel
 def project(n, response, work, coefficients):
-    """coefficients[k] = (-1)^k sum (A_i Im R_ik + B_i Im(R_ik exp(-s_i))), A and B behind the shapes in `work`."""
+    """Compute coefficients[k] = (-1)^k sum (A_i Im R_ik + B_i Im(R_ik exp(-s_i))), with A and B behind the shapes in
+    `work`."""
     for first in range(0, FINE, HALF):
         put_projections(coefficients, first, response, 2 * first * LANES, RESPONSES, work, n)
     for k in range(1, FINE, 2):
@@ -327,7 +329,7 @@ def project(n, response, work, coefficients):
 
 @kernel
 def state_of(y1, y2, a1, a2):
-    """z of a mode from its last two samples: (Re z, Im z)."""
+    """Return z of a mode from its last two samples: (Re z, Im z)."""
     r = math.sqrt(-a2)
     cosine = 0.5 * a1 / r
     sine = math.sqrt(1.0 - cosine * cosine)

@@ -85,7 +85,7 @@ def _set_section(modes, i, pole, second, third, own, s, weight):
 
 @kernel
 def _numerator(since, x, own, s, weight):
-    """N at x = 1/z for an impulse that came a share `since` of a sample before the first tap.
+    """Return N at x = 1/z for an impulse that came a share `since` of a sample before the first tap.
 
     Tap j of the click is the fourth difference of `_integral`; D_0 leaves of it what is not its own ringing.
     """
@@ -105,7 +105,7 @@ def _numerator(since, x, own, s, weight):
 
 @kernel
 def _integral(t, s, weight):
-    """Im(weight exp(s t)), integrated from 0 to t four times, _FIRST of it three times and _SECOND twice; t in samples.
+    """Integrate Im(weight exp(s t)) from 0 to t four times, _FIRST of it three times and _SECOND twice; t in samples.
 
     The fourth integral is t^4 (exp(x) - 1 - x - x^2/2 - x^3/6)/x^4 at x = s t, the third t^3/6 and s times the fourth,
     the second t^2/2 and s times the third.
@@ -130,7 +130,7 @@ def _integral(t, s, weight):
 
 @kernel
 def _denominator(pole, x):
-    """(1 - p x)(1 - p* x)."""
+    """Return (1 - p x)(1 - p* x)."""
     return 1.0 - 2.0 * pole.real * x + (pole.real * pole.real + pole.imag * pole.imag) * x * x
 
 
@@ -141,5 +141,5 @@ def _polar(radius, angle):
 
 @kernel
 def _reciprocal(z):
-    """1/z by the conjugate: numba's complex division can raise."""
+    """Return 1/z by the conjugate: numba's complex division can raise."""
     return z.conjugate() * (1.0 / (z.real * z.real + z.imag * z.imag))

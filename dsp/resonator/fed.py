@@ -44,7 +44,8 @@ _DEGREE = 6
 
 
 def _window() -> NDArray[np.float64]:
-    """Weights of the KEPT moments of samples -HALF to HALF - 1 from a sample's beginning on, (2 HALF, KEPT)."""
+    """Return the weights of the KEPT moments of samples -HALF to HALF - 1 from a sample's beginning on, (2 HALF,
+    KEPT)."""
     nodes, weights = legendre.leggauss(20)
     t = np.arange(-HALF, HALF)[:, None] + 0.5 * (nodes + 1.0)
     kernel = np.sinc(t) * np.i0(_BETA * np.sqrt(1.0 - (t / HALF) ** 2)) / np.i0(_BETA)
@@ -54,7 +55,7 @@ def _window() -> NDArray[np.float64]:
 
 
 def _taps() -> NDArray[np.float64]:
-    """Power series of d_k/theta over (theta/pi)^2, (REACH + 1, _DEGREE + 1)."""
+    """Return the power series of d_k/theta over (theta/pi)^2, (REACH + 1, _DEGREE + 1)."""
     theta = _HIGHEST * (np.arange(40) + 0.5) / 40
     omega = _EDGE * (np.arange(200) + 0.7) / 200
     t, o = theta[:, None], omega[None, :]
@@ -71,7 +72,7 @@ _TAPS = _taps()
 
 @kernel
 def feed_tap(theta, k):
-    """d_k of a mode of frequency theta per sample."""
+    """Return d_k of a mode of frequency theta per sample."""
     square = (theta / math.pi) ** 2
     value = 0.0
     for p in range(_DEGREE, -1, -1):
@@ -81,7 +82,7 @@ def feed_tap(theta, k):
 
 @kernel
 def sample_force(moments, samples, begin):
-    """Band-limited samples (N s) of a force from its moments, (frames, KEPT).
+    """Write band-limited samples (N s) of a force from its moments, (frames, KEPT).
 
     samples[begin + n] (a multiple of LANES of them, up to the end) is the force around the beginning of sample n + HALF
     of the moments.
@@ -92,8 +93,8 @@ def sample_force(moments, samples, begin):
 
 @simd_kernel
 def lay_blows(response, point, drift, moves, first, blows, at, count):
-    """What a unit blow gives `count` modes from number `first` on, into blows[at + i], and if it moves, its change from
-    sample to sample into blows[at + count + i].
+    """Write the response to a unit blow of `count` modes from number `first` on into blows[at + i], and if the point
+    moves, its change from sample to sample into blows[at + count + i].
 
     point: where it acts, `drift` the change of its weights; `response` begins at the first mode.
     """
@@ -109,7 +110,7 @@ def lay_blows(response, point, drift, moves, first, blows, at, count):
 
 @kernel
 def ring_fed(modes, blows, forces, count, moves, out, start, stop):
-    """Let modes ring from frame `start` to `stop` under `count` forces; added to out[0], out[1].
+    """Ring modes from frame `start` to `stop` under `count` forces; add the sound to out[0], out[1].
 
     Force j acts by forces[j, t] (N s) in frame t, on the modes as `lay_blows` put it into `blows`, as of frame `start`,
     from 2 j times the number of modes on; without `moves` there are no changes.
@@ -133,7 +134,7 @@ def ring_fed(modes, blows, forces, count, moves, out, start, stop):
 
 @kernel
 def _ring_stretch(modes, blows, forces, count, moves, t, since):
-    """STRETCH frames of `ring_fed`: the sums of all modes, left and right."""
+    """Ring STRETCH frames of `ring_fed`; return the sums of all modes, left and right."""
     if moves:
         return ring_blown(modes.y1, modes.y2, modes.a1, modes.a2, modes.balance, blows, forces, count, t, since)
     return ring_blown_still(modes.y1, modes.y2, modes.a1, modes.a2, modes.balance, blows, forces, count, t, since)
@@ -141,7 +142,7 @@ def _ring_stretch(modes, blows, forces, count, moves, t, since):
 
 @simd_kernel
 def _ring_blown_once(modes, blows, forces, count, moves, out, t, since):
-    """A frame of `ring_fed`."""
+    """Compute one frame of `ring_fed`."""
     y1, y2, a1, a2, balance = modes.y1, modes.y2, modes.a1, modes.a2, modes.balance
     n = len(y1)
     left = right = 0.0

@@ -21,7 +21,7 @@ APART = 0.0003
 
 @kernel
 def mode_energy(y1, y2, a1, a2, weight):
-    """A mode's energy (J), |z|^2/2, its samples being scaled by a weight that is not 0."""
+    """Return a mode's energy (J), |z|^2/2, its samples being scaled by a weight that is not 0."""
     scale = 4.0 * a2 + a1 * a1  # -4 r^2 sin(theta)^2
     square = (y1 * y1 - a1 * y1 * y2 - a2 * y2 * y2) * 4.0 * a2
     return 0.5 * square / (scale * weight * weight) if scale != 0.0 else 0.0
@@ -29,7 +29,8 @@ def mode_energy(y1, y2, a1, a2, weight):
 
 @simd_kernel
 def energy_of(modes, weights, count):
-    """The energy (J) of the first `count` modes at most, their samples being scaled by weights (n,) that are not 0."""
+    """Return the energy (J) of the first `count` modes at most, their samples being scaled by weights (n,) that are not
+    0."""
     y1, y2, a1, a2 = modes.y1, modes.y2, modes.a1, modes.a2
     total = 0.0
     for i in range(min(len(y1), count)):
@@ -41,7 +42,8 @@ def energy_of(modes, weights, count):
 
 @kernel
 def recurring(frequency, nyquist):
-    """The frequency (Hz) nearest to one at which two samples tell how a mode rings, and what it answers to a force.
+    """Return the frequency (Hz) nearest to one at which two samples tell how a mode rings, and what it answers to a
+    force.
 
     That is at no multiple of the Nyquist frequency, and not so high that FINE moments of a force over a sample would
     not do for contacts that are exact to -110 dB.
@@ -55,7 +57,7 @@ def recurring(frequency, nyquist):
 
 @kernel
 def ring_at(modes, i, frequency, decay, rate):
-    """Let mode i ring on at a frequency > 0 (Hz) and decay (1/s), with the energy that it has, and without a step.
+    """Retune mode i to a frequency > 0 (Hz) and decay (1/s): it keeps its energy and makes no step.
 
     It answers forces as before.
     """

@@ -24,34 +24,34 @@ REASSOCIATE = ("contract", "reassoc", "nsz")
 
 
 def int32(value: int) -> Any:
-    """A constant."""
+    """Return a constant int32."""
     return ir.IntType(32)(value)
 
 
 def int64(value: int) -> Any:
-    """A constant."""
+    """Return a constant int64."""
     return ir.IntType(64)(value)
 
 
 def vector_type() -> Any:
-    """LANES numbers of float64, to LLVM."""
+    """Return LLVM's type of LANES numbers of float64."""
     return ir.VectorType(ir.DoubleType(), LANES)
 
 
 def lanes_type() -> Any:
-    """LANES numbers of float64, to numba: a tuple."""
+    """Return numba's type of LANES numbers of float64: a tuple."""
     return types.UniTuple(types.float64, LANES)
 
 
 def pointer_to(context: Any, builder: Any, array_type: Any, array: Any, index: Any) -> Any:
-    """Where LANES numbers of an array begin."""
+    """Return a pointer to LANES numbers of an array from an index on."""
     data = context.make_array(array_type)(context, builder, array).data
     element = context.get_data_type(array_type.dtype)
     return builder.bitcast(builder.gep(data, [index]), ir.VectorType(element, LANES).as_pointer())
 
 
 def vector_of(builder: Any, scalars: Any) -> Any:
-    """A vector of LANES numbers."""
+    """Return a vector of LANES numbers."""
     vector = ir.Constant(vector_type(), ir.Undefined)
     for i, scalar in enumerate(scalars):
         vector = builder.insert_element(vector, scalar, int32(i))
@@ -60,7 +60,8 @@ def vector_of(builder: Any, scalars: Any) -> Any:
 
 @intrinsic
 def dot(typingctx, table, first, step, factors):
-    """sum_k factors[k] table[first + k step + i] for each lane i, a tuple; `factors` is a tuple, `table` flat."""
+    """Return sum_k factors[k] table[first + k step + i] for each lane i, a tuple; `factors` is a tuple, `table`
+    flat."""
 
     def codegen(context, builder, signature, args):
         array, first, step, factors = args
@@ -80,7 +81,7 @@ def dot(typingctx, table, first, step, factors):
 
 @intrinsic
 def add_product(typingctx, array, first, a, b):
-    """array[first + i] += a[i] b[i] for each lane i."""
+    """Add a[i] b[i] to array[first + i] for each lane i."""
 
     def codegen(context, builder, signature, args):
         a, b = (vector_of(builder, cgutils.unpack_tuple(builder, lanes)) for lanes in args[2:])
@@ -94,7 +95,7 @@ def add_product(typingctx, array, first, a, b):
 
 @intrinsic
 def put_product(typingctx, array, first, a, b):
-    """array[first + i] = a[i] b[i] for each lane i."""
+    """Set array[first + i] = a[i] b[i] for each lane i."""
 
     def codegen(context, builder, signature, args):
         a, b = (vector_of(builder, cgutils.unpack_tuple(builder, lanes)) for lanes in args[2:])
@@ -106,7 +107,7 @@ def put_product(typingctx, array, first, a, b):
 
 
 def sums_of(builder: Any, vectors: list[Any]) -> Any:
-    """The sums of LANES vectors, one in each lane of one vector."""
+    """Return the sums of LANES vectors, one in each lane of one vector."""
     half = LANES // 2
     while half > 0:
         # In each block of 2 half lanes the upper half is added to the lower one; two vectors then fit into one.
@@ -122,7 +123,7 @@ def sums_of(builder: Any, vectors: list[Any]) -> Any:
 
 @intrinsic
 def inner_products(typingctx, array, first, factors):
-    """sum_i array[first + n KEPT + i] factors[i] for each n below LANES, a tuple.
+    """Return sum_i array[first + n KEPT + i] factors[i] for each n below LANES, a tuple.
 
     Both arrays count as flat; of factors there are FACTORS.
     """
@@ -149,8 +150,8 @@ def inner_products(typingctx, array, first, factors):
 
 @intrinsic
 def put_projections(typingctx, out, begin, table, first, step, work, size):
-    """out[begin + k] = sum_i work[size + i] table[at_i + 2 k LANES] + work[2 size + i] table[at_i + (2 k + 1) LANES]
-    for k below HALF.
+    """Set out[begin + k] = sum_i work[size + i] table[at_i + 2 k LANES] + work[2 size + i] table[at_i + (2 k + 1)
+    LANES] for k below HALF.
 
     Mode i has at_i = first + (i // LANES) step + i % LANES; size: of the modes, a multiple of LANES.
     """

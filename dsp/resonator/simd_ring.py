@@ -47,7 +47,8 @@ def push(typingctx, pushes, phi, slope, table, first, feeds, feed, frame):
 
 @intrinsic
 def ring_pushed(typingctx, y1, y2, a1, a2, balance, first, pushes, totals):
-    """STRETCH samples of the recursion y <- a1 y1 + a2 y2 for each lane i, from y1[first + i] and y2[first + i] on.
+    """Compute STRETCH samples of the recursion y <- a1 y1 + a2 y2 for each lane i, from y1[first + i] and y2[first + i]
+    on.
 
     Before sample t pushes[2 t LANES + i] is added to y1 and pushes[(2 t + 1) LANES + i] to y2; y and balance y are
     added to totals[2 t LANES + i] and totals[(2 t + 1) LANES + i].
@@ -84,7 +85,8 @@ def ring_pushed(typingctx, y1, y2, a1, a2, balance, first, pushes, totals):
 
 @intrinsic
 def ring_moved(typingctx, y1, y2, a1, a2, first, phi, table, row, moments, frame):
-    """LANES samples of the recursion of LANES modes from `first` on under a force, and the sums of y, a tuple.
+    """Compute LANES samples of the recursion of LANES modes from `first` on under a force; return the sums of y, a
+    tuple.
 
     phi: the modes' shapes where it acts. Its moments are moments[frame + t], (frames, KEPT); what they do to the modes
     begins at table[row].
@@ -131,7 +133,8 @@ def ring_moved(typingctx, y1, y2, a1, a2, first, phi, table, row, moments, frame
 
 @intrinsic
 def ring_blown(typingctx, y1, y2, a1, a2, balance, blows, forces, count, frame, since):
-    """STRETCH samples of y <- a1 y1 + a2 y2 + sum_j (blow_j + (since + t) change_j) forces[j, frame + t] of all modes.
+    """Compute STRETCH samples of y <- a1 y1 + a2 y2 + sum_j (blow_j + (since + t) change_j) forces[j, frame + t] of all
+    modes.
 
     blow_j and change_j are in `blows` from 2 j and 2 j + 1 times the number of modes on, for j below `count`. The sums
     of y, then those of balance y, a tuple of 2 STRETCH values.
@@ -141,12 +144,12 @@ def ring_blown(typingctx, y1, y2, a1, a2, balance, blows, forces, count, frame, 
 
 @intrinsic
 def ring_blown_still(typingctx, y1, y2, a1, a2, balance, blows, forces, count, frame, since):
-    """The same where each change_j is 0: they are not read."""
+    """Compute the same where each change_j is 0: they are not read."""
     return _ring_blown((y1, y2, a1, a2, balance, blows, forces, types.intp, types.intp, types.float64), moves=False)
 
 
 def _ring_blown(arguments: tuple[Any, ...], moves: bool) -> Any:
-    """Signature and code of `ring_blown`, with changes or without."""
+    """Return the signature and code of `ring_blown`, with changes or without."""
 
     def codegen(context, builder, signature, args):
         types_of = signature.args

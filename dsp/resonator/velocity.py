@@ -96,7 +96,7 @@ def set_shapes(n, point, scale, rows, stride):
 
 @simd_kernel
 def sense(modes, rows, stride):
-    """The SENSED velocities of the point over the coming sample, if no force acts."""
+    """Return the SENSED velocities of the point over the coming sample, if no force acts."""
     y1, y2 = modes.y1, modes.y2
     n = len(y1)
     shape, weights = rows[:n], rows[_WEIGHTS * stride :]
@@ -116,7 +116,7 @@ def sense(modes, rows, stride):
 
 @simd_kernel
 def observe_velocity(modes, rows, stride, work, coefficients):
-    """The same velocity in full: FINE Legendre coefficients (m/s). `work` as in `bank.observe`."""
+    """Find the same velocity in full: FINE Legendre coefficients (m/s). `work` as in `bank.observe`."""
     y1, y2 = modes.y1, modes.y2
     n = len(y1)
     shape, sums = rows[:n], rows[_SUMS * stride :]
@@ -131,7 +131,7 @@ def observe_velocity(modes, rows, stride, work, coefficients):
 
 @simd_kernel
 def velocity_response(modes, rows, stride, work, coefficients):
-    """The point's velocity over a sample after a unit impulse there: FINE Legendre coefficients, (m/s)/(N s).
+    """Find the point's velocity over a sample after a unit impulse there: FINE Legendre coefficients, (m/s)/(N s).
 
     `work` as in `bank.observe`; its first n values are the modes' shapes at the point afterwards.
     """

@@ -162,14 +162,15 @@ def steer(roll):
 
 @kernel
 def _nearer(value, goal, share):
-    """A value that has gone a share of its way to a goal, or all of it where little is left."""
+    """Move a value a share of its way to a goal, or all of it where little is left."""
     value += share * (goal - value)
     return goal if abs(goal - value) < _SMALL * abs(goal) else value
 
 
 @kernel
 def modulate(roll):
-    """A lopsided body's speed and weight: its energy is (7/10) m v^2 and m g times the height of its centre of mass."""
+    """Modulate a lopsided body's speed and weight: its energy is (7/10) m v^2 and m g times the height of its centre of
+    mass."""
     radius = roll.path.radius
     square = roll.v * roll.v
     if roll.target.asymmetry == 0.0:
@@ -192,7 +193,7 @@ def modulate(roll):
 
 @kernel
 def look_ahead(roll, seconds):
-    """Have the path ready; returns the time in s for which it is, at most `seconds`."""
+    """Extend the path ahead of the body; return the time in s for which it is ready, at most `seconds`."""
     path = roll.path
     begun = roll.piece >= 0
     anew = not begun or roll.target.radius != path.radius
@@ -235,7 +236,7 @@ def _rest(roll):
 
 @kernel
 def next_event(roll):
-    """Let the body go on by one event: a flight or a part of one, or a step in contact."""
+    """Advance the body by one event: a flight or a part of one, or a step in contact."""
     steer(roll)
     modulate(roll)
     least = roll.path.coarseness / EVENTS if roll.debt > _BURST else 0.0
@@ -303,7 +304,7 @@ def _is_clear(roll, v, rises, time):
 
 @kernel
 def _meeting(gap, rate, fall):
-    """Time until gap + rate t - fall t^2/2 is 0, infinite if never."""
+    """Return the time until gap + rate t - fall t^2/2 is 0, infinite if never."""
     square = rate * rate + 2.0 * fall * gap
     if square < 0.0 or (fall <= 0.0 and rate >= 0.0):
         return math.inf
@@ -331,7 +332,7 @@ def _land(roll, v_in):
 
 @kernel
 def fill_roll(roll, origin, rate, moments):
-    """Moments (N s) of the force over each frame.
+    """Fill in the moments (N s) of the force over each frame.
 
     moments: (frames, KEPT) float64. Frame n is the sample from origin + n/rate to
     origin + (n + 1)/rate, in s since the roll began. Call it for one stretch after the other.

@@ -50,7 +50,7 @@ _LEAST_RIPPLE = 1e-3  # share of the speed at hand that counts as heard in any c
 
 @kernel
 def path_at(roll):
-    """Height and slope of the path under the body."""
+    """Return the height and slope of the path under the body."""
     i = roll.piece & (PIECES - 1)
     path = roll.path
     q = roll.along
@@ -60,7 +60,8 @@ def path_at(roll):
 
 @kernel
 def _to_kink(roll, h, least):
-    """The length of a step of at most h s that ends before the path kinks, by a jump of its rate of `least` m/s."""
+    """Return the length of a step of at most h s that ends before the path kinks, by a jump of its rate of `least`
+    m/s."""
     path = roll.path
     passed = -roll.along
     for piece in range(roll.piece, path.made - 1):
@@ -76,7 +77,7 @@ def _to_kink(roll, h, least):
 
 @kernel
 def _walk(roll, h):
-    """Put the path's heights and their rates at a step's nodes and end; returns the piece and place of the end."""
+    """Put the path's heights and their rates at a step's nodes and end; return the piece and place of the end."""
     path = roll.path
     piece = roll.piece
     passed = -roll.along
@@ -116,8 +117,8 @@ def _collocate(roll, h, pace, k, speed):
 
 @kernel
 def _judge(roll, h, pace, k, begin, y, w):
-    """What to multiply a step with for the tolerance, and whether it will do; begin: compression, its rate, and the
-    elastic energy at its beginning."""
+    """Return the factor by which to change a step to meet the tolerance, and whether the step will do; begin:
+    compression, its rate, and the elastic energy at its beginning."""
     m, f = roll.m, roll.step.f
     x, v, stored = begin
     x_end = roll.level[NODES] - y
@@ -145,21 +146,22 @@ def _judge(roll, h, pace, k, begin, y, w):
 
 @kernel
 def _tolerance(roll, pace):
-    """The share of the momentum at hand by which a step of 1/pace s may err."""
+    """Return the share of the momentum at hand by which a step of 1/pace s may err."""
     shorter = max(roll.brief * pace, 1.0)
     return min(TOLERANCE * shorter * shorter, _MOST) * roll.path.coarseness
 
 
 @kernel
 def _spring(roll, k, x):
-    """The force (N) without dissipation under a compression, and the elastic energy (J)."""
+    """Return the force (N) without dissipation under a compression, and the elastic energy (J)."""
     spring = k * raised(x, roll.a) if x > 0.0 else 0.0
     return spring, spring * max(x, 0.0) * roll.energy_share
 
 
 @kernel
 def _rate_under(roll, spring, rate):
-    """The rate of compression under a spring's force (N), which would be `rate` (m/s) if the surface did not sink."""
+    """Return the rate of compression under a spring's force (N), which would be `rate` (m/s) if the surface did not
+    sink."""
     if roll.mobility == 0.0:
         return rate
     return (rate + roll.mobility * (roll.m * roll.g - spring)) / (1.0 + spring * roll.mu * roll.mobility)
@@ -167,13 +169,13 @@ def _rate_under(roll, spring, rate):
 
 @kernel
 def _speed_squared(roll, v, stored):
-    """The square of the speed that a rate of compression, the elastic energy and the rest's make together."""
+    """Return the square of the speed that a rate of compression, the elastic energy and the rest's make together."""
     return v * v + 2.0 * stored * roll.lightness + roll.g * roll.rest_compression
 
 
 @kernel
 def _ripple(roll, x, v):
-    """The square of the speed of a swing about rest: what is heard of a body that never leaves the path, however
+    """Return the square of the speed of a swing about rest: what is heard of a body that never leaves the path, however
     soft."""
     away = x - roll.rest_compression
     return v * v + roll.swing * away * away

@@ -107,7 +107,7 @@ def _smooth(contact):
 
 @kernel
 def _slope_at(roll, pace):
-    """How the path rises under a body, in m per sample, and bends."""
+    """Return the slope (m per sample) and the curvature of the path under a body."""
     incline = path_at(roll)[1]
     return pace * incline, 0.5 * pace * pace * roll.path.curvature[roll.piece & (PIECES - 1)]
 

@@ -19,7 +19,8 @@ _SLOW = 0.3  # of the change before: where a change is more, Newton's method wit
 
 
 def _eigenvectors() -> tuple[float, complex, NDArray[np.float64], NDArray[np.float64]]:
-    """P's real eigenvalue and a complex one; the first's vector and both parts of the other's, and their inverse."""
+    """Return P's real eigenvalue and a complex one; the first's vector and both parts of the other's, and their
+    inverse."""
     values, vectors = np.linalg.eig(INTEGRAL)
     real = int(np.argmin(abs(values.imag)))
     other = int(np.argmax(values.imag))
@@ -40,7 +41,7 @@ _W = tuple(float(x) for x in WEIGHTS)
 
 @kernel
 def _times(matrix, f0, f1, f2):
-    """A matrix of 3 x 3 numbers times a vector."""
+    """Multiply a matrix of 3 x 3 numbers by a vector."""
     return (
         matrix[0][0] * f0 + matrix[0][1] * f1 + matrix[0][2] * f2,
         matrix[1][0] * f0 + matrix[1][1] * f1 + matrix[1][2] * f2,
@@ -50,7 +51,7 @@ def _times(matrix, f0, f1, f2):
 
 @kernel
 def _law(x, v, k, mu, a):
-    """The contact force (N) and its slopes over x and v."""
+    """Return the contact force (N) and its slopes over x and v."""
     slack = 1.0 + mu * v
     if x <= 0.0 or slack <= 0.0:
         return 0.0, 0.0, 0.0
@@ -60,7 +61,7 @@ def _law(x, v, k, mu, a):
 
 @kernel
 def _compressions(step, f, h, lightness, mobility):
-    """Compressions and their rates under forces at the nodes."""
+    """Return the compressions and their rates under forces at the nodes."""
     p = _times(_P, f[0], f[1], f[2])
     pp = _times(_PP, f[0], f[1], f[2])
     heavy, light = h * lightness, h * mobility
@@ -79,7 +80,7 @@ def _compressions(step, f, h, lightness, mobility):
 
 @kernel
 def _slopes(stiffness, damping, h, lightness, mobility):
-    """The reciprocals of Newton's matrix in P's eigenvectors: a real number, and a complex one by its parts."""
+    """Return the reciprocals of Newton's matrix in P's eigenvectors: a real number, and a complex one by its parts."""
     c0, c1, c2 = 1.0 + damping * mobility, damping * lightness + stiffness * h * mobility, stiffness * h * lightness
     real = 1.0 / (c0 + _REAL * (c1 + _REAL * c2))
     re = c0 + _OTHER_RE * c1 + _SQUARE_RE * c2
@@ -90,7 +91,8 @@ def _slopes(stiffness, damping, h, lightness, mobility):
 
 @noinline_kernel
 def solve_free_mass(step, h, lightness, mobility, law, negligible):
-    """Forces at the nodes, from `step.f` on, within `negligible` (N); false if the step is too long to find them.
+    """Solve for the forces at the nodes, from `step.f` on, within `negligible` (N); return False if the step is too
+    long to find them.
 
     lightness: h over the mass, s/kg; law: k, mu, a. step.free_x, step.free_v: compressions and rates without the force.
     """
@@ -124,7 +126,7 @@ def solve_free_mass(step, h, lightness, mobility, law, negligible):
 
 @noinline_kernel
 def _solve_each(step, h, lightness, mobility, law, negligible):
-    """The same by Newton's method with each node's own slopes."""
+    """Solve for the same by Newton's method with each node's own slopes."""
     k, mu, a = law
     for i in range(3):
         for j in range(3):

@@ -124,7 +124,7 @@ def _refresh(path):
 
 @kernel
 def _nearer(gain, wanted):
-    """An octave's gain a block later: nearer to what is wanted, or all of it where little is left."""
+    """Move an octave's gain nearer to what is wanted, a block later, or all of the way where little is left."""
     missing = wanted - gain
     return wanted if abs(missing) < _SMALL else gain + _GLIDE * missing
 

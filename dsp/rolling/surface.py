@@ -100,14 +100,14 @@ def _enter(surface, j, cell, count):
 
 @kernel
 def _cubic(corner, c):
-    """The cubic of a cell, between corners c + 1 and c + 2, by its power series in [0, 1]."""
+    """Return the cubic of a cell, between corners c + 1 and c + 2, by its power series in [0, 1]."""
     a0, a1, a2, a3 = corner[c], corner[c + 1], corner[c + 2], corner[c + 3]
     return a1, 0.5 * (a2 - a0), a0 - 2.5 * a1 + 2.0 * a2 - 0.5 * a3, 0.5 * (a3 - a0) + 1.5 * (a1 - a2)
 
 
 @kernel
 def _octave_at(surface, j, place):
-    """Octave j's height (m) at a place."""
+    """Return the octave j's height (m) at a place."""
     level = OCTAVES - 1 - j
     shifted = place + surface.offset[j]
     cell = shifted >> level
@@ -119,14 +119,14 @@ def _octave_at(surface, j, place):
 
 @kernel
 def _ripple_at(surface, place):
-    """The corrugation's height (m) at a place."""
+    """Return the corrugation's height (m) at a place."""
     turns = surface.turns * place
     return surface.ripple * math.cos(2.0 * math.pi * (turns - math.floor(turns)))
 
 
 @kernel
 def read_heights(surface, place, stride, gains, ripple_gain, z):
-    """The profile's heights (m) at BLOCK points from a place on, `stride` places, a power of 2, from each other.
+    """Read the profile's heights (m) at BLOCK points from a place on, `stride` places, a power of 2, from each other.
 
     Meanwhile the octaves' gains and the corrugation's go evenly to others. A block begins where the last one ended;
     where it does not, `made_for` is to be 0.
@@ -174,7 +174,7 @@ def _is_in_one_cell(surface, j, place, stride):
 
 @kernel
 def _in_one_cell(surface, j, place, stride, gain, rise):
-    """Octave j over a block that lies in one of its cells: a power series in the points' number."""
+    """Return the octave j over a block that lies in one of its cells: a power series in the points' number."""
     level = OCTAVES - 1 - j
     shifted = place + surface.offset[j]
     cell = shifted >> level
@@ -241,7 +241,7 @@ def _add_narrowest(surface, j, place, gain, rise, z):
 
 @kernel
 def _gains(gain, rise, begin):
-    """An octave's gains at LANES points of a block from one on."""
+    """Return an octave's gains at LANES points of a block from one on."""
     if rise == 0.0:
         return gain, gain, gain, gain, gain, gain, gain, gain
     first = gain + (begin + 1) * rise
@@ -253,7 +253,7 @@ def _gains(gain, rise, begin):
 
 @kernel
 def _cubic_weights(t):
-    """What four corners of a lattice weigh at t, in [0, 1], of the cell in their middle."""
+    """Return the weights of four corners of a lattice at t, in [0, 1], of the cell in their middle."""
     return (
         _CUBIC[0, 0] + t * (_CUBIC[1, 0] + t * (_CUBIC[2, 0] + t * _CUBIC[3, 0])),
         _CUBIC[0, 1] + t * (_CUBIC[1, 1] + t * (_CUBIC[2, 1] + t * _CUBIC[3, 1])),
@@ -264,7 +264,7 @@ def _cubic_weights(t):
 
 @kernel
 def _table_of(points):
-    """The first of the tables, one for LANES points, of octaves that have so many points in a cell."""
+    """Return the first of the tables, one for LANES points, of octaves that have so many points in a cell."""
     table = 0
     for n in range(len(_CELLS)):
         if _CELLS[n] == points:
@@ -320,7 +320,7 @@ def make_surface(
     wavelength: float = 1.0,
     seed: int = 0,
 ) -> np.void:
-    """A surface, as a SURFACE record.
+    """Make a surface, as a SURFACE record.
 
     roughness: rms height in m, >= 0; correlation: length l in m, > 0; slope: beta of the power spectrum above 1/l, in
     (1, 5]; ripple, wavelength: amplitude (m, >= 0) and wavelength (m, > 0) of a corrugation. ValueError names what is
@@ -340,7 +340,7 @@ def make_surface(
 
 
 def heights(surface: np.void, places: ArrayLike) -> NDArray[np.float64]:
-    """Heights in m at places (whole numbers of surface["unit"] metres), of their shape."""
+    """Return the heights in m at places (whole numbers of surface["unit"] metres), of their shape."""
     where = np.atleast_1d(np.asarray(places, np.int64))
     z = np.empty(where.shape)
     _heights(surface, where.ravel(), z.reshape(-1))

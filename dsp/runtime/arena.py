@@ -30,7 +30,7 @@ class Arena:
         raise EngineFull(f"no room for {size} {self.what}: {self._left} of {self.size} are free")
 
     def give(self, first: int) -> int:
-        """Give a span back; returns its size."""
+        """Give a span back; return its size."""
         size = self._taken.pop(first)
         self._left += size
         place = bisect_left(self._free, (first, 0))

@@ -29,7 +29,7 @@ class Batch:
         self._room, self._room_at, self._used = np.empty(0, np.float32), 0, 0
 
     def add(self, engine: Engine, frames: int) -> NDArray[np.float32]:
-        """Have the next frames of an engine computed: float32 (frames, channels), which is filled once `finish` was
+        """Queue the next frames of an engine; return float32 (frames, channels), which is filled once `finish` was
         called."""
         shared, channels = self._shared, engine.channels
         added = int(shared.counts[ADDED])
@@ -48,13 +48,13 @@ class Batch:
         return out
 
     def _make_room(self, size: int) -> None:
-        """Have room for as many blocks of a size (samples) as may wait, of which the first is used."""
+        """Make room for as many blocks of a size (samples) as may wait, of which the first is used."""
         room = np.empty(self._most * size, np.float32)
         at = room.ctypes.data
         self._room, self._room_at, self._used = room, at, size  # at once: an interrupt comes before or after it
 
     def _begin(self) -> None:
-        """Have as many threads work as there may be: they end where nothing comes for a while."""
+        """Start as many threads as there may be: they end where nothing comes for a while."""
         self._threads = [each for each in self._threads if each.is_alive()]
         for _ in range(self._wanted - len(self._threads)):
             self._threads.append(Thread(target=self._shared.work, name="carom-batch", daemon=True))
@@ -77,7 +77,7 @@ class Batch:
 
 
 class _Shared:
-    """What threads read and write, which stays as long as one of them works."""
+    """The memory that threads read and write; it stays as long as one of them works."""
 
     def __init__(self, most: int) -> None:
         self.jobs, self.counts, self.times = np.zeros(most, JOB), np.zeros(COUNTS, np.int64), np.zeros(3)

@@ -28,7 +28,7 @@ _LATELY = 0.1  # s
 
 @c_function(*SIGNATURE)
 def callback(_input, output, frames, times, flags, userdata):
-    """PaStreamCallback: fill `output` with `frames` frames, channel by channel, from the state in `userdata`."""
+    """Fill `output` with `frames` frames, channel by channel, from the state in `userdata`: a PaStreamCallback."""
     entered = monotonic_ns()
     frames = np.int64(frames) & C_LONG
     mode = flush_denormals()

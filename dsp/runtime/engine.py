@@ -93,7 +93,7 @@ class Engine:
 
     @property
     def address(self) -> int:
-        """Of the compiled callback, with PortAudio's signature."""
+        """Address of the compiled callback, with PortAudio's signature."""
         return callback.address
 
     @property
@@ -118,7 +118,7 @@ class Engine:
         return int(self._record["thread"])
 
     def forget_thread(self) -> None:
-        """Let the next callback say in which thread it runs."""
+        """Forget the callback's thread: the next callback says in which one it runs."""
         self._record["thread"] = 0
 
     @property
@@ -137,7 +137,8 @@ class Engine:
         return max(self.position - self.delay, 0)
 
     def stamp(self, time: int) -> Stamp:
-        """A time of `clock_ns` for `send`. Two stamps compare as their times do, unless the clock is set meanwhile."""
+        """Return the stamp of a time of `clock_ns`, for `send`. Two stamps compare as their times do, unless the clock
+        is set meanwhile."""
         clock = self._record["clock"]
         turn = -1
         while turn % 2 or turn != observe(clock["turn"]):
@@ -168,7 +169,7 @@ class Engine:
 
     @property
     def quality(self) -> Quality:
-        """How much is computed now."""
+        """The quality at which the engine computes now."""
         return Quality(int(self._record["choices"]["quality"]))
 
     @property
@@ -184,7 +185,7 @@ class Engine:
 
     @property
     def bank(self) -> str:
-        """What the spectral bank keeps its modes in now: one of FORMS."""
+        """The form in which the spectral bank keeps its modes now: one of FORMS."""
         return FORMS[self._record["choices"]["bank"]]
 
     @property
@@ -194,12 +195,12 @@ class Engine:
 
     @property
     def limiter(self) -> bool:
-        """Whether the limiter is on now."""
+        """True if the limiter is on now."""
         return bool(self._record["choices"]["limiter"])
 
     def take_limit_lowest(self) -> float:
-        """The limiter's lowest gain since the last call. The audio thread may set it at the same moment: then a quantum
-        may be missed."""
+        """Return the limiter's lowest gain since the last call. The audio thread may set it at the same moment: then a
+        quantum may be missed."""
         lowest = float(self._record["stats"]["limit_lowest"])
         self._record["stats"]["limit_lowest"] = 1.0
         return lowest
@@ -232,7 +233,7 @@ class Engine:
         return len(lasting) == 0 or bool((friction > 0.0).any() or ending.any())
 
     def room(self) -> int:
-        """Commands that can be sent now."""
+        """Return how many commands can be sent now."""
         return self.ring.room()
 
     def send(self, commands: Sequence[Command]) -> None:
@@ -240,7 +241,7 @@ class Engine:
         self.ring.send(commands)
 
     def ended(self) -> list[tuple[int, End]]:
-        """Gestures (by number) that have ended since the last call, and how: one for each that was sent."""
+        """Return the gestures (by number) that have ended since the last call, and how: one for each that was sent."""
         count = int(observe(self._record["ends"]["written"]))
         first = max(self._ends_read, count - ENDED)
         self._ends_read = count
@@ -258,13 +259,13 @@ class Engine:
         self._record["notes"]["on"] = 1
 
     def noted(self) -> list[tuple[int, float]]:
-        """What became of commands since the last call, in the order it did: number, and the sample at which it was
-        carried out, or less than 0 for what never is."""
+        """Return the fate of commands since the last call, in order: number, and the sample at which each was carried
+        out, or less than 0 for one that never is."""
         notes = self._taken("notes", self._record["notes"]["entries"])
         return list(zip(notes["number"].tolist(), notes["time"].tolist(), strict=True))
 
     def _taken(self, name: str, entries: NDArray[Any]) -> NDArray[Any]:
-        """Which of its entries a ring has got since the last call."""
+        """Return the entries that a ring has got since the last call."""
         ring = self._record[name]
         read = int(ring["read"][0])
         written = int(observe(ring["written"]))
@@ -278,7 +279,7 @@ class Engine:
         self._record["tap"]["on"] = 1
 
     def recorded(self) -> NDArray[np.float32]:
-        """What has sounded since the last call, float32 (frames, channels)."""
+        """Return the sound since the last call, float32 (frames, channels)."""
         frames = self._record["tap"]["frames"]
         return self._taken("tap", frames[: TAP * self.channels].reshape(TAP, self.channels))
 
@@ -287,13 +288,13 @@ class Engine:
         self._record["trace"]["on"] = on
 
     def traced(self) -> NDArray[np.void]:
-        """(n,) of TRACE: the forces of contacts since the last call; call it every 1,024 frames, so that none is
+        """Return the forces of contacts since the last call, (n,) of TRACE; call it every 1,024 frames, so that none is
         lost."""
         return self._taken("trace", self._record["trace"]["entries"])
 
     def limited_energy(self) -> NDArray[np.float64]:
-        """By slot: the sum of squares of each object's share of the mix, over the quanta that the limiter turned down
-        since the last call."""
+        """Return, by slot, the sum of squares of each object's share of the mix, over the quanta that the limiter
+        turned down since the last call."""
         energies = self.objects["limited_energy"]
         taken: NDArray[np.float64] = energies.copy()
         energies[:] = 0.0
@@ -305,7 +306,7 @@ class Engine:
         return load(callback.__module__)
 
     def lay_out(self, modes: Modes, level: float) -> tuple[Handle, dict[str, float]]:
-        """Put an object's modes up to `top_frequency` into the bank; returns its handle, and the layout that its NEW
+        """Put an object's modes up to `top_frequency` into the bank; return its handle, and the layout that its NEW
         command takes.
 
         `level` (amplitude) is full scale per Pa at 1 m. EngineFull if there is no room.

@@ -14,7 +14,7 @@ _numbers = count()
 
 
 def fresh_state(rate: float, channels: int) -> NDArray[np.void]:
-    """A state as `new_state` makes it, byte for byte.
+    """Return a state as `new_state` makes it, byte for byte.
 
     To fill one in touches 1.3 MB and takes 1 ms. The first of a process is filled in; the others are maps of a file in
     memory, whose pages are copied where they are written.
@@ -30,7 +30,8 @@ def fresh_state(rate: float, channels: int) -> NDArray[np.void]:
 
 @cache
 def _filled_in() -> int:
-    """A file in memory that holds a fresh state: its descriptor, -1 where the system or a limit of it allows none."""
+    """Return a file in memory that holds a fresh state: its descriptor, -1 where the system or a limit of it allows
+    none."""
     if not hasattr(os, "memfd_create"):
         return -1
     file = os.memfd_create("carom-state")

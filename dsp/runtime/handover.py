@@ -31,7 +31,8 @@ HANDOVER = np.dtype(
 
 @c_function(*SIGNATURE)
 def guarded(_input, output, frames, times, flags, userdata):
-    """PaStreamCallback: what the engine's does, or silence while the HANDOVER in `userdata` is taken."""
+    """Do what the engine's callback does, or play silence while the HANDOVER in `userdata` is taken: a
+    PaStreamCallback."""
     handover = carray(userdata, (1,), HANDOVER)[0]
     frames = np.int64(frames) & C_LONG
     store_release(handover.calls, 0, handover.calls[0] + 1)
@@ -59,12 +60,12 @@ class Handover:
 
     @property
     def address(self) -> int:
-        """Of the callback to give to the device."""
+        """Address of the callback to give to the device."""
         return guarded.address
 
     @property
     def pointer(self) -> int:
-        """That callback's user data."""
+        """Address of that callback's user data."""
         return self._record.ctypes.data
 
     @property
@@ -73,10 +74,10 @@ class Handover:
         return int(observe(self._record[0]["calls"]))
 
     def allow(self) -> None:
-        """Let the device's calls reach the engine."""
+        """Allow the device's calls to reach the engine."""
         swap(self._word, TAKEN, FREE)
 
     def revoke(self) -> bool:
-        """Have no call reach the engine from here on; false if one is in it at this moment."""
+        """Keep all calls from the engine from here on; return False if one is in it at this moment."""
         swap(self._word, FREE, TAKEN)
         return int(observe(self._word)) == TAKEN

@@ -35,7 +35,7 @@ class Memory:
 
     @property
     def free(self) -> int:
-        """How many objects there is a place for."""
+        """Number of objects for which there is a place."""
         return self._most - self.reached + len(self._slots)
 
     def lay_out(self, modes: Modes, level: float, top: float) -> tuple[Handle, dict[str, float]]:
@@ -112,7 +112,8 @@ class Memory:
 
 
 def touch(record: np.void, modes: int, objects: int) -> None:
-    """Have a record of STATE hold now what dense traffic makes it hold sooner or later; any thread may.
+    """Touch the memory of a record of STATE that dense traffic would touch sooner or later, so that it is held now; any
+    thread may.
 
     That is 25 MB for as many modes and objects as are usual. Not what mode shapes, the spectral bank and the records of
     contacts and sound can take: that may be far more than is ever needed.
@@ -127,7 +128,7 @@ def touch(record: np.void, modes: int, objects: int) -> None:
 
 
 def _give_back(part: NDArray[Any]) -> None:
-    """Have the whole pages of a contiguous part of a state take no memory until they are written again.
+    """Give the whole pages of a contiguous part of a state back to the system until they are written again.
 
     What they held is lost. Nothing happens where the system cannot do it.
     """

@@ -14,10 +14,10 @@ _OFFSET = -0.691  # LUFS of a weighted mean square of 1, as ITU-R BS.1770 has it
 
 
 class Meter:
-    """What leaves an engine: `start` it, and it shows the last 0.4 s."""
+    """A meter of an engine's output: `start` it, and it shows the last 0.4 s."""
 
     def __init__(self, record: np.void) -> None:
-        """record: the engine's, of STATE."""
+        """Prepare to meter the engine of `record`, of STATE."""
         self._record, self._meter = record, record["meter"]
         self._rate, self._channels = float(record["rate"]), int(record["output"]["channels"])
         self._window = round(WINDOW * self._rate / QUANTUM)
@@ -28,7 +28,8 @@ class Meter:
         self._meter["on"] = 1
 
     def peaks(self, since: int = 0) -> list[float]:
-        """The highest amplitude of each channel, dB of full scale; `since`: a sample that may cut the 0.4 s short."""
+        """Return the highest amplitude of each channel, dB of full scale; `since`: a sample that may cut the 0.4 s
+        short."""
         places = self._places(since)
         peaks = self._meter["peak"][places, : self._channels].max(axis=0, initial=0.0)
         return [decibels(float(peak) ** 2) for peak in peaks]
@@ -39,11 +40,11 @@ class Meter:
         return _OFFSET + decibels(float(self._meter["power"][self._places()].sum()) / self._window)
 
     def _places(self, since: int = 0) -> NDArray[np.int64]:
-        """The quanta of the last 0.4 s, those before a sample left out."""
+        """Return the quanta of the last 0.4 s, those before a sample left out."""
         end = int(self._record["position"]) // QUANTUM
         return np.arange(max(0, end - self._window, since // QUANTUM), end) % METERED
 
 
 def decibels(square: float) -> float:
-    """The level of a squared amplitude, dB."""
+    """Return the level of a squared amplitude, dB."""
     return 10.0 * math.log10(square) if square > 10.0 ** (SILENCE / 10.0) else SILENCE

@@ -19,7 +19,7 @@ _SLEPT = 1_000_000_000  # ns behind after which the machine is thought to have s
 
 @c_function(None, c_void_p, c_int64, c_int64, c_double, c_void_p, c_int64, c_int64, c_void_p)
 def pace(running, callback, state, rate, out, frames, channels, times):
-    """Have blocks of so many frames computed as their time comes, while the int64 at `running` is not 0.
+    """Compute blocks of so many frames as their time comes, while the int64 at `running` is not 0.
 
     callback, state: addresses. rate: Hz. out: of float32 (frames, channels). times: of float64 (3,), in which the
     callback reads them as PortAudio's.
@@ -52,6 +52,7 @@ def keep_pace(
     out: NDArray[np.float32],
     times: NDArray[np.float64],
 ) -> None:
-    """`pace` with arrays, which stay for as long as it runs. running: (1,). out: (frames, channels). times: (3,)."""
+    """Run `pace` with arrays, which stay for as long as it runs. running: (1,). out: (frames, channels). times:
+    (3,)."""
     frames, channels = out.shape
     pace(running.ctypes.data, callback, state, rate, out.ctypes.data, frames, channels, times.ctypes.data)

@@ -1,4 +1,4 @@
-"""How an object's modes lie in the bank: in which order, with which weights, and what comes beside them."""
+"""The layout of an object's modes in the bank: their order, their weights, and what comes beside them."""
 
 import math
 from collections.abc import Sequence
@@ -48,7 +48,7 @@ _kept: Kept[tuple[int, float, float, bool], Plan] = Kept(8_000_000, lambda plan:
 
 
 def planned(modes: Modes, top: float, nyquist: float, has_sides: bool) -> Plan:
-    """Plan an object's modes up to a frequency (Hz), below Nyquist's; EngineFull if there are too many.
+    """Plan an object's modes up to a frequency (Hz), below Nyquist's; raise EngineFull if there are too many.
 
     Its weights are in Pa at 1 m; has_sides: a left and a right output.
     """
@@ -66,7 +66,7 @@ def forget_plans() -> None:
 
 
 def _made(modes: Modes, top: float, nyquist: float, has_sides: bool) -> Plan:
-    """The plan of `planned`."""
+    """Return the plan of `planned`."""
     order = np.argsort(modes.decay, kind="stable")  # the longest ringing first: the rest falls silent from the end
     order = order[modes.frequency[order] <= top]
     sides = modes.pressure[:, order]
@@ -108,7 +108,7 @@ def _fill(plan: Plan, first: int, frequency: Array | float, *others: Array | flo
 
 
 def _starts_of_clicks(count: int, clicks: int) -> Sequence[int]:
-    """Where the modes of each click begin, after `count` others: in one group, as contacts act on whole groups."""
+    """Return the first mode of each click, after `count` others: each in one group, as contacts act on whole groups."""
     starts = []
     for _ in range(clicks):
         count = count if count % LANES <= LANES - CLICK_MODES else math.ceil(count / LANES) * LANES
@@ -118,7 +118,8 @@ def _starts_of_clicks(count: int, clicks: int) -> Sequence[int]:
 
 
 def _weights(sides: Array) -> tuple[Array, Array]:
-    """Weights at the left output, by which the bank divides, and those at the right over them, of (2, n) weights."""
+    """Return the weights at the left output, by which the bank divides, and those at the right over them, of (2, n)
+    weights."""
     left, right = sides
     least = _least(sides)
     weight = np.where(np.abs(left) > least, left, least)
@@ -126,5 +127,5 @@ def _weights(sides: Array) -> tuple[Array, Array]:
 
 
 def _least(sides: Array) -> float:
-    """The weight of a mode that nobody hears, beside those with (2, n) weights."""
+    """Return the weight of a mode that nobody hears, beside those with (2, n) weights."""
     return float(max(_QUIETEST * np.abs(sides).max(initial=0), _QUIETEST**2))

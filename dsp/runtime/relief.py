@@ -1,4 +1,4 @@
-"""What keeps a slow force from being heard.
+"""The relief modes, which keep a slow force from being heard.
 
 A mode is heard by omega q, with a weight that holds at its own frequency. Below, a mode that is merely bent hardly
 radiates, for sound pressure follows acceleration, but omega q = phi F/omega follows the force: without more, a blow by
@@ -28,7 +28,8 @@ class Relief(NamedTuple):
 
 
 def relief(frequency: Array, decay: Array, sides: Array, strike: Array, top: float) -> Relief:
-    """The relief of modes: frequency (Hz), decay (1/s) (n,), weights (s, n), shapes (P, n); none above `top` (Hz)."""
+    """Return the relief of modes: frequency (Hz), decay (1/s) (n,), weights (s, n), shapes (P, n); none above `top`
+    (Hz)."""
     if not frequency.size:
         return Relief(np.empty(0), np.empty(0), np.empty((len(sides), len(strike), 0)))
     omega = 2 * np.pi * frequency

@@ -38,7 +38,7 @@ class Ring:
         return int(self._ring["written"][0])
 
     def room(self) -> int:
-        """Commands that can be sent now."""
+        """Return how many commands can be sent now."""
         return RING - int(self._ring["written"][0]) + int(observe(self._ring["read"]))
 
     def send(self, commands: Sequence[Command]) -> None:
@@ -50,15 +50,15 @@ class Ring:
         publish(self._ring["written"], written + len(commands))
 
     def bytes_of(self, commands: NDArray[np.void]) -> NDArray[np.void]:
-        """Commands as bytes, which are copied together and not field by field."""
+        """Return commands as bytes, which are copied together and not field by field."""
         return commands.view(f"V{COMMAND.itemsize}")
 
     def publish(self, number: int) -> None:
-        """Let the engine have what was written into `entries` before a number."""
+        """Publish to the engine what was written into `entries` before a number."""
         publish(self._ring["written"], number)
 
     def require_room(self, count: int, latest: float) -> None:
-        """EngineFull unless there is room for so many commands, the last for a time (samples)."""
+        """Raise EngineFull unless there is room for so many commands, the last for a time (samples)."""
         room = self.room()
         if count > room:
             raise EngineFull(f"no room for {count} events: {room} of {RING} can be queued now")

@@ -27,5 +27,5 @@ class Stems:
 
     @property
     def _turn(self) -> int:
-        """Which of two quanta left last: a limiter keeps it back by one."""
+        """Index of the one of two quanta that left last: a limiter keeps it back by one."""
         return int(self._output["turn"]) ^ int(self._output["delay"] > 0)

@@ -20,14 +20,14 @@ class Strikers:
     """
 
     def __init__(self, record: np.void, top: float) -> None:
-        """top: Hz, above which modes are left out."""
+        """Prepare the places of `record`; modes above `top` (Hz) are left out."""
         self._places = record["strikers"]
         self._top = top
         self._known: OrderedDict[StrikerSound, dict[str, float]] = OrderedDict()
         self._serial = 0
 
     def lay_out(self, sound: StrikerSound) -> dict[str, float]:
-        """The place and the serial of a striker's sound."""
+        """Lay a striker's sound out; return its place and serial."""
         if sound in self._known:
             self._known.move_to_end(sound)
             return self._known[sound]

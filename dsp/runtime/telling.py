@@ -50,21 +50,21 @@ TELLING = np.dtype(
     ],
     align=True,
 )
-"""Where a step is told, and to whom."""
+"""Addresses of a step that is told, and of the engine that hears it."""
 
 OBJECTS = np.dtype((np.int64, (BODIES, 2)))
 """The slot and the serial of each body's object in the engine."""
 
 SURFACES = 16
 TEMPLATES = np.dtype([("least", np.float64), ("command", COMMAND)], align=True)
-"""Of a slide on a surface: the least radius (m) of what slides there, and the command, which lacks the numbers of the
-contact."""
+"""Template of a slide on a surface: the least radius (m) of what slides there, and the command, which lacks the numbers
+of the contact."""
 
 _OWN = 1 << 40  # numbers of gestures from here on are those of slides, which no message names
 LOOK, PER_BLOW = 1, 2
-"""What a step says: PER_BLOW for each of its blows, and LOOK if Python has to look at it, added up."""
+"""Results of a step, added up: PER_BLOW for each of its blows, and LOOK if Python has to look at it."""
 NOT_WHOLE, NOT_LATER, NO_ROOM = -1, -2, -3
-"""What it says else: that its numbers cannot be, or its time; that the ring is full."""
+"""Other results: that its numbers cannot be, or its time; that the ring is full."""
 
 _STEERED = np.array([STEERABLE.index(name) for name in STEERED])
 _GRID = 256.0  # places between two samples, to which a time is rounded that is there but for rounding
@@ -79,7 +79,7 @@ def begin_telling(telling: np.ndarray, **arrays: np.ndarray) -> None:
 
 
 def link_engine(telling: np.ndarray, engine: np.ndarray) -> None:
-    """Have steps told to an engine, (1,) of its STATE."""
+    """Tell steps to an engine, (1,) of its STATE."""
     record, first = engine[0], engine.ctypes.data
     for name in ("entries", "written", "read"):
         telling[name] = record["ring"][name].ctypes.data
@@ -143,7 +143,7 @@ def _find_blows(link, state, microphones):
 
 @kernel
 def _sample_of(link, time):
-    """The engine's sample of a time of the simulation (s), as a score has it."""
+    """Return the engine's sample of a time of the simulation (s), as a score has it."""
     at = max(time - load_double(link.start) + link.latency, load_address(link.position) / link.rate)
     sample = at * link.rate
     nearest = np.rint(sample * _GRID) / _GRID
@@ -221,7 +221,7 @@ def _begin(link, entries, number, time, kind):
 
 @noinline_kernel
 def _slide(link, state):
-    """Have slides begin and end, but for those of pairs that slide in a way of their own: true if there are such."""
+    """Begin and end slides, but for those of pairs that slide in a way of their own; return True if there are such."""
     entries = carray(pointer_to(link.entries), (RING,), COMMAND)
     written = carray(pointer_to(link.written), (1,), np.int64)
     number, time = written[0], _sample_of(link, state.time)
@@ -242,7 +242,7 @@ def _slide(link, state):
 
 @kernel
 def _begin_slide(link, state, entries, number, time, event):
-    """Make a command a slide; false for one of a pair that slides in a way of its own."""
+    """Make a command a slide; return False for one of a pair that slides in a way of its own."""
     surface = state.surface[state.material[event.a], state.material[event.b]] - 1
     if surface < 0 or state.slides_so[event.a, event.b] == 1:
         return False

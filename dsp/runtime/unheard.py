@@ -1,4 +1,4 @@
-"""Where the bank can keep modes that are felt and not heard (bodies/unheard.py)."""
+"""Modes that are felt and not heard (bodies/unheard.py), moved to frequencies at which the bank can keep them."""
 
 import numpy as np
 
@@ -7,7 +7,8 @@ from ..resonator.mode import recurring
 
 
 def settled(unheard: Unheard | None, nyquist: float) -> Unheard:
-    """The modes at frequencies that the bank can keep, beside a Nyquist frequency (Hz): they yield as far as before."""
+    """Return the modes at frequencies that the bank can keep, beside a Nyquist frequency (Hz): they yield as far as
+    before."""
     if unheard is None:
         return Unheard(np.empty(0), np.empty(0), np.empty((1, 0)))
     kept = np.array([recurring.py_func(each, nyquist) for each in unheard.frequency.tolist()])

@@ -1,4 +1,4 @@
-"""How a block of a ringing mode is written as a few functions of time that all modes share.
+"""The basis of a ringing mode's block: a few functions of time that all modes share.
 
 Over a block of FRAMES samples about its middle, a mode c exp(lambda n) lies near the middle of a bin of frequencies:
 lambda n = i omega_b n + zeta tau, with tau from -1 to 1. Its zeta is small, and exp(zeta tau) is a polynomial of degree
@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 FRAMES = 512
-"""Of a block."""
+"""Length of a block."""
 BINS = FRAMES
-"""Of frequencies, from 0 to Nyquist's."""
+"""Number of bins of frequencies, from 0 to Nyquist's."""
 TERMS = 8
 SIZE = 2 * BINS
 """Points of the Fourier transform."""
@@ -25,7 +25,7 @@ MOST_LOSS = math.log(1000.0) / (0.05 * 48_000.0)
 
 _HALF_WIDTH = 0.25 * math.pi * FRAMES / BINS  # of zeta's imaginary part
 CENTRE = -0.25 * MOST_LOSS * FRAMES
-"""Of the real part of zeta, which is between 0 and twice that."""
+"""Centre of the real part of zeta, which is between 0 and twice that."""
 RADIUS = math.hypot(_HALF_WIDTH, CENTRE)
 """Zeta is kept as (zeta - CENTRE)/RADIUS, which is in the unit circle."""
 
@@ -34,13 +34,13 @@ _NODES = ((0.0, 0.314), (0.876, 0.945), (-0.888, 0.942), (-0.03, 0.683))
 
 
 def _nodes() -> list[complex]:
-    """The points at which the polynomial is right, in the unit circle."""
+    """Return the points at which the polynomial is right, in the unit circle."""
     upper = [complex(-x * CENTRE, y * _HALF_WIDTH) / RADIUS for x, y in _NODES]
     return [*upper, *(node.conjugate() for node in upper)]
 
 
 def _lagrange(nodes: list[complex], k: int) -> list[complex]:
-    """Coefficients of the polynomial that is 1 at node k and 0 at the others."""
+    """Return the coefficients of the polynomial that is 1 at node k and 0 at the others."""
     polynomial = [1.0 + 0.0j]
     for node in nodes[:k] + nodes[k + 1 :]:
         scale = 1.0 / (nodes[k] - node)
@@ -50,7 +50,7 @@ def _lagrange(nodes: list[complex], k: int) -> list[complex]:
 
 
 def _basis() -> NDArray[np.float64]:
-    """psi_j of each frame, (FRAMES, TERMS)."""
+    """Return psi_j of each frame, (FRAMES, TERMS)."""
     # In Python's arithmetic, which is the same on all machines; NumPy's is not.
     nodes = _nodes()
     polynomials = [_lagrange(nodes, k) for k in range(TERMS)]

@@ -23,7 +23,7 @@ def has_room(phase, modes):
 
 @kernel
 def _grown(count):
-    """Room for a bin with so many chunks."""
+    """Return the room for a bin with so many chunks."""
     return count + max(_LEAST, count // _SPREAD)
 
 
@@ -59,13 +59,13 @@ def give_place(spectral, phase, b, mode, slots):
 
 @kernel
 def _number_at(place, row, rows):
-    """Where a place's number of a row lies among chunks of so many rows."""
+    """Return the index of a place's number in one row, among chunks of so many rows."""
     return place // CHUNK * (rows * CHUNK) + row * CHUNK + place % CHUNK
 
 
 @kernel
 def number(spectral, single, place, row):
-    """A place's number of a row, in a bin that is kept in float32 (single: 1) or in float64."""
+    """Return a place's number of a row, in a bin that is kept in float32 (single: 1) or in float64."""
     if row >= MOTION:
         return float(spectral.weights[_number_at(place, row - MOTION, WEIGHTS)])
     at = _number_at(place, row, MOTION)
@@ -186,7 +186,7 @@ def empty_phase(spectral, phase, slots):
 
 
 def levels_of(spectral: np.void, p: int, bins: NDArray[np.int16], places: NDArray[np.int32]) -> NDArray[np.float64]:
-    """The squared amplitudes of modes of phase p in such bins and places, 1 + number; 0 where they have none."""
+    """Return the squared amplitudes of modes of phase p in such bins and places, 1 + number; 0 where they have none."""
     place = np.maximum(places.astype(np.int64) - 1, 0)
     first = place // CHUNK * (MOTION * CHUNK) + place % CHUNK
     single = spectral["phases"][p]["single"][bins] == 1

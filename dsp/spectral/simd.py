@@ -58,11 +58,11 @@ class _Writer:
         self.builder.store(value, self.place(data, index, offset), align=self._bits // 8)
 
     def taken(self, value: Any) -> Any:
-        """A vector of float32 as one of this writer's numbers."""
+        """Return a vector of float32 as one of this writer's numbers."""
         return value if self._bits == 32 else self.builder.fpext(value, _vector_type())
 
     def ask_for(self, data: Any, index: Any, numbers: int) -> None:
-        """Have so many numbers come from memory that lie _AHEAD of those at `index`. There may be nothing."""
+        """Prefetch so many numbers from memory that lie _AHEAD of those at `index`. There may be nothing."""
         byte, word = ir.IntType(8).as_pointer(), ir.IntType(32)
         kind = ir.FunctionType(ir.VoidType(), [byte, word, word, word])
         fetch = cgutils.get_or_insert_function(self.builder.module, kind, "llvm.prefetch.p0")
@@ -99,7 +99,7 @@ class _Writer:
         self.store(value[1], data, index, offset + TERMS)
 
     def filled(self, scalar: Any) -> Any:
-        """A vector of equal numbers."""
+        """Return a vector of equal numbers."""
         undefined = ir.Constant(_vector_type(self._bits), ir.Undefined)
         return self.shuffle(self.builder.insert_element(undefined, scalar, ir.IntType(32)(0)), undefined, [0] * CHUNK)
 
@@ -107,7 +107,7 @@ class _Writer:
         return self.builder.shuffle_vector(a, b, _mask(places))
 
     def sums(self, vectors: Any) -> Any:
-        """The sum of each of eight vectors, as a vector."""
+        """Return the sum of each of eight vectors, as a vector."""
         for low, high in (
             ([0, 8, 2, 10, 4, 12, 6, 14], [1, 9, 3, 11, 5, 13, 7, 15]),
             ([0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15]),
@@ -182,7 +182,7 @@ def pack(typingctx, sums, at, points, up, down):
 
 @intrinsic
 def butterfly(typingctx, source, at, step, target, to, stride, turns):
-    """A transform of four points, source[at + k step] to target[to + k stride], where the last three are turned.
+    """Transform four points, source[at + k step] to target[to + k stride], where the last three are turned.
 
     `turns` is a tuple of cos and sin for each of these three.
     """
@@ -212,7 +212,7 @@ def butterfly(typingctx, source, at, step, target, to, stride, turns):
 
 @intrinsic
 def weighted(typingctx, points, at, weights, first):
-    """Sums of a point's real parts and of its imaginary ones, each times weights[first + j]: a tuple."""
+    """Return sums of a point's real parts and of its imaginary ones, each times weights[first + j]: a tuple."""
 
     def codegen(context, builder, signature, args):
         w = _Writer(context, builder)

@@ -32,7 +32,8 @@ def sum_bins(chunks, singles, weights, single, start, count, sums):
 
 @kernel
 def synthesize(sums, points, other, out):
-    """The sound of the sums: out (2, FRAMES), left and right. points, other: room for SIZE POINT numbers each."""
+    """Synthesize the sound of the sums: out (2, FRAMES), left and right. points, other: room for SIZE POINT numbers
+    each."""
     for b in range(1, BINS):
         pack(sums, b * SUMS, points, b * POINT, (SIZE - b) * POINT)
     for j in range(TERMS):
@@ -52,7 +53,7 @@ def synthesize(sums, points, other, out):
 
 @kernel
 def _stage(source, target, left):
-    """A stage of Stockham's transform of radix 4, with exp(+i): transforms of `left` points that are left to do."""
+    """Compute a stage of Stockham's transform of radix 4, with exp(+i): transforms of `left` points remain."""
     quarter, stride = left // 4, SIZE // left
     for p in range(quarter):
         w = 2 * p * stride

@@ -1,4 +1,4 @@
-"""Where bowing a string is periodic: maps and limits for `carom chart`."""
+"""Maps and limits of where a bowed string is periodic, for `carom chart`."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -31,7 +31,8 @@ _SECONDS = 0.5
 def schelleng(
     rate: float, betas: Sequence[float] = BETAS, forces: Sequence[float] = FORCES
 ) -> Iterator[dict[str, Any]]:
-    """Slips a period of a string in Helmholtz motion, for each position of the bow and force (N); rate in Hz."""
+    """Yield the slips per period of a string in Helmholtz motion, for each position of the bow and force (N); rate in
+    Hz."""
     for beta in betas:
         for force in forces:
             slips = slips_of(beta, force, rate)
@@ -41,13 +42,13 @@ def schelleng(
 
 
 def slips_of(beta: float, force: float, rate: float) -> float:
-    """Slips a period of a string that began in Helmholtz motion."""
+    """Return the slips per period of a string that began in Helmholtz motion."""
     velocity = rub_modes(bowed_string(beta, force, SPEED, _SECONDS, rate), audited=False).velocity
     return len(_begins(velocity[round(_SETTLED * rate) :], beta, 0.5)) / ((_SECONDS - _SETTLED) * STRING)
 
 
 def force_limit(beta: float, raised: bool = True, rate: float = 48_000.0, law: Law = SHARP, torsion: int = 0) -> float:
-    """The greatest force (N) at which a string goes on in Helmholtz motion, or the least one, unless `raised`.
+    """Return the greatest force (N) at which a string goes on in Helmholtz motion, or the least one, unless `raised`.
 
     As Schelleng (J. Acoust. Soc. Am. 53, 1973) derives them: the string moves across only, with one impedance Z;
     friction falls at once from mu_s to mu_d, as the law SHARP nearly does; and the string has been in Helmholtz motion
@@ -67,13 +68,13 @@ def force_limit(beta: float, raised: bool = True, rate: float = 48_000.0, law: L
 
 
 def schelleng_limit(beta: float, law: Law = BOWED) -> float:
-    """Schelleng's greatest force (N), 2 Z v/(beta (mu_s - mu_d))."""
+    """Return Schelleng's greatest force (N), 2 Z v/(beta (mu_s - mu_d))."""
     return 2.0 * IMPEDANCE * SPEED / (beta * (law[0] - law[1]))
 
 
 def _begins(velocity: Array, beta: float, deep: float) -> NDArray[np.int64]:
-    """Samples at which slips begin: falls below a share `deep` of their ideal speed, which is 1/beta - 1 times the
-    bow's. Short ones within it are none."""
+    """Return the samples at which slips begin: falls below a share `deep` of their ideal speed, which is 1/beta - 1
+    times the bow's. Short ones within it are none."""
     fast = velocity < -deep * SPEED * (1.0 / beta - 1.0)
     return np.flatnonzero(fast[1:] & ~fast[:-1])
 
@@ -81,7 +82,8 @@ def _begins(velocity: Array, beta: float, deep: float) -> NDArray[np.int64]:
 def guettler(
     rate: float, beta: float = 0.1, accelerations: Sequence[float] = ACCELERATIONS, forces: Sequence[float] = FORCES
 ) -> Iterator[dict[str, Any]]:
-    """Periods that a string at rest takes until it slips once in each, by the bow's acceleration (m/s^2) and force."""
+    """Yield the periods that a string at rest takes until it slips once in each, by the bow's acceleration (m/s^2) and
+    force."""
     for acceleration in accelerations:
         for force in forces:
             rub = bowed_string(beta, force, SPEED, _SECONDS, rate)
@@ -94,7 +96,8 @@ def guettler(
 
 
 def _transient(changes: Array) -> float:
-    """Periods until the first of five slips in a row that are a period apart within a tenth; infinity if none is."""
+    """Return the periods until the first of five slips in a row that are a period apart within a tenth; infinity if
+    none is."""
     starts = changes[1::2] if len(changes) else changes
     gaps = np.diff(starts) * STRING
     for n in range(len(gaps) - 4):

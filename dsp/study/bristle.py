@@ -37,7 +37,7 @@ _FAILS = 1e-6  # share of the work that friction may give back
 
 
 class Bristled(NamedTuple):
-    """What a bristle makes of a rub: velocity at the samples' ends (m/s), the least loss by friction since the start
+    """A bristle's results for a rub: velocity at the samples' ends (m/s), the least loss by friction since the start
     (J), and the greatest work of the driver (J); infinity where it blows up."""
 
     velocity: Array
@@ -47,7 +47,7 @@ class Bristled(NamedTuple):
 
 @kernel
 def _adhesion(z, w, steady):
-    """alpha: 0 where the bristle only bends, 1 where it slips; steady: g/s0 (m)."""
+    """Return alpha, 0 where the bristle only bends and 1 where it slips; steady: g/s0 (m)."""
     size, breaks = abs(z), _BREAKS * steady
     if z * w <= 0.0 or size <= breaks:
         return 0.0
@@ -58,7 +58,7 @@ def _adhesion(z, w, steady):
 
 @kernel
 def _euler(z, w, h, load, law, bristle):
-    """Force now, and deflection a sample later, by Euler's explicit step."""
+    """Return the force now, and the deflection a sample later, by Euler's explicit step."""
     steady = load * coefficient(abs(w), law[0], law[1], law[2])[0] / bristle[0]
     rate = w - _adhesion(z, w, steady) * abs(w) * z / steady if steady > 0.0 else 0.0
     return bristle[0] * z + bristle[1] * rate, z + h * rate
@@ -66,7 +66,8 @@ def _euler(z, w, h, load, law, bristle):
 
 @kernel
 def _trapezoid(z, w, h, load, law, bristle):
-    """Mean force over a sample, and deflection at its end, by the trapezoidal rule; alpha by a fixed point."""
+    """Return the mean force over a sample, and the deflection at its end, by the trapezoidal rule; alpha by a fixed
+    point."""
     steady = load * coefficient(abs(w), law[0], law[1], law[2])[0] / bristle[0]
     after = z if steady > 0.0 else 0.0
     for _ in range(_ADHESIONS if steady > 0.0 else 0):
@@ -77,7 +78,7 @@ def _trapezoid(z, w, h, load, law, bristle):
 
 @kernel
 def _iterate(z, w, free, give, h, load, law, bristle):
-    """Newton's method for w = free - give f(w), with a slope by differences, from the last sample's w."""
+    """Solve w = free - give f(w) by Newton's method, with a slope by differences, from the last sample's w."""
     for _ in range(_ITERATIONS):
         rest = free - give * _trapezoid(z, w, h, load, law, bristle)[0] - w
         if abs(rest) <= 1e-10 * (abs(free) + abs(w)):
@@ -123,7 +124,7 @@ def _run(modes, drive, ways, law, bristle, velocity):
 
 
 def rub_bristle(rub: Rub, iterated: bool = False, stiffness: float = STIFFNESS) -> Bristled:
-    """What a sampled bristle of a stiffness s0 (N/m) makes of a rub, from rest."""
+    """Run a rub, from rest, by a sampled bristle of a stiffness s0 (N/m)."""
     h = 1.0 / rub.rate
     omega = 2.0 * np.pi * rub.frequency
     p = -rub.sigma + 1j * omega
@@ -139,7 +140,7 @@ def rub_bristle(rub: Rub, iterated: bool = False, stiffness: float = STIFFNESS) 
 
 
 def bristle_cost(rub: Rub, iterated: bool) -> float:
-    """Cost in ns a sample, its modes included."""
+    """Return the cost in ns a sample, its modes included."""
     shortest = math.inf
     for _ in range(7):
         start = perf_counter_ns()
@@ -149,7 +150,7 @@ def bristle_cost(rub: Rub, iterated: bool) -> float:
 
 
 def rubbed(seconds: float = 0.1, rate: float = 48_000.0) -> Rub:
-    """Four modes that a driver at 0.1 m/s rubs with 1 N."""
+    """Return the rub of four modes by a driver at 0.1 m/s with 1 N."""
     samples = round(seconds * rate)
     drive, normal = np.full(samples + 1, 0.1), np.full(samples + 1, 1.0)
     frequency, phi = np.array([220.0, 587.0, 1190.0, 3100.0]), np.array([10.0, -8.0, 9.0, 6.0])
@@ -161,22 +162,22 @@ def _of(method: str, rub: Rub) -> Rub:
 
 
 def velocity_of(method: str, rub: Rub) -> Array:
-    """The point's velocity (m/s) at the samples' ends by one of METHODS."""
+    """Return the point's velocity (m/s) at the samples' ends by one of METHODS."""
     if method.endswith("bristle"):
         return rub_bristle(rub, method.startswith("iterated")).velocity
     return rub_modes(_of(method, rub), method == "held", audited=False).velocity
 
 
 def cost_of(method: str, rub: Rub) -> float:
-    """Its cost in ns a sample."""
+    """Return the method's cost in ns per sample."""
     if method.endswith("bristle"):
         return bristle_cost(rub, method.startswith("iterated"))
     return rub_cost(_of(method, rub), method == "held")
 
 
 def errors(factors: Sequence[int] = (1, 2, 4, 8)) -> Iterator[dict[str, Any]]:
-    """Rms error of the velocity over 0.1 s, over the driver's, and cost (ns for each sample at 48 kHz), by method and
-    factor on the rate. Each is compared with itself at 64 times the rate."""
+    """Yield the rms error of the velocity over 0.1 s, over the driver's, and the cost (ns for each sample at 48 kHz),
+    by method and factor on the rate. Each is compared with itself at 64 times the rate."""
     for method in METHODS:
         exact = velocity_of(method, rubbed(rate=48_000.0 * _REFERENCE))[_REFERENCE - 1 :: _REFERENCE]
         for factor in factors:
@@ -187,7 +188,7 @@ def errors(factors: Sequence[int] = (1, 2, 4, 8)) -> Iterator[dict[str, Any]]:
 
 
 def finer(rub: Rub, factor: int) -> Rub:
-    """The same rub at a multiple of the rate."""
+    """Return the same rub at a multiple of the rate."""
     course = np.arange(len(rub.speed))
     times = np.arange((len(rub.speed) - 1) * factor + 1) / factor
     speed, normal = np.interp(times, course, rub.speed), np.interp(times, course, rub.normal)
@@ -195,7 +196,8 @@ def finer(rub: Rub, factor: int) -> Rub:
 
 
 def gain_of(method: str, rub: Rub, stiffness: float) -> float:
-    """The most that friction has given back at any time, over the driver's greatest work; infinity if it blows up."""
+    """Return the most that friction has given back at any time, over the driver's greatest work; infinity if it blows
+    up."""
     if method.endswith("bristle"):
         made = rub_bristle(rub, method.startswith("iterated"), stiffness)
         least, driven = made.least, made.driven
@@ -208,7 +210,8 @@ def gain_of(method: str, rub: Rub, stiffness: float) -> float:
 
 
 def extremes(count: int, factors: Sequence[int] = (1, 2, 4, 8), seed: int = 18) -> Iterator[dict[str, Any]]:
-    """What friction gives back on random extremes, by method and factor on the rate: a row for each rub."""
+    """Yield a row for each rub, method and factor on the rate: how much energy friction gives back on random
+    extremes."""
     rng = np.random.default_rng(seed)
     for case in range(count):
         rub, stiffness = extreme_rub(rng), float(np.exp(rng.uniform(np.log(1e3), np.log(1e7))))

@@ -74,12 +74,12 @@ def _solvers(oversamplings: tuple[int, ...]) -> list[_Solver]:
 
 
 def band_cases(band: tuple[float, float], count: int, seed: int) -> list[Case]:
-    """Random contacts of a band that begin on a sample, as the sampled methods need it."""
+    """Return random contacts of a band that begin on a sample, as the sampled methods need it."""
     return [replace(case, fraction=0.0) for case in random_cases(count, seed, band)]
 
 
 def scores(cases: list[Case], oversamplings: tuple[int, ...], repeats: int) -> Iterator[Score]:
-    """Score every solver on cases against the coupled solver at CONVERGED; costs are the least of so many repeats."""
+    """Mark every solver on cases against the coupled solver at CONVERGED; costs are the least of so many repeats."""
     exact = [simulate(case, CONVERGED) for case in cases]
     marks = {}
     for solver in _solvers(oversamplings):
@@ -96,7 +96,8 @@ def scores(cases: list[Case], oversamplings: tuple[int, ...], repeats: int) -> I
 
 
 def _marks(solver: _Solver, cases: list[Case], exact: list[Run], repeats: int) -> Array:
-    """Error (dB), whether contacts are miscounted, growth of energy, steps and cost (ns) of each case, (cases, 5)."""
+    """Return the error (dB), whether contacts are miscounted, growth of energy, steps and cost (ns) of each case,
+    (cases, 5)."""
     rows = []
     with np.errstate(over="ignore", invalid="ignore"):
         for case, truth in zip(cases, exact, strict=True):
@@ -111,7 +112,7 @@ def _marks(solver: _Solver, cases: list[Case], exact: list[Run], repeats: int) -
 
 
 def touched(run: Run) -> int:
-    """Samples from the start to the one in which the last contact ends, that one included."""
+    """Return samples from the start to the one in which the last contact ends, that one included."""
     begun = np.flatnonzero(np.diff(run.contacts, prepend=0.0))
     inside = np.flatnonzero(run.compression > 0.0) + 1
     return min(1 + int(max(begun.max(initial=0), inside.max(initial=0))), len(run.contacts))

@@ -48,7 +48,7 @@ def _pulse_loop(pulse, law, rate, times):
 
 @kernel
 def _nearly(v_in, i):
-    """v_in, a little different each time: the compiler would take a constant out of the loop."""
+    """Return v_in, a little different each time: the compiler would take a constant out of the loop."""
     return v_in * (1.0 + 1e-12 * i)
 
 
@@ -70,30 +70,31 @@ def _paper_release_loop(v_in, mu, times):
 
 
 def contact_cost(method: str, correction: str, law: Law, rate: float, repeats: int = 20) -> float:
-    """Cost in ns of one contact by a sampled method with a correction at `rate` Hz."""
+    """Return the cost in ns of one contact by a sampled method with a correction at `rate` Hz."""
     number, corrected = numbers(method, correction)
     loop, arguments = _loop(number), (new_contact(), corrected, floats(law), 1.0 / float(rate))
     return cost_of(lambda times: loop(*arguments, times, _NOWHERE), repeats)
 
 
 def pulse_cost(law: Law, rate: float, repeats: int = 20) -> float:
-    """Cost in ns of one contact's force pulse in closed form: every sample's moments at `rate` Hz, as the engine's."""
+    """Return the cost in ns of one contact's force pulse in closed form: every sample's moments at `rate` Hz, as the
+    engine's."""
     arguments = np.zeros(1, PULSE)[0], floats(law), float(rate)
     return cost_of(lambda times: _pulse_loop(*arguments, times), repeats)
 
 
 def release_cost(law: Law, repeats: int = 20) -> float:
-    """Cost in ns of the exact release velocity."""
+    """Return the cost in ns of the exact release velocity."""
     return cost_of(lambda times: _release_loop(law[0], law[3], times), repeats)
 
 
 def paper_release_cost(law: Law, repeats: int = 20) -> float:
-    """Cost in ns of the release velocity by equations (7) and (8) of Papetti, Avanzini, Rocchesso 2011."""
+    """Return the cost in ns of the release velocity by equations (7) and (8) of Papetti, Avanzini, Rocchesso 2011."""
     return cost_of(lambda times: _paper_release_loop(law[0], law[3], times), repeats)
 
 
 def cost_of(loop: Callable[[int], object], repeats: int = 20) -> float:
-    """Cost in ns of one turn of `loop(turns)`: the shortest of some runs of 0.1 ms each at least."""
+    """Return the cost in ns of one turn of `loop(turns)`: the shortest of some runs of 0.1 ms each at least."""
     loop(1)
     times = 1
     while min(_elapsed(loop, times) for _ in range(3)) < _LOOP_NS:  # one alone may have been interrupted

@@ -96,12 +96,12 @@ class Run:
 
     @classmethod
     def of(cls, out: Array, steps: int = 0, held: int = 0) -> "Run":
-        """A run from its columns in the order of the fields, (samples, 5)."""
+        """Return a run from its columns in the order of the fields, (samples, 5)."""
         velocity, striker, compression, energy, contacts = out.T
         return cls(velocity, striker, compression, energy, contacts, steps, held)
 
     def growth(self, case: Case) -> float:
-        """The greatest rise of the total energy, over the greatest energy that striker or contact had."""
+        """Return the greatest rise of the total energy, over the greatest energy that striker or contact had."""
         energy = np.concatenate([[case.energy], self.energy])
         kinetic = 0.5 * case.m * self.striker**2
         stored = case.k * self.compression ** (case.a + 1.0) / (case.a + 1.0)
@@ -110,7 +110,7 @@ class Run:
 
 
 def error(velocity: Array, expected: Array) -> float:
-    """Greatest difference of two courses of velocity over the greatest expected one, in dB."""
+    """Return the greatest difference of two courses of velocity over the greatest expected one, in dB."""
     return 20.0 * math.log10(max(np.abs(velocity - expected).max() / np.abs(expected).max(), 1e-20))
 
 
@@ -128,7 +128,7 @@ class Bank(NamedTuple):
 
 
 def bank_of(case: Case) -> Bank:
-    """The case's modes, padded to whole LANES; the point's shape has their phi in all four rows."""
+    """Return the case's modes, padded to whole LANES; the point's shape has their phi in all four rows."""
     count = len(case.frequency)
     n = -(-max(count, 1) // LANES) * LANES
     y1, y2, a1, a2, balance, frequency, sigma = np.zeros((7, n))
@@ -158,7 +158,7 @@ def restart(bank):
 
 @kernel
 def ring_on(modes):
-    """Let the modes go on by a sample."""
+    """Ring the modes for one sample."""
     for i in range(len(modes.y1)):
         y = modes.a1[i] * modes.y1[i] + modes.a2[i] * modes.y2[i]
         modes.y2[i] = modes.y1[i]
@@ -167,7 +167,7 @@ def ring_on(modes):
 
 @kernel
 def motion_and_energy(bank):
-    """Velocity of the modes' point (m/s), and their energy (J)."""
+    """Return the velocity of the modes' point (m/s), and their energy (J)."""
     velocity = energy = 0.0
     modes = bank.modes
     n = len(modes.y1)
@@ -226,13 +226,14 @@ def simulate(case: Case, tolerance: float = 1e-5) -> Run:
 
 
 def simulation_loop(case: Case, samples: int, tolerance: float) -> Callable[[int], None]:
-    """A function that simulates so many samples of a case the given number of times and keeps none, for `cost_of`."""
+    """Return a function that simulates so many samples of a case the given number of times and keeps none, for
+    `cost_of`."""
     simulation = _simulation(case, tolerance, np.zeros(1, COUPLED)[0])
     return lambda times: simulation(samples, times, NOT_KEPT)
 
 
 def random_cases(count: int, seed: int, yielding: tuple[float, float] = (1e-4, 1.0)) -> list[Case]:
-    """Audible contacts: 1-40 modes up to 20 kHz, 0.05-50 samples, mu v_in 0-5, sum m phi^2 within `yielding`."""
+    """Yield audible contacts: 1-40 modes up to 20 kHz, 0.05-50 samples, mu v_in 0-5, sum m phi^2 within `yielding`."""
     least, most = map(math.log10, yielding)
     random = np.random.default_rng(seed)
     cases = []
@@ -251,7 +252,7 @@ def random_cases(count: int, seed: int, yielding: tuple[float, float] = (1e-4, 1
 
 
 def extreme_case(random: np.random.Generator) -> Case:
-    """Any contact: 1-256 modes, k to 1e16, mu to 1e3, a 1-4, 8-192 kHz, sum m phi^2 to 30, pushed or not."""
+    """Return any contact: 1-256 modes, k to 1e16, mu to 1e3, a 1-4, 8-192 kHz, sum m phi^2 to 30, pushed or not."""
     n = int(2.0 ** random.uniform(0.0, 8.0))
     rate = random.uniform(8e3, 192e3)
     m = 10.0 ** random.uniform(-5.0, 1.0)

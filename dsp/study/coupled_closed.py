@@ -52,13 +52,13 @@ def _strike(state, bank, fraction, samples, times, out):
 
 @cache
 def engine_state() -> np.void:
-    """The engine's STATE record in which all functions here work."""
+    """Return the engine's STATE record in which all functions here work."""
     state: np.void = new_state(1.0)[0]
     return state
 
 
 def _striking(case: Case, method: int) -> tuple[np.void, Bank, float]:
-    """The engine's state with the case's object and contact in it, its modes, and the contact's fraction.
+    """Return the engine's state with the case's object and contact in it, its modes, and the contact's fraction.
 
     method: 0 leaves the choice of the solver to the engine; with 1, a sampled method, nothing is coupled, and the pulse
     still gets the effective mass.
@@ -82,7 +82,7 @@ def _striking(case: Case, method: int) -> tuple[np.void, Bank, float]:
 
 
 def strike(case: Case) -> Run:
-    """A case in closed form, of an object at rest and a striker without a push.
+    """Simulate a case in closed form, of an object at rest and a striker without a push.
 
     The striker's velocity follows from the momentum that it has given. While they touch the energy is that before: the
     closed form does not tell how it divides.
@@ -93,7 +93,8 @@ def strike(case: Case) -> Run:
 
 
 def striking_loop(case: Case, samples: int) -> Callable[[int], object]:
-    """A function that computes so many samples of a case the given number of times and keeps none, for `cost_of`.
+    """Return a function that computes so many samples of a case the given number of times and keeps none, for
+    `cost_of`.
 
     All such functions work in one memory: use one up before the next is made.
     """
@@ -102,7 +103,8 @@ def striking_loop(case: Case, samples: int) -> Callable[[int], object]:
 
 
 def asking_loop(case: Case, accuracy: int) -> Callable[[int], bool]:
-    """A function that decides the given number of times whether the engine couples the contact, and returns that.
+    """Return a function that decides the given number of times whether the engine couples the contact, and returns
+    that.
 
     accuracy: a place in contact/accuracy.py's LEVELS. Use one such function up before the next is made.
     """

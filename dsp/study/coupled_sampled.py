@@ -27,7 +27,7 @@ _WORK = 8  # rows of memory, each for the modes and, last, the striker
 
 @simd_kernel
 def _compression(row, phi):
-    """The contact's compression from displacements, or its rate from velocities."""
+    """Return the contact's compression from displacements, or its rate from velocities."""
     n = len(phi)
     give = 0.0
     for i in range(n):
@@ -102,7 +102,8 @@ def _prepare(modes, h, work):
 
 @simd_kernel
 def _trapezoid(place, speed, f, modes, striker, h, work):
-    """A step of the trapezoid rule; returns the force at its end, its one unknown, by safeguarded Newton's method."""
+    """Take a step of the trapezoid rule; return the force at its end, its one unknown, by safeguarded Newton's
+    method."""
     phi = modes[2]
     m, k, mu, a = striker
     after, keeping, pulling, answer = work[1], work[3], work[4], work[5]
@@ -190,7 +191,7 @@ def _sampling(case: Case, method: str, oversampling: int) -> Callable[[int, int,
 
 
 def sample(case: Case, method: str, oversampling: int = 1) -> Run:
-    """A case by a method of contact/sampled.py's METHODS, at `oversampling` steps per sample.
+    """Simulate a case by a method of contact/sampled.py's METHODS, at `oversampling` steps per sample.
 
     The case's push, fraction and ringing are left out: contacts begin on a sample, with an object at rest.
     """
@@ -200,6 +201,7 @@ def sample(case: Case, method: str, oversampling: int = 1) -> Run:
 
 
 def sampling_loop(case: Case, samples: int, method: str, oversampling: int) -> Callable[[int], None]:
-    """A function that computes so many samples of a case the given number of times and keeps none, for `cost_of`."""
+    """Return a function that computes so many samples of a case the given number of times and keeps none, for
+    `cost_of`."""
     sampling = _sampling(case, method, oversampling)
     return lambda times: sampling(samples, times, NOT_KEPT)

@@ -20,7 +20,7 @@ _NODES, _WEIGHTS = legendre.leggauss(20)
 
 
 def restitution(w: float | Decimal) -> Decimal:
-    """Coefficient of restitution E of w = mu v_in, to 25 digits for w > 1e-12.
+    """Return the coefficient of restitution E of w = mu v_in, to 25 digits for w > 1e-12.
 
     The root of equation (6) of Papetti, Avanzini, Rocchesso 2011 (see contact/law.py), by Newton's method in decimal
     arithmetic.
@@ -43,7 +43,7 @@ def restitution(w: float | Decimal) -> Decimal:
 
 
 def release_velocity(v_in: float, mu: float) -> Decimal:
-    """Velocity at release (m/s, negative), as exact as `restitution`."""
+    """Return the velocity at release (m/s, negative), as exact as `restitution`."""
     with localcontext() as context:
         context.prec = _DIGITS
         v = Decimal(v_in)
@@ -51,7 +51,7 @@ def release_velocity(v_in: float, mu: float) -> Decimal:
 
 
 def release_error(v_out: float, v_in: float, mu: float) -> float:
-    """Relative error of a release velocity v_out (m/s)."""
+    """Return the relative error of a release velocity v_out (m/s)."""
     exact = release_velocity(v_in, mu)
     return float((Decimal(v_out) - exact) / exact)
 
@@ -62,7 +62,7 @@ def _potential(distance, log1p_wd, u, w):
 
 
 def _inner_integrals() -> Array:
-    """Matrix from a function's values at _NODES to its integrals from -1 to each of them."""
+    """Return the matrix from a function's values at _NODES to its integrals from -1 to each of them."""
     degrees = np.arange(len(_NODES))
     cardinal = (degrees + 0.5)[:, None] * legendre.legvander(_NODES, len(_NODES) - 1).T * _WEIGHTS
     return np.asarray(legendre.legval(_NODES, legendre.legint(cardinal, lbnd=-1)).T, np.float64)
@@ -74,7 +74,8 @@ _INNER = _inner_integrals()
 def force_spectrum(
     v_in: float, m: float, k: float, mu: float, a: float, frequency: ArrayLike
 ) -> NDArray[np.complex128]:
-    """Fourier transform (N s) of the force pulse at frequencies (Hz) of up to 1000 waves in a contact, of their shape.
+    """Return the fourier transform (N s) of the force pulse at frequencies (Hz) of up to 1000 waves in a contact, of
+    their shape.
 
     By 20 Gauss nodes in each of two times 398 panels; within 1e-13 of the momentum.
     """

@@ -30,8 +30,8 @@ Blocks = Iterator[NDArray[np.float64]]
 
 
 def random_modes(count: int, seed: int = 4) -> tuple[Array, Array, Array]:
-    """Steps, amplitudes in a block's middle and balances of modes over all frequencies, with decay times (at 48 kHz) of
-    0.05 to 60 s. A mode is Re(c exp(step n))."""
+    """Return steps, amplitudes in a block's middle and balances of modes over all frequencies, with decay times (at 48
+    kHz) of 0.05 to 60 s. A mode is Re(c exp(step n))."""
     rng = np.random.default_rng(seed)
     theta = np.pi * 0.95 * np.exp(rng.uniform(np.log(1e-3), 0.0, count))
     loss = MOST_LOSS * np.exp(rng.uniform(np.log(0.05 / 60.0), 0.0, count))
@@ -40,8 +40,8 @@ def random_modes(count: int, seed: int = 4) -> tuple[Array, Array, Array]:
 
 
 def placed(steps: Array, c: Array, balance: Array) -> Chunks:
-    """Chunks of the spectral bank (float64), their weights (float32), the first of each bin and their count, of such
-    modes."""
+    """Return chunks of the spectral bank (float64), their weights (float32), the first of each bin and their count, of
+    such modes."""
     bins = np.minimum((steps.imag * BINS / np.pi + 0.5).astype(int), BINS - 1)
     held = np.bincount(bins, minlength=BINS)
     count = -(-held // CHUNK)
@@ -58,14 +58,14 @@ def placed(steps: Array, c: Array, balance: Array) -> Chunks:
 
 
 def _arguments(chunks: Array, weights: Array, start: Array, count: Array) -> tuple[Array, ...]:
-    """What `sum_bins` takes, of chunks in float64 or float32."""
+    """Return the arguments of `sum_bins`, of chunks in float64 or float32."""
     single = chunks.dtype == np.float32
     both = (np.zeros(0), chunks) if single else (chunks, np.zeros(0, np.float32))
     return *both, weights, np.full(BINS, int(single)), start, count
 
 
 def bank_blocks(chunks: Array, weights: Array, start: Array, count: Array, many: int) -> Blocks:
-    """So many blocks of the spectral bank's sound, each (2, FRAMES); chunks: float64 or float32."""
+    """Yield so many blocks of the spectral bank's sound, each (2, FRAMES); chunks: float64 or float32."""
     sums, points, out = np.zeros(BINS * SUMS), np.zeros((2, SIZE * POINT)), np.zeros((2, FRAMES))
     for _ in range(many):
         sum_bins(*_arguments(chunks, weights, start, count), sums)
@@ -75,7 +75,7 @@ def bank_blocks(chunks: Array, weights: Array, start: Array, count: Array, many:
 
 @njit(error_model="numpy")
 def _ring_block(arrays, room, out):
-    """A block of modes one by one; arrays: y1, y2, a1, a2, balance, (5, n); room, out: (2, FRAMES)."""
+    """Ring a block of modes one by one; arrays: y1, y2, a1, a2, balance, (5, n); room, out: (2, FRAMES)."""
     out[:] = 0.0
     y1, y2, a1, a2, balance = arrays[0], arrays[1], arrays[2], arrays[3], arrays[4]  # rows, each without gaps
     for i in range(0, arrays.shape[1], _AT_ONCE):
@@ -100,7 +100,7 @@ def _bank_blocks(kept, sums, points, out, times):
 
 
 def _one_by_one(steps: Array, c: Array, balance: Array) -> Array:
-    """The arrays of `_ring_block`, of modes with amplitudes in the middle of its first block."""
+    """Return the arrays of `_ring_block`, of modes with amplitudes in the middle of its first block."""
     before = np.exp(-steps * (FRAMES // 2 + 1))
     y1, y2 = (c * before).real, (c * before * np.exp(-steps)).real
     r = np.exp(steps.real)
@@ -119,7 +119,7 @@ def _blocks(way: str, steps: Array, c: Array, balance: Array, many: int) -> Bloc
 
 
 def error_of(ways: Sequence[str] = WAYS, count: int = 4_000) -> dict[str, float]:
-    """The largest error of random modes in ten seconds at 48 kHz by each way, in dB of its block's own peak."""
+    """Return the largest error of random modes in ten seconds at 48 kHz by each way, in dB of its block's own peak."""
     steps, c, balance = random_modes(count)
     sounds = [_blocks(way, steps, c, balance, _BLOCKS) for way in ways]
     modes = np.exp(np.outer(steps, TIMES))
@@ -133,7 +133,7 @@ def error_of(ways: Sequence[str] = WAYS, count: int = 4_000) -> dict[str, float]
 
 
 def cost_by(way: str, count: int, repeats: int) -> float:
-    """Cost in ns of a mode in a sample, in stereo, where so many ring that hardly decay."""
+    """Return the cost in ns of a mode in a sample, in stereo, where so many ring that hardly decay."""
     steps, c, balance = random_modes(count)
     steps = 1j * steps.imag - 1e-12
     out = np.zeros((2, FRAMES))
@@ -150,7 +150,7 @@ def cost_by(way: str, count: int, repeats: int) -> float:
 
 
 def costs(repeats: int, counts: Sequence[int] = COUNTS) -> Iterator[dict[str, Any]]:
-    """A row for each way and count of modes: its error (dB) and its cost (ns of a mode in a sample)."""
+    """Yield a row for each way and count of modes: its error (dB) and its cost (ns of a mode in a sample)."""
     errors = error_of()
     for way in WAYS:
         for count in counts:

@@ -33,7 +33,8 @@ def _fill(roll, origin, rate, moments):
 
 @njit(error_model="numpy")
 def _compression(roll, force, back):
-    """Compression (m) `back` s before the end of the last step in contact, whose `force` (N) is the contact's."""
+    """Return the compression (m) `back` s before the end of the last step in contact, whose `force` (N) is the
+    contact's."""
     path = roll.path
     along = roll.along - roll.modulated_speed * back
     piece = roll.piece
@@ -57,7 +58,7 @@ def _compression(roll, force, back):
 
 @njit(error_model="numpy")
 def _released(roll, force):
-    """When (s) the contact that the last step has left behind came to its end: where the compression was 0."""
+    """Return the time (s) at which the contact that the last step left behind ended: where the compression was 0."""
     late = 0.0
     early = roll.span
     for n in range(1, _LOOKS + 1):
@@ -77,7 +78,7 @@ def _released(roll, force):
 
 @njit(error_model="numpy")
 def _follow(roll, seconds, rows):
-    """Rows of begin, length, impulse, speed of approach of every contact that ends within some seconds."""
+    """Return rows of begin, length, impulse, speed of approach of every contact that ends within some seconds."""
     count = 0
     inside = False
     force = np.zeros(NODES)
@@ -118,7 +119,7 @@ def make_roll(
     coarseness: float = 1.0,
     place: int = 0,
 ) -> np.void:
-    """A body that rests on a surface of `make_surface` and begins to roll: a ROLL record.
+    """Return a body that rests on a surface of `make_surface` and begins to roll: a ROLL record.
 
     radius (m), m (kg), k (N/m^a), gravity (m/s^2) > 0, mu (s/m) >= 0, a in [1, 4], speed (m/s) >= 0. friction: the
     share of the body's weight that slows it. asymmetry in [0, 1]: distance of the centre of mass from the middle over
@@ -153,7 +154,7 @@ def make_roll(
 
 
 def roll_moments(roll: np.void, origin: float, seconds: float, rate: float) -> Array:
-    """Legendre moments (N s) of the force f - m g over samples, (round(seconds rate), KEPT) float64.
+    """Return Legendre moments (N s) of the force f - m g over samples, (round(seconds rate), KEPT) float64.
 
     The first sample begins at `origin` (s since the roll began), where the call before ended. rate is at least 1 kHz.
     The roll goes on by that time. A body at rest gives zeros. ValueError names what is out of range.
@@ -165,7 +166,7 @@ def roll_moments(roll: np.void, origin: float, seconds: float, rate: float) -> A
 
 
 def roll_force(surface: np.void, seconds: float, rate: float, **body: Any) -> Array:
-    """The force f - m g (N) of a roll as its mean over each sample: (round(seconds rate),) float64.
+    """Return the force f - m g (N) of a roll as its mean over each sample: (round(seconds rate),) float64.
 
     `body`: the arguments of `make_roll` but the surface. rate (Hz) is at least 1 kHz. ValueError names what is out of
     range.
@@ -174,7 +175,7 @@ def roll_force(surface: np.void, seconds: float, rate: float, **body: Any) -> Ar
 
 
 def micro_impacts(surface: np.void, seconds: float, most: int = 1_000_000, **body: Any) -> Array:
-    """The contacts after flights that a roll ends within some seconds, one per row: (contacts, 4) float64.
+    """Return the contacts after flights that a roll ends within some seconds, one per row: (contacts, 4) float64.
 
     The columns: begin (s since the roll began), length until the release (s), impulse (N s), and the speed at which
     body and path meet (m/s). There are `most` rows at most. `body`: the arguments of `make_roll` but the surface.
@@ -184,7 +185,8 @@ def micro_impacts(surface: np.void, seconds: float, most: int = 1_000_000, **bod
 
 
 def roll_contacts(roll: np.void, seconds: float, most: int = 1_000_000) -> Array:
-    """Let a roll of `make_roll` go on until `seconds` after its beginning; the contacts on the way, as `micro_impacts`.
+    """Run a roll of `make_roll` until `seconds` after its beginning; return the contacts on the way, as
+    `micro_impacts`.
 
     A contact that began before the call is left out.
     """

@@ -47,7 +47,8 @@ def path_pieces(
     place: int = 0,
     most: int = 1_000_000,
 ) -> NDArray[np.float64]:
-    """The path of a body of a radius (m) over `length` (m) of a surface, as detailed as it is heard at a speed (m/s).
+    """Return the path of a body of a radius (m) over `length` (m) of a surface, as detailed as it is heard at a speed
+    (m/s).
 
     Rows of where the piece begins (m from the first, which is at or just before `place`), and the path's height (m),
     slope and curvature (1/m) there; (pieces, 4) float64, `most` at most. corners: the body's, 0 if it

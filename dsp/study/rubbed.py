@@ -19,7 +19,7 @@ def bowed_string(
     law: tuple[float, float, float] = BOWED,
     torsion: int = 26,
 ) -> Rub:
-    """A string of 60 transverse modes and some torsional ones, bowed at beta of its length in Helmholtz motion.
+    """Return a string of 60 transverse modes and some torsional ones, bowed at beta of its length in Helmholtz motion.
 
     Torsion has a wave impedance of 1.8 kg/s, and 5.2 times the transverse frequency, as in Woodhouse, Acta Acustica
     united with Acustica 89, 2003.
@@ -51,7 +51,7 @@ def bowed_string(
 
 
 def bowed_bar(force: float, speed: float, seconds: float = 1.0, rate: float = 48_000.0) -> Rub:
-    """A free bar of 220 Hz and 0.3 kg, bowed at its end."""
+    """Return a free bar of 220 Hz and 0.3 kg, bowed at its end."""
     ratios = np.array([1.0, 2.756, 5.404, 8.933, 13.344, 18.638, 24.812, 31.870])
     frequency = 220.0 * ratios
     samples = int(seconds * rate)
@@ -61,7 +61,8 @@ def bowed_bar(force: float, speed: float, seconds: float = 1.0, rate: float = 48
 
 
 def rubbed_glass(force: float, speed: float = 0.1, seconds: float = 2.0, rate: float = 48_000.0) -> tuple[Rub, float]:
-    """A glass of 620 Hz under a wet finger, disturbed by 1e-5 of its speed; and the rate of growth (1/s) by theory.
+    """Return a glass of 620 Hz under a wet finger, disturbed by 1e-5 of its speed; and the rate of growth (1/s) by
+    theory.
 
     A mode of shape phi grows at N |mu'(v)| phi^2/2 - sigma.
     """
@@ -80,7 +81,8 @@ def rubbed_glass(force: float, speed: float = 0.1, seconds: float = 2.0, rate: f
 
 
 def extreme_rub(rng: np.random.Generator, samples: int = 200) -> Rub:
-    """Anything that can be asked for: 1 to 64 modes up to 20 kHz, 0.1 g to 10 kg, mN to 100 N, 0.1 mm/s to 10 m/s."""
+    """Return anything that can be asked for: 1 to 64 modes up to 20 kHz, 0.1 g to 10 kg, mN to 100 N, 0.1 mm/s to 10
+    m/s."""
     modes = int(rng.choice([1, 2, 4, 8, 16, 32, 64]))
 
     def between(low: float, high: float, size: int | None = None) -> Array:
@@ -104,5 +106,6 @@ def extreme_rub(rng: np.random.Generator, samples: int = 200) -> Rub:
 
 
 def slips_per_period(times: Array, since: float, seconds: float, frequency: float) -> float:
-    """How often a period it begins to slip, by the times of changes of branch (s), from a time (s) to the end."""
+    """Return how many times per period it begins to slip, by the times of changes of branch (s), from a time (s) to the
+    end."""
     return 0.5 * len(times[times > since]) / ((seconds - since) * frequency)

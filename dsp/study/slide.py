@@ -60,7 +60,7 @@ class Rub:
 
 @dataclass(frozen=True)
 class Course:
-    """What became of a rub, float64, (samples,) each.
+    """The course of a rub, float64, (samples,) each.
 
     velocity of the point at the samples' ends (m/s), force (N, mean over the sample), and in J since the start: the
     driver's work, friction's loss, rise of the modes' energy and of an elastic contact's, loss by the modes' damping.
@@ -102,7 +102,7 @@ class _Bank(NamedTuple):
 
 
 def _bank_of(rub: Rub) -> _Bank:
-    """The rub's modes, padded to whole LANES."""
+    """Return the rub's modes, padded to whole LANES."""
     count = len(rub.frequency)
     n = -(-count // LANES) * LANES
     y1, y2, a1, a2, balance, omega, sigma = np.zeros((7, n))
@@ -124,7 +124,7 @@ def _bank_of(rub: Rub) -> _Bank:
 
 @kernel
 def _energy(bank, modes):
-    """Energy (J) of the modes: (q'^2 + (omega^2 + sigma^2) q^2)/2."""
+    """Return the energy (J) of the modes: (q'^2 + (omega^2 + sigma^2) q^2)/2."""
     total = 0.0
     for i in range(len(modes.y1)):
         if bank.omega[i] > 0.0:
@@ -136,7 +136,8 @@ def _energy(bank, modes):
 
 @kernel
 def _flow(z, s, t, start, slope):
-    """z after t samples: z' = s z + start + slope t. Series of (exp(x) - 1)/x and (exp(x) - 1 - x)/x^2, x = s t."""
+    """Return z after t samples: z' = s z + start + slope t. Series of (exp(x) - 1)/x and (exp(x) - 1 - x)/x^2, x = s
+    t."""
     x = s * t
     if abs(x) < 1.0:
         first = second = term = 1.0 + 0.0j
@@ -154,7 +155,8 @@ def _flow(z, s, t, start, slope):
 
 @kernel
 def _damping(bank, modes, friction, whole):
-    """Loss (J) by the modes' damping over the coming sample, int 2 sigma q'^2 dt, by the exact flow of each mode."""
+    """Return the loss (J) by the modes' damping over the coming sample, int 2 sigma q'^2 dt, by the exact flow of each
+    mode."""
     total = 0.0
     h = friction.period
     for i in range(len(modes.y1)):
@@ -222,7 +224,7 @@ def _begin(friction, bank, tangential):
 
 @kernel
 def _ring(bank):
-    """Let the modes ring for a sample; the point's velocity at its end."""
+    """Ring the modes for a sample; return the point's velocity at its end."""
     modes, velocity = bank.modes, 0.0
     for i in range(len(modes.y1)):
         here = modes.a1[i] * modes.y1[i] + modes.a2[i] * modes.y2[i]
@@ -266,7 +268,7 @@ def _run(friction, bank, speed, normal, ways, out, times):
 
 
 def rub_cost(rub: Rub, held: bool = False) -> float:
-    """Cost of friction in ns a sample, events included, without that of the modes' ringing."""
+    """Return the cost of friction in ns a sample, events included, without that of the modes' ringing."""
     out, times = np.zeros((1, 8)), np.zeros(1)
     speed, normal = np.asarray(rub.speed, float), np.asarray(rub.normal, float)
 
@@ -290,7 +292,7 @@ def _friction_of(rub: Rub) -> np.void:
 
 
 def rub_modes(rub: Rub, held: bool = False, audited: bool = True) -> Course:
-    """What becomes of a rub; `held`: by one force a sample; unless `audited`, without energy and damping's loss."""
+    """Run a rub; `held`: by one force a sample; unless `audited`, without energy and damping's loss."""
     bank = _bank_of(rub)
     friction = _friction_of(rub)
     out = np.zeros((len(rub.speed), 8))
@@ -305,5 +307,5 @@ def rub_modes(rub: Rub, held: bool = False, audited: bool = True) -> Course:
 
 
 def constant(value: ArrayLike, samples: int) -> Array:
-    """A value at the borders of so many samples."""
+    """Return a value at the borders of so many samples."""
     return np.full(samples + 1, value, float)

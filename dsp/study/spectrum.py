@@ -15,7 +15,7 @@ from .reference import force_spectrum
 from .wall import Law, durations, floats, path
 
 SPECTRUM_TOP = 16_000.0
-"""Up to where the error of a force's spectrum is looked at, in Hz."""
+"""Highest frequency, in Hz, at which the error of a force's spectrum is evaluated."""
 
 _FREQUENCIES = 65
 
@@ -30,7 +30,7 @@ def _moments(pulse, law, rate, moments):
 
 
 def spectrum_error(method: str, correction: str, law: Law, rate: float, oversampling: int = 1) -> float:
-    """Greatest error in dB of the force's spectrum from 0 to SPECTRUM_TOP, over the exact one's value at 0.
+    """Return the greatest error in dB of the force's spectrum from 0 to SPECTRUM_TOP, over the exact one's value at 0.
 
     A sampled method's force is the momentum lost in each step, held for the step; the closed form's ("closed") what the
     engine gives the modes: the Legendre moments of each sample at `rate`. Infinite where a method fails.
@@ -48,7 +48,7 @@ def spectrum_error(method: str, correction: str, law: Law, rate: float, oversamp
 
 
 def _held_spectrum(momenta: Array, rate: float, frequency: Array) -> Spectrum:
-    """Of momenta (N s) that are each spread evenly over a step of 1/rate s."""
+    """Return the spectrum of momenta (N s) that are each spread evenly over a step of 1/rate s."""
     # Waves factor into those at the beginning of a row and those within it.
     size = math.isqrt(len(momenta)) + 1
     rows = np.pad(momenta, (0, -len(momenta) % size)).reshape(-1, size)
@@ -60,7 +60,7 @@ def _held_spectrum(momenta: Array, rate: float, frequency: Array) -> Spectrum:
 
 
 def _closed_spectrum(law: Law, rate: float, frequency: Array) -> Spectrum:
-    """Of the Legendre moments of each sample."""
+    """Return the spectrum of the Legendre moments of each sample."""
     moments = np.zeros((math.ceil(durations([law], [rate])[0]), MOMENTS))
     _moments(np.zeros(1, PULSE)[0], floats(law), float(rate), moments)
     turns = np.pi * frequency / rate

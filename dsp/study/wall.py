@@ -56,7 +56,7 @@ MOST_STEPS = 100_000_000
 
 
 class Outcome(IntEnum):
-    """How a contact ended; all but SOUND are failures."""
+    """Outcome of a contact; all but SOUND are failures."""
 
     SOUND = 0
     NOT_FINITE = 1
@@ -79,7 +79,7 @@ class Deviations:
 
 @kernel
 def run(contact, scheme, law, h, most, x, v):
-    """Step through a contact of a `law`, keeping x and v where there is room; returns the steps taken.
+    """Step through a contact of a `law`, keeping x and v where there is room; return the steps taken.
 
     scheme: a method's and a correction's numbers; h: a step, s; most: the steps after which it is given up.
     """
@@ -97,7 +97,7 @@ def run(contact, scheme, law, h, most, x, v):
 
 @kernel
 def _deviate(contact, scheme, law, h, most):
-    """(final v, %dev(x), %dev(H), steps, outcome)."""
+    """Return (final v, %dev(x), %dev(H), steps, outcome)."""
     v_in, m, k, mu, a = law
     w = mu * v_in
     length = length_scale(v_in, m, k, a)
@@ -127,7 +127,7 @@ def _deviate(contact, scheme, law, h, most):
 
 @kernel
 def _judge(contact, lasts, v_in, highest):
-    """The outcome of a contact where it was left; `highest`: its greatest energy over that which it came with."""
+    """Judge a contact where it was left; `highest`: its greatest energy over that which it came with."""
     v = contact.v
     if not (math.isfinite(v) and math.isfinite(contact.x)):
         return Outcome.NOT_FINITE
@@ -144,7 +144,7 @@ def _judge(contact, lasts, v_in, highest):
 
 @kernel
 def most_steps(law, h):
-    """Steps of h s after which a contact is given up."""
+    """Return steps of h s after which a contact is given up."""
     return int(min(10.0 * longest_time(*law) / h + 20.0, MOST_STEPS))
 
 
@@ -167,7 +167,7 @@ def _outcomes(contact, scheme, laws, h, out, v_out):
 
 @njit(error_model="numpy")
 def _closed_outcomes(pulse, laws, h, out, v_out):
-    """The closed form as the engine uses it: release velocity, duration and every sample's moments."""
+    """Run the closed form as the engine uses it: release velocity, duration and every sample's moments."""
     moments = np.zeros(MOMENTS)
     for i in range(len(laws)):
         v_in, m, k, mu, a = laws[i]
@@ -204,7 +204,7 @@ def _durations(pulse, laws, rates, out):
 
 @njit(error_model="numpy")
 def _rebounds(contact, scheme, law, h, speeds):
-    """Speeds after each of a sequence of contacts, met with the speed of the last release; returns how many."""
+    """Find the speeds after each of a sequence of contacts, met with the speed of the last release; return how many."""
     v_in, m, k, mu, a = law
     for i in range(len(speeds)):
         met = (v_in, m, k, mu, a)
@@ -217,7 +217,7 @@ def _rebounds(contact, scheme, law, h, speeds):
 
 
 def deviations(method: str, correction: str, law: Law, rate: float) -> Deviations:
-    """Errors of a method with a correction on a contact of a law, at `rate` Hz.
+    """Return the errors of a method with a correction on a contact of a law, at `rate` Hz.
 
     ValueError names what is out of range, here and below.
     """
@@ -230,7 +230,8 @@ def deviations(method: str, correction: str, law: Law, rate: float) -> Deviation
 
 
 def path(method: str, correction: str, law: Law, rate: float) -> tuple[Array, Array]:
-    """x (m) and v (m/s) by a method with a correction, (samples,) each, from x = 0 to the first sample with x <= 0."""
+    """Return x (m) and v (m/s) by a method with a correction, (samples,) each, from x = 0 to the first sample with x <=
+    0."""
     x, v = np.zeros((2, most_steps(floats(law), _period(rate)) + 1))
     v[0] = law[0]
     steps = _trajectory(new_contact(), numbers(method, correction), floats(law), _period(rate), x, v)
@@ -238,7 +239,7 @@ def path(method: str, correction: str, law: Law, rate: float) -> tuple[Array, Ar
 
 
 def durations(laws: ArrayLike, rates: ArrayLike) -> Array:
-    """Durations of contacts in samples, (n,), by the engine's closed form; laws (n, 5), rates (n,) in Hz."""
+    """Return the durations of contacts in samples, (n,), by the engine's closed form; laws (n, 5), rates (n,) in Hz."""
     rows, rate = _checked_rows(laws, rates)
     out = np.empty(len(rows))
     _durations(np.zeros(1, PULSE)[0], rows, rate, out)
@@ -246,7 +247,8 @@ def durations(laws: ArrayLike, rates: ArrayLike) -> Array:
 
 
 def outcomes(method: str, correction: str, laws: ArrayLike, rates: ArrayLike) -> tuple[NDArray[np.int64], Array]:
-    """Outcome (an `Outcome`'s number) and final velocity (m/s) of contacts, (n,) each; laws (n, 5), rates (n,) in Hz.
+    """Return the outcome (an `Outcome`'s number) and final velocity (m/s) of contacts, (n,) each; laws (n, 5), rates
+    (n,) in Hz.
 
     Method "closed" is the closed form as the engine uses it, without a correction.
     """
@@ -260,7 +262,7 @@ def outcomes(method: str, correction: str, laws: ArrayLike, rates: ArrayLike) ->
 
 
 def _checked_rows(laws: ArrayLike, rates: ArrayLike) -> tuple[Array, Array]:
-    """Laws (n, 5) and rates (n,), contiguous."""
+    """Return laws (n, 5) and rates (n,), contiguous."""
     rows = np.ascontiguousarray(laws, np.float64)
     rate = np.ascontiguousarray(checked("rate", rates, 0.0))
     if rows.ndim != 2 or rows.shape[1] != _LAW or rate.shape != rows.shape[:1]:
@@ -270,7 +272,7 @@ def _checked_rows(laws: ArrayLike, rates: ArrayLike) -> tuple[Array, Array]:
 
 
 def scattered_laws(count: int, seed: int, longest: float = 300.0) -> tuple[Array, Array]:
-    """At least `count` random laws (n, 5) and rates (n,) in Hz over RANGES, the same for the same seed.
+    """Draw at least `count` random laws (n, 5) and rates (n,) in Hz over RANGES, the same for the same seed.
 
     They are spread evenly in the logarithm, and evenly in a; a tenth of them has no dissipation; the ranges' corners
     are among them. Contacts that last over `longest` samples are left out.
@@ -291,13 +293,14 @@ def scattered_laws(count: int, seed: int, longest: float = 300.0) -> tuple[Array
 
 
 def rebounds(method: str, correction: str, law: Law, rate: float, count: int) -> Array:
-    """Speeds (m/s) after each of `count` contacts in a sequence, by a method; fewer if one has no release."""
+    """Return the speeds (m/s) after each of `count` contacts in a sequence, by a method; fewer if one has no
+    release."""
     speeds = np.empty(count)
     return speeds[: _rebounds(new_contact(), numbers(method, correction), floats(law), _period(rate), speeds)]
 
 
 def exact_rebounds(law: Law, count: int) -> Array:
-    """Exact speeds (m/s) after each of `count` contacts in a sequence."""
+    """Return the exact speeds (m/s) after each of `count` contacts in a sequence."""
     v_in, _, _, dissipation, _ = floats(law)
     v, mu = Decimal(v_in), Decimal(dissipation)
     speeds = []
@@ -308,7 +311,8 @@ def exact_rebounds(law: Law, count: int) -> Array:
 
 
 def pareto(cost: ArrayLike, error: ArrayLike) -> NDArray[np.bool_]:
-    """The Pareto front: (n,) bool, True for each point that no other point beats in both cost and error, (n,) each."""
+    """Return the Pareto front: (n,) bool, True for each point that no other point beats in both cost and error, (n,)
+    each."""
     errors = np.asarray(error, np.float64)
     best = np.zeros(len(errors), bool)
     least = math.inf
@@ -320,7 +324,7 @@ def pareto(cost: ArrayLike, error: ArrayLike) -> NDArray[np.bool_]:
 
 
 def numbers(method: str, correction: str) -> tuple[int, int]:
-    """The scheme of a method and a correction: their numbers."""
+    """Return the scheme of a method and a correction: their numbers."""
     if method not in METHODS:
         raise ValueError(f"method = {method}: expected one of {', '.join(METHODS)}")
     if correction not in CORRECTIONS:
@@ -329,7 +333,7 @@ def numbers(method: str, correction: str) -> tuple[int, int]:
 
 
 def floats(law: Law) -> Law:
-    """The law in float64, the type that kernels are compiled for."""
+    """Return the law in float64, the type that kernels are compiled for."""
     v_in, m, k, mu, a = map(float, checked_law(*law))
     return v_in, m, k, mu, a
 
@@ -339,6 +343,6 @@ def _period(rate: float) -> float:
 
 
 def new_contact() -> np.void:
-    """Memory for one contact that is stepped through: a SAMPLED record."""
+    """Return the memory for one contact that is stepped through: a SAMPLED record."""
     contact: np.void = np.zeros(1, SAMPLED)[0]
     return contact

@@ -44,7 +44,7 @@ ARRAYS = np.dtype(
     ],
     align=True,
 )
-"""Where a simulator has its poses and contacts."""
+"""Addresses of a simulator's poses and contacts."""
 
 _DOUBLE, _INT = 8, 4  # bytes
 

@@ -67,7 +67,7 @@ def _is_heard(state, pressure, time):
 
 @kernel
 def masked_at(state, time):
-    """The pressure (Pa rms) below which nothing is heard at a time (s) beside what was heard of late."""
+    """Return the pressure (Pa rms) below which nothing is heard at a time (s) beside what was heard of late."""
     return state.loudest * state.masked if _is_recent(state, time) else 0.0
 
 
@@ -97,7 +97,7 @@ def find_blows(state):
 
 @kernel
 def _find_law(state, blow, local):
-    """The law of a contact of two bodies at points in their axes, Hertz's."""
+    """Find the law of a contact of two bodies at points in their axes: Hertz's."""
     law = state.law[state.material[blow.a], state.material[blow.b]]
     blow.stiffness = law[0] * math.sqrt(contact_radius(curvature_of(state, blow.a, blow.b, local)))
     blow.dissipation, blow.exponent = law[1], law[2]
@@ -105,7 +105,7 @@ def _find_law(state, blow, local):
 
 @kernel
 def curvature_of(state, a, b, local):
-    """The curvature (1/m) of a contact of two bodies, at points in their axes."""
+    """Return the curvature (1/m) of a contact of two bodies, at points in their axes."""
     first = radius_at(state.round[a], state.edges[a], local[0])
     return 1.0 / first + 1.0 / radius_at(state.round[b], state.edges[b], local[1])
 
@@ -138,7 +138,7 @@ def weigh_blow(state, microphones, blow):
 
 @kernel
 def left_of(state, blow):
-    """The share of its speed that a blow leaves: of the pair, as it was told, or by its law."""
+    """Return the share of its speed that a blow leaves: of the pair, as it was told, or by its law."""
     own = state.bounce[blow.a, blow.b]
     if own > 0.0:
         blow.restitution = own - 1.0
@@ -149,13 +149,13 @@ def left_of(state, blow):
 
 @kernel
 def time_of_contact(mass, stiffness, speed):
-    """The time (s) of a blow, by Hertz, without dissipation."""
+    """Return the time (s) of a blow, by Hertz, without dissipation."""
     return 3.218 * (mass * mass / (stiffness * stiffness * speed)) ** 0.2
 
 
 @kernel
 def loudness_of(state, body, lasting):
-    """The pressure (Pa rms at 1 m) of a blow of 1 N s on a body, that lasts so long (s), as an estimate."""
+    """Return the pressure (Pa rms at 1 m) of a blow of 1 N s on a body, that lasts so long (s), as an estimate."""
     octave = min(max(math.log2(lasting) + (OCTAVES - 1), 0.0), OCTAVES - 1.001)
     low = int(octave)
     here = state.loudness[body, low]
@@ -164,5 +164,5 @@ def loudness_of(state, body, lasting):
 
 @kernel
 def contact_radius(curvature):
-    """The radius (m) of a contact, within bounds; of two faces, that of rounded corners."""
+    """Return the radius (m) of a contact, within bounds; of two faces, that of rounded corners."""
     return min(max(1.0 / curvature if curvature > 0.0 else CONTACT_RADIUS, _SHARPEST), _FLATTEST)

@@ -1,4 +1,4 @@
-"""What happened to each pair of bodies in a step: blows, and standing contacts that begin to move, do so otherwise, or
+"""The events of each pair of bodies in a step: blows, and standing contacts that begin to move, change their motion, or
 rest.
 
 The points of a pair of bodies are one contact. A point that was not there in the last steps, neither in the axes of one
@@ -105,7 +105,8 @@ def _step_pair(state, microphones, i, span):
 
 @kernel
 def _begin(state, microphones, pair):
-    """A standing contact moves, and is heard if one of its bodies rings, it is loud enough and there is room for it."""
+    """Begin the sound of a standing contact that moves, if one of its bodies rings, it is loud enough and there is room
+    for it."""
     if state.rings[pair.a] == 0 and state.rings[pair.b] == 0:
         return
     if state.most == 0 and pair.moves == UNHEARD:
@@ -146,7 +147,7 @@ def _make_room(state, pair):
 
 @kernel
 def _hush(state, pair):
-    """A contact that moves is heard no more, for now."""
+    """Stop hearing a contact that moves, for now."""
     _end(state, pair)
     pair.moves = UNHEARD
     pair.told_at = state.time
@@ -154,7 +155,7 @@ def _hush(state, pair):
 
 @kernel
 def _end(state, pair):
-    """A standing contact moves no more, if it did."""
+    """End the sound of a standing contact, if it moved."""
     if pair.moves == HEARD:
         state.heard -= 1
         state.sliding[pair.a] -= 1
@@ -166,7 +167,7 @@ def _end(state, pair):
 
 @kernel
 def _leave(state, i, span):
-    """A pair does not touch in this step: forget it, unless it slides and may only have hopped."""
+    """Forget a pair that does not touch in this step, unless it slides and may only have hopped."""
     pair = state.pairs[i]
     if state.time - pair.seen > longest_hop(state, pair, span):
         _end(state, pair)
@@ -212,7 +213,7 @@ def _hit(state, pair):
 
 @kernel
 def _nearest(state, pair):
-    """The contact of a pair that is nearest to its blow."""
+    """Return the contact of a pair that is nearest to its blow."""
     found, least = -1, math.inf
     for n in range(state.points):
         first, second = state.pair[n, 0], state.pair[n, 1]
@@ -228,7 +229,7 @@ def _nearest(state, pair):
 
 @kernel
 def _lightness(state, body, pair):
-    """1/M + (r x n) I^-1 (r x n) of a body (1/kg), at the point of a blow."""
+    """Return 1/M + (r x n) I^-1 (r x n) of a body (1/kg), at the point of a blow."""
     total = state.lightness[body]
     if total == 0.0:
         return 0.0
@@ -278,14 +279,14 @@ def _tell(state, pair, kind):
 
 @kernel
 def _sound(state, body):
-    """A body sounds, for as long as it rings, or on and on where it slides."""
+    """Keep a body sounding for as long as it rings, or on and on where it slides."""
     if state.rings[body] == 1:
         state.until[body] = math.inf if state.sliding[body] > 0 else state.time + state.ringing[body]
 
 
 @kernel
 def _forget(state, i):
-    """A pair touches no more; the last one takes its place."""
+    """Remove a pair that touches no more; the last one takes its place."""
     gone = state.pairs[i]
     state.place[gone.a, gone.b] = 0
     state.touching -= 1

@@ -1,4 +1,4 @@
-"""What MuJoCo itself says of a blow: the effective mass of the whole mechanism, and its contact's restitution.
+"""MuJoCo's own account of a blow: the effective mass of the whole mechanism, and its contact's restitution.
 
 The mass is 1/(J M^-1 J'), with J how fast the bodies close at the point for each of the model's velocities.
 """
@@ -31,7 +31,7 @@ MECHANISM = np.dtype(
     ],
     align=True,
 )
-"""Where MuJoCo has what decides over a blow."""
+"""Addresses of MuJoCo's data that decide over a blow."""
 
 _DOUBLE = 8  # bytes
 
@@ -79,7 +79,8 @@ def _close(arrays, blow, body, sign, along):
 
 @kernel
 def _rebound(arrays, blow, pushed):
-    """The share of its speed that a blow's contact leaves, where other forces push the bodies together (m/s^2)."""
+    """Return the share of its speed that a blow's contact leaves, where other forces push the bodies together
+    (m/s^2)."""
     mechanism = arrays.mechanism
     soft = mechanism.soft
     contact = load_address(arrays.contacts) + arrays.stride * blow.contact
@@ -106,7 +107,7 @@ def _rebound(arrays, blow, pushed):
 
 @kernel
 def _closes_now(arrays, blow, body):
-    """How fast a body's point moves along a blow's normal at the end of a step (m/s): see `late` of ARRAYS."""
+    """Return the speed of a body's point along a blow's normal at the end of a step (m/s): see `late` of ARRAYS."""
     moving = body - arrays.first
     if moving < 0 or moving >= arrays.bodies:
         return 0.0

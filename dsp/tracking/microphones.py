@@ -1,4 +1,4 @@
-"""Where bodies are heard: their gains at microphones, and which of those have changed.
+"""The gains of bodies at microphones, and which of them have changed.
 
 A body at a distance r is heard by 1/r, times 1 - p + p cos(angle), the pattern p of the microphone to its direction.
 """
@@ -37,7 +37,7 @@ MICROPHONE_STATE = np.dtype(
 
 @kernel
 def gain_at(microphones, m, place):
-    """What microphone m makes of a sound's pressure at 1 m, from a place (3,)."""
+    """Return a microphone's gain for a sound's pressure at 1 m from a place (3,)."""
     square = along = 0.0
     for k in range(3):
         way = place[k] - microphones.position[m, k]

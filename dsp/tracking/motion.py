@@ -1,4 +1,4 @@
-"""How a contact slips and sweeps, and how hard it is pressed, from step to step, smoothed."""
+"""Slip, sweep and normal force of a contact from step to step, smoothed."""
 
 import math
 
@@ -95,6 +95,6 @@ def hop(state, pair, span):
 
 @kernel
 def _weight(state, pair):
-    """The weight (N) of the lighter body of a pair."""
+    """Return the weight (N) of the lighter body of a pair."""
     lightness = max(state.lightness[pair.a], state.lightness[pair.b])
     return state.gravity / lightness if lightness > 0.0 else 0.0

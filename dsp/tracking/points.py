@@ -30,7 +30,7 @@ def clear(pair):
 
 @kernel
 def _find(state, a, b):
-    """The number of a pair, which touches from now on if it did not; -1 where there is no room."""
+    """Find the number of a pair, which touches from now on if it did not; -1 where there is no room."""
     place = state.place[a, b] - 1
     if place >= 0 or state.touching == PAIRS:
         return place
@@ -53,7 +53,7 @@ def _find(state, a, b):
 
 @kernel
 def _struck(state, a, b):
-    """The side of the body that is struck, or slid on: of the one that rings, the heavier one rather."""
+    """Return the side of the body that is struck, or slid on: of the one that rings, the heavier one rather."""
     if state.rings[a] != state.rings[b]:
         return 0 if state.rings[a] == 1 else 1
     return 0 if state.lightness[a] <= state.lightness[b] else 1
@@ -102,7 +102,7 @@ def take_point(state, n, span, least):
 
 @kernel
 def _speeds(state, n, a, b, sign):
-    """How fast a point closes and slips (m/s): as it was told, else by the motion of the bodies."""
+    """Return the closing speed and the slip of a point (m/s): as they were told, else by the motion of the bodies."""
     closing, aside = _rates(state, a, b, state.point[n], state.normal[n])
     approach, slip = state.approach[n], state.slip[n]
     return sign * closing if math.isnan(approach) else approach, aside if math.isnan(slip) else slip
@@ -110,7 +110,7 @@ def _speeds(state, n, a, b, sign):
 
 @kernel
 def _rates(state, a, b, point, normal):
-    """How fast one body goes against another at a point (m/s): along a normal, and across it."""
+    """Return the speed of one body against another at a point (m/s): along a normal, and across it."""
     closing = square = 0.0
     for k in range(3):
         i, j = (k + 1) % 3, (k + 2) % 3
@@ -133,7 +133,7 @@ def remember(state, pair):
 
 @kernel
 def slip_at(state, pair):
-    """How fast the bodies of a pair go past each other where they touched last (m/s).
+    """Return the speed at which the bodies of a pair slip where they touched last (m/s).
 
     That is as far from the centre of the smaller body as it was, in the world's axes: a ball that turns in the air is
     looked at below.
@@ -146,13 +146,13 @@ def slip_at(state, pair):
 
 @kernel
 def _smaller(state, pair):
-    """The smaller body of a pair."""
+    """Return the smaller body of a pair."""
     return pair.a if state.reach[pair.a] <= state.reach[pair.b] else pair.b
 
 
 @kernel
 def into(state, body, point, k):
-    """Component k of a point (m, in the world) in the axes of a body."""
+    """Return component k of a point (m, in the world) in the axes of a body."""
     total = 0.0
     for i in range(3):
         total += state.turn[body, 3 * i + k] * (point[i] - state.position[body, i])
@@ -161,7 +161,7 @@ def into(state, body, point, k):
 
 @kernel
 def _apart(state, a, b):
-    """How fast two bodies move against each other, but for their turning (m/s)."""
+    """Return the speed of one body against another, but for their turning (m/s)."""
     total = 0.0
     for k in range(3):
         rate = state.velocity[a, k] - state.velocity[b, k]
@@ -171,7 +171,7 @@ def _apart(state, a, b):
 
 @kernel
 def longest_hop(state, pair, span):
-    """How long (s) a pair may be told no more and touch still: what slides hops."""
+    """Return the longest time (s) for which a pair may be missing and still touch: what slides hops."""
     longest = max(MEMORY, 2.5 * span)
     if pair.stood == 1 and state.gravity > 0.0:
         longest = max(longest, min(2.0 * GRAZING * pair.fastest / state.gravity, _LONGEST_HOP))
@@ -216,8 +216,8 @@ def _is_new(state, pair, n, span, rate):
 
 @noinline_kernel
 def _nearest_of(pair, on_a, on_b, time, longest, near, rate):
-    """The nearest of a pair's points, -1 if none is near: its number, for how long it was not told (s), and how far it
-    has come on each body, squared (m^2)."""
+    """Return the nearest of a pair's points, -1 if none is near: its number, for how long it was not told (s), and how
+    far it has come on each body, squared (m^2)."""
     found, least, passed, ways = -1, math.inf, 0.0, (0.0, 0.0)
     for m in range(pair.known):
         before = time - pair.kept_at[m]
@@ -242,13 +242,13 @@ def _grows(pair, on_a, on_b, time, near):
 
 @kernel
 def _ways(pair, m, on_a, on_b):
-    """How far a point has come since it was told as a pair's point m: on each body, squared (m^2)."""
+    """Return the squared distance (m^2) on each body between a point and a pair's point m as it was last told."""
     return _square(on_a, pair.kept[m, 0]), _square(on_b, pair.kept[m, 1])
 
 
 @kernel
 def _room(pair):
-    """The place among a pair's points of a new one: where there is none yet, or that of the oldest."""
+    """Return the place among a pair's points of a new one: where there is none yet, or that of the oldest."""
     if pair.known < KEPT:
         pair.known += 1
         return pair.known - 1
@@ -261,7 +261,7 @@ def _room(pair):
 
 @kernel
 def _square(here, there):
-    """The square of the way between two points in the axes of a body (m^2)."""
+    """Return the square of the way between two points in the axes of a body (m^2)."""
     total = 0.0
     for k in range(3):
         away = here[k] - there[k]

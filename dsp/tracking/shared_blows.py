@@ -58,7 +58,7 @@ def _set_equations(state, count):
 
 @kernel
 def _opens(state, one, other):
-    """How fast a unit impulse at another blow opens one, as rigid bodies (1/kg)."""
+    """Return the speed at which a unit impulse at another blow opens one, as rigid bodies (1/kg)."""
     total = 0.0
     for side in range(2):
         body = one.b if side == 1 else one.a
@@ -70,7 +70,7 @@ def _opens(state, one, other):
 
 @kernel
 def _moves(state, body, one, other):
-    """n n'/M + (r x n) I^-1 (r' x n') of a body (1/kg), at the points of two blows."""
+    """Return n n'/M + (r x n) I^-1 (r' x n') of a body (1/kg), at the points of two blows."""
     total = 0.0
     for k in range(3):
         total += state.lightness[body] * one.normal[k] * other.normal[k]
@@ -80,7 +80,7 @@ def _moves(state, body, one, other):
 
 @kernel
 def _turns(state, body, blow, axis):
-    """r x n of a blow (m), about an axis of a body."""
+    """Return r x n of a blow (m), about an axis of a body."""
     total = 0.0
     for i in range(3):
         j, m = (i + 1) % 3, (i + 2) % 3

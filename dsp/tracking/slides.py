@@ -35,7 +35,7 @@ _SEEDS = 2**31
 
 @noinline_kernel
 def pressure_of(state, microphones, pair):
-    """The pressure (Pa rms) of a contact's slide at the microphone that hears it best, as an estimate.
+    """Return the pressure (Pa rms) of a contact's slide at the microphone that hears it best, as an estimate.
 
     Of two bodies that are held it is infinite; of a pair that slides as it was told to, it is 20 dB more.
     """
@@ -73,7 +73,8 @@ def is_masked(state, pair):
 
 @kernel
 def fainter_slide(state, pair):
-    """The number of the faintest pair whose slide is heard, has been for a while, and is fainter by far; else -1."""
+    """Return the number of the faintest pair whose slide is heard, has been for a while, and is fainter by far; else
+    -1."""
     faintest, pressure = -1, pair.pressure / _LOUDER
     for i in range(state.touching):
         other = state.pairs[i]
@@ -117,7 +118,7 @@ def steer_slide(state, pair):
 
 @kernel
 def motion_of(state, pair, parameter):
-    """A parameter of STEERED of a contact, within what a slide takes."""
+    """Return a parameter of STEERED of a contact, within what a slide takes."""
     if parameter == 0:
         return min(max(pair.now[0], _LEAST), _FASTEST)
     if parameter == 1:

@@ -28,7 +28,7 @@ SOFT = np.dtype(
 """A contact of MuJoCo's."""
 
 LEAST_IMPEDANCE, MOST_IMPEDANCE = 1e-4, 0.9999
-"""As MuJoCo bounds it."""
+"""MuJoCo's bounds of the impedance."""
 
 _LONGEST = 1000  # steps of a blow that is followed
 _GUESSES = 20  # at the depth before it was seen
@@ -36,7 +36,7 @@ _GUESSES = 20  # at the depth before it was seen
 
 @kernel
 def rebound_of(soft):
-    """The share of its speed that the contact leaves: as it parts, or before other forces push it back."""
+    """Return the share of its speed that the contact leaves: as it parts, or before other forces push it back."""
     depth, rate, least = _first_depth(soft), soft.speed, soft.speed
     slows = False
     for _ in range(_LONGEST):
@@ -55,7 +55,7 @@ def rebound_of(soft):
 
 @kernel
 def _first_depth(soft):
-    """The depth (m) at the beginning of the step in which the contact is seen."""
+    """Return the depth (m) at the beginning of the step in which the contact is seen."""
     if soft.late == 0.0:
         return soft.depth
     depth = soft.depth - 0.5 * soft.step * (soft.speed + soft.braked)
@@ -66,7 +66,7 @@ def _first_depth(soft):
 
 @kernel
 def _runge_kutta(soft, depth, rate):
-    """The depth and its rate after a step, and the depth at its last stage."""
+    """Return the depth and its rate after a step, and the depth at its last stage."""
     half = 0.5 * soft.step
     push1 = _acceleration(soft, depth, rate)
     rate2 = rate + half * push1
@@ -82,7 +82,7 @@ def _runge_kutta(soft, depth, rate):
 
 @kernel
 def _acceleration(soft, depth, rate):
-    """How the rate of the depth changes (m/s^2)."""
+    """Return the acceleration of the depth (m/s^2)."""
     if depth < 0.0:
         return soft.pushed
     impedance = _impedance(soft, depth)
@@ -92,7 +92,7 @@ def _acceleration(soft, depth, rate):
 
 @kernel
 def _impedance(soft, depth):
-    """d(r)."""
+    """Return d(r)."""
     x = min(depth / max(soft.width, 1e-15), 1.0)
     if soft.power <= 1.0 or x == 0.0 or x == 1.0:
         y = x

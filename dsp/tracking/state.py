@@ -23,13 +23,13 @@ STEERED = ("speed", "sweep", "force", "position")
 """The parameters of a slide that a standing contact steers."""
 
 STILL, UNHEARD, HEARD = range(3)
-"""Whether a standing contact slips or sweeps, and is told."""
+"""State of a standing contact: it neither slips nor sweeps, it moves untold, or it moves and is told."""
 
 TOGETHER = 16
 """Blows of one step on the same bodies that share them: of more each is taken alone."""
 
 TOLD = ("depth", "approach", "slip", "force", "mass", "restitution")
-"""What a simulator may tell of a point, NaN where it does not."""
+"""Quantities that a simulator may tell of a point, NaN where it does not."""
 
 _PAIR = np.dtype(
     [
@@ -244,7 +244,7 @@ STATE = np.dtype(
 
 
 def new_state(rest: float, gravity: float) -> np.ndarray:
-    """(1,) of STATE: nothing touches, and nobody hears it. rest: m/s; gravity: m/s^2."""
+    """Return a new state, (1,) of STATE: nothing touches, and nobody hears it. rest: m/s; gravity: m/s^2."""
     state = np.zeros(1, STATE)
     state["rest"], state["gravity"] = rest, gravity
     state["turn"][:] = np.eye(3).ravel()

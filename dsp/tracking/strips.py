@@ -13,7 +13,7 @@ _ENDS = 0.9  # of the half length: beyond, a point is at an end
 
 @kernel
 def place_on(strip, edges, point):
-    """The place 0 to 1 that is nearest to a point (m), in the body's axes.
+    """Return the place 0 to 1 that is nearest to a point (m), in the body's axes.
 
     strip: a kind and two axes; edges: of the box around the body (m).
     """
@@ -32,7 +32,7 @@ def place_on(strip, edges, point):
 
 @kernel
 def radius_at(side, edges, point):
-    """The radius (m) of the surface about a point (m), in the body's axes; of a face it is infinite.
+    """Return the radius (m) of the surface about a point (m), in the body's axes; of a face it is infinite.
 
     side: the radius of the body's side, 0 for one with edges.
     """

@@ -16,7 +16,7 @@ IMPEDANCE = DENSITY * SPEED
 
 
 class Load(NamedTuple):
-    """What the air does to each of n modes of mass-normalised shapes.
+    """The air's load on each of n modes of mass-normalised shapes.
 
     resistance R (n,) in 1/s: the mode radiates the power R q'^2/2 at a modal velocity of amplitude q' (sqrt(kg) m/s),
     and decays by R/2 for it. mass (n,): the mass of the air that moves with the body, as a share of the body's.
@@ -30,7 +30,7 @@ Complex = npt.NDArray[np.complex128]
 
 
 def load(impedance: Complex, frequency: Array) -> Load:
-    """The load of complex modal impedances Z (1/s) with time as exp(-i omega t): R = Re Z, mass -Im Z/omega.
+    """Return the load of complex modal impedances Z (1/s) with time as exp(-i omega t): R = Re Z, mass -Im Z/omega.
 
     Rounding may leave less than nothing of what hardly radiates; then it does not.
     """
@@ -39,7 +39,7 @@ def load(impedance: Complex, frequency: Array) -> Load:
 
 
 def endless_plate(areal: float, ratio: Array) -> Array:
-    """The resistance (1/s) of an endless plate (kg/m^2), both sides, in waves faster than sound.
+    """Return the resistance (1/s) of an endless plate (kg/m^2), both sides, in waves faster than sound.
 
     ratio: the square of their speed over that of sound; of a plate that bends, the frequency over the critical one.
     """
@@ -48,7 +48,7 @@ def endless_plate(areal: float, ratio: Array) -> Array:
 
 
 def plate_mass(areal: float, waves: Array, frequency: Array) -> Array:
-    """The mass of the air on both sides of an endless plate (kg/m^2) in waves (rad/m), as a share of its own.
+    """Return the mass of the air on both sides of an endless plate (kg/m^2) in waves (rad/m), as a share of its own.
 
     Waves faster than sound carry none.
     """
@@ -58,6 +58,6 @@ def plate_mass(areal: float, waves: Array, frequency: Array) -> Array:
 
 
 def wavenumber(frequency: Array) -> Array:
-    """k = omega/c (rad/m) of frequencies (Hz)."""
+    """Return k = omega/c (rad/m) of frequencies (Hz)."""
     k: Array = 2 * math.pi * frequency / SPEED
     return k

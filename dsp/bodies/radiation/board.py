@@ -1,4 +1,4 @@
-"""What strings and tongues are heard through: a board, as a curve of its means.
+"""The board that strings and tongues are heard through, as a curve of its means.
 
 The force at its bridge or clamp, F per unit modal velocity, puts the power |F|^2 Y/2 into the board. Y is the mean
 conductance of a plate, 1/(8 sqrt(D m)) (Cremer, Heckl, Petersson, Structure-Borne Sound, 2005). Of this power the share
@@ -41,14 +41,14 @@ class Board:
     panel: float = 0.0
 
     def conductance(self, frequency: Array) -> Array:
-        """Mean real mobility (s/kg) at the bridge."""
+        """Return the mean real mobility (s/kg) at the bridge."""
         plate = 1 / (8 * math.sqrt(self.rigidity * self.areal))
         bare = np.clip(np.log2(frequency / self.between_ribs), 0, 1) if self.panel else 0.0
         found: Array = plate * (self.panel / plate) ** bare / (1 + (self.lowest / frequency) ** 4)
         return found
 
     def radiated_share(self, frequency: Array) -> Array:
-        """The share of the board's power that becomes sound."""
+        """Return the share of the board's power that becomes sound."""
         critical = SPEED**2 / (2 * math.pi) * math.sqrt(self.areal / self.rigidity)
         ratio = frequency / critical
         low = self.perimeter * SPEED / (math.pi**2 * self.area * critical) * np.sqrt(np.minimum(ratio, 1 / _JOIN))
@@ -64,7 +64,7 @@ _SPRUCE = 0.008, 390.0, 11.5e9, 0.47e9
 
 
 def _bare(thickness: float, density: float, along: float, across: float) -> float:
-    """Mean mobility (s/kg) of a panel of wood."""
+    """Return the mean mobility (s/kg) of a panel of wood."""
     rigidity = math.sqrt(along * across) * thickness**3 / 12
     return 1 / (8 * math.sqrt(rigidity * density * thickness))
 

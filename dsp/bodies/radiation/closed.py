@@ -12,7 +12,7 @@ from ..modes import Indices
 
 
 def sphere_efficiency(order: int | Indices, x: Array) -> Array:
-    """Of a sphere's spherical harmonics of order n, at x = k a: 1/(x^2 |h_n'(x)|^2)."""
+    """Return the radiation efficiency of a sphere's spherical harmonics of order n, at x = k a: 1/(x^2 |h_n'(x)|^2)."""
     from scipy.special import spherical_jn, spherical_yn
 
     square = spherical_jn(order, x, True) ** 2 + _finite(spherical_yn(order, x, True)) ** 2
@@ -21,13 +21,13 @@ def sphere_efficiency(order: int | Indices, x: Array) -> Array:
 
 
 def cylinder_efficiency(order: int, x: Array) -> Array:
-    """Of a long cylinder's cos m theta, at x = k a: 2/(pi x |H_m'(x)|^2)."""
+    """Return the radiation efficiency of a long cylinder's cos m theta, at x = k a: 2/(pi x |H_m'(x)|^2)."""
     efficiency: Array = 2 / (math.pi * x * radial_function(order, x))
     return efficiency
 
 
 def radial_function(order: int, x: Array) -> Array:
-    """|H_m'(x)|^2; where it overflows, so large that nothing radiates."""
+    """Return |H_m'(x)|^2; where it overflows, so large that nothing radiates."""
     from scipy.special import jvp, yvp
 
     with np.errstate(invalid="ignore"):  # two infinities

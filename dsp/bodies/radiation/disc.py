@@ -1,4 +1,4 @@
-"""Round surfaces, flat and thin: free in air, or in a wall.
+"""Flat, thin, circular surfaces: free in air, or in a wall.
 
 Their modes are J_m(lambda r) + c I_m(lambda r)/I_m(lambda), times cos(m theta). Free: the jump of pressure across the
 disc, which falls to zero at its edge as a square root, is expanded in functions of which the Hankel transform is
@@ -33,7 +33,8 @@ class Waves(NamedTuple):
 
 
 def free_disc(families: Sequence[Waves], radius: float) -> list[Complex]:
-    """Impedances (kg/s) of modes, both sides: of each family, and of many at once as that takes less time."""
+    """Return the impedances (kg/s) of modes, both sides: of each family, and of many at once as that takes less
+    time."""
     found: list[Complex] = []
     plans = [_Plan(waves) for waves in families]
     while plans:
@@ -73,7 +74,7 @@ def _solve(plans: Sequence[_Plan], radius: float) -> list[Complex]:
 
 
 def _jumps(plans: Sequence[_Plan]) -> list[tuple[Array, Complex]]:
-    """Of each family the projections b (n, k), and the jumps of pressure c (k, n) over 2 rho c x."""
+    """Return, for each family, the projections b (n, k), and the jumps of pressure c (k, n) over 2 rho c x."""
     count = 1 + max(int(plan.degree[-1]) for plan in plans)
     table = spherical_bessel(count, np.concatenate([plan.points.ravel() for plan in plans]))
     found: list[tuple[Array, Complex]] = []
@@ -94,12 +95,12 @@ def _jumps(plans: Sequence[_Plan]) -> list[tuple[Array, Complex]]:
 
 
 def _turn(order: int) -> float:
-    """int cos^2(m theta) over the circle."""
+    """Return int cos^2(m theta) over the circle."""
     return 2 * math.pi if order == 0 else math.pi
 
 
 def _projections(waves: Waves, degree: Indices, whole: Array, half: float) -> Array:
-    """int_0^1 of the modes times functions (n) of which the Hankel transform is J_(l + half)(x)/x: (n, k).
+    """Return int_0^1 of the modes times functions (n) of which the Hankel transform is J_(l + half)(x)/x: (n, k).
 
     half = 0.5: spherical Bessel functions j_l. The transforms at lambda (whole, over lambda), and at i lambda for I_m.
     """
@@ -116,7 +117,7 @@ def _projections(waves: Waves, degree: Indices, whole: Array, half: float) -> Ar
 
 
 def baffled_disc(waves: Waves, radius: float) -> Complex:
-    """Impedances (kg/s) of the modes of a disc in a wall, on one of its sides.
+    """Return the impedances (kg/s) of the modes of a disc in a wall, on one of its sides.
 
     2 pi eps rho c a^2 int Phi(s)^2 s/sqrt(1 - (s/x)^2) ds, Phi the mode's Hankel transform.
     """

@@ -43,19 +43,19 @@ class Outline(NamedTuple):
 
 
 def rectangular(width: float, depth: Array) -> Outline:
-    """The outline of a bar that moves across its width, `depth` (m) thick at places along it."""
+    """Return the outline of a bar that moves across its width, `depth` (m) thick at places along it."""
     added = np.interp(depth / width, _ASPECTS, _ADDED) * math.pi * (width / 2) ** 2
     return Outline(width / 2, width * depth, added, False)
 
 
 def on_edge(width: float, depth: Array) -> Outline:
-    """The outline of the same bar as it moves along its width, its edges foremost."""
+    """Return the outline of the same bar as it moves along its width, its edges foremost."""
     added = np.interp(width / depth, _ASPECTS, _ADDED) * math.pi * (depth / 2) ** 2
     return Outline(float(depth.max()) / 2, width * depth, added, False)
 
 
 def tubular(diameter: float, bore: float, x: Array) -> Outline:
-    """The outline of a tube or rod at places x; the air in its bore moves along."""
+    """Return the outline of a tube or rod at places x; the air in its bore moves along."""
     area = np.full_like(x, math.pi / 4 * diameter**2)
     return Outline(diameter / 2, area, area + math.pi / 4 * bore**2, True)
 
@@ -77,7 +77,8 @@ class Bar(NamedTuple):
 
 
 def mass_of(bar: Bar, frequency: Array) -> Array:
-    """The air's share of a bar's modal masses at frequencies (Hz): an endless bar's, by the waves that run along it."""
+    """Return the air's share of a bar's modal masses at frequencies (Hz): an endless bar's, by the waves that run along
+    it."""
     share = bar.weights[:, None] * bar.half
     steep = _mean_square(bar, bar.slopes) / _mean_square(bar, bar.shapes) - wavenumber(frequency) ** 2
     along = np.sqrt(np.abs(steep)) * bar.outline.half_width
@@ -87,7 +88,7 @@ def mass_of(bar: Bar, frequency: Array) -> Array:
 
 
 def load_of(bar: Bar, frequency: Array) -> Load:
-    """The air's load on a bar's modes at frequencies (Hz)."""
+    """Return the air's load on a bar's modes at frequencies (Hz)."""
     k = wavenumber(frequency)
     resistance = np.empty_like(k)
     octave = np.floor(np.log2(np.maximum(k, _LEAST)))
@@ -109,7 +110,8 @@ def _mean_square(bar: Bar, values: Array) -> Array:
 
 
 def _of_rectangle(bar: Bar, shape: Array, k: float, wave: float) -> float:
-    """The resistance of a mode that is not much faster than sound: its ends radiate, and a line does not know them.
+    """Return the resistance of a mode that is not much faster than sound: its ends radiate, and a line does not know
+    them.
 
     The bar is a flat rectangle, as wide and as long, and of its moving area: exact where it is thin.
     """
@@ -160,7 +162,8 @@ def _resistance(bar: Bar, shapes: Array, k: Array) -> Array:
 
 
 def _spectrum(bar: Bar, shapes: Array, phase: Array, terms: int) -> tuple[Array, Array]:
-    """The even and the odd part of V at q half = phase (n, d): Legendre series become spherical Bessel functions."""
+    """Return the even and the odd part of V at q half = phase (n, d): Legendre series become spherical Bessel
+    functions."""
     terms = min(terms, math.ceil(phase.max()) + _NEGLIGIBLE)
     legendre = np.polynomial.legendre.legvander(bar.nodes, terms - 1) * bar.weights[:, None]
     degree = np.arange(terms)[:, None]
@@ -172,31 +175,33 @@ def _spectrum(bar: Bar, shapes: Array, phase: Array, terms: int) -> tuple[Array,
 
 @cache
 def _tables() -> tuple[Array, Array, Array, Array]:
-    """ln x, and there ln of the resistances of a flat strip and of a cylinder, and the strip's mass."""
+    """Return ln x, and there ln of the resistances of a flat strip and of a cylinder, and the strip's mass."""
     x = np.geomspace(*REACH, len(RESISTANCE))
     return np.log(x), np.log(RESISTANCE), np.log(math.pi * cylinder_efficiency(1, x)), np.array(MASS)
 
 
 def _strip_resistance(x: Array) -> Array:
-    """Of an endless flat strip that moves along its normal, per length and over rho c b, at x = k b."""
+    """Return the resistance of an endless flat strip that moves along its normal, per length and over rho c b, at x = k
+    b."""
     grid, strip, _, _ = _tables()
     return _interpolated(x, grid, strip, math.pi**2 / 8, 4.0)
 
 
 def _round_resistance(x: Array) -> Array:
-    """Of an endless cylinder that moves across itself, per length and over rho c a, at x = k a."""
+    """Return the resistance of an endless cylinder that moves across itself, per length and over rho c a, at x = k
+    a."""
     grid, _, cylinder, _ = _tables()
     return _interpolated(x, grid, cylinder, math.pi**2 / 2, math.pi)
 
 
 def _interpolated(x: Array, grid: Array, logarithm: Array, low: float, high: float) -> Array:
-    """Linear in logarithms; low x^3 and `high` beyond the table's ends."""
+    """Interpolate linearly in logarithms; low x^3 and `high` beyond the table's ends."""
     at = np.log(np.maximum(x, 1e-12))
     within = np.exp(np.interp(at, grid, logarithm))
     return np.where(at < grid[0], low * x**3, np.where(at > grid[-1], high, within))
 
 
 def _strip_mass(x: Array) -> Array:
-    """The air's mass on an endless flat strip, over rho pi b^2."""
+    """Return the air's mass on an endless flat strip, over rho pi b^2."""
     grid, _, _, mass = _tables()
     return np.interp(np.log(np.maximum(x, 1e-12)), grid, mass, 1.0, 0.0)

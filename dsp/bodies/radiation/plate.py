@@ -55,7 +55,7 @@ class Loads:
     """The load as a function of the modes' frequencies in air."""
 
     def __init__(self, plate: Rectangle, frequency: Array) -> None:
-        """frequency (n,): Hz, without air, ascending."""
+        """Prepare the modes of a plate by their frequencies (n,) in Hz, without air, ascending."""
         self._plate = plate
         self._waves = np.sqrt(2 * math.pi * frequency / plate.speed)
         fast = _is_fast(plate, self._waves, frequency)
@@ -89,7 +89,7 @@ class Loads:
                 self._values[node - self._first[using], using] = solver.solve(at, using)
 
     def _interpolated(self, frequency: Array) -> tuple[Array, Array]:
-        """By parabolas of ln R and of the mass over ln f."""
+        """Interpolate ln R and the mass by parabolas over ln f."""
         x = np.log(frequency)
         a, b, c = self._nodes[self._first + np.arange(_NODES)[:, None]]
         weights = np.stack(
@@ -104,12 +104,13 @@ class Loads:
 
 
 def _is_fast(plate: Rectangle, waves: Array, frequency: Array) -> npt.NDArray[np.bool_]:
-    """Which modes radiate as an endless plate does."""
+    """True for the modes that radiate as an endless plate does."""
     return np.asarray((wavenumber(frequency) - waves) * min(plate.halves) > _CLOSED)
 
 
 def _typical(plate: Rectangle, waves: Array, frequency: Array) -> Array:
-    """The resistance of modes of many waves: that of an endless plate, and where they are slower than sound a mean.
+    """Return the resistance of modes of many waves: that of an endless plate, and where they are slower than sound a
+    mean.
 
     Below 0.7 of the critical frequency f_c that is _SLOW over the share of the edges, c P/(4 pi^2 S f_c): a fit to
     the solutions of four plates of 300 to 900 modes, within 2 dB; single modes scatter by 2 dB around it (rms), far
@@ -149,7 +150,7 @@ class _Solver:
         self._sides = [side(*each) for each in zip(plate.halves, terms, strict=True)] if plate.baffle == "free" else []
 
     def solve(self, frequency: float, modes: Indices) -> Array:
-        """Resistance and mass (modes, 2) at a frequency (Hz); in a wall the mass is left to `plate_mass`."""
+        """Return the resistance and mass (modes, 2) at a frequency (Hz); in a wall the mass is left to `plate_mass`."""
         omega, plate = 2 * math.pi * frequency, self._plate
         k = omega / SPEED
         terms = [math.ceil(self._waves[modes[-1]] * half) + _MARGIN[plate.baffle] for half in plate.halves]

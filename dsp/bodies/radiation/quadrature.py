@@ -13,14 +13,14 @@ _PANEL = 16  # nodes; one rule serves intervals of all lengths
 
 
 def segment(low: float, high: float, points: float) -> tuple[Array, Array]:
-    """Nodes and weights of an integral from low to high: `points` or more, in panels of equal width."""
+    """Return nodes and weights of an integral from low to high: `points` or more, in panels of equal width."""
     unit, weights = panels(max(1, math.ceil(points / _PANEL)))
     return low + (high - low) * unit, (high - low) * weights
 
 
 @lru_cache(maxsize=128)
 def panels(count: int) -> tuple[Array, Array]:
-    """Nodes and weights in 0..1 of so many panels; read-only."""
+    """Return nodes and weights in 0..1 of so many panels; read-only."""
     nodes, weights = np.polynomial.legendre.leggauss(_PANEL)
     starts = np.arange(count)[:, None]
     unit, share = ((starts + (nodes + 1) / 2) / count).ravel(), np.tile(weights / (2 * count), count)
@@ -29,17 +29,18 @@ def panels(count: int) -> tuple[Array, Array]:
 
 
 def spherical_bessel(count: int, x: Array) -> Array:
-    """Spherical Bessel functions j_0 to j_(count - 1) at x >= 0: (count, *x.shape)."""
+    """Return the spherical Bessel functions j_0 to j_(count - 1) at x >= 0: (count, *x.shape)."""
     return _by_recurrence(count, x, 0.5)
 
 
 def bessel(count: int, x: Array) -> Array:
-    """Bessel functions J_0 to J_(count - 1) at x >= 0: (count, *x.shape)."""
+    """Return Bessel functions J_0 to J_(count - 1) at x >= 0: (count, *x.shape)."""
     return _by_recurrence(count, x, 0.0)
 
 
 def _by_recurrence(count: int, x: Array, half: float) -> Array:
-    """Both kinds obey f_(n-1) + f_(n+1) = 2 (n + half)/x f_n: upwards where x > n, by Miller downwards elsewhere."""
+    """Return Bessel functions of either kind by f_(n-1) + f_(n+1) = 2 (n + half)/x f_n: upwards where x > n, by Miller
+    downwards elsewhere."""
     far = x > count
     if not far.any():
         return _downwards(count, x, half)
@@ -70,7 +71,7 @@ def _upwards(count: int, x: Array, half: float) -> Array:
 
 
 def _downwards(count: int, x: Array, half: float) -> Array:
-    """The orders' leading powers x^n taken out, f_n = power_n g_n, nothing overflows."""
+    """Return them with the orders' leading powers x^n taken out, f_n = power_n g_n, so that nothing overflows."""
     out = np.empty((max(count, 2), *x.shape))
     if not x.size:
         return out[:count]

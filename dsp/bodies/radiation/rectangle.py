@@ -22,7 +22,7 @@ _TAIL, _FARTHEST = 32, 1e4  # nodes of that part, and how far it goes
 _PANEL = 10.0  # of the grid of wavenumbers, for the rule's 16 nodes
 
 Parts = Mapping[tuple[int, int], Array]
-"""For parities (x, y), 0 even and 1 odd: coefficients (terms of that parity along x, along y, modes)."""
+"""Coefficients for each pair of parities (x, y), 0 even and 1 odd: (terms of that parity along x, along y, modes)."""
 
 
 class Side(NamedTuple):
@@ -38,7 +38,7 @@ class Side(NamedTuple):
 
 
 def side(half: float, terms: int) -> Side:
-    """The side's table, which serves all frequencies."""
+    """Return the side's table, which serves all frequencies."""
     reach = terms + _REACH
     unit, share = panels(math.ceil(reach / _PANEL))
     near, near_weights = reach * unit, reach * share
@@ -56,7 +56,7 @@ def side(half: float, terms: int) -> Side:
 
 
 def _debye(terms: int, x: Array) -> tuple[Array, Array]:
-    """`_transforms` for x beyond the terms, as amplitudes and angles of cosines (Debye): (terms, x) each."""
+    """Return `_transforms` for x beyond the terms, as amplitudes and angles of cosines (Debye): (terms, x) each."""
     n = np.arange(1, terms + 1)[:, None]
     root = np.sqrt(x**2 - n**2)
     size = math.pi * n / x * np.sqrt(2 / (math.pi * root))
@@ -65,7 +65,7 @@ def _debye(terms: int, x: Array) -> tuple[Array, Array]:
 
 
 def _transforms(terms: int, x: Array) -> Array:
-    """pi (p + 1) J_(p+1)(x)/x, the signs of a parity's terms included: (terms, *x.shape)."""
+    """Return pi (p + 1) J_(p+1)(x)/x, the signs of a parity's terms included: (terms, *x.shape)."""
     p = np.arange(terms).reshape(-1, *(1,) * x.ndim)
     safe = np.maximum(x, 1e-9)
     found: Array = (-1.0) ** (p // 2) * math.pi * (p + 1) * bessel(terms + 1, safe)[1:] / safe
@@ -73,7 +73,7 @@ def _transforms(terms: int, x: Array) -> Array:
 
 
 def jump_terms(terms: int, values: Callable[[Array], Array], half: float) -> Array:
-    """int f psi_p of functions of fractions of the side, (points) -> (points, n), by length: (terms, n)."""
+    """Return int f psi_p of functions of fractions of the side, (points) -> (points, n), by length: (terms, n)."""
     t, w = segment(0, math.pi, 4 * terms + 60)
     psi = np.sin(np.outer(np.arange(1, terms + 1), t)) * np.sin(t) * w
     projected: Array = half * psi @ values((1 + np.cos(t)) / 2)
@@ -81,7 +81,7 @@ def jump_terms(terms: int, values: Callable[[Array], Array], half: float) -> Arr
 
 
 def legendre_terms(terms: int, values: Callable[[Array], Array], half: float) -> Array:
-    """Legendre series of functions of fractions of the side, whose transforms are sums of j_p: (terms, n)."""
+    """Return Legendre series of functions of fractions of the side, whose transforms are sums of j_p: (terms, n)."""
     z, w = segment(-1, 1, 4 * terms + 60)
     basis = legendre.legvander(z, terms - 1) * w[:, None]
     p = np.arange(terms)
@@ -90,7 +90,7 @@ def legendre_terms(terms: int, values: Callable[[Array], Array], half: float) ->
 
 
 def free_rectangle(k: float, along: Side, across: Side, projected: Parts) -> Complex:
-    """Impedances, over 2 rho c k, of modes given by their `jump_terms`, at k = omega/c."""
+    """Return the impedances, over 2 rho c k, of modes given by their `jump_terms`, at k = omega/c."""
     kz = np.sqrt(np.maximum((along.x[:, None] / along.half) ** 2 + (across.x / across.half) ** 2 - k**2, 0))
     rays = _rays(k, along.half, across.half)
     field_x = along.half * _transforms(along.terms, rays.x)
@@ -113,7 +113,8 @@ def free_rectangle(k: float, along: Side, across: Side, projected: Parts) -> Com
 
 
 def walled_rectangle(k: float, halves: tuple[float, float], series: Parts) -> Array:
-    """Resistances, over rho c, of modes given by their `legendre_terms`, on one side: k^2/(4 pi^2) int |V|^2."""
+    """Return the resistances, over rho c, of modes given by their `legendre_terms`, on one side: k^2/(4 pi^2) int
+    |V|^2."""
     rays = _rays(k, *halves)
     terms = [2 * max(part.shape[axis] for part in series.values()) for axis in (0, 1)]
     field_x, field_y = spherical_bessel(terms[0], rays.x), spherical_bessel(terms[1], rays.y)

@@ -34,7 +34,7 @@ class Round(NamedTuple):
     scale: Array
 
     def only(self, modes: Indices) -> "Round":
-        """The surface with some of its modes."""
+        """Return the surface with some of its modes."""
         return Round(*self[:3], *(each[modes] for each in self[3:]))
 
 
@@ -78,7 +78,8 @@ class Loads:
         return found
 
     def _between(self, speed: Array) -> npt.NDArray[np.bool_]:
-        """Where there are many: slow modes between others, every other of an order, and most of odd orders."""
+        """True for modes to interpolate, where there are many: slow ones between others, every other of an order, and
+        most of odd orders."""
         if speed.size < _MANY:
             return np.zeros(speed.size, np.bool_)
         slow = speed < _SLOW
@@ -88,7 +89,8 @@ class Loads:
         return inside
 
     def _parts(self, row: Indices) -> list[Indices]:
-        """The slow modes of an order and the fast ones, if there are many: slow ones need fewer terms and points."""
+        """Return the slow modes of an order and the fast ones, if there are many: slow ones need fewer terms and
+        points."""
         row = row[np.argsort(self._body.root[row])]
         return [row] if row.size < _WORTH else np.array_split(row, 2)
 
@@ -98,5 +100,5 @@ class Loads:
 
 
 def _families(number: npt.NDArray[Any], which: npt.NDArray[np.bool_]) -> list[Indices]:
-    """Those modes, in families of the same number."""
+    """Group those modes into families of the same number."""
     return [np.flatnonzero(which & (number == each)) for each in np.unique(number[which])]

@@ -11,7 +11,7 @@ _GROWTH = 1.25  # from one member to the next, where not all are solved
 
 
 def members(count: int, dense: int) -> Indices:
-    """Which of `count` members to solve: the first `dense`, then fewer and fewer, and the last."""
+    """Choose which of `count` members to solve: the first `dense`, then fewer and fewer, and the last."""
     chosen = list(range(min(dense, count)))
     while chosen and chosen[-1] < count - 1:
         chosen.append(min(count - 1, max(chosen[-1] + 1, round(chosen[-1] * _GROWTH))))
@@ -19,7 +19,8 @@ def members(count: int, dense: int) -> Indices:
 
 
 def between(known: Array, loads: Load, wanted: Array) -> Load:
-    """The loads at `wanted` (n,) from those at `known` places (k,), ascending: a cubic of ln R and of the mass."""
+    """Return the loads at `wanted` (n,) from those at `known` places (k,), ascending: a cubic of ln R and of the
+    mass."""
     if np.array_equal(known, wanted):
         return loads
     level = np.log(np.maximum(loads.resistance, _LEAST))
@@ -34,7 +35,7 @@ def fill(loads: Load, place: Array, known: Indices, wanted: Indices) -> None:
 
 
 def _cubic(x: Array, y: Array, wanted: Array) -> Array:
-    """Through three points or more, by Hermite's cubics; the slope at a point is that of the parabola around it."""
+    """Interpolate three points or more by Hermite's cubics; the slope at a point is that of the parabola around it."""
     step = np.diff(x)
     rise = np.diff(y) / step
     slope = np.empty_like(y)

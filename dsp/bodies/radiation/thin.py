@@ -22,7 +22,8 @@ _UNIFORM = 30  # order from which Debye's leading terms serve where Y_n and K_n 
 
 
 def strip(x: float, profile: Profile = np.ones_like) -> complex:
-    """Impedance of a flat strip moving along its normal, both sides, per length and over rho c b, at x = k b.
+    """Return the impedance of a flat strip moving along its normal, both sides, per length and over rho c b, at x = k
+    b.
 
     b is half the width. The real part radiates; the air's mass per length is -Im/x rho b^2.
     """
@@ -38,7 +39,8 @@ def strip(x: float, profile: Profile = np.ones_like) -> complex:
 
 
 def open_cylinder(order: int, k: float, radius: float, half: float, profile: Profile) -> complex:
-    """Impedance (kg/s) of a thin cylinder of length 2 `half`, its ends open, moving radially by profile cos(m theta).
+    """Return the impedance (kg/s) of a thin cylinder of length 2 `half`, its ends open, moving radially by profile
+    cos(m theta).
 
     Both its sides radiate, one to the other around the edges. Lengths in m, k = omega/c. The order m may be 0.
     """
@@ -62,7 +64,7 @@ def _solve(
     kernel: tuple[Callable[[Array], Complex], Callable[[Array], Complex]],
     profile: Profile,
 ) -> complex:
-    """c.b of the kernel 2 x rho c Y, which goes as i s for large s, given for s < x and for s > x."""
+    """Return c.b of the kernel 2 x rho c Y, which goes as i s for large s, given for s < x and for s > x."""
     n = np.arange(terms)
     angle, weights = segment(0, math.pi, 4 * terms + 40)
     b = (np.sin(np.outer(n + 1, angle)) * np.sin(angle) * weights) @ profile(np.cos(angle))
@@ -83,7 +85,8 @@ def _solve(
 
 
 def _inner_outer(order: int, r: Array) -> Complex:
-    """pi r^2 J_m'(r) H_m'(r): the inside and the outside of a cylinder, of radial wavenumber r over its radius."""
+    """Return pi r^2 J_m'(r) H_m'(r): the inside and the outside of a cylinder, of radial wavenumber r over its
+    radius."""
     from scipy.special import jvp, yvp
 
     j = jvp(order, r)
@@ -97,7 +100,7 @@ def _inner_outer(order: int, r: Array) -> Complex:
 
 
 def _inner_outer_evanescent(order: int, r: Array) -> Complex:
-    """The same at i r: -2 i r^2 I_m'(r) K_m'(r)."""
+    """Return the same at i r: -2 i r^2 I_m'(r) K_m'(r)."""
     from scipy.special import ive, kve
 
     if order > _UNIFORM:

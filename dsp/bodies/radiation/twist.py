@@ -1,4 +1,4 @@
-"""What a bar of rectangular section radiates when it twists.
+"""Radiation of a bar of rectangular section that twists.
 
 R = (rho c k b/(2 pi)) int_0^pi |V(k cos t)|^2 S(k b sin t) dt, V(q) = int phi exp(-i q x) dx, as of a bar that bends:
 phi is the velocity of the edges, the twist times b, half the width. S is the resistance per length, over rho c b, of an
@@ -47,7 +47,7 @@ class Twist:
         self._strength = np.interp(np.minimum(ratio, 1 / ratio), THICKNESS, FLATNESS) * np.where(ratio > 1, ratio**4, 1)
 
     def resistance(self, frequency: Array) -> Array:
-        """R (n,) in 1/s: the power is R q'^2/2 at a modal velocity of amplitude q' (sqrt(kg) m/s)."""
+        """Return R (n,) in 1/s: the power is R q'^2/2 at a modal velocity of amplitude q' (sqrt(kg) m/s)."""
         strongest = float(self._strength.max())
         found = np.empty_like(frequency)
         for mode, k in enumerate(wavenumber(frequency)):
@@ -64,7 +64,7 @@ class Twist:
 
 
 def strip(x: Array) -> Array:
-    """S of an endless flat strip that turns about its middle line, at x = k b."""
+    """Return S of an endless flat strip that turns about its middle line, at x = k b."""
     at = np.log(np.maximum(x, 1e-12))
     grid = np.log(np.geomspace(*REACH, len(RESISTANCE)))
     within = np.exp(np.interp(at, grid, np.log(RESISTANCE)))

@@ -14,7 +14,8 @@ _LONG = 8.0  # radii: of a tube as long as this the inside radiates nothing that
 
 
 def load_of(order: Array, radius: float, half: float, profile: Profile, frequency: Array) -> Load:
-    """The load on modes profile(z) cos(m theta) of orders m (n,), of unit displacement: for a modal mass of 1 kg.
+    """Return the load on modes profile(z) cos(m theta) of orders m (n,), of unit displacement: for a modal mass of 1
+    kg.
 
     A cylinder of a middle radius and a length 2 `half`, in m, its ends open; z is -1..1 along it.
     """
@@ -26,7 +27,8 @@ def load_of(order: Array, radius: float, half: float, profile: Profile, frequenc
 
 
 def _long(order: Array, radius: float, half: float, profile: Profile, frequency: Array) -> Load:
-    """R = rho c eps/pi^2 int |V(k cos t)|^2/(sin t |H_m'(k a sin t)|^2) dt; the mass of the air inside and outside."""
+    """Return R = rho c eps/pi^2 int |V(k cos t)|^2/(sin t |H_m'(k a sin t)|^2) dt; the mass of the air inside and
+    outside."""
     k = wavenumber(frequency)
     resistance = np.empty_like(k)
     for i, (m, each) in enumerate(zip(order, k, strict=True)):
