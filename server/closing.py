@@ -1,4 +1,4 @@
-"""What is closed at the end of a `with`."""
+"""A context manager for what is closed at the end of a `with`."""
 
 from types import TracebackType
 from typing import TypeVar

@@ -1,4 +1,4 @@
-"""While the engine is being compiled: clients hear how far it is, and what they send waits for the engine."""
+"""The wait while the engine is being compiled: clients hear how far it is, and what they send waits for the engine."""
 
 import threading
 import time
@@ -16,7 +16,7 @@ _MOST = 10_000  # packets that wait
 
 
 def wait_for_code(network: Network) -> list[tuple[bytes, Source]]:
-    """Have the engine's code ready; the packets that arrived meanwhile, to be carried out now.
+    """Wait for the engine's code; return the packets that arrived meanwhile, to be carried out now.
 
     Whoever sends one is told `/compiling SHARE SECONDS` at once, and every second until the code is there. The newest
     packets are dropped where more than 10,000 wait.

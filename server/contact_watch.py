@@ -29,7 +29,7 @@ class Touching:
     force: list[float] = field(default_factory=list)
     """N, its mean over each sample."""
     goes_on: bool = False
-    """Whether it lasts: then place and speed are the latest."""
+    """True if the contact lasts: then place and speed are the latest."""
     strength: float = 0.0
     """N, the force's rms since the last report of one that lasts."""
 
@@ -44,7 +44,7 @@ class ContactWatch:
         """Contacts that were left out, as too many went on."""
 
     def look(self, trace: NDArray[np.void]) -> tuple[list[Touching], list[Touching]]:
-        """The blows that are over, and what touches on, by what was traced since the last call."""
+        """Return the blows that are over, and what touches on, by what was traced since the last call."""
         order = np.argsort(trace["contact"], kind="stable")
         places = np.flatnonzero(np.diff(trace["contact"][order])) + 1
         runs = {int(run["contact"][0]): run for run in np.split(trace[order], places) if len(run)}
@@ -79,7 +79,7 @@ class ContactWatch:
 
 
 def thinned(values: list[float], most: int) -> list[float]:
-    """At most so many values: the highest of each of as many equal pieces."""
+    """Thin values out to at most so many: the highest of each of as many equal pieces."""
     if len(values) <= most:
         return values
     return [float(piece.max()) for piece in np.array_split(np.asarray(values), most)]

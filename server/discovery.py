@@ -18,24 +18,24 @@ _T60 = math.log(1e3)  # times the time constant
 
 
 def presets(library: Presets, kind: str) -> Iterator[Message]:
-    """/presets.reply KIND FIRST TOTAL NAME ...: as many as are needed."""
+    """Yield /presets.reply KIND FIRST TOTAL NAME ...: as many as are needed."""
     yield from in_parts("/presets.reply", (kind,), [(name,) for name in library.names(kind)])
 
 
 def objects(session: Session) -> Iterator[Message]:
-    """/objects.reply FIRST TOTAL and pairs of name and preset."""
+    """Yield /objects.reply FIRST TOTAL and pairs of name and preset."""
     there = [(name, session.objects[name].preset.name) for name in session.objects.there(0.0)]
     yield from in_parts("/objects.reply", (), there)
 
 
 def gestures(session: Session) -> Iterator[Message]:
-    """/gestures.reply FIRST TOTAL and pairs of id and the address that started it."""
+    """Yield /gestures.reply FIRST TOTAL and pairs of id and the address that started it."""
     running = [(id.name, address) for id in session.gestures.running() for address, _ in tuple(id.running)]
     yield from in_parts("/gestures.reply", (), running)
 
 
 def described(session: Session, target: str, modes: int) -> Iterator[Message]:
-    """/object/NAME/get.reply and pairs, for each object that matches; with a number of modes, get.modes, too."""
+    """Yield /object/NAME/get.reply and pairs, for each object that matches; with a number of modes, get.modes, too."""
     found = session.objects.at(target, 0.0)
     if not found:
         there = list(islice(session.objects.there(0.0), MOST_COMPARED))
@@ -63,12 +63,12 @@ def described(session: Session, target: str, modes: int) -> Iterator[Message]:
 
 
 def tuning_of(obj: PlayedObject) -> float:
-    """The factor on an object's frequencies as it is tuned now."""
+    """Return the factor on an object's frequencies as it is tuned now."""
     return float(2.0 ** (obj.settings.get("tune", 0.0) / 12.0))
 
 
 def in_parts(address: str, head: tuple[Argument, ...], items: Iterable[tuple[Argument, ...]]) -> Iterator[Message]:
-    """Messages with all items, each with the place of its first one and their number after the head."""
+    """Yield messages with all items, each with the place of its first one and their number after the head."""
     items = list(items)
     part: list[Argument] = []
     first = size = 0

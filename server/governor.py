@@ -44,12 +44,13 @@ class Governor:
         self._best = Quality.FULL
 
     def note_request(self, message: Message) -> None:
-        """If a message asks for a quality, never go beyond it from now on."""
+        """Remember the quality that a message asks for: the governor does not go beyond it from now on."""
         if message.address == "/quality":
             self._best = next((quality for quality in Quality if (quality,) == message.args), self._best)
 
     def decide(self, now: float) -> Quality | None:
-        """The quality to change to, None to stay; to be called every few hundredths of a second with the time (s)."""
+        """Return the quality to change to, None to stay; to be called every few hundredths of a second with the time
+        (s)."""
         quality, stats = self._engine.quality, self._engine.stats
         load, overruns = stats.load, stats.overruns
         burst = self._note_overruns(now, overruns) and load > _LITTLE and quality < _LAST_FOR_BURSTS

@@ -1,4 +1,4 @@
-"""What a server can say of itself to those that look it up over HTTP; any thread may ask."""
+"""The server's account of itself to those who look it up over HTTP; any thread may ask."""
 
 from collections.abc import Collection, Iterable, Mapping
 from importlib.metadata import version
@@ -22,7 +22,7 @@ _T60 = float(np.log(1e3))
 
 
 class Knowledge:
-    """What there is to know of a session, and of its presets. log: the score of it that is written, if one is."""
+    """A view of a session and its presets. log: the score of it that is written, if one is."""
 
     def __init__(self, session: Session, presets: Presets, log: Path | None) -> None:
         self._session = session
@@ -31,7 +31,7 @@ class Knowledge:
         self._catalogue: dict[str, Any] | None = None
 
     def names(self) -> dict[str, Collection[str]]:
-        """The names that can stand for a word of the address space now."""
+        """Return the names that can stand for a word of the address space now."""
         library = self._presets
         return {
             "NAME": dict.fromkeys(self._session.objects),
@@ -42,7 +42,7 @@ class Knowledge:
         }
 
     def value(self, path: str) -> list[Any] | None:
-        """The values of an address now; None if it has none."""
+        """Return the values of an address now; None if it has none."""
         engine = self._session.engine
         if path.startswith("/object/") and path.count("/") == 3:
             _, _, name, setting = path.split("/")
@@ -59,7 +59,7 @@ class Knowledge:
         return [int(engine.quality)] if path == "/quality" else None
 
     def catalogue(self) -> dict[str, Any]:
-        """All presets, and the parameters of gestures and objects with their ranges."""
+        """Return all presets, and the parameters of gestures and objects with their ranges."""
         if self._catalogue is None:
             library = self._presets
             self._catalogue = {
@@ -83,7 +83,7 @@ class Knowledge:
         return self._catalogue
 
     def _good(self, kind: str) -> Iterable[str]:
-        """The names of the presets of a kind whose files are right."""
+        """Yield the names of the presets of a kind whose files are right."""
         load = self._presets.object if kind == "objects" else self._presets.striker
         for name in self._presets.names(kind):
             try:
@@ -121,7 +121,7 @@ class Knowledge:
         }
 
     def shape_of(self, name: str) -> dict[str, Any] | None:
-        """An object with its lowest modes: frequencies, decay times, levels and shapes along its strike path."""
+        """Return an object with its lowest modes: frequencies, decay times, levels and shapes along its strike path."""
         obj = self._session.objects.get(name)
         if obj is None:
             return None
@@ -151,7 +151,7 @@ class Knowledge:
         }
 
     def session(self) -> bytes | None:
-        """The score of what was played until now; None if none is kept."""
+        """Return the score of what was played until now; None if none is kept."""
         if self._log is None:
             return None
         end = self._session.engine.position / self._session.engine.rate
@@ -159,7 +159,7 @@ class Knowledge:
 
 
 def _plain(geometry: Mapping[str, Any]) -> dict[str, Any]:
-    """The lengths, words and points of a geometry, without what modes are listed by."""
+    """Return the lengths, words and points of a geometry, without what modes are listed by."""
     return {k: v for k, v in geometry.items() if isinstance(v, int | float | str) or k in ("path_from", "path_to")}
 
 

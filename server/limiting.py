@@ -19,12 +19,12 @@ class Limiting:
     objects: dict[str, float] = field(default_factory=dict)
 
     def within(self, start: float, end: float) -> "Limiting":
-        """The same for a sound that begins and ends at these times (s)."""
+        """Return the same for a sound that begins and ends at these times (s)."""
         spans = tuple((max(first, start) - start, min(last, end) - start) for first, last in self.spans)
         return replace(self, spans=spans)
 
     def said(self) -> str:
-        """A sentence; empty if it did nothing."""
+        """Say what it did, in a sentence; empty if it did nothing."""
         if not self.spans:
             return ""
         seconds = sum(last - first for first, last in self.spans)
@@ -42,7 +42,8 @@ class LimiterWatch:
     def __init__(
         self, engine: Engine, names: Callable[[], Mapping[int, str]], take_lowest: Callable[[], float] | None = None
     ) -> None:
-        """take_lowest: the limiter's lowest gain since the last call, if the engine is not asked itself."""
+        """Begin to watch. take_lowest: returns the limiter's lowest gain since the last call, if the engine is not
+        asked itself."""
         self._engine = engine
         self._names = names
         self._take_lowest = take_lowest or engine.take_limit_lowest
@@ -75,7 +76,7 @@ class LimiterWatch:
         return True
 
     def take(self) -> Limiting:
-        """Its work since the last call, as far as it was looked at."""
+        """Return its work since the last call, as far as it was looked at."""
         total = sum(self._energies.values())
         shares = sorted(((name, each / total) for name, each in self._energies.items()), key=lambda each: -each[1])
         rate = self._engine.rate

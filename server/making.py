@@ -23,33 +23,33 @@ if TYPE_CHECKING:
     from .scene.transaction import Made
 
 _MOST_BYTES = 2**27
-"""Of mode shapes in the objects of a packet, and in all that wait to be played, but for the last: the engine has room
-for no more."""
+"""Bytes of mode shapes in the objects of a packet, and in all that wait to be played, but for the last: the engine has
+room for no more."""
 
 _MAKERS: dict[str, "Callable[[Call, Presets, float], Made]"] = {NEW: new_object, BODY: new_body}
-"""By the address of a call, the function that makes what it asks for."""
+"""Function that makes what a call asks for, by its address."""
 
 _LONGEST_END = 1.0  # s that the end of the server waits for an object that is being made
 
 
 def makes(call: Call) -> bool:
-    """Whether a call asks for something to be made."""
+    """True if a call asks for something to be made."""
     return call.verb is not None and call.verb.address in _MAKERS
 
 
 class Making:
-    """What the calls of a packet ask for, objects and bodies. Once it is done, `made` has each, or the error that it
+    """The objects and bodies that the calls of a packet ask for. Once it is done, `made` has each, or the error that it
     met, by the identity of its call."""
 
     def __init__(self, calls: Sequence[Call]) -> None:
         self.made: dict[int, Made] = {}
         self.bytes = 0
-        """Of the mode shapes of those that were made."""
+        """Bytes of mode shapes of those that were made."""
         self._left = deque(enumerate(calls))
 
     @property
     def done(self) -> bool:
-        """Whether all are made."""
+        """True if all are made."""
         return not self._left
 
     def make_next(self, presets: Presets, top: float) -> None:
@@ -67,7 +67,7 @@ class Making:
 
 
 def _made(call: Call, presets: Presets, top: float) -> "Made":
-    """What a call asks for, or the error: whoever carries the call out meets it again."""
+    """Make what a call asks for, or return the error: whoever carries the call out meets it again."""
     assert call.verb
     try:
         return _MAKERS[call.verb.address](call, presets, top)
@@ -78,7 +78,7 @@ def _made(call: Call, presets: Presets, top: float) -> "Made":
 
 
 def _until(due: float) -> float | None:
-    """How long (s) to wait for a time; None: for ever."""
+    """Return the time (s) to wait until `due`; None: for ever."""
     return None if due == math.inf else max(0.0, due - time.monotonic())
 
 
@@ -86,7 +86,8 @@ class Maker:
     """A thread that makes objects and bodies, one after the other; packets take turns. `close` it."""
 
     def __init__(self, presets: Presets, top: float, finished: Callable[[], object]) -> None:
-        """top: Hz, of the modes. finished: called in the thread whenever all that a packet asks for is made."""
+        """Start idle. top: Hz, of the modes. finished: called in the thread whenever all that a packet asks for is
+        made."""
         self._presets, self._top, self._finished = presets, top, finished
         self._changed = threading.Condition()
         self._waiting: deque[Making] = deque()
@@ -104,7 +105,7 @@ class Maker:
             self._thread.start()
 
     def take(self, making: Making) -> "dict[int, Made]":
-        """What was made for a packet, as `Making.made`; they count no longer."""
+        """Take what was made for a packet, as `Making.made`; it counts no longer."""
         with self._changed:
             self._bytes -= making.bytes
         return making.made

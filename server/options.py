@@ -15,11 +15,11 @@ from .render import HIGHEST_RATE, LOWEST_RATE
 from .scene.scale import Scale
 
 BUDGET = (16, 8_192)
-"""What /budget is at a server's start: steps per sample of a coupled contact, and modes coupled at once."""
+"""Budget at a server's start (/budget): steps per sample of a coupled contact, and modes coupled at once."""
 OVER_BUDGET = (
     "contacts went over /budget {} times: a force was held for a sample, or a contact not coupled to the modes"
 )
-"""What the engine's count of the same name says."""
+"""Meaning of the engine's count of the same name."""
 _LONGEST_LATENCY = 2.0  # s
 
 
@@ -29,15 +29,14 @@ class ServeError(ValueError):
 
 @dataclass(frozen=True)
 class Options:
-    """How to serve: port (0: any free one) and address, networks whose hosts are trusted to be who they say, device
-    (None: the default), latency to ask it for in s (None: its lowest), rate in Hz, block in frames (0: the
-    device's), files to record the sound and to log the events to, folders of presets, the arguments of a /contact
-    to begin with, a port for HTTP (None: none, 0: any free one), the folder of the page that is there beside
-    OSCQuery (None: no page), whether it goes over TLS, with the certificate of which file (None: one that is made),
-    channels, the main gain in dB, whether the limiter is on, for how many modes and objects there is room, what the
-    spectral bank keeps its modes in, a folder for what clients record, with the most bytes that all files in it may
-    have, the MIDI inputs that play, by index or part of a name, and the pressure (Pa) of full scale, of an object of
-    level 0."""
+    """Options of a server: port (0: any free one) and address, networks whose hosts are trusted to be who they say,
+    device (None: the default), latency to ask it for in s (None: its lowest), rate in Hz, block in frames (0: the
+    device's), files to record the sound and to log the events to, folders of presets, the arguments of a /contact to
+    begin with, a port for HTTP (None: none, 0: any free one), the folder of the page that is there beside OSCQuery
+    (None: no page), whether it goes over TLS, with the certificate of which file (None: one that is made), channels,
+    the main gain in dB, whether the limiter is on, room for modes and objects, the form in which the spectral bank
+    keeps its modes, a folder for what clients record, with the most bytes that all files in it may have, the MIDI
+    inputs that play, by index or part of a name, and the pressure (Pa) of full scale, of an object of level 0."""
 
     port: int = DEFAULT_PORT
     bind: str = "127.0.0.1"
@@ -92,7 +91,7 @@ class Options:
         return [_network(each) for each in self.trust]
 
     def engine(self) -> Engine:
-        """An engine that begins with them."""
+        """Make an engine that begins with them."""
         engine = Engine(self.rate, self.channels, self.modes, self.objects, limited=True)
         gain = Command(NOW, Kind.GAIN, value=MAIN_GAIN.in_engine(self.gain))
         steps, modes = BUDGET

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from .scene.transaction import Made
 
 _MOST_CALLS = 2_048
-"""That the patterns of a packet may make, beyond one each."""
+"""Most calls that the patterns of a packet may make, beyond one each."""
 
 _QUESTIONS = {"/version", "/status", "/presets", "/sync", "/notify", "/dump"}
 _LONGEST_QUESTION = 512  # bytes
@@ -28,9 +28,9 @@ class Packet:
 
     source: Source
     bundles: deque[tuple[Bundle, list[Call]]] = field(default_factory=deque)
-    """Those that are left, with the calls that each makes."""
+    """Bundles that are left, with the calls that each makes."""
     rest: deque[Callable[[], object]] = field(default_factory=deque)
-    """What is left to be done of a bundle that was carried out: replies, and messages about the server."""
+    """Remaining work of a bundle that was carried out: replies, and messages about the server."""
     overfull: list[Message] = field(default_factory=list)
     """Messages whose patterns match too many addresses."""
     selection: Selection = field(default_factory=Selection)
@@ -38,11 +38,11 @@ class Packet:
     making: Making | None = None
     """The objects and bodies that it asks for."""
     made: "Mapping[int, Made]" = field(default_factory=dict)
-    """Those that are made, by the identity of their calls."""
+    """Objects and bodies that are made, by the identity of their calls."""
     kept: list[Call] = field(default_factory=list)
     """All its calls: `made` goes by their identities, which no others may take while it is carried out."""
     begun: bool = False
-    """Whether a part of it was carried out."""
+    """True if a part of it was carried out."""
 
     @property
     def calls(self) -> Iterator[Call]:
@@ -51,12 +51,12 @@ class Packet:
 
     @property
     def done(self) -> bool:
-        """Whether nothing is left to be done."""
+        """True if nothing is left to be done."""
         return not (self.bundles or self.rest)
 
 
 def read(data: bytes, source: Source) -> Packet:
-    """A packet from its bytes. BadPacket says what is wrong with them."""
+    """Read a packet from its bytes. BadPacket says what is wrong with them."""
     packet = Packet(source)
     left = _MOST_CALLS
     for bundle in parse(data):
@@ -76,7 +76,7 @@ def read(data: bytes, source: Source) -> Packet:
 
 
 def is_question(data: bytes) -> bool:
-    """Whether a packet asks the server, and does nothing to objects and gestures: no bundle needs to be done first."""
+    """True if a packet asks the server, and does nothing to objects and gestures: no bundle needs to be done first."""
     if len(data) > _LONGEST_QUESTION:
         return False
     with suppress(BadPacket):

@@ -1,4 +1,4 @@
-"""By what a sound was computed: the machine code, its processor, numpy and scipy decide over a sound's last bits."""
+"""The provenance of a sound: the machine code, its processor, numpy and scipy decide its last bits."""
 
 import re
 from importlib.metadata import version
@@ -11,19 +11,20 @@ _IN_A_LOG = re.compile(r"# carom .*; (code \S+ for \S+, numpy \S+, scipy \S+); "
 
 
 def computed_by(engine: Engine) -> str:
-    """What computes an engine's sound, in words."""
+    """Say in words what computes an engine's sound."""
     found = computing(engine.code)
     return f"code {found['code']} for {found['processor']}, numpy {found['numpy']}, scipy {found['scipy']}"
 
 
 def computing(code: Code) -> dict[str, str]:
-    """What computes the sound of engines that run some machine code, by name."""
+    """Return what computes the sound of engines that run some machine code, by name."""
     libraries = {name: version(name) for name in ("numpy", "scipy")}
     return {"code": code.key, "processor": code.processor, **libraries}
 
 
 def logged_otherwise(score: Path, engine: Engine) -> str | None:
-    """What to warn of where a score is a log, and something else computed its sound; None where nothing is to be said.
+    """Return the warning for a score that is a log of a sound which something else computed; None if there is nothing
+    to warn of.
 
     OSError if the score cannot be read.
     """

@@ -1,4 +1,4 @@
-"""What /record asks for, and who is told of it."""
+"""The handling of /record, and who is told of it."""
 
 from collections.abc import Callable, Iterator
 

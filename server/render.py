@@ -44,7 +44,7 @@ _PEAK = Parameter("normalize", -100.0, 0.0, "dBFS")
 
 @dataclass(frozen=True)
 class Options:
-    """How to render: rate in Hz, block in frames, sample format 16, 24 or float (None: 24 for FLAC, else float),
+    """Options of a render: rate in Hz, block in frames, sample format 16, 24 or float (None: 24 for FLAC, else float),
     seconds (None: until silence), and the arguments of a /contact to begin with.
 
     channels, gain (dB), limiter and bank (one of FORMS) hold from the start, in place of what the score says of them at
@@ -110,8 +110,8 @@ class Options:
         ]
 
     def gain_of(self, peak: float, warn: Callable[[str], object]) -> float:
-        """The gain (amplitude) that normalizes a sound with this largest magnitude; 1 for silence, of which it warns,
-        and where nothing is to be normalized."""
+        """Return the gain (amplitude) that normalizes a sound with this largest magnitude; 1 for silence, of which it
+        warns, and where nothing is to be normalized."""
         if self.normalize is None:
             return 1.0
         if peak == 0.0:
@@ -120,19 +120,20 @@ class Options:
         return float(10.0 ** (self.normalize / 20.0)) / peak
 
     def channels_of(self, score: Sequence[Line]) -> int:
-        """How many channels the render of a score has. ScoreError names a line that says no number of them."""
+        """Return how many channels the render of a score has; ScoreError names a line that says no number of them."""
         return int(_chosen(CHANNELS, self.channels, score))
 
     def scale_of(self, score: Sequence[Line]) -> Scale:
-        """The scale of the samples in the render of a score. ScoreError names a line that says no full scale."""
+        """Return the scale of the samples in the render of a score. ScoreError names a line that says no full scale."""
         return Scale(True) if self.calibrated else Scale(False, _chosen(FULL_SCALE, self.full_scale, score))
 
     def engine(self, score: Sequence[Line], objects: int = OBJECTS) -> Engine:
-        """An engine for the render of a score. ScoreError as in `channels_of`."""
+        """Make an engine for the render of a score. ScoreError as in `channels_of`."""
         return Engine(self.rate, self.channels_of(score), MODES, objects, limited=not self.calibrated)
 
     def without_head(self, score: Sequence[Line]) -> list[Line]:
-        """The lines of a score but for those in whose place the options are: at time 0, and of the budget all."""
+        """Return the lines of a score but for those in whose place the options are: at time 0, and of the budget
+        all."""
         given = {message.address for message in self.head}
         given |= {f"/{name}" for name in ("channels", "full_scale") if getattr(self, name) is not None}
         lines = [line for line in score if line.time > 0.0 or line.message.address not in given]
@@ -145,7 +146,8 @@ def _is_of_budget(line: Line) -> bool:
 
 
 def _chosen(number: Parameter, given: float | None, score: Sequence[Line]) -> float:
-    """The value of what holds for a whole render: as an option gives it, else as the score does, else the usual one."""
+    """Return the value of what holds for a whole render: as an option gives it, else as the score does, else the usual
+    one."""
     address = f"/{number.name}"
     said = [line for line in score if line.message.address == address]
     if given is not None or not said:
@@ -157,7 +159,7 @@ def _chosen(number: Parameter, given: float | None, score: Sequence[Line]) -> fl
 
 
 def require(number: Parameter, value: object) -> None:
-    """RenderError if a value, which is not None, is not as a parameter allows."""
+    """Raise RenderError if a value, which is not None, is not as a parameter allows."""
     try:
         if value is not None:
             check_number(number, value)  # type: ignore[arg-type]
@@ -175,35 +177,36 @@ class Rendered:
 
 
 class _Timeline:
-    """When a score's lines are due, and where its render ends. Times are in frames."""
+    """The times at which a score's lines are due, and the end of its render. Times are in frames."""
 
     def __init__(self, score: Sequence[Line], options: Options, delay: int) -> None:
-        """delay: the frames that the limiter begins with, before the sound."""
+        """Begin the timeline; the limiter begins with `delay` frames before the sound."""
         self._delay = delay
         self._rate = options.rate
         self._lines = sorted(score, key=lambda line: line.time)
         self._next = 0
         self._tail, self._rest = (self._after(seconds) for seconds in (LONGEST_TAIL, LONGEST_REST))
         self.end = None if options.seconds is None else round(options.seconds * options.rate)
-        """Where the render ends, once that is known."""
+        """Frame at which the render ends, once that is known."""
 
     def _after(self, seconds: float) -> int:
-        """The first quantum that begins no earlier than some seconds after the last line."""
+        """Return the first quantum that begins no earlier than some seconds after the last line."""
         return -(-round((self._lines[-1].time + seconds) * self._rate) // QUANTUM) * QUANTUM
 
     def _quantum(self, line: Line) -> int:
-        """The beginning of the quantum in which a line is due."""
+        """Return the beginning of the quantum in which a line is due."""
         return int(sample_at(line.time, self._rate)) // QUANTUM * QUANTUM
 
     def due(self, position: int) -> Iterator[Line]:
-        """The next lines, as far as they are due in the quantum that begins at a position."""
+        """Yield the next lines, as far as they are due in the quantum that begins at a position."""
         while self._next < len(self._lines) and self._quantum(self._lines[self._next]) <= position:
             line = self._lines[self._next]
             self._next += 1
             yield line
 
     def piece(self, written: int, frames: int) -> int:
-        """How many of `frames` frames to compute at once: up to the next quantum at which there is something to do."""
+        """Return how many of `frames` frames to compute at once: up to the next quantum at which there is something to
+        do."""
         computed = written + self._delay
         if self._next < len(self._lines):
             stop = self._quantum(self._lines[self._next])
@@ -244,7 +247,8 @@ def blocks(
     session: Session | None = None,
     warn: Callable[[str], object] = lambda text: None,
 ) -> Iterator[NDArray[np.float32]]:
-    """The sound of a score, block by block, each float32 (frames, channels); ScoreError names a line that is refused.
+    """Yield the sound of a score, block by block, each float32 (frames, channels); raise ScoreError that names a line
+    that is refused.
 
     engine: `options.engine(score)`. session: of the engine, if it has one already.
     Without `seconds` the sound ends with the quantum in which the last object falls silent. If all that goes on would

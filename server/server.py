@@ -98,7 +98,7 @@ class Server:
         """Packets that came before there was an engine; `run` carries them out first."""
 
     def _all_handlers(self) -> dict[str, Callable[[Values, Source], Iterable[Message] | None]]:
-        """By address, what carries out the messages that are about the server, not the sound."""
+        """Return the handlers of messages that are about the server, not the sound, by address."""
         return {
             "/status": self._status_asked,
             "/version": lambda values, source: [version()],
@@ -276,7 +276,7 @@ class Server:
         return [writer for writer in self._writers.values() if writer]
 
     def _file_states(self) -> dict[str, str]:
-        """For each file whether it is written: no, yes, or why not any more."""
+        """Return, for each file, whether it is written: no, yes, or why not any more."""
         return {name: writer.error or "yes" if writer else "no" for name, writer in self._writers.items()}
 
     def _reply(self, message: Message, to: Source) -> None:

@@ -33,7 +33,7 @@ _SWITCH = 0.0005  # s that a thread may keep Python's lock while another one wan
 
 @contextmanager
 def serving(options: Options) -> Iterator[Server]:
-    """A server ready to `run`. OSError, AudioError, ServeError or PresetError say why it can't start."""
+    """Yield a server ready to `run`. OSError, AudioError, ServeError or PresetError say why it can't start."""
     with ExitStack() as last, ExitStack() as stack:
         with _named(options.bind, options.port, "--port"):
             network = stack.enter_context(closing(Network(options.bind, options.port, options.trusted)))
@@ -127,7 +127,7 @@ def _warm_up(engine: Engine) -> None:
 
 @contextmanager
 def _named(host: str, port: int, option: str) -> Iterator[None]:
-    """An OSError inside names the port, and the option that chooses another one where it is taken."""
+    """Name the port in an OSError inside, and the option that chooses another one where it is taken."""
     try:
         yield
     except OSError as error:

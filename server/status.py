@@ -95,7 +95,7 @@ class LowestGain:
         self._since: dict[Source, float] = {}  # who asked last comes last
 
     def since_last_asked(self, client: Source) -> float:
-        """The lowest gain since this client last asked; at its first question, since any client did.
+        """Return the lowest gain since this client last asked; at its first question, since any client did.
 
         The audio thread lowers the engine's value while this reads it and sets it back to 1: of one quantum in between
         the lowest gain may be lost, or be told again at the next question.
@@ -108,7 +108,7 @@ class LowestGain:
         return answer
 
     def since_last_told(self) -> float:
-        """The lowest gain since the last call of this, for a warning."""
+        """Return the lowest gain since the last call of this, for a warning."""
         self._collect()
         answer, self._since_told = self._since_told, 1.0
         return answer
@@ -123,7 +123,7 @@ class Status:
     """Answers /status and /version, and tells what went wrong since the last look."""
 
     def __init__(self, engine: Engine, player: Player, names: Callable[[], Mapping[int, str]]) -> None:
-        """names: of the objects, by their places in the engine."""
+        """Begin to observe an engine and its player. names: of the objects, by their places in the engine."""
         self._engine = engine
         self._player = player
         self._names = names
@@ -135,7 +135,8 @@ class Status:
         self._object_faults = engine.objects["faults"].copy()
 
     def reply(self, client: Source, objects: int, network: Network, own: Mapping[str, float | str]) -> Message:
-        """/status.reply to a client, of a server with a number of objects; `own` is what the server says of itself.
+        """Return the /status.reply to a client, of a server with a number of objects; `own` is what the server says of
+        itself.
 
         It begins with scsynth's nine values (1, live modes, sounding objects, objects, contacts, average and peak load
         in %, nominal and actual rate in Hz); pairs of name and value follow. Counters are since the server's start;
@@ -176,7 +177,7 @@ class Status:
         return Message("/status.reply", (*nine, *pairs, *(item for pair in more.items() for item in pair)))
 
     def warnings(self) -> list[str]:
-        """A line for each thing that went wrong since the last call."""
+        """Return a line for each thing that went wrong since the last call."""
         lines = self._limiter_warnings()
         stats = self._engine.stats
         for name, text in (
@@ -201,7 +202,7 @@ class Status:
         return lines
 
     def _limiter_warnings(self) -> list[str]:
-        """A line about the limiter, once it has rested for a while, or has gone on for long."""
+        """Return a line about the limiter, once it has rested for a while, or has gone on for long."""
         now = self._engine.position
         if self._watch.look():
             self._limited_from = now if self._limited_from is None else self._limited_from
@@ -217,6 +218,6 @@ class Status:
 
 @cache
 def version() -> Message:
-    """/version.reply: name, major, minor, patch."""
+    """Return /version.reply: name, major, minor, patch."""
     major, minor, patch = (int(part) for part in installed_version("carom").split(".")[:3])
     return Message("/version.reply", ("carom", major, minor, patch))

@@ -25,11 +25,11 @@ class Subscribers:
         return iter(tuple(self._heard))
 
     def of(self, level: int) -> list[Source]:
-        """Those that asked for a level or a higher one."""
+        """Return those that asked for a level or a higher one."""
         return [source for source in self if self._levels[source] >= level]
 
     def receiver(self, source: Source) -> Source:
-        """Where answers to a source go."""
+        """Return where answers to a source go."""
         if isinstance(source, tuple) and source in self._ports:
             return source[0], self._ports[source]
         return source

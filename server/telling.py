@@ -1,4 +1,4 @@
-"""What subscribers of /notify are told as it happens: objects that come and go, contacts, levels."""
+"""News for subscribers of /notify as it happens: objects that come and go, contacts, levels."""
 
 import time
 from collections.abc import Callable, Mapping
@@ -36,7 +36,7 @@ class Teller:
         reply: Callable[[Message, Source], None],
         lowest_gain: Callable[[], float],
     ) -> None:
-        """lowest_gain: the limiter's lowest gain since the last call."""
+        """Begin with nothing to tell. lowest_gain: returns the limiter's lowest gain since the last call."""
         self._engine = engine
         self._lowest_gain = lowest_gain
         self._metered = 0  # samples up to which peaks were told
@@ -54,7 +54,7 @@ class Teller:
         return self._untold + (self._watch.lost if self._watch else 0)
 
     def look(self) -> dict[str, str]:
-        """Tell what is new; returns the objects that are there, with the names of their presets."""
+        """Tell what is new; return the objects that are there, with the names of their presets."""
         there = {name: self._session.objects[name].preset.name for name in self._session.objects.there(0.0)}
         self._tell_objects(there)
         self._tell_contacts(self._subscribers.of(CHANGES))
@@ -110,7 +110,7 @@ class Teller:
         return self._session.objects.slots.get(touching.slot, "")
 
     def _levels(self, there: Mapping[str, str]) -> list[Message]:
-        """The levels of the output, of each object that sounds and of its loudest modes."""
+        """Return the levels of the output, of each object that sounds and of its loudest modes."""
         engine = self._engine
         stats = engine.stats
         counts = engine.position, stats.load, int(engine.quality), stats.limited, stats.contacts_active
@@ -130,7 +130,8 @@ class Teller:
 
 
 def mode_levels(engine: Engine, slot: int) -> NDArray[np.float64]:
-    """The squared amplitude at the output of each mode that an object in a place has and that rings, as it is now.
+    """Return the squared amplitude at the output of each mode that an object in a place has and that rings, as it is
+    now.
 
     The audio thread goes on meanwhile: a value may be off by what a mode does between two samples.
     """

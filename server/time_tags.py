@@ -1,4 +1,4 @@
-"""When the sound of an OSC time tag is to be heard, by the engine's clock."""
+"""Conversion of an OSC time tag to the engine's clock, so that its sound is heard at that time."""
 
 import time
 
@@ -13,7 +13,7 @@ _FURTHEST_AHEAD = 3600.0  # s that a time tag may lie in the future; how late it
 
 
 def time_of(time_tag: int, engine: Engine) -> float:
-    """The time of a time tag for `Engine.send`; NOW for 0 and 1. Refused if it lies too far ahead."""
+    """Return the time of a time tag for `Engine.send`; NOW for 0 and 1. Refused if it lies too far ahead."""
     if time_tag <= IMMEDIATELY:
         return NOW
     wall, clock = _clocks()
@@ -26,7 +26,7 @@ def time_of(time_tag: int, engine: Engine) -> float:
 
 
 def _clocks() -> tuple[int, int]:
-    """The wall clock and the engine's, in ns, read at the same moment: as near as a few tries come."""
+    """Return the wall clock and the engine's, in ns, read at the same moment: as near as a few tries come."""
     tries = []
     for _ in range(_TRIES):
         before, wall, after = clock_ns(), time.time_ns(), clock_ns()

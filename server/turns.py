@@ -8,7 +8,7 @@ TURN = 0.005
 
 
 def every_turn(pause: Callable[[], object]) -> Callable[[], None]:
-    """A function that does something whenever a turn is over at its call."""
+    """Return a function that does something whenever a turn is over at its call."""
     end = time.monotonic() + TURN
 
     def look() -> None:

@@ -17,7 +17,7 @@ from .osc.patterns import is_pattern, match, work
 from .packets import Packet
 
 MOST_BYTES = 1 << 22
-"""Of datagrams that wait; further ones are dropped. Streams pause instead, with a packet each."""
+"""Most bytes of datagrams that wait; further ones are dropped. Streams pause instead, with a packet each."""
 
 _OVERHEAD = 64  # bytes that a packet takes besides its own
 _MOST_LINES = 256  # clients whose packets wait
@@ -32,7 +32,7 @@ class _Line:
 
     first: Packet | None = None
     names: frozenset[str] = frozenset()
-    """Of the objects and gestures that the first one makes, or if it makes none, that it names."""
+    """Names of the objects and gestures that the first packet makes, or if it makes none, that it names."""
     behind: deque[bytes] = field(default_factory=deque)
 
 
@@ -49,12 +49,12 @@ class Waiting:
         return len(self._lines)
 
     def look(self) -> None:
-        """Something was made; any thread may say so."""
+        """Look at what was made; any thread may ask for it."""
         self._moved = True
         self._network.wake()
 
     def queue(self, packet: bytes, source: Source) -> bool:
-        """Let a packet wait behind others of its client, if there are any; False if there are none."""
+        """Queue a packet behind others of its client, if there are any; return False if there are none."""
         line = self._lines.get(source)
         if line is None:
             return False
@@ -68,17 +68,18 @@ class Waiting:
 
     @property
     def is_full(self) -> bool:
-        """Whether the next datagram may find no room. A stream's client waits with one packet, and finds room."""
+        """True if the next datagram may find no room. A stream's client waits with one packet, and finds room."""
         return self._bytes > MOST_BYTES // 2 or len(self._lines) >= _MOST_LINES
 
     def put_last(self, packet: bytes, source: Source) -> None:
-        """Let a packet wait for its turn, behind others of its client."""
+        """Queue a packet behind others of its client, to wait for its turn."""
         self._lines.setdefault(source, _Line())
         self._network.pause(source)
         self.queue(packet, source)
 
     def hold(self, packet: Packet) -> bool:
-        """Let a packet wait if it makes objects, or names one that is in the making; False if it need not."""
+        """Hold a packet back if it makes objects, or names one that is in the making; return False if it need not
+        wait."""
         new = [call for call in packet.calls if makes(call)]
         if not new and not (self._lines and self._is_about(packet.calls, self._names())):
             return False
@@ -97,15 +98,15 @@ class Waiting:
         return True
 
     def put_off(self, packet: Packet) -> None:
-        """Let a packet that is carried out in part go on once others had their turns."""
+        """Put a packet that is carried out in part off until others had their turns."""
         line = self._lines.setdefault(packet.source, _Line())
         line.first, line.names = packet, frozenset()
         packet.begun = self._moved = True
         self._network.pause(packet.source)
 
     def ready(self) -> Iterator[Packet | tuple[bytes, Source]]:
-        """Packets whose time has come, those that were read and, some of each client, those that were not. Carry each
-        out before the next is asked for."""
+        """Yield packets whose time has come, those that were read and, some of each client, those that were not. Carry
+        each out before the next is asked for."""
         if self._moved:
             self._moved = False
             before: set[str] = set()
@@ -130,12 +131,12 @@ class Waiting:
                 self._leave(source)
 
     def _is_ready(self, packet: Packet, before: set[str]) -> bool:
-        """Whether a packet's objects are made, and those of packets before it that it names."""
+        """True if a packet's objects are made, and those of packets before it that it names."""
         return (packet.making is None or packet.making.done) and not self._is_about(packet.calls, before)
 
     @property
     def in_a_hurry(self) -> bool:
-        """Whether packets wait that can be carried out."""
+        """True if packets wait that can be carried out."""
         return self._moved or any(line.first is None for line in self._lines.values())
 
     def _leave(self, source: Source) -> None:
@@ -147,7 +148,7 @@ class Waiting:
 
     @staticmethod
     def _is_about(calls: Iterable[Call], names: set[str]) -> bool:
-        """Whether one of some calls names, or may by a pattern, one of some objects and gestures."""
+        """True if one of some calls names, or may by a pattern, one of some objects and gestures."""
         left = _MOST_WORK
         for call in calls if names else ():
             given = (call.target, *call.message.args, *_world(call))
@@ -161,7 +162,7 @@ class Waiting:
 
 
 def _made_names(calls: Iterable[Call]) -> frozenset[str]:
-    """The names of objects that calls make, and the ids of their gestures."""
+    """Return the names of objects that calls make, and the ids of their gestures."""
     names: set[object] = set()
     for call in calls:
         names.update(_world(call))
@@ -175,16 +176,16 @@ def _made_names(calls: Iterable[Call]) -> frozenset[str]:
 
 
 def _given_names(calls: Iterable[Call]) -> frozenset[str]:
-    """The names of objects and gestures that stand in calls, but for patterns."""
+    """Return the names of objects and gestures that stand in calls, but for patterns."""
     names = {name for call in calls for name in (call.target, *_values(call, ("id", "by")), *_world(call))}
     return frozenset(name for name in names if isinstance(name, str) and name and not is_pattern(name))
 
 
 def _world(call: Call) -> tuple[str, ...]:
-    """The name of the simulation, if a call tells of it: no object's name begins so."""
+    """Return the name of the simulation, if a call tells of it: no object's name begins so."""
     return (_WORLD,) if call.message.address.startswith(_WORLD) else ()
 
 
 def _values(call: Call, keys: tuple[str, ...]) -> Iterator[object]:
-    """The values of some keys."""
+    """Return the values of some keys."""
     return (value for key, value in pairwise(call.message.args) if key in keys)

@@ -1,1 +1,1 @@
-"""Where the engine is heard: devices, the clock, and the supervisor that keeps one of them running."""
+"""The output of sound: devices, the clock, and the supervisor that keeps one of them running."""

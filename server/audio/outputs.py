@@ -1,4 +1,4 @@
-"""Where the sound goes in real time: PortAudio's devices, or nowhere, paced by the clock.
+"""Real-time outputs: PortAudio's devices, or none, paced by the clock.
 
 PortAudio is handed the compiled callback itself, so that no Python runs, and no GIL is waited for, between the device
 and the engine. sounddevice offers the hook to library authors: `_StreamBase` with `wrap_callback=None`.
@@ -41,16 +41,16 @@ class Output(Protocol):
         """Run the engine; a device does so again after `rest`."""
 
     def rest(self) -> bool:
-        """Stop running the engine; returns false while a call of it still goes on."""
+        """Stop running the engine; return False while a call of it still goes on."""
 
     def active(self) -> bool:
-        """Whether the device is there, even if it has stalled."""
+        """True if the device is there, even if it has stalled."""
 
     def calls(self) -> int:
-        """How often it has asked for sound."""
+        """Return how many times it has asked for sound."""
 
     def close(self) -> bool:
-        """End it, at rest or not, within a few seconds; returns false if it does not end."""
+        """End it, at rest or not, within a few seconds; return False if it does not end."""
 
 
 class ClockOutput:
@@ -116,7 +116,7 @@ class DeviceOutput:
             raise self._refused(error) from error
         self.name = str(found["name"])
         self.full_name = f"{self.name}, {self._api}"
-        """By which it is found again."""
+        """Name by which the device is found again."""
         self.latency = float(self._stream.latency)
         self.patience = _PATIENCE_STALLED
         self._prepared = False
@@ -128,7 +128,8 @@ class DeviceOutput:
         return "JACK" in self._api and sys.platform == "linux"  # elsewhere it is a rarity
 
     def _refused(self, error: Exception) -> AudioError:
-        """Why the device cannot be opened. Gives PortAudio up where its JACK server has gone."""
+        """Return the error that says why the device cannot be opened. Gives PortAudio up where its JACK server has
+        gone."""
         if self._on_jack() and _DEVICE_UNAVAILABLE in error.args:
             give_up()
         if _WRONG_RATE not in error.args:
@@ -147,7 +148,7 @@ class DeviceOutput:
         return AudioError(f"device {self._asked}: {' '.join(text.split())}; {hint}")
 
     def prepare(self) -> None:
-        """Let the device ask for sound, and play silence until `start`."""
+        """Start the device's callbacks, which play silence until `start`."""
         self._prepared = True
         try:
             self._stream.start()
@@ -197,7 +198,7 @@ class DeviceOutput:
 
 
 def open_output(engine: Engine, device: str | None, block: int, latency: float | None = None) -> Output:
-    """An output for an engine, to be started. AudioError if there is no such device.
+    """Open an output for an engine, to be started. AudioError if there is no such device.
 
     device: None for the default device, "none" for no device, "page" for none but the pages that hear it, else its
     index or part of its name. block: frames, 0 for

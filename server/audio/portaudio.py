@@ -19,7 +19,7 @@ class AudioError(RuntimeError):
 
 
 def portaudio() -> Any:
-    """The sounddevice module, or AudioError where PortAudio is missing."""
+    """Return the sounddevice module; raise AudioError where PortAudio is missing."""
     try:
         import sounddevice
     except OSError as error:
@@ -31,7 +31,7 @@ def portaudio() -> Any:
 
 
 def give_up() -> None:
-    """Never touch the present copy of PortAudio again; `look_for_devices` loads a fresh one."""
+    """Give up the present copy of PortAudio for good; `look_for_devices` loads a fresh one."""
     _spent.set()
 
 
@@ -61,7 +61,7 @@ def _leave_portaudio() -> None:
 
 
 def _library(name: str) -> str:
-    """The path that a library was loaded from."""
+    """Return the path that a library was loaded from."""
     for line in Path("/proc/self/maps").read_text().splitlines():
         if f"/lib{name}" in line:
             return line.split()[-1]
@@ -69,7 +69,7 @@ def _library(name: str) -> str:
 
 
 def jack_rate() -> float:
-    """The sampling rate (Hz) of the running JACK server, 0 without one: JACK says it, not PortAudio."""
+    """Return the sampling rate (Hz) of the running JACK server, 0 without one: JACK says it, not PortAudio."""
     jack = ctypes.CDLL(_library("jack"))
     jack.jack_client_open.restype = ctypes.c_void_p
     client = jack.jack_client_open(b"carom-asks", _NO_START_SERVER, ctypes.byref(ctypes.c_int()))
@@ -82,7 +82,7 @@ def jack_rate() -> float:
 
 
 def look_for_devices() -> None:
-    """Let PortAudio list its devices anew. No stream may be open, but for those of devices that are gone.
+    """Make PortAudio list its devices anew. No stream may be open, but for those of devices that are gone.
 
     While PortAudio is connected to a JACK server the list stays as it is: if that server goes, opening a stream fails,
     and the next call here loads a fresh copy.
@@ -98,7 +98,7 @@ def look_for_devices() -> None:
 
 
 def devices() -> list[dict[str, Any]]:
-    """PortAudio's output devices: index, name, hostapi, channels, default_samplerate, default."""
+    """Return PortAudio's output devices: index, name, hostapi, channels, default_samplerate, default."""
     sd = portaudio()
     apis = sd.query_hostapis()
     default = sd.default.device[1]

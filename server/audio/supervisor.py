@@ -63,7 +63,7 @@ class Player:
         self._alive = time.monotonic()
 
     def look(self) -> list[str]:
-        """Look after the output; call it at least every second. Returns the news since the last call."""
+        """Look after the output; call it at least every second. Return the news since the last call."""
         if self._thread is None or not self._thread.is_alive():
             self._watch()
         if self.scheduling == "unknown":
@@ -107,14 +107,14 @@ class Player:
             self._news.put(f"device {self.name} is back")
 
     def _hand_over(self, output: Output) -> bool:
-        """Let an output run the engine, which is at rest; returns false if the player has ended meanwhile."""
+        """Hand the engine, which is at rest, over to an output; return False if the player has ended meanwhile."""
         with self._hand:
             if not self._leave.is_set():
                 self._start(output)
             return not self._leave.is_set()
 
     def _recovers(self, lost: Output) -> bool:
-        """Wait for a device that may only have stalled; returns false once it is gone or its patience has run out."""
+        """Wait for a device that may only have stalled; return False once it is gone or its patience has run out."""
         calls, since = lost.calls(), time.monotonic()
         while lost.active() and time.monotonic() - since < lost.patience:
             if lost.calls() != calls or self._leave.wait(_SHORT):
@@ -130,7 +130,7 @@ class Player:
         return True
 
     def _try(self, act: Callable[[], bool]) -> bool:
-        """Act; returns false if that fails, and tells the reason once."""
+        """Act; return False if that fails, and tells the reason once."""
         try:
             return act()
         except Exception as error:  # the system's, or PortAudio's own where there is no device at all
@@ -176,7 +176,7 @@ class Player:
 
 
 def priority() -> int:
-    """The priority of SCHED_FIFO that this process may give a thread; 0, which the system refuses, if none."""
+    """Return the priority of SCHED_FIFO that this process may give a thread; 0, which the system refuses, if none."""
     import resource
 
     limit = resource.getrlimit(resource.RLIMIT_RTPRIO)[0]

@@ -70,7 +70,7 @@ class Queue:
         self._blocks.append(sound)
 
     def take(self) -> Sound:
-        """All sound since the last call."""
+        """Return all sound since the last call."""
         blocks, self._blocks = self._blocks, []
         return np.concatenate([self._empty, *blocks])
 
@@ -82,7 +82,7 @@ class Part:
     """
 
     def __init__(self, engine: Engine, tap: Tap, most: int) -> None:
-        """most: frames, after which it ends by itself."""
+        """Begin a part that ends by itself after `most` frames."""
         self._engine, self._tap = engine, tap
         self._lock = threading.Lock()
         self._kept = Queue(engine.channels)
@@ -92,10 +92,10 @@ class Part:
             self.first = self._next = engine.left
             """The number of its first sample."""
             self.end = self.first + most
-            """That of the sample after its last."""
+            """Number of the sample after its last."""
 
     def stop(self) -> int:
-        """Let it end at the engine's present sample; returns that."""
+        """End it at the engine's present sample; return that."""
         with self._lock:
             self.end = min(self.end, max(self._next, self._engine.left))
             return self.end
@@ -112,11 +112,11 @@ class Part:
 
     @property
     def is_whole(self) -> bool:
-        """Whether all of it has come."""
+        """True if all of it has come."""
         return self._next >= self.end
 
     def take(self) -> Sound:
-        """Its sound since the last call."""
+        """Return its sound since the last call."""
         with self._lock:
             return self._kept.take()
 

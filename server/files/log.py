@@ -26,7 +26,8 @@ class Log:
     """
 
     def __init__(self, engine: Engine, path: Path, head: Sequence[Message] = ()) -> None:
-        """head: messages that were carried out before anything else; so a render is like what was heard."""
+        """Begin a log with `head`: messages that were carried out before anything else, so that a render is like what
+        was heard."""
         self.path = path
         self._engine = engine
         self._head = head
@@ -34,7 +35,7 @@ class Log:
         self._waiting: dict[int, Sent] = {}  # by the number of the command
         self._names: dict[int, str] = {}  # of the objects that are there, by serial
         self.error: str | None = None
-        """Why it gave up, if it did."""
+        """Reason for which it gave up, if it did."""
         engine.note()
 
     def start(self) -> None:
@@ -77,7 +78,7 @@ class Log:
             self._write([f"# {frame / self._engine.rate!r} {text} at frame {frame}\n"])
 
     def _named(self, sent: Sent) -> Message:
-        """A message as it is carried out, on the one object that it is about."""
+        """Return a message as it is carried out, on the one object that it is about."""
         message, serial = sent.message, sent.serial
         if message.address == "/object/new":
             stem, *rest = message.args
@@ -94,7 +95,8 @@ class Log:
         return Message(f"/object/{name}/{action}", self._struck(sent) if sent.by else message.args)
 
     def _struck(self, sent: Sent) -> tuple[Argument, ...]:
-        """Arguments that name the striking object as the log does; its mass alone, where it was told to go before."""
+        """Return the arguments that name the striking object as the log does; its mass alone, where it was told to go
+        before."""
         args = sent.message.args
         first = next(n for n, arg in enumerate(args) if isinstance(arg, str))
         keys = dict(zip(args[first::2], args[first + 1 :: 2], strict=True))

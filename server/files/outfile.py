@@ -31,7 +31,7 @@ class OutFile:
     """
 
     def __init__(self, path: Path, anew: bool = False) -> None:
-        """anew: where there is something of that name already, the file cannot be opened."""
+        """Open the file to write; if `anew`, raise OSError where something of that name is there already."""
         self.path = path
         self.begun = False
         self._target = path.resolve()  # what a symbolic link leads to
@@ -57,7 +57,7 @@ class OutFile:
         write_whole(self.descriptor, data)
 
     def require_name(self) -> None:
-        """OSError if the file has been removed, so that what is written to it is lost."""
+        """Raise OSError if the file has been removed, so that what is written to it is lost."""
         status = os.fstat(self.descriptor)
         if stat.S_ISREG(status.st_mode) and status.st_nlink == 0:
             raise OSError(errno.ENOENT, "it was removed", str(self.path))

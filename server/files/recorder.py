@@ -29,8 +29,8 @@ class Recorder:
         self, engine: Engine, path: Path, take: Callable[[], NDArray[np.float32]] | None = None, anew: bool = False,
         comment: str = "",
     ) -> None:  # fmt: skip
-        """take: what has sounded since its last call; None: the engine's own `recorded`, which nobody else may call.
-        anew: an OSError if there is such a file. comment: in the file's metadata."""
+        """Open a new recording. take: returns the sound since its last call; None: the engine's own `recorded`, which
+        nobody else may call. anew: raise OSError if there is such a file. comment: in the file's metadata."""
         if path.suffix.lower() not in ("", ".wav"):
             raise RecordError(f"{path}: expected a name that ends in .wav")
         self._engine = engine
@@ -40,7 +40,7 @@ class Recorder:
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="carom-recorder", daemon=True)
         self.error: str | None = None
-        """Why the recording ended before its time, or None."""
+        """Reason for which the recording ended before its time, or None."""
         self._take = take or engine.recorded
         if take is None:
             engine.record()

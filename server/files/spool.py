@@ -18,7 +18,7 @@ class Spool:
     """Samples in a file, frame by frame; where nothing was put there is silence."""
 
     def __init__(self, path: Path, channels: int) -> None:
-        """An empty file of some channels. OSError if it can't be made."""
+        """Create an empty file of some channels; raise OSError if it can't be made."""
         self._path, self._channels = path, channels
         self._frames = 0
         self.peak = 0.0
@@ -38,7 +38,7 @@ class Spool:
         self.put(samples, self._frames)
 
     def pieces(self, gain: float, frames: int | None = None) -> Iterator[NDArray[np.float32]]:
-        """The first frames (None: as many as were put), times a gain, in pieces."""
+        """Yield the first frames (None: as many as were put), times a gain, in pieces."""
         left = self._frames if frames is None else frames
         with open(self._path, "rb") as file:
             while left > 0:
@@ -53,7 +53,7 @@ class StemSpools:
     """Each object's part of a sound, by its name."""
 
     def __init__(self, folder: Path, channels: int) -> None:
-        """folder: for files that are gone in the end."""
+        """Begin without objects; files in `folder` are gone in the end."""
         self._folder, self._channels = folder, channels
         self._spools: dict[str, Spool] = {}
         self._waiting: dict[str, NDArray[np.float64]] = {}  # of the frames from `first` on

@@ -34,7 +34,7 @@ class Takes:
     """
 
     def __init__(self, engine: Engine, tap: Tap, folder: Path, quota: int, comment: str = "") -> None:
-        """quota: bytes of all files in the folder. comment: in their metadata."""
+        """Begin without a take. quota: bytes of all files in the folder. comment: in their metadata."""
         folder.mkdir(parents=True, exist_ok=True)
         self._folder = folder.resolve(strict=True)
         self._engine, self._tap, self._quota, self._comment = engine, tap, quota, comment
@@ -68,14 +68,14 @@ class Takes:
         return Take(path.name, part.first, part.end)
 
     def stop(self) -> Take:
-        """Let the take end now; `look` tells once it is whole. Refused if there is none."""
+        """End the take now; `look` tells once it is whole. Refused if there is none."""
         if not self._part or self._stopped:
             raise Refused("nothing is being recorded: expected /record 1 first")
         self._stopped = True
         return Take(self._file, self._part.first, self._part.stop())
 
     def look(self) -> tuple[Take, str] | None:
-        """A take that has ended since the last call, and why, if nobody stopped it."""
+        """Return a take that has ended since the last call, and why, if nobody stopped it."""
         if not self._part or not self._recorder:
             return None
         if not (self._part.is_whole or self._recorder.error):
@@ -100,7 +100,7 @@ class Takes:
         self._finish()
 
     def _free_name(self) -> str:
-        """The day and time, with a number where there is such a file."""
+        """Return the day and time, with a number where there is such a file."""
         stem = time.strftime("carom-%Y%m%d-%H%M%S")
         names = {entry.name for entry in os.scandir(self._folder)}
         count, name = 1, stem + _ENDING
@@ -118,7 +118,7 @@ class Takes:
 
 
 def _file_of(name: str) -> str:
-    """The file of a name: with the ending, in no other folder."""
+    """Return the file of a name: with the ending, in no other folder."""
     stem = name[: -len(_ENDING)] if name.lower().endswith(_ENDING) else name
     if not _NAME.fullmatch(stem):
         raise Refused(f"name = {shown(name)}: expected up to 100 letters, digits, blanks and . _ + -, for a new file")

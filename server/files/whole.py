@@ -25,7 +25,8 @@ class RenderError(ValueError):
 def writing(
     out: Path, rate: int, channels: int, format: str | None = None, comment: str = ""
 ) -> Iterator[Callable[[NDArray[np.float32]], None]]:
-    """A function that appends float32 (frames, channels) to a WAV or FLAC file, told by its ending, at a rate in Hz.
+    """Open a WAV or FLAC file, told by its ending, at a rate in Hz; yield a function that appends float32 (frames,
+    channels).
 
     format: 16, 24 or float (None: 24 for FLAC, else float). comment: in the file's metadata. The file appears under its
     name once it is whole.
@@ -60,14 +61,14 @@ def writing(
 
 
 def require_format(format: str | None) -> None:
-    """RenderError for a sample format that there is not."""
+    """Raise RenderError for a sample format that does not exist."""
     if format not in (None, *_SUBTYPES):
         raise RenderError(f"format = {format}: expected {', '.join(_SUBTYPES)}")
 
 
 @contextmanager
 def _naming(out: Path) -> Iterator[None]:
-    """An error of writing inside names the file."""
+    """Name the file in an error of writing inside."""
     try:
         yield
     except soundfile.LibsndfileError as error:
@@ -78,7 +79,7 @@ def _naming(out: Path) -> Iterator[None]:
 
 @contextmanager
 def appearing(out: Path, durable: bool = False) -> Iterator[int]:
-    """A new file (its descriptor) that takes its name once it is whole, and is removed if it never is.
+    """Yield a new file (its descriptor) that takes its name once it is whole, and is removed if it never is.
 
     durable: it is on the disk before it has its name.
     """

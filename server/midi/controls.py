@@ -26,14 +26,14 @@ class Control:
     low: float
     high: float
     is_change: bool
-    """Whether the address takes its time: it needs no steps then."""
+    """True if the address takes its time: it needs no steps then."""
 
     def hears(self, controller: str, channel: int) -> bool:
-        """Whether it is about a controller of a channel."""
+        """True if it is about a controller of a channel."""
         return self.controller == controller and self.channel in (0, channel)
 
     def message(self, share: float) -> Message:
-        """What the controller says at a share of its way from the lowest to the highest place."""
+        """Return the message for a share of the controller's way from its lowest to its highest place."""
         if min(self.low, self.high) > 0.0 and not 1 / _WIDE <= self.high / self.low <= _WIDE:
             value = self.low * (self.high / self.low) ** share
         else:
@@ -43,7 +43,7 @@ class Control:
 
 
 def control(values: Values, controller: str) -> Control:
-    """The control that a message asks for. Refused says what is wrong with its address or range."""
+    """Return the control that a message asks for. Refused says what is wrong with its address or range."""
     address = values.words["address"]
     number, is_change = _number_of(address)
     low, high = number.useful or (number.low, number.high)
@@ -53,7 +53,7 @@ def control(values: Values, controller: str) -> Control:
 
 
 def _number_of(address: str) -> tuple[Parameter, bool]:
-    """The number that an address takes, and whether it is a change."""
+    """Return the number that an address takes, and whether it is a change."""
     made = calls(Message(address))
     for call in made:
         if call.verb is None:
@@ -75,7 +75,7 @@ class Controls:
         self._by_address: dict[str, Control] = {}
 
     def bind(self, control: Control) -> None:
-        """Have a controller set an address; no other one does so any more."""
+        """Bind a controller to an address; no other one sets it any more."""
         self._by_address[control.address] = control
 
     def forget(self, address: str) -> None:
@@ -86,10 +86,10 @@ class Controls:
             del self._by_address[each]
 
     def of(self, controller: str, channel: int) -> list[Control]:
-        """Those that hear a controller."""
+        """Return those that hear a controller."""
         return [each for each in self._by_address.values() if each.hears(controller, channel)]
 
     def listed(self) -> Iterator[tuple[Argument, ...]]:
-        """Each as /midi/controls tells it."""
+        """Yield each as /midi/controls tells it."""
         for each in self._by_address.values():
             yield each.controller, each.channel, each.address, each.low, each.high

@@ -17,37 +17,37 @@ class Keys:
         self._told: dict[str, float] = {}  # damp of copies, where it is not the object's own
 
     def press(self, channel: int, name: str, note: int, velocity: int) -> list[Message]:
-        """A key goes down: the object `name` plays its note."""
+        """Press a key: the object `name` plays its note."""
         self._held.add((channel, note))
         self._struck[f"{name}.{note}"] = channel, note
         return [*self._damped(), Message(f"/object/{name}/note", (note, velocity))]
 
     def release(self, channel: int, note: int) -> list[Message]:
-        """A key goes up."""
+        """Release a key."""
         self._held.discard((channel, note))
         return self._damped()
 
     def release_all(self, channel: int) -> list[Message]:
-        """All keys of a channel go up."""
+        """Release all keys of a channel."""
         self._held = {each for each in self._held if each[0] != channel}
         return self._damped()
 
     def pedal(self, channel: int, place: float) -> list[Message]:
-        """The pedal goes to a place from 0, up, to 1, down."""
+        """Move the pedal to a place from 0, up, to 1, down."""
         self._pedals[channel] = place
         return self._damped()
 
     def forget(self, copy: str) -> None:
-        """A copy is there no more."""
+        """Forget a copy that is gone."""
         self._struck.pop(copy, None)
         self._told.pop(copy, None)
 
     def is_copy(self, name: str) -> bool:
-        """Whether an object was made for a note."""
+        """True if an object was made for a note."""
         return name in self._struck
 
     def _damped(self) -> list[Message]:
-        """What changes for the dampers."""
+        """Return the messages for dampers that change."""
         messages = []
         for copy, key in self._struck.items():
             damp = 0.0 if key in self._held else 1.0 - self._pedals.get(key[0], 1.0)

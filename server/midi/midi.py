@@ -51,7 +51,7 @@ class Midi(Remote):
             "/midi/forget": self._forget,
             "/midi/controls": self._listed,
         }
-        """By address, of the messages that say what MIDI does."""
+        """Handlers of the messages that say what MIDI does, by address."""
 
     @property
     def state(self) -> str:
@@ -81,7 +81,7 @@ class Midi(Remote):
             self._warn(text)
 
     def _translated(self, message: Any) -> list[Message]:
-        """What a message of MIDI means."""
+        """Translate a message of MIDI."""
         kind = message.type
         if kind in ("note_on", "note_off"):
             channel = message.channel + 1
@@ -108,7 +108,7 @@ class Midi(Remote):
         return [Message("/panic")] if number == _SOUND_OFF else []
 
     def _moved(self, controller: str, channel: int, share: float) -> list[Message]:
-        """What a controller sets that has moved; it is learnt where one is to be."""
+        """Return the messages that a moved controller sets; learn the controller if one is to be learnt."""
         if self._learning and int(self._learning[0].number("channel")) in (0, channel):
             (values, source), self._learning = self._learning, None
             learnt = control(values, controller)
@@ -117,7 +117,8 @@ class Midi(Remote):
         return [each.message(share) for each in self._controls.of(controller, channel)]
 
     def _player(self, channel: int) -> str:
-        """The object that plays the notes of a channel: the newest, where none was given; "" where there is none."""
+        """Return the object that plays the notes of a channel: the newest, where none was given; "" where there is
+        none."""
         if name := self._players.get(channel) or self._players.get(0):
             return name
         for name in reversed(list(self._objects)):

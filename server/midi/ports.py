@@ -26,7 +26,7 @@ class Ports:
     opened. `close` them."""
 
     def __init__(self, wanted: Sequence[str], hear: Callable[[Any], None]) -> None:
-        """wanted: for each its index or a part of its name, or VIRTUAL."""
+        """Open the ports `wanted`: for each its index or a part of its name, or VIRTUAL."""
         self._hear = hear
         self._news: SimpleQueue[str] = SimpleQueue()
         self._ports: dict[str, Any] = {}  # by name; None: it has disappeared
@@ -43,11 +43,11 @@ class Ports:
 
     @property
     def names(self) -> list[str]:
-        """Those that are open."""
+        """Names of the ports that are open."""
         return [name for name, port in list(self._ports.items()) if port]
 
     def look(self) -> list[str]:
-        """What has happened to them since the last call."""
+        """Return news of them since the last call."""
         return [self._news.get() for _ in range(self._news.qsize())]
 
     def _opened(self, name: str) -> Any:
@@ -88,7 +88,7 @@ class Ports:
 
 
 def inputs() -> list[str]:
-    """The names of all inputs that there are. ServeError where the system has no MIDI."""
+    """Return the names of all inputs that there are. ServeError where the system has no MIDI."""
     if sys.platform == "linux" and "MIDO_BACKEND" not in os.environ and not os.path.exists(_SEQUENCER):
         raise ServeError(f"midi: there is no {_SEQUENCER}: expected ALSA's sequencer")  # ALSA would print it, too
     try:
@@ -99,7 +99,7 @@ def inputs() -> list[str]:
 
 
 def _found(wanted: str, names: Sequence[str]) -> str:
-    """The input of an index, or the first one of a name or a part of it."""
+    """Return the input of an index, or the first one of a name or a part of it."""
     if wanted.isdecimal() and int(wanted) < len(names):
         return names[int(wanted)]
     for name in (*(name for name in names if name == wanted), *names):

@@ -30,7 +30,7 @@ _LINGER = 1.0  # s
 _TRIES = 16  # ports that may be free for UDP and not for TCP
 
 Source = tuple[str, int] | Connection | Remote
-"""Where a packet came from and its replies go: a UDP address, a TCP client or a web socket's client."""
+"""Source of a packet, to which replies go: a UDP address, a TCP client or a web socket's client."""
 
 
 class Network:
@@ -62,7 +62,7 @@ class Network:
 
     @property
     def address(self) -> tuple[str, int]:
-        """Where it listens: host and port."""
+        """Address at which it listens: host and port."""
         host, port = self._udp.getsockname()[:2]
         return str(host), int(port)
 
@@ -74,12 +74,12 @@ class Network:
 
     @property
     def connections(self) -> int:
-        """How many TCP clients are connected and may still send."""
+        """Number of TCP clients that are connected and may still send."""
         return len(self._connections) - len(self._lingering)
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many datagrams found no room here or in the system's buffer, and how many replies were dropped."""
+        """Numbers of datagrams that found no room here or in the system's buffer, and of replies that were dropped."""
         return {
             "dropped": self._intake.dropped + self._refused,
             "dropped_by_system": _dropped_by_system(self._udp),
@@ -87,7 +87,7 @@ class Network:
         }
 
     def receive(self, timeout: float, streams_only: bool = False) -> tuple[bytes, Source] | None:
-        """The next packet and its source, or None if none arrives within `timeout` seconds, or before `wake`.
+        """Receive the next packet and its source, or None if none arrives within `timeout` seconds, or before `wake`.
 
         streams_only: leave datagrams where they are.
         """
@@ -109,14 +109,14 @@ class Network:
         return self._datagram() or self._from_streams()
 
     def _datagram(self) -> tuple[bytes, Source] | None:
-        """The next datagram, for which its sender may get replies."""
+        """Return the next datagram, for which its sender may get replies."""
         arrived = self._intake.take()
         if arrived:
             self._allowance.hear(arrived[1][0], len(arrived[0]))
         return arrived
 
     def _from_streams(self) -> tuple[bytes, Source] | None:
-        """A packet of the client whose turn it is: clients take turns, however much each has sent."""
+        """Return a packet of the client whose turn it is: clients take turns, however much each has sent."""
         while self._turns:
             connection = self._turns.popleft()
             if connection in self._paused or not connection.arrived:
@@ -134,7 +134,7 @@ class Network:
         return None
 
     def wake(self) -> None:
-        """Let `receive` return, if nothing arrives before; any thread may ask for it."""
+        """Wake `receive`, which returns if nothing arrives before; any thread may ask for it."""
         self._woken = True
         self._intake.ring()
 
@@ -178,24 +178,25 @@ class Network:
         self._replies_dropped += not sent
 
     def reaches(self, source: Source) -> bool:
-        """Whether a source can still be answered, as far as is known."""
+        """True if a source can still be answered, as far as is known."""
         if isinstance(source, Remote):
             return not source.gone
         return not isinstance(source, Connection) or source in self._connections
 
     def forgets(self, source: Source) -> bool:
-        """Whether a source is told nothing more once it is silent: one that may have been forged."""
+        """True if a source is told nothing more once it is silent: one that may have been forged."""
         return isinstance(source, tuple) and not self._allowance.trusts(source[0])
 
     def dropped(self) -> tuple[int, tuple[str, int]] | None:
-        """How many datagrams found no room since the last call, and who sent the last one; None if none was lost."""
+        """Return how many datagrams found no room since the last call, and who sent the last one; None if none was
+        lost."""
         new = self.counts["dropped"] - self._told
         self._told += new
         loser, self._refused_from = self._refused_from or self._intake.loser, None
         return (new, loser) if new else None
 
     def warnings(self) -> list[str]:
-        """Texts about what was dropped since the last call."""
+        """Return the texts about what was dropped since the last call."""
         new = Counter(self.counts) - self._warned
         self._warned += new
         texts = {
@@ -270,7 +271,7 @@ class Network:
         connection.arrived.append(packet)
 
     def _watch(self, connection: Connection) -> None:
-        """Let the selector watch a client for reading while its stream goes on, for writing while replies wait."""
+        """Watch a client for reading while its stream goes on, and for writing while replies wait."""
         wanted = selectors.EVENT_READ * (not connection.over) | selectors.EVENT_WRITE * connection.waiting
         key = self._selector.get_map().get(connection.socket)
         if key and not wanted:
@@ -310,7 +311,7 @@ def _encoded_texts(address: str, *texts: str) -> bytes:
 
 
 def _bound(host: str, port: int) -> tuple[socket.socket, socket.socket]:
-    """A UDP socket and a TCP listener on the same port."""
+    """Return A UDP socket and a TCP listener on the same port."""
     for attempt in range(_TRIES):
         udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
@@ -325,7 +326,7 @@ def _bound(host: str, port: int) -> tuple[socket.socket, socket.socket]:
 
 
 def _dropped_by_system(udp: socket.socket) -> int:
-    """Datagrams that found no room in the system's buffer, where the system tells (Linux)."""
+    """Return the datagrams that found no room in the system's buffer, where the system tells (Linux)."""
     memory_info, drops = 55, 8  # SO_MEMINFO, and where in its nine uint32 the drops stand
     if sys.platform != "linux":
         return 0

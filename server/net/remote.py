@@ -11,13 +11,14 @@ class Remote:
 
     def __init__(self, deliver: Callable[[bytes], bool]) -> None:
         self.arrived: deque[bytes | None] = deque()
-        """Its packets that wait to be carried out; None: it has left."""
+        """Packets that wait to be carried out; None: the client has left."""
         self.gone = False
         self.send = deliver
 
 
 class Doorway:
-    """Where other threads hand in packets of their clients. `heard` is a socket that can be read when one waits."""
+    """A doorway at which other threads hand in packets of their clients. `heard` is a socket that can be read when one
+    waits."""
 
     def __init__(self) -> None:
         self.heard, self._bell = socket.socketpair()
@@ -33,7 +34,7 @@ class Doorway:
             self._bell.send(b"\0")
 
     def collect(self) -> list[Remote]:
-        """The clients that have handed in a packet since the last call."""
+        """Return the clients that have handed in a packet since the last call."""
         with suppress(BlockingIOError):
             self.heard.recv(4096)
         return [self._fresh.popleft() for _ in range(len(self._fresh))]

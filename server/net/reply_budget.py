@@ -24,7 +24,7 @@ class Allowance:
         self._heard: dict[str, float] = {}  # s; the host that was silent for longest comes first
 
     def trusts(self, host: str) -> bool:
-        """Whether a host is this machine, or of a network that is trusted."""
+        """True if a host is this machine, or of a network that is trusted."""
         return local(host) or any(_in(host, net) for net in self._trusted)
 
     def hear(self, host: str, size: int) -> None:
@@ -42,7 +42,7 @@ class Allowance:
         self._saved[account] = min(_MOST, self._saved.get(account, 0.0) + FACTOR * size)
 
     def take(self, host: str, size: int) -> bool:
-        """Spend so many bytes of a reply to a host; returns False if there are fewer left."""
+        """Spend so many bytes of a reply to a host; return False if there are fewer left."""
         if self.trusts(host):
             return True
         account = host if host in self._saved else _OTHERS
@@ -54,7 +54,7 @@ class Allowance:
 
 @lru_cache(maxsize=64)
 def local(host: str) -> bool:
-    """Whether a host is this machine's loopback, which others cannot reach."""
+    """True if a host is this machine's loopback, which others cannot reach."""
     try:
         return ip_address(host).is_loopback
     except ValueError:
@@ -63,7 +63,7 @@ def local(host: str) -> bool:
 
 @lru_cache(maxsize=1_024)
 def _in(host: str, net: IPv4Network | IPv6Network) -> bool:
-    """Whether a host is of a network."""
+    """True if a host is of a network."""
     try:
         return ip_address(host) in net
     except ValueError:

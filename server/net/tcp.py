@@ -22,18 +22,19 @@ class Connection:
         _keep_alive(sock)
         self.socket = sock
         self.arrived: deque[bytes | None] = deque()
-        """Its packets that wait to be carried out; None: the end of its stream."""
+        """Packets that wait to be carried out; None: the end of the stream."""
         self.heard_at = time.monotonic()
-        """When it last sent something, or connected."""
+        """Time at which the client last sent something, or connected."""
         self.over = False
-        """Whether its stream has ended."""
+        """True once its stream has ended."""
         self.wrong: str | None = None
-        """Why the server ended the stream, or None."""
+        """Reason for which the server ended the stream, or None."""
         self._framing: Framing | None = None
         self._unsent = bytearray()
 
     def packets(self) -> Iterator[bytes]:
-        """The packets that have arrived, up to the stream's end or first fault. OSError when the client is gone."""
+        """Yield the packets that have arrived, up to the stream's end or first fault. OSError when the client is
+        gone."""
         try:
             data = self.socket.recv(_PIECE)
         except BlockingIOError:
@@ -60,7 +61,7 @@ class Connection:
         self.socket.close()
 
     def send(self, packet: bytes) -> bool:
-        """Send a packet as soon as the client takes it; returns False, and drops it, if too much waits already."""
+        """Send a packet as soon as the client takes it; return False, and drops it, if too much waits already."""
         packet = (self._framing or Slip).framed(packet)
         if len(self._unsent) + len(packet) > _MOST_WAITING:
             return False
@@ -78,12 +79,12 @@ class Connection:
 
     @property
     def waiting(self) -> bool:
-        """Whether replies wait for the client to take them."""
+        """True if replies wait for the client to take them."""
         return bool(self._unsent)
 
 
 def _keep_alive(sock: socket.socket) -> None:
-    """Have the system ask a silent client whether it is still there; one that is not is gone within a minute."""
+    """Make the system ask a silent client whether it is still there; one that is not is gone within a minute."""
     sock.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
     for option, value in (("TCP_KEEPIDLE", 20), ("TCP_KEEPINTVL", 10), ("TCP_KEEPCNT", 3)):  # s, s, questions
         if hasattr(socket, option):
@@ -91,7 +92,7 @@ def _keep_alive(sock: socket.socket) -> None:
 
 
 def listen(host: str, port: int) -> socket.socket:
-    """A socket that listens for clients. OSError if the port is taken."""
+    """Return a socket that listens for clients. OSError if the port is taken."""
     sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     try:
         # Connections of an earlier server linger for a minute and hold the port. On Windows they do not, and there the

@@ -50,7 +50,7 @@ _send: Any = External("carom_send", None, c_int64, c_void_p, c_int64)
 
 
 def _after(position: int, size: int) -> int:
-    """Where the next datagram begins, after one of `size` bytes."""
+    """Return where the next datagram begins, after one of `size` bytes."""
     position += _HEAD + (size + 7) // 8
     rest = _WORDS - position % _WORDS
     return position + rest if rest < _LARGEST else position
@@ -121,12 +121,12 @@ class Intake:
             self.heard.recv(64)
 
     def ring(self) -> None:
-        """Have `heard` become readable; any thread may."""
+        """Make `heard` readable; any thread may."""
         with suppress(OSError):  # it is readable already, or closed
             self._bell.send(b"\0")
 
     def take(self) -> tuple[bytes, tuple[str, int]] | None:
-        """The next datagram and its sender's address, or None if none waits."""
+        """Return the next datagram and its sender's address, or None if none waits."""
         read = int(self._read[0])
         if read == observe(self._written):
             return None
@@ -139,7 +139,7 @@ class Intake:
 
     @property
     def dropped(self) -> int:
-        """How many datagrams found no room."""
+        """Number of datagrams that found no room."""
         return int(observe(self._dropped))
 
     @property

@@ -63,7 +63,7 @@ KEYS: dict[str, tuple[Number | Word, ...]] = {
 
 
 def _steers(name: str) -> str:
-    """The effect of a steerable parameter: "steers a bounce (from its next flight on) or a roll"."""
+    """Describe the effect of a steerable parameter: "steers a bounce (from its next flight on) or a roll"."""
     named = [
         f"{'an' if gesture == 'impact' else 'a'} {gesture}{f' ({number.steered})' if number.steered else ''}"
         for gesture, number in gestures_steered_by(name).items()
@@ -72,7 +72,7 @@ def _steers(name: str) -> str:
 
 
 def _steering(name: str) -> Number:
-    """The number that steers gestures; its useful range covers that of each."""
+    """Return the number that steers gestures; its useful range covers that of each."""
     numbers = tuple(gestures_steered_by(name).values())
     ranges = [number.useful for number in numbers if number.useful]
     covers = (min(low for low, _ in ranges), max(high for _, high in ranges)) if len(ranges) == len(numbers) else None
@@ -236,7 +236,7 @@ class Call:
 
 
 def calls(message: Message) -> list[Call]:
-    """The calls that a message makes: one for each verb that its address, perhaps a pattern, matches.
+    """Return the calls that a message makes: one for each verb that its address, perhaps a pattern, matches.
 
     A pattern never matches /quit: nobody who sends to every address wants to end the server. An address that nothing
     has makes one call, without a verb.
@@ -259,7 +259,7 @@ def _named(message: Message) -> Call:
 
 @lru_cache(maxsize=64)
 def _matched(pattern: str) -> list[str]:
-    """The addresses that a pattern matches; only the part for a NAME or an ID is still the pattern's."""
+    """Return the addresses that a pattern matches; only the part for a NAME or an ID is still the pattern's."""
     parts = pattern.split("/")
     candidates = (verb.split("/") for verb in VERBS if verb != "/quit")
     return [
@@ -271,7 +271,7 @@ def _matched(pattern: str) -> list[str]:
 
 
 def unknown(address: str) -> Refused:
-    """The error for an address that nothing has."""
+    """Return the error for an address that nothing has."""
     meant = _meant(address)
     if meant:
         return Refused(f"no such address; did you mean {' or '.join(meant)}?")
@@ -283,7 +283,8 @@ def unknown(address: str) -> Refused:
 
 
 def _meant(address: str) -> list[str]:
-    """Up to two addresses that a wrong one may stand for: its parts are near theirs, or one is missing or misplaced."""
+    """Return up to two addresses that a wrong one may stand for: its parts are near theirs, or one is missing or
+    misplaced."""
     given = [part for part in address.split("/") if part]
     if not 1 <= len(given) <= 3:
         return []
@@ -301,7 +302,7 @@ def _are_near(given: Sequence[str], known: Sequence[str]) -> bool:
 
 
 def _filled(template: str, given: Sequence[str], has_container: bool) -> str:
-    """The template of an address with the name that was given, if one was."""
+    """Return the template of an address with the name that was given, if one was."""
     _, container, name, action = template.split("/")
     if len(given) == 3 or (len(given) == 2 and not has_container):
         name = given[-2]

@@ -23,7 +23,7 @@ class GestureEnded(Refused):
 
 
 def shown(value: Argument) -> str:
-    """A value as an error names it."""
+    """Return a value as an error names it."""
     if isinstance(value, float) and math.isfinite(value):
         return f"{value:g}"
     text = str(value) if isinstance(value, str) else repr(value)
@@ -31,7 +31,8 @@ def shown(value: Argument) -> str:
 
 
 def check_number(number: Number, value: Argument) -> float:
-    """A numeric argument as a float; Refused if it is no number, out of range, or not whole where it must be."""
+    """Return a numeric argument as a float; raise Refused if it is no number, out of range, or not whole where it must
+    be."""
     if not isinstance(value, (int, float)) or not number.low <= value <= number.high:
         raise Refused(f"{number.name} = {shown(value)}: expected a number from {number.bounds}")
     if number.whole and value != int(value):
@@ -47,7 +48,7 @@ class Word:
     help: str = ""
 
     def check(self, value: Argument) -> str:
-        """The value; Refused if it is no text, or an empty one."""
+        """Return the value; raise Refused if it is no text, or an empty one."""
         if isinstance(value, str) and value:
             return value
         raise Refused(f"{self.name} = {shown(value)}: expected a name")
@@ -65,7 +66,7 @@ class Either:
     help: str = ""
 
     def check(self, value: Argument) -> str:
-        """The word; Refused if it is none of them."""
+        """Return the word; raise Refused if it is none of them."""
         word = f"{value:g}" if isinstance(value, int | float) else value
         if isinstance(word, str) and word in self.words:
             return word
@@ -90,7 +91,7 @@ class Note:
     high: float = 127.0
 
     def check(self, value: Argument) -> float:
-        """The MIDI number; Refused if it is no note."""
+        """Return the MIDI number; raise Refused if it is no note."""
         if isinstance(value, str) and (named := _NOTE.fullmatch(value)):
             letter, sign, octave = named.groups()
             value = 12 * (int(octave) + 1) + _STEPS[letter.upper()] + _SIGNS[sign]
@@ -112,7 +113,7 @@ class Numbers:
     help: str = ""
 
     def check(self, arguments: tuple[Argument, ...]) -> tuple[float, ...]:
-        """The numbers; Refused if they are too many, or one is not as it should be."""
+        """Return the numbers; raise Refused if they are too many, or one is not as it should be."""
         first = arguments[0] if len(arguments) == 1 else None
         given = first if isinstance(first, tuple) else arguments
         if len(given) > self.most:
@@ -128,7 +129,7 @@ Key = Number | Word | Numbers | Note
 
 
 class Point(NamedTuple):
-    """Where a number goes that may take its time: s until the way there begins, s that it takes, and its curve."""
+    """A value that a number takes, at once or in time: s until the way there begins, s that it takes, and its curve."""
 
     value: float
     after: float = 0.0
@@ -145,12 +146,12 @@ class Values:
     others: dict[str, Argument] = field(default_factory=dict)
     defaults: dict[str, float] = field(default_factory=dict)
     many: tuple[float, ...] = ()
-    """Those of an argument that is any number of numbers."""
+    """Numbers of an argument that is any number of them."""
     points: tuple[Point, ...] = ()
-    """Those of an argument that may take its time."""
+    """Points of an argument that may take its time."""
 
     def number(self, name: str) -> float:
-        """A number as it is given, else its default."""
+        """Return a number as it is given, else its default."""
         return self.numbers[name] if name in self.numbers else self.defaults[name]
 
     def add(self, parameter: Parameter | Numbers, value: Argument) -> None:
@@ -172,7 +173,8 @@ class Verb:
     """An address and its arguments: required ones, optional positional numbers, then key value pairs."""
 
     address: str
-    """As it is sent, but for a part in capitals, which stands for the name of an object or the id of a gesture."""
+    """Address as it is sent, but for a part in capitals, which stands for the name of an object or the id of a
+    gesture."""
     help: str
     required: tuple[Parameter, ...] = ()
     optional: tuple[Number, ...] = ()
@@ -180,9 +182,9 @@ class Verb:
     many: Numbers | None = None
     """Numbers that may follow instead of optional ones and keys."""
     open_keys: bool = False
-    """Whether it takes keys that are not declared here: who carries the message out checks them."""
+    """True if it takes keys that are not declared here: who carries the message out checks them."""
     scored: bool = True
-    """Whether a score may hold it; the others are for a running server alone."""
+    """True if a score may hold it; the others are for a running server alone."""
 
     @property
     def action(self) -> str:
@@ -201,7 +203,7 @@ class Verb:
         return {number.name: number.default for number in numbers if number.default is not None}
 
     def parse(self, args: tuple[Argument, ...]) -> Values:
-        """Checked values by name; Refused names the argument that does not fit."""
+        """Return the checked values by name; raise Refused that names the argument that does not fit."""
         if len(args) < len(self.required):
             missing = self.required[len(args)]
             raise Refused(f"{missing.name} is missing: expected {self.usage()}")
@@ -225,7 +227,7 @@ class Verb:
         return values
 
     def _pairs(self, rest: Sequence[Argument]) -> Iterator[tuple[str, Argument]]:
-        """Keys and their values; Refused names one that is no key."""
+        """Yield keys and their values; raise Refused that names one that is no key."""
         for i in range(0, len(rest), 2):
             key = rest[i]
             if not isinstance(key, str):
@@ -237,7 +239,7 @@ class Verb:
             yield key, rest[i + 1]
 
     def usage(self) -> str:
-        """The address and the names of its arguments, optional ones in brackets."""
+        """Return the address and the names of its arguments, optional ones in brackets."""
         words = [a.name for a in self.required] + [f"[{a.name}]" for a in self.optional]
         words += [f"[{self.many.name} ...]"] if self.many else []
         return " ".join([self.address, *words, *(["[key value ...]"] if self.keys or self.open_keys else [])])

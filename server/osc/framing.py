@@ -1,4 +1,4 @@
-"""How packets follow each other in a stream: by SLIP, END on either side (OSC 1.1), or each after its size (OSC 1.0).
+"""Framing of packets in a stream: by SLIP, END on either side (OSC 1.1), or each after its size (OSC 1.0).
 
 Which of the two a client speaks, its first byte tells: a size below 64 KiB begins with a zero, SLIP with END or with
 the packet itself. Replies go out in the same framing.
@@ -26,7 +26,8 @@ class Slip:
         self._rest = b""
 
     def packets(self, data: bytes) -> Iterator[bytes]:
-        """The packets that are whole once `data` has come; Broken for a wrong escape or one longer than a datagram."""
+        """Yield the packets that are whole once `data` has come; raise Broken for a wrong escape or one longer than a
+        datagram."""
         *frames, self._rest = (self._rest + data).split(_END)
         for frame in frames:
             if frame:
@@ -56,7 +57,7 @@ class Sized:
         self._rest = b""
 
     def packets(self, data: bytes) -> Iterator[bytes]:
-        """The packets that are whole once `data` has come; Broken for a size that none can have."""
+        """Yield the packets that are whole once `data` has come; raise Broken for a size that none can have."""
         stream = self._rest + data
         at = 0
         while len(stream) - at >= _SIZE.size:
@@ -78,7 +79,7 @@ Framing = Slip | Sized
 
 
 def framing(first: int) -> Framing:
-    """The framing of a stream that begins with this byte, or Broken."""
+    """Return the framing of a stream that begins with this byte; raise Broken if there is none."""
     if first == 0:
         return Sized()
     if bytes([first]) in (_END, b"/", b"#"):

@@ -17,7 +17,7 @@ class _Controller(Either):
     """A controller, whose error does not list them all."""
 
     def check(self, value: Argument) -> str:
-        """Its number as a text, or its name; Refused if it is none."""
+        """Return its number as a text, or its name; raise Refused if it is none."""
         try:
             return super().check(value)
         except Refused:

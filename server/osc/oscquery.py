@@ -20,7 +20,7 @@ _EXTENSIONS = ("ACCESS", "VALUE", "RANGE", "CLIPMODE", "UNIT", "OVERLOADS", "LIS
                "PATH_REMOVED")  # fmt: skip
 _NOT_GIVEN = ("TAGS", "EXTENDED_TYPE", "CRITICAL", "PATH_RENAMED", "PATH_CHANGED", "OSC_STREAMING", "HTML")
 ATTRIBUTES = (*GIVEN, "TAGS", "EXTENDED_TYPE", "CRITICAL")
-"""Those that may be asked for."""
+"""Attributes that may be asked for."""
 _UNITS = {"m/s": "speed.m/s", "dB": "gain.db"}  # the proposal's words, where it has one
 
 Names = Mapping[str, Collection[str]]
@@ -47,7 +47,8 @@ _ADDRESSES = _tree()
 
 
 def host_info(osc_port: int) -> dict[str, Any]:
-    """The answer to ?HOST_INFO: OSC goes to a UDP port, and in binary frames of a web socket to the port of HTTP."""
+    """Return the answer to ?HOST_INFO: OSC goes to a UDP port, and in binary frames of a web socket to the port of
+    HTTP."""
     extensions = {**dict.fromkeys(_EXTENSIONS, True), **dict.fromkeys(_NOT_GIVEN, False)}
     return {"NAME": "Carom", "OSC_PORT": osc_port, "OSC_TRANSPORT": "UDP", "EXTENSIONS": extensions}
 
@@ -57,13 +58,13 @@ def _no_value(path: str) -> None:
 
 
 def node(path: str, names: Names, value: Value = _no_value) -> dict[str, Any] | None:
-    """The JSON object of an address and of all below it; None where there is nothing."""
+    """Return the JSON object of an address and of all below it; None where there is nothing."""
     pieces = text(path, names, value)
     return None if pieces is None else dict(json.loads("".join(pieces)))
 
 
 def text(path: str, names: Names, value: Value = _no_value, attribute: str = "") -> Iterator[str] | None:
-    """The text of that object, or of one of its attributes (nothing if it has none), in pieces of a method each.
+    """Return the text of that object, or of one of its attributes (nothing if it has none), in pieces of a method each.
 
     Whoever waits for Python's lock gets it between two pieces.
     """
@@ -74,7 +75,7 @@ def text(path: str, names: Names, value: Value = _no_value, attribute: str = "")
 
 
 def _at(path: str, names: Names) -> Verb | _Tree | None:
-    """What is at an address: a method, or what there is below it."""
+    """Return what is at an address: a method, or the tree below it."""
     here: Any = _ADDRESSES
     for part in path.split("/")[1:] if path != "/" else ():
         if isinstance(here, Verb):
@@ -89,7 +90,7 @@ def _at(path: str, names: Names) -> Verb | _Tree | None:
 
 
 def _has_any(tree: _Tree, names: Names) -> bool:
-    """Whether there is anything below an address."""
+    """True if there is anything below an address."""
     return any(not part.isupper() or names.get(part) for part in tree)
 
 
@@ -102,7 +103,7 @@ class _Described:
         self._texts: dict[str, str] = {}
 
     def text(self, path: str, here: Verb | _Tree, attribute: str = "") -> Iterator[str]:
-        """A node in pieces, or one of its attributes."""
+        """Yield a node in pieces, or one of its attributes."""
         if not isinstance(here, Verb):
             yield from self._container(path, here, attribute)
         elif attribute:
@@ -129,12 +130,12 @@ class _Described:
         yield "}}"
 
     def _own(self, path: str) -> dict[str, Any]:
-        """What a method's node says of its address alone."""
+        """Return the part of a method's node that is of its address alone."""
         now = self._value(path)
         return {"FULL_PATH": path, "ACCESS": 2} if now is None else {"FULL_PATH": path, "ACCESS": 3, "VALUE": now}
 
     def _method(self, verb: Verb) -> dict[str, Any]:
-        """What it says wherever the method is."""
+        """Return the part of a method's node that is the same at all its addresses."""
         if verb.address not in self._methods:
             self._methods[verb.address] = {"DESCRIPTION": _description(verb), **_arguments(verb, self._names)}
         return self._methods[verb.address]
@@ -151,7 +152,7 @@ def _description(verb: Verb) -> str:
 
 
 def _arguments(verb: Verb, names: Names) -> dict[str, Any]:
-    """The arguments of a method: the shortest list, and as overloads the longer ones with optional arguments."""
+    """Return the arguments of a method: the shortest list, and as overloads the longer ones with optional arguments."""
     least = max(len(verb.required), 1)
     arguments = (*verb.required, *verb.optional, *((verb.many.number,) if verb.many else ()))
     if not arguments:

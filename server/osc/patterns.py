@@ -30,12 +30,12 @@ _STARS = re.compile(r"\*+")
 
 
 def is_pattern(address: str) -> bool:
-    """Whether an address, or a part of one, may match others than itself."""
+    """True if an address, or a part of one, may match others than itself."""
     return any(sign in address for sign in "*?[{")
 
 
 def match(pattern: str, part: str) -> bool:
-    """Whether an OSC address pattern matches one part of an address (what stands between two slashes).
+    """True if an OSC address pattern matches one part of an address (what stands between two slashes).
 
     `?` is any character, `*` any run of them, `[a-z]` and `[!a-z]` one inside and outside a set, `{ab,c}` one
     of some words. A pattern with an unclosed bracket matches nothing.
@@ -68,18 +68,18 @@ def match(pattern: str, part: str) -> bool:
 
 
 def work(pattern: str) -> int:
-    """How long it takes at most to match a pattern against one name, in units of some 0.1 µs."""
+    """Return the most work that it is to match a pattern against one name, in units of some 0.1 µs."""
     return 4 + len(pattern) // (8 if _pieces(pattern) is not None else 1)
 
 
 @lru_cache(maxsize=16)
 def _pieces(pattern: str) -> tuple[str, ...] | None:
-    """The text between the stars of a pattern that has no other sign; else None."""
+    """Return the text between the stars of a pattern that has no other sign; else None."""
     return tuple(_STARS.sub("*", pattern).split("*")) if not any(sign in pattern for sign in "?[{") else None
 
 
 def _in_order(pieces: tuple[str, ...], part: str) -> bool:
-    """Whether a part begins with the first piece, ends with the last, and has the others in between in their order."""
+    """True if a part begins with the first piece, ends with the last, and has the others in between in their order."""
     first, *others = pieces
     if not others:
         return part == first
@@ -106,7 +106,7 @@ class Selection:
         self._kept: dict[tuple[str, int], tuple[int, tuple[str, ...]]] = {}
 
     def names(self, pattern: str, table: Versioned) -> tuple[str, ...]:
-        """The names of a table that a pattern matches, in its order. TooMuch if the work is used up."""
+        """Return the names of a table that a pattern matches, in its order. TooMuch if the work is used up."""
         version, kept = self._kept.get((pattern, id(table)), (-1, ()))
         fresh = version != table.version
         # Whoever asks will do something for each of the names.
@@ -123,7 +123,8 @@ class Selection:
         self._left -= work
 
     def charge(self, work: float, culprit: str) -> None:
-        """The same for the work on what was matched; that of one message is done in any case, if any work is left."""
+        """Charge the work on what was matched likewise; that of one message is done in any case, if any work is
+        left."""
         if work > 0.0 and self._left <= 0.0:
             raise TooMuch(culprit)
         self._left -= work
@@ -149,7 +150,7 @@ class _Set(dict[str, bool]):
 
 @lru_cache(maxsize=16)  # a pattern meets every object's name; few, as one may be as long as a datagram
 def _steps(pattern: str) -> tuple[str | tuple[str, ...] | _Set, ...] | None:
-    """The pattern as steps: "*", "?", the words to choose from (a plain character is one), or a set."""
+    """Return the pattern as steps: "*", "?", the words to choose from (a plain character is one), or a set."""
     steps: list[str | tuple[str, ...] | _Set] = []
     start = 0
     while start < len(pattern):

@@ -11,7 +11,7 @@ from .wire import Argument
 CHANGE = (OVER, CURVE)
 """Keys of what changes a number."""
 MOST_POINTS = 64
-"""Of a list."""
+"""Most points of a list."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,8 @@ class Change(Verb):
         return number
 
     def parse(self, args: tuple[Argument, ...]) -> Values:
-        """The last value by name, and the points on the way there; Refused names the argument that does not fit."""
+        """Return the last value by name, and the points on the way there; raise Refused that names the argument that
+        does not fit."""
         if not args:
             return super().parse(args)
         keys: dict[str, Argument] = {}
@@ -51,7 +52,7 @@ def _points(number: Parameter, value: Argument, keys: Mapping[str, Argument]) ->
 
 
 def _of_each(count: int, number: Parameter, given: Argument) -> tuple[float, ...]:
-    """A number for each of some values: a list, or one that is the same for all."""
+    """Return a number for each of some values: a list, or one that is the same for all."""
     numbers = _numbers(number, given)
     if len(numbers) == 1:
         return numbers * count
@@ -61,7 +62,7 @@ def _of_each(count: int, number: Parameter, given: Argument) -> tuple[float, ...
 
 
 def _numbers(number: Parameter, value: Argument) -> tuple[float, ...]:
-    """The numbers of a list, of a text such as 0.2,1, or of a number alone."""
+    """Return the numbers of a list, of a text such as 0.2,1, or of a number alone."""
     if isinstance(value, str) and "," in value:
         value = tuple(map(_spelled, value.split(",")))
     if isinstance(value, tuple) and value:
@@ -70,7 +71,7 @@ def _numbers(number: Parameter, value: Argument) -> tuple[float, ...]:
 
 
 def _spelled(text: str) -> float | str:
-    """The number that a text spells, or else the text."""
+    """Return the number that a text spells, or else the text."""
     try:
         return float(text)
     except ValueError:

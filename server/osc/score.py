@@ -35,7 +35,7 @@ _GRID = 256.0  # places between two samples where the engine lets what was playe
 
 
 _SOUNDS = (b"RIFF", b"RF64", b"fLaC", b"OggS", b"FORM", b"ID3")
-"""How sound files begin."""
+"""First bytes of sound files."""
 
 
 class ScoreError(ValueError):
@@ -52,7 +52,7 @@ class Line:
 
 
 def read(path: str | PathLike[str]) -> list[Line]:
-    """Reads a text or binary score, in the order of the file; in a binary one LINE counts packets.
+    """Read a text or binary score, in the order of the file; in a binary one LINE counts packets.
 
     Raises ScoreError, and OSError for a file that cannot be read.
     """
@@ -60,7 +60,7 @@ def read(path: str | PathLike[str]) -> list[Line]:
 
 
 def parse(data: bytes, path: str | PathLike[str]) -> list[Line]:
-    """Reads a score's bytes as `read` does; errors call it `path`."""
+    """Read a score's bytes as `read` does; errors call it `path`."""
     if data.startswith(_SOUNDS):
         raise ScoreError(f"{path}: it is a sound; expected a score")
     # A binary score starts with a size below 16 MB, so with a zero, which no text has.
@@ -101,7 +101,7 @@ def _words(line: str) -> Iterator[wire.Argument]:
 
 
 def _list(line: str, at: int) -> tuple[wire.Argument, int]:
-    """The list whose [ ends at a place of a line, and where it ends itself."""
+    """Return the list whose [ ends at a place of a line, and where it ends itself."""
     start = at
     lists: list[list[wire.Argument]] = [[]]  # those that are open, each inside the one before
     while True:
@@ -126,14 +126,14 @@ def _list(line: str, at: int) -> tuple[wire.Argument, int]:
 
 
 def _spelled(token: re.Match[str]) -> wire.Argument:
-    """The value of a word, in quotes or not."""
+    """Return the value of a word, in quotes or not."""
     if token["word"] is not None:
         return _number_or_word(token["word"])
     return token["kept"] if token["kept"] is not None else json.loads(f'"{token["escaped"]}"', strict=False)
 
 
 def value(text: str) -> wire.Argument:
-    """The number or the list that a text spells as in a score, or else the text."""
+    """Return the number or the list that a text spells as in a score, or else the text."""
     if text.startswith("["):
         try:
             items, end = _list(text, 1)
@@ -194,14 +194,15 @@ def _binary(data: bytes, path: str | PathLike[str]) -> Iterator[Line]:
 
 
 def sample_at(time: float, rate: float) -> float:
-    """The sample at which a score's time (s) falls; one that is on the engine's grid, but for rounding, is there."""
+    """Return the sample at which a score's time (s) falls; one that is on the engine's grid, but for rounding, is
+    there."""
     sample = time * rate
     nearest = round(sample * _GRID) / _GRID
     return nearest if abs(sample - nearest) <= 4 * math.ulp(sample) else sample
 
 
 def format_line(time: float, message: wire.Message) -> str:
-    """The line of text that reads back as this time (s) and message, bit for bit; booleans become 1 and 0.
+    """Return the line of text that reads back as this time (s) and message, bit for bit; booleans become 1 and 0.
 
     Raises ValueError for what text has no word for: bytes, None, NaN and infinities.
     """
@@ -209,7 +210,7 @@ def format_line(time: float, message: wire.Message) -> str:
 
 
 def _written(arg: wire.Argument, bare_word: str) -> str:
-    """An argument as text; a string needs no quotes if it matches `bare_word` and spells no number."""
+    """Return an argument as text; a string needs no quotes if it matches `bare_word` and spells no number."""
     if isinstance(arg, tuple):
         return f"[{' '.join(_written(item, _LISTED_WORD) for item in arg)}]"
     if isinstance(arg, str):

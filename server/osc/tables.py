@@ -9,12 +9,12 @@ from .world_verbs import WORLD
 
 
 def table() -> str:
-    """The address space as two Markdown tables: addresses, and the keys of gestures."""
+    """Return the address space as two Markdown tables: addresses, and the keys of gestures."""
     return f"{address_table()}\n\n{key_table()}"
 
 
 def address_table() -> str:
-    """Every address, its arguments and its meaning, as a Markdown table."""
+    """Return every address, its arguments and its meaning, as a Markdown table."""
 
     def listed(verb: Verb) -> str:
         if isinstance(verb, Change):
@@ -35,7 +35,7 @@ def address_table() -> str:
 
 
 def key_table() -> str:
-    """The keys of gestures, as a Markdown table."""
+    """Return the keys of gestures, as a Markdown table."""
     keys: dict[str, list[str]] = {_row(key): ["all"] for key in STRIKE}
     for name, own in KEYS.items():
         for key in own:
@@ -47,12 +47,12 @@ def key_table() -> str:
 
 
 def _row(key: Parameter) -> str:
-    """The row of a gesture's key, with a place for the gestures that take it."""
+    """Return the row of a gesture's key, with a place for the gestures that take it."""
     return f"| {_marked(key)} | {{}} | {key.help}{_default(key)} |"
 
 
 def _marked(parameter: Parameter | Numbers) -> str:
-    """A parameter in Markdown."""
+    """Return a parameter in Markdown."""
     return str(parameter).replace(parameter.name, f"`{parameter.name}`", 1)
 
 

@@ -14,7 +14,7 @@ from typing import Any
 from pythonosc.osc_message_builder import BuildError, OscMessageBuilder
 
 Argument = int | float | str | bytes | bool | tuple["Argument", ...] | None
-"""Of a message; a tuple is an array."""
+"""Argument of a message; a tuple is an array."""
 
 DEFAULT_PORT = 57140
 IMMEDIATELY = 1
@@ -53,7 +53,7 @@ class Bundle:
 
 
 def parse(datagram: bytes) -> list[Bundle]:
-    """Reads a datagram whole, or raises BadPacket; in time proportional to its size.
+    """Read a datagram whole, or raise BadPacket; in time proportional to its size.
 
     A bare message becomes a bundle for IMMEDIATELY. Bundles in bundles come out flat, in the order written:
     a bundle with others inside it is cut where they stand, and its pieces keep its time. An array is one argument,
@@ -113,7 +113,7 @@ def _message(data: bytes) -> Message:
 
 
 def _arguments(data: bytes, at: int, tags: str) -> tuple[tuple[Argument, ...], int]:
-    """The arguments that begin at a place, by their type tags (",if..."), and where they end."""
+    """Return the arguments that begin at a place, by their type tags (",if..."), and where they end."""
     arrays: list[list[Argument]] = [[]]  # the message's own arguments, then the arrays that are open, outermost first
     number = 1  # of the next value, whether it stands in an array or not
     for tag in tags[1:]:
@@ -177,7 +177,8 @@ def _blob(data: bytes, start: int, name: str) -> tuple[bytes, int]:
 
 
 def argument(value: object) -> Argument:
-    """An argument from what stands for one in Python: a list becomes a tuple, numpy's scalars and arrays plain values.
+    """Return an argument from what stands for one in Python: a list becomes a tuple, numpy's scalars and arrays plain
+    values.
 
     Raises ValueError for what OSC cannot carry.
     """
@@ -191,7 +192,7 @@ def argument(value: object) -> Argument:
 
 
 def encode(address: str, *args: object, real: str = "f") -> bytes:
-    """Writes a message, with the strict types i (h past 32 bits), s, b, T, F, N, [ ] and, for float, `real`.
+    """Write a message, with the strict types i (h past 32 bits), s, b, T, F, N, [ ] and, for float, `real`.
 
     Lists, tuples and numpy's arrays become OSC arrays, nested at most MAX_DEPTH deep.
     real: "f" is what every client reads (Pd knows no d, T, F and N); "d" loses nothing.
@@ -227,7 +228,7 @@ def _add(builder: OscMessageBuilder, value: Argument, real: str, depth: int) -> 
 
 
 def encode_bundle(time_tag: int, messages: Iterable[Message], real: str = "f") -> bytes:
-    """Writes one flat bundle for a 64-bit NTP time tag; floats and errors as in encode."""
+    """Write one flat bundle for a 64-bit NTP time tag; floats and errors as in encode."""
     # Not python-osc's bundle: it takes the time as float seconds, and so rounds the tag.
     parts = [_BUNDLE, _TIME.pack(time_tag)]
     for message in messages:
@@ -243,12 +244,12 @@ def _fitting(packet: bytes) -> bytes:
 
 
 def time_tag(unix_seconds: float) -> int:
-    """The 64-bit NTP time tag of a Unix time (s), up to 7 February 2036, when 32 bits of seconds end."""
+    """Return the 64-bit NTP time tag of a Unix time (s), up to 7 February 2036, when 32 bits of seconds end."""
     if not 0 <= unix_seconds + _UNIX_EPOCH / 2**32 < 2**32:
         raise ValueError(f"time {unix_seconds!r} s: expected a Unix time between 1900 and 7 February 2036")
     return round(unix_seconds * 2**32) + _UNIX_EPOCH
 
 
 def unix_ns(tag: int) -> int:
-    """The Unix time (ns) of a 64-bit NTP time tag; 0 and 1, meaning now, are the caller's to see first."""
+    """Return the Unix time (ns) of a 64-bit NTP time tag; 0 and 1, meaning now, are the caller's to see first."""
     return (tag - _UNIX_EPOCH) * 1_000_000_000 >> 32

@@ -24,7 +24,7 @@ TOUCHED = (
     _number("mass", "effective, along the normal", "kg", 1e-9, 1e6),
     RESTITUTION,
 )
-"""What may be said of a point of contact."""
+"""Quantities that may be told of a point of contact."""
 
 WORLD = (
     Verb(

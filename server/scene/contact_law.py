@@ -12,7 +12,7 @@ from .objects import PlayedObject
 def law_of(
     to: ObjectCall, by: PlayedObject | None, changes: Mapping[str, float] | None = None, said: Collection[str] = LAW
 ) -> Contact:
-    """The contact law of a gesture: its striker's, with `changes`; given keys win.
+    """Return the contact law of a gesture: its striker's, with `changes`; given keys win.
 
     Where an object strikes, its mass does. Unless a striker is named, the rest comes from the materials of both. The
     canonical message says the values of the keys `said`: a mass that is said would steer a roll that goes on. A
@@ -41,7 +41,7 @@ def law_of(
 
 
 def law_on(to: ObjectCall, by: PlayedObject | None, surface: SurfacePreset, goes_on: bool, does: str) -> Contact:
-    """The contact law of a body that rolls or slides on a surface."""
+    """Return the contact law of a body that rolls or slides on a surface."""
     restitution = to.values.numbers.get("restitution")
     if restitution is not None:
         raise Refused(f"restitution = {restitution:g}: a body that {does} has none; expected dissipation")

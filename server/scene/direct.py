@@ -14,7 +14,8 @@ _PLACES = {name: place for place, name in enumerate(STEERABLE)}
 _BLOW, _STEER, _STOP, _PLACE = int(Kind.IMPACT), int(Kind.STEER), int(Kind.STOP), int(Kind.PLACE)
 
 _Known = tuple[bool, tuple[str, ...], tuple[float | str, ...]]
-"""Whether what slides rings, the names of a slide's keys, and the values of those that are checked."""
+"""Facts known of a slide: whether what slides rings, the names of the slide's keys, and the values of those that are
+checked."""
 
 _CHECKED = ("surface", "radius", "roughness")
 

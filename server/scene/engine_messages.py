@@ -26,7 +26,7 @@ def send(transaction: Transaction, message: Message, command: Command) -> None:
 
 
 def changes(kind: Kind, number: Parameter, values: Values) -> list[Command]:
-    """The commands of a number that may take its time: one for each point that it goes to."""
+    """Return the commands of a number that may take its time: one for each point that it goes to."""
     return [
         Command(
             NOW, kind, value=number.in_engine(point.value),
@@ -113,4 +113,4 @@ ENGINE_HANDLERS: dict[str, Handler] = {
     "/full_scale": _full_scale,
     "/panic": _panic,
 }
-"""By address."""
+"""Handlers by address."""

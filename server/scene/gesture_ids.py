@@ -26,10 +26,9 @@ class GestureId:
     name: str
     number: int
     uses: int = 0
-    """How many gestures were sent with it."""
+    """Number of gestures that were sent with it."""
     running: list[tuple[str, Any]] = field(default_factory=list)
-    """For each gesture that was sent and whose end is not known: the address that started it and the source of that
-    message, the oldest first."""
+    """Address and source of the message for each gesture that was sent and whose end is not known, the oldest first."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +71,7 @@ class GestureIds:
         self._last = 0
 
     def start(self, name: str, address: str, source: Any) -> GestureId:
-        """The id of a gesture about to be sent; `take_back` it if it is not."""
+        """Return the id of a gesture about to be sent; `take_back` it if it is not."""
         id = self._known.names.get(name)
         if id is None:
             self._last += 1
@@ -93,38 +92,39 @@ class GestureIds:
             self._forget(id)
 
     def made_for(self, object_name: str) -> str:
-        """A new id for a gesture on an object that was given none."""
+        """Return a new id for a gesture on an object that was given none."""
         self._made += 1
         return f"{object_name[:_LONGEST_STEM]}-{self._made}"
 
     def is_running(self, name: str, address: str) -> bool:
-        """Whether a gesture of an id that an address started runs, or was sent to begin later."""
+        """True if a gesture of an id that an address started runs, or was sent to begin later."""
         return name in self._known.names and any(started == address for started, _ in self._known.names[name].running)
 
     def number_of(self, name: str) -> int:
-        """The number of a gesture's id; 0 if there is none."""
+        """Return the number of a gesture's id; 0 if there is none."""
         return self._known.names[name].number if name in self._known.names else 0
 
     def name_of(self, number: int) -> str:
-        """The id of the gestures that have a number; "" where there is none, or none is remembered."""
+        """Return the id of the gestures that have a number; "" where there is none, or none is remembered."""
         return self._numbers[number].name if number in self._numbers else ""
 
     def running(self) -> list[GestureId]:
-        """The ids of gestures that run, or were sent to begin later; any thread may ask."""
+        """Return the ids of gestures that run, or were sent to begin later; any thread may ask."""
         return list(self._running.names.values())
 
     def newest_running(self) -> Iterator[str]:
-        """Their names, the one that was used last first."""
+        """Yield their names, the one that was used last first."""
         return reversed(self._running.names)
 
     def selected(self, pattern: str, selection: Selection) -> list[GestureId]:
-        """Those of them whose id is, or matches, a pattern. TooMuch as `Selection.names`."""
+        """Return those of them whose id is, or matches, a pattern; raise TooMuch as `Selection.names` does."""
         if is_pattern(pattern):
             return [self._running.names[name] for name in selection.names(pattern, self._running)]
         return [self._known.names[pattern]] if pattern in self._running.names else []
 
     def have_ended(self, pattern: str, selection: Selection) -> bool:
-        """Whether an id matches a pattern whose gestures have all ended, not long ago. TooMuch as `Selection.names`."""
+        """True if an id matches a pattern whose gestures have all ended, not long ago; raise TooMuch as
+        `Selection.names` does."""
         if not is_pattern(pattern):
             return pattern in self._known.names and pattern not in self._running.names
         return any(name not in self._running.names for name in selection.names(pattern, self._known))
@@ -153,7 +153,7 @@ class GestureIds:
                 self._forget(id)
 
     def take_ends(self) -> Iterator[Ended]:
-        """The gestures that have ended and were not taken before, one by one."""
+        """Yield the gestures that have ended and were not taken before, one by one."""
         self.collect()
         while self._ends:
             yield self._ends.popleft()

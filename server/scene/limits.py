@@ -30,7 +30,7 @@ class Contact(NamedTuple):
     restitution: float = 0.0
 
     def loss(self, velocity: float) -> float:
-        """An upper bound of mu v_in at a velocity (m/s)."""
+        """Return an upper bound of mu v_in at a velocity (m/s)."""
         return 1.5 * (1 - self.restitution) / self.restitution if self.restitution else self.dissipation * velocity
 
     def __str__(self) -> str:
@@ -53,33 +53,33 @@ class ContactLaws:
         self._surfaces: dict[str, SurfacePreset] = {}
 
     def of(self, striker: str, material: Material | None) -> Contact:
-        """The law of a striker on an object of a material. PresetError if there is no such striker."""
+        """Return the law of a striker on an object of a material. PresetError if there is no such striker."""
         if (striker, material) not in self._laws:
             preset = self._presets.striker(striker)
             self._laws[striker, material] = Contact(*preset.contact(material), preset.restitution or 0.0)
         return self._laws[striker, material]
 
     def sound_of(self, striker: str, held: bool = False) -> StrikerSound | None:
-        """A striker's own sound; one that is held, as it slides, does not ring. PresetError if there is none."""
+        """Return a striker's own sound; one that is held, as it slides, does not ring. PresetError if there is none."""
         if (striker, held) not in self._sounds:
             sound = self._presets.striker(striker).sound
             self._sounds[striker, held] = replace(sound, ringing=None, snap=None) if sound and held else sound
         return self._sounds[striker, held]
 
     def radius_of(self, striker: str) -> float | None:
-        """A striker's radius (m), if it has one. PresetError if there is no such striker."""
+        """Return a striker's radius (m), if it has one. PresetError if there is no such striker."""
         if striker not in self._radii:
             self._radii[striker] = self._presets.striker(striker).radius
         return self._radii[striker]
 
     def sliding_of(self, striker: str) -> dict[str, float]:
-        """How a striker slides. PresetError if there is no such striker."""
+        """Return a striker's parameters of sliding; raise PresetError if there is no such striker."""
         if striker not in self._sliding:
             self._sliding[striker] = self._presets.striker(striker).sliding
         return self._sliding[striker]
 
     def surface(self, name: str) -> SurfacePreset:
-        """The surface of a name. PresetError if there is none."""
+        """Return the surface of a name. PresetError if there is none."""
         if name not in self._surfaces:
             self._surfaces[name] = self._presets.surface(name)
         return self._surfaces[name]
@@ -94,7 +94,7 @@ class ContactLaws:
 
 
 def longest(velocity: float, contact: Contact) -> float:
-    """An upper estimate (s) of a contact's duration."""
+    """Return an upper estimate (s) of a contact's duration."""
     w = contact.loss(velocity)
     return float(longest_estimate.py_func(velocity, contact.mass, contact.stiffness, contact.exponent, w))
 
@@ -107,14 +107,16 @@ def require_short(velocity: float, contact: Contact) -> None:
 
 
 def fall(height: float, velocity: float, gravity: float) -> tuple[float, float]:
-    """Velocity (m/s) and time (s) at the end of a fall from a height (m), thrown downwards at a velocity (m/s)."""
+    """Return the velocity (m/s) and time (s) at the end of a fall from a height (m), thrown downwards at a velocity
+    (m/s)."""
     v_in = math.sqrt(velocity**2 + 2 * gravity * height)
     # (v_in - velocity)/gravity, without cancelling where the throw is fast
     return v_in, 2 * height / (v_in + velocity) if velocity > 0 else (v_in - velocity) / gravity
 
 
 def rim_speed(flat: float, radius: float, angle: float, gravity: float) -> float:
-    """Velocity (m/s) at which a spinning disc's flat first hits; angle in degrees. See `dsp/engine/spins.py`."""
+    """Return the velocity (m/s) at which a spinning disc's flat first hits; angle in degrees. See
+    `dsp/engine/spins.py`."""
     return 2 * flat * math.sqrt(gravity * radius * math.sin(math.radians(angle)))
 
 
@@ -151,5 +153,5 @@ def require_rollable(radius: float, surface: SurfacePreset, roughness: float) ->
 
 
 def least_radius(surface: SurfacePreset, roughness: float) -> float:
-    """The least radius (m) of a body that rolls on a surface of which so many times the height is felt."""
+    """Return the least radius (m) of a body that rolls on a surface of which so many times the height is felt."""
     return _SMOOTH * roughness * (CREST * surface.roughness + surface.ripple)

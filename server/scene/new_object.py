@@ -21,7 +21,8 @@ class NewObject(NamedTuple):
 
 
 def new_object(call: Call, presets: Presets, top: float) -> NewObject:
-    """The object that a call of NEW asks for, with modes up to `top` (Hz). Any thread may ask; it can take seconds.
+    """Make the object that a call of NEW asks for, with modes up to `top` (Hz). Any thread may ask; it can take
+    seconds.
 
     Refused or PresetError say why there is none.
     """
@@ -31,7 +32,8 @@ def new_object(call: Call, presets: Presets, top: float) -> NewObject:
 
 
 def changed(preset: ObjectPreset, values: Values) -> ObjectPreset:
-    """A preset with what the keys of /object/new change of it. Refused or PresetError name a key that cannot be."""
+    """Return a preset with what the keys of /object/new change of it. Refused or PresetError name a key that cannot
+    be."""
     for key, value in values.others.items():
         if key not in preset.keys:
             known = dict.fromkeys((*VERBS[NEW].named, *preset.keys))

@@ -16,7 +16,7 @@ _SLOWEST, _FASTEST = 0.05, 5.0  # m/s of the velocities 1 and 127
 
 
 def tuned(modes: Modes, values: Values) -> float:
-    """The tuning (semitones) of an object: `tune`, from the note or the pitch that is asked for if one is.
+    """Return the tuning (semitones) of an object: `tune`, from the note or the pitch that is asked for if one is.
 
     Refused where both are given, the tuning goes too far, or it has no mode.
     """
@@ -37,19 +37,19 @@ def tuned(modes: Modes, values: Values) -> float:
 
 
 def speed_of(velocity: float) -> float:
-    """The speed (m/s) of a MIDI velocity from 1 to 127: equal steps are equal ratios."""
+    """Return the speed (m/s) of a MIDI velocity from 1 to 127: equal steps are equal ratios."""
     return float(_SLOWEST * (_FASTEST / _SLOWEST) ** ((max(velocity, 1.0) - 1.0) / 126.0))
 
 
 def keys_of(obj: PlayedObject) -> dict[str, Argument]:
-    """The keys of the /object/new that makes an object anew, as it is set now."""
+    """Return the keys of the /object/new that makes an object anew, as it is set now."""
     keys = {str(key): value for key, value in zip(obj.made[2::2], obj.made[3::2], strict=True) if key not in TUNINGS}
     keys.update({key: value for key, value in obj.settings.items() if value != SETTINGS[key].default or key in keys})
     return keys
 
 
 def copy_of(obj: PlayedObject, name: str, note: float) -> tuple[Argument, ...]:
-    """The arguments of the /object/new that makes an object anew, as it is set now, tuned to a note."""
+    """Return the arguments of the /object/new that makes an object anew, as it is set now, tuned to a note."""
     keys = {key: value for key, value in keys_of(obj).items() if key != "tune"}
     keys["note"] = note
     return name, obj.preset.name, *(each for pair in keys.items() for each in pair)

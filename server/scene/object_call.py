@@ -28,7 +28,7 @@ def require_name(key: str, name: str) -> None:
 
 
 def listed(names: Iterable[str]) -> str:
-    """The first of some names, for an error."""
+    """List the first of some names, for an error."""
     return ", ".join(islice(names, _MOST_LISTED)) or "none"
 
 
@@ -62,7 +62,8 @@ class ObjectCall:
         return self.values.words.get("striker", self.obj.preset.striker)
 
     def striking_object(self) -> PlayedObject | None:
-        """The object that `by` names, None if it is not given; Refused if there is no other object of that name."""
+        """Return the object that `by` names, None if it is not given; raise Refused if there is no other object of that
+        name."""
         if "by" not in self.values.words:
             return None
         name, objects, time = self.values.words["by"], self.transaction.objects, self.transaction.time
@@ -90,7 +91,7 @@ class ObjectCall:
         return numbers.get(BY_RADIUS.name, numbers.get("radius", CONTACT_RADIUS))
 
     def say(self, key: str, value: Argument) -> None:
-        """Let the canonical message say the value of a key that was not given."""
+        """Add the value of a key that was not given to the canonical message."""
         if key not in self.values.numbers:
             self.chosen_keys[key] = value
 
@@ -104,14 +105,14 @@ class ObjectCall:
                 self.transaction.replies.append(Message("/warning", (text,)))
 
     def id(self, choose: Callable[[str], str]) -> str:
-        """The id of the gesture: the given one, else one that is chosen for the object's name."""
+        """Return the id of the gesture: the given one, else one that is chosen for the object's name."""
         if "id" in self.values.words:
             return self.values.words["id"]
         self.chosen_keys["id"] = id = choose(self.name)
         return id
 
     def start(self, id: str) -> int:
-        """The number of a gesture that begins."""
+        """Return the number of a gesture that begins."""
         require_name("id", id)
         gestures = self.transaction.gestures
         started = gestures.start(id, self.address, self.transaction.source)
@@ -119,7 +120,7 @@ class ObjectCall:
         return started.number
 
     def end_at_once(self) -> None:
-        """Nothing moves: whoever gave an id is told that its gesture is over."""
+        """End at once, as nothing moves: whoever gave an id is told that its gesture is over."""
         if "id" in self.values.words:
             id = self.values.words["id"]
             require_name("id", id)
@@ -127,7 +128,7 @@ class ObjectCall:
             self.transaction.on_undo(self.transaction.gestures.take_back_end)
 
     def seed(self, number: int) -> float:
-        """The seed of a gesture's random numbers: the given one, else the gesture's number."""
+        """Return the seed of a gesture's random numbers: the given one, else the gesture's number."""
         if "seed" not in self.values.numbers:
             self.chosen_keys["seed"] = number
         return self.values.numbers.get("seed", number)

@@ -22,13 +22,13 @@ class PlayedObject:
     born: float
     """Nothing happens to it before."""
     freed: float = math.inf
-    """From then on its name is free."""
+    """Time from which its name is free."""
     made: tuple[Argument, ...] = ()
     """The arguments of its /object/new."""
     settings: dict[str, float] = field(default_factory=dict)
-    """As they were last set, in the units of messages."""
+    """Settings as they were last set, in the units of messages."""
     warned_of_stand_in: bool = False
-    """Whether its maker was told which material stands in for the one that it lacks."""
+    """True if its maker was told which material stands in for the one that it lacks."""
 
     @property
     def mass(self) -> float:
@@ -47,7 +47,7 @@ class ObjectTable(Mapping[str, PlayedObject]):
         self.replaced: list[tuple[str, PlayedObject]] = []
         """Objects that are still there, with a name that was given to a newer one."""
         self.slots: dict[int, str] = {}
-        """By place in the engine, the name of the object that was there last."""
+        """Name of the object that was there last, by place in the engine."""
 
     def __getitem__(self, name: str) -> PlayedObject:
         return self._newest[name]
@@ -64,7 +64,7 @@ class ObjectTable(Mapping[str, PlayedObject]):
         return {**{name: None for name, _ in self.replaced}, **self._newest}.keys()
 
     def at(self, pattern: str, time: float, selection: Selection | None = None) -> dict[str, PlayedObject]:
-        """The objects whose names match a pattern and that are there, or the next to be, at a time (samples).
+        """Return the objects whose names match a pattern and that are there, or the next to be, at a time (samples).
 
         TooMuch as `Selection.names`.
         """
@@ -83,16 +83,16 @@ class ObjectTable(Mapping[str, PlayedObject]):
         return found
 
     def there(self, time: float) -> Iterator[str]:
-        """The names of the objects that are there, or the next to be, at a time (samples)."""
+        """Return the names of the objects that are there, or the next to be, at a time (samples)."""
         now = max(time, float(self._engine.position))
         return (name for name, obj in self._newest.items() if obj.freed > now)
 
     def start_of(self, obj: PlayedObject, time: float) -> float:
-        """The time (samples) of a command to an object: one for now waits for an object that is yet to be."""
+        """Return the time (samples) of a command to an object: one for now waits for an object that is yet to be."""
         return max(time, obj.born) if obj.born > self._engine.position else time
 
     def add(self, name: str, obj: PlayedObject) -> Callable[[], None]:
-        """Give a name to a new object; returns how to undo it."""
+        """Give a name to a new object; return how to undo it."""
         self.slots[obj.handle.slot] = name
         before = self._newest.get(name)
         self._newest[name] = obj

@@ -22,7 +22,7 @@ class Scale:
 
     @property
     def said(self) -> str:
-        """What a sample of 1.0 is, for the metadata of sound files."""
+        """Meaning of a sample of 1.0, for the metadata of sound files."""
         return "1.0 is 1 Pa" if self.calibrated else f"1.0 is {self.full_scale:.6g} Pa of an object of level 0 dB"
 
 

@@ -31,8 +31,9 @@ class Session:
     def __init__(
         self, engine: Engine, presets: Presets, steers_ended: bool = False, scale: Scale = USUAL_SCALE
     ) -> None:
-        """steers_ended: steering a gesture that has ended is answered by /warning, not /fail. A score can't know when
-        friction ends a roll. scale: of the samples; a calibrated one goes with an engine that has no limiter."""
+        """Begin a session. steers_ended: answer the steering of a gesture that has ended by /warning, not /fail; a
+        score can't know when friction ends a roll. scale: of the samples; a calibrated one goes with an engine that has
+        no limiter."""
         self.engine = engine
         self.presets = presets
         self.objects = ObjectTable(engine)
@@ -45,7 +46,7 @@ class Session:
         """Called with all commands that are sent: the number of the first, and what each stands for."""
 
     def perform(self, messages: Iterable[Message], time: float, source: Any = None) -> list[Message]:
-        """Carry out messages of a source together at a time (samples); returns /done and /fail replies.
+        """Carry out messages of a source together at a time (samples); return /done and /fail replies.
 
         A message that is refused leaves no trace and does not hold up the others. Either all their commands reach the
         engine or, where it has no room for them, none.
@@ -57,9 +58,9 @@ class Session:
         made: "Mapping[int, Made]" = MappingProxyType({}), selection: Selection | None = None,
         pause: Callable[[], object] = lambda: None,
     ) -> list[Message]:  # fmt: skip
-        """As `perform`, for messages whose patterns are expanded. made: objects, or the errors that they met, by the
-        identity of the calls that ask for them; others are made here. selection: of the packet, if these are not all of
-        its calls. pause: as a transaction's."""
+        """Perform messages whose patterns are expanded, else as `perform`. made: objects, or the errors that they met,
+        by the identity of the calls that ask for them; others are made here. selection: of the packet, if these are not
+        all of its calls. pause: as a transaction's."""
         self.gestures.collect()
         self.objects.forget_gone()
         transaction = Transaction(
@@ -93,7 +94,7 @@ class Session:
         return transaction.replies
 
     def _translate(self, transaction: Transaction, calls: Sequence[Call]) -> list[str]:
-        """Add what calls ask for to a transaction; returns the addresses of those that are not refused."""
+        """Add what calls ask for to a transaction; return the addresses of those that are not refused."""
         accepted: list[str] = []
         for place, call in enumerate(calls):
             transaction.pause()
@@ -111,7 +112,8 @@ class Session:
         return accepted
 
     def command_of(self, message: Message) -> Command:
-        """The one command that a message asks for, and is not sent. Refused or PresetError say why there is none."""
+        """Return the one command that a message asks for, and is not sent. Refused or PresetError say why there is
+        none."""
         (call,) = calls(message)
         transaction = Transaction(
             self.engine, self.presets, self._laws, self.objects, self.gestures, self.scale, NOW, None, self._world
@@ -124,25 +126,25 @@ class Session:
         return command
 
     def least_radius(self, surface: str) -> float:
-        """The least radius (m) of what rolls or slides on a surface. PresetError if there is none."""
+        """Return the least radius (m) of what rolls or slides on a surface. PresetError if there is none."""
         return least_radius(self._laws.surface(surface), 1.0)
 
     def _refusal(self, call: Call, reason: str, error: Exception) -> Message:
-        """The reply to a message that met an error."""
+        """Return the reply to a message that met an error."""
         error.__traceback__ = None  # its frames hold the objects that were made, of which it may be one: a circle
         harmless = self._steers_ended and isinstance(error, GestureEnded)
         return (warning if harmless else fail)(call.message.address, reason)
 
     def take_ends(self) -> Iterator[Ended]:
-        """The gestures that have ended and were not taken before, one by one."""
+        """Return the gestures that have ended and were not taken before, one by one."""
         return self.gestures.take_ends()
 
 
 def warning(address: str, reason: str) -> Message:
-    """The reply to a message that is carried out as far as there is anything to do."""
+    """Return the reply to a message that is carried out as far as there is anything to do."""
     return Message("/warning", (f"{address}: {reason}",))
 
 
 def fail(address: str, reason: str) -> Message:
-    """The reply to a message that is not carried out."""
+    """Return the reply to a message that is not carried out."""
     return Message("/fail", (address, reason))

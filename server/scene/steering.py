@@ -14,7 +14,7 @@ from .object_call import listed
 from .transaction import MOST_COMPARED, Transaction
 
 CHANGE_WORK = 80
-"""Of carrying out a change on one gesture or object, as in patterns.work."""
+"""Work of carrying out a change on one gesture or object, as in patterns.work."""
 
 
 def steer(transaction: Transaction, call: Call, values: Values) -> None:
@@ -37,7 +37,7 @@ def steer(transaction: Transaction, call: Call, values: Values) -> None:
 
 
 def _running(transaction: Transaction, target: str) -> str:
-    """Which gestures run, for the first errors of a packet."""
+    """Say which gestures run, for the first errors of a packet."""
     if not transaction.explains():
         return ""
     running = list(islice(transaction.gestures.newest_running(), MOST_COMPARED))

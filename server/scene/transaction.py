@@ -74,7 +74,7 @@ class Transaction:
         self.sent.append(sent)
 
     def made_of(self, call: Call, make: Callable[[Call, Presets, float], MadeOf]) -> MadeOf:
-        """The object or the body that a call asks for. Refused or PresetError say why there is none."""
+        """Return the object or the body that a call asks for. Refused or PresetError say why there is none."""
         made = self.made.get(id(call))
         if isinstance(made, Exception):
             raise made
@@ -82,7 +82,7 @@ class Transaction:
 
     @contextmanager
     def has_made(self, call: Call, made: "Made") -> Iterator[None]:
-        """For a while, have what a call asks for made already."""
+        """Use, for a while, what is made already for a call."""
         before, self.made = self.made, {id(call): made}
         try:
             yield
@@ -90,16 +90,17 @@ class Transaction:
             self.made = before  # before another call has this one's identity
 
     def suggestion(self, word: str, known: Collection[str]) -> str:
-        """Names near a word; none for the later ones of many refusals, as to find them takes 1 ms."""
+        """Return names near a word; none for the later ones of many refusals, as to find them takes 1 ms."""
         return suggestion(word, known) if self.explains() else ""
 
     def explains(self) -> bool:
-        """Whether there is time to say more of another refusal than that it is one."""
+        """True if there is time to say more of another refusal than that it is one."""
         self._compared += 1
         return self._compared <= _MOST_SUGGESTIONS
 
     def reason(self, error: Exception) -> str:
-        """The reason for a refusal; of later ones without the names that there are, as to look for them takes long."""
+        """Return the reason for a refusal; of later ones without the names that there are, as to look for them takes
+        long."""
         return str(error) if not isinstance(error, NoPreset) or self.explains() else error.text
 
     def on_undo(self, action: Callable[[], object]) -> None:
@@ -112,7 +113,7 @@ class Transaction:
         self._undo.clear()
 
     def savepoint(self) -> tuple[int, int, int]:
-        """Where the transaction stands, for `undo_to`."""
+        """Return the state of the transaction, for `undo_to`."""
         return len(self.commands), len(self.replies), len(self._undo)
 
     def undo_to(self, savepoint: tuple[int, int, int] = (0, 0, 0)) -> None:

@@ -48,7 +48,7 @@ def translate(transaction: Transaction, call: Call) -> None:
 
 
 def sync(number: int) -> Command:
-    """A command that reports its number once all that was sent before it is done."""
+    """Return a command that reports its number once all that was sent before it is done."""
     return Command(NOW, Kind.SYNC, value=number)
 
 
@@ -149,7 +149,7 @@ def _bounce(to: ObjectCall) -> None:
 
 
 def _note(to: ObjectCall) -> None:
-    """What it stands for: a tuned copy is made, if there is none, and struck."""
+    """Carry out a note: make a tuned copy, if there is none, and strike it."""
     transaction, values = to.transaction, to.values
     note, velocity = values.numbers["note"], values.numbers["velocity"]
     if velocity == 0.0:
@@ -211,7 +211,7 @@ def _slide(to: ObjectCall) -> None:
 
 
 def _press_of(to: ObjectCall, id: str) -> int:
-    """The number of a press on the object that goes on."""
+    """Return the number of a press on the object that goes on."""
     gestures = to.transaction.gestures
     if not gestures.is_running(id, f"/object/{to.name}/press"):
         raise Refused(f"press = {id}: expected the id of a press on {to.name} that goes on")
@@ -219,7 +219,7 @@ def _press_of(to: ObjectCall, id: str) -> int:
 
 
 def _own_values(to: ObjectCall, gesture: Gesture) -> dict[str, float]:
-    """The values of a gesture's own keys that are given or have a default."""
+    """Return the values of a gesture's own keys that are given or have a default."""
     numbers, defaults = to.values.numbers, to.values.defaults
     return {
         key.name: numbers.get(key.name, defaults.get(key.name, 0.0)) for key in gesture.keys if key.name not in _SHARED
@@ -264,7 +264,7 @@ def _strike(to: ObjectCall, by: PlayedObject | None, law: Contact, command: Comm
 
 
 def _work(call: Call, values: Values, transaction: Transaction) -> int:
-    """The work of carrying out a call on one object."""
+    """Return the work of carrying out a call on one object."""
     assert call.verb
     if call.verb.action in GESTURES:
         return _GESTURE_WORK
@@ -273,7 +273,7 @@ def _work(call: Call, values: Values, transaction: Transaction) -> int:
 
 
 def _on_objects(handle: Callable[[ObjectCall], None]) -> Handler:
-    """A handler that acts on every object that the NAME of an address matches."""
+    """Return a handler that acts on every object that the NAME of an address matches."""
 
     def handle_all(transaction: Transaction, call: Call, values: Values) -> None:
         objects = transaction.objects.at(call.target, transaction.time, transaction.selection)
@@ -307,7 +307,7 @@ HANDLERS: dict[str, Handler] = {
     **ENGINE_HANDLERS,
     **world_handlers(translate),
 }
-"""By address of the verb."""
+"""Handlers by the address of the verb."""
 
 
 # Commands

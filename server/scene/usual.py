@@ -1,4 +1,4 @@
-"""What a gesture's message leaves out, as the object's preset has it."""
+"""Completion of a gesture's message by what the object's preset says."""
 
 from dataclasses import replace
 
@@ -8,7 +8,7 @@ from ..osc.arguments import Refused, Values, Verb
 
 
 def completed(values: Values, verb: Verb | None, preset: ObjectPreset) -> Values:
-    """The values of a message; of a gesture's with those that the preset has for what it leaves out.
+    """Return the values of a message; of a gesture's with those that the preset has for what it leaves out.
 
     A message that says what strikes takes none of the preset's striker; the surface is the object's all the same.
     Refused if neither says the gesture's first argument.

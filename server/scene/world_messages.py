@@ -15,7 +15,7 @@ _AHEAD = 0.01  # s between a step without a time tag and its sound
 
 
 def world_handlers(translate: Translate) -> dict[str, Handler]:
-    """The handlers by address; translate: what carries out a call."""
+    """Return the handlers by address; translate: what carries out a call."""
 
     def carry_out(transaction: Transaction, message: Message, time: float) -> None:
         before, transaction.time = transaction.time, time

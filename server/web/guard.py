@@ -1,4 +1,4 @@
-"""Who may speak to the web server: no other site's scripts, and from elsewhere only whoever has the token."""
+"""Admission to the web server: no other site's scripts, and from elsewhere only whoever has the token."""
 
 import secrets
 import socket
@@ -33,7 +33,7 @@ class Guard:
         object.__setattr__(self, "_names", frozenset(own))
 
     def refusal(self, headers: CIMultiDictProxy[str], url: URL) -> str:
-        """Why a request is refused; empty if it is not. url: its path and query, whatever host it names."""
+        """Return why a request is refused; empty if it is not. url: its path and query, whatever host it names."""
         hosts = headers.getall("Host", [])
         if len(hosts) != 1 or not self._is_ours(hosts[0]):
             return "another site's name: expected this server's own address"
@@ -45,7 +45,7 @@ class Guard:
         return ""
 
     def _is_ours(self, host: str) -> bool:
-        """Whether a Host is this server: an address, localhost, or this machine's name, alone or in `.local`.
+        """True if a Host is this server: an address, localhost, or this machine's name, alone or in `.local`.
 
         A page of another site that makes its own name lead here (DNS rebinding) is told nothing.
         """
@@ -65,5 +65,5 @@ class Guard:
 
 
 def new_token() -> str:
-    """A token that nobody guesses."""
+    """Return a token that nobody guesses."""
     return secrets.token_urlsafe(12)

@@ -1,4 +1,4 @@
-"""What OSCQuery's clients are told without asking: paths that come and go, and values that they listen to."""
+"""News for OSCQuery's clients: paths that come and go, and values that they listen to."""
 
 from collections.abc import Callable, Iterable
 from typing import Any

@@ -15,7 +15,7 @@ _MOST_WAITING = 256  # of the client's messages, before another is handed in
 
 
 def read_score(data: bytes) -> list[Line]:
-    """The lines of a score in the order of their times. ScoreError says what is wrong with it."""
+    """Return the lines of a score in the order of their times. ScoreError says what is wrong with it."""
     lines = sorted(parse(data, "score"), key=lambda line: line.time)
     if refused := [line for line in lines if line.message.address == "/quit"]:
         raise ScoreError(f"{refused[0].where}: /quit: a page can't end the server")

@@ -103,7 +103,7 @@ class WebServer:
 
 
 def _own_address() -> str:
-    """The address by which other machines reach this one, as far as the system's routes tell."""
+    """Return the address by which other machines reach this one, as far as the system's routes tell."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             probe.connect(("192.0.2.1", 9))  # sends nothing

@@ -37,7 +37,7 @@ _SAFE = {
 
 
 class Known(Protocol):
-    """What the site tells of the server; any thread may ask."""
+    """The facts that the site tells of the server; any thread may ask."""
 
     def names(self) -> Names: ...
 
@@ -71,7 +71,7 @@ class Site:
             client.play(packet, seconds)
 
     async def answer(self, request: web.BaseRequest) -> web.StreamResponse:
-        """The answer to a request."""
+        """Answer a request."""
         if refusal := self.guard.refusal(request.headers, request.rel_url):
             return _refused(403, refusal)
         if request.headers.get("Upgrade", "").lower() == "websocket":
@@ -91,7 +91,7 @@ class Site:
         return await self._node(request, path.rstrip("/") or "/", attribute)
 
     def _file(self, name: str) -> web.StreamResponse:
-        """A file of the page. No name leads out of its folder: only those that are in it are known."""
+        """Answer with a file of the page. No name leads out of its folder: only those that are in it are known."""
         assert self.page
         files = {each.name: each for each in self.page.iterdir() if each.suffix in _KINDS}
         if name not in files:
@@ -123,7 +123,7 @@ class Site:
         return _json(found)
 
     async def _node(self, request: web.BaseRequest, path: str, attribute: str) -> web.StreamResponse:
-        """OSCQuery."""
+        """Answer a query of OSCQuery."""
         if attribute == "HOST_INFO":
             return _json(host_info(self.osc_port))
         if attribute and attribute not in ATTRIBUTES:
@@ -142,7 +142,7 @@ class Site:
         return response
 
     async def _next(self, pieces: Iterator[str]) -> tuple[bytes, bool]:
-        """The next of an answer's pieces together, and whether there may be more.
+        """Return the next of an answer's pieces together, and whether there may be more.
 
         One answer at a time, with pauses: the sound's messages need Python's lock too.
         """
@@ -197,7 +197,7 @@ def _json(content: object) -> web.Response:
 
 
 def _given(body: bytes) -> web.Response:
-    """An answer that is JSON."""
+    """Answer in JSON."""
     return web.Response(body=body, content_type="application/json", headers=_SAFE)
 
 

@@ -35,10 +35,10 @@ class SocketClient(Remote):
     def __init__(self, socket: web.WebSocketResponse, network: Network) -> None:
         super().__init__(self._deliver)
         self.name = secrets.token_urlsafe(9)
-        """By which its page calls it where it asks over HTTP."""
+        """Name by which its page refers to it over HTTP."""
         self.listens: set[str] = set()
         self.sound_on = False
-        """Whether it wants to hear."""
+        """True if it wants to hear."""
         self._socket = socket
         self._network = network
         self._loop = asyncio.get_running_loop()
@@ -134,12 +134,13 @@ class SocketClient(Remote):
 
 
 def sound_packet(position: int, rate: int, channels: int, samples: bytes) -> bytes:
-    """A block of sound as OSC: `/sound` with its first sample, rate (Hz), channels and little-endian float32 frames."""
+    """Return a block of sound as OSC: `/sound` with its first sample, rate (Hz), channels and little-endian float32
+    frames."""
     return _SOUND + _HEAD.pack(position, rate, channels, len(samples)) + samples
 
 
 async def opened(request: web.BaseRequest) -> web.WebSocketResponse:
-    """The socket of a request that asks for one."""
+    """Return the socket of a request that asks for one."""
     socket = web.WebSocketResponse(heartbeat=_ALIVE, max_msg_size=LARGEST_FRAME, compress=False)
     await socket.prepare(request)
     return socket

@@ -1,4 +1,4 @@
-"""How a server gets its web server."""
+"""The start of a server's web server."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,8 +14,8 @@ from .tls import context
 
 @dataclass(frozen=True)
 class Web:
-    """Where a web server listens: host and port (0: any that is free); with the page of a folder (None: OSCQuery
-    alone); over TLS with the certificate of a file, or with one that is made for it (`self_made`)."""
+    """Settings of a web server: host and port (0: any that is free); with the page of a folder (None: OSCQuery alone);
+    over TLS with the certificate of a file, or with one that is made for it (`self_made`)."""
 
     host: str
     port: int
@@ -25,7 +25,7 @@ class Web:
 
 
 def web_server(web: Web, known: Known, network: Network) -> tuple[WebServer, Listening]:
-    """A web server about a server, to be started, and what tells its clients. OSError where TLS can't be had."""
+    """Make a web server about a server, to be started, and what tells its clients. OSError where TLS can't be had."""
     # OSCQuery's other clients know no token: what describes the addresses alone tells nothing that OSC would not.
     token = new_token() if web.page and not local(web.host) else ""
     site = Site(known, network, network.address[1], web.page, Guard(token, () if local(web.host) else (web.host,)))

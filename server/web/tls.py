@@ -14,7 +14,7 @@ _DAYS = 30
 
 
 def context(certificate: Path | None, host: str) -> ssl.SSLContext:
-    """The server's side of TLS. certificate: a PEM file with the key in it; None: one is made.
+    """Return the server's side of TLS. certificate: a PEM file with the key in it; None: one is made.
 
     OSError (ssl.SSLError is one) where the file is wrong.
     """
@@ -34,7 +34,7 @@ def context(certificate: Path | None, host: str) -> ssl.SSLContext:
 
 
 def _self_made(host: str) -> bytes:
-    """A certificate and its key, in PEM, for this machine's names."""
+    """Make a certificate and its key, in PEM, for this machine's names."""
     from cryptography import x509
     from cryptography.hazmat.primitives import hashes, serialization
     from cryptography.hazmat.primitives.asymmetric import ec

@@ -35,9 +35,9 @@ class Hit(NamedTuple):
 
 @dataclass(frozen=True)
 class Counts:
-    """What was told and what became of it. hits: blows; faint: of these, those that nobody would hear, and the same of
-    gestures; over_budget: those left out as too many came at once, and the same of gestures, of which some had begun;
-    gestures: slides and rolls that began; crowded: points of contact that found no room."""
+    """Counts of what was told and what became of it. hits: blows; faint: of these, those that nobody would hear, and
+    the same of gestures; over_budget: those left out as too many came at once, and the same of gestures, of which some
+    had begun; gestures: slides and rolls that began; crowded: points of contact that found no room."""
 
     hits: int = 0
     faint: int = 0
@@ -47,7 +47,7 @@ class Counts:
 
 
 def hits_of(blows: NDArray[np.void], bodies: Sequence[Body]) -> list[Hit]:
-    """The blows of a step, from the bytes of records of the tracker's BLOW, (n,)."""
+    """Return the blows of a step, from the bytes of records of the tracker's BLOW, (n,)."""
     columns: dict[str, list[Any]] = {name: blows.view(BLOW)[name].tolist() for name in Hit._fields}
     for name in "a", "b":
         columns[name] = [bodies[number].name for number in columns[name]]
@@ -90,7 +90,7 @@ class Hits(Sequence[Hit]):
 
 
 def blows_of(blows: NDArray[np.void], bodies: Sequence[Body]) -> list[Blow]:
-    """What is to be heard of blows, from the bytes of records of the tracker's BLOW, (n,)."""
+    """Return the blows to be heard, from the bytes of records of the tracker's BLOW, (n,)."""
     return [_asked(blow, bodies) for blow in blows.view(BLOW) if blow["heard"]]
 
 

@@ -22,12 +22,13 @@ from .shapes import SHAPES, Shape, Vector, shape_of
 
 _CALIBRATED = {"level": 0.0, "stereo_width": 0.0}
 _MOST = 1e30
-"""Of a density, a mass and an inertia, whose reciprocals are needed, too."""
+"""Greatest density, mass and inertia; their reciprocals are needed, too."""
 _OCTAVES = np.exp2(np.arange(1.0 - OCTAVES, 1.0))  # s
 
 
 class WorldError(Refused):
-    """What cannot be of a simulation. The text names the body, the value and what was expected, and in a step which."""
+    """Error of something that cannot be of a simulation. The text names the body, the value and what was expected, and
+    in a step which."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ class Body:
     held: bool
     keys: Mapping[str, Argument] = field(default_factory=dict)
     sound: NewObject | None = None
-    """Its object. None: it does not ring."""
+    """Object that sounds; None: the body does not ring."""
 
     @property
     def rings(self) -> bool:
@@ -54,7 +55,7 @@ class Body:
         return self.sound.modes if self.sound else None
 
     def message(self) -> Message:
-        """The message that makes its object."""
+        """Return the message that makes its object."""
         assert self.sound
         pairs = [part for pair in self.keys.items() for part in pair]
         return Message(NEW, (self.name, self.sound.preset.name, *pairs))
@@ -65,12 +66,12 @@ class Body:
         return math.log(10.0 ** (90.0 / 20.0)) / float(self.modes.decay.min(initial=math.inf)) if self.modes else 0.0
 
     def place(self, point: Vector) -> float:
-        """The place 0 to 1 on its object's strike path, of a point (m) in its axes."""
+        """Return the place 0 to 1 on its object's strike path, of a point (m) in its axes."""
         return self.shape.place(point)
 
     def loudness(self) -> NDArray[np.float64]:
-        """The pressure (Pa rms at 1 m, just after) of a blow of 1 N s, as an estimate, for contact times of octaves up
-        to 1 s."""
+        """Return the pressure (Pa rms at 1 m, just after) of a blow of 1 N s, as an estimate, for contact times of
+        octaves up to 1 s."""
         if self.modes is None:
             return np.zeros(OCTAVES)
         heard = 0.25 * (self.modes.pressure**2).sum(axis=0) * (self.modes.strike**2).max(axis=0)
@@ -88,8 +89,8 @@ class BodyMaker:
         self._presets, self._top = presets, top
 
     def make(self, name: str, shape: str, size: ArrayLike, material: str, **about: Argument) -> Body:
-        """A body. about: density (kg/m^3), mass (kg), inertia (three, kg m^2), held, rings, object (a preset), and keys
-        of `/object/new`. WorldError names the body and what is wrong."""
+        """Make a body. about: density (kg/m^3), mass (kg), inertia (three, kg m^2), held, rings, object (a preset), and
+        keys of `/object/new`. WorldError names the body and what is wrong."""
         try:
             require_name("name", name)
             return self._made(name, shape, size, material, about)
@@ -125,7 +126,7 @@ class BodyMaker:
         return Body(name, shape, made_of, mass, moments, bool(held), keys, sound)  # type: ignore[arg-type]
 
     def _sound(self, name: str, keys: dict[str, Argument]) -> NewObject:
-        """An object. PresetError or ValueError say why there is none."""
+        """Make its object. PresetError or ValueError say why there is none."""
         changes = {key: value for key, value in keys.items() if key not in SETTINGS}
         preset = self._presets.object(name).replace(**changes)
         return NewObject(preset, preset.modes(self._top))

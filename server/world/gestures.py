@@ -34,13 +34,13 @@ class Gestures:
 
 
 def template(body: Body, surface: str, radius: float) -> Slide:
-    """A slide on a body and a surface, in which the numbers of a contact are yet to be written."""
+    """Return a slide on a body and a surface, in which the numbers of a contact are yet to be written."""
     law = {"mass": 1.0, "stiffness": 1e6, "exponent": 1.5}
     return Slide(0.0, body.name, "", id_of(0), 0.0, 0.0, 1.0, 1.0, 1.0, 0, _keys(0.0, radius, surface, law))
 
 
 def _keys(patch: float, radius: float, surface: str, more: Mapping[str, float]) -> tuple[tuple[str, float | str], ...]:
-    """The keys of a slide, what its pair says last."""
+    """Return the keys of a slide, what its pair says last."""
     given = {"static": _STATIC, "dynamic": _DYNAMIC, "patch": patch, "radius": radius, **more}
     if "static" in more or "dynamic" in more:
         given["dynamic"] = min(given["dynamic"], given["static"])
@@ -48,10 +48,10 @@ def _keys(patch: float, radius: float, surface: str, more: Mapping[str, float]) 
 
 
 def seed_of(seed: int) -> int:
-    """Where the seeds of a simulation's slides begin."""
+    """Return the first seed of a simulation's slides."""
     return seed * _STRIDE % _SEEDS
 
 
 def id_of(number: int) -> str:
-    """The id of a slide."""
+    """Return the id of a slide."""
     return f"contact.{number}"

@@ -1,4 +1,4 @@
-"""Where the sound is heard, and what of it is: microphones, and contacts that are too faint to be computed."""
+"""Hearing of a simulation: microphones, and contacts that are too faint to be computed."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -31,7 +31,7 @@ class Microphone(NamedTuple):
 
 @dataclass(frozen=True)
 class Hearing:
-    """What is computed of a simulation, and where it is heard.
+    """Settings of what is computed of a simulation, and where it is heard.
 
     microphones: one for each channel. faintest: dB over 20 µPa, below which a contact is left out. masked: dB by which
     it may lie below what was heard within 0.1 s. blows: the most in 50 ms; gestures: the most that slip or sweep at
@@ -67,7 +67,7 @@ class Hearing:
 
 
 def microphones_of(given: Sequence[Microphone | Sequence[float]]) -> tuple[Microphone, ...]:
-    """Microphones, of which some may be places (m)."""
+    """Return microphones, of which some may be places (m)."""
     if not isinstance(given, Iterable):
         raise WorldError(f"microphones = {given!r}: expected Microphones or places (m)")
     return tuple(map(_microphone, given))

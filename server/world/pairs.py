@@ -1,4 +1,4 @@
-"""What is known of pairs of bodies: their surface, their friction, their restitution."""
+"""Facts about pairs of bodies: their surface, their friction, their restitution."""
 
 import math
 from collections.abc import Mapping
@@ -35,7 +35,7 @@ class Pair:
 
 
 def pair_of(presets: Presets, a: str, b: str, keys: Mapping[str, Argument]) -> Pair:
-    """A pair with keys. WorldError names the pair and the key that is wrong."""
+    """Make a pair with keys. WorldError names the pair and the key that is wrong."""
     surface, numbers = "", {}
     try:
         for key, value in keys.items():
@@ -59,7 +59,7 @@ class Surfaces:
         self._rougher: dict[tuple[str, str], str] = {}
 
     def between(self, a: Material, b: Material) -> str:
-        """The rougher one of two materials."""
+        """Return the rougher one of two materials."""
         key = a.name, b.name
         if key not in self._rougher:
             names = [SURFACES.get(name, "wood") for name in key]

@@ -1,4 +1,4 @@
-"""What a simulation asks of the sound, and the messages that say the same."""
+"""The requests of a simulation to the sound, and the messages that say the same."""
 
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -102,5 +102,5 @@ Request = Said | Blow | Slide | Gains | Steering | Ending
 
 
 def in_order(requests: Iterable[Request]) -> list[Request]:
-    """Requests by their times; of one time as they came."""
+    """Order requests by their times; of one time as they came."""
     return sorted(requests, key=lambda request: request.time)

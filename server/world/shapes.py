@@ -16,9 +16,9 @@ Strip = tuple[int, int, int]
 """A strike path: its kind, of `carom.dsp.tracking.strips`, and two axes."""
 
 FLAT = 3.0
-"""How many times its thickness a body is wide that rings as a plate."""
+"""Least width, in thicknesses, of a body that rings as a plate."""
 LONG = 4.0
-"""How many times its width a body is long that rings as a bar all the same."""
+"""Least length, in widths, of such a body that rings as a bar all the same."""
 _THICKEST, _LONGEST, _SHORTEST = 0.5, 20.0, 1e-3  # m: what objects can be
 _PATH: dict[str, Argument] = {
     "path_from": (0.0, 0.1),
@@ -60,16 +60,16 @@ class Shape:
     strip: Strip
 
     def place(self, point: Sequence[float]) -> float:
-        """The place 0 to 1 on the object's strike path that is nearest to a point (m), in the body's axes."""
+        """Return the place 0 to 1 on the object's strike path that is nearest to a point (m), in the body's axes."""
         return float(place_on.py_func(self.strip, self.edges, point))
 
     def radius_at(self, point: Sequence[float]) -> float:
-        """The radius (m) of the surface about a point; of a face it is infinite."""
+        """Return the radius (m) of the surface about a point; of a face it is infinite."""
         return float(radius_at.py_func(self.round, self.edges, point))
 
 
 def shape_of(name: str, size: ArrayLike, held: bool) -> Shape:
-    """The shape of a name and a size; held: whether something holds the body. ValueError says what is wrong."""
+    """Return the shape of a name and a size; held: whether something holds the body. ValueError says what is wrong."""
     numbers = np.asarray(size, np.float64)
     if name == "mesh":
         return _mesh(numbers, held)
@@ -88,7 +88,7 @@ def _can_be(lengths: NDArray[np.float64]) -> bool:
 
 
 def _mesh(vertices: NDArray[np.float64], held: bool) -> Shape:
-    """The box around a mesh, whose axes and origin are those of the body."""
+    """Return the box around a mesh, whose axes and origin are those of the body."""
     if vertices.ndim != 2 or vertices.shape[1] != 3 or len(vertices) < 4 or not np.isfinite(vertices).all():
         raise ValueError(f"size, of shape {vertices.shape}: expected {_WAYS['mesh']}")
     with np.errstate(over="ignore"):
@@ -108,7 +108,7 @@ def _sphere(radius: float) -> Shape:
 
 
 def _cylinder(name: str, radius: float, length: float, held: bool) -> Shape:
-    """A cylinder, or a capsule: then a rod of the same volume rings for it."""
+    """Return a cylinder, or a capsule: then a rod of the same volume rings for it."""
     caps = 4 / 3 * radius if name == "capsule" else 0.0
     whole = length + (2 * radius if name == "capsule" else 0.0)
     rod = length + caps
@@ -126,7 +126,7 @@ def _cylinder(name: str, radius: float, length: float, held: bool) -> Shape:
 
 
 def _box(name: str, edges: Vector, held: bool) -> Shape:
-    """A box: a plate where it is flat, else a bar along its longest edge."""
+    """Return a box: a plate where it is flat, else a bar along its longest edge."""
     third, second, first = sorted(range(3), key=lambda axis: edges[axis])
     length, width, thickness = edges[first], edges[second], edges[third]
     squares = [edge**2 / 12 for edge in edges]

@@ -67,7 +67,7 @@ class Simulation:
         self._pairs: dict[tuple[int, int], Pair] = {}
         self._materials: list[Material] = []
         self.surfaces: list[str] = []
-        """Of bodies that slide on each other, as far as they are known: presets, by their numbers."""
+        """Presets of bodies that slide on each other, as far as they are known, by their numbers."""
         self._gestures = Gestures()
         self.state["seed"] = seed_of(self.hearing.seed)
         events = self.state["events"][0]
@@ -93,15 +93,16 @@ class Simulation:
         self._own = self.telling(0, self._step_time.ctypes.data, self._step_points.ctypes.data)
 
     def telling(self, arrays: int, time: int, points: int) -> NDArray[np.void]:
-        """A record of TELLING, by which steps are told that are at addresses: of a record of ARRAYS, 0 for the columns
-        of `state`; of the time (s), a float64; of the number of contacts, an int32. It is kept as long as this is."""
+        """Return a record of TELLING, by which steps are told that are at addresses: of a record of ARRAYS, 0 for the
+        columns of `state`; of the time (s), a float64; of the number of contacts, an int32. It is kept as long as this
+        is."""
         made = self._telling.copy()
         made["arrays"], made["time"], made["points"] = arrays, time, points
         return made
 
     def link(self, engine: NDArray[np.void], latency: float) -> None:
-        """Have slides steered, and bodies placed, straight in an engine, (1,) of its STATE, a latency (s) after the
-        step; before anything is told."""
+        """Send steering of slides and gains of bodies straight to an engine, (1,) of its STATE, a latency (s) after the
+        step; call it before anything is told."""
         for each in (self._telling, self._own):
             each["start"], each["latency"] = self.start.ctypes.data, latency
             link_engine(each, engine)
@@ -123,7 +124,7 @@ class Simulation:
 
     @property
     def steps(self) -> int:
-        """How many were taken."""
+        """Number of steps that were taken."""
         return int(self._steps[0])
 
     @property
@@ -151,13 +152,13 @@ class Simulation:
 
     @property
     def counts(self) -> Counts:
-        """What was told since the beginning, and what became of it."""
+        """Counts of what was told since the beginning, and what became of it."""
         names = ("hits", "faint", "over_budget", "unheard", "begun", "left_out")
         hits, faint, over, unheard, begun, crowded = (int(self.state[name][0]) for name in names)
         return Counts(hits, faint, over + unheard, begun, crowded)
 
     def number(self, name: str) -> int:
-        """The number of a body, from 0 on. WorldError if there is none of that name."""
+        """Return the number of a body, from 0 on. WorldError if there is none of that name."""
         if name not in self._numbers:
             known = expected(name, list(self._numbers)) if self._numbers else "there is no body yet"
             raise WorldError(f"body {shown(name)}: no such body; {known}")
@@ -192,7 +193,7 @@ class Simulation:
         return [Said(self.time, body.message())] if body.rings else []
 
     def _material(self, body: Body) -> int:
-        """The number of a body's material, of whose contacts with the others the law is known from then on."""
+        """Return the number of a body's material, of whose contacts with the others the law is known from then on."""
         if body.material not in self._materials:
             if len(self._materials) == MATERIALS:
                 raise WorldError(f"body {body.name}: expected at most {MATERIALS} materials")
@@ -206,7 +207,8 @@ class Simulation:
         return self._materials.index(body.material)
 
     def _surface(self, a: Material, b: Material) -> int:
-        """1 and the number of the surface on which bodies of two materials slide; 0 where there is no room for it."""
+        """Return 1 and the number of the surface on which bodies of two materials slide; 0 where there is no room for
+        it."""
         name = self._surfaces.between(a, b)
         if name not in self.surfaces:
             if len(self.surfaces) == SURFACES:
@@ -242,7 +244,7 @@ class Simulation:
         self._gestures = Gestures()
 
     def wait(self, time: float) -> None:
-        """Let time pass up to another (s), in which nothing is told."""
+        """Pass the time up to another (s), in which nothing is told."""
         self._now[0] = time
 
     def step(self, time: float, contacts: Contacts = (), poses: Poses | None = None) -> list[Request]:
@@ -270,12 +272,12 @@ class Simulation:
             raise WorldError(f"{where}: time = {time}: expected above {self.time}, that of the step before")
 
     def advance(self, time: float, points: int) -> list[Request]:
-        """As `step`, where poses and so many contacts are in `state` already."""
+        """Take a step, as `step` does, where poses and so many contacts are in `state` already."""
         self._step_time[0], self._step_points[0] = time, points
         return self.told(self._own, self._tell(self._own.ctypes.data))
 
     def told(self, telling: NDArray[np.void], found: int) -> list[Request]:
-        """What is to be heard of a step that was told, of which `tell` said what it found."""
+        """Return the requests of a step that was told, of which `tell` said what it found."""
         if found >= 0 and not found & LOOK:
             return []
         time, before = c_double.from_address(int(telling["time"][0])).value, float(telling["before"][0])
@@ -290,7 +292,7 @@ class Simulation:
         return self._heard(before, not telling["entries"][0])
 
     def _fault(self, points: int) -> str:
-        """What of the last step cannot be."""
+        """Name what of the last step cannot be."""
         if points > POINTS:
             return f"{points} contacts: expected at most {POINTS}"
         record = self.state[0]
@@ -310,7 +312,8 @@ class Simulation:
         return f"{points} contacts: expected finite numbers"
 
     def _heard(self, before: float, all_of_it: bool) -> list[Request]:
-        """What is to be heard of the step since a time (s): all of it, or the slides alone that begin and end."""
+        """Return the requests of the step since a time (s): all of them, or those of slides alone that begin and
+        end."""
         requests: list[Request] = []
         if all_of_it:
             microphones = self._microphones[0]
@@ -329,7 +332,7 @@ class Simulation:
         return requests
 
     def _begins(self, event: Event) -> Slide:
-        """The slide as which a standing contact is heard that begins to slip or to sweep."""
+        """Return the slide as which a standing contact is heard that begins to slip or to sweep."""
         a, b = self.bodies[event.a], self.bodies[event.b]
         to, by = (a, b) if event.side == 0 else (b, a)
         pair = self._pairs.get((event.a, event.b), Pair())

@@ -35,7 +35,7 @@ class Touch(NamedTuple):
 
 
 class Pose(NamedTuple):
-    """Where a body is. position: of its centre of mass (m); turn: a quaternion w, x, y, z; velocity of the centre of
+    """Pose of a body. position: of its centre of mass (m); turn: a quaternion w, x, y, z; velocity of the centre of
     mass (m/s) and spin (rad/s), both in the world's axes."""
 
     position: Sequence[float]
@@ -120,7 +120,7 @@ def take_contacts(
 
 
 def _touches(contacts: Any, where: str) -> list[Touch]:
-    """Contacts that are Touches, or a WorldError."""
+    """Return contacts that are Touches; raise WorldError for others."""
     if isinstance(contacts, Touch) or not isinstance(contacts, Iterable):
         raise WorldError(f"{where}: contacts = {contacts!r}: expected a list of Touch, or arrays by name")
     touches = list(contacts)
@@ -131,7 +131,7 @@ def _touches(contacts: Any, where: str) -> list[Touch]:
 
 
 def _numbers(given: ArrayLike, what: str) -> NDArray[np.float64]:
-    """An array of numbers, or a WorldError."""
+    """Return an array of numbers; raise WorldError if they are none."""
     try:
         return np.asarray(given, float)
     except (TypeError, ValueError):
@@ -163,7 +163,7 @@ def _check_contacts(state: NDArray[np.void], count: int, names: Sequence[str], w
 
 
 def _columns(touches: list[Touch], number: Callable[[str], int]) -> Mapping[str, ArrayLike]:
-    """The columns of touches."""
+    """Return the columns of touches."""
     if not touches:
         return {"pair": np.empty((0, 2)), "point": np.empty((0, 3)), "normal": np.empty((0, 3))}
     a, b, *rest = zip(*touches, strict=True)
@@ -173,14 +173,14 @@ def _columns(touches: list[Touch], number: Callable[[str], int]) -> Mapping[str,
 
 
 def checked_poses(poses: Poses | None, number: Callable[[str], int], where: str) -> list[tuple[int, Pose]]:
-    """The numbers of bodies that have moved, and their poses. where: the step, for an error."""
+    """Return the numbers of bodies that have moved, and their poses. where: the step, for an error."""
     if not isinstance(poses, Mapping | None):
         raise WorldError(f"{where}: poses = {poses!r}: expected a mapping from names to Pose")
     return [(number(name), checked_pose(pose, f"{where}: body {name}")) for name, pose in (poses or {}).items()]
 
 
 def checked_pose(pose: Pose, where: str) -> Pose:
-    """A pose, or a WorldError. where: the body, and the step, for an error."""
+    """Return a pose; raise WorldError if it cannot be one. where: the body, and the step, for an error."""
     if not isinstance(pose, Pose):
         raise WorldError(f"{where}: {pose!r}: expected a Pose")
     for name, wanted, values in zip(Pose._fields, (3, 4, 3, 3), pose, strict=True):
@@ -206,7 +206,7 @@ def put_pose(state: NDArray[np.void], body: int, pose: Pose) -> None:
 
 
 def rotation(turn: Sequence[float]) -> tuple[float, ...]:
-    """The rotation matrix of a quaternion w, x, y, z, row by row."""
+    """Return the rotation matrix of a quaternion w, x, y, z, row by row."""
     w, x, y, z = turn
     return (
         1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
@@ -216,7 +216,7 @@ def rotation(turn: Sequence[float]) -> tuple[float, ...]:
 
 
 def events_of(whole: NDArray[np.int64], numbers: NDArray[np.float64]) -> list[Event]:
-    """The events of a step, from rows of EVENT as integers and as floats."""
+    """Return the events of a step, from rows of EVENT as integers and as floats."""
     found = []
     for (kind, a, b, side, *numbered), row in zip(whole[:, :8].tolist(), numbers[:, 8:].tolist(), strict=True):
         contact, slide, gesture, seed = numbered

@@ -29,7 +29,7 @@ class TellsWorld:
         self._poses: dict[str, Pose] = {}
 
     def of(self, *names: str) -> Simulation:
-        """The simulation that has bodies of these names. WorldError if there is none."""
+        """Return the simulation that has bodies of these names. WorldError if there is none."""
         if self._simulation is None:
             raise WorldError(f"body {shown(names[0])}: no such body; there is no body yet")
         for name in names:
@@ -86,7 +86,7 @@ class TellsWorld:
 
 
 def new_body(call: Call, presets: Presets, top: float) -> Body:
-    """The body that a call of BODY asks for, with modes up to `top` (Hz). Any thread may ask; it can take seconds.
+    """Make the body that a call of BODY asks for, with modes up to `top` (Hz). Any thread may ask; it can take seconds.
 
     Refused says why there is none.
     """
