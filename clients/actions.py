@@ -90,7 +90,7 @@ class Actions(ABC):
         at: SupportsFloat | None = None,
         **keys: Value,
     ) -> None:
-        """Let a coin, a lid or a ring spin down on an object; it lies still after a duration (s)."""
+        """Spin a coin, a lid or a ring down on an object; it lies still after a duration (s)."""
         self._send_keyed(f"/object/{name}/spin", duration, position, at, keys)
 
     def slide(
@@ -202,17 +202,17 @@ class Actions(ABC):
 
 
 def message_of(address: str, args: tuple[Value, ...], keys: dict[str, Value]) -> Message:
-    """A message of arguments, followed by keys and their values."""
+    """Return a message of arguments, followed by keys and their values."""
     return Message(address, tuple(map(plain, (*args, *key_pairs(keys)))))
 
 
 def key_pairs(keys: dict[str, Value]) -> list[Value]:
-    """Keys and their values in turn, as messages hold them."""
+    """Return keys and their values in turn, as messages hold them."""
     return [part for pair in keys.items() for part in pair]
 
 
 def plain(value: Value) -> Any:
-    """A value as Python's own types, lists as tuples; NumPy's scalars and arrays know how to become such."""
+    """Return a value as Python's own types, lists as tuples; NumPy's scalars and arrays know how to become such."""
     if hasattr(value, "tolist"):
         value = value.tolist()
     return tuple(map(plain, value)) if isinstance(value, list | tuple) else value

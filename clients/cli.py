@@ -33,12 +33,12 @@ COMMANDS = tuple(module.COMMAND for module in _MODULES)
 
 
 def parsers() -> tuple[Parser, dict[str, Parser]]:
-    """The parser of the whole line, and those of the commands by name."""
+    """Return the parser of the whole line, and those of the commands by name."""
     return parser_of(COMMANDS, version("carom"))
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Run a command; returns the exit code: 0 done, 1 failed (one line on stderr says why), 2 wrong usage."""
+    """Run a command; return the exit code: 0 done, 1 failed (one line on stderr says why), 2 wrong usage."""
     arguments = parse(*parsers(), sys.argv[1:] if argv is None else argv)
     try:
         code: int = arguments.run(arguments)

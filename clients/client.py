@@ -44,7 +44,7 @@ class Client(Actions, Closing):
         """Replies that were forgotten, the oldest first, as more than KEPT of their kind waited to be asked for."""
 
     def tell_compiling(self, tell: Callable[[float, float], object]) -> None:
-        """Have `tell` called while the server compiles its engine: with the share that is done, and seconds left."""
+        """Call `tell` while the server compiles its engine: with the share that is done, and the seconds left."""
         self._connection.on_compiling = tell
 
     def close(self) -> None:
@@ -146,7 +146,7 @@ class Client(Actions, Closing):
         return replies
 
     def errors(self) -> list[CommandError]:
-        """The server's /fail replies to messages that nobody waited for, since the last call, the oldest first.
+        """Return the server's /fail replies to messages that nobody waited for, since the last call, the oldest first.
 
         The server takes some time to refuse a message: `ask("/sync", 1)` first waits until it has carried out all that
         was sent before. Of more than KEPT errors the oldest are forgotten, and counted in `dropped`.
@@ -154,25 +154,26 @@ class Client(Actions, Closing):
         return [_error(reply) for reply in self._taken("/fail")]
 
     def ended(self) -> list[str]:
-        """The ids of gestures that have ended since the last call, the oldest first.
+        """Return the ids of gestures that have ended since the last call, the oldest first.
 
         The server tells those that this client gave an `id`, and after `send("/notify", 1)` all others too.
         """
         return [str(reply.args[0]) for reply in self._taken("/gesture/end")]
 
     def warnings(self) -> list[str]:
-        """The server's warnings since the last call, the oldest first; it sends them after `send("/notify", 1)`."""
+        """Return the server's warnings since the last call, the oldest first; it sends them after `send("/notify",
+        1)`."""
         return [str(reply.args[0]) for reply in self._taken("/warning")]
 
     def replies(self, seconds: float) -> Iterator[wire.Message]:
-        """All messages from the server, as they come, for some seconds; what is read here is not kept.
+        """Return all messages from the server, as they come, for some seconds; what is read here is not kept.
 
         A server that compiles its engine first says so every second; the time counts from there.
         """
         return self._connection.messages(seconds)
 
     def status(self) -> wire.Message:
-        """The server's counts, loads and rates: its /status.reply."""
+        """Return the server's counts, loads and rates: its /status.reply."""
         return self.ask("/status")
 
     def new(self, name: str, preset: str, at: SupportsFloat | None = None, **keys: Value) -> None:
@@ -186,7 +187,7 @@ class Client(Actions, Closing):
 
 
 def _time_tag(at: SupportsFloat | None) -> int:
-    """The time tag of a Unix time (s), or of now."""
+    """Return the time tag of a Unix time (s), or of now."""
     if at is None:
         return wire.IMMEDIATELY
     try:
@@ -196,12 +197,12 @@ def _time_tag(at: SupportsFloat | None) -> int:
 
 
 def _error(reply: wire.Message) -> CommandError:
-    """The error that a /fail tells."""
+    """Return the error that a /fail tells."""
     return CommandError(": ".join(map(str, reply.args)))
 
 
 def _answers(reply: wire.Message, message: wire.Message) -> bool:
-    """Whether a reply is the one that a message waits for."""
+    """True if a reply is the one that a message waits for."""
     address = message.address
     if address == "/sync":
         return reply == wire.Message("/synced", message.args)

@@ -47,7 +47,7 @@ class PageError(RuntimeError):
 
 
 def compare(a: Path, b: Path) -> tuple[Distance, list[str]]:
-    """The distance of two sound files, and what there is to say about how they were read.
+    """Return the distance of two sound files, and what there is to say about how they were read.
 
     RecordingError or OSError where one cannot be read or holds no sound.
     """
@@ -62,7 +62,7 @@ def compare(a: Path, b: Path) -> tuple[Distance, list[str]]:
 
 
 def table(found: Distance) -> str:
-    """All figures as text."""
+    """Return all figures as text."""
     lines = [
         f"residual               {found.residual:7.1f} dB",
         f"log-spectral distance  {found.spectral:7.2f} dB",
@@ -77,7 +77,7 @@ def table(found: Distance) -> str:
 
 
 def as_json(found: Distance) -> str:
-    """All figures as JSON; a decay that there is none of is null."""
+    """Return all figures as JSON; a decay that there is none of is null."""
     data = {
         "residual_db": found.residual,
         "log_spectral_distance_db": found.spectral,
@@ -122,7 +122,7 @@ def draw(found: Distance, picture: Path | io.BytesIO, names: tuple[str, str]) ->
 
 
 def require_page(page: Path) -> None:
-    """PageError if a page cannot have this name or folder."""
+    """Raise PageError if a page cannot have this name or folder."""
     if page.suffix.lower() not in (".html", ".htm"):
         raise PageError(f"{page}: expected a name that ends in .html")
     if not page.parent.is_dir():
@@ -191,7 +191,7 @@ def _player(samples: NDArray[np.float64], rate: float) -> str:
 
 
 def rows(head: Sequence[str], body: Sequence[Sequence[str]]) -> str:
-    """A table, as HTML."""
+    """Return a table, as HTML."""
 
     def row(cells: Sequence[str], tag: str) -> str:
         return "<tr>" + "".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in cells) + "</tr>"
@@ -200,7 +200,7 @@ def rows(head: Sequence[str], body: Sequence[Sequence[str]]) -> str:
 
 
 def _heard(found: Distance) -> list[list[float]]:
-    """The third octaves that are less than 80 dB below the loudest in one of the two."""
+    """Return the third octaves that are less than 80 dB below the loudest in one of the two."""
     rows: list[list[float]] = found.thirds[found.thirds[:, 1:].max(axis=1) > -_DYNAMIC].tolist()
     return rows
 
@@ -210,7 +210,7 @@ def _seconds(value: float) -> str:
 
 
 def _spectrogram(samples: NDArray[np.float64], rate: float) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
-    """Times (s), frequencies (Hz), alike far apart for the ear, and levels (dB): of each the highest near it."""
+    """Return times (s), frequencies (Hz), alike far apart for the ear, and levels (dB): of each the highest near it."""
     padded = np.pad(samples, _WINDOW // 2)
     hop = max(_WINDOW // 16, len(samples) // _COLUMNS)
     frames = np.lib.stride_tricks.sliding_window_view(padded, _WINDOW)[::hop]

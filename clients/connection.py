@@ -19,7 +19,8 @@ class Connection:
     def __init__(self, host: str, port: int, tcp: bool) -> None:
         self.server = f"{host}:{port}"
         self.on_compiling: Callable[[float, float], object] = lambda share, seconds: None
-        """What is told of a server that compiles its engine: the share that is done, the seconds that are left."""
+        """Function called while a server compiles its engine: with the share that is done, and the seconds that are
+        left."""
         self._stream = Sized() if tcp else None
         self._inbox: deque[wire.Message] = deque()  # read from the socket, but not asked for yet
         if tcp:
@@ -45,7 +46,8 @@ class Connection:
             self._socket.sendall(self._stream.framed(packet) if self._stream else packet)
 
     def messages(self, seconds: float) -> Iterator[wire.Message]:
-        """The messages that arrive within some seconds, as they come. One that is not taken stays for the next call.
+        """Yield the messages that arrive within some seconds, as they come. One that is not taken stays for the next
+        call.
 
         Raises ConnectionResetError when a TCP server closes the connection.
         """
@@ -61,7 +63,7 @@ class Connection:
                     yield message
 
     def _receive(self, seconds: float) -> bool:
-        """Read the socket once; returns false if nothing arrives within some seconds."""
+        """Read the socket once; return False if nothing arrives within some seconds."""
         if not select.select([self._socket], [], [], seconds)[0]:
             return False
         with self._reaching():
@@ -75,7 +77,7 @@ class Connection:
 
     @contextmanager
     def _finding(self) -> Iterator[None]:
-        """A gaierror inside, as for a host that has no address, names the server."""
+        """Name the server in a gaierror inside, as for a host that has no address."""
         try:
             yield
         except socket.gaierror as error:
@@ -83,7 +85,7 @@ class Connection:
 
     @contextmanager
     def _reaching(self) -> Iterator[None]:
-        """A ConnectionRefusedError inside names the server."""
+        """Name the server in a ConnectionRefusedError inside."""
         try:
             yield
         except ConnectionRefusedError as error:

@@ -62,7 +62,7 @@ class Contact:
 def assemble(
     trace: NDArray[np.void], rate: float, start: int, striking: Callable[[int], Striking]
 ) -> tuple[Contact, ...]:
-    """The contacts of a trace, by start.
+    """Return the contacts of a trace, by start.
 
     trace: (n,) of TRACE, of the sound that begins at the sample `start` of a scene; rate: Hz; striking: what a command
     (by number) said.

@@ -18,7 +18,7 @@ Finding = tuple[bool | None, str, str]
 
 
 def examine() -> Iterator[Finding]:
-    """Findings, one by one: engine, presets, devices, port, receive buffer, priority, matplotlib."""
+    """Yield findings, one by one: engine, presets, devices, port, receive buffer, priority, matplotlib."""
     yield _engine()
     yield _presets()
     yield _sound()

@@ -1,4 +1,4 @@
-"""Which errors a command tells in one line, and how."""
+"""The errors that a command tells in one line, and their wording."""
 
 import sys
 from difflib import SequenceMatcher
@@ -13,12 +13,12 @@ KINDS = (CommandError, OSError, RuntimeError, ValueError)
 
 
 def is_expected(error: Exception) -> bool:
-    """Whether an error is Carom's own or the system's. Others are bugs, and keep their traceback."""
+    """True if an error is Carom's own or the system's. Others are bugs, and keep their traceback."""
     return isinstance(error, OSError) or type(error).__module__.startswith("carom.")
 
 
 def plain(error: Exception) -> str:
-    """An error as one line; for a file that is missing, with the near name in its folder."""
+    """Return an error as one line; for a file that is missing, with the near name in its folder."""
     if not isinstance(error, OSError) or error.filename is None:
         return str(error)
     text = f"{error.filename}: {error.strerror}"

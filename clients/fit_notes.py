@@ -1,4 +1,4 @@
-"""What there is to say about a fit: what its recordings could not tell."""
+"""The notes on a fit: what its recordings could not tell."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _HEARD = 0.1  # dB
 
 
 def notes(found: Fit, hits: Sequence[Hit]) -> list[str]:
-    """Of tones that stand, of decays that are longer than the recordings, of noise."""
+    """Return notes on steady tones, on decays that are longer than the recordings, and on noise."""
     said = []
     if found.tones.size:
         said.append(f"left out, as they do not decay with the strike: {_named(found.tones)}")
@@ -39,7 +39,7 @@ def notes(found: Fit, hits: Sequence[Hit]) -> list[str]:
 
 
 def too_loud(louder: float, mass: float | None, velocity: float) -> list[str]:
-    """That a strike in pascals is so much quieter (dB) than it was said to be."""
+    """Return a note if a strike in pascals is so much quieter (dB) than it was said to be."""
     if louder < _HEARD:
         return []
     return [

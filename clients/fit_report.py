@@ -15,7 +15,7 @@ from .fitting import Made
 
 
 def compared(made: Made) -> list[Compared]:
-    """Each recording beside its fit, and the first beside the default strike as the engine plays it."""
+    """Compare each recording with its fit, and the first with the default strike as the engine plays it."""
     fit, early = made.fit, earliest(made.fit.rate)
     pairs: list[Compared] = []
     for number, take in enumerate(made.takes):
@@ -27,12 +27,12 @@ def compared(made: Made) -> list[Compared]:
 
 
 def played_beside(made: Made) -> Distance:
-    """The first recording, and the default strike as the engine plays it."""
+    """Return the first recording, and the default strike as the engine plays it."""
     return compared(made)[0][0]
 
 
 def write_report(made: Made, name: str, out: Path) -> Path:
-    """Write the page NAME.html into a folder; returns it."""
+    """Write the page NAME.html into a folder; return it."""
     fit = made.fit
     left = ", ".join(f"{each:.1f}" for each in fit.residual)
     blows = ", ".join(f"{1e3 * each.duration:.2g}" for each in fit.blows)
@@ -48,7 +48,7 @@ def write_report(made: Made, name: str, out: Path) -> Path:
 
 
 def _table(modes: Sequence[Strongest], rate: float) -> str:
-    """The strongest modes, as HTML."""
+    """Return the strongest modes, as HTML."""
     loudest = max(each.amplitude for each in modes)
     figures = [
         [

@@ -31,19 +31,19 @@ TOP_RATE = 48_000
 """Hz: of what is analysed; faster recordings are resampled."""
 
 UNKNOWN = "unknown"
-"""What a preset says of a source or a licence that nobody told."""
+"""Source or licence in a preset, where nobody told it."""
 
 _MOST_MODES = 200
 _AS_NEAR = 0.1  # dB: a strike by the measured force that is no further from the recording than that is as good
 
 
 class FitError(ValueError):
-    """What is asked for cannot be; the text names it."""
+    """Error of a fit that cannot be made as asked; the text names why."""
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """What is known beside the recordings.
+    """Facts known beside the recordings.
 
     positions: 0 to 1, one for each hit. strikers: a preset each, or a new name. force: the hammer's recording. mass: of
     the body (kg). velocity: of the strikes (m/s). full_scale (Pa), distance (m): the sound pressure that full scale of
@@ -83,7 +83,7 @@ class Wanted:
 
     @property
     def raised(self) -> float:
-        """How much louder (dB) the strike is to play than the recording, which full scale at 1 m would be."""
+        """Level (dB) by which to play the strike louder than the recording, which full scale at 1 m would be."""
         pressure = (self.full_scale or FULL_SCALE_PRESSURE) * (self.distance or 1.0)
         return 20 * float(np.log10(pressure / FULL_SCALE_PRESSURE))
 
@@ -100,7 +100,7 @@ class Take:
 
 @dataclass(frozen=True)
 class Made:
-    """What was made: the fit, its takes, the files that were written, what there is to say, and the strike as played.
+    """Result of a fit: the fit, its takes, the files that were written, the notes on it, and the strike as played.
 
     sound: (n,) at the fit's rate, of the default strike.
     """
@@ -147,7 +147,7 @@ def make(recordings: Sequence[Path], out: Path, wanted: Wanted, presets: Presets
 
 
 def _takes(recordings: Sequence[Recording], wanted: Wanted) -> tuple[list[Take], list[str]]:
-    """The hits that are fitted: of each recording the clearest, or all of one that has as many as positions."""
+    """Return the hits that are fitted: of each recording the clearest, or all of one that has as many as positions."""
     rate = min(TOP_RATE, *(recording.rate for recording in recordings))
     chosen: list[tuple[Recording, Hit]] = []
     notes: list[str] = []
@@ -176,12 +176,12 @@ def _takes(recordings: Sequence[Recording], wanted: Wanted) -> tuple[list[Take],
 
 
 def _each(values: Sequence, count: int) -> list:  # type: ignore[type-arg]
-    """A value for each of so many takes: None if there are none, the same if there is one."""
+    """Return a value for each of so many takes: None if there are none, the same if there is one."""
     return list(values) * (count if len(values) == 1 else 1) or [None] * count
 
 
 def _force(path: Path, take: Take) -> Blow:
-    """The force that a hammer measured of a take's hit."""
+    """Return the force that a hammer measured of a take's hit."""
     recording = read(path)
     rate = take.hit.rate
     samples = recording.samples if recording.rate == rate else at_rate(recording.samples, recording.rate, rate)
@@ -196,7 +196,8 @@ def _force(path: Path, take: Take) -> Blow:
 def _by_force(
     path: Path, heard_of: tuple[Fit, dict[str, Striker]], takes: Sequence[Take], wanted: Wanted
 ) -> tuple[Fit, dict[str, Striker], list[str]]:
-    """The fit and its strikers as a hammer measured the force, unless those `heard_of` play nearer to the recording."""
+    """Return the fit and its strikers as a hammer measured the force, unless those `heard_of` play nearer to the
+    recording."""
     own, _ = heard_of
     forces = [alike(_force(path, take)) for take in takes]
     begun = [each.later(blow.times[0] - each.times[0]) for each, blow in zip(forces, own.blows, strict=True)]
@@ -213,7 +214,7 @@ def _by_force(
 
 
 def _apart(found_in: Fit, strikers: dict[str, Striker], takes: Sequence[Take], wanted: Wanted) -> float:
-    """The log-spectral distance (dB) of a fit's default strike from the recording."""
+    """Return the log-spectral distance (dB) of a fit's default strike from the recording."""
     with TemporaryDirectory() as folder:
         _, sound, _ = _write(found_in, takes, wanted, strikers, Path(folder))
     return distance(found_in.takes[0], sound, found_in.rate).spectral
@@ -222,7 +223,7 @@ def _apart(found_in: Fit, strikers: dict[str, Striker], takes: Sequence[Take], w
 def _strikers(
     found_in: Fit, takes: Sequence[Take], blows: Sequence[Blow | None], wanted: Wanted
 ) -> tuple[Fit, dict[str, Striker]]:
-    """The strikers that no preset holds yet, by the names of the presets to write, and the fit with them."""
+    """Return the strikers that no preset holds yet, by the names of the presets to write, and the fit with them."""
     strengths = np.ones(len(takes))
     new = [number for number, blow in enumerate(blows) if blow is None]
     if len({takes[number].striker for number in new}) > 1:
@@ -237,7 +238,7 @@ def _strikers(
 
 
 def _named(made: Sequence[tuple[str | None, Blow, float]], wanted: Wanted) -> dict[str, Striker]:
-    """Strikers by the names of their presets, of labels, blows and strengths: the first of each label."""
+    """Return strikers by the names of their presets, of labels, blows and strengths: the first of each label."""
     strikers: dict[str, Striker] = {}
     for label, blow, strength in made:
         name = f"{wanted.name}-{label or 'striker'}"
@@ -248,7 +249,7 @@ def _named(made: Sequence[tuple[str | None, Blow, float]], wanted: Wanted) -> di
 def _write(
     found_in: Fit, takes: Sequence[Take], wanted: Wanted, strikers: dict[str, Striker], out: Path
 ) -> tuple[list[Path], NDArray[np.float64], float]:
-    """Write the presets, as loud as the recording says; returns the files, the sound of the default strike, and by how
+    """Write the presets, as loud as the recording says; return the files, the sound of the default strike, and by how
     much (dB) it is louder than such a strike can be."""
     names = ", ".join(dict.fromkeys(take.recording.path.name for take in takes))
     source = wanted.source or UNKNOWN
@@ -289,7 +290,7 @@ def _put(path: Path, text: str) -> Path:
 
 
 def _measured(found_in: Fit, takes: Sequence[Take]) -> list[str]:
-    """What the head of an object's file says was measured."""
+    """Return the lines at the head of an object's file that say what was measured."""
     lines = []
     for take, residual, blow in zip(takes, found_in.residual, found_in.blows, strict=True):
         hit = take.hit
@@ -303,7 +304,7 @@ def _measured(found_in: Fit, takes: Sequence[Take]) -> list[str]:
 
 
 def played(name: str, folder: Path, rate: int, seconds: float | None = None) -> NDArray[np.float64]:
-    """The default strike (n, 2) of a folder's object, as the engine plays it, without a limiter."""
+    """Return the default strike (n, 2) of a folder's object, as the engine plays it, without a limiter."""
     presets = Presets([folder])
     options = Options(rate, seconds=seconds or 4.0, limiter=False)
     score = Strike(name).score(presets)

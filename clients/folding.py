@@ -8,7 +8,7 @@ _NARROWEST = 40  # columns: a terminal that says that it has fewer is not believ
 
 
 def columns_of(stream: TextIO | None) -> int | None:
-    """How many columns the terminal has that a stream goes to; None if it goes elsewhere."""
+    """Return the number of columns of the terminal that a stream goes to; None if it goes elsewhere."""
     if stream is None or not stream.isatty():
         return None
     try:
@@ -18,7 +18,8 @@ def columns_of(stream: TextIO | None) -> int | None:
 
 
 def folded(text: str, columns: int | None, indent: int = 4) -> str:
-    """A line in lines of at most so many columns, all but the first indented; as it is where `columns` is None.
+    """Fold a line into lines of at most so many columns, all but the first indented; leave it as it is where `columns`
+    is None.
 
     Only words that are longer than a line stand out.
     """

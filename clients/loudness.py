@@ -1,5 +1,5 @@
-"""How loud a gesture is heard, by ITU-R BS.1770: its momentary loudness (pyloudnorm) and its true peak; and the level
-that suits a preset."""
+"""Loudness of a gesture as it is heard, by ITU-R BS.1770: its momentary loudness (pyloudnorm) and its true peak; and
+the level that suits a preset."""
 
 import math
 import warnings
@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 BLOCK = 0.4
 """s: over which loudness is taken; each block begins a quarter of this after the last."""
 LOUDNESS, PEAK, LEAST = -18.0, -3.0, -28.0
-"""Of a strike at a preset's defaults: its loudness (LUFS), unless its true peak (dB of full scale) is there before, but
-at least so much (LUFS)."""
+"""Targets of a strike at a preset's defaults: its loudness (LUFS), unless its true peak (dB of full scale) is there
+before, but at least so much (LUFS)."""
 _OVERSAMPLED = 4  # as annex 2 of the recommendation asks for at 48 kHz
 
 
@@ -26,12 +26,13 @@ class Heard:
 
     @property
     def raise_by(self) -> float:
-        """What is to be added to a preset's level (dB) to make this the loudness of its strike, the peak allowing."""
+        """Gain (dB) to add to a preset's level to make this the loudness of its strike, the peak allowing."""
         return min(PEAK - self.peak, LOUDNESS - self.loudness)
 
 
 def heard(samples: NDArray[Any], rate: int) -> Heard:
-    """How loud stereo samples (n, 2) at a rate (Hz) are. A sound that ends or begins inside a block counts as it is."""
+    """Return the loudness of stereo samples (n, 2) at a rate (Hz). A sound that ends or begins inside a block counts as
+    it is."""
     import pyloudnorm
 
     size = float(np.abs(samples).max(initial=0.0))
@@ -46,7 +47,7 @@ def heard(samples: NDArray[Any], rate: int) -> Heard:
 
 
 def true_peak(samples: NDArray[Any]) -> float:
-    """The highest value between samples (n, channels), or at one, by four times as many."""
+    """Return the highest value between samples (n, channels), or at one, by four times as many."""
     from scipy.signal import resample_poly
 
     between = np.abs(resample_poly(np.asarray(samples, np.float64), _OVERSAMPLED, 1, axis=0)).max()
@@ -54,5 +55,5 @@ def true_peak(samples: NDArray[Any]) -> float:
 
 
 def decibels(amplitude: float) -> float:
-    """An amplitude in dB."""
+    """Return an amplitude in dB."""
     return 20 * math.log10(amplitude) if amplitude > 0.0 else -math.inf

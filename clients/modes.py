@@ -58,9 +58,10 @@ class ModeTable(NamedTuple):
     """(n, channels) of full scale, or in Pa where the scene is calibrated, per N s; a mode may be in opposite phase
     (< 0), or silent at this position (0)."""
     clicks: tuple[Click, ...] = ()
-    """What it adds at once, as a whole if it is free to move, and from about the point that is struck if it is thin."""
+    """Sounds that a contact adds at once: of the whole body if it is free to move, and from about the point that is
+    struck if it is thin."""
     relief: Relief | None = None
-    """What the modes have beside them, so that slow forces are not heard."""
+    """Modes beside the others, so that slow forces are not heard."""
 
 
 class Settings(NamedTuple):
@@ -76,7 +77,8 @@ class Settings(NamedTuple):
 
 
 def gains_of(settings: Settings, channels: int, main: float = 1.0) -> NDArray[np.float64]:
-    """(channels,): the gain of each channel for an object that its pan places; main: the main gain (amplitude)."""
+    """Return (channels,): the gain of each channel for an object that its pan places; main: the main gain
+    (amplitude)."""
     gains = np.zeros(channels)
     pan_gains.py_func(gains, channels, settings.pan, settings.gain / settings.distance * main)
     return gains
@@ -85,8 +87,8 @@ def gains_of(settings: Settings, channels: int, main: float = 1.0) -> NDArray[np
 def mode_table(
     modes: Modes, level: float, settings: Settings, gains: NDArray[np.float64], position: float, rate: float
 ) -> ModeTable:
-    """The table of modes that were laid out at a level (amplitude), heard with gains (channels,), struck at a position
-    (0 to 1), for a rate in Hz."""
+    """Return the table of modes that were laid out at a level (amplitude), heard with gains (channels,), struck at a
+    position (0 to 1), for a rate in Hz."""
     frequencies = modes.frequency * settings.tune
     made = modes.frequency <= NYQUIST_SHARE * 0.5 * rate
     heard = np.flatnonzero(made & (frequencies <= NYQUIST_SHARE * 0.5 * rate))
@@ -106,7 +108,7 @@ def mode_table(
 
 
 def _decays(modes: Modes, settings: Settings, rate: float) -> NDArray[np.float64]:
-    """The decays of all modes, as the engine has them."""
+    """Return the decays of all modes, as the engine has them."""
     if not len(modes.decay):  # a small body that clicks alone
         return modes.decay
     state = SimpleNamespace(bank=SimpleNamespace(sigma=modes.decay), rate=rate)
@@ -118,7 +120,7 @@ def _decays(modes: Modes, settings: Settings, rate: float) -> NDArray[np.float64
 
 
 def _relief(modes: Modes, tune: float, gains: NDArray[np.float64], position: float, rate: float) -> Relief:
-    """The relief of modes that are heard with gains (channels,), as the engine has it (engine/objects.py)."""
+    """Return the relief of modes that are heard with gains (channels,), as the engine has it (engine/objects.py)."""
     top = NYQUIST_SHARE * 0.5 * rate
     found = planned(modes, top, 0.5 * rate, len(gains) == 2).relief
     frequency = found.frequency * tune
@@ -129,7 +131,7 @@ def _relief(modes: Modes, tune: float, gains: NDArray[np.float64], position: flo
 
 
 def _shape_at(strike: NDArray[np.float64], position: float) -> NDArray[np.float64]:
-    """Mode shapes (n,) at a position, by the engine's cubic through the four rows around it."""
+    """Return the mode shapes (n,) at a position, by the engine's cubic through the four rows around it."""
     if len(strike) < _ROWS:
         return np.asarray(strike[0])  # the position does not matter
     x = position * (len(strike) - 1)

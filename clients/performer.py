@@ -122,18 +122,18 @@ class Performer:
             raise CommandError(str(error)) from None
 
     def placed_at(self, name: str) -> tuple[int, int]:
-        """The slot and the serial of an object in the engine."""
+        """Return the slot and the serial of an object in the engine."""
         handle = self.scene.objects[name].handle
         return handle.slot, handle.serial
 
     def slide_template(self, slide: Slide) -> tuple[NDArray[np.void], float]:
-        """The command of a slide, (1,) of COMMAND, and the least radius (m) on its surface."""
+        """Return the command of a slide, (1,) of COMMAND, and the least radius (m) on its surface."""
         made = np.zeros(1, COMMAND)
         write(made[0], 0, self.scene.command_of(slide.message))
         return made, self.scene.least_radius(str(dict(slide.keys)["surface"]))
 
     def gesture(self, id: str) -> int:
-        """The number of a gesture in the engine, by its id; 0 if there is none."""
+        """Return the number of a gesture in the engine, by its id; 0 if there is none."""
         return self.scene.gestures.number_of(id)
 
     def _perform_at(self, message: Message, sample: float) -> None:
@@ -170,16 +170,16 @@ class Performer:
                 )
 
     def ended(self) -> list[str]:
-        """The ids of gestures that have ended since the last call."""
+        """Return the ids of gestures that have ended since the last call."""
         return [ended.id for ended in self.scene.take_ends()]
 
     def placed(self, name: str) -> Placed:
-        """The object of that name."""
+        """Return the object of that name."""
         obj = self.scene.objects[name]
         return replace(self.engine.placed[obj.handle.serial], position=obj.preset.position)
 
     def heard(self, placed: Placed) -> tuple[Settings, NDArray[np.float64]] | None:
-        """The settings of an object, and its gain in each channel; None before it is there."""
+        """Return the settings of an object, and its gain in each channel; None before it is there."""
         record = self.engine.state[0]["objects"][placed.handle.slot]
         if record["serial"] != placed.handle.serial:
             return None
@@ -191,11 +191,11 @@ class Performer:
         return settings, gains
 
     def slots(self) -> dict[int, str]:
-        """The names of the objects by their places in the engine."""
+        """Return the names of the objects by their places in the engine."""
         return {placed.handle.slot: self._names[serial] for serial, placed in self.engine.placed.items()}
 
     def stem_pieces(self, first: int, frames: int) -> dict[str, NDArray[np.float64]]:
-        """Each object's part, (frames, channels), of the last quantum, from its frame `first` on."""
+        """Return each object's part, (frames, channels), of the last quantum, from its frame `first` on."""
         stems = self.engine.stems.shares()
         pieces: dict[str, NDArray[np.float64]] = {}
         for slot, name in self.slots().items():
@@ -204,7 +204,8 @@ class Performer:
         return pieces
 
     def traced(self, end: int) -> NDArray[np.void]:
-        """The trace, of TRACE, since the last call, of frames before `end`; later ones come with the next call."""
+        """Return the trace, of TRACE, since the last call, of frames before `end`; later ones come with the next
+        call."""
         trace = self.engine.traced()
         if len(trace) + len(self._trace) == 0:
             return trace
@@ -215,16 +216,16 @@ class Performer:
         return trace[~beyond]
 
     def striking(self, command: int) -> Striking:
-        """The names in a command for its contacts."""
+        """Return the names in a command for its contacts."""
         return self._striking[command]
 
 
 def chosen(presets: Folders) -> Presets:
-    """The presets that are meant."""
+    """Return the presets that are meant."""
     return presets if isinstance(presets, Presets) else Presets(presets)
 
 
 def _keys(args: tuple[Argument, ...]) -> dict[str, Argument]:
-    """The keys of a message and their values."""
+    """Return the keys of a message and their values."""
     first = next((n for n, arg in enumerate(args) if isinstance(arg, str)), len(args))
     return {str(key): value for key, value in zip(args[first::2], args[first + 1 :: 2], strict=True)}

@@ -21,7 +21,8 @@ class PlotError(RuntimeError):
 
 
 def plotter(picture: Path, calibrated: bool = False) -> Callable[[Path], None]:
-    """The function that draws a sound file, calibrated in pascals or not, into `picture`, a .png, .svg or .pdf file.
+    """Return the function that draws a sound file, calibrated in pascals or not, into `picture`, a .png, .svg or .pdf
+    file.
 
     PlotError, before anything is drawn, if matplotlib is missing or the name or folder of the picture cannot be.
     """
@@ -30,7 +31,7 @@ def plotter(picture: Path, calibrated: bool = False) -> Callable[[Path], None]:
 
 
 def require_picture(picture: Path) -> None:
-    """PlotError if matplotlib is missing, or if a picture cannot have this name or folder."""
+    """Raise PlotError if matplotlib is missing, or if a picture cannot have this name or folder."""
     require_matplotlib()
     if picture.suffix.lower() not in (".png", ".svg", ".pdf"):
         raise PlotError(f"{picture}: expected a name that ends in .png, .svg or .pdf")
@@ -39,7 +40,7 @@ def require_picture(picture: Path) -> None:
 
 
 def require_matplotlib() -> None:
-    """Have matplotlib draw into files. PlotError, with the extra that brings it, if it is missing."""
+    """Make matplotlib draw into files; raise PlotError, with the extra that brings it, if it is missing."""
     try:
         import matplotlib
     except ImportError as error:
@@ -74,7 +75,7 @@ def _plot(sound: Path, picture: Path, calibrated: bool) -> None:
 
 
 def _spectrogram(wave: NDArray[np.float64], rate: int) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
-    """Times (s), frequencies (Hz) and levels (dBFS) of a Hann-windowed short-time spectrum."""
+    """Return times (s), frequencies (Hz) and levels (dBFS) of a Hann-windowed short-time spectrum."""
     padded = np.pad(wave, _WINDOW // 2)
     hop = max(_WINDOW // 16, len(wave) // _COLUMNS)
     windows = np.lib.stride_tricks.sliding_window_view(padded, _WINDOW)[::hop]

@@ -17,7 +17,7 @@ _TOP = 20_000.0  # Hz up to which modes are made
 
 
 class CheckError(RuntimeError):
-    """There is nothing to check; the text says why."""
+    """Error of a check without anything to check; the text says why."""
 
 
 class Checked(NamedTuple):
@@ -51,7 +51,7 @@ def checked(path: Path, presets: Presets) -> Checked:
 
 
 def files_in(name: str) -> list[Path]:
-    """The file of a name, or all presets below it if it is a folder. CheckError if it holds none."""
+    """Return the file of a name, or all presets below it if it is a folder. CheckError if it holds none."""
     path = Path(name)
     if not path.is_dir():
         return [path]
@@ -61,21 +61,21 @@ def files_in(name: str) -> list[Path]:
 
 
 def _kind_of(path: Path) -> str:
-    """The kind of preset that a file's keys tell."""
+    """Return the kind of preset that a file's keys tell."""
     data = read_file(path)[1]
     kinds = {"shape": "objects", "youngs_modulus": "materials", "roughness": "surfaces", "object": RECIPE}
     return next((kind for key, kind in kinds.items() if key in data), "strikers")
 
 
 def _drawn(path: Path, presets: Presets) -> str:
-    """A data set's recipe in a few words. PresetError if it draws what cannot be played."""
+    """Return a data set's recipe in a few words. PresetError if it draws what cannot be played."""
     recipe = read(path)
     require_sound(recipe, presets)
     return f"a recipe of a data set: {recipe.count} items of {recipe.seconds:g} s, {recipe.design}"
 
 
 def _holds(preset: object) -> str:
-    """A preset in a few words. PresetError if an object's geometry gives no modes."""
+    """Return a preset in a few words. PresetError if an object's geometry gives no modes."""
     if isinstance(preset, ObjectPreset):
         modes = preset.modes(_TOP)
         of = f" of {preset.material.name}" if preset.material else ""

@@ -4,5 +4,5 @@ import os
 
 
 def processors() -> int:
-    """How many of them this process may use."""
+    """Return how many of them this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

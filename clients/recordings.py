@@ -31,7 +31,7 @@ class Recording:
 
 
 def found(paths: list[Path]) -> list[Path]:
-    """The files that are meant: of a folder, all sound files in it. RecordingError if it has none."""
+    """Return the files that are meant: of a folder, all sound files in it. RecordingError if it has none."""
     files: list[Path] = []
     for path in paths:
         if not path.is_dir():
@@ -46,7 +46,7 @@ def found(paths: list[Path]) -> list[Path]:
 
 
 def read(path: Path, mixed: bool = False) -> Recording:
-    """A recording: its loudest channel, or all of them mixed.
+    """Read a recording: its loudest channel, or all of them mixed.
 
     RecordingError if it cannot be used, OSError if it cannot be read.
     """

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from multiprocessing.synchronize import Event
 
 PLACE = "{}"
-"""In the name of a file to be written: stands for the score's name without its ending."""
+"""Mark that stands for the score's name without its ending, in the name of a file to be written."""
 
 _LOOK = 0.2  # s between looks at whether to go on
 
@@ -46,8 +46,8 @@ class Result:
 
 
 def tasks(scores: Sequence[str], out: str, plot: str | None, stems: str | None = None) -> list[Task]:
-    """A task for each score. `out` and `plot` are files, or folders or names with {} for several scores; `stems` is a
-    folder, in which each of several scores has its own.
+    """Return a task for each score. `out` and `plot` are files, or folders or names with {} for several scores; `stems`
+    is a folder, in which each of several scores has its own.
 
     RenderError for names that cannot be.
     """
@@ -73,13 +73,13 @@ def make_folders(made: Sequence[Task]) -> None:
 
 
 def _is_folder(name: str, several: bool) -> bool:
-    """Whether a name means a folder: one that is there, or for several scores that can be made."""
+    """True if a name means a folder: one that is there, or for several scores one that can be made."""
     path = Path(name)
     return name != STREAM and (name.endswith("/") or path.is_dir() or (several and not (path.suffix or path.exists())))
 
 
 def _placed(score: str, out: str, ending: str, several: bool) -> str:
-    """The file to write for a score."""
+    """Return the file to write for a score."""
     stem = Path(score_name(score)).stem
     if PLACE not in out and _is_folder(out, several):
         return str(Path(out, stem + ending))
@@ -87,7 +87,7 @@ def _placed(score: str, out: str, ending: str, several: bool) -> str:
 
 
 def _stems(score: str, folder: str, several: bool) -> Path:
-    """The folder for a score's stems."""
+    """Return the folder for a score's stems."""
     stem = Path(score_name(score)).stem
     return Path(folder, stem) if several and PLACE not in folder else Path(folder.replace(PLACE, stem))
 
@@ -103,7 +103,7 @@ def _require_different(made: Sequence[Task]) -> None:
 
 
 def render_task(task: Task, options: Options, presets: Presets, progress: Callable[[float], object]) -> list[str]:
-    """Carry out a task; returns warnings. `progress` is told the seconds computed."""
+    """Carry out a task; return warnings. `progress` is told the seconds computed."""
     score = read_score(task.score)
     draw = plotter(task.plot, options.calibrated) if task.plot else None
     warnings: list[str] = []

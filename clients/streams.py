@@ -22,12 +22,12 @@ class StreamError(RuntimeError):
 
 
 def score_name(word: str) -> str:
-    """How errors call a score: by its file's name."""
+    """Return a score's name in errors: its file's name."""
     return "stdin" if word == STREAM else word
 
 
 def read_score(word: str) -> list[Line]:
-    """The lines of a score from a file, from stdin, or of one of Carom's own by its name."""
+    """Read the lines of a score from a file, from stdin, or of one of Carom's own by its name."""
     if word != STREAM:
         return read(score_path(word))
     if sys.stdin is None:
@@ -36,8 +36,8 @@ def read_score(word: str) -> list[Line]:
 
 
 def score_path(word: str) -> Path:
-    """The file of a score. A word that is no file's name, and could not be one with a folder or an ending, is the name
-    of one of Carom's own; ScoreError, which asks for a near name, if there is none."""
+    """Return the file of a score. A word that is no file's name, and could not be one with a folder or an ending, is
+    the name of one of Carom's own; ScoreError, which asks for a near name, if there is none."""
     path = Path(word)
     if path.exists() or path.suffix or path.name != word:
         return path
@@ -51,13 +51,14 @@ def score_path(word: str) -> Path:
 
 
 def own_scores() -> dict[str, Path]:
-    """Carom's own scores: their names and files."""
+    """Return Carom's own scores: their names and files."""
     return {path.stem: path for path in sorted((BUILT_IN / "scores").glob("*.txt"))}
 
 
 @contextmanager
 def sound_file(out: str) -> Iterator[Path]:
-    """The path of a sound file to write. One for stdout goes there once it is whole, as it begins with its length."""
+    """Yield the path of a sound file to write. One for stdout goes there once it is whole, as it begins with its
+    length."""
     if out != STREAM:
         yield Path(out)
         return

@@ -13,7 +13,7 @@ from ..server.render import Options, blocks, render
 from .streams import sound_file
 
 Progress = Callable[[float], object]
-"""What is told how many seconds of a sound are computed."""
+"""Function that is told how many seconds of a sound are computed."""
 
 
 class StrikeError(ValueError):
@@ -30,7 +30,8 @@ class Strike:
     striker: str | None = None
 
     def score(self, presets: Presets) -> list[Line]:
-        """The strike as a score. PresetError if there is no such object or striker, StrikeError if nothing sounds."""
+        """Return the strike as a score. PresetError if there is no such object or striker, StrikeError if nothing
+        sounds."""
         if self.velocity == 0:
             raise StrikeError("velocity = 0: nothing would sound; expected more than 0 m/s")
         name = self.preset
@@ -48,7 +49,7 @@ class Strike:
 
 
 def write(strike: Strike, presets: Presets, options: Options, out: str, progress: Progress) -> list[str]:
-    """Write a strike's sound to a .wav or .flac file, or to stdout; returns warnings."""
+    """Write a strike's sound to a .wav or .flac file, or to stdout; return warnings."""
     warnings: list[str] = []
     with sound_file(out) as path:
         done = render(strike.score(presets), path, presets, options, progress, warnings.append)
@@ -57,7 +58,7 @@ def write(strike: Strike, presets: Presets, options: Options, out: str, progress
 
 
 def play(strike: Strike, presets: Presets, options: Options, progress: Progress) -> list[str]:
-    """Play a strike's sound on the default device and wait for its end; returns warnings. AudioError says why not."""
+    """Play a strike's sound on the default device and wait for its end; return warnings. AudioError says why not."""
     warnings: list[str] = []
     pieces = []
     score = strike.score(presets)
@@ -74,7 +75,7 @@ def play(strike: Strike, presets: Presets, options: Options, progress: Progress)
 
 
 def device_rate(preset: str) -> int:
-    """The sampling rate (Hz) of the default device. AudioError, with what to do instead, if there is none."""
+    """Return the sampling rate (Hz) of the default device. AudioError, with what to do instead, if there is none."""
     try:
         found = [device for device in devices() if device["default"]]
     except AudioError as error:

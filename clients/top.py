@@ -48,7 +48,7 @@ def top(client: Client, once: bool) -> None:
 
 
 def _views(client: Client) -> Iterator[RenderableType]:
-    """A view every PERIOD; an error where the server does not answer."""
+    """Yield a view every PERIOD; an error where the server does not answer."""
     before: dict[str, object] = {}
     while True:
         started = time.monotonic()
@@ -62,13 +62,13 @@ def _views(client: Client) -> Iterator[RenderableType]:
 
 
 def values(status: Message) -> dict[str, object]:
-    """The values of a /status.reply by name: first nine by position, then pairs of name and value."""
+    """Return the values of a /status.reply by name: first nine by position, then pairs of name and value."""
     args = status.args
     return {**dict(zip(_NINE[1:], args[1:9], strict=True)), **dict(zip(map(str, args[9::2]), args[10::2], strict=True))}
 
 
 def view(status: Message, before: dict[str, object]) -> RenderableType:
-    """A view of a /status.reply; counts of trouble are red where they have changed since `before`."""
+    """Return a view of a /status.reply; counts of trouble are red where they have changed since `before`."""
     now = values(status)
     head = Text.assemble(
         ("carom", "bold"), f"  {_clock(now['time'])}  {now['device']} at {now['rate']:.0f} Hz",

@@ -14,7 +14,7 @@ _LONG = 30.0  # periods: longer transients are drawn as none
 
 
 def drawings(steady: list[Row], limits: list[Row], started: list[Row]) -> dict[str, Callable[[], Figure]]:
-    """The figures by name, of the rows of schelleng.csv, limits.csv and guettler.csv."""
+    """Draw the figures, by name, of the rows of schelleng.csv, limits.csv and guettler.csv."""
     return {"schelleng": lambda: _schelleng(steady, limits), "guettler": lambda: _guettler(started)}
 
 

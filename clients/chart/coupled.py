@@ -27,7 +27,7 @@ _LEAST_GROWTH, _MOST_GROWTH = 1e-10, 1e4
 
 
 def coupled(rows: list[Row]) -> Figure:
-    """Errors of the object's velocity, energy and contact counts against cost; a column for each of BANDS."""
+    """Draw errors of the object's velocity, energy and contact counts against cost; a column for each of BANDS."""
     figure = Figure(figsize=(11, 8.4))
     axes = figure.subplots(3, len(BANDS), sharex=True, sharey="row")
     for column, band in enumerate(BANDS):

@@ -33,7 +33,7 @@ _SAYS = {
 
 
 def drawings(found: Failures) -> dict[str, Draw]:
-    """The figures of failures by their names."""
+    """Draw the figures of failures, by their names."""
     return {
         "failures": lambda: _failures(found, _dissipation(found), "mu v_in"),
         "failures-exponent": lambda: _failures(found, found.laws[:, 4], "exponent a"),
@@ -69,7 +69,7 @@ class _Bins:
 
 
 def _show_failures(ax: Axes, bins: _Bins, outcome: NDArray[np.int64]) -> None:
-    """The colours of what goes wrong, mixed with white by its share."""
+    """Draw the colours of what goes wrong, mixed with white by its share."""
     number = bins.total(np.ones(len(outcome)))
     colours = np.ones((*number.shape, 3))
     for kind, colour in _FAILURES.items():
@@ -150,7 +150,7 @@ def _all_failures(found: Failures) -> Figure:
 
 
 def _accuracy(found: Failures) -> Figure:
-    """Mean order of magnitude of the error of v_out; failures count as they come, 1000 % at most."""
+    """Return the mean order of magnitude of the error of v_out; failures count as they come, 1000 % at most."""
     figure = Figure(figsize=(12, 3.2))
     axes = figure.subplots(1, len(METHODS) + 1, sharex=True, sharey=True)
     bins = _Bins(found, _dissipation(found))

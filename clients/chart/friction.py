@@ -22,7 +22,7 @@ _LEAST, _MOST = 1e-16, 1e3  # gains are drawn within
 
 
 def drawings(errors: list[Row], extremes: list[Row]) -> dict[str, Callable[[], Figure]]:
-    """The figures by name, of the rows of friction.csv and friction-energy.csv."""
+    """Draw the figures, by name, of the rows of friction.csv and friction-energy.csv."""
     return {
         "friction-energy": lambda: _energy(extremes),
         "friction-cost": lambda: _cost(errors, extremes),
@@ -30,7 +30,7 @@ def drawings(errors: list[Row], extremes: list[Row]) -> dict[str, Callable[[], F
 
 
 def failed(rows: Iterable[Row]) -> float:
-    """The share (%) of rubs in which friction gives back more than it took, or blows up."""
+    """Return the share (%) of rubs in which friction gives back more than it took, or blows up."""
     return 100.0 * float(np.mean([row["fails"] for row in rows]))
 
 

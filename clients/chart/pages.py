@@ -44,7 +44,7 @@ _CAPTIONS = {
 
 
 def machine() -> str:
-    """The processor, the system and the versions that a study ran on."""
+    """Return the processor, the system and the versions that a study ran on."""
     found = [line.partition(":")[2].strip() for line in _lines(Path("/proc/cpuinfo")) if line.startswith("model name")]
     processor = found[0] if found else platform.processor() or platform.machine()
     versions = ", ".join(f"{name} {version(name)}" for name in ("carom", "numba", "numpy"))

@@ -22,7 +22,7 @@ _M, _K, _MU, _A = 1e-2, 1e9, 0.5, 1.5  # the paper's, unless it says otherwise
 
 
 def drawings(sequences: Sequences) -> dict[str, Draw]:
-    """The paper's figures by their names."""
+    """Draw the paper's figures, by their names."""
     return {
         "paper-1": _paper_1,
         "paper-2": _paper_2,
@@ -40,7 +40,7 @@ def drawings(sequences: Sequences) -> dict[str, Draw]:
 
 
 def _velocities(v_in: float, mu: float) -> NDArray[np.float64]:
-    """From v_in to v_out, closer to each other near both ends, where x(v) is steep."""
+    """Return velocities from v_in to v_out, closer to each other near both ends, where x(v) is steep."""
     v_out = float(contact.release_velocity(v_in, mu))
     return v_out + (v_in - v_out) * (0.5 + 0.5 * np.cos(np.linspace(0, math.pi, 201)))
 
@@ -182,7 +182,7 @@ def _paper_7() -> Figure:
 
 
 def _phase_and_energy(number: int, case: str, runs: Sequence[_Run]) -> Figure:
-    """Figure 6, 8, 9 or 10: phase portrait and energy of a case."""
+    """Draw figure 6, 8, 9 or 10: phase portrait and energy of a case."""
     figure = Figure(figsize=(11, 4.2))
     left, right = figure.subplots(1, 2)
     _draw_phase(left, PAPER_CASES[case], runs)
@@ -194,7 +194,7 @@ def _phase_and_energy(number: int, case: str, runs: Sequence[_Run]) -> Figure:
 
 
 def _worst_energy(correction: str, law: wall.Law) -> float:
-    """Greatest error on H of RK4 during a contact and just after it, in % of what the contact loses."""
+    """Return the greatest error on H of RK4 during a contact and just after it, in % of what the contact loses."""
     v_in, m, _, mu, _ = law
     x, v = wall.path("rk4", correction, law, PAPER_RATE)
     v_out = float(contact.release_velocity(v_in, mu))
@@ -228,7 +228,8 @@ def _paper_11() -> Figure:
 
 
 def _paper_12(found: dict[tuple[str, str], NDArray[np.float64]]) -> Figure:
-    """Contacts are too short to be seen: between them the mass flies up and falls back, with the speed it left with."""
+    """Draw contacts in a row, which are too short to be seen: between them the mass flies up and falls back, with the
+    speed it left with."""
     gravity, rebounds = 9.81, 40
     figure = Figure(figsize=(11, 4.2))
     ax = figure.subplots()

@@ -43,7 +43,7 @@ class Table:
 def tables(
     errors: Sequence[Row], failures: Sequence[Row], rebounds: Sequence[Row], coupled: Sequence[Row]
 ) -> list[Table]:
-    """All tables, of the rows of errors.csv, failures.csv, rebounds.csv and coupled.csv."""
+    """Return all tables, of the rows of errors.csv, failures.csv, rebounds.csv and coupled.csv."""
     return [
         _paper(errors),
         _cases(),
@@ -56,7 +56,7 @@ def tables(
 
 
 def _number(value: float) -> str:
-    """A value with three decimals, or in short where that would show nothing."""
+    """Format a value with three decimals, or in short where that would show nothing."""
     if math.isnan(value):
         return ""
     return f"{value:.3f}" if abs(value) >= _SMALLEST or value == 0.0 else _plain(f"{value:.0e}")
@@ -67,13 +67,13 @@ def _short(value: float) -> str:
 
 
 def _plain(text: str) -> str:
-    """A number's text with 1e9 for 1e+09."""
+    """Return a number's text with 1e9 for 1e+09."""
     mantissa, e, exponent = text.partition("e")
     return f"{mantissa}e{int(exponent)}" if e else text
 
 
 def _by_method(rows: Sequence[Row], value: str, show: Callable[[float], str], **wanted: object) -> tuple[str, ...]:
-    """A value of each method's row."""
+    """Return a value of each method's row."""
     return tuple(show(float(pick(rows, method=method, **wanted)[0][value])) for method in METHODS)
 
 
@@ -129,7 +129,7 @@ def _costs(errors: Sequence[Row]) -> Table:
 
 
 def failure_table(failures: Sequence[Row]) -> Table:
-    """How often each method fails."""
+    """Return the table of each method's share of failures."""
     rows: list[tuple[str, ...]] = [
         (says, *_by_method(failures, "failed_percent", _short, correction=correction))
         for correction, says in SAYS.items()
@@ -145,7 +145,7 @@ def failure_table(failures: Sequence[Row]) -> Table:
 
 
 def rebound_table(rebounds: Sequence[Row]) -> Table:
-    """The errors on the energy after many rebounds."""
+    """Return the table of the errors on the energy after many rebounds."""
     rows: list[tuple[str, ...]] = []
     for case in REBOUND_CASES:
         for count in REBOUNDS:
@@ -157,7 +157,7 @@ def rebound_table(rebounds: Sequence[Row]) -> Table:
 
 
 def yielding_table(coupled: Sequence[Row]) -> Table:
-    """Every solver on objects that yield."""
+    """Return the table of every solver on objects that yield."""
     rows: list[tuple[str, ...]] = []
     for band in BANDS:
         for row in pick(coupled, sum_r_from=band[0]):

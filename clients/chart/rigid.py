@@ -16,7 +16,7 @@ from .tables import Row, Sequences, pick
 
 
 def drawings(rows: list[Row], sequences: Sequences) -> dict[str, Draw]:
-    """The figures of rigid contacts by their names."""
+    """Draw the figures of rigid contacts, by their names."""
     return {
         "error-cost": lambda: _error_cost(rows),
         "deviation-cost": lambda: _deviation_cost(rows),
@@ -72,7 +72,7 @@ def _error_cost(rows: list[Row]) -> Figure:
 
 
 def _deviation_cost(rows: list[Row]) -> Figure:
-    """How far from the curves x(v) and H(v) the sampled methods run; the closed form is the curves."""
+    """Draw how far the sampled methods stray from the curves x(v) and H(v); the closed form is the curves."""
     figure = Figure(figsize=(11, 7.2))
     axes = figure.subplots(2, len(PAPER_CASES), sharey="row", squeeze=False)
     for column, case in enumerate(PAPER_CASES):
@@ -106,7 +106,7 @@ def _front(ax: Axes, rows: list[Row], error: Callable[[Row], float]) -> None:
 
 
 def _against(rows: list[Row], case: str, x: Callable[[Row], float], label: str) -> Figure:
-    """Errors and cost without oversampling over one of the law's parameters; crosses: failed."""
+    """Draw errors and cost without oversampling over one of the law's parameters; crosses: failed."""
     figure = Figure(figsize=(12, 4.2))
     left, middle, right = figure.subplots(1, 3)
     some = [row for row in pick(rows, case=case) if row["oversampling"] == 1]

@@ -16,7 +16,7 @@ _SAYS = {
 
 
 def drawings(rows: list[Row]) -> dict[str, Callable[[], Figure]]:
-    """The figure by its name, of the rows of ringing.csv."""
+    """Draw the figure, by its name, of the rows of ringing.csv."""
     return {"ringing": lambda: _ringing(rows)}
 
 

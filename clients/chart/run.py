@@ -104,7 +104,7 @@ def _make(folder: Path) -> None:
 
 
 def _bow(folder: Path, extent: Extent) -> tuple[list[Row], list[Row], list[Row]]:
-    """The rows of a bowed string, written to their tables."""
+    """Measure the rows of a bowed string, and write them to their tables."""
     steady, limits, started = tables.bowing_rows(extent)
     tables.write(folder / "schelleng.csv", steady)
     tables.write(folder / "limits.csv", limits)
@@ -113,7 +113,7 @@ def _bow(folder: Path, extent: Extent) -> tuple[list[Row], list[Row], list[Row]]
 
 
 def _rub(folder: Path, extent: Extent) -> tuple[list[Row], list[Row]]:
-    """The rows of friction, written to their tables."""
+    """Measure the rows of friction, and write them to their tables."""
     errors, extremes = tables.friction_rows(extent)
     tables.write(folder / "friction.csv", errors)
     tables.write(folder / "friction-energy.csv", extremes)
@@ -121,7 +121,7 @@ def _rub(folder: Path, extent: Extent) -> tuple[list[Row], list[Row]]:
 
 
 def _ring(folder: Path, extent: Extent) -> list[Row]:
-    """The rows of modes that ring freely, written to their table."""
+    """Measure the rows of modes that ring freely, and write them to their table."""
     rows = tables.ringing_rows(extent)
     tables.write(folder / "ringing.csv", rows)
     return rows

@@ -1,4 +1,4 @@
-"""How charts look: colours, names and legends, and the files that they are drawn into."""
+"""The style of charts: colours, names and legends, and the files that they are drawn into."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -41,12 +41,12 @@ def save(draw: Draw, path: Path) -> None:
 
 
 def method_legend(closed: bool = True) -> list[Line2D]:
-    """Legend entries of the sampled methods and, if `closed`, the closed form."""
+    """Return the legend entries of the sampled methods and, if `closed`, the closed form."""
     names = [*METHODS, *(["closed"] if closed else [])]
     return [Line2D([], [], color=COLOURS[name], marker="o", markersize=4, label=TITLES[name]) for name in names]
 
 
 def correction_legend() -> list[Line2D]:
-    """Legend entries of the corrections."""
+    """Return the legend entries of the corrections."""
     says = {"none": "no correction", "hybrid": "x = x(v)", "both": "x = x(v) and v_out"}
     return [Line2D([], [], color="gray", linestyle=line, label=says[name]) for name, line in LINES.items()]

@@ -23,7 +23,7 @@ Sequences = dict[str, dict[tuple[str, str], NDArray[np.float64]]]
 """Speeds after each rebound, by case, then by method and correction."""
 
 TITLES = {"am1": "AM1", "verlet": "Verlet", "heun": "Heun", "rk4": "RK4", "closed": "closed form"}
-"""How the methods and the closed form are called."""
+"""Names of the methods and of the closed form."""
 
 SEED = 2011
 REBOUNDS = (100, 10_000)
@@ -35,7 +35,7 @@ _COMBINATIONS = [(method, correction) for method in METHODS for correction in CO
 
 @dataclass(frozen=True)
 class Extent:
-    """How much of the study runs."""
+    """Extent of the study that runs."""
 
     oversamplings: tuple[int, ...]
     durations: tuple[float, ...]  # of hard contacts, samples
@@ -62,7 +62,8 @@ class Failures:
 
 
 def bowing_rows(extent: Extent) -> tuple[list[Row], list[Row], list[Row]]:
-    """Where a bowed string slips once a period: by position and force, its limits, and by acceleration and force."""
+    """Measure where a bowed string slips once a period: by position and force, its limits, and by acceleration and
+    force."""
     step, rate = extent.bowed_every, 48_000.0
     betas, forces = bowing.BETAS[::step], bowing.FORCES[::step]
     limits: list[Row] = [
@@ -73,17 +74,17 @@ def bowing_rows(extent: Extent) -> tuple[list[Row], list[Row], list[Row]]:
 
 
 def friction_rows(extent: Extent) -> tuple[list[Row], list[Row]]:
-    """Errors and costs of ways to simulate friction, and what each gives back on random extremes."""
+    """Measure errors and costs of ways to simulate friction, and what each gives back on random extremes."""
     return list(bristle.errors()), list(bristle.extremes(extent.rubs))
 
 
 def ringing_rows(extent: Extent) -> list[Row]:
-    """Errors and costs of ways to let modes ring freely."""
+    """Measure errors and costs of ways to let modes ring freely."""
     return list(ringing.costs(extent.repeats))
 
 
 def pick(rows: Iterable[Row], **wanted: Any) -> list[Row]:
-    """The rows whose columns have the wanted values."""
+    """Return the rows whose columns have the wanted values."""
     return [row for row in rows if all(row[name] == value for name, value in wanted.items())]
 
 
@@ -103,7 +104,8 @@ def _text(value: Any) -> str:
 
 
 def cases(extent: Extent) -> Iterator[tuple[str, Law]]:
-    """Names and laws: the paper's cases, hard contacts of every duration, and ten-sample contacts of every damping."""
+    """Yield names and laws: the paper's cases, hard contacts of every duration, and ten-sample contacts of every
+    damping."""
     yield from PAPER_CASES.items()
     v_in, m, k, mu, a = PAPER_CASES["2"]
     for samples in extent.durations:
@@ -113,13 +115,13 @@ def cases(extent: Extent) -> Iterator[tuple[str, Law]]:
 
 
 def lasting(samples: float, law: Law) -> Law:
-    """The law with its stiffness changed, so that the contact lasts `samples` samples at PAPER_RATE."""
+    """Return the law with its stiffness changed, so that the contact lasts `samples` samples at PAPER_RATE."""
     v_in, m, k, mu, a = law
     return v_in, m, k * (float(contact_time(*law)) * PAPER_RATE / samples) ** (a + 1), mu, a
 
 
 def errors(case: str, law: Law, extent: Extent) -> Iterator[Row]:
-    """Rows of errors and costs on a law: closed forms first, then every method, correction and oversampling."""
+    """Yield rows of errors and costs on a law: closed forms first, then every method, correction and oversampling."""
     samples = contact_time(*law) * PAPER_RATE
     known = {"case": case, **dict(zip(("v_in", "m", "k", "mu", "a"), law, strict=True)), "rate": PAPER_RATE}
     known["samples"] = samples
@@ -161,7 +163,7 @@ def errors(case: str, law: Law, extent: Extent) -> Iterator[Row]:
 
 
 def failures(extent: Extent) -> Failures:
-    """Every method and correction, and the closed form, on contacts scattered over all parameters."""
+    """Measure every method and correction, and the closed form, on contacts scattered over all parameters."""
     laws, rates = wall.scattered_laws(extent.points, SEED)
     exact = np.array([float(reference.release_velocity(law[0], law[3])) for law in laws])
     outcomes, off = {}, {}
@@ -173,7 +175,8 @@ def failures(extent: Extent) -> Failures:
 
 
 def counts(found: Failures) -> list[Row]:
-    """Rows by method and correction: how often each outcome occurs, and the errors of v_out (%) of sound contacts."""
+    """Return rows by method and correction: how often each outcome occurs, and the errors of v_out (%) of sound
+    contacts."""
     rows: list[Row] = []
     for (method, correction), outcome in found.outcomes.items():
         number = np.bincount(outcome, minlength=len(Outcome))
@@ -187,7 +190,7 @@ def counts(found: Failures) -> list[Row]:
 
 
 def coupled_rows(band: tuple[float, float], extent: Extent) -> Iterator[Row]:
-    """Rows of every solver on contacts with objects that give way, their sum r from the band."""
+    """Yield rows of every solver on contacts with objects that give way, their sum r from the band."""
     cases = comparison.band_cases(band, extent.contacts, SEED)
     for score in comparison.scores(cases, extent.coupled_oversamplings, extent.coupled_repeats):
         yield {
@@ -206,14 +209,14 @@ def coupled_rows(band: tuple[float, float], extent: Extent) -> Iterator[Row]:
 
 
 def speeds(law: Law) -> dict[tuple[str, str], NDArray[np.float64]]:
-    """Speeds after each rebound of a sequence by method and correction, and the ("exact", "none") ones."""
+    """Return the speeds after each rebound of a sequence by method and correction, and the ("exact", "none") ones."""
     count = max(REBOUNDS)
     found = {pair: wall.rebounds(*pair, law, PAPER_RATE, count) for pair in _COMBINATIONS}
     return {("exact", "none"): wall.exact_rebounds(law, count), **found}
 
 
 def rebound_rows(sequences: dict[str, dict[tuple[str, str], NDArray[np.float64]]]) -> list[Row]:
-    """Rows of the errors on H after some rebounds, in % of the energy that is left."""
+    """Return rows of the errors on H after some rebounds, in % of the energy that is left."""
     rows: list[Row] = []
     for case, found in sequences.items():
         exact = found["exact", "none"]

@@ -66,7 +66,7 @@ def _run(arguments: argparse.Namespace) -> int:
 
 
 def _columns() -> "Sequence[ProgressColumn]":
-    """How many items there are, of how many, with the rate and the time left."""
+    """Return the columns of progress: how many items there are, of how many, with the rate and the time left."""
     from rich.progress import BarColumn, MofNCompleteColumn, Task, TextColumn, TimeRemainingColumn
     from rich.text import Text
 

@@ -23,7 +23,7 @@ def _run(_: argparse.Namespace) -> int:
 
 
 def _midi_inputs() -> list[str]:
-    """A line for each MIDI input, where the extra for it is installed and the system has any."""
+    """Return a line for each MIDI input, where the extra for it is installed and the system has any."""
     from ...server.options import ServeError
 
     with suppress(ModuleNotFoundError, ServeError):

@@ -13,7 +13,8 @@ _SIGNALS = [getattr(signal, name) for name in ("SIGTERM", "SIGINT", "SIGHUP") if
 
 
 def end_within(seconds: float, command: str) -> Callable[[], object]:
-    """Have a signal end this process in so many seconds, whatever its threads do; returns what has the same effect.
+    """Make a signal end this process in so many seconds, whatever its threads do; return a function with the same
+    effect.
 
     Python handles signals in the main thread, which a computation may keep to itself. But the system's own handler
     writes the number of each signal to a socket at once, and a thread reads it there.

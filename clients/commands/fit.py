@@ -90,7 +90,7 @@ def _words(text: str | None) -> list[str]:
 
 
 def _told(given: str | None, question: str) -> str | None:
-    """What is given, or what a person at a terminal answers; None where nobody says anything."""
+    """Return what is given, or what a person at a terminal answers; None where nobody says anything."""
     if given is not None or not (sys.stdin.isatty() and sys.stderr.isatty()):
         return given
     print(f"{question} (Enter: unknown) ", end="", file=sys.stderr, flush=True)

@@ -32,7 +32,7 @@ def _run(arguments: argparse.Namespace) -> int:
 
 
 def _heard(server: Client, seconds: float) -> Iterator[Message]:
-    """The messages that a server sends to those that it notifies. TimeoutError if it does not answer any more,
+    """Yield the messages that a server sends to those that it notifies. TimeoutError if it does not answer any more,
     ConnectionError if it has ended."""
     server.ask("/notify", 1)
     try:
@@ -42,7 +42,7 @@ def _heard(server: Client, seconds: float) -> Iterator[Message]:
 
 
 def _notified(server: Client, seconds: float) -> Iterator[Message]:
-    """Its messages for so long, asked for again and again."""
+    """Yield the server's messages for so long, with the subscription renewed again and again."""
     answered = time.monotonic()
     end = answered + seconds
     while (now := time.monotonic()) < end:

@@ -24,7 +24,7 @@ SWITCH: dict[str, Any] = {"choices": ("on", "off"), "type": one_of("on", "off")}
 
 
 def switch(word: str | None) -> bool | None:
-    """Whether an option is on; None if it is not given."""
+    """True if an option is on; None if it is not given."""
     return None if word is None else word == "on"
 
 
@@ -42,7 +42,7 @@ def add_contact(parser: argparse.ArgumentParser) -> None:
 
 
 def contact(arguments: argparse.Namespace) -> tuple[str | int, ...]:
-    """The arguments of the /contact that the options ask for; none without options."""
+    """Return the arguments of the /contact that the options ask for; none without options."""
     keys = {"correction": arguments.correction, "oversampling": arguments.oversampling}
     given = [part for key, value in keys.items() if value is not None for part in (key, value)]
     return (
@@ -78,7 +78,7 @@ def add_server(parser: argparse.ArgumentParser) -> None:
 
 
 def client(arguments: argparse.Namespace) -> Client:
-    """A client of the server that the options name."""
+    """Return a client of the server that the options name."""
     from ...server.net.reply_budget import local
 
     found = Client(arguments.host, arguments.port, arguments.tcp or not local(arguments.host))

@@ -41,11 +41,11 @@ class Parser(argparse.ArgumentParser):
         self.exit(2, folded(line, columns_of(sys.stderr)) + "\n")
 
     def actions(self) -> list[argparse.Action]:
-        """The options and arguments of the command."""
+        """Return the options and arguments of the command."""
         return list(self._actions)
 
     def ordered(self, words: Sequence[str]) -> list[str]:
-        """The words with options first, then -- and the arguments, as argparse then takes each for what it is.
+        """Return the words with options first, then -- and the arguments, as argparse then takes each for what it is.
 
         A word that begins with - is an option, but for -, negative numbers and those after --. It is an error if there
         is no such option.
@@ -83,7 +83,7 @@ def _is_option(word: str) -> bool:
 
 
 def _takes(option: argparse.Action, word: str) -> bool:
-    """Whether an option takes the word that follows. One whose value may be left out takes a number, and to refuse it a
+    """True if an option takes the word that follows. One whose value may be left out takes a number, and to refuse it a
     word that is no file's name."""
     if option.nargs != "?":
         return option.nargs != 0
@@ -95,7 +95,7 @@ def _options(option: str, known: Iterable[str]) -> str:
 
 
 def parser_of(commands: Sequence[Command], version: str) -> tuple[Parser, dict[str, Parser]]:
-    """The parser of the whole line, and those of the commands by name."""
+    """Return the parser of the whole line, and those of the commands by name."""
     text = "Hear bodies hit, bounce and roll: play them over OSC, or render a score."
     parser = Parser(prog="carom", usage="%(prog)s COMMAND ...", description=text)
     parser.add_argument("--version", action="version", version=f"carom {version}")
@@ -112,7 +112,7 @@ def parser_of(commands: Sequence[Command], version: str) -> tuple[Parser, dict[s
 
 
 def parse(parser: Parser, parsers: dict[str, Parser], words: Sequence[str]) -> argparse.Namespace:
-    """The arguments that the words give; `help COMMAND` is `COMMAND --help`.
+    """Parse the words; `help COMMAND` is `COMMAND --help`.
 
     SystemExit, with one line on stderr, where they are wrong.
     """
@@ -130,7 +130,7 @@ def parse(parser: Parser, parsers: dict[str, Parser], words: Sequence[str]) -> a
 
 
 def one_of(*words: str) -> Callable[[str], str]:
-    """The type of an option that is one of a few words."""
+    """Return the type of an option that is one of a few words."""
 
     def check(word: str) -> str:
         if word in words:
@@ -141,7 +141,7 @@ def one_of(*words: str) -> Callable[[str], str]:
 
 
 def whole(word: str) -> int:
-    """The type of an option that is a whole number."""
+    """Return the type of an option that is a whole number."""
     try:
         return int(word)
     except ValueError:
@@ -149,12 +149,12 @@ def whole(word: str) -> int:
 
 
 def pascals(word: str) -> float:
-    """The type of an option that is a pressure in Pa, with its unit or without it."""
+    """Return the type of an option that is a pressure in Pa, with its unit or without it."""
     return number(word.removesuffix("Pa").rstrip())
 
 
 def number(word: str) -> float:
-    """The type of an option that is a number."""
+    """Return the type of an option that is a number."""
     try:
         return float(word)
     except ValueError:
@@ -165,7 +165,7 @@ _SIZE = re.compile(r"(\d+(?:\.\d+)?) ?([kMGT]?)B?", re.IGNORECASE)
 
 
 def size(word: str) -> int:
-    """The type of an option that is a number of bytes, such as 500MB or 1.5G."""
+    """Return the type of an option that is a number of bytes, such as 500MB or 1.5G."""
     if not (given := _SIZE.fullmatch(word)):
         raise argparse.ArgumentTypeError(f"{word!r}: expected bytes, such as 500MB or 10GB")
     return int(float(given[1]) * 1000.0 ** " kmgt".index(given[2].lower() or " "))

@@ -43,7 +43,7 @@ def _run(arguments: argparse.Namespace) -> int:
 
 
 def _columns() -> Sequence[ProgressColumn]:
-    """The score's name, and how much of its time is left."""
+    """Return columns: the score's name, and how much of its time is left."""
     from rich.progress import BarColumn, TextColumn
 
     return TextColumn("{task.description}"), BarColumn(), TextColumn("{task.completed:.0f} of {task.total:.0f} s")

@@ -113,7 +113,7 @@ def _show(names: Sequence[str], presets: Presets, as_json: bool) -> None:
 
 
 def _check(files: Sequence[str], presets: Presets, as_json: bool) -> int:
-    """Print what each file holds, or on stderr what is wrong; returns the exit code."""
+    """Print what each file holds, or on stderr what is wrong; return the exit code."""
     from ..preset_files import checked, files_in
 
     paths = [path for file in files for path in files_in(file)]

@@ -13,7 +13,8 @@ if TYPE_CHECKING:
 def shown_progress(
     columns: Callable[[], Sequence["ProgressColumn"]] = tuple, description: str = "", total: float | None = None
 ) -> Iterator[Callable[..., object]]:
-    """A function that changes a bar's `completed`, `total` or `description`; it does nothing if stderr is no terminal.
+    """Show progress; yield a function that changes a bar's `completed`, `total` or `description`, and does nothing if
+    stderr is no terminal.
 
     columns: makes rich's columns, its usual ones if there are none; rich is slow to load.
     """
@@ -33,14 +34,14 @@ def shown_progress(
 
 
 def seconds_of_sound() -> "Sequence[ProgressColumn]":
-    """Columns: the name, how long the sound is by now, and how long that took."""
+    """Return columns: the name, how long the sound is by now, and how long that took."""
     from rich.progress import TextColumn, TimeElapsedColumn
 
     return TextColumn("{task.description}"), TextColumn("{task.completed:.1f} s of sound"), TimeElapsedColumn()
 
 
 def at_work() -> "Sequence[ProgressColumn]":
-    """Columns for work of which nobody knows how long it takes: a bar that moves, and the time by now."""
+    """Return columns for work of which nobody knows how long it takes: a bar that moves, and the time by now."""
     from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 
     return TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn()

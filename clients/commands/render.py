@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ..rendering import Result, Task
 
 FORMATS = ("16", "24", "float")
-"""Of samples."""
+"""Formats of samples."""
 
 MOST_JOBS = 256
 
@@ -107,14 +107,14 @@ def _render_one(task: Task, options: Options, presets: Presets, interrupted: Eve
 
 
 def _columns_of_many() -> Sequence[ProgressColumn]:
-    """How many scores are rendered."""
+    """Return the columns of progress: how many scores are rendered."""
     from rich.progress import BarColumn, MofNCompleteColumn, TimeRemainingColumn
 
     return BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
 
 
 def _render_many(results: Iterator[Result], count: int) -> int:
-    """Tell results as they come, with progress in scores on a terminal; returns the exit code."""
+    """Tell results as they come, with progress in scores on a terminal; return the exit code."""
     from ..streams import score_name
 
     failed = False

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ...server.web.server import WebServer
 
 PAGE_PORT = 57141
-"""Of the page, where no other is given."""
+"""Port of the page, where no other is given."""
 PAGE = Path(__file__).parents[1] / "page"
 """The page's files."""
 
@@ -147,7 +147,7 @@ def serve(arguments: argparse.Namespace, on_start: Callable[[Server], object]) -
 
 
 def _keep_memory_together() -> None:
-    """Have the GNU C library take memory from one heap for all threads, and give back what is free at its end.
+    """Make the GNU C library take memory from one heap for all threads, and give back what is free at its end.
 
     By itself it opens a heap for each thread, and raises the size from which on an array is a map of its own: in hours
     of mixed traffic the heaps of the threads that make objects grow to twice what is used.

@@ -21,7 +21,7 @@ _MADE = {"id": "no key", "by": "a section [by], as the object that strikes"}
 
 
 def require_sound(recipe: Recipe, presets: Presets) -> None:
-    """PresetError names the file, the section, the key and the value that no item could have."""
+    """Raise PresetError that names the file, the section, the key and the value that no item could have."""
     for section, table in recipe.sections.items():
         where = f"{recipe.where}[{section}] "
         if section == SCORE:
@@ -58,7 +58,8 @@ def _ends(value: Value | Spread) -> tuple[Value, ...]:
 
 
 def _tried(table: Mapping[str, Value | Spread], first: str) -> Iterator[dict[str, Value]]:
-    """Values of a section: each end of each key, with the others in the middle, for all values of the key `first`."""
+    """Yield values of a section: each end of each key, with the others in the middle, for all values of the key
+    `first`."""
     middle = {key: value.at(0.5) if isinstance(value, Spread) else value for key, value in table.items()}
     for chosen in _ends(table[first]) if first else (None,):
         base = {**middle, **({first: chosen} if chosen is not None else {})}
@@ -70,7 +71,7 @@ def _tried(table: Mapping[str, Value | Spread], first: str) -> Iterator[dict[str
 
 
 def _try(section: str, values: Mapping[str, Value], presets: Presets, has_by: bool) -> None:
-    """Refused or PresetError if a message of these values cannot be carried out."""
+    """Try a message of these values; raise Refused or PresetError if it cannot be carried out."""
     if section in OBJECTS:
         message = object_message(section, values, presets)
         (call,) = calls(message)

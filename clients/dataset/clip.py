@@ -23,7 +23,7 @@ from .messages import OBJECT, lines_of, number
 from .recipe import SCORE, Recipe
 
 Truth = dict[str, Any]
-"""What is known of a clip, by name: numbers, words, and lists of these."""
+"""Ground truth of a clip, by name: numbers, words, and lists of these."""
 
 FREE = ("impact", "bounce", "spin")
 """Gestures between whose contacts a striker flies: nothing but the contact changes its speed then."""
@@ -48,7 +48,7 @@ class Clip:
 
 
 def render(recipe: Recipe, item: Item, presets: Presets) -> Clip:
-    """The clip of an item. ItemError names it where it cannot be, or would exceed full scale."""
+    """Render the clip of an item. ItemError names it where it cannot be, or would exceed full scale."""
     try:
         return _render(recipe, item, presets)
     except KINDS as error:
@@ -79,7 +79,7 @@ def _render(recipe: Recipe, item: Item, presets: Presets) -> Clip:
 
 
 def _said(item: Item) -> str:
-    """The factors of an item in words."""
+    """Describe the factors of an item in words."""
     return (
         ", ".join(
             f"{name} = {value:.4g}" if isinstance(value, float) else f"{name} = {value}"
@@ -90,7 +90,8 @@ def _said(item: Item) -> str:
 
 
 def _played(recipe: Recipe, item: Item, performer: Performer) -> tuple[NDArray[np.float32], tuple[Contact, ...]]:
-    """The sound of an item (Pa), and its contacts. CommandError names the line of a score that was refused."""
+    """Play an item; return its sound (Pa), and its contacts. CommandError names the line of a score that was
+    refused."""
     pieces, traces = [], []
     longest = TRACED if item.gesture == SCORE else _PIECE
     done = 0
@@ -111,12 +112,13 @@ def _played(recipe: Recipe, item: Item, performer: Performer) -> tuple[NDArray[n
 
 
 def _due(recipe: Recipe, item: Item, line: Line) -> int:
-    """The frame before which a line is carried out: a score's in time, as what it says may depend on what has ended."""
+    """Return the frame before which a line is carried out: a score's in time, as what it says may depend on what has
+    ended."""
     return int(sample_at(line.time, recipe.rate)) // QUANTUM * QUANTUM if item.gesture == SCORE else 0
 
 
 def _touched(item: Item, name: str, contacts: tuple[Contact, ...]) -> float | None:
-    """Where an object is touched, along its strike path: by a score, where it is hit hardest. None: not said."""
+    """Return where along its strike path an object is touched; by a score, where it is hit hardest. None: not said."""
     if item.gesture != SCORE:
         key = "position" if name == OBJECT else "by_position"
         return number(item.values[item.gesture], key) if key in item.values[item.gesture] else None
@@ -125,7 +127,7 @@ def _touched(item: Item, name: str, contacts: tuple[Contact, ...]) -> float | No
 
 
 def _about(recipe: Recipe, item: Item, peak: float, pressure: NDArray[np.float32]) -> Truth:
-    """What an item is, and how loud. exposure: Pa^2 s, of each channel."""
+    """Describe an item, and its loudness. exposure: Pa^2 s, of each channel."""
     paired = {"pair": item.pair, "differs": item.differs} if item.pair >= 0 else {}
     return {
         "item": item.number,
@@ -142,7 +144,8 @@ def _about(recipe: Recipe, item: Item, peak: float, pressure: NDArray[np.float32
 
 
 def _object(performer: Performer, recipe: Recipe, name: str, touched: float | None) -> Truth:
-    """An object: what it is, and the modes that a blow where it is touched excites; empty where it came too late."""
+    """Describe an object: what it is, and the modes that a blow where it is touched excites; empty where it came too
+    late."""
     placed = performer.placed(name)
     heard = performer.heard(placed)
     if heard is None:
@@ -167,12 +170,12 @@ def _object(performer: Performer, recipe: Recipe, name: str, touched: float | No
 
 
 def _sines(frequency: NDArray[np.float64], decay: NDArray[np.float64], gain: NDArray[np.float64]) -> Truth:
-    """Damped sines: frequencies (Hz), decays (1/s), and for each channel the gains (Pa per N s)."""
+    """Return damped sines: frequencies (Hz), decays (1/s), and for each channel the gains (Pa per N s)."""
     return {"frequency": frequency.tolist(), "decay": decay.tolist(), "gain": gain.T.tolist()}
 
 
 def _contacts(contacts: tuple[Contact, ...]) -> list[Mapping[str, Any]]:
-    """The contacts; where their forces begin among all forces, and how many they are."""
+    """Describe the contacts; where their forces begin among all forces, and how many they are."""
     told: list[Mapping[str, Any]] = []
     begin = 0
     for each in contacts:

@@ -21,8 +21,8 @@ _AHEAD = 2  # shards for each thread of the workers that are asked for at once
 def by_dask(
     plan: Plan, out: Path, shards: Sequence[int], address: str, interrupted: Callable[[], bool]
 ) -> Iterator[int]:
-    """Have a scheduler's workers make shards, and write them to a folder; the numbers of those that are there, as they
-    come. Another worker does the work of one that is lost.
+    """Make shards on a scheduler's workers, and write them to a folder; yield the numbers of those that are there, as
+    they come. Another worker does the work of one that is lost.
 
     KeyboardInterrupt if `interrupted` says so. WorkerError says what went wrong first.
     """
@@ -53,7 +53,7 @@ def by_dask(
 
 
 def _finished(waiting: set[Future]) -> set[Future]:
-    """Those that are done, within _LOOK."""
+    """Return those that finish within _LOOK."""
     try:
         done: set[Future] = wait(waiting, timeout=_LOOK, return_when="FIRST_COMPLETED").done
     except (TimeoutError, asyncio.TimeoutError):
@@ -62,7 +62,7 @@ def _finished(waiting: set[Future]) -> set[Future]:
 
 
 def _result(future: Future, address: str) -> Made:
-    """The shard that a worker made. WorkerError says why there is none."""
+    """Return the shard that a worker made. WorkerError says why there is none."""
     try:
         made = future.result()
     except Exception as error:  # whatever befell the worker
@@ -73,7 +73,7 @@ def _result(future: Future, address: str) -> Made:
 
 
 def _carry_out(plan: Plan, shard: int) -> Made | str:
-    """On a worker: a shard, or why it cannot be made."""
+    """Make a shard, on a worker; or say why it cannot be made."""
     try:
         return make(plan, shard, f"worker {get_worker().address}")
     except KINDS as error:

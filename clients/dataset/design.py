@@ -1,4 +1,4 @@
-"""What each item is: its factors, which follow from the recipe and the item's number alone."""
+"""The design of a data set: the factors of each item, which follow from the recipe and the item's number alone."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ class Item:
 
 
 def items(recipe: Recipe, numbers: range) -> list[Item]:
-    """The items of some numbers in a row."""
+    """Return the items of some numbers in a row."""
     shares = _sobol(recipe, numbers) if recipe.design == "sobol" else None
     return [_item(recipe, number, None if shares is None else shares[place]) for place, number in enumerate(numbers)]
 
 
 def _item(recipe: Recipe, number: int, shares: NDArray[np.float64] | None) -> Item:
-    """An item. shares: of each factor's distribution, where the design says them."""
+    """Return an item. shares: of each factor's distribution, where the design says them."""
     pair = number // 2 if recipe.design == "pairs" else -1
     of_its_own = np.random.SeedSequence(recipe.seed, spawn_key=(number if pair < 0 else pair,))
     random = np.random.Generator(np.random.PCG64(of_its_own))
@@ -78,7 +78,8 @@ def _made(recipe: Recipe, number: int, seed: int, shares: NDArray[np.float64]) -
 
 
 def _on_grid(recipe: Recipe, number: int, shares: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Shares in which the factors of a grid are those of an item's point; the last factor changes fastest."""
+    """Return the shares in which the factors of a grid are those of an item's point; the last factor changes
+    fastest."""
     placed = shares.copy()
     for place, factor in reversed(list(enumerate(recipe.factors))):
         if factor.spread.levels:
@@ -88,7 +89,7 @@ def _on_grid(recipe: Recipe, number: int, shares: NDArray[np.float64]) -> NDArra
 
 
 def _sobol(recipe: Recipe, numbers: range) -> NDArray[np.float64]:
-    """(items, factors): points of Sobol's sequence, moved by a digital shift that the recipe's seed says.
+    """Return points of Sobol's sequence, (items, factors), moved by a digital shift that the recipe's seed says.
 
     The shift keeps the evenness of any 2^m points in a row that begin at a multiple of 2^m.
     """
@@ -106,7 +107,7 @@ def _sobol(recipe: Recipe, numbers: range) -> NDArray[np.float64]:
 
 
 def _differing(recipe: Recipe, item: Item, random: np.random.Generator) -> int:
-    """The place of the factor in which the items of a pair differ."""
+    """Return the place of the factor in which the items of a pair differ."""
     able = [
         place
         for place, factor in enumerate(recipe.factors)
@@ -120,7 +121,7 @@ def _may_differ(differ: Sequence[str], name: str) -> bool:
 
 
 def _other(recipe: Recipe, place: int, share: float, random: np.random.Generator) -> float:
-    """Another share of a factor's distribution, of another of its levels where it has such."""
+    """Draw another share of a factor's distribution, of another of its levels where it has such."""
     spread = recipe.factors[place].spread
     if not spread.levels:
         return float(random.random())

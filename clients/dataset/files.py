@@ -29,7 +29,7 @@ class FolderError(RuntimeError):
 
 
 def about(recipe: Recipe, versions: Mapping[str, str]) -> dict[str, Any]:
-    """What the file ABOUT says."""
+    """Return the contents of the file ABOUT."""
     return {
         "recipe": recipe.name,
         "items": recipe.count,
@@ -50,18 +50,18 @@ def _text(line: Line) -> str:
 
 
 def table_name(recipe: Recipe) -> str:
-    """The name of the table's file."""
+    """Return the name of the table's file."""
     return f"{recipe.name}.parquet"
 
 
 def rows_name(recipe: Recipe, shard: int) -> str:
-    """The name of the file of a shard's rows, which is there until the table is."""
+    """Return the name of the file of a shard's rows, which is there until the table is."""
     return shard_name(recipe, shard).removesuffix(".tar") + ".rows"
 
 
 @contextmanager
 def opened(out: Path, said: Mapping[str, Any]) -> Iterator[None]:
-    """A folder, new or with a part of the same data set, that no other run writes to meanwhile.
+    """Open a folder, new or with a part of the same data set, that no other run writes to meanwhile.
 
     FolderError, VersionError or OSError say why it cannot be. What runs that were killed left half is removed.
     """
@@ -91,7 +91,7 @@ def _remove_halves(out: Path) -> None:
 
 
 def _require_same(out: Path, there: Mapping[str, Any], said: Mapping[str, Any]) -> None:
-    """FolderError or VersionError unless a folder holds the data set that is meant."""
+    """Raise FolderError or VersionError unless a folder holds the data set that is meant."""
     parts = {"recipe": "recipe", "recipe_text": "text of the recipe", "scores": "score", "items": "number of items"}
     for key, what in parts.items():
         if there.get(key) != said[key]:
@@ -101,7 +101,7 @@ def _require_same(out: Path, there: Mapping[str, Any], said: Mapping[str, Any]) 
 
 
 def missing(out: Path, recipe: Recipe) -> list[int]:
-    """The numbers of the shards that are not there."""
+    """Return the numbers of the shards that are not there."""
     whole = (out / table_name(recipe)).exists()
     return [
         number

@@ -20,7 +20,7 @@ OBJECT, BY = "object", "by"
 
 
 def lines_of(recipe: Recipe, item: Item, presets: Presets) -> list[Line]:
-    """What an item does, by time: its score, or objects that are made, a gesture, and perhaps its end.
+    """Return an item's lines, by time: its score, or objects that are made, a gesture, and perhaps its end.
 
     PresetError as in `object_message`.
     """
@@ -38,7 +38,7 @@ def lines_of(recipe: Recipe, item: Item, presets: Presets) -> list[Line]:
 
 
 def object_message(name: str, values: Mapping[str, Value], presets: Presets) -> Message:
-    """The message that makes an object. PresetError where it has no lengths, and a size is given."""
+    """Return the message that makes an object. PresetError where it has no lengths, and a size is given."""
     preset = str(values["preset"])
     given = {key: value for key, value in values.items() if key != "preset" and key not in OWN[name]}
     scaled = _scaled(preset, number(values, "size"), presets) if "size" in values else {}
@@ -46,7 +46,7 @@ def object_message(name: str, values: Mapping[str, Value], presets: Presets) -> 
 
 
 def gesture_message(gesture: str, values: Mapping[str, Value], seed: int, has_by: bool) -> Message:
-    """The message of a gesture, with a seed of its own unless it is given one."""
+    """Return the message of a gesture, with a seed of its own unless it is given one."""
     argument = GESTURES[gesture].argument.name
     given = {key: value for key, value in values.items() if key not in (argument, *OWN[gesture])}
     if any(key.name == "seed" for key in GESTURES[gesture].keys):
@@ -57,7 +57,7 @@ def gesture_message(gesture: str, values: Mapping[str, Value], seed: int, has_by
 
 
 def number(values: Mapping[str, Value], key: str, default: float = 0.0) -> float:
-    """A value that is a number."""
+    """Return a value that is a number."""
     value = values.get(key, default)
     assert isinstance(value, int | float), key
     return float(value)
@@ -68,7 +68,7 @@ def _pairs(values: Mapping[str, Value]) -> tuple[Argument, ...]:
 
 
 def _scaled(name: str, size: float, presets: Presets) -> dict[str, Value]:
-    """The lengths of an object's geometry, times its size."""
+    """Return the lengths of an object's geometry, times its size."""
     preset = presets.object(name)
     fields = SHAPES[preset.shape].fields
     lengths = [key for key, domain in fields.items() if isinstance(domain, Quantity) and domain.unit == "m"]

@@ -1,4 +1,4 @@
-"""What a worker needs to know, and what it makes of it: a shard."""
+"""The plan that a worker follows, and the shard that it makes."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Made:
 
 
 def planned(recipe: Recipe, folders: Sequence[Path]) -> Plan:
-    """The plan of a recipe, with modes that many items share."""
+    """Return the plan of a recipe, with modes that many items share."""
     plan = outlined(recipe, folders)
     presets = Presets(plan.folders)
     for message in shared_objects(recipe, presets):
@@ -59,13 +59,14 @@ def planned(recipe: Recipe, folders: Sequence[Path]) -> Plan:
 
 
 def outlined(recipe: Recipe, folders: Sequence[Path]) -> Plan:
-    """The plan of a recipe, without modes."""
+    """Return the plan of a recipe, without modes."""
     places = tuple(map(str, folders))
     return Plan(recipe, places, dict(versions(places)))
 
 
 def make(plan: Plan, shard: int, worker: str, go_on: Callable[[], object] = lambda: None) -> Made:
-    """A shard of a plan. go_on: called before each item; what it raises ends the work. worker: how an error names it.
+    """Make a shard of a plan. go_on: called before each item; what it raises ends the work. worker: how an error names
+    it.
 
     VersionError if this process would make other bytes; ItemError names an item that cannot be.
     """
@@ -93,7 +94,7 @@ _presets = cache(Remembered)
 
 
 def shared_objects(recipe: Recipe, presets: Presets) -> list[Message]:
-    """The messages that make all objects that there can be, of other modes each, if they are few."""
+    """Return the messages that make all objects that there can be, of other modes each, if they are few."""
     found: list[Message] = []
     for section in OBJECTS:
         table = {key: value for key, value in recipe.sections.get(section, {}).items() if key not in SETTINGS}

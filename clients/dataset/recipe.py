@@ -57,7 +57,7 @@ DEFAULTS: Mapping[str, Any] = {
     "design": "random", "seed": 0, "seconds": 1.0, "rate": 48_000, "channels": 1, "format": "flac", "samples": "24",
     "full_scale": 20.0, "shard": 256,
 }  # fmt: skip
-"""Of keys that need not be given."""
+"""Defaults of keys that need not be given."""
 
 OWN: Mapping[str, Fields] = {
     "object": {"size": Quantity(1e-3, 1e3, "times")},
@@ -106,21 +106,21 @@ class Recipe:
 
     @property
     def frames(self) -> int:
-        """Of each clip."""
+        """Frames of each clip."""
         return round(self.seconds * self.rate)
 
     @property
     def shards(self) -> int:
-        """How many files hold the clips."""
+        """Number of files that hold the clips."""
         return math.ceil(self.count / self.shard)
 
     def numbers(self, shard: int) -> range:
-        """The numbers of a shard's items."""
+        """Return the numbers of a shard's items."""
         return range(shard * self.shard, min((shard + 1) * self.shard, self.count))
 
 
 def find(name: str, folders: Sequence[Path] = ()) -> Path:
-    """The file of a recipe: a file of that name, or a preset in recipes/ of these folders or of Carom's own.
+    """Return the file of a recipe: a file of that name, or a preset in recipes/ of these folders or of Carom's own.
 
     FileNotFoundError, or NoPreset, which asks for a near name.
     """
@@ -138,8 +138,8 @@ def find(name: str, folders: Sequence[Path] = ()) -> Path:
 
 
 def read(path: Path, count: int | None = None) -> Recipe:
-    """The recipe in a file; count: items, in place of the file's. PresetError names the file, the key, its value and
-    what was expected."""
+    """Read the recipe in a file; count: items, in place of the file's. PresetError names the file, the key, its value
+    and what was expected."""
     where, data = read_file(path)
     if not NAME.fullmatch(path.stem):
         raise PresetError(f"{path}: {shown(path.stem)}: expected {Name()} before .toml, as files are named by it")
@@ -179,7 +179,7 @@ def read(path: Path, count: int | None = None) -> Recipe:
 
 
 def _section(where: str, name: str, table: Mapping[str, object]) -> dict[str, Value | Spread]:
-    """The values and distributions of a section."""
+    """Return the values and distributions of a section."""
     made: dict[str, Value | Spread] = {}
     for key, value in table.items():
         if isinstance(value, dict):
@@ -192,7 +192,7 @@ def _section(where: str, name: str, table: Mapping[str, object]) -> dict[str, Va
 
 
 def _require_sense(recipe: Recipe) -> None:
-    """PresetError where keys contradict each other."""
+    """Raise PresetError where keys contradict each other."""
     where = recipe.where
     if recipe.format == "flac" and recipe.samples == "float":
         raise PresetError(f"{where}samples = 'float': expected 16 or 24, which FLAC holds")

@@ -19,7 +19,7 @@ from .table import join
 
 @dataclass(frozen=True)
 class Workers:
-    """Who makes the shards: so many processes, or those of Dask's scheduler at an address."""
+    """The makers of shards: so many processes, or the workers of Dask's scheduler at an address."""
 
     processes: int = 1
     dask: str = ""
@@ -59,7 +59,7 @@ def run(
 
 
 def _table(recipe: Recipe, out: Path, said: Mapping[str, Any]) -> Path:
-    """The table of a data set whose shards are all there; the files of their rows go."""
+    """Return the table of a data set whose shards are all there; the files of their rows go."""
     table = out / table_name(recipe)
     parts = [out / rows_name(recipe, shard) for shard in range(recipe.shards)]
     if not table.exists():

@@ -37,16 +37,16 @@ class Score(NamedTuple):
     words: frozenset[str]
 
     def fixed(self) -> list[Line]:
-        """The lines in which nothing is drawn."""
+        """Return the lines in which nothing is drawn."""
         return [line for line in self.lines if not any(_words(line.message.args))]
 
     def drawn(self) -> list[Line]:
-        """The others."""
+        """Return the lines in which something is drawn."""
         return [line for line in self.lines if any(_words(line.message.args))]
 
 
 def read_scores(where: str, folder: Path, table: Mapping[str, Value | Spread]) -> dict[str, Score]:
-    """The scores that a section names, of a recipe's folder. PresetError names the file and its line."""
+    """Read the scores that a section names, of a recipe's folder. PresetError names the file and its line."""
     if FILE not in table:
         raise PresetError(f"{where}{FILE} is missing: expected the name of a score, whose place is beside the recipe")
     named = table[FILE]
@@ -69,7 +69,7 @@ def read_scores(where: str, folder: Path, table: Mapping[str, Value | Spread]) -
 
 
 def filled(lines: Sequence[Line], values: Mapping[str, Value], seed: int) -> list[Line]:
-    """The lines of a score with an item's values in the places of words such as $velocity."""
+    """Fill a score's lines with an item's values in the places of words such as $velocity."""
     given = {SEED: seed, **values}
     return [
         replace(line, message=Message(line.message.address, tuple(_filled(arg, given) for arg in line.message.args)))
@@ -86,7 +86,7 @@ def _filled(arg: Argument, given: Mapping[str, Value]) -> Argument:
 def require_filled(
     where: str, scores: Mapping[str, Score], table: Mapping[str, Value | Spread], seconds: float
 ) -> None:
-    """PresetError where scores and keys do not fit each other, or a score is longer than an item."""
+    """Raise PresetError where scores and keys do not fit each other, or a score is longer than an item."""
     keys = [key for key in table if key != FILE]
     for name, score in scores.items():
         culprit = f"{where}{FILE} = {shown(name)}"
@@ -101,7 +101,7 @@ def require_filled(
 
 
 def _words(args: tuple[Argument, ...]) -> Iterator[str]:
-    """The words that are drawn."""
+    """Yield the words that are drawn."""
     for arg in args:
         if isinstance(arg, tuple):
             yield from _words(arg)
@@ -110,7 +110,8 @@ def _words(args: tuple[Argument, ...]) -> Iterator[str]:
 
 
 def require_performable(lines: Sequence[Line], presets: Presets) -> None:
-    """PresetError names a line that no score could carry out, or that names a preset that there is not."""
+    """Raise PresetError that names a line which no score could carry out, or which names a preset that does not
+    exist."""
     for line in lines:
         for call in calls(line.message):
             try:

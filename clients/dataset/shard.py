@@ -19,17 +19,17 @@ _SUBTYPES = {"16": "PCM_16", "24": "PCM_24"}
 
 
 def shard_name(recipe: Recipe, number: int) -> str:
-    """The name of a shard's file."""
+    """Return the name of a shard's file."""
     return f"{recipe.name}-{number:06d}.tar"
 
 
 def key_of(item: int) -> str:
-    """The name of an item's files in their shard, up to the first dot."""
+    """Return the name of an item's files in their shard, up to the first dot."""
     return f"{item:09d}"
 
 
 def packed(recipe: Recipe, clips: Iterable[Clip]) -> bytes:
-    """The tar of clips: for each its sound, KEY.json with its truth, and KEY.force.npy with its forces."""
+    """Pack clips into a tar: for each its sound, KEY.json with its truth, and KEY.force.npy with its forces."""
     memory = io.BytesIO()
     with tarfile.open(fileobj=memory, mode="w", format=tarfile.USTAR_FORMAT) as tar:
         for clip in clips:
@@ -47,7 +47,7 @@ def packed(recipe: Recipe, clips: Iterable[Clip]) -> bytes:
 
 
 def sound_file(samples: NDArray[np.float32], recipe: Recipe) -> bytes:
-    """A sound file of samples (frames, channels)."""
+    """Return a sound file of samples (frames, channels)."""
     if recipe.samples == "float":
         return header(recipe.rate, len(samples), samples.shape[1]) + samples.astype("<f4").tobytes()
     memory = io.BytesIO()

@@ -1,4 +1,4 @@
-"""How a value is spread over items: distributions, each a function of a number u from 0 to below 1."""
+"""The spread of a value over items: distributions, each a function of a number u from 0 to below 1."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Spread(ABC):
     """A distribution."""
 
     levels: int = 0
-    """How many values there are; 0: any number."""
+    """Number of values that there are; 0: any number."""
 
     @property
     @abstractmethod
@@ -36,14 +36,14 @@ class Spread(ABC):
 
     @abstractmethod
     def at(self, u: float) -> Value:
-        """The value at a share u of the distribution."""
+        """Return the value at a share u of the distribution."""
 
     def level(self, u: float) -> int:
-        """Which of its levels a share u gives."""
+        """Return which of its levels a share u gives."""
         return int(u * self.levels)
 
     def middle(self, level: int) -> float:
-        """A share u that gives a level."""
+        """Return a share u that gives a level."""
         return (level + 0.5) / self.levels
 
 
@@ -135,7 +135,7 @@ class _Options:
 
 @dataclass(frozen=True)
 class _Weights:
-    """As many numbers as there are options, which the caller knows."""
+    """The weights of a choice: as many numbers as there are options, which the caller knows."""
 
     def __str__(self) -> str:
         return "a list of numbers above 0, one for each of the choice"
@@ -174,11 +174,11 @@ FORMS = {
     "normal = [mean, deviation], low = X, high = Y": "normally, cut off at two numbers",
     "choice = [...]": "one of some words or numbers; with `weights = [...]` as often as these say",
 }
-"""As recipes have them, and what each draws."""
+"""Forms of a distribution as recipes have them, and what each draws."""
 
 
 def spread_of(where: str, table: Mapping[str, object]) -> Spread:
-    """The distribution that a table of a recipe says. `where` begins the text of a PresetError."""
+    """Return the distribution that a table of a recipe says. `where` begins the text of a PresetError."""
     kinds = [kind for kind in _KINDS if kind in table]
     if len(kinds) != 1:
         known = f"expected one of {', '.join(_KINDS)}" if kinds else expected(next(iter(table), ""), _KINDS)

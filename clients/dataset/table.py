@@ -39,7 +39,7 @@ _CONTACT = pa.struct(
 
 
 def schema(recipe: Recipe, about: Mapping[str, Any]) -> pa.Schema:
-    """The columns of a recipe's table. about: what its metadata say, as JSON under the key `carom`."""
+    """Return the columns of a recipe's table. about: what its metadata say, as JSON under the key `carom`."""
     paired = {"pair": pa.int64(), "differs": pa.string()} if recipe.design == "pairs" else {}
     factors = {factor.name: _kind(factor.spread.ends) for factor in recipe.factors}
     columns = {
@@ -53,7 +53,7 @@ def schema(recipe: Recipe, about: Mapping[str, Any]) -> pa.Schema:
 
 
 def rows_file(recipe: Recipe, shard: int, clips: Iterable[Clip]) -> bytes:
-    """A shard's rows, as a table of their own."""
+    """Return a shard's rows, as a table of their own."""
     columns = schema(recipe, {})
     rows = [{"shard": shard_name(recipe, shard), "key": key_of(clip.truth["item"]), **_row(clip)} for clip in clips]
     memory = io.BytesIO()
@@ -71,7 +71,7 @@ def join(recipe: Recipe, about: Mapping[str, Any], parts: Sequence[Path], out: B
 
 
 def _row(clip: Clip) -> dict[str, Any]:
-    """A row: the truth, with each contact's forces in place."""
+    """Return a row: the truth, with each contact's forces in place."""
     contacts = [
         {**told, "force": clip.force[told["force_begin"] : told["force_begin"] + told["force_count"]]}
         for told in clip.truth["contacts"]

@@ -1,4 +1,5 @@
-"""What decides over the bytes of a data set, by name: all workers of one, and all runs, must agree on it."""
+"""The versions that decide over the bytes of a data set, by name: all workers of one, and all runs, must agree on
+them."""
 
 from __future__ import annotations
 
@@ -28,7 +29,7 @@ class VersionError(RuntimeError):
 
 @cache
 def versions(folders: tuple[str, ...] = ()) -> Mapping[str, str]:
-    """The versions of all that computes here. folders: of the user's presets."""
+    """Return the versions of all that computes here. folders: of the user's presets."""
     return {
         "carom": version("carom"),
         "sources": _hash(path for package in (dsp, presets, server, clients) for path in _files(_home(package))),
@@ -43,7 +44,7 @@ def versions(folders: tuple[str, ...] = ()) -> Mapping[str, str]:
 
 
 def require_same(expected: Mapping[str, str], found: Mapping[str, str], where: str) -> None:
-    """VersionError names all that differs; where: of what, as the text begins."""
+    """Raise VersionError that names all that differs; `where` begins the text: of what it is."""
     names = [name for name in {**expected, **found} if expected.get(name) != found.get(name)]
     if names:
         told = (f"{name} {found.get(name, 'missing')}: expected {expected.get(name, 'none')}" for name in names)
@@ -55,13 +56,13 @@ def _home(package: object) -> Path:
 
 
 def _files(folder: Path) -> Iterator[Path]:
-    """The programs and presets in a folder, in an order that is the same everywhere."""
+    """Return the programs and presets in a folder, in an order that is the same everywhere."""
     found = (path for path in folder.rglob("*") if path.suffix in (".py", ".toml"))
     return iter(sorted(found, key=lambda path: path.relative_to(folder).as_posix()))
 
 
 def _hash(paths: Iterator[Path]) -> str:
-    """A hash of files' names and contents; "none" of no file."""
+    """Hash files' names and contents; "none" of no file."""
     digest = hashlib.sha256()
     count = 0
     for count, path in enumerate(paths, 1):  # noqa: B007 - the last one counts them
@@ -72,7 +73,7 @@ def _hash(paths: Iterator[Path]) -> str:
 
 
 def _blas() -> str:
-    """The libraries of linear algebra, and the kinds of processor that they chose code for."""
+    """Return the libraries of linear algebra, and the kinds of processor that they chose code for."""
     import scipy.linalg  # noqa: F401 - its library is to be found
 
     found = [each for each in threadpoolctl.threadpool_info() if each["user_api"] == "blas"]
@@ -82,7 +83,7 @@ def _blas() -> str:
 
 
 def _flac() -> str:
-    """The encoder of FLAC, as it signs its files."""
+    """Return the encoder of FLAC, as it signs its files."""
     memory = io.BytesIO()
     soundfile.write(memory, np.zeros(1), 48_000, format="FLAC")
     found = _VENDOR.search(memory.getvalue())

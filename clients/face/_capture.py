@@ -29,7 +29,7 @@ class Capture:
         self.step = QUANTUM if performer.stems else TRACED
 
     def room(self) -> int:
-        """Frames that the next piece may have."""
+        """Return the frames that the next piece may have."""
         return self.step - self.end % self.step
 
     def add(self, piece: NDArray[np.float32]) -> None:
@@ -46,7 +46,7 @@ class Capture:
             self._traces.append(self._performer.traced(self.end))
 
     def sound(self) -> Sound:
-        """The whole, up to now."""
+        """Return the whole, up to now."""
         rate = round(self._performer.engine.rate)
         contacts = None
         if self._performer.contacts:
@@ -63,7 +63,7 @@ class Capture:
         )
 
     def _warnings(self) -> list[str]:
-        """The warnings since the last sound."""
+        """Return the warnings since the last sound."""
         said = [*self.warnings, *self._performer.warnings]
         self._performer.warnings.clear()
         return said

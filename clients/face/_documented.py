@@ -14,7 +14,8 @@ Acting = TypeVar("Acting", bound=Actions)
 
 
 def documented(cls: type[Acting]) -> type[Acting]:
-    """Decorator: the help of each method whose address takes keys ends with them, their ranges and meanings.
+    """Document keys, as a decorator: the help of each method whose address takes keys ends with them, their ranges and
+    meanings.
 
     The methods of Actions stay as they are: a Client starts without the table of addresses.
     """
@@ -25,7 +26,7 @@ def documented(cls: type[Acting]) -> type[Acting]:
 
 
 def _with_keys(method: Callable[..., None], keys: Iterable[Key]) -> Callable[..., None]:
-    """A method that does the same; its help ends with keys."""
+    """Return a method that does the same; its help ends with keys."""
 
     @wraps(method)
     def same(*args: Any, **kwargs: Any) -> None:

@@ -1,4 +1,4 @@
-"""What of a MuJoCo model sounds: its bodies, their names, shapes and materials."""
+"""The sounding parts of a MuJoCo model: its bodies, their names, shapes and materials."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
@@ -31,7 +31,8 @@ class Part(NamedTuple):
 
 
 def parts_of(model: mujoco.MjModel) -> Iterator[Part]:
-    """The bodies of the World. Of the geoms that collide: the largest of each body that moves, and all that do not."""
+    """Yield the bodies of the World. Of the geoms that collide: the largest of each body that moves, and all that do
+    not."""
     largest: dict[int, int] = {}
     paired = {*model.pair_geom1.tolist(), *model.pair_geom2.tolist()}
     for geom in range(model.ngeom):
@@ -48,7 +49,7 @@ def parts_of(model: mujoco.MjModel) -> Iterator[Part]:
 
 
 def named_apart(parts: list[Part]) -> list[Part]:
-    """Parts of which no two have one name."""
+    """Return parts of which no two have one name."""
     seen: set[str] = set()
     apart = []
     for part in parts:
@@ -58,7 +59,7 @@ def named_apart(parts: list[Part]) -> list[Part]:
 
 
 def names_in(model: mujoco.MjModel) -> set[str]:
-    """Names of geoms, bodies and materials; those without one have their number."""
+    """Return names of geoms, bodies and materials; those without one have their number."""
     found = {f"{kind}{n}" for kind, count in (("geom", model.ngeom), ("body", model.nbody)) for n in range(count)}
     for kind, count in (
         (mujoco.mjtObj.mjOBJ_GEOM, model.ngeom), (mujoco.mjtObj.mjOBJ_BODY, model.nbody),
@@ -80,13 +81,13 @@ def _extent(model: mujoco.MjModel, geom: int) -> float:
 
 
 def name_of(model: mujoco.MjModel, kind: mujoco.mjtObj, number: int) -> str:
-    """A name as an object's may be; empty if there is none."""
+    """Return a name as an object's may be; empty if there is none."""
     name = mujoco.mj_id2name(model, kind, number) or ""
     return "".join("_" if sign in "# *,/?[]{}" else sign for sign in name)
 
 
 def shape_of(model: mujoco.MjModel, geom: int) -> tuple[str, tuple[float, ...]]:
-    """The shape of a geom, and its size as World.body takes it."""
+    """Return the shape of a geom, and its size as World.body takes it."""
     kind = model.geom_type[geom]
     x, y, z = map(float, model.geom_size[geom])
     shape = _SHAPES.get(mujoco.mjtGeom(kind))
@@ -99,7 +100,7 @@ def shape_of(model: mujoco.MjModel, geom: int) -> tuple[str, tuple[float, ...]]:
 
 
 def written_in(model: mujoco.MjModel) -> dict[str, str]:
-    """The materials that the model's custom text `carom` says."""
+    """Return the materials that the model's custom text `carom` says."""
     for number in range(model.ntext):
         if mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_TEXT, number) == "carom":
             first = int(model.text_adr[number])
@@ -112,7 +113,7 @@ def written_in(model: mujoco.MjModel) -> dict[str, str]:
 
 
 def material_of(model: mujoco.MjModel, part: Part, chosen: Mapping[str, str]) -> str:
-    """The preset of a part's material; empty if nothing says it."""
+    """Return the preset of a part's material; empty if nothing says it."""
     names = [part.name, name_of(model, mujoco.mjtObj.mjOBJ_GEOM, part.geom)]
     names.append(name_of(model, mujoco.mjtObj.mjOBJ_BODY, int(model.geom_bodyid[part.geom])))
     material = int(model.geom_matid[part.geom])
@@ -125,7 +126,7 @@ def material_of(model: mujoco.MjModel, part: Part, chosen: Mapping[str, str]) ->
 
 
 def numbers_of(model: mujoco.MjModel, parts: list[Part], first: int) -> NDArray[np.int32]:
-    """The number of each geom's body in the World, -1: it has none."""
+    """Return the number of each geom's body in the World, -1: it has none."""
     of_body = {part.body: first + n for n, part in enumerate(parts) if part.body}
     of_geom = {part.geom: first + n for n, part in enumerate(parts)}
     numbers = np.zeros(max(model.ngeom, 1), np.int32)

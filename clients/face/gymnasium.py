@@ -50,7 +50,7 @@ class AddAudioObservation(gymnasium.Wrapper[Observation, Any, Any, Any], RecordC
 
     @property
     def bridge(self) -> Bridge:
-        """What tells the sound of this environment."""
+        """The bridge that tells this environment's sound."""
         return self._sound.bridge
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
@@ -102,7 +102,7 @@ class VectorAddAudioObservation(VectorWrapper, RecordConstructorArgs):
 
     @property
     def bridges(self) -> list[Bridge]:
-        """What tells the sound of each environment."""
+        """The bridges that tell the sound of each environment."""
         return [sound.bridge for sound in self._sounds]
 
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
@@ -141,7 +141,7 @@ class VectorAddAudioObservation(VectorWrapper, RecordConstructorArgs):
 
 
 def _sounds(envs: list[Any], frames: int | None, options: dict[str, Any], batch: Batch) -> list["_Sound"]:
-    """The sound of each environment of a vector: of all, or of none."""
+    """Return the sound of each environment of a vector: of all, or of none."""
     made: list[_Sound] = []
     try:
         for number, env in enumerate(envs):
@@ -157,7 +157,7 @@ def _sounds(envs: list[Any], frames: int | None, options: dict[str, Any], batch:
 
 
 def _whole(name: str, value: Any, least: int) -> int:
-    """A whole number, or a WorldError."""
+    """Return a whole number; raise WorldError for anything else."""
     if not isinstance(value, int | np.integer) or value < least:
         raise WorldError(f"{name} = {value!r}: expected a whole number from {least} on")
     return int(value)
@@ -205,7 +205,7 @@ class _Sound:
         setattr(of, name, method)
 
     def begin(self) -> None:
-        """An action begins."""
+        """Begin an action."""
         self._blows = []
 
     def end(self) -> Hits:
@@ -231,7 +231,7 @@ class _Sound:
             self.audio = block if len(block) == frames else np.concatenate([self.audio, block])[-frames:]
 
     def _simulate(self, control: ArrayLike, steps: int) -> None:
-        """The environment's own steps of MuJoCo, each of which is told."""
+        """Take the environment's own steps of MuJoCo, and tell each."""
         self._settle()
         self._anew = False
         model, data, simulation = self._inner.model, self._inner.data, self.bridge.world.simulation
@@ -260,7 +260,7 @@ class _Sound:
         return found
 
     def _reset_whole(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> Any:
-        """The same with all that is wrapped around it."""
+        """Reset the environment with all that is wrapped around it."""
         found = self._resets[1](seed=seed, options=options)
         if not self._anew:
             self._settle()

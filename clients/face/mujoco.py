@@ -102,7 +102,7 @@ class Bridge:
         time, count = (data._address + _layout()[name] for name in ("time", "count"))
         kept = self._arrays, self._number, self._room, model, data
         self.tell: Callable[[], int] = self.world.teller(self._arrays.ctypes.data, time, count, kept)
-        """Tells the World of a step of MuJoCo, to be called after each; returns the number of its blows. WorldError for
+        """Tell the World of a step of MuJoCo, to be called after each; return the number of its blows. WorldError for
         what is not finite, or if time has not gone on."""
 
     def _add(self, part: Part, material: str, about: Mapping[str, Any]) -> None:
@@ -132,7 +132,7 @@ class Bridge:
             raise WorldError(f"geom {part.geom}: {error}") from None
 
     def _described(self) -> NDArray[np.void]:
-        """A record of ARRAYS: where MuJoCo has its poses and contacts, and whose they are."""
+        """Return a record of ARRAYS: where MuJoCo has its poses and contacts, and whose they are."""
         data, count = self._data, len(self._bodies)
         made = np.zeros(1, ARRAYS)
         record = made[0]
@@ -170,12 +170,13 @@ class Bridge:
             record[name] = array.ctypes.data
 
     def step(self) -> Blocks:
-        """Have MuJoCo take a step, and `update`."""
+        """Take one step of MuJoCo, and `update`."""
         mujoco.mj_step(self._model, self._data)
         return self.update()
 
     def update(self) -> Blocks:
-        """`tell`, and the sound since the last update, (frames, channels); to be called after each step of MuJoCo."""
+        """Tell the step, and return the sound since the last update, (frames, channels); call it after each step of
+        MuJoCo."""
         self.tell()
         return self.world.block()
 
@@ -189,8 +190,8 @@ class Bridge:
 
 @cache
 def _layout() -> dict[str, int]:
-    """Where MuJoCo has its time, the number of contacts, these and their forces in its data, and what in each contact
-    (bytes), as ARRAYS names it.
+    """Return where MuJoCo has its time, the number of contacts, these and their forces in its data, and the fields of
+    each contact (bytes), as ARRAYS names them.
 
     Found in data with contacts: a pointer is where its value stands, as is a time, and a number that goes as the
     contacts' does.
@@ -230,7 +231,7 @@ def _layout() -> dict[str, int]:
 
 @cache
 def _library() -> CDLL:
-    """MuJoCo's functions, in the library that its package has loaded."""
+    """Return MuJoCo's functions, in the library that its package has loaded."""
     folder = Path(mujoco.__file__).parent
     found = [each for pattern in ("libmujoco*", "mujoco.dll") for each in folder.glob(pattern)]
     if not found:
@@ -239,7 +240,7 @@ def _library() -> CDLL:
 
 
 def _standing(data: mujoco.MjData | mujoco.MjModel, pointer: int) -> int:
-    """Where in MuJoCo's data, as a struct, a pointer stands (bytes): it has one to each of its arrays."""
+    """Return where in MuJoCo's data, as a struct, a pointer stands (bytes): it has one to each of its arrays."""
     offset = 0
     while True:
         words = (c_uint64 * _LOOKED).from_address(data._address + offset)[:]

@@ -61,7 +61,7 @@ def render(
 
 
 def _normalized(capture: Capture, options: Options) -> Sound:
-    """The sound that was captured, with the peak that is asked for."""
+    """Normalize the sound that was captured to the peak that is asked for."""
     gain = options.gain_of(capture.peak, capture.warnings.append)
     sound = capture.sound()
     if options.normalize is None:

@@ -31,7 +31,7 @@ def fit(
     recordings: sound files, or a folder of such. out: the folder that gets the presets. name: the object's.
     known: modes (how many), positions (0 to 1, one for each hit), strikers (a preset's name or a new one; one, or one
     for each hit), force (a hammer's recording), mass (kg), velocity (m/s), source, licence. report: whether to write
-    the page NAME.html too. Returns the fit, the files, and what there is to say.
+    the page NAME.html too. Return the fit, the files, and what there is to say.
     RecordingError, FitError, PresetError or OSError say what cannot be.
     """
     paths = [recordings] if isinstance(recordings, str | PathLike) else list(recordings)
@@ -50,7 +50,7 @@ def fit(
 
 
 def compare(a: File, b: File) -> Distance:
-    """How far apart two sound files are, as `carom compare` measures it.
+    """Measure how far apart two sound files are, as `carom compare` does.
 
     Residual and log-spectral distance (dB), third octaves, decays by octave. RecordingError or OSError say what cannot
     be.

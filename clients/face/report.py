@@ -50,7 +50,7 @@ class Report:
     warnings: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        """A line for each thing that can be heard, "nothing to report" where there is none."""
+        """Return a line for each thing that can be heard, "nothing to report" where there is none."""
         lines = list(self.warnings)
         if self.limited:
             lines.append(Limiting(self.limited, self.limited_db, self.limited_objects).said())
@@ -73,7 +73,7 @@ class Meter:
     """Watches an engine while it computes, from the making of the meter on."""
 
     def __init__(self, engine: Engine, names: Callable[[], Mapping[int, str]]) -> None:
-        """names: of the objects, by their places in the engine."""
+        """Begin to watch an engine. names: of the objects, by their places in the engine."""
         self._engine = engine
         self._counts = self._counted()
         self._watch = LimiterWatch(engine, names)
@@ -87,7 +87,7 @@ class Meter:
         self._watch.look()
 
     def report(self, start: int, end: int, warnings: Sequence[str] = ()) -> Report:
-        """The report of a sound that begins and ends at these samples."""
+        """Return the report of a sound that begins and ends at these samples."""
         counts = self._counted()
         limiting = self._watch.take().within(start / self._engine.rate, end / self._engine.rate)
         return Report(

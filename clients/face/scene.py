@@ -68,7 +68,7 @@ class Scene(Actions, Closing):
         self.rate = int(rate)
         """Hz."""
         self.channels = self._performer.engine.channels
-        """Of its sounds."""
+        """Number of channels of its sounds."""
         self._frames = 0
 
     def close(self) -> None:
@@ -91,7 +91,8 @@ class Scene(Actions, Closing):
         return self._open.time
 
     def render(self, seconds: float | None = None, *, frames: int | None = None) -> Sound:
-        """The sound of the next seconds, or frames, from the end of the last one on. ValueError unless one is given."""
+        """Render the sound of the next seconds, or frames, from the end of the last one on. ValueError unless one is
+        given."""
         if (seconds is None) == (frames is None):
             raise ValueError(f"seconds = {seconds}, frames = {frames}: expected one of the two")
         most = LONGEST_SCORE * self.rate
@@ -120,7 +121,7 @@ class Scene(Actions, Closing):
         return Object(self, name, self._open.placed(name), _settings(keys))
 
     def ended(self) -> list[str]:
-        """The ids of gestures that have ended since the last call, up to the scene's time, the oldest first."""
+        """Return the ids of gestures that have ended since the last call, up to the scene's time, the oldest first."""
         return self._open.ended()
 
 
@@ -141,7 +142,7 @@ class Object:
         return f"<carom.Object {self.name}>"
 
     def modes(self, position: SupportsFloat | None = None) -> ModeTable:
-        """The modes that a strike at a position 0 to 1 (None: the preset's) excites: frequencies, decays, gains.
+        """Return the modes that a strike at a position 0 to 1 (None: the preset's) excites: frequencies, decays, gains.
 
         They are as the object is tuned, damped and placed at the time to which its scene is computed; before the object
         is there, and after its scene is closed, as it was made. ValueError for a position beyond 0 to 1.
@@ -202,7 +203,7 @@ class Object:
         at: SupportsFloat | None = None,
         **keys: Value,
     ) -> None:
-        """Let a coin, a lid or a ring spin down on it; it lies still after a duration (s)."""
+        """Spin a coin, a lid or a ring down on it; it lies still after a duration (s)."""
         self.scene.spin(self.name, duration, position, at, **keys)
 
     def slide(
@@ -263,13 +264,13 @@ class Object:
 
 
 def _number(value: object) -> float:
-    """A number as a float, NaN for anything else."""
+    """Return a number as a float, NaN for anything else."""
     value = plain(value)
     return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else math.nan
 
 
 def _settings(keys: dict[str, Value]) -> Settings:
-    """The keys that an object was made with."""
+    """Return the keys that an object was made with."""
     return Settings(
         **{name: each.in_engine(float(keys.get(name, each.default or 0.0))) for name, each in SETTINGS.items()}
     )

@@ -52,7 +52,7 @@ class Sound:
 
     @property
     def calibrated(self) -> bool:
-        """Whether samples are pascals."""
+        """True if samples are pascals."""
         return self.scale.calibrated
 
     @property
@@ -68,7 +68,7 @@ class Sound:
         return len(self.samples) / self.rate
 
     def __len__(self) -> int:
-        """Frames."""
+        """Return the number of frames."""
         return len(self.samples)
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
@@ -107,7 +107,8 @@ class Sound:
             return Picture(picture.read_bytes()) if path is None else None
 
     def _repr_html_(self) -> str:
-        """A player; 16 bits, turned down to full scale if it exceeds that, and of more than two channels their sum."""
+        """Return a player; 16 bits, turned down to full scale if it exceeds that, and of more than two channels their
+        sum."""
         import soundfile
 
         heard = self.samples if self.samples.shape[1] <= 2 else self.samples.sum(axis=1, keepdims=True)

@@ -92,7 +92,7 @@ class World(Closing):
         self.rate = int(rate)
         self.latency = 0.0 if client else QUANTUM / rate
         self.simulation = Simulation(library, NYQUIST_SHARE * 0.5 * rate, hearing, gravity=gravity, start=start)
-        """What is told, and what comes of it; bridges reach into it."""
+        """The simulation as it is told, and what comes of it; bridges reach into it."""
         self._client = client
         self._scene = None
         if client is None:
@@ -141,7 +141,7 @@ class World(Closing):
 
     @property
     def counts(self) -> Counts:
-        """What was told since the beginning, and what was left out."""
+        """Counts of what was told since the beginning, and of what was left out."""
         return self.simulation.counts
 
     def body(
@@ -175,7 +175,7 @@ class World(Closing):
         return number
 
     def _know_surfaces(self, performer: Performer, body: Body) -> None:
-        """Have slides ready on the surfaces of the bodies there are, as one on a body that rings."""
+        """Prepare slides on the surfaces of the bodies there are, as one on a body that rings."""
         for surface in self.simulation.surfaces[self._surfaces :]:
             least = performer.scene.least_radius(surface)
             command, least = performer.slide_template(template(body, surface, max(least, CONTACT_RADIUS)))
@@ -201,11 +201,12 @@ class World(Closing):
         return self._up_to(time)
 
     def tell(self, time: float, points: int) -> None:
-        """As `step`, for bridges: poses and contacts are in the columns of `memory` already. `block` has the sound."""
+        """Take a step as `step` does, for bridges: poses and contacts are in the columns of `memory` already. `block`
+        has the sound."""
         self._send(self.simulation.advance(time, points))
 
     def teller(self, arrays: int, time: int, points: int, kept: object = None) -> Callable[[], int]:
-        """A function that tells a step, for bridges, and returns the number of its blows.
+        """Return a function that tells a step, for bridges, and returns the number of its blows.
 
         Where a simulator has its poses and contacts, a record of `carom.dsp.tracking.arrays.ARRAYS` at an address says;
         its time (s) is a float64 at an address, and the number of its contacts an int32; kept: what holds them. Python
@@ -225,7 +226,7 @@ class World(Closing):
         return told
 
     def block(self, batch: Batch | None = None) -> Blocks:
-        """The sound from the last block up to the last step, (frames, channels).
+        """Return the sound from the last block up to the last step, (frames, channels).
 
         batch: a Batch of `carom.dsp.runtime.batch`. The block is filled once its `finish` was called, which is to be
         before the next step. A World that keeps its sound fills it at once.
@@ -250,7 +251,7 @@ class World(Closing):
         return self.simulation.state
 
     def ring(self, seconds: float) -> Blocks:
-        """The sound of some seconds more, in which no step is taken; steps go on after them."""
+        """Render the sound of some seconds more, in which no step is taken; steps go on after them."""
         if not 0.0 <= seconds <= _LONGEST:
             raise WorldError(f"seconds = {seconds}: expected 0 to {_LONGEST}")
         until = self.time + seconds
@@ -258,14 +259,14 @@ class World(Closing):
         return self._up_to(until)
 
     def sound(self) -> Sound:
-        """All that was heard, up to now. WorldError unless it was kept."""
+        """Return all that was heard, up to now. WorldError unless it was kept."""
         if self._capture is None:
             raise WorldError("sound: expected a World(keep=True) without a client")
         return self._capture.sound()
 
     def score(self, path: str | PathLike[str] | None = None) -> str:
-        """The messages up to now as a score, which `carom.render(..., calibrated=True)` turns into the same bits; it is
-        written to a file if one is given. WorldError unless they were kept."""
+        """Return the messages up to now as a score, which `carom.render(..., calibrated=True)` turns into the same
+        bits; write it to a file if one is given. WorldError unless they were kept."""
         if self._kept is None:
             raise WorldError("score: expected a World(keep=True)")
         ordered = sorted(self._kept, key=lambda each: each[0])
@@ -281,7 +282,7 @@ class World(Closing):
         return head + text
 
     def _send(self, requests: list[Request]) -> None:
-        """Have requests done at their times."""
+        """Carry requests out at their times."""
         if not requests:
             return
         ordered = in_order(requests)
@@ -317,13 +318,13 @@ class World(Closing):
             self._kept += timed
 
     def _up_to(self, time: float, batch: Batch | None = None) -> Blocks:
-        """The sound up to a time."""
+        """Return the sound up to a time."""
         if self._scene is None:
             return np.empty((0, self.simulation.channels), np.float32)
         return self._process(round((time - self._start) * self.rate) - self._frames, batch)
 
     def _process(self, frames: int, batch: Batch | None = None) -> Blocks:
-        """The next frames of the sound."""
+        """Return the next frames of the sound."""
         assert self._scene
         self._frames += frames
         engine = self._scene._open.engine

@@ -13,7 +13,7 @@ folder = Path(sys.argv[1])
 
 
 def with_sound(row: dict[str, Any]) -> dict[str, Any]:
-    """The row's sound (Pa), from its shard."""
+    """Return the row's sound (Pa), from its shard."""
     with tarfile.open(folder / row["shard"]) as tar, tar.extractfile(f"{row['key']}.flac") as file:  # type: ignore[union-attr]
         return {"sound": soundfile.read(io.BytesIO(file.read()), dtype="float32")[0] * row["full_scale"]}
 

@@ -13,7 +13,7 @@ import tensorflow as tf
 
 
 def clips() -> Iterator[tuple[Any, float]]:
-    """Each clip's sound (Pa) and the speed of its first contact (m/s)."""
+    """Yield each clip's sound (Pa) and the speed of its first contact (m/s)."""
     for shard in sorted(Path(sys.argv[1]).glob("*.tar")):
         with tarfile.open(shard) as tar:
             files = {each.name: tar.extractfile(each).read() for each in tar}  # type: ignore[union-attr]

@@ -24,7 +24,7 @@ Pictures = list[tuple[float, list[Outline]]]
 
 
 def hear(name: str) -> tuple[carom.Sound, list[carom.Hit], Pictures]:
-    """The sound of a scene, its blows, and outlines of its bodies at times from its beginning to its end."""
+    """Render the sound of a scene, its blows, and outlines of its bodies at times from its beginning to its end."""
     make, seconds = SCENES[name]
     model = mujoco.MjModel.from_xml_string(make(STEP))
     data = mujoco.MjData(model)
@@ -43,7 +43,7 @@ def hear(name: str) -> tuple[carom.Sound, list[carom.Hit], Pictures]:
 
 
 def outlines(model: mujoco.MjModel, data: mujoco.MjData) -> list[Outline]:
-    """The points (n, 2) of each body that moves, seen from the side: x and z in m."""
+    """Return the points (n, 2) of each body that moves, seen from the side: x and z in m."""
     found = []
     for geom in range(model.ngeom):
         if model.geom_type[geom] != mujoco.mjtGeom.mjGEOM_PLANE:

@@ -10,19 +10,19 @@ FLOOR = '<geom name="floor" type="plane" size="3 3 .1"/>'
 
 
 def ball(name: str, place: str, radius: float = 0.02, joint: str = "<freejoint/>", more: str = "") -> str:
-    """A ball of glass."""
+    """Return a ball of glass."""
     return (
         f'<body name="{name}" pos="{place}">{joint}<geom type="sphere" size="{radius}" density="2500" {more}/></body>'
     )
 
 
 def box(name: str, place: str, size: str, more: str = "") -> str:
-    """A box of wood; size: half edges."""
+    """Return a box of wood; size: half edges."""
     return f'<body name="{name}" pos="{place}" {more}><freejoint/><geom type="box" size="{size}" density="700"/></body>'
 
 
 def model(bodies: str, materials: str, step: float, option: str = "", floor: str = FLOOR) -> str:
-    """A whole model; step: s; materials: pairs of a name and a preset."""
+    """Return a whole model; step: s; materials: pairs of a name and a preset."""
     return f"""<mujoco>
       <option timestep="{step}" cone="elliptic" {option}/>
       <custom><text name="carom" data="{materials}"/></custom>
@@ -31,23 +31,23 @@ def model(bodies: str, materials: str, step: float, option: str = "", floor: str
 
 
 def drop(step: float) -> str:
-    """A ball falls on a wooden floor."""
+    """Drop a ball on a wooden floor."""
     return model(ball("ball", "0 0 .5"), "floor wood ball glass", step)
 
 
 def stack(step: float) -> str:
-    """Three blocks are dropped on each other, one after the other."""
+    """Drop three blocks on each other, one after the other."""
     blocks = "".join(box(f"block{n}", f"0 0 {0.06 + 0.14 * n}", ".06 .04 .02") for n in range(3))
     return model(blocks, "floor wood", step)
 
 
 def topple(step: float) -> str:
-    """A tall block stands on its edge, and falls over."""
+    """Stand a tall block on its edge, from which it falls over."""
     return model(box("block", "0 0 .105", ".02 .05 .1", 'euler="0 14 0"'), "floor wood", step)
 
 
 def chain(step: float) -> str:
-    """A ball runs into a row of others, on a rail."""
+    """Run a ball into a row of others, on a rail."""
     rail = '<joint type="slide" axis="1 0 0"/>'
     balls = "".join(ball(f"ball{n}", f"{0.08 * n} 0 .5", joint=rail) for n in range(5))
     names = " ".join(f"ball{n} steel" for n in range(5))
@@ -56,7 +56,7 @@ def chain(step: float) -> str:
 
 
 def ramp(step: float) -> str:
-    """A ball rolls down a board."""
+    """Roll a ball down a board."""
     board = '<geom name="board" type="box" size=".6 .15 .01" pos="0 0 .3" euler="0 12 0"/>'
     angle = math.radians(12)
     x, z = -0.5, 0.3 + 0.5 * math.sin(angle) + 0.03 / math.cos(angle) + 0.01 * (1 / math.cos(angle) - 1)
@@ -64,7 +64,7 @@ def ramp(step: float) -> str:
 
 
 def slide(step: float) -> str:
-    """A box slides over the floor until it rests."""
+    """Slide a box over the floor until it rests."""
     keys = '<keyframe><key name="start" qpos="0 0 .0199 1 0 0 0" qvel="2 0 0 0 0 0"/></keyframe>'
     text = model(box("box", "0 0 .02", ".06 .04 .02"), "floor wood", step)
     return text.replace('size="3 3 .1"', 'size="3 3 .1" friction=".3 .005 .0001"').replace(
@@ -73,7 +73,7 @@ def slide(step: float) -> str:
 
 
 def rattle(step: float) -> str:
-    """Three balls in a box that is shaken."""
+    """Shake three balls in a box."""
     walls = "".join(
         f'<geom type="box" size="{size}" pos="{place}" mass=".2"/>'
         for size, place in (
@@ -87,14 +87,14 @@ def rattle(step: float) -> str:
 
 
 def domino(step: float) -> str:
-    """Eight dominoes fall, one against the next."""
+    """Topple eight dominoes, one against the next."""
     first = box("domino0", "0 0 .0405", ".005 .02 .04", 'euler="0 8 0"')
     row = "".join(box(f"domino{n}", f"{0.04 * n} 0 .04", ".005 .02 .04") for n in range(1, 8))
     return model(first + row, "floor wood", step)
 
 
 def juggle(step: float) -> str:
-    """Three balls bounce on a steel plate, from three heights.
+    """Bounce three balls on a steel plate, from three heights.
 
     Their contacts are so soft that steps of 5 ms follow them, too.
     """
@@ -105,7 +105,7 @@ def juggle(step: float) -> str:
 
 
 def pile(step: float, count: int = 50) -> str:
-    """Fifty bodies, or as many as are asked for, fall on a heap."""
+    """Drop fifty bodies, or as many as are asked for, on a heap."""
     bodies = []
     for n in range(count):
         x, y = 0.05 * math.cos(2.4 * n), 0.05 * math.sin(2.4 * n)
