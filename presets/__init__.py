@@ -25,7 +25,7 @@ _HOMES = {
 
 
 def __getattr__(name: str) -> object:
-    """A public name, imported when it is first asked for: the shapes of objects need scipy, which is slow to load."""
+    """Import a public name when it is first asked for: the shapes of objects need scipy, which is slow to load."""
     for module, names in _HOMES.items():
         if name in names:
             return getattr(import_module(f"{__name__}.{module}"), name)

@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Facts:
-    """What a preset says of a fit beside its figures.
+    """Facts of a fit for a preset, beside its figures.
 
     source, licence: of the recordings. striker: the preset of the default striker; velocity in m/s. position: where it
     strikes. positions: of the takes, where they differ. mass: of the body, in kg. measured: comments.
@@ -48,7 +48,7 @@ class Facts:
 
 
 def object_text(fit: Fit, facts: Facts, louder: float = 0.0) -> str:
-    """The file of an object of listed modes and bands of noise, so much louder (dB) than the loudest possible.
+    """Write the file of an object of listed modes and bands of noise, so much louder (dB) than the loudest possible.
 
     All modes together yield to a force as a body of the mass does at its end. Their weights stand to each other as the
     modes do in the recording. Where no mode radiates more than it loses they are as loud as is asked for; the key
@@ -72,7 +72,7 @@ def object_text(fit: Fit, facts: Facts, louder: float = 0.0) -> str:
 
 
 def geometry_of(fit: Fit, facts: Facts, louder: float = 0.0) -> dict[str, object]:
-    """The keys of the shape `listed`, so much louder (dB) than the loudest possible."""
+    """Return the keys of the shape `listed`, so much louder (dB) than the loudest possible."""
     keep = (fit.frequency <= _HIGHEST) & (np.abs(fit.gains).max(axis=0) > 0)
     gains, decay = fit.gains[:, keep], fit.decay[keep]
     rows = _by_position(gains, facts.positions)
@@ -97,7 +97,7 @@ def geometry_of(fit: Fit, facts: Facts, louder: float = 0.0) -> dict[str, object
 
 
 def noise_of(fit: Fit, geometry: Mapping[str, object]) -> dict[str, object]:
-    """The keys of the section [noise]; none where no band is heard."""
+    """Return the keys of the section [noise]; none where no band is heard."""
     own = listed(**geometry, top=_HIGHEST)  # type: ignore[arg-type]
     loudest = float(np.sqrt(np.mean(own.strike**2, axis=0) * np.mean(own.pressure**2, axis=0)).max())
     heaviest = np.argmax(np.abs(fit.gains).max(axis=0))
@@ -120,7 +120,7 @@ def noise_of(fit: Fit, geometry: Mapping[str, object]) -> dict[str, object]:
 
 
 def striker_text(striker: Striker, facts: Facts) -> str:
-    """The file of a striker."""
+    """Write the file of a striker."""
     head = {"description": facts.description, "source": facts.source, "licence": facts.licence}
     law = {
         "mass": striker.mass,
@@ -134,7 +134,8 @@ def striker_text(striker: Striker, facts: Facts) -> str:
 
 
 def _by_position(gains: Array, positions: Sequence[float]) -> Array:
-    """Gains (P, n) at each position, ascending: of takes at the same one, the rms with the first one's sign."""
+    """Return the gains (P, n) at each position, ascending: of takes at the same one, the rms with the first one's
+    sign."""
     if not positions:
         return _joined(gains)[None]
     at = np.asarray(positions)
@@ -147,7 +148,7 @@ def _joined(gains: Array) -> Array:
 
 
 def _rounded(figures: Array | float, digits: int) -> list[float] | float:
-    """Numbers with some significant digits, as a float or a list."""
+    """Round numbers to some significant digits, as a float or a list."""
     rounded = [float(f"{each:.{digits}g}") for each in np.ravel(figures)]
     return rounded if np.ndim(figures) else rounded[0]
 
@@ -160,5 +161,5 @@ def _keys(table: Mapping[str, object], units: Mapping[str, str] | None = None) -
 
 
 def _toml(value: object) -> str:
-    """A text, a number or a list as TOML writes it."""
+    """Write a text, a number or a list as TOML does."""
     return json.dumps(value, ensure_ascii=False).replace("\x7f", " ")

@@ -1,4 +1,5 @@
-"""How gestures go on an object where a message does not say it: the sections [bounce], [roll], [slide] and [spin].
+"""The usual gestures on an object, where a message leaves values out: the sections [bounce], [roll], [slide] and
+[spin].
 
 An object has the section of a gesture that suits it. Another gesture can be played on it, too, if the message says how.
 """
@@ -46,6 +47,6 @@ class Usual:
 
     @classmethod
     def from_data(cls, name: str, where: str, data: Mapping[str, Any]) -> Usual:
-        """A gesture of a name from its section's data. `where` begins the text of a PresetError."""
+        """Make a gesture of a name from its section's data. `where` begins the text of a PresetError."""
         values = check(where, data, FIELDS[name], REQUIRED[name])
         return cls(values.pop("striker"), values.pop("surface", ""), values)

@@ -49,14 +49,14 @@ DRY = {
     "static": 0.4, "dynamic": 0.3, "stribeck": 0.1, "tangential": 0.0, "along": 0.0, "patch": 0.0, "sweep": -1.0,
     "radius": 0.01,
 }  # fmt: skip
-"""How a striker slides whose preset does not say it: hard and dry, and it is only scraped."""
+"""Sliding parameters of a striker whose preset does not say them: hard and dry, and it is only scraped."""
 
 STEREO_WIDTH = 0.5
-"""Of an object's image, unless its preset says it: 0 is a point, 1 from the left output to the right one."""
+"""Width of an object's image, unless its preset says it: 0 is a point, 1 from the left output to the right one."""
 
 
 class Library(Protocol):
-    """Where a preset finds the others that it names."""
+    """A library, in which a preset finds the others that it names."""
 
     def material(self, name: str) -> Material: ...
 
@@ -75,19 +75,19 @@ class StrikerPreset:
     mass: float
     dissipation: float = 0.0
     restitution: float | None = None
-    """In place of the dissipation."""
+    """Restitution, in place of the dissipation."""
     stiffness: float | None = None
     exponent: float = HERTZ_EXPONENT
     material: Material | None = None
     radius: float | None = None
     sound: StrikerSound | None = None
-    """Its own sound."""
+    """Sound of the striker itself."""
     slide: Mapping[str, float] = field(default_factory=dict)
-    """How it slides, where a slide does not say it: values of its keys."""
+    """Values of a slide's keys, where a slide does not say them."""
 
     @classmethod
     def from_data(cls, name: str, where: str, data: Mapping[str, object], library: Library) -> StrikerPreset:
-        """A striker from its file's data. `where` begins the text of a PresetError."""
+        """Make a striker from its file's data. `where` begins the text of a PresetError."""
         required = (*DESCRIPTION, *(BALL if "material" in data or "radius" in data else LAW))
         taken = (*required, *LICENCE, *LOST, "mass", *SOUNDS, "slide")
         fields = {key: domain for key, domain in STRIKER.items() if key in taken}
@@ -105,12 +105,12 @@ class StrikerPreset:
 
     @property
     def sliding(self) -> dict[str, float]:
-        """How it slides: values of a slide's keys."""
+        """Sliding parameters: values of a slide's keys."""
         return {**DRY, **({"radius": self.radius} if self.radius else {}), **self.slide}
 
     def contact(self, material: Material | None) -> tuple[float, float, float, float]:
-        """Mass (kg), stiffness (N/m^a), dissipation (s/m; 0 where there is a restitution) and exponent a against an
-        object of `material`.
+        """Return the mass (kg), stiffness (N/m^a), dissipation (s/m; 0 where there is a restitution) and exponent a
+        against an object of `material`.
 
         A ball's stiffness is Hertz's with a plane of the material, a rigid one if None.
         """
@@ -141,7 +141,7 @@ class SurfacePreset:
 
     @classmethod
     def from_data(cls, name: str, where: str, data: Mapping[str, object]) -> SurfacePreset:
-        """A surface from its file's data. `where` begins the text of a PresetError."""
+        """Make a surface from its file's data. `where` begins the text of a PresetError."""
         return cls(name, **check(where, data, SURFACE, SURFACE_REQUIRED))
 
     @property
@@ -165,12 +165,12 @@ class ObjectPreset:
     position: float
     level: float
     gestures: Mapping[str, Usual]
-    """How gestures of a name go on it by default: those that suit it."""
+    """Default values of the gestures that suit it, by name."""
     glide: float | None
     """Rise of its tension (1/J) with the energy that rings; None: by its geometry and material."""
     stereo_width: float
     most_modes: int | None
-    """Those that are heard best are kept; None: all."""
+    """Most modes to keep: those that are heard best; None: all."""
     added: tuple[Added, ...]
     written: Material | None
     """The material of the preset's file, which the decay times of what is added were given for."""
@@ -180,7 +180,8 @@ class ObjectPreset:
 
     @classmethod
     def from_data(cls, name: str, where: str, data: dict[str, Any], library: Library) -> ObjectPreset:
-        """An object from its file's data. `where` begins the text of a PresetError; without it, keys stand alone."""
+        """Make an object from its file's data. `where` begins the text of a PresetError; without it, keys stand
+        alone."""
         values = check(where, data, OBJECT, ("description", "source", "shape", "level"))
         shape = SHAPES[values["shape"]]
         titles = {key: f"{where}[{key}] " if where else "" for key in SECTIONS}
@@ -221,7 +222,7 @@ class ObjectPreset:
         )
 
     def modes(self, top: float) -> shapes.Modes:
-        """Its modes up to `top` (Hz), in arrays that are read-only, as equal objects share them.
+        """Return its modes up to `top` (Hz), in arrays that are read-only, as equal objects share them.
 
         PresetError if the geometry gives none or contradicts itself.
         """
@@ -239,7 +240,7 @@ class ObjectPreset:
         return modes if self.glide is None else replace(modes, glide=self.glide)
 
     def struck_by(self, striker: ObjectPreset, radius: float = CONTACT_RADIUS) -> tuple[float, float, float]:
-        """Stiffness (N/m^a), dissipation (s/m) and exponent a of its contact with another object.
+        """Return the stiffness (N/m^a), dissipation (s/m) and exponent a of its contact with another object.
 
         They come from both materials; `radius` (m) is the striker's where they touch. See `contact_between`.
         """
@@ -251,7 +252,7 @@ class ObjectPreset:
 
     @property
     def _sections(self) -> dict[str, tuple[str, Fields]]:
-        """For every key that `replace` takes: the section of the file where it stands ("": none), and its fields."""
+        """Section of the file and its fields, by each key that `replace` takes ("": no section)."""
         shape = SHAPES[self.shape]
         sections = {"geometry": shape.fields, "damping": shape.damping, "strike": STRIKE}
         own = {key: (section, fields) for section, fields in sections.items() for key in fields}
@@ -264,7 +265,7 @@ class ObjectPreset:
         return tuple(self._sections)
 
     def replace(self, /, **changes: object) -> ObjectPreset:
-        """The preset with other values of its geometry, damping, strike, material (a name), level, stereo width
+        """Return the preset with other values of its geometry, damping, strike, material (a name), level, stereo width
         or glide.
 
         A list may be a list, a tuple, or a text like "free,clamped,free,clamped". A key that excludes others (tension,
@@ -314,5 +315,5 @@ def _material(name: str, where: str, library: Library) -> Material:
 
 
 def _reason(error: PresetError) -> str:
-    """Why a preset that another one names is not there, or wrong."""
+    """Say why a preset that another one names is missing, or wrong."""
     return error.expected if isinstance(error, NoPreset) else str(error)

@@ -38,7 +38,7 @@ class Presets:
     """
 
     def __init__(self, folders: Folder | Iterable[Folder] = ()) -> None:
-        """folders: one, or several. PresetError names one that is none."""
+        """Look presets up in folders: one, or several; raise PresetError that names one that is none."""
         folders = [folders] if isinstance(folders, str | PathLike) else list(folders)
         for folder in folders:
             if not Path(folder).is_dir():
@@ -47,33 +47,34 @@ class Presets:
         self._surfaces: dict[str, tuple[dict[str, Any], SurfacePreset]] = {}  # with the data of which each was made
 
     def names(self, kind: str) -> list[str]:
-        """All names of a kind: objects, strikers, surfaces or materials. ValueError for another kind."""
+        """Return all names of a kind: objects, strikers, surfaces or materials. ValueError for another kind."""
         if kind not in KINDS:
             raise ValueError(f"kind = {kind!r}: {expected(kind, KINDS)}")
         files = (path for folder in self._folders for path in (folder / kind).glob("*.toml"))
         return sorted({path.stem for path in files if NAME.fullmatch(path.stem) and path.is_file()})
 
     def material(self, name: str) -> Material:
-        """The material of that name. PresetError if there is none, or its file is wrong."""
+        """Return the material of that name. PresetError if there is none, or its file is wrong."""
         return _material(name, *self._read("materials", name))
 
     def striker(self, name: str) -> StrikerPreset:
-        """The striker of that name. PresetError if there is none, or its file is wrong."""
+        """Return the striker of that name. PresetError if there is none, or its file is wrong."""
         return StrikerPreset.from_data(name, *self._read("strikers", name), self)
 
     def surface(self, name: str) -> SurfacePreset:
-        """The surface of that name. PresetError if there is none, or its file is wrong."""
+        """Return the surface of that name. PresetError if there is none, or its file is wrong."""
         where, data = self._read("surfaces", name)
         if name not in self._surfaces or self._surfaces[name][0] is not data:  # another edition of the file
             self._surfaces[name] = data, SurfacePreset.from_data(name, where, data)
         return self._surfaces[name][1]
 
     def object(self, name: str) -> ObjectPreset:
-        """The object of that name. PresetError if there is none, or its file is wrong."""
+        """Return the object of that name. PresetError if there is none, or its file is wrong."""
         return ObjectPreset.from_data(name, *self._read("objects", name), self)
 
     def load(self, kind: str, path: Path) -> Material | StrikerPreset | SurfacePreset | ObjectPreset:
-        """The preset of a kind in any file; the presets that it names are found here. PresetError if it is wrong."""
+        """Load the preset of a kind in any file; the presets that it names are found here. PresetError if it is
+        wrong."""
         where, data = read_file(path)
         if kind == "materials":
             return _material(path.stem, where, data)
@@ -86,12 +87,12 @@ class Presets:
         raise ValueError(f"kind = {kind!r}: {expected(kind, KINDS)}")
 
     def description(self, kind: str, name: str) -> str:
-        """The description of a preset, or its source. PresetError if there is none."""
+        """Return the description of a preset, or its source. PresetError if there is none."""
         data = self._read(kind, name)[1]
         return str(data.get("description", data.get("source", "")))
 
     def path(self, kind: str, name: str) -> Path:
-        """The file of a preset. PresetError if there is none."""
+        """Return the file of a preset. PresetError if there is none."""
         singular = kind.removesuffix("s")
         if not NAME.fullmatch(name):
             raise PresetError(f"{singular} {shown(name)}: expected {Name()}")
@@ -103,12 +104,13 @@ class Presets:
         raise NoPreset(f"no {singular} {name!r}", lambda: expected(name, self.names(kind)))
 
     def _read(self, kind: str, name: str) -> tuple[str, dict[str, Any]]:
-        """How an error about a preset's file begins, and the file's data."""
+        """Return the beginning of errors about a preset's file, and the file's data."""
         return read_file(self.path(kind, name))
 
 
 def read_file(path: Path) -> tuple[str, dict[str, Any]]:
-    """How an error about a file begins, and its data, which nobody may change. PresetError if it cannot be read."""
+    """Return the beginning of errors about a file, and its data, which nobody may change; raise PresetError if it
+    cannot be read."""
     try:
         return f"{path}: ", _data(path)
     except (ValueError, RecursionError) as error:  # not only TOMLDecodeError: an integer may have too many digits
@@ -124,7 +126,7 @@ def _material(name: str, where: str, data: dict[str, Any]) -> Material:
 
 
 def _data(path: Path) -> dict[str, Any]:
-    """The data of a TOML file as it is now; nobody may change them."""
+    """Return the data of a TOML file as it is now; nobody may change them."""
     now, file = time.time_ns(), path.stat()
     if now - max(file.st_mtime_ns, file.st_ctime_ns) < _SETTLED:
         return _parsed(path)
@@ -133,7 +135,7 @@ def _data(path: Path) -> dict[str, Any]:
 
 @lru_cache(maxsize=256)  # an object and its striker need eight files, which take 1.5 ms to parse
 def _kept_data(path: Path, edition: tuple[int, ...]) -> dict[str, Any]:
-    """The data of an edition of a file."""
+    """Return the data of an edition of a file."""
     return _parsed(path)
 
 

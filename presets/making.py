@@ -16,11 +16,13 @@ from ..dsp.kept import Kept
 from ..dsp.numerics.blas import on_one_thread
 
 KEPT_BYTES = 64_000_000
-"""Of modes that are kept. Those of all presets take 13 MB at 48 kHz; the largest object there can be takes 130 MB."""
+"""Bytes of modes that are kept. Those of all presets take 13 MB at 48 kHz; the largest object there can be takes 130
+MB."""
 
 
 def made(make: Callable[..., Modes], top: float, arguments: Mapping[str, Any], width: float) -> Modes:
-    """The modes that a shape makes of hashable arguments, up to `top` (Hz), in a stereo image of a width (0 to 1).
+    """Return the modes that a shape makes of hashable arguments, up to `top` (Hz), in a stereo image of a width (0 to
+    1).
 
     Their arrays are read-only, and C-contiguous: where a copy in another process lay otherwise in memory, BLAS would
     give what is computed of it other last bits.
@@ -36,7 +38,7 @@ def made(make: Callable[..., Modes], top: float, arguments: Mapping[str, Any], w
 
 
 def kept() -> list[tuple[Hashable, Modes]]:
-    """The modes that are kept now, for `keep` in another process."""
+    """Return the modes that are kept now, for `keep` in another process."""
     return _kept.all()
 
 
@@ -52,7 +54,7 @@ def forget() -> None:
 
 
 def _contiguous(modes: Modes) -> Modes:
-    """Modes in C-contiguous arrays."""
+    """Return modes in C-contiguous arrays."""
     frequency, decay, strike, pressure = map(np.ascontiguousarray, _arrays(modes)[:4])
     unheard = modes.unheard and Unheard(*map(np.ascontiguousarray, modes.unheard))
     return replace(modes, frequency=frequency, decay=decay, strike=strike, pressure=pressure, unheard=unheard)

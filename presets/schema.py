@@ -28,7 +28,7 @@ class PresetError(ValueError):
 
 
 class NoPreset(PresetError):
-    """There is no preset of a name: its text, and which there are, looked up when it is asked for."""
+    """Error of a name that no preset has: its text, and which there are, looked up when it is asked for."""
 
     def __init__(self, text: str, look_up: Callable[[], str]) -> None:
         super().__init__(text)
@@ -44,7 +44,8 @@ class NoPreset(PresetError):
 
 
 def check(where: str, table: Mapping[str, object], fields: Fields, required: Sequence[str]) -> dict[str, Any]:
-    """The table's values as they are used. PresetError names a key that is wrong, unknown or missing."""
+    """Check the table's values, and return them as they are used. PresetError names a key that is wrong, unknown or
+    missing."""
     checked = {}
     for key, value in table.items():
         if key not in fields:
@@ -77,7 +78,7 @@ SLIDING = ("static", "dynamic", "stribeck", "tangential", "along", "patch", "rad
 
 DESCRIPTION: Fields = {"description": Text(), "source": Text()}
 LICENCE: Fields = {"licence": Text()}
-"""Of the recordings that a preset was made of."""
+"""Licence of the recordings that a preset was made of."""
 STRIKER: Fields = {
     **DESCRIPTION,
     **LICENCE,

@@ -1,4 +1,4 @@
-"""How strikers sound, from the sections [click], [ringing] and [snap] of their files."""
+"""The sound of strikers, from the sections [click], [ringing] and [snap] of their files."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .schema import CLICK, RINGING, SNAP, PresetError, check
 
 
 def sound_of(where: str, data: Mapping[str, Any], mass: float, ball: float | None) -> StrikerSound | None:
-    """The sound of a striker of a mass (kg), None if it has none. `where` begins the text of a PresetError.
+    """Return the sound of a striker of a mass (kg), None if it has none. `where` begins the text of a PresetError.
 
     ball: the radius (m) of one that is a solid ball, and clicks as such if no section [click] says otherwise.
     """
@@ -36,7 +36,7 @@ def sound_of(where: str, data: Mapping[str, Any], mass: float, ball: float | Non
 
 
 def _required(section: str, data: Mapping[str, Any]) -> tuple[str, ...]:
-    """The keys that a section must have, if it is there."""
+    """Return the keys that a section must have, if it is there."""
     needed = {"ringing": ("frequency", "t60", "modal_mass"), "snap": tuple(SNAP)}
     return needed[section] if section in data else ()
 

@@ -31,7 +31,7 @@ class Unfit(ValueError):
 
 
 def shown(value: object) -> str:
-    """A value as an error names it, cut where it is long. A tuple looks like the list that it stands for."""
+    """Return a value as an error names it, cut where it is long. A tuple looks like the list that it stands for."""
     text = reprlib.repr(list(value) if isinstance(value, tuple) else value)
     return text if len(text) <= _LONGEST_SHOWN else f"{text[: _LONGEST_SHOWN - 3]}..."
 
@@ -217,7 +217,7 @@ def _fit_items(domains: Sequence[Quantity | Choice], values: Sequence[object]) -
 
 
 def _parse_items(text: str) -> list[float | str]:
-    """The items of a text like "440, 881.5" or "free clamped"; a word that is no number stays a word."""
+    """Parse the items of a text like "440, 881.5" or "free clamped"; a word that is no number stays a word."""
     return [_number_or_word(word) for word in _SEPARATOR.split(text.strip(", \t\n")) if word]
 
 
