@@ -1,4 +1,4 @@
-"""How exact Carom is: bounds that the tests hold, declared once for them and for the table in tests/README.md."""
+"""Carom's accuracy: bounds that the tests hold, declared once for them and for the table in tests/README.md."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""What tests share: rendering scores, a JACK server without hardware, a server in a process of its own."""
+"""Helpers of the tests: rendering scores, a JACK server without hardware, a server in a process of its own."""
 
 import re
 import signal
@@ -24,7 +24,7 @@ Render = Callable[..., np.ndarray]
 
 
 def render_lines(lines: list[Line], **options) -> np.ndarray:
-    """The sound of a score, float32 (frames, channels)."""
+    """Render a score: its sound, float32 (frames, channels)."""
     chosen = Options(**options)
     return np.concatenate(list(blocks(lines, chosen.engine(lines), Presets(), chosen)))
 
@@ -79,7 +79,7 @@ class Running:
         return Client(port=self.port)
 
     def quit(self) -> tuple[int, str]:
-        """End it; returns its exit code and what it said on stderr."""
+        """End it; return its exit code and what it said on stderr."""
         with self.client() as client:
             client.ask("/quit")
         _, errors = self.process.communicate(timeout=30)
@@ -90,7 +90,7 @@ class Running:
 def serving(
     folder: Path, *args: object, env: dict[str, str] | None = None, carom: Sequence[str] = CAROM
 ) -> Iterator[Running]:
-    """A server on a free port, ready to be played. carom: the words that begin its command line."""
+    """Yield a server on a free port, ready to be played. carom: the words that begin its command line."""
     words = [*carom, "serve", "--port", "0", *map(str, args)]
     pipe = subprocess.PIPE
     process = subprocess.Popen(words, cwd=folder, stdout=pipe, stderr=pipe, text=True, env=env)

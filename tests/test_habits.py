@@ -1,4 +1,4 @@
-"""What the files around the code say of it: versions, Pythons, commands."""
+"""The files around the code agree with it: versions, Pythons, commands."""
 
 import re
 import subprocess

@@ -1,4 +1,4 @@
-"""What the pages show runs, as a user types it: scores, commands, Python, SuperCollider, a preset."""
+"""The examples of the pages run, as a user types them: scores, commands, Python, SuperCollider, a preset."""
 
 import os
 import re
@@ -35,7 +35,7 @@ def free_port() -> int:
 
 
 def with_port(text: str, port: int) -> str:
-    """What a page says, to a port that is free, as the default may not be."""
+    """Return a page's text with a port that is free, as the default may not be."""
     for command in ("serve", "send", "play", "top"):
         text = text.replace(f"carom {command} ", f"carom {command} --port {port} ")
     return text.replace(str(DEFAULT_PORT), str(port)).replace("Client()", f"Client(port={port})")

@@ -1,4 +1,4 @@
-"""What is packed: an sdist holds all that the repository does, but for what only its host needs; a wheel its code."""
+"""The packages: an sdist holds all that the repository does, but for what only its host needs; a wheel its code."""
 
 import os
 import subprocess

@@ -1,4 +1,4 @@
-"""How fast Carom is: its kernels beside plain C and scsynth's Klank, its impacts, its start-up.
+"""Benchmark of Carom's speed: its kernels beside plain C and scsynth's Klank, its impacts, its start-up.
 
 Ratios are taken in one run, from minima over interleaved rounds, so that what else the machine does cancels out.
 """
@@ -51,7 +51,7 @@ TITLES = {
     "Clips: an impact of one second in a fresh scene, with labels": "clips",
     "Start-up: s": "startup",
 }
-"""Of the tables that are shown after the kernels', by what they show."""
+"""Titles of the tables that are shown after the kernels'."""
 
 STARTUP = """
 from time import perf_counter
@@ -91,7 +91,7 @@ def modes_from(arrays, i, j):
 
 
 def bank(modes: int) -> tuple[np.ndarray, ...]:
-    """Arrays of modes that all but ring for ever, in the order in which the C kernels take them."""
+    """Return the arrays of modes that all but ring for ever, in the order in which the C kernels take them."""
     state = new_state(RATE)[0]
     record = state["bank"]
     made = Modes(*(record[name] for name in Modes._fields))
@@ -106,7 +106,7 @@ def bank(modes: int) -> tuple[np.ndarray, ...]:
 
 
 def compile_reference() -> ctypes.CDLL | None:
-    """The kernels in C, or None without a compiler."""
+    """Compile the kernels in C, or return None without a compiler."""
     compiler = shutil.which(os.environ.get("CC", "cc"))
     if not compiler:
         return None
@@ -126,7 +126,7 @@ def pointers(arrays: tuple[np.ndarray, ...]) -> list[ctypes.c_void_p]:
 
 
 def check(reference: ctypes.CDLL) -> None:
-    """AssertionError unless the reference computes the same."""
+    """Assert that the reference computes the same."""
     counts = (2, 24, 2)
     longs = [ctypes.c_long(n) for n in counts]
     ours, theirs = bank(48), bank(48)
@@ -139,7 +139,7 @@ def check(reference: ctypes.CDLL) -> None:
 
 
 def kernels(objects: int, modes: int, reference: ctypes.CDLL | None) -> tuple[Contenders, int]:
-    """Both kernels, also in C where there is a compiler, and the mode-samples that each run takes."""
+    """Yield both kernels, also in C where there is a compiler, and the mode-samples that each run takes."""
     quanta = max(1, MODE_SAMPLES // (objects * modes * QUANTUM))
     counts = (objects, modes, quanta)
     arguments = bank(objects * modes)
@@ -156,7 +156,7 @@ def kernels(objects: int, modes: int, reference: ctypes.CDLL | None) -> tuple[Co
 
 
 def measure_kernels(reference: ctypes.CDLL | None, rounds: int) -> list[dict[str, Any]]:
-    """ns per mode-sample of each kernel for each of BANKS."""
+    """Measure ns per mode-sample of each kernel for each of BANKS."""
     rows: list[dict[str, Any]] = []
     for objects, modes in BANKS:
         contenders, samples = kernels(objects, modes, reference)
@@ -169,7 +169,7 @@ def measure_kernels(reference: ctypes.CDLL | None, rounds: int) -> list[dict[str
 
 
 def measure_klank(rounds: int) -> dict[str, float] | None:
-    """ns per mode-sample of scsynth's mono Klank, and how many times faster our stereo kernels are."""
+    """Measure ns per mode-sample of scsynth's mono Klank, and how many times faster our stereo kernels are."""
     if not klank.SCSYNTH:
         return None
     contenders, samples = kernels(1, KLANK_MODES, None)
@@ -192,7 +192,8 @@ def fresh(code: str, cache: str) -> tuple[float, list[float]]:
 
 
 def measure_startup(rounds: int) -> list[dict[str, Any]]:
-    """Seconds from nothing to the first block, with the interpreter: with an empty cache and with a full one."""
+    """Measure seconds from nothing to the first block, with the interpreter: with an empty cache and with a full
+    one."""
     with tempfile.TemporaryDirectory() as cache:
         cold = fresh(STARTUP, cache)
         warm = min(fresh(STARTUP, cache) for _ in range(rounds))
@@ -203,8 +204,8 @@ def measure_startup(rounds: int) -> list[dict[str, Any]]:
 
 
 def aims(results: dict[str, Any]) -> list[dict[str, Any]]:
-    """What was aimed at: mostly before the engine was written, for effective mass and two contacts later; `met` is None
-    where what to measure against is missing."""
+    """Return the aims, set mostly before the engine was written, for effective mass and two contacts later; `met` is
+    None where what to measure against is missing."""
     large = [r["of_c"] for r in results["kernels"] if r["modes"] >= 1024]
     of_c = min(large) if None not in large else None
     rings = min(row["ratio"] for row in results["ringing"] if row["objects"] * row["modes"] > 50_000)
@@ -252,7 +253,7 @@ def aims(results: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def show(console: Console, title: str, rows: list[dict[str, Any]]) -> None:
-    """A table of rows alike."""
+    """Print a table of rows alike."""
     table = Table(*rows[0], title=title)
     for row in rows:
         table.add_row(*(f"{v:.3g}" if isinstance(v, float) else str(v) for v in row.values()))

@@ -1,4 +1,4 @@
-"""What a data set costs: random impacts of one second, each in a fresh Scene, with its modes and contacts as labels.
+"""Cost of a data set: random impacts of one second, each in a fresh Scene, with its modes and contacts as labels.
 
 `python -m tests.bench.clips` measures this alone; `--profile` says where the time goes.
 """
@@ -30,7 +30,7 @@ KINDS = ("preset", "geometry")
 
 
 def clips(kind: str, count: int, seed: int = 1) -> Iterator[dict[str, Any]]:
-    """Random clips: an object and its keys, a striker, a velocity (m/s), a position."""
+    """Yield random clips: an object and its keys, a striker, a velocity (m/s), a position."""
     presets = carom.Presets()
     objects, strikers = presets.names("objects"), presets.names("strikers")
     thickness = {name: presets.object(name).geometry.get("thickness") for name in objects}
@@ -47,7 +47,7 @@ def clips(kind: str, count: int, seed: int = 1) -> Iterator[dict[str, Any]]:
 
 
 def make(clip: dict[str, Any]) -> tuple[carom.Sound, carom.ModeTable]:
-    """The sound of a clip, and its labels."""
+    """Make a clip: its sound, and its labels."""
     with carom.Scene(contacts=True) as scene:
         body = scene.new("a", clip["preset"], **clip["keys"])
         body.impact(clip["velocity"], clip["position"], striker=clip["striker"], at=0.01)
@@ -56,7 +56,7 @@ def make(clip: dict[str, Any]) -> tuple[carom.Sound, carom.ModeTable]:
 
 @contextmanager
 def timed(kind: type, method: str) -> Iterator[list[float]]:
-    """The seconds that each call of a method takes meanwhile."""
+    """Collect the seconds that each call of a method takes meanwhile."""
     taken: list[float] = []
     plain = getattr(kind, method)
 
@@ -75,7 +75,8 @@ def timed(kind: type, method: str) -> Iterator[list[float]]:
 
 
 def measure_clips(count: int) -> list[dict[str, Any]]:
-    """ms a clip, on one core: mean, median, 95th percentile, the engine's own (`process`), and the mean over that."""
+    """Measure ms per clip, on one core: mean, median, 95th percentile, the engine's own (`process`), and the mean over
+    that."""
     rows = []
     make(next(clips("preset", 1)))  # compiles
     for kind in KINDS:
@@ -97,7 +98,8 @@ def measure_clips(count: int) -> list[dict[str, Any]]:
 
 
 def measure_empty() -> dict[str, Any]:
-    """A Scene without an object: ms to make, MB resident after its first quantum (None where that is not told)."""
+    """Measure a Scene without an object: ms to make, MB resident after its first quantum (None where that is not
+    told)."""
     carom.Scene().render(frames=64)
     gc.collect()
     before = _resident()

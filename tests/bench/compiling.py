@@ -1,4 +1,4 @@
-"""Where the time goes when the engine is compiled: `python -m tests.bench.compiling`, in seconds of one core.
+"""Time that compiling the engine takes, part by part: `python -m tests.bench.compiling`, in seconds of one core.
 
 A checkout compiles for its own machine, at its first start; an installation from source for all levels of processors
 that its wheel shall run on. A wheel that is there brings the code along. `--json tests/measured/compiling.json` keeps
@@ -30,8 +30,8 @@ def _timed(seconds: Counter[str], name: str) -> Iterator[None]:
 
 
 def measure() -> dict[str, Any]:
-    """Seconds of a core for each part of a cold compile of the audio callback: those of numba's passes by their names,
-    those of LLVM for each target, and the sums for a start of a checkout and for a wheel."""
+    """Measure seconds of a core for each part of a cold compile of the audio callback: those of numba's passes by their
+    names, those of LLVM for each target, and the sums for a start of a checkout and for a wheel."""
     seconds: Counter[str] = Counter()
     gc.disable()  # as `native.code.compiled` does
     with _timed(seconds, "imports"):
@@ -59,7 +59,7 @@ def measure() -> dict[str, Any]:
 
 
 def _passes(events: list[Any]) -> dict[str, float]:
-    """Seconds of numba's longest passes, by the wall's clock."""
+    """Return seconds of numba's longest passes, by the wall's clock."""
     passes: Counter[str] = Counter()
     running: list[str] = []  # passes begin and end like brackets: what a kernel calls is translated amid its own
     since = 0.0

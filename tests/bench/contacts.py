@@ -1,4 +1,4 @@
-"""What contacts cost, by every solver: in the engine, and by themselves."""
+"""Cost of contacts, by every solver: in the engine, and by themselves."""
 
 import math
 from dataclasses import dataclass
@@ -44,7 +44,7 @@ held force took 32 steps a contact; at its tolerance of 1e-3 nine of ten erred l
 
 @dataclass(frozen=True)
 class _Struck:
-    """What is struck: sum r over its modes, accuracy asked for, and whether contacts are coupled."""
+    """A struck object: sum r over its modes, the accuracy asked for, and whether contacts are coupled."""
 
     yielding: float
     accuracy: str
@@ -62,7 +62,7 @@ CLOSED = ("wall", "m*")
 
 
 def stiffness(samples: float) -> float:
-    """k for which LAW's contact with a wall lasts so many samples."""
+    """Return k for which LAW's contact with a wall lasts so many samples."""
     v_in, m, mu, a = LAW
     return (contact_time(v_in, m, 1.0, mu, a) * RATE / samples) ** (a + 1.0)
 
@@ -72,7 +72,7 @@ def frequencies(modes: int) -> np.ndarray:
 
 
 def struck_engine(solver: str, modes: int, samples: float) -> Engine:
-    """An engine with one object, and a ring full of impacts whose contacts last so many samples."""
+    """Return an engine with one object, and a ring full of impacts whose contacts last so many samples."""
     struck = STRUCK[solver]
     v_in, m, mu, a = LAW
     engine = Engine(RATE)
@@ -110,7 +110,7 @@ def strike(engine: Engine, impacts: int) -> None:
 
 
 def measure_impacts(rounds: int) -> list[dict[str, Any]]:
-    """µs that an impact takes of the engine's time, with the ringing that it starts."""
+    """Measure µs that an impact takes of the engine's time, with the ringing that it starts."""
     rows: list[dict[str, Any]] = []
     for modes, samples in product(MODES, SAMPLES):
         engines = {solver: struck_engine(solver, modes, samples) for solver in STRUCK}
@@ -125,7 +125,7 @@ def measure_impacts(rounds: int) -> list[dict[str, Any]]:
 
 
 def measure_long_contacts(rounds: int) -> list[dict[str, Any]]:
-    """µs that a contact takes of each sample it lasts, and that two at once on one object take."""
+    """Measure µs that a contact takes of each sample it lasts, and that two at once on one object take."""
     rows: list[dict[str, Any]] = []
     for solver, modes in product(("wall", "coupled -60"), MODES):
         engines = {name: struck_engine(solver, modes, 1e7) for name in ("one", "two")}
@@ -141,7 +141,7 @@ def measure_long_contacts(rounds: int) -> list[dict[str, Any]]:
 
 
 def case(modes: int, samples: float) -> Case:
-    """The contact of a light object in STRUCK, by itself."""
+    """Return the contact of a light object in STRUCK, by itself."""
     v_in, m, mu, a = LAW
     phi = np.full(modes, math.sqrt(STRUCK["coupled -60"].yielding / (m * modes)))
     frames = int(2 * samples) + 40
@@ -149,7 +149,7 @@ def case(modes: int, samples: float) -> Case:
 
 
 def measure_solvers(rounds: int) -> list[dict[str, Any]]:
-    """µs that a contact takes by itself, from the first touch to the last release, modes included."""
+    """Measure µs that a contact takes by itself, from the first touch to the last release, modes included."""
     rows: list[dict[str, Any]] = []
     for modes, samples in product(MODES, SAMPLES):
         struck = case(modes, samples)

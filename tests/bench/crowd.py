@@ -18,7 +18,7 @@ from tests.bench.fuzz import Findings, Junk, resident, run, worked
 LATE = 0.1
 """s: an answer after a packet that takes longer is late."""
 OBJECTS, IDS = 512, 4_096
-"""Of a crowded server."""
+"""Objects and ids of a crowded server."""
 FILLED = 5_000
 """Packets after which the server is crowded anew."""
 
@@ -29,7 +29,7 @@ class Crowded(Junk):
     """A source of packets, most of them full of patterns."""
 
     def packet(self) -> bytes:
-        """A packet of patterns, up to the longest there is, or any other."""
+        """Return a packet of patterns, up to the longest there is, or any other."""
         if self.chance.random() < 0.3:
             return super().packet()
         address = self.chance.choice(["/object/{}/" + verb for verb in _CHANGES] + ["/gesture/{}/gain", "/{}/{}/{}"])
@@ -43,7 +43,7 @@ class Crowded(Junk):
         return b""
 
     def _pattern(self) -> str:
-        """A pattern of names of a crowd."""
+        """Return a pattern of names of a crowd."""
         pieces = ("*", "*", "?", "o", "1", "z", "[a-z]", "[!0-4]", "{o1,o2,g}", "{1,22,3}", "*z", "g*")
         return "".join(self.chance.choices(pieces, k=self.chance.choice([1, 2, 3, 8, 40])))
 
@@ -63,7 +63,7 @@ def crowd(client: Client) -> None:
 
 
 def answer(client: Client, server: subprocess.Popen[str]) -> tuple[float, int, bool]:
-    """How long (s) a server works until it answers; how many objects it has, and whether packets wait."""
+    """Return how long (s) a server works until it answers; how many objects it has, and whether packets wait."""
     before, started = worked(server.pid), time.monotonic()
     status = client.ask("/status", timeout=30.0).args
     took = min(time.monotonic() - started, worked(server.pid) - before)

@@ -31,7 +31,7 @@ BIN = Path(sys.executable).parent
 
 
 def scene_of(recipe: Recipe, item: Item, presets: carom.Presets) -> None:
-    """The sound of an item that is struck, as anybody would make it."""
+    """Render the sound of an item that is struck, as anybody would make it."""
     about, blow = dict(item.values["object"]), dict(item.values["impact"])
     with carom.Scene(recipe.rate, calibrated=True, channels=recipe.channels, presets=presets) as scene:
         body = scene.new("object", about.pop("preset"), **about)
@@ -40,8 +40,8 @@ def scene_of(recipe: Recipe, item: Item, presets: carom.Presets) -> None:
 
 
 def costs(recipe: Recipe) -> dict[str, float]:
-    """ms a clip in one process, in turns: of the engine's `process`, of a loop over Scenes that makes the same sounds,
-    and of shards with all that is in them."""
+    """Measure ms per clip in one process, in turns: of the engine's `process`, of a loop over Scenes that makes the
+    same sounds, and of shards with all that is in them."""
     small = replace(recipe, count=(TURNS + 1) * TURN, shard=TURN)
     plan, presets = replace(planned(recipe, ()), recipe=small), carom.Presets()
     spent = {"process": 0.0, "scenes": 0.0, "shards": 0.0}
@@ -77,7 +77,7 @@ class Runs:
         self.seconds[name] = time.perf_counter() - begin
 
     def begun(self, name: str, *more: object) -> "subprocess.Popen[bytes]":
-        """A run of which a quarter is done."""
+        """Begin a run, and return it when a quarter is done."""
         process = subprocess.Popen(self.words(name, *more), stdout=subprocess.DEVNULL)
         while process.poll() is None and len(list((self._folder / name).glob("*.tar"))) < self._few:
             time.sleep(0.01)
@@ -96,7 +96,7 @@ class Runs:
             self.whole(name, "--dask", cluster.scheduler_address)
 
     def by_workers(self, name: str) -> None:
-        """By a scheduler and two workers, each a process; one is killed on the way."""
+        """Make the data set by a scheduler and two workers, each a process; one is killed on the way."""
         with ExitStack() as stack, tempfile.TemporaryDirectory() as folder:
             file = Path(folder, "scheduler.json")
             plain = ("--scheduler-file", str(file), "--no-dashboard")
@@ -113,7 +113,7 @@ class Runs:
             assert run.wait() == 0
 
     def digest(self, name: str) -> str:
-        """A hash of all files of a data set."""
+        """Hash all files of a data set."""
         whole = hashlib.sha256()
         for path in sorted((self._folder / name).iterdir()):
             whole.update(f"{path.name}\0{path.stat().st_size}\0".encode())

@@ -28,7 +28,8 @@ _NEVER = "/quit"
 
 
 def declared(chance: random.Random) -> Message:
-    """A message to any address but that which ends the server, its arguments within their ranges or at their ends."""
+    """Return a message to any address but that which ends the server, its arguments within their ranges or at their
+    ends."""
     verb = VERBS[chance.choice([address for address in VERBS if address != _NEVER])]
     args: list[Argument] = [argument(chance, each) for each in verb.required]
     if verb.many:
@@ -41,12 +42,12 @@ def declared(chance: random.Random) -> Message:
 
 
 def name(chance: random.Random) -> str:
-    """A name of an object, a gesture or a body, or a pattern of such."""
+    """Return a name of an object, a gesture or a body, or a pattern of such."""
     return chance.choice([*_NAMES, "*", "[a-c]"] if chance.random() < 0.3 else _NAMES)
 
 
 def argument(chance: random.Random, key: Key) -> Argument:
-    """A value that an argument may have."""
+    """Return a value that an argument may have."""
     if isinstance(key, Either):
         return chance.choice(key.words)
     if isinstance(key, Note):
@@ -63,12 +64,12 @@ def argument(chance: random.Random, key: Key) -> Argument:
 
 
 def argument_list(chance: random.Random, numbers: Numbers, count: int) -> list[Argument]:
-    """So many numbers of one kind."""
+    """Return so many numbers of one kind."""
     return [argument(chance, numbers.number) for _ in range(count)]
 
 
 def between(chance: random.Random, low: float, high: float) -> float:
-    """A number of a range: an end of it, or by equal ratios where both are positive."""
+    """Return a number of a range: an end of it, or by equal ratios where both are positive."""
     kind = chance.random()
     if kind < 0.1:
         return low
@@ -78,7 +79,7 @@ def between(chance: random.Random, low: float, high: float) -> float:
 
 
 def extreme(chance: random.Random) -> Message:
-    """A message that makes an object or a body, of any size that there may be."""
+    """Return a message that makes an object or a body, of any size that there may be."""
     if chance.random() < 0.4:
         shape = chance.choice(BODY_SHAPES)
         size = [between(chance, 1e-5, 1e3) for _ in range({"sphere": 1, "cylinder": 2, "capsule": 2}.get(shape, 3))]
@@ -91,7 +92,7 @@ def extreme(chance: random.Random) -> Message:
 
 
 def _geometry(chance: random.Random, shape: str) -> Iterator[tuple[str, Argument]]:
-    """Keys of a shape, and values that its schema allows."""
+    """Yield keys of a shape, and values that its schema allows."""
     for key, field in OBJECT_SHAPES[shape].fields.items():
         if chance.random() < 0.5:
             if isinstance(field, Whole):

@@ -1,4 +1,4 @@
-"""What modes cost on which a body rolls: by one number a frame, as the engine drives them, and by moments."""
+"""Cost of modes on which a body rolls: by one number a frame, as the engine drives them, and by moments."""
 
 from functools import partial
 from typing import Any
@@ -27,7 +27,8 @@ def ring_free(modes, out, quanta):
 
 @njit(error_model="numpy")
 def ring_by_samples(modes, shape, arrays, quanta):
-    """With all that the engine does for it, also samples from moments, and what goes straight through."""
+    """Ring modes with all that the engine does for it: also samples from moments, and the force's direct path to the
+    sound."""
     moments, samples, driver, work, taps, out = arrays
     n = len(modes.y1)
     point = Point(shape, n, driver.row, driver.weights)
@@ -47,7 +48,7 @@ def ring_by_moments(modes, shape, drivers, feeds, work, out, quanta):
 
 
 def measure(rounds: int) -> list[dict[str, Any]]:
-    """ns per mode-sample of modes that ring freely, and of those under a roll."""
+    """Measure ns per mode-sample of modes that ring freely, and of those under a roll."""
     rows: list[dict[str, Any]] = []
     random = np.random.default_rng(1)
     for n in SIZES:

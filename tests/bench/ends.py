@@ -55,7 +55,7 @@ def lost(folder: Path, seconds: float) -> tuple[float, float]:
 
 
 def _heavy(address: str, *args: object) -> State:
-    """A state: packets of 64 KB, each of one message again and again."""
+    """Make a state: packets of 64 KB, each of one message again and again."""
     one = wire.encode(address, *args)
     packet = wire.encode_bundle(1, [Message(address, args)] * ((wire.MAX_DATAGRAM - 16) // (len(one) + 4)))
 
@@ -76,7 +76,7 @@ def _making(server: Running) -> list[socket.socket]:
 
 
 def _streams(server: Running) -> list[socket.socket]:
-    """Clients over TCP that ask and never read."""
+    """Return the clients over TCP that ask and never read."""
     data = b"".join(len(packet).to_bytes(4, "big") + packet for packet in [wire.encode("/status")] * 5_000)
     clients = [socket.create_connection(("127.0.0.1", server.port)) for _ in range(8)]
     for each in clients:
@@ -86,7 +86,7 @@ def _streams(server: Running) -> list[socket.socket]:
 
 
 def _questions(server: Running) -> list[socket.socket]:
-    """Clients of OSCQuery that ask for everything, or for nothing."""
+    """Return the clients of OSCQuery that ask for everything, or for nothing."""
     assert server.process.stdout
     port = int(server.process.stdout.readline().rpartition(":")[2].split("/")[0])
     clients = [socket.create_connection(("127.0.0.1", port)) for _ in range(16)]
@@ -109,7 +109,7 @@ STATES: dict[str, State] = {
 
 
 def end_in(folder: Path, state: str, number: signal.Signals = signal.SIGTERM) -> tuple[float, int, str]:
-    """How long (s) a signal takes to end a crowded server in a state, its exit code, and what it said on stderr."""
+    """Return how long (s) a signal takes to end a crowded server in a state, its exit code, and its stderr."""
     with serving(folder, "--device", "none", "--oscquery", "0", *FILES) as server:
         with Client(port=server.port, tcp=True) as client:
             crowd(client)

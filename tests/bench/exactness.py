@@ -1,4 +1,4 @@
-"""How exact built-in strikers on built-in objects are, at each accuracy, against DOP853 of all modes and strikers.
+"""Errors of built-in strikers on built-in objects, at each accuracy, against DOP853 of all modes and strikers.
 
     python -m tests.bench.exactness [COUNT]
 
@@ -72,7 +72,8 @@ class Measured(NamedTuple):
 
 
 def measure(presets: Presets, case: Case, level: str) -> Measured:
-    """How exact an object's sound is; the reference's own error is sought where the promise is not kept at `exact`."""
+    """Measure the error of an object's sound; the reference's own error is sought where the promise is not kept at
+    `exact`."""
     engine = Engine(case.rate)
     engine.stems.keep(True)  # so that the modes stay out of the spectral bank, and can be looked at
     engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index(level))])
@@ -122,7 +123,7 @@ def is_kept(measured: Measured, level: str) -> bool:
 
 
 def random_case(presets: Presets, random: np.random.Generator) -> Case:
-    """Any strikers on any object."""
+    """Return any strikers on any object."""
     name = str(random.choice(presets.names("objects")))
     preset = presets.object(name)
     rate = float(random.choice(RATES))

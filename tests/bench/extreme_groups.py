@@ -27,7 +27,7 @@ from tests.dsp.engine.test_coupling import energy, felt
 
 RATES = (8_000.0, 22_050.0, 48_000.0, 96_000.0, 192_000.0)
 QUANTA = 12
-"""That a case lasts; the strikers come within the first two."""
+"""Length of a case; the strikers come within the first two."""
 _LEVEL = 1e6  # so loud that no mode is put to rest as nobody would hear it
 _ROWS = 16
 
@@ -49,7 +49,8 @@ class Case(NamedTuple):
 
 
 def random_case(random: np.random.Generator, rate: float) -> Case:
-    """1 to 64 modes, k to 1e16, mu to 1e3, a 1 to 4, sum m phi^2 of all strikers to 100; a third without any loss."""
+    """Return 1 to 64 modes, k to 1e16, mu to 1e3, a 1 to 4, sum m phi^2 of all strikers to 100; a third without any
+    loss."""
     n = int(2.0 ** random.uniform(0.0, 6.0))
     frequency = np.sort(np.exp(random.uniform(math.log(20.0), math.log(0.475 * rate), n)))
     lossless = random.uniform() < 1 / 3
@@ -81,7 +82,8 @@ class Energies:
         self._strikers = np.array([0.5 * striker.law[0] * striker.velocity**2 for striker in strikers])
 
     def now(self) -> float:
-        """All of it; a striker that has not come yet, or has left for good, has the energy that it had before."""
+        """Return all of it; a striker that has not come yet, or has left for good, has the energy that it had
+        before."""
         for index in np.flatnonzero(self._contacts["gesture"]):
             contact = self._contacts[index]
             if contact["touching"]:
@@ -91,13 +93,13 @@ class Energies:
 
 
 def _energy(coupled: Any) -> float:
-    """Of a striker and of its contact, J."""
+    """Return the energy of a striker and of its contact, J."""
     stored = elastic(max(coupled["motion"][0], 0.0), coupled["k"], coupled["a"])
     return float(0.5 * coupled["m"] * coupled["v"] ** 2 + stored)
 
 
 def growth(engine: Engine, case: Case) -> float | None:
-    """How far the energy rises at most, over the greatest that it was; None if a contact was not coupled."""
+    """Return the greatest rise of the energy over the greatest that it was; None if a contact was not coupled."""
     handle = engine.add(case.modes, _LEVEL)
     engine.process(QUANTUM)
     first, coupled, impacts = float(engine.position), engine.stats.coupled, engine.stats.impacts

@@ -32,7 +32,7 @@ BOUNDS = {"bar": {40: (-25.0, 4.5), 80: (-23.5, 3.0)}, "block": {40: (-16.0, 7.0
 NEAR = 2.5
 """dB: a residual so near to what any damped sinusoids leave does not fail."""
 DRAWS = 10
-"""Of the noise, over which the distance is averaged."""
+"""Draws of the noise, over which the distance is averaged."""
 SLOWEST = 3.0  # s of the processor's time at 40 modes
 
 
@@ -49,7 +49,7 @@ class Row:
     seconds: float
 
     def fails(self, residual: float, distance: float) -> bool:
-        """Whether it lies beyond these bounds (dB), or took too long."""
+        """True if it lies beyond these bounds (dB), or took too long."""
         poor = self.residual > residual and (self.bound is None or self.residual > self.bound + NEAR)
         return poor or self.distance > distance or (self.modes == MODES and self.seconds > SLOWEST)
 
@@ -61,7 +61,7 @@ class Row:
 
 
 def measured(name: str, samples: np.ndarray, rate: float, count: int) -> Row:
-    """How a recording (n,) at a rate (Hz) is fitted with so many modes."""
+    """Fit a recording (n,) at a rate (Hz) with so many modes, and measure the result."""
     begun = time.process_time()
     found = fit([clearest(hits(samples, rate))], [None], count)
     took = time.process_time() - begun
@@ -70,7 +70,8 @@ def measured(name: str, samples: np.ndarray, rate: float, count: int) -> Row:
 
 
 def distance(found: Fit) -> float:
-    """The log-spectral distance (dB) of a fit with noise, on average over draws: single ones scatter by 0.1 dB."""
+    """Return the log-spectral distance (dB) of a fit with noise, on average over draws: single ones scatter by 0.1
+    dB."""
     early = earliest(found.rate)
     take, modes = found.takes[0][early:], found.modes[0][early:]
     noises = [found.heard_noise.sound(len(take), found.rate, seed) for seed in range(1, DRAWS + 1)]
@@ -78,14 +79,15 @@ def distance(found: Fit) -> float:
 
 
 def lowest_residual(found: Fit, count: int) -> float:
-    """What `count` modes leave at least of a fitted take (dB): after the blow, where modes are damped sinusoids."""
+    """Return the least rest (dB) that `count` modes can leave of a fitted take: after the blow, where modes are damped
+    sinusoids."""
     (take,), (blow,) = found.takes, found.blows
     ringing = take[earliest(found.rate) + int(np.ceil(blow.times[-1] * found.rate)) + 1 :]
     return float(10 * np.log10(least_left(ringing, count) / np.sum(take**2)))
 
 
 def keep(rows: list[Row], path: Path) -> None:
-    """Writes rows into a CSV file."""
+    """Write rows into a CSV file."""
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(field.name for field in fields(Row))

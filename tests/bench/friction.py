@@ -1,4 +1,4 @@
-"""What friction must keep, at length: energy on random extremes, and where bowing is periodic at three rates.
+"""Promises of friction, at length: energy on random extremes, and where bowing is periodic at three rates.
 
     python -m tests.bench.friction [COUNT]
 
@@ -25,7 +25,7 @@ LOW_POSITIONS = POSITIONS[:7]  # where the least force is within reach of `force
 
 
 def balance(name: str, count: int) -> bool:
-    """Whether energy is kept by "located", "held" or "elastic" friction."""
+    """True if energy is kept by "located", "held" or "elastic" friction."""
     random = np.random.default_rng(18)
     worst = given = 0.0
     for _ in range(count):
@@ -41,14 +41,14 @@ def balance(name: str, count: int) -> bool:
 
 
 def slope(raised: bool, law: tuple[float, float, float] = SHARP, torsion: int = 0) -> float:
-    """The exponent of a limit over the position."""
+    """Return the exponent of a limit over the position."""
     positions = POSITIONS if raised else LOW_POSITIONS
     forces = [force_limit(float(beta), raised, law=law, torsion=torsion) for beta in positions]
     return float(np.polyfit(np.log(positions), np.log(forces), 1)[0])
 
 
 def limits() -> bool:
-    """Whether the limits of force fall as theory says."""
+    """True if the limits of force fall as theory says."""
     greatest, least = slope(True), slope(False)
     shares = [force_limit(float(beta)) / schelleng_limit(float(beta)) for beta in POSITIONS]
     print(f"greatest force: position^{greatest:.2f}, {min(shares):.2f} to {max(shares):.2f} of Schelleng's")
@@ -59,7 +59,7 @@ def limits() -> bool:
 
 
 def maps() -> bool:
-    """Whether the maps at three rates are alike."""
+    """True if the maps at three rates are alike."""
     cells = {rate: np.array([row["periodic"] for row in schelleng(rate)]) for rate in RATES}
     fine = cells[RATES[-1]]
     off = {rate: float(np.mean(cells[rate] != fine)) for rate in RATES[:-1]}

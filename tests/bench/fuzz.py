@@ -51,7 +51,7 @@ _AWKWARD = (
     2**63 - 1,
 )
 _MAKES = (b"/object/new", b"/world/body")
-"""In packets that a client of their own sends: what it sends later waits until all is made."""
+"""Addresses in packets that a client of their own sends: what it sends later waits until all is made."""
 _INTERESTING = b"\0\1\4\x7f\x80\xc0\xdb\xdc\xfc\xff/#,*?[]{}!-sibfdhtmrcTFNI"
 
 # What has brought down servers, this one and others.
@@ -95,7 +95,7 @@ class Junk:
         return b"" if b"/quit\0" in packet else packet[: wire.MAX_DATAGRAM]
 
     def stream(self, packets: int) -> bytes:
-        """Framed packets, some of them broken in their framing too."""
+        """Return the framed packets, some of them broken in their framing too."""
         framed = self.chance.choice([Sized.framed, Slip.framed])
         stream = b"".join(framed(self.packet()) for _ in range(packets))
         return self._mutated(stream) if self.chance.random() < 0.7 else stream
@@ -186,7 +186,7 @@ class Junk:
 
 @dataclass
 class Findings:
-    """What became of a server under junk."""
+    """Findings about a server under junk."""
 
     packets: int = 0
     streams: int = 0
@@ -250,14 +250,15 @@ def _pour(stream: bytes, to: tuple[str, int], streams: list[socket.socket], chan
 
 
 def worked(pid: int) -> float:
-    """s of processor time that the main thread has had; always the same where the system does not tell."""
+    """Return the s of processor time that the main thread has had; always the same where the system does not tell."""
     with suppress(OSError):
         return 1e-9 * int(Path(f"/proc/{pid}/task/{pid}/schedstat").read_text().split()[0])
     return 0.0
 
 
 def resident(pid: int) -> list[int]:
-    """Bytes of memory that a process holds for itself; the system's pages of its program's files come and go."""
+    """Return the bytes of memory that a process holds for itself; the system's pages of its program's files come and
+    go."""
     with suppress(OSError):
         status = Path(f"/proc/{pid}/status").read_text()
         own = re.findall(r"Rss(?:Anon|Shmem):\s+(\d+) kB", status)
@@ -266,7 +267,7 @@ def resident(pid: int) -> list[int]:
 
 
 def still_plays(port: int) -> bool:
-    """Does the next valid strike sound, once all that came before is carried out?"""
+    """True if the next valid strike sounds, once all that came before is carried out."""
     with Client(port=port) as client:
         deadline = time.monotonic() + 60.0
         while values(client.status())["waiting"] and time.monotonic() < deadline:
@@ -287,7 +288,7 @@ Throw = Callable[[subprocess.Popen[str], int, int, int, Callable[[Findings], Non
 
 
 def run(throw: Throw, description: str | None, most: float, batch: int) -> int:
-    """Start a server, throw packets at it as the command line asks, and tell what became of it; returns the exit code.
+    """Start a server, throw packets at it as the command line asks, and tell what became of it; return the exit code.
 
     most: s that an answer after each batch may take.
     """

@@ -1,4 +1,4 @@
-"""What gestures cost: 64 bodies that roll and 64 that bounce at once, on 32 objects of 64 modes."""
+"""Cost of gestures: 64 bodies that roll and 64 that bounce at once, on 32 objects of 64 modes."""
 
 import math
 from time import perf_counter
@@ -24,7 +24,7 @@ STRIKER, SURFACE = "glass-marble", "wood"
 
 
 def made(engine: Engine) -> list[Handle]:
-    """The objects, in place."""
+    """Return the objects, in place."""
     random = np.random.default_rng(4)
     handles = []
     for _ in range(OBJECTS):
@@ -40,7 +40,7 @@ def made(engine: Engine) -> list[Handle]:
 
 
 def started(accuracy: str, rolls: int, bounces: int) -> Engine:
-    """An engine in which all objects ring, and so many bodies roll and bounce."""
+    """Return an engine in which all objects ring, and so many bodies roll and bounce."""
     engine = Engine(RATE)
     engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index(accuracy))])
     handles = made(engine)
@@ -63,7 +63,7 @@ def started(accuracy: str, rolls: int, bounces: int) -> Engine:
 
 
 def shares(engine: Engine) -> np.ndarray:
-    """Share of real time that each block of SECONDS takes."""
+    """Return the share of real time that each block of SECONDS takes."""
     engine.process(BLOCK)  # objects are made
     found = np.empty(round(SECONDS * RATE / BLOCK))
     for i in range(len(found)):
@@ -74,7 +74,8 @@ def shares(engine: Engine) -> np.ndarray:
 
 
 def measure(rounds: int) -> list[dict[str, Any]]:
-    """Share of real time, also of the worst block; impacts a second, and µs of each beyond what rings anyway."""
+    """Measure the share of real time, also of the worst block; impacts per second, and µs of each beyond what rings
+    anyway."""
     rows: list[dict[str, Any]] = []
     ringing = math.nan
     for accuracy, rolls, bounces in (

@@ -1,4 +1,4 @@
-"""Does sound wait for Python? Blocks that JACK's dummy device loses while Python threads hold the GIL.
+"""Blocks that JACK's dummy device loses while Python threads hold the GIL.
 
 In blocks of 64 frames at 48 kHz, one after the other on one jackd: a Carom server that plays, and nothing else (what
 the machine itself loses); the same with hogs in its own process; a Python callback with the same hogs. What the hogged
@@ -100,7 +100,7 @@ def compare(folder: Path) -> None:
 
 
 def shares(seconds: float, folder: Path) -> dict[str, float]:
-    """The share of its blocks that each client lost: alone, hogged, python; `folder` is for its files."""
+    """Return the share of its blocks that each client lost: alone, hogged, python; `folder` is for its files."""
     name = f"carom-gil-{os.getpid()}"
     env = os.environ | {"JACK_DEFAULT_SERVER": name, "JACK_NO_START_SERVER": "1"}
     words = ["jackd", "-R", "-n", name, "-d", "dummy", "-r", str(RATE), "-p", str(FRAMES)]

@@ -33,21 +33,22 @@ MOST_APART, MOST_GROWTH, MOST_COST = -100.0, 10.0, 1.2  # dB, MB, of a fresh eng
 
 
 def body(random: np.random.Generator) -> Modes:
-    """An object that rings for a second to a minute, at its own pitches."""
+    """Return an object that rings for a second to a minute, at its own pitches."""
     frequency = np.geomspace(100.0, 18_000.0, MODES) * random.uniform(0.8, 1.2, MODES)
     decay = 6.9 / np.exp(random.uniform(math.log(1.0), math.log(60.0), MODES))
     return Modes(frequency, decay, np.full((1, MODES), 1e-3), np.full((2, MODES), 1e-3), 1.0)
 
 
 def memory() -> float:
-    """MB that this process holds."""
+    """Return the MB that this process holds."""
     found = re.search(r"VmRSS:\s+(\d+) kB", Path("/proc/self/status").read_text())
     assert found
     return int(found[1]) / 1024
 
 
 def heard(engine: Engine) -> NDArray[np.complex128]:
-    """Complex amplitudes of the witness' modes as of the engine's position, from what is heard of it next."""
+    """Return the complex amplitudes of the witness' modes as of the engine's position, from what is heard of it
+    next."""
     t = np.arange(HEARD) / RATE
     waves = np.exp((2j * math.pi * WITNESS - SLOW) * t[:, None])
     basis = np.concatenate([waves.real, -waves.imag], axis=1)
@@ -66,7 +67,7 @@ def freed(engine: Engine, handle: Handle) -> None:
 
 
 def filled(seed: int, level: float) -> tuple[Engine, list[Handle], np.random.Generator]:
-    """An engine with all objects, struck."""
+    """Return an engine with all objects, struck."""
     random = np.random.default_rng(seed)
     engine = Engine(RATE)
     handles = [engine.add(body(random), level) for _ in range(OBJECTS)]
@@ -76,7 +77,7 @@ def filled(seed: int, level: float) -> tuple[Engine, list[Handle], np.random.Gen
 
 
 def evening(seconds: float) -> dict[str, float]:
-    """Let them ring, be struck and freed for so long: what is apart, has grown and costs more."""
+    """Run the objects for so long: they ring, are struck and freed. Return what is apart, has grown and costs more."""
     random = np.random.default_rng(1)
     engine = Engine(RATE)
     ones = np.ones((1, len(WITNESS)))
@@ -115,7 +116,7 @@ def evening(seconds: float) -> dict[str, float]:
 
 
 def _cost(engine: Engine, handles: list[Handle]) -> float:
-    """What it costs to let all ring, over what it costs a fresh engine with as many objects."""
+    """Return the cost of all ringing at once, over what it costs a fresh engine with as many objects."""
     fresh, _, _ = filled(2, LEVEL)
     for handle in handles:
         struck(engine, handle)

@@ -15,7 +15,7 @@ _SCALAR, _AUDIO = 0, 2  # rates of unit generators
 
 
 def render(folder: Path, modes: int, seconds: int, rate: int) -> None:
-    """Let scsynth render a mono Klank of so many modes, struck four times a second; `folder` is for its files."""
+    """Render a mono Klank of so many modes by scsynth, struck four times a second; `folder` is for its files."""
     definition = folder / "klank.scsyndef"
     definition.write_bytes(_definition(modes))
     score = folder / "score.osc"
@@ -27,7 +27,7 @@ def render(folder: Path, modes: int, seconds: int, rate: int) -> None:
 
 
 def _definition(modes: int) -> bytes:
-    """A SynthDef file (version 2): Out(0, Klank(Impulse(4), specs))."""
+    """Return A SynthDef file (version 2): Out(0, Klank(Impulse(4), specs))."""
     table = np.column_stack((np.linspace(100, 15000, modes), np.full(modes, 1e-4), np.full(modes, 60.0)))
     constants = [0.0, 1.0, 4.0, *table.flat]  # of a Klank: frequency, amplitude, ring time, mode by mode
     zero, one, four = ((-1, n) for n in range(3))

@@ -19,7 +19,7 @@ from tests.support import render_lines, serving
 
 
 def _takes_time(rng: random.Random) -> tuple[str | float, ...]:
-    """Keys of a change that takes its time, or none."""
+    """Return keys of a change that takes its time, or none."""
     return rng.choice(((), ("over", rng.uniform(0.0, 0.3)), ("over", 0.1, "curve", rng.uniform(-6.0, 6.0))))
 
 
@@ -68,7 +68,7 @@ def random_message(rng: random.Random) -> Message:
 
 
 def random_gesture(rng: random.Random, ids: int) -> Message:
-    """A gesture that lasts, a change of one, or a quality; of so many ids."""
+    """Return a gesture that lasts, a change of one, or a quality; of so many ids."""
     name, id = rng.choice("abc"), f"g{rng.randrange(ids)}"
     match rng.randrange(8):
         case 0 | 1 | 2:
@@ -90,7 +90,7 @@ HEAVY = ("cymbal", "gong", "tom")
 
 
 def play(client: Client, rng: random.Random, seconds: float) -> int:
-    """Send random traffic for so long; returns how many steps of quality the server took by itself."""
+    """Send random traffic for so long; return how many steps of quality the server took by itself."""
     client.send("/notify", 1)
     for name, preset in zip("abc", HEAVY, strict=True):
         client.send("/object/new", name, preset, "gain", -20)
@@ -109,7 +109,7 @@ def play(client: Client, rng: random.Random, seconds: float) -> int:
 
 
 def differing(folder: Path) -> int:
-    """How many values of a recording its log does not render to."""
+    """Count the values of a recording to which its log does not render."""
     recorded, rate = soundfile.read(folder / "out.wav", dtype="float32")
     sound = render_lines(read(folder / "log.txt"), seconds=len(recorded) / rate)
     return int((sound != recorded).sum())

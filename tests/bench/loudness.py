@@ -1,4 +1,4 @@
-"""How loud presets are at their defaults, and the levels that make their strikes alike, by ITU-R BS.1770.
+"""Loudness of presets at their defaults, and the levels that make their strikes alike, by ITU-R BS.1770.
 
 `make levels` measures every object's strike, writes `level` into its preset, and keeps the figures of all its gestures
 in tests/measured, from where they come into presets/README.md. A strike is as loud as clients/loudness.py says; all
@@ -43,7 +43,7 @@ class Loudness:
 
 
 def measured(name: str, folders: Folders = ()) -> Loudness:
-    """How loud an object is at its defaults; folders: of presets, as for a Scene."""
+    """Measure the loudness of an object at its defaults; folders: of presets, as for a Scene."""
     preset = carom.Presets(folders).object(name)
     struck = gesture(name, "impact", folders)
     pascals = true_peak(_played(name, "impact", folders, calibrated=True))
@@ -52,7 +52,7 @@ def measured(name: str, folders: Folders = ()) -> Loudness:
 
 
 def gesture(name: str, kind: str, folders: Folders = ()) -> Heard:
-    """How loud a gesture at its defaults is, on an object at its defaults."""
+    """Measure the loudness of a gesture at its defaults, on an object at its defaults."""
     return heard(_played(name, kind, folders), RATE)
 
 

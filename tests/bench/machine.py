@@ -8,7 +8,7 @@ from typing import Any
 
 
 def machine() -> dict[str, Any]:
-    """This machine, its load and the versions that count, for a file of figures."""
+    """Describe this machine, its load and the versions that count, for a file of figures."""
     info = Path("/proc/cpuinfo")
     names = [line for line in info.read_text().splitlines() if "model name" in line] if info.exists() else []
     cpu = names[0].partition(":")[2].strip() if names else platform.processor()

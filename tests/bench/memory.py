@@ -31,7 +31,7 @@ _PRESETS = ("wine-glass", "steel-plate", "cymbal", "tom", "marimba-bar", "church
 
 
 def traffic(rng: random.Random) -> Iterator[Message]:
-    """Messages of all verbs, without end."""
+    """Yield messages of all verbs, without end."""
     while True:
         kind = rng.random()
         if kind < 0.02:
@@ -45,7 +45,7 @@ def traffic(rng: random.Random) -> Iterator[Message]:
 
 
 def play(server: subprocess.Popen[str], port: int, seconds: float, tell: bool = False) -> list[float]:
-    """Send mixed traffic for so long; returns the memory (MB) at each of 60 equal steps."""
+    """Send mixed traffic for so long; return the memory (MB) at each of 60 equal steps."""
     rng, junk = random.Random(1), Crowded(1, time.time())
     messages = traffic(rng)
     sizes: list[float] = []
@@ -115,7 +115,7 @@ def main() -> int:
 
 
 def _again(count: int) -> int:
-    """Play a session again and again; returns the exit code: 1 if the last takes 5 % more memory than the second."""
+    """Play a session again and again; return the exit code: 1 if the last takes 5 % more memory than the second."""
     with tempfile.TemporaryDirectory() as folder, serving(Path(folder), "--device", "none") as server:
         sizes = cycles(server.process, server.port, count, 2_000)
         _, said = server.quit()

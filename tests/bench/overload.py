@@ -20,7 +20,7 @@ LAG = 0.1  # s in which the sound may be behind in the last second
 
 
 def rolls(preset: str, objects: int, count: int) -> Callable[[Client], None]:
-    """So many marbles that roll on so many objects."""
+    """Return a function that rolls so many marbles on so many objects."""
 
     def play(client: Client) -> None:
         for n in range(objects):
@@ -32,7 +32,7 @@ def rolls(preset: str, objects: int, count: int) -> Callable[[Client], None]:
 
 
 def hands(preset: str, count: int) -> Callable[[Client], None]:
-    """So many objects that ring and are held by a hand each."""
+    """Return a function that makes so many objects ring, each held by a hand."""
 
     def play(client: Client) -> None:
         for n in range(count):

@@ -32,7 +32,7 @@ _CLICKS = """(() => { window.clicks = []; window.addEventListener("pointerdown",
 
 
 def timed(words: list[str]) -> int:
-    """A Carom that writes into arrivals.txt when strikes of a page arrive, and which sample is computed then."""
+    """Make a Carom that writes into arrivals.txt when strikes of a page arrive, and which sample is computed then."""
     from carom.clients.cli import main as carom
     from carom.dsp.runtime.engine import Engine, clock_ns
     from carom.server.web.socket import SocketClient
@@ -59,7 +59,7 @@ def timed(words: list[str]) -> int:
 
 @contextmanager
 def page(folder: Path, carom: tuple[str, ...] = CAROM) -> Iterator[tuple[Running, Any]]:
-    """A server whose sound a browser plays, and its page, which has been opened in a fresh profile."""
+    """Yield a server whose sound a browser plays, and its page, which has been opened in a fresh profile."""
     from playwright.sync_api import sync_playwright
 
     env = {**os.environ, "PYTHONPATH": str(ROOT)}
@@ -81,7 +81,7 @@ def page(folder: Path, carom: tuple[str, ...] = CAROM) -> Iterator[tuple[Running
 
 
 def clicks(folder: Path, count: int) -> dict[str, np.ndarray]:
-    """The delays (ms) of clicks on an object, a quarter of a second apart on average."""
+    """Return the delays (ms) of clicks on an object, a quarter of a second apart on average."""
     samples, heard = [], []
     random = np.random.default_rng(1)
     with page(folder, HERE) as (server, view), server.client() as listener:
@@ -108,7 +108,7 @@ def clicks(folder: Path, count: int) -> dict[str, np.ndarray]:
 
 
 def stream(folder: Path, minutes: float) -> list[dict[str, float]]:
-    """Twice a second: the sound (s) that waits in the page, and the gaps so far; objects ring."""
+    """Return, twice per second, the sound (s) that waits in the page, and the gaps so far; objects ring."""
     told = []
     with page(folder) as (server, view), server.client() as client:
         view.mouse.click(640, 400)

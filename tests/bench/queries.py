@@ -43,7 +43,7 @@ def _ask_together(port: int, stopped: Flag) -> None:
 
 
 def _waited(pid: int) -> float:
-    """s that the threads of a process have waited for a processor; 0 where the system does not tell."""
+    """Return the s that the threads of a process have waited for a processor; 0 where the system does not tell."""
     with suppress(OSError):
         tasks = Path(f"/proc/{pid}/task").iterdir()
         return 1e-9 * sum(int((task / "schedstat").read_text().split()[1]) for task in tasks)
@@ -51,8 +51,8 @@ def _waited(pid: int) -> float:
 
 
 def answers(server: Running, seconds: float) -> list[tuple[float, float]]:
-    """How long (s) each answer to /version took in so many seconds, while CLIENTS ask for everything over HTTP, and
-    how long without what the server waited for a processor."""
+    """Measure how long (s) each answer to /version took in so many seconds, while CLIENTS ask for everything over HTTP,
+    and how long without the time in which the server waited for a processor."""
     assert server.process.stdout
     told = re.search(r"http://127.0.0.1:(\d+)/", server.process.stdout.readline())
     assert told

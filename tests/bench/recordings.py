@@ -76,7 +76,7 @@ class Measures:
 
 
 def measured(pair: Pair, real: Recording) -> Measures:
-    """A recording beside the default strike of its preset."""
+    """Compare a recording with the default strike of its preset."""
     name, preset, changes = pair
     ours = strike(preset, changes)
     bright = [centroid(each) for each in (real, ours)]
@@ -85,7 +85,7 @@ def measured(pair: Pair, real: Recording) -> Measures:
 
 
 def strike(preset: str, changes: dict[str, float]) -> Recording:
-    """The default strike of a preset, from the left, without a limiter."""
+    """Return the default strike of a preset, from the left, without a limiter."""
     with carom.Scene(RATE, limiter=False) as scene:
         body = scene.new("a", preset, stereo_width=0, **changes)
         body.impact(carom.Presets().object(preset).velocity, at=0.0)
@@ -93,13 +93,13 @@ def strike(preset: str, changes: dict[str, float]) -> Recording:
 
 
 def from_onset(sound: Recording) -> np.ndarray:
-    """Its samples from where it begins."""
+    """Return its samples from its onset on."""
     level = np.abs(sound.samples)
     return sound.samples[np.argmax(level > ONSET * level.max()) :]
 
 
 def centroid(sound: Recording) -> float:
-    """The spectral centroid (Hz) of the first 20 ms, by power; they fade in their second half."""
+    """Return the spectral centroid (Hz) of the first 20 ms, by power; they fade in their second half."""
     piece = from_onset(sound)[: round(ATTACK * sound.rate)]
     fade = np.cos(np.clip(np.linspace(-np.pi, np.pi, len(piece)), 0, np.pi) / 2) ** 2
     power = np.abs(np.fft.rfft(piece * fade, 1 << 14)) ** 2
@@ -107,7 +107,8 @@ def centroid(sound: Recording) -> float:
 
 
 def bands(sound: Recording, seconds: float) -> dict[float, float]:
-    """Levels (dB) of third octaves by their centers (Hz), over some seconds from the onset; the last quarter fades."""
+    """Return the levels (dB) of third octaves by their centers (Hz), over some seconds from the onset; the last quarter
+    fades."""
     piece = from_onset(sound)[: round(seconds * sound.rate)]
     fade = np.cos(np.clip(np.linspace(-3, 1, len(piece)), 0, 1) * np.pi / 2) ** 2
     power = np.abs(np.fft.rfft(piece * fade)) ** 2 / sound.rate
@@ -123,7 +124,8 @@ def bands(sound: Recording, seconds: float) -> dict[float, float]:
 
 
 def difference(real: Recording, ours: Recording) -> tuple[np.ndarray, float, float]:
-    """Third octaves (Hz) that count, slope (dB per octave) and mean size (dB) of real minus ours, less one gain."""
+    """Return the third octaves (Hz) that count, slope (dB per octave) and mean size (dB) of real minus ours, less one
+    gain."""
     seconds = min(SECONDS, *(len(from_onset(each)) / each.rate for each in (real, ours)))
     levels = [bands(each, seconds) for each in (real, ours)]
     centers = np.array([center for center in levels[0] if center in levels[1]])
@@ -136,13 +138,13 @@ def difference(real: Recording, ours: Recording) -> tuple[np.ndarray, float, flo
 
 
 def of_soundfont() -> list[Measures]:
-    """All pairs of the SoundFont."""
+    """Return all pairs of the SoundFont."""
     font = SoundFont(SOUNDFONT)
     return [measured(pair, font.recording(pair[0])) for pair in PAIRS]
 
 
 def of_folder(folder: Path) -> list[Measures]:
-    """The WAV files of a folder, each named by its preset. SystemExit names one that is named by none."""
+    """Return the WAV files of a folder, each named by its preset. SystemExit names one that is named by none."""
     presets, found = carom.Presets().names("objects"), []
     for path in sorted(folder.glob("*.wav")):
         named = [name for name in presets if path.stem == name or path.stem.startswith(f"{name}-")]
@@ -155,7 +157,7 @@ def of_folder(folder: Path) -> list[Measures]:
 
 
 def summary(rows: list[Measures]) -> dict[str, float]:
-    """What holds over all pairs."""
+    """Summarise all pairs."""
     octaves, slopes = [row.octaves for row in rows], [row.slope for row in rows]
     return {
         "centroid, median (octaves)": median(octaves),

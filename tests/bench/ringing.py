@@ -1,4 +1,4 @@
-"""What it costs the engine to let objects ring, beside the kernel that rings as many modes sample by sample.
+"""Cost of objects that ring in the engine, beside the kernel that rings as many modes sample by sample.
 
 The engine keeps modes that ring freely in float64 and in float32 in turns.
 """
@@ -34,7 +34,8 @@ SCENES = ((1, 64), (32, 64), (100, 16), (4, 1_024), (1, 4_000), (60, 1_024), (1_
 
 
 def ringing(count: int, modes: int) -> tuple[Engine, list[Handle]]:
-    """An engine in which so many objects ring, in all of their modes, and nothing else goes on; and the objects."""
+    """Return an engine in which so many objects ring, in all of their modes, and nothing else goes on; and the
+    objects."""
     engine = Engine(RATE, modes=MODES, objects=OBJECTS)
     handles = []
     frequency = np.geomspace(100.0, 20_000.0, modes)
@@ -56,7 +57,7 @@ def ringing(count: int, modes: int) -> tuple[Engine, list[Handle]]:
 
 @njit(error_model="numpy")
 def ring_alone(arrays, objects, size, out, quanta):
-    """Let objects of `size` modes each ring for so many quanta, all into the same frames."""
+    """Ring objects of `size` modes each for so many quanta, all into the same frames."""
     y1, y2, a1, a2, balance = arrays[0], arrays[1], arrays[2], arrays[3], arrays[4]  # rows, each without gaps
     for _ in range(quanta):
         for n in range(objects):
@@ -65,7 +66,7 @@ def ring_alone(arrays, objects, size, out, quanta):
 
 
 def alone(count: int, modes: int) -> np.ndarray:
-    """Modes for `ring_alone`: last samples, coefficients and balance, (5, modes of all)."""
+    """Return the modes for `ring_alone`: last samples, coefficients and balance, (5, modes of all)."""
     theta = np.tile(2.0 * np.pi * np.geomspace(100.0, 20_000.0, modes) / RATE, count)
     arrays = np.zeros((5, count * modes))
     arrays[:] = np.array([1e-3, 1e-3, 0.0, -1.0, 1.0])[:, None]
@@ -74,7 +75,7 @@ def alone(count: int, modes: int) -> np.ndarray:
 
 
 def keep(engine: Engine, form: str) -> None:
-    """Have the spectral bank keep its modes in float64 or float32, and wait until all are."""
+    """Set the form of the spectral bank's modes, float64 or float32, and wait until all have it."""
     engine.send([Command(NOW, Kind.BANK, value=FORMS.index(form))])
     engine.process(QUANTUM)
     while engine.state["spectral"]["unlike"][0]:
@@ -82,7 +83,7 @@ def keep(engine: Engine, form: str) -> None:
 
 
 def callbacks(engine: Engine, count: int) -> np.ndarray:
-    """Seconds of this thread that each of so many quanta takes."""
+    """Return seconds of this thread that each of so many quanta takes."""
     taken = np.empty(count)
     for n in range(count):
         begun = time.thread_time_ns()
@@ -92,7 +93,8 @@ def callbacks(engine: Engine, count: int) -> np.ndarray:
 
 
 def measure(rounds: int, scenes: tuple[tuple[int, int], ...] = SCENES) -> list[dict[str, Any]]:
-    """ns per mode-sample of `process` and of the kernel, how many times as fast it is, and the longest of quanta.
+    """Measure ns per mode-sample of `process` and of the kernel, how many times as fast it is, and the longest of
+    quanta.
 
     Those with `single` in their names are of float32, the others of float64.
     """
@@ -127,5 +129,5 @@ def measure(rounds: int, scenes: tuple[tuple[int, int], ...] = SCENES) -> list[d
 
 
 def least(best: dict[str, float], contenders: Contenders) -> dict[str, float]:
-    """The least seconds of contenders, now or before."""
+    """Return the least seconds of contenders, now or before."""
     return {name: min(best[name], taken) for name, taken in minima(contenders, 1).items()}

@@ -8,7 +8,7 @@ Contenders = dict[str, Callable[[], object]]
 
 
 def minima(contenders: Contenders, rounds: int) -> dict[str, float]:
-    """Least seconds that each contender took, over interleaved rounds."""
+    """Return the least seconds that each contender took, over interleaved rounds."""
     best = dict.fromkeys(contenders, math.inf)
     for _ in range(rounds):
         for name, run in contenders.items():

@@ -1,4 +1,4 @@
-"""What every sum of so many damped sinusoids leaves of a sound: a bound that no fit can pass.
+"""Least rest of a sound that any sum of so many damped sinusoids leaves: a bound that no fit can pass.
 
 The Hankel matrix x_(i+j) of one damped sinusoid has rank 2, that of k of them at most 2 k. Here A is the sound's, each
 x_(i+j) times sqrt(a_i a_j), where the a_i are the coefficients of (1 - z)^(-1/2). The sum of a_i a_j over i + j = t is
@@ -22,7 +22,8 @@ _TOLERANCE = 1e-6  # of an eigenvector; an eigenvalue is off by its square
 
 
 def least_left(samples: np.ndarray, count: int, steps: int = 8) -> float:
-    """The energy that `count` damped sinusoids leave of a sound (n,) at least; n > 4 count + 2. More steps tell more.
+    """Return the energy that `count` damped sinusoids leave of a sound (n,) at least; n > 4 count + 2. More steps tell
+    more.
 
     The sinusoids begin with the sound, at any phase, and may grow.
     """

@@ -1,4 +1,4 @@
-"""What friction costs: a contact by itself on 64 modes, events included, and 20 bows at once in the engine."""
+"""Cost of friction: a contact by itself on 64 modes, events included, and 20 bows at once in the engine."""
 
 import math
 from dataclasses import replace
@@ -25,7 +25,8 @@ STRIKER, SURFACE = "bow", "bow-hair"
 
 
 def rubs() -> dict[str, tuple[Rub, bool]]:
-    """What is measured by itself, and whether it takes one force a sample: a bowed string, in Helmholtz motion."""
+    """Return the rubs that are measured by themselves, and whether each takes one force a sample: a bowed string, in
+    Helmholtz motion."""
     string = bowed_string(0.0833, 0.6, torsion=TORSIONAL)
     return {
         "events located": (string, False),
@@ -35,7 +36,7 @@ def rubs() -> dict[str, tuple[Rub, bool]]:
 
 
 def measure_contacts() -> list[dict[str, Any]]:
-    """µs a sample of a friction contact, and its events a second."""
+    """Measure µs per sample of a friction contact, and its events per second."""
     rows = []
     for name, (rub, held) in rubs().items():
         events = rub_modes(rub, held, audited=False).events * rub.rate / (len(rub.speed) - 1)
@@ -45,7 +46,7 @@ def measure_contacts() -> list[dict[str, Any]]:
 
 
 def string(fundamental: float) -> Modes:
-    """A string of 64 harmonics and 4 g."""
+    """Return a string of 64 harmonics and 4 g."""
     harmonics = np.arange(1, MODES + 1)
     frequency = fundamental * harmonics
     shape = np.sin(np.pi * np.outer(np.linspace(0.0, 1.0, 64), harmonics)) * math.sqrt(2.0 / 0.004)
@@ -53,7 +54,7 @@ def string(fundamental: float) -> Modes:
 
 
 def bowed(slides: int) -> Engine:
-    """An engine in which so many strings are bowed, at the full quality."""
+    """Return an engine in which so many strings are bowed, at the full quality."""
     engine = Engine(RATE)
     presets = Presets()
     striker, surface = presets.striker(STRIKER), presets.surface(SURFACE)
@@ -69,7 +70,7 @@ def bowed(slides: int) -> Engine:
 
 
 def measure(rounds: int) -> list[dict[str, Any]]:
-    """Share of real time, also of the worst block, that bowed strings take."""
+    """Measure the share of real time, also of the worst block, that bowed strings take."""
     rows = []
     for slides in (1, SLIDES):
         best = np.full(round(SECONDS * RATE / BLOCK), math.inf)

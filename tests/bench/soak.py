@@ -29,8 +29,8 @@ MOST_GROWTH, SLOWEST = 10.0, 0.05  # MB, s
 
 @dataclass
 class Soak:
-    """What was seen: memory (MB), answers (s) and loads (%) in time, what was dropped, strikes sent, impacts carried
-    out with those of the rolls, and rolls that still went on at the end."""
+    """Observations: memory (MB), answers (s) and loads (%) in time, what was dropped, strikes sent, impacts carried out
+    with those of the rolls, and rolls that still went on at the end."""
 
     memory: list[float] = field(default_factory=list)
     answers: list[float] = field(default_factory=list)
@@ -47,7 +47,7 @@ class Soak:
 
 
 def memory(pid: int) -> float:
-    """MB that a process holds."""
+    """Return the MB that a process holds."""
     match = re.search(r"VmRSS:\s+(\d+) kB", Path(f"/proc/{pid}/status").read_text())
     assert match
     return int(match[1]) / 1024

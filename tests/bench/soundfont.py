@@ -36,7 +36,7 @@ class SoundFont:
     """The samples of a file, read when they are asked for."""
 
     def __init__(self, path: Path) -> None:
-        """ValueError if it is no SoundFont 2."""
+        """Open a SoundFont 2; raise ValueError if it is none."""
         self._data = np.memmap(path, np.uint8, "r")
         if self._data[:4].tobytes() != b"RIFF" or self._data[8:12].tobytes() != b"sfbk":
             raise ValueError(f"{path}: expected a SoundFont 2 file")
@@ -48,7 +48,7 @@ class SoundFont:
             self._places[name.split(b"\0")[0].decode("latin-1").strip()] = (start, end, loop, rate)
 
     def _chunks(self, begin: int, end: int) -> Iterator[tuple[bytes, slice]]:
-        """Every chunk's name and its bytes, those in lists too."""
+        """Yield every chunk's name and its bytes, those in lists too."""
         while begin + 8 <= end:
             name, size = struct.unpack("<4sI", self._data[begin : begin + 8].tobytes())
             if name == b"LIST":
@@ -57,11 +57,11 @@ class SoundFont:
             begin += 8 + size + size % 2
 
     def names(self) -> list[str]:
-        """All samples; those of two channels end in (L) and (R)."""
+        """Return the names of all samples; those of two channels end in (L) and (R)."""
         return list(self._places)
 
     def recording(self, name: str) -> Recording:
-        """A sample; of two channels, `name` without (L) means the left one. ValueError if there is none."""
+        """Return a sample; of two channels, `name` without (L) means the left one. ValueError if there is none."""
         for each in (name, f"{name}(L)", f"{name} (L)"):
             if each in self._places:
                 start, end, loop, rate = self._places[each]

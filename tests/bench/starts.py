@@ -38,8 +38,8 @@ _INSTALLED = "opt/carom"  # in a bare Debian
 
 @dataclass(frozen=True)
 class Place:
-    """Where Carom is started: the words that begin its command line, its environment, a root folder of its own, and
-    whether LIMITS hold for it: other programs may come first."""
+    """A place where Carom is started: the words that begin its command line, its environment, a root folder of its own,
+    and whether LIMITS hold for it: other programs may come first."""
 
     name: str
     words: tuple[str, ...]
@@ -48,14 +48,14 @@ class Place:
     has_limits: bool = True
 
     def run(self, *words: str, folder: Path) -> str:
-        """The output of a command."""
+        """Run a command; return its output."""
         done = subprocess.run([*self.words, *words], cwd=folder, env=self.env, capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
         return done.stdout + done.stderr
 
 
 def start(place: Place, folder: Path) -> dict[str, float]:
-    """The time (s) that each of LIMITS takes in a place, with a folder for files that everybody can write."""
+    """Measure the time (s) that each of LIMITS takes in a place, with a folder for files that everybody can write."""
     here = Path("/") / folder.relative_to(place.root)
     (folder / "one.txt").write_text(SCORE)
     begun = time.monotonic()
@@ -74,7 +74,7 @@ def start(place: Place, folder: Path) -> dict[str, float]:
 
 
 def measure(place: Place, processor: str, runs: int) -> Iterator[dict[str, Any]]:
-    """A row for each of LIMITS: the times (s) of so many runs, each with an empty home."""
+    """Yield a row for each of LIMITS: the times (s) of so many runs, each with an empty home."""
     taken = []
     for _ in range(runs):
         with tempfile.TemporaryDirectory(dir=place.root / "tmp") as name:
@@ -95,14 +95,14 @@ def measure(place: Place, processor: str, runs: int) -> Iterator[dict[str, Any]]
 
 
 def built(folder: Path) -> Path:
-    """A wheel of this checkout."""
+    """Build a wheel of this checkout."""
     words = [sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "--wheel-dir", folder, _ROOT]
     subprocess.run(words, check=True)
     return next(folder.glob("*.whl"))
 
 
 def installed(wheel: Path, folder: Path) -> Path:
-    """The command of a wheel that is installed in a new virtual environment."""
+    """Install a wheel in a new virtual environment; return its command."""
     subprocess.run([sys.executable, "-m", "venv", folder], check=True)
     subprocess.run([folder / "bin/python", "-m", "pip", "install", "-q", wheel], check=True)
     return folder / "bin/carom"
@@ -121,7 +121,7 @@ def install_in(root: Path, wheel: Path) -> None:
 
 
 def places(wheel: Path, folder: Path, root: Path | None) -> Iterator[Place]:
-    """The places where limits hold."""
+    """Yield the places where limits hold."""
     carom = str(installed(wheel, folder / "venv"))
     env = {"PATH": os.defpath}
     yield Place("virtual environment", (carom,), env)
@@ -136,7 +136,7 @@ def places(wheel: Path, folder: Path, root: Path | None) -> Iterator[Place]:
 
 
 def runners(wheel: Path, folder: Path) -> Iterator[Place]:
-    """The programs that install a wheel and run it, as far as they are there; they have installed it already."""
+    """Yield the programs that install a wheel and run it, as far as they are there; they have installed it already."""
     home = folder / "runners"
     home.mkdir()
     for name, words in (("uvx", ("--from", str(wheel))), ("pipx", ("run", "--spec", str(wheel)))):
@@ -149,12 +149,12 @@ def runners(wheel: Path, folder: Path) -> Iterator[Place]:
 
 
 def is_late(row: dict[str, Any]) -> bool:
-    """Whether a row's median is beyond its limit."""
+    """True if a row's median is beyond its limit."""
     return row["limit"] is not None and median(row["seconds"]) > row["limit"]
 
 
 def told(row: dict[str, Any]) -> str:
-    """A row as a line of text."""
+    """Write a row as a line of text."""
     limit = f", limit {row['limit']:g} s" if row["limit"] else ""
     times = f"median {median(row['seconds']):.3f} s, worst {max(row['seconds']):.3f} s{limit}"
     return f"{row['place']:28} {row['processor']:10} {row['what']:22} {times}{': LATE' * is_late(row)}"

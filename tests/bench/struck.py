@@ -23,7 +23,8 @@ RINGING = 0.99
 
 
 def measure(callbacks: int = CALLBACKS, scene: tuple[int, int] = SCENE) -> list[dict[str, Any]]:
-    """Share of real time that callbacks of a quantum take: their mean, 99.9 % of them and the longest; with strikes."""
+    """Measure the share of real time that callbacks of a quantum take: their mean, 99.9 % of them and the longest; with
+    strikes."""
     engine, handles = ringing(*scene)
     idle = Engine(RATE)
     idle.process(QUANTUM)

@@ -1,4 +1,4 @@
-"""What the benchmark measures is what it says, and it runs on today's engine."""
+"""The benchmark measures what it says, and runs on today's engine."""
 
 import json
 import subprocess
@@ -56,7 +56,7 @@ def test_every_solver_is_measured_by_itself():
 
 
 def _at_8_samples(rows):
-    """µs by solver, of contacts of 8 samples with 24 modes."""
+    """Return µs by solver, of contacts of 8 samples with 24 modes."""
     return {row["solver"]: row["us"] for row in rows if (row["modes"], row["contact_samples"]) == (24, 8.0)}
 
 

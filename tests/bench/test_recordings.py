@@ -12,7 +12,7 @@ NOISE = np.random.default_rng(1).standard_normal(RATE)
 
 
 def tilted(slope: float) -> Recording:
-    """The noise, its spectrum tilted by some dB per octave."""
+    """Return the noise, its spectrum tilted by some dB per octave."""
     frequency = np.fft.rfftfreq(len(NOISE), 1 / RATE)
     frequency[0] = frequency[1]
     return Recording("", np.fft.irfft(np.fft.rfft(NOISE) * (frequency / 1000) ** (slope / (20 * np.log10(2)))), RATE)
@@ -33,7 +33,7 @@ def test_a_tilt_is_the_slope(slope):
 
 
 def bell(rate: int) -> Recording:
-    """Two partials that ring out, after a soft beginning."""
+    """Return two partials that ring out, after a soft beginning."""
     time = np.arange(rate) / rate
     partials = sum(np.sin(2 * np.pi * f * time) * np.exp(-5 * time) for f in (440, 2500))
     return Recording("", partials * np.minimum(1, time / 0.01) ** 2, rate)

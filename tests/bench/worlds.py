@@ -26,8 +26,8 @@ TURNS = 5
 
 
 def cost(name: str, step: float, gestures: int = 24) -> np.ndarray:
-    """Seconds of MuJoCo, of the bridge and of the engine, for each second of a scene; the sound is asked for every 20
-    ms."""
+    """Measure seconds of MuJoCo, of the bridge and of the engine, for each second of a scene; the sound is asked for
+    every 20 ms."""
     each, hearing = round(0.02 / step), carom.Hearing(HEARING.microphones, gestures=gestures)
     least = None
     for _ in range(TURNS):
@@ -49,7 +49,7 @@ def cost(name: str, step: float, gestures: int = 24) -> np.ndarray:
 
 
 def cost_line(name: str, step: float) -> str:
-    """What a scene costs, in words."""
+    """Say in words what a scene costs."""
     model, bridge, engine = cost(name, step)
     _, alone, blows = cost(name, step, 0)
     return (
@@ -60,7 +60,8 @@ def cost_line(name: str, step: float) -> str:
 
 
 def vector(name: str, how: str, gestures: int):
-    """Environments in a vector, with at most so many slides at once in each; how: silent, each, or together."""
+    """Return the environments in a vector, with at most so many slides at once in each; how: silent, each, or
+    together."""
     hearing = carom.Hearing([carom.Microphone((0.0, 0.0, 1.0))], gestures=gestures)
     options = {"rate": 16_000, "modes": 16, "hearing": hearing}
 
@@ -73,7 +74,7 @@ def vector(name: str, how: str, gestures: int):
 
 
 def rates(name: str, gestures: int) -> dict[str, float]:
-    """Steps per second of environments: silent, with sound by a wrapper of each, and by one of all together; in
+    """Measure steps per second of environments: silent, with sound by a wrapper of each, and by one of all together; in
     turns."""
     vectors = {how: vector(name, how, gestures) for how in ("silent", "each", "together")}
     generator = np.random.default_rng(0)

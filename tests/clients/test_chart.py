@@ -42,8 +42,8 @@ FIGURES = [
 FIGURES += ["rebounds", *(f"paper-{n}" for n in range(1, 13))]
 
 ROUNDING = 1e-11
-"""In %, of deviations: the chart's process may have compiled the kernels or loaded them as machine code, which rounds
-in another way."""
+"""Rounding of deviations, in %: the chart's process may have compiled the kernels or loaded them as machine code, which
+rounds in another way."""
 
 Rows = list[dict[str, str]]
 
@@ -84,7 +84,8 @@ def test_every_figure_is_there_twice(charted):
 
 
 def test_the_papers_tables_come_out_as_printed(charted):
-    """But for its release velocities of case 2 (relative to an approximation) and AM1's deviation in case I."""
+    """The exceptions are the release velocities of case 2 (relative to an approximation) and AM1's deviation in case
+    I."""
     text = (charted[0] / "tables.md").read_text(encoding="utf-8")
     rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines() if "|" in line]
     first = next(n for n, row in enumerate(rows) if row[2] == "here")
@@ -141,7 +142,7 @@ def pick(rows: Rows, **wanted: str) -> Rows:
 
 
 def test_the_closed_form_alone_is_the_accurate_end_of_the_front(charted):
-    """On every law but the shortest, where anything is quick, and wrong."""
+    """The shortest law is left out, for which anything is quick, and wrong."""
     rows = read(charted[0] / "errors.csv")
     laws = {(row["case"], row["k"], row["mu"]) for row in rows}
     for case, k, mu in laws:
@@ -211,7 +212,8 @@ def test_the_bank_is_the_cheaper_the_more_modes_ring_and_errs_as_promised(charte
 
 
 def test_only_sampled_bristles_give_energy_and_fail(charted):
-    """At any of the rates; by 8 times the rate all are more accurate, and the engine's by far."""
+    """Sampled bristles do so at any of the rates; at 8 times the rate all are more accurate, and the engine's by
+    far."""
     rows = read(charted[0] / "friction-energy.csv")
     for method in METHODS_OF_FRICTION:
         for factor in "1248":

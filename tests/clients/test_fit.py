@@ -105,7 +105,8 @@ def test_a_stereo_recording_becomes_an_object_and_a_page(folder, tmp_path, capsy
 
 
 def struck(folder, recording, out, *options) -> float:
-    """By how much (dB) the default strike is quieter than the recording it was fitted to, in what Carom writes."""
+    """Return by how much (dB) the default strike is quieter than the recording it was fitted to, in what Carom
+    writes."""
     source = folder / recording
     assert main(["fit", str(source), str(out), "--name", "bar", "--licence", "CC0", "--no-report", *options]) == 0
     words = ["strike", "bar", str(out / "x.wav"), "--presets", str(out), "--seconds", "1", "--rate", str(RATE)]
@@ -134,7 +135,7 @@ def test_a_short_recording_is_as_loud_as_its_preset_for_as_long(folder, tmp_path
 
 @pytest.mark.slow
 def test_a_bar_of_carom_s_own_is_as_loud_as_its_fit(tmp_path):
-    """Its attack asks for clicks: two that cancel each other in the recording would not do so from two channels."""
+    """Two clicks that cancel each other in the recording would not do so from two channels."""
     with carom.Scene(RATE, limiter=False) as scene:
         scene.new("a", "marimba-bar", stereo_width=0).impact(1.0)
         soundfile.write(tmp_path / "bar.wav", scene.render(1.0).samples[:, 0], RATE, subtype="FLOAT")
@@ -149,7 +150,7 @@ def test_a_strike_that_cannot_be_so_loud_is_told(folder, tmp_path, capsys):
 
 @pytest.mark.slow
 def test_pascals_are_those_that_the_recording_s_full_scale_stands_for(folder, tmp_path):
-    """Where the strike has the energy for it."""
+    """The strike has the energy for it."""
     struck(folder, "ring.wav", tmp_path, "--full-scale", "0.1", "--velocity", "3")
     assert "level = 0.0" in (tmp_path / "objects" / "bar.toml").read_text()
     with carom.Scene(RATE, presets=tmp_path, calibrated=True) as scene:

@@ -15,7 +15,7 @@ pytestmark = pytest.mark.slow
 
 @contextmanager
 def listening(server: Running, *words: str) -> Iterator[subprocess.Popen[str]]:
-    """A listener that is notified already."""
+    """Yield a listener that is notified already."""
     words = (*CAROM, "listen", "--port", str(server.port), *words)
     pipe = subprocess.PIPE
     with subprocess.Popen(words, stdout=pipe, stderr=pipe, text=True) as process:

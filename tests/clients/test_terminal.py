@@ -1,4 +1,4 @@
-"""What a terminal shows, and nothing else does: progress, and long lines folded to its width."""
+"""The output that only a terminal gets: progress, and long lines folded to its width."""
 
 import fcntl
 import os
@@ -17,7 +17,7 @@ COLUMNS = 60
 
 
 def on_terminal(folder: Path, *words: str) -> str:
-    """What a command shows on a terminal of so many columns."""
+    """Return the output of a command on a terminal of so many columns."""
     master, slave = pty.openpty()
     fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", 24, COLUMNS, 0, 0))
     environment = os.environ | {"TERM": "xterm"}

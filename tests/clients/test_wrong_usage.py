@@ -139,7 +139,7 @@ def folder(tmp_path, monkeypatch) -> Iterator[None]:
 
 
 def told(words: list[str], capsys) -> str:
-    """The line that a command ends with."""
+    """Return the line that a command ends with."""
     try:
         code = main(words)
     except SystemExit as end:

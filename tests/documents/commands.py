@@ -7,7 +7,7 @@ from tests.documents.markdown import table
 
 
 def commands() -> str:
-    """Every command: its usage, what it does, its arguments and options."""
+    """Return the reference of every command: its usage, what it does, its arguments and options."""
     _, found = parsers()
     sections = []
     for command in COMMANDS:
@@ -22,7 +22,7 @@ def commands() -> str:
 
 
 def _told(parser: argparse.ArgumentParser) -> list[argparse.Action]:
-    """The arguments and options that need to be told of."""
+    """Return the arguments and options that need to be told of."""
     return [action for action in parser._actions if action.help and action.dest != "help"]
 
 

@@ -19,7 +19,7 @@ COMPILING = study.MEASURED / "compiling.json"
 
 
 def accuracy() -> str:
-    """The bounds that the tests hold."""
+    """Return the bounds that the tests hold."""
     rows = [(each.quantity, each.reference, each, f"[{each.test}]({each.test})") for each in PROMISES]
     return table(("quantity", "compared with", "error below", "test"), rows)
 
@@ -37,7 +37,7 @@ def yielding() -> str:
 
 
 def choices() -> str:
-    """The closed form beside the cheapest sampled runs."""
+    """Return the closed form beside the cheapest sampled runs."""
     rows = [
         (
             _number(row["samples"]), _number(row["mu_v"]), f"{row['closed_dB']:.0f} dB", _number(row["closed_us"]),
@@ -53,7 +53,7 @@ def choices() -> str:
 
 
 def endurance() -> str:
-    """The bounds beyond which the scripts of `make study` fail."""
+    """Return the bounds beyond which the scripts of `make study` fail."""
     rows = [
         ("extremes", "100,000 extreme contacts at each tolerance", f"energy grows by {GROWTH.bound:g} of a contact's"),
         (
@@ -95,7 +95,8 @@ def endurance() -> str:
 
 
 def fits() -> str:
-    """Recordings, fitted: a row for each, with columns for each number of modes; and which can't be fitted better."""
+    """Return recordings, fitted: a row for each, with columns for each number of modes; and which can't be fitted
+    better."""
     with (study.MEASURED / "fits.csv").open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     few, many = ([row for row in rows if int(row["modes"]) == count] for count in (40, 80))
@@ -114,13 +115,13 @@ def _made() -> str:
 
 
 def _reported(made: Callable[[list[Row]], report.Table], name: str) -> str:
-    """A table as `carom chart` writes it, with its note."""
+    """Return a table as `carom chart` writes it, with its note."""
     found = made(study.read(study.MEASURED / name))
     return f"{found.note}\n\n{table(found.head, found.rows)}"
 
 
 def speed() -> str:
-    """The benchmark's figures."""
+    """Return the benchmark's figures."""
     if not BENCH.exists():
         return "Not measured yet: `make bench` writes these tables."
     bench = json.loads(BENCH.read_text(encoding="utf-8"))
@@ -139,7 +140,7 @@ def speed() -> str:
 
 
 def compiling() -> str:
-    """How long the engine takes to be compiled, in a sentence."""
+    """Say in a sentence how long the engine takes to be compiled."""
     found = json.loads(COMPILING.read_text(encoding="utf-8"))
     own = f"Compiling the engine for one's own machine takes about {_round(found['start'])} s of one core"
     wheel = f", for the {found['levels']} levels of a wheel {_round(found['wheel'])} s" if "wheel" in found else ""
@@ -147,7 +148,7 @@ def compiling() -> str:
 
 
 def _round(seconds: float) -> int:
-    """Seconds to the next ten."""
+    """Round seconds up to the next ten."""
     return 10 * math.ceil(seconds / 10)
 
 
@@ -182,7 +183,7 @@ def _kernels(rows: list[dict[str, Any]], klank: dict[str, Any] | None) -> str:
 
 
 def _ringing(rows: list[dict[str, Any]]) -> str:
-    """What whole objects cost that ring; nothing where a bench has not measured it so."""
+    """Return the cost of whole objects that ring; nothing where a bench has not measured it so."""
     if "mean" not in rows[0]:
         return ""
     lines = [
@@ -202,7 +203,7 @@ def _ringing(rows: list[dict[str, Any]]) -> str:
 
 
 def _struck(rows: list[dict[str, Any]]) -> str:
-    """What callbacks take in which a million modes ring and some are struck."""
+    """Return the time that callbacks take in which a million modes ring and some are struck."""
     if not rows:
         return ""
     lines = [
@@ -269,7 +270,7 @@ def _gestures(rows: list[dict[str, Any]]) -> str:
 
 
 def _friction(contacts: list[dict[str, Any]], slides: list[dict[str, Any]]) -> str:
-    """What friction costs; nothing where a bench has not measured it."""
+    """Return the cost of friction; nothing where a bench has not measured it."""
     if not contacts:
         return ""
     lines = [
@@ -298,7 +299,7 @@ def _starts(bench: dict[str, Any]) -> str:
 
 
 def _number(value: float) -> str:
-    """Two digits, or three from 100 on."""
+    """Write two digits, or three from 100 on."""
     if math.isnan(value):
         return ""
     return f"{value:.2g}" if abs(value) < 100 else f"{value:.0f}"

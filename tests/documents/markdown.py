@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """A table of rows of text or numbers."""
+    """Return a table of rows of text or numbers."""
     return "\n".join([_row(head), "|---" * len(head) + "|", *map(_row, rows)])
 
 

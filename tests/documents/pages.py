@@ -36,18 +36,18 @@ PARTS: dict[str, Callable[[], str]] = {
     "fits": figures.fits,
     "endurance": figures.endurance,
 }
-"""What writes each part, by its name."""
+"""Function that writes each part, by the part's name."""
 
 _PART = re.compile(r"(<!-- begin ([a-z ]+) -->\n).*?(<!-- end \2 -->)", re.DOTALL)
 
 
 def parts(text: str) -> list[str]:
-    """The names of the parts of a page."""
+    """Return the names of the parts of a page."""
     return [name for _, name, _ in _PART.findall(text)]
 
 
 def written(text: str) -> str:
-    """A page with all its parts as the program writes them now."""
+    """Return a page with all its parts as the program writes them now."""
     return _PART.sub(lambda found: f"{found[1]}{PARTS[found[2]]()}\n{found[3]}", text)
 
 

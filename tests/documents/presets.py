@@ -17,7 +17,7 @@ _REQUIRED_OF_OBJECT = ("description", "source", "shape", "level")
 
 
 def _value(domain: known.Domain) -> str:
-    """A domain in few words."""
+    """Return a domain in few words."""
     match domain:
         case Row(items):
             return f"{len(items)} values, each {_value(items[0])}"
@@ -45,7 +45,7 @@ def _keys(where: str, fields: known.Fields, required: Collection[str] = ()) -> s
 
 
 def _usual(name: str) -> str:
-    """The keys of a gesture's section: the words, and the numbers that the gesture has."""
+    """Return the keys of a gesture's section: the words, and the numbers that the gesture has."""
     fields = gestures.FIELDS[name]
     words = {key: domain for key, domain in fields.items() if isinstance(domain, Name)}
     own = ", ".join(f"`{key}`" for key in fields if key not in (*words, *gestures.REQUIRED[name]))
@@ -60,7 +60,7 @@ def _meaning(where: str, key: str) -> str:
 
 
 def files() -> str:
-    """The keys of each kind of file and of its sections."""
+    """Return the keys of each kind of file and of its sections."""
     striker = "click", "ringing", "snap", "slide"
     of_striker = zip(striker, (known.CLICK, known.RINGING, known.SNAP, known.SLIDE), strict=True)
     needed = {
@@ -87,7 +87,7 @@ def files() -> str:
 
 
 def shapes() -> str:
-    """The keys of `[geometry]`, shape by shape."""
+    """Return the keys of `[geometry]`, shape by shape."""
     parts = []
     for name, shape in known.SHAPES.items():
         one, other = (", ".join(f"`{key}`" for key in shape.fields if key in side) for side in shape.either)
@@ -97,7 +97,7 @@ def shapes() -> str:
 
 
 def listed() -> str:
-    """The presets of each kind, each with what it says of itself."""
+    """Return the presets of each kind, each with what it says of itself."""
     presets = Presets()
     parts = []
     for kind in KINDS:
@@ -115,7 +115,7 @@ def _material(presets: Presets, name: str) -> str:
 
 
 def scores() -> str:
-    """The scores, each with the comment that it begins with."""
+    """Return the scores, each with the comment that it begins with."""
     rows = [
         (f"[{path.name}](scores/{path.name})", _comment(path)) for path in sorted((BUILT_IN / "scores").glob("*.txt"))
     ]
@@ -132,7 +132,7 @@ def _comment(path: Path) -> str:
 
 
 def levels() -> str:
-    """How loud each object is at its defaults, as `make levels` measured it."""
+    """Return the loudness of each object at its defaults, as `make levels` measured it."""
     rows = []
     for name, row in json.loads(MEASURED.read_text(encoding="utf-8")).items():
         others = (f"{row['gestures'][each]:+.0f}" if each in row["gestures"] else "" for each in known.SUITABLE)

@@ -13,7 +13,7 @@ from tests.documents.markdown import table
 
 
 def status() -> str:
-    """The values of /status.reply by position, then by name."""
+    """Return the values of /status.reply by position, then by name."""
     numbered = [(place, help) for place, help in enumerate(FIRST, 1)]
     stats = {field.name: field.metadata for field in dataclasses.fields(Stats)}
     named = [(f"`{name}`", help or stats[name]["help"]) for name, help in FIELDS.items()]
@@ -21,7 +21,7 @@ def status() -> str:
 
 
 def limits() -> str:
-    """What there is room for at once."""
+    """Return the room that there is at once."""
     rows = [
         ("objects, of a server that is not told otherwise", USUAL_OBJECTS),
         ("objects, with `--objects`", capacity.OBJECTS),

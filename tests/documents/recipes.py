@@ -25,7 +25,7 @@ _MEANINGS = {
 
 
 def keys() -> str:
-    """The keys of a recipe, those of its sections that no address has, and the distributions."""
+    """Return the keys of a recipe, those of its sections that no address has, and the distributions."""
     plain = {key: domain for key, domain in KEYS.items() if key not in (*OWN, *GESTURES, SCORE)}
     rows = [(f"`{key}`", _value(key, domain), _MEANINGS[key]) for key, domain in plain.items()]
     own = {"object": "`[object]` ", "impact": "any gesture's "}
@@ -43,6 +43,6 @@ def _value(key: str, domain: object) -> str:
 
 
 def listed() -> str:
-    """The recipes that there are, and what each draws."""
+    """Return the recipes that there are, and what each draws."""
     found = [read(path) for path in sorted((BUILT_IN / "recipes").glob("*.toml"))]
     return table(("recipe", "items", "is"), [(f"`{each.name}`", f"{each.count:,}", each.description) for each in found])

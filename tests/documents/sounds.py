@@ -27,7 +27,7 @@ def score(name: str) -> Path:
 
 
 def rendered(name: str) -> np.ndarray:
-    """The sound of a score, mono (frames,), its silent end cut off."""
+    """Return the sound of a score, mono (frames,), its silent end cut off."""
     sound = carom.render(score(name), rate=RATE, limiter=False).samples.mean(axis=1)
     heard = np.flatnonzero(np.abs(sound) > 1e-4 * np.abs(sound).max())
     sound = sound[: min(heard[-1] + 1, round(SECONDS * RATE))]
@@ -35,7 +35,7 @@ def rendered(name: str) -> np.ndarray:
 
 
 def bands(sound: np.ndarray) -> np.ndarray:
-    """The levels (dB) of a sound's octaves from 62.5 Hz to 16 kHz, the loudest at 0."""
+    """Return the levels (dB) of a sound's octaves from 62.5 Hz to 16 kHz, the loudest at 0."""
     power = np.abs(np.fft.rfft(sound)) ** 2
     frequency = np.fft.rfftfreq(len(sound), 1 / RATE)
     octaves = 62.5 * 2.0 ** np.arange(9)

@@ -19,7 +19,7 @@ KEPT = ("failures.csv", "rebounds.csv", "coupled.csv")
 CHARTS = ("error-cost.svg", "failures.svg", "coupled.svg")
 """The figures that tests/README.md shows."""
 MADE = "study.txt"
-"""When and where the study ran."""
+"""File that says when and where the study ran."""
 _CORRECTIONS = {"none": "", "release": " with v_out", "hybrid": " with x(v)", "both": " with both"}
 _WORDS = {"case", "method", "correction", "outcome", "solver", "enough", "equal"}
 ENOUGH = -60.0
@@ -27,7 +27,7 @@ ENOUGH = -60.0
 
 
 def read(path: Path) -> list[Row]:
-    """The rows of a CSV file, numbers as floats, empty ones as NaN."""
+    """Return the rows of a CSV file, numbers as floats, empty ones as NaN."""
     with path.open(newline="", encoding="utf-8") as file:
         return [{name: _value(name, text) for name, text in row.items()} for row in csv.DictReader(file)]
 
@@ -37,8 +37,8 @@ def _value(name: str, text: str) -> Any:
 
 
 def choices(errors: list[Row]) -> list[Row]:
-    """For each hard and each damped contact: the closed form's error (dB) and cost (µs), and the cheapest sampled run
-    with an error under ENOUGH, and with one under the closed form's."""
+    """Return for each hard and each damped contact the closed form's error (dB) and cost (µs), and the cheapest sampled
+    run with an error under ENOUGH, and with one under the closed form's."""
     rows: list[Row] = []
     for case in ("hard", "damped"):
         for closed in pick(errors, case=case, method="closed"):

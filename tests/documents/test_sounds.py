@@ -14,7 +14,7 @@ HEARD = -40.0  # dB below the loudest octave
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SOUNDS)
 def test_a_sound_is_its_scores(name):
-    """By its length, its octaves, and its loudness over time: a preset or a score that changed is heard."""
+    """Length, octaves and loudness over time agree: a preset or a score that changed is heard."""
     kept, rate = soundfile.read(path(name))
     made = rendered(name)
     assert rate == RATE and abs(len(kept) - len(made)) < 0.1 * RATE, "run `make sounds`"

@@ -1,4 +1,4 @@
-"""What is kept: what was asked for last, as far as it fits, and not for long."""
+"""A cache keeps what was asked for last, as far as it fits, and not for long."""
 
 import time
 

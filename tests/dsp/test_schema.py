@@ -101,7 +101,7 @@ def test_the_steerable_are_those_of_the_gestures():
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", ["1", "2"])
 def test_numbers_of_the_steerable_do_not_depend_on_hashes(seed):
-    """They are numbers in the engine's compiled code, which is kept between runs."""
+    """The numbers stand in the engine's compiled code, which is kept between runs."""
     code = "from carom.dsp.schema import STEERABLE; print(*STEERABLE)"
     told = subprocess.check_output([sys.executable, "-c", code], env={"PYTHONHASHSEED": seed}, text=True)
     assert tuple(told.split()) == STEERABLE

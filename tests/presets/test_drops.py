@@ -20,7 +20,7 @@ RHO, C, G = 1.2, 343.0, 9.80665
 
 
 def hertz_force(mass, radius, velocity, mu, *elastic):
-    """Force (N) of a ball on a plane at FINE RATE: m x'' = -4/3 E* sqrt(R) x^1.5 (1 + mu x').
+    """Return the force (N) of a ball on a plane at FINE RATE: m x'' = -4/3 E* sqrt(R) x^1.5 (1 + mu x').
 
     elastic: E (Pa) and nu of both.
     """
@@ -42,7 +42,7 @@ def hertz_force(mass, radius, velocity, mu, *elastic):
 
 
 def sphere_click(force, mass, radius):
-    """Pressure (Pa) at 1 m, rms over directions, of a sphere on which a force acts, at FINE RATE.
+    """Return the pressure (Pa) at 1 m, rms over directions, of a sphere on which a force acts, at FINE RATE.
 
     p(t) = rho a c/sqrt(3) int A(t - s) exp(-c s/a) (cos(c s/a) - sin(c s/a)) ds (Koss and Alfredson 1973).
     """
@@ -52,13 +52,14 @@ def sphere_click(force, mass, radius):
 
 
 def peak(pressure, rate):
-    """The greatest magnitude below 0.4 of RATE, between samples too."""
+    """Return the greatest magnitude below 0.4 of RATE, between samples too."""
     spectrum = np.fft.rfft(pressure, 4096 * rate // RATE)
     return np.abs(np.fft.irfft(spectrum[: int(0.4 * 4096)], 4096 * 16)).max() * 16 * RATE / rate
 
 
 def on_axis(force, surface_mass):
-    """Pressure (Pa) at 1 m on the axis of an infinite plate, mass in kg/m^2, that a force acts on: rho F/(2 pi m'').
+    """Return the pressure (Pa) at 1 m on the axis of an infinite plate, mass in kg/m^2, that a force acts on: rho F/(2
+    pi m'').
 
     Its mean velocity is int F dt/m'' however stiff it is: on the axis Rayleigh's integral asks for no more.
     """
@@ -89,7 +90,7 @@ def folder(tmp_path):
 
 
 def dropped(folder, name, striker, height):
-    """The first 40 ms (Pa) after a striker has fallen on an object from a height (m)."""
+    """Return the first 40 ms (Pa) after a striker has fallen on an object from a height (m)."""
     seconds = math.sqrt(2 * height / G)
     text = f"0 /object/new a {name}\n0 /object/a/bounce {height} striker {striker}\n"
     options = Options(rate=RATE, seconds=seconds + 0.04, calibrated=True)
@@ -98,7 +99,8 @@ def dropped(folder, name, striker, height):
 
 
 class Drop(NamedTuple):
-    """What falls on what: its tip (m), that sphere's radius (m) as which it clicks, the plate's mass in kg/m^2."""
+    """A body that falls on a plate: its tip (m), that sphere's radius (m) as which it clicks, the plate's mass in
+    kg/m^2."""
 
     body: str
     plate: str
@@ -120,7 +122,7 @@ DROPS = [
 @pytest.mark.parametrize("height", [0.01, 0.05, 0.2])
 @pytest.mark.parametrize("drop", DROPS, ids=[drop.body for drop in DROPS])
 def test_peaks_are_those_of_the_force_of_the_blow(folder, height, drop):
-    """Up to 0.4 of the rate: the body's own sound within 1.5 dB, with what it strikes within 3 dB.
+    """The body's own sound is within 1.5 dB up to 0.4 of the rate, with what it strikes within 3 dB.
 
     Its own is the difference to a silent one of the same law. The derivation's plates are rigid where they are struck,
     and infinite: it leaves out what they give way, some tenths of a dB, and what comes back from their edges.
@@ -134,7 +136,7 @@ def test_peaks_are_those_of_the_force_of_the_blow(folder, height, drop):
 
 
 def test_the_built_in_die_and_balls_are_those():
-    """What the derivation is told of them stands in their files."""
+    """The files hold what the derivation is told of them."""
     presets = Presets()
     die, ball = presets.striker("die"), presets.striker("ball-bearing")
     assert die.mass == 0.0049 and die.radius == 0.002 and die.dissipation == 0.1

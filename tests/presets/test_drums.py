@@ -14,14 +14,14 @@ SOFT_TO_HARD = 5.0  # 14 dB
 
 
 def struck(name: str, velocity: float, seconds: float = 0.7, **keys: float) -> np.ndarray:
-    """The sound of a strike at the preset's own place, in mono."""
+    """Return the sound of a strike at the preset's own place, in mono."""
     with carom.Scene(RATE, limiter=False) as scene:
         scene.new("drum", name, **keys).impact(velocity, at=0.0)
         return np.asarray(scene.render(seconds), float).sum(axis=1)
 
 
 def pitch(sound: np.ndarray, begin: float, end: float, own: float) -> float:
-    """The frequency (Hz) of the loudest partial from 0.9 to 1.5 of an object's own, between two times (s)."""
+    """Return the frequency (Hz) of the loudest partial from 0.9 to 1.5 of an object's own, between two times (s)."""
     piece = sound[round(begin * RATE) : round(end * RATE)]
     spectrum = np.abs(np.fft.rfft(piece * np.hanning(len(piece)), 1 << 18))
     frequency = np.fft.rfftfreq(1 << 18, 1 / RATE)
@@ -30,7 +30,7 @@ def pitch(sound: np.ndarray, begin: float, end: float, own: float) -> float:
 
 
 def centroid(sound: np.ndarray, seconds: float) -> float:
-    """The centroid (Hz) of the power of its first seconds; they fade in their second half."""
+    """Return the centroid (Hz) of the power of its first seconds; they fade in their second half."""
     start = np.argmax(np.abs(sound) > 1e-3 * np.abs(sound).max())
     piece = sound[start : start + round(seconds * RATE)]
     piece = piece * np.cos(np.clip(np.linspace(-1, 1, len(piece)), 0, 1) * np.pi / 2) ** 2
@@ -77,7 +77,7 @@ def test_a_key_gives_the_glide_or_switches_it_off():
 
 @pytest.mark.parametrize(("name", "most"), [("piano-string", 0.02), ("bass-string", 0.02), ("frame-drum", 0.2)])
 def test_others_glide_as_their_tension_says(name, most):
-    """Up to a third of a semitone for a piano's strings, more for a slack drum."""
+    """A piano's strings glide by up to a third of a semitone, a slack drum by more."""
     preset = Presets().object(name)
     modes = preset.modes(1_000)
     assert modes.glide > 0 and (modes.cone > 0) == (preset.shape == "membrane")

@@ -1,4 +1,4 @@
-"""What ears go by, for the built-in presets: material, size, hardness, speed, the rhythm of bounces.
+"""The cues that ears go by, for the built-in presets: material, size, hardness, speed, the rhythm of bounces.
 
 R. P. Wildes and W. A. Richards 1988; R. L. Klatzky, D. K. Pai, E. P. Krotkov 2000 (material); M. Grassi 2005 (size);
 M. M. J. Houben 2004 (rolling); W. H. Warren and R. R. Verbrugge 1984 (bouncing).
@@ -31,14 +31,14 @@ LENGTHS = ("length", "width", "thickness", "radius", "height", "diameter", "wall
 
 
 def struck(name: str, velocity: float, seconds: float = 0.5, keys: dict | None = None, **strike: object) -> np.ndarray:
-    """The sum of both channels of a strike, without a limiter."""
+    """Return the sum of both channels of a strike, without a limiter."""
     with carom.Scene(RATE, limiter=False) as scene:
         scene.new("a", name, **(keys or {})).impact(velocity, **strike)
         return scene.render(seconds).samples.sum(axis=1).astype(float)
 
 
 def rolled(name: str, speed: float, seconds: float = 2.0, **keys: object) -> np.ndarray:
-    """The sum of both channels of a roll, from when it has got going."""
+    """Return the sum of both channels of a roll, from when it has got going."""
     with carom.Scene(RATE, limiter=False) as scene:
         scene.new("a", name).roll(speed, **{"seed": 1, **keys})
         return scene.render(seconds).samples[RATE // 2 :].sum(axis=1).astype(float)
@@ -49,7 +49,7 @@ def level(sound: np.ndarray) -> float:
 
 
 def centroid(sound: np.ndarray) -> float:
-    """The centroid of the spectrum's power, Hz."""
+    """Return the centroid of the spectrum's power, Hz."""
     power = np.abs(np.fft.rfft(sound)) ** 2
     return float(power @ np.fft.rfftfreq(len(sound), 1 / RATE) / power.sum())
 
@@ -72,7 +72,7 @@ def test_t60_times_frequency_tells_the_materials():
 
 
 def grown(name: str, factor: float) -> dict[str, object]:
-    """The keys of an object whose every length is a factor larger."""
+    """Return the keys of an object whose every length is a factor larger."""
     geometry = PRESETS.object(name).geometry
     keys: dict[str, object] = {key: factor * geometry[key] for key in LENGTHS if key in geometry}
     if PRESETS.object(name).shape in ("membrane", "string"):
@@ -101,7 +101,8 @@ def test_size_lowers_the_pitch_and_raises_the_level(name):
 
 
 def attack(name: str, stiffness: float) -> float:
-    """The centroid (Hz) of the first 30 ms, over strikes of about that stiffness: a pulse's spectrum has zeros."""
+    """Return the centroid (Hz) of the first 30 ms, over strikes of about that stiffness: a pulse's spectrum has
+    zeros."""
     strikes = (struck(name, 1.0, 0.03, stiffness=stiffness * share, **STRIKE) for share in (0.5, 1.0, 2.0))
     return math.exp(np.mean([math.log(centroid(each)) for each in strikes]))
 
@@ -128,8 +129,8 @@ ROLLS = [
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "striker", "surface"), ROLLS)
 def test_faster_rolls_are_brighter_and_louder(name, striker, surface):
-    """On average over seeds by 1 dB at least from speed to speed; as bright, within 4 %, on a tile. One seed's centroid
-    there is within 3 % of the mean of eight, and those means lie 2 % apart."""
+    """The mean over seeds rises by 1 dB at least from speed to speed; on a tile it is as bright, within 4 %. One seed's
+    centroid there is within 3 % of the mean of eight, and those means lie 2 % apart."""
     keys = {"striker": striker, "surface": surface}
     sounds = [[rolled(name, speed, seed=seed, **keys) for seed in (1, 2, 3)] for speed in (0.2, 0.6, 1.8)]
     levels = [np.mean([level(each) for each in same]) for same in sounds]
@@ -153,7 +154,7 @@ def test_bigger_balls_are_lower_and_louder(name):
 
 
 def test_bounces_come_by_their_restitution():
-    """On a bell of 500 kg: each flight lasts 2 v/g, and v is e(v) times that of before."""
+    """A ball bounces on a bell of 500 kg: each flight lasts 2 v/g, and v is e(v) times that of before."""
     with carom.Scene(RATE, limiter=False, contacts=True) as scene:
         scene.new("a", "church-bell").bounce(0.3, mass=0.01, stiffness=1e8, dissipation=0.3, exponent=1.5)
         contacts = scene.render(2.0).contacts

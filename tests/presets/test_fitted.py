@@ -13,7 +13,7 @@ POSITIONS = (0.1, 0.3, 0.5)
 
 
 def gains(position: float) -> np.ndarray:
-    """Of the modes of a supported bar, as loud as each other."""
+    """Return the gains of the modes of a supported bar, as loud as each other."""
     return np.sin(np.pi * np.arange(1, 8) * position) * 0.1
 
 
@@ -45,7 +45,7 @@ def played(folder, velocity=1.0, **keys) -> np.ndarray:
 
 
 def levels(sound: np.ndarray) -> np.ndarray:
-    """Amplitudes of the bar's modes in a sound."""
+    """Return the amplitudes of the bar's modes in a sound."""
     t = np.arange(len(sound)) / RATE
     basis = np.exp(-np.outer(t, np.log(1000) / T60)) * np.exp(-2j * np.pi * np.outer(t, FREQUENCY))
     return np.abs(sound[200:] @ basis[200:]) / np.sum(np.abs(basis[200:]) ** 2, axis=0)

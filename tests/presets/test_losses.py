@@ -1,4 +1,4 @@
-"""What materials and strings lose, against what ears go by and what was measured."""
+"""Losses of materials and strings, against what ears go by and what was measured."""
 
 import math
 from itertools import pairwise
@@ -19,13 +19,13 @@ ORDER = (
     ("plastic",),
     ("rubber",),
 )
-"""By tan(phi), the order by which ears tell materials: R. P. Wildes and W. A. Richards, "Recovering material properties
-from sound", 1988; R. L. Klatzky, D. K. Pai, E. P. Krotkov, Presence 9, 2000. Two materials stand outside:
+"""Materials by tan(phi), the order by which ears tell them: R. P. Wildes and W. A. Richards, "Recovering material
+properties from sound", 1988; R. L. Klatzky, D. K. Pai, E. P. Krotkov, Presence 9, 2000. Two materials stand outside:
 polycarbonate, which loses less than wood as measured, and a drum's film, whose energy is that of tension."""
 
 
 def friction(name: str) -> np.ndarray:
-    """tan(phi) = 1/Q at the audible frequencies."""
+    """Return tan(phi) = 1/Q at the audible frequencies."""
     return PRESETS.material(name).decay(AUDIBLE) / (np.pi * AUDIBLE)
 
 
@@ -52,7 +52,7 @@ def test_every_material_has_its_place_in_the_order():
     ],
 )
 def test_decay_times_are_those_of_recordings(name, frequency, t60, within):
-    """Where radiation adds little; changes below 1.25 to 1.4 times are inaudible (Järveläinen and Tolonen, 2001)."""
+    """Radiation adds little at these; changes below 1.25 to 1.4 times are inaudible (Järveläinen and Tolonen, 2001)."""
     found = math.log(1000) / float(PRESETS.material(name).decay(frequency))
     assert 1 / within < found / t60 < within
 

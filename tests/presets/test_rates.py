@@ -11,7 +11,7 @@ TOP = 12_000.0
 
 
 def sound(name: str, rate: int) -> np.ndarray:
-    """The spectrum below TOP of 50 ms of a preset's own strike."""
+    """Return the spectrum below TOP of 50 ms of a preset's own strike."""
     with carom.Scene(rate, limiter=False) as scene:
         scene.send("/accuracy", "exact")
         scene.new("a", name).impact(1.0, at=0.001)

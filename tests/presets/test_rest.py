@@ -13,8 +13,8 @@ LIGHT = ("polycarbonate-sheet", "glass-plate", "tin-lid")
 
 
 def excess(name, accuracy, *balls):
-    """Force of any ball beyond its weight, of those that roll over an object on a flat path, as a share of all weights
-    (100 ms)."""
+    """Return the force of any ball beyond its weight, of those that roll over an object on a flat path, as a share of
+    all weights (100 ms)."""
     with carom.Scene(channels=1, calibrated=True, contacts=True) as scene:
         scene.accuracy(accuracy)
         body = scene.new("a", name)

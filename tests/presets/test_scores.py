@@ -36,7 +36,7 @@ AUDIBLE = -40.0
 
 @pytest.mark.slow
 def test_the_score_in_the_readme_is_audible_from_end_to_end():
-    """From its beginning to its last gesture, or the end of that."""
+    """The score is heard from its beginning to its last gesture, or the end of that."""
     text = (ROOT / "README.md").read_text(encoding="utf-8").partition("```score\n")[2].partition("```")[0]
     engine = Engine(48_000)
     pieces, busy = [], 0

@@ -17,7 +17,7 @@ RATE = 48_000
 
 
 def struck(name: str, seconds: float, *keys: str | float) -> tuple[np.ndarray, Engine]:
-    """An object's sound at its preset's own strike, and the engine that made it. keys: of /object/new."""
+    """Return an object's sound at its preset's own strike, and the engine that made it. keys: of /object/new."""
     engine = Engine(RATE)
     scene = Session(engine, PRESETS)
     scene.perform([Message("/object/new", ("a", name, *keys))], NOW)
@@ -26,7 +26,7 @@ def struck(name: str, seconds: float, *keys: str | float) -> tuple[np.ndarray, E
 
 
 def touched(name: str) -> float:
-    """How long (s) the striker of an object's own strike is there, and at least 0.03 s."""
+    """Return how long (s) the striker of an object's own strike is there, and at least 0.03 s."""
     _, engine = struck(name, 0.03, "glide", 0)
     while engine.stats.contacts_active:
         engine.process(64)
@@ -53,7 +53,7 @@ def test_there_is_enough_to_play_with():
 @pytest.mark.slow
 @pytest.mark.parametrize("name", PRESETS.names("objects"))
 def test_partials_and_decays_are_the_presets(name):
-    """Once the contact is over, damped sines of the preset's frequencies and decays, and nothing else, are heard.
+    """Damped sines of the preset's frequencies and decays, and nothing else, are heard once the contact is over.
 
     Strings and membranes are told not to glide; test_glide.py has them glide.
     """
@@ -74,7 +74,8 @@ def test_partials_and_decays_are_the_presets(name):
 
 
 def assert_alone_in_tune(modes, sound):
-    """Where partials are too many to be told apart: one that stands alone, within 0.1 cent and 1 % of T60."""
+    """Assert that one partial that stands alone, where they are too many to be told apart, is within 0.1 cent and 1 %
+    of T60."""
     spectrum = np.abs(np.fft.rfft(sound * np.hanning(len(sound))))
     gaps = np.diff(modes.frequency, prepend=0.0, append=np.inf)
     heard = spectrum[np.round(modes.frequency * 2.0).astype(int)] > 1e-3 * spectrum.max()
@@ -90,7 +91,7 @@ def assert_alone_in_tune(modes, sound):
 
 
 def phasor(sound: np.ndarray, frequency: float, at: float) -> complex:
-    """The partial at a frequency around a time, in that frequency's frame; 0.2 s of a steep window."""
+    """Return the partial at a frequency around a time, in that frequency's frame; 0.2 s of a steep window."""
     n = round(0.2 * RATE)
     start = round(at * RATE)
     t = (start + np.arange(n)) / RATE

@@ -48,18 +48,18 @@ def library(tmp_path):
 
 
 def heard(folder, text, seconds):
-    """The sound (Pa) of a score, at the left; on the wall it is the striker's own."""
+    """Return the sound (Pa) of a score, at the left; on the wall it is the striker's own."""
     options = Options(rate=RATE, seconds=seconds, calibrated=True)
     return np.concatenate(list(blocks(parse(text.encode(), "score"), Engine(RATE), Presets(folder), options)))[:, 0]
 
 
 def struck(folder, striker, velocity=1.0, seconds=0.1):
-    """The striker's own sound, from the blow on."""
+    """Return the striker's own sound, from the blow on."""
     return heard(folder, f"0 /object/new a wall\n0 /object/a/impact {velocity} striker {striker}\n", seconds)
 
 
 def band_energy(sound, low, high):
-    """Energy of a sound from a frequency to another (Hz)."""
+    """Return the energy of a sound from a frequency to another (Hz)."""
     spectrum = np.abs(np.fft.rfft(sound.astype(float))) ** 2
     frequency = np.fft.rfftfreq(len(sound), 1 / RATE)
     return spectrum[(frequency >= low) & (frequency < high)].sum()
@@ -71,7 +71,8 @@ def centroid(sound):
 
 
 def scaled(name, factor):
-    """The file of a striker whose body is larger by a factor, of the same form and matter, without its ringing."""
+    """Return the file of a striker whose body is larger by a factor, of the same form and matter, without its
+    ringing."""
     striker = PRESETS.striker(name)
     text = PRESETS.path("strikers", name).read_text().split("\n[ringing]")[0]
     if "[click]" in text:  # else it is a ball, and its mass follows
@@ -135,7 +136,7 @@ def test_a_sphere_rings_at_the_speed_of_sound_over_its_size(name):
 
 @pytest.mark.parametrize("name", SOUNDING)
 def test_a_faster_one_is_louder_and_rings_out(library, name):
-    """Its energy grows by the square of its velocity, at least; after its longest decay time it is below -60 dB."""
+    """The energy grows by the square of the velocity, at least; after the longest decay time it is below -60 dB."""
     longest = 6.91 / min(PRESETS.striker(name).sound.ringing.decay) if PRESETS.striker(name).sound.ringing else 0.0
     levels = []
     for velocity in (0.3, 1.0):
@@ -163,7 +164,8 @@ ball."""
 
 
 def test_a_ping_pong_ball_keeps_its_share_of_the_speed_and_comes_to_rest():
-    """Of any speed from 0.1 to 1 m/s within 0.5 %, on a thick table; at rest after 3.3 s."""
+    """The share is that of any speed from 0.1 to 1 m/s within 0.5 %, on a thick table; the ball is at rest after 3.3
+    s."""
     engine = Engine(RATE)
     engine.trace(True)
     session = Session(engine, PRESETS)
@@ -188,7 +190,7 @@ def test_a_ping_pong_ball_keeps_its_share_of_the_speed_and_comes_to_rest():
 
 
 def test_a_ping_pong_ball_is_heard_above_8_khz():
-    """Of a ball that comes to rest on a thick table, between 8 and 15 kHz: more than half of all."""
+    """A ball that comes to rest on a thick table has more than half of all its energy between 8 and 15 kHz."""
     height = FAST**2 / 2 / STANDARD_GRAVITY
     sound = heard((), f"0 /object/new a {TABLE}\n0 /object/a/bounce {height} striker ping-pong seed 1\n", 4.0)
     assert band_energy(sound, 8000, 15_000) > 0.5 * band_energy(sound, 20, 20_000)
@@ -196,7 +198,7 @@ def test_a_ping_pong_ball_is_heard_above_8_khz():
 
 @pytest.mark.parametrize(("velocity", "least"), [(1.0, 0.7), (0.3, 0.5)])
 def test_a_ping_pong_ball_by_itself_is_heard_above_8_khz(library, velocity, least):
-    """Its click goes with the velocity, its shell with its power 1.86: at 0.1 m/s the click is louder."""
+    """The click goes with the velocity, the shell with its power 1.86: at 0.1 m/s the click is louder."""
     blows = 30
     lines = [f"{0.05 * n} /object/a/impact {velocity * (1 + 1e-4 * n)} striker ping-pong" for n in range(blows)]
     sound = heard(library, "\n".join(["0 /object/new a wall", *lines]), 0.05 * blows)

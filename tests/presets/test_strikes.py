@@ -9,7 +9,7 @@ from carom.presets import Presets
 PRESETS = Presets()
 RATE = 192_000
 FIRST, LOWEST, SHARE, HEARD = 8, 25.0, 0.1, 0.01
-"""Of the first 8 modes from `LOWEST` Hz on those are looked at that may be within 40 dB of the loudest."""
+"""Most modes to look at: the first 8 from `LOWEST` Hz on that may be within 40 dB of the loudest."""
 
 
 MIDDLE = ("glockenspiel-bar",)
@@ -37,7 +37,7 @@ def test_a_default_strike_meets_no_node_of_the_first_modes(name):
 
 
 def force(name: str, velocity: float, **keys: object) -> np.ndarray:
-    """The force (N) on an object, at 192 kHz."""
+    """Return the force (N) on an object, at 192 kHz."""
     changes = {key: keys.pop(key) for key in ("thickness",) if key in keys}
     with carom.Scene(RATE, limiter=False, contacts=True) as scene:
         scene.new("a", name, **changes).impact(velocity, at=0.001, **keys)
@@ -47,7 +47,8 @@ def force(name: str, velocity: float, **keys: object) -> np.ndarray:
 
 
 def width(pulse: np.ndarray) -> float:
-    """The time (ms) from where the force first passes a tenth of its peak to where it first falls below again."""
+    """Return the time (ms) from where the force first passes a tenth of its peak to where it first falls below
+    again."""
     above = pulse > 0.1 * pulse.max()
     begin = np.argmax(above)
     peak = np.argmax(pulse)
@@ -55,7 +56,7 @@ def width(pulse: np.ndarray) -> float:
 
 
 def fall(pulse: np.ndarray) -> float:
-    """By how many dB the spectrum at 2.2 kHz lies below that at 560 Hz."""
+    """Return by how many dB the spectrum at 2.2 kHz lies below that at 560 Hz."""
     low, high = (abs(pulse @ np.exp(-2j * np.pi * f / RATE * np.arange(len(pulse)))) for f in (560, 2200))
     return 20 * float(np.log10(low / high))
 
@@ -88,7 +89,7 @@ def test_yarn_stays_for_1_to_2_ms_and_rawhide_for_1_ms(name, striker, shortest, 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", PRESETS.names("objects"))
 def test_hardly_anything_is_heard_below_30_hz(name):
-    """What does not radiate there is not heard: under half a percent of a strike's energy."""
+    """Modes that do not radiate there are not heard: under half a percent of a strike's energy."""
     with carom.Scene(48_000, limiter=False) as scene:
         scene.new("a", name, stereo_width=0).impact(PRESETS.object(name).velocity, at=0.01)
         sound = scene.render(2.0).samples[:, 0].astype(float)

@@ -1,4 +1,4 @@
-"""What tests of the live server share."""
+"""Helpers of the tests of the live server."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from carom.server.osc import wire
 
 
 def onsets(path: Path) -> int:
-    """Strikes in a recording: rises out of silence, by 20 ms."""
+    """Find the strikes in a recording: rises out of silence, by 20 ms."""
     sound, _ = soundfile.read(path)
     level = np.abs(sound).max(axis=1)
     blocks = level[: len(level) // 960 * 960].reshape(-1, 960).max(axis=1)

@@ -1,4 +1,5 @@
-"""What /budget grants contacts: enough for blows, at the accuracy asked for, and a bound on all of them together."""
+"""The grant of /budget to contacts: enough for blows, at the accuracy asked for, and a bound on all of them
+together."""
 
 import numpy as np
 import pytest
@@ -21,7 +22,7 @@ LONG = {"exact": {"cello-string", "cymbal", "pot-lid", "tom"}}
 
 
 def held(name: str, level: str) -> int:
-    """Samples in which an object's own strike at 1 m/s has its force held, within what a server grants."""
+    """Return the samples in which an object's own strike at 1 m/s has its force held, within what a server grants."""
     with carom.Scene() as scene:
         scene.send("/accuracy", level)
         scene.send("/budget", *BUDGET)

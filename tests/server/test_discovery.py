@@ -1,4 +1,4 @@
-"""What a server tells those that look it up by OSC, and where it answers; notes and tuned copies."""
+"""Answers of a server to those that look it up by OSC, and where it sends them; notes and tuned copies."""
 
 import socket
 from collections.abc import Iterator
@@ -29,7 +29,7 @@ def refused(session: Session, *message: object) -> str:
 
 
 def lowest(session: Session, name: str) -> float:
-    """The frequency (Hz) of an object's lowest mode as it is tuned in the engine."""
+    """Return the frequency (Hz) of an object's lowest mode as it is tuned in the engine."""
     slot = session.objects[name].handle.slot
     obj = session.engine.state["objects"][0][slot]
     return float(session.engine.state["bank"][0]["frequency"][obj["first"]] * obj["settings"]["tune"])

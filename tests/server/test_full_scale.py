@@ -21,7 +21,7 @@ def heard(**options) -> np.ndarray:
 
 
 def test_a_sample_is_the_pressure_over_full_scale():
-    """Of an object of level 0; an option stands above the score."""
+    """The object has level 0; an option stands above the score."""
     pascals = heard(calibrated=True)
     for options, full_scale in (
         ({}, FULL_SCALE_PRESSURE), ({"full_scale": 0.5}, 0.5), ({"head": "0 /full_scale 3\n"}, 3.0),

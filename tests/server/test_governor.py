@@ -19,7 +19,7 @@ class Loaded:
 
 
 def run(governor, engine, load, seconds, start, overruns=0):
-    """Steps that it takes meanwhile, as (time, quality); overruns: at every look."""
+    """Return the steps that it takes meanwhile, as (time, quality); overruns: at every look."""
     engine.stats = replace(engine.stats, load=load, load_now=load)
     steps = []
     for n in range(round(seconds / 0.02)):

@@ -25,7 +25,7 @@ def server(tmp_path_factory):
 
 
 def slow(name: str, seed: int) -> Message:
-    """A message that asks for an object that takes some 0.1 s to make: no two of these are alike."""
+    """Return a message that asks for an object that takes some 0.1 s to make: no two of these are alike."""
     return Message("/object/new", (name, "cymbal", "radius", 0.2 + 0.0001 * seed))
 
 
@@ -75,7 +75,8 @@ def test_what_a_client_sends_keeps_its_order(server, tcp):
 
 
 def test_a_script_of_messages_each_from_a_client_of_its_own(server):
-    """As of oscsend: what names an object in the making, or a gesture on it, waits for it; the rest does not."""
+    """Each message comes as oscsend's: what names an object in the making, or a gesture on it, waits for it; the rest
+    does not."""
     lines = [
         slow("x", 200), Message("/object/x/roll", (0.5, "striker", "glass-marble", "id", "ball")),
         Message("/gesture/ball/speed", (0.3,)), Message("/object/*/gain", (-3,)), Message("/object/[w-z]/pan", (0.3,)),
@@ -134,7 +135,7 @@ def test_a_copy_for_a_note_is_of_its_own_object_however_many_a_packet_makes(serv
 
 
 def test_an_object_in_the_making_does_not_hold_up_the_end(tmp_path):
-    """Nor does it spoil the log."""
+    """The log is not spoilt either."""
     with serving(tmp_path, "--device", "none", "--record", "out.wav", "--log", "log.txt") as server:
         with server.client() as client, server.client() as other:
             other.new("a", "wood-block")

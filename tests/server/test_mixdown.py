@@ -1,4 +1,4 @@
-"""What a render makes of the whole: channels, levels, pascals, a peak, and a file for each object."""
+"""The whole of a render: channels, levels, pascals, a peak, and a file for each object."""
 
 import math
 from pathlib import Path
@@ -36,7 +36,7 @@ def heard(text: str, **options) -> np.ndarray:
 
 
 def rendered(tmp_path: Path, text: str, name: str = "x.wav", stems: str | None = None, **options):
-    """What became of a render to a file, its sound, and what it warned of."""
+    """Render to a file; return what became of it, its sound, and its warnings."""
     warnings: list[str] = []
     lines = parse(text.encode(), "score")
     chosen = Options(**{"seconds": 0.5, **options})
@@ -144,7 +144,7 @@ def test_block_size_changes_no_bit_of_channels(channels):
 
 @pytest.mark.parametrize("channels", [1, 2, 8])
 def test_stems_add_up_to_the_sound(tmp_path, channels):
-    """Of an object that is freed and a namesake, one that is moved, and one that never sounds."""
+    """The score frees an object and makes a namesake, moves one, and has one that never sounds."""
     done, sound, _ = rendered(tmp_path, SCORE, stems="parts", channels=channels, limiter=False)
     files = {path.name: soundfile.read(path, always_2d=True)[0] for path in (tmp_path / "parts").iterdir()}
     assert set(files) == {"bell.wav", "tom.wav", "never.wav"} and done.engine.channels == channels

@@ -105,7 +105,7 @@ PD_NOTE = """#N canvas 0 0 400 300 12;
     ids=["pd", "sclang", "python"],
 )
 def test_other_programs_play_notes(tmp_path, server: Running, words, notes):
-    """As many as they are, each on a copy of the bar, and none is refused."""
+    """The notes are as many as they are, each on a copy of the bar, and none is refused."""
     if not shutil.which(words[0]):
         pytest.skip(f"{words[0]} is not installed")
     (tmp_path / "note.pd").write_text(PD_NOTE)

@@ -52,7 +52,7 @@ def test_something_is_heard_in_the_demo_as_long_as_it_goes_on(demo):
 
 @pytest.mark.parametrize("rate", [22_050, 44_100, 96_000, 192_000])
 def test_a_strike_is_the_same_at_any_rate(render_text, rate):
-    """Below 8 kHz the spectrum of what rings does not know the sampling rate.
+    """The spectrum below 8 kHz of what rings does not depend on the sampling rate.
 
     What strikes is silent: its click comes 1.26 samples late (dsp/resonator/click.py).
     """
@@ -153,13 +153,13 @@ HARD = (
 
 
 def difference(sound: np.ndarray, reference: np.ndarray) -> float:
-    """Of two sounds' spectra, in dB of the second."""
+    """Return the difference of two sounds' spectra, in dB of the second."""
     a, b = (np.abs(np.fft.rfft(s[:, 0].astype(float))) for s in (sound, reference))
     return 20 * np.log10(np.linalg.norm(a - b) / np.linalg.norm(b))
 
 
 def test_sampled_methods_can_be_heard_and_measured(render_text):
-    """What each makes of the hard case, next to the closed form; they agree as steps are added."""
+    """Each method renders the hard case next to the closed form; they agree as steps are added."""
     reference = render_text(HARD, seconds=1.0)
     for method in ("am1", "verlet", "heun", "rk4"):
         apart = difference(render_text(HARD, seconds=1.0, contact=(method,)), reference)
@@ -211,7 +211,7 @@ SETTLING = {
 
 
 def rendered(tmp_path: Path, text: str, **options) -> tuple[int, list[str]]:
-    """The length of a render in frames, and its warnings."""
+    """Return the length of a render in frames, and its warnings."""
     (tmp_path / "s.txt").write_text(text)
     chosen = Options(**options)
     warnings: list[str] = []
@@ -273,7 +273,7 @@ def test_more_events_at_once_than_can_be_queued_are_refused(tmp_path):
 
 
 def random_score(seed: int) -> str:
-    """Everything a score can say, at random times: makings, strikes, changes, frees, panics."""
+    """Return a score of everything that one can say, at random times: makings, strikes, changes, frees, panics."""
     rng = random.Random(seed)
     presets = Presets()
     objects, strikers = presets.names("objects"), presets.names("strikers")
@@ -309,7 +309,7 @@ def test_block_size_changes_no_bit_of_random_scores(render_text, seed):
 
 @pytest.mark.slow
 def test_equal_sounds_are_equal_files(tmp_path):
-    """To the byte, at any block size and at any time of day."""
+    """The files are equal to the byte, at any block size and at any time of day."""
     score = tmp_path / "s.txt"
     score.write_text(STRIKE)
     for name in ("a.wav", "a.flac"):

@@ -119,7 +119,8 @@ def test_presets_outside_the_folders_are_out_of_reach(tmp_path):
 
 
 def test_files_that_can_not_be_written_on_are_told_for_good(tmp_path):
-    """Also to those who ask later, and where nobody reads what it says; what is there of the log can be rendered."""
+    """Clients that ask later hear of it, too, even where nobody reads what it says; what is there of the log can be
+    rendered."""
     limits = "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000)); "
     limits += "from carom.clients.cli import main; sys.exit(main())"
     words = [sys.executable, "-c", limits, "serve", "--port", "0", "--device", "none", "--log", "log.txt"]

@@ -1,4 +1,4 @@
-"""How the live server starts and ends, and what it says if it can't."""
+"""The start and the end of the live server, and its errors if it can't start."""
 
 import os
 import socket
@@ -16,7 +16,7 @@ pytestmark = pytest.mark.slow
 
 
 def failing(folder: Path, *args: str, env: dict[str, str] | None = None) -> str:
-    """What a `serve` that can't start says, in one line, before it exits with 1."""
+    """Return the one line that a `serve` says which can't start, before it exits with 1."""
     run = subprocess.run([*CAROM, "serve", *args], cwd=folder, env=env, capture_output=True, text=True, timeout=60)
     assert run.returncode == 1 and run.stdout == "" and run.stderr.count("\n") == 1
     return run.stderr

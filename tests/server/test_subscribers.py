@@ -1,4 +1,4 @@
-"""Who is told of what no message caused."""
+"""Subscribers, who are told of what no message caused."""
 
 import pytest
 

@@ -60,7 +60,7 @@ def sclang(server: Running, folder: Path) -> None:
 
 
 def jitter(folder: Path, device: str, send) -> float:
-    """Root mean square of the onsets' distance from an even beat, in samples; inf where sound was lost."""
+    """Return the root mean square of the onsets' distance from an even beat, in samples; inf where sound was lost."""
     with serving(folder, "--device", device, "--log", "log.txt", "--record", "out.wav") as server:
         with server.client() as client:
             client.new("a", "wood-block", gain=-20)
@@ -113,7 +113,7 @@ def test_the_wall_clock_may_be_set_while_events_wait(monkeypatch):
 
 
 def an_hour_late() -> None:
-    """An event of an hour ago is that late, and is carried out, however young the machine is."""
+    """Assert that an event of an hour ago is that late, and is carried out, however young the machine is."""
     from carom.dsp.engine.commands import Command, Kind
     from carom.dsp.native.system import clock_ns
     from carom.dsp.runtime.engine import Engine
@@ -127,7 +127,7 @@ def an_hour_late() -> None:
 
 
 def test_an_hour_late_is_told_on_a_machine_that_is_a_minute_old():
-    """In a time namespace, where the system can make one."""
+    """The server runs in a time namespace, where the system can make one."""
     offsets = Path("/proc/self/timens_offsets")
     here = int(offsets.read_text().split()[1]) if offsets.exists() else 0  # s: offsets count from the system's clock
     namespace = ["unshare", "--fork", "--time", "--monotonic", str(here + 60 - int(time.monotonic()))]

@@ -1,4 +1,4 @@
-"""What goes wrong by itself is told to those who are notified, and nothing that goes wrong ends the server."""
+"""A fault that comes by itself is told to those who are notified, and none ends the server."""
 
 import os
 import re
@@ -24,7 +24,7 @@ from carom.server.start import serving
 
 @contextmanager
 def at_hand(**options) -> Iterator[Server]:
-    """A server in this process, which plays by the clock."""
+    """Yield a server in this process, which plays by the clock."""
     with serving(Options(port=0, device="none", **options)) as server:
         thread = threading.Thread(target=server.run)
         thread.start()
@@ -112,7 +112,7 @@ def test_what_goes_wrong_is_told_each_time_once_to_those_who_asked(server, clien
 
 
 def pretend(monkeypatch, numbers):
-    """Have engines say of some of their stats whatever `numbers` holds at the time."""
+    """Pretend that engines' stats are whatever `numbers` holds at the time."""
     stats = Engine.stats.fget
     monkeypatch.setattr(Engine, "stats", property(lambda engine: replace(stats(engine), **numbers)))
 
@@ -202,7 +202,7 @@ def test_the_limiters_lowest_gain_is_told_to_each_client_since_it_last_asked(ser
 
 @pytest.mark.slow
 def test_what_the_limiter_did_is_told_once_it_rests(server, client):
-    """By how many dB, when, and because of which objects."""
+    """The warning says by how many dB, when, and because of which objects."""
     client.new("loud", "church-bell")
     client.new("soft", "church-bell", gain=-40)
     client.ask("/notify", 1)
@@ -260,7 +260,7 @@ def test_a_client_that_has_left_is_told_no_more_and_ends_nothing(server, client)
 
 @pytest.mark.slow
 def test_sync_is_answered_once_all_before_it_is_done():
-    """With blocks of a quarter of a second."""
+    """The server has blocks of a quarter of a second."""
     with at_hand(block=12_000) as server, Client(port=server.address[1]) as client:
         client.new("a", "wood-block")
         for n in range(1, 4):

@@ -1,4 +1,4 @@
-"""What the tests of data sets share: recipes, and shards that are read back."""
+"""Helpers of the tests of data sets: recipes, and shards that are read back."""
 
 import io
 import json
@@ -28,7 +28,7 @@ position = { uniform = [0, 1] }
 
 
 def written(folder: Path, text: str, name: str = "small") -> Path:
-    """A recipe's file."""
+    """Write a recipe's file."""
     path = folder / f"{name}.toml"
     path.write_text(text)
     return path
@@ -39,7 +39,7 @@ def recipe_of(folder: Path, text: str, count: int | None = None) -> Recipe:
 
 
 def unpacked(tar: bytes | Path) -> list[dict[str, Any]]:
-    """The items of a shard: truth, samples (frames, channels) and force, as any program reads them."""
+    """Return the items of a shard: truth, samples (frames, channels) and force, as any program reads them."""
     with tarfile.open(fileobj=io.BytesIO(tar if isinstance(tar, bytes) else tar.read_bytes())) as opened:
         files = {member.name: opened.extractfile(member).read() for member in opened}
         assert all((member.mtime, member.uid, member.gid, member.uname) == (0, 0, 0, "") for member in opened)

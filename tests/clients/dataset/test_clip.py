@@ -33,7 +33,7 @@ def test_a_shard_holds_sounds_truths_and_forces(small):
 
 
 def test_the_modes_are_heard(small):
-    """After the contact, the sound is the sum of the modes that are listed: their amplitudes come out of a fit."""
+    """The sound after the contact is the sum of the modes that are listed: their amplitudes come out of a fit."""
     _, found = small
     for item in found:
         (contact,) = item["truth"]["contacts"]

@@ -124,7 +124,7 @@ def test_a_grid_has_every_point_once(tmp_path):
 
 
 def test_sobol_points_are_even(tmp_path):
-    """Of 64 points in a row, each of 64 equal boxes of two factors holds one: a (0, 6, 2)-net."""
+    """Each of 64 equal boxes of two factors holds one of 64 points in a row: a (0, 6, 2)-net."""
     text = 'design = "sobol"\n' + SMALL.replace('material = { choice = ["rosewood", "aluminium"] }\n', "")
     recipe = recipe_of(tmp_path, text.replace("log_uniform = [0.1, 1.0]", "uniform = [0.0, 1.0]"), 192)
     for first in (0, 64, 128):

@@ -43,7 +43,7 @@ def test_it_is_shards_and_a_table(made):
 
 
 def test_two_workers_make_the_same_bytes(tmp_path):
-    """Of bars, and of plates, whose shapes are products of two factors."""
+    """Items are bars, and plates, whose shapes are products of two factors."""
     mixed = SMALL.replace('"xylophone-bar"', '{ choice = ["xylophone-bar", "glass-plate", "steel-plate"] }')
     path = written(tmp_path, mixed, "mixed")
     for workers in ("1", "2"):
@@ -98,7 +98,7 @@ def test_other_versions_are_refused_by_name(made, tmp_path, monkeypatch):
 
 
 def test_a_full_disk_is_one_line_and_leaves_no_half_shard(tmp_path):
-    """There is room for the modes that its processes share, but not for a shard."""
+    """The disk has room for the modes that its processes share, but not for a shard."""
     path = written(tmp_path, 'format = "wav"\nsamples = "float"\n' + SMALL.replace("seconds = 0.25", "seconds = 4.0"))
     limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1_000_000, 1_000_000))  # noqa: E731
     words = [*CAROM, "dataset", path, tmp_path / "out", "--workers", "1"]

@@ -41,14 +41,14 @@ position = { uniform = [0, 1] }
 
 
 def placed(folder, recipe=RECIPE, **scores):
-    """A recipe's file, beside scores."""
+    """Write a recipe's file, beside scores."""
     for name, text in {"two": SCORE, **scores}.items():
         (folder / f"{name}.txt").write_text(text)
     return written(folder, recipe)
 
 
 def test_an_item_is_its_score_with_its_values(tmp_path):
-    """It sounds as the score that has them written out, to the bit."""
+    """An item sounds as the score that has its values written out, to the bit."""
     recipe = read(placed(tmp_path))
     require_sound(recipe, Presets())
     for item in items(recipe, range(4)):
@@ -85,7 +85,7 @@ def test_a_ball_that_falls_gives_the_floor_its_momentum():
 
 
 def test_a_word_that_another_score_says_is_no_factor(tmp_path):
-    """And so no pair differs in it."""
+    """No pair differs in such a word."""
     recipe = RECIPE.replace('"two.txt"', '{ choice = ["two.txt", "one.txt"] }').replace("count = 4", "count = 40")
     one = "0 /object/new a church-bell\n0 /object/a/impact $hard\n"
     path = placed(tmp_path, f'design = "pairs"\n{recipe}hard = {{ uniform = [1, 2] }}\n', one=one)

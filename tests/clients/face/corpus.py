@@ -16,7 +16,7 @@ HEARING = carom.Hearing([carom.Microphone((0.0, -0.5, 0.6))])
 
 
 def module(name: str):
-    """A file of the examples."""
+    """Import a file of the examples."""
     spec = importlib.util.spec_from_file_location(name, EXAMPLES / f"{name}.py")
     made = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(made)
@@ -37,7 +37,7 @@ class Run(NamedTuple):
     speeds: np.ndarray
     """(steps, nv): MuJoCo's velocities before each step."""
     score: str = ""
-    """If it was kept."""
+    """The score, if it was kept."""
 
     @property
     def energy(self) -> float:
@@ -45,7 +45,7 @@ class Run(NamedTuple):
 
 
 def prepared(name: str, step: float, hearing: carom.Hearing = HEARING, keep: bool = False):
-    """A scene at a step (s) before its start: MuJoCo's model and data, and what hears them."""
+    """Return a scene at a step (s) before its start: MuJoCo's model and data, and what hears them."""
     make, _ = SCENES[name]
     model = mujoco.MjModel.from_xml_string(make(step))
     data = mujoco.MjData(model)
@@ -71,7 +71,7 @@ def run(
 
 
 def _forces(model, data, names) -> dict[tuple[str, str], float]:
-    """The normal force between each pair of bodies, by MuJoCo's own function."""
+    """Return the normal force between each pair of bodies, by MuJoCo's own function."""
     found: dict[tuple[str, str], float] = {}
     force = np.empty(6)
     for number in range(data.ncon):
@@ -88,7 +88,7 @@ def _forces(model, data, names) -> dict[tuple[str, str], float]:
 
 
 def episodes(forces, pair, apart: int = 3) -> list[tuple[int, int]]:
-    """The runs of steps in which a pair pushes, first and last; those fewer than `apart` steps apart are one."""
+    """Return the runs of steps in which a pair pushes, first and last; those fewer than `apart` steps apart are one."""
     steps = [n for n, each in enumerate(forces) if pair in each]
     found: list[tuple[int, int]] = []
     for n in steps:
@@ -100,7 +100,7 @@ def episodes(forces, pair, apart: int = 3) -> list[tuple[int, int]]:
 
 
 def thirds(sound: np.ndarray) -> np.ndarray:
-    """The energy in third octaves from 100 Hz to 16 kHz, of the first channel."""
+    """Return the energy in third octaves from 100 Hz to 16 kHz, of the first channel."""
     power = np.abs(np.fft.rfft(sound[:, 0].astype(np.float64))) ** 2
     frequency = np.fft.rfftfreq(len(sound), 1 / 48_000)
     edges = 1000 * 2 ** ((np.arange(-10, 14) - 0.5) / 3)
@@ -109,18 +109,19 @@ def thirds(sound: np.ndarray) -> np.ndarray:
 
 
 def apart(one: np.ndarray, other: np.ndarray, least: float = -20.0) -> float:
-    """How far two sounds' third octaves are apart at most (dB), of those within `least` dB of the loudest."""
+    """Return the greatest difference (dB) between two sounds' third octaves, of those within `least` dB of the
+    loudest."""
     loud = one > one.max() * 10 ** (least / 10)
     return float(np.abs(10 * np.log10(other[loud] / one[loud])).max())
 
 
 def over_seeds(name: str, step: float, seeds: int) -> np.ndarray:
-    """The third octaves of a scene over surfaces of several seeds."""
+    """Return the third octaves of a scene over surfaces of several seeds."""
     hearings = [carom.Hearing(HEARING.microphones, seed=seed) for seed in range(seeds)]
     return np.mean([thirds(run(name, step, hearing=hearing).sound) for hearing in hearings], axis=0)
 
 
 def separation(run: Run, first: int, last: int, rate) -> tuple[float, float]:
-    """The speeds before and after an episode; rate: of approach, for a row of MuJoCo's velocities."""
+    """Return the speeds before and after an episode; rate: of approach, for a row of MuJoCo's velocities."""
     speeds = [rate(row) for row in run.speeds[first : last + 2]]
     return speeds[0], -min(speeds)

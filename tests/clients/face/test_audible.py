@@ -1,4 +1,4 @@
-"""What of a simulation is heard: blows, slides and rolls that are loud enough, and of too many the loudest."""
+"""Blows, slides and rolls of a simulation that are heard: those that are loud enough, and of too many the loudest."""
 
 import math
 
@@ -32,7 +32,7 @@ def test_a_budget_takes_the_loudest():
 
 
 def slipping(names, slips, step=0.005, steps=40, **hearing):
-    """A World with balls on a plate, that slip at speeds (m/s) which a function of the step's number tells."""
+    """Return A World with balls on a plate, that slip at speeds (m/s) which a function of the step's number tells."""
     microphone = carom.Microphone((0, 0, hearing.pop("away", 1.0)))
     world = World(hearing=carom.Hearing([microphone], **hearing), keep=True)
     world.body("plate", "plate", (0.4, 0.3, 0.003), "steel", held=True, most_modes=8)
@@ -47,7 +47,7 @@ def slipping(names, slips, step=0.005, steps=40, **hearing):
 
 
 def begun(world) -> list[list[str]]:
-    """The words of the slides of a World's score."""
+    """Return the words of the slides of a World's score."""
     return [line.split() for line in world.score().splitlines() if "/slide" in line]
 
 
@@ -68,7 +68,7 @@ def test_a_slide_is_heard_while_it_is_loud_enough():
 
 
 def slip_beside_blows(masked: float, steps: int = 25) -> tuple[int, float]:
-    """How many slides are heard beside blows every 75 ms, and by how many dB these are louder than the slide, as
+    """Return how many slides are heard beside blows every 75 ms, and by how many dB these are louder than the slide, as
     estimated.
 
     The estimate is 10 dB too loud for half of all slides.

@@ -17,7 +17,7 @@ pytestmark = pytest.mark.slow
 
 
 def episode(env, steps: int):
-    """The sounds of an episode of the same actions, and its blows."""
+    """Return the sounds of an episode of the same actions, and its blows."""
     observation, _ = env.reset(seed=1)
     assert observation in env.observation_space and not observation["audio"].any()
     generator = np.random.default_rng(1)
@@ -56,7 +56,8 @@ def test_another_environment_is_an_error():
 
 
 def turns(envs, steps: int):
-    """States and sounds of steps of a vector, from the first on; the blows of each; and the last of each episode."""
+    """Return the states and sounds of steps of a vector, from the first on; the blows of each; and the last of each
+    episode."""
     observation, _ = envs.reset(seed=1)
     generator = np.random.default_rng(1)
     seen, hits, last = [observation], [], []
@@ -76,7 +77,7 @@ HEARING = {"microphones": [(0, 0, 1)], "rate": 8_000, "modes": 8}
 
 
 def ants(count: int, mode: str, wrap):
-    """A vector of ants whose episodes end after 5 to 8 steps."""
+    """Return a vector of ants whose episodes end after 5 to 8 steps."""
     makers = [lambda n=n: wrap(gymnasium.make("Ant-v5", max_episode_steps=5 + n % 4)) for n in range(count)]
     return gymnasium.vector.SyncVectorEnv(makers, autoreset_mode=mode)
 
@@ -139,7 +140,7 @@ def test_blows_of_an_action_are_a_sequence_that_can_be_sent():
 
 
 class Settling(gymnasium.Wrapper):
-    """Lets its body fall for a while as it resets."""
+    """An environment whose body falls for a while as it resets."""
 
     def reset(self, **options):
         found = self.env.reset(**options)
@@ -189,7 +190,7 @@ def test_a_reset_of_some_after_an_error_leaves_the_sound_of_the_others():
 
 
 def plain(env) -> bool:
-    """Whether nothing of an environment was replaced."""
+    """True if nothing of an environment was replaced."""
     return not {"_step_mujoco_simulation", "reset"} & (set(vars(env)) | set(vars(env.unwrapped)))
 
 

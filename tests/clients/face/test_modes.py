@@ -16,7 +16,7 @@ CLICK = dict(striker="felt", mass=1e-7, stiffness=1e16, dissipation=0.0, exponen
 
 
 def synthesised(table, impulse, frames):
-    """The sound of an impulse at t = 0, sample by sample, (frames, 2)."""
+    """Return the sound of an impulse at t = 0, sample by sample, (frames, 2)."""
     t = np.arange(frames)[:, None] / RATE
     waves = np.exp(-table.decays * t) * np.sin(2 * np.pi * table.frequencies * t)
     sound = waves @ table.gains
@@ -28,7 +28,7 @@ def synthesised(table, impulse, frames):
 
 
 def clicked(frequency, decay, frames):
-    """What the bank makes of a click of a strength of 1 and an impulse that comes with the first sample."""
+    """Return the bank's output for a click of a strength of 1 and an impulse that comes with the first sample."""
     y1, y2, a1, a2 = np.zeros((4, LANES))
     modes = Modes(y1, y2, a1, a2, np.ones(LANES), np.zeros(RESPONSES))
     set_click(modes, 0, frequency, decay, float(RATE), 1.0)

@@ -33,7 +33,7 @@ AUDIBLE = 0.05  # m/s
 
 
 def rate_of(pair):
-    """The speed of approach of balls on a rail, or of a ball that falls, for a row of velocities."""
+    """Return the speed of approach of balls on a rail, or of a ball that falls, for a row of velocities."""
     if pair == ("ball", "floor"):
         return lambda row: -row[2]
     first, second = (int(name.removeprefix("ball")) for name in pair)
@@ -63,7 +63,7 @@ def test_each_blow_has_the_impulse_of_the_simulators_change_of_speed(scene):
 
 @pytest.mark.parametrize("scene, step", [("rattle", 0.001), ("juggle", 0.001), ("stack", 0.002)])
 def test_every_blow_is_told_once(scene, step):
-    """Against the episodes in which MuJoCo's own forces act."""
+    """Blows are compared with the episodes in which MuJoCo's own forces act."""
     heard = run(scene, step)
     for pair in {pair for each in heard.forces for pair in each}:
         begun = [first for first, _ in episodes(heard.forces, pair)]
@@ -100,7 +100,7 @@ def test_a_roll_sounds_alike_at_any_step():
 
 
 def test_a_slide_has_no_blows_and_the_same_energy_at_any_step():
-    """Over surfaces of eight seeds: that of one differs by a quarter or so."""
+    """The mean is over surfaces of eight seeds: the energy of one differs by a quarter or so."""
     energies = []
     for step in (0.001, 0.005):
         hearings = [carom.Hearing(HEARING.microphones, seed=seed) for seed in range(8)]
@@ -116,7 +116,7 @@ def test_a_slide_sounds_alike_at_any_step():
 
 
 def test_a_slide_that_hops_is_told_its_weight_and_its_speed():
-    """At steps of 5 ms the box is off the floor most of the time, up to 60 ms on end."""
+    """The box is off the floor most of the time at steps of 5 ms, up to 60 ms on end."""
     model, data, bridge = prepared("slide", 0.005)
     told, speeds, off = [], [], 0
     while data.time < 0.6:
@@ -160,14 +160,15 @@ DROP = """<mujoco><option timestep="{step}" integrator="{integrator}"/><worldbod
 
 
 def dropped(step: float, height: float, solref: str, integrator: str = "Euler"):
-    """A ball above a floor: model and data."""
+    """Return a ball above a floor: model and data."""
     text = DROP.format(step=step, height=height, solref=solref, integrator=integrator)
     model = mujoco.MjModel.from_xml_string(text)
     return model, mujoco.MjData(model)
 
 
 def bounced(model, data):
-    """The one blow until a ball has left the floor; its speed before, and what the contact has left of it (m/s)."""
+    """Return the one blow until a ball has left the floor; its speed before, and what the contact has left of it
+    (m/s)."""
     bridge = carom.mujoco.Bridge(model, data, hearing=carom.Hearing(gestures=0))
     speed, found = 0.0, []
     while not (found and data.ncon == 0):
@@ -196,7 +197,8 @@ def test_a_stiff_or_a_soft_contact_leaves_what_the_simulators_does(step, solref)
 
 @pytest.mark.parametrize("step, solref", [(0.002, ".02 1"), (0.002, ".02 .3"), (0.005, ".02 .1"), (0.01, ".02 1")])
 def test_steps_of_runge_and_kutta_leave_what_the_simulators_do(step, solref):
-    """Their contacts are shown as they are at the last of four stages, where they have braked already."""
+    """MuJoCo shows the contacts of such steps as they are at the last of four stages, where they have braked
+    already."""
     for height in (0.3, 0.31, 0.333):
         model, data = dropped(step, height, solref, "RK4")
         bridge = carom.mujoco.Bridge(model, data, hearing=carom.Hearing(gestures=0))

@@ -43,7 +43,7 @@ SCORE = """
 
 
 def play(scene):
-    """The events of SCORE, those of one time in its order."""
+    """Play the events of SCORE, those of one time in its order."""
     a = scene.new("a", "steel-plate", gain=np.int64(-6), pan=0.3, thickness=np.float64(0.002))
     b = scene.new("b", "wood-block")
     scene.accuracy("exact")
@@ -80,7 +80,7 @@ def test_a_scene_makes_the_bits_of_the_score_that_says_the_same():
 
 
 def test_every_address_of_a_score_is_a_method():
-    """Those of a simulation are World's."""
+    """World has those of a simulation."""
     for address, verb in VERBS.items():
         if verb.scored and not address.startswith(("/gesture/", "/channels", "/full_scale", "/world/")):
             assert callable(getattr(carom.Scene, address.rsplit("/", 1)[1]))

@@ -9,7 +9,7 @@ UP = (0, 0, 1)
 
 
 def blows(points, others, shape=("box", (0.3, 0.2, 0.1))):
-    """The blows of a body that falls at 1 m/s, at points each of which is on another body; restitution 0.5."""
+    """Return the blows of a body that falls at 1 m/s, at points each of which is on another body; restitution 0.5."""
     with World() as world:
         for name in set(others):
             world.body(name, "box", (0.4, 0.4, 0.1), "wood", Pose((0, 0, -0.1)), held=True)

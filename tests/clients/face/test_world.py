@@ -13,8 +13,8 @@ MICROPHONES = [(0.0, -1.0, 0.5)]
 
 
 def dropped(step: float, height: float = 0.3, seconds: float = 1.2, restitution: float = 0.6):
-    """The states of a ball of 20 mm that falls on the plane z = 0: time, contacts, poses; and its contacts as they are
-    in truth, (time, speed)."""
+    """Return the states of a ball of 20 mm that falls on the plane z = 0: time, contacts, poses; and its contacts as
+    they are in truth, (time, speed)."""
     begins, speed, at = [], math.sqrt(2 * GRAVITY * (height - 0.02)), 0.0
     at = speed / GRAVITY
     while at < seconds and speed > 0.4:  # it does so for ever, but not for long
@@ -50,7 +50,7 @@ def furnished(**options) -> World:
 
 
 def played(steps, **options):
-    """The blows and the sound of some steps."""
+    """Return the blows and the sound of some steps."""
     hits, blocks = [], []
     with furnished(**options) as world:
         for step in steps:
@@ -164,7 +164,7 @@ def test_the_speeds_follow_from_the_motion_of_the_bodies():
 
 
 def rolled(speed: float, spin: float, seconds: float = 1.0, step: float = 0.002):
-    """A ball of 30 mm that moves along x and turns; it stands still after two thirds of the time."""
+    """Yield a ball of 30 mm that moves along x and turns; it stands still after two thirds of the time."""
     for n in range(1, round(seconds / step) + 1):
         time = min(n * step, 2 / 3 * seconds)
         now = 1.0 if n * step <= time else 0.0

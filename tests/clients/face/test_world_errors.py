@@ -1,4 +1,4 @@
-"""What a World refuses: one error that names the body and the step, and nothing has changed."""
+"""Refusals of a World: one error names the body and the step, and nothing has changed."""
 
 import math
 

@@ -33,11 +33,11 @@ class Table:
     """Lines of the log that others wrote before."""
 
     def lines(self, end: str = "") -> list[Line]:
-        """The messages of the log so far whose addresses end in a text."""
+        """Return the messages of the log so far whose addresses end in a text."""
         return [line for line in read(self.folder / "log.txt")[self.since :] if line.message.address.endswith(end)]
 
     def until(self, end: str, count: int = 1) -> list[Line]:
-        """The same, once there are so many."""
+        """Return the same, once there are so many."""
         deadline = time.monotonic() + PATIENCE
         while len(found := self.lines(end)) < count:
             assert time.monotonic() < deadline, (end, [line.message for line in self.lines()])
@@ -45,7 +45,7 @@ class Table:
         return found
 
     def ask(self, script: str) -> Any:
-        """The value of an expression on the page, which knows its parts as `carom`."""
+        """Return the value of an expression on the page, which knows its parts as `carom`."""
         return self.page.evaluate(script)
 
     def settle(self, script: str) -> None:
@@ -56,7 +56,7 @@ class Table:
             self.page.wait_for_timeout(20)
 
     def spot(self, name: str, position: float = 0.5) -> tuple[float, float]:
-        """The pixel of a point of an object's strike path."""
+        """Return the pixel of a point of an object's strike path."""
         x, y = self.ask(
             f"(() => {{ const b = carom.table.stage.getBoundingClientRect();"
             f"const [x, y] = carom.table.pixel(carom.scene.objects.get('{name}'), {position});"
@@ -77,7 +77,7 @@ def browser() -> Iterator[Any]:
 
 @contextmanager
 def served(folder: Path, port: str = "0") -> Iterator[tuple[Running, str]]:
-    """A server with a page on a port, and its address."""
+    """Yield a server with a page on a port, and its address."""
     with serving(folder, "--device", "page", "--page", port, "--log", "log.txt", "--record", "out.wav") as server:
         assert server.process.stdout
         match = re.search(r"http://\S+", server.process.stdout.readline())
@@ -94,7 +94,7 @@ def shared(tmp_path_factory) -> Iterator[tuple[Running, str, Path]]:
 
 @contextmanager
 def opened(browser: Any, server: Running, url: str, folder: Path, script: str = "", **settings: Any) -> Iterator[Table]:
-    """The page in a fresh profile; nothing may be said on its console."""
+    """Open the page in a fresh profile; nothing may be said on its console."""
     said: list[str] = []
     since = len(read(folder / "log.txt"))
     context = browser.new_context(**{"viewport": SIZE, **settings})

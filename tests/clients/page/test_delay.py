@@ -1,4 +1,4 @@
-"""From the finger to the sound: the page's own measure of it, and the buffer that plays the stream."""
+"""The delay from the finger to the sound: the page's own measure of it, and the buffer that plays the stream."""
 
 import re
 
@@ -46,7 +46,7 @@ STREAM = """([seconds, late, sound]) => {
 
 
 def stream(table: Table, seconds: float, late: str, sound: str) -> tuple[list[dict[str, float]], list[float]]:
-    """What the player tells, and what it plays of a stream."""
+    """Return the player's reports, and the sound that it plays of a stream."""
     heard = table.page.evaluate(STREAM, [seconds, late, sound])
     return heard["told"], heard["heard"]
 

@@ -19,7 +19,7 @@ HOLD = 600  # ms: longer than a tap
 
 
 def keys(message: Message) -> dict[str, object]:
-    """The keys of a message, after its numbers."""
+    """Return the keys of a message, after its numbers."""
     words = list(message.args)
     first = next((n for n, each in enumerate(words) if isinstance(each, str)), len(words))
     return dict(zip(words[first::2], words[first + 1 :: 2], strict=True))
@@ -299,7 +299,7 @@ def test_the_controls_slide_a_bow_along_the_selected_object(play):
 
 
 def test_the_meter_shows_peaks_loudness_and_the_limiters_gain(play):
-    """At the very messages that a server sends; one that tells no loudness shows none."""
+    """The levels come in the very messages that a server sends; one that tells no loudness shows none."""
     table = play(color_scheme="dark")
     shown = """(levels) => { carom.link.heard.delete("/meter"); const { views } = carom;
       Object.assign(views, { limited: 0, peaks: [-200, -200] });

@@ -1,4 +1,4 @@
-"""How loud the page's strokes are beside a blow: a drag at a hand's speed, as the page sends it, rendered."""
+"""Loudness of the page's strokes beside a blow: a drag at a hand's speed, as the page sends it, rendered."""
 
 import warnings
 
@@ -18,7 +18,7 @@ HAND = 600.0  # px/s
 
 
 def loudness(text: str) -> float:
-    """The greatest momentary loudness (LUFS) of a score."""
+    """Return the greatest momentary loudness (LUFS) of a score."""
     sound = np.pad(render_lines(parse(text.encode(), "score")).astype(float), ((0, 19_200), (0, 0)))
     meter = pyloudnorm.Meter(48_000, block_size=0.4)
     with warnings.catch_warnings():
@@ -39,7 +39,7 @@ DRAWN = """([name, pixels]) => import("/page/strokes.js").then(({ speedOf }) => 
 
 
 def drawn(table: Table, name: str) -> str:
-    """The score of a drag to and fro over an object for 0.6 s, at a hand's speed."""
+    """Return the score of a drag to and fro over an object for 0.6 s, at a hand's speed."""
     told = table.page.evaluate(DRAWN, [name, HAND])
     id = told["message"][told["message"].index("id") + 1]
     lines = ["0.1 " + " ".join(told["message"])]

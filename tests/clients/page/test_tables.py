@@ -23,7 +23,7 @@ BOXES = """() => { const { scene, table } = carom; return [...scene.objects.valu
 
 
 def lie_apart(table: Table) -> bool:
-    """Whether no object lies on another one or beyond the table, but for what places are rounded to."""
+    """True if no object lies on another one or beyond the table, but for what places are rounded to."""
     *boxes, (_, _, width, height) = np.array(table.page.evaluate(BOXES))
     inside = all((box[:2] > -1).all() and box[2] < width + 1 and box[3] < height + 1 for box in boxes)
     pairs = combinations(boxes, 2)

@@ -14,7 +14,7 @@ from carom.dsp.bodies import Material
 STEEL = Material("steel", 7850, 2e11, 0.3, 5, 3e-8)
 GLASSY = Material("nu = 0.225", 2500, 7e10, 0.225, 1, 1e-7)
 HEAVY = Material("steel that no air moves", 7850e9, 2e20, 0.3, 5, 3e-8)
-"""Of the same frequencies as STEEL without air."""
+"""A material with the frequencies of STEEL without air."""
 FREE_ROOTS = [brentq(lambda x: math.cos(x) * math.cosh(x) - 1, x - 1, x + 1) for x in np.pi * np.arange(1.5, 8)]
 
 
@@ -24,13 +24,14 @@ def euler_bernoulli(material, roots, length, thickness):
 
 
 def plate_unit(material, thickness, side):
-    """Hz of lambda^2 = 1."""
+    """Return the Hz of lambda^2 = 1."""
     rigidity = material.contact_modulus * thickness**3 / 12
     return math.sqrt(rigidity / (material.density * thickness)) / (2 * math.pi * side**2)
 
 
 def free_plate(sides, poisson, wavenumber):
-    """Squares of the wavenumbers (1/m^2) of a free rectangular plate's modes up to one, by plain Legendre polynomials.
+    """Return the squares of the wavenumbers (1/m^2) of a free rectangular plate's modes up to one, by plain Legendre
+    polynomials.
 
     Ritz's method with as many for each side (m) as resolve its waves, and 20 more.
     """
@@ -45,7 +46,7 @@ def free_plate(sides, poisson, wavenumber):
 
 
 def _legendre(side, count):
-    """int P_i' P_k', int P_i'' P_k'' and int P_i'' P_k of orthonormal Legendre polynomials over a side (m)."""
+    """Return int P_i' P_k', int P_i'' P_k'' and int P_i'' P_k of orthonormal Legendre polynomials over a side (m)."""
     values = np.diag(np.sqrt((2 * np.arange(count) + 1) / side))
     slope, bend = (legendre.legder(values, order, axis=1) * (2 / side) ** order for order in (1, 2))
     norm = side / (2 * np.arange(count) + 1)
@@ -53,7 +54,7 @@ def _legendre(side, count):
 
 
 def integral_along(modes):
-    """int_0^1 phi_i phi_j over the strike path, by an interpolating spline."""
+    """Return int_0^1 phi_i phi_j over the strike path, by an interpolating spline."""
     x = np.linspace(0, 1, 2001)
     value = CubicSpline(np.linspace(0, 1, len(modes.strike)), modes.strike)(x)
     return simpson(value[:, :, None] * value[:, None, :], x=x, axis=0)

@@ -50,18 +50,18 @@ class Solid:
         self.vectors = np.split(vector[:, kept], np.cumsum([each.shape[1] for each in own])[:2])
 
     def of(self, columns, axis):
-        """The columns of those products that the displacement along an axis is made of."""
+        """Return the columns of those products that the displacement along an axis is made of."""
         j = np.unravel_index(np.arange(columns.shape[1]), [degree + 1 for degree in self.degrees])[1]
         return columns[:, (j % 2 == 1) == (self.odd == (axis != 1))]
 
     def displacement(self, x, y, z):
-        """Mass-normalised displacements (axes, len(x), modes) at points of -1..1 along each axis."""
+        """Return the mass-normalised displacements (axes, len(x), modes) at points of -1..1 along each axis."""
         value = product(*(values(np.atleast_1d(at), n)[0] for at, n in zip((x, y, z), self.degrees, strict=True)))
         return np.array([self.of(value, axis) @ self.vectors[axis] for axis in range(3)])
 
 
 def values(x, degree):
-    """Legendre polynomials (len(x), degree + 1) and their derivatives."""
+    """Return Legendre polynomials (len(x), degree + 1) and their derivatives."""
     slope = np.stack([legendre.legval(x, legendre.legder(row)) for row in np.eye(degree + 1)], axis=1)
     return legendre.legvander(x, degree), slope
 

@@ -16,13 +16,13 @@ MATERIALS = Presets()
 
 
 def response(click, frequency):
-    """|p/A| of a body of 1 kg at frequencies (Hz): strength s/((s + decay)^2 + omega^2)."""
+    """Return |p/A| of a body of 1 kg at frequencies (Hz): strength s/((s + decay)^2 + omega^2)."""
     s = 2j * np.pi * frequency
     return click.strength * np.abs(s / ((s + click.decay) ** 2 + (2 * np.pi * click.frequency) ** 2))
 
 
 def heard(resistance, frequency):
-    """|p/A| (Pa s^2/m) of a body whose radiation resistance (N s/m) at unit velocity is given."""
+    """Return |p/A| (Pa s^2/m) of a body whose radiation resistance (N s/m) at unit velocity is given."""
     return np.sqrt(RHO * C * resistance / (4 * np.pi)) / (2 * np.pi * frequency)
 
 
@@ -36,7 +36,8 @@ def decibels(click, frequency, exact):
 
 
 def disc_resistance(K, terms):
-    """Of a thin free disc of radius 1 that moves along its axis, over rho c: Galerkin's method on the pressure jump.
+    """Return the radiation resistance of a thin free disc of radius 1 that moves along its axis, over rho c: Galerkin's
+    method on the pressure jump.
 
     The jump is sum c_n psi_n, psi_n = (sqrt(pi)/2) n!/Gamma(n + 3/2) sqrt(1 - r^2) P_n^(0,1/2)(1 - 2 r^2), whose Hankel
     transform is j_(2n+1)(x)/x; in the spectrum the velocity is sqrt(K^2 - x^2)/(rho c K) times half the jump.

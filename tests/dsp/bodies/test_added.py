@@ -1,4 +1,4 @@
-"""What is added to a shape's modes: partials, bands of noise, a cavity."""
+"""Additions to a shape's modes: partials, bands of noise, a cavity."""
 
 import math
 from dataclasses import replace
@@ -21,7 +21,7 @@ def completed(*added, top=20000.0, written=STEEL, **changes):
 
 
 def own_and_added(modes, **changes):
-    """Which of the modes are the bar's own."""
+    """True for those of the modes that are the bar's own."""
     return np.isin(modes.frequency, bodies.bar(top=20000, **(BAR | changes)).frequency)
 
 

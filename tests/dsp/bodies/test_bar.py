@@ -213,7 +213,8 @@ def test_impossible_bars_are_named(arguments, message):
 
 
 def test_a_tongue_is_heard_through_the_board_that_it_is_clamped_in():
-    """Its root bears omega 0.783 sqrt(M) per unit modal velocity in the lowest mode: 0.783 is 2 (sigma_1/beta_1)."""
+    """The tongue's root bears omega 0.783 sqrt(M) per unit modal velocity in the lowest mode: 0.783 is 2
+    (sigma_1/beta_1)."""
     tongue = {"length": 0.06, "width": 0.005, "thickness": 0.0005, "ends": "cantilever", "top": 4000, **STRAIGHT}
     alone, mounted = bodies.bar(HEAVY, **tongue), bodies.bar(HEAVY, **tongue, board="box")
     omega = 2 * np.pi * alone.frequency[0]

@@ -52,7 +52,7 @@ def test_no_root_of_the_disc_is_missed():
 
 
 def test_membrane_by_bessel_zeros():
-    """Without air; the film's own stiffness makes short waves faster."""
+    """The air is left out; the film's own stiffness makes short waves faster."""
     tension, thickness = 3000e9, 2e-4
     modes = bodies.membrane(HEAVY, radius=0.2, thickness=thickness, tension=tension, top=20000)
     k = np.sort(np.concatenate([jn_zeros(order, 4) for order in range(12)]))[:5] / 0.2

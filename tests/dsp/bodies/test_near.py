@@ -1,4 +1,4 @@
-"""What a thin body radiates from about the point that is struck."""
+"""Radiation of a thin body from about the point that is struck."""
 
 import math
 
@@ -18,7 +18,7 @@ FLAT = DENSITY / (2 * math.pi * AREAL)  # Pa/N
 
 
 def response(clicks, frequency):
-    """|p/F| (Pa/N) at frequencies (Hz)."""
+    """Return |p/F| (Pa/N) at frequencies (Hz)."""
     s = 2j * math.pi * np.asarray(frequency)
     each = [c.strength * s / ((s + c.decay) ** 2 + (2 * math.pi * c.frequency) ** 2) for c in clicks]
     return np.abs(sum(each))
@@ -75,8 +75,8 @@ def test_a_head_in_a_wall_has_none():
 
 @pytest.mark.parametrize("radius", [0.035, 0.2])
 def test_a_wall_that_bends_round_a_cup_radiates_about_the_blow_as_a_plate_does(radius):
-    """Where sound is shorter than the wall is round, also of a cup that is held; its band is narrow, and errs to the
-    quiet side."""
+    """The wall does so where sound is shorter than its radius, also that of a cup that is held; its band is narrow, and
+    errs to the quiet side."""
     plastic = Presets().material("plastic")
     cup = bodies.glass(plastic, radius=radius, height=0.09, thickness=0.0015, top=20_000)
     flat = DENSITY / (2 * math.pi * plastic.density * 0.0015)

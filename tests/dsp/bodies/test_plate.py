@@ -92,7 +92,7 @@ def test_a_free_plate_has_the_modes_of_a_plain_series():
     ],
 )
 def test_the_ritz_series_of_a_plate_has_converged(edges, within):
-    """Where a free edge meets one that is held, the plate is bent without bound, and the series converges slowly."""
+    """The plate is bent without bound where a free edge meets one that is held, and the series converges slowly."""
     wanted, more = (
         bodies.plate(HEAVY, length=0.4, width=0.3, thickness=0.002, edges=edges, top=top) for top in (9000, 30000)
     )
@@ -100,7 +100,7 @@ def test_the_ritz_series_of_a_plate_has_converged(edges, within):
 
 
 def test_a_panes_modes_of_one_frequency_are_the_same_beside_any_others():
-    """Those of 0.5 by 0.4 m meet at (m, n) = (5, 8) and (10, 4), and elsewhere: rounding would mix them."""
+    """Modes of 0.5 by 0.4 m meet at (m, n) = (5, 8) and (10, 4), and elsewhere: rounding would mix them."""
     panes = [
         bodies.plate(HEAVY, length=0.5, width=0.4, thickness=0.004, edges=("supported",) * 4, top=top)
         for top in (9000, 30000)

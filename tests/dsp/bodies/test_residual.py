@@ -14,7 +14,7 @@ HEAD = {"radius": 0.165, "thickness": 0.00025, "fundamental": 111.0, "top": 20_0
 
 
 def yields(modes, position=0.6):
-    """What the modes that are heard and the one that is not yield at rest (m/N)."""
+    """Return the compliance at rest (m/N) of the modes that are heard, and of the one that is not."""
     shape = np.array([np.interp(position, np.linspace(0, 1, len(modes.strike)), row) for row in modes.strike.T])
     each = shape**2 / (2 * math.pi * modes.frequency) ** 2
     return each[:-1].sum(), each[-1]

@@ -23,7 +23,7 @@ STONES = [
 
 
 def give(modes):
-    """How far the body yields at rest (m/N), at the beginning of its path: the sum of phi^2/omega^2."""
+    """Return the body's compliance at rest (m/N), at the beginning of its path: the sum of phi^2/omega^2."""
     heard = (modes.strike[0] ** 2 / (2 * math.pi * modes.frequency) ** 2).sum()
     felt = modes.unheard
     return heard + (felt.strike[0] ** 2 / (2 * math.pi * felt.frequency) ** 2).sum()

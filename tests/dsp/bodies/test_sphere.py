@@ -19,7 +19,7 @@ RADIUS = 0.15
 
 
 def ball_integral(powers: tuple[int, ...]) -> float:
-    """The integral of x^a y^b z^c over the unit ball."""
+    """Return the integral of x^a y^b z^c over the unit ball."""
     if any(power % 2 for power in powers):
         return 0.0
 
@@ -30,8 +30,8 @@ def ball_integral(powers: tuple[int, ...]) -> float:
 
 
 def ritz(nu: float, order: int = 7):
-    """Free vibrations of the unit ball, rho = G = 1: omega, and the radial motion at a pole of shapes of unit mass
-    (W. M. Visscher and others, J. Acoust. Soc. Am. 90, 1991)."""
+    """Return the free vibrations of the unit ball, rho = G = 1: omega, and the radial motion at a pole of shapes of
+    unit mass (W. M. Visscher and others, J. Acoust. Soc. Am. 90, 1991)."""
     lam = 2 * nu / (1 - 2 * nu)
     stiff = np.zeros((3, 3, 3, 3))
     for i, j, k, m in product(range(3), repeat=4):
@@ -68,7 +68,7 @@ def test_frequencies_and_motion_where_it_is_struck_are_ritzs():
 
 
 def surface(n, ratio, y, bessel=spherical_jn):
-    """Stresses at the surface of the waves of pressure and of shear: T11, T13, T41 and T43."""
+    """Return the stresses at the surface of the waves of pressure and of shear: T11, T13, T41 and T43."""
     x = ratio * y
     j, above, s, s_above = bessel(n, x), bessel(n + 1, x), bessel(n, y), bessel(n + 1, y)
     t11, t13 = (n * n - n - y * y / 2) * j + 2 * x * above, n * (n + 1) * ((n - 1) * s - y * s_above)
@@ -85,7 +85,7 @@ def exact_bessel(n, z):
 
 
 def made_of(nu, top=1e6):
-    """A sphere whose frequencies are y: waves of shear go at 1 m/s around a circumference of 1 m."""
+    """Return a sphere whose frequencies are y: waves of shear go at 1 m/s around a circumference of 1 m."""
     material = Material("nu", 1000.0, 2.0 * (1 + nu) * 1e3, nu, alpha=1.0, beta=0.0)
     return sphere(material, radius=0.5 / math.pi, top=top), math.sqrt((1 - 2 * nu) / (2 - 2 * nu))
 

@@ -1,4 +1,4 @@
-"""How far tension rises, against von Karman's equations of a thin membrane, which is free to move in its plane."""
+"""The rise of the tension, against von Karman's equations of a thin membrane, which is free to move in its plane."""
 
 import math
 
@@ -18,7 +18,8 @@ AREAL = FILM.density * THICKNESS
 
 
 class Membrane:
-    """Round, struck in the middle: displacement at `n` rings, in-plane motion at rest under it. Held at its edge."""
+    """A circular membrane, struck in the middle: displacement at `n` rings, in-plane motion at rest under it. Held at
+    its edge."""
 
     def __init__(self, n):
         self.n, self.step = n, RADIUS / n
@@ -28,7 +29,7 @@ class Membrane:
         self.area[0] = math.pi * self.step**2 / 4
 
     def tension(self, w):
-        """N_r between the rings (N/m), by (r N_r)' = N_theta with N_r = C (u' + w'^2/2 + nu u/r)."""
+        """Return N_r between the rings (N/m), by (r N_r)' = N_theta with N_r = C (u' + w'^2/2 + nu u/r)."""
         nu, h, r, stretch = FILM.poisson_ratio, self.step, self.radius[1:-1], 0.5 * (np.diff(w) / self.step) ** 2
         bands = np.zeros((3, self.n - 1))
         bands[0, 1:] = ((self.half[1:] / h + nu / 2) / h - nu / (2 * h))[:-1]
@@ -39,7 +40,7 @@ class Membrane:
         return TENSION + MODULUS * (np.diff(u) / h + stretch + nu * (u[1:] + u[:-1]) / (2 * self.half))
 
     def force(self, law, velocity, seconds, tension=None):
-        """The force (N) of a striker (mass, stiffness; Hertz) on the middle, at equal times; and these (s)."""
+        """Return the force (N) of a striker (mass, stiffness; Hertz) on the middle, at equal times; and these (s)."""
         mass, stiffness = law
         dt = 0.4 * self.step / math.sqrt(8 * TENSION / AREAL)
         w, v = np.zeros((2, self.n + 1))

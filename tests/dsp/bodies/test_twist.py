@@ -1,4 +1,4 @@
-"""What a twisting bar radiates, against the exact strip, potential flow, and far fields of the jump of the pressure."""
+"""Radiation of a twisting bar, against the exact strip, potential flow, and far fields of the jump of the pressure."""
 
 import math
 
@@ -13,7 +13,7 @@ from carom.dsp.bodies.radiation.twist import FLATNESS, THICKNESS, Twist, strip
 
 
 def galerkin(x, terms=24):
-    """S of a strip whose velocity is y: U_n on the jump of the pressure, in the spectrum ."""
+    """Return S of a strip whose velocity is y: U_n on the jump of the pressure, in the spectrum ."""
 
     def segment(low, high, points):
         nodes, weights = legendre.leggauss(points)
@@ -43,7 +43,7 @@ def test_the_table_is_the_exact_strip(x):
 
 
 def source_panels(thickness, count=60):
-    """The quadrupole of a rectangle of half sides 1 and `thickness` that turns, by sources on its sides."""
+    """Return the quadrupole of a rectangle of half sides 1 and `thickness` that turns, by sources on its sides."""
     graded = (np.arange(count + 1) / count) ** 3 / 2
     along = 2 * np.concatenate([graded[:-1], 1 - graded[::-1]]) - 1
     top, right = np.stack([along, np.full_like(along, thickness)], 1), np.stack([0 * along + 1, -thickness * along], 1)

@@ -1,4 +1,4 @@
-"""What is felt of the modes that are not heard: against static deflections in closed form, and sums over modes."""
+"""Compliance of modes that are felt and not heard: against static deflections in closed form, and sums over modes."""
 
 import math
 
@@ -14,7 +14,7 @@ TOP = 8_000.0
 
 
 def flexibility(felt, power=2):
-    """sum phi^2/omega^power along the path."""
+    """Return sum phi^2/omega^power along the path."""
     return (felt.strike**2 / (2 * np.pi * felt.frequency) ** power).sum(axis=1)
 
 
@@ -107,7 +107,7 @@ def test_gathered_modes_keep_both_sums_and_all_are_positive():
 
 
 def test_the_bands_of_a_tail_sum_to_the_integral():
-    """Of modes of equal size with a density that is even, or falls as the root of the frequency."""
+    """Modes are of equal size, with a density that is even, or falls as the root of the frequency."""
     for growth in (0.0, -0.5):
         count = np.arange(1.0, 4_000.0)
         frequency = 10.0 * count ** (1 / (growth + 1))

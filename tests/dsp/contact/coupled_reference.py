@@ -116,7 +116,8 @@ def _integrate(y, omega, sigma, phi, laws, touches, times, scale, tolerance, h, 
 
 
 def several(frequency, sigma, phi, blows, times, ringing=0.0, tolerance=1e-13):
-    """Modal states z at `times` (s), complex (times, n), the strikers' velocities, (times, blows), and contacts.
+    """Return the modal states z at `times` (s), complex (times, n), the strikers' velocities, (times, blows), and
+    contacts.
 
     phi: (blows, n), the shapes where each striker touches; blows in the order of their times; ringing: z at 0.
     """
@@ -125,7 +126,7 @@ def several(frequency, sigma, phi, blows, times, ringing=0.0, tolerance=1e-13):
 
 
 def _states(frequency, sigma, phi, blows, times, ringing, tolerance):
-    """As `several`, with the strikers' places before their velocities."""
+    """Return what `several` does, with the strikers' places before their velocities."""
     omega = 2 * np.pi * np.asarray(frequency)
     n, s = len(omega), len(blows)
     z = np.broadcast_to(ringing, n)
@@ -143,7 +144,8 @@ def _states(frequency, sigma, phi, blows, times, ringing, tolerance):
 
 
 class Touch(NamedTuple):
-    """When a striker began to touch and ceased (s), how fast they met and how fast it came (m/s), its impulse (N s)."""
+    """A striker's touch: when it began and ended (s), how fast they met and how fast it came (m/s), its impulse (N
+    s)."""
 
     begin: float
     end: float
@@ -153,7 +155,7 @@ class Touch(NamedTuple):
 
 
 def touches(frequency, sigma, phi, blow, seconds, step, ringing=0.0):
-    """Each Touch of one blow that has ended `seconds` after 0, by states that are `step` (s) apart.
+    """Return each Touch of one blow that has ended `seconds` after 0, by states that are `step` (s) apart.
 
     Between two states the compression is a cubic that has its values and slopes at both.
     """
@@ -178,7 +180,8 @@ def touches(frequency, sigma, phi, blow, seconds, step, ringing=0.0):
 
 
 def reference(case, tolerance=1e-13):
-    """Of a `coupled_study.Case`: velocities of the object's point and of the striker at each sample, and contacts."""
+    """Solve a `coupled_study.Case`: velocities of the object's point and of the striker at each sample, and
+    contacts."""
     omega = 2 * np.pi * case.frequency
     z = case.ringing * np.exp((-case.sigma + 1j * omega) * case.fraction / case.rate)
     times = (np.arange(1, case.samples + 1) - case.fraction) / case.rate

@@ -63,7 +63,7 @@ _ROUNDING = 1e-14  # share of the momentum at hand that no force is asked for
 
 @kernel
 def begin_pressed(contact, x, v, m, k, mu, a, push, tolerance):
-    """A mass m (kg) under a force of `push` (N), at compression x >= 0 (m) and its rate v (m/s)."""
+    """Begin with a mass m (kg) under a force of `push` (N), at compression x >= 0 (m) and its rate v (m/s)."""
     contact.m = m
     contact.k = k
     contact.mu = mu
@@ -95,7 +95,7 @@ def place(contact, x, v, push):
 
 @kernel
 def _speed(contact, x, v):
-    """The speed that kinetic and elastic energy amount to."""
+    """Return the speed that kinetic and elastic energy amount to."""
     return math.sqrt(v * v + 2.0 * elastic(x, contact.k, contact.a) / contact.m)
 
 
@@ -106,7 +106,7 @@ def _energy(contact, x, v):
 
 @kernel
 def press(contact, longest):
-    """One step of a pressed contact; returns its length in s, at most `longest` > 0.
+    """Take one step of a pressed contact; return its length in s, at most `longest` > 0.
 
     The force over it is the quadratic through contact.force. When x comes to 0 the step ends there: x is 0 exactly,
     v <= 0, and the mass is free. A step is accepted where |f_end - f(x, v)| h, with f_end the quadratic's value at the
@@ -171,7 +171,7 @@ def _collocate(contact, h):
 
 @kernel
 def _ratio(contact, h, x, v):
-    """What to multiply the step with for the tolerance."""
+    """Return the factor by which to change the step to meet the tolerance."""
     speed = max(_speed(contact, x, v), _speed(contact, contact.x, contact.v))
     rest = abs(end_of(contact.step.f) - law(x, v, contact.k, contact.mu, contact.a)) * h
     return step_within(rest, contact.tolerance * contact.m * speed)
@@ -179,7 +179,7 @@ def _ratio(contact, h, x, v):
 
 @kernel
 def _sound(contact, x, v):
-    """Whether the energy keeps below the least so far, but for what is allowed."""
+    """True if the energy keeps below the least so far, but for what is allowed."""
     before = _energy(contact, contact.x, contact.v)
     after = _energy(contact, x, v)
     push = abs(contact.push)
@@ -189,7 +189,7 @@ def _sound(contact, x, v):
 
 @kernel
 def _hold(contact, h):
-    """A step with its force held, which can't gain energy; returns its length."""
+    """Take a step with its force held, which can't gain energy; return its length."""
     push = contact.push / contact.m
     free = h * (contact.v + 0.5 * h * push)
     change, force = discrete_gradient(contact.x, free, 0.5 * h * h / contact.m, h, contact.k, contact.mu, contact.a)
@@ -224,7 +224,8 @@ def _pressed(contact, seconds, path):
 def pressed(
     v_in: float, m: float, k: float, mu: float, a: float, push: float, seconds: float, tolerance: float = EXACT
 ) -> NDArray:
-    """Motion of a mass that meets a wall at v_in under a constant force, until it leaves or for some seconds.
+    """Return the motion of a mass that meets a wall at v_in under a constant force, until it leaves or for some
+    seconds.
 
     v_in (m/s) >= 0, m (kg), k (N/m^a) > 0, mu (s/m) >= 0, a >= 1, push (N) into the wall. Rows of time (s),
     compression (m) and its rate (m/s), (steps + 1, 3) float64. ValueError names what is out of range.

@@ -1,4 +1,4 @@
-"""What the closed form is let through for, against the coupled solver."""
+"""The cases that are left to the closed form, against the coupled solver."""
 
 import math
 from dataclasses import replace
@@ -18,7 +18,7 @@ def passes(level, share, bound, stir, restitution):
 
 
 def let_through(case: Case, level: int) -> bool:
-    """Does the engine leave the case to the closed form, ringing as it does?"""
+    """True if the engine leaves the case to the closed form, ringing as it does."""
     ask = coupled_closed.asking_loop(case, level)
     state, bank = coupled_closed.engine_state(), bank_of(case)
     modes, record, n = bank.modes, state["bank"], len(bank.frequency)
@@ -32,7 +32,7 @@ def let_through(case: Case, level: int) -> bool:
 
 
 def deviation(case: Case) -> float:
-    """The closed form's error in dB."""
+    """Return the closed form's error in dB."""
     alone = simulate(replace(case, m=1e-30, k=1e-30)).velocity if np.ndim(case.ringing) else 0.0
     return error(coupled_closed.strike(replace(case, ringing=0.0)).velocity, simulate(case, 1e-4).velocity - alone)
 
@@ -71,7 +71,7 @@ def test_light_objects_never_pass():
 
 @pytest.mark.slow
 def test_strikers_that_are_caught_up_never_pass():
-    """Where much is dissipated they leave slowly, and an object that hardly gives way touches them again."""
+    """Strikers leave slowly where much is dissipated, and an object that hardly gives way touches them again."""
     again = 0
     for case in random_cases(1500, seed=1, yielding=(0.02, 0.25)):
         contacts = simulate(case, 1e-3).contacts[-1]

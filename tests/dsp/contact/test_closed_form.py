@@ -21,7 +21,7 @@ WORST = accuracy.WORST_FORCE.bound, accuracy.WORST_DURATION.bound
 
 @njit(error_model="numpy")
 def _force(state, t, v_in, m, k, force):
-    """The force that the pulse's state stands for."""
+    """Return the force that the pulse's state stands for."""
     a = state.exponent
     for i in range(len(t)):
         phase = 0 if t[i] < state.phase_time[0] else 1
@@ -104,7 +104,7 @@ def test_momentum_is_exact_over_any_sampling(a, w, samples):
 
 
 def taken(v_in, m, k, mu, a, rate, fraction):
-    """The moments of every sample of a contact that begins `fraction` of a sample after one."""
+    """Yield the moments of every sample of a contact that begins `fraction` of a sample after one."""
     state = np.zeros(1, closed_form.PULSE)[0]
     closed_form.begin_pulse(state, v_in, m, k, mu, a, rate)
     moments = np.zeros(closed_form.MOMENTS)
@@ -118,7 +118,7 @@ def taken(v_in, m, k, mu, a, rate, fraction):
 
 
 WEIGHT = [(2 * n + 1) * spherical_jn(n, 0.95 * math.pi / 2) for n in range(closed_form.MOMENTS)]
-"""What a mode at 0.95 of the Nyquist frequency makes of a moment; lower ones make less."""
+"""Weight that a mode at 0.95 of the Nyquist frequency gives each moment; lower ones give less."""
 
 
 @pytest.mark.slow

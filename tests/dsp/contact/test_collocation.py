@@ -67,7 +67,7 @@ def test_a_free_mass_leaves_as_the_closed_form_says(a, w):
 
 
 def moved(v_in, m, k, mu, a, push, seconds):
-    """Time, compression and rate at the release or the end, by DOP853 in natural units."""
+    """Return the time, compression and rate at the release or the end, by DOP853 in natural units."""
     length = (m * v_in**2 / k) ** (1 / (a + 1))
     unit = length / v_in
     w, p = mu * v_in, push * unit / (m * v_in)

@@ -25,7 +25,8 @@ EXACT = TOLERANCE[LEVELS.index("exact")]
 
 
 def errors(cases, tolerance):
-    """Errors of the object's velocity (dB), as a share of what the contact adds to it; contacts that are miscounted."""
+    """Return the errors of the object's velocity (dB), as a share of what the contact adds to it; contacts that are
+    miscounted."""
     found, miscounted = [], 0
     for case in cases:
         expected, _, contacts = reference(case)
@@ -61,7 +62,7 @@ def test_objects_that_already_ring():
 
 
 def hits_on_light_objects(yielding, count, seed):
-    """Elastic hits on 24 modes with sum r = `yielding`."""
+    """Yield elastic hits on 24 modes with sum r = `yielding`."""
     random = np.random.default_rng(seed)
     for _ in range(count):
         phi = random.normal(size=24)
@@ -78,7 +79,7 @@ def test_light_objects_are_touched_again():
 
 
 def test_chaotic_contacts_keep_their_statistics():
-    """At sum r = 30 there are tens of micro-contacts: what they do on the average is asked for, not their waveform."""
+    """A contact at sum r = 30 has tens of micro-contacts: their effect on the average is tested, not their waveform."""
     cases = list(hits_on_light_objects(30.0, 60, seed=3))
     runs = [simulate(case, TOLERANCE[1]) for case in cases]
     truths = [reference(case, tolerance=1e-11) for case in cases]
@@ -159,7 +160,7 @@ def contact_of(law, receptance, tolerance, push=0.0, fraction=0.0):
 
 
 def test_a_pressed_striker_comes_to_rest_and_leaves_when_released():
-    """At rest it compresses x_eq; let go, the bent modes and the contact throw it off, for good."""
+    """A striker at rest compresses x_eq; let go, the bent modes and the contact throw it off, for good."""
     frequency, sigma, phi = np.array([180.0, 470.0, 1100.0, 2900.0]), np.full(4, 60.0), np.full(4, 2.0)
     law, push, rest = (0.3, 0.02, 1e7, 5.0, 1.5), 3.0, 12_000
     modes = Modes(frequency, sigma, phi)
@@ -183,7 +184,7 @@ def test_a_pressed_striker_comes_to_rest_and_leaves_when_released():
 
 
 def bounced(longest):
-    """A weight that falls back on a ringing plate: contacts, samples looked at, its last velocity."""
+    """Drop a weight back on a ringing plate: return contacts, samples looked at, its last velocity."""
     modes = Modes(300.0 * np.arange(1, 5), np.full(4, 80.0), np.full(4, 2.0))
     contact = contact_of((0.5, 0.002, 1e9, 0.2, 1.5), modes.receptance(), 1e-5, 0.002 * 9.81, 0.25)
     looked = skip = 0
@@ -265,7 +266,7 @@ PLACE = np.dtype(
 
 
 def every_kernel(data):
-    """What the engine will call, one after the other."""
+    """Call what the engine will call, one after the other."""
     place = carray(data, (1,))[0]
     contact, seen, moments, work = place.contact, place.seen, place.moments, place.work
     modes = bank.Modes(

@@ -48,7 +48,7 @@ def _run(contacts, group, bank, points, strikers, rate, tolerance, out):
 
 
 def run(case: Case, strikers, shapes, tolerance: float):
-    """Courses of the velocity at the case's point and of the energy; and how many steps were held.
+    """Return the courses of the velocity at the case's point and of the energy; and how many steps were held.
 
     strikers: (v, m, k, mu, a, fraction) of each; shapes: (strikers, modes).
     """

@@ -12,13 +12,13 @@ mp.mp.dps = 50
 
 
 def exact_restitution(w: float) -> mp.mpf:
-    """E by Lambert's W at 50 digits."""
+    """Return E by Lambert's W at 50 digits."""
     w = mp.mpf(w)
     return mp.mpf(1) if w == 0 else (1 + mp.lambertw(-(1 + w) * mp.exp(-(1 + w))).real) / w
 
 
 def exact_potential(u: float, w: float) -> mp.mpf:
-    """x^(a+1)/((a+1) L^(a+1)) by equation (3) as printed, at 50 digits."""
+    """Return x^(a+1)/((a+1) L^(a+1)) by equation (3) as printed, at 50 digits."""
     u, w = mp.mpf(u), mp.mpf(w)
     if w == 0:
         return (1 - u**2) / 2
@@ -91,7 +91,7 @@ def test_force_is_the_law():
 
 
 def test_energy_ends_where_the_trajectory_does():
-    """As `compression` does: beyond the release there is no such state."""
+    """The energy ends as `compression` does: beyond the release there is no such state."""
     v_out = float(contact.release_velocity(1.0, 0.5))
     assert contact.energy(v_out, 1.0, 0.01, 0.5) == pytest.approx(0.005 * v_out**2, rel=1e-12)
     for v in (1.01 * v_out, 1.000001):

@@ -49,7 +49,7 @@ def test_case_2_is_printed_against_the_papers_own_release():
 
 
 def global_errors(method: str, mu: float, a: float, counts: list[int]) -> np.ndarray:
-    """Error of (x, v) at four fifths of a contact, in so many steps, against DOP853."""
+    """Return the error of (x, v) at four fifths of a contact, in so many steps, against DOP853."""
     v_in, m, k = 1.0, 0.01, 1e7
     x_max = float(contact.max_compression(v_in, m, k, mu, a))
     end = 2 * x_max / v_in  # well before the release, as v < v_in

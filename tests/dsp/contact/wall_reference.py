@@ -15,7 +15,7 @@ _DIGITS = 80  # twice what is wanted and more: the printed form of (3) cancels
 
 
 def solution(v_in: float, m: float, k: float, mu: float, a: float) -> tuple[Callable[[np.ndarray], np.ndarray], float]:
-    """Dense solution (x, v) of the contact by DOP853 in its natural units, and its duration."""
+    """Return the dense solution (x, v) of the contact by DOP853 in its natural units, and its duration."""
     length = (m * v_in**2 / k) ** (1 / (a + 1))
     unit = length / v_in
     w = mu * v_in
@@ -35,13 +35,14 @@ def solution(v_in: float, m: float, k: float, mu: float, a: float) -> tuple[Call
 
 
 def restitution(w: float) -> mp.mpf:
-    """E of w = mu v_in by Lambert's W."""
+    """Return E of w = mu v_in by Lambert's W."""
     w = mp.mpf(w)
     return mp.mpf(1) if w == 0 else (1 + mp.lambertw(-(1 + w) * mp.exp(-(1 + w))).real) / w
 
 
 def duration(v_in: float, m: float, k: float, mu: float, a: float) -> mp.mpf:
-    """Contact time in s: the integral of dv/(f/m) over v, by panels that get finer towards both ends of each phase.
+    """Return the contact time in s: the integral of dv/(f/m) over v, by panels that get finer towards both ends of each
+    phase.
 
     Each phase runs in z, with U = ln(1 + w u)/w = U_end (1 - z^(a+1)) in it, so that the integrand is smooth.
     """
@@ -57,7 +58,7 @@ def duration(v_in: float, m: float, k: float, mu: float, a: float) -> mp.mpf:
 
 
 def _slowness(z: mp.mpf, end: mp.mpf, first: mp.mpf, w: mp.mpf, a: mp.mpf) -> mp.mpf:
-    """|dt/dz| in L/v_in: dt = -dU/y^a, with y from equation (3) as printed."""
+    """Return |dt/dz| in L/v_in: dt = -dU/y^a, with y from equation (3) as printed."""
     here = end * (1 - z ** (a + 1))
     u = mp.expm1(w * here) / w if w else here
     g = (w * (1 - u) + w * (here - first)) / w**2 if w else (1 - u**2) / 2

@@ -1,4 +1,4 @@
-"""What tests of the engine share: a body, a contact law, and gestures as commands with named values."""
+"""Helpers of the engine's tests: a body, a contact law, and gestures as commands with named values."""
 
 from collections.abc import Collection
 
@@ -20,7 +20,7 @@ SURFACE = (3e-7, 1e-3, 2.0, 0.0, 1.0)
 
 
 def bell(n: int = 24, t60: float = 1.0, modal_mass: float = 10.0) -> Modes:
-    """A body of n modes that sounds the same wherever it is struck."""
+    """Return a body of n modes that sounds the same wherever it is struck."""
     return listed(
         frequency=np.linspace(300, 15_000, n), t60=np.full(n, t60), modal_mass=modal_mass, mass=10.0, top=20_000
     )  # fmt: skip
@@ -36,13 +36,14 @@ def gesture(
     given: Collection[str] = (),
     **values: float,
 ) -> Command:
-    """A command that brings a striker of a law, in the middle of the object if no position is among the values."""
+    """Return a command that brings a striker of a law, in the middle of the object if no position is among the
+    values."""
     of_law = {each.name: value for each, value in zip(LAW, law, strict=True)}
     return Command(time, kind, handle, {"position": 0.5, **of_law, **values}, 0.0, number, "", given, by, SURFACE)
 
 
 def impact(handle: Handle, law: Law = HARD, time: float = NOW, velocity: float = 1.0, **values: float) -> Command:
-    """An impact that no number is given to, and that no object makes."""
+    """Return an impact that no number is given to, and that no object makes."""
     return gesture(Kind.IMPACT, handle, law, time, velocity=velocity, **values)
 
 
@@ -54,27 +55,27 @@ def strike(
 
 
 def setting(handle: Handle, name: str, value: float, time: float = NOW) -> Command:
-    """A command that changes a setting of an object, in the engine's units."""
+    """Return a command that changes a setting of an object, in the engine's units."""
     return Command(time, Kind.SET, handle, value=value, parameter=name)
 
 
 def steer(number: int, parameter: str, value: float, time: float = NOW) -> Command:
-    """A command that gives a running gesture's parameter a new value."""
+    """Return a command that gives a running gesture's parameter a new value."""
     return Command(time, Kind.STEER, value=value, gesture=number, parameter=parameter)
 
 
 def stop(number: int, time: float = NOW) -> Command:
-    """A command that ends a gesture."""
+    """Return a command that ends a gesture."""
     return Command(time, Kind.STOP, gesture=number)
 
 
 def free(handle: Handle, at_once: bool, time: float = NOW) -> Command:
-    """A command that frees an object: at once, or once it is silent."""
+    """Return a command that frees an object: at once, or once it is silent."""
     return Command(time, Kind.FREE, handle, value=float(at_once))
 
 
 def panic(time: float = NOW) -> Command:
-    """A command that silences everything."""
+    """Return a command that silences everything."""
     return Command(time, Kind.PANIC)
 
 
@@ -84,11 +85,11 @@ def set_limiter(engine: Engine, on: bool) -> None:
 
 
 def active(engine: Engine) -> int:
-    """Objects that the engine has."""
+    """Return the objects that the engine has."""
     return int(engine.objects["used"].sum())
 
 
 def numbered(engine: Engine) -> list[np.void]:
-    """The contacts, waiting or touching, of gestures that were given a number."""
+    """Return the contacts, waiting or touching, of gestures that were given a number."""
     contacts = engine.state["contacts"][0]
     return [contacts[i] for i in np.flatnonzero(contacts["gesture"])]

@@ -26,7 +26,7 @@ BALLS = {
 
 
 def floor(engine, modal_mass=1e9, level=1e6):
-    """An object that gives way to nothing."""
+    """Return an object that gives way to nothing."""
     modes = listed(frequency=[400.0, 1100.0], t60=[9.0, 9.0], modal_mass=modal_mass, mass=1e9, top=20_000)
     return engine.add(modes, level)
 
@@ -36,7 +36,7 @@ def bounce(engine, handle, law, velocity, number=7, time=0.0, seed=1, **values):
 
 
 def follow(engine, contacts):
-    """Times (s), speeds and rotations of so many contacts of the only gesture, or of all until it ends."""
+    """Return times (s), speeds and rotations of so many contacts of the only gesture, or of all until it ends."""
     found = {}
     while len(found) < contacts:
         engine.process(QUANTUM)
@@ -49,7 +49,8 @@ def follow(engine, contacts):
 
 
 def exact_chain(law, v, contacts):
-    """Times and speeds of contacts by the law and the parabola, to 18 digits: (6) by Lambert's W, (9) by quadrature."""
+    """Yield times and speeds of contacts by the law and the parabola, to 18 digits: (6) by Lambert's W, (9) by
+    quadrature."""
     m, k, mu, a = map(mp.mpf, law)
     with mp.workdps(18):
         t = mp.mpf(0)
@@ -60,7 +61,7 @@ def exact_chain(law, v, contacts):
             e = (1 + mp.lambertw(-(1 + w) * mp.exp(-(1 + w))).real) / w
 
             def slowness(q, end, w=w, v=v):
-                """m dv/f over dq, with u = end (1 - q^(a+1)): the ends, where f is 0, become smooth."""
+                """Return m dv/f over dq, with u = end (1 - q^(a+1)): the ends, where f is 0, become smooth."""
                 u = end * (1 - q ** (a + 1))
                 with mp.workdps(60):
                     energy = (-w * (u - 1) + mp.log((1 + w * u) / (1 + w))) * m * v**2 / w**2
@@ -118,7 +119,7 @@ def test_energy_never_grows_and_it_comes_to_rest(irregularity):
 
 
 def weighty_bounce(m, k, mu, a, v):
-    """Contacts and seconds until the energy is too little to leave, by DOP853, gravity acting throughout."""
+    """Return contacts and seconds until the energy is too little to leave, by DOP853, gravity acting throughout."""
 
     def motion(_, y):
         return [y[1], G - (k / m * y[0] ** a * max(1 + mu * y[1], 0.0) if y[0] > 0 else 0.0)]

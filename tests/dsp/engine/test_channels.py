@@ -17,7 +17,7 @@ EPSILON = np.finfo(np.float32).eps
 
 
 def heard(channels, frames=FRAMES, then=(), **settings):
-    """An object's sound on some channels, as float64 (frames, channels)."""
+    """Return an object's sound on some channels, as float64 (frames, channels)."""
     engine = Engine(RATE, channels)
     handle = engine.add(bell(), 1.0, **settings)
     engine.send([command(handle) for command in then])
@@ -26,7 +26,7 @@ def heard(channels, frames=FRAMES, then=(), **settings):
 
 
 def place(gains):
-    """Commands that give an object gains of its own."""
+    """Return commands that give an object gains of its own."""
     return [
         lambda handle, c=c, gain=gain: Command(NOW, Kind.PLACE, handle, value=gain, channel=c)
         for c, gain in enumerate(gains)
@@ -37,7 +37,7 @@ POINT = heard(1)[:, 0]
 
 
 def gains_in(sound):
-    """The gain of each channel, as a share of what is heard on one channel alone."""
+    """Return the gain of each channel, as a share of what is heard on one channel alone."""
     alone = POINT[: len(sound)]
     gains = alone @ sound / (alone @ alone)
     np.testing.assert_allclose(sound, alone[:, None] * gains, atol=1e-6 * np.abs(alone).max())
@@ -82,7 +82,7 @@ def test_pressure_falls_with_the_distance(channels):
 
 @pytest.mark.parametrize("change", ["gain", "distance", "pan", "place", "main gain"])
 def test_no_change_of_a_gain_makes_a_step(change):
-    """From one frame to the next the gain changes by no more than a hundredth of what it changes by in all."""
+    """The gain changes from one frame to the next by no more than a hundredth of what it changes by in all."""
     engine = Engine(RATE, 4)
     handle = engine.add(bell(8, t60=20.0), 1.0)
     strike(engine, handle)

@@ -17,26 +17,26 @@ C, RHO = air.SPEED, air.DENSITY
 
 
 def body(click, modes=None, mass=1.0):
-    """A body that clicks, with modes of another, or with none."""
+    """Return a body that clicks, with modes of another, or with none."""
     if modes is None:
         modes = Modes(np.empty(0), np.empty(0), np.empty((1, 0)), np.empty((2, 0)), mass)
     return Modes(modes.frequency, modes.decay, modes.strike, modes.pressure, mass, (click,) if click else ())
 
 
 def steel(radius):
-    """The law of a steel ball on something as hard."""
+    """Return the law of a steel ball on something as hard."""
     return 7850 * 4 / 3 * math.pi * radius**3, 2.5e11 * math.sqrt(radius), 0.08, 1.5
 
 
 def struck(law, radius, time, rate=RATE):
-    """The sound (512, 2) of a sphere that is struck with its own mass at 1 m/s."""
+    """Return the sound (512, 2) of a sphere that is struck with its own mass at 1 m/s."""
     engine = Engine(rate)
     strike(engine, engine.add(body(acceleration.sphere(law[0], radius))), law, time)
     return engine.process(512).astype(float)
 
 
 def sphere_by_quadrature(law, v_in, radius, times):
-    """Pressure (Pa) at times (s) of a sphere whose acceleration is a contact's force by its mass.
+    """Return the pressure (Pa) at times (s) of a sphere whose acceleration is a contact's force by its mass.
 
     p = rho a c/sqrt(3) int A(t - s) exp(-c s/a) (cos(c s/a) - sin(c s/a)) ds (Koss and Alfredson 1973), A by DOP853.
     """
@@ -67,7 +67,8 @@ def sphere_by_quadrature(law, v_in, radius, times):
 
 
 def spectrum_by_quadrature(law, radius, rate, frames=512):
-    """Frequencies f (shares of the rate, to a half), that pressure's spectrum, and its size at 1 - f and at 1 + f."""
+    """Return the frequencies f (shares of the rate, to a half), that pressure's spectrum, and its size at 1 - f and at
+    1 + f."""
     fine, half = 32, frames // 2
     pressure = sphere_by_quadrature(law, 1.0, radius, np.arange(4 * frames) / (fine * rate))
     spectrum = np.fft.rfft(pressure, fine * frames) / fine
@@ -77,7 +78,8 @@ def spectrum_by_quadrature(law, radius, rate, frames=512):
 
 
 def smoothed(share):
-    """The gain of click.py's smoothing at a share of the rate, but for a factor that is alike at f, 1 - f and 1 + f."""
+    """Return the gain of click.py's smoothing at a share of the rate, but for a factor that is alike at f, 1 - f and 1
+    + f."""
     return np.abs(1 + 0.15j * (w := 2 * np.pi * share) - 0.05 * w**2) / share**4
 
 
@@ -85,7 +87,7 @@ def smoothed(share):
 @pytest.mark.parametrize("rate", [48_000.0, 96_000.0])
 @pytest.mark.parametrize("radius", [0.0008, 0.002, 0.005, 0.008, 0.0125])
 def test_a_steel_ball_clicks_as_koss_and_alfredson_say(rate, radius):
-    """Within what click.py says, up to 0.42 of the rate and wherever between two samples it is struck.
+    """The click is within what click.py says, up to 0.42 of the rate and wherever between two samples it is struck.
 
     Contacts last from a tenth of a sample to seven. The click is late by 1.25 to 1.4 samples up to 0.3 of the rate.
     """

@@ -63,7 +63,7 @@ def test_the_clock_begins_anew_after_a_gap_and_when_it_is_wrong():
 
 
 def nothing(when):
-    """A command that changes nothing."""
+    """Return a command that changes nothing."""
     return Command(when, Kind.ACCURACY, value=1)
 
 
@@ -180,7 +180,7 @@ def test_what_is_for_an_object_waits_for_it_wherever_the_clock_is_set():
 
 
 def test_what_is_for_an_object_of_next_year_does_not_wait_for_it():
-    """But its end does, or it would stay for good."""
+    """The object's end does wait, or it would stay for good."""
     engine = Engine(RATE)
     engine.note()
     handle, layout = engine.lay_out(bell(8), 1.0)

@@ -25,7 +25,7 @@ WOOD, STEEL, FELT = (0.02, 2e8, 0.6, 1.5), (0.02, 3e9, 0.05, 1.5), (0.03, 2e7, 0
 
 
 def body(modal_mass: float, t60: float = 1.0, seed: int = 0, n: int = 24):
-    """A body whose modes have another shape at each of 16 rows of its strike path."""
+    """Return a body whose modes have another shape at each of 16 rows of its strike path."""
     random = np.random.default_rng(seed)
     frequency = np.sort(random.uniform(200, 12_000, n))
     shape = random.normal(size=(4, n)) / math.sqrt(modal_mass)
@@ -54,7 +54,8 @@ def shapes(engine, handle, size, positions):
 
 
 def error(engine, handle, size, blows, since=0):
-    """Of the object's velocity at the first blow's point, in dB of its greatest; quanta begin at frame `since`."""
+    """Return the error of the object's velocity at the first blow's point, in dB of its greatest; quanta begin at frame
+    `since`."""
     states = []
     for _ in range(QUANTA):
         engine.process(QUANTUM)
@@ -156,7 +157,7 @@ def test_two_that_need_more_steps_than_a_sample_has_gain_no_energy():
 
 
 def test_twenty_strokes_in_a_tenth_of_a_second_all_sound():
-    """Within the bounds that a server has."""
+    """The strokes sound within the bounds that a server has."""
     engine = Engine(RATE)
     engine.send([Command(NOW, Kind.BUDGET, values={"steps": 4, "modes": 8_192})])
     handle = engine.add(body(0.05, n=1_000), 0.05)
@@ -167,7 +168,7 @@ def test_twenty_strokes_in_a_tenth_of_a_second_all_sound():
 
 
 def test_answers_that_are_kept_are_as_if_found_anew():
-    """Of a hand that moved on by itself, and of a striker at the place of one that is gone."""
+    """The answers are those of a hand that moved on by itself, and of a striker at the place of one that is gone."""
 
     def sound(forgets: bool):
         engine = Engine(RATE)

@@ -31,7 +31,8 @@ def light(modal_mass=0.05, t60=0.3):
 
 
 def reference(frequency, sigma, phi, law, times, pieces, speed, gravity):
-    """States z of the modes at `times` (s), by DOP853 from kink to kink: m y'' = f - m g, the modes get f - m g."""
+    """Return the states z of the modes at `times` (s), by DOP853 from kink to kink: m y'' = f - m g, the modes get f -
+    m g."""
     m, k, mu, a = law
     omega = 2 * np.pi * frequency
     n = len(omega)
@@ -71,7 +72,8 @@ def reference(frequency, sigma, phi, law, times, pieces, speed, gravity):
 
 
 def followed(engine, handle, quanta, surface=SURFACE, law=LAW, **values):
-    """States of an object's modes after each quantum under a body that begins 3.25 samples late; as DOP853 has them."""
+    """Return the states of an object's modes after each quantum under a body that begins 3.25 samples late; as DOP853
+    has them."""
     roll = {**ROLL, **values}
     command = gesture(Kind.ROLL, handle, law, 3.25, 7, **roll)
     engine.send([command._replace(surface=surface)])
@@ -106,7 +108,7 @@ def test_a_roll_and_the_modes_that_it_moves_against_dop853(level, bound):
 @pytest.mark.slow
 @pytest.mark.parametrize("level", accuracy.ROLL_COUPLED)
 def test_a_body_that_hops_on_an_object_that_it_moves_against_dop853(level):
-    """On a rough surface it leaves and lands three times in 16 ms."""
+    """The body leaves a rough surface and lands three times in 16 ms."""
     engine = Engine(RATE)
     handle = engine.add(light(), 0.05)
     engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index(level))])
@@ -119,7 +121,7 @@ MARBLE = (5e-3, 3e9, 3.0, 1.5)
 
 
 def pane(modal_mass):
-    """A body of 120 modes, each with a shape of its own."""
+    """Return a body of 120 modes, each with a shape of its own."""
     n = 120
     random = np.random.default_rng(1)
     return Modes(
@@ -129,7 +131,8 @@ def pane(modal_mass):
 
 
 def rolled(body, level, modes=0, quality=0, steps=0):
-    """Power in octaves from 250 Hz of a marble on a pane, over surfaces of four seeds (dB); what the engine counted."""
+    """Return the power in octaves from 250 Hz of a marble on a pane, over surfaces of four seeds (dB); what the engine
+    counted."""
     powers = []
     for seed in range(4):
         engine = Engine(RATE)

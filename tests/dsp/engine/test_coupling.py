@@ -29,7 +29,7 @@ def body(modal_mass=0.1, n=24, t60=1.0, top=9_000):
 
 
 def press(engine, handle, law, force, by=None):
-    """A hand is number 3."""
+    """Press with a hand, which is number 3."""
     hand = gesture(Kind.PRESS, handle, law, number=3, by=by, velocity=0.01, force=force, by_position=0.5)
     engine.send([hand])
 
@@ -39,14 +39,15 @@ def budget(engine, steps, modes):
 
 
 def felt(engine, handle):
-    """The numbers of the modes that contacts feel: those that are heard first. After the first quantum."""
+    """Return the numbers of the modes that contacts feel: those that are heard first. After the first quantum."""
     place = engine.state["objects"][0][handle.slot]
     numbers = np.concatenate([np.arange(place["felt"]), np.arange(place["unheard"], place["size"])])
     return numbers[engine.state["bank"]["frequency"][0, handle.first + numbers] > 0]
 
 
 def modal(engine, handle, size):
-    """Frequencies (Hz), decays (1/s), shapes in the middle (kg^-1/2) and states z of an object's first modes.
+    """Return the frequencies (Hz), decays (1/s), shapes in the middle (kg^-1/2) and states z of an object's first
+    modes.
 
     size: how many, or which.
     """
@@ -252,7 +253,7 @@ def test_accuracy_moves_the_gate():
     ],
 )
 def test_a_stiff_striker_that_rides_on_a_slow_mode_stays_finite(frequency, modal_mass, law, v_in):
-    """It touches hundreds of times in some ms, by steps down to what rounding leaves of them."""
+    """The striker touches hundreds of times in some ms, by steps down to what rounding leaves of them."""
     engine = Engine(RATE)
     engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index("exact")), Command(NOW, Kind.LIMITER, value=0.0)])
     slow = listed(frequency=[frequency], t60=[700.0], modal_mass=modal_mass, mass=1.0, top=20_000)
@@ -285,7 +286,7 @@ def test_coupled_contacts_are_bounded():
 
 @pytest.mark.slow
 def test_no_force_is_held_where_a_striker_leaves_at_once():
-    """However little of a step is left of 300 contacts when they end."""
+    """No force is held however little of a step is left of 300 contacts when they end."""
     engine = Engine(RATE)
     engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index("exact"))])
     for mass in np.geomspace(0.003, 10.0, 100):
@@ -301,7 +302,7 @@ def test_no_force_is_held_where_a_striker_leaves_at_once():
 
 
 def test_a_contact_is_not_held_for_those_before_it():
-    """In the place of one that chattered until it had to hold its force."""
+    """The contact takes the place of one that chattered until it had to hold its force."""
     engine = Engine(RATE)
     engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index("exact"))])
     budget(engine, 4, 0)

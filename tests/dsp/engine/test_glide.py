@@ -20,7 +20,7 @@ STICK = (0.01, 3e8, 0.3, 1.5)
 
 
 def string(frequencies=(200.0,), t60=1e5, glide=0.0, cone=0.0, modal_mass=0.01) -> Modes:
-    """Modes that share a tension."""
+    """Return the modes that share a tension."""
     modes = listed(frequency=frequencies, t60=[t60] * len(frequencies), modal_mass=modal_mass, mass=0.1, top=20_000)
     return replace(modes, glide=glide, cone=cone)
 
@@ -30,7 +30,7 @@ def place(engine, handle):
 
 
 def energies(engine, handle):
-    """Energy of each of an object's modes, J."""
+    """Return the energy of each of an object's modes, J."""
     obj = place(engine, handle)
     span = slice(obj["first"], obj["first"] + obj["felt"])
     columns = (engine.state["bank"][name][0][span] for name in ("y1", "y2", "a1", "a2", "weight"))
@@ -40,7 +40,7 @@ def energies(engine, handle):
 
 
 def rung_out(engine, handle):
-    """Let a contact end."""
+    """Run until the contact ends."""
     engine.process(QUANTUM)
     while engine.stats.contacts_active:
         engine.process(QUANTUM)
@@ -48,7 +48,7 @@ def rung_out(engine, handle):
 
 
 def frequency_of(sound, near, rate=RATE):
-    """Hz, of the loudest partial within 20 % of `near`: by the phase between two halves."""
+    """Return the frequency (Hz) of the loudest partial within 20 % of `near`: by the phase between two halves."""
     n = len(sound) // 2
     t, window = np.arange(n) / rate, np.hanning(n)
     guess = near * np.linspace(0.85, 1.3, 400)
@@ -61,7 +61,8 @@ def frequency_of(sound, near, rate=RATE):
 
 
 def kirchhoff(frequencies, glide, amplitudes, seconds):
-    """Sum of modes under q_i'' + omega_i^2 (1 + 2 glide V) q_i = 0, V = sum omega_i^2 q_i^2/2, from rest at speeds."""
+    """Solve for the sum of modes under q_i'' + omega_i^2 (1 + 2 glide V) q_i = 0, V = sum omega_i^2 q_i^2/2, from rest
+    at speeds."""
     omega = 2 * np.pi * np.asarray(frequencies)
 
     def motion(_, state):
@@ -146,7 +147,7 @@ def test_it_glides_back_to_its_own_pitch_and_its_own_tables():
 
 
 def test_what_nobody_hears_is_left_alone():
-    """Below a cent every bit is that of an object that does not glide."""
+    """Every bit below a cent is that of an object that does not glide."""
 
     def sound(glide, velocity):
         engine = Engine(RATE)

@@ -152,7 +152,7 @@ def test_too_many_contacts_are_left_out_and_counted():
 
 
 def test_strikers_that_fly_clear_of_dense_blows_are_not_looked_at():
-    """Of blows 0.2 ms apart, in a score: the object's energy says how far it can follow those that left."""
+    """A score has blows 0.2 ms apart: the object's energy says how far it can follow those that left."""
     engine = Engine(RATE)
     handle = engine.add(bell(modal_mass=0.3), 0.05)
     engine.send([Command(NOW, Kind.BUDGET, values={"steps": 0, "modes": 0})])

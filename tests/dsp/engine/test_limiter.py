@@ -11,7 +11,7 @@ FRAMES = 9_600
 
 
 def struck(limited: bool, level: float, on: bool = True, block: int = FRAMES) -> tuple[Engine, np.ndarray]:
-    """An engine, and its sound in blocks, of a bell that is struck within its tenth quantum."""
+    """Return an engine, and its sound in blocks, of a bell that is struck within its tenth quantum."""
     engine = Engine(RATE, limited=limited)
     set_limiter(engine, on)
     strike(engine, engine.add(bell(), level), time=600.4)

@@ -18,7 +18,7 @@ HIGH_PASS = (1.0, -2.0, 1.0, -1.99004745483398, 0.99007225036621)
 
 
 def response(rate, frequency):
-    """The K-weighting's gain (dB) at a frequency."""
+    """Return the K-weighting's gain (dB) at a frequency."""
     parts = [freqz(c[:3], [1.0, *c[3:]], [frequency], fs=rate)[1][0] for c in k_weighting(rate)]
     return 20 * math.log10(abs(np.prod(parts)))
 
@@ -35,7 +35,7 @@ def test_another_rate_weighs_alike(rate, frequency):
 
 
 def playing(rate=48_000.0, channels=2):
-    """An engine whose meter is on, and what it plays: a bell, and after a second another one."""
+    """Return an engine whose meter is on, and what it plays: a bell, and after a second another one."""
     engine = Engine(rate, channels)
     engine.meter.start()
     modes = Modes(np.array([150.0, 1_100.0, 6_000.0]), np.full(3, 3.0), np.full((4, 3), 1.0), np.ones((2, 3)), 1.0)

@@ -13,7 +13,7 @@ EPSILON = np.finfo(np.float32).eps
 
 
 def scene(level=2.0, limited=False):
-    """Three objects, one of them struck by another, panned, one steered, one freed while it sounds."""
+    """Return three objects, one of them struck by another, panned, one steered, one freed while it sounds."""
     engine = Engine(RATE, limited=limited)
     a, b, c = (engine.add(bell(n), level, pan=pan) for n, pan in ((5, -1.0), (24, 0.0), (40, 0.7)))
     for n, handle in enumerate((a, b, c)):
@@ -24,7 +24,7 @@ def scene(level=2.0, limited=False):
 
 
 def with_shares(engine, frames, block):
-    """The sound in blocks, and each slot's share of it: (frames, 2) and (OBJECTS, channels, frames)."""
+    """Return the sound in blocks, and each slot's share of it: (frames, 2) and (OBJECTS, channels, frames)."""
     engine.stems.keep(True)
     blocks, shares = [], []
     for _ in range(0, frames, block):
@@ -45,7 +45,7 @@ def test_shares_add_up_to_the_sound_at_any_block_size(block):
 
 
 def test_a_share_is_the_sound_of_its_object_alone():
-    """Up to the first contact between two objects, which are computed together from there on."""
+    """The two agree up to the first contact between two objects, which are computed together from there on."""
     engine, handles = scene()
     _, shares = with_shares(engine, 15 * QUANTUM, QUANTUM)
     alone = Engine(RATE)

@@ -40,13 +40,13 @@ SCENES = {
 
 
 def body(n, t60, modal_mass, click=None):
-    """One that sounds below 2.4 kHz alone, where it is left alone."""
+    """Return a body that sounds below 2.4 kHz alone, where it is left alone."""
     modes = listed(frequency=np.linspace(150, 2400, n), t60=[t60] * n, modal_mass=modal_mass, mass=5.0, top=20_000)
     return replace(modes, clicks=(click,) if click else ())
 
 
 def made(scene, then=(), block=4096, frames=9600, click=None):
-    """The sound of a scene and of commands; click: of the object that is played."""
+    """Return the sound of a scene and of commands; click: of the object that is played."""
     engine = Engine(RATE)
     engine.send([Command(NOW, Kind.LIMITER, value=0.0)])
     one, other = engine.add(body(24, 1.0, 0.5, click)), engine.add(body(16, 0.5, 0.2), pan=0.4)
@@ -55,12 +55,13 @@ def made(scene, then=(), block=4096, frames=9600, click=None):
 
 
 def windows(sound):
-    """Rms over 2 ms, of all channels."""
+    """Return the rms over 2 ms, of all channels."""
     return np.sqrt((sound[: len(sound) // 96 * 96].reshape(-1, 96 * sound.shape[1]) ** 2).mean(axis=1))
 
 
 def beyond(sound, reference):
-    """The highest level over 3 kHz that a sound has beyond a reference within 20 ms, in dB of the reference's crest."""
+    """Return the highest level over 3 kHz that a sound has beyond a reference within 20 ms, in dB of the reference's
+    crest."""
     here, there = (windows(sosfiltfilt(HIGH, each, axis=0)) for each in (sound, reference))
     around = np.array([there[max(0, n - 10) : n + 11].max() for n in range(len(there))])
     more = np.sqrt(np.maximum(here**2 - around**2, 0.0))
@@ -90,7 +91,7 @@ STRIKERS = {
 
 
 def with_striker(scene, sound, then=(), block=4096, frames=9600):
-    """The sound of a scene on what hardly sounds itself, by a striker that does."""
+    """Return the sound of a scene on what hardly sounds itself, by a striker that does."""
     engine = Engine(RATE)
     values = engine.lay_out_striker(sound)
     engine.send([Command(NOW, Kind.LIMITER, value=0.0)])
@@ -113,7 +114,7 @@ def test_strikers_fade_without_a_click(scene, sound):
 
 
 def test_a_striker_after_a_panic_is_as_in_silence():
-    """In the same quantum: the sum of one that fades and of a fresh one."""
+    """The sound in the same quantum is the sum of one that fades and of a fresh one."""
     again = [lambda one: impact(one, BALL, 5001.5, **values)]
     values = Engine(RATE).lay_out_striker(STRIKERS["ringing"])
     faded = with_striker("strike", STRIKERS["ringing"], [lambda _: panic(5000.0)])
@@ -126,7 +127,7 @@ def test_a_striker_after_a_panic_is_as_in_silence():
 
 @pytest.mark.parametrize("force", [1.0, 10.0, 100.0])
 def test_a_hand_that_presses_is_let_go_without_a_click(force):
-    """Of a plate that rings under it, and of one that it has brought to rest."""
+    """The hand holds a plate that rings under it, and one that it has brought to rest."""
 
     def made(*then):
         engine = Engine(RATE)
@@ -145,7 +146,7 @@ def test_a_hand_that_presses_is_let_go_without_a_click(force):
 @pytest.mark.parametrize("frequency", [600.0, 2000.0, 15_000.0])
 @pytest.mark.parametrize("scene", ["in a soft contact", "roll"])
 def test_a_body_that_clicks_does_not_click_in_a_panic(scene, frequency):
-    """Not even where the force that it clicks by acts at that moment: as a sphere's, its sound follows the force's."""
+    """Even the force that it clicks by makes none at that moment: as a sphere's, its sound follows the force's."""
     click = Click(frequency, 2 * math.pi * frequency, 2e6 * (frequency / 15_000.0) ** 2)
     whole, alone = made(scene, click=click), made(scene)
     assert np.abs(whole - alone).max() > 0.3 * np.abs(alone).max()  # it is heard
@@ -162,7 +163,7 @@ def test_the_measure_finds_the_click_of_a_sound_that_is_cut_off():
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_what_is_played_right_after_it_is_as_in_silence(scene):
-    """In the same quantum, on the same object, tuned anew: the sum of what fades and of a fresh object."""
+    """The sound in the same quantum, on the same object, tuned anew, is the sum of what fades and of a fresh object."""
     after = [lambda one: setting(one, "tune", 1.3, 5000.0), lambda one: impact(one, BALL, 5001.5)]
     faded = made(scene, [lambda _: panic(5000.0)])
     both = made(scene, [lambda _: panic(5000.0), *after])

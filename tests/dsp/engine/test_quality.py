@@ -1,4 +1,4 @@
-"""What is left out when there is too little time, in the order that is promised, and without clicks."""
+"""The work that is left out when time is short, in the order that is promised, and without clicks."""
 
 import numpy as np
 import pytest
@@ -78,7 +78,7 @@ def test_rolls_get_coarser_and_about_as_loud():
 @pytest.mark.slow
 @pytest.mark.parametrize("begin", [roll, press])
 def test_rolls_and_presses_act_on_fewer_modes(begin):
-    """Those that it no longer acts on ring out; all come back with the quality, and strikes have them at any time."""
+    """Modes that it no longer acts on ring out; all come back with the quality, and strikes have them at any time."""
     engine = Engine(RATE)
     handle = add(engine, t60=0.2, modes=1024)
     begin(engine, handle)
@@ -99,7 +99,7 @@ def test_rolls_and_presses_act_on_fewer_modes(begin):
 
 
 def rolled(engine):
-    """How far bodies have rolled, all but the first, m."""
+    """Return how far bodies have rolled, all but the first, m."""
     return engine.state["rolls"]["s"][0, -2:-8:-1].copy()
 
 
@@ -151,7 +151,7 @@ def test_the_newest_bounces_go_on_and_others_hang_in_the_air():
 
 def test_a_hand_is_lifted_and_laid_on_again():
     def loudness(quality):
-        """Of a strike beside the hand, once with it and once without."""
+        """Return the loudness of a strike beside the hand, once with it and once without."""
         engine = Engine(RATE)
         muted = add(engine)
         press(engine, muted)

@@ -18,12 +18,13 @@ BALL = (0.005, 1e7, 0.1, 1.5)
 
 
 def over(command: Command, seconds: float = SECONDS, after: float = 0.0, curve: float = 0.0) -> Command:
-    """A change that takes its time."""
+    """Return a change that takes its time."""
     return command._replace(values={"over": seconds, "after": after, "curve": curve})
 
 
 def rolling(*gains, **values):
-    """An engine in which gesture 7 rolls at 0.4 m/s: on one object, or with each of some gains on one of its own."""
+    """Return an engine in which gesture 7 rolls at 0.4 m/s: on one object, or with each of some gains on one of its
+    own."""
     engine = Engine(RATE)
     motion = {"speed": 0.4, "radius": 0.008, "seed": 1, **values}
     for gain in gains or (1.0,):
@@ -34,13 +35,13 @@ def rolling(*gains, **values):
 
 
 def target(engine, name):
-    """What the rolls are told to do, each."""
+    """Return the targets of the rolls."""
     contacts = engine.state["contacts"][0]
     return contacts["target"][name][contacts["gesture"] == 7].tolist()
 
 
 def course(engine, read, quanta=20):
-    """What is read after each of some quanta."""
+    """Return what `read` gives after each of some quanta."""
     values = []
     for _ in range(quanta):
         engine.process(QUANTUM)
@@ -185,7 +186,7 @@ def test_block_sizes_do_not_matter(blocks):
 
 
 def steady(frequency):
-    """A mode that hardly decays."""
+    """Return a mode that hardly decays."""
     return Modes(np.array([frequency]), np.array([0.01]), np.full((4, 1), 1.0), np.full((2, 1), 1.0), 1.0)
 
 

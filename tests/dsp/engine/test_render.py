@@ -1,4 +1,4 @@
-"""How objects sound: their modes at any rate, rest, settings, the mix, and faults."""
+"""The sound of objects: their modes at any rate, rest, settings, the mix, and faults."""
 
 import math
 
@@ -25,7 +25,7 @@ def test_partials_and_decays_at_any_rate(rate):
 
 
 def analytic(out, frequency, rate, start):
-    """Amplitude and phase at a frequency around a time, in the frame of that frequency."""
+    """Return the amplitude and phase at a frequency around a time, in the frame of that frequency."""
     n = round(0.1 * rate)
     at = round(start * rate)
     t = (at + np.arange(n)) / rate
@@ -107,7 +107,7 @@ def test_changes_do_not_click(name, value):
 
 def test_changes_while_nobody_hears_are_there_at_once():
     def sound(before, after):
-        """Each a gain and a pan."""
+        """Return the sound of objects, each with a gain and a pan."""
         engine = Engine(RATE)
         handle = engine.add(bell(), 0.05, gain=before[0], pan=before[1])
         engine.process(640)

@@ -13,7 +13,7 @@ MODES = 60
 
 
 def slab():
-    """A heavy body, each of whose modes has a shape of its own."""
+    """Return a heavy body, each of whose modes has a shape of its own."""
     random = np.random.default_rng(1)
     return Modes(
         frequency=np.sort(random.uniform(80.0, 9_600.0, MODES)), decay=np.full(MODES, 14.0),
@@ -22,7 +22,7 @@ def slab():
 
 
 def rolled(*rolls):
-    """What rolls sound like together, in pascals; what the engine counted."""
+    """Return the sound of rolls together, in pascals, and what the engine counted."""
     engine = Engine(RATE)
     engine.send([Command(-1.0, Kind.LIMITER, value=0.0)])
     handle = engine.add(slab(), 1.0)
@@ -54,8 +54,8 @@ def test_rolls_add_up():
 
 
 def heard(forgets):
-    """Rolls on an object that is tuned and damped meanwhile, and on the next one, which takes its place; what they
-    sound like if what goes straight through is found again in each quantum, or not."""
+    """Render rolls on an object that is tuned and damped meanwhile, and on the next one, which takes its place; the
+    direct path to the sound is found again in each quantum, or not."""
     engine = Engine(RATE)
     sound = []
     for tune in (1.5, 0.7):

@@ -31,7 +31,7 @@ def glass(rate=RATE):
 
 
 def slid(seconds, modes=None, rate=RATE, surface=STEEP, events=(), **keys):
-    """The left output of a slide, the engine and the handle of its object."""
+    """Return the left output of a slide, the engine and the handle of its object."""
     engine = Engine(rate)
     handle = engine.add(modes or glass(rate), 0.05)
     begin = gesture(Kind.SLIDE, handle, TIP, 0.0, 7, **{**SCRAPE, **keys})
@@ -40,7 +40,7 @@ def slid(seconds, modes=None, rate=RATE, surface=STEEP, events=(), **keys):
 
 
 def third_octaves(sound, rate, lowest, highest):
-    """Power (dB) in bands of a third of an octave."""
+    """Return the power (dB) in bands of a third of an octave."""
     spectrum = np.abs(np.fft.rfft(sound)) ** 2 / len(sound) ** 2
     bins = np.arange(len(spectrum)) * rate / len(sound)
     edges = lowest * 2.0 ** (np.arange(int(3.0 * np.log2(highest / lowest)) + 1) / 3.0)
@@ -84,13 +84,13 @@ def test_a_slide_that_is_stopped_ends_silent(keys):
 @pytest.mark.slow
 @pytest.mark.parametrize("keys", [BOW, CREAK])
 def test_a_bow_that_stops_on_a_body_lets_it_rest(keys):
-    """It sticks to a bow at rest, and the bow's force bends it without a sound."""
+    """The body sticks to a bow at rest, and the bow's force bends it without a sound."""
     sound, _, _ = slid(6.0, LIGHT, events=[steer(7, "speed", 1e-6, 24_000.0)], **keys)
     assert np.abs(sound[-4_800:]).max() < 1e-3 * np.abs(sound[12_000:24_000]).max()
 
 
 def test_an_elastic_contact_sounds_otherwise_and_may_be_stiffened_and_softened():
-    """While it goes on; the limit is a rigid one."""
+    """The contact changes while it goes on; the limit is a rigid one."""
     rigid, elastic = (slid(1.0, LIGHT, **keys)[0][24_000:] for keys in (BOW, CREAK))
     assert np.std(rigid - elastic) > 0.1 * np.std(rigid)
     events = [steer(7, "tangential", value, 8_000.0 * (n + 1)) for n, value in enumerate((1e7, 1e4, 0.0, 1e6))]
@@ -140,12 +140,12 @@ def test_levels_follow_speed_and_roughness():
 
 
 def test_a_wide_contact_is_dull():
-    """What is shorter than the contact is averaged away."""
+    """The contact averages away what is shorter than itself."""
 
     modes = bell(60, t60=0.2)
 
     def treble(**keys):
-        """The treble over the bass, on average over motions that are chaos."""
+        """Return the treble over the bass, on average over motions that are chaos."""
         shares = []
         for seed in range(1, 6):
             sound = slid(1.0, modes, seed=seed, **keys)[0]
@@ -169,7 +169,7 @@ def test_a_scrape_sounds_the_same_at_any_rate():
 
 
 def test_friction_feels_the_force_of_a_press():
-    """Which feels the object: as it rings, so does the normal force. None is felt where the press is gone."""
+    """The press feels the object: as it rings, so does the normal force. None is felt where the press is gone."""
     engine = Engine(RATE)
     handle = engine.add(LIGHT, 0.05)
     hand = gesture(Kind.PRESS, handle, (0.02, 1e5, 5.0, 1.5), 0.0, 8, force=5.0, velocity=0.01)

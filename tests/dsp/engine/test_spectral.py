@@ -25,7 +25,7 @@ LIGHT = (0.002, 1e9, 0.5, 1.5)
 
 
 def plate(seed):
-    """A body of SIZE modes from 40 Hz to 22 kHz, with decay times of 0.3 to 6 s and two sides."""
+    """Return a body of SIZE modes from 40 Hz to 22 kHz, with decay times of 0.3 to 6 s and two sides."""
     random = np.random.default_rng(seed)
     frequency = np.sort(random.uniform(40, 22_000, SIZE))
     decay = np.log(1000.0) / random.uniform(0.3, 6.0, SIZE)
@@ -36,7 +36,8 @@ BODIES = [plate(seed) for seed in range(COUNT)]
 
 
 def played(which, commands, channels=2, blocks=(QUANTUM,), first=()):
-    """The sound of some of the bodies, and how many modes were in the bank at most; commands(handle, k) of each."""
+    """Return the sound of some of the bodies, and how many modes were in the bank at most; commands(handle, k) of
+    each."""
     engine = Engine(RATE, channels)
     handles = {k: engine.add(BODIES[k], LEVEL) for k in which}
     engine.send([*first, *(command for k, handle in handles.items() for command in commands(handle, k))])
@@ -49,12 +50,12 @@ def played(which, commands, channels=2, blocks=(QUANTUM,), first=()):
 
 
 def keep(form, time=NOW):
-    """A command that chooses what the bank keeps its modes in."""
+    """Return a command that chooses what the bank keeps its modes in."""
     return Command(time, Kind.BANK, value=FORMS.index(form))
 
 
 def compare(commands, channels=2, first=()):
-    """Play all together, and each by itself: the same within -115 dB of the peak. Returns the sound."""
+    """Play all together, and each by itself: the same within -115 dB of the peak. Return the sound."""
     together, most = played(range(COUNT), commands, channels, first=first)
     assert most > 0.5 * COUNT * SIZE
     alone = [played([k], commands, channels, first=first) for k in range(COUNT)]
@@ -64,7 +65,7 @@ def compare(commands, channels=2, first=()):
 
 
 def blows(handle, k, law=LIGHT):
-    """Three strikes at random samples: a first one, and two into what rings in the bank."""
+    """Return three strikes at random samples: a first one, and two into what rings in the bank."""
     random = np.random.default_rng(k)
     times = np.concatenate([random.uniform(0, 2_000, 1), random.uniform(4_000, FRAMES, 2)])
     return [impact(handle, law, time, velocity=v) for time, v in zip(times, random.uniform(0.2, 1, 3), strict=True)]
@@ -122,7 +123,7 @@ def test_the_bits_do_not_depend_on_the_block_size():
 
 @pytest.mark.slow
 def test_modes_change_between_float64_and_float32_without_a_click():
-    """They ring and are struck meanwhile. float32 errs as it rings on; what it does at once is a rounding."""
+    """The modes ring and are struck meanwhile. float32 errs as it rings on; what it does at once is a rounding."""
     exact, _ = played(range(COUNT), blows)
     changed, _ = played(range(COUNT), blows, first=[keep("float32", 20_003.0), keep("float64", 50_000.0)])
     error, peak = np.abs(changed - exact), np.abs(exact).max()

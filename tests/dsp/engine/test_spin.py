@@ -19,7 +19,8 @@ EURO = {"duration": 3.0, "angle": 20.0, "radius": 0.0116, "flat": 0.2, "seed": 1
 
 
 def spun(seconds=3.5, law=COIN, modes=None, start=100.25, **keys):
-    """When the contacts of a spin begin (s from its beginning), their impulses (N s), the engine, and how it ended."""
+    """Return when the contacts of a spin begin (s from its beginning), their impulses (N s), the engine, and how it
+    ended."""
     engine = Engine(RATE)
     engine.trace(True)
     handle = engine.add(modes or bell(modal_mass=1e3), 0.05)
@@ -35,7 +36,7 @@ def spun(seconds=3.5, law=COIN, modes=None, start=100.25, **keys):
 
 
 def turns_of_eulers_disc(power, **keys):
-    """Times at which a thin disc has turned its contact by 2 pi again, as its energy falls by power(omega) E^0.
+    """Return times at which a thin disc has turned its contact by 2 pi again, as its energy falls by power(omega) E^0.
 
     E = 3/2 m g R sin(alpha) falls to 0 at `duration`; m = 1.
     """
@@ -92,7 +93,7 @@ def test_the_flat_hits_as_fast_as_it_turns_with_a_fifth_of_the_disc():
 
 @pytest.mark.parametrize(("law", "modal_mass"), [(COIN, 500.0), ((0.5, 1e6, 0.5, 1.5), 0.5)])
 def test_its_contacts_fade_and_it_ends_in_silence(law, modal_mass):
-    """Also one that is coupled to modes that are light against it, and ring from contact to contact."""
+    """The same holds for one that is coupled to modes that are light against it, and ring from contact to contact."""
     modes = listed(frequency=np.linspace(200, 4_000, 16), t60=[0.05] * 16, modal_mass=modal_mass, mass=1.0, top=20_000)
     times, impulses, engine = spun(law=law, modes=modes)
     coupled = modal_mass < 1.0

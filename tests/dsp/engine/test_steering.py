@@ -30,7 +30,7 @@ NEW = {
     "sweep": 0.7, "patch": 0.005, "static": 0.9, "dynamic": 0.2, "stribeck": 0.3, "tangential": 1e5,
     "along": 0.8,
 }  # fmt: skip
-"""What each parameter is steered to: nothing that it is by itself in `begin`."""
+"""New value of each parameter: nothing that it is by itself in `begin`."""
 
 every_case = pytest.mark.parametrize(("kind", "name"), [(kind, name) for kind in GESTURES for name in STEERABLE])
 steerable_cases = pytest.mark.parametrize(
@@ -39,14 +39,14 @@ steerable_cases = pytest.mark.parametrize(
 
 
 def plate(mass):
-    """A body with modes that differ along its strike path, so that it is heard where it is touched."""
+    """Return a body with modes that differ along its strike path, so that it is heard where it is touched."""
     positions = np.linspace(0, 1, 17)[:, None] * np.arange(1, 9)
     shape = np.cos(np.pi * positions) / math.sqrt(mass)
     return Modes(np.linspace(200.0, 6_000.0, 8), np.full(8, 6.0), shape, np.full((2, 8), 1.0), 1.0)
 
 
 def begin(kind):
-    """An engine in which gesture 7 of a kind goes on: in the air, or on an object that rings."""
+    """Return an engine in which gesture 7 of a kind goes on: in the air, or on an object that rings."""
     engine = Engine(RATE)
     handle = engine.add(plate(1e3 if kind == "bounce" else 0.1), 1e-3)
     if kind != "bounce":
@@ -65,7 +65,7 @@ def begin(kind):
 
 
 def steered(kind, name, quanta=1):
-    """The same after so many quanta more, from which on a parameter is steered."""
+    """Return the same after so many quanta more, from which on a parameter is steered."""
     engine = begin(kind)
     engine.send([steer(7, name, NEW[name])])
     engine.process(quanta * QUANTUM)
@@ -73,7 +73,7 @@ def steered(kind, name, quanta=1):
 
 
 def steering_of(engine):
-    """The only gesture's targets, and its values now."""
+    """Return the only gesture's targets, and its values now."""
     (contact,) = numbered(engine)
     return {field: dict(zip(STEERABLE, contact[field].item(), strict=True)) for field in ("target", "now")}
 
@@ -110,7 +110,7 @@ def test_a_parameter_glides_as_declared(kind, name, quanta):
 
 @pytest.mark.parametrize(("name", "field"), [("speed", "v"), ("mass", "m"), ("gravity", "g")])
 def test_a_body_that_rolls_follows_its_target(name, field):
-    """By events of half a millisecond at most, within a few percent of the way."""
+    """The body follows by events of half a millisecond at most, within a few percent of the way."""
     glide = gestures_steered_by(name)["roll"].glide
     start = steering_of(begin("roll"))["target"][name]
     for quanta in (8, 30):
@@ -138,7 +138,7 @@ def test_a_force_is_laid_on_as_declared():
 
 def test_gravity_draws_a_bounce_down_from_its_next_flight_on():
     def flight(engine):
-        """When (s) the flight that has begun ends, and how long the next one takes."""
+        """Return when (s) the flight that has begun ends, and how long the next one takes."""
         (contact,) = numbered(engine)
         landed = float(contact["elapsed"])
         touch = float(contact_time(contact["v_in"], *BALL))

@@ -26,7 +26,7 @@ SHELL = StrikerSound(0.0027, None, 1.0, RING)
 
 
 def wall(engine, level=1.0, **settings):
-    """An object that is struck and neither moves nor sounds."""
+    """Return an object that is struck and neither moves nor sounds."""
     modes = Modes(np.array([440.0]), np.array([50.0]), np.full((1, 1), 1e-9), np.zeros((2, 1)), 1e9)
     return engine.add(modes, level, **settings)
 
@@ -43,7 +43,7 @@ def sound_of(*commands, engine, frames=2048):
 @pytest.mark.slow
 @pytest.mark.parametrize("mass", [1.0, 1.7])
 def test_a_ball_clicks_as_koss_and_alfredson_say(mass):
-    """Up to 0.36 of the rate, also with another mass than its own: it is accelerated less."""
+    """The click agrees up to 0.36 of the rate, also with another mass than its own: it is accelerated less."""
     engine = started()
     law = (mass * BALL[0], *BALL[1:])
     sound = sound_of(impact(wall(engine), law, 100.37, **engine.lay_out_striker(BALL_SOUND)), engine=engine, frames=512)
@@ -67,7 +67,7 @@ def test_a_ball_that_is_an_object_clicks_alike():
 
 @pytest.mark.parametrize("level", [0.05, 2.0])
 def test_it_is_heard_with_the_object(level):
-    """In its level, gain, place and stem."""
+    """The striker has the object's level, gain, place and stem."""
     engine = started()
     values = engine.lay_out_striker(BALL_SOUND)
     plain = sound_of(impact(wall(engine), BALL, 100.0, **values), engine=engine)
@@ -230,7 +230,7 @@ def test_kinds_are_kept_by_what_they_are_and_make_room_for_others():
 
 
 def snap_of(velocity, snap=SNAP):
-    """The energy of the sound of a second pulse."""
+    """Return the energy of the sound of a second pulse."""
     engine = started()
     values = engine.lay_out_striker(StrikerSound(0.0027, None, 1.0, RING, snap))
     return float((sound_of(impact(wall(engine), PING_PONG, 100.0, velocity, **values), engine=engine) ** 2).sum())
@@ -242,7 +242,7 @@ def test_a_second_pulse_grows_as_its_power_of_the_velocity():
 
 
 def test_a_second_pulse_is_a_blow_to_the_modes_at_its_time():
-    """And to them alone: the click is what it is without."""
+    """The pulse goes to them alone: the click is what it is without."""
     snap = Snap(1e-5, 0.0, 0.0, 3.7 / RATE)
     heard = []
     for sound in (StrikerSound(0.0027, BALL_SOUND.click, RADIUS, RING, snap), StrikerSound(0.0027, BALL_SOUND.click)):
@@ -266,7 +266,7 @@ def test_second_pulses_scatter_and_equal_blows_are_equal():
 
 @pytest.mark.parametrize(("irregularity", "scatter"), [(0.0, (0.0, 0.1)), (0.3, (1.0, 6.0))])
 def test_second_pulses_of_a_round_body_that_bounces_fall_with_its_velocity(irregularity, scatter):
-    """It lands on the same spot; one that turns lands on others."""
+    """A round body lands on the same spot; one that turns lands on others."""
     engine = started()
     engine.trace(True)
     values = engine.lay_out_striker(StrikerSound(0.0027, None, 1.0, RING, Snap(1e-6, 1.86, 2.8, 4e-4)))
@@ -282,7 +282,7 @@ def test_second_pulses_of_a_round_body_that_bounces_fall_with_its_velocity(irreg
 
 
 def test_a_second_pulse_gives_no_more_than_the_contact_takes():
-    """However strong it was said to be: its modes get what a wall takes from the striker."""
+    """The modes get what a wall takes from the striker, however strong the pulse was said to be."""
     engine = started()
     values = engine.lay_out_striker(StrikerSound(0.0027, None, 1.0, RING, Snap(1.0, 2.0, 0.0, 2e-3)))
     engine.send([impact(wall(engine), PING_PONG, 10.0, **values)])

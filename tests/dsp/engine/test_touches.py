@@ -28,7 +28,8 @@ BLOWS = {
 }
 SECONDS = 0.01
 SLIPS = {"-40": (1e-6, 1e-2), "-60": (2e-7, 2e-3), "-80": (2e-8, 2e-4), "exact": (2e-9, 2e-5)}
-"""By accuracy: s by which a contact's times may differ, and the share of the blow by which its other figures may."""
+"""Bounds by accuracy: s by which a contact's times may differ, and the share of the blow by which its other figures
+may."""
 
 
 def body(modal_mass):
@@ -45,7 +46,7 @@ def started(modal_mass, accuracy="-60", rate=RATE):
 
 
 def traced(engine, blocks, block=QUANTUM):
-    """The entries of so many blocks."""
+    """Return the entries of so many blocks."""
     parts = []
     for _ in range(blocks):
         engine.process(block)
@@ -54,7 +55,7 @@ def traced(engine, blocks, block=QUANTUM):
 
 
 def told(engine, seconds, block=QUANTUM):
-    """What the trace says of each contact, in the order of their beginnings."""
+    """Return the touches that the trace tells, in the order of their beginnings."""
     entries = traced(engine, math.ceil(seconds * engine.rate / block), block)
     runs = [entries[entries["contact"] == number] for number in dict.fromkeys(entries["contact"].tolist())]
     return [
@@ -110,7 +111,7 @@ def test_touches_have_the_same_bits_in_blocks_of_any_size():
 
 
 def test_a_body_that_bounces_on_a_yielding_object_is_told_touch_by_touch():
-    """From each of its first flights it comes within 1 µs of DOP853 under gravity, and as fast within 0.1 %."""
+    """The body comes within 1 µs of DOP853 under gravity from each of its first flights, and as fast within 0.1 %."""
     blow = Blow(3.25 / RATE, 0.25, 0.002, 1e7, 0.1, 1.5, 0.002 * STANDARD_GRAVITY)
     right = expected(YIELDING, blow, 0.125, 2e-6)
     engine, handle = started(YIELDING)
@@ -121,7 +122,7 @@ def test_a_body_that_bounces_on_a_yielding_object_is_told_touch_by_touch():
 
 @pytest.mark.parametrize("accuracy", LEVELS)
 def test_two_that_strike_at_once_give_what_each_loses(accuracy):
-    """They move each other's points; each touch is still told by itself."""
+    """The two move each other's points; each touch is still told by itself."""
     engine, handle = started(LIGHT, accuracy)
     strikers = ((0.004, 2e7, 0.2, 1.5), (0.012, 1e8, 0.1, 1.5))
     for n, law in enumerate(strikers):
@@ -140,7 +141,7 @@ def test_two_that_strike_at_once_give_what_each_loses(accuracy):
 
 
 def test_a_press_on_what_rings_is_told_touch_by_touch():
-    """Their impulses add up to the push's, but for what the hand moves with."""
+    """The impulses of the touches add up to the push's, but for what the hand moves with."""
     engine, handle = started(LIGHT)
     engine.send([gesture(Kind.IMPACT, handle, (0.05, 1e7, 0.1, 1.5), 0.0, 1, velocity=2.0), stop(1, 99.0)])
     engine.send([gesture(Kind.PRESS, handle, (0.02, 1e7, 0.05, 1.5), 100.5, 2, velocity=0.1, force=2.0)])

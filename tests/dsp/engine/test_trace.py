@@ -21,7 +21,7 @@ MARBLE = (0.005, 5e8, 0.1, 1.5)
 
 
 def heavy():
-    """A body that gives way to nothing."""
+    """Return a body that gives way to nothing."""
     return bell(modal_mass=1e9)
 
 
@@ -38,7 +38,7 @@ def traced_engine():
 
 
 def follow(engine, frames):
-    """The entries of so many frames."""
+    """Return the entries of so many frames."""
     entries = []
     for _ in range(math.ceil(frames / QUANTUM)):
         engine.process(QUANTUM)
@@ -66,7 +66,8 @@ def test_an_impact_in_closed_form_gives_what_the_striker_loses(law, gain):
 @pytest.mark.parametrize("accuracy", LEVELS)
 @pytest.mark.parametrize("by", [False, True])
 def test_a_coupled_impact_gives_what_the_striker_loses(accuracy, by):
-    """Over all that it touches until it is gone: the force is the same that moves the modes, one or two objects'."""
+    """The sum is over all that it touches until it is gone: the force is the same that moves the modes, one or two
+    objects'."""
     engine = traced_engine()
     one, other = engine.add(light()), engine.add(light())
     engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index(accuracy))])
@@ -99,7 +100,7 @@ def test_the_modes_get_what_is_traced():
 
 
 def test_a_bounce_gives_contact_by_contact_what_it_loses():
-    """From the restitution of each speed, and the parabolas between; to 1e-6 of a sample."""
+    """The contacts follow from the restitution of each speed, and the parabolas between; to 1e-6 of a sample."""
     engine = traced_engine()
     handle = engine.add(heavy())
     engine.send([gesture(Kind.BOUNCE, handle, MARBLE, 100.75, 7, velocity=1.0, seed=1, delay=0.01, gain=0.3)])

@@ -33,7 +33,7 @@ SPAN, RATE, TOP = 0.012, 48_000, 12_000.0
 
 
 def cut(modes, top, decay):
-    """A body's modes as they would be made up to a lower frequency."""
+    """Return a body's modes as they would be made up to a lower frequency."""
     low = modes.frequency <= top
     kept = replace(
         modes,
@@ -50,7 +50,7 @@ def cut(modes, top, decay):
 
 
 def sound(modes, rate, law, velocity, position):
-    """What the modes below TOP sound like once in each 64th of 48,000 samples in a second."""
+    """Return the sound of the modes below TOP, once in each 64th of 48,000 samples in a second."""
     engine = Engine(rate)
     engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index("exact"))])
     engine.stems.keep(True)  # so that the modes stay out of the spectral bank, and can be looked at

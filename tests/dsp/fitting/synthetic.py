@@ -20,13 +20,13 @@ class Modes:
         return -self.decay + 2j * np.pi * self.frequency
 
     def sound(self, seconds: float, rate: float = RATE) -> np.ndarray:
-        """Their sum, by plain sines."""
+        """Return their sum, by plain sines."""
         t = np.arange(round(seconds * rate)) / rate
         return sum((c * np.exp(p * t)).real for c, p in zip(self.amplitude, self.poles, strict=True))
 
 
 def modes(count: int, seed: int, apart: float = 40.0) -> Modes:
-    """Modes between 100 Hz and 10 kHz, at least so far apart (Hz), within 20 dB, of T60 from 0.2 to 2 s."""
+    """Return the modes between 100 Hz and 10 kHz, at least so far apart (Hz), within 20 dB, of T60 from 0.2 to 2 s."""
     random = np.random.default_rng(seed)
     frequency = np.sort(random.uniform(100, 10_000 - count * apart, count)) + apart * np.arange(count)
     t60 = np.exp(random.uniform(np.log(0.2), np.log(2), count))
@@ -35,7 +35,8 @@ def modes(count: int, seed: int, apart: float = 40.0) -> Modes:
 
 
 def cramer_rao(known: Modes, seconds: float, noise: float, rate: float = RATE) -> tuple[np.ndarray, np.ndarray]:
-    """Least standard deviations of frequency (Hz) and decay (1/s) in white noise of an rms: of any unbiased estimate.
+    """Return the least standard deviations of frequency (Hz) and decay (1/s) in white noise of an rms: of any unbiased
+    estimate.
 
     From the Fisher matrix of all 4 k parameters, J^T J/noise^2, J the derivatives of all samples.
     """

@@ -18,7 +18,7 @@ LAW = (1.0, 0.02, 1.2e7, 0.2, 1.5)  # m/s, kg, N/m^a, s/m, a
 
 
 def struck(blow: Blow, gain: np.ndarray = GAIN, seconds: float = 1.2) -> Hit:
-    """A recording of BODY: the velocity that a force gives its modes, by summing the answer to each impulse."""
+    """Return a recording of BODY: the velocity that a force gives its modes, by summing the answer to each impulse."""
     t = np.arange(round(seconds * RATE)) / RATE
     sound = 1e-5 * np.random.default_rng(1).standard_normal(len(t))
     omega = 2 * np.pi * BODY.frequency
@@ -32,7 +32,7 @@ def struck(blow: Blow, gain: np.ndarray = GAIN, seconds: float = 1.2) -> Hit:
 
 
 def nearest(found: Fit) -> np.ndarray:
-    """Which of the modes found are the body's."""
+    """Return which of the modes found are the body's."""
     return np.argmin(np.abs(found.poles[None] - BODY.poles[:, None]), axis=1)
 
 

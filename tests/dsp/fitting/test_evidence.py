@@ -1,4 +1,4 @@
-"""What recordings with noise, hum, offsets and short ends tell of modes, and what they do not."""
+"""The evidence for modes in recordings with noise, hum, offsets and short ends, and its limits."""
 
 import numpy as np
 import pytest
@@ -18,7 +18,7 @@ T = np.arange(round(1.5 * RATE)) / RATE
 
 
 def recorded(sound: np.ndarray, noise: float = 1e-5, lead: float = 0.2) -> np.ndarray:
-    """A sound in white noise of an rms against its peak, some seconds of which come before it."""
+    """Return a sound in white noise of an rms against its peak, some seconds of which come before it."""
     quiet = np.zeros(round(lead * RATE))
     sound = np.concatenate([quiet, sound])
     return sound + noise * np.abs(sound).max() * np.random.default_rng(1).standard_normal(len(sound))
@@ -29,7 +29,7 @@ def fitted(samples: np.ndarray) -> Fit:
 
 
 def of_the_bell(found: Fit) -> np.ndarray:
-    """Which of the modes found are the bell's."""
+    """Return which of the modes found are the bell's."""
     return np.argmin(np.abs(found.frequency - BELL.frequency[:, None]), axis=1)
 
 

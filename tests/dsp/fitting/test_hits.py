@@ -14,7 +14,7 @@ BELL = modes(10, 1, apart=200.0)
 
 
 def struck(seconds: float, *blows: tuple[float, float], noise: float = 1e-4) -> np.ndarray:
-    """A recording of blows, each a time (s) and a strength, in noise."""
+    """Return a recording of blows, each a time (s) and a strength, in noise."""
     sound = noise * RANDOM.standard_normal(round(seconds * RATE))
     for time, strength in blows:
         rings = strength * BELL.sound(seconds - time)
@@ -53,7 +53,7 @@ def test_the_noise_is_measured_where_nothing_rings():
 
 
 def music() -> np.ndarray:
-    """Chords that fade in and out, one in another, over a drone."""
+    """Return chords that fade in and out, one in another, over a drone."""
     t = np.arange(round(6 * RATE)) / RATE
     notes = [(0.1 + 0.4 * k, 220 * 2 ** (k * 5 % 12 / 12)) for k in range(13)]
     fades = [

@@ -15,13 +15,13 @@ SECONDS, NOISE = 1.0, 1e-3  # s; of the signal's rms: -60 dB
 
 
 def noisy(sound: np.ndarray, share: float, seed: int) -> tuple[np.ndarray, float]:
-    """A sound in white noise, and the noise's rms."""
+    """Return a sound in white noise, and the noise's rms."""
     noise = share * np.sqrt(np.mean(sound**2))
     return sound + noise * np.random.default_rng(seed).standard_normal(len(sound)), float(noise)
 
 
 def matched(s: np.ndarray, known: Modes, rate: float = RATE) -> np.ndarray:
-    """The found poles (1/s) in the order of the known ones, each the nearest."""
+    """Return the found poles (1/s) in the order of the known ones, each the nearest."""
     poles = s * rate
     return poles[np.argmin(np.abs(poles[None] - known.poles[:, None]), axis=1)]
 

@@ -15,7 +15,7 @@ HEAD = pulse(0.002).later(-0.0005).head(S, RATE, ONSET)
 
 
 def atoms(head) -> tuple[np.ndarray, np.ndarray]:
-    """All atoms and slopes, sample by sample."""
+    """Return all atoms and slopes, sample by sample."""
     t = np.arange(N)[:, None] - (head.origin if head else 0)
     plain = np.exp(t * S)
     slopes = t * plain

@@ -8,7 +8,8 @@ from carom.dsp.study.slide import Rub
 
 
 def exact_rub(rub: Rub, seconds: float) -> tuple[NDArray, NDArray]:
-    """The modes' state (q, q') at the end, (2 n,), and the times of events (s); speed and normal force are constant."""
+    """Return the modes' state (q, q') at the end, (2 n,), and the times of events (s); speed and normal force are
+    constant."""
     omega = np.sqrt((2.0 * np.pi * rub.frequency) ** 2 + rub.sigma**2)
     phi, n = rub.phi, len(rub.phi)
     static, dynamic, stribeck = rub.law

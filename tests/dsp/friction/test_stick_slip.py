@@ -134,7 +134,7 @@ def test_work_on_an_elastic_contact_is_stored_and_lost():
 
 
 def mindlin(stretch):
-    """The force (N) of two spheres at a first stretch."""
+    """Return the force (N) of two spheres at a first stretch."""
     return MU * NORMAL * (1.0 - np.maximum(1.0 - stretch / REACH, 0.0) ** 1.5)
 
 
@@ -146,7 +146,7 @@ def test_shares_are_those_of_the_law():
 
 @pytest.mark.parametrize("share", [0.5, 0.9, 3.0])
 def test_a_contact_that_is_pulled_to_and_fro_follows_mindlin(share):
-    """On a wall; and loses what Masing's rule says: the way back is the first one, twice as large."""
+    """A contact on a wall loses what Masing's rule says: the way back is the first one, twice as large."""
     rate, turns, most = 48_000.0, 50.0, share * REACH
     phase = 2.0 * np.pi * turns * np.arange(1201) / rate  # a turn and a quarter
     wall = Rub(np.array([1e4]), np.array([10.0]), np.array([1e-9]), np.cos(phase), constant(NORMAL, 1200))

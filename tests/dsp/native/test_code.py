@@ -113,7 +113,7 @@ def doubling(tmp_path, monkeypatch):
 
 
 def doubled(module: str) -> tuple[int, str]:
-    """What the function makes of 21 in a new start, and where its code came from."""
+    """Return the function's value for 21 in a new start, and where its code came from."""
     load.cache_clear()
     sys.modules.pop(module, None)
     return importlib.import_module(module).double(21), load(module).origin

@@ -1,4 +1,4 @@
-"""What is said while code is being compiled."""
+"""The notice while code is being compiled."""
 
 import io
 import logging

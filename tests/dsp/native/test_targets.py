@@ -23,7 +23,7 @@ X86_64, AARCH64 = {ELF: 62, MACH_O: 0x01000007}, {ELF: 183, MACH_O: 0x0100000C}
 
 @c_function(c_int64)
 def everything():
-    """All that differs between systems."""
+    """Return all that differs between systems."""
     mode = flush_denormals()
     pause_ns(1)
     restore_denormals(mode)
@@ -36,7 +36,7 @@ def source() -> bytes:
 
 
 def kind(made: bytes) -> tuple[object, int]:
-    """The format of machine code, and its processor's number in there."""
+    """Return the format of machine code, and its processor's number in there."""
     if made.startswith(ELF):
         return ELF, struct.unpack_from("<H", made, 18)[0]
     return struct.unpack_from("<II", made)

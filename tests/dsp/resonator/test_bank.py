@@ -99,7 +99,7 @@ def test_a_contact_drives_a_mode_within_94_db(samples, frequency):
 
 
 def driven_mode(v_in, m, k, mu, a, frequency, decay, rate, fraction, frames):
-    """omega q, at `frames` samples, of a unit mass on a spring and damper that a contact drives."""
+    """Return omega q, at `frames` samples, of a unit mass on a spring and damper that a contact drives."""
     w = 2 * math.pi * frequency
     length = (m * v_in**2 / k) ** (1 / (a + 1))
     unit = length / v_in

@@ -21,7 +21,7 @@ BEFORE = fed.HALF + fed.REACH
 
 
 def made(random):
-    """Modes from 30 Hz to 21 kHz, and the table of their shapes along a strike path."""
+    """Return the modes from 30 Hz to 21 kHz, and the table of their shapes along a strike path."""
     modes = bank.Modes(*np.zeros((5, MODES)), np.zeros(MODES // LANES * bank.RESPONSES))
     frequency = np.sort(30.0 * 700.0 ** random.random(MODES))
     for i in range(MODES):
@@ -43,7 +43,8 @@ def weigh(weights, x):
 
 @njit(error_model="numpy")
 def by_moments(modes, shape, moments, start, speed, out):
-    """Each sample's force acts where the body is in its middle; start and speed in rows and rows a frame."""
+    """Ring modes under each sample's force where the body is in its middle; start and speed in rows and rows a
+    frame."""
     weights = np.zeros(4)
     for n in range(out.shape[1]):
         x = start + speed * (n + 0.5)
@@ -55,7 +56,8 @@ def by_moments(modes, shape, moments, start, speed, out):
 
 @njit(error_model="numpy")
 def by_samples(modes, shape, samples, start, speed, out, pieces):
-    """`pieces` frames of a line at a time; then what goes straight through, by taps at each quantum's beginning."""
+    """Ring modes by `pieces` frames of a line at a time; then add the direct path, by taps at each quantum's
+    beginning."""
     forces = samples[fed.REACH - 1 :].copy().reshape(1, -1)
     weights, drift, blows = np.zeros(4), np.zeros(4), np.zeros(2 * MODES)
     for n in range(0, out.shape[1], pieces):
@@ -81,7 +83,7 @@ def by_samples(modes, shape, samples, start, speed, out, pieces):
 
 
 def driven(body, on, speed, pieces=fed.LINE, frames=24_000):
-    """The sound of modes on which a body rolls: by moments, and by one number a frame."""
+    """Return the sound of modes on which a body rolls: by moments, and by one number a frame."""
     modes, shape = made(np.random.default_rng(1))
     other = bank.Modes(*(each.copy() for each in modes))
     moments = roll.roll_moments(roll.make_roll(ground(1, **on), **body), 0.0, frames / RATE, RATE)
@@ -112,7 +114,7 @@ def test_pieces_of_a_line_give_the_same():
 
 
 def test_a_force_that_is_held_is_its_impulse_in_each_sample():
-    """In the middle of a force that is held; it comes and goes within the window."""
+    """The samples are in the middle of a force that is held; it comes and goes within the window."""
     moments, samples = np.zeros((160, KEPT)), np.zeros(104)
     moments[:, 0] = 0.3
     fed.sample_force(moments, samples, 0)

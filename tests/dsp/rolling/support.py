@@ -15,10 +15,10 @@ STONE = {"roughness": 3e-5, "correlation": 5e-3, "slope": 2.2}
 
 
 def ground(seed: int = 0, **description: float) -> np.void:
-    """A surface, of glass if nothing else is said."""
+    """Return a surface, of glass if nothing else is said."""
     return make_surface(**{**GLASS, **description, "seed": seed})
 
 
 def flat() -> np.void:
-    """A surface without any height."""
+    """Return a surface without any height."""
     return ground(roughness=0.0)

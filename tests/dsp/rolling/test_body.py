@@ -27,7 +27,8 @@ pytestmark = pytest.mark.slow
 
 @njit
 def brute_force(pieces, v, m, k, mu, a, g, dt, steps, each):
-    """Classical Runge-Kutta of y'' = f/m - g over a path given by its pieces: the mean force over `each` steps."""
+    """Integrate y'' = f/m - g over a path given by its pieces by classical Runge-Kutta; return the mean force over
+    `each` steps."""
     force = np.zeros(steps // each)
     y, w = pieces[0, 1] - (m * g / k) ** (1 / a), v * pieces[0, 2]
     rate, pull = np.zeros(4), np.zeros(4)
@@ -243,7 +244,7 @@ def test_a_lopsided_body_is_heard_turning():
 
 @pytest.mark.parametrize(("asymmetry", "speed"), [(0.3, 0.3), (0.1, 0.2)])
 def test_a_lopsided_body_weighs_what_it_weighs(asymmetry, speed):
-    """On average over many turns: what its centre of mass loses going up it gets back going down."""
+    """The mean is over many turns: what its centre of mass loses going up it gets back going down."""
     body = {**MARBLE, "asymmetry": asymmetry, "speed": speed}
     force = roll.roll_force(ground(1, roughness=0.0), 20.0, 8000, **body)[8000:]
     weight = body["m"] * STANDARD_GRAVITY

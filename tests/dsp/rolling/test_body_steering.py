@@ -11,7 +11,7 @@ pytestmark = pytest.mark.slow
 
 
 def steered(on, body, changes, seconds=0.5):
-    """Force of a roll that is given new targets half way through; coarseness changes at once."""
+    """Return the force of a roll that is given new targets half way through; coarseness changes at once."""
     here = roll.make_roll(on, **body)
     before = roll.roll_moments(here, 0.0, seconds / 2, 48000)
     for key, value in changes.items():
@@ -28,7 +28,7 @@ def steered(on, body, changes, seconds=0.5):
     ],
 )  # fmt: skip
 def test_steering_makes_no_click(changes):
-    """Over 20 ms around the change nothing stands out of what comes before and after."""
+    """Nothing in 20 ms around the change stands out of what comes before and after."""
     peaks, clicks = [], []
     for seed in range(6):
         force, _ = steered(ground(seed, roughness=3e-9), {**MARBLE, "mu": 20.0}, changes)

@@ -19,7 +19,7 @@ def newton(step, law):
 
 
 def case(random):
-    """A step in contact of a random body, up to a radian of its swing, that begins near rest or strikes."""
+    """Return a step in contact of a random body, up to a radian of its swing, that begins near rest or strikes."""
     m, a = 10.0 ** random.uniform(-4, 1), random.choice([1.0, 1.5, 2.3])
     rest = 10.0 ** random.uniform(-8, -5)
     k = m * 9.81 / rest**a

@@ -12,7 +12,7 @@ RATE, FRAMES = 48_000.0, 40
 
 
 def by_quadrature(force, since, span, start, stop, origin):
-    """The same moments by Gauss quadrature of eight points."""
+    """Return the same moments by Gauss quadrature of eight points."""
     nodes, weights = legendre.leggauss(8)
     moments = np.zeros((FRAMES, KEPT))
     for n in range(FRAMES):

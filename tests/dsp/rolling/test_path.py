@@ -21,7 +21,7 @@ def path_at(pieces, s):
 
 
 def brute_force(ground, radius, stride, s):
-    """The greatest of all circles' parabolas at each s."""
+    """Return the greatest of all circles' parabolas at each s."""
     unit = ground["unit"]
     reach = 2 * np.sqrt(2 * radius * 2 * surface.CREST * ground["height"].sum())
     here = np.round(s / unit / stride).astype(np.int64) * stride

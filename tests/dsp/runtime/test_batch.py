@@ -15,7 +15,7 @@ ENGINES, ROUNDS = 5, 40
 
 
 def struck(number: int) -> Engine:
-    """An engine in which a bell of its own is struck."""
+    """Return an engine in which a bell of its own is struck."""
     engine = Engine(48_000, channels=1 + number % 2, modes=1_000, objects=4)
     strike(engine, engine.add(bell(8 + 8 * number), 0.05))
     return engine
@@ -72,7 +72,7 @@ def wait_until(met) -> None:
 
 
 def test_a_batch_that_is_dropped_lets_its_threads_end():
-    """They read its memory for a while; what they write to stays, too."""
+    """The threads read its memory for a while; what they write to stays, too."""
     engines = [struck(n) for n in range(3)]
     for _ in range(100):
         batch = Batch(4, 1)

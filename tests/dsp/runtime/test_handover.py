@@ -19,7 +19,7 @@ RATE = 48_000
 
 
 def call(handover: Handover, frames: int) -> np.ndarray:
-    """What a device hears that calls once."""
+    """Return the sound that a device hears which calls once."""
     out = np.full((frames, 2), np.nan, np.float32)
     times = np.zeros(3)
     done = ctypes.CFUNCTYPE(*SIGNATURE)(handover.address)(
@@ -44,7 +44,8 @@ def test_a_device_hears_silence_while_the_engine_is_taken():
 
 @c_function(*SIGNATURE)
 def slow(_input, output, frames, times, flags, userdata):
-    """Something that may be run by one at a time, and takes 20 µs: it counts when it is, and when it was not alone."""
+    """Return something that may be run by one at a time, and takes 20 µs: it counts when it is, and when it was not
+    alone."""
     state = carray(userdata, (3,), np.int64)
     state[2] += state[0]
     state[0] = 1

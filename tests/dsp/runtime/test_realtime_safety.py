@@ -33,7 +33,7 @@ CALLS = {"call", "invoke", "callbr"}
 
 
 def forbidden(assembly: str, entry: str) -> set[str]:
-    """What `entry` reaches, in LLVM assembly, that is neither defined there nor in ALLOWED."""
+    """Return the names that `entry` reaches, in LLVM assembly, which are neither defined there nor in ALLOWED."""
     module = llvm.parse_assembly(assembly)
     defined = {function.name: function for function in module.functions if not function.is_declaration}
     seen: set[str] = set()
@@ -47,7 +47,7 @@ def forbidden(assembly: str, entry: str) -> set[str]:
 
 
 def references(function: llvm.ValueRef) -> Iterator[str]:
-    """Names of the functions that a function calls or takes the address of, and calls of what has no name."""
+    """Yield names of the functions that a function calls or takes the address of, and calls of what has no name."""
     for block in function.blocks:
         for instruction in block.instructions:
             operands = list(instruction.operands)
@@ -58,7 +58,7 @@ def references(function: llvm.ValueRef) -> Iterator[str]:
 
 
 def allowed(name: str) -> bool:
-    """Is a name in ALLOWED, or what is left of it without types at its end?"""
+    """True if a name is in ALLOWED, or what is left of it without types at its end."""
     parts = name.split(".")
     return any(".".join(parts[:n]) in ALLOWED for n in range(1, len(parts) + 1))
 

@@ -15,7 +15,7 @@ HARD = (0.001, 1e9, 0.1, 1.5)
 
 
 def response(omega: np.ndarray) -> np.ndarray:
-    """Output per newton at angular frequencies: of the modes alone, and with their relief."""
+    """Return the output per newton at angular frequencies: of the modes alone, and with their relief."""
     still = relief(BODY.frequency, BODY.decay, BODY.pressure, BODY.strike, 22_800.0)
     found = np.zeros((2, len(omega)), complex)
     for size, each in ((BODY.strike[0] * BODY.pressure[0], BODY), (still.shape[0, 0], still)):
@@ -39,14 +39,14 @@ def test_resonances_are_as_they_were():
 
 
 def heard(law):
-    """The sound of a blow at the first frame, and what it would be without relief."""
+    """Return the sound of a blow at the first frame, and what it would be without relief."""
     engine = Engine(RATE)
     strike(engine, engine.add(BODY, 1.0), law)
     return engine.process(9_600)[:, 0].astype(float)
 
 
 def test_a_soft_blow_does_not_thump():
-    """Without relief the output would follow the force, whose peak is that of Hertz's contact but for its losses."""
+    """The output without relief would follow the force, whose peak is that of Hertz's contact but for its losses."""
     m, k, _, a = SOFT
     force = k * ((a + 1) * m / (2 * k)) ** (a / (a + 1))
     bent = abs(response(np.zeros(1))[0, 0]) * force

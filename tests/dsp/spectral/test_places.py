@@ -22,7 +22,7 @@ MODES = 30_000
 
 @pytest.fixture
 def spectral():
-    """Its phase 1 keeps all bins in float32."""
+    """A spectral bank whose phase 1 keeps all bins in float32."""
     made = new_state(48_000.0)[0]["spectral"]
     made["phases"]["single"][1] = 1
     return made
@@ -36,7 +36,8 @@ def put(spectral, phase, b, mode, slots):
 
 
 def check(spectral, phases, bins, slots):
-    """Every mode that has a place is in its bin, by itself, with what was written there; all else is at rest."""
+    """Assert that every mode that has a place is in its bin, by itself, with what was written there; all else is at
+    rest."""
     taken = np.flatnonzero(slots)
     places = slots[taken] - 1
     assert len(np.unique(places)) == len(taken) == spectral["modes"]

@@ -33,7 +33,7 @@ def test_a_ball_that_lands_on_a_flat_surface_stays_as_long_as_the_closed_form_sa
 
 
 def contacts_by_dop853(pieces: np.ndarray, v: float, m: float, k: float, mu: float, a: float) -> list[list[float]]:
-    """Beginnings and lengths of the contacts after flights, restarted at every piece and every touch."""
+    """Return the beginnings and lengths of the contacts after flights, restarted at every piece and every touch."""
     rows: list[list[float]] = []
     y, w = pieces[0, 1] - (m * STANDARD_GRAVITY / k) ** (1 / a), v * pieces[0, 2]
     touching = True

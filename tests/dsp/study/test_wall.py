@@ -106,7 +106,7 @@ def test_outcomes_are_what_they_say():
 
 
 def lasting(samples: float, law: wall.Law) -> wall.Law:
-    """The law with the stiffness that makes its contact last so many samples."""
+    """Return the law with the stiffness that makes its contact last so many samples."""
     v_in, m, k, mu, a = law
     return v_in, m, k * (contact.contact_time(*law) * PAPER_RATE / samples) ** (a + 1), mu, a
 

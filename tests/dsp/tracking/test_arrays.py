@@ -67,7 +67,7 @@ class Simulator:
         return made
 
     def told(self, state: np.ndarray, pyramids: bool) -> None:
-        """The same as columns."""
+        """Write the same as columns."""
         record, contact = state[0], self.contacts
         record["position"][1:3], record["turn"][1:3] = self.places[1:], self.turns[1:].reshape(2, 9)
         record["spin"][1:3], record["velocity"][1:3] = self.motions[2:, :3], self.motions[2:, 3:]

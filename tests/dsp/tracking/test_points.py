@@ -10,7 +10,7 @@ CORNERS = np.array([(x, y, -0.05) for x in (-0.1, 0.1) for y in (-0.05, 0.05)])
 
 
 def slide(order) -> tuple[list[list[float]], list[tuple[float, ...]]]:
-    """What a box of 20 cm tells that lands, slides at 0.5 m/s, and lifts two of its corners: its motion in each
+    """Return what a box of 20 cm tells that lands, slides at 0.5 m/s, and lifts two of its corners: its motion in each
     step, and its blows. order: of so many points."""
     with carom.World(hearing=carom.Hearing(gestures=4)) as world:
         world.body("floor", "plate", (4, 4, 0.02), "wood", held=True)

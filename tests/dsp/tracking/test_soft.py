@@ -9,7 +9,7 @@ from carom.dsp.tracking.track import rebound
 
 
 def left(low: float, high: float, ratio: float, pushed: float, speed: float = 1.0) -> float:
-    """The share of its speed that is left, by DOP853."""
+    """Return the share of its speed that is left, by DOP853."""
     time, width, power = 0.02, 0.004, 2.0
     stiffness, damping = 1 / (high * time * ratio) ** 2, 2 / (high * time)
 

@@ -74,7 +74,7 @@ def test_jack_hears_what_a_render_gives(jack, tmp_path, channels):
 
 
 def one_take(score: Path, seconds: float, channels: int) -> np.ndarray:
-    """A score as JACK hears it."""
+    """Record a score as JACK hears it."""
     with recording(seconds + 5.0, channels) as recorder:
         player = subprocess.Popen(
             [sys.executable, "-c", PLAYER, str(score), "system", str(seconds)], stdout=subprocess.PIPE, text=True
@@ -86,7 +86,8 @@ def one_take(score: Path, seconds: float, channels: int) -> np.ndarray:
 
 
 def assert_heard(heard: np.ndarray, expected: np.ndarray) -> None:
-    """Every expected sample was heard from the first that is not zero on: back ends begin with silence of their own."""
+    """Assert that every expected sample was heard from the first that is not zero on: back ends begin with silence of
+    their own."""
     start, lead = first_sound(heard), first_sound(expected)
     np.testing.assert_array_equal(heard[start : start + len(expected) - lead], expected[lead:])
 

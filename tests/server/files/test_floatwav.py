@@ -34,7 +34,7 @@ def written(path: Path, *parts: np.ndarray) -> Path:
 
 
 def chunks(path: Path) -> dict[bytes, bytes]:
-    """The chunks of a RIFF file by their names; the sizes must lead exactly to its end."""
+    """Return the chunks of a RIFF file by their names; the sizes must lead exactly to its end."""
     data = path.read_bytes()
     assert data[:4] == b"RIFF" and data[8:12] == b"WAVE"
     assert int.from_bytes(data[4:8], "little") == len(data) - 8
@@ -48,7 +48,8 @@ def chunks(path: Path) -> dict[bytes, bytes]:
 
 
 def assert_header_is_whole(path: Path) -> None:
-    """Formats but PCM have a format chunk of 18 bytes, the last two the size of what follows, and a fact chunk."""
+    """Assert that formats but PCM have a format chunk of 18 bytes, the last two the size of what follows, and a fact
+    chunk."""
     found = chunks(path)
     assert struct.unpack("<HHIIHHH", found[b"fmt "]) == (3, 2, 44_100, 44_100 * 8, 8, 32, 0)
     assert struct.unpack("<I", found[b"fact"]) == (len(found[b"data"]) // 8,)
@@ -56,7 +57,7 @@ def assert_header_is_whole(path: Path) -> None:
 
 
 def assert_readers_are_content(path: Path) -> None:
-    """sox and scipy read it and warn of nothing."""
+    """Assert that sox and scipy read it and warn of nothing."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         rate, samples = scipy.io.wavfile.read(path)

@@ -1,4 +1,4 @@
-"""What is logged renders to what was heard, bit for bit."""
+"""A log renders to what was heard, bit for bit."""
 
 import errno
 import os
@@ -40,7 +40,7 @@ def test_seconds_name_every_sample_that_the_engine_lets_live_events_fall_on(rate
 
 def replay(tmp_path, rng, messages: Callable[[], list[Message]], rounds: int, options=None) -> list[Line]:
     """Carry out messages for now, for later, too late, by samples and by the clock; what is logged renders to what was
-    heard. options: a server's, with which engine and log begin. Returns the log."""
+    heard. options: a server's, with which engine and log begin. Return the log."""
     engine = options.engine() if options else Engine(48_000, limited=True)
     scene = Session(engine, PRESETS)
     log = Log(engine, tmp_path / "log.txt", options.head if options else ())
@@ -82,7 +82,8 @@ def test_a_session_of_anything_at_any_time(tmp_path, seed):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_which_gestures_are_the_newest(tmp_path, seed):
-    """Those that began or were steered last, and not those whose messages came last, which no log knows."""
+    """The newest are those that began or were steered last, and not those whose messages came last, which no log
+    knows."""
     rng = random.Random(seed)
     presets = ("wood-block", "glockenspiel-bar", "triangle")
     first = [[Message("/object/new", (name, preset))] for name, preset in zip("abc", presets, strict=True)]
@@ -96,7 +97,7 @@ def test_which_gestures_are_the_newest(tmp_path, seed):
 
 @pytest.mark.slow
 def test_what_the_spectral_bank_keeps_its_modes_in(tmp_path):
-    """It begins with float32, and changes while two cymbals ring."""
+    """The bank begins with float32, and changes while two cymbals ring."""
     rng = random.Random(1)
     first = [[Message("/object/new", (name, "cymbal", "gain", -30))] for name in "ab"]
 
@@ -154,7 +155,7 @@ def test_a_server_s_log_renders_to_its_recording(tmp_path):
 
 @pytest.mark.slow
 def test_a_log_s_head_says_channels_full_scale_limiter_and_gain(tmp_path):
-    """It renders to the recording of a server that was started with other ones, and changed while it played."""
+    """The log renders to the recording of a server that was started with other values, and changed while it played."""
     options = ("--device", "none", "--record", "out.wav", "--log", "log.txt", "--full-scale", "0.7Pa")
     with serving(tmp_path, *options, "--channels", "3", "--gain", "9.5", "--limiter", "off") as server:
         with server.client() as client:
@@ -234,7 +235,7 @@ def logged(tmp_path):
 
 @pytest.mark.slow
 def test_a_log_that_missed_something_ends(logged, tmp_path):
-    """What is logged renders to what was heard, up to where it says that it ended."""
+    """The log renders to what was heard, up to where it says that it ended."""
     engine, scene, log = logged
     engine.process(64)
     log.write()

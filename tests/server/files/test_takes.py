@@ -22,7 +22,7 @@ HEADER = len(header(48_000, 0, 2))
 
 
 def until(ready, seconds=10.0):
-    """What comes to be, after a while."""
+    """Return what `ready` gives, once it gives something."""
     deadline = time.monotonic() + seconds
     while not (there := ready()):
         assert time.monotonic() < deadline

@@ -13,7 +13,7 @@ NAME = "Fake Keys MIDI 1"
 
 
 def get_devices(**_):
-    """The only device, if it is plugged in."""
+    """Return the only device, if it is plugged in."""
     there = os.path.exists(os.environ["CAROM_CABLE"])
     return [{"name": f"{NAME} 20:0", "is_input": True, "is_output": False}] if there else []
 

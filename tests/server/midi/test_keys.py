@@ -14,7 +14,7 @@ from tests.server.scene.support import say
 
 
 def whole(data):
-    """Bytes with the status bytes that a cable leaves out where they repeat: drivers put them in."""
+    """Return bytes with the status bytes that a cable leaves out where they repeat: drivers put them in."""
     said = []
     for place, byte in enumerate(data):
         two = len(said) > 2 and all(each < 0x80 for each in said[-2:]) and said[-3] & 0xE0 != 0xC0
@@ -35,7 +35,7 @@ class Played:
         self.cable = mido.Parser()
 
     def look(self):
-        """Ports have no news."""
+        """Return no news."""
         return []
 
     def hand_in(self, client, packet):
@@ -45,7 +45,7 @@ class Played:
                 client.send(encode(reply.address, *reply.args))
 
     def play(self, *data):
-        """Bytes come over the cable; returns what they become."""
+        """Play bytes that come over the cable; return what they become."""
         self.sent = []
         self.cable.feed(whole(data))
         for message in self.cable:

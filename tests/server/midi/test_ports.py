@@ -97,7 +97,8 @@ def test_an_input_that_is_not_there_is_told_with_those_that_are(cable, carom, mo
 
 @pytest.mark.slow
 def test_rtmidi_hears_jack(tmp_path, jack):
-    """Through the library that users have, and JACK's MIDI: the only one of the system's that needs no hardware."""
+    """The note comes through the library that users have, and JACK's MIDI: the only one of the system's that needs no
+    hardware."""
     import jack as library
 
     jack.start(256)

@@ -23,7 +23,7 @@ def udp(stack: ExitStack) -> socket.socket:
 
 
 def taken(net: Network, seconds: float = 0.2) -> list[tuple[bytes, Source]]:
-    """All that comes until nothing has for so long."""
+    """Return all that comes until nothing has for so long."""
     packets = []
     while arrived := net.receive(seconds):
         packets.append(arrived)
@@ -31,7 +31,7 @@ def taken(net: Network, seconds: float = 0.2) -> list[tuple[bytes, Source]]:
 
 
 def replies(sock: socket.socket, framing: Sized | Slip) -> list[Message]:
-    """What a client has got, up to silence or the end."""
+    """Return the messages that a client has got, up to silence or the end."""
     messages = []
     while select.select([sock], [], [], 0.2)[0] and (data := sock.recv(1 << 16)):
         messages += [bundle.messages[0] for packet in framing.packets(data) for bundle in wire.parse(packet)]
@@ -46,7 +46,7 @@ def ended(sock: socket.socket) -> bool:
 
 
 def send_in_time(sock: socket.socket, packets: Iterable[bytes], net: Network) -> None:
-    """Not so fast that the system would lose what it is given, on any machine."""
+    """Send packets not so fast that the system would lose any, on any machine."""
     for number, packet in enumerate(packets):
         sock.sendto(packet, net.address)
         if number % 4 == 3:

@@ -127,7 +127,7 @@ def test_a_client_that_does_not_read_loses_replies_and_holds_up_nobody(net, stac
 
 
 def test_a_client_that_sends_without_end_waits_its_turn(net, stack):
-    """What one client may have queued is bounded by what TCP makes it wait for."""
+    """One client may have so much queued as TCP makes it wait for."""
     greedy = client(net, stack)
     greedy.setblocking(False)
     sent = 0
@@ -192,7 +192,7 @@ def test_a_port_is_free_as_soon_as_its_server_is_gone(stack):
 
 
 def test_a_client_that_is_gone_before_it_can_be_told(net, stack):
-    """Its stream is broken, and then it is not there to hear of it."""
+    """The client's stream is broken, and then it is not there to hear of it."""
     one = client(net, stack)
     one.sendall(b"\xff" * 200_000)
     net._gather(0.5)
@@ -227,7 +227,7 @@ def test_a_client_that_has_long_been_silent_makes_room(net, stack, monkeypatch):
 
 @pytest.mark.parametrize("between", [0, 1])
 def test_a_client_that_is_paused_waits_and_loses_nothing(net, stack, between):
-    """However many others are heard meanwhile."""
+    """The number of others that are heard meanwhile makes no difference."""
     waits, other = client(net, stack), client(net, stack)
     waits.sendall(Sized.framed(A) * 5)
     first = net.receive(1.0)

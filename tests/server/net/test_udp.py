@@ -31,7 +31,7 @@ def test_datagrams_beyond_the_queue_are_counted_and_their_sender_told(net, stack
 
 
 def test_datagrams_of_all_sizes_come_whole_and_in_order(net, stack):
-    """Round and round the ring."""
+    """The datagrams go round and round the ring."""
     chance = random.Random(5)
     one = udp(stack)
     for _ in range(12):

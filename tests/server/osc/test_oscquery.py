@@ -15,7 +15,7 @@ NAMES = {"NAME": {"bell": None, "é %41": None}, "ID": {"g1": None}, "preset": [
 
 
 def everything() -> dict[str, Verb]:
-    """Every address there is, and its verb."""
+    """Return every address there is, and its verb."""
     return {
         "/".join(parts): verb
         for address, verb in VERBS.items()

@@ -11,7 +11,7 @@ from carom.server.osc.patterns import Selection, TooMuch, match
 
 
 def naive_match(pattern: str, part: str) -> bool:
-    """The same language by plain recursion: exponential, and easy to believe."""
+    """Match the same language by plain recursion: exponential, and easy to believe."""
     if not pattern:
         return not part
     head, rest = pattern[0], pattern[1:]

@@ -29,7 +29,7 @@ def scene(tmp_path):
 
 
 def carried_out(scene, *args, action="impact"):
-    """The keys of a message to the board, as a log would have them."""
+    """Return the keys of a message to the board, as a log would have them."""
     sent = []
     scene.on_sent = lambda first, more: sent.extend(more)
     replies = scene.perform([Message(f"/object/board/{action}", args)], NOW)
@@ -41,7 +41,8 @@ def carried_out(scene, *args, action="impact"):
 
 @pytest.mark.slow
 def test_each_body_strikes_a_board_in_its_own_way(scene):
-    """Of equal mass: the softer, the longer the contact; the softest sounds the dullest. Hard ones ring themselves."""
+    """The bodies have equal mass: the softer, the longer the contact; the softest sounds the dullest. Hard ones ring
+    themselves."""
     times, centroids = [], []
     for name in ("rubber", "wood", "glass", "steel"):
         law = carried_out(scene, 1.0, 0.3, "by", name, "mass", 0.05)

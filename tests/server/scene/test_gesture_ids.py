@@ -67,7 +67,7 @@ def test_a_gesture_can_be_steered_by_the_bundle_that_starts_it(played):
 
 
 def test_a_log_holds_the_steering_that_was_carried_out_and_can_be_rendered(played, tmp_path):
-    """What is sent for later while the gesture runs, and comes once it has ended, is neither logged nor refused."""
+    """A message sent for later while the gesture runs, which comes once it has ended, is neither logged nor refused."""
     log = Log(played.engine, tmp_path / "log.txt")
     played.on_sent = log.expect
     log.start()
@@ -160,7 +160,8 @@ def test_ends_are_told_to_those_who_asked(server: Running):
 
 
 def test_rolls_of_one_id_are_one_roll_whatever_the_order_of_their_times(played):
-    """What is sent later for sooner, and what waits when it is stopped: the engine decides when its time has come."""
+    """The messages are sent later for sooner, and wait when it is stopped: the engine decides when its time has
+    come."""
     for args, time in (((0.5,), NOW), ((0.3,), 9_600.0), ((0.0,), 4_800.0), ((0.7,), 2_400.0)):
         assert say(played, "/object/pane/roll", *args, "striker", "steel", time=time) == []
     most = 0

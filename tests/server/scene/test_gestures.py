@@ -28,7 +28,7 @@ def test_an_object_strikes_another(played):
 
 
 def touching(played):
-    """The contacts that there are."""
+    """Return the contacts that there are."""
     return [contact for contact in played.engine.state["contacts"][0] if contact["gesture"]]
 
 
@@ -144,7 +144,7 @@ def test_a_panic_leaves_nothing_of_what_was_bent(played):
 
 @pytest.mark.slow
 def test_an_object_that_presses_and_goes_leaves_its_mass(played):
-    """In the place of one that was bent another is at rest, and what it pressed on comes to rest."""
+    """An object in the place of one that was bent is at rest, and what it pressed on comes to rest."""
     say(played, "/object/new", "bell", "church-bell")
     say(played, "/object/new", "lid", "tin-lid")
     say(played, "/object/bell/press", 50.0, "by", "lid", "id", "hand")

@@ -51,7 +51,7 @@ EVERYTHING = """0 /object/new a seven gain -20
 
 
 def silent(name: str) -> str:
-    """The file of a built-in striker that makes no sound of its own."""
+    """Return the file of a built-in striker that makes no sound of its own."""
     text = Presets().path("strikers", name).read_text().split("\n[")[0]
     return re.sub("^mass = .*$", "", text, flags=re.M) + f"\nmass = {Presets().striker(name).mass!r}\n"
 
@@ -90,14 +90,14 @@ ROLLS = [
 
 
 def faded_spectrum(sound: np.ndarray, rate: int) -> np.ndarray:
-    """Of a sound that goes on, without a step at its end."""
+    """Return the spectrum of a sound that goes on, without a step at its end."""
     return np.fft.rfft(sound * np.cos(np.linspace(0, np.pi / 2, len(sound), endpoint=False)) ** 2) / rate
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("roll", ROLLS)
 def test_a_roll_sounds_the_same_at_any_rate(render, roll):
-    """What rings, below 16 kHz, where all modes are: spectra of two seconds, phases and all, within -60 dB."""
+    """The spectra below 16 kHz, where all modes are, agree within -60 dB: two seconds of what rings, phases and all."""
 
     def spectrum(rate: int) -> np.ndarray:
         text = f"0 /accuracy -40\n0 /object/new a seven\n0.01 /object/a/roll {roll.format('silent-')} seed 3\n"
@@ -109,7 +109,7 @@ def test_a_roll_sounds_the_same_at_any_rate(render, roll):
 
 
 def third_octaves(sound: np.ndarray, rate: int, low: float, high: float) -> np.ndarray:
-    """Energies of a sound in bands of a third of an octave, all of which lie from `low` to `high` (Hz)."""
+    """Return the energies of a sound in bands of a third of an octave, all of which lie from `low` to `high` (Hz)."""
     spectrum = np.abs(faded_spectrum(sound, rate)) ** 2
     edges = high * 2.0 ** (np.arange(-math.floor(3 * math.log2(high / low)), 1) / 3)
     at = np.searchsorted(np.fft.rfftfreq(len(sound), 1 / rate), edges)
@@ -143,7 +143,7 @@ def rolled(render, *keys: object, steer: str = "") -> np.ndarray:
 
 @pytest.mark.slow
 def test_faster_and_over_rougher_ground_is_louder(render):
-    """With each step, whether it rides the ground or leaps; and no direct current."""
+    """Both rise with each step, whether it rides the ground or leaps; and there is no direct current."""
 
     def level(*keys: object) -> float:
         sound = rolled(render, *keys)[24_000:]
@@ -200,7 +200,7 @@ def test_a_ringing_striker_rests_too(render):
 
 
 def test_a_roll_sounds_the_same_beside_other_contacts(render):
-    """What else drives an object cuts its time into single samples; a roll's own is several of them at a time."""
+    """Other contacts cut an object's time into single samples; a roll's own is several of them at a time."""
     rolls = """0 /accuracy -40
 0 /object/new pane glass-plate
 0 /object/new glass wine-glass

@@ -50,12 +50,12 @@ def test_keys_change_the_preset(session):
 
 
 def last_sent(session):
-    """The last command that the engine was sent."""
+    """Return the last command that the engine was sent."""
     return session.engine.state["ring"]["entries"][0][session.engine.sent - 1]
 
 
 def test_what_is_changed_with_an_object_is_its_own(session):
-    """What a message does not say is the object's, and not the preset's nor a middle."""
+    """The object has the value that a message leaves out, not the preset or a middle."""
     say(session, "/object/new", "a", "glass-plate", "position", 0.1, "striker", "felt")
     say(session, "/object/new", "b", "glass-plate", "position", 0.9)
     say(session, "/object/a/impact", 1.0, "by", "b")

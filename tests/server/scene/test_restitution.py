@@ -52,7 +52,8 @@ def wall(tmp_path) -> Session:
 
 
 def followed(session: Session, seconds: float) -> tuple[np.ndarray, np.ndarray]:
-    """Times (s) of the contacts that come to pass, each at the middle of its impulse, and their impulses (N s)."""
+    """Return times (s) of the contacts that come to pass, each at the middle of its impulse, and their impulses (N
+    s)."""
     entries = []
     for _ in range(math.ceil(seconds * RATE / 64)):
         session.engine.process(64)
@@ -96,7 +97,7 @@ def test_bounces_follow_it(wall, restitution):
 
 
 def left_by(session: Session, *keys) -> float:
-    """The share of 1 m/s that a blow leaves."""
+    """Return the share of 1 m/s that a blow leaves."""
     assert say(session, "/object/wall/impact", 1.0, *keys) == []
     return followed(session, 0.05)[1][0] / 0.005 - 1
 
@@ -134,14 +135,14 @@ def test_a_preset_with_both_or_none_is_refused(wall, tmp_path):
 
 
 def heard(session: Session, *keys) -> float:
-    """The loudest of what a blow at 1 m/s makes on the wall, which makes next to nothing."""
+    """Return the loudest of what a blow at 1 m/s makes on the wall, which makes next to nothing."""
     session.engine.process(RATE // 10)
     assert say(session, "/object/wall/impact", 1.0, *keys) == []
     return float(np.abs(session.engine.process(4800)).max())
 
 
 def test_a_mass_and_a_stiffness_sound_of_nothing(wall):
-    """They are no striker's, least of all the one's that the object is usually struck with."""
+    """The sound is no striker's, least of all the one's that the object is usually struck with."""
     usual, silent = heard(wall), heard(wall, "mass", 0.0041, "stiffness", 1e10)
     assert silent < 1e-3 * usual
     assert heard(wall, "mass", 0.0041, "stiffness", 1e10, "striker", "steel") > 0.5 * usual

@@ -1,4 +1,4 @@
-"""What a gesture's message leaves out, as the object's preset has it."""
+"""Values that a gesture's message leaves out, as the object's preset has them."""
 
 import pytest
 

@@ -19,7 +19,7 @@ NAMES = {"NAME": {"bell": None, "é %41": None}, "ID": {"g1": None}, "preset": [
 
 
 class Known:
-    """What a server would tell."""
+    """The facts that a server would tell."""
 
     def names(self) -> dict[str, Any]:
         return NAMES
@@ -71,7 +71,7 @@ def web(make) -> WebServer:
 
 
 def ask(port: int, path: str, method: str = "GET", body: bytes | None = None, **headers: str) -> tuple[int, str, bytes]:
-    """Status, kind and content of an answer."""
+    """Return status, kind and content of an answer."""
     with closing(http.client.HTTPConnection("127.0.0.1", port, timeout=10)) as connection:
         connection.request(method, path, body, headers)
         response = connection.getresponse()
@@ -79,11 +79,11 @@ def ask(port: int, path: str, method: str = "GET", body: bytes | None = None, **
 
 
 def get(port: int, path: str) -> tuple[int, dict[str, Any]]:
-    """Status and JSON of an answer."""
+    """Return status and JSON of an answer."""
     status, kind, body = ask(port, path)
     return status, json.loads(body) if kind == "application/json" else {}
 
 
 def run(work: Coroutine[Any, Any, Any]) -> Any:
-    """The result of what takes at most 30 s."""
+    """Run what takes at most 30 s, and return its result."""
     return asyncio.run(asyncio.wait_for(work, 30))

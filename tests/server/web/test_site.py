@@ -152,7 +152,7 @@ def test_connections_that_ask_for_nothing_make_way_at_once(make, monkeypatch):
 
 
 def host_of(port: int, host: bytes, path: bytes = b"/") -> int:
-    """The status of an answer to a request of a host."""
+    """Return the status of an answer to a request of a host."""
     with socket.create_connection(("127.0.0.1", port), 5) as sock:
         sock.sendall(b"GET " + path + b" HTTP/1.1\r\nHost: " + host + b"\r\nConnection: close\r\n\r\n")
         return int(sock.makefile("rb").readline().split()[1])

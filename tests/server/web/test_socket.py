@@ -190,7 +190,7 @@ def test_oscquery_tells_what_comes_goes_and_changes(server):
 
 
 def test_the_sound_comes_bit_by_bit(server, tmp_path):
-    """What a page hears is what is recorded, from the sample on that it says."""
+    """A page hears what is recorded, from the sample on that it says."""
 
     async def play() -> list[tuple]:
         async with page_of(server) as page:

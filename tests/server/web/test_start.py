@@ -1,4 +1,4 @@
-"""How a page is served elsewhere: with a token, over TLS, beside OSCQuery; and what is said where it can't be."""
+"""A page that is served elsewhere: with a token, over TLS, beside OSCQuery; and what is said where it can't be."""
 
 import json
 import os
@@ -17,7 +17,7 @@ pytestmark = pytest.mark.slow
 
 
 def told(server) -> str:
-    """The page's address, as the server prints it."""
+    """Return the page's address, as the server prints it."""
     match = re.search(r"https?://\S+", server.process.stdout.readline())
     assert match
     return match[0]

@@ -35,7 +35,7 @@ def test_others_are_answered_while_bodies_are_made_and_no_sphere_takes_long(tmp_
 
 
 def test_what_tells_the_simulation_waits_for_its_bodies_whoever_sends_it(tmp_path):
-    """As of a script: each message from a client of its own. The log renders to what was recorded."""
+    """Each message is sent as by a script: from a client of its own. The log renders to what was recorded."""
     lines = [
         Message("/world/body", ("floor", *PLATE, 0.01, "held", 1)),
         Message("/world/body", ("ball", "sphere", "rubber", 0.05)),

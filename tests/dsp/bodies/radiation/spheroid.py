@@ -15,7 +15,7 @@ from carom.dsp.bodies.radiation.air import DENSITY, SPEED
 
 
 def impedance(order, x, radius, profile, count=6):
-    """kg/s of profile(r/a) cos(m theta) on both sides at k a = x, time as exp(-i omega t)."""
+    """Return the impedance (kg/s) of profile(r/a) cos(m theta) on both sides at k a = x, time as exp(-i omega t)."""
     nodes, weights = np.polynomial.legendre.leggauss(120)
     y, weights = (nodes + 1) / 2, weights / 2
     total = 0
@@ -29,7 +29,7 @@ def impedance(order, x, radius, profile, count=6):
 
 
 def _outward(order, n, c):
-    """R over R' at x = 0 of ((1 + x^2) R')' = (lambda - c^2 x^2 - m^2/(1 + x^2)) R."""
+    """Return R over R' at x = 0 of ((1 + x^2) R')' = (lambda - c^2 x^2 - m^2/(1 + x^2)) R."""
     eigenvalue = special.obl_cv(order, n, c)
     far = max(300 / c, 40.0)
 

@@ -19,14 +19,14 @@ MASS, VELOCITY = 0.002, 1.0
 
 
 def plate(alpha):
-    """A small disc in a wall, whose modes lie far apart; alpha (1/s) is all that its material loses."""
+    """Return a small disc in a wall, whose modes lie far apart; alpha (1/s) is all that its material loses."""
     material = bodies.Material("light", 2700, 7e10, 0.3, alpha, 0)
     modes = bodies.disc(material, radius=0.06, thickness=0.004, edge="supported", baffle="wall", top=20000)
     return placed(modes, 0.7)
 
 
 def mode_energies(engine, handle, modes):
-    """J in each mode, by ascending frequency."""
+    """Return the J in each mode, by ascending frequency."""
     place = engine.state["objects"][0][handle.slot]
     span = slice(place["first"], place["first"] + modes.frequency.size)
     bank = engine.state["bank"]
@@ -38,7 +38,8 @@ def mode_energies(engine, handle, modes):
 
 
 def played(modes, seconds=0.6):
-    """In J: what the striker gave, what the modes have once it has left, what was radiated until then and since."""
+    """Return energies in J: what the striker gave, what the modes have once it has left, what was radiated until then
+    and since."""
     engine = Engine(RATE)
     engine.trace(True)
     handle = engine.add(modes, QUIETER)
@@ -84,7 +85,7 @@ def test_energy_radiated_and_energy_lost_inside_are_the_energy_put_in():
     ],
 )
 def test_presets_radiate_what_their_modes_lose_to_the_air(name, within):
-    """After a blow, without clicks. Each mode's share R/(2 sigma) of its energy is exact.
+    """The blow has no clicks. Each mode's share R/(2 sigma) of its energy is exact.
 
     The sound at one point is the sum of all modes, and where they overlap they interfere: its square is their power
     only to the accuracy stated, and so is any one microphone's on a real board.

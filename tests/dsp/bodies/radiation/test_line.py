@@ -19,7 +19,7 @@ def decibels(ratio):
 
 
 def moving(outline, length, shape, slope):
-    """A bar of one kg whose one mode has a given shape of x in -1..1."""
+    """Return a bar of one kg whose one mode has a given shape of x in -1..1."""
     nodes, weights = np.polynomial.legendre.leggauss(200)
     values = [np.asarray(each(nodes), float)[:, None] for each in (shape, slope)]
     return line.Bar(nodes, weights, 120, *values, length / 2, outline(nodes))

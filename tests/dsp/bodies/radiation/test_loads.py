@@ -79,7 +79,7 @@ def test_a_head_in_a_wall_is_damped_more_than_an_open_one():
     ],
 )
 def test_modes_that_are_not_solved_lie_where_solved_ones_would(monkeypatch, shape, rms):
-    """By mode, before they are sorted: two of one frequency may change places."""
+    """Modes are compared before they are sorted: two of one frequency may change places."""
     found = []
     monkeypatch.setattr(
         sys.modules[bodies.disc.__module__], "loaded", lambda *given: found.append(loaded(*given)) or found[-1]

@@ -29,7 +29,7 @@ def radiated(modes):
 
 
 def wallace(m, n, k, a, b):
-    """Efficiency of one side of a supported plate in a wall (Wallace, J. Acoust. Soc. Am. 51, 1972)."""
+    """Return the efficiency of one side of a supported plate in a wall (Wallace, J. Acoust. Soc. Am. 51, 1972)."""
     angle, weights = np.polynomial.legendre.leggauss(int(60 + k * max(a, b)))
     t, wt = (angle + 1) * math.pi / 4, weights * math.pi / 4
     theta, phi = np.meshgrid(t, t, indexing="ij")
@@ -42,7 +42,7 @@ def wallace(m, n, k, a, b):
 
 @pytest.mark.parametrize("thickness", [0.001, 0.004, 0.02])
 def test_a_supported_plate_in_a_wall_is_wallaces(thickness):
-    """Of modes below, at and above the critical frequency, within 0.2 dB."""
+    """Modes below, at and above the critical frequency agree within 0.2 dB."""
     a, b = 0.41, 0.3
     modes = bodies.plate(
         HEAVY, length=a, width=b, thickness=thickness, edges=("supported",) * 4, baffle="wall", top=16000

@@ -20,7 +20,7 @@ def decibels(ratio):
 
 
 def strip_by_panels(x, count):
-    """Impedance per length over rho c b: the jump constant on panels, velocity met at their middles.
+    """Return the impedance per length over rho c b: the jump constant on panels, velocity met at their middles.
 
     v = 1/(i omega rho) d^2/dn^2 int p G with G = i/4 H_0; on the flat strip d^2/dn^2 = -(k^2 + d^2/dz^2), and the
     derivative is taken at the panels' ends.
