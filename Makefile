@@ -35,6 +35,7 @@ coverage: $(READY)  ## all tests, and which lines of the Python side they run (k
 lint: $(READY)  ## linters, import contracts and types
 	@$(BIN)/ruff check --quiet .
 	@$(BIN)/ruff format --quiet --check .
+	@$(BIN)/python -m tests.docstrings
 	@$(CHECK) vendor.github-workflows .github/workflows/*.yml
 	@$(CHECK) custom.github-workflows-require-timeout .github/workflows/*.yml
 	@$(CHECK) vendor.github-issue-forms .github/ISSUE_TEMPLATE/bug.yml .github/ISSUE_TEMPLATE/idea.yml
@@ -50,11 +51,11 @@ lint: $(READY)  ## linters, import contracts and types
 serve: $(READY)  ## listen for OSC and play on the default device, or on none where there is no PortAudio
 	@if $(BIN)/carom devices >/dev/null; then $(BIN)/carom serve; else $(BIN)/carom serve --device none; fi
 
-bench: $(READY)  ## measure speed; figures go to tests/measured, and from there into tests/README.md
+bench: $(READY)  ## measure speed; figures go to tests/measured, and from there into tests/speed.md
 	$(BIN)/python -m tests.bench.bench --json tests/measured/bench.json
 	@$(BIN)/python -m tests.documents.pages
 
-chart: $(READY)  ## measure speed against accuracy; figures go to tests/measured, and from there into tests/README.md
+chart: $(READY)  ## measure speed against accuracy; figures go to tests/measured, and from there into tests/methods.md
 	$(BIN)/carom chart build/chart
 	@$(BIN)/python -m tests.documents.study build/chart
 	@$(BIN)/python -m tests.documents.pages
@@ -69,7 +70,7 @@ sounds: $(READY)  ## render the sounds and draw the pictures of the documents
 picture: $(READY)  ## take the picture of the page, in Chromium
 	@$(BIN)/python -m tests.documents.screenshot
 
-documents: $(READY)  ## write the tables of all README files
+documents: $(READY)  ## write the tables of all pages
 	@$(BIN)/python -m tests.documents.pages
 
 study: $(READY)  ## the hour-long stress tests: recordings, data sets, extreme contacts, a long evening, threads that hog, a million packets

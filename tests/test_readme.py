@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 import soundfile
 
+import carom
 from carom.server.osc.wire import DEFAULT_PORT
 from tests.documents.pages import PAGES, ROOT
 from tests.support import serving
@@ -54,6 +55,7 @@ class Reader:
         self._env = os.environ | {"PATH": f"{folder}:{os.environ['PATH']}"}
 
     def score(self, text: str) -> None:
+        carom.render(text, seconds=0.5)  # an error names a line that cannot be carried out
         for name in ("strike.txt", "drums.txt", "bell.txt"):  # a page says what it calls its own
             (self.folder / name).write_text(text)
 
@@ -88,7 +90,7 @@ class Reader:
         assert run.stdout and b"listens" in run.stdout.readline()
 
 
-@pytest.mark.parametrize("page", PAGES)
+@pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, *_RUN)])
 def test_its_examples_run(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     found = blocks(page, *_RUN)

@@ -1,21 +1,35 @@
 """The command line's reference, from its parsers."""
 
 import argparse
+from collections.abc import Sequence
 
 from carom.clients.cli import COMMANDS, parsers
+from carom.clients.commands.parser import Command
 from tests.documents.markdown import table
 
+PLAYING = ("serve", "render", "strike", "play", "page", "send", "listen", "top")
 
-def commands() -> str:
-    """Return the reference of every command: its usage, what it does, its arguments and options."""
+
+def playing() -> str:
+    """Return the reference of the commands that play, or talk to what plays."""
+    return _reference([command for command in COMMANDS if command.name in PLAYING])
+
+
+def others() -> str:
+    """Return the reference of all other commands."""
+    return _reference([command for command in COMMANDS if command.name not in PLAYING])
+
+
+def _reference(commands: Sequence[Command]) -> str:
+    """Return a section for each command: its usage, what it does, its arguments and options."""
     _, found = parsers()
     sections = []
-    for command in COMMANDS:
+    for command in commands:
         rows = [(_signature(action), _help(action)) for action in _told(found[command.name])]
         if command.name == "page":
             of_serve = {(_signature(action), _help(action)) for action in _told(found["serve"])}
             rows = [*(row for row in rows if row not in of_serve), ("the options of `carom serve`", "as there")]
-        head = f"### `carom {command.name}{f' {command.usage}' * bool(command.usage)}`"
+        head = f"## `carom {command.name}{f' {command.usage}' * bool(command.usage)}`"
         does = f"{command.help[0].upper()}{command.help[1:]}."
         sections.append("\n\n".join([head, does, *([table(("argument or option", "meaning"), rows)] if rows else [])]))
     return "\n\n".join(sections)

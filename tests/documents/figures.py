@@ -174,7 +174,7 @@ def _kernels(rows: list[dict[str, Any]], klank: dict[str, Any] | None) -> str:
                 ("the same in C, `-O3 -march=native -ffast-math`", *(_number(found[size]["c_ns"]) for size in sizes))
             )
     head = [f"{modes} modes" if objects == 1 else f"{objects} x {modes}" for objects, modes in sizes]
-    made = f"### Modes\n\n{table(('ns per mode and sample, stereo', *head), lines)}"
+    made = f"## Modes\n\n{table(('ns per mode and sample, stereo', *head), lines)}"
     if klank:
         made += (
             f"\n\nscsynth's Klank, in mono, takes {klank['ring_ratio']:.3g} times as long for {klank['modes']} modes."
@@ -199,7 +199,7 @@ def _ringing(rows: list[dict[str, Any]]) -> str:
         "objects x modes", "ns per mode and sample, of the kernel, sample by sample", "kept in", "in the engine",
         "times as fast", "of a core, mean", "99.9 % of callbacks of 64 frames",
     )  # fmt: skip
-    return f"### Objects that ring\n\n{table(head, lines)}"
+    return f"## Objects that ring\n\n{table(head, lines)}"
 
 
 def _struck(rows: list[dict[str, Any]]) -> str:
@@ -246,7 +246,7 @@ def _impacts(rows: list[dict[str, Any]], long: list[dict[str, Any]]) -> str:
     costs = ("us_per_sample", "us_of_two")
     held = [(says[row["solver"]], row["modes"], *(_number(row[name]) for name in costs)) for row in long]
     lasting = table(("contact that lasts", "modes", "µs per sample", "of two on one object"), held)
-    return f"### Contacts\n\n{table(head, lines)}\n\n{lasting}"
+    return f"## Contacts\n\n{table(head, lines)}\n\n{lasting}"
 
 
 def _driven(rows: list[dict[str, Any]]) -> str:
@@ -254,7 +254,7 @@ def _driven(rows: list[dict[str, Any]]) -> str:
         return ""
     lines = [(row["modes"], *(_number(row[f"{name}_ns"]) for name in ("ring", "roll", "moments"))) for row in rows]
     head = ("modes", "ns per mode-sample, free", "on which a body rolls", "the same by moments")
-    return f"### Rolls\n\n{table(head, lines)}"
+    return f"## Rolls\n\n{table(head, lines)}"
 
 
 def _gestures(rows: list[dict[str, Any]]) -> str:
@@ -266,7 +266,7 @@ def _gestures(rows: list[dict[str, Any]]) -> str:
         for row in rows
     ]  # fmt: skip
     head = ("rolls", "bounces", "accuracy", "load of one core", "of the worst block", "impacts per second")
-    return f"### Gestures on 32 objects of 64 modes\n\n{table(head, lines)}"
+    return f"## Gestures on 32 objects of 64 modes\n\n{table(head, lines)}"
 
 
 def _friction(contacts: list[dict[str, Any]], slides: list[dict[str, Any]]) -> str:
@@ -280,7 +280,7 @@ def _friction(contacts: list[dict[str, Any]], slides: list[dict[str, Any]]) -> s
     made = table(("friction by itself", "modes", "events per second", "µs per sample, events included"), lines)
     bowed = [(row["slides"], f"{100 * row['load']:.3g} %", f"{100 * row['worst_block']:.3g} %") for row in slides]
     head = ("strings that are bowed", "load of one core", "of the worst block")
-    return f"### Friction\n\n{made}\n\n{table(head, bowed)}"
+    return f"## Friction\n\n{made}\n\n{table(head, bowed)}"
 
 
 _CLIPS = {"preset": "objects as their presets are", "geometry": "each object of a new geometry"}
@@ -295,7 +295,7 @@ def _starts(bench: dict[str, Any]) -> str:
         (f"a clip of one second with labels, {_CLIPS[row['objects']]}", f"{row['ms']:.3g} ms") for row in bench["clips"]
     ]
     lines.append(("an empty `Scene`", f"{bench['empty_scene']['ms']:.3g} ms"))
-    return f"### Starts and clips\n\n{table(('', 'takes'), lines)}"
+    return f"## Starts and clips\n\n{table(('', 'takes'), lines)}"
 
 
 def _number(value: float) -> str:

@@ -11,17 +11,20 @@ from carom.server.osc.tables import address_table, key_table
 from tests.documents import commands, figures, presets, protocol, recipes
 
 ROOT = Path(__file__).parents[2]
-PAGES = ("README.md", *(f"{folder}/README.md" for folder in ("server", "clients", "presets", "dsp", "tests")))
+FOLDERS = ("server", "clients", "presets", "dsp", "tests")
+PAGES = ("README.md", *(f"{folder}/{page.name}" for folder in FOLDERS for page in sorted((ROOT / folder).glob("*.md"))))
 
 PARTS: dict[str, Callable[[], str]] = {
     "addresses": address_table,
     "gesture keys": key_table,
     "status": protocol.status,
     "limits": protocol.limits,
-    "commands": commands.commands,
+    "commands that play": commands.playing,
+    "other commands": commands.others,
     "recipe keys": recipes.keys,
     "recipes": recipes.listed,
-    "preset files": presets.files,
+    "object keys": presets.object_keys,
+    "other keys": presets.other_keys,
     "shapes": presets.shapes,
     "presets": presets.listed,
     "levels": presets.levels,

@@ -1,7 +1,7 @@
 """Tables of the presets: the keys of every kind of file, the values that they may have, and all presets there are."""
 
 import json
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from pathlib import Path
 
 from carom.dsp.schema import GESTURES
@@ -59,8 +59,21 @@ def _meaning(where: str, key: str) -> str:
     return MEANINGS[where, key] if (where, key) in MEANINGS else MEANINGS["", key]
 
 
-def files() -> str:
-    """Return the keys of each kind of file and of its sections."""
+def object_keys() -> str:
+    """Return the keys of an object's file and of its sections."""
+    return _sections(
+        {
+            "An object": _keys("object", known.OBJECT, _REQUIRED_OF_OBJECT),
+            "`[damping]`, in place of the material's": _keys("damping", known.DAMPING),
+            "`[strike]`": _keys("strike", known.STRIKE, known.STRIKE),
+            **{f"`[{name}]`": _keys(name, added.fields, added.required) for name, added in known.ADDED.items()},
+            **{f"`[{name}]`": _usual(name) for name in known.SUITABLE},
+        }
+    )
+
+
+def other_keys() -> str:
+    """Return the keys of the files of strikers, materials and surfaces, and of their sections."""
     striker = "click", "ringing", "snap", "slide"
     of_striker = zip(striker, (known.CLICK, known.RINGING, known.SNAP, known.SLIDE), strict=True)
     needed = {
@@ -70,20 +83,16 @@ def files() -> str:
         "slide": (),
     }
     parts = {
-        "An object": _keys("object", known.OBJECT, _REQUIRED_OF_OBJECT),
-        "`[damping]` of an object, in place of its material's": _keys("damping", known.DAMPING),
-        "`[strike]` of an object": _keys("strike", known.STRIKE, known.STRIKE),
-        **{
-            f"`[{name}]` of an object": _keys(name, addition.fields, addition.required)
-            for name, addition in known.ADDED.items()
-        },
-        **{f"`[{name}]` of an object": _usual(name) for name in known.SUITABLE},
         "A striker": _keys("striker", known.STRIKER, known.DESCRIPTION),
         **{f"`[{name}]` of a striker": _keys(name, fields, needed[name]) for name, fields in of_striker},
         "A material": _keys("material", known.MATERIAL, known.MATERIAL_REQUIRED),
         "A surface": _keys("surface", known.SURFACE, known.SURFACE_REQUIRED),
     }
-    return "\n\n".join(f"### {title}\n\n{part}" for title, part in parts.items())
+    return _sections(parts)
+
+
+def _sections(parts: Mapping[str, str]) -> str:
+    return "\n\n".join(f"## {title}\n\n{part}" for title, part in parts.items())
 
 
 def shapes() -> str:
@@ -92,7 +101,7 @@ def shapes() -> str:
     for name, shape in known.SHAPES.items():
         one, other = (", ".join(f"`{key}`" for key in shape.fields if key in side) for side in shape.either)
         note = f"\n\nEither {one} or {other}." if one else ""
-        parts.append(f"### `{name}`\n\n{_keys(name, shape.fields, shape.required)}{note}")
+        parts.append(f"## `{name}`\n\n{_keys(name, shape.fields, shape.required)}{note}")
     return "\n\n".join(parts)
 
 
@@ -105,7 +114,7 @@ def listed() -> str:
         rows = [(f"`{name}`", presets.description(kind, name).replace("\n", " ")) for name in names]
         if kind == "materials":
             rows = [(name, _material(presets, name.strip("`"))) for name, _ in rows]
-        parts.append(f"### {len(names)} {kind}\n\n{table(('name', 'description'), rows)}")
+        parts.append(f"## {len(names)} {kind}\n\n{table(('name', 'description'), rows)}")
     return "\n\n".join(parts)
 
 

@@ -1,5 +1,6 @@
 """The documents say what the program says: their tables, links and sizes."""
 
+import os
 import re
 
 import pytest
@@ -9,7 +10,8 @@ from carom.server.status import FIELDS, FIRST
 from tests.documents.pages import PAGES, PARTS, ROOT, parts, written
 from tests.support import serving
 
-LONGEST_README = 150
+LONGEST_README, LONGEST_PAGE = 150, 200
+AS_LONG_AS_ITS_HISTORY = "CHANGELOG.md"
 OTHERS = ("CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "clients/examples/README.md")
 TEXTS = {page: (ROOT / page).read_text(encoding="utf-8") for page in (*PAGES, *OTHERS)}
 
@@ -25,8 +27,23 @@ def test_every_part_stands_in_one_page():
         assert text.count("<!-- begin ") == text.count("<!-- end ") == len(parts(text))
 
 
-def test_the_readme_is_short():
-    assert TEXTS["README.md"].count("\n") < LONGEST_README
+@pytest.mark.parametrize("page", TEXTS)
+def test_a_page_is_short(page):
+    limit = LONGEST_README if page == "README.md" else LONGEST_PAGE
+    assert TEXTS[page].count("\n") < limit or page == AS_LONG_AS_ITS_HISTORY
+
+
+def test_every_page_is_linked_to():
+    """A reader who follows links from the README comes to each page."""
+    found, left = {"README.md"}, ["README.md"]
+    while left:
+        page = left.pop()
+        for link in re.findall(r"\]\(([^)#\s]+\.md)(?:#[^)]*)?\)", TEXTS[page]):
+            name = os.path.normpath(os.path.join(os.path.dirname(page), link))
+            if name in TEXTS and name not in found:
+                found.add(name)
+                left.append(name)
+    assert found >= set(PAGES)
 
 
 @pytest.mark.parametrize("page", TEXTS)
