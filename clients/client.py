@@ -89,7 +89,7 @@ class Client(Actions, Closing):
     def ask(self, address: str, *args: Value, timeout: float = 2.0, at: SupportsFloat | None = None) -> wire.Message:
         """Send a message and wait up to `timeout` seconds for its reply: /done, ADDRESS.reply or /synced.
 
-        Raises CommandError for /fail, TimeoutError for silence.
+        CommandError for /fail, TimeoutError for silence.
         """
         self._start_asking(address)
         message = message_of(address, args, {})
@@ -105,7 +105,7 @@ class Client(Actions, Closing):
     def ask_all(self, address: str, *args: Value, timeout: float = 2.0) -> list[wire.Message]:
         """Send a message and gather all replies, /fail too, until the server has carried it out.
 
-        Raises TimeoutError if that takes more than `timeout` seconds.
+        TimeoutError if that takes more than `timeout` seconds.
         """
         self._start_asking(address)
         self.send(address, *args)
@@ -161,8 +161,10 @@ class Client(Actions, Closing):
         return [str(reply.args[0]) for reply in self._taken("/gesture/end")]
 
     def warnings(self) -> list[str]:
-        """Return the server's warnings since the last call, the oldest first; it sends them after `send("/notify",
-        1)`."""
+        """Return the server's warnings since the last call, the oldest first.
+
+        The server sends them after `send("/notify", 1)`.
+        """
         return [str(reply.args[0]) for reply in self._taken("/warning")]
 
     def replies(self, seconds: float) -> Iterator[wire.Message]:
@@ -173,12 +175,18 @@ class Client(Actions, Closing):
         return self._connection.messages(seconds)
 
     def status(self) -> wire.Message:
-        """Return the server's counts, loads and rates: its /status.reply."""
+        """Return the server's counts, loads and rates: its /status.reply.
+
+        TimeoutError if it does not answer within 2 s.
+        """
         return self.ask("/status")
 
     def new(self, name: str, preset: str, at: SupportsFloat | None = None, **keys: Value) -> None:
-        """Make an object from a preset and wait until it is there; keys change the preset, or are the object's first
-        gain, pan, gains, distance, tune, decay and damp."""
+        """Make an object from a preset, and wait until it is there.
+
+        Keys change the preset, or are the object's first gain, pan, gains, distance, tune, decay and damp. CommandError
+        if the server refuses; TimeoutError if it does not answer.
+        """
         self.ask("/object/new", name, preset, *key_pairs(keys), timeout=_MAKING, at=at)
 
     def gesture(self, id: str, what: str, *value: Value, at: SupportsFloat | None = None, **keys: Value) -> None:

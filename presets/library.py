@@ -47,34 +47,51 @@ class Presets:
         self._surfaces: dict[str, tuple[dict[str, Any], SurfacePreset]] = {}  # with the data of which each was made
 
     def names(self, kind: str) -> list[str]:
-        """Return all names of a kind: objects, strikers, surfaces or materials. ValueError for another kind."""
+        """Return all names of a kind: objects, strikers, surfaces or materials.
+
+        ValueError for another kind.
+        """
         if kind not in KINDS:
             raise ValueError(f"kind = {kind!r}: {expected(kind, KINDS)}")
         files = (path for folder in self._folders for path in (folder / kind).glob("*.toml"))
         return sorted({path.stem for path in files if NAME.fullmatch(path.stem) and path.is_file()})
 
     def material(self, name: str) -> Material:
-        """Return the material of that name. PresetError if there is none, or its file is wrong."""
+        """Return the material of that name.
+
+        PresetError if there is none, or its file is wrong.
+        """
         return _material(name, *self._read("materials", name))
 
     def striker(self, name: str) -> StrikerPreset:
-        """Return the striker of that name. PresetError if there is none, or its file is wrong."""
+        """Return the striker of that name.
+
+        PresetError if there is none, or its file is wrong.
+        """
         return StrikerPreset.from_data(name, *self._read("strikers", name), self)
 
     def surface(self, name: str) -> SurfacePreset:
-        """Return the surface of that name. PresetError if there is none, or its file is wrong."""
+        """Return the surface of that name.
+
+        PresetError if there is none, or its file is wrong.
+        """
         where, data = self._read("surfaces", name)
         if name not in self._surfaces or self._surfaces[name][0] is not data:  # another edition of the file
             self._surfaces[name] = data, SurfacePreset.from_data(name, where, data)
         return self._surfaces[name][1]
 
     def object(self, name: str) -> ObjectPreset:
-        """Return the object of that name. PresetError if there is none, or its file is wrong."""
+        """Return the object of that name.
+
+        PresetError if there is none, or its file is wrong.
+        """
         return ObjectPreset.from_data(name, *self._read("objects", name), self)
 
     def load(self, kind: str, path: Path) -> Material | StrikerPreset | SurfacePreset | ObjectPreset:
-        """Load the preset of a kind in any file; the presets that it names are found here. PresetError if it is
-        wrong."""
+        """Load the preset of a kind in any file; the presets that it names are found here.
+
+        PresetError if it is wrong.
+        """
         where, data = read_file(path)
         if kind == "materials":
             return _material(path.stem, where, data)
@@ -87,12 +104,18 @@ class Presets:
         raise ValueError(f"kind = {kind!r}: {expected(kind, KINDS)}")
 
     def description(self, kind: str, name: str) -> str:
-        """Return the description of a preset, or its source. PresetError if there is none."""
+        """Return the description of a preset, or its source.
+
+        PresetError if there is none.
+        """
         data = self._read(kind, name)[1]
         return str(data.get("description", data.get("source", "")))
 
     def path(self, kind: str, name: str) -> Path:
-        """Return the file of a preset. PresetError if there is none."""
+        """Return the file of a preset.
+
+        PresetError if there is none.
+        """
         singular = kind.removesuffix("s")
         if not NAME.fullmatch(name):
             raise PresetError(f"{singular} {shown(name)}: expected {Name()}")

@@ -1,7 +1,11 @@
 """The lint for docstrings finds those that open wrongly, and those alone."""
 
+import inspect
+from collections.abc import Iterator
+
 import pytest
 
+import carom
 from tests import docstrings
 
 WRONG = (
@@ -56,3 +60,22 @@ def test_the_command_fails_with_a_line_for_each(tmp_path, monkeypatch):
     monkeypatch.setattr(docstrings, "ROOT", tmp_path)
     with pytest.raises(SystemExit, match=r"^dsp/a.py:1: the docstring opens with 'What': expected a noun phrase"):
         docstrings.main()
+
+
+def public() -> Iterator[tuple[str, object]]:
+    """Yield all functions and classes that users import, and the methods and properties of the classes."""
+    for module, names in ((carom, carom.__all__), (carom.dsp, carom.dsp.__all__)):
+        for name in names:
+            value = getattr(module, name)
+            if callable(value):
+                yield name, value
+            for owner in value.__mro__ if inspect.isclass(value) else ():
+                for own, member in vars(owner).items() if owner.__module__.startswith("carom") else ():
+                    if not own.startswith("_") and (inspect.isfunction(member) or isinstance(member, property)):
+                        yield f"{name}.{own}", member
+
+
+def test_public_docstrings_open_with_a_sentence_in_a_line_of_its_own():
+    said = {name: (inspect.getdoc(value) or "").split("\n\n")[0] for name, value in public()}
+    assert len(said) > 150
+    assert {name: text for name, text in said.items() if not text or "\n" in text or ". " in text} == {}

@@ -175,8 +175,10 @@ class Bridge:
         return self.update()
 
     def update(self) -> Blocks:
-        """Tell the step, and return the sound since the last update, (frames, channels); call it after each step of
-        MuJoCo."""
+        """Tell the step, and return the sound since the last update, float32 (frames, channels), Pa.
+
+        Call it after each step of MuJoCo. WorldError for what is not finite, or if time has not gone on.
+        """
         self.tell()
         return self.world.block()
 

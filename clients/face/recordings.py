@@ -28,11 +28,13 @@ def fit(
         carom.fit(["left.wav", "middle.wav"], "mine", "bar", positions=(0.1, 0.5), licence="CC0")
         carom.Scene(presets="mine").new("a", "bar").impact(2.0, position=0.3)
 
-    recordings: sound files, or a folder of such. out: the folder that gets the presets. name: the object's.
-    known: modes (how many), positions (0 to 1, one for each hit), strikers (a preset's name or a new one; one, or one
-    for each hit), force (a hammer's recording), mass (kg), velocity (m/s), source, licence. report: whether to write
-    the page NAME.html too. Return the fit, the files, and what there is to say.
-    RecordingError, FitError, PresetError or OSError say what cannot be.
+    recordings: sound files, or a folder of such. out: the folder that gets the presets; it is made if missing. name:
+    the object's. known: modes (how many at most), positions (0 to 1, one for each hit), strikers (a preset's name or a
+    new one; one, or one for each hit), force (a hammer's recording), mass (kg), velocity (m/s), full_scale (Pa),
+    distance (m), source, licence. report: whether to write the page NAME.html too.
+
+    Return `fit` (frequency (n,) in Hz, decay (n,) in 1/s, residual in dB of each take), `files`, `notes`, and `sound`,
+    the default strike. RecordingError, FitError, PresetError or OSError say what cannot be.
     """
     paths = [recordings] if isinstance(recordings, str | PathLike) else list(recordings)
     for key in ("positions", "strikers"):
@@ -52,7 +54,7 @@ def fit(
 def compare(a: File, b: File) -> Distance:
     """Measure how far apart two sound files are, as `carom compare` does.
 
-    Residual and log-spectral distance (dB), third octaves, decays by octave. RecordingError or OSError say what cannot
-    be.
+    Return the residual and the log-spectral distance (dB), third octaves (Hz, dB, dB), and decays by octave (Hz, s, s).
+    RecordingError or OSError say what cannot be read.
     """
     return _compare(Path(a), Path(b))[0]

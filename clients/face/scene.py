@@ -72,7 +72,10 @@ class Scene(Actions, Closing):
         self._frames = 0
 
     def close(self) -> None:
-        """Give its memory back. Sounds stay; the scene and its objects can do nothing more."""
+        """Give its memory back.
+
+        Sounds stay; the scene and its objects can do nothing more.
+        """
         self._performer = None
 
     @property
@@ -91,8 +94,11 @@ class Scene(Actions, Closing):
         return self._open.time
 
     def render(self, seconds: float | None = None, *, frames: int | None = None) -> Sound:
-        """Render the sound of the next seconds, or frames, from the end of the last one on. ValueError unless one is
-        given."""
+        """Render the sound of the next seconds, or frames, from the end of the last one on.
+
+        Return a Sound: samples float32 (frames, channels). ValueError unless one of the two is given, and is at least a
+        frame.
+        """
         if (seconds is None) == (frames is None):
             raise ValueError(f"seconds = {seconds}, frames = {frames}: expected one of the two")
         most = LONGEST_SCORE * self.rate
@@ -115,8 +121,11 @@ class Scene(Actions, Closing):
         self._open.perform(messages, at)
 
     def new(self, name: str, preset: str, at: SupportsFloat | None = None, **keys: Value) -> Object:
-        """Make an object from a preset. Keys change the preset (length, material, ...), or are the object's first gain,
-        pan, gains, distance, tune, decay and damp."""
+        """Make an object from a preset.
+
+        name: of the object. Keys change the preset (length, material, ...), or are the object's first gain (dB), pan,
+        gains, distance (m), tune (semitones), decay and damp. CommandError if the name is taken, or a key does not fit.
+        """
         self.send("/object/new", name, preset, at=at, **keys)
         return Object(self, name, self._open.placed(name), _settings(keys))
 
@@ -183,7 +192,10 @@ class Object:
         at: SupportsFloat | None = None,
         **keys: Value,
     ) -> None:
-        """Roll a ball over it at a speed (m/s), or steer the roll of that `id` (None: its own); 0 ends it."""
+        """Roll a ball over it at a speed (m/s).
+
+        A roll of that `id` that goes on (None: its own) is steered; 0 ends it.
+        """
         self.scene.roll(self.name, speed, position, at, **keys)
 
     def press(
@@ -213,8 +225,10 @@ class Object:
         at: SupportsFloat | None = None,
         **keys: Value,
     ) -> None:
-        """Drag a striker over it at a speed (m/s): scrape, rub or bow it, or steer the slide of that `id` (None: its
-        own); 0 ends it."""
+        """Drag a striker over it at a speed (m/s): scrape, rub or bow it.
+
+        A slide of that `id` that goes on (None: its own) is steered; 0 ends it.
+        """
         self.scene.slide(self.name, speed, position, at, **keys)
 
     def note(
@@ -225,8 +239,10 @@ class Object:
         at: SupportsFloat | None = None,
         **keys: Value,
     ) -> None:
-        """Strike a copy of it that is tuned to a note (a MIDI number, or a name such as C#4), at a MIDI velocity (0 to
-        127)."""
+        """Strike a copy of it that is tuned to a note: a MIDI number, or a name such as C#4.
+
+        velocity: of MIDI, 0 to 127.
+        """
         self.scene.note(self.name, note, velocity, position, at, **keys)
 
     def damp(self, amount: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
@@ -238,12 +254,17 @@ class Object:
         self.scene.gain(self.name, level, at, **keys)
 
     def pan(self, place: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
-        """Place it between left (-1) and right (1); on a ring of channels from behind (-1) over left, in front (0) and
-        right to behind (1)."""
+        """Place it between left (-1) and right (1).
+
+        On a ring of channels it goes from behind (-1) over left, in front (0) and right to behind (1).
+        """
         self.scene.pan(self.name, place, at, **keys)
 
     def gains(self, *gains: Value, at: SupportsFloat | None = None) -> None:
-        """Place it by a factor for each channel, one by one or as a list; without any, by its pan again."""
+        """Place it by a factor for each channel, one by one or as a list.
+
+        Without any, it is placed by its pan again.
+        """
         self.scene.gains(self.name, *gains, at=at)
 
     def distance(self, metres: Value, at: SupportsFloat | None = None, **keys: Value) -> None:

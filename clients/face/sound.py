@@ -57,7 +57,10 @@ class Sound:
 
     @property
     def pressure(self) -> NDArray[np.float32]:
-        """The sound pressure in Pa, float32 (frames, channels). ValueError unless the sound is calibrated."""
+        """The sound pressure in Pa, float32 (frames, channels).
+
+        ValueError unless the sound is calibrated.
+        """
         if not self.calibrated:
             raise ValueError("pressure: its levels are those of presets; expected a sound made with calibrated=True")
         return self.samples

@@ -112,7 +112,10 @@ class World(Closing):
         self._frames = self._surfaces = 0
 
     def close(self) -> None:
-        """End it: give its memory back, or free its bodies' objects on the server. Sounds stay."""
+        """End it: give its memory back, or free its bodies' objects on the server.
+
+        Sounds stay.
+        """
         if self._scene:
             self._scene.close()
         elif self._client:
@@ -122,7 +125,7 @@ class World(Closing):
 
     @property
     def time(self) -> float:
-        """s: of the last step."""
+        """Time (s) of the last step."""
         return self.simulation.time
 
     @property
@@ -153,14 +156,15 @@ class World(Closing):
         pose: Pose | None = None,
         **about: Any,
     ) -> int:
-        """Add a body before it touches anything; its number.
+        """Add a body before it touches anything; return its number.
 
         shape and size (m): box or plate (three edges), sphere (radius), cylinder (radius, length), capsule (radius,
         length between its ends' centres), mesh (vertices (n, 3); the box around them rings). A cylinder's and a
         capsule's axis is z. material: a preset. pose: where it is, if no step says it. density (kg/m^3) or mass (kg),
         inertia (moments about its axes, kg m^2): in place of those of a solid body of the material. held=True: it does
         not move. rings=False: it is silent. object: a preset that rings in its place. Further keys are those of
-        `/object/new`, such as most_modes, damping or gain.
+        `/object/new`, such as most_modes, damping or gain. WorldError for a name that is taken, or a value that cannot
+        be.
         """
         requests = self.simulation.add(name, shape, size, material, pose, **about)
         try:
@@ -183,16 +187,20 @@ class World(Closing):
             self._surfaces += 1
 
     def pair(self, a: str, b: str, **keys: Any) -> None:
-        """Say how the contact of two bodies differs from that of their materials: surface (a preset), restitution,
-        roughness, patch (m), static, dynamic, stribeck (m/s), tangential (N/m), along (0 to 1: how far friction moves
-        what rings)."""
+        """Set how the contact of two bodies differs from that of their materials.
+
+        keys: surface (a preset), restitution (0 to 1), roughness (times), patch (m), static, dynamic, stribeck (m/s),
+        tangential (N/m), along (0 to 1: how far modes move along the slip). WorldError for a body that is not there, or
+        a value out of range.
+        """
         self.simulation.pair(a, b, **keys)
 
     def step(self, time: float, contacts: Contacts = (), poses: Poses | None = None) -> Blocks:
-        """Take the simulation's state at a time (s) after the last step's; the sound up to it, (frames, channels).
+        """Take the simulation's state at a time (s) after the last step's; return the sound up to it.
 
         contacts: all points that touch now, as Touch or as arrays by name. poses: Pose by name, of the bodies that have
-        moved; others are where they were.
+        moved; others are where they were. The sound: float32 (frames, channels), Pa; empty of a World with a client.
+        WorldError names what cannot be; the step has then changed nothing.
         """
         if self._scene and isinstance(time, Real) and time - self.time > _LONGEST and math.isfinite(time):
             where = f"step {self.simulation.steps + 1}"
@@ -201,16 +209,18 @@ class World(Closing):
         return self._up_to(time)
 
     def tell(self, time: float, points: int) -> None:
-        """Take a step as `step` does, for bridges: poses and contacts are in the columns of `memory` already. `block`
-        has the sound."""
+        """Take a step as `step` does, for bridges.
+
+        Poses and contacts are in the columns of `memory` already; `block` has the sound.
+        """
         self._send(self.simulation.advance(time, points))
 
     def teller(self, arrays: int, time: int, points: int, kept: object = None) -> Callable[[], int]:
         """Return a function that tells a step, for bridges, and returns the number of its blows.
 
-        Where a simulator has its poses and contacts, a record of `carom.dsp.tracking.arrays.ARRAYS` at an address says;
-        its time (s) is a float64 at an address, and the number of its contacts an int32; kept: what holds them. Python
-        does next to nothing then, unless something begins or ends.
+        arrays: address of a record of `carom.dsp.tracking.arrays.ARRAYS`, which says where a simulator has its poses
+        and contacts. time: address of its time (s), a float64. points: address of the number of its contacts, an int32.
+        kept: what holds them. Python does next to nothing then, unless something begins or ends.
         """
         simulation, run = self.simulation, tell.brief
         telling = simulation.telling(arrays, time, points)
@@ -234,8 +244,10 @@ class World(Closing):
         return self._up_to(self.time, batch)
 
     def restart(self, time: float) -> None:
-        """Begin anew at a simulation's time (s), in silence: bodies stay, nothing touches. A score that is kept does
-        not tell of it. WorldError for a live world."""
+        """Begin anew at a simulation's time (s), in silence: bodies stay, nothing touches.
+
+        A score that is kept does not tell of it. WorldError for a World with a client.
+        """
         if self._scene is None:
             raise WorldError("restart: expected a World without a client")
         if not math.isfinite(time):
@@ -251,7 +263,10 @@ class World(Closing):
         return self.simulation.state
 
     def ring(self, seconds: float) -> Blocks:
-        """Render the sound of some seconds more, in which no step is taken; steps go on after them."""
+        """Render the sound of some seconds more, in which no step is taken; steps go on after them.
+
+        Return float32 (frames, channels), Pa. WorldError below 0 s and above an hour.
+        """
         if not 0.0 <= seconds <= _LONGEST:
             raise WorldError(f"seconds = {seconds}: expected 0 to {_LONGEST}")
         until = self.time + seconds
@@ -259,14 +274,20 @@ class World(Closing):
         return self._up_to(until)
 
     def sound(self) -> Sound:
-        """Return all that was heard, up to now. WorldError unless it was kept."""
+        """Return all that was heard, up to now, as a Sound.
+
+        WorldError unless it was kept.
+        """
         if self._capture is None:
             raise WorldError("sound: expected a World(keep=True) without a client")
         return self._capture.sound()
 
     def score(self, path: str | PathLike[str] | None = None) -> str:
-        """Return the messages up to now as a score, which `carom.render(..., calibrated=True)` turns into the same
-        bits; write it to a file if one is given. WorldError unless they were kept."""
+        """Return the messages up to now as a score.
+
+        `carom.render(..., calibrated=True)` turns it into the same bits. path: a file to write it to. WorldError unless
+        the messages were kept.
+        """
         if self._kept is None:
             raise WorldError("score: expected a World(keep=True)")
         ordered = sorted(self._kept, key=lambda each: each[0])

@@ -44,7 +44,7 @@ def bar(
     ends: str = "free",
     board: str | None = None,
 ) -> Modes:
-    """Return A Timoshenko bar, free at both ends or a cantilever (clamped at position 0).
+    """Return the modes of a Timoshenko bar, free at both ends or a cantilever (clamped at position 0).
 
     Lengths in m, top in Hz. The section is either `width` by `thickness` or round, of an outer `diameter` and a `wall`
     (solid without). The strike path is the length. ValueError names what is out of range.
@@ -59,8 +59,8 @@ def bar(
     A round bar bends in two planes, whose frequencies differ by the fraction `split`; `imperfection` is the angle
     (degrees) between the lower one's plane and the blow, see `ring.doublets`.
 
-    A cantilever may be heard through a board that it is clamped in, one of `radiation.board.BOARDS`: what its force
-    on the clamp puts into the board is lost to it.
+    A cantilever may be heard through a board that it is clamped in, one of `radiation.board.BOARDS`: its force on the
+    clamp puts power into the board, and the bar loses that.
     """
     require_positive(length=length, width=width, thickness=thickness, diameter=diameter, wall=wall)
     require_choice("ends", ends, ENDS)

@@ -41,7 +41,7 @@ def disc(
     imperfection: float = 20.0,
     baffle: str = "free",
 ) -> Modes:
-    """Return a thin round plate (Kirchhoff), its edge free, clamped or simply supported.
+    """Return the modes of a thin circular plate (Kirchhoff), its edge free, clamped or simply supported.
 
     radius and thickness in m, top in Hz; the strike path is a diameter, from edge (0) over the centre (0.5) to edge
     (1); split and imperfection as in `ring.doublets`, baffle as in `heard.BAFFLES`. ValueError names what is out of
@@ -86,7 +86,7 @@ def membrane(
     imperfection: float = 20.0,
     baffle: str = "free",
 ) -> Modes:
-    """Return a round membrane held at its edge.
+    """Return the modes of a circular membrane held at its edge.
 
     radius and thickness in m; either tension T (N/m) or fundamental (Hz, without the air, whose mass lowers it); the
     rest as for `disc`. f = k/(2 pi) sqrt((T + D k^2)/(rho h)), k R the zeros of J_n: the film's own stiffness D, as if

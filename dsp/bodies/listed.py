@@ -33,7 +33,7 @@ def listed(
     positions: Sequence[float] | None = None,
     gains: Sequence[Sequence[float]] | None = None,
 ) -> Modes:
-    """Return modes given one by one, those up to `top` (Hz).
+    """Return modes that are given one by one, those up to `top` (Hz).
 
     frequency (Hz), t60 (decay times, s, what is radiated included) and modal_mass (kg): (n,) each; a single one holds
     for every mode. mass (kg) is that of the whole body. A modal mass belongs to a shape that is 1 at the striking

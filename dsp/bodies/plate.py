@@ -41,7 +41,7 @@ def plate(
     path_to: Corner = (1.0, 1.0),
     baffle: str = "free",
 ) -> Modes:
-    """Return a thin rectangular plate (Kirchhoff), each edge free, clamped or simply supported.
+    """Return the modes of a thin rectangular plate (Kirchhoff), each edge free, clamped or simply supported.
 
     Lengths in m, top in Hz; edges at x = 0, x = length, y = 0, y = width; the strike path leads from a point to
     another, fractions (x, y) of the sides; baffle as in `heard.BAFFLES`. ValueError names what is out of range.

@@ -45,7 +45,7 @@ def ring(
     split: float = 0.0,
     imperfection: float = 20.0,
 ) -> Modes:
-    """Return a free ring or tube wall in in-plane bending, its radial displacement cos n theta, n >= 2.
+    """Return the modes of a free ring or tube wall in in-plane bending, its radial displacement cos n theta, n >= 2.
 
     radius (of the middle line), thickness (radial) and length (axial) in m, top in Hz; the strike path is half the
     circumference from angle 0; split and imperfection as in `doublets`. ValueError names what is out of range.
@@ -74,11 +74,11 @@ def glass(
     split: float = 0.0,
     imperfection: float = 20.0,
 ) -> Modes:
-    """Return a wine glass or bowl, held at its foot: cos n theta around it, a cantilever's shape m up its wall.
+    """Return the modes of a wine glass or bowl, held at its foot: cos n theta around it, a cantilever's up its wall.
 
-    Lengths in m, top in Hz; rows: the number of m, 1 to 3; the strike path is half the rim from angle 0; split and
-    imperfection as in `doublets`. ValueError names what is out of range. The air moves through its open foot, too: a
-    bowl's bottom is left out.
+    Lengths in m, top in Hz; rows: the number of shapes m up the wall, 1 to 3; the strike path is half the rim from
+    angle 0; split and imperfection as in `doublets`. ValueError names what is out of range. The air moves through its
+    open foot, too: a bowl's bottom is left out.
     omega = omega_ring(n) sqrt(1 + b_m^4/(n^2 - 1)^2 (R/H)^4): for n = 2, m = 1 this is French's formula (Am. J. Phys.
     51, 1983), whose factor 4/3 is 1.875^4/9 rounded. Stretching of the wall is left out, as there.
     """

@@ -23,7 +23,8 @@ _LOOKS = 8  # at a root, whose error is then that of rounding
 
 
 def sphere(material: Material, *, radius: float, top: float) -> Modes:
-    """Return a solid elastic sphere, struck along its normal; radius in m, top in Hz. ValueError if it is out of range.
+    """Return the modes of a solid elastic sphere, struck along its normal; radius in m, top in Hz. ValueError if it is
+    out of range.
 
     Spheroidal modes of orders n = 0, 1, 2, ...: a blow at the pole moves those that are symmetric about it, with
     u_r = U(r) P_n. With x = omega a/c_l and y = omega a/c_t the surface is free of forces where T11 T43 = T13 T41,

@@ -27,7 +27,7 @@ def string(
     linear_density: float | None = None,
     inharmonicity: float | None = None,
 ) -> Modes:
-    """Return a stiff string: f_n = n f0 sqrt(1 + B n^2), pinned ends.
+    """Return the modes of a stiff string with pinned ends: f_n = n f0 sqrt(1 + B n^2).
 
     length and diameter in m, top in Hz; either tension (N) or fundamental f0 (Hz, that of the limp string);
     linear_density (kg/m) if the string is wound, `diameter` then being its core's; inharmonicity B, by default the

@@ -119,11 +119,11 @@ def _node_velocity(w, U):
 
 
 def contact_time(v_in: ArrayLike, m: ArrayLike, k: ArrayLike, mu: ArrayLike, a: ArrayLike) -> Array:
-    """Return the duration tau of a contact in s, within a relative error of 1e-13 (1e-12 where L/v_in needs
-    logarithms).
+    """Return the duration tau of a contact in s, within a relative error of 1e-13.
 
-    v_in (m/s), m (kg), k (N/m^a) > 0, mu (s/m) >= 0, a >= 1 broadcast; float64 of their shape. ValueError names what is
-    out of range. Equation (9) of Papetti, Avanzini, Rocchesso 2011, in the variable of closed_form.py.
+    v_in (m/s), m (kg), k (N/m^a) > 0, mu (s/m) >= 0, a >= 1 broadcast; float64 of their shape. Where L/v_in needs
+    logarithms, the error is below 1e-12. ValueError names what is out of range. Equation (9) of Papetti, Avanzini,
+    Rocchesso 2011, in the variable of closed_form.py.
     """
     return _contact_time(*checked_law(v_in, m, k, mu, a))
 
@@ -131,18 +131,17 @@ def contact_time(v_in: ArrayLike, m: ArrayLike, k: ArrayLike, mu: ArrayLike, a: 
 def force_pulse(t: ArrayLike, v_in: ArrayLike, m: ArrayLike, k: ArrayLike, mu: ArrayLike, a: ArrayLike) -> Array:
     """Return the force f(t) in N at times t (s) since the contact began, 0 outside it; within 1e-10 of its peak.
 
-    All arguments broadcast; float64 of their shape. ValueError names a time that is not finite, and what else is out of
-    range, as in `contact_time`.
+    All arguments broadcast, in the units of `contact_time`; float64 of their shape. ValueError names a time that is not
+    finite, and what else is out of range. Equations (1) and (9) of Papetti, Avanzini, Rocchesso 2011.
     """
     return _force_at(checked("t", t), *checked_law(v_in, m, k, mu, a))
 
 
 def force_nodes(v_in: float, m: float, k: float, mu: float, a: float) -> tuple[Array, Array]:
-    """Return the quadrature nodes of one force pulse: times (s, ascending) since contact, and impulses (N s), each (n,)
-    float64.
+    """Return the quadrature nodes of one force pulse: times (s, ascending) since contact, and impulses (N s).
 
-    The sum of impulses times exp(-s t) is the pulse's Laplace transform, within 3e-10 of m (v_in - v_out) for
-    |s| tau <= 40. n is some 100 to 250. Arguments as in `contact_time`, but one number each.
+    Both are float64 (n,), with n of some 100 to 250. The sum of impulses times exp(-s t) is the pulse's Laplace
+    transform, within 3e-10 of m (v_in - v_out) for |s| tau <= 40. Arguments as in `contact_time`, but one number each.
     """
     names = ("v_in", "m", "k", "mu", "a")
     law = (checked_scalar(name, value) for name, value in zip(names, (v_in, m, k, mu, a), strict=True))

@@ -320,11 +320,11 @@ def make_surface(
     wavelength: float = 1.0,
     seed: int = 0,
 ) -> np.void:
-    """Make a surface, as a SURFACE record.
+    """Make a rough surface that never ends nor repeats, as a SURFACE record.
 
-    roughness: rms height in m, >= 0; correlation: length l in m, > 0; slope: beta of the power spectrum above 1/l, in
-    (1, 5]; ripple, wavelength: amplitude (m, >= 0) and wavelength (m, > 0) of a corrugation. ValueError names what is
-    out of range.
+    roughness: rms height in m, >= 0; correlation: length l in m, > 0; slope: beta in (1, 5]; ripple, wavelength:
+    amplitude (m, >= 0) and wavelength (m, > 0) of a corrugation; seed: 0 to 2^53. The power spectrum is flat up to
+    about 1/(2 pi l), and falls as wavenumber^-beta beyond. ValueError names what is out of range.
     """
     surface: np.void = np.zeros(1, SURFACE)[0]
     _begin(
@@ -340,7 +340,10 @@ def make_surface(
 
 
 def heights(surface: np.void, places: ArrayLike) -> NDArray[np.float64]:
-    """Return the heights in m at places (whole numbers of surface["unit"] metres), of their shape."""
+    """Return the heights in m at places, float64 of their shape.
+
+    places: whole numbers of surface["unit"] metres.
+    """
     where = np.atleast_1d(np.asarray(places, np.int64))
     z = np.empty(where.shape)
     _heights(surface, where.ravel(), z.reshape(-1))

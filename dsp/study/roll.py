@@ -185,10 +185,10 @@ def micro_impacts(surface: np.void, seconds: float, most: int = 1_000_000, **bod
 
 
 def roll_contacts(roll: np.void, seconds: float, most: int = 1_000_000) -> Array:
-    """Run a roll of `make_roll` until `seconds` after its beginning; return the contacts on the way, as
-    `micro_impacts`.
+    """Run a roll of `make_roll` until `seconds` after its beginning, and return the contacts on the way.
 
-    A contact that began before the call is left out.
+    Rows as `micro_impacts` has them, float64 (contacts, 4), `most` at most. A contact that began before the call is
+    left out.
     """
     rows = np.zeros((most, 4))
     return rows[: _follow(roll, checked_scalar("seconds", seconds, 0.0), rows)].copy()

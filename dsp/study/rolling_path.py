@@ -47,12 +47,11 @@ def path_pieces(
     place: int = 0,
     most: int = 1_000_000,
 ) -> NDArray[np.float64]:
-    """Return the path of a body of a radius (m) over `length` (m) of a surface, as detailed as it is heard at a speed
-    (m/s).
+    """Return the path of a body of a radius (m) over `length` (m) of a surface, piece by piece.
 
-    Rows of where the piece begins (m from the first, which is at or just before `place`), and the path's height (m),
-    slope and curvature (1/m) there; (pieces, 4) float64, `most` at most. corners: the body's, 0 if it
-    is round. ValueError names what is out of range.
+    It is as detailed as it is heard at a speed (m/s). Rows of where the piece begins (m from the first, which is at or
+    just before `place`), and the path's height (m), slope and curvature (1/m) there; float64 (pieces, 4), `most` at
+    most. corners: the body's, 0 if it is round. ValueError names what is out of range.
     """
     radius, speed, length = (
         float(checked(name, value, 0.0)) for name, value in (("radius", radius), ("speed", speed), ("length", length))

@@ -27,8 +27,10 @@ _OCTAVES = np.exp2(np.arange(1.0 - OCTAVES, 1.0))  # s
 
 
 class WorldError(Refused):
-    """Error of something that cannot be of a simulation. The text names the body, the value and what was expected, and
-    in a step which."""
+    """Error of something that cannot be of a simulation.
+
+    The text names the body, the value and what was expected, and in a step which.
+    """
 
 
 @dataclass(frozen=True)

@@ -21,8 +21,11 @@ _CHANGED = 0.03  # share by which a gain changes before it is told: 0.26 dB
 
 
 class Microphone(NamedTuple):
-    """A microphone: its position (m); the direction in which it points, None for one that hears alike all around; and
-    its pattern, 0 all around, 0.5 a cardioid, 1 a figure of eight."""
+    """A microphone in the world of a simulation.
+
+    position: m. direction: in which it points, None for one that hears alike all around. pattern: 0 all around, 0.5 a
+    cardioid, 1 a figure of eight.
+    """
 
     position: Vector
     direction: Vector | None = None

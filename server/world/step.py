@@ -35,8 +35,11 @@ class Touch(NamedTuple):
 
 
 class Pose(NamedTuple):
-    """Pose of a body. position: of its centre of mass (m); turn: a quaternion w, x, y, z; velocity of the centre of
-    mass (m/s) and spin (rad/s), both in the world's axes."""
+    """The pose of a body, in the world's axes.
+
+    position: of its centre of mass (m). turn: a quaternion w, x, y, z. velocity: of the centre of mass (m/s). spin:
+    rad/s.
+    """
 
     position: Sequence[float]
     turn: Sequence[float] = (1.0, 0.0, 0.0, 0.0)
