@@ -17,7 +17,7 @@ class Actions(ABC):
     """Every address of a score as a method, but `/object/new`. A method makes messages; a subclass sends them.
 
     name, id: of objects and gestures, or an OSC pattern. at: the time (s) at which the sound is heard, on the clock
-    that the subclass states; None is as soon as possible. What a gesture is not given is as the object's preset has it.
+    that the subclass states; None is as soon as possible. Values that a gesture is not given are the object's preset's.
     keys: those of the OSC address of the same name; where a number changes, `over` says how many seconds that takes.
     Numbers may be NumPy's, lists may be arrays.
     """

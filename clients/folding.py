@@ -1,4 +1,4 @@
-"""Text that fits a terminal: long lines are folded between words. What goes elsewhere stays in one line."""
+"""Text that fits a terminal: long lines are folded between words. Lines that go elsewhere are not folded."""
 
 import os
 import textwrap

@@ -80,7 +80,7 @@ class Gesture:
         return tuple(name for name, steerable in named.items() if steerable and name not in self.fixed)
 
 
-# What any striker has. Presets have the same ranges.
+# Parameters of any striker. Presets have the same ranges.
 MASS = Parameter("mass", 1e-9, 1e6, "kg", "overrides the striker preset", useful=(1e-4, 10.0))
 STIFFNESS = Parameter("stiffness", 1e-3, 1e16, "N/m^a", "overrides the striker preset", useful=(1e3, 1e12))
 DISSIPATION = Parameter(
@@ -236,7 +236,7 @@ def gestures_steered_by(name: str) -> dict[str, Parameter]:
     return found
 
 
-# What can be set of an object.
+# Settings of an object.
 SETTINGS = {
     setting.name: setting
     for setting in (
@@ -261,7 +261,7 @@ SETTINGS = {
     )
 }  # fmt: skip
 
-# What can be set of the whole.
+# Settings of the whole.
 CHANNELS = Parameter("channels", 1, 64, "", "of the output; 2: left and right, else a ring", default=2, whole=True)
 FULL_SCALE = Parameter(
     "full_scale", 1e-6, 1e6, "Pa", "that a sample of 1.0 is, of an object whose level is 0 dB",

@@ -1,8 +1,8 @@
 """Presets: materials, strikers, surfaces and objects as TOML files, scores as text, and their public face.
 
-`Presets` finds them by name. What a value may be stands in `values`, the keys of each kind of file in `schema`,
-strikers, surfaces and objects in `kinds`, how objects' modes are made and kept in `making`, and the search through
-folders in `library`.
+`Presets` finds them by name. `values` has the kinds of values, `schema` the keys of each kind of file, `kinds`
+strikers, surfaces and objects, `making` the modes of objects and how they are kept, `library` the search through
+folders.
 """
 
 from __future__ import annotations

@@ -16,8 +16,8 @@ from ..dsp.kept import Kept
 from ..dsp.numerics.blas import on_one_thread
 
 KEPT_BYTES = 64_000_000
-"""Bytes of modes that are kept. Those of all presets take 13 MB at 48 kHz; the largest object there can be takes 130
-MB."""
+"""Bytes of modes that are kept. The modes of all presets take 13 MB at 48 kHz; the largest object there can be takes
+130 MB."""
 
 
 def made(make: Callable[..., Modes], top: float, arguments: Mapping[str, Any], width: float) -> Modes:

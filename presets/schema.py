@@ -283,7 +283,7 @@ SHAPES: Mapping[str, Shape] = {
     ),
 }
 
-# What is added to a shape's modes.
+# Additions to a shape's modes.
 
 LEVEL = Quantity(-120, 60, "dB")
 T60 = Quantity(1e-3, 200, "s")

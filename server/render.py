@@ -32,7 +32,7 @@ LOWEST_RATE, HIGHEST_RATE = 8_000, 192_000
 LONGEST_TAIL = 600.0
 """s after a score's last event, after which a render ends if all that goes on would go on for ever."""
 LONGEST_REST = LONGEST_BOUNCE + LONGEST_TAIL
-"""s after a score's last event, after which a render ends even if what goes on would come to rest."""
+"""Time (s) after a score's last event at which a render ends, even if gestures go on that would come to rest."""
 
 _PIECE = 1_024  # frames
 _MOST_NAMES = 8  # of gestures, in a warning

@@ -1,6 +1,6 @@
 """Packets that wait for objects or bodies to be made, while others are carried out.
 
-What a client sends is carried out in its order: its later packets wait behind one that makes an object. So do packets
+The packets of a client are carried out in their order: later ones wait behind one that makes an object. So do packets
 of others that name such an object, or tell the simulation of which a body is made: each message of a shell script comes
 from a client of its own.
 """

@@ -1,4 +1,4 @@
-"""Figures of what goes wrong where: contacts scattered over all parameters."""
+"""Figures of failures: contacts scattered over all parameters."""
 
 import math
 from typing import Any
@@ -69,7 +69,7 @@ class _Bins:
 
 
 def _show_failures(ax: Axes, bins: _Bins, outcome: NDArray[np.int64]) -> None:
-    """Draw the colours of what goes wrong, mixed with white by its share."""
+    """Draw the colours of the kinds of failures, mixed with white by their share."""
     number = bins.total(np.ones(len(outcome)))
     colours = np.ones((*number.shape, 3))
     for kind, colour in _FAILURES.items():

@@ -63,7 +63,7 @@ def rows_name(recipe: Recipe, shard: int) -> str:
 def opened(out: Path, said: Mapping[str, Any]) -> Iterator[None]:
     """Open a folder, new or with a part of the same data set, that no other run writes to meanwhile.
 
-    FolderError, VersionError or OSError say why it cannot be. What runs that were killed left half is removed.
+    FolderError, VersionError or OSError say why it cannot be. Files that killed runs left half done are removed.
     """
     out.mkdir(parents=True, exist_ok=True)
     path = out / ABOUT

@@ -67,7 +67,7 @@ def _each(
     over: Sequence[Any],
     interrupted: Callable[[], bool],
 ) -> Iterator[Any]:
-    """Yield what workers make of each of some things, as it comes; raise WorkerError for what goes wrong first."""
+    """Yield the result of workers for each of some things, as it comes; raise WorkerError for the first failure."""
     waiting = {pool.submit(work, each) for each in over}
     while waiting:
         done, waiting = futures.wait(waiting, _LOOK, futures.FIRST_COMPLETED)

@@ -25,7 +25,7 @@ GESTURE = "gesture"
 """The name of the factor that says which gesture it is, where a recipe has several."""
 
 OBJECTS = ("object", "by")
-"""Sections of objects: that which is touched, and one that strikes it."""
+"""Sections of objects: the one that is touched, and one that strikes it."""
 
 SCORE = "score"
 """The section of a recipe whose items follow scores: they make their objects, and stand in the place of a gesture."""

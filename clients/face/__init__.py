@@ -19,9 +19,9 @@ holds the contact law, its closed forms and the modes of bodies.
 
 `carom.fit` makes an object of recordings; `carom.compare` says how far apart two sounds are.
 
-Units are SI, but for levels (dB), tuning (semitones) and angles (degrees). What cannot be carried out raises an error
-that names the culprit, its value and what was expected: CommandError from a Scene or a Client, ScoreError, RenderError
-or PresetError elsewhere.
+Units are SI, but for levels (dB), tuning (semitones) and angles (degrees). A call that cannot be carried out raises an
+error that names the culprit, its value and what was expected: CommandError from a Scene or a Client, ScoreError,
+RenderError or PresetError elsewhere.
 
 Nothing is loaded before it is asked for. The first sound of a checkout compiles the engine.
 """

@@ -7,8 +7,8 @@ Levels are in dB against the loudest of the shape's own modes: that of the highe
 its sound pressure. So much louder or softer a partial rings after an ideal blow, infinitely short, at a point
 where that mode moves by its rms. A fit to a recording first divides the recording by the spectrum of its blow's force.
 
-How heavy added modes are does not change what is heard, only how far a contact feels them. Unless it is said, all modes
-of a section together yield to a force as a rigid body of LOAD times the body's mass does: contacts don't feel that.
+The mass of added modes does not change the sound, only how far a contact feels them. Unless it is said, all modes of a
+section together yield to a force as a rigid body of LOAD times the body's mass does: contacts don't feel that.
 """
 
 import math
@@ -117,9 +117,9 @@ class Cavity:
     """The air in a hollow body, open through a hole or slit: Helmholtz's resonator.
 
     volume (m^3) behind an opening of an area (m^2) in a wall of a thickness `neck` (m). f = c/(2 pi) sqrt(A/(V L')), L'
-    the neck and at both its ends the air that moves along, 0.85 sqrt(A/pi). What it radiates, as a source much smaller
-    than its wave, is its loss: sigma = c k^2 A/(8 pi L') (Kinsler et al., Fundamentals of Acoustics, ch. 10), unless a
-    t60 (s) says that it loses more. level (dB): see above.
+    the neck and at both its ends the air that moves along, 0.85 sqrt(A/pi). Its loss is its radiation, as a source much
+    smaller than its wave: sigma = c k^2 A/(8 pi L') (Kinsler et al., Fundamentals of Acoustics, ch. 10), unless a t60
+    (s) says that it loses more. level (dB): see above.
     """
 
     volume: float

@@ -136,7 +136,7 @@ def _beyond(parts: list[_Part], positions: Array, highest: float) -> Felt:
     for part in parts:
         along, motion, more = part.along(positions)[:, None], part.motion, part.motion.beyond
         every = np.append(motion.frequency, more.frequency)
-        # How their number grows with the frequency says what is above: of bending, as its root where waves are long.
+        # Their number grows with the frequency, and so above: for bending as its root, where waves are long.
         growth = math.log2(every.size / max(int((every <= every[-1] / 2).sum()), 1)) - 1
         heard = Felt(motion.frequency, along * motion.shape(positions))
         higher = Felt(more.frequency, along * more.shape(positions))

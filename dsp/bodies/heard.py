@@ -55,8 +55,8 @@ def heard(
     """Return the modes of a body in air; shapes: those along the strike path, and those (n,) of which the sign is
     heard.
 
-    What a mode radiates, or passes on to what radiates for it (passed_on, 1/s as the resistance), adds to the losses
-    of its material, unless these were measured with it. Then it is in them, and no more than them.
+    The power that a mode radiates, or passes on to what radiates for it (passed_on, 1/s as the resistance), adds to the
+    losses of its material, unless these were measured with it. Then it is in them, and no more than them.
     """
     decay = material.decay(frequency)
     if material.losses == "material":

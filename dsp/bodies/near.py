@@ -14,10 +14,9 @@ Where sound is longer than the body, it goes round the edge: what is left is the
 whole, which `acceleration` gives. So the whole is a band that begins as that dipole does and ends at the critical
 frequency, made of a few clicks, each of which covers two octaves of it or less.
 
-How far the sum errs: within 2 dB in the middle of the band, whose ends are soft. The step from dipole to endless plate
-is that of the sum, not of an exact solution; near the critical frequency an endless plate radiates more. The air's load
-on the plate is left out, 1/(1 + 2 rho c/(i omega m)), which matters below rho c/(pi m): 380 Hz for a drum's head of
-0.25 mm.
+The sum errs by 2 dB in the middle of the band, whose ends are soft. The step from dipole to endless plate is that of
+the sum, not of an exact solution; near the critical frequency an endless plate radiates more. The air's load on the
+plate is left out, 1/(1 + 2 rho c/(i omega m)), which matters below rho c/(pi m): 380 Hz for a drum's head of 0.25 mm.
 """
 
 import math

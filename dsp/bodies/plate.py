@@ -219,7 +219,7 @@ def _ritz_beam(low: str, high: str, orders: Indices, degree: int, kept: int) -> 
     energy = np.eye(len(basis))
     bend = legendre.legder(basis[: len(allowed)], 2, axis=1)
     energy[: len(bend), : len(bend)] = bend * norm[:-2] @ bend.T
-    # Of 1 / (1 + k^4) the largest are wanted: these keep every digit, and rigid motions do no harm.
+    # The largest 1 / (1 + k^4) are wanted: these keep every digit, and rigid motions do no harm.
     inverse, vector = eigh(inertia, energy + inertia)
     inverse, vector = inverse[: -kept - 1 : -1], vector[:, : -kept - 1 : -1]
     modes = (vector / np.sqrt(inverse)).T @ basis

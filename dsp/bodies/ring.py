@@ -103,8 +103,8 @@ def doublets(frequency: Array, order: Array, split: float, imperfection: float) 
     """Return the modes cos and sin of n theta of a nearly round body, from those of the round one.
 
     frequency (Hz) and order n (k,); split: relative difference of frequency within a pair; imperfection: angle
-    (degrees) of the nodal lines to the strike path. Return frequencies, indices into (k,), and phases p (rad) such
-    that the shape is cos(n theta - p). A round body (split 0) and n = 0 have one member each, that which the strike
+    (degrees) of the nodal lines to the strike path. Return frequencies, indices into (k,), and phases p (rad) such that
+    the shape is cos(n theta - p). A round body (split 0) and n = 0 have one member each, the one which the strike
     excites.
     """
     which = np.arange(frequency.size)
@@ -152,7 +152,7 @@ class _Wall(NamedTuple):
 class _Row(NamedTuple):
     """Modes of one profile up the wall, by order: orders, peaks (kg^-1/2), and what the air makes of them, (k,).
 
-    Those that are too high to be heard are as without air.
+    Modes that are too high to be heard are as without air.
     """
 
     order: Array

@@ -33,8 +33,8 @@ def string(
     linear_density (kg/m) if the string is wound, `diameter` then being its core's; inharmonicity B, by default the
     core's pi^3 E d^4/(64 T L^2) (Fletcher 1964). The strike path is the length. ValueError names what is out of range.
 
-    Its own sound is nothing beside that of the board at its end: what goes into the board is lost to the string, and
-    its share that radiates is heard (radiation/board.py).
+    Its own sound is nothing beside that of the board at its end: the power that goes into the board is lost to the
+    string, and the share of it that radiates is heard (radiation/board.py).
     """
     require_positive(length=length, diameter=diameter, tension=tension)
     require_positive(fundamental=fundamental, linear_density=linear_density)

@@ -1,6 +1,6 @@
 """The rise of the tension of strings and membranes with what rings on them: `Modes.glide`.
 
-What is displaced is longer: by int (w')^2/2 dx, a membrane's area by int |grad w|^2/2 dA. Held at its ends or its edge,
+A displaced string is longer by int (w')^2/2 dx, a membrane's area by int |grad w|^2/2 dA. Held at its ends or its edge,
 it is stretched by that. The tension is taken to rise alike everywhere, as waves along it are much faster than those
 across it:
 

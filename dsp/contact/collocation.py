@@ -57,12 +57,12 @@ _SHORTEN, _LENGTHEN = 0.2, 2.0  # a step by at most, at once
 
 STEP = np.dtype(
     [
-        # What is given: without the force, and what the nodes' forces (N) take off.
+        # Given: the motion without the force, and how far the nodes' forces (N) change it.
         ("free_x", np.float64, NODES),  # m
         ("free_v", np.float64, NODES),  # m/s
         ("give_x", np.float64, (NODES, NODES)),  # m/N
         ("give_v", np.float64, (NODES, NODES)),  # m/(s N)
-        # What is found; `f` also says where to start.
+        # Found; `f` also says where to start.
         ("f", np.float64, NODES),  # N
         ("x", np.float64, NODES),
         ("v", np.float64, NODES),

@@ -255,7 +255,7 @@ def look(contact, observed):
     for k in range(FINE):
         place += POWERS[0, k] * observed[k]
     if contact.touching or contact.wait >= 0.0:
-        # What is compressed goes on without a step, whatever rounding says about the point.
+        # A compressed contact goes on without a step, whatever rounding says about the point.
         contact.position = contact.motion[0] + place
     else:
         contact.motion[0] = min(contact.position - place, 0.0)

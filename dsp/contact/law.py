@@ -205,7 +205,7 @@ def _restitution(w):
 @elementwise
 def _release(v_in, mu):
     w = mu * v_in
-    # Where w may have overflowed, 1/mu has not.
+    # w may have overflowed where 1/mu has not.
     return -1.0 / mu if w >= _STRONG_DISSIPATION else -v_in * restitution_of(w)
 
 

@@ -93,7 +93,7 @@ def am1(x, v, acceleration, h, m, k, mu, a):
             v1 = q + 0.5 * h * new
             slope += k / m * x1 ** (a - 1.0) * (a * (1.0 + mu * v1) * 0.25 * h * h + x1 * mu * 0.5 * h)
         step = residual / slope
-        # Where Newton's step leaves the bracket, or has no slope to follow, half the bracket.
+        # Half the bracket where Newton's step leaves it, or has no slope to follow.
         if not low < new - step < high:
             step = new - 0.5 * (low + high)
         new -= step

@@ -1,4 +1,4 @@
-"""Commands on their way into the engine: what they ask for, and the record that carries what they say."""
+"""Commands on their way into the engine: their kinds, and the record that carries their values."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -189,8 +189,8 @@ class Handle:
 class Command(NamedTuple):
     """A command from Python: when (samples), what, to which object, and the values of its records by name.
 
-    `values` are in the engine's units: gains as amplitudes, tune as a ratio. Those that have a default may be left out;
-    a restitution of 0 leaves dissipation as it is.
+    `values` are in the engine's units: gains as amplitudes, tune as a ratio. Values that have a default may be left
+    out; a restitution of 0 leaves dissipation as it is.
     """
 
     time: float

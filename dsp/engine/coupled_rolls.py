@@ -1,4 +1,4 @@
-"""Rolls that feel what they roll on.
+"""Rolls that feel the modes of the object under them.
 
 On an object that gives way a roll is coupled to its modes, as a blow is (rolling/coupled_roll.py). On one that hardly
 does, at the accuracy -40, where steps are held, where `/budget` has no room or too few steps (it takes some

@@ -88,7 +88,7 @@ def take_due(state):
             continue
         index = pop(queue)
         event = queue.events[index]
-        # Where the clock was set back meanwhile, an event that was overtaken comes now: notes are in order.
+        # If the clock was set back meanwhile, an event that was overtaken comes now: notes are in order.
         event.time = queue.last_time = max(event.time, queue.last_time)
         ignored = _is_ignored(state, event)
         _note(state, event.number, -1.0 if ignored else event.time)

@@ -1,4 +1,4 @@
-"""The glide of an object's pitch: its tension follows what rings on it and who strikes it, once a quantum.
+"""The glide of an object's pitch: its tension follows its modes and its strikers, once per quantum.
 
 The laws are those of resonator/mode.py, of the energy that rings, and of bodies/tension.py, of a striker that stretches
 a membrane about itself. Modes keep their energy where they are retuned, so that none is gained however often that is. A
@@ -47,7 +47,7 @@ def _energy_of(state, obj):
     """Return the energy (J) that rings on an object, as it were if all gestures had a gain of 1: gains are heard, not
     felt.
 
-    What energy has come in a quantum has come with the gain of the loudest gesture in it.
+    The energy that came in a quantum counts with the gain of the loudest gesture in it.
     """
     weights = state.bank.weight[obj.first : obj.first + obj.live]
     energy = energy_of(modes_of(state, obj, 0, obj.live), weights, obj.felt)

@@ -34,7 +34,7 @@ def clear_mix(state):
 
 @kernel
 def glide_gains(state, obj):
-    """Bring an object's gains nearer to what is asked for."""
+    """Bring an object's gains nearer to their targets."""
     ask_gains(state, obj)
     place = obj.place
     c = math.exp(-QUANTUM / (_GLIDE * state.rate))

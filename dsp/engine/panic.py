@@ -1,6 +1,6 @@
 """A panic: every gesture ends, and what sounds fades smoothly, whatever is played from then on.
 
-The modes of an object are free at once. What they rang is put beside them, with their coefficients, rings on by itself
+The modes of an object are free at once. Their ringing is put beside them, with their coefficients, goes on by itself
 and fades. A force that acts at that moment dies away (fade.py). A mode answers it by a motion of the same form, and
 rings freely about that. Strikers that sound ring on where they are, and fade likewise.
 """

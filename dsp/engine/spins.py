@@ -1,10 +1,10 @@
 """A disc that spins down on an object: Euler's disc, whose rim has a flat.
 
 A thin disc of radius R that leans by an angle alpha and rolls on its rim about a centre at rest turns its point of
-contact at Omega = 2 sqrt(g/(R sin alpha)); its energy is 3/2 m g R sin alpha. What it loses makes it lean ever less,
-until it lies still after a finite time. With t left, sin alpha goes as t^(2n), and so the turns per second as t^-n:
-n = 1/3 where a constant moment of rolling friction brakes it (its power goes as Omega), n = 1/2 where its power is
-constant. A film of air alone (Moffatt, Nature 404, 2000) would make it n = 1/6.
+contact at Omega = 2 sqrt(g/(R sin alpha)); its energy is 3/2 m g R sin alpha. Its losses make it lean ever less, until
+it lies still after a finite time. With t left, sin alpha goes as t^(2n), and so the turns per second as t^-n: n = 1/3
+where a constant moment of rolling friction brakes it (its power goes as Omega), n = 1/2 where its power is constant. A
+film of air alone (Moffatt, Nature 404, 2000) would make it n = 1/6.
 
 The disc turns about its diameter through the point of contact, at Omega sin alpha. Rolling over a flat of the length
 d R it turns about the flat's one end, until the other one hits at v = d R Omega sin alpha = 2 d sqrt(g R sin alpha),

@@ -213,7 +213,7 @@ SCRATCH = np.dtype(
     ],
     align=True,
 )
-"""Room for what is computed and used within a quantum."""
+"""Room for values that are computed and used within a quantum."""
 
 COMMAND_RING = np.dtype([("entries", COMMAND, RING), ("written", np.int64, 8), ("read", np.int64, 8)], align=True)
 """Commands on their way in; Python moves `written`, the engine `read`."""

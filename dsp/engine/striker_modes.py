@@ -1,4 +1,4 @@
-"""The modes of a striker that sounds: its click, and what it rings."""
+"""The modes of a striker that sounds: its click, and its ringing."""
 
 import math
 
@@ -49,8 +49,8 @@ def resize(state, voice, contact):
 def prepare(striker, rate):
     """Compute the coefficients of a kind of striker, before a contact with it begins.
 
-    Its modes sound in the phase of their velocity: what the force bends slowly is not heard. Where there is a second
-    pulse it alone moves them, and they begin at 0.
+    Its modes sound in the phase of their velocity: a slow bend by the force is not heard. Where there is a second pulse
+    it alone moves them, and they begin at 0.
     """
     n = striker.size
     snaps = striker.momentum > 0.0

@@ -1,4 +1,4 @@
-"""The record of what the spectral bank has laid out ahead for modes that have left it."""
+"""The record of the sound that the spectral bank has laid out ahead for modes that have left it."""
 
 import numpy as np
 

@@ -42,7 +42,7 @@ def durations(amplitude: Sequence[Complex], poles: Complex, blows: Sequence[Blow
     """Return the durations (s) of blows at one point of a body, and their strengths against the shortest, by how their
     spectra differ.
 
-    amplitude: of the modes (k,) after each blow. poles (k,) in 1/s. What the body does is common to all amplitudes and
+    amplitude: of the modes (k,) after each blow. poles (k,) in 1/s. The body's part is common to all amplitudes and
     drops out of their ratios. The shortest blow is taken as it was found in its attack; of the others their attacks say
     somewhat, as spectra alone can't tell a longer blow from a stronger one.
     """

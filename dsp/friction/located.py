@@ -1,8 +1,8 @@
 """A sample of friction with events: stick to slip and back, each at its time.
 
-What moves without the force is a polynomial over the sample, and what a piece's force does to the rest of it is one
-again (contact/coupled.py). The longest piece for which the branch holds is found by regula falsi and bisection, then
-the branch changes. A branch that holds for no time at all is left at once.
+The motion without the force is a polynomial over the sample, and the effect of a piece's force on the rest of the
+sample is one, too (contact/coupled.py). The longest piece for which the branch holds is found by regula falsi and
+bisection, then the branch changes. A branch that holds for no time at all is left at once.
 """
 
 from ..contact.power_series import BINOMIAL, POWERS, QUADRATURE, QUADRATURE_WEIGHTS

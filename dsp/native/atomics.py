@@ -74,7 +74,7 @@ def publish(counter: Any, value: int) -> None:
 
 
 def observe(counter: Any) -> int:
-    """Load counter[0] (int64). What its writer wrote before it can be read from then on."""
+    """Load counter[0] (int64). All that its writer wrote before can be read from then on."""
     return int(_observe(counter.ctypes.data))
 
 
@@ -84,6 +84,6 @@ def swap(counter: Any, before: int, after: int) -> bool:
 
 
 def hold_page(address: int) -> None:
-    """Bring the page of an address, a multiple of 8, into memory as this process's own. What is there stays, whoever
-    writes to it meanwhile."""
+    """Bring the page of an address, a multiple of 8, into memory as this process's own. Its contents stay, whoever
+    writes to them meanwhile."""
     _swap(address, 0, 0)

@@ -149,7 +149,7 @@ _SAFE: dict[str, Any] = {"error_model": "numpy", "no_cpython_wrapper": True, "no
 _INLINED: dict[str, Any] = {"forceinline": True, "pipeline_class": _compiler(_Translation)}
 _APART: dict[str, Any] = {"forceinline": False, "pipeline_class": _compiler(_TranslationApart)}
 
-# What the modal sums need to become SIMD reductions; closed forms are compiled without it.
+# The flags with which modal sums become SIMD reductions; closed forms are compiled without them.
 _REASSOCIATE = {"contract", "reassoc", "nsz"}
 
 

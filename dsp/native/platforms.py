@@ -1,7 +1,7 @@
 """The operations that kernels need of the machine and its system, in LLVM's assembly.
 
-Kernels are translated once, for all systems. What differs between these they call by the names of functions below,
-which are linked into their code, and inlined, before it is optimised for a system and a processor.
+Kernels are translated once, for all systems. They reach all that differs between these by the functions below, which
+are linked into their code, and inlined, before it is optimised for a system and a processor.
 
     i64 carom_monotonic_ns()          the clock, ns
     void carom_pause_ns(i64)          let this thread sleep for some ns

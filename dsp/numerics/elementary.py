@@ -35,7 +35,7 @@ def _two_to(typingctx: Any, k: Any) -> Any:
     """Return 2^k of a whole number k, a float64, within +-1020."""
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        # By way of 32 bits: of 64, AVX2 would take one after the other.
+        # Through 32 bits: AVX2 would take numbers of 64 one after the other.
         k = builder.sext(builder.fptosi(args[0], ir.IntType(32)), ir.IntType(64))
         return builder.bitcast(builder.shl(builder.add(k, _whole(_BIAS)), _whole(_FRACTION)), ir.DoubleType())
 

@@ -12,7 +12,7 @@ from .checks import Array
 def elementwise(function: Callable[..., Any]) -> Callable[..., Array]:
     """Make a function of numbers take arrays that broadcast, as a NumPy ufunc does: a decorator; float64 in and out.
 
-    It is compiled at the first call. What overflows or underflows on the way is the function's own business.
+    It is compiled at the first call. Overflow and underflow on the way are the function's own business.
     """
 
     @cache

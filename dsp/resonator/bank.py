@@ -1,9 +1,9 @@
 """The modal bank: modes that ring, and the injection of a contact's force into them.
 
-A mode obeys q'' + 2 sigma q' + (omega^2 + sigma^2) q = phi F with a mass-normalised shape phi (kg^-1/2). Its state is
-z with z' = (-sigma + i omega) z + phi F, so that omega q = Im z; |z|^2/2 is its energy (J) up to sigma/omega. What is
-kept is y = Im z at the last two samples: ringing is the two-pole recursion y <- a1 y1 + a2 y2, the fewest operations
-there are, in float64, where it is exact at any frequency and decay.
+A mode obeys q'' + 2 sigma q' + (omega^2 + sigma^2) q = phi F with a mass-normalised shape phi (kg^-1/2). Its state is z
+with z' = (-sigma + i omega) z + phi F, so that omega q = Im z; |z|^2/2 is its energy (J) up to sigma/omega. The state
+is y = Im z at the last two samples: ringing is the two-pole recursion y <- a1 y1 + a2 y2, the fewest operations there
+are, in float64, where it is exact at any frequency and decay.
 
 Heard is omega q: the amplitude of the mode's velocity, in the phase of its displacement, which a blow leaves
 continuous.

@@ -26,11 +26,11 @@ from .bank import RESPONSES
 from .simd import LANES
 
 CLICK_MODES = 3
-"""Modes of the bank that a click takes, one after the other: what they make is one sound."""
+"""Modes of the bank that a click takes, one after the other: together they make one sound."""
 
 _TAPS = 6
 _FIRST, _SECOND = 0.15, 0.05  # samples, samples^2: of the B-spline's derivatives
-# Of the filter: the poles that make sinc^4 (1 + _FIRST j w - _SECOND w^2) flattest up to 0.43 of the rate, by
+# The poles of the filter, which make sinc^4 (1 + _FIRST j w - _SECOND w^2) flattest up to 0.43 of the rate, by
 # Nelder-Mead.
 _NEAR = 0.4781 * complex(math.cos(3.1117), math.sin(3.1117))
 _FAR = 0.188 * complex(math.cos(1.2404), math.sin(1.2404))
@@ -73,7 +73,7 @@ def _set_section(modes, i, pole, second, third, own, s, weight):
         value = gain * _numerator(0.5 * (1.0 - _NODES[q]), x, own, s, weight)
         n1 = value.imag / x.imag
         n0 = value.real - n1 * x.real
-        # What the recursion makes of b beside the last sample and c beside the last but one: a1 b + a2 c, then a2 b.
+        # b beside the last sample and c beside the last but one become a1 b + a2 c, then a2 b, in the recursion.
         b = n1 / a2
         c = (n0 - a1 * b) / a2
         before, here = 0.0, 0.5 * _WEIGHTS[q]

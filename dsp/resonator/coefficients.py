@@ -14,7 +14,7 @@ _BESSEL_START = 24  # where the downward recursion of the spherical Bessel funct
 
 @kernel
 def set_mode(modes, i, frequency, decay, rate, weight):
-    """Give mode i a frequency (Hz) and decay (1/s) at a sampling rate (Hz); what it is ringing goes on without a step.
+    """Give mode i a frequency (Hz) and decay (1/s) at a sampling rate (Hz); its ringing goes on without a step.
 
     `weight` scales what it will answer to a force; where it is complex, the output is Im(weight z): a mode whose output
     has a phase, which no contact feels. frequency = 0 makes a mode that rests for ever.

@@ -1,7 +1,7 @@
 """Modes under forces that are known some samples ahead: by one number for each sample.
 
 A force that is rough within a sample drives modes by its moments (bank.py), by eight multiplications and more for each
-mode and sample. What is heard of it, below the Nyquist frequency, is in its band-limited samples: f[n] (N s), the force
+mode and sample. Its audible part, below the Nyquist frequency, is in its band-limited samples: f[n] (N s), the force
 around sample n under a windowed sinc, which looks HALF samples ahead. The modes take f[n] as a blow at sample n,
 
     y[n + 1] = a1 y[n] + a2 y[n - 1] + phi c f[n],   c = w r sin(theta),

@@ -1,6 +1,6 @@
 """LANES modes at once, for sums over tables in which LLVM doesn't see by itself that it may take several together.
 
-It can't know that what is written lies nowhere in the tables. Here all is read before anything is written.
+It can't know that the results are written nowhere in the tables. Here all is read before anything is written.
 """
 
 from typing import Any

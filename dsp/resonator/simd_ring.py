@@ -117,7 +117,7 @@ def ring_moved(typingctx, y1, y2, a1, a2, first, phi, table, row, moments, frame
                 each = builder.load(builder.gep(memory.data, [builder.add(start, int64(t * KEPT + k))]))
                 moment = vector_of(builder, [each] * LANES)
                 pushes = [plus(pushes[s], times(moment, rows[2 * k + s])) for s in range(2)]
-            # What waits for the last sample is one product and one sum: the rest is known before.
+            # One product and one sum wait for the last sample: the rest is known before.
             v = plus(v, pushes[1])
             y = plus(times(p, u), plus(times(p, pushes[0]), times(q, v)))
             u, v = y, plus(u, pushes[0])

@@ -1,10 +1,10 @@
 """A body that rolls over a rough surface: its normal motion, event by event, and the force it gives.
 
-The lowest point of the body would follow the path of path.py; while it does not, it flies: y'' = -g, until the
-path catches it. What is heard are the contacts: where path and body overlap by x, they push each other apart by the
-contact law, m y'' = f(x, x') - m g (contact_step.py). A kink of the path, passed in contact, jumps x' by the speed
-times the jump in slope: a micro-impact; where the path falls away faster than the body, it leaves. A body that has come
-to rest on a flat path gives its weight, which nobody hears: the force that is handed on is f - m g.
+The lowest point of the body would follow the path of path.py; while it does not, it flies: y'' = -g, until the path
+catches it. The contacts are heard: where path and body overlap by x, they push each other apart by the contact law, m
+y'' = f(x, x') - m g (contact_step.py). A kink of the path, passed in contact, jumps x' by the speed times the jump in
+slope: a micro-impact; where the path falls away faster than the body, it leaves. A body that has come to rest on a flat
+path gives its weight, which nobody hears: the force that is handed on is f - m g.
 
 A flight ends by a quadratic, piece of the path by piece. Contacts go by the collocation step of collocation.py, with
 steps as long as its error allows. All of it is in seconds and metres: no sampling rate, quantum or block cuts a step.
@@ -152,7 +152,7 @@ def steer(roll):
         return
     roll.m = _nearer(roll.m, roll.target.mass, near)
     roll.g = _nearer(roll.g, roll.target.gravity, near)
-    # Where it rests, how fast it swings there, and how stiff a contact makes a difference.
+    # The compression at rest, the square of the swing's frequency there, and the stiffness, which counts up to a bound.
     stiffest = roll.m * roll.g / (roll.a * roll.g / (_STIFFEST * _STIFFEST)) ** roll.a
     roll.stiffness = min(roll.k, stiffest)
     roll.rest_compression = (roll.m * roll.g / roll.stiffness) ** (1.0 / roll.a)

@@ -46,7 +46,7 @@ def _weigh(roll, contact):
 
 @kernel
 def lead_coupled_roll(roll, contact, begin, whole):
-    """Bring a body to the coming sample, of which it rolls what is behind `begin`, and lay its path under the contact.
+    """Bring a body to the coming sample, which it rolls from `begin` on, and lay its path under the contact.
 
     whole: as one parabola, right at the sample's end, where the body swings too slowly to tell it from its kinks. True
     if the contact must be told the object's receptance again.

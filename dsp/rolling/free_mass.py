@@ -3,8 +3,8 @@
 With the matrix P of integrals up to the nodes (INTEGRAL), a step of h s and the mass m, forces f take q = (h/m) P f +
 f/Z off the rates of compression, and h P q off the compressions, with 1/Z the dashpot's mobility. Newton's method with
 the mean of the nodes' stiffness and damping for all of them has a matrix that is a polynomial of P. In P's
-eigenvectors, which are known beforehand, it is solved by one real division and a complex one. How the nodes differ
-counts by the square of the swing in a step: each iteration gains two to four digits.
+eigenvectors, which are known beforehand, it is solved by one real division and a complex one. The difference between
+the nodes counts by the square of the swing in a step: each iteration gains two to four digits.
 """
 
 import numpy as np

@@ -58,7 +58,7 @@ PATH = np.dtype(
         ("bend", np.float64),  # 1/m: curvature of the body's lowest arc, -1/radius
         ("corners", np.float64),  # of the body, 0: it is round
         ("side", np.float64),  # m between them, 0: it is round
-        # What is asked for.
+        # As asked for.
         ("speed", np.float64),  # m/s
         ("roughness", np.float64),  # factor on the surface's heights
         ("coarseness", np.float64),  # factor on the shortest wavelength
@@ -124,14 +124,14 @@ def _refresh(path):
 
 @kernel
 def _nearer(gain, wanted):
-    """Move an octave's gain nearer to what is wanted, a block later, or all of the way where little is left."""
+    """Move an octave's gain nearer to its target, a block later, or all of the way where little is left."""
     missing = wanted - gain
     return wanted if abs(missing) < _SMALL else gain + _GLIDE * missing
 
 
 @kernel
 def _is_settled(path):
-    """True if what is read is what is wanted."""
+    """True if the gains that are read are those wanted."""
     now = path.read_for
     same = now[0] == path.speed and now[1] == path.roughness and now[2] == path.coarseness and now[3] == path.patch
     return same and path.settled == 1
@@ -283,7 +283,7 @@ def restart_path(path, place):
 
 @kernel
 def make_piece(path):
-    """Make the next piece or two: what is left of the first point's arc, and the turn to the second."""
+    """Make the next piece or two: the rest of the first point's arc, and the turn to the second."""
     _settle(path)
     second, third = (path.first + 1) & (POINTS - 1), (path.first + 2) & (POINTS - 1)
     distance, after = path.distance[second], path.distance[third]

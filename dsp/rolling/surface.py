@@ -6,7 +6,7 @@ The profile z(s) is a sum of octaves of smooth noise. Octave j has random height
 the correlation length. On top there may be a periodic corrugation.
 
 Places are whole numbers of the finest lattice's `unit`, in 64 bits: a millimetre's roughness stays exact for millions
-of kilometres. How much of an octave is heard is up to who reads: `gain`.
+of kilometres. The reader chooses how much of an octave is heard: `gain`.
 """
 
 import math
@@ -51,7 +51,7 @@ SURFACE = np.dtype(
         ("offset", np.int64, OCTAVES),  # places by which the lattices are moved against each other
         ("ripple", np.float64),  # amplitude of the corrugation, m
         ("turns", np.float64),  # of the corrugation, for each place
-        # How much of each octave is read, and room for the lattice heights of one, a block of points long.
+        # The share of each octave that is read, and room for the lattice heights of one, a block of points long.
         ("gain", np.float64, OCTAVES),
         ("ripple_gain", np.float64),
         ("corner", np.float64, BLOCK + TAPS),

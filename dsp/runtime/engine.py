@@ -225,7 +225,7 @@ class Engine:
         return bool(idle and self.room() == RING and self.position > 0)
 
     def comes_to_rest(self) -> bool:
-        """True if what goes on ends by itself: bounces, spins, rolls that friction slows, or objects that ring."""
+        """True if all that goes on ends by itself: bounces, spins, rolls that friction slows, or objects that ring."""
         state = self._record
         lasting = state["contacts"][state["last_command"] > 0]
         friction = state["rolls"]["target"]["friction"][lasting["roll"][lasting["kind"] == Kind.ROLL]]

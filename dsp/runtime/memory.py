@@ -130,7 +130,7 @@ def touch(record: np.void, modes: int, objects: int) -> None:
 def _give_back(part: NDArray[Any]) -> None:
     """Give the whole pages of a contiguous part of a state back to the system until they are written again.
 
-    What they held is lost. Nothing happens where the system cannot do it.
+    Their contents are lost. Nothing happens where the system cannot do it.
     """
     memory: Any = part
     while isinstance(memory, np.ndarray | np.void):

@@ -1,6 +1,7 @@
 """The engine by the clock, where there is no device: a compiled loop that needs no Python while it runs.
 
-What holds Python's interpreter for a while (a sort, the garbage collector) would stop a loop in Python, and the sound.
+Anything that holds Python's interpreter for a while (a sort, the garbage collector) would stop a loop in Python, and
+the sound.
 """
 
 from ctypes import c_double, c_int64, c_void_p

@@ -4,7 +4,7 @@ A mode is heard by omega q, with a weight that holds at its own frequency. Below
 radiates, for sound pressure follows acceleration, but omega q = phi F/omega follows the force: without more, a blow by
 a soft mallet would thump as no body does. So the modes of a band of two octaves have one heavily damped mode beside
 them, which no contact feels: it answers slow forces by what they answer, with the opposite sign, up to about twice the
-band's middle. What is left falls as the frequency; where modes ring it makes no difference.
+band's middle. The rest falls as the frequency; where modes ring it makes no difference.
 """
 
 from typing import NamedTuple

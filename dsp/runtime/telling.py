@@ -124,7 +124,8 @@ def tell(telling):
 
 @kernel
 def _find_blows(link, state, microphones):
-    """Find the blows of a step, and which are heard: how many. What begins to slide is placed anew in the next step."""
+    """Find the blows of a step, and which are heard: how many. A body that begins to slide is placed anew in the next
+    step."""
     find_blows(state)
     find_slides(state)
     for n in range(state.struck):

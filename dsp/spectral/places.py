@@ -126,7 +126,7 @@ def _move(spectral, phase, b, room, slots):
         spectral.owner[to] = 1 + mode
         slots[mode] = 1 + to
         to += 1
-    # What is left of the last chunk is free.
+    # The rest of the last chunk is free.
     taken = to - phase.start[b] * CHUNK
     phase.count[b] = (taken + CHUNK - 1) // CHUNK
     for place in range((phase.start[b] + phase.count[b]) * CHUNK - 1, to - 1, -1):

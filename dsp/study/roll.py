@@ -88,7 +88,7 @@ def _follow(roll, seconds, rows):
         next_event(roll)
         if touching == 1 and inside:
             for i in range(NODES):
-                # What is heard is the force over the weight, and fades with the roll.
+                # The force over the weight is heard, and fades with the roll.
                 force[i] = roll.force[i] / roll.fade + roll.m * roll.g
                 rows[count, 2] += roll.span * WEIGHTS[i] * force[i]
             if roll.touching == 0:

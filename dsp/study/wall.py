@@ -127,7 +127,7 @@ def _deviate(contact, scheme, law, h, most):
 
 @kernel
 def _judge(contact, lasts, v_in, highest):
-    """Judge a contact where it was left; `highest`: its greatest energy over that which it came with."""
+    """Judge a contact where it was left; `highest`: its greatest energy over the one that it came with."""
     v = contact.v
     if not (math.isfinite(v) and math.isfinite(contact.x)):
         return Outcome.NOT_FINITE

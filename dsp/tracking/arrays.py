@@ -19,7 +19,7 @@ ARRAYS = np.dtype(
         ("body", np.int64, BODIES),
         ("root", np.int64, BODIES),
         ("led", np.int64, BODIES),  # 1: it is moved by its pose, and `motions` say nothing of it
-        # Where `motions` are of the end of a step, as with steps of Runge and Kutta, those of the step before count.
+        # If `motions` are of the end of a step, as with steps of Runge and Kutta, those of the step before count.
         ("late", np.int64),  # 1: they are
         ("known", np.int64),  # 1: there was a step before
         ("before", np.float64, (BODIES, 9)),  # spin, velocity, and the point that it is of

@@ -1,8 +1,8 @@
 """Blows: how hard each is, by which law, and whether it is heard.
 
 A blow of an impulse J is heard as the pressure that J leaves in the modes of both bodies, at the microphone that hears
-them best. What is fainter than what can be heard, or than what was heard of late by so much that it is masked, is left
-out, and so is what comes beyond the most at once: the loudest are taken.
+them best. Blows that are too faint to hear, or masked by those of late, are left out; of more than the most at once the
+loudest are taken.
 """
 
 import math

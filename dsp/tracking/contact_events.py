@@ -7,7 +7,7 @@ lies before the step's by depth over speed. Its effective mass along the normal 
 1/M + (r x n) I^-1 (r x n), with the lever arm r from the centre of mass.
 
 A pair that has touched for a while slips at the speed of one body over the other, and sweeps at that of the contact
-over each body. What is told of it changes only where that can be heard.
+over each body. It is told anew only where the change can be heard.
 """
 
 import math

@@ -65,7 +65,7 @@ _PAIR = np.dtype(
         ("facing", np.float64, 3),
         ("arm", np.float64, 3),
         ("told", np.int64),  # 1: the simulator told how fast the last of them slips
-        # Those among them that are new, and close fast enough to be heard.
+        # The points that are new, and close fast enough to be heard.
         ("fresh", np.int64),
         ("fresh_point", np.float64, 3),
         ("fresh_normal", np.float64, 3),
@@ -76,7 +76,7 @@ _PAIR = np.dtype(
         ("hopped_at", np.float64),  # s: when it was last told no more for a while
         ("pushed", np.float64),  # N s: its force over a time (s) that the smoothed force knows nothing of yet
         ("over", np.float64),
-        # Where the contact is in the axes of each body, and how fast it moves over them.
+        # The contact's place in the axes of each body, and its speed over them.
         ("local", np.float64, (2, 3)),
         ("sweep", np.float64, 2),
         ("now", np.float64, 3),  # slip (m/s), sweep (m/s), force (N), smoothed
@@ -153,7 +153,7 @@ BLOW = np.dtype(
         ("restitution", np.float64),
         ("impulse", np.float64),  # N s: of a rigid blow
         ("pressure", np.float64),  # Pa rms at the microphone that hears it best
-        # What an engine takes: places 0 to 1 on the strike paths of both, the speed, and the law, in which `left`, a
+        # The engine's values: places 0 to 1 on the strike paths of both, the speed, and the law, in which `left`, a
         # restitution above 0, takes the place of the dissipation.
         ("place", np.float64, 2),
         ("met", np.float64),

@@ -53,7 +53,7 @@ class Log:
     def expect(self, first: int, sent: list[Sent]) -> None:
         """Remember what commands stand for, from the command with the number `first` on."""
         for n, each in enumerate(sent):
-            # What a message asks of an object is one line, however many commands it takes.
+            # A message is one line for each object, however many commands it takes.
             if n == 0 or each.message is not sent[n - 1].message or each.serial != sent[n - 1].serial:
                 self._waiting[first + n] = each
 
@@ -123,6 +123,6 @@ class Log:
         if self._file.begun:
             self.write()
             if not self.error:
-                # What rings or rolls on was heard up to here.
+                # Objects that ring and bodies that roll on were heard up to here.
                 self._write([format_line(self._engine.position / self._engine.rate, Message("/panic")) + "\n"])
         self._file.close()

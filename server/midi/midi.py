@@ -154,7 +154,7 @@ class Midi(Remote):
             self._said[text] = now
             self._warn(text)
 
-    # What messages say of MIDI.
+    # Handlers of messages about MIDI.
 
     def _notes(self, values: Values, source: Source) -> Iterator[Message]:
         require_name("object", values.words["object"])

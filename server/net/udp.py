@@ -106,7 +106,7 @@ class Intake:
         # Python's own time-outs would make the socket non-blocking.
         wait = struct.pack("L", round(1e3 * _LOOK)) if _WINDOWS else struct.pack("ll", 0, round(1e6 * _LOOK))
         udp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, wait)
-        # What ctypes calls runs without the GIL.
+        # Functions that ctypes calls run without the GIL.
         address = self._box.ctypes.data
         self._thread = threading.Thread(target=drain, args=(address,), name="carom-intake", daemon=True)
         self._thread.start()

@@ -117,7 +117,7 @@ class Selection:
         return kept
 
     def spend(self, work: float, culprit: str) -> None:
-        """Take the work of matching a pattern from that which is left. TooMuch if there is not so much."""
+        """Take the work of matching a pattern from the work that is left. TooMuch if there is not so much."""
         if work > self._left:
             raise TooMuch(culprit)
         self._left -= work

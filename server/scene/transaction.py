@@ -108,8 +108,8 @@ class Transaction:
         self._undo.append(action)
 
     def keep(self) -> None:
-        """Keep for good what was done. What would undo it holds the transaction in a circle: with it, all its messages
-        would stay in memory until the next search for garbage."""
+        """Keep for good what was done. The steps that would undo it hold the transaction in a circle: with them, all
+        its messages would stay in memory until the next search for garbage."""
         self._undo.clear()
 
     def savepoint(self) -> tuple[int, int, int]:

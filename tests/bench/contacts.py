@@ -51,7 +51,7 @@ class _Struck:
     coupled: bool
 
 
-# What rings on after a strike must not change the next contact: the objects are damped, all alike.
+# The ringing after a strike must not change the next contact: the objects are damped, all alike.
 STRUCK = {
     "wall": _Struck(1e-7, "-60", False),
     "m*": _Struck(5e-4, "-40", False),

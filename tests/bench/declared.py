@@ -28,7 +28,7 @@ _NEVER = "/quit"
 
 
 def declared(chance: random.Random) -> Message:
-    """Return a message to any address but that which ends the server, its arguments within their ranges or at their
+    """Return a message to any address but the one that ends the server, its arguments within their ranges or at their
     ends."""
     verb = VERBS[chance.choice([address for address in VERBS if address != _NEVER])]
     args: list[Argument] = [argument(chance, each) for each in verb.required]

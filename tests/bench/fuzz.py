@@ -54,7 +54,7 @@ _MAKES = (b"/object/new", b"/world/body")
 """Addresses in packets that a client of their own sends: what it sends later waits until all is made."""
 _INTERESTING = b"\0\1\4\x7f\x80\xc0\xdb\xdc\xfc\xff/#,*?[]{}!-sibfdhtmrcTFNI"
 
-# What has brought down servers, this one and others.
+# Packets that have brought down servers, this one and others.
 KNOWN = (
     b"#bundle\0" + bytes(7) + b"\1" + b"\xff\xff\xff\xfc",  # an element of size -4
     b"#bundle\0" + bytes(7) + b"\1" + (20).to_bytes(4, "big") + b"#bundle\0" + bytes(12),

@@ -1,8 +1,8 @@
 """Blocks that JACK's dummy device loses while Python threads hold the GIL.
 
 In blocks of 64 frames at 48 kHz, one after the other on one jackd: a Carom server that plays, and nothing else (what
-the machine itself loses); the same with hogs in its own process; a Python callback with the same hogs. What the hogged
-server recorded is then compared with what its log renders to.
+the machine itself loses); the same with hogs in its own process; a Python callback with the same hogs. The recording of
+the hogged server is then compared with the render of its log.
 """
 
 import argparse

@@ -96,7 +96,7 @@ def measure(rounds: int, scenes: tuple[tuple[int, int], ...] = SCENES) -> list[d
     """Measure ns per mode-sample of `process` and of the kernel, how many times as fast it is, and the longest of
     quanta.
 
-    Those with `single` in their names are of float32, the others of float64.
+    Figures with `single` in their names are of float32, the others of float64.
     """
     rows: list[dict[str, Any]] = []
     out = np.zeros((2, QUANTUM))

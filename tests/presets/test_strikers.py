@@ -110,7 +110,8 @@ def test_masses_and_sizes_belong_together(name):
 def test_a_larger_one_is_louder_and_lower(library, name):
     """Twice as large: eight times as heavy; its click's pitch falls by an octave, and its pressure doubles.
 
-    All lengths and times double, at the same velocity. What is above hearing of the smaller one's makes it more.
+    All lengths and times double, at the same velocity. The part of the smaller one's sound that is above hearing makes
+    it more.
     """
     sounds = []
     for factor in (1.0, 2.0):

@@ -8,7 +8,7 @@ its lowest one Y falls as f^4.
 
 A ribbed board is one plate only as long as its waves are long. Where half of one fits between two ribs, waves stay
 between these, and the board gives way as the bare panel does (Ege and Boutillon, Proc. ICA, 2010: the rise of a piano's
-mobility above 1.1 kHz). How its waves radiate there is left as it is, which errs to the loud side.
+mobility above 1.1 kHz). The radiation of its waves there is left as it is, which errs to the loud side.
 """
 
 import math

@@ -40,7 +40,7 @@ def test_contact_time_and_force_reach_to_the_ends_of_float64(law):
     exact = wall_reference.duration(*law)
     assert abs(mp.mpf(float(contact.contact_time(*law))) / exact - 1) < 1e-12
     v_in, m, k, mu, a = map(mp.mpf, law)
-    # Where mu v_in = w, the pulse is that of any other law with the same w, in units of k L^a and L/v_in.
+    # With mu v_in = w, the pulse is that of any other law with the same w, in units of k L^a and L/v_in.
     plain = (1.0, 1.0, 1.0, float(mu * v_in), law[4])
     scale = (k * (m * v_in**2) ** a) ** (1 / (a + 1))
     middle = contact.force_pulse(0.4 * contact.contact_time(*law), *law)

@@ -180,7 +180,7 @@ def test_contacts_tell_their_momentum():
     hard = (v_in > 20 * np.median(v_in)) | (v_in >= np.sort(v_in)[-5])
     e = contact.restitution(v_in[hard], MARBLE["mu"])
     assert impulse[hard] / (MARBLE["m"] * v_in[hard] * (1 + e)) == pytest.approx(1.0, abs=0.25)
-    # What it gives is its weight, in the mean.
+    # It gives its weight, in the mean.
     force = roll.roll_force(ground(5), 4.0, 48000, **MARBLE)
     assert abs(force.mean()) < 0.02 * MARBLE["m"] * STANDARD_GRAVITY
 

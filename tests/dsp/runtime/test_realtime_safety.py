@@ -15,10 +15,10 @@ from carom.dsp.runtime import handover
 pytestmark = pytest.mark.slow
 
 ALLOWED = {
-    # Of the C library: pure mathematics, the clock and the thread's number, which take no lock.
+    # The C library: pure mathematics, the clock and the thread's number, which take no lock.
     *("exp", "exp2", "expm1", "log", "log1p", "pow", "sin", "cos", "sqrt", "floor"),
     *("clock_gettime", "gettid"),
-    # Of LLVM, as "llvm.NAME.TYPES": instructions, or calls of the functions above.
+    # LLVM, as "llvm.NAME.TYPES": instructions, or calls of the functions above.
     *("llvm.exp", "llvm.exp2", "llvm.log", "llvm.pow", "llvm.sin", "llvm.cos", "llvm.sqrt", "llvm.floor", "llvm.fabs"),
     *("llvm.fma", "llvm.fmuladd", "llvm.ctpop", "llvm.cttz", "llvm.copysign", "llvm.minnum", "llvm.maxnum"),
     *("llvm.abs", "llvm.smin", "llvm.smax", "llvm.umin", "llvm.umax", "llvm.vector.reduce"),

@@ -117,7 +117,7 @@ def test_a_client_that_does_not_read_loses_replies_and_holds_up_nobody(net, stac
     assert any("replies dropped" in line for line in net.warnings()) and net.warnings() == []
     eager.sendall(Sized.framed(A))
     assert len(taken(net)) == 1
-    # What was kept arrives whole once it is read: no packet is cut.
+    # Kept packets arrive whole once they are read: none is cut.
     kept = []
     reader = Sized()
     while select.select([lazy], [], [], 0.2)[0]:

@@ -36,7 +36,7 @@ def test_python_oscquery_lists_and_plays(tmp_path):
         for action in ("gain", "tune", "decay"):
             leaf = other.query_node(f"/object/bell/{action}")
             found[leaf.attributes[OSCQueryAttribute.FULL_PATH]] = other.last_json["RANGE"][0]
-        # What a fader of its own would send: its two ends and its middle.
+        # Values that a fader of its own would send: its two ends and its middle.
         plays = SimpleUDPClient(host.osc_ip, host.osc_port)
         for path, bounds in found.items():
             for share in (0.0, 0.5, 1.0):

@@ -59,7 +59,7 @@ def test_a_piston_in_a_wall_is_rayleighs(x):
 @pytest.mark.parametrize("order", [0, 1, 2, 5, 12])
 @pytest.mark.parametrize("x", [0.3, 2.0, 9.0, 20.0])
 def test_near_field_and_far_field_agree(order, x):
-    """The power at the disc, pressure times velocity, is that which its jump of pressure sends far away."""
+    """The power at the disc, pressure times velocity, equals the power that its jump of pressure sends far away."""
     roots = order + np.array([3.0, 9.0, 16.0])
     plan = _Plan(Waves(order, roots, np.array([0.3, 0.0, -0.6]), np.ones(3), np.full(3, x)))
     ((b, jump),) = _jumps([plan])
