@@ -11,7 +11,7 @@ MEANINGS = {
     ("object", "glide"): "rise of the tension with the energy that rings; from geometry and material if not given",
     ("object", "stereo_width"): "of its image: 0 is a point, 1 reaches from the left output to the right one",
     ("object", "most_modes"): "that are made: those heard best; all if not given",
-    ("object", "geometry"): "the keys of the shape, below",
+    ("object", "geometry"): "the [keys of the shape](shapes.md)",
     ("object", "damping"): "losses in place of the material's",
     ("object", "strike"): "how it is struck if a message does not say otherwise",
     ("object", "bounce"): "how a striker bounces on it if a message does not say otherwise",
