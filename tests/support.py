@@ -1,4 +1,4 @@
-"""Helpers of the tests: rendering scores, a JACK server without hardware, a server in a process of its own."""
+"""Common code of the tests: rendering scores, a JACK server without hardware, a server in a process of its own."""
 
 import re
 import signal

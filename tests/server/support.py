@@ -1,4 +1,4 @@
-"""Helpers of the tests of the live server."""
+"""Common code of the tests of the live server."""
 
 from pathlib import Path
 

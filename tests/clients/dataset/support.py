@@ -1,4 +1,4 @@
-"""Helpers of the tests of data sets: recipes, and shards that are read back."""
+"""Common code of the tests of data sets: recipes, and shards that are read back."""
 
 import io
 import json

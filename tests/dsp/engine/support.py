@@ -1,4 +1,4 @@
-"""Helpers of the engine's tests: a body, a contact law, and gestures as commands with named values."""
+"""Common code of the engine's tests: a body, a contact law, and gestures as commands with named values."""
 
 from collections.abc import Collection
 

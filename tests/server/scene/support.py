@@ -1,4 +1,4 @@
-"""Helpers with which tests of the session speak to it."""
+"""Calls with which tests of the session speak to it."""
 
 from typing import Any
 
