@@ -1,83 +1,73 @@
-"""The notice to a user while code is compiled: progress on a terminal, else one line. Loading code shows nothing."""
+"""Progress of compiling for users: a line on a terminal that moves, else one line in the log. Loading shows nothing."""
 
 import logging
 import sys
 import time
 from threading import Event, Thread
-from typing import Any, TextIO
-
-from numba.core import event
+from typing import TextIO
 
 _LONG = 2.0  # s of compiling after which something is said
 _PERIOD = 0.5  # s between two looks
-_TRANSLATION = 0.67  # share of the time that passes take; then the optimiser runs, and tells nothing
-_NEARLY = 0.9  # share of the passes after which a second without one means that the optimiser runs
+_TRANSLATION = 0.8  # share of the time in which kernels are translated; units are compiled meanwhile, and afterwards
 _WIDTH = 79  # characters of a terminal's line
 
 _log = logging.getLogger(__name__)
 
 
-class CompileNotice(event.Listener):
-    """A listener of numba's passes, while it is entered. Code that is only loaded runs none of them.
+class CompileNotice:
+    """What a user sees of kernels that are translated and units that are compiled, while it is entered.
 
-    passes: how many are expected; 0 for code that takes so little time that no progress is shown.
+    kernels: how many are expected; 0 for code that takes so little time that no progress is shown.
     """
 
-    def __init__(self, passes: int) -> None:
-        self._passes = passes
-        self._begun = 0.0
-        self._last = 0.0
-        self._count = 0
+    def __init__(self, kernels: int) -> None:
+        self._expected = kernels
+        self._kernels = self._units = self._waiting = 0
+        self._share = 0.0
+        self._begun = time.monotonic()
         self._done = Event()
         self._thread: Thread | None = None
 
-    def on_start(self, event: Any) -> None:
-        self._count += 1
-        self._last = time.monotonic()
-        if self._thread is None:
-            self._begun = self._last
-            self._thread = Thread(target=self._watch, name="carom-compiling", daemon=True)
-            self._thread.start()
+    def translated(self) -> None:
+        """Count a kernel that is translated."""
+        self._kernels += 1
 
-    def on_end(self, event: Any) -> None:
-        pass
+    def compiled(self) -> None:
+        """Count a unit that is compiled."""
+        self._units += 1
+
+    def submitted(self) -> None:
+        """Count a unit that is to be compiled."""
+        self._waiting += 1
+
+    def progress(self, now: float) -> tuple[float, float]:
+        """Return the share of the work that is done, and the seconds that are left, estimated.
+
+        now: a time of the monotonic clock (s).
+        """
+        if not self._expected:
+            return 0.0, 0.0
+        translated = min(1.0, self._kernels / self._expected)
+        units = self._units / max(1, self._waiting)
+        share = _TRANSLATION * translated + (1.0 - _TRANSLATION) * translated * units
+        self._share = min(0.99, max(self._share, share))
+        return self._share, (now - self._begun) * (1.0 / max(self._share, 1e-3) - 1.0)
 
     def __enter__(self) -> "CompileNotice":
-        self._listening = event.install_listener("numba:run_pass", self)
-        self._listening.__enter__()
+        self._thread = Thread(target=self._watch, name="carom-compiling", daemon=True)
+        self._thread.start()
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._listening.__exit__(None, None, None)
-        self.close()
-
-    def close(self) -> None:
-        """Say nothing more, and clear the line on a terminal."""
         self._done.set()
         if self._thread:
             self._thread.join()
-
-    def share(self, now: float) -> float:
-        """Return the share of the work that is done at a time of the monotonic clock (s), estimated."""
-        translated = min(1.0, self._count / self._passes)
-        idle = now - self._last
-        if translated < _NEARLY or idle < 1.0:
-            return _TRANSLATION * translated
-        optimising = (self._last - self._begun) * (1.0 - _TRANSLATION) / _TRANSLATION
-        return _TRANSLATION + (1.0 - _TRANSLATION) * min(0.99, idle / optimising)
-
-    def progress(self, now: float) -> tuple[float, float]:
-        """Return the share of the work that is done, and the seconds that are left, estimated."""
-        if not self._passes or self._thread is None:
-            return 0.0, 0.0
-        share = self.share(now)
-        return share, (now - self._begun) * (1.0 / max(share, 1e-3) - 1.0)
 
     def _watch(self) -> None:
         if self._done.wait(_LONG):
             return
         terminal = sys.stderr if sys.stderr is not None and sys.stderr.isatty() else None
-        if not self._passes or terminal is None:
+        if not self._expected or terminal is None:
             _log.warning("compiling the engine; only the first start takes so long")
             return
         self._show(terminal)

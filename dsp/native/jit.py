@@ -1,11 +1,12 @@
 """The decorators that mark kernels, and the calls from C and Python that reach them.
 
 Nothing here imports numba: where the machine code has come along, or is in the user's cache, it is not needed. It is
-imported when something is compiled (`compiler.py`).
+imported when something is compiled (`translation.py`).
 """
 
 import ctypes
 import functools
+from collections import defaultdict
 from collections.abc import Callable
 from importlib import import_module
 from typing import Any
@@ -16,6 +17,7 @@ class Later:
 
     def __init__(self, module: str, name: str = "") -> None:
         self._module, self._name = module, name
+        self.path = f"{module}:{name}"
 
     @functools.cached_property
     def it(self) -> Any:
@@ -25,7 +27,7 @@ class Later:
 
     @property
     def _numba_type_(self) -> Any:
-        return import_module(f"{__package__}.compiler").type_of(self.it)
+        return import_module(f"{__package__}.numba_internals").type_of(self.it)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.it, name)
@@ -36,7 +38,7 @@ class Later:
 
 ir: Any = Later("llvmlite.ir")
 types: Any = Later("numba.types")
-cgutils: Any = Later("numba.core.cgutils")
+cgutils: Any = Later(f"{__package__}.numba_internals", "cgutils")
 carray: Any = Later("numba", "carray")
 
 
@@ -46,24 +48,24 @@ class Kernel:
     def __init__(self, function: Callable[..., Any], simd: bool = False, inlined: bool = True) -> None:
         functools.update_wrapper(self, function)
         self.py_func = function
-        self._settings = simd, inlined
-
-    @functools.cached_property
-    def part(self) -> Any:
-        """The kernel as numba links it into what calls it."""
-        return import_module(f"{__package__}.compiler").part(self.py_func, *self._settings)
+        self.settings = simd, inlined
+        KERNELS[f"{function.__module__}:{function.__qualname__}"].append(self)
 
     @functools.cached_property
     def whole(self) -> Any:
         """The kernel as a function of its own, compiled at its first call."""
-        return import_module(f"{__package__}.compiler").whole(self.part)
+        return import_module(f"{__package__}.translation").whole(self)
 
-    @property
+    @functools.cached_property
     def _numba_type_(self) -> Any:
-        return import_module(f"{__package__}.compiler").type_of(self.part)
+        return import_module(f"{__package__}.translation").type_of_kernel(self)
 
     def __call__(self, *args: Any) -> Any:
         return self.whole(*args)
+
+
+KERNELS: dict[str, list[Kernel]] = defaultdict(list)
+"""All kernels by `module:qualified name`, the newest last: several where a function makes them."""
 
 
 def kernel(function: Callable[..., Any]) -> Any:
@@ -90,11 +92,11 @@ class Intrinsic:
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self.__doc__, self.__name__, self.__module__ = function.__doc__, function.__name__, function.__module__
-        self._function = function
+        self.function = function
 
     @functools.cached_property
     def _numba_type_(self) -> Any:
-        return import_module(f"{__package__}.compiler").type_of_intrinsic(self._function)
+        return import_module(f"{__package__}.translation").type_of_intrinsic(self.function)
 
 
 def intrinsic(function: Callable[..., Any]) -> Any:
@@ -106,11 +108,11 @@ class External:
     """A function of the C library, for kernels: its name, what it returns and its arguments, as types of ctypes."""
 
     def __init__(self, name: str, returned: Any, *arguments: Any) -> None:
-        self._signature = name, returned, arguments
+        self.signature = name, returned, arguments
 
     @functools.cached_property
     def _numba_type_(self) -> Any:
-        return import_module(f"{__package__}.compiler").type_of_external(*self._signature)
+        return import_module(f"{__package__}.translation").type_of_external(*self.signature)
 
 
 class CFunction:
@@ -144,6 +146,6 @@ def c_function(returned: Any, *arguments: Any) -> Callable[[Callable[..., Any]],
     """Mark a function of C: a decorator. returned, arguments: types of ctypes: c_void_p, c_int, c_ulong, c_int64,
     c_double.
 
-    All C functions of a module are compiled together, from the sources that it imports.
+    All C functions of a module are loaded together.
     """
     return lambda function: CFunction(function, returned, arguments)

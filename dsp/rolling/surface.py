@@ -113,7 +113,7 @@ def _octave_at(surface, j, place):
     cell = shifted >> level
     _enter(surface, j, cell, 4)
     c0, c1, c2, c3 = _cubic(surface.corner, 0)
-    t = (shifted - (cell << level)) * 0.5**level
+    t = (shifted - (cell << level)) / (1 << level)
     return c0 + t * (c1 + t * (c2 + t * c3))
 
 
@@ -178,7 +178,7 @@ def _in_one_cell(surface, j, place, stride, gain, rise):
     level = OCTAVES - 1 - j
     shifted = place + surface.offset[j]
     cell = shifted >> level
-    t, step = (shifted - (cell << level)) * 0.5**level, stride * 0.5**level
+    t, step = (shifted - (cell << level)) / (1 << level), stride / (1 << level)
     _enter(surface, j, cell, 4)
     c0, c1, c2, c3 = _cubic(surface.corner, 0)
     a0, a1 = c0 + t * (c1 + t * (c2 + t * c3)), step * (c1 + t * (2.0 * c2 + 3.0 * t * c3))
@@ -193,8 +193,8 @@ def _add_wide(surface, j, place, stride, gain, rise, z):
     level = OCTAVES - 1 - j
     shifted = place + surface.offset[j]
     cell = shifted >> level
-    step = stride * 0.5**level
-    since = (shifted - (cell << level)) * 0.5**level
+    step = stride / (1 << level)
+    since = (shifted - (cell << level)) / (1 << level)
     _enter(surface, j, cell, 5)
     a0, a1, a2, a3 = _cubic(surface.corner, 0)
     b0, b1, b2, b3 = _cubic(surface.corner, 1)
@@ -233,7 +233,7 @@ def _add_narrowest(surface, j, place, gain, rise, z):
     shifted = place + surface.offset[j]
     cell = shifted >> level
     _enter(surface, j, cell, BLOCK + 3)
-    weights = _cubic_weights((shifted - (cell << level)) * 0.5**level)
+    weights = _cubic_weights((shifted - (cell << level)) / (1 << level))
     for g in range(BLOCK // LANES):
         heights = dot(surface.corner, g * LANES, 1, weights)
         add_product(z, g * LANES, heights, _gains(gain, rise, g * LANES))
@@ -291,7 +291,7 @@ def _make_weights(surface, place, stride):
             for tap in range(TAPS):
                 surface.weights[row + tap * LANES] = 0.0
             cell = (shifted + i * stride) >> level
-            t = (shifted + i * stride - (cell << level)) * 0.5**level
+            t = (shifted + i * stride - (cell << level)) / (1 << level)
             row += (cell - first) * LANES
             w0, w1, w2, w3 = _cubic_weights(t)
             surface.weights[row], surface.weights[row + LANES] = w0, w1

@@ -10,8 +10,11 @@ import llvmlite.binding as llvm
 import platformdirs
 import pytest
 
-from carom.dsp.native import code, targets
-from carom.dsp.native.code import bitcode, compiled, key, load, sources
+from carom.dsp.native import code, store, targets
+from carom.dsp.native.code import bitcode, compiled, load
+from carom.dsp.native.digests import digest
+from carom.dsp.native.sources import key, sources
+from carom.dsp.native.store import Store
 from carom.dsp.native.targets import LEVELS, Target, processors, system
 
 FILES = {
@@ -133,7 +136,7 @@ def test_only_what_is_compiled_is_announced(doubling, monkeypatch, caplog):
 def test_processes_that_start_at_once_compile_once(doubling, tmp_path, monkeypatch):
     """One that comes while another compiles waits, and loads what that one has made."""
     found = []
-    with code._alone(tmp_path / "cache" / "carom" / "code" / doubling):
+    with Store(tmp_path / "cache" / "carom" / "code").alone(doubling):
         other = threading.Thread(target=lambda: found.append(load.__wrapped__(doubling)))
         other.start()
         other.join(0.1)
@@ -153,39 +156,42 @@ def test_edited_sources_are_compiled_again_and_the_old_code_is_found_again(doubl
 
 @pytest.mark.slow
 @pytest.mark.parametrize("way", ["empty", "half", "noise", "gone"])
-@pytest.mark.parametrize("ending", ["*.o", "sources.json", "code.bc", "source.bc"])
+@pytest.mark.parametrize("ending", ["*.o", "listed.json", "source.*.bc", "*-*.bc", "translations/*/*", "*.needs"])
 def test_damaged_code_is_compiled_anew_and_no_start_fails(doubling, tmp_path, way, ending):
     assert doubled(doubling) == (42, "compiled")
-    (file,) = tmp_path.rglob(ending)
+    (file,) = (tmp_path / "cache" / "carom" / "code").rglob(ending)
     data = file.read_bytes()
     if way == "gone":
         file.unlink()
     else:
         file.write_bytes({"empty": b"", "half": data[: len(data) // 2], "noise": bytes(len(data))}[way])
-    assert doubled(doubling) == (42, "cache" if ending.endswith(".bc") else "compiled")
+    assert doubled(doubling) == (42, "compiled" if ending in ("*.o", "listed.json", "*.needs") else "cache")
     assert doubled(doubling) == (42, "cache")
     assert code.bitcode(doubling)[:2] == b"BC"
 
 
 def test_code_that_needs_what_the_system_lacks_is_compiled_here(doubling, tmp_path):
     assert doubled(doubling) == (42, "compiled")
-    (file,) = tmp_path.rglob("sources.json")
-    file.write_text(file.read_text().replace(": []", ': ["carom_has_no_such_function"]'))
+    (file,) = tmp_path.rglob("*.needs")
+    content = b'["carom_has_no_such_function"]'
+    file.unlink()
+    file.with_name(f"{file.name.split('.')[0]}.{digest(content)}.needs").write_bytes(content)
     assert doubled(doubling) == (42, "compiled")
 
 
 def test_a_cache_that_cannot_be_written_is_said_once_and_the_code_runs(doubling, tmp_path, caplog):
     (tmp_path / "cache").write_text("a file, where a folder is needed")
-    code._say_that_it_is_not_kept.cache_clear()
+    store._passing_cache.cache_clear()
     with caplog.at_level(logging.WARNING):
-        assert doubled(doubling) == (42, "compiled") == doubled(doubling)
+        assert doubled(doubling) == (42, "compiled")
+        assert doubled(doubling)[0] == 42
     assert caplog.text.count("cannot write the code cache") == 1
 
 
 def test_a_package_brings_code_for_several_processors_and_needs_no_cache(doubling, tmp_path, monkeypatch):
     code.build([doubling], tuple(Target(system(), level) for level in LEVELS[:2]), tmp_path / "objects")
     assert len(list((tmp_path / "objects").rglob("*.o"))) == 2 and not list((tmp_path / "objects").rglob("*.bc"))
-    monkeypatch.setattr(code, "PACKAGED", tmp_path / "objects")
+    monkeypatch.setattr(store, "PACKAGED", tmp_path / "objects")
     monkeypatch.setattr(platformdirs, "user_cache_path", lambda name: tmp_path / "nowhere" / name)
     assert doubled(doubling) == (42, "package")
     assert load(doubling).processor == LEVELS[1]
@@ -194,11 +200,11 @@ def test_a_package_brings_code_for_several_processors_and_needs_no_cache(doublin
     assert doubled(doubling) == (420, "compiled")
 
 
-def test_code_that_would_need_python_is_refused(monkeypatch, tmp_path):
+def test_code_that_can_fail_is_refused(monkeypatch, tmp_path):
     monkeypatch.setattr(platformdirs, "user_cache_path", lambda name: tmp_path / name)
     (tmp_path / "raising.py").write_text(MODULE.replace("return 2 * x", "raise ValueError"))
     monkeypatch.syspath_prepend(tmp_path)
-    with pytest.raises(TypeError, match=r"double: this code needs Python: .*numba_gil_ensure"):
+    with pytest.raises(TypeError, match="raising:double: this kernel can fail"):
         compiled("raising")
 
 

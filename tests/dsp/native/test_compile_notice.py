@@ -22,18 +22,22 @@ def soon(monkeypatch):
     monkeypatch.setattr(compile_notice, "_PERIOD", 0.01)
 
 
-def compiles(notice: CompileNotice, passes: int) -> None:
-    for _ in range(passes):
-        notice.on_start(None)
-        notice.on_end(None)
-        time.sleep(0.002)
-    notice.close()
+def compiles(kernels: int, expected: int) -> None:
+    """Translate some kernels, of which every tenth ends a unit, and compile the units beside."""
+    with CompileNotice(expected) as notice:
+        for i in range(kernels):
+            notice.translated()
+            if i % 10 == 5:
+                notice.submitted()
+            if i % 10 == 9:
+                notice.compiled()
+            time.sleep(0.002)
 
 
 def test_a_terminal_sees_progress_and_keeps_no_line_of_it(monkeypatch):
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
-    compiles(CompileNotice(100), 100)
+    compiles(100, 100)
     shown = terminal.getvalue().split("\r")
     shares = [int(line.split("%")[0].split()[-1]) for line in shown if "%" in line]
     assert len(shares) > 5 and shares == sorted(shares) and 50 < shares[-1] <= 99
@@ -44,22 +48,29 @@ def test_what_takes_little_is_not_mentioned(monkeypatch):
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
     monkeypatch.setattr(compile_notice, "_LONG", 10.0)
-    compiles(CompileNotice(100), 10)
-    CompileNotice(100).close()  # nothing was compiled
+    compiles(10, 100)
     assert terminal.getvalue() == ""
 
 
 def test_without_a_terminal_one_line_is_logged(caplog):
     with caplog.at_level(logging.WARNING):
-        compiles(CompileNotice(100), 50)
+        compiles(50, 100)
     assert [record.getMessage() for record in caplog.records] == [
         "compiling the engine; only the first start takes so long"
     ]
 
 
-def test_the_optimiser_counts_though_it_tells_nothing():
+def test_units_count_beside_kernels_and_no_share_falls():
     notice = CompileNotice(100)
-    compiles(notice, 100)
-    last = time.monotonic()
-    shares = [notice.share(last + seconds) for seconds in (0.0, 2.0, 3.0, 1e3)]
-    assert shares == sorted(shares) and 0.65 < shares[0] < 0.7 and 0.98 < shares[-1] < 1.0
+    shares = []
+    for _ in range(100):
+        notice.translated()
+        shares.append(notice.progress(time.monotonic())[0])
+    for _ in range(10):
+        notice.submitted()
+        shares.append(notice.progress(time.monotonic())[0])
+    for _ in range(10):
+        notice.compiled()
+        shares.append(notice.progress(time.monotonic())[0])
+    assert shares == sorted(shares) and shares[99] == shares[109] == pytest.approx(0.8) and shares[-1] == 0.99
+    assert 0.85 < shares[113] < 0.95

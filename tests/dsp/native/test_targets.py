@@ -7,10 +7,12 @@ import platformdirs
 import pytest
 
 from carom.dsp.native import code
-from carom.dsp.native.compiler import needed, optimised, written
 from carom.dsp.native.jit import c_function
+from carom.dsp.native.store import Store
 from carom.dsp.native.system import clock_ns, flush_denormals, monotonic_ns, pause_ns, restore_denormals, thread_id
 from carom.dsp.native.targets import ARM, LEVELS, WHEEL, Target, built
+from carom.dsp.native.translation import translator
+from carom.dsp.native.units import needed, optimised
 
 CALLED = {
     "linux": ["clock_gettime", "gettid", "nanosleep"],
@@ -32,7 +34,7 @@ def everything():
 
 @pytest.fixture(scope="module")
 def source() -> bytes:
-    return written([everything]).as_bitcode()
+    return translator().unit(translator().c_function(everything)).source()
 
 
 def kind(made: bytes) -> tuple[object, int]:
@@ -66,7 +68,6 @@ def test_code_for_another_system_is_kept_beside_and_not_taken(tmp_path, monkeypa
     monkeypatch.setattr(platformdirs, "user_cache_path", lambda name: tmp_path / name)
     other = Target("windows" if built()[0].system == "linux" else "linux", LEVELS[1])
     code.build(["carom.dsp.native.system"], (other,), tmp_path / "objects")
-    (folder,) = (tmp_path / "objects" / "carom.dsp.native.system").iterdir()
-    listed, needs = code._listed(folder)
-    assert list(needs) == [str(other)] and "carom.dsp.native.platforms" in listed
-    assert code._object_in(folder, needs) is None
+    ((_, listed),) = Store(tmp_path / "objects").lists("carom.dsp.native.system")
+    assert list(listed.units) == [str(other)] and "carom.dsp.native.platforms" in listed.sources
+    assert code._found("carom.dsp.native.system", Store(tmp_path / "objects"), "package") is None

@@ -13,9 +13,10 @@ import llvmlite.binding as llvm
 import numpy as np
 import pytest
 
-from carom.dsp.native import compiler
+from carom.dsp.native import units
 from carom.dsp.native.jit import c_function, carray
 from carom.dsp.native.targets import Target, targets
+from carom.dsp.native.translation import translator
 from carom.dsp.resonator.bank import Modes, ring
 
 pytestmark = pytest.mark.slow
@@ -29,7 +30,7 @@ REORDERS = ("masked.scatter", "masked.gather", "shufflevector", "extractelement"
 
 
 def loops(assembly: str) -> list[list[str]]:
-    """Return the instructions of every block that branches to itself."""
+    """The instructions of every block that branches to itself."""
     found = []
     for label, before, body in BLOCK.findall(assembly):
         if f"%{label}" in before.split(", "):
@@ -38,19 +39,19 @@ def loops(assembly: str) -> list[list[str]]:
 
 
 def sums(loop: list[str]) -> int:
-    """Return the sums of doubles that a loop keeps."""
+    """The sums of doubles that a loop keeps."""
     added = {found[1] for line in loop if (found := SUM.match(line))}
     kept = [found[1] for line in loop if (found := KEPT.match(line))]
     return sum(bool(added & set(re.findall(r"\[ (%\S+), ", each))) for each in kept)
 
 
 def stores(loop: list[str]) -> int:
-    """Return the instructions by which a loop stores doubles."""
+    """The instructions by which a loop stores doubles."""
     return sum(bool(STORE.match(line)) for line in loop)
 
 
 def modal_loops(assembly: str) -> list[list[str]]:
-    """Return the loops that keep a left and a right sum or more, and store doubles."""
+    """The loops that keep a left and a right sum or more, and store doubles."""
     return [loop for loop in loops(assembly) if sums(loop) >= 2 and stores(loop)]
 
 
@@ -60,21 +61,22 @@ def rings_four_frames(loop: list[str]) -> bool:
 
 
 def reorderings(loop: list[str]) -> list[str]:
-    """Return the instructions of a loop that take vectors apart, or put them together."""
+    """The instructions of a loop that take vectors apart, or put them together."""
     return [line for line in loop if any(word in line for word in REORDERS)]
 
 
 @c_function(None, *[c_void_p] * 6, c_int64, c_int64)
 def rings(y1, y2, a1, a2, balance, out, n, frames):
-    """Ring n modes, and do nothing else."""
+    """Let n modes ring, and nothing else."""
     bank = carray(y1, n, np.float64), carray(y2, n, np.float64), carray(a1, n, np.float64), carray(a2, n, np.float64)
     right = carray(balance, n, np.float64)
     ring(Modes(*bank, right, right), carray(out, (2, frames), np.float64), 0, frames)
 
 
 def ring_alone() -> str:
-    """Return the assembly of a function that does nothing but to let modes ring."""
-    return str(compiler.optimised(compiler.written([rings]).as_bitcode(), targets()[0]))
+    """The assembly of a function that does nothing but to let modes ring."""
+    unit = translator().unit(translator().c_function(rings))
+    return str(units.optimised(unit.source(), targets()[0]))
 
 
 def unroll_first(module: Any, target: Target) -> None:
@@ -95,12 +97,12 @@ def test_modes_ring_in_the_order_in_which_they_lie() -> None:
 def test_a_loop_that_is_unrolled_before_it_is_vectorised_is_found_out(monkeypatch) -> None:
     if not re.search(r"phi <(4|8|16) x double>", ring_alone()):
         pytest.skip("this processor's vectors hold two doubles: it does not vectorise an unrolled loop")
-    monkeypatch.setattr(compiler, "optimise", unroll_first)
+    monkeypatch.setattr(units, "optimise", unroll_first)
     assert any(reorderings(loop) for loop in modal_loops(ring_alone()))
 
 
 def test_modal_loops_of_the_callback_do_the_same(callback_code) -> None:
-    """Other loops that gather there read tables (`reach`) or look for a gesture, and do not do so in every frame."""
+    """What else gathers there reads tables (`reach`) or looks for a gesture, and does not do so in every frame."""
     modal = modal_loops(callback_code[0])
     assert any(rings_four_frames(loop) for loop in modal)
     assert [reorderings(loop) for loop in modal] == [[]] * len(modal)

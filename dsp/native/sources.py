@@ -1,0 +1,75 @@
+"""The sources that a module's machine code depends on: its own, and those of all that it imports of its package.
+
+Their hash is a key by which code is found without looking at kernels, and without numba.
+"""
+
+import ast
+import hashlib
+import importlib
+import importlib.util
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+_COMPILER = ("digests", "numba_internals", "platforms", "targets", "translation", "units")
+
+
+def key(module: str) -> str:
+    """Return a hash of the sources of a module, of all that it imports, and of the compiler."""
+    importlib.import_module(module)
+    return hash_of(sources(module))
+
+
+def sources(module: str) -> list[str]:
+    """Return the names of a loaded module, of all that it imports of its top-level package, and of the compiler."""
+    top = module.partition(".")[0]
+    found = {f"{__package__}.{name}" for name in _COMPILER}
+    waiting = [module]
+    while waiting:
+        name = waiting.pop()
+        if name in sys.modules and name not in found and name.partition(".")[0] == top and _file_of(name):
+            found.add(name)
+            waiting += _imports(name)
+    return sorted(found)
+
+
+def hash_of(modules: list[str]) -> str:
+    """Return a hash of the sources of modules as they are now; empty where one of them is gone."""
+    digest = hashlib.sha256()
+    for name in modules:
+        file = _file_of(name)
+        if file is None or not file.exists():
+            return ""
+        source = file.read_bytes()
+        digest.update(f"{name}\0{len(source)}\0".encode())
+        digest.update(source)
+    return digest.hexdigest()[:16]
+
+
+def compiler_digest() -> str:
+    """Return a hash of the sources of the compiler."""
+    return hash_of([f"{__package__}.{name}" for name in _COMPILER])
+
+
+def _imports(module: str) -> Iterator[str]:
+    """Yield the names that a loaded module imports, each with its module: some are modules, some are not."""
+    package = sys.modules[module].__package__
+    file = _file_of(module)
+    for node in ast.walk(ast.parse(file.read_bytes() if file else b"")):
+        if isinstance(node, ast.ImportFrom):
+            target = importlib.util.resolve_name("." * node.level + (node.module or ""), package)
+            yield target
+            yield from (f"{target}.{each.name}" for each in node.names)
+
+
+def _file_of(module: str) -> Path | None:
+    """Return the file of a module, which need not be loaded; its package is."""
+    if module in sys.modules:
+        path = getattr(sys.modules[module], "__file__", None)
+        return Path(path) if path else None
+    above, _, name = module.rpartition(".")
+    folder = _file_of(above) if above else None
+    if folder is None:
+        return None
+    package = folder.parent / name / "__init__.py"
+    return package if package.exists() else folder.parent / f"{name}.py"
