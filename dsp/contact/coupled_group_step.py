@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from ..native.jit import kernel
+from ..native.jit import kernel, noinline_kernel
 from ..numerics.legendre import FINE
 from .collocation import (
     CARDINAL,
@@ -55,7 +55,7 @@ _RUNNING = np.array(
 )  # int_0^t (t - s)^n s^p ds over t^(n + p + 1)
 
 
-@kernel
+@noinline_kernel
 def find_step(contacts, group, eta, longest):
     """Find a step that is solved, within the tolerance and right in energy: its length, or 0 if it gets too fine."""
     finest = FINEST * eta

@@ -234,7 +234,7 @@ def _begin(state, contact, frame):
     return False
 
 
-@kernel
+@noinline_kernel
 def begin_contacts(state, obj, frame):
     """Begin an object's contacts that are due in the sample that ends at a frame; end those without room.
 
@@ -269,7 +269,7 @@ def _couple_moved(state, obj):
         index = contact.next
 
 
-@kernel
+@noinline_kernel
 def run_contacts(state, obj, frame):
     """Give the modes the force of all contacts, but for rolls, over the sample that ends at a frame.
 

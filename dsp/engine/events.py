@@ -41,7 +41,7 @@ _WANDER = 1.0 / 512.0  # share by which an event's sample, guessed from the cloc
 _PATIENCE = 1.0  # s that an event waits for its object
 
 
-@kernel
+@noinline_kernel
 def take_commands(state):
     """Move commands from the ring to the queue, as far as it has room."""
     written = load_acquire(state.ring.written, 0)

@@ -6,7 +6,7 @@ line over QUANTUM frames, and is there in time. It goes up again as an exponenti
 
 import math
 
-from ..native.jit import kernel
+from ..native.jit import kernel, noinline_kernel
 from .state import QUANTUM
 
 _ATTACK = 1.0 / QUANTUM  # the most that the gain falls per frame
@@ -14,7 +14,7 @@ _RELEASE = 0.1  # s
 _OVER = 0.9999  # gain above which a release is over
 
 
-@kernel
+@noinline_kernel
 def limit(state):
     """Exchange the mix for the one before it, and bring that within [-1, 1], all channels alike.
 

@@ -26,7 +26,7 @@ _RETUNE_BUDGET = 1024  # modes per quantum that get new coefficients in the back
 _PREPARED = 65_536  # modes of the bank that get them before they are touched; it is much memory for the others
 
 
-@kernel
+@noinline_kernel
 def update_objects(state):
     """Bring objects and their contacts to a new quantum."""
     for i in range(state.active):
@@ -71,7 +71,7 @@ def _choose_group(state, turn):
             scratch.group_size += 1
 
 
-@kernel
+@noinline_kernel
 def _render_group(state):
     """Add the voices of the objects in `group` to the mix, if any of them has one."""
     scratch = state.scratch
@@ -226,7 +226,7 @@ def _rest_all(state, obj):
         obj.static[side] = obj.static_before[side] = 0.0
 
 
-@kernel
+@noinline_kernel
 def forget_quiet(state):
     """Give up objects that were freed and are silent or faded; leave those be with which nothing goes on."""
     kept = 0

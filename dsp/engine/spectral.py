@@ -92,7 +92,7 @@ def ring_bank(state):
     phase.begin, phase.sounds = state.position, 1
 
 
-@kernel
+@noinline_kernel
 def mix_bank(state):
     """Add the bank's sound to the mix, without what has left it."""
     sounds = state.tails.count > 0

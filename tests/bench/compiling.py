@@ -1,78 +1,118 @@
-"""Time that compiling the engine takes, part by part: `python -m tests.bench.compiling`, in seconds of one core.
+"""How long an edit takes to be heard: `python -m tests.bench.compiling`, in seconds of the clock.
 
-A checkout compiles for its own machine, at its first start; an installation from source for all levels of processors
-that its wheel shall run on. A wheel that is there brings the code along. `--json tests/measured/compiling.json` keeps
-the figures for the documents.
+A copy of the tree, with a cache of its own, plays a short score: at first from an empty cache, then after one edit of a
+kernel in each package, after an edit of a comment, and after a record got one more field. Each is a new process, which
+imports, translates, compiles, loads and renders. All are told as ratios to one fixed compilation by numba, too, which
+runs in between. `--json tests/measured/compiling.json` keeps the figures for the documents.
 """
 
 import argparse
-import gc
 import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
 import time
-from collections import Counter
-from collections.abc import Iterator
-from contextlib import contextmanager
 from datetime import date
 from pathlib import Path
 from typing import Any
 
 from tests.bench.machine import machine
 
-CALLBACK = "carom.dsp.runtime.callback"
-_NAMED = 6  # of numba's passes
+ROOT = Path(__file__).parents[2]
+
+EDITS = {
+    "contact": ("dsp/contact/law.py", "return power ** (1.0 / (a + 1.0))", "return power ** (1.0 / (a + 1.000001))"),
+    "friction": ("dsp/friction/law.py", "square = b * b - 4.0 * c", "square = b * b - 4.000001 * c"),
+    "rolling": ("dsp/rolling/body.py", "roll.angle = 0.5 * math.pi", "roll.angle = 0.500001 * math.pi"),
+    "resonator": ("dsp/resonator/bank.py", "_inject(modes, point, m)", "_inject(modes, point, m[:7] + (0.5 * m[7],))"),
+    "spectral": ("dsp/spectral/synthesis.py", "sums[k] = 0.0", "sums[k] = 1e-300"),
+    "engine, limiter": ("dsp/engine/limiter.py", "loudest = 1.0\n", "loudest = 1.000001\n"),
+    "engine, contacts": ("dsp/engine/contacts.py", "contact.touching == 1)", "contact.touching == 2)"),
+    "runtime": ("dsp/runtime/callback.py", "flush_denormals()", "flush_denormals() + 0"),
+    "a comment": ("dsp/contact/law.py", "import math\n", "import math  # of Python\n"),
+    "a field more in a record": (
+        "dsp/engine/contact_record.py",
+        "CONTACT = np.dtype(\n    [\n",
+        'CONTACT = np.dtype(\n    [\n        ("planted", np.float64),\n',
+    ),
+}
+"""One edit in each package: a file, a text that it holds at least once, and another for it."""
+
+PLAYS = """
+import carom
+sound = carom.render("0 /object/new a church-bell\\n0 /object/a/impact 1", seconds=0.2)
+assert abs(sound.samples).max() > 0.01
+"""
+
+FIXED = """
+import time
+from numba import njit
+
+def work(x, n):
+    total = 0.0
+    for i in range(n):
+        for j in range(i):
+            total += x[i] * x[j] if i % 2 else x[i] - x[j]
+    return total
+
+begun = time.perf_counter()
+for k in range(10):
+    njit(work).compile("float64(float64[:], int64)")
+print(time.perf_counter() - begun)
+"""
 
 
-@contextmanager
-def _timed(seconds: Counter[str], name: str) -> Iterator[None]:
-    started = time.process_time()
-    yield
-    seconds[name] += time.process_time() - started
+class Copy:
+    """A copy of the tree, with a cache of its own."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.package = folder / "carom"
+        shutil.copytree(ROOT / "clients" / "face", self.package)
+        for name in ("dsp", "server", "clients", "presets"):
+            ignored = shutil.ignore_patterns("__pycache__", "face")
+            shutil.copytree(ROOT / name, self.package / name, ignore=ignored)
+
+    def run(self, script: str) -> tuple[float, str]:
+        """Run a script in a process of its own; return the seconds that it took, and its output."""
+        env = os.environ | {"PYTHONPATH": str(self.folder), "XDG_CACHE_HOME": str(self.folder / "cache")}
+        begun = time.perf_counter()
+        run = subprocess.run(
+            [sys.executable, "-c", script], cwd=self.folder, env=env, check=True, stdout=subprocess.PIPE
+        )
+        return time.perf_counter() - begun, run.stdout.decode()
+
+    def edit(self, name: str, before: str, after: str) -> None:
+        """Replace the first place of a text in a file."""
+        file = self.package / name
+        text = file.read_text()
+        if before not in text:
+            raise ValueError(f"{name}: expected {before!r} in it")
+        file.write_text(text.replace(before, after, 1))
 
 
 def measure() -> dict[str, Any]:
-    """Measure seconds of a core for each part of a cold compile of the audio callback: those of numba's passes by their
-    names, those of LLVM for each target, and the sums for a start of a checkout and for a wheel."""
-    seconds: Counter[str] = Counter()
-    gc.disable()  # as `native.code.compiled` does
-    with _timed(seconds, "imports"):
-        from numba.core.event import install_recorder
-
-        from carom.dsp.native import code, compiler, targets
-
-        functions = code._functions_of(CALLBACK)
-    with install_recorder("numba:run_pass") as recorder, _timed(seconds, "numba"):
-        source = compiler.written(functions).as_bitcode()
-    kernels = sum(event.is_end and event.data["name"].startswith("translation") for _, event in recorder.buffer)
-    translated = sum(seconds.values())
-    for target in targets.built():
-        with _timed(seconds, f"LLVM for {target}"):
-            code._emitted(compiler.optimised(source, target), target)
+    """Return the seconds from an edit to a sound, by what was edited, and those of the fixed compilation."""
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Copy(Path(folder))
+        copy.run("import numba, carom")  # Python's own cache of bytecode
+        fixed = [float(copy.run(FIXED)[1])]
+        seconds = {"an empty cache": copy.run(PLAYS)[0], "nothing": copy.run(PLAYS)[0]}
+        for name, (file, before, after) in EDITS.items():
+            copy.edit(file, before, after)
+            seconds[name] = copy.run(PLAYS)[0]
+            copy.edit(file, after, before)
+            fixed.append(float(copy.run(FIXED)[1]))
+            print(f"{name}: {seconds[name]:.1f} s", file=sys.stderr)
     return {
         "date": date.today().isoformat(),
         "machine": machine(),
-        "kernels": kernels,
-        "levels": len(targets.built()),
-        "start": translated + seconds[f"LLVM for {targets.targets()[0]}"],
-        "wheel": sum(seconds.values()),
-        "parts": {**seconds, **_passes(recorder.buffer)},
+        "fixed": min(fixed),
+        "seconds": seconds,
+        "ratios": {name: each / min(fixed) for name, each in seconds.items()},
     }
-
-
-def _passes(events: list[Any]) -> dict[str, float]:
-    """Return seconds of numba's longest passes, by the wall's clock."""
-    passes: Counter[str] = Counter()
-    running: list[str] = []  # passes begin and end like brackets: what a kernel calls is translated amid its own
-    since = 0.0
-    for at, event in events:
-        name = event.data["name"].split("[")[0].strip()
-        if running:
-            passes[running[-1]] += at - since
-        since = at
-        if event.is_start:
-            running.append(name)
-        else:
-            running.pop()
-    return {f"pass {name}": spent for name, spent in passes.most_common(_NAMED)}
 
 
 def main() -> None:
