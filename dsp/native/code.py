@@ -116,7 +116,7 @@ def _found(module: str, kept: Store, origin: str) -> Code | None:
 
 
 def _compile(modules: list[str], wanted: tuple[Target, ...]) -> dict[str, Listed]:
-    """Have the machine code of modules for some targets in the cache, and return what it consists of."""
+    """Compile what the cache lacks of the machine code of modules for some targets, and return what it consists of."""
     global _notice
     from .compile_notice import CompileNotice
     from .translation import translate_units  # it imports numba
@@ -144,7 +144,7 @@ def _compile(modules: list[str], wanted: tuple[Target, ...]) -> dict[str, Listed
 def _submit(
     kept: Store, workers: Workers, wanted: tuple[Target, ...], submitted: Callable[[], None], unit: Unit
 ) -> None:
-    """Have a unit compiled for the targets for which it is not in the cache."""
+    """Submit a unit for the targets for which it is not in the cache."""
     for target in wanted:
         if kept.read_object(unit.key, target) is None or kept.read_unit(unit.key, str(target), "bc") is None:
             kept.write_unit(unit.key, "source", "bc", unit.source())
@@ -178,7 +178,7 @@ def _object(kept: Store, unit: str, target: Target) -> tuple[bytes, list[str]]:
 
 
 def _linked(module: str, objects: list[bytes], name: str, target: Target, origin: str) -> Code:
-    """Have machine code ready to run."""
+    """Link machine code, ready to run."""
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), target.machine())
     with together(sum(map(len, objects))):
         for made in objects:

@@ -15,7 +15,7 @@ _log = logging.getLogger(__name__)
 
 
 class CompileNotice:
-    """What a user sees of kernels that are translated and units that are compiled, while it is entered.
+    """A notice for the user of kernels that are translated and units that are compiled, while it is entered.
 
     kernels: how many are expected; 0 for code that takes so little time that no progress is shown.
     """

@@ -60,7 +60,7 @@ def type_of(value: Any) -> Any:
 
 
 def refresh() -> None:
-    """Have numba look at what was registered since."""
+    """Make numba look at what was registered since."""
     cpu_target.typing_context.refresh()
     cpu_target.target_context.refresh()
 
@@ -133,7 +133,7 @@ def call_symbol(context: Any, builder: Any, symbol: Any, args: Any) -> Any:
 
 @contextmanager
 def quiet_compiler(mangle: Callable[[str, tuple[Any, ...]], str]) -> Iterator[None]:
-    """Have numba compile kernels, and nothing else, while this is entered.
+    """Prepare numba to compile kernels, and nothing else, while this is entered.
 
     Kernels own nothing: reference counts are not written. Names hold no counters of this process: `mangle` makes them,
     of a function's name and the types of its arguments. LLVM is asked once for the size of each type.

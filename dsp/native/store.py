@@ -33,7 +33,7 @@ except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]
 
 PACKAGED = Path(__file__).parent / "objects"
-"""Where a wheel holds its code."""
+"""The folder in which a wheel holds its code."""
 
 _MOST = 200e6  # bytes in the cache before what was not used for longest goes
 _VERSIONS_KEPT = 8  # of a module's list of units
@@ -68,7 +68,7 @@ _PASSING: list[tempfile.TemporaryDirectory[str]] = []
 
 
 class Listed(NamedTuple):
-    """What a module's list says."""
+    """The content of a module's list."""
 
     sources: list[str]  # names of modules
     units: dict[str, list[str]]  # their keys, for each target
@@ -158,8 +158,8 @@ class Store:
 
     @contextmanager
     def alone(self, module: str) -> Iterator[None]:
-        """Let one process at a time compile a module: the others wait, and load what it made. Where no file can be
-        locked, each compiles for itself."""
+        """Keep other processes from compiling a module meanwhile: they wait, and load what this one made. Where no file
+        can be locked, each compiles for itself."""
         with ExitStack() as stack:
             if fcntl:
                 with suppress(OSError):

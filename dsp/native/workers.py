@@ -30,7 +30,7 @@ class Workers:
         self._submitted = 0
 
     def submit(self, key: str, target: Target) -> None:
-        """Have the machine code of a unit made for a target."""
+        """Queue a unit, whose machine code is made for a target."""
         self._submitted += 1
         self._jobs.put((key, target))
         # The first unit waits for this process: an edit of a kernel most often changes no other.

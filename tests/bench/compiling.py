@@ -1,4 +1,4 @@
-"""How long an edit takes to be heard: `python -m tests.bench.compiling`, in seconds of the clock.
+"""The time from an edit to a sound: `python -m tests.bench.compiling`, in seconds of the clock.
 
 A copy of the tree, with a cache of its own, plays a short score: at first from an empty cache, then after one edit of a
 kernel in each package, after an edit of a comment, and after a record got one more field. Each is a new process, which

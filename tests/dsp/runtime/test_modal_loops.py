@@ -30,7 +30,7 @@ REORDERS = ("masked.scatter", "masked.gather", "shufflevector", "extractelement"
 
 
 def loops(assembly: str) -> list[list[str]]:
-    """The instructions of every block that branches to itself."""
+    """Return the instructions of every block that branches to itself."""
     found = []
     for label, before, body in BLOCK.findall(assembly):
         if f"%{label}" in before.split(", "):
@@ -39,19 +39,19 @@ def loops(assembly: str) -> list[list[str]]:
 
 
 def sums(loop: list[str]) -> int:
-    """The sums of doubles that a loop keeps."""
+    """Return the sums of doubles that a loop keeps."""
     added = {found[1] for line in loop if (found := SUM.match(line))}
     kept = [found[1] for line in loop if (found := KEPT.match(line))]
     return sum(bool(added & set(re.findall(r"\[ (%\S+), ", each))) for each in kept)
 
 
 def stores(loop: list[str]) -> int:
-    """The instructions by which a loop stores doubles."""
+    """Return the instructions by which a loop stores doubles."""
     return sum(bool(STORE.match(line)) for line in loop)
 
 
 def modal_loops(assembly: str) -> list[list[str]]:
-    """The loops that keep a left and a right sum or more, and store doubles."""
+    """Return the loops that keep a left and a right sum or more, and store doubles."""
     return [loop for loop in loops(assembly) if sums(loop) >= 2 and stores(loop)]
 
 
@@ -61,20 +61,20 @@ def rings_four_frames(loop: list[str]) -> bool:
 
 
 def reorderings(loop: list[str]) -> list[str]:
-    """The instructions of a loop that take vectors apart, or put them together."""
+    """Return the instructions of a loop that take vectors apart, or put them together."""
     return [line for line in loop if any(word in line for word in REORDERS)]
 
 
 @c_function(None, *[c_void_p] * 6, c_int64, c_int64)
 def rings(y1, y2, a1, a2, balance, out, n, frames):
-    """Let n modes ring, and nothing else."""
+    """Ring n modes, and do nothing else."""
     bank = carray(y1, n, np.float64), carray(y2, n, np.float64), carray(a1, n, np.float64), carray(a2, n, np.float64)
     right = carray(balance, n, np.float64)
     ring(Modes(*bank, right, right), carray(out, (2, frames), np.float64), 0, frames)
 
 
 def ring_alone() -> str:
-    """The assembly of a function that does nothing but to let modes ring."""
+    """Return the assembly of a function that does nothing but to let modes ring."""
     unit = translator().unit(translator().c_function(rings))
     return str(units.optimised(unit.source(), targets()[0]))
 
@@ -102,7 +102,7 @@ def test_a_loop_that_is_unrolled_before_it_is_vectorised_is_found_out(monkeypatc
 
 
 def test_modal_loops_of_the_callback_do_the_same(callback_code) -> None:
-    """What else gathers there reads tables (`reach`) or looks for a gesture, and does not do so in every frame."""
+    """Other loops that gather there read tables (`reach`) or look for a gesture, and do not do so in every frame."""
     modal = modal_loops(callback_code[0])
     assert any(rings_four_frames(loop) for loop in modal)
     assert [reorderings(loop) for loop in modal] == [[]] * len(modal)
