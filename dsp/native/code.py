@@ -144,7 +144,7 @@ def _compile(modules: list[str], wanted: tuple[Target, ...]) -> dict[str, Listed
 def _submit(
     kept: Store, workers: Workers, wanted: tuple[Target, ...], submitted: Callable[[], None], unit: Unit
 ) -> None:
-    """Submit a unit for the targets for which it is not in the cache."""
+    """Queue a unit for the targets for which it is not in the cache."""
     for target in wanted:
         if kept.read_object(unit.key, target) is None or kept.read_unit(unit.key, str(target), "bc") is None:
             kept.write_unit(unit.key, "source", "bc", unit.source())
