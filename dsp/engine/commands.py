@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..rolling.surface import PROFILE
 from ..schema import (
     BY_POSITION,
     CURVE,
@@ -122,9 +123,6 @@ STEERS = np.array(
 for _kind in GESTURE_KINDS:
     STEERS[_kind] = [name in GESTURES[_kind.name.lower()].steerable for name in STEERABLE]
 
-PROFILE = record_of("roughness", "correlation", "slope", "ripple", "wavelength")
-"""A surface: rms height (m), correlation length (m), slope of its spectrum; amplitude (m), length (m) of a ripple."""
-
 _PLACES_OF_NEW = ("first", "size", "table", "rows", "felt", "bent", "unheard")
 _SCALES_OF_NEW = ("level", "glide", "cone")
 LAYOUT = np.dtype(
@@ -203,7 +201,7 @@ class Command(NamedTuple):
     parameter: str = ""
     given: Collection[str] = ()
     by: Handle | None = None
-    surface: tuple[float, ...] = (0.0, 1.0, 2.0, 0.0, 1.0)
+    surface: tuple[float, ...] = (0.0, 1.0, 2.0, 0.0, 1.0, 0.0, 1.0)
     channel: int = -1
 
 

@@ -171,11 +171,8 @@ def _begin_rolling(state, contact, event):
     contact.travel = event.slide.travel if slides else event.roll.travel
     contact.rolled = contact.rolls = 0.0
     roll = state.rolls[contact.roll]
-    profile = event.surface
-    begin_surface(
-        roll.path.surface, profile.roughness, profile.correlation, profile.slope, profile.ripple, profile.wavelength,
-        np.int64(event.slide.seed if slides else event.roll.seed),
-    )  # fmt: skip
+    seed = np.int64(event.slide.seed if slides else event.roll.seed)
+    begin_surface(roll.path.surface, event.surface, seed)
     roll.target = contact.target
     if slides:
         state.slides[contact.roll].press = np.int64(event.slide.press)
