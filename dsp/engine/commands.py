@@ -65,9 +65,6 @@ KIND_BUDGET, KIND_SLIDE, KIND_BANK = int(Kind.BUDGET), int(Kind.SLIDE), int(Kind
 GESTURE_KINDS = (Kind.IMPACT, Kind.BOUNCE, Kind.ROLL, Kind.PRESS, Kind.SPIN, Kind.SLIDE)
 """Commands that bring a striker."""
 
-_LEVEL = Parameter(
-    "gesture_level", 0.0, np.inf, "", "amplitude of such gestures on the object, times their gain", default=1.0
-)
 _SOUND = (
     Parameter("sound", 0, np.inf, "", "its place among the strikers that are laid out", default=0.0),
     Parameter("sound_serial", 0, np.inf, "", "its serial there; 0: it does not sound", default=0.0),
@@ -84,7 +81,7 @@ def _own(gesture: Gesture, *more: Parameter) -> dict[str, Parameter]:
     return {each.name: each for each in given if each.name not in _STRIKE}
 
 
-_STRIKE = {each.name: each for each in (VELOCITY, *STRIKE, BY_POSITION, _LEVEL, *_SOUND)}
+_STRIKE = {each.name: each for each in (VELOCITY, *STRIKE, BY_POSITION, *_SOUND)}
 _BOUNCE = _own(GESTURES["bounce"], _DELAY)
 _ROLL = _own(GESTURES["roll"])
 _PRESS = _own(GESTURES["press"])

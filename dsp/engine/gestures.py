@@ -103,13 +103,11 @@ def _describe(state, contact, event):
     contact.solver = CLOSED
     contact.unsettled = contact.solved = contact.has_weight = 0
     contact.forces[:] = 0.0
-    contact.level = strike.gesture_level
     _choose_sound(state, contact, strike)
     target = contact.target
     for i in range(len(IN_STRIKE)):
         set_field(target, i, 0.0)
     _take(target, strike, IN_STRIKE)
-    target.gain *= contact.level
     if event.kind == KIND_BOUNCE:
         _take(target, event.bounce, IN_BOUNCE)
         contact.random = np.uint64(event.bounce.seed)

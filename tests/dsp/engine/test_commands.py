@@ -82,7 +82,7 @@ def test_values_that_are_unknown_are_named(kind):
 
 def test_defaults_are_the_schemas_in_the_engines_units():
     bounce = written(Command(NOW, Kind.BOUNCE, HERE, some(NEEDED[Kind.BOUNCE])))
-    assert bounce["strike"]["gain"] == bounce["strike"]["gesture_level"] == 1.0
+    assert bounce["strike"]["gain"] == 1.0
     assert bounce["strike"]["velocity"] == bounce["strike"]["by_position"] == 0.0
     assert bounce["bounce"]["gravity"] == STANDARD_GRAVITY
     assert bounce["bounce"]["irregularity"] == bounce["bounce"]["delay"] == bounce["bounce"]["weight"] == 0.0
