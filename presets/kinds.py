@@ -126,7 +126,8 @@ class SurfacePreset:
     """A surface that bodies roll and slide on.
 
     It has an rms roughness (m), a correlation length (m), the slope of its power spectrum above that, the dissipation
-    (s/m) of the contact of a rolling body, and the amplitude (m) and wavelength (m) of a corrugation.
+    (s/m) of the contact of a rolling body, the amplitude (m) and wavelength (m) of a corrugation, and how far its
+    roughness varies from place to place (a standard deviation, dB), and over which length (m).
     """
 
     name: str
@@ -138,6 +139,8 @@ class SurfacePreset:
     dissipation: float
     ripple: float = 0.0
     wavelength: float = 1.0
+    variation: float = 0.0
+    variation_length: float = 0.05
 
     @classmethod
     def from_data(cls, name: str, where: str, data: Mapping[str, object]) -> SurfacePreset:
@@ -145,9 +148,10 @@ class SurfacePreset:
         return cls(name, **check(where, data, SURFACE, SURFACE_REQUIRED))
 
     @property
-    def profile(self) -> tuple[float, float, float, float, float]:
-        """Roughness (m), correlation (m), slope, ripple (m) and wavelength (m)."""
-        return self.roughness, self.correlation, self.slope, self.ripple, self.wavelength
+    def profile(self) -> tuple[float, ...]:
+        """Roughness (m), correlation (m), slope, ripple (m), wavelength (m), variation (dB) and its length (m)."""
+        shape = self.roughness, self.correlation, self.slope, self.ripple, self.wavelength
+        return *shape, self.variation, self.variation_length
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from ..dsp.bodies.heard import BAFFLES
 from ..dsp.bodies.material import LOSSES
 from ..dsp.bodies.plate import EDGES as PLATE_EDGES
 from ..dsp.bodies.radiation.board import BOARDS
+from ..dsp.rolling.variation import MOST_VARIATION
 from ..dsp.wording import expected
 from .values import Choice, Domain, Many, Name, OneOrMany, Quantity, Row, Rows, Section, Text, Unfit, Whole, shown
 
@@ -120,6 +121,8 @@ SURFACE: Fields = {
     "slope": Quantity(1.01, 5),
     "ripple": Quantity(0, 0.1, "m"),
     "wavelength": Quantity(1e-5, 100, "m"),
+    "variation": Quantity(0, MOST_VARIATION, "dB"),
+    "variation_length": Quantity(1e-5, 100, "m"),
     "dissipation": LAW_FIELDS["dissipation"],
 }
 SURFACE_REQUIRED = (*DESCRIPTION, "roughness", "correlation", "slope", "dissipation")

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..rolling.surface import PROFILE
 from ..schema import (
     BY_POSITION,
     CURVE,
@@ -64,9 +65,6 @@ KIND_BUDGET, KIND_SLIDE, KIND_BANK = int(Kind.BUDGET), int(Kind.SLIDE), int(Kind
 GESTURE_KINDS = (Kind.IMPACT, Kind.BOUNCE, Kind.ROLL, Kind.PRESS, Kind.SPIN, Kind.SLIDE)
 """Commands that bring a striker."""
 
-_LEVEL = Parameter(
-    "gesture_level", 0.0, np.inf, "", "amplitude of such gestures on the object, times their gain", default=1.0
-)
 _SOUND = (
     Parameter("sound", 0, np.inf, "", "its place among the strikers that are laid out", default=0.0),
     Parameter("sound_serial", 0, np.inf, "", "its serial there; 0: it does not sound", default=0.0),
@@ -83,7 +81,7 @@ def _own(gesture: Gesture, *more: Parameter) -> dict[str, Parameter]:
     return {each.name: each for each in given if each.name not in _STRIKE}
 
 
-_STRIKE = {each.name: each for each in (VELOCITY, *STRIKE, BY_POSITION, _LEVEL, *_SOUND)}
+_STRIKE = {each.name: each for each in (VELOCITY, *STRIKE, BY_POSITION, *_SOUND)}
 _BOUNCE = _own(GESTURES["bounce"], _DELAY)
 _ROLL = _own(GESTURES["roll"])
 _PRESS = _own(GESTURES["press"])
@@ -121,9 +119,6 @@ STEERS = np.array(
 """True where a gesture of a kind can be steered by a parameter."""
 for _kind in GESTURE_KINDS:
     STEERS[_kind] = [name in GESTURES[_kind.name.lower()].steerable for name in STEERABLE]
-
-PROFILE = record_of("roughness", "correlation", "slope", "ripple", "wavelength")
-"""A surface: rms height (m), correlation length (m), slope of its spectrum; amplitude (m), length (m) of a ripple."""
 
 _PLACES_OF_NEW = ("first", "size", "table", "rows", "felt", "bent", "unheard")
 _SCALES_OF_NEW = ("level", "glide", "cone")
@@ -202,7 +197,7 @@ class Command(NamedTuple):
     parameter: str = ""
     given: Collection[str] = ()
     by: Handle | None = None
-    surface: tuple[float, ...] = (0.0, 1.0, 2.0, 0.0, 1.0)
+    surface: tuple[float, ...] = (0.0, 1.0, 2.0, 0.0, 1.0, 0.0, 1.0)
     channel: int = -1
 
 

@@ -62,7 +62,6 @@ CONTACT = np.dtype(
         ("origin", np.float64),  # samples: when the gesture began
         ("elapsed", np.float64),  # s, from there to the contact
         ("forces", np.float64, 3),  # N: its means over the last samples, newest first, before the gesture's gain
-        ("level", np.float64),  # amplitude: of such gestures on this object, times their gain
         ("until", np.float64),  # samples: when it was stopped
         ("gone_at", np.float64),  # samples: when a striker that was released is forgotten
         ("begun", np.float64),  # samples: when it last began to touch

@@ -103,13 +103,11 @@ def _describe(state, contact, event):
     contact.solver = CLOSED
     contact.unsettled = contact.solved = contact.has_weight = 0
     contact.forces[:] = 0.0
-    contact.level = strike.gesture_level
     _choose_sound(state, contact, strike)
     target = contact.target
     for i in range(len(IN_STRIKE)):
         set_field(target, i, 0.0)
     _take(target, strike, IN_STRIKE)
-    target.gain *= contact.level
     if event.kind == KIND_BOUNCE:
         _take(target, event.bounce, IN_BOUNCE)
         contact.random = np.uint64(event.bounce.seed)
@@ -171,11 +169,8 @@ def _begin_rolling(state, contact, event):
     contact.travel = event.slide.travel if slides else event.roll.travel
     contact.rolled = contact.rolls = 0.0
     roll = state.rolls[contact.roll]
-    profile = event.surface
-    begin_surface(
-        roll.path.surface, profile.roughness, profile.correlation, profile.slope, profile.ripple, profile.wavelength,
-        np.int64(event.slide.seed if slides else event.roll.seed),
-    )  # fmt: skip
+    seed = np.int64(event.slide.seed if slides else event.roll.seed)
+    begin_surface(roll.path.surface, event.surface, seed)
     roll.target = contact.target
     if slides:
         state.slides[contact.roll].press = np.int64(event.slide.press)

@@ -17,7 +17,7 @@ from .commands import (
 )
 from .ramp_list import drop_ramps, takes_time
 
-_GAIN, _GRAVITY, _FORCE = STEERABLE.index("gain"), STEERABLE.index("gravity"), STEERABLE.index("force")
+_GRAVITY, _FORCE = STEERABLE.index("gravity"), STEERABLE.index("force")
 _SPEED, _SWEEP = STEERABLE.index("speed"), STEERABLE.index("sweep")
 
 
@@ -66,15 +66,12 @@ def target_of(state, contact, parameter):
     """Return the value that one parameter of a contact was last set to; for a roll's speed, as far as friction has
     slowed it."""
     target = state.rolls[contact.roll].target if contact.kind == KIND_ROLL else contact.target
-    value = field(target, parameter)
-    return value / contact.level if parameter == _GAIN and contact.level > 0.0 else value
+    return field(target, parameter)
 
 
 @kernel
 def set_target(state, contact, parameter, value):
     """Give one parameter of a contact a new target."""
-    if parameter == _GAIN:
-        value *= contact.level
     set_field(contact.target, parameter, value)
     if contact.kind == KIND_ROLL:
         set_field(state.rolls[contact.roll].target, parameter, value)

@@ -26,7 +26,8 @@ import math
 import numpy as np
 
 from ..native.jit import kernel, noinline_kernel
-from .surface import BLOCK, CREST, OCTAVES, SURFACE, read_heights
+from .lattice import CREST
+from .surface import BLOCK, OCTAVES, SURFACE, read_heights
 
 AUDIBLE = 60_000.0
 """1/s: octaves whose lattice is passed faster than this aren't read. Points are those of the finest lattice that is
@@ -44,7 +45,7 @@ AHEAD = PIECES - 8
 EDGE = 0.05
 """Radius of a body's corners over its own."""
 
-_REACH = 0.2 * POINTS  # points of the longest look ahead, so that as many again and those behind find room
+_REACH = 0.2 * POINTS  # points of the longest look ahead on an even surface: there is room for more where it varies
 _GLIDE = -math.expm1(-BLOCK / 800.0)  # of what is missing of an octave's gain, in a block: some 10 ms
 _SHORTEST = 1e-9  # of the points' distance: shorter pieces are left out
 _SMALL = 1e-5  # of a gain that isn't glided any more
@@ -114,11 +115,12 @@ def _refresh(path):
     spacing = 2.0 ** (OCTAVES - 1) * surface.unit
     octaves = math.log(max(spacing / shortest, 1e-300)) / _OCTAVE  # how many are to be heard
     path.highest = surface.ripple * max(surface.ripple_gain, path.roughness)
+    crest = CREST * surface.variation.most
     for j in range(OCTAVES):
         path.wanted[j] = path.roughness * min(max(octaves - j, 0.0), 1.0)
         if path.patch > 0.0:
             path.wanted[j] /= math.sqrt(1.0 + (0.5 * path.patch / spacing) ** 2)
-        path.highest += CREST * surface.height[j] * max(surface.gain[j], path.wanted[j])
+        path.highest += crest * surface.height[j] * max(surface.gain[j], path.wanted[j])
         spacing *= 0.5
 
 

@@ -3,7 +3,8 @@
 The profile z(s) is a sum of octaves of smooth noise. Octave j has random heights on a lattice of spacing
 `longest`/2^j, each a hash of its number, the octave and the seed, joined by Catmull-Rom cubics; its variance falls as
 2^(-j (beta - 1)), so the power spectrum is flat up to about 1/(2 pi l) and falls as wavenumber^-beta beyond, l being
-the correlation length. On top there may be a periodic corrugation.
+the correlation length. The octaves are higher in some places than in others (`variation.py`). On top there may be a
+periodic corrugation.
 
 Places are whole numbers of the finest lattice's `unit`, in 64 bits: a millimetre's roughness stays exact for millions
 of kilometres. The reader chooses how much of an octave is heard: `gain`.
@@ -14,10 +15,12 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..native.jit import kernel
+from ..native.jit import kernel, noinline_kernel
 from ..numerics.checks import checked
 from ..numerics.random import STEP, mixed
 from ..resonator.simd import LANES, add_product, dot
+from .lattice import TO_HEIGHT, cubic_weights, drawn
+from .variation import MOST_VARIATION, VARIATION, begin_variation, local_roughness
 
 OCTAVES = 16
 
@@ -33,15 +36,10 @@ _TABLES = int(np.maximum(_CELLS // LANES, 1).sum())
 _LONGEST = 2.0
 """Spacing of the first lattice in correlation lengths: where beta = 2, the autocorrelation is 1/e at l."""
 
-# The cubic through lattice heights 1 and 2, with slopes from 0 and 3; and the mean of its squared weights.
-_CUBIC = 0.5 * np.array([[0, 2, 0, 0], [-1, 0, 1, 0], [2, -5, 4, -1], [-1, 3, -3, 1]], np.float64)
-_POWER = float(np.trace(_CUBIC.T @ (1 / (np.arange(4)[:, None] + np.arange(4) + 1)) @ _CUBIC))
-
-CREST = math.sqrt(3.0 / _POWER) * 1.25
-"""Greatest height of an octave over its rms height."""
-
-_TO_UNIFORM = 2.0 * math.sqrt(3.0 / _POWER) * 2.0**-53
-_HALF = 2.0**52
+_PROFILE = ("roughness", "correlation", "slope", "ripple", "wavelength", "variation", "variation_length")
+PROFILE = np.dtype([(name, np.float64) for name in _PROFILE], align=True)
+"""A surface: rms height (m), correlation length (m), slope of its spectrum; amplitude (m), length (m) of a ripple; how
+far the rms height varies from place to place (dB), and over which length (m)."""
 
 SURFACE = np.dtype(
     [
@@ -51,6 +49,7 @@ SURFACE = np.dtype(
         ("offset", np.int64, OCTAVES),  # places by which the lattices are moved against each other
         ("ripple", np.float64),  # amplitude of the corrugation, m
         ("turns", np.float64),  # of the corrugation, for each place
+        ("variation", VARIATION),  # of the octaves' heights
         # The share of each octave that is read, and room for the lattice heights of one, a block of points long.
         ("gain", np.float64, OCTAVES),
         ("ripple_gain", np.float64),
@@ -66,9 +65,10 @@ SURFACE = np.dtype(
 
 
 @kernel
-def begin_surface(surface, roughness, correlation, slope, ripple, wavelength, seed):
-    """Set a surface up: `roughness` is its rms height without the corrugation; lengths in m."""
-    surface.unit = _LONGEST * correlation * 0.5 ** (OCTAVES - 1)
+def begin_surface(surface, profile, seed):
+    """Set a surface up by a PROFILE."""
+    slope = profile.slope
+    surface.unit = _LONGEST * profile.correlation * 0.5 ** (OCTAVES - 1)
     total = 0.0
     share = 1.0
     for _ in range(OCTAVES):
@@ -77,25 +77,25 @@ def begin_surface(surface, roughness, correlation, slope, ripple, wavelength, se
     share = 1.0
     bits = mixed(np.uint64(seed) + STEP)
     for j in range(OCTAVES):
-        surface.height[j] = roughness * math.sqrt(share / total)
+        surface.height[j] = profile.roughness * math.sqrt(share / total)
         share *= 2.0 ** (1.0 - slope)
         bits += STEP
         surface.seed[j] = mixed(bits)
         surface.offset[j] = np.int64(surface.seed[j] >> np.uint64(31))
         surface.gain[j] = 1.0
-    surface.ripple = ripple
+    surface.ripple = profile.ripple
     surface.ripple_gain = 1.0
     surface.made_for = 0
-    surface.turns = surface.unit / wavelength
+    surface.turns = surface.unit / profile.wavelength
+    begin_variation(surface.variation, profile.variation, profile.variation_length, surface.unit, seed)
 
 
 @kernel
 def _enter(surface, j, cell, count):
     """Put octave j's heights at `count` points of its lattice, from a cell's first corner on, into `corner`."""
-    corner, seed, scale = surface.corner, surface.seed[j], surface.height[j] * _TO_UNIFORM
+    corner, seed, scale = surface.corner, surface.seed[j], surface.height[j] * TO_HEIGHT
     for c in range(count):
-        bits = mixed(np.uint64(cell + c) * STEP + seed)
-        corner[c] = scale * (np.float64(np.int64(bits >> np.uint64(11))) - _HALF)
+        corner[c] = scale * drawn(seed, cell + c)
 
 
 @kernel
@@ -157,11 +157,22 @@ def read_heights(surface, place, stride, gains, ripple_gain, z):
                 z[i] += (gain + (i + 1) * rise) * _octave_at(surface, j, place + i * stride)
     for i in range(BLOCK):
         z[i] += c0 + i * (c1 + i * (c2 + i * (c3 + i * c4)))
+    if surface.variation.spread > 0.0:
+        _vary(surface, place, stride, z)
     gain, rise = surface.ripple_gain, (ripple_gain - surface.ripple_gain) / BLOCK
     surface.ripple_gain = ripple_gain
     if surface.ripple > 0.0:
         for i in range(BLOCK):
             z[i] += (gain + (i + 1) * rise) * _ripple_at(surface, place + i * stride)
+
+
+@noinline_kernel
+def _vary(surface, place, stride, z):
+    """Make a block's heights as rough as the surface is there: as at its ends, and evenly from one to the other."""
+    local = local_roughness(surface.variation, place)
+    rise = (local_roughness(surface.variation, place + BLOCK * stride) - local) / BLOCK
+    for i in range(BLOCK):
+        z[i] *= local + i * rise
 
 
 @kernel
@@ -233,7 +244,7 @@ def _add_narrowest(surface, j, place, gain, rise, z):
     shifted = place + surface.offset[j]
     cell = shifted >> level
     _enter(surface, j, cell, BLOCK + 3)
-    weights = _cubic_weights((shifted - (cell << level)) / (1 << level))
+    weights = cubic_weights((shifted - (cell << level)) / (1 << level))
     for g in range(BLOCK // LANES):
         heights = dot(surface.corner, g * LANES, 1, weights)
         add_product(z, g * LANES, heights, _gains(gain, rise, g * LANES))
@@ -249,17 +260,6 @@ def _gains(gain, rise, begin):
         first, first + rise, first + 2.0 * rise, first + 3.0 * rise,
         first + 4.0 * rise, first + 5.0 * rise, first + 6.0 * rise, first + 7.0 * rise,
     )  # fmt: skip
-
-
-@kernel
-def _cubic_weights(t):
-    """Return the weights of four corners of a lattice at t, in [0, 1], of the cell in their middle."""
-    return (
-        _CUBIC[0, 0] + t * (_CUBIC[1, 0] + t * (_CUBIC[2, 0] + t * _CUBIC[3, 0])),
-        _CUBIC[0, 1] + t * (_CUBIC[1, 1] + t * (_CUBIC[2, 1] + t * _CUBIC[3, 1])),
-        _CUBIC[0, 2] + t * (_CUBIC[1, 2] + t * (_CUBIC[2, 2] + t * _CUBIC[3, 2])),
-        _CUBIC[0, 3] + t * (_CUBIC[1, 3] + t * (_CUBIC[2, 3] + t * _CUBIC[3, 3])),
-    )
 
 
 @kernel
@@ -293,23 +293,20 @@ def _make_weights(surface, place, stride):
             cell = (shifted + i * stride) >> level
             t = (shifted + i * stride - (cell << level)) / (1 << level)
             row += (cell - first) * LANES
-            w0, w1, w2, w3 = _cubic_weights(t)
+            w0, w1, w2, w3 = cubic_weights(t)
             surface.weights[row], surface.weights[row + LANES] = w0, w1
             surface.weights[row + 2 * LANES], surface.weights[row + 3 * LANES] = w2, w3
 
 
 @kernel
-def _begin(surface, roughness, correlation, slope, ripple, wavelength, seed):
-    begin_surface(surface, roughness, correlation, slope, ripple, wavelength, seed)
-
-
-@kernel
 def _heights(surface, places, z):
     for i in range(len(places)):
-        z[i] = surface.ripple_gain * _ripple_at(surface, places[i])
+        z[i] = 0.0
         for j in range(OCTAVES):
             if surface.gain[j] > 0.0:
                 z[i] += surface.gain[j] * _octave_at(surface, j, places[i])
+        z[i] *= local_roughness(surface.variation, places[i])
+        z[i] += surface.ripple_gain * _ripple_at(surface, places[i])
 
 
 def make_surface(
@@ -318,24 +315,29 @@ def make_surface(
     slope: float = 2.0,
     ripple: float = 0.0,
     wavelength: float = 1.0,
+    variation: float = 0.0,
+    variation_length: float = 0.05,
     seed: int = 0,
 ) -> np.void:
     """Make a rough surface that never ends nor repeats, as a SURFACE record.
 
-    roughness: rms height in m, >= 0; correlation: length l in m, > 0; slope: beta in (1, 5]; ripple, wavelength:
-    amplitude (m, >= 0) and wavelength (m, > 0) of a corrugation; seed: 0 to 2^53. The power spectrum is flat up to
-    about 1/(2 pi l), and falls as wavenumber^-beta beyond. ValueError names what is out of range.
+    roughness: rms height in m, >= 0; correlation: length l in m, > 0; slope: beta of the power spectrum above 1/l, in
+    (1, 5]; ripple, wavelength: amplitude (m, >= 0) and wavelength (m, > 0) of a corrugation; variation: standard
+    deviation of the local rms height, 0 to MOST_VARIATION dB, which changes over variation_length (m, > 0). ValueError
+    names what is out of range.
     """
     surface: np.void = np.zeros(1, SURFACE)[0]
-    _begin(
-        surface,
-        float(checked("roughness", roughness, 0.0, strict=False)),
-        float(checked("correlation", correlation, 0.0)),
-        float(checked("slope", slope, 1.0, 5.0)),
-        float(checked("ripple", ripple, 0.0, strict=False)),
-        float(checked("wavelength", wavelength, 0.0)),
-        int(checked("seed", seed, 0, 2.0**53, strict=False)),
+    profile = np.zeros(1, PROFILE)
+    profile[0] = (
+        checked("roughness", roughness, 0.0, strict=False),
+        checked("correlation", correlation, 0.0),
+        checked("slope", slope, 1.0, 5.0),
+        checked("ripple", ripple, 0.0, strict=False),
+        checked("wavelength", wavelength, 0.0),
+        checked("variation", variation, 0.0, MOST_VARIATION, strict=False),
+        checked("variation_length", variation_length, 0.0),
     )
+    begin_surface(surface, profile[0], int(checked("seed", seed, 0, 2.0**53, strict=False)))
     return surface
 
 

@@ -208,7 +208,6 @@ def _strike(state, command, objects, blow):
     strike.velocity, strike.position, strike.mass = blow.met, blow.place[blow.side], blow.mass
     strike.stiffness, strike.exponent = blow.stiffness, blow.exponent
     strike.dissipation, strike.restitution = blow.dissipation, blow.left
-    strike.gesture_level = 1.0
 
 
 @kernel

@@ -97,7 +97,6 @@ class Direct:
         strike["velocity"][n], strike["position"][n] = blow.speed, blow.place
         strike["mass"][n], strike["stiffness"][n], strike["exponent"][n] = blow.mass, blow.stiffness, blow.exponent
         strike["dissipation"][n], strike["restitution"][n] = blow.dissipation, blow.restitution
-        strike["gesture_level"][n] = 1.0
 
     def _aim(self, n: int, to: str, by: str) -> None:
         """Say which object a command is for, and which strikes it, if one does."""

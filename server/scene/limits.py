@@ -7,7 +7,7 @@ from typing import NamedTuple
 from ...dsp.bodies.material import Material
 from ...dsp.bodies.striker import StrikerSound
 from ...dsp.contact.estimate import LONGEST_CONTACT, longest_estimate
-from ...dsp.rolling.surface import CREST
+from ...dsp.rolling.lattice import CREST
 from ...presets import Presets, SurfacePreset
 from ..osc.arguments import Refused
 

@@ -62,7 +62,7 @@ class Measures:
     """A recording (real) and a strike (ours): centroids of the first 20 ms (Hz), and third octaves, real minus ours.
 
     octaves: by how much ours is brighter. slope (dB per octave) and gap (mean distance, dB) after one gain is taken
-    out. bands: how many third octaves count.
+    out. bands: how many third octaves count. channels: the gap (dB) between the recording's own two, if it has two.
     """
 
     recording: str
@@ -73,15 +73,17 @@ class Measures:
     slope: float
     gap: float
     bands: int
+    channels: float | None
 
 
-def measured(pair: Pair, real: Recording) -> Measures:
-    """Compare a recording with the default strike of its preset."""
+def measured(pair: Pair, real: Recording, right: Recording | None = None) -> Measures:
+    """Compare a recording with the default strike of its preset; right: its other channel."""
     name, preset, changes = pair
     ours = strike(preset, changes)
     bright = [centroid(each) for each in (real, ours)]
     centers, slope, gap = difference(real, ours)
-    return Measures(name, preset, *bright, float(np.log2(bright[1] / bright[0])), slope, gap, len(centers))
+    channels = difference(real, right)[2] if right else None
+    return Measures(name, preset, *bright, float(np.log2(bright[1] / bright[0])), slope, gap, len(centers), channels)
 
 
 def strike(preset: str, changes: dict[str, float]) -> Recording:
@@ -140,7 +142,9 @@ def difference(real: Recording, ours: Recording) -> tuple[np.ndarray, float, flo
 def of_soundfont() -> list[Measures]:
     """Return all pairs of the SoundFont."""
     font = SoundFont(SOUNDFONT)
-    return [measured(pair, font.recording(pair[0])) for pair in PAIRS]
+    right = {name: f"{name}(R)" for name, *_ in PAIRS if f"{name}(R)" in font.names()}
+    others = {name: font.recording(other) for name, other in right.items()}
+    return [measured(pair, font.recording(pair[0]), others.get(pair[0])) for pair in PAIRS]
 
 
 def of_folder(folder: Path) -> list[Measures]:
@@ -177,11 +181,13 @@ def main() -> None:
         print(f"nothing to compare with: {SOUNDFONT} is not there (Debian: apt install fluid-soundfont-gm)")
         return
     rows = of_folder(options.folder) if options.folder else of_soundfont()
-    print(f"{'recording':18} {'preset':20} {'real Hz':>8} {'ours Hz':>8} {'octaves':>8} {'slope':>6} {'gap dB':>7}")
+    names = f"{'recording':18} {'preset':20} {'real Hz':>8} {'ours Hz':>8} {'octaves':>8}"
+    print(f"{names} {'slope':>6} {'gap dB':>7} {'L-R dB':>7}")
     for row in rows:
+        own = "" if row.channels is None else f"{row.channels:.1f}"
         print(
             f"{row.recording:18} {row.preset:20} {row.centroid_real:8.0f} {row.centroid_ours:8.0f} "
-            f"{row.octaves:8.2f} {row.slope:6.1f} {row.gap:7.1f}"
+            f"{row.octaves:8.2f} {row.slope:6.1f} {row.gap:7.1f} {own:>7}"
         )
     for name, value in summary(rows).items():
         print(f"{name:36} {value:6.2f}")

@@ -90,6 +90,11 @@ MEANINGS = {
     ("surface", "slope"): "of the power spectrum above 1/correlation",
     ("surface", "ripple"): "amplitude of a regular corrugation",
     ("surface", "wavelength"): "of the corrugation",
+    (
+        "surface",
+        "variation",
+    ): "standard deviation of the local roughness (wear, scratches, dust); 0 if not given",
+    ("surface", "variation_length"): "over which the local roughness changes; 0.05 m if not given",
     ("surface", "dissipation"): "mu of a body that rolls on it",
     # Shapes.
     ("", "length"): "",

@@ -66,10 +66,9 @@ def test_a_surface_is_its_profile(folder):
     (folder / "surfaces" / "plain.toml").write_text(GROUND, encoding="utf-8")
     (folder / "surfaces" / "waves.toml").write_text(GROUND + "ripple = 1e-4\nwavelength = 0.1\n", encoding="utf-8")
     presets = Presets([folder])
-    assert (
-        presets.surface("plain").profile == (1e-5, 0.01, 2.0, 0.0, 1.0) and presets.surface("plain").dissipation == 0.5
-    )
-    assert presets.surface("waves").profile == (1e-5, 0.01, 2.0, 1e-4, 0.1)
+    plain = presets.surface("plain")
+    assert plain.profile == (1e-5, 0.01, 2.0, 0.0, 1.0, 0.0, 0.05) and plain.dissipation == 0.5
+    assert presets.surface("waves").profile == (1e-5, 0.01, 2.0, 1e-4, 0.1, 0.0, 0.05)
 
 
 @pytest.mark.parametrize(

@@ -1,11 +1,14 @@
 """Every score that comes with Carom: it plays, is heard, stays within its level, and ends."""
 
+import re
 from pathlib import Path
 
 import numpy as np
 import pyloudnorm
 import pytest
 
+import carom
+from carom.clients.loudness import LOUDNESS, PEAK, heard
 from carom.dsp.runtime.engine import Engine
 from carom.presets import Presets
 from carom.server.osc.score import parse, read
@@ -47,6 +50,16 @@ def test_the_score_in_the_readme_is_audible_from_end_to_end():
     found = [meter.integrated_loudness(sound[start : start + 19_200]) for start in range(0, busy - 19_200, 4_800)]
     assert len(found) > 40 and min(found) > AUDIBLE
     assert engine.stats.limited == 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", SCORES, ids=lambda path: path.stem)
+def test_a_score_is_as_loud_as_a_strike_without_gains(path):
+    """A gain may balance one object against another, by 6 dB at most: presets are as loud as they should be."""
+    assert all(abs(float(gain)) <= 6.0 for gain in re.findall(r" gain (-?[0-9.]+)", path.read_text(encoding="utf-8")))
+    sound = heard(carom.render(path, limiter=False).samples, 48_000)
+    assert sound.loudness < LOUDNESS + 8.0 and sound.peak < 0.0
+    assert sound.loudness > LOUDNESS - 10.0 or sound.peak > PEAK
 
 
 def test_there_are_gestures_to_hear():

@@ -15,7 +15,7 @@ Law = tuple[float, float, float, float]
 HARD: Law = (0.01, 1e9, 0.5, 1.5)
 """m (kg), k (N/m^a), mu (s/m), a: about 6 samples at 1 m/s."""
 
-SURFACE = (3e-7, 1e-3, 2.0, 0.0, 1.0)
+SURFACE = (3e-7, 1e-3, 2.0, 0.0, 1.0, 0.0, 1.0)
 """A profile for bodies that roll."""
 
 

@@ -7,7 +7,7 @@ from carom.dsp.engine.commands import COMMAND, GESTURE_KINDS, STEERS, Command, H
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
 from carom.dsp.runtime.engine import NOW, Engine, Stamp
 from carom.dsp.schema import GESTURES, SETTINGS, STEERABLE
-from tests.dsp.engine.support import HARD, RATE, bell, gesture, impact, steer
+from tests.dsp.engine.support import HARD, RATE, SURFACE, bell, gesture, impact, steer
 
 HERE, THERE = Handle(3, 7, 64, 128), Handle(5, 9, 0, 0)
 
@@ -82,7 +82,7 @@ def test_values_that_are_unknown_are_named(kind):
 
 def test_defaults_are_the_schemas_in_the_engines_units():
     bounce = written(Command(NOW, Kind.BOUNCE, HERE, some(NEEDED[Kind.BOUNCE])))
-    assert bounce["strike"]["gain"] == bounce["strike"]["gesture_level"] == 1.0
+    assert bounce["strike"]["gain"] == 1.0
     assert bounce["strike"]["velocity"] == bounce["strike"]["by_position"] == 0.0
     assert bounce["bounce"]["gravity"] == STANDARD_GRAVITY
     assert bounce["bounce"]["irregularity"] == bounce["bounce"]["delay"] == bounce["bounce"]["weight"] == 0.0
@@ -97,7 +97,7 @@ def test_objects_and_numbers_are_written():
     entry = written(gesture(Kind.ROLL, HERE, HARD, 12.5, 4, THERE, ("mass", "speed"), speed=1.0, radius=0.1, seed=2), 8)
     assert (entry["time"], entry["has_clock"], entry["number"], entry["kind"]) == (12.5, 0, 8, Kind.ROLL)
     assert (entry["slot"], entry["serial"], entry["by_slot"], entry["by_serial"]) == (3, 7, 5, 9)
-    assert entry["gesture"] == 4 and entry["surface"].item() == (3e-7, 1e-3, 2.0, 0.0, 1.0)
+    assert entry["gesture"] == 4 and entry["surface"].item() == SURFACE
     assert entry["given"] == 1 << STEERABLE.index("mass") | 1 << STEERABLE.index("speed")
     entry = written(Command(NOW, Kind.SYNC, value=17.0))
     assert (entry["value"], entry["slot"], entry["serial"], entry["by_serial"]) == (17.0, 0, 0, 0)
@@ -109,7 +109,7 @@ def test_an_entry_keeps_nothing_of_the_command_before_it():
     """Entries of the ring are used again and again."""
     entry = np.zeros(1, COMMAND)[0]
     full = {**some(fields(Kind.ROLL)), "gain": 3.0}
-    write(entry, 1, Command(Stamp(1.0, 5), Kind.ROLL, HERE, full, 1.0, 6, "", ("mass",), THERE, (1.0,) * 5))
+    write(entry, 1, Command(Stamp(1.0, 5), Kind.ROLL, HERE, full, 1.0, 6, "", ("mass",), THERE, (1.0,) * 7))
     write(entry, 2, Command(NOW, Kind.ROLL, None, some(NEEDED[Kind.ROLL])))
     fresh = written(Command(NOW, Kind.ROLL, None, some(NEEDED[Kind.ROLL])), 2)
     assert entry == fresh

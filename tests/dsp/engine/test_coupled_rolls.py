@@ -112,7 +112,7 @@ def test_a_body_that_hops_on_an_object_that_it_moves_against_dop853(level):
     engine = Engine(RATE)
     handle = engine.add(light(), 0.05)
     engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index(level))])
-    found, right = followed(engine, handle, 12, (1e-5, 1e-3, 2.0, 0.0, 1.0), (0.02, 1e8, 0.5, 1.5), speed=1.0)
+    found, right = followed(engine, handle, 12, (1e-5, 1e-3, 2.0, 0.0, 1.0, 0.0, 1.0), (0.02, 1e8, 0.5, 1.5), speed=1.0)
     assert engine.stats.impacts >= 3
     assert apart(found, right) < accuracy.ROLL_COUPLED[level].bound
 

@@ -70,12 +70,12 @@ def test_a_curve_is_supercolliders(curve):
 
 
 def test_what_has_a_unit_of_ratios_goes_by_equal_ratios():
-    engine, handle = rolling(gain=0.5, gesture_level=3.0)
+    engine, handle = rolling(gain=0.5)
     engine.send([over(setting(handle, "gain", 0.01)), over(setting(handle, "tune", 2.0)), over(steer(7, "gain", 0.05))])
     engine.send([over(Command(NOW, Kind.GAIN, value=0.1))])
     settings = engine.objects["settings"][handle.slot]
     values = course(engine, lambda: (settings["gain"], settings["tune"], target(engine, "gain")[0], engine.gain))
-    for value, (first, last) in zip(values.T, ((1, 0.01), (1, 2), (1.5, 0.15), (1, 0.1)), strict=True):
+    for value, (first, last) in zip(values.T, ((1, 0.01), (1, 2), (0.5, 0.05), (1, 0.1)), strict=True):
         np.testing.assert_allclose(value, np.exp(line(math.log(first), math.log(last))), rtol=1e-9)
 
 

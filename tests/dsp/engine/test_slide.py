@@ -18,7 +18,7 @@ SCRAPE = {"speed": 0.2, "sweep": -1.0, "force": 0.5, "radius": 5e-4, "patch": 0.
 BOW = {**SCRAPE, "radius": 0.01, "roughness": 0.0, "sweep": 0.0, "speed": 0.1, "force": 5.0, "static": 0.8,
        "dynamic": 0.3, "along": 1.0}  # fmt: skip
 CREAK = {**BOW, "tangential": 1e5}
-STEEP = (3e-7, 1e-3, 2.4, 0.0, 1.0)
+STEEP = (3e-7, 1e-3, 2.4, 0.0, 1.0, 0.0, 1.0)
 
 
 LIGHT = bell(24, t60=0.3, modal_mass=0.05)

@@ -7,7 +7,7 @@ import pytest
 from numba import njit
 from scipy.signal import welch
 
-from carom.dsp.rolling import surface
+from carom.dsp.rolling import lattice, surface
 
 
 def make(roughness=1e-6, correlation=1e-3, slope=2.0, **more):
@@ -55,7 +55,7 @@ def test_a_place_has_its_height_whenever_it_is_read():
 
 def test_smooth_and_within_its_bound_far_from_the_origin():
     ground = make(seed=2)
-    bound = surface.CREST * ground["height"].sum()
+    bound = lattice.CREST * ground["height"].sum()
     for origin in (0, 10**15, -(10**15)):
         z = surface.heights(ground, origin + np.arange(100_000))
         assert np.abs(z).max() < bound
@@ -84,6 +84,7 @@ def test_corrugation():
     [
         ("roughness", -1e-9), ("roughness", np.nan), ("correlation", 0.0), ("correlation", np.inf), ("slope", 1.0),
         ("slope", 6.0), ("ripple", -1.0), ("wavelength", 0.0), ("seed", -1),
+        ("variation", -1.0), ("variation", 12.1), ("variation_length", 0.0),
     ],
 )  # fmt: skip
 def test_bad_surfaces_are_named(key, value):
@@ -123,3 +124,35 @@ def test_blocks_are_octaves_whose_gains_go_evenly_at_any_stride(level):
         ground["gain"][:], ground["ripple_gain"] = after, ripple_gain
         np.testing.assert_allclose(z, expected, rtol=0, atol=1e-12 * ground["height"].sum())
         place += block * stride
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("decibels", [3.0, 6.0])
+def test_a_surface_that_varies_is_as_rough_on_the_whole_and_bounded(decibels):
+    """The local roughness has the standard deviation that is given, in dB, and a mean square of 1."""
+    places = 512 * np.arange(2**20)
+    ground = make(1e-6, 1e-4, 2.0, seed=9, variation=decibels, variation_length=0.002)
+    z, even = surface.heights(ground, places), surface.heights(make(1e-6, 1e-4, 2.0, seed=9), places)
+    assert z.std() == pytest.approx(1e-6, rel=0.05)
+    factor = (z / even)[np.abs(even) > 1e-9]
+    assert factor.min() > 0.0 and factor.max() < ground["variation"]["most"]
+    assert np.std(20 * np.log10(factor)) == pytest.approx(decibels, rel=0.05)
+    kurtosis = (factor**4).mean() / (factor**2).mean() ** 2
+    lognormal = np.exp(4 * (decibels * np.log(10) / 20) ** 2)
+    assert 0.4 * lognormal < kurtosis < 1.05 * lognormal  # bounded noise reaches less far than a Gaussian's
+
+
+def test_the_lattices_of_a_variation_have_nothing_in_common():
+    coarse, fine = ({lattice.drawn(seed, n) for n in range(100)} for seed in make(seed=9)["variation"]["seed"])
+    assert len(coarse | fine) == 200
+
+
+@pytest.mark.slow
+def test_blocks_vary_as_the_surface_does():
+    """A block varies evenly from place to place: within the bend of the finer lattice in between."""
+    ground, block, stride = make(1e-6, 1e-3, 2.0, seed=5, variation=6.0, variation_length=0.02), surface.BLOCK, 64
+    for place in range(0, 40 * block * stride, block * stride):
+        z = np.empty(block)
+        read(ground, place, stride, ground["gain"].copy(), 1.0, z)
+        expected = surface.heights(ground, place + stride * np.arange(block))
+        np.testing.assert_allclose(z, expected, rtol=0.02, atol=1e-12)

@@ -1,0 +1,50 @@
+"""Smooth noise on a lattice: random heights, each a hash of its number and a seed, joined by Catmull-Rom cubics."""
+
+import math
+
+import numpy as np
+
+from ..native.jit import kernel
+from ..numerics.random import STEP, mixed
+
+# The cubic through lattice heights 1 and 2, with slopes from 0 and 3; and the mean of its squared weights.
+CUBIC = 0.5 * np.array([[0, 2, 0, 0], [-1, 0, 1, 0], [2, -5, 4, -1], [-1, 3, -3, 1]], np.float64)
+_POWER = float(np.trace(CUBIC.T @ (1 / (np.arange(4)[:, None] + np.arange(4) + 1)) @ CUBIC))
+
+EDGE = math.sqrt(3.0 / _POWER)
+"""Greatest height on the lattice over the noise's rms height."""
+
+CREST = EDGE * 1.25
+"""Greatest height of the noise over its rms height."""
+
+TO_HEIGHT = 2.0 * EDGE * 2.0**-53
+"""Times a number that is `drawn`: a height on the lattice of noise of an rms height of 1."""
+
+_HALF = 2.0**52
+
+
+@kernel
+def drawn(seed, number):
+    """Draw a whole number from -2^52 to 2^52, all alike likely, for a point of a lattice."""
+    bits = mixed(np.uint64(number) * STEP + seed)
+    return np.float64(np.int64(bits >> np.uint64(11))) - _HALF
+
+
+@kernel
+def cubic_weights(t):
+    """Return the weights of a lattice's four heights at t, in [0, 1], of the cell in their middle."""
+    return (
+        CUBIC[0, 0] + t * (CUBIC[1, 0] + t * (CUBIC[2, 0] + t * CUBIC[3, 0])),
+        CUBIC[0, 1] + t * (CUBIC[1, 1] + t * (CUBIC[2, 1] + t * CUBIC[3, 1])),
+        CUBIC[0, 2] + t * (CUBIC[1, 2] + t * (CUBIC[2, 2] + t * CUBIC[3, 2])),
+        CUBIC[0, 3] + t * (CUBIC[1, 3] + t * (CUBIC[2, 3] + t * CUBIC[3, 3])),
+    )
+
+
+@kernel
+def noise_at(seed, level, place):
+    """Return the noise, of an rms height of 1, at a place; its lattice has a height every 2^level places."""
+    cell = place >> level
+    w0, w1, w2, w3 = cubic_weights((place - (cell << level)) / (np.int64(1) << level))
+    z = w0 * drawn(seed, cell) + w1 * drawn(seed, cell + 1) + w2 * drawn(seed, cell + 2) + w3 * drawn(seed, cell + 3)
+    return TO_HEIGHT * z

@@ -1,0 +1,67 @@
+"""Slides and rolls come in bursts, as recorded ones do: by their kurtosis, which is 3 for even noise."""
+
+from itertools import pairwise
+from statistics import mean
+
+import numpy as np
+import pytest
+
+import carom
+from carom.presets import Presets
+
+pytestmark = pytest.mark.slow
+RATE, SECONDS = 48_000, 2.3
+SURFACES = Presets().names("surfaces")
+DRY = (
+    "aluminium-pipe", "ceramic-bowl", "ceramic-tile", "glass-plate", "iron-pan", "plastic-cup", "polycarbonate-sheet",
+    "pot-lid", "steel-plate",
+)  # fmt: skip
+"""Objects that ring no longer than a burst lasts, and whose slides neither stick nor squeal."""
+
+
+@pytest.fixture(scope="module")
+def even(tmp_path_factory):
+    """A folder of the surfaces, none of which varies."""
+    folder = tmp_path_factory.mktemp("even") / "surfaces"
+    folder.mkdir()
+    for name in SURFACES:
+        lines = Presets().path("surfaces", name).read_text(encoding="utf-8").splitlines(keepends=True)
+        (folder / f"{name}.toml").write_text("".join(line for line in lines if not line.startswith("variation")))
+    return folder.parent
+
+
+def played(name: str, kind: str, seed: int, folders: object = ()) -> np.ndarray:
+    """Return two seconds of a gesture at its defaults, once it has got going: the left channel."""
+    with carom.Scene(RATE, limiter=False, presets=folders) as scene:
+        getattr(scene.new("a", name, stereo_width=0), kind)(seed=seed)
+        return scene.render(SECONDS).samples[round(0.3 * RATE) :, 0].astype(float)
+
+
+def kurtosis(sound: np.ndarray) -> float:
+    return float(np.mean(sound**4) / np.mean(sound**2) ** 2)
+
+
+@pytest.mark.parametrize("name", DRY)
+def test_a_slide_comes_in_bursts(name, even):
+    assert mean(kurtosis(played(name, "slide", seed)) for seed in range(1, 6)) > 6.0
+    assert mean(kurtosis(played(name, "slide", seed, even)) for seed in range(1, 3)) < 4.0
+
+
+@pytest.mark.parametrize(("name", "kind"), [("glass-plate", "slide"), ("iron-pan", "roll"), ("wood-board", "roll")])
+def test_bursts_leave_the_sound_its_colour(name, kind, even):
+    """Third octaves that are loud, less one gain, are those of an even surface."""
+    varying, plain = (
+        10 * np.log10(np.mean([thirds(played(name, kind, seed, folders)) for seed in range(1, 5)], axis=0))
+        for folders in ((), even)
+    )
+    loud = plain > plain.max() - 30.0
+    apart = (varying - plain)[loud]
+    assert np.abs(apart - np.median(apart)).max() < 2.0
+    assert abs(np.median(apart)) < 4.0
+
+
+def thirds(sound: np.ndarray) -> np.ndarray:
+    """Return the powers of third octaves from 200 Hz to 12.7 kHz."""
+    power, frequency = np.abs(np.fft.rfft(sound)) ** 2, np.fft.rfftfreq(len(sound), 1 / RATE)
+    edges = 1000.0 * 2.0 ** ((np.arange(-7, 13) - 0.5) / 3)
+    return np.array([power[(frequency >= a) & (frequency < b)].sum() for a, b in pairwise(edges)])
