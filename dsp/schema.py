@@ -63,7 +63,8 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Gesture:
-    """Something that strikes an object: its first argument, and the keys that may follow."""
+    """Something that strikes an object: its first argument, the keys that may follow, and the traits that kernels ask
+    for. `engine/gesture_kernels.py` says which kernels begin it, and bring its striker back."""
 
     name: str
     help: str
@@ -71,6 +72,33 @@ class Gesture:
     keys: tuple[Parameter, ...] = ()
     fixed: tuple[str, ...] = ()
     """Keys that can be steered elsewhere, but not in this gesture."""
+    repeats: bool = False
+    """It is many contacts: when one is over, its kernel says when and how fast the next one comes."""
+    falls: bool = False
+    """Gravity acts on its striker, which flies between contacts, and presses by its weight near rest."""
+    held: bool = False
+    """A hand holds its striker, and presses it on until the gesture is stopped."""
+    rolls: bool = False
+    """Its striker turns on a surface."""
+    slips: bool = False
+    """Its striker slips over a surface, with friction."""
+    meets: float = 1.0
+    """Share of the striker's mass that meets the object."""
+
+    @property
+    def along(self) -> bool:
+        """True if its contact moves along a surface; a gesture of that id that goes on is steered."""
+        return self.rolls or self.slips
+
+    @property
+    def lasts(self) -> bool:
+        """True if it is one contact, until it is stopped."""
+        return self.held or self.along
+
+    @property
+    def single(self) -> bool:
+        """True if it is one blow, after which the striker is gone."""
+        return not (self.repeats or self.lasts)
 
     @cached_property
     def steerable(self) -> tuple[str, ...]:
@@ -150,6 +178,7 @@ BOUNCE = Gesture(
         SEED,
         Parameter("weight", 0, 1, "", "1: gravity acts in every contact too, not only near rest", default=0.0),
     ),
+    repeats=True, falls=True,
 )  # fmt: skip
 ROLL = Gesture(
     "roll", "rolls the striker over it until 0, or steers the roll of that id (NAME if none)", SPEED,
@@ -170,10 +199,12 @@ ROLL = Gesture(
         Parameter("corners", 0, 100, "", "of the body; 0: it is round", default=0.0, whole=True),
         TRAVEL,
     ),
+    rolls=True,
 )  # fmt: skip
 PRESS = Gesture(
-    "press", "lays the striker on it and presses, until it is stopped: a hand, a mute", FORCE, fixed=("gain",)
-)
+    "press", "lays the striker on it and presses, until it is stopped: a hand, a mute", FORCE,
+    fixed=("gain",), held=True,
+)  # fmt: skip
 DURATION = Parameter("duration", 0.0, 3600.0, "s", "until it lies still; 0 does nothing", useful=(0.1, 10.0))
 SPIN = Gesture(
     "spin", "lets a coin, a lid or a ring spin down on it: contacts ever faster and fainter, then silence", DURATION,
@@ -192,6 +223,7 @@ SPIN = Gesture(
         dataclasses.replace(GRAVITY, steered="from its next contact on"),
         SEED,
     ),
+    repeats=True, meets=0.2,  # of a free disc, what its rim touches: 1/m + R^2/(m R^2/4) = 5/m
 )  # fmt: skip
 SLIDE = Gesture(
     "slide", "drags the striker over it until 0, or steers the slide of that id (NAME if none): a scrape, a rub, a bow",
@@ -219,8 +251,12 @@ SLIDE = Gesture(
         SEED,
         TRAVEL,
     ),
+    slips=True,
 )  # fmt: skip
 GESTURES = {gesture.name: gesture for gesture in (IMPACT, BOUNCE, ROLL, PRESS, SPIN, SLIDE)}
+
+TRAITS = ("single", "repeats", "falls", "held", "rolls", "slips", "along", "lasts", "meets")
+"""Traits of gestures that kernels ask for: 1 or 0, but for `meets`."""
 
 STEERABLE = tuple(dict.fromkeys(name for gesture in GESTURES.values() for name in gesture.steerable))
 """Names of all parameters that a gesture can take anew while it runs; their places are their numbers."""

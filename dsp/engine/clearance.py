@@ -10,7 +10,6 @@ import math
 from ..contact.coupled_flight import apart_for
 from ..native.jit import kernel
 from ..resonator.mode import energy_of
-from .commands import KIND_IMPACT, KIND_PRESS, KIND_ROLL, KIND_SLIDE
 from .objects import modes_of, reach_of
 from .quality import keeps_strikers
 from .solver_choice import moved_by
@@ -46,7 +45,7 @@ def _farthest(state, contact, side, far, given):
     Infinity where that is not known: the compliance is that of where the contact began, and only impacts stay there.
     """
     point = contact.point[side]
-    if contact.kind != KIND_IMPACT:
+    if contact.trait.single == 0:
         return far if given == 0.0 else math.inf
     obj = state.objects[point.slot]
     energy = given + _energy(state, obj, 0, min(obj.live, obj.felt)) + _energy(state, obj, obj.unheard, obj.live)
@@ -88,8 +87,8 @@ def _gives(contact):
 
     One that flies off from a blow gives none: an object that catches up with it pushes it on.
     """
-    if contact.touching == 0 or contact.aside == 2 or contact.kind in (KIND_PRESS, KIND_ROLL, KIND_SLIDE):
+    if contact.touching == 0 or contact.aside == 2 or contact.trait.lasts == 1:
         return False
     coupled = contact.coupled
-    leaves = contact.solver == COUPLING and contact.kind == KIND_IMPACT and coupled.touching == 0
+    leaves = contact.solver == COUPLING and contact.trait.single == 1 and coupled.touching == 0
     return not (leaves and coupled.contacts > 0 and coupled.v <= 0.0 and coupled.push <= 0.0)

@@ -1,14 +1,14 @@
 """Commands on their way into the engine: their kinds, and the record that carries their values."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .. import schema
 from ..rolling.surface import PROFILE
 from ..schema import (
     BY_POSITION,
@@ -31,39 +31,32 @@ class Kind(IntEnum):
 
     NEW = 0
     FREE = 1  # value 1: at once; 0: once silent
-    IMPACT = 2
-    BOUNCE = 3
-    ROLL = 4  # a roll of that gesture on that object that goes on already takes on what is `given`
-    PRESS = 5
-    SPIN = 6
-    STEER = 7  # a parameter of a gesture
-    STOP = 8  # a gesture
-    SET = 9  # a setting of an object
-    PANIC = 10
-    SYNC = 11  # value: a number that appears in the stats
-    METHOD = 12  # how contacts with objects that do not give way are solved
-    ACCURACY = 13  # value: a place in accuracy.LEVELS
-    QUALITY = 14  # value: a Quality
-    GAIN = 15  # of everything; value: amplitude
-    LIMITER = 16  # value 1: on; 0: off
-    PLACE = 17  # an object, by a gain of its own (value) in a channel; channel -1: by its pan again
-    BUDGET = 18  # of contacts that are coupled to modes
-    SLIDE = 19  # as ROLL
-    BANK = 20  # value: a place in schema.FORMS
+    GESTURE = 2  # one of schema.GESTURES; one along a surface that goes on on that object takes on what is `given`
+    STEER = 3  # a parameter of a gesture
+    STOP = 4  # a gesture
+    SET = 5  # a setting of an object
+    PANIC = 6
+    SYNC = 7  # value: a number that appears in the stats
+    METHOD = 8  # how contacts with objects that do not give way are solved
+    ACCURACY = 9  # value: a place in accuracy.LEVELS
+    QUALITY = 10  # value: a Quality
+    GAIN = 11  # of everything; value: amplitude
+    LIMITER = 12  # value 1: on; 0: off
+    PLACE = 13  # an object, by a gain of its own (value) in a channel; channel -1: by its pan again
+    BUDGET = 14  # of contacts that are coupled to modes
+    BANK = 15  # value: a place in schema.FORMS
 
 
 # The same as plain numbers, which kernels compare with.
-KIND_NEW, KIND_FREE = int(Kind.NEW), int(Kind.FREE)
-KIND_IMPACT, KIND_BOUNCE, KIND_ROLL, KIND_PRESS = int(Kind.IMPACT), int(Kind.BOUNCE), int(Kind.ROLL), int(Kind.PRESS)
-KIND_SPIN = int(Kind.SPIN)
+KIND_NEW, KIND_FREE, KIND_GESTURE = int(Kind.NEW), int(Kind.FREE), int(Kind.GESTURE)
 KIND_STEER, KIND_STOP, KIND_SET = int(Kind.STEER), int(Kind.STOP), int(Kind.SET)
 KIND_PANIC, KIND_SYNC, KIND_METHOD = int(Kind.PANIC), int(Kind.SYNC), int(Kind.METHOD)
 KIND_ACCURACY, KIND_QUALITY = int(Kind.ACCURACY), int(Kind.QUALITY)
 KIND_GAIN, KIND_LIMITER, KIND_PLACE = int(Kind.GAIN), int(Kind.LIMITER), int(Kind.PLACE)
-KIND_BUDGET, KIND_SLIDE, KIND_BANK = int(Kind.BUDGET), int(Kind.SLIDE), int(Kind.BANK)
+KIND_BUDGET, KIND_BANK = int(Kind.BUDGET), int(Kind.BANK)
 
-GESTURE_KINDS = (Kind.IMPACT, Kind.BOUNCE, Kind.ROLL, Kind.PRESS, Kind.SPIN, Kind.SLIDE)
-"""Commands that bring a striker."""
+NUMBERS = {name: number for number, name in enumerate(GESTURES)}
+"""The numbers of gestures: their places in schema.GESTURES."""
 
 _SOUND = (
     Parameter("sound", 0, np.inf, "", "its place among the strikers that are laid out", default=0.0),
@@ -72,53 +65,34 @@ _SOUND = (
 _PRESSED = Parameter(
     "press", 0, np.inf, "", "number of a press whose force a slide's friction feels; 0: none", default=0.0
 )  # fmt: skip
-_DELAY = Parameter("delay", 0.0, np.inf, "s", "from the beginning of a bounce to its first contact", default=0.0)
+_DELAY = Parameter("delay", 0.0, np.inf, "s", "from the beginning to the first contact", default=0.0)
+
+_SHARED = {each.name: each for each in (VELOCITY, *STRIKE, BY_POSITION, *_SOUND, _PRESSED, _DELAY)}
 
 
-def _own(gesture: Gesture, *more: Parameter) -> dict[str, Parameter]:
-    """Return the parameters of a gesture's own record: all but those of the record that every gesture fills."""
-    given = (*((gesture.argument,) if gesture.argument.steerable else ()), *gesture.keys, *more)
-    return {each.name: each for each in given if each.name not in _STRIKE}
+def _own(gesture: Gesture) -> dict[str, Parameter]:
+    """Return the parameters of a gesture that not every gesture has; one that falls is told the velocity, not the
+    height."""
+    given = (*gesture.keys, *(() if gesture.falls else (gesture.argument,)))
+    return {each.name: each for each in given if each.name not in _SHARED}
 
 
-_STRIKE = {each.name: each for each in (VELOCITY, *STRIKE, BY_POSITION, *_SOUND)}
-_BOUNCE = _own(GESTURES["bounce"], _DELAY)
-_ROLL = _own(GESTURES["roll"])
-_PRESS = _own(GESTURES["press"])
-_SPIN = _own(GESTURES["spin"], GESTURES["spin"].argument)
-_SLIDE = _own(GESTURES["slide"], _PRESSED)
-
-STRIKE_RECORD = record_of(*_STRIKE)
-BOUNCE_RECORD = record_of(*_BOUNCE)
-ROLL_RECORD = record_of(*_ROLL)
-PRESS_RECORD = record_of(*_PRESS)
-SPIN_RECORD = record_of(*_SPIN)
-SLIDE_RECORD = record_of(*_SLIDE)
+_OWN = {name: _own(gesture) for name, gesture in GESTURES.items()}
+VALUES = record_of(*dict.fromkeys([*_SHARED, *(name for own in _OWN.values() for name in own)]))
+"""The values of a gesture: the parameters of all gestures, 0 for those that it has not."""
 SETTINGS_RECORD = record_of(*SETTINGS)
 _AFTER = Parameter("after", 0.0, np.inf, "s", "until it begins; 0: what was asked for before ends", default=0.0)
 _RAMP = {each.name: each for each in (OVER, CURVE, _AFTER)}
 RAMP_RECORD = record_of(*_RAMP)
 
+IN_VALUES = np.array([(VALUES.names or ()).index(name) for name in STEERABLE])
+"""The place in VALUES of each steerable parameter."""
 
-def _places(record: np.dtype[np.void]) -> NDArray[np.int64]:
-    """Return the place of each steerable parameter in a record, -1 where it is not there."""
-    names = list(record.names or ())
-    return np.array([names.index(name) if name in names else -1 for name in STEERABLE])
+STEERS = np.array([[name in gesture.steerable for name in STEERABLE] for gesture in GESTURES.values()])
+"""True where a gesture can be steered by a parameter."""
 
-
-IN_STRIKE, IN_BOUNCE = _places(STRIKE_RECORD), _places(BOUNCE_RECORD)
-IN_ROLL, IN_PRESS = _places(ROLL_RECORD), _places(PRESS_RECORD)
-IN_SPIN, IN_SLIDE = _places(SPIN_RECORD), _places(SLIDE_RECORD)
-
-STEERS = np.array(
-    [
-        [kind.name.lower() in GESTURES and name in GESTURES[kind.name.lower()].steerable for name in STEERABLE]
-        for kind in Kind
-    ]
-)
-"""True where a gesture of a kind can be steered by a parameter."""
-for _kind in GESTURE_KINDS:
-    STEERS[_kind] = [name in GESTURES[_kind.name.lower()].steerable for name in STEERABLE]
+TRAITS = np.dtype([(name, np.float64 if name == "meets" else np.int64) for name in schema.TRAITS], align=True)
+"""Traits of a gesture, as schema.Gesture says."""
 
 _PLACES_OF_NEW = ("first", "size", "table", "rows", "felt", "bent", "unheard")
 _SCALES_OF_NEW = ("level", "glide", "cone")
@@ -151,16 +125,12 @@ COMMAND = np.dtype(
         ("gesture", np.int64),  # its number, 0: none
         ("parameter", np.int64),  # its place in schema.STEERABLE or schema.SETTINGS
         ("channel", np.int64),  # of a place
-        ("given", np.int64),  # of a roll or slide: bits of the places in schema.STEERABLE that were given
+        ("given", np.int64),  # of a gesture along a surface: bits of the places in schema.STEERABLE that were given
         ("by_slot", np.int64),  # of the object that strikes, if one does
         ("by_serial", np.int64),  # else 0
-        ("strike", STRIKE_RECORD),
-        ("bounce", BOUNCE_RECORD),
-        ("roll", ROLL_RECORD),
-        ("press", PRESS_RECORD),
-        ("spin", SPIN_RECORD),
-        ("slide", SLIDE_RECORD),
-        ("surface", PROFILE),  # of a roll or slide
+        ("what", np.int64),  # of a gesture: its place in schema.GESTURES
+        ("values", VALUES),  # of a gesture
+        ("surface", PROFILE),  # of a gesture along a surface
         ("settings", SETTINGS_RECORD),  # of a new object
         ("layout", LAYOUT),  # of a new object
         ("method", METHOD),
@@ -184,12 +154,13 @@ class Handle:
 class Command(NamedTuple):
     """A command from Python: when (samples), what, to which object, and the values of its records by name.
 
+    kind: a Kind, or the name of a gesture, which begins.
     `values` are in the engine's units: gains as amplitudes, tune as a ratio. Values that have a default may be left
     out; a restitution of 0 leaves dissipation as it is.
     """
 
     time: float
-    kind: Kind
+    kind: Kind | str
     handle: Handle | None = None
     values: Mapping[str, float] = MappingProxyType({})
     value: float = 0.0
@@ -201,24 +172,24 @@ class Command(NamedTuple):
     channel: int = -1
 
 
-_PARAMETERS = {
-    "strike": _STRIKE, "bounce": _BOUNCE, "roll": _ROLL, "press": _PRESS, "spin": _SPIN, "slide": _SLIDE,
-    "settings": SETTINGS, "ramp": _RAMP,
-}  # fmt: skip
-_DEFAULTS: dict[str, dict[str, float]] = {
-    record: {each.name: each.in_engine(each.default) for each in parameters.values() if each.default is not None}
-    for record, parameters in _PARAMETERS.items()
-}
-_DEFAULTS["strike"] |= {BY_POSITION.name: 0.0, VELOCITY.name: 0.0, RESTITUTION.name: 0.0}
+def _defaults(parameters: Iterable[Parameter]) -> dict[str, float]:
+    return {each.name: each.in_engine(each.default) for each in parameters if each.default is not None}
 
+
+_ALWAYS = {BY_POSITION.name: 0.0, VELOCITY.name: 0.0, RESTITUTION.name: 0.0}
+
+
+def _defaults_of(own: dict[str, Parameter]) -> dict[str, float]:
+    """Return the values that a gesture with its own parameters need not be given."""
+    has = _SHARED | own
+    return {key: 0.0 for key in VALUES.names or () if key not in has} | _defaults(has.values()) | _ALWAYS
+
+
+_DEFAULTS = {name: _defaults_of(own) for name, own in _OWN.items()}
+_HAS = {name: {*_SHARED, *own} for name, own in _OWN.items()}
+_OF_RECORDS: dict[str, dict[str, float]] = {"settings": _defaults(SETTINGS.values()), "ramp": _defaults(_RAMP.values())}
 _RECORDS = {
     Kind.NEW: ("layout", "settings"),
-    Kind.IMPACT: ("strike",),
-    Kind.BOUNCE: ("strike", "bounce"),
-    Kind.ROLL: ("strike", "roll"),
-    Kind.PRESS: ("strike", "press"),
-    Kind.SPIN: ("strike", "spin"),
-    Kind.SLIDE: ("strike", "slide"),
     Kind.METHOD: ("method",),
     Kind.BUDGET: ("budget",),
     **dict.fromkeys((Kind.STEER, Kind.SET, Kind.GAIN), ("ramp",)),
@@ -231,7 +202,8 @@ _SETTING_PLACES = {name: place for place, name in enumerate(SETTINGS)}
 
 def write(entry: np.void, number: int, command: Command) -> None:
     """Write a command into an entry of COMMAND. ValueError names a value that is missing or that its kind has not."""
-    kind = command.kind
+    gesture = command.kind if isinstance(command.kind, str) else ""
+    kind = Kind.GESTURE if gesture else Kind(command.kind)
     clock = getattr(command.time, "clock", None)
     entry["time"] = command.time
     entry["has_clock"], entry["clock"] = (0, 0) if clock is None else (1, clock)
@@ -244,18 +216,36 @@ def write(entry: np.void, number: int, command: Command) -> None:
         if command.parameter not in places:
             raise ValueError(f"{kind.name}: parameter = {command.parameter!r}: expected one of {', '.join(places)}")
         entry["parameter"] = places[command.parameter]
-    if kind in _FIELDS:
-        values = command.values
-        if unknown := values.keys() - _TAKEN[kind]:
-            raise ValueError(f"{kind.name}: it has no {', '.join(sorted(unknown))}")
+    if gesture:
+        _write_gesture(entry, gesture, command)
+    elif kind in _FIELDS:
+        _require_known(kind.name, command.values, _TAKEN[kind])
         for record, names in _FIELDS[kind]:
-            defaults = _DEFAULTS.get(record, {})
-            try:
-                entry[record] = tuple(values[name] if name in values else defaults[name] for name in names)
-            except KeyError as error:
-                raise ValueError(f"{kind.name}: {error.args[0]} is missing") from None
-    if kind in (Kind.ROLL, Kind.SLIDE):
+            entry[record] = _filled(kind.name, names, command.values, _OF_RECORDS.get(record, {}))
+
+
+def _write_gesture(entry: np.void, gesture: str, command: Command) -> None:
+    """Write the values of a gesture into an entry of COMMAND."""
+    entry["what"] = NUMBERS[gesture]
+    _require_known(gesture, command.values, _HAS[gesture])
+    entry["values"] = _filled(gesture, VALUES.names or (), command.values, _DEFAULTS[gesture])
+    if GESTURES[gesture].along:
         if unknown := set(command.given) - _PLACES.keys():
-            raise ValueError(f"{kind.name}: given {', '.join(sorted(unknown))}: expected some of {', '.join(_PLACES)}")
+            raise ValueError(f"{gesture}: given {', '.join(sorted(unknown))}: expected some of {', '.join(_PLACES)}")
         entry["given"] = sum(1 << _PLACES[name] for name in command.given)
         entry["surface"] = command.surface
+
+
+def _require_known(kind: str, values: Mapping[str, float], known: Collection[str]) -> None:
+    if unknown := values.keys() - set(known):
+        raise ValueError(f"{kind}: it has no {', '.join(sorted(unknown))}")
+
+
+def _filled(
+    kind: str, names: Iterable[str], values: Mapping[str, float], defaults: Mapping[str, float]
+) -> tuple[float, ...]:
+    """Return the values of a record's fields in order, the defaults where none is given."""
+    try:
+        return tuple(values[name] if name in values else defaults[name] for name in names)
+    except KeyError as error:
+        raise ValueError(f"{kind}: {error.args[0]} is missing") from None

@@ -12,7 +12,6 @@ from ..contact.sampled import begin_sampled, step_sampled
 from ..native.jit import kernel, noinline_kernel
 from ..numerics.legendre import FINE, MOMENTS, add_held
 from ..resonator.bank import inject, inject_fine, observe, receptance
-from .commands import KIND_ROLL
 from .contact_list import take_room_again
 from .coupled_rolls import lead_roll
 from .fade import note_force
@@ -190,7 +189,7 @@ def apply_contact_force(state, contact, frame):
 def gain_of(state, contact):
     """Return the factor on the force that the modes get: the gesture's gain, and what is left of a roll that has
     stopped."""
-    fade = state.rolls[contact.roll].fade if contact.kind == KIND_ROLL else 1.0
+    fade = state.rolls[contact.roll].fade if contact.trait.rolls == 1 else 1.0
     return contact.now.gain * fade
 
 
@@ -259,7 +258,7 @@ def observe_points(state, contact):
     """
     scratch = state.scratch
     take_room_again(state, contact)
-    if contact.kind == KIND_ROLL:
+    if contact.trait.rolls == 1:
         lead_roll(state, contact)
     for n in range(FINE):
         scratch.observed[n] = scratch.receptance[n] = 0.0
@@ -273,7 +272,7 @@ def observe_points(state, contact):
             receptance(modes, where, scratch.work, scratch.fine)
             for n in range(FINE):
                 scratch.receptance[n] += scratch.fine[n]
-            if contact.kind != KIND_ROLL:
+            if contact.trait.rolls == 0:
                 find_static(state, contact, side, obj, point.modes)
         if obj.live > 0:
             observe(modes, where, scratch.work, scratch.fine)

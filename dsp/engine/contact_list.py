@@ -7,7 +7,6 @@ import numpy as np
 from ..native.atomics import store_release
 from ..native.jit import kernel
 from ..numerics.random import STEP, mixed
-from .commands import KIND_ROLL, KIND_SLIDE
 from .state import CLOSED, COUPLING, END_GONE, ENDED
 from .strikers import release_voice
 
@@ -93,7 +92,7 @@ def end_contact(state, obj, before, index):
     stats = state.stats
     stats.contacts_active -= 1
     state.free_contact[len(state.contacts) - 1 - stats.contacts_active] = index
-    if contact.kind == KIND_ROLL or contact.kind == KIND_SLIDE:
+    if contact.trait.along == 1:
         stats.rolls_active -= 1
         state.free_roll[len(state.rolls) - 1 - stats.rolls_active] = contact.roll
 

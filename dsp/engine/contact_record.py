@@ -7,9 +7,7 @@ from ..contact.coupled import COUPLED
 from ..contact.sampled import SAMPLED
 from ..numerics.legendre import FINE
 from ..schema import STEERED
-
-RIM = 0.2
-"""Share of a free disc's mass that meets what its rim touches: 1/m + R^2/(m R^2/4) = 5/m."""
+from .commands import TRAITS
 
 POINT = np.dtype(
     [
@@ -32,7 +30,8 @@ CONTACT = np.dtype(
         ("sampled", SAMPLED),
         ("coupled", COUPLED),
         ("point", POINT, 2),  # on the object touched, and on the object that touches it, if one does
-        ("kind", np.int64),  # of the gesture: KIND_IMPACT, ...
+        ("kind", np.int64),  # of the gesture: its place in schema.GESTURES
+        ("trait", TRAITS),  # of the gesture
         ("index", np.int64),  # its own place
         ("gesture", np.int64),  # its number, 0: none
         ("command", np.int64),  # number of the command that brought the striker

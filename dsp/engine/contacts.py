@@ -12,7 +12,6 @@ import numpy as np
 from ..native.jit import kernel, noinline_kernel
 from ..native.records import field, set_field
 from ..schema import FORCE, STEERABLE, gestures_steered_by
-from .commands import KIND_BOUNCE, KIND_PRESS, KIND_ROLL, KIND_SLIDE, KIND_SPIN
 from .contact_force import apply_contact_force, begin_contact, couple_pulse, update_mode_count
 from .contact_list import end_contact, release_modes, report_end, schedule_contact
 from .flights import follow_coupled, is_gone, is_pushed, leave, release_striker
@@ -44,7 +43,7 @@ def update_contacts(state, obj):
         after = contact.next
         _glide(contact, state.rate, obj)
         _look_at_partner(state, contact, obj)
-        waits = must_wait(state, index) and not (_comes_back(contact) and contact.touching == 1)
+        waits = must_wait(state, index) and not (contact.trait.repeats == 1 and contact.touching == 1)
         ended = _wait_longer(state, contact) if waits else _go_on(state, index)
         if ended:
             report_end(state, contact.gesture, END_RESTED if is_gone(state, contact) else END_STOPPED)
@@ -93,13 +92,13 @@ def _look_at_partner(state, contact, obj):
 def _go_on(state, index):
     """Continue a contact in a new quantum; return True if its gesture has been stopped and is over."""
     contact = state.contacts[index]
-    if contact.kind == KIND_ROLL or contact.kind == KIND_SLIDE:
+    if contact.trait.along == 1:
         return _roll_on(state, index)
     if contact.touching == 0:
         return contact.start >= contact.until
     if is_gone(state, contact):
         return True
-    if contact.kind == KIND_PRESS and update_mode_count(state, contact):
+    if contact.trait.held == 1 and update_mode_count(state, contact):
         _lift(state, contact, 0)
     elif contact.solver == COUPLING:
         _push_on(state, contact)
@@ -110,22 +109,16 @@ def _go_on(state, index):
 def _wait_longer(state, contact):
     """Halt a gesture's time for a quantum; return True if it has been told to end."""
     contact.forces[:] = 0.0
-    if contact.kind == KIND_PRESS:
+    if contact.trait.held == 1:
         _lift(state, contact, QUANTUM)
         return contact.start >= contact.until
     contact.origin += QUANTUM
-    if _comes_back(contact):
+    if contact.trait.repeats == 1:
         schedule_contact(state, contact)
         return contact.start >= contact.until
     if contact.solver == COUPLING:
         contact.start = state.position + QUANTUM
     return state.rolls[contact.roll].target.speed == 0.0
-
-
-@kernel
-def _comes_back(contact):
-    """True for gestures that are many contacts."""
-    return contact.kind == KIND_BOUNCE or contact.kind == KIND_SPIN
 
 
 @kernel
@@ -143,7 +136,7 @@ def _push_on(state, contact):
     """Bring the push on a coupled striker nearer to its target."""
     if contact.until < state.position + QUANTUM and contact.gone_at == math.inf:
         release_striker(state, contact, contact.until)
-        if contact.kind == KIND_PRESS:
+        if contact.trait.held == 1:
             contact.push = 0.0  # a hand is taken away at once
     slowly = math.exp(-QUANTUM / (_LAID * state.rate))
     contact.push = contact.push_target + (contact.push - contact.push_target) * slowly
@@ -169,12 +162,12 @@ def _roll_on(state, index):
         return _roll_on_coupled(state, contact)
     roll = state.rolls[contact.roll]
     changed = update_mode_count(state, contact)
-    if contact.kind == KIND_SLIDE:
+    if contact.trait.slips == 1:
         lead_slide(state, contact, changed)
     roll.path.coarseness = coarseness_of(state)
     met = roll.impacts
     feed_on(state, contact)
-    if contact.kind == KIND_ROLL:
+    if contact.trait.rolls == 1:
         ahead = roll.t - (state.position - 1 + QUANTUM - contact.origin) / state.rate
         contact.rolled += contact.rolls
         contact.rolls = roll.s - roll.modulated_speed * ahead - contact.rolled
@@ -210,7 +203,7 @@ def next_driven_frame(state, obj, frame):
     index = obj.contact
     while index >= 0:
         contact = state.contacts[index]
-        if contact.solver != ROLLING or (contact.kind == KIND_SLIDE and rubs(contact)):
+        if contact.solver != ROLLING or (contact.trait.slips == 1 and rubs(contact)):
             found = min(found, max(frame, contact.start + 1 - state.position))
         index = contact.next
     return found
@@ -289,7 +282,7 @@ def run_contacts(state, obj, frame):
             if not stays:
                 break
             if apply_contact_force(state, contact, frame):
-                leaves = contact.solver == COUPLING and contact.kind != KIND_ROLL
+                leaves = contact.solver == COUPLING and contact.trait.rolls == 0
                 stays = not leaves or follow_coupled(state, contact, frame)
                 break
             stays = leave(state, contact, frame)
@@ -310,7 +303,7 @@ def _rub_all(state, obj, frame):
     index = obj.contact
     while index >= 0:
         contact = state.contacts[index]
-        if contact.kind == KIND_SLIDE:
+        if contact.trait.slips == 1:
             rub(state, contact, frame)
         index = contact.next
 

@@ -17,7 +17,6 @@ import numpy as np
 from ..native.jit import kernel, noinline_kernel
 from ..rolling.contact_step import BRIEF
 from ..rolling.coupled_roll import begin_coupled_roll, lead_coupled_roll
-from .commands import KIND_SLIDE
 from .objects import is_felt, place, shape_at
 from .quality import BY_ITSELF, holds_steps, room_for_coupling
 from .solver_choice import tolerance_of
@@ -43,7 +42,7 @@ def couple_roll(state, contact):
     roll.mobility = mobility / omega_c
     gives_way = mass * greatest > GIVING[level]
     roll.brief = BRIEF if level < _FINE or gives_way else 0.0
-    if not gives_way or contact.kind == KIND_SLIDE or holds_steps(state):
+    if not gives_way or contact.trait.slips == 1 or holds_steps(state):
         return
     modes = BY_ITSELF
     for side in range(2):

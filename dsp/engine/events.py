@@ -7,22 +7,17 @@ from .clock import sample_at
 from .commands import (
     KIND_ACCURACY,
     KIND_BANK,
-    KIND_BOUNCE,
     KIND_BUDGET,
     KIND_FREE,
     KIND_GAIN,
-    KIND_IMPACT,
+    KIND_GESTURE,
     KIND_LIMITER,
     KIND_METHOD,
     KIND_NEW,
     KIND_PANIC,
     KIND_PLACE,
-    KIND_PRESS,
     KIND_QUALITY,
-    KIND_ROLL,
     KIND_SET,
-    KIND_SLIDE,
-    KIND_SPIN,
     KIND_STEER,
     KIND_STOP,
     KIND_SYNC,
@@ -94,7 +89,7 @@ def take_due(state):
         _note(state, event.number, -1.0 if ignored else event.time)
         if not ignored:
             return index
-        if _is_gesture(event.kind):
+        if event.kind == KIND_GESTURE:
             report_end(state, event.gesture, END_GONE)
     return -1
 
@@ -143,12 +138,6 @@ def _is_ignored(state, event):
 
 
 @kernel
-def _is_gesture(kind):
-    """True for commands that bring a striker."""
-    return kind in (KIND_IMPACT, KIND_BOUNCE, KIND_ROLL, KIND_PRESS, KIND_SPIN, KIND_SLIDE)
-
-
-@kernel
 def _note(state, number, time):
     """Keep what became of a command for a log, if it keeps up."""
     notes = state.notes
@@ -170,7 +159,7 @@ def carry_out(state, event):
     kind = event.kind
     if event.serial > 0 and kind != KIND_NEW:
         wake(state, event.slot)
-    if _is_gesture(kind):
+    if kind == KIND_GESTURE:
         start_gesture(state, state.objects[event.slot], event)
     elif kind == KIND_STEER:
         steer(state, event)
@@ -271,7 +260,7 @@ def _panic(state, order):
             kept += 1
         else:
             _note(state, event.number, -1.0)
-            if _is_gesture(event.kind):
+            if event.kind == KIND_GESTURE:
                 report_end(state, event.gesture, END_GONE)
     queue.size = kept
     order_heap(queue)

@@ -9,16 +9,14 @@ import math
 from ..contact.collocation import captured, elastic
 from ..contact.coupled_flight import fly_on
 from ..native.jit import kernel, noinline_kernel
+from .bounces import fly_off
 from .clearance import flight
-from .commands import KIND_BOUNCE, KIND_IMPACT, KIND_PRESS, KIND_SPIN
-from .contact_list import give_room_back, next_random, release_modes, report_end, schedule_contact
+from .contact_list import give_room_back, report_end
+from .gesture_kernels import come_back
 from .quality import keeps_strikers
-from .spins import turn_on
-from .state import COUPLING, END_RESTED, END_STOPPED, QUANTUM, SAMPLING
+from .state import COUPLING, END_RESTED, END_STOPPED, QUANTUM
 
-_SHORTEST_ROUND = 20e-6  # s from contact to contact of a bounce: a quicker one presses like a weight at rest
 _LONGEST_LEAP = 256.0  # samples that a striker flies without a look at how far the object reaches
-_TILT = 0.45 * math.pi  # the most of a bounce's velocity that irregularity turns into rotation, as an angle
 _SLOW = 3.0  # times sqrt(g x_e), the velocity below which a bouncing striker's weight counts while it touches
 _LIFTED = 0.5  # s that a released striker stays
 _LONGEST_TOUCH = 2.0  # s without a flight, after which a striker that nothing presses on is released
@@ -34,8 +32,8 @@ def is_pushed(contact):
 
     Its weight does below some sqrt(g x_e): as fast moves a striker that rocks on its contact, about where it rests.
     """
-    if contact.kind != KIND_BOUNCE or contact.has_weight == 1:
-        return contact.kind != KIND_IMPACT and contact.kind != KIND_SPIN
+    if contact.trait.falls == 0 or contact.has_weight == 1:
+        return contact.trait.held == 1 or contact.trait.falls == 1
     deepest = (contact.m * contact.target.gravity / contact.k) ** (1.0 / contact.a)
     return contact.v_in < _SLOW * math.sqrt(contact.target.gravity * deepest)
 
@@ -43,43 +41,10 @@ def is_pushed(contact):
 @kernel
 def leave(state, contact, frame):
     """End a touch of closed form or sampled. True if the striker comes back."""
-    if contact.kind == KIND_SPIN:
-        return turn_on(state, contact, frame)
-    if contact.kind != KIND_BOUNCE:
-        report_end(state, contact.gesture, END_RESTED)
-        return False
-    if contact.solver == SAMPLING:
-        impulse = contact.sampled.m * (contact.v_in - contact.sampled.v)
-        contact.elapsed = (state.position + frame - contact.origin) / state.rate
-    else:
-        impulse = contact.pulse.momentum * (1.0 + contact.pulse.restitution)
-        contact.elapsed += contact.pulse.duration / state.rate
-    return _fly_off(state, contact, impulse / contact.m - contact.v_in, 0.0)
-
-
-@kernel
-def _fly_off(state, contact, rebound, gap):
-    """Send a bouncing striker off at a velocity (m/s) from a gap (m). True if it comes back.
-
-    A body that is not round trades velocity for rotation at every contact; neither is lost.
-    """
-    release_modes(state, contact)
-    total = math.sqrt(max(rebound, 0.0) ** 2 + contact.spin)
-    tilt = contact.target.irregularity * _TILT * next_random(contact)
-    v_out = total * math.cos(tilt)
-    contact.spin = (total * math.sin(tilt)) ** 2
-    contact.v_in = math.sqrt(v_out * v_out + 2.0 * contact.target.gravity * gap)
-    seconds = (v_out + contact.v_in) / contact.target.gravity
-    contact.elapsed += seconds
-    if not (rebound > 0.0 and contact.pulse.duration / state.rate + seconds > _SHORTEST_ROUND):
-        report_end(state, contact.gesture, END_RESTED)
-        return False
-    schedule_contact(state, contact)
-    contact.touching = 0
-    if contact.start >= contact.until:
-        report_end(state, contact.gesture, END_STOPPED)
-        return False
-    return True
+    if contact.trait.repeats == 1:
+        return come_back(contact.kind, state, contact, frame)
+    report_end(state, contact.gesture, END_RESTED)
+    return False
 
 
 @noinline_kernel
@@ -87,8 +52,8 @@ def follow_coupled(state, contact, frame):
     """Look at a coupled contact after a sample: false where it is over."""
     coupled = contact.coupled
     now = float(state.position + frame)
-    if contact.kind == KIND_SPIN and _has_left(contact, now):
-        return turn_on(state, contact, frame)
+    if contact.trait.repeats == 1 and contact.trait.falls == 0 and _has_left(contact, now):
+        return come_back(contact.kind, state, contact, frame)
     if now >= contact.gone_at or not math.isfinite(coupled.v):
         report_end(state, contact.gesture, END_RESTED if contact.until == math.inf else END_STOPPED)
         return False
@@ -97,23 +62,23 @@ def follow_coupled(state, contact, frame):
         _release_spent(state, contact, now)
     if samples == 0.0:
         return True
-    if contact.kind == KIND_IMPACT and coupled.v < 0.0 and coupled.position < -_AFAR - contact.reach:
+    if contact.trait.single == 1 and coupled.v < 0.0 and coupled.position < -_AFAR - contact.reach:
         samples = math.inf
-    if samples == math.inf and contact.kind == KIND_PRESS and contact.gone_at == math.inf:
+    if samples == math.inf and contact.trait.held == 1 and contact.gone_at == math.inf:
         coupled.v = 0.0  # a hand that does not press hovers
-    elif samples == math.inf and (contact.kind != KIND_IMPACT or not keeps_strikers(state)):
+    elif samples == math.inf and (contact.trait.single == 0 or not keeps_strikers(state)):
         report_end(state, contact.gesture, END_RESTED if contact.until == math.inf else END_STOPPED)
         return False
     elif samples == math.inf:
         _keep(state, contact, now)
         return True
-    bounces = contact.kind == KIND_BOUNCE and contact.gone_at == math.inf and coupled.v < 0.0
+    bounces = contact.trait.falls == 1 and contact.gone_at == math.inf and coupled.v < 0.0
     if bounces and coupled.v * coupled.v > 2.0 * contact.target.gravity * _CLEAR * contact.reach:
         # It flies so high that it comes back to the object at rest; else to where the object's ringing has it.
         contact.elapsed = (now - contact.origin) / state.rate
-        return _fly_off(state, contact, -coupled.v, max(-coupled.position, 0.0))
+        return fly_off(state, contact, -coupled.v, max(-coupled.position, 0.0))
     skipped = min(samples, _LONGEST_LEAP)
-    if contact.kind == KIND_BOUNCE and skipped > _HOP:
+    if contact.trait.falls == 1 and skipped > _HOP:
         contact.begun = now  # a flight: it does not stay
     fly_on(coupled, skipped)
     give_room_back(state, contact)
@@ -181,10 +146,10 @@ def _release_spent(state, contact, now):
     """Release a striker that rests on the object, has no more energy to give, or has touched it for long."""
     compression = max(contact.coupled.motion[0], 0.0)
     v, m = contact.coupled.v, contact.m
-    rests = contact.kind != KIND_PRESS and now - contact.begun > _LONGEST_TOUCH * state.rate
-    if contact.kind == KIND_BOUNCE:
+    rests = contact.trait.held == 0 and now - contact.begun > _LONGEST_TOUCH * state.rate
+    if contact.trait.falls == 1:
         rests |= captured(compression, v, m, contact.k, contact.a, contact.push)
-    elif contact.kind != KIND_PRESS:
+    elif contact.trait.held == 0:
         energy = 0.5 * m * v * v + elastic(compression, contact.k, contact.a)
         rests |= energy < _SPENT * 0.5 * m * contact.v_in * contact.v_in
     if rests:

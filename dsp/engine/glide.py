@@ -9,7 +9,6 @@ import math
 
 from ..native.jit import kernel
 from ..resonator.mode import energy_of, ring_at
-from .commands import KIND_BOUNCE, KIND_IMPACT
 from .objects import modes_of, ringing_of
 from .state import COUPLING, QUANTUM
 
@@ -65,12 +64,11 @@ def _cone_of(state, obj):
     index = obj.contact
     while index >= 0:
         contact = state.contacts[index]
-        strikes = contact.kind == KIND_IMPACT or contact.kind == KIND_BOUNCE
         if contact.touching == 1:
             touches = contact.solver != COUPLING or contact.coupled.touching == 1
         else:
             touches = contact.start < state.position + QUANTUM
-        if strikes and touches:
+        if touches and contact.trait.lasts == 0:
             fastest = max(fastest, contact.v_in)
         index = contact.next
     return 0.5 * (math.sqrt(1.0 + 4.0 * obj.glide * obj.cone * fastest * fastest) - 1.0)

@@ -5,7 +5,6 @@ steered last. Events count in the order in which they are carried out, which a l
 """
 
 from ..native.jit import kernel
-from .commands import KIND_PRESS, KIND_ROLL, KIND_SLIDE
 from .state import ROLLING, Quality
 
 COARSER = 4.0
@@ -56,8 +55,7 @@ def modes_for(state, obj, contact):
     """Return how many of an object's modes a contact acts on; rolls and slides that feel none act on those that are
     heard."""
     modes = obj.unheard if contact.solver == ROLLING else obj.size
-    lasts = contact.kind in (KIND_ROLL, KIND_PRESS, KIND_SLIDE)
-    return min(modes, _FEW) if lasts and state.choices.quality >= _COARSE else modes
+    return min(modes, _FEW) if contact.trait.lasts == 1 and state.choices.quality >= _COARSE else modes
 
 
 @kernel

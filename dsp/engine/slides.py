@@ -18,7 +18,6 @@ from ..numerics.legendre import FINE
 from ..resonator.bank import Point, inject_fine, inject_line
 from ..resonator.velocity import observe_velocity, sense, set_rows, set_shapes, velocity_response
 from ..schema import SPEED
-from .commands import KIND_PRESS
 from .contact_force import find_static
 from .coupled_rolls import position_of
 from .objects import modes_of, place, shapes_of
@@ -97,7 +96,7 @@ def _place_of_press(state, contact):
     press = state.slides[contact.roll].press
     index = state.objects[contact.point[0].slot].contact
     while index >= 0:
-        if state.contacts[index].gesture == press and state.contacts[index].kind == KIND_PRESS:
+        if state.contacts[index].gesture == press and state.contacts[index].trait.held == 1:
             return index
         index = state.contacts[index].next
     return -1

@@ -10,7 +10,6 @@ from ..contact.accuracy import LIGHT, LIGHT_TOLERANCE, RESIDUAL, TOLERANCE, clos
 from ..contact.closed_form import find_nodes, find_power
 from ..contact.coupled_step import HELD
 from ..native.jit import kernel
-from .commands import KIND_ROLL, KIND_SLIDE
 from .objects import is_felt, pitch_of, reach_of, shape_at
 from .quality import holds_steps
 from .state import CLOSED, COUPLING, SAMPLING
@@ -47,7 +46,7 @@ def count_steps(state, contact, sign, price):
     """
     coupled, stats = contact.coupled, state.stats
     stats.held += sign * coupled.held
-    if contact.kind != KIND_ROLL:
+    if contact.trait.rolls == 0:
         stats.recontacts += sign * max(coupled.contacts - 1, 0)
     contact.debt += sign * price * coupled.steps
     state.steps_taken += sign * price * coupled.steps
@@ -126,7 +125,7 @@ def is_moved(state, contact):
             index = state.objects[contact.point[side].slot].contact
             while index >= 0:
                 other = state.contacts[index]
-                if index != contact.index and other.touching == 1 and other.kind not in (KIND_ROLL, KIND_SLIDE):
+                if index != contact.index and other.touching == 1 and other.trait.along == 0:
                     moved += moved_by(contact, other)
                 index = other.next
     return moved > residual

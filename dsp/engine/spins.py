@@ -13,11 +13,8 @@ which falls as t^n. The rim of a free disc meets it with a fifth of the disc's m
 
 import math
 
-import numpy as np
-
 from ..native.jit import kernel
 from .contact_list import next_random, release_modes, report_end, schedule_contact
-from .contact_record import RIM
 from .state import END_RESTED, END_STOPPED
 
 _SHORTEST_TURN = 20e-6  # s: beyond, it lies still
@@ -26,10 +23,9 @@ _SCATTER = 0.25  # of a turn by which an irregular contact comes early or late a
 
 
 @kernel
-def begin_spin(contact, spin):
+def begin_spin(state, contact, event):
     """Begin a contact as the first of a disc's."""
-    contact.m *= RIM
-    contact.random = np.uint64(spin.seed)
+    spin = event.values
     contact.lasts = spin.duration
     contact.quickening = spin.quickening
     lean = math.sin(math.radians(spin.angle))

@@ -6,6 +6,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import schema
 from ..contact.coupled_group import COUPLED_GROUP
 from ..native.pages import own_zeros
 from ..numerics.legendre import FINE, KEPT, MOMENTS
@@ -13,12 +14,12 @@ from ..resonator.bank import DRIVER, RESPONSES
 from ..resonator.fed import HALF, REACH
 from ..resonator.simd import LANES
 from ..rolling.body import ROLL
-from ..schema import STATS
+from ..schema import GESTURES, STATS
 from ..spectral.layout import PHASES, REGION, SPECTRAL
 from .capacity import MODES, MODES_PER_OBJECT, OBJECTS, SHAPE_VALUES, STEMS
 from .channels import MOST_CHANNELS, PLACE
 from .clock import CLOCK
-from .commands import BUDGET, COMMAND, METHOD, SETTINGS_RECORD
+from .commands import BUDGET, COMMAND, METHOD, SETTINGS_RECORD, TRAITS
 from .contact_record import CONTACT
 from .meter_record import METER
 from .ramp_list import RAMP_LIST
@@ -314,6 +315,7 @@ STATE = np.dtype(
         ("output", OUTPUT),
         ("meter", METER),
         ("rate", np.float64),
+        ("traits", TRAITS, len(GESTURES)),
         ("position", np.int64),  # samples computed
         ("stats", STATS),
         ("clock", CLOCK),
@@ -336,6 +338,7 @@ def new_state(rate: float, channels: int = 2, memory: mmap.mmap | None = None) -
     state: NDArray[np.void] = np.frombuffer(memory or own_zeros(STATE.itemsize), STATE)
     record = state[0]
     record["rate"] = rate
+    record["traits"] = [tuple(getattr(each, name) for name in schema.TRAITS) for each in GESTURES.values()]
     record["output"]["channels"] = channels
     record["output"]["consumed"] = QUANTUM
     record["output"]["limit"] = record["output"]["gain"] = record["output"]["allowed"] = 1.0

@@ -4,14 +4,7 @@ from ..native.jit import kernel
 from ..native.records import field, set_field
 from ..schema import STEERABLE
 from .commands import (
-    IN_ROLL,
-    IN_SLIDE,
-    IN_STRIKE,
-    KIND_BOUNCE,
-    KIND_IMPACT,
-    KIND_PRESS,
-    KIND_ROLL,
-    KIND_SLIDE,
+    IN_VALUES,
     KIND_STEER,
     STEERS,
 )
@@ -26,28 +19,17 @@ def steer_existing(state, event):
     """Steer the rolls or slides of the event's gesture that go on on its object, by what was given; true if there are
     any."""
     found = False
-    slides = event.kind == KIND_SLIDE
     for i in range(len(state.contacts)):
         contact = state.contacts[i]
         here = contact.point[0].slot == event.slot and contact.point[0].serial == event.serial
-        if contact.gesture == event.gesture and contact.kind == event.kind and contact.gesture > 0 and here:
+        if contact.gesture == event.gesture and contact.kind == event.what and contact.gesture > 0 and here:
             found = True
             state.last_command[i] = state.queue.carried_out
-            for n in range(len(IN_ROLL)):
+            for n in range(len(IN_VALUES)):
                 if n == _SPEED or event.given >> n & 1:
                     drop_ramps(state, KIND_STEER, n, i, contact.command)
-                    set_target(state, contact, n, _given(event, slides, n))
+                    set_target(state, contact, n, field(event.values, IN_VALUES[n]))
     return found
-
-
-@kernel
-def _given(event, slides, n):
-    """Return an event's value of the steerable parameter n."""
-    if slides and IN_SLIDE[n] >= 0:
-        return field(event.slide, IN_SLIDE[n])
-    if not slides and IN_ROLL[n] >= 0:
-        return field(event.roll, IN_ROLL[n])
-    return field(event.strike, IN_STRIKE[n])
 
 
 @kernel
@@ -65,7 +47,7 @@ def steer(state, event):
 def target_of(state, contact, parameter):
     """Return the value that one parameter of a contact was last set to; for a roll's speed, as far as friction has
     slowed it."""
-    target = state.rolls[contact.roll].target if contact.kind == KIND_ROLL else contact.target
+    target = state.rolls[contact.roll].target if contact.trait.rolls == 1 else contact.target
     return field(target, parameter)
 
 
@@ -73,11 +55,11 @@ def target_of(state, contact, parameter):
 def set_target(state, contact, parameter, value):
     """Give one parameter of a contact a new target."""
     set_field(contact.target, parameter, value)
-    if contact.kind == KIND_ROLL:
+    if contact.trait.rolls == 1:
         set_field(state.rolls[contact.roll].target, parameter, value)
-    elif contact.kind == KIND_BOUNCE and parameter == _GRAVITY:
+    elif contact.trait.falls == 1 and parameter == _GRAVITY:
         contact.push_target = contact.m * value
-    elif contact.kind == KIND_PRESS and parameter == _FORCE:
+    elif contact.trait.held == 1 and parameter == _FORCE:
         contact.push_target = value
 
 
@@ -94,7 +76,7 @@ def stop_gesture(state, event):
 @kernel
 def _count_command(state, index):
     """Remember that a command was about a gesture that lasts: it counts as new."""
-    if state.contacts[index].kind != KIND_IMPACT:
+    if state.contacts[index].trait.single == 0:
         state.last_command[index] = state.queue.carried_out
 
 
@@ -114,9 +96,9 @@ def _stop(state, index, time):
     contact.until = min(contact.until, time)
     drop_ramps(state, KIND_STEER, _SPEED, index, contact.command)
     drop_ramps(state, KIND_STEER, _SWEEP, index, contact.command)
-    if contact.kind == KIND_ROLL:
+    if contact.trait.rolls == 1:
         state.rolls[contact.roll].target.speed = 0.0
-    elif contact.kind == KIND_SLIDE:
+    elif contact.trait.slips == 1:
         contact.target.speed = contact.target.sweep = 0.0
 
 
@@ -126,6 +108,6 @@ def stop_gestures_on(state, obj, time):
     index = obj.contact
     while index >= 0:
         contact = state.contacts[index]
-        if contact.kind != KIND_IMPACT or contact.touching == 1:  # a blow that was to come still does
+        if contact.trait.single == 0 or contact.touching == 1:  # a blow that was to come still does
             _stop(state, index, time)
         index = contact.next

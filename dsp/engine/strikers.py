@@ -17,8 +17,6 @@ from ..numerics.legendre import FALL, MOMENTS, RISE
 from ..numerics.random import STEP, mixed
 from ..resonator.bank import Point, inject, inject_fine, inject_kept, ring, ring_alike, state_of
 from ..resonator.simd import LANES
-from .commands import KIND_BOUNCE, KIND_SPIN
-from .contact_record import RIM
 from .fade import fade_length, going_on, left_of, pace_of, tilt_of
 from .quality import silence_of
 from .state import BEHIND, COUPLING, ROLLING
@@ -117,7 +115,7 @@ def _take_voice(state, contact, needed):
     voice.loudness = _NEW
     for i in range(4):
         voice.share[i] = 0.0
-    voice.share[0] = obj.level * (RIM if contact.kind == KIND_SPIN else 1.0) / contact.m
+    voice.share[0] = obj.level * contact.trait.meets / contact.m
     become(state, voice, contact)
 
 
@@ -130,7 +128,7 @@ def _second_pulse(striker, contact):
     striker.
     """
     v, e = contact.v_in, contact.pulse.restitution
-    if contact.kind != KIND_BOUNCE or contact.target.irregularity > 0.0 or contact.spot == np.uint64(0):
+    if contact.trait.falls == 0 or contact.target.irregularity > 0.0 or contact.spot == np.uint64(0):
         contact.spot = mixed(np.uint64(np.int64(v * _FINE)) + mixed(np.uint64(np.int64(contact.start)) + STEP))
     first = (np.float64(contact.spot >> np.uint64(11)) + 1.0) * 2.0**-53
     second = np.float64(mixed(contact.spot + STEP) >> np.uint64(11)) * 2.0**-53

@@ -2,7 +2,6 @@
 
 from ..native.atomics import load_acquire, store_release
 from ..native.jit import kernel
-from .commands import KIND_ROLL
 from .coupled_rolls import position_of
 from .state import QUANTUM, TRACED
 
@@ -21,7 +20,7 @@ def trace_blow(state, contact, sample, begin, end, impulse):
 def trace_touches(state, contact, sample, impulse):
     """Keep what a coupled striker gave between a sample and the next: each touch is a contact, but those of a roll,
     which together gave the `impulse` (N s)."""
-    if contact.kind == KIND_ROLL:
+    if contact.trait.rolls == 1:
         _trace_moving(state, contact, sample, impulse)
         return
     coupled = contact.coupled

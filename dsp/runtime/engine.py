@@ -228,9 +228,8 @@ class Engine:
         """True if all that goes on ends by itself: bounces, spins, rolls that friction slows, or objects that ring."""
         state = self._record
         lasting = state["contacts"][state["last_command"] > 0]
-        friction = state["rolls"]["target"]["friction"][lasting["roll"][lasting["kind"] == Kind.ROLL]]
-        ending = np.isin(lasting["kind"], (Kind.BOUNCE, Kind.SPIN))
-        return len(lasting) == 0 or bool((friction > 0.0).any() or ending.any())
+        friction = state["rolls"]["target"]["friction"][lasting["roll"][lasting["trait"]["rolls"] == 1]]
+        return len(lasting) == 0 or bool((friction > 0.0).any() or lasting["trait"]["repeats"].any())
 
     def room(self) -> int:
         """Return how many commands can be sent now."""

@@ -9,7 +9,7 @@ from ctypes import c_int64, c_void_p
 
 import numpy as np
 
-from ..engine.commands import COMMAND, KIND_IMPACT, KIND_PLACE, KIND_SLIDE, KIND_STEER, KIND_STOP
+from ..engine.commands import COMMAND, KIND_GESTURE, KIND_PLACE, KIND_STEER, KIND_STOP, NUMBERS
 from ..engine.state import EVENTS as WAITING
 from ..engine.state import QUEUE, RING
 from ..engine.state import STATE as ENGINE
@@ -60,6 +60,7 @@ TEMPLATES = np.dtype([("least", np.float64), ("command", COMMAND)], align=True)
 """Template of a slide on a surface: the least radius (m) of what slides there, and the command, which lacks the numbers
 of the contact."""
 
+_BLOW, _SLIDE = NUMBERS["impact"], NUMBERS["slide"]
 _OWN = 1 << 40  # numbers of gestures from here on are those of slides, which no message names
 LOOK, PER_BLOW = 1, 2
 """Results of a step, added up: PER_BLOW for each of its blows, and LOOK if Python has to look at it."""
@@ -75,7 +76,7 @@ def begin_telling(telling: np.ndarray, **arrays: np.ndarray) -> None:
     for name, array in arrays.items():
         telling[name] = array.ctypes.data
     telling["blank"]["channel"] = -1
-    telling["blank"]["strike"]["gain"] = 1.0
+    telling["blank"]["values"]["gain"] = 1.0
 
 
 def link_engine(telling: np.ndarray, engine: np.ndarray) -> None:
@@ -183,7 +184,7 @@ def _write(link, state, microphones):
     for n in range(state.struck):
         blow = state.blows[state.order[n]]
         if blow.heard == 1:
-            command = _begin(link, entries, number, _sample_of(link, blow.time), KIND_IMPACT)
+            command = _begin(link, entries, number, _sample_of(link, blow.time), KIND_GESTURE)
             _strike(state, command, objects, blow)
             number += 1
     for n in range(state.changed):
@@ -200,14 +201,15 @@ def _write(link, state, microphones):
 def _strike(state, command, objects, blow):
     """Make a command a blow."""
     struck, strikes = (blow.b, blow.a) if blow.side == 1 else (blow.a, blow.b)
-    strike = command.strike
+    command.what = _BLOW
+    values = command.values
     command.slot, command.serial = objects[struck, 0], objects[struck, 1]
     if state.rings[strikes] == 1:
         command.by_slot, command.by_serial = objects[strikes, 0], objects[strikes, 1]
-        strike.by_position = blow.place[1 - blow.side]
-    strike.velocity, strike.position, strike.mass = blow.met, blow.place[blow.side], blow.mass
-    strike.stiffness, strike.exponent = blow.stiffness, blow.exponent
-    strike.dissipation, strike.restitution = blow.dissipation, blow.left
+        values.by_position = blow.place[1 - blow.side]
+    values.velocity, values.position, values.mass = blow.met, blow.place[blow.side], blow.mass
+    values.stiffness, values.exponent = blow.stiffness, blow.exponent
+    values.dissipation, values.restitution = blow.dissipation, blow.left
 
 
 @kernel
@@ -253,16 +255,16 @@ def _begin_slide(link, state, entries, number, time, event):
     struck, strikes = (event.b, event.a) if event.side == 1 else (event.a, event.b)
     entries[number % RING] = template.command
     command = entries[number % RING]
-    command.number, command.time, command.kind = number, time, KIND_SLIDE
+    command.number, command.time, command.kind, command.what = number, time, KIND_GESTURE, _SLIDE
     command.gesture = _OWN + event.slide
     state.pairs[state.place[event.a, event.b] - 1].gesture = command.gesture
     command.slot, command.serial = objects[struck, 0], objects[struck, 1]
-    strike, slide = command.strike, command.slide
+    values = command.values
     if state.rings[strikes] == 1:
         command.by_slot, command.by_serial = objects[strikes, 0], objects[strikes, 1]
-        strike.by_position = event.by_place
-    strike.mass, strike.stiffness, strike.exponent = event.mass, event.stiffness, event.exponent
-    slide.speed, slide.sweep, slide.force = event.motion[0], event.motion[1], event.motion[2]
-    strike.position = event.motion[3]
-    slide.radius, slide.patch, slide.seed = event.radius, event.patch, event.seed
+        values.by_position = event.by_place
+    values.mass, values.stiffness, values.exponent = event.mass, event.stiffness, event.exponent
+    values.speed, values.sweep, values.force = event.motion[0], event.motion[1], event.motion[2]
+    values.position = event.motion[3]
+    values.radius, values.patch, values.seed = event.radius, event.patch, event.seed
     return True

@@ -4,14 +4,15 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from ...dsp.engine.commands import COMMAND, Kind
+from ...dsp.engine.commands import COMMAND, NUMBERS, VALUES, Kind
 from ...dsp.schema import STEERABLE
 from ..osc.wire import Message
 from ..world.requests import Blow, Ending, Gains, Request, Said, Slide, Steering
 from .session import Session
 
 _PLACES = {name: place for place, name in enumerate(STEERABLE)}
-_BLOW, _STEER, _STOP, _PLACE = int(Kind.IMPACT), int(Kind.STEER), int(Kind.STOP), int(Kind.PLACE)
+_GESTURE, _STEER, _STOP, _PLACE = int(Kind.GESTURE), int(Kind.STEER), int(Kind.STOP), int(Kind.PLACE)
+_BLOW = NUMBERS["impact"]
 
 _Known = tuple[bool, tuple[str, ...], tuple[float | str, ...]]
 """Facts known of a slide: whether what slides rings, the names of the slide's keys, and the values of those that are
@@ -31,13 +32,12 @@ class Direct:
         self._session, self._say, self._ring = session, say, session.engine.ring
         blank = np.zeros(1, COMMAND)
         blank["channel"] = -1
-        blank["strike"]["gain"] = 1.0
+        blank["values"]["gain"] = 1.0
         rows = self._ring.entries
         self._blank = self._ring.bytes_of(blank)[0]
         self._slides: dict[_Known, np.void] = {}
         self._column = {name: rows[name] for name in COMMAND.names or ()}
-        self._strike = {name: rows["strike"][name] for name in COMMAND["strike"].names or ()}
-        self._slide = {name: rows["slide"][name] for name in COMMAND["slide"].names or ()}
+        self._values = {name: rows["values"][name] for name in VALUES.names or ()}
 
     def send(self, requests: Sequence[tuple[float, Request]]) -> None:
         """Send requests in the order of their times (samples). EngineFull where they find no room."""
@@ -89,8 +89,9 @@ class Direct:
         return n
 
     def _blow(self, number: int, time: float, blow: Blow) -> None:
-        strike = self._strike
-        n = self._add(number, time, self._blank, _BLOW)
+        strike = self._values
+        n = self._add(number, time, self._blank, _GESTURE)
+        self._column["what"][n] = _BLOW
         self._aim(n, blow.to, blow.by)
         if blow.by:
             strike["by_position"][n] = blow.by_place
@@ -110,16 +111,16 @@ class Direct:
     def _begin(self, number: int, time: float, slide: Slide) -> None:
         """Begin a slide as one of the same radius on the same surface began before."""
         n = self._add(number, time, self._slides[self._known(slide)])
-        strike, own = self._strike, self._slide
+        values = self._values
         self._aim(n, slide.to, slide.by)
         for name, value in slide.keys:
             if name not in _CHECKED:
-                (own if name in own else strike)[name][n] = value
+                values[name][n] = value
         self._session.gestures.collect()  # those that have ended
         self._column["gesture"][n] = self._session.gestures.start(slide.id, f"/object/{slide.to}/slide", None).number
-        strike["position"][n], strike["by_position"][n] = slide.place, slide.by_place
-        own["speed"][n], own["sweep"][n], own["force"][n] = slide.slip, slide.sweep, slide.force
-        own["seed"][n] = slide.seed
+        values["position"][n], values["by_position"][n] = slide.place, slide.by_place
+        values["speed"][n], values["sweep"][n], values["force"][n] = slide.slip, slide.sweep, slide.force
+        values["seed"][n] = slide.seed
 
     def _change(self, number: int, time: float, request: Steering | Ending) -> None:
         """Steer or end a slide."""

@@ -129,7 +129,7 @@ def _impact(to: ObjectCall) -> None:
     law = law_of(to, by)
     require_short(velocity, law)
     number = to.start(to.values.words["id"]) if "id" in to.values.words else 0
-    _strike(to, by, law, Command(NOW, Kind.IMPACT, gesture=number, values={"velocity": velocity}))
+    _strike(to, by, law, Command(NOW, "impact", gesture=number, values={"velocity": velocity}))
 
 
 def _bounce(to: ObjectCall) -> None:
@@ -145,7 +145,7 @@ def _bounce(to: ObjectCall) -> None:
     require_rest(velocity, law, gravity)
     number = to.start(to.id(to.transaction.gestures.made_for))
     motion = {**_own_values(to, BOUNCE), "velocity": velocity, "delay": seconds, "seed": to.seed(number)}
-    _strike(to, by, law, Command(NOW, Kind.BOUNCE, gesture=number, values=motion))
+    _strike(to, by, law, Command(NOW, "bounce", gesture=number, values=motion))
 
 
 def _note(to: ObjectCall) -> None:
@@ -183,7 +183,7 @@ def _roll(to: ObjectCall) -> None:
     number = to.start(id)
     motion = {**_own_values(to, ROLL), "speed": speed, "radius": radius or _ANY_RADIUS, "seed": to.seed(number)}
     given = [name for name in ROLL.steerable if name in values.numbers]
-    command = Command(NOW, Kind.ROLL, gesture=number, values=motion, given=given, surface=surface.profile)
+    command = Command(NOW, "roll", gesture=number, values=motion, given=given, surface=surface.profile)
     _strike(to, by, law, command)
 
 
@@ -206,7 +206,7 @@ def _slide(to: ObjectCall) -> None:
     if "press" in values.words:
         motion["press"] = _press_of(to, values.words["press"])
     given = [name for name in SLIDE.steerable if name in values.numbers]
-    command = Command(NOW, Kind.SLIDE, gesture=number, values=motion, given=given, surface=surface.profile)
+    command = Command(NOW, "slide", gesture=number, values=motion, given=given, surface=surface.profile)
     _strike(to, by, law, command)
 
 
@@ -232,7 +232,7 @@ def _press(to: ObjectCall) -> None:
     require_short(_APPROACH, law)
     number = to.start(to.id(to.transaction.gestures.made_for))
     motion = {"velocity": _APPROACH, "force": to.values.number("force")}
-    _strike(to, by, law, Command(NOW, Kind.PRESS, gesture=number, values=motion))
+    _strike(to, by, law, Command(NOW, "press", gesture=number, values=motion))
 
 
 def _spin(to: ObjectCall) -> None:
@@ -245,13 +245,13 @@ def _spin(to: ObjectCall) -> None:
     require_short(rim_speed(*map(values.number, ("flat", "radius", "angle", "gravity"))), law)
     number = to.start(to.id(to.transaction.gestures.made_for))
     motion = {**_own_values(to, SPIN), "duration": duration, "seed": to.seed(number)}
-    _strike(to, by, law, Command(NOW, Kind.SPIN, gesture=number, values=motion))
+    _strike(to, by, law, Command(NOW, "spin", gesture=number, values=motion))
 
 
 def _strike(to: ObjectCall, by: PlayedObject | None, law: Contact, command: Command) -> None:
     """Add the command of a gesture, with the values that every gesture has."""
     numbers, transaction = to.values.numbers, to.transaction
-    sound = None if by or to.is_point_mass else transaction.laws.sound_of(to.striker, command.kind is Kind.SLIDE)
+    sound = None if by or to.is_point_mass else transaction.laws.sound_of(to.striker, GESTURES[str(command.kind)].slips)
     values = {
         **command.values,
         **(transaction.engine.lay_out_striker(sound) if sound else {}),

@@ -89,7 +89,7 @@ def struck_engine(solver: str, modes: int, samples: float) -> Engine:
     }  # fmt: skip
     engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index(struck.accuracy))])
     handle = engine.add(body)
-    engine.send([Command(NOW, Kind.IMPACT, handle, blow)])
+    engine.send([Command(NOW, "impact", handle, blow)])
     engine.process(QUANTUM)
     entries = engine.state[0]["ring"]["entries"]
     entries[:] = entries[2]

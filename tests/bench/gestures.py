@@ -50,15 +50,15 @@ def started(accuracy: str, rolls: int, bounces: int) -> Engine:
     radius = presets.striker(STRIKER).radius
     assert radius
     for handle in handles:
-        engine.send([Command(NOW, Kind.IMPACT, handle, {**law, "velocity": 0.3, "position": 0.3})])
+        engine.send([Command(NOW, "impact", handle, {**law, "velocity": 0.3, "position": 0.3})])
     for n in range(rolls):
         motion = {"speed": 0.3 + 0.7 * n / rolls, "position": 0.1 + 0.8 * n / rolls, "radius": radius, "seed": n}
         values = {**law, "dissipation": surface.dissipation, **motion}
-        engine.send([Command(NOW, Kind.ROLL, handles[n % OBJECTS], values, gesture=n + 1, surface=surface.profile)])
+        engine.send([Command(NOW, "roll", handles[n % OBJECTS], values, gesture=n + 1, surface=surface.profile)])
     for n, height in enumerate(np.geomspace(1e-3, 0.3, bounces)):
         velocity, delay = fall(height, 0.0, STANDARD_GRAVITY)
         motion = {"velocity": velocity, "position": 0.3, "irregularity": 0.1, "seed": n, "delay": delay}
-        engine.send([Command(NOW, Kind.BOUNCE, handles[n % OBJECTS], {**law, **motion}, gesture=rolls + n + 1)])
+        engine.send([Command(NOW, "bounce", handles[n % OBJECTS], {**law, **motion}, gesture=rolls + n + 1)])
     return engine
 
 

@@ -58,7 +58,7 @@ def heard(engine: Engine) -> NDArray[np.complex128]:
 
 
 def struck(engine: Engine, handle: Handle, when: float = NOW) -> None:
-    engine.send([Command(when, Kind.IMPACT, handle, BLOW)])
+    engine.send([Command(when, "impact", handle, BLOW)])
 
 
 def freed(engine: Engine, handle: Handle) -> None:

@@ -43,7 +43,7 @@ def ringing(count: int, modes: int) -> tuple[Engine, list[Handle]]:
     level = LEVEL / max(1.0, (count * modes / 65_536) ** 0.5)
     for n in range(count):
         handle = engine.add(body, level, tune=1.0 - 0.03 * n / count)
-        engine.send([Command(NOW, Kind.IMPACT, handle, BLOW)])
+        engine.send([Command(NOW, "impact", handle, BLOW)])
         handles.append(handle)
         if n % AT_ONCE == AT_ONCE - 1:
             engine.process(QUANTUM)

@@ -63,7 +63,7 @@ def bowed(slides: int) -> Engine:
     for n in range(slides):
         handle = engine.add(string(110.0 * 2.0 ** (n / 20.0)))
         motion = {**striker.sliding, "speed": 0.1, "force": 0.3 + 0.02 * n, "position": 0.0833, "seed": n}
-        command = Command(NOW, Kind.SLIDE, handle, {**law, **motion}, gesture=n + 1, surface=surface.profile)
+        command = Command(NOW, "slide", handle, {**law, **motion}, gesture=n + 1, surface=surface.profile)
         engine.send([command])
     engine.process(round(0.3 * RATE))
     return engine

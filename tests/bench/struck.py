@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from carom.dsp.engine.commands import Command, Kind
+from carom.dsp.engine.commands import Command
 from carom.dsp.engine.state import QUANTUM
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.dsp.schema import FORMS
@@ -38,7 +38,7 @@ def measure(callbacks: int = CALLBACKS, scene: tuple[int, int] = SCENE) -> list[
         for n in range(callbacks):
             due += STRIKES * QUANTUM / RATE
             while due >= 1.0:
-                engine.send([Command(NOW, Kind.IMPACT, handles[random.integers(len(handles))], BLOW)])
+                engine.send([Command(NOW, "impact", handles[random.integers(len(handles))], BLOW)])
                 due -= 1.0
             for which, each in enumerate((engine, idle)):
                 begun = time.perf_counter_ns()

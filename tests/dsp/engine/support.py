@@ -44,7 +44,7 @@ def gesture(
 
 def impact(handle: Handle, law: Law = HARD, time: float = NOW, velocity: float = 1.0, **values: float) -> Command:
     """Return an impact that no number is given to, and that no object makes."""
-    return gesture(Kind.IMPACT, handle, law, time, velocity=velocity, **values)
+    return gesture("impact", handle, law, time, velocity=velocity, **values)
 
 
 def strike(

@@ -9,7 +9,6 @@ from scipy.integrate import solve_ivp
 
 from carom.dsp import contact
 from carom.dsp.bodies import listed
-from carom.dsp.engine.commands import Kind
 from carom.dsp.engine.state import CONTACTS, QUANTUM, End
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
 from carom.dsp.runtime.engine import Engine
@@ -32,7 +31,7 @@ def floor(engine, modal_mass=1e9, level=1e6):
 
 
 def bounce(engine, handle, law, velocity, number=7, time=0.0, seed=1, **values):
-    engine.send([gesture(Kind.BOUNCE, handle, law, time, number, velocity=velocity, seed=seed, **values)])
+    engine.send([gesture("bounce", handle, law, time, number, velocity=velocity, seed=seed, **values)])
 
 
 def follow(engine, contacts):
@@ -245,7 +244,7 @@ def test_an_object_that_strikes_rings_too():
     engine = Engine(RATE)
     floors = [floor(engine, modal_mass=mass) for mass in (1e8, 1e9)]
     law = (0.01, 1e15, 0.3, 1.5)
-    engine.send([gesture(Kind.IMPACT, floors[0], law, 10.0, by=floors[1], velocity=1.0, by_position=0.5)])
+    engine.send([gesture("impact", floors[0], law, 10.0, by=floors[1], velocity=1.0, by_position=0.5)])
     engine.process(20)
     momentum = 0.01 * (1.0 - contact.release_velocity(1.0, 0.3))
     bank = engine.state["bank"][0]

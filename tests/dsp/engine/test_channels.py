@@ -117,7 +117,7 @@ def test_the_main_gain_counts_at_once_where_nothing_sounds():
 def test_shares_add_up_to_the_sound(channels):
     engine = Engine(RATE, channels)
     a, b, c = (engine.add(bell(n), 2.0, pan=pan) for n, pan in ((5, -1.0), (24, 0.0), (40, 0.7)))
-    engine.send([gesture(Kind.IMPACT, a, (0.01, 1e7, 0.5, 1.5), by=b, velocity=1.0, by_position=0.5), impact(c)])
+    engine.send([gesture("impact", a, (0.01, 1e7, 0.5, 1.5), by=b, velocity=1.0, by_position=0.5), impact(c)])
     engine.send([setting(b, "pan", 0.9, 1000.0), Command(3000.0, Kind.GAIN, value=3.0), Command(5000.0, Kind.PANIC)])
     engine.stems.keep(True)
     loudest = 0.0

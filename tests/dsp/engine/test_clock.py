@@ -185,9 +185,7 @@ def test_what_is_for_an_object_of_next_year_does_not_wait_for_it():
     engine.note()
     handle, layout = engine.lay_out(bell(8), 1.0)
     engine.send([Command(3.0 * RATE, Kind.NEW, handle, layout)])
-    engine.send(
-        [gesture(Kind.IMPACT, handle, HARD, number=7, velocity=1.0), Command(NOW, Kind.FREE, handle, value=1.0)]
-    )
+    engine.send([gesture("impact", handle, HARD, number=7, velocity=1.0), Command(NOW, Kind.FREE, handle, value=1.0)])
     engine.process(int(RATE) - QUANTUM)
     assert engine.queued == 3 and engine.noted() == []
     engine.process(2 * QUANTUM)

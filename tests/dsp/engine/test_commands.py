@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from carom.dsp.engine.commands import COMMAND, GESTURE_KINDS, STEERS, Command, Handle, Kind, write
+from carom.dsp.engine.commands import COMMAND, NUMBERS, STEERS, Command, Handle, Kind, write
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
 from carom.dsp.runtime.engine import NOW, Engine, Stamp
 from carom.dsp.schema import GESTURES, SETTINGS, STEERABLE
@@ -13,24 +13,19 @@ HERE, THERE = Handle(3, 7, 64, 128), Handle(5, 9, 0, 0)
 
 RECORDS = {
     Kind.NEW: ("layout", "settings"),
-    Kind.IMPACT: ("strike",),
-    Kind.BOUNCE: ("strike", "bounce"),
-    Kind.ROLL: ("strike", "roll"),
-    Kind.PRESS: ("strike", "press"),
-    Kind.SPIN: ("strike", "spin"),
-    Kind.SLIDE: ("strike", "slide"),
+    **dict.fromkeys(GESTURES, ("values",)),
     Kind.METHOD: ("method",),
 }
 """The records that a command of a kind fills."""
 
 NEEDED = {
     Kind.NEW: ("first", "size", "table", "rows", "felt", "bent", "unheard", "level", "glide", "cone"),
-    Kind.IMPACT: ("mass", "stiffness", "dissipation", "exponent", "position"),
-    Kind.BOUNCE: ("mass", "stiffness", "dissipation", "exponent", "position", "seed"),
-    Kind.ROLL: ("mass", "stiffness", "dissipation", "exponent", "position", "speed", "radius", "seed"),
-    Kind.PRESS: ("mass", "stiffness", "dissipation", "exponent", "position", "force"),
-    Kind.SPIN: ("mass", "stiffness", "dissipation", "exponent", "position", "duration", "seed"),
-    Kind.SLIDE: (
+    "impact": ("mass", "stiffness", "dissipation", "exponent", "position"),
+    "bounce": ("mass", "stiffness", "dissipation", "exponent", "position", "seed"),
+    "roll": ("mass", "stiffness", "dissipation", "exponent", "position", "speed", "radius", "seed"),
+    "press": ("mass", "stiffness", "dissipation", "exponent", "position", "force"),
+    "spin": ("mass", "stiffness", "dissipation", "exponent", "position", "duration", "seed"),
+    "slide": (
         *("mass", "stiffness", "dissipation", "exponent", "position", "speed", "force", "sweep", "radius", "patch"),
         *("static", "dynamic", "stribeck", "tangential", "along", "seed"),
     ),
@@ -38,7 +33,10 @@ NEEDED = {
 }
 """The values that have no default."""
 
-every_record = pytest.mark.parametrize("kind", RECORDS, ids=lambda kind: kind.name)
+every_record = pytest.mark.parametrize("kind", RECORDS, ids=str)
+
+ALL = {"velocity", "by_position", "restitution", "gain", "sound", "sound_serial", "press", "delay"}
+"""Values of any gesture that it need not be given."""
 
 
 def written(command, number=0):
@@ -47,7 +45,15 @@ def written(command, number=0):
     return entry
 
 
+def name_of(kind):
+    return kind if isinstance(kind, str) else kind.name
+
+
 def fields(kind):
+    """Return the record of each value that a command of a kind has."""
+    if kind in GESTURES:
+        own = {each.name for each in GESTURES[kind].keys} | {*NEEDED[kind]} | ALL
+        return {name: "values" for name in COMMAND["values"].names if name in own}
     return {name: record for record in RECORDS[kind] for name in COMMAND[record].names}
 
 
@@ -60,8 +66,8 @@ def test_every_value_lands_in_the_field_of_its_name(kind):
     values = some(fields(kind))
     entry = written(Command(NOW, kind, HERE, values))
     assert {name: entry[record][name] for name, record in fields(kind).items()} == values
-    others = {"strike", "bounce", "roll", "press", "spin", "slide", "settings", "layout", "method"} - set(RECORDS[kind])
-    assert not any(entry[record][name] for record in others for name in COMMAND[record].names)
+    others = [(record, name) for record in ("values", "settings", "layout", "method") for name in COMMAND[record].names]
+    assert not any(entry[record][name] for record, name in others if fields(kind).get(name) != record)
 
 
 @pytest.mark.slow
@@ -70,23 +76,22 @@ def test_a_value_that_is_missing_is_named(kind):
     values = some(NEEDED[kind])
     written(Command(NOW, kind, HERE, values))
     for name in NEEDED[kind]:
-        with pytest.raises(ValueError, match=f"{kind.name}: {name} is missing"):
+        with pytest.raises(ValueError, match=f"{name_of(kind)}: {name} is missing"):
             written(Command(NOW, kind, HERE, {key: value for key, value in values.items() if key != name}))
 
 
 @every_record
 def test_values_that_are_unknown_are_named(kind):
-    with pytest.raises(ValueError, match=f"{kind.name}: it has no bite, zeal"):
+    with pytest.raises(ValueError, match=f"{name_of(kind)}: it has no bite, zeal"):
         written(Command(NOW, kind, HERE, {**some(NEEDED[kind]), "zeal": 1.0, "bite": 1.0}))
 
 
 def test_defaults_are_the_schemas_in_the_engines_units():
-    bounce = written(Command(NOW, Kind.BOUNCE, HERE, some(NEEDED[Kind.BOUNCE])))
-    assert bounce["strike"]["gain"] == 1.0
-    assert bounce["strike"]["velocity"] == bounce["strike"]["by_position"] == 0.0
-    assert bounce["bounce"]["gravity"] == STANDARD_GRAVITY
-    assert bounce["bounce"]["irregularity"] == bounce["bounce"]["delay"] == bounce["bounce"]["weight"] == 0.0
-    roll = written(Command(NOW, Kind.ROLL, HERE, some(NEEDED[Kind.ROLL])))["roll"]
+    bounce = written(Command(NOW, "bounce", HERE, some(NEEDED["bounce"])))
+    assert bounce["values"]["gain"] == 1.0 and bounce["values"]["gravity"] == STANDARD_GRAVITY
+    zeros = ("velocity", "by_position", "irregularity", "delay", "weight")
+    assert not any(bounce["values"][name] for name in zeros)
+    roll = written(Command(NOW, "roll", HERE, some(NEEDED["roll"])))["values"]
     assert roll["roughness"] == 1.0 and roll["friction"] == roll["asymmetry"] == roll["travel"] == 0.0
     new = written(Command(NOW, Kind.NEW, HERE, some(NEEDED[Kind.NEW])))["settings"]
     assert new.dtype.names == ("gain", "pan", "distance", "tune", "decay", "damp")
@@ -94,8 +99,10 @@ def test_defaults_are_the_schemas_in_the_engines_units():
 
 
 def test_objects_and_numbers_are_written():
-    entry = written(gesture(Kind.ROLL, HERE, HARD, 12.5, 4, THERE, ("mass", "speed"), speed=1.0, radius=0.1, seed=2), 8)
-    assert (entry["time"], entry["has_clock"], entry["number"], entry["kind"]) == (12.5, 0, 8, Kind.ROLL)
+    entry = written(gesture("roll", HERE, HARD, 12.5, 4, THERE, ("mass", "speed"), speed=1.0, radius=0.1, seed=2), 8)
+    assert (entry["time"], entry["has_clock"], entry["number"], entry["kind"]) == (12.5, 0, 8, Kind.GESTURE) and entry[
+        "what"
+    ] == NUMBERS["roll"]
     assert (entry["slot"], entry["serial"], entry["by_slot"], entry["by_serial"]) == (3, 7, 5, 9)
     assert entry["gesture"] == 4 and entry["surface"].item() == SURFACE
     assert entry["given"] == 1 << STEERABLE.index("mass") | 1 << STEERABLE.index("speed")
@@ -108,10 +115,10 @@ def test_objects_and_numbers_are_written():
 def test_an_entry_keeps_nothing_of_the_command_before_it():
     """Entries of the ring are used again and again."""
     entry = np.zeros(1, COMMAND)[0]
-    full = {**some(fields(Kind.ROLL)), "gain": 3.0}
-    write(entry, 1, Command(Stamp(1.0, 5), Kind.ROLL, HERE, full, 1.0, 6, "", ("mass",), THERE, (1.0,) * 7))
-    write(entry, 2, Command(NOW, Kind.ROLL, None, some(NEEDED[Kind.ROLL])))
-    fresh = written(Command(NOW, Kind.ROLL, None, some(NEEDED[Kind.ROLL])), 2)
+    full = {**some(fields("roll")), "gain": 3.0}
+    write(entry, 1, Command(Stamp(1.0, 5), "roll", HERE, full, 1.0, 6, "", ("mass",), THERE, (1.0,) * 7))
+    write(entry, 2, Command(NOW, "roll", None, some(NEEDED["roll"])))
+    fresh = written(Command(NOW, "roll", None, some(NEEDED["roll"])), 2)
     assert entry == fresh
 
 
@@ -133,22 +140,21 @@ def test_a_parameter_that_is_unknown_is_named():
         written(steer(5, "bite", 1.0))
     with pytest.raises(ValueError, match=r"SET: parameter = 'speed': expected one of gain, pan, "):
         written(Command(NOW, Kind.SET, HERE, value=1.0, parameter="speed"))
-    with pytest.raises(ValueError, match=r"ROLL: given bite: expected some of position, "):
-        written(Command(NOW, Kind.ROLL, HERE, some(NEEDED[Kind.ROLL]), given=("bite",)))
+    with pytest.raises(ValueError, match=r"roll: given bite: expected some of position, "):
+        written(Command(NOW, "roll", HERE, some(NEEDED["roll"]), given=("bite",)))
 
 
 def test_the_engine_steers_as_the_schema_says():
-    for kind in Kind:
-        steerable = GESTURES[kind.name.lower()].steerable if kind in GESTURE_KINDS else ()
-        assert STEERS[kind].tolist() == [name in steerable for name in STEERABLE]
+    for number, each in enumerate(GESTURES.values()):
+        assert STEERS[number].tolist() == [name in each.steerable for name in STEERABLE]
 
 
 def test_of_commands_that_are_sent_together_one_that_is_wrong_stops_all():
     engine = Engine(RATE)
     handle = engine.add(bell())
     before = engine.sent
-    with pytest.raises(ValueError, match="IMPACT: mass is missing"):
-        engine.send([impact(handle), Command(NOW, Kind.IMPACT, handle, {"position": 0.5})])
+    with pytest.raises(ValueError, match="impact: mass is missing"):
+        engine.send([impact(handle), Command(NOW, "impact", handle, {"position": 0.5})])
     assert engine.sent == before
     engine.process(640)
     assert engine.stats.impacts == 0

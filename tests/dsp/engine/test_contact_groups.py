@@ -174,7 +174,7 @@ def test_answers_that_are_kept_are_as_if_found_anew():
         engine = Engine(RATE)
         handle = engine.add(body(0.1), 50.0)
         hand = {"velocity": 0.1, "force": 5.0, "position": 0.2}
-        engine.send([gesture(Kind.PRESS, handle, FELT, number=1, **hand)])
+        engine.send([gesture("press", handle, FELT, number=1, **hand)])
         heard = []
         for quantum in range(80):
             if quantum == 10:

@@ -75,7 +75,7 @@ def followed(engine, handle, quanta, surface=SURFACE, law=LAW, **values):
     """Return the states of an object's modes after each quantum under a body that begins 3.25 samples late; as DOP853
     has them."""
     roll = {**ROLL, **values}
-    command = gesture(Kind.ROLL, handle, law, 3.25, 7, **roll)
+    command = gesture("roll", handle, law, 3.25, 7, **roll)
     engine.send([command._replace(surface=surface)])
     states, times = [], []
     for _ in range(quanta):
@@ -140,7 +140,7 @@ def rolled(body, level, modes=0, quality=0, steps=0):
         engine.send([Command(NOW, Kind.ACCURACY, value=level), Command(NOW, Kind.QUALITY, value=quality)])
         engine.send([Command(NOW, Kind.BUDGET, values={"steps": steps, "modes": modes})])
         values = {**ROLL, "speed": 0.4, "radius": 8e-3, "seed": seed}
-        engine.send([gesture(Kind.ROLL, handle, MARBLE, 0.0, 7, **values)])
+        engine.send([gesture("roll", handle, MARBLE, 0.0, 7, **values)])
         sound = engine.process(RATE)[:, 0].astype(float)
         power = np.abs(np.fft.rfft(sound * np.hanning(RATE))) ** 2
         powers.append([power[f : 2 * f].sum() for f in (250, 500, 1000, 2000, 4000)])
@@ -173,7 +173,7 @@ def test_two_bodies_on_one_object_are_as_one_of_twice_the_mass():
     for laws in ([LAW, LAW], [(2 * m, 2 * k, mu, a)]):
         engine = Engine(RATE)
         handle = engine.add(light(), 0.05)
-        rolls = [gesture(Kind.ROLL, handle, law, 3.25, 7 + n, **ROLL) for n, law in enumerate(laws)]
+        rolls = [gesture("roll", handle, law, 3.25, 7 + n, **ROLL) for n, law in enumerate(laws)]
         engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index("exact")), *rolls])
         states = []
         for _ in range(30):

@@ -30,7 +30,7 @@ def body(modal_mass=0.1, n=24, t60=1.0, top=9_000):
 
 def press(engine, handle, law, force, by=None):
     """Press with a hand, which is number 3."""
-    hand = gesture(Kind.PRESS, handle, law, number=3, by=by, velocity=0.01, force=force, by_position=0.5)
+    hand = gesture("press", handle, law, number=3, by=by, velocity=0.01, force=force, by_position=0.5)
     engine.send([hand])
 
 
@@ -161,7 +161,7 @@ def test_two_that_ring_keep_the_energy_of_a_lossless_blow(modal_mass):
     engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index("exact"))])
     one, other = (engine.add(body(modal_mass * ratio, n, t60=1e9), 0.05) for ratio, n in ((1.0, 24), (0.5, 16)))
     law = (0.05, 1e9, 0.0, 1.5)
-    engine.send([gesture(Kind.IMPACT, one, law, by=other, velocity=1.0, by_position=0.5)])
+    engine.send([gesture("impact", one, law, by=other, velocity=1.0, by_position=0.5)])
     v = []
     while engine.position == 0 or engine.stats.contacts_active:
         engine.process(QUANTUM)

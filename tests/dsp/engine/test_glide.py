@@ -8,7 +8,6 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from carom.dsp.bodies import Modes, listed
-from carom.dsp.engine.commands import Kind
 from carom.dsp.engine.state import QUANTUM
 from carom.dsp.resonator.bank import state_of
 from carom.dsp.runtime.engine import Engine
@@ -227,7 +226,7 @@ def test_a_hand_that_presses_feels_no_step_as_the_tension_falls():
         engine = Engine(RATE)
         engine.trace(True)
         handle = engine.add(string(np.linspace(100, 4_000, 64), t60=0.3, glide=glide, modal_mass=0.05))
-        hand = gesture(Kind.PRESS, handle, (0.1, 3e6, 3.0, 2.0), number=3, velocity=0.01, force=5.0)
+        hand = gesture("press", handle, (0.1, 3e6, 3.0, 2.0), number=3, velocity=0.01, force=5.0)
         engine.send([hand])
         strike(engine, handle, HARD, 9_600.0, 3.0)
         force = []

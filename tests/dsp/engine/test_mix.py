@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from carom.dsp.engine.commands import Kind
 from carom.dsp.engine.state import QUANTUM
 from carom.dsp.runtime.engine import Engine
 from tests.dsp.engine.support import HARD, RATE, bell, free, gesture, set_limiter, setting, strike
@@ -18,7 +17,7 @@ def scene(level=2.0, limited=False):
     a, b, c = (engine.add(bell(n), level, pan=pan) for n, pan in ((5, -1.0), (24, 0.0), (40, 0.7)))
     for n, handle in enumerate((a, b, c)):
         strike(engine, handle, (0.01, 10.0 ** (5 + n), 0.5, 1.5), 97.3 * n, 0.3)
-    engine.send([gesture(Kind.IMPACT, a, HARD, 1_000.0, by=b, velocity=1.0, by_position=0.5)])
+    engine.send([gesture("impact", a, HARD, 1_000.0, by=b, velocity=1.0, by_position=0.5)])
     engine.send([setting(b, "gain", 0.2, 2_000.0), free(c, at_once=True, time=3_000.0)])
     return engine, (a, b, c)
 

@@ -24,17 +24,17 @@ HIGH = butter(8, 3000.0, "high", fs=RATE, output="sos")
 SCENES = {
     "strike": lambda one, other: [impact(one, BALL, 1000.0)],
     "in a soft contact": lambda one, other: [impact(one, PAD, 4700.3)],
-    "two objects": lambda one, other: [gesture(Kind.IMPACT, one, BALL, 1000.0, by=other, velocity=1.0)],
-    "roll": lambda one, other: [gesture(Kind.ROLL, one, BALL, 1000.0, 3, speed=0.5, radius=0.02, seed=1)],
+    "two objects": lambda one, other: [gesture("impact", one, BALL, 1000.0, by=other, velocity=1.0)],
+    "roll": lambda one, other: [gesture("roll", one, BALL, 1000.0, 3, speed=0.5, radius=0.02, seed=1)],
     "roll of an object": lambda one, other: [
-        gesture(Kind.ROLL, one, BALL, 1000.0, 3, by=other, speed=0.5, radius=0.02, seed=1)
+        gesture("roll", one, BALL, 1000.0, 3, by=other, speed=0.5, radius=0.02, seed=1)
     ],
     "press": lambda one, other: [
-        gesture(Kind.PRESS, one, PAD, 500.0, 3, velocity=0.01, force=5.0),
+        gesture("press", one, PAD, 500.0, 3, velocity=0.01, force=5.0),
         impact(one, BALL, 1000.0),
     ],
     "bounce near rest": lambda one, other: [
-        gesture(Kind.BOUNCE, one, PAD, 500.0, 3, velocity=0.05, delay=0.0, seed=1, irregularity=0.0)
+        gesture("bounce", one, PAD, 500.0, 3, velocity=0.05, delay=0.0, seed=1, irregularity=0.0)
     ],
 }
 
@@ -133,7 +133,7 @@ def test_a_hand_that_presses_is_let_go_without_a_click(force):
         engine = Engine(RATE)
         engine.send([Command(NOW, Kind.LIMITER, value=0.0)])
         one = engine.add(body(24, 1.0, 0.5))
-        hand = gesture(Kind.PRESS, one, (0.1, 3e6, 3.0, 2.0), 500.0, 3, velocity=0.01, force=force)
+        hand = gesture("press", one, (0.1, 3e6, 3.0, 2.0), 500.0, 3, velocity=0.01, force=force)
         engine.send([hand, impact(one, BALL, 4000.0), *then])
         return engine.process(14_400).astype(float)
 
@@ -210,7 +210,7 @@ def test_an_object_that_fades_is_given_up_once_it_is_silent():
 def test_every_gesture_ends():
     engine = Engine(RATE)
     handle = engine.add(bell(), 1.0)
-    engine.send([gesture(Kind.ROLL, handle, BALL, NOW, n, speed=0.5, radius=0.02, seed=1) for n in range(1, 4)])
+    engine.send([gesture("roll", handle, BALL, NOW, n, speed=0.5, radius=0.02, seed=1) for n in range(1, 4)])
     engine.process(1024)
     engine.send([panic(), stop(1)])
     engine.process(QUANTUM)

@@ -50,17 +50,17 @@ def test_quiet_modes_rest_earlier():
 
 def roll(engine, handle, number=1, time=NOW):
     body = (0.005, 1e9, 10.0, 1.5)
-    engine.send([gesture(Kind.ROLL, handle, body, time, number, speed=0.5, radius=0.008, seed=number)])
+    engine.send([gesture("roll", handle, body, time, number, speed=0.5, radius=0.008, seed=number)])
 
 
 def press(engine, handle, number=1, time=NOW, force=2.0):
     hand = (0.05, 1e5, 5.0, 1.5)
-    engine.send([gesture(Kind.PRESS, handle, hand, time, number, velocity=0.01, force=force)])
+    engine.send([gesture("press", handle, hand, time, number, velocity=0.01, force=force)])
 
 
 def bounce(engine, handle, number=1, time=NOW):
     ball = (0.005, 1e7, 0.05, 1.5)
-    engine.send([gesture(Kind.BOUNCE, handle, ball, time, number, velocity=0.5, seed=0)])
+    engine.send([gesture("bounce", handle, ball, time, number, velocity=0.5, seed=0)])
 
 
 def test_rolls_get_coarser_and_about_as_loud():

@@ -29,7 +29,7 @@ def rolling(*gains, **values):
     motion = {"speed": 0.4, "radius": 0.008, "seed": 1, **values}
     for gain in gains or (1.0,):
         handle = engine.add(bell(), 1e-3)
-        engine.send([gesture(Kind.ROLL, handle, BALL, NOW, 7, **{"gain": gain, **motion})])
+        engine.send([gesture("roll", handle, BALL, NOW, 7, **{"gain": gain, **motion})])
     engine.process(QUANTUM)
     return engine, handle
 
@@ -131,7 +131,7 @@ def test_a_roll_that_is_rolled_again_or_stopped_goes_where_it_was_not():
     engine, handle = rolling()
     engine.send([over(steer(7, "speed", 1.0))])
     engine.process(5 * QUANTUM)
-    engine.send([gesture(Kind.ROLL, handle, BALL, NOW, 7, speed=0.3, radius=0.008, seed=1)])
+    engine.send([gesture("roll", handle, BALL, NOW, 7, speed=0.3, radius=0.008, seed=1)])
     engine.process(30 * QUANTUM)
     assert target(engine, "speed") == [0.3]
     engine.send([over(steer(7, "speed", 1.0))])

@@ -29,7 +29,7 @@ def rolled(*rolls):
     commands = []
     for n, roll in rolls:
         values = {"speed": 0.4, "radius": 8e-3, "gravity": 9.81, "seed": n, **roll}
-        commands.append(gesture(Kind.ROLL, handle, MARBLE, 100.25 * n, 7 + n, **values))
+        commands.append(gesture("roll", handle, MARBLE, 100.25 * n, 7 + n, **values))
     engine.send(commands)
     return engine.process(RATE // 4)[:, 0].astype(float), engine.stats
 
@@ -61,7 +61,7 @@ def heard(forgets):
     for tune in (1.5, 0.7):
         handle = engine.add(slab(), 1.0)
         values = {"radius": 8e-3, "gravity": 9.81, "speed": 0.4, "position": 0.3}
-        rolls = [gesture(Kind.ROLL, handle, MARBLE, NOW, 7 + n, **values, travel=2.0 * n, seed=n) for n in range(2)]
+        rolls = [gesture("roll", handle, MARBLE, NOW, 7 + n, **values, travel=2.0 * n, seed=n) for n in range(2)]
         settings = [setting(handle, "tune", tune, 3_000.5), setting(handle, "damp", 0.3, 6_000.5)]
         engine.send([*rolls, *settings])
         for _ in range(150):

@@ -34,7 +34,7 @@ def slid(seconds, modes=None, rate=RATE, surface=STEEP, events=(), **keys):
     """Return the left output of a slide, the engine and the handle of its object."""
     engine = Engine(rate)
     handle = engine.add(modes or glass(rate), 0.05)
-    begin = gesture(Kind.SLIDE, handle, TIP, 0.0, 7, **{**SCRAPE, **keys})
+    begin = gesture("slide", handle, TIP, 0.0, 7, **{**SCRAPE, **keys})
     engine.send([begin._replace(surface=surface), *events])
     return engine.process(round(seconds * rate))[:, 0].astype(float), engine, handle
 
@@ -106,7 +106,7 @@ def test_a_slide_without_slip_is_a_roll():
     slide, _, _ = slid(0.5, speed=0.0, sweep=0.3, force=weight, **{k: v for k, v in keys.items()})
     engine = Engine(RATE)
     handle = engine.add(glass(), 0.05)
-    begin = gesture(Kind.ROLL, handle, TIP, 0.0, 7, speed=0.3, gravity=25.0, **keys)
+    begin = gesture("roll", handle, TIP, 0.0, 7, speed=0.3, gravity=25.0, **keys)
     engine.send([Command(NOW, Kind.ACCURACY, value=0), begin._replace(surface=STEEP)])
     np.testing.assert_array_equal(slide, engine.process(24_000)[:, 0])
     assert np.abs(slide).max() > 1e-7
@@ -114,9 +114,7 @@ def test_a_slide_without_slip_is_a_roll():
 
 def test_a_second_message_steers_the_slide_that_goes_on():
     sound, engine, handle = slid(0.5, LIGHT, force=5.0)
-    again = gesture(
-        Kind.SLIDE, handle, TIP, NOW, 7, given=["speed", "force"], **{**SCRAPE, "speed": 0.5, "force": 10.0}
-    )
+    again = gesture("slide", handle, TIP, NOW, 7, given=["speed", "force"], **{**SCRAPE, "speed": 0.5, "force": 10.0})
     engine.send([again])
     louder = engine.process(24_000)[:, 0]
     assert dict(engine.ended()) == {7: End.JOINED} and engine.stats.rolls_active == 1
@@ -172,8 +170,8 @@ def test_friction_feels_the_force_of_a_press():
     """The press feels the object: as it rings, so does the normal force. None is felt where the press is gone."""
     engine = Engine(RATE)
     handle = engine.add(LIGHT, 0.05)
-    hand = gesture(Kind.PRESS, handle, (0.02, 1e5, 5.0, 1.5), 0.0, 8, force=5.0, velocity=0.01)
-    engine.send([hand, gesture(Kind.SLIDE, handle, TIP, 0.0, 7, **{**BOW, "force": 1e-6, "press": 8})])
+    hand = gesture("press", handle, (0.02, 1e5, 5.0, 1.5), 0.0, 8, force=5.0, velocity=0.01)
+    engine.send([hand, gesture("slide", handle, TIP, 0.0, 7, **{**BOW, "force": 1e-6, "press": 8})])
 
     def normal(blocks):
         slide = next(each["roll"] for each in numbered(engine) if each["gesture"] == 7)
@@ -198,7 +196,7 @@ def test_an_object_may_bow_another():
     engine = Engine(RATE)
     stick = listed(frequency=[2_100.0], t60=[0.3], modal_mass=[0.005], mass=0.01, top=20_000.0)
     by = engine.add(stick, 0.05)
-    engine.send([gesture(Kind.SLIDE, engine.add(glass(), 0.05), TIP, 0.0, 7, by=by, **BOW, by_position=0.5)])
+    engine.send([gesture("slide", engine.add(glass(), 0.05), TIP, 0.0, 7, by=by, **BOW, by_position=0.5)])
     sound = engine.process(48_000)[24_000:, 0].astype(float)
     alone = slid(1.0, **BOW)[0][24_000:]
     assert np.isfinite(sound).all() and np.abs(sound).max() < 1.0
@@ -208,7 +206,7 @@ def test_an_object_may_bow_another():
 def test_blocks_of_any_size_are_the_same():
     def run(size):
         engine = Engine(RATE)
-        engine.send([gesture(Kind.SLIDE, engine.add(glass(), 0.05), TIP, 13.7, 7, **BOW)])
+        engine.send([gesture("slide", engine.add(glass(), 0.05), TIP, 13.7, 7, **BOW)])
         return np.concatenate([engine.process(size) for _ in range(-(-8_192 // size))])[:8_192]
 
     np.testing.assert_array_equal(run(37), run(64))

@@ -92,7 +92,7 @@ def test_contacts_that_feel_the_modes_meet_them_as_they_are():
     def commands(handle, k):
         random = np.random.default_rng(k)
         motion = {"velocity": 0.6, "gravity": 9.81, "seed": 0.0, "delay": 0.0}
-        bounce = gesture(Kind.BOUNCE, handle, (0.05, 1e7, 0.1, 1.5), 9_000.0 + 777 * k, number=1 + k, **motion)
+        bounce = gesture("bounce", handle, (0.05, 1e7, 0.1, 1.5), 9_000.0 + 777 * k, number=1 + k, **motion)
         return [*blows(handle, k, (random.uniform(0.01, 0.3), 1e8, 0.3, 1.5)), bounce]
 
     compare(commands)

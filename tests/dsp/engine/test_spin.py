@@ -7,7 +7,6 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from carom.dsp.bodies import listed
-from carom.dsp.engine.commands import Kind
 from carom.dsp.engine.state import QUANTUM, End
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
 from carom.dsp.runtime.engine import Engine
@@ -24,7 +23,7 @@ def spun(seconds=3.5, law=COIN, modes=None, start=100.25, **keys):
     engine = Engine(RATE)
     engine.trace(True)
     handle = engine.add(modes or bell(modal_mass=1e3), 0.05)
-    engine.send([gesture(Kind.SPIN, handle, law, start, 7, **{**EURO, **keys})])
+    engine.send([gesture("spin", handle, law, start, 7, **{**EURO, **keys})])
     entries = []
     for _ in range(round(seconds * RATE / QUANTUM)):
         engine.process(QUANTUM)
@@ -120,7 +119,7 @@ def test_bits_do_not_depend_on_the_block():
     def played(blocks):
         engine = Engine(RATE)
         handle = engine.add(bell(), 1.0)
-        engine.send([gesture(Kind.SPIN, handle, COIN, 100.25, 7, **{**EURO, "duration": 0.2}, irregularity=0.3)])
+        engine.send([gesture("spin", handle, COIN, 100.25, 7, **{**EURO, "duration": 0.2}, irregularity=0.3)])
         return np.concatenate([engine.process(n) for n in blocks])
 
     whole = played([12_800])
@@ -131,7 +130,7 @@ def test_bits_do_not_depend_on_the_block():
 def test_it_is_steered_from_its_next_contact_on():
     engine = Engine(RATE)
     handle = engine.add(bell(modal_mass=1e7))
-    engine.send([gesture(Kind.SPIN, handle, COIN, 0.0, 7, **EURO)])
+    engine.send([gesture("spin", handle, COIN, 0.0, 7, **EURO)])
     engine.process(6_400)
     (contact,) = numbered(engine)
     due, speed = float(contact["elapsed"]), float(contact["v_in"])
@@ -149,7 +148,7 @@ def test_it_is_steered_from_its_next_contact_on():
 def test_who_picks_it_up_ends_it(law):
     engine = Engine(RATE)
     handle = engine.add(bell(modal_mass=1.0), 0.05)
-    engine.send([gesture(Kind.SPIN, handle, law, 0.0, 7, **EURO), stop(7, 48_000.0)])
+    engine.send([gesture("spin", handle, law, 0.0, 7, **EURO), stop(7, 48_000.0)])
     engine.process(2 * RATE)
     assert engine.ended() == [(7, End.STOPPED)] and engine.stats.contacts_active == 0
 
@@ -172,7 +171,7 @@ def test_an_object_that_spins_rings_too():
     engine = Engine(RATE)
     table, coin = engine.add(bell(), 1.0), engine.add(bell(n=8), 1.0, pan=0.0)
     engine.stems.keep(True)
-    engine.send([gesture(Kind.SPIN, table, COIN, 0.0, 7, by=coin, **{**EURO, "duration": 0.5})])
+    engine.send([gesture("spin", table, COIN, 0.0, 7, by=coin, **{**EURO, "duration": 0.5})])
     heard = 0.0
     for _ in range(100):
         engine.process(QUANTUM)
@@ -186,7 +185,7 @@ def test_energy_it_brings_is_its_contacts():
     engine = Engine(RATE)
     handle = engine.add(modes, 1.0)
     strike(engine, handle, COIN, velocity=0.01)
-    engine.send([gesture(Kind.SPIN, handle, COIN, 200.0, 7, **EURO)])
+    engine.send([gesture("spin", handle, COIN, 200.0, 7, **EURO)])
     place, bank = engine.state["objects"][0][handle.slot], engine.state["bank"][0]
     speed = 0.2 * 2 * math.sqrt(STANDARD_GRAVITY * 0.0116 * math.sin(math.radians(20)))
     for _ in range(2_400):

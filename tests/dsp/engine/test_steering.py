@@ -7,7 +7,7 @@ import pytest
 
 from carom.dsp.bodies.modes import Modes
 from carom.dsp.contact import contact_time
-from carom.dsp.engine.commands import Handle, Kind
+from carom.dsp.engine.commands import Handle
 from carom.dsp.engine.state import QUANTUM, End
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
 from carom.dsp.runtime.engine import Engine
@@ -52,12 +52,12 @@ def begin(kind):
     if kind != "bounce":
         strike(engine, handle, velocity=0.5)
     command = {
-        "impact": lambda: gesture(Kind.IMPACT, handle, SOFT, 1000.0, 7, velocity=1.0),
-        "bounce": lambda: gesture(Kind.BOUNCE, handle, BALL, 100.0, 7, velocity=0.2, seed=1),
-        "roll": lambda: gesture(Kind.ROLL, handle, BALL, 100.0, 7, speed=0.4, radius=0.008, seed=1),
-        "spin": lambda: gesture(Kind.SPIN, handle, BALL, 100.0, 7, duration=0.5, irregularity=0.1, seed=1),
-        "slide": lambda: gesture(Kind.SLIDE, handle, BALL, 100.0, 7, **SLIDE),
-        "press": lambda: gesture(Kind.PRESS, handle, HAND, 100.0, 7, velocity=0.01, force=2.0),
+        "impact": lambda: gesture("impact", handle, SOFT, 1000.0, 7, velocity=1.0),
+        "bounce": lambda: gesture("bounce", handle, BALL, 100.0, 7, velocity=0.2, seed=1),
+        "roll": lambda: gesture("roll", handle, BALL, 100.0, 7, speed=0.4, radius=0.008, seed=1),
+        "spin": lambda: gesture("spin", handle, BALL, 100.0, 7, duration=0.5, irregularity=0.1, seed=1),
+        "slide": lambda: gesture("slide", handle, BALL, 100.0, 7, **SLIDE),
+        "press": lambda: gesture("press", handle, HAND, 100.0, 7, velocity=0.01, force=2.0),
     }[kind]
     engine.send([command()])
     engine.process(STEERED_AT * QUANTUM)
@@ -165,7 +165,7 @@ def test_a_roll_that_goes_on_takes_on_what_is_given_and_keeps_the_rest():
     (contact,) = numbered(engine)
     there = Handle(contact["point"][0]["slot"], contact["point"][0]["serial"], 0, 0)
     again = gesture(
-        Kind.ROLL, there, BALL, number=7, given=("speed", "mass", "gain"),
+        "roll", there, BALL, number=7, given=("speed", "mass", "gain"),
         speed=0.9, radius=0.5, seed=9, mass=0.03, gain=0.5, friction=0.7,
     )  # fmt: skip
     engine.send([again])

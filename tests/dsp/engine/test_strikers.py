@@ -9,7 +9,6 @@ from carom.dsp import contact
 from carom.dsp.bodies import acceleration
 from carom.dsp.bodies.modes import Modes
 from carom.dsp.bodies.striker import Ringing, Snap, StrikerSound
-from carom.dsp.engine.commands import Kind
 from carom.dsp.engine.state import QUANTUM
 from carom.dsp.engine.striker_state import STRIKERS, VOICES
 from carom.dsp.runtime.engine import Engine
@@ -122,7 +121,7 @@ def test_what_rolls_clicks_by_the_force_that_the_object_feels():
         click = Modes(np.empty(0), np.empty(0), np.empty((1, 0)), np.empty((2, 0)), 1.0, (BALL_SOUND.click,))
         handle = engine.add(click) if name == "object" else wall(engine)
         values = engine.lay_out_striker(BALL_SOUND) if name == "voice" else {}
-        heard[name] = sound_of(gesture(Kind.ROLL, handle, BALL, 100.0, **rolling, **values), engine=engine, frames=9600)
+        heard[name] = sound_of(gesture("roll", handle, BALL, 100.0, **rolling, **values), engine=engine, frames=9600)
     assert np.abs(heard["object"]).max() > 1e-6
     np.testing.assert_allclose(heard["voice"], heard["object"], atol=1e-6 * np.abs(heard["object"]).max())
 
@@ -134,7 +133,7 @@ def test_what_rolls_clicks_as_large_as_it_is():
     for sound in (BALL_SOUND, larger):
         engine = started()
         values = engine.lay_out_striker(sound)
-        roll = gesture(Kind.ROLL, wall(engine), BALL, 100.0, 1, speed=0.5, radius=2 * RADIUS, seed=3.0, **values)
+        roll = gesture("roll", wall(engine), BALL, 100.0, 1, speed=0.5, radius=2 * RADIUS, seed=3.0, **values)
         heard.append(sound_of(roll, engine=engine, frames=4800))
     np.testing.assert_allclose(heard[0], heard[1], atol=1e-6 * np.abs(heard[1]).max())
 
@@ -147,10 +146,10 @@ def test_block_size_changes_no_bit(block):
         snapping = StrikerSound(0.0027, None, 1.0, RING, Snap(1e-4, 1.86, 2.8, 3e-4))
         for n, sound in enumerate((BALL_SOUND, snapping)):
             values = engine.lay_out_striker(sound)
-            engine.send([gesture(Kind.BOUNCE, handle, HARD, 50.3 + n, n + 1, velocity=0.1, seed=1.0, **values)])
+            engine.send([gesture("bounce", handle, HARD, 50.3 + n, n + 1, velocity=0.1, seed=1.0, **values)])
             engine.send([impact(handle, time=777.7 * n, **values)])
             rolling = dict(speed=0.3, radius=0.01, seed=2.0, **values)
-            engine.send([gesture(Kind.ROLL, handle, HARD, 900.0, n + 5, **rolling)])
+            engine.send([gesture("roll", handle, HARD, 900.0, n + 5, **rolling)])
         engine.send([stop(5, 3000.0), panic(5000.0)])
         return np.concatenate([engine.process(size) for _ in range(math.ceil(6000 / size))])[:6000]
 
@@ -185,9 +184,7 @@ def test_a_panic_ends_voices():
 def test_a_bounce_has_a_voice_at_every_contact():
     engine = started()
     values = engine.lay_out_striker(SHELL)
-    engine.send(
-        [gesture(Kind.BOUNCE, wall(engine), (0.0027, 3.8e4, 0.2, 1.0), 0.0, 1, velocity=0.5, seed=1.0, **values)]
-    )
+    engine.send([gesture("bounce", wall(engine), (0.0027, 3.8e4, 0.2, 1.0), 0.0, 1, velocity=0.5, seed=1.0, **values)])
     seen = []
     for _ in range(600):
         impacts = engine.stats.impacts
@@ -271,7 +268,7 @@ def test_second_pulses_of_a_round_body_that_bounces_fall_with_its_velocity(irreg
     engine.trace(True)
     values = engine.lay_out_striker(StrikerSound(0.0027, None, 1.0, RING, Snap(1e-6, 1.86, 2.8, 4e-4)))
     values |= {"velocity": 1.0, "irregularity": irregularity, "seed": 3}
-    bounce = gesture(Kind.BOUNCE, wall(engine), PING_PONG, 100.0, 7, **values)
+    bounce = gesture("bounce", wall(engine), PING_PONG, 100.0, 7, **values)
     sound = sound_of(bounce, engine=engine, frames=48_000)[:, 0]
     entries = engine.traced()
     begins = np.unique(entries["contact"], return_index=True)[1]

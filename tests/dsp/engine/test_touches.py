@@ -88,7 +88,7 @@ def test_each_touch_is_that_of_dop853(name, accuracy):
     right = expected(modal_mass, blow)
     assert len(right) == {"light": 7, "yielding": 3, "stiff": 1}[name]
     engine, handle = started(modal_mass, accuracy)
-    engine.send([gesture(Kind.IMPACT, handle, blow[2:6], 3.25, 3, velocity=blow.v_in)])
+    engine.send([gesture("impact", handle, blow[2:6], 3.25, 3, velocity=blow.v_in)])
     check(told(engine, SECONDS), right, blow, *SLIPS[accuracy])
     assert engine.stats.impacts + engine.stats.recontacts == len(right)
 
@@ -97,14 +97,14 @@ def test_each_touch_is_that_of_dop853(name, accuracy):
 def test_a_touch_is_the_same_at_any_rate(rate):
     modal_mass, blow = BLOWS["light"]
     engine, handle = started(modal_mass, "exact", rate)
-    engine.send([gesture(Kind.IMPACT, handle, blow[2:6], blow.time * rate, 3, velocity=blow.v_in)])
+    engine.send([gesture("impact", handle, blow[2:6], blow.time * rate, 3, velocity=blow.v_in)])
     check(told(engine, SECONDS), expected(modal_mass, blow), blow, *SLIPS["exact"])
 
 
 def test_touches_have_the_same_bits_in_blocks_of_any_size():
     def entries(block):
         engine, handle = started(LIGHT)
-        engine.send([gesture(Kind.IMPACT, handle, BLOWS["light"][1][2:6], 3.25, 3)])
+        engine.send([gesture("impact", handle, BLOWS["light"][1][2:6], 3.25, 3)])
         return told(engine, SECONDS, block)
 
     assert entries(QUANTUM) == entries(1) == entries(480)
@@ -115,7 +115,7 @@ def test_a_body_that_bounces_on_a_yielding_object_is_told_touch_by_touch():
     blow = Blow(3.25 / RATE, 0.25, 0.002, 1e7, 0.1, 1.5, 0.002 * STANDARD_GRAVITY)
     right = expected(YIELDING, blow, 0.125, 2e-6)
     engine, handle = started(YIELDING)
-    engine.send([gesture(Kind.BOUNCE, handle, blow[2:6], 3.25, 3, velocity=blow.v_in, seed=1)])
+    engine.send([gesture("bounce", handle, blow[2:6], 3.25, 3, velocity=blow.v_in, seed=1)])
     assert len(right) == 5
     check(told(engine, 0.125), right, blow, 1e-6, 1e-3)
 
@@ -126,7 +126,7 @@ def test_two_that_strike_at_once_give_what_each_loses(accuracy):
     engine, handle = started(LIGHT, accuracy)
     strikers = ((0.004, 2e7, 0.2, 1.5), (0.012, 1e8, 0.1, 1.5))
     for n, law in enumerate(strikers):
-        engine.send([gesture(Kind.IMPACT, handle, law, 3.25 + 20 * n, n + 1, velocity=1.0)])
+        engine.send([gesture("impact", handle, law, 3.25 + 20 * n, n + 1, velocity=1.0)])
     entries = traced(engine, 6)
     for number, law in enumerate(strikers, 1):
         own = entries[entries["gesture"] == number]
@@ -143,8 +143,8 @@ def test_two_that_strike_at_once_give_what_each_loses(accuracy):
 def test_a_press_on_what_rings_is_told_touch_by_touch():
     """The impulses of the touches add up to the push's, but for what the hand moves with."""
     engine, handle = started(LIGHT)
-    engine.send([gesture(Kind.IMPACT, handle, (0.05, 1e7, 0.1, 1.5), 0.0, 1, velocity=2.0), stop(1, 99.0)])
-    engine.send([gesture(Kind.PRESS, handle, (0.02, 1e7, 0.05, 1.5), 100.5, 2, velocity=0.1, force=2.0)])
+    engine.send([gesture("impact", handle, (0.05, 1e7, 0.1, 1.5), 0.0, 1, velocity=2.0), stop(1, 99.0)])
+    engine.send([gesture("press", handle, (0.02, 1e7, 0.05, 1.5), 100.5, 2, velocity=0.1, force=2.0)])
     entries = traced(engine, 500)
     own = entries[entries["gesture"] == 2]
     (contact,) = (each for each in engine.state["contacts"][0] if each["gesture"] == 2)

@@ -72,7 +72,7 @@ def test_a_coupled_impact_gives_what_the_striker_loses(accuracy, by):
     one, other = engine.add(light()), engine.add(light())
     engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index(accuracy))])
     law = (0.05, 1e7, 0.2, 1.5)
-    engine.send([gesture(Kind.IMPACT, one, law, 10.5, 3, other if by else None, velocity=1.0, by_position=0.5)])
+    engine.send([gesture("impact", one, law, 10.5, 3, other if by else None, velocity=1.0, by_position=0.5)])
     parts = []
     while engine.stats.impacts == 0 or engine.stats.contacts_active:
         parts.append(follow(engine, QUANTUM))
@@ -103,7 +103,7 @@ def test_a_bounce_gives_contact_by_contact_what_it_loses():
     """The contacts follow from the restitution of each speed, and the parabolas between; to 1e-6 of a sample."""
     engine = traced_engine()
     handle = engine.add(heavy())
-    engine.send([gesture(Kind.BOUNCE, handle, MARBLE, 100.75, 7, velocity=1.0, seed=1, delay=0.01, gain=0.3)])
+    engine.send([gesture("bounce", handle, MARBLE, 100.75, 7, velocity=1.0, seed=1, delay=0.01, gain=0.3)])
     entries = follow(engine, 48_000)
     v, t = 1.0, 0.01
     numbers = list(dict.fromkeys(entries["contact"].tolist()))
@@ -124,7 +124,7 @@ def test_a_roll_gives_what_the_study_says():
     engine = traced_engine()
     handle = engine.add(heavy())
     m, k, mu, a = MARBLE
-    engine.send([gesture(Kind.ROLL, handle, MARBLE, 0.0, 7, speed=0.5, radius=0.008, seed=3, gain=0.1)])
+    engine.send([gesture("roll", handle, MARBLE, 0.0, 7, speed=0.5, radius=0.008, seed=3, gain=0.1)])
     entries = follow(engine, 9_600)
     ground = make_surface(*SURFACE, seed=3)
     body = make_roll(ground, 0.008, m, k, mu, a, 0.5)
@@ -173,7 +173,7 @@ def test_a_trace_changes_no_bit_of_the_sound():
         engine.trace(on)
         handle = engine.add(light(), 0.05)
         strike(engine, handle)
-        engine.send([gesture(Kind.ROLL, handle, MARBLE, 500.0, 7, speed=0.5, radius=0.008, seed=3)])
+        engine.send([gesture("roll", handle, MARBLE, 500.0, 7, speed=0.5, radius=0.008, seed=3)])
         return engine.process(4_800)
 
     np.testing.assert_array_equal(sound(True), sound(False))

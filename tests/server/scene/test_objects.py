@@ -59,11 +59,11 @@ def test_what_is_changed_with_an_object_is_its_own(session):
     say(session, "/object/new", "a", "glass-plate", "position", 0.1, "striker", "felt")
     say(session, "/object/new", "b", "glass-plate", "position", 0.9)
     say(session, "/object/a/impact", 1.0, "by", "b")
-    strike = last_sent(session)["strike"]
+    strike = last_sent(session)["values"]
     assert strike["position"] == 0.1 and strike["by_position"] == 0.9
     say(session, "/object/a/impact", 1.0)
     felt = session.presets.striker("felt").contact(session.objects["a"].preset.material)
-    assert last_sent(session)["strike"]["stiffness"] == felt[1]
+    assert last_sent(session)["values"]["stiffness"] == felt[1]
 
 
 def test_an_edited_striker_counts_from_the_next_object_on(tmp_path):
@@ -75,7 +75,7 @@ def test_an_edited_striker_counts_from_the_next_object_on(tmp_path):
         striker.write_text(f"{law}{mass}\n")
         say(session, "/object/new", name, "wood-block")
         assert say(session, "/object/a/impact", 1.0, "striker", "mine") == []
-        assert last_sent(session)["strike"]["mass"] == mass
+        assert last_sent(session)["values"]["mass"] == mass
 
 
 @pytest.mark.slow
