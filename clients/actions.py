@@ -4,16 +4,15 @@ from abc import ABC, abstractmethod
 from typing import Any, SupportsFloat
 
 from ..server.osc.wire import Message
-
-Value = Any
-"""An argument: a number, a string, bytes, None, or a list or tuple of these; NumPy's scalars and arrays too."""
+from .gesture_methods import Gestures, Value, with_gestures
 
 
 class CommandError(RuntimeError):
     """A message was refused, or cannot be sent; the text says why."""
 
 
-class Actions(ABC):
+@with_gestures
+class Actions(Gestures, ABC):
     """Every address of a score as a method, but `/object/new`. A method makes messages; a subclass sends them.
 
     name, id: of objects and gestures, or an OSC pattern. at: the time (s) at which the sound is heard, on the clock
@@ -38,77 +37,10 @@ class Actions(ABC):
             keys, optional = {"position": optional, **keys}, None
         self.send(address, *(each for each in (value, optional) if each is not None), *key_pairs(keys), at=at)
 
-    def impact(
-        self,
-        name: str,
-        velocity: SupportsFloat | None = None,
-        position: SupportsFloat | None = None,
-        at: SupportsFloat | None = None,
-        **keys: Value,
+    def _gesture(
+        self, gesture: str, name: str, value: Value, position: Value, at: SupportsFloat | None, keys: dict[str, Value]
     ) -> None:
-        """Strike an object at a velocity (m/s), at a position 0 to 1 along its strike path (None: the preset's)."""
-        self._send_keyed(f"/object/{name}/impact", velocity, position, at, keys)
-
-    def bounce(
-        self,
-        name: str,
-        height: SupportsFloat | None = None,
-        position: SupportsFloat | None = None,
-        at: SupportsFloat | None = None,
-        **keys: Value,
-    ) -> None:
-        """Drop a striker on an object from a height (m); it bounces until it rests."""
-        self._send_keyed(f"/object/{name}/bounce", height, position, at, keys)
-
-    def roll(
-        self,
-        name: str,
-        speed: SupportsFloat | None = None,
-        position: SupportsFloat | None = None,
-        at: SupportsFloat | None = None,
-        **keys: Value,
-    ) -> None:
-        """Roll a ball over an object at a speed (m/s).
-
-        A roll of that `id` that goes on (else NAME's) is steered; 0 ends it.
-        """
-        self._send_keyed(f"/object/{name}/roll", speed, position, at, keys)
-
-    def press(
-        self,
-        name: str,
-        force: SupportsFloat,
-        position: SupportsFloat | None = None,
-        at: SupportsFloat | None = None,
-        **keys: Value,
-    ) -> None:
-        """Lay a striker on an object and press with a force (N), until the gesture of that `id` is stopped."""
-        self._send_keyed(f"/object/{name}/press", force, position, at, keys)
-
-    def spin(
-        self,
-        name: str,
-        duration: SupportsFloat | None = None,
-        position: SupportsFloat | None = None,
-        at: SupportsFloat | None = None,
-        **keys: Value,
-    ) -> None:
-        """Spin a coin, a lid or a ring down on an object; it lies still after a duration (s)."""
-        self._send_keyed(f"/object/{name}/spin", duration, position, at, keys)
-
-    def slide(
-        self,
-        name: str,
-        speed: SupportsFloat | None = None,
-        position: SupportsFloat | None = None,
-        at: SupportsFloat | None = None,
-        **keys: Value,
-    ) -> None:
-        """Drag a striker over an object at a speed (m/s): scrape, rub or bow it.
-
-        A slide of that `id` that goes on (else NAME's) is steered; 0 ends it.
-        """
-        self._send_keyed(f"/object/{name}/slide", speed, position, at, keys)
+        self._send_keyed(f"/object/{name}/{gesture}", value, position, at, keys)
 
     def note(
         self,

@@ -9,8 +9,6 @@ import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
-
 from .numerics.constants import FULL_SCALE_PRESSURE, STANDARD_GRAVITY
 
 
@@ -73,15 +71,15 @@ class Gesture:
     fixed: tuple[str, ...] = ()
     """Keys that can be steered elsewhere, but not in this gesture."""
     repeats: bool = False
-    """It is many contacts: when one is over, its kernel says when and how fast the next one comes."""
+    """True if it is many contacts: when one is over, its kernel says when and how fast the next one comes."""
     falls: bool = False
-    """Gravity acts on its striker, which flies between contacts, and presses by its weight near rest."""
+    """True if gravity acts on its striker, which flies between contacts, and presses by its weight near rest."""
     held: bool = False
-    """A hand holds its striker, and presses it on until the gesture is stopped."""
+    """True if a hand holds its striker, and presses it on until the gesture is stopped."""
     rolls: bool = False
-    """Its striker turns on a surface."""
+    """True if its striker turns on a surface."""
     slips: bool = False
-    """Its striker slips over a surface, with friction."""
+    """True if its striker slips over a surface, with friction."""
     meets: float = 1.0
     """Share of the striker's mass that meets the object."""
 
@@ -369,18 +367,3 @@ class Stats:
     late_last: float = _measure("by how much the last late event was late", "s")
     late_worst: float = _measure("by how much the latest event was late", "s")
     latency_measured: float = _measure("from callback to sound, as the device says", "s")
-
-
-def record_of(*names: str) -> np.dtype[np.void]:
-    """Return a record of float64 fields of these names."""
-    return np.dtype([(name, np.float64) for name in names], align=True)
-
-
-STATS = np.dtype(
-    [(field.name, np.int64 if field.type in (int, "int") else np.float64) for field in dataclasses.fields(Stats)],
-    align=True,
-)
-"""The counters as the engine holds them."""
-
-STEERED = record_of(*STEERABLE)
-"""A value for each steerable parameter."""

@@ -14,7 +14,7 @@ from ..dsp import schema
 from .schema import SUITABLE, Fields, check
 from .values import Name, Quantity
 
-ON_SURFACE = ("roll", "slide")
+ON_SURFACE = tuple(name for name, gesture in schema.GESTURES.items() if gesture.along)
 
 _OTHERS = {"seed", *(each.name for each in schema.STRIKE)}
 """Keys that a section has not: a seed is another for each gesture, and the rest is the striker's."""

@@ -327,7 +327,7 @@ ADDED: Mapping[str, Addition] = {
 }
 """Sections of an object's preset, each with the class that it fills."""
 
-SUITABLE = ("bounce", "roll", "slide", "spin")
+SUITABLE = tuple(name for name, gesture in schema.GESTURES.items() if gesture.repeats or gesture.along)
 """Gestures that suit some objects, each with a section that says how it goes; a strike and a press suit all."""
 
 SECTIONS = ("geometry", "damping", "strike", *ADDED, *SUITABLE)

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
 
+from ..dsp.schema import GESTURES
 from .making import Maker, Making, makes
 from .net.network import Network, Source
 from .osc.addresses import Call
@@ -19,6 +20,7 @@ from .packets import Packet
 MOST_BYTES = 1 << 22
 """Most bytes of datagrams that wait; further ones are dropped. Streams pause instead, with a packet each."""
 
+_ALONG = frozenset(name for name, gesture in GESTURES.items() if gesture.along)
 _OVERHEAD = 64  # bytes that a packet takes besides its own
 _MOST_LINES = 256  # clients whose packets wait
 _MOST_WORK = 50_000  # of matching a packet's patterns: some 5 ms
@@ -170,7 +172,7 @@ def _made_names(calls: Iterable[Call]) -> frozenset[str]:
             names.update(call.message.args[:1])
         else:
             names.update(_values(call, ("id",)))
-            if call.verb and call.verb.action == "roll":  # it has the object's name for an id
+            if call.verb and call.verb.action in _ALONG:  # it has the object's name for an id
                 names.add(call.target)
     return frozenset(name for name in names if isinstance(name, str))
 

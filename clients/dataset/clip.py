@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...dsp.engine.state import QUANTUM
+from ...dsp.schema import GESTURES
 from ...presets import Presets
 from ...server.osc.score import Line, sample_at
 from ...server.render import Options
@@ -25,7 +26,7 @@ from .recipe import SCORE, Recipe
 Truth = dict[str, Any]
 """Ground truth of a clip, by name: numbers, words, and lists of these."""
 
-FREE = ("impact", "bounce", "spin")
+FREE = tuple(name for name, gesture in GESTURES.items() if not gesture.lasts)
 """Gestures between whose contacts a striker flies: nothing but the contact changes its speed then."""
 
 

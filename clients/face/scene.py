@@ -8,6 +8,7 @@ from typing import NoReturn, SupportsFloat, SupportsIndex
 from ._capture import Capture
 from ._documented import documented
 from .clients.actions import Actions, CommandError, Value, plain
+from .clients.gesture_methods import ObjectGestures, with_object_gestures
 from .clients.modes import ModeTable, Settings, gains_of, mode_table
 from .clients.performer import Folders, Performer, Placed
 from .dsp.schema import SETTINGS
@@ -134,7 +135,8 @@ class Scene(Actions, Closing):
         return self._open.ended()
 
 
-class Object:
+@with_object_gestures
+class Object(ObjectGestures):
     """An object of a scene; its methods are the scene's, without the name.
 
     name: its name; mass: of the whole body, kg.
@@ -164,72 +166,6 @@ class Object:
         if performer and (heard := performer.heard(self._placed)):
             settings, gains = heard
         return mode_table(self._placed.modes, self._placed.level, settings, gains, place, self.scene.rate)
-
-    def impact(
-        self,
-        velocity: SupportsFloat | None = None,
-        position: SupportsFloat | None = None,
-        at: SupportsFloat | None = None,
-        **keys: Value,
-    ) -> None:
-        """Strike it at a velocity (m/s), at a position 0 to 1 along its strike path (None: the preset's)."""
-        self.scene.impact(self.name, velocity, position, at, **keys)
-
-    def bounce(
-        self,
-        height: SupportsFloat | None = None,
-        position: SupportsFloat | None = None,
-        at: SupportsFloat | None = None,
-        **keys: Value,
-    ) -> None:
-        """Drop a striker on it from a height (m); it bounces until it rests."""
-        self.scene.bounce(self.name, height, position, at, **keys)
-
-    def roll(
-        self,
-        speed: SupportsFloat | None = None,
-        position: SupportsFloat | None = None,
-        at: SupportsFloat | None = None,
-        **keys: Value,
-    ) -> None:
-        """Roll a ball over it at a speed (m/s).
-
-        A roll of that `id` that goes on (None: its own) is steered; 0 ends it.
-        """
-        self.scene.roll(self.name, speed, position, at, **keys)
-
-    def press(
-        self,
-        force: SupportsFloat,
-        position: SupportsFloat | None = None,
-        at: SupportsFloat | None = None,
-        **keys: Value,
-    ) -> None:
-        """Lay a striker on it and press with a force (N), until the gesture of that `id` is stopped."""
-        self.scene.press(self.name, force, position, at, **keys)
-
-    def spin(
-        self,
-        duration: SupportsFloat | None = None,
-        position: SupportsFloat | None = None,
-        at: SupportsFloat | None = None,
-        **keys: Value,
-    ) -> None:
-        """Spin a coin, a lid or a ring down on it; it lies still after a duration (s)."""
-        self.scene.spin(self.name, duration, position, at, **keys)
-
-    def slide(
-        self,
-        speed: SupportsFloat | None = None,
-        position: SupportsFloat | None = None,
-        at: SupportsFloat | None = None,
-        **keys: Value,
-    ) -> None:
-        """Drag a striker over it at a speed (m/s): scrape, rub or bow it.
-
-        A slide of that `id` that goes on (None: its own) is steered; 0 ends it.
-        """
-        self.scene.slide(self.name, speed, position, at, **keys)
 
     def note(
         self,

@@ -22,8 +22,8 @@ from ..schema import (
     VELOCITY,
     Gesture,
     Parameter,
-    record_of,
 )
+from ..schema_records import record_of
 
 
 class Kind(IntEnum):

@@ -6,7 +6,7 @@ from ..contact.closed_form import PULSE
 from ..contact.coupled import COUPLED
 from ..contact.sampled import SAMPLED
 from ..numerics.legendre import FINE
-from ..schema import STEERED
+from ..schema_records import STEERED
 from .commands import TRAITS
 
 POINT = np.dtype(

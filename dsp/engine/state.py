@@ -14,7 +14,8 @@ from ..resonator.bank import DRIVER, RESPONSES
 from ..resonator.fed import HALF, REACH
 from ..resonator.simd import LANES
 from ..rolling.body import ROLL
-from ..schema import GESTURES, STATS
+from ..schema import GESTURES
+from ..schema_records import STATS
 from ..spectral.layout import PHASES, REGION, SPECTRAL
 from .capacity import MODES, MODES_PER_OBJECT, OBJECTS, SHAPE_VALUES, STEMS
 from .channels import MOST_CHANNELS, PLACE

@@ -18,7 +18,8 @@ import numpy as np
 from ..contact.collocation import NODES, STEP
 from ..native.jit import kernel, noinline_kernel
 from ..numerics.legendre import KEPT
-from ..schema import SPEED, STEERED
+from ..schema import SPEED
+from ..schema_records import STEERED
 from .contact_step import path_at, step_contact
 from .moments import add_quadratic
 from .path import AHEAD, PATH, PIECES, make_piece, restart_path

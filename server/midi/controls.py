@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ...dsp.schema import Parameter
+from ...dsp.schema import GESTURES, Parameter
 from ..osc.addresses import calls, unknown
 from ..osc.arguments import Refused, Values, check_number
 from ..osc.midi_verbs import HIGH, LOW
@@ -13,7 +13,7 @@ from ..osc.wire import Argument, Message
 _SMOOTH = 0.03
 """s in which what a controller sets gets from one of its 128 places to the next."""
 _WIDE = 30.0  # a range of a greater ratio is covered by equal ratios
-_BEGIN = ("roll", "slide")  # gestures that a further message steers
+_BEGIN = tuple(name for name, gesture in GESTURES.items() if gesture.along)  # gestures that a further message steers
 
 
 @dataclass(frozen=True)

@@ -51,7 +51,9 @@ STRIKE: tuple[Number | Word, ...] = (
 
 _SURFACE = Word("surface", "a preset; the object's own for such a gesture, or wood, if none is given")
 _PRESS = Word("press", "the id of a press on the object: its friction feels that force, in place of its own")
-_WORDS = {"roll": (_SURFACE,), "slide": (_SURFACE, _PRESS)}
+_WORDS = {
+    name: (_SURFACE, *((_PRESS,) if gesture.slips else ())) for name, gesture in GESTURES.items() if gesture.along
+}
 """Keys of gestures that are not numbers."""
 
 _SHARED = {key.name for key in STRIKE}
@@ -65,7 +67,7 @@ KEYS: dict[str, tuple[Number | Word, ...]] = {
 def _steers(name: str) -> str:
     """Describe the effect of a steerable parameter: "steers a bounce (from its next flight on) or a roll"."""
     named = [
-        f"{'an' if gesture == 'impact' else 'a'} {gesture}{f' ({number.steered})' if number.steered else ''}"
+        f"{'an' if gesture[0] in 'aeiou' else 'a'} {gesture}{f' ({number.steered})' if number.steered else ''}"
         for gesture, number in gestures_steered_by(name).items()
     ]
     return f"steers {', '.join(named[:-1])} or {named[-1]}" if named[1:] else f"steers {named[0]}"

@@ -6,12 +6,13 @@ the same and leaves no choice open.
 
 import math
 from collections.abc import Callable
+from functools import partial
 from itertools import islice
 
 from ...dsp.engine.commands import Command, Kind
 from ...dsp.numerics.constants import STANDARD_GRAVITY
 from ...dsp.runtime.engine import NOW
-from ...dsp.schema import BOUNCE, GAIN, GESTURES, ROLL, SETTINGS, SLIDE, SPIN, STEERABLE, STRIKE, Gesture
+from ...dsp.schema import BOUNCE, GAIN, GESTURES, ROLL, SETTINGS, SLIDE, STEERABLE, STRIKE, Gesture
 from ...presets.kinds import DRY
 from ..osc.addresses import Call, calls, unknown
 from ..osc.arguments import Refused, Values
@@ -120,16 +121,35 @@ def _free(to: ObjectCall) -> None:
 # Gestures
 
 
-def _impact(to: ObjectCall) -> None:
-    velocity = to.values.number("velocity")
-    if velocity == 0.0:
+def _begin(gesture: Gesture, to: ObjectCall) -> None:
+    """Begin a gesture by its argument and keys; one of 0 does nothing, unless a hand holds the striker."""
+    values, argument = to.values, gesture.argument.name
+    if values.number(argument) == 0.0 and not gesture.held:
         to.end_at_once()
         return
     by = to.striking_object()
     law = law_of(to, by)
-    require_short(velocity, law)
-    number = to.start(to.values.words["id"]) if "id" in to.values.words else 0
-    _strike(to, by, law, Command(NOW, "impact", gesture=number, values={"velocity": velocity}))
+    require_short(_FASTEST.get(gesture.name, _velocity)(values), law)
+    is_named = not gesture.single or "id" in values.words
+    number = to.start(to.id(to.transaction.gestures.made_for)) if is_named else 0
+    motion = {**_own_values(to, gesture), argument: values.number(argument)}
+    if gesture.held:
+        motion["velocity"] = _APPROACH
+    if "seed" in motion:
+        motion["seed"] = to.seed(number)
+    _strike(to, by, law, Command(NOW, gesture.name, gesture=number, values=motion))
+
+
+def _velocity(values: Values) -> float:
+    """Return the velocity (m/s) at which a striker meets the object: the one given, or that at which it is laid on."""
+    return values.numbers.get("velocity", values.defaults.get("velocity", _APPROACH))
+
+
+def _rim_speed(values: Values) -> float:
+    return rim_speed(*map(values.number, ("flat", "radius", "angle", "gravity")))
+
+
+_FASTEST: dict[str, Callable[[Values], float]] = {"spin": _rim_speed}
 
 
 def _bounce(to: ObjectCall) -> None:
@@ -226,26 +246,8 @@ def _own_values(to: ObjectCall, gesture: Gesture) -> dict[str, float]:
     }
 
 
-def _press(to: ObjectCall) -> None:
-    by = to.striking_object()
-    law = law_of(to, by)
-    require_short(_APPROACH, law)
-    number = to.start(to.id(to.transaction.gestures.made_for))
-    motion = {"velocity": _APPROACH, "force": to.values.number("force")}
-    _strike(to, by, law, Command(NOW, "press", gesture=number, values=motion))
-
-
-def _spin(to: ObjectCall) -> None:
-    values = to.values
-    duration = values.number("duration")
-    if duration == 0.0:
-        to.end_at_once()
-        return
-    law = law_of(to, by := to.striking_object())
-    require_short(rim_speed(*map(values.number, ("flat", "radius", "angle", "gravity"))), law)
-    number = to.start(to.id(to.transaction.gestures.made_for))
-    motion = {**_own_values(to, SPIN), "duration": duration, "seed": to.seed(number)}
-    _strike(to, by, law, Command(NOW, "spin", gesture=number, values=motion))
+_OF_GESTURES = {"bounce": _bounce, "roll": _roll, "slide": _slide}
+"""Handlers of gestures whose law, velocity or surface takes more than their values."""
 
 
 def _strike(to: ObjectCall, by: PlayedObject | None, law: Contact, command: Command) -> None:
@@ -293,12 +295,10 @@ def _on_objects(handle: Callable[[ObjectCall], None]) -> Handler:
 
 HANDLERS: dict[str, Handler] = {
     NEW: _new,
-    "/object/NAME/impact": _on_objects(_impact),
-    "/object/NAME/bounce": _on_objects(_bounce),
-    "/object/NAME/roll": _on_objects(_roll),
-    "/object/NAME/press": _on_objects(_press),
-    "/object/NAME/spin": _on_objects(_spin),
-    "/object/NAME/slide": _on_objects(_slide),
+    **{
+        f"/object/NAME/{name}": _on_objects(_OF_GESTURES.get(name, partial(_begin, gesture)))
+        for name, gesture in GESTURES.items()
+    },
     **dict.fromkeys((f"/object/NAME/{setting}" for setting in SETTINGS), _on_objects(_set)),
     "/object/NAME/gains": _on_objects(_gains),
     "/object/NAME/free": _on_objects(_free),

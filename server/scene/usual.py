@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from ...dsp.schema import GESTURES
+from ...dsp.schema import GESTURES, VELOCITY
 from ...presets import ObjectPreset
 from ..osc.arguments import Refused, Values, Verb
 
@@ -17,9 +17,9 @@ def completed(values: Values, verb: Verb | None, preset: ObjectPreset) -> Values
         return values
     usual, argument = preset.gestures.get(verb.action), GESTURES[verb.action].argument.name
     words, defaults = values.words, values.defaults
-    if verb.action == "impact":
+    if not usual and argument == VELOCITY.name:
         defaults = {**defaults, argument: preset.velocity}
-    elif usual:
+    if usual:
         strikes = {"striker", "by"} & words.keys() or {"mass", "stiffness"} <= values.numbers.keys()
         named = {"surface": usual.surface} if usual.surface else {}
         words = {**named, **({} if strikes else {"striker": usual.striker}), **words}

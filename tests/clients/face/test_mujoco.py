@@ -111,7 +111,7 @@ def test_a_slide_has_no_blows_and_the_same_energy_at_any_step():
 
 
 def test_a_slide_sounds_alike_at_any_step():
-    """Over many surfaces: each is rougher in other places."""
+    """The mean is over many surfaces: each is rougher in other places."""
     one = over_seeds("slide", 0.001, 256)
     assert apart(one, over_seeds("slide", 0.005, 256)) < 1.0
 
