@@ -1,4 +1,4 @@
-"""A new steerable parameter of a roll is added in two places, and is then everywhere."""
+"""A gesture, a parameter of a roll and a shape are added in few places, and are then everywhere."""
 
 import os
 import shutil
@@ -12,19 +12,106 @@ pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[1]
 
-# The roll is one at -40: of one that is coupled to modes the engine hands the force on.
-# The patch: file, anchor, and what stands in the anchor's place. An anchor must be found once.
-PATCH = (
+# Edits: file, anchor, and what stands in the anchor's place; no anchor: a new file. An anchor must be found once.
+PARAMETER = (
     (
         "dsp/schema.py",
         "        RADIUS,\n",
         "        RADIUS,\n"
         '        Parameter("looseness", 0.0, 1.0, "", "share of the force that is lost", 0.0, steerable=True),\n',
     ),
+    ("dsp/rolling/body.py", "    return roll.fade\n", "    return (1.0 - roll.target.looseness) * roll.fade\n"),
+)
+PATTER = (
     (
-        "dsp/rolling/body.py",
-        "roll.fade * (roll.force[i] - weight)",
-        "(1.0 - roll.target.looseness) * roll.fade * (roll.force[i] - weight)",
+        "dsp/schema.py",
+        "GESTURES = {gesture.name: gesture for gesture in (IMPACT, BOUNCE, ROLL, PRESS, SPIN, SLIDE",
+        """PATTER = Gesture(
+    "patter", "strikes it at random times, as rain does, until it is stopped",
+    dataclasses.replace(VELOCITY, steerable=True),
+    (
+        Parameter("rate", 0.1, 1000.0, "Hz", "of its blows, on average", default=10.0, steerable=True),
+        SEED,
+    ),
+    repeats=True,
+)  # fmt: skip
+GESTURES = {gesture.name: gesture for gesture in (IMPACT, BOUNCE, ROLL, PRESS, SPIN, SLIDE, PATTER""",
+    ),
+    (
+        "dsp/engine/patter.py",
+        "",
+        '''"""A patter: blows at random times, as a Poisson process."""
+
+import math
+
+from ..native.jit import kernel
+from .contact_list import next_random, release_modes, report_end, schedule_contact
+from .state import END_STOPPED
+
+
+@kernel
+def begin_patter(state, contact, event):
+    """Begin with the first of the blows."""
+    contact.elapsed = _wait(contact)
+
+
+@kernel
+def patter_on(state, contact, frame):
+    """End a blow of a patter. True if there is another one."""
+    release_modes(state, contact)
+    contact.touching = 0
+    contact.elapsed = (state.position + frame - contact.origin) / state.rate + _wait(contact)
+    contact.v_in = contact.target.velocity
+    schedule_contact(state, contact)
+    if contact.start >= contact.until:
+        report_end(state, contact.gesture, END_STOPPED)
+        return False
+    return True
+
+
+@kernel
+def _wait(contact):
+    """Return the time (s) to the next blow."""
+    return -math.log(1.0 - next_random(contact)) / contact.target.rate
+''',
+    ),
+    (
+        "dsp/engine/gesture_kernels.py",
+        "from .spins import",
+        "from .patter import begin_patter, patter_on\nfrom .spins import",
+    ),
+    ("dsp/engine/gesture_kernels.py", "_KERNELS = {\n", '_KERNELS = {\n    "patter": (begin_patter, patter_on),\n'),
+)
+LEAN = (
+    (
+        "dsp/schema.py",
+        "PATTER = Gesture(",
+        """LEAN = Gesture("lean", "rests against it with a force", FORCE, fixed=("gain",), held=True)
+PATTER = Gesture(""",
+    ),
+    ("dsp/schema.py", "SLIDE, PATTER)", "SLIDE, PATTER, LEAN)"),
+)
+SHAPE = (
+    (
+        "dsp/bodies/cone.py",
+        "",
+        '''"""Cones, as rings of their mean radius."""
+
+from .material import Material
+from .modes import Modes
+from .ring import ring
+
+
+def cone(material: Material, *, radius: float, top_radius: float, height: float, thickness: float, top: float) -> Modes:
+    """Return the modes of a truncated cone; lengths in m, top in Hz."""
+    return ring(material, radius=0.5 * (radius + top_radius), thickness=thickness, length=height, top=top)
+''',
+    ),
+    (
+        "presets/schema.py",
+        '    "sphere": Shape(',
+        '    "cone": Shape(shapes.cone, dict.fromkeys(("radius", "top_radius", "height", "thickness"), LENGTH)),\n'
+        '    "sphere": Shape(',
     ),
 )
 
@@ -98,17 +185,106 @@ assert "looseness: 0 to 1; share of the force that is lost" in carom.Scene.roll.
 """
 
 
-def test_a_steerable_parameter_is_added_in_two_places_and_heard_everywhere(tmp_path):
-    package = tmp_path / "carom"
+GESTURES_ADDED = """
+import subprocess, sys
+import numpy as np
+import carom
+from carom.dsp.schema import GESTURES
+from carom.server.osc.oscquery import node
+from carom.server.osc.tables import table
+
+# a roll's parameter at every accuracy
+ROLL = "0 /object/new board church-bell\\n0 /object/board/roll 0.5 striker glass-marble surface wood seed 1"
+for accuracy in ("-40", "-60", "-80", "exact"):
+    plain, loose = (
+        carom.render(f"0 /accuracy {accuracy}\\n{ROLL}{keys}", seconds=0.5).samples for keys in ("", " looseness 0.5")
+    )
+    ratio = np.sqrt(np.mean(np.square(loose)) / np.mean(np.square(plain)))
+    assert abs(20 * np.log10(ratio) + 6.02) < 1.5, (accuracy, ratio)  # what yields answers half as much, too
+
+def blows(sound, seconds):
+    times = [each.start for each in sound.contacts]
+    waits = np.diff(times)
+    assert abs(len(times) - 40.0 * seconds) < 4.0 * np.sqrt(40.0 * seconds), len(times)
+    assert abs(np.std(waits) / np.mean(waits) - 1.0) < 0.3  # of exponential waits
+    assert {round(float(each.velocity), 6) for each in sound.contacts} == {0.5}
+
+# by a score, a scene and an object; it ends as it is stopped
+PATTER = "0 /object/new a steel-plate\\n0 /object/a/patter 0.5 striker steel rate 40 seed 3 id rain"
+blows(carom.render(PATTER, seconds=4.0, contacts=True), 4.0)
+blows(carom.render(PATTER + "\\n2 /gesture/rain/stop", seconds=4.0, contacts=True), 2.0)
+with carom.Scene(contacts=True) as scene:
+    plate = scene.new("a", "steel-plate")
+    plate.patter(0.5, striker="steel", rate=40, seed=3)
+    blows(scene.render(4.0), 4.0)
+    scene.patter("a", velocity=0.1, striker="steel", id="more")
+    scene.steer("more", rate=100.0)
+
+# a body that leans on another: the bell's sound is muted by a block that lies on it
+with carom.Scene() as scene:
+    bell, block = scene.new("bell", "church-bell"), scene.new("block", "wood-block")
+    bell.impact(1.0)
+    scene.render(0.5)
+    before = np.abs(scene.render(0.2).samples).max()
+    bell.lean(50.0, by="block", id="rest")
+    scene.render(2.0)
+    assert np.abs(scene.render(0.2).samples).max() < 0.5 * before
+    assert scene.render(0.1) is not None
+    scene.stop("rest")
+
+# over OSC
+words = [sys.executable, "-m", "carom", "serve", "--port", "0", "--device", "none"]
+server = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+port = int(server.stdout.readline().split(",")[0].rsplit(":", 1)[1])
+with carom.Client(port=port) as client:
+    client.new("a", "steel-plate")
+    client.patter("a", 0.5, rate=500, id="rain")
+    for _ in range(200):
+        client.ask("/sync", 1)
+    status = client.ask("/status")
+    assert "impacts" in str(status)
+    client.steer("rain", rate=20, velocity=1.0)
+    client.ask("/sync", 2)
+    client.ask("/quit")
+assert server.wait(timeout=20) == 0
+
+# described
+for name in ("patter", "lean"):
+    assert name in node("/object/a", {"ID": [], "NAME": ["a"]})["CONTENTS"], name
+    assert f"/object/NAME/{name}" in table()
+    assert getattr(carom.Client, name).__doc__ and getattr(carom.Object, name).__doc__
+assert "rate: 0.1 to 1000 Hz; of its blows, on average" in carom.Scene.patter.__doc__
+assert node("/gesture/rain/rate", {"ID": ["rain"], "NAME": []})["RANGE"] == [{"MIN": 0.1, "MAX": 1000.0}]
+from carom.presets.schema import SHAPES
+assert "cone" in SHAPES
+"""
+
+
+def patched(folder, *patches):
+    """Return a copy of the tree under a folder, with edits made."""
+    package = folder / "carom"
     shutil.copytree(ROOT / "clients" / "face", package)
-    for folder in ("dsp", "server", "clients", "presets"):
-        shutil.copytree(ROOT / folder, package / folder, ignore=shutil.ignore_patterns("__pycache__", "face"))
-    assert len(PATCH) <= 3
-    for name, anchor, replacement in PATCH:
-        text = (package / name).read_text()
-        assert text.count(anchor) == 1, (name, anchor)
-        (package / name).write_text(text.replace(anchor, replacement))
-    (tmp_path / "script.py").write_text(SCRIPT)
-    # A cache of its own: what an earlier run of this test compiled is not found.
-    env = os.environ | {"PYTHONPATH": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path / "cache")}
-    subprocess.run([sys.executable, "script.py"], cwd=tmp_path, env=env, check=True, timeout=300)
+    for name in ("dsp", "server", "clients", "presets"):
+        shutil.copytree(ROOT / name, package / name, ignore=shutil.ignore_patterns("__pycache__", "face"))
+    for name, anchor, replacement in (edit for patch in patches for edit in patch):
+        if anchor:
+            text = (package / name).read_text()
+            assert text.count(anchor) == 1, (name, anchor)
+            replacement = text.replace(anchor, replacement)
+        (package / name).write_text(replacement)
+    return package
+
+
+def run(folder, script):
+    """Run a script on the copy, with a cache of its own: what an earlier run compiled is not found."""
+    (folder / "script.py").write_text(script)
+    env = os.environ | {"PYTHONPATH": str(folder), "XDG_CACHE_HOME": str(folder / "cache")}
+    subprocess.run([sys.executable, "script.py"], cwd=folder, env=env, check=True, timeout=300)
+
+
+def test_a_gesture_a_parameter_and_a_shape_are_added_in_few_places_and_heard_everywhere(tmp_path):
+    assert len(PARAMETER) <= 3 and len(PATTER) <= 4 and len(LEAN) <= 4 and len(SHAPE) <= 2
+    assert sum(replacement.count("\n") - anchor.count("\n") for _, anchor, replacement in PATTER) <= 120
+    patched(tmp_path, PARAMETER, PATTER, LEAN, SHAPE)
+    run(tmp_path, SCRIPT)
+    run(tmp_path, GESTURES_ADDED)

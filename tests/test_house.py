@@ -122,3 +122,32 @@ def test_all_but_kernels_have_hints():
             if node not in inner and not hinted and not KERNELS.intersection(names):
                 found.append(f"{named(path)}:{node.lineno} {node.name}")
     assert found == []
+
+
+def kinds_compared(tree):
+    """Yield the lines in which the kind of a contact's gesture is compared with anything but another one's."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Compare):
+            sides = [node.left, *node.comparators]
+            of_gestures = [each for each in sides if isinstance(each, ast.Attribute) and is_kind(each)]
+            if of_gestures and len(of_gestures) < len(sides):
+                yield node.lineno
+
+
+def is_kind(node):
+    return node.attr == "what" or (node.attr == "kind" and "contact" in ast.unparse(node.value))
+
+
+@pytest.mark.parametrize("code", ["contact.kind == 2", "3 in (event.what, 1)", "state.contacts[i].kind != ROLL"])
+def test_a_comparison_of_a_gestures_kind_is_found(code):
+    assert list(kinds_compared(ast.parse(code))) == [1]
+
+
+def test_kernels_ask_traits_of_gestures_and_never_kinds():
+    """The one table by gesture, `gesture_kernels.py`, compares none: it is data."""
+    found = [
+        f"{path}:{line}"
+        for path in (ROOT / "dsp").rglob("*.py")
+        for line in kinds_compared(ast.parse(path.read_text()))
+    ]
+    assert not found

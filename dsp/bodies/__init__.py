@@ -5,6 +5,10 @@ are keywords, as many as the shape has: the names that a preset's TOML file give
 add what a shape lacks.
 """
 
+from importlib import import_module
+from importlib.util import find_spec
+from typing import Any
+
 from .added import Cavity, Noise, Partials
 from .bar import bar
 from .disc import disc, membrane
@@ -34,3 +38,12 @@ __all__ = [
     "sphere",
     "string",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Return the shape of a module that is not named above: the function that has the module's name."""
+    if name.startswith("_") or not find_spec(f"{__name__}.{name}"):
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    shape = getattr(import_module(f"{__name__}.{name}"), name)
+    globals()[name] = shape  # importing has put the module there
+    return shape

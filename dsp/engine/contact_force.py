@@ -12,6 +12,7 @@ from ..contact.sampled import begin_sampled, step_sampled
 from ..native.jit import kernel, noinline_kernel
 from ..numerics.legendre import FINE, MOMENTS, add_held
 from ..resonator.bank import inject, inject_fine, observe, receptance
+from ..rolling.body import share_of
 from .contact_list import take_room_again
 from .coupled_rolls import lead_roll
 from .fade import note_force
@@ -189,8 +190,8 @@ def apply_contact_force(state, contact, frame):
 def gain_of(state, contact):
     """Return the factor on the force that the modes get: the gesture's gain, and what is left of a roll that has
     stopped."""
-    fade = state.rolls[contact.roll].fade if contact.trait.rolls == 1 else 1.0
-    return contact.now.gain * fade
+    share = share_of(state.rolls[contact.roll]) if contact.trait.rolls == 1 else 1.0
+    return contact.now.gain * share
 
 
 @kernel

@@ -88,5 +88,7 @@ def test_values_are_steered_together():
 
 
 def test_a_client_loads_neither_numpy_nor_the_engine():
-    script = "import sys, carom.clients.client; print(*{'numpy', 'numba', 'scipy', 'carom.dsp.engine'} & sys.modules.keys())"
+    script = (
+        "import sys, carom.clients.client; print(*{'numpy', 'numba', 'scipy', 'carom.dsp.engine'} & sys.modules.keys())"
+    )
     assert subprocess.check_output([sys.executable, "-c", script], text=True).strip() == ""
