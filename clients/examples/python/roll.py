@@ -1,4 +1,4 @@
-"""A marble on a pane of glass, pushed to and fro and caught; balls dropped after it. Usage: roll.py [PORT]"""
+"""A steel ball on a pane of glass, pushed to and fro and caught; balls dropped after it. Usage: roll.py [PORT]"""
 
 import math
 import sys
@@ -9,15 +9,15 @@ from carom.server.osc.wire import DEFAULT_PORT
 
 port = int(sys.argv[1]) if len(sys.argv) > 1 else DEFAULT_PORT
 with Client(port=port) as carom:
-    carom.new("pane", "glass-plate", gain=20)
-    carom.roll("pane", 0.1, 0.2, striker="glass-marble", surface="glass", travel=0.6, id="marble")
+    carom.new("pane", "glass-plate")
+    carom.roll("pane", 0.1, 0.2, travel=0.6, id="bearing")
     start = time.monotonic()
     while (seconds := time.monotonic() - start) < 4.0:
-        carom.gesture("marble", "speed", 0.5 - 0.4 * math.cos(math.pi * seconds))
+        carom.gesture("bearing", "speed", 0.5 - 0.4 * math.cos(math.pi * seconds))
         time.sleep(0.02)  # changes glide: fifty a second are smooth
-    carom.gesture("marble", "speed", 0.0)
+    carom.gesture("bearing", "speed", 0.0)
     for ball in range(3):
-        carom.bounce("pane", 0.1 + 0.05 * ball, 0.3 + 0.1 * ball, striker="ping-pong", gain=-20, id=f"ball{ball}")
+        carom.bounce("pane", 0.1 + 0.05 * ball, 0.3 + 0.1 * ball, striker="ping-pong", id=f"ball{ball}")
     time.sleep(2.0)
     carom.gesture("ball*", "stop")
     carom.free("pane")
