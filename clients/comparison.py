@@ -98,9 +98,10 @@ def draw(found: Distance, picture: Path | io.BytesIO, names: tuple[str, str]) ->
         require_picture(picture)
     else:
         require_matplotlib()
-    from matplotlib import pyplot as plt
+    from matplotlib.figure import Figure
 
-    figure, axes = plt.subplots(2, 2, figsize=(11, 7), height_ratios=(1.5, 1))
+    figure = Figure(figsize=(11, 7))
+    axes = figure.subplots(2, 2, height_ratios=(1.5, 1))
     figure.subplots_adjust(0.06, 0.07, 0.98, 0.96, wspace=0.15, hspace=0.25)
     grids = [_spectrogram(samples, found.rate) for samples in (found.a, found.b)]
     highest = max(level.max() for _, _, level in grids)
@@ -118,7 +119,6 @@ def draw(found: Distance, picture: Path | io.BytesIO, names: tuple[str, str]) ->
         ax.legend()
     axes[1, 1].set(yscale="log")
     figure.savefig(picture, dpi=110, format=picture.suffix[1:].lower() if isinstance(picture, Path) else "png")
-    plt.close(figure)
 
 
 def require_page(page: Path) -> None:

@@ -9,8 +9,9 @@ from importlib.util import find_spec
 
 from ..dsp.runtime.engine import Engine
 from ..presets import PresetError, Presets
-from ..server.audio.portaudio import AudioError, devices
+from ..server.audio.portaudio import NONE_FOUND, AudioError, devices
 from ..server.net.network import RECEIVE_BUFFER, Network
+from ..server.options import ServeError
 from ..server.osc.wire import DEFAULT_PORT
 
 Finding = tuple[bool | None, str, str]
@@ -18,13 +19,14 @@ Finding = tuple[bool | None, str, str]
 
 
 def examine() -> Iterator[Finding]:
-    """Yield findings, one by one: engine, presets, devices, port, receive buffer, priority, matplotlib."""
+    """Yield findings, one by one: engine, presets, devices, port, receive buffer, priority, MIDI, matplotlib."""
     yield _engine()
     yield _presets()
     yield _sound()
     yield _port()
     yield _burst()
     yield _priority()
+    yield _midi()
     if find_spec("matplotlib"):
         yield True, "matplotlib: --plot, carom chart and pictures of fits work", ""
     else:
@@ -56,9 +58,22 @@ def _sound() -> Finding:
     except AudioError as error:
         return None, "no PortAudio: `carom serve` works with --device none only", str(error)
     if not found:
-        return None, "PortAudio found no device", "start JACK, PipeWire or PulseAudio, or `carom serve --device none`"
+        what, _, remedy = NONE_FOUND.partition(": ")
+        return None, f"sound: {what}", remedy
     default = next((d["name"] for d in found if d["default"]), found[0]["name"])
     return True, f"sound: {len(found)} devices, default {default}", ""
+
+
+def _midi() -> Finding:
+    if not find_spec("mido"):
+        return None, "no mido: no --midi", "pip install 'carom[midi]'"
+    from ..server.midi.ports import inputs
+
+    try:
+        return True, f"MIDI: {len(inputs())} inputs", ""
+    except ServeError as error:
+        what, _, remedy = str(error).removeprefix("midi: ").partition(": ")
+        return None, f"MIDI: {what}", remedy
 
 
 def _port() -> Finding:

@@ -42,22 +42,20 @@ def require_picture(picture: Path) -> None:
 def require_matplotlib() -> None:
     """Make matplotlib draw into files; raise PlotError, with the extra that brings it, if it is missing."""
     try:
-        import matplotlib
+        import matplotlib  # noqa: F401
     except ImportError as error:
         raise PlotError(f"pictures need matplotlib ({error}): pip install 'carom[plot]'") from error
-    matplotlib.use("Agg")
 
 
 def _plot(sound: Path, picture: Path, calibrated: bool) -> None:
-    from matplotlib import pyplot as plt
+    from matplotlib.figure import Figure
 
     samples, rate = soundfile.read(sound, always_2d=True)
     frames, channels = samples.shape
     names = _NAMES.get(channels, [f"channel {n}" for n in range(1, channels + 1)])
     heights = [1.0] * channels + [2.5] * channels
-    figure, axes = plt.subplots(
-        2 * channels, 1, figsize=(11, 1.5 + 3.5 * channels), height_ratios=heights, sharex=True, layout="constrained"
-    )
+    figure = Figure(figsize=(11, 1.5 + 3.5 * channels), layout="constrained")
+    axes = figure.subplots(2 * channels, 1, height_ratios=heights, sharex=True)
     time = np.arange(frames) / rate
     for name, wave, ax in zip(names, samples.T, axes, strict=False):
         ax.plot(time, wave, linewidth=0.4, color="#204060")
@@ -71,7 +69,6 @@ def _plot(sound: Path, picture: Path, calibrated: bool) -> None:
     axes[-1].set(xlabel="time (s)", xlim=(0, frames / rate))
     figure.colorbar(image, ax=axes[channels:], label="dB re 1 Pa" if calibrated else "dBFS")
     figure.savefig(picture, dpi=110)
-    plt.close(figure)
 
 
 def _spectrogram(wave: NDArray[np.float64], rate: int) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:

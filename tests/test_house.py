@@ -138,7 +138,7 @@ def is_kind(node):
     return node.attr == "what" or (node.attr == "kind" and "contact" in ast.unparse(node.value))
 
 
-@pytest.mark.parametrize("code", ["contact.kind == 2", "3 in (event.what, 1)", "state.contacts[i].kind != ROLL"])
+@pytest.mark.parametrize("code", ["contact.kind == 2", "event.what in (3, 1)", "state.contacts[i].kind != ROLL"])
 def test_a_comparison_of_a_gestures_kind_is_found(code):
     assert list(kinds_compared(ast.parse(code))) == [1]
 

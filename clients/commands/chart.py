@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from .parser import Command
-from .progress import shown_progress
+from .progress import Work, shown_progress
 
 
 def _options(parser: argparse.ArgumentParser) -> None:
@@ -20,7 +20,7 @@ def _options(parser: argparse.ArgumentParser) -> None:
 def _run(arguments: argparse.Namespace) -> int:
     from ..chart.run import FULL, QUICK, chart
 
-    with shown_progress(total=1.0) as show:
+    with shown_progress(Work("chart"), total=1.0) as show:
         for what, done in chart(arguments.folder, QUICK if arguments.quick else FULL):
             show(description=what, completed=done)
     print(arguments.folder / "index.html")

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from ..errors import tell
 from .parser import Command
-from .progress import at_work, shown_progress
+from .progress import Work, at_work, shown_progress
 
 
 def _options(parser: argparse.ArgumentParser) -> None:
@@ -29,7 +29,7 @@ def _run(arguments: argparse.Namespace) -> int:
     if arguments.page:
         require_page(arguments.page)
     names = (arguments.a.name, arguments.b.name)
-    with shown_progress(at_work, f"{names[0]} and {names[1]}"):
+    with shown_progress(Work("compare", at_work), f"{names[0]} and {names[1]}"):
         found, notes = compare(arguments.a, arguments.b)
         if arguments.plot:
             draw(found, arguments.plot, names)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from ..processors import processors
 from .options import add_presets, on_end
 from .parser import Command, whole
-from .progress import shown_progress
+from .progress import Work, shown_progress
 
 if TYPE_CHECKING:
     from rich.progress import ProgressColumn
@@ -54,7 +54,7 @@ def _run(arguments: argparse.Namespace) -> int:
     prepare()  # once, before the processes that share the compiled code
     interrupted = Event()
     on_end(interrupted.set)
-    with shown_progress(_columns) as show:
+    with shown_progress(Work("dataset", _columns, "items")) as show:
 
         def progress(done: int, count: int) -> None:
             show(completed=done, total=count)

@@ -8,13 +8,13 @@ from .parser import Command
 
 
 def _run(_: argparse.Namespace) -> int:
-    from ...server.audio.portaudio import AudioError, devices
+    from ...server.audio.portaudio import NONE_FOUND, AudioError, devices
 
     for text in _midi_inputs():
         print(text)
     found = devices()
     if not found:
-        raise AudioError("no device can play: start JACK, PipeWire or PulseAudio, or `carom serve --device none`")
+        raise AudioError(NONE_FOUND)
     for device in found:
         mark = "*" if device["default"] else " "
         what = f"{device['channels']} channels, {device['default_samplerate']:.0f} Hz"

@@ -32,7 +32,7 @@ def _run(arguments: argparse.Namespace) -> int:
     except AudioError as error:
         if arguments.device is not None:
             raise
-        print(f"carom page: {error}: the page plays the sound itself", file=sys.stderr)
+        print(f"carom page: the page plays the sound: {error}", file=sys.stderr)
     arguments.device = "page"
     return serve(arguments, show)
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from ..client import Client
 from .options import SCORE, add_server, client
 from .parser import Command
-from .progress import shown_progress
+from .progress import Work, shown_progress
 
 if TYPE_CHECKING:
     from rich.progress import ProgressColumn
@@ -31,7 +31,7 @@ def _run(arguments: argparse.Namespace) -> int:
         server.ask("/version")
         start = time.time() + 0.5
         last = lines[-1].time if lines else 0.0
-        with shown_progress(_columns, arguments.score, last) as show:
+        with shown_progress(Work("play", _columns, "s"), arguments.score, last) as show:
             for line in lines:
                 # Up to a second ahead: enough for the server to be in time, little to lose if it goes.
                 while (wait := start + line.time - time.time() - 1.0) > 0:

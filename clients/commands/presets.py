@@ -13,7 +13,7 @@ from ..errors import tell
 from ..folding import columns_of, folded
 from .options import add_presets
 from .parser import Command
-from .progress import shown_progress
+from .progress import Work, shown_progress
 
 if TYPE_CHECKING:
     from ...presets import Presets
@@ -117,7 +117,7 @@ def _check(files: Sequence[str], presets: Presets, as_json: bool) -> int:
     from ..preset_files import checked, files_in
 
     paths = [path for file in files for path in files_in(file)]
-    with shown_progress(description="checking", total=len(paths)) as show:
+    with shown_progress(Work("presets", unit="files"), "checking", len(paths)) as show:
         results = []
         for path in paths:
             results.append(checked(path, presets))

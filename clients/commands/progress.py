@@ -1,36 +1,82 @@
-"""A bar that shows how far a command has come, on a terminal alone."""
+"""How far a command has come: a bar on a terminal, elsewhere a line on stderr every few seconds."""
 
 import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
+from threading import Event, Thread
 from typing import TYPE_CHECKING, Any
+
+from ..errors import tell
 
 if TYPE_CHECKING:
     from rich.progress import ProgressColumn
 
+PERIOD = 5.0
+"""s between two lines, where stderr is no terminal; what takes less says nothing."""
+
+
+@dataclass(frozen=True)
+class Work:
+    """What a command does: its name, and how its progress is shown.
+
+    columns: makes rich's columns, its usual ones if there are none; rich is slow to load. unit: of what is completed,
+    where that is a count.
+    """
+
+    command: str
+    columns: Callable[[], Sequence["ProgressColumn"]] = tuple
+    unit: str = ""
+
 
 @contextmanager
-def shown_progress(
-    columns: Callable[[], Sequence["ProgressColumn"]] = tuple, description: str = "", total: float | None = None
-) -> Iterator[Callable[..., object]]:
-    """Show progress; yield a function that changes a bar's `completed`, `total` or `description`, and does nothing if
-    stderr is no terminal.
+def shown_progress(work: Work, description: str = "", total: float | None = None) -> Iterator[Callable[..., object]]:
+    """Show how far a command has come, and yield a function that changes `completed`, `total` or `description`."""
+    with _on_terminal(work, description, total) if sys.stderr.isatty() else _in_lines(work, description, total) as show:
+        yield show
 
-    columns: makes rich's columns, its usual ones if there are none; rich is slow to load.
-    """
-    if not sys.stderr.isatty():  # a bar that is off writes an empty line, up to rich 14
-        yield lambda **changes: None
-        return
+
+@contextmanager
+def _on_terminal(work: Work, description: str, total: float | None) -> Iterator[Callable[..., object]]:
     from rich.console import Console
     from rich.progress import Progress
 
-    with Progress(*columns(), console=Console(stderr=True), transient=True) as bar:
+    with Progress(*work.columns(), console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(description, total=total)
 
         def change(**changes: Any) -> None:
             bar.update(task, **changes)
 
         yield change
+
+
+@contextmanager
+def _in_lines(work: Work, description: str, total: float | None) -> Iterator[Callable[..., object]]:
+    state: dict[str, Any] = {"description": description, "total": total, "completed": 0}
+    ended, begun = Event(), time.monotonic()
+
+    def say() -> None:
+        while not ended.wait(PERIOD):
+            tell(work.command, _line(**state, unit=work.unit, elapsed=time.monotonic() - begun))
+
+    teller = Thread(target=say, name="carom-progress", daemon=True)
+    teller.start()
+    try:
+        yield lambda **changes: state.update(changes)
+    finally:
+        ended.set()
+        teller.join()
+
+
+def _line(description: str, completed: float, total: float | None, unit: str, elapsed: float) -> str:
+    """Return the line that says how much is done after so many seconds."""
+    words = [f"{description}:"] if description else []
+    if unit:
+        words.append(f"{completed:.4g} of {total:g} {unit}" if total else f"{completed:.4g} {unit}")
+    elif total:
+        words.append(f"{completed / total:.0%}")
+    return " ".join([*words, f"after {elapsed:.0f} s"])
 
 
 def seconds_of_sound() -> "Sequence[ProgressColumn]":

@@ -11,7 +11,7 @@ from ..errors import tell
 from ..processors import processors
 from .options import RATE, SCORE, SWITCH, add_bank, add_contact, add_full_scale, add_presets, contact, on_end, switch
 from .parser import Command, number, one_of, whole
-from .progress import seconds_of_sound, shown_progress
+from .progress import Work, seconds_of_sound, shown_progress
 
 if TYPE_CHECKING:
     from rich.progress import ProgressColumn
@@ -24,6 +24,8 @@ FORMATS = ("16", "24", "float")
 """Formats of samples."""
 
 MOST_JOBS = 256
+
+_ONE = Work("render", seconds_of_sound, "s of sound")
 
 PEAK = -1.0
 """dBFS: of a render that is normalized, if nothing else is said."""
@@ -90,11 +92,11 @@ def _run(arguments: argparse.Namespace) -> int:
 
 
 def _render_one(task: Task, options: Options, presets: Presets, interrupted: Event) -> None:
-    """Carry out a task, with its progress in seconds of sound on a terminal."""
+    """Carry out a task, with its progress in seconds of sound."""
     from ..rendering import render_task
     from ..streams import score_name
 
-    with shown_progress(seconds_of_sound, score_name(task.score), options.seconds) as show:
+    with shown_progress(_ONE, score_name(task.score), options.seconds) as show:
 
         def progress(seconds: float) -> None:
             show(completed=seconds)
@@ -118,7 +120,7 @@ def _render_many(results: Iterator[Result], count: int) -> int:
     from ..streams import score_name
 
     failed = False
-    with shown_progress(_columns_of_many, total=count) as show:
+    with shown_progress(Work("render", _columns_of_many, "scores"), total=count) as show:
         for done, result in enumerate(results, start=1):
             show(completed=done)
             name = score_name(result.task.score)

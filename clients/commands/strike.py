@@ -5,7 +5,9 @@ import argparse
 from ..errors import tell
 from .options import RATE, add_full_scale, add_presets
 from .parser import Command, number, whole
-from .progress import seconds_of_sound, shown_progress
+from .progress import Work, seconds_of_sound, shown_progress
+
+_WORK = Work("strike", seconds_of_sound, "s of sound")
 
 
 def _options(parser: argparse.ArgumentParser) -> None:
@@ -35,7 +37,7 @@ def _run(arguments: argparse.Namespace) -> int:
         rate = device_rate(arguments.preset) if arguments.out is None else RATE
     options = Options(rate, seconds=arguments.seconds, full_scale=arguments.full_scale)
     prepare()  # before there is another progress bar
-    with shown_progress(seconds_of_sound, arguments.preset, arguments.seconds) as show:
+    with shown_progress(_WORK, arguments.preset, arguments.seconds) as show:
 
         def progress(seconds: float) -> None:
             show(completed=seconds)

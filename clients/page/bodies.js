@@ -161,7 +161,7 @@ function triangleBody(length, material) {
     g.fill();
   };
   return {
-    w: side, h: high, draw: (g) => triangle(g, corners, material), at: near, point: spot,
+    w: side, h: high, metres: length / 3, draw: (g) => triangle(g, corners, material), at: near, point: spot,
     cross: (g, p) => { g.fillStyle = g.strokeStyle; dot(g, p, 3); },
     glow: (g, p, _, style) => { g.fillStyle = style; dot(g, p, 5); },
   };
@@ -171,8 +171,8 @@ function triangleBody(length, material) {
  * between its points and its strike path. `metres`: its width; `key`: alike for those that look alike. */
 export function bodyOf({ shape, geometry, name, material }) {
   const body = shaped(shape, geometry, name, material);
-  const metres = geometry.length ?? (geometry.radius ? 2 * geometry.radius : SIZE);
-  return Object.assign(body, { metres, key: JSON.stringify([shape, geometry, name, material]) });
+  const metres = geometry.radius ? 2 * geometry.radius : geometry.length ?? SIZE; // a ring's length is across
+  return { metres, ...body, key: JSON.stringify([shape, geometry, name, material]) };
 }
 
 function shaped(shape, geometry, name, material) {
@@ -212,6 +212,9 @@ function barBody(geometry, size, name, material) {
   const length = pixels(size("length"));
   if (name === "triangle") return triangleBody(size("length"), material);
   const width = Math.max(12, length * Math.min(0.4, size("diameter", size("width", 0.02)) / size("length")));
-  if (name === "tuning-fork") return long(length * 1.35, width * 3.2, (g) => fork(g, length * 1.35, width * 3.2, material));
+  if (name === "tuning-fork") {
+    const [whole, wide] = [1.35 * length, 3.2 * width];
+    return { ...long(whole, wide, (g) => fork(g, whole, wide, material)), metres: 1.35 * size("length") };
+  }
   return long(length, width, (g) => bar(g, length, width, material, geometry));
 }

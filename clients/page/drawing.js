@@ -114,11 +114,11 @@ export function string(g, length, material) {
   g.globalAlpha = 1;
 }
 
-export function plate(g, length, width, material) {
-  const m = look(material);
+/** A flat body of rounded corners, with the grain of what has one. */
+function slab(g, length, width, corner, m, grained) {
   const path = () => {
     g.beginPath();
-    g.roundRect(-length / 2, -width / 2, length, width, 5);
+    g.roundRect(-length / 2, -width / 2, length, width, corner);
   };
   g.globalAlpha = m.alpha;
   shadowed(g, () => {
@@ -127,9 +127,14 @@ export function plate(g, length, width, material) {
     g.fill();
   });
   path();
-  if (m.alpha === 1) grain(g, length, width, m);
+  if (grained) grain(g, length, width, m);
   path();
   edged(g, m);
+}
+
+export function plate(g, length, width, material) {
+  const m = look(material);
+  slab(g, length, width, 5, m, m.alpha === 1);
   if (m.alpha < 1) {
     g.strokeStyle = "rgba(255,255,255,.5)";
     g.lineWidth = 2;
@@ -230,20 +235,7 @@ function through(g, r, { base, light, dark }) {
 /** A body of no known shape: a rounded block. */
 export function block(g, length, width, material) {
   const m = look(material);
-  const path = () => {
-    g.beginPath();
-    g.roundRect(-length / 2, -width / 2, length, width, width * 0.4);
-  };
-  g.globalAlpha = m.alpha;
-  shadowed(g, () => {
-    g.fillStyle = sheen(g, -length / 2, -width, length / 2, width, m);
-    path();
-    g.fill();
-  });
-  path();
-  if (m.wooden) grain(g, length, width, m);
-  path();
-  edged(g, m);
+  slab(g, length, width, width * 0.4, m, m.wooden);
 }
 
 export function ring(g, r, inner, material) {

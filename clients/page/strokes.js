@@ -9,13 +9,13 @@ const sanded = (force) => ({ gesture: "slide", keys: { striker: "sanding-block",
 
 /** The stroke of an object: its preset's roll or slide, else what suits its shape: {gesture, keys, usual}. */
 export function strokeOn({ preset, material }) {
-  const { shape, geometry, gestures = {} } = preset;
-  if (gestures.roll) return { gesture: "roll", keys: { surface: gestures.roll.surface } };
-  if (gestures.slide) return { gesture: "slide", keys: {}, usual: gestures.slide.speed };
+  const { shape, geometry, gestures: { roll, slide } = {} } = preset;
+  if (roll) return { gesture: "roll", keys: { surface: roll.surface } };
+  if (slide && shape === "bar" && slide.striker === "bow") return BALL; // a bar is bowed at one point of it
+  if (slide) return { gesture: "slide", keys: {}, usual: slide.speed };
   if (shape === "string") return sanded(20);
   if (shape === "membrane" || shape === "sphere") return sanded(100);
-  if (shape === "ring") return sanded(60);
-  if (shape === "bar" && geometry.diameter) return sanded(20);
+  if (shape === "ring" || (shape === "bar" && geometry.diameter)) return sanded(60);
   if (shape === "bar" && geometry.ends !== "cantilever" && !isWood(material)) return sanded(100);
   if (shape === "listed" && geometry.height > 0.3) return HEAVY;
   return shape === "plate" && isWood(material) ? ROUGHER : BALL;

@@ -89,7 +89,11 @@ def audible(frequency: Array, top: float) -> Indices:
 def loudest(modes: Modes, count: int) -> Modes:
     """Return the modes that a blow where each moves most makes radiate most, at most `count`: by (G phi)^2/sigma."""
     heard = (modes.pressure**2).sum(axis=0) * (modes.strike**2).max(axis=0) / modes.decay
-    keep = np.sort(np.argsort(-heard, kind="stable")[:count])
+    return selected(modes, np.sort(np.argsort(-heard, kind="stable")[:count]))
+
+
+def selected(modes: Modes, keep: npt.NDArray[Any]) -> Modes:
+    """Those of the audible modes that an index array or a mask keeps; all else of the body stays."""
     return replace(
         modes,
         frequency=modes.frequency[keep],

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .modes import Modes, Silent, Unheard
+from .modes import Modes, Silent, Unheard, selected
 
 _WIDER = 4.0  # times the highest frequency, for the next look
 _HIGHEST = 1e9  # Hz, of the last one: a grain of 10 µm has modes there
@@ -49,11 +49,4 @@ def _felt_above(modes: Modes, top: float) -> Modes:
     above = [each[..., ~heard] for each in (modes.frequency, modes.decay, modes.strike)]
     if modes.unheard is not None:
         above = [np.concatenate(pair, axis=-1) for pair in zip(above, modes.unheard, strict=True)]
-    return replace(
-        modes,
-        frequency=modes.frequency[heard],
-        decay=modes.decay[heard],
-        strike=modes.strike[:, heard],
-        pressure=modes.pressure[:, heard],
-        unheard=Unheard(*above),
-    )
+    return replace(selected(modes, heard), unheard=Unheard(*above))

@@ -90,12 +90,26 @@ def _heard(piece: Complex) -> Complex:
     return piece[: max(int(above[-1]) + width, _SHORTEST)] if above.size else piece
 
 
+def _covariance(piece: Complex, lags: int) -> Complex:
+    """Return sum_t x[i + t] x*[j + t] over a signal's copies, by i, j < lags.
+
+    A step up its diagonals is one product more at the beginning and one less at the end. What decays is summed from its
+    end on, so that little is rounded.
+    """
+    count = len(piece) - lags + 1
+    column = np.correlate(piece, piece[lags - 1 :], "valid")
+    found = np.empty((lags, lags), np.complex128)
+    found[:, -1], found[-1] = column, column.conj()
+    first, last = piece[: lags - 1], piece[count:]
+    steps = np.outer(first, first.conj()) - np.outer(last, last.conj())
+    for n in reversed(range(lags - 1)):
+        found[n, :-1] = found[n + 1, 1:] + steps[n]
+    return found
+
+
 def _rotation(pieces: list[Complex], lags: int) -> Complex:
     """Return the poles per decimated sample that span the signals' space, as many as rise above its noise."""
-    covariance = np.zeros((lags, lags), np.complex128)
-    for piece in pieces:
-        lagged = np.lib.stride_tricks.sliding_window_view(piece, len(piece) - lags + 1)
-        covariance += lagged @ lagged.conj().T
+    covariance = sum(_covariance(piece, lags) for piece in pieces)
     powers, vectors = np.linalg.eigh(covariance)
     powers, vectors = powers[::-1], vectors[:, ::-1]
     noise = np.median(powers[lags // 2 :])

@@ -17,7 +17,7 @@ from ...dsp.native.code import load
 from ...dsp.runtime.engine import Engine
 from ...dsp.runtime.handover import Handover
 from ...dsp.runtime.pacer import keep_pace
-from .portaudio import AudioError, give_up, jack_rate, never_end, portaudio
+from .portaudio import NONE_FOUND, AudioError, devices, give_up, jack_rate, never_end, portaudio
 
 _BLOCKS = {"none": 480, "page": 128}
 """Frames of a block without a device: short where pages hear it, as a message waits for the next block."""
@@ -102,6 +102,8 @@ class DeviceOutput:
         self._asked = "default" if device is None else str(device)
         self._api, self._own_rate = "", 0.0
         ffi = self._sd._ffi
+        if device is None and not devices():
+            raise AudioError(NONE_FOUND)
         try:
             found = self._sd.query_devices(device, "output")
             self._api = str(self._sd.query_hostapis(found["hostapi"])["name"])

@@ -10,6 +10,9 @@ from typing import Any
 
 _NO_START_SERVER = 1  # JACK's option
 
+NONE_FOUND = "no device can play: start JACK, PipeWire or PulseAudio, or `carom serve --device none`"
+"""Said where there is no output device."""
+
 _spent = threading.Event()
 """Set where PortAudio may not be touched again: its JACK server has gone, or a stream of it does not end."""
 

@@ -12,12 +12,13 @@ from ..discovery import in_parts
 from ..net.network import Source
 from ..net.remote import Doorway, Remote
 from ..osc.arguments import Refused, Values
-from ..osc.midi_verbs import BEND, PRESSURE
+from ..osc.midi_verbs import BEND, HIGHEST, LOWEST, PRESSURE
 from ..osc.wire import IMMEDIATELY, Message, encode_bundle, parse
 from ..scene.object_call import require_name
 from ..scene.session import Session
 from .controls import Control, Controls, control
 from .keys import Keys
+from .parts import MOST, Part, Parts
 
 if TYPE_CHECKING:
     from .ports import Ports
@@ -39,7 +40,7 @@ class Midi(Remote):
         self._doorway, self._objects, self._warn = doorway, session.objects, warn
         self._lock = threading.Lock()
         self._keys, self._controls = Keys(), Controls()
-        self._players: dict[int, str] = {}  # by channel, 0: of all others
+        self._parts = Parts()
         self._learning: tuple[Values, Source] | None = None
         self._learnt: deque[tuple[Control, Source]] = deque()
         self._dropped = self._told = 0
@@ -87,7 +88,7 @@ class Midi(Remote):
             channel = message.channel + 1
             if kind == "note_off" or message.velocity == 0:
                 return self._keys.release(channel, message.note)
-            name = self._player(channel)
+            name = self._player(channel, message.note)
             return self._keys.press(channel, name, message.note, message.velocity) if name else []
         if kind == "control_change":
             return self._controlled(message.control, message.channel + 1, message.value)
@@ -116,10 +117,9 @@ class Midi(Remote):
             self._learnt.append((learnt, source))
         return [each.message(share) for each in self._controls.of(controller, channel)]
 
-    def _player(self, channel: int) -> str:
-        """Return the object that plays the notes of a channel: the newest, where none was given; "" where there is
-        none."""
-        if name := self._players.get(channel) or self._players.get(0):
+    def _player(self, channel: int, note: int) -> str:
+        """Return the object that plays a note of a channel: the newest, where none was given; "" where there is none."""
+        if name := self._parts.player(channel, note):
             return name
         for name in reversed(list(self._objects)):
             with suppress(KeyError):  # it has just gone
@@ -157,9 +157,16 @@ class Midi(Remote):
     # Handlers of messages about MIDI.
 
     def _notes(self, values: Values, source: Source) -> Iterator[Message]:
-        require_name("object", values.words["object"])
+        name = values.words["object"]
+        require_name("object", name)
+        low, high = (
+            values.numbers.get(each.name, end) for each, end in ((LOWEST, LOWEST.low), (HIGHEST, HIGHEST.high))
+        )
+        if low > high:
+            raise Refused(f"low = {low:g}: expected at most high, {high:g}")
         with self._lock:
-            self._players[int(values.number("channel"))] = values.words["object"]
+            if not self._parts.add(Part(name, int(values.number("channel")), low, high)):
+                raise Refused(f"object = {name}: expected at most {MOST} parts of keyboards")
         yield Message("/done", ("/midi/notes",))
 
     def _learn(self, values: Values, source: Source) -> Iterator[Message]:

@@ -30,6 +30,8 @@ class Ports:
         self._hear = hear
         self._news: SimpleQueue[str] = SimpleQueue()
         self._ports: dict[str, Any] = {}  # by name; None: it has disappeared
+        if wanted:
+            _require_system()
         try:
             for each in wanted:
                 name = each if each == VIRTUAL else _found(each, inputs())
@@ -89,13 +91,21 @@ class Ports:
 
 def inputs() -> list[str]:
     """Return the names of all inputs that there are. ServeError where the system has no MIDI."""
-    if sys.platform == "linux" and "MIDO_BACKEND" not in os.environ and not os.path.exists(_SEQUENCER):
-        raise ServeError(f"midi: there is no {_SEQUENCER}: expected ALSA's sequencer")  # ALSA would print it, too
+    _require_system()
     try:
         names: list[str] = mido.get_input_names()
     except OSError as error:
         raise ServeError(f"midi: {str(error).rstrip('.')}") from None
     return names
+
+
+def _require_system() -> None:
+    """ServeError where Linux has no sequencer: ALSA would say so in lines of its own."""
+    if sys.platform == "linux" and "MIDO_BACKEND" not in os.environ and not os.path.exists(_SEQUENCER):
+        raise ServeError(
+            f"midi: there is no {_SEQUENCER}: expected ALSA's sequencer (as root: modprobe snd-seq), or JACK's MIDI: "
+            "MIDO_BACKEND=mido.backends.rtmidi/UNIX_JACK carom serve ..."
+        )
 
 
 def _found(wanted: str, names: Sequence[str]) -> str:

@@ -3,12 +3,14 @@
 from dataclasses import dataclass
 
 from ...dsp.schema import Parameter as Number
-from .arguments import Either, Refused, Verb, Word, shown
+from .arguments import Either, Note, Refused, Verb, Word, shown
 from .wire import Argument
 
 CHANNEL = Number("channel", 0, 16, "", "of MIDI; 0: any", default=0.0, whole=True)
 LOW = Number("low", -1e12, 1e12, "", "value at the controller's lowest place")
 HIGH = Number("high", -1e12, 1e12, "", "value at its highest one")
+LOWEST = Note("low", "the lowest note that it plays")
+HIGHEST = Note("high", "the highest one")
 BEND, PRESSURE = "bend", "pressure"
 
 
@@ -30,10 +32,10 @@ _ADDRESS = Word("address")
 MIDI = (
     Verb(
         "/midi/notes",
-        "has an object play the notes of a channel, as /object/NAME/note does. What no object was given plays the "
-        "newest one",
+        "has an object play the notes of a channel, or those from `low` to `high`, as /object/NAME/note does. What no "
+        "object was given plays the newest one",
         (Word("object"),),
-        keys=(CHANNEL,),
+        keys=(CHANNEL, LOWEST, HIGHEST),
         scored=False,
     ),
     Verb(

@@ -128,7 +128,7 @@ def test_own_presets_come_first(carom, tmp_path):
 def test_doctor_finds_this_machine_well(carom):
     run = carom("doctor")
     assert run.returncode == 0 and "FAIL" not in run.stdout
-    assert "receive buffer" in run.stdout
+    assert "receive buffer" in run.stdout and "MIDI" in run.stdout
     assert "engine:" in run.stdout and "32 objects" in run.stdout
 
 

@@ -186,6 +186,7 @@ def test_what_a_recording_cannot_tell_is_told(folder, tmp_path, capsys, name, sa
     assert says in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_sound_is_no_distance_from_itself(folder, tmp_path, capsys):
     ring, page, picture = str(folder / "ring.wav"), tmp_path / "a.html", tmp_path / "a.png"
     assert main(["compare", ring, ring, "--page", str(page), "--plot", str(picture)]) == 0

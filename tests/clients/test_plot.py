@@ -14,18 +14,22 @@ RATE = 48_000
 @pytest.fixture
 def drawn(monkeypatch):
     """Draw samples and return the axes."""
-    pyplot = pytest.importorskip("matplotlib.pyplot")
-    monkeypatch.setattr(pyplot, "close", lambda figure: None)
+    Figure = pytest.importorskip("matplotlib.figure").Figure
+    saved, save = [], Figure.savefig
+
+    def kept(figure, *args, **keys):
+        saved.append(figure)
+        save(figure, *args, **keys)
+
+    monkeypatch.setattr(Figure, "savefig", kept)
 
     def draw(samples: np.ndarray, folder: Path):
         soundfile.write(folder / "x.wav", samples, RATE, subtype="FLOAT")
         plotter(folder / "x.png")(folder / "x.wav")
         assert (folder / "x.png").read_bytes().startswith(b"\x89PNG")
-        return pyplot.gcf().axes
+        return saved[-1].axes
 
-    yield draw
-    monkeypatch.undo()
-    pyplot.close("all")
+    return draw
 
 
 @pytest.mark.slow

@@ -1,15 +1,20 @@
-"""The output that only a terminal gets: progress, and long lines folded to its width."""
+"""Output on a terminal: progress, and long lines folded to its width. Elsewhere progress is told in lines."""
 
 import fcntl
 import os
 import pty
+import re
 import struct
 import subprocess
 import termios
+import time
 from pathlib import Path
 
 import pytest
 
+from carom.clients.cli import main
+from carom.clients.commands import progress
+from carom.clients.commands.progress import Work, at_work, seconds_of_sound
 from carom.clients.folding import columns_of, folded
 from tests.support import CAROM
 
@@ -42,6 +47,50 @@ def test_what_takes_long_shows_its_progress(tmp_path):
     assert "s.wav and a.wav" in on_terminal(tmp_path, "compare", "s.wav", "a.wav")
     shown = on_terminal(tmp_path, "fit", "a.wav", "mine", "--name", "block", "--source", "", "--licence", "")
     assert "fitting block" in shown
+
+
+@pytest.mark.parametrize(
+    ("work", "begun", "change", "line"),
+    [
+        (
+            Work("render", seconds_of_sound, "s of sound"),
+            ("walk", 20.0),
+            {"completed": 7.5},
+            "walk: 7.5 of 20 s of sound",
+        ),
+        (Work("strike", seconds_of_sound, "s of sound"), ("gong",), {"completed": 7.5}, "gong: 7.5 s of sound"),
+        (Work("dataset", unit="items"), (), {"completed": 3, "total": 64}, "3 of 64 items"),
+        (Work("chart"), ("", 1.0), {"completed": 0.345, "description": "friction"}, "friction: 34%"),
+        (Work("fit", at_work), ("fitting bowl",), {}, "fitting bowl:"),
+    ],
+)
+def test_where_there_is_no_terminal_a_line_tells_of_progress_now_and_then(
+    capsys, monkeypatch, work, begun, change, line
+):
+    monkeypatch.setattr(progress, "PERIOD", 0.05)
+    with progress.shown_progress(work, *begun) as show:
+        show(**change)
+        time.sleep(0.13)
+    told = capsys.readouterr()
+    assert told.err.splitlines() == [f"carom {work.command}: {line} after 0 s"] * 2 and told.out == ""
+    time.sleep(0.1)
+    with progress.shown_progress(work, *begun):
+        pass
+    assert capsys.readouterr().err == ""  # what is soon done says nothing
+
+
+@pytest.mark.slow
+def test_commands_tell_of_their_progress_where_there_is_no_terminal(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(progress, "PERIOD", 0.01)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "s.txt").write_text("0 /object/new a wood-block\n0.01 /object/a/impact 1\n")
+    for words, line in (
+        ("render s.txt s.wav --seconds 60", r"carom render: s.txt: [\d.]+ of 60 s of sound after 0 s"),
+        ("fit s.wav mine --name block", r"carom fit: fitting block: after \d s"),
+        ("dataset bars bars --count 8 --workers 1", r"carom dataset: [08] (of 8 )?items after \d s"),
+    ):
+        assert main(words.split()) == 0
+        assert re.search(f"^{line}$", capsys.readouterr().err, flags=re.M), words
 
 
 @pytest.mark.slow

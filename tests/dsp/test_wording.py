@@ -37,6 +37,7 @@ def test_an_error_asks_or_lists():
     assert expected("colour", many).endswith("word62, word63 and 1,936 more")
 
 
+@pytest.mark.slow
 @given(st.text(max_size=80), st.lists(st.text(max_size=80), max_size=8))
 def test_any_text_is_compared(word, known):
     assert set(near(word, known)) <= set(known)

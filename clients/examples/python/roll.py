@@ -15,7 +15,7 @@ with Client(port=port) as carom:
     while (seconds := time.monotonic() - start) < 4.0:
         carom.gesture("marble", "speed", 0.8 - 0.6 * math.cos(math.pi * seconds))
         time.sleep(0.02)  # changes glide: fifty a second are smooth
-    carom.gesture("marble", "speed", 0.0)
+    carom.gesture("bearing", "speed", 0.0)
     for ball in range(3):
         carom.bounce("pane", 0.05 + 0.02 * ball, 0.3 + 0.1 * ball, striker="ping-pong", id=f"ball{ball}")
     time.sleep(2.0)

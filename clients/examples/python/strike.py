@@ -8,11 +8,11 @@ from carom.server.osc.wire import DEFAULT_PORT
 
 port = int(sys.argv[1]) if len(sys.argv) > 1 else DEFAULT_PORT
 with Client(port=port) as carom:
-    carom.new("bell", "church-bell")
+    carom.new("tower", "church-bell")
     start = time.time() + 0.1  # a little ahead, so that the time tags and not the network set the rhythm
     for beat, velocity in enumerate((0.3, 1.0, 3.0)):
         with carom.bundle(at=start + beat):
-            carom.impact("bell", velocity)
+            carom.impact("tower", velocity)
     time.sleep(5.0)
-    carom.damp("bell", 1.0)
-    carom.free("bell")
+    carom.damp("tower", 1.0)
+    carom.free("tower")

@@ -97,6 +97,7 @@ def test_a_contact_is_between_its_bodies(a, b, radius):
     assert contact_between(b, a, radius) == pytest.approx((stiffness, dissipation, exponent), rel=1e-12)
 
 
+@pytest.mark.slow
 @given(materials, materials, st.floats(0.01, 1))
 def test_each_body_loses_its_share_of_the_energy(a, b, v):
     """The composite restitution of the energies, with the bounds that the docstring states at 1 m/s."""

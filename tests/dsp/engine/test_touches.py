@@ -81,6 +81,7 @@ def check(found, right, blow, slip, share):
         assert mine.impulse == pytest.approx(theirs.impulse, rel=0, abs=share * blow.m * blow.v_in)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("accuracy", LEVELS)
 @pytest.mark.parametrize("name", BLOWS)
 def test_each_touch_is_that_of_dop853(name, accuracy):
@@ -93,6 +94,7 @@ def test_each_touch_is_that_of_dop853(name, accuracy):
     assert engine.stats.impacts + engine.stats.recontacts == len(right)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [22_050.0, 44_100.0, 96_000.0, 192_000.0])
 def test_a_touch_is_the_same_at_any_rate(rate):
     modal_mass, blow = BLOWS["light"]
@@ -110,6 +112,7 @@ def test_touches_have_the_same_bits_in_blocks_of_any_size():
     assert entries(QUANTUM) == entries(1) == entries(480)
 
 
+@pytest.mark.slow
 def test_a_body_that_bounces_on_a_yielding_object_is_told_touch_by_touch():
     """The body comes within 1 µs of DOP853 under gravity from each of its first flights, and as fast within 0.1 %."""
     blow = Blow(3.25 / RATE, 0.25, 0.002, 1e7, 0.1, 1.5, 0.002 * STANDARD_GRAVITY)

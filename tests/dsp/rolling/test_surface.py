@@ -53,6 +53,7 @@ def test_a_place_has_its_height_whenever_it_is_read():
     assert np.abs(surface.heights(make(seed=8), places) - z).min() > 0.0
 
 
+@pytest.mark.slow
 def test_smooth_and_within_its_bound_far_from_the_origin():
     ground = make(seed=2)
     bound = lattice.CREST * ground["height"].sum()
@@ -63,6 +64,7 @@ def test_smooth_and_within_its_bound_far_from_the_origin():
         assert np.abs(np.diff(z)).max() < 4 * np.abs(ground["height"]).max() / 10
 
 
+@pytest.mark.slow
 def test_a_surface_does_not_repeat_itself():
     ground = make(seed=4)
     step = 2**12

@@ -167,6 +167,15 @@ def test_alsa_writes_what_a_render_gives(tmp_path):
     assert_heard(np.fromfile(raw, np.float32).reshape(-1, 2), expected)
 
 
+def test_a_machine_without_devices_is_told_what_to_do(monkeypatch):
+    pytest.importorskip("sounddevice", exc_type=OSError)
+    from carom.dsp.runtime.engine import Engine
+
+    monkeypatch.setattr("carom.server.audio.outputs.devices", lambda: [])
+    with pytest.raises(AudioError, match=r"^no device can play: start JACK, .* `carom serve --device none`$"):
+        open_output(Engine(48_000), None, 0)
+
+
 def test_no_such_device():
     pytest.importorskip("sounddevice", reason="PortAudio is not installed", exc_type=OSError)
     from carom.dsp.runtime.engine import Engine

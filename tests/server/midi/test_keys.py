@@ -83,6 +83,34 @@ def test_channels_play_what_they_were_given(played):
     assert played.play(0x95, 60, 9) == [("/object/bar/note", 60, 9)]
 
 
+def test_a_keyboard_is_split(played):
+    """The newest part that holds a note plays it; one that covers another takes its place."""
+    say(played.session, "/object/new", "glass", "wine-glass")
+    say(played.session, "/object/new", "bell", "church-bell")
+
+    def players(*notes, channel=0):
+        return [each[0].split("/")[2] for note in notes for each in played.play(0x90 + channel, note, 9)]
+
+    played.ask("/midi/notes", "bar", "high", "B3")
+    assert players(0, 59, 60) == ["bar", "bar", "bell"]  # the newest object plays what none was given
+    played.ask("/midi/notes", "glass", "low", 60, "high", 71)
+    assert players(59, 60, 71, 72) == ["bar", "glass", "glass", "bell"]
+    played.ask("/midi/notes", "bell", "low", "E4", "high", "E4")
+    played.ask("/midi/notes", "bell", "channel", 2, "low", 59)
+    assert players(63, 64, 65) == ["glass", "bell", "glass"] and players(58, 59, channel=1) == ["bar", "bell"]
+    played.ask("/midi/notes", "bar")
+    assert players(60, 64, 72) == ["bar", "bar", "bar"] and players(60, channel=1) == ["bell"]
+
+
+def test_so_many_parts_of_keyboards_and_no_more(played):
+    for note in range(127):
+        played.ask("/midi/notes", "bar", "low", note, "high", note)
+    played.ask("/midi/notes", "bar", "channel", 1)
+    with pytest.raises(Refused, match="at most 128 parts"):
+        played.ask("/midi/notes", "bar", "channel", 2)
+    played.ask("/midi/notes", "bar", "low", 3, "high", 3)
+
+
 def test_without_a_pedal_what_is_struck_rings_on(played):
     assert played.play(0x90, 60, 100, 0x80, 60, 0, 0x90, 62, 50, 62, 0) == [
         ("/object/bar/note", 60, 100), ("/object/bar/note", 62, 50),
@@ -181,6 +209,8 @@ def test_a_pedal_that_is_bound_is_a_controller(played):
         ("/midi/control", (128, "/gain"), "controller = 128: "),
         ("/midi/forget", ("address", "/gain"), "address = /gain: no controller sets it"),
         ("/midi/notes", ("a/b",), "object = a/b: expected"),
+        ("/midi/notes", ("bar", "low", "C5", "high", "C4"), "low = 72: expected at most high, 60"),
+        ("/midi/notes", ("bar", "low", 128), "low = 128: expected a MIDI number from 0 to 127, or a name such as C#4"),
     ],
 )
 def test_what_is_wrong_is_named(played, address, args, reason):

@@ -1,13 +1,20 @@
 """MIDI as a process hears it: bytes of a cable in, sound and a log out."""
 
 import os
+import socket
+import subprocess
+import sys
 import time
+from contextlib import ExitStack, closing
 from pathlib import Path
 
 import numpy as np
 import pytest
 import soundfile
 
+from carom import Client
+from carom.server.midi.ports import Ports
+from carom.server.options import ServeError
 from carom.server.osc.score import read
 from tests.server.support import counted
 from tests.support import render_lines, serving
@@ -93,6 +100,42 @@ def test_an_input_that_is_not_there_is_told_with_those_that_are(cable, carom, mo
     assert "midi = Piano: expected one of Fake Keys MIDI 1 20:0, virtual" in run.stderr
     pipe.unlink()
     assert "midi = 3: expected one of virtual" in carom(*words, "3").stderr
+
+
+@pytest.mark.parametrize("wanted", ["virtual", "0", "Piano"])
+def test_a_system_without_a_sequencer_is_told_in_one_line_with_what_to_do(capfd, monkeypatch, wanted):
+    monkeypatch.delenv("MIDO_BACKEND", raising=False)
+    monkeypatch.setattr("carom.server.midi.ports._SEQUENCER", "/nowhere/seq")
+    monkeypatch.setattr("sys.platform", "linux")
+    with pytest.raises(ServeError, match=r"no /nowhere/seq: expected ALSA's sequencer .*modprobe.*UNIX_JACK"):
+        Ports([wanted], print)
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.slow
+def test_the_example_for_midi_plays(tmp_path, cable):
+    env, pipe = cable
+    env["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), env["PATH"]])
+    with closing(socket.socket(type=socket.SOCK_DGRAM)) as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    words = ["sh", str(ROOT / "clients" / "examples" / "shell" / "midi.sh"), "fake keys", str(port), "--device", "none"]
+    with (
+        subprocess.Popen(words, env=env, cwd=tmp_path, stdout=subprocess.PIPE, text=True) as script,
+        ExitStack() as stack,
+    ):
+        stack.callback(script.terminate)
+        said = [script.stdout.readline() for _ in range(6)]
+        assert said[0].startswith(f"carom listens on 127.0.0.1:{port}") and said[-1].startswith("/done /midi/learn")
+        with Client(port=port) as client, pipe.open("wb", buffering=0) as keys:
+            keys.write(bytes([0x90, 59, 90, 0x90, 60, 90, 0xB0, 74, 0, 0xB0, 74, 127]))
+            until(lambda: {"marimba.59", "bell.60"} <= set(client.ask("/objects").args))
+            until(lambda: counted(client.status())["impacts"] == 2)
+            assert client.ask("/midi/controls").args[2:] == (
+                "74", 0, "/object/*/decay", pytest.approx(0.1), 2.0,
+            )  # fmt: skip
+            client.send("/quit")
+        assert script.wait(10) == 0
 
 
 @pytest.mark.slow

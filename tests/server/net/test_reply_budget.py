@@ -21,6 +21,7 @@ def test_a_host_elsewhere_gets_three_times_the_bytes_it_sent(monkeypatch):
     assert all(rations.take(host, 1 << 20) for host in ["127.0.0.1", "::1"] for _ in range(5000))
 
 
+@pytest.mark.slow
 def test_hosts_that_are_too_many_share_what_they_sent_and_take_nothing_from_those_that_were_first(monkeypatch):
     now = 100.0
     monkeypatch.setattr(reply_budget.time, "monotonic", lambda: now)
