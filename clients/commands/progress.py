@@ -1,4 +1,4 @@
-"""How far a command has come: a bar on a terminal, elsewhere a line on stderr every few seconds."""
+"""Progress of a command: a bar on a terminal, elsewhere a line on stderr every few seconds."""
 
 import sys
 import time
@@ -19,7 +19,7 @@ PERIOD = 5.0
 
 @dataclass(frozen=True)
 class Work:
-    """What a command does: its name, and how its progress is shown.
+    """The work of a command: its name, and the form of its progress.
 
     columns: makes rich's columns, its usual ones if there are none; rich is slow to load. unit: of what is completed,
     where that is a count.

@@ -93,7 +93,7 @@ def loudest(modes: Modes, count: int) -> Modes:
 
 
 def selected(modes: Modes, keep: npt.NDArray[Any]) -> Modes:
-    """Those of the audible modes that an index array or a mask keeps; all else of the body stays."""
+    """Return the body with the audible modes that an index array or a mask keeps."""
     return replace(
         modes,
         frequency=modes.frequency[keep],

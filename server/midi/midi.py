@@ -118,7 +118,7 @@ class Midi(Remote):
         return [each.message(share) for each in self._controls.of(controller, channel)]
 
     def _player(self, channel: int, note: int) -> str:
-        """Return the object that plays a note of a channel: the newest, where none was given; "" where there is none."""
+        """Return the object that plays a note of a channel: the newest if none was given; "" if none is there."""
         if name := self._parts.player(channel, note):
             return name
         for name in reversed(list(self._objects)):

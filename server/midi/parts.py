@@ -1,4 +1,4 @@
-"""Which object plays which notes of which channel."""
+"""Parts of keyboards: the objects that play notes, by channel and range."""
 
 from dataclasses import dataclass
 

@@ -100,7 +100,7 @@ def inputs() -> list[str]:
 
 
 def _require_system() -> None:
-    """ServeError where Linux has no sequencer: ALSA would say so in lines of its own."""
+    """Raise ServeError where Linux has no sequencer: ALSA would say so in lines of its own."""
     if sys.platform == "linux" and "MIDO_BACKEND" not in os.environ and not os.path.exists(_SEQUENCER):
         raise ServeError(
             f"midi: there is no {_SEQUENCER}: expected ALSA's sequencer (as root: modprobe snd-seq), or JACK's MIDI: "

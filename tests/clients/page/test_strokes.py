@@ -44,7 +44,7 @@ def drawn(table: Table, name: str) -> str:
 
 
 def louder(table: Table, name: str) -> float:
-    """How much louder (LU) a drag over an object is than its strike."""
+    """Return how much louder (LU) a drag over an object is than its strike."""
     preset = Presets().object(name)
     made = f"0 /object/new {name} {name}\n0 /limiter off"
     blow = f"0.1 /object/{name}/impact {preset.velocity} {preset.position}\n{DRAWN_FROM - 0.1} /panic"
@@ -54,7 +54,7 @@ def louder(table: Table, name: str) -> float:
 
 
 def names() -> list[str]:
-    """The objects whose stroke the page chooses, and some that roll or slide as their presets say."""
+    """Return the objects whose stroke the page chooses, and some that roll or slide as their presets say."""
     chosen = [
         name for name in Presets().names("objects") if not {"roll", "slide"} & set(Presets().object(name).gestures)
     ]
