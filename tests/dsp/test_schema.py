@@ -14,14 +14,13 @@ from carom.dsp.schema import (
     GESTURES,
     PRESS,
     SETTINGS,
-    STATS,
     STEERABLE,
-    STEERED,
     STRIKE,
     Parameter,
     Stats,
     gestures_steered_by,
 )
+from carom.dsp.schema_records import STATS, STEERED
 
 PARAMETERS = [
     *((gesture.name, each) for gesture in GESTURES.values() for each in (gesture.argument, *STRIKE, *gesture.keys)),
