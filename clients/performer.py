@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..dsp.bodies.modes import Modes
-from ..dsp.engine.capacity import MODES, OBJECTS, STEMS
-from ..dsp.engine.commands import COMMAND, Handle, write
-from ..dsp.engine.state import TRACE
+from ..dsp.engine.memory.capacity import MODES, OBJECTS, STEMS
+from ..dsp.engine.memory.commands import COMMAND, Handle, write
+from ..dsp.engine.memory.state import TRACE
 from ..dsp.runtime.arena import EngineFull
 from ..dsp.runtime.engine import NOW, Engine
 from ..dsp.schema import SETTINGS

@@ -1,6 +1,6 @@
 """Every gesture, parameter, setting and counter of the engine, declared once.
 
-From these declarations come the engine's records (engine/commands.py, engine/state.py), the check of OSC messages, the
+From these declarations come the engine's records (`engine/memory`), the check of OSC messages, the
 addresses that steer gestures, OSCQuery's ranges, the ranges of presets, the methods' keys in Python and the tables in
 the documentation. To add a parameter to a gesture, add it to the gesture's `keys` here and read it in the kernel.
 """

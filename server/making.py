@@ -10,7 +10,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from ..dsp.engine.capacity import OBJECTS
+from ..dsp.engine.memory.capacity import OBJECTS
 from ..dsp.runtime.arena import EngineFull
 from ..presets import PresetError, Presets
 from .osc.addresses import Call

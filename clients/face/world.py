@@ -20,7 +20,7 @@ from .clients.actions import CommandError
 from .clients.client import Client
 from .clients.performer import Folders, Performer, chosen
 from .dsp.bodies.material import CONTACT_RADIUS
-from .dsp.engine.state import QUANTUM
+from .dsp.engine.memory.state import QUANTUM
 from .dsp.resonator.bank import NYQUIST_SHARE
 from .dsp.runtime.batch import Batch
 from .dsp.runtime.telling import PER_BLOW, tell

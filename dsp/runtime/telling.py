@@ -9,10 +9,10 @@ from ctypes import c_int64, c_void_p
 
 import numpy as np
 
-from ..engine.commands import COMMAND, KIND_IMPACT, KIND_PLACE, KIND_SLIDE, KIND_STEER, KIND_STOP
-from ..engine.state import EVENTS as WAITING
-from ..engine.state import QUEUE, RING
-from ..engine.state import STATE as ENGINE
+from ..engine.memory.commands import COMMAND, KIND_IMPACT, KIND_PLACE, KIND_SLIDE, KIND_STEER, KIND_STOP
+from ..engine.memory.state import EVENTS as WAITING
+from ..engine.memory.state import QUEUE, RING
+from ..engine.memory.state import STATE as ENGINE
 from ..native.atomics import load_acquire, store_release
 from ..native.jit import c_function, carray, kernel, noinline_kernel
 from ..native.pointers import load_address, load_double, load_int32, pointer_to

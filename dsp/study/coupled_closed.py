@@ -10,9 +10,9 @@ import numpy as np
 from numba import njit
 
 from ..contact.closed_form import advance_pulse
-from ..engine.contact_force import begin_contact
-from ..engine.contact_list import release_modes
-from ..engine.state import COUPLING, new_state
+from ..engine.contacts.contact_force import begin_contact
+from ..engine.contacts.contact_list import release_modes
+from ..engine.memory.state import COUPLING, new_state
 from ..numerics.checks import Array
 from ..resonator.bank import inject
 from .coupled import NOT_KEPT, Bank, Case, Run, bank_of, motion_and_energy, restart, ring_on

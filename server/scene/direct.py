@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from ...dsp.engine.commands import COMMAND, Kind
+from ...dsp.engine.memory.commands import COMMAND, Kind
 from ...dsp.schema import STEERABLE
 from ..osc.wire import Message
 from ..world.requests import Blow, Ending, Gains, Request, Said, Slide, Steering

@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from ...dsp.engine.commands import Command
-from ...dsp.engine.state import RING
+from ...dsp.engine.memory.commands import Command
+from ...dsp.engine.memory.state import RING
 from ...dsp.runtime.arena import EngineFull
 from ...dsp.runtime.engine import NOW, Engine
 from ...presets import PresetError, Presets

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar, cast
 
-from ...dsp.engine.commands import Command
+from ...dsp.engine.memory.commands import Command
 from ...dsp.runtime.engine import Engine
 from ...dsp.wording import suggestion
 from ...presets import NoPreset, Presets

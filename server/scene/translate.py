@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable
 from itertools import islice
 
-from ...dsp.engine.commands import Command, Kind
+from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.numerics.constants import STANDARD_GRAVITY
 from ...dsp.runtime.engine import NOW
 from ...dsp.schema import BOUNCE, GAIN, GESTURES, ROLL, SETTINGS, SLIDE, SPIN, STEERABLE, STRIKE, Gesture

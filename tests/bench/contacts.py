@@ -12,8 +12,8 @@ from carom.dsp.bodies.modes import Modes
 from carom.dsp.contact.accuracy import LEVELS
 from carom.dsp.contact.coupled_step import HELD
 from carom.dsp.contact.pulse import contact_time
-from carom.dsp.engine.commands import Command, Kind
-from carom.dsp.engine.state import QUANTUM
+from carom.dsp.engine.memory.commands import Command, Kind
+from carom.dsp.engine.memory.state import QUANTUM
 from carom.dsp.native.atomics import publish
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.dsp.study.comparison import touched

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from carom.dsp.bodies.modes import Modes
-from carom.dsp.engine.commands import Command, Kind
-from carom.dsp.engine.state import Quality
+from carom.dsp.engine.memory.commands import Command, Kind
+from carom.dsp.engine.memory.state import Quality
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.dsp.schema import LAW
 from carom.dsp.study.rubbed import bowed_string

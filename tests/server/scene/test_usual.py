@@ -2,7 +2,7 @@
 
 import pytest
 
-from carom.dsp.engine.commands import Kind
+from carom.dsp.engine.memory.commands import Kind
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
 from carom.presets import Presets
 from tests.server.scene.support import refusal, say
