@@ -33,7 +33,7 @@ EDITS = {
     "runtime": ("dsp/runtime/callback.py", "flush_denormals()", "flush_denormals() + 0"),
     "a comment": ("dsp/contact/law.py", "import math\n", "import math  # of Python\n"),
     "a field more in a record": (
-        "dsp/engine/memory/contact_record.py",
+        "dsp/engine/memory/records.py",
         "CONTACT = np.dtype(\n    [\n",
         'CONTACT = np.dtype(\n    [\n        ("planted", np.float64),\n',
     ),

@@ -7,8 +7,8 @@ subtracted.
 from ...native.jit import kernel
 from ...resonator.bank import Modes, ring
 from ..memory.capacity import OBJECTS
+from ..memory.records import TAIL_MODES
 from ..memory.state import QUANTUM
-from ..memory.tails_record import TAIL_MODES
 from ..output.mix import sides_of
 
 

@@ -18,8 +18,8 @@ from ...numerics.random import STEP, mixed
 from ...resonator.bank import Point, inject, inject_fine, inject_kept, ring, ring_alike, state_of
 from ...resonator.simd import LANES
 from ..memory.commands import KIND_BOUNCE, KIND_SPIN
-from ..memory.contact_record import RIM
 from ..memory.quality import silence_of
+from ..memory.records import RIM
 from ..memory.state import BEHIND, COUPLING, ROLLING
 from ..memory.striker_state import VOICES
 from ..output.fade import fade_length, going_on, left_of, pace_of, tilt_of

@@ -21,7 +21,7 @@ from ...schema import SPEED
 from ..bodies.objects import modes_of, place, shapes_of
 from ..memory.commands import KIND_PRESS
 from ..memory.quality import holds_steps
-from ..memory.slide_record import SLID
+from ..memory.records import SLID
 from ..memory.state import QUANTUM
 from .contact_force import find_static
 from .coupled_rolls import position_of

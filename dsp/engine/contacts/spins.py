@@ -16,7 +16,7 @@ import math
 import numpy as np
 
 from ...native.jit import kernel
-from ..memory.contact_record import RIM
+from ..memory.records import RIM
 from ..memory.state import END_RESTED, END_STOPPED
 from .contact_list import next_random, release_modes, report_end, schedule_contact
 

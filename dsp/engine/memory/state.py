@@ -19,13 +19,10 @@ from .capacity import MODES, MODES_PER_OBJECT, OBJECTS, SHAPE_VALUES, STEMS
 from .channels import MOST_CHANNELS, PLACE
 from .clock import CLOCK
 from .commands import BUDGET, COMMAND, METHOD, SETTINGS_RECORD
-from .contact_record import CONTACT
 from .meter_record import METER
 from .ramp_list import RAMP_LIST
-from .slide_record import SLIDE
+from .records import CONTACT, SLIDE, TAILS, THROUGH
 from .striker_state import STRIKER, STRIKERS, VOICE, VOICES
-from .tails_record import TAILS
-from .through_record import THROUGH
 
 QUANTUM = 64
 """Frames the engine computes at a time, on a grid of its own: the sound can't depend on the device's block size."""

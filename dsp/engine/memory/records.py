@@ -1,12 +1,16 @@
-"""The engine's record of a contact, and of the points at which it touches."""
+"""The engine's records of contacts, of slides and of what rolls send to the sound, and of the spectral bank's tails."""
 
 import numpy as np
 
 from ...contact.closed_form import PULSE
 from ...contact.coupled import COUPLED
 from ...contact.sampled import SAMPLED
+from ...friction.stick_slip import FRICTION
 from ...numerics.legendre import FINE
+from ...resonator.fed import REACH
+from ...resonator.velocity import ROWS
 from ...schema import STEERED
+from .capacity import MODES, MODES_PER_OBJECT, OBJECTS
 
 RIM = 0.2
 """Share of a free disc's mass that meets what its rim touches: 1/m + R^2/(m R^2/4) = 5/m."""
@@ -92,6 +96,70 @@ CONTACT = np.dtype(
         # A bounce or a spin:
         ("random", np.uint64),
         ("next", np.int64),
+    ],
+    align=True,
+)
+
+SLID = 1024
+"""Modes of an object that friction acts on."""
+
+SLIDE = np.dtype(
+    [
+        ("friction", FRICTION),
+        ("rows", np.float64, (2, ROWS * SLID)),  # of velocity.py, for both objects
+        ("modes", np.int64, 2),
+        ("row", np.int64, 2),  # of their shape tables, as friction acts on them
+        ("weights", np.float64, (2, 4)),
+        ("moved", np.int64),  # 1: since it was settled
+        ("along", np.float64),
+        ("position", np.float64),
+        ("sweep", np.float64),  # m/s, gliding
+        ("slip", np.float64),  # m/s: the driver's at the quantum's beginning
+        ("laid", np.float64),  # share of the normal force that friction feels
+        ("pull", np.float64),  # N: friction's mean
+        ("press", np.int64),  # gesture whose force its friction feels; 0: its own
+        ("pressed", np.int64),  # place of that contact, -1: none
+    ],
+    align=True,
+)
+"""The state of a slide besides its roll, which has the same place."""
+
+THROUGH = np.dtype(
+    [
+        ("serial", np.int64),  # of the object
+        ("retuned", np.int64),  # times its modes had got new coefficients
+        ("modes", np.int64),  # on which the roll acts
+        ("row", np.int64),  # the first of four rows of its mode shapes
+        ("taps", np.float64, (4, 2, REACH + 1)),  # of each of these rows, left and right
+    ],
+    align=True,
+)
+"""Taps from a roll's force to an object's sound (resonator/fed.py), for as long as they stay what they are."""
+
+TAIL_MODES = MODES + MODES_PER_OBJECT
+"""The modes of all tails: an object has one at most, and one may not fit at the end."""
+
+TAIL = np.dtype(
+    [
+        ("first", np.int64),  # of its modes
+        ("size", np.int64),
+        ("end", np.int64),  # samples: when the block ends in which it was laid out
+        ("gain", np.float64, 2),  # with which it is in there
+    ],
+    align=True,
+)
+
+TAILS = np.dtype(
+    [
+        ("entries", TAIL, OBJECTS),  # a ring
+        ("first", np.int64),  # number of the oldest
+        ("count", np.int64),
+        ("top", np.int64),  # the mode after the newest
+        ("y1", np.float64, TAIL_MODES),
+        ("y2", np.float64, TAIL_MODES),
+        ("a1", np.float64, TAIL_MODES),
+        ("a2", np.float64, TAIL_MODES),
+        ("balance", np.float64, TAIL_MODES),
     ],
     align=True,
 )
