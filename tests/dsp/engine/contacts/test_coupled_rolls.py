@@ -10,10 +10,10 @@ from carom.dsp.bodies import Modes, listed
 from carom.dsp.contact.accuracy import LEVELS
 from carom.dsp.engine.memory.commands import Command, Kind
 from carom.dsp.engine.memory.state import QUANTUM
+from carom.dsp.lab.rolling_path import path_pieces
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
 from carom.dsp.rolling.surface import make_surface
 from carom.dsp.runtime.engine import NOW, Engine
-from carom.dsp.study.rolling_path import path_pieces
 from tests import accuracy
 from tests.dsp.engine.contacts.test_coupling import modal
 from tests.dsp.engine.support import SURFACE, gesture

@@ -10,9 +10,9 @@ from carom.dsp.bodies import listed
 from carom.dsp.contact.accuracy import LEVELS
 from carom.dsp.engine.memory.commands import Command, Kind
 from carom.dsp.engine.memory.state import QUANTUM, End, Solver
+from carom.dsp.lab.coupled import Case, error
 from carom.dsp.resonator.bank import state_of
 from carom.dsp.runtime.engine import NOW, Engine
-from carom.dsp.study.coupled import Case, error
 from carom.presets.library import Presets
 from tests import accuracy
 from tests.dsp.contact.coupled_reference import Blow, reference, several

@@ -10,11 +10,11 @@ from carom.dsp.bodies import Modes, listed
 from carom.dsp.contact.accuracy import LEVELS
 from carom.dsp.engine.memory.commands import Command, Kind
 from carom.dsp.engine.memory.state import CONTACTS, QUANTUM, TRACED
+from carom.dsp.lab.roll import make_roll, roll_moments
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
 from carom.dsp.rolling.contact_step import BRIEF
 from carom.dsp.rolling.surface import make_surface
 from carom.dsp.runtime.engine import NOW, Engine
-from carom.dsp.study.roll import make_roll, roll_moments
 from tests.dsp.engine.support import HARD, RATE, SURFACE, bell, gesture, impact, strike
 
 MARBLE = (0.005, 5e8, 0.1, 1.5)

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from carom.dsp.contact.sampled import METHODS
-from carom.dsp.study import cost
-from carom.dsp.study.comparison import BANDS, Score, band_cases, scores, touched
-from carom.dsp.study.coupled import Case, random_cases, simulate, simulation_loop
-from carom.dsp.study.coupled_closed import asking_loop, strike, striking_loop
-from carom.dsp.study.coupled_sampled import sample, sampling_loop
-from carom.dsp.study.wall import path
+from carom.dsp.lab import cost
+from carom.dsp.lab.comparison import BANDS, Score, band_cases, scores, touched
+from carom.dsp.lab.coupled import Case, random_cases, simulate, simulation_loop
+from carom.dsp.lab.coupled_closed import asking_loop, strike, striking_loop
+from carom.dsp.lab.coupled_sampled import sample, sampling_loop
+from carom.dsp.lab.wall import path
 
 pytestmark = pytest.mark.slow
 

@@ -8,9 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ...dsp.contact.sampled import METHODS
-from ...dsp.study.spectrum import SPECTRUM_TOP
-from ...dsp.study.wall import PAPER_CASES, Outcome, pareto
+from ...contact.sampled import METHODS
+from ..spectrum import SPECTRUM_TOP
+from ..wall import PAPER_CASES, Outcome, pareto
 from .style import COLOURS, LEAST_ERROR, LINES, Draw, correction_legend, method_legend
 from .tables import Row, Sequences, pick
 

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ...dsp.study.bristle import METHODS
+from ..bristle import METHODS
 from .tables import Row, pick
 
 _SAYS = {

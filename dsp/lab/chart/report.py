@@ -4,9 +4,9 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from ...dsp.contact.sampled import METHODS
-from ...dsp.study.comparison import BANDS
-from ...dsp.study.wall import PAPER_CASES
+from ...contact.sampled import METHODS
+from ..comparison import BANDS
+from ..wall import PAPER_CASES
 from .tables import REBOUND_CASES, REBOUNDS, TITLES, Row, pick
 
 SAYS = {"none": "as it is", "release": "with v_out", "hybrid": "with x = x(v)", "both": "with both"}

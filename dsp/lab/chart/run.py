@@ -7,9 +7,8 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
-from ...dsp.study import comparison
-from ...dsp.study.wall import PAPER_CASES
-from ..plot import require_matplotlib
+from .. import comparison
+from ..wall import PAPER_CASES
 from . import pages, report, tables
 from .tables import Extent, Row
 
@@ -49,10 +48,9 @@ QUICK = Extent(
 def chart(folder: Path, extent: Extent) -> Iterator[tuple[str, float]]:
     """Run the study and write its tables and figures into a folder, which is made if it is missing.
 
-    Yields the name of each step and the share of the work done before it, 0 to 1. At the first step raises PlotError
-    if matplotlib is missing, and ChartError if the folder cannot be written to.
+    Yields the name of each step and the share of the work done before it, 0 to 1. At the first step raises ChartError
+    if the folder cannot be written to. It needs matplotlib, with a backend that draws into files.
     """
-    require_matplotlib()
     from . import bowing, coupled, failures, friction, paper, rigid, ringing, style
 
     _make(folder)

@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ...dsp.contact.sampled import METHODS
-from ...dsp.study.comparison import BANDS
+from ...contact.sampled import METHODS
+from ..comparison import BANDS
 from .style import COLOURS
 from .tables import TITLES, Row
 

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from ...dsp.contact.sampled import CORRECTIONS, METHODS
-from ...dsp.study.wall import Outcome
+from ...contact.sampled import CORRECTIONS, METHODS
+from ..wall import Outcome
 from .style import COLOURS, LEAST_ERROR, LINES, Draw, method_legend
 from .tables import TITLES, Failures
 

@@ -7,10 +7,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from carom.dsp import contact
+from carom.dsp.lab import roll
+from carom.dsp.lab.rolling_path import path_pieces
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
 from carom.dsp.rolling.surface import make_surface
-from carom.dsp.study import roll
-from carom.dsp.study.rolling_path import path_pieces
 
 pytestmark = pytest.mark.slow
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from carom.dsp.study import Case, simulate
+from carom.dsp.lab import Case, simulate
 
 pytestmark = pytest.mark.slow
 

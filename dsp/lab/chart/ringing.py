@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 from matplotlib.figure import Figure
 
-from ...dsp.schema import FORMS
-from ...dsp.study.ringing import WAYS
+from ...schema import FORMS
+from ..ringing import WAYS
 from .tables import Row, pick
 
 _SAYS = {

@@ -11,10 +11,10 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from ...dsp import contact
-from ...dsp.contact.sampled import METHODS
-from ...dsp.study import wall
-from ...dsp.study.wall import PAPER_CASES, PAPER_RATE
+from ... import contact
+from ...contact.sampled import METHODS
+from .. import wall
+from ..wall import PAPER_CASES, PAPER_RATE
 from .style import COLOURS, LEAST_ERROR, Draw
 from .tables import TITLES, Sequences
 

@@ -7,8 +7,8 @@ from scipy.integrate import solve_ivp
 
 from carom.dsp import contact
 from carom.dsp.contact.sampled import CORRECTIONS, METHODS
-from carom.dsp.study import cost, reference, spectrum_error, wall
-from carom.dsp.study.wall import PAPER_CASES, PAPER_RATE, RANGES, Outcome
+from carom.dsp.lab import cost, reference, spectrum_error, wall
+from carom.dsp.lab.wall import PAPER_CASES, PAPER_RATE, RANGES, Outcome
 
 
 def exact_restitution(w: float) -> mp.mpf:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from ...dsp.study.bowing import SPEED, schelleng_limit
+from ..bowing import SPEED, schelleng_limit
 from .tables import Row
 
 _LONG = 30.0  # periods: longer transients are drawn as none

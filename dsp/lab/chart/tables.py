@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...dsp import contact
-from ...dsp.contact import contact_time
-from ...dsp.contact.sampled import CORRECTIONS, METHODS
-from ...dsp.study import bowing, bristle, comparison, cost, reference, ringing, spectrum, wall
-from ...dsp.study.wall import PAPER_CASES, PAPER_RATE, Law, Outcome
+from ... import contact
+from ...contact import contact_time
+from ...contact.sampled import CORRECTIONS, METHODS
+from .. import bowing, bristle, comparison, cost, reference, ringing, spectrum, wall
+from ..wall import PAPER_CASES, PAPER_RATE, Law, Outcome
 
 Row = dict[str, Any]
 """A row of a table: values by column."""
