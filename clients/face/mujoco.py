@@ -21,7 +21,9 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from ._mujoco_model import (
+from .server.bridge.bodies import WorldError
+from .server.bridge.mujoco.arrays import ARRAYS
+from .server.bridge.mujoco.model import (
     Part,
     check_names,
     material_of,
@@ -32,9 +34,7 @@ from ._mujoco_model import (
     shape_of,
     written_in,
 )
-from .dsp.tracking.arrays import ARRAYS
-from .server.world.bodies import WorldError
-from .server.world.step import Pose
+from .server.bridge.step import Pose
 from .world import Blocks, World
 
 _LOOKED = 64  # words of a struct that are looked at together

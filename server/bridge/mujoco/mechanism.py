@@ -5,8 +5,9 @@ The mass is 1/(J M^-1 J'), with J how fast the bodies close at the point for eac
 
 import numpy as np
 
-from ..native.jit import carray, kernel, noinline_kernel
-from ..native.pointers import call_jacobian, call_solve, load_address, load_double, pointer_to
+from ....dsp.native.jit import carray, kernel, noinline_kernel
+from ....dsp.native.pointers import load_address, load_double, pointer_to
+from .functions import call_jacobian, call_solve
 from .soft import LEAST_IMPEDANCE, MOST_IMPEDANCE, SOFT, rebound_of
 
 MECHANISM = np.dtype(

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Sequence
 
-from ...dsp.runtime.telling import tell
 from ...presets import Presets
 from ..osc.addresses import VERBS, Call
 from ..osc.arguments import shown
@@ -14,6 +13,7 @@ from .hearing import Hearing, Microphone
 from .requests import Request
 from .simulation import Simulation
 from .step import Pose, Touch
+from .telling import tell
 
 BODY = "/world/body"
 

@@ -2,7 +2,7 @@
 
 import math
 
-from ..native.jit import kernel
+from ....dsp.native.jit import kernel
 from .points import into, slip_at
 
 _SMOOTH = 0.005  # s: time constant of slip and sweep

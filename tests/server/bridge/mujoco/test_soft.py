@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from carom.dsp.tracking.soft import SOFT
-from carom.dsp.tracking.track import rebound
+from carom.server.bridge.mujoco.soft import SOFT
+from carom.server.bridge.mujoco.track import rebound
 
 
 def left(low: float, high: float, ratio: float, pushed: float, speed: float = 1.0) -> float:

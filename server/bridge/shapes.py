@@ -8,12 +8,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...dsp.tracking.strips import BAR, DISC, PLATE, POINT, place_on, radius_at
 from ..osc.wire import Argument
+from ..osc.world_verbs import SIZES
+from .tracking.strips import BAR, DISC, PLATE, POINT, place_on, radius_at
 
 Vector = tuple[float, float, float]
 Strip = tuple[int, int, int]
-"""A strike path: its kind, of `carom.dsp.tracking.strips`, and two axes."""
+"""A strike path: its kind, of `carom.server.bridge.tracking.strips`, and two axes."""
 
 FLAT = 3.0
 """Least width, in thicknesses, of a body that rings as a plate."""
@@ -25,15 +26,7 @@ _PATH: dict[str, Argument] = {
     "path_to": (1.0, 0.9),
 }  # of a plate: from corner to corner, off the diagonal
 _LEAST, _MOST = 1e-6, 1e6  # m: of edges and radii
-_WAYS = {
-    "box": "three edges, in m",
-    "plate": "three edges, in m",
-    "sphere": "a radius, in m",
-    "cylinder": "a radius and a length, in m",
-    "capsule": "a radius and the length between its ends' centres, in m",
-    "mesh": "its vertices, an array (n, 3) in m",
-}
-SHAPES = tuple(_WAYS)
+SHAPES = tuple(SIZES)
 
 
 class Ringing(NamedTuple):
@@ -75,7 +68,7 @@ def shape_of(name: str, size: ArrayLike, held: bool) -> Shape:
         return _mesh(numbers, held)
     given = numbers.ravel()
     if len(given) != {"sphere": 1, "cylinder": 2, "capsule": 2}.get(name, 3) or not _can_be(given):
-        raise ValueError(f"size = {given.tolist()}: expected {_WAYS[name]}, from {_LEAST:g} to {_MOST:g}")
+        raise ValueError(f"size = {given.tolist()}: expected {SIZES[name]}, from {_LEAST:g} to {_MOST:g}")
     if name == "sphere":
         return _sphere(float(given[0]))
     if name in ("cylinder", "capsule"):
@@ -90,7 +83,7 @@ def _can_be(lengths: NDArray[np.float64]) -> bool:
 def _mesh(vertices: NDArray[np.float64], held: bool) -> Shape:
     """Return the box around a mesh, whose axes and origin are those of the body."""
     if vertices.ndim != 2 or vertices.shape[1] != 3 or len(vertices) < 4 or not np.isfinite(vertices).all():
-        raise ValueError(f"size, of shape {vertices.shape}: expected {_WAYS['mesh']}")
+        raise ValueError(f"size, of shape {vertices.shape}: expected {SIZES['mesh']}")
     with np.errstate(over="ignore"):
         edges = np.ptp(vertices, axis=0)
     if not _can_be(edges):

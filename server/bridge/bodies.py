@@ -11,14 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 from ...dsp.bodies.material import Material
 from ...dsp.bodies.modes import Modes
 from ...dsp.schema import SETTINGS
-from ...dsp.tracking.state import OCTAVES
 from ...dsp.wording import expected
 from ...presets import Presets
-from ..osc.arguments import Refused, shown
+from ..new_object import NEW, NewObject
+from ..osc.arguments import Refused, require_name, shown
 from ..osc.wire import Argument, Message
-from ..scene.new_object import NEW, NewObject
-from ..scene.object_call import require_name
 from .shapes import SHAPES, Shape, Vector, shape_of
+from .tracking.state import OCTAVES
 
 _CALIBRATED = {"level": 0.0, "stereo_width": 0.0}
 _MOST = 1e30

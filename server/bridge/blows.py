@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...dsp.tracking.state import BLOW
 from .bodies import Body
 from .requests import Blow
 from .shapes import Vector
+from .tracking.state import BLOW
 
 
 class Hit(NamedTuple):

@@ -2,8 +2,8 @@
 
 import math
 
-from ..bodies.material import CONTACT_RADIUS
-from ..native.jit import kernel
+from ....dsp.bodies.material import CONTACT_RADIUS
+from ....dsp.native.jit import kernel
 
 POINT, DISC, BAR, PLATE = range(4)
 """Kinds of paths: there is one place; from the middle to the edge; along an axis; from corner to corner of a plate."""

@@ -5,10 +5,10 @@ They are laid out as MuJoCo's: a contact is a struct, its force is in a row of t
 
 import numpy as np
 
-from ..native.jit import kernel, noinline_kernel
-from ..native.pointers import load_address, load_double, load_int32
+from ....dsp.native.jit import kernel, noinline_kernel
+from ....dsp.native.pointers import load_address, load_double, load_int32
+from ..tracking.state import BODIES, POINTS
 from .mechanism import MECHANISM
-from .state import BODIES, POINTS
 
 ARRAYS = np.dtype(
     [

@@ -8,19 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...dsp.bodies.material import Material, contact_between
-from ...dsp.runtime.telling import (
-    LOOK,
-    NO_ROOM,
-    NOT_LATER,
-    OBJECTS,
-    SURFACES,
-    TELLING,
-    TEMPLATES,
-    begin_telling,
-    link_engine,
-    tell,
-)
-from ...dsp.tracking.state import BLOW, BODIES, EVENTS, MATERIALS, MOVE, POINTS, REST, STEERED, new_state
 from ...dsp.wording import expected
 from ...presets import Presets
 from ..osc.arguments import shown
@@ -32,6 +19,19 @@ from .hearing import Hearing, begin_hearing
 from .pairs import Pair, Surfaces, pair_of
 from .requests import Gains, Request, Said, Slide, Steering
 from .step import Contacts, Event, Pose, Poses, checked_pose, checked_poses, events_of, put_pose, take_contacts
+from .telling import (
+    LOOK,
+    NO_ROOM,
+    NOT_LATER,
+    OBJECTS,
+    SURFACES,
+    TELLING,
+    TEMPLATES,
+    begin_telling,
+    link_engine,
+    tell,
+)
+from .tracking.state import BLOW, BODIES, EVENTS, MATERIALS, MOVE, POINTS, REST, STEERED, new_state
 
 
 class Simulation:

@@ -9,23 +9,23 @@ from ctypes import c_int64, c_void_p
 
 import numpy as np
 
-from ..engine.memory.commands import COMMAND, KIND_IMPACT, KIND_PLACE, KIND_SLIDE, KIND_STEER, KIND_STOP
-from ..engine.memory.state import EVENTS as WAITING
-from ..engine.memory.state import QUEUE, RING
-from ..engine.memory.state import STATE as ENGINE
-from ..native.atomics import load_acquire, store_release
-from ..native.jit import c_function, carray, kernel, noinline_kernel
-from ..native.pointers import load_address, load_double, load_int32, pointer_to
-from ..schema import STEERABLE
-from ..tracking.arrays import ARRAYS, gather
-from ..tracking.blows import find_blows, judge_blows, weigh_blow
-from ..tracking.contact_events import take_step
-from ..tracking.mechanism import ask_mechanism
-from ..tracking.microphones import MICROPHONE_STATE, find_gains
-from ..tracking.shared_blows import share_blows
-from ..tracking.slides import find_slides
-from ..tracking.state import BODIES, DONE, MOVE, REST, STATE, STEERED
-from .ring import KEPT_FOR_NOW, SOON
+from ...dsp.engine.memory.commands import COMMAND, KIND_IMPACT, KIND_PLACE, KIND_SLIDE, KIND_STEER, KIND_STOP
+from ...dsp.engine.memory.state import EVENTS as WAITING
+from ...dsp.engine.memory.state import QUEUE, RING
+from ...dsp.engine.memory.state import STATE as ENGINE
+from ...dsp.native.atomics import load_acquire, store_release
+from ...dsp.native.jit import c_function, carray, kernel, noinline_kernel
+from ...dsp.native.pointers import load_address, load_double, load_int32, pointer_to
+from ...dsp.runtime.ring import KEPT_FOR_NOW, SOON
+from ...dsp.schema import STEERABLE
+from .mujoco.arrays import ARRAYS, gather
+from .mujoco.mechanism import ask_mechanism
+from .tracking.blows import find_blows, judge_blows, weigh_blow
+from .tracking.contact_events import take_step
+from .tracking.microphones import MICROPHONE_STATE, find_gains
+from .tracking.shared_blows import share_blows
+from .tracking.slides import find_slides
+from .tracking.state import BODIES, DONE, MOVE, REST, STATE, STEERED
 
 TELLING = np.dtype(
     [

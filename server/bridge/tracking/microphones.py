@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from ..native.jit import kernel, noinline_kernel
+from ....dsp.native.jit import kernel, noinline_kernel
 from .state import BODIES
 
 MICROPHONES = 64

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from carom.dsp.runtime.telling import LOOK, NOT_WHOLE, OBJECTS, PER_BLOW, TELLING, begin_telling, tell
-from carom.dsp.tracking.arrays import ARRAYS
-from carom.dsp.tracking.microphones import MICROPHONE_STATE
-from carom.dsp.tracking.state import POINTS, new_state
+from carom.server.bridge.mujoco.arrays import ARRAYS
+from carom.server.bridge.telling import LOOK, NOT_WHOLE, OBJECTS, PER_BLOW, TELLING, begin_telling, tell
+from carom.server.bridge.tracking.microphones import MICROPHONE_STATE
+from carom.server.bridge.tracking.state import POINTS, new_state
 
 CONTACT = np.dtype(
     [("dist", "f8"), ("pos", "f8", 3), ("frame", "f8", 9), ("pad", "f8", 5), ("dim", "i4"), ("geom", "i4", 2),

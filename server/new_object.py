@@ -2,15 +2,16 @@
 
 from typing import NamedTuple
 
-from ...dsp.bodies.modes import Modes
-from ...dsp.schema import SETTINGS
-from ...dsp.wording import expected
-from ...presets import ObjectPreset, Presets
-from ..osc.addresses import VERBS, Call
-from ..osc.arguments import Refused, Values, shown
-from .notes import TUNINGS
+from ..dsp.bodies.modes import Modes
+from ..dsp.schema import SETTINGS
+from ..dsp.wording import expected
+from ..presets import ObjectPreset, Presets
+from .osc.addresses import VERBS, Call
+from .osc.arguments import Refused, Values, shown
 
 NEW = "/object/new"
+TUNINGS = ("note", "pitch")
+"""Keys of /object/new that tune it."""
 
 
 class NewObject(NamedTuple):

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...dsp.contact.accuracy import LEVELS
-from ...dsp.tracking.microphones import MICROPHONE_STATE
 from ...dsp.wording import expected
 from .bodies import WorldError
 from .shapes import Vector
+from .tracking.microphones import MICROPHONE_STATE
 
 NEAREST = 0.1
 """m: a body that is nearer to a microphone is as loud as at this distance."""

@@ -11,8 +11,8 @@ balls and boxes of all materials on plates, at 0.1 to 1 m/s, half are 3 to 22 dB
 
 import math
 
-from ..native.jit import kernel, noinline_kernel
-from ..numerics.constants import STANDARD_GRAVITY
+from ....dsp.native.jit import kernel, noinline_kernel
+from ....dsp.numerics.constants import STANDARD_GRAVITY
 from .blows import contact_radius, curvature_of, loudness_of, masked_at, time_of_contact
 from .microphones import gain_at
 from .state import EVENTS, HEARD, MOVE

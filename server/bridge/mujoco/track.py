@@ -2,7 +2,7 @@
 
 from ctypes import c_double, c_void_p
 
-from ..native.jit import c_function, carray
+from ....dsp.native.jit import c_function, carray
 from .soft import SOFT, rebound_of
 
 

@@ -2,7 +2,7 @@
 
 import math
 
-from ..native.jit import kernel, noinline_kernel
+from ....dsp.native.jit import kernel, noinline_kernel
 from .state import KEPT, PAIRS
 
 MEMORY = 0.002

@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...dsp.tracking.state import POINTS, TOLD
 from ...dsp.wording import expected
 from .bodies import WorldError
 from .shapes import Vector
+from .tracking.state import POINTS, TOLD
 
 
 class Touch(NamedTuple):

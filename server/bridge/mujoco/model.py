@@ -7,9 +7,9 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from .dsp.wording import expected
-from .presets import Presets
-from .server.world.bodies import WorldError
+from ....dsp.wording import expected
+from ....presets import Presets
+from ..bodies import WorldError
 
 _SHAPES = {
     mujoco.mjtGeom.mjGEOM_SPHERE: "sphere",

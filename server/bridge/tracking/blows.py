@@ -7,10 +7,10 @@ loudest are taken.
 
 import math
 
-from ..bodies.material import CONTACT_RADIUS
-from ..contact.estimate import LONGEST_CONTACT, longest_estimate
-from ..contact.law import restitution_of
-from ..native.jit import kernel, noinline_kernel
+from ....dsp.bodies.material import CONTACT_RADIUS
+from ....dsp.contact.estimate import LONGEST_CONTACT, longest_estimate
+from ....dsp.contact.law import restitution_of
+from ....dsp.native.jit import kernel, noinline_kernel
 from .state import EVENTS, HIT, OCTAVES
 from .strips import place_on, radius_at
 

@@ -6,7 +6,7 @@ The reference acceleration is a_ref = -b v - k d r, of which the constraint appl
 
 import numpy as np
 
-from ..native.jit import kernel
+from ....dsp.native.jit import kernel
 
 SOFT = np.dtype(
     [

@@ -5,7 +5,7 @@ j opens blow i: the sum over the bodies that both have, with a sign by their sid
 x n_j). W_ii is 1/m of the effective mass. On the seam of two tiles, a ball leaves half of its momentum on each.
 """
 
-from ..native.jit import kernel, noinline_kernel
+from ....dsp.native.jit import kernel, noinline_kernel
 from .blows import left_of
 from .state import TOGETHER
 

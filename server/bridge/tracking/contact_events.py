@@ -12,7 +12,7 @@ over each body. It is told anew only where the change can be heard.
 
 import math
 
-from ..native.jit import kernel, noinline_kernel
+from ....dsp.native.jit import kernel, noinline_kernel
 from .motion import find_glide, follow, hop
 from .points import clear, into, longest_hop, remember, take_point
 from .slides import RESTS, fainter_slide, is_masked, is_noticed, is_too_faint, motion_of, pressure_of, steer_slide
