@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from ..material import Array
+from .material import Array
 
 DENSITY = 1.2
 """kg/m^3, of air at 20 degrees."""
