@@ -15,8 +15,8 @@ COMPILED = (
     "carom.dsp.runtime.handover",
     "carom.dsp.runtime.jobs",
     "carom.dsp.runtime.pacer",
-    "carom.dsp.runtime.telling",
-    "carom.dsp.tracking.track",
+    "carom.server.bridge.mujoco.track",
+    "carom.server.bridge.telling",
     "carom.server.net.udp",
 )
 """The modules that define functions of C."""

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..dsp.bodies.modes import Modes
-from ..dsp.engine.channels import pan_gains
-from ..dsp.engine.objects import GONE, sigma_of, weigh
+from ..dsp.engine.bodies.objects import GONE, sigma_of, weigh
+from ..dsp.engine.memory.channels import pan_gains
 from ..dsp.resonator.bank import NYQUIST_SHARE
 from ..dsp.runtime.plan import planned
 
@@ -120,7 +120,8 @@ def _decays(modes: Modes, settings: Settings, rate: float) -> NDArray[np.float64
 
 
 def _relief(modes: Modes, tune: float, gains: NDArray[np.float64], position: float, rate: float) -> Relief:
-    """Return the relief of modes that are heard with gains (channels,), as the engine has it (engine/objects.py)."""
+    """Return the relief of modes that are heard with gains (channels,), as the engine has it
+    (engine/bodies/objects.py)."""
     top = NYQUIST_SHARE * 0.5 * rate
     found = planned(modes, top, 0.5 * rate, len(gains) == 2).relief
     frequency = found.frequency * tune

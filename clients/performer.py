@@ -12,20 +12,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..dsp.bodies.modes import Modes
-from ..dsp.engine.capacity import MODES, OBJECTS, STEMS
-from ..dsp.engine.commands import COMMAND, Handle, write
-from ..dsp.engine.state import TRACE
+from ..dsp.engine.memory.capacity import MODES, OBJECTS, STEMS
+from ..dsp.engine.memory.commands import COMMAND, Handle, write
+from ..dsp.engine.memory.state import TRACE
 from ..dsp.runtime.arena import EngineFull
 from ..dsp.runtime.engine import NOW, Engine
 from ..dsp.schema import SETTINGS
 from ..presets import Presets
+from ..server.bridge.requests import Request, Slide
 from ..server.osc.score import LONGEST_SCORE, Line, sample_at
 from ..server.osc.wire import Argument, Message
 from ..server.render import Options
 from ..server.scene.direct import Direct
 from ..server.scene.session import Session
 from ..server.scene.transaction import Sent
-from ..server.world.requests import Request, Slide
 from .actions import CommandError
 from .contacts import Striking
 from .modes import Settings, gains_of

@@ -5,7 +5,7 @@ Names load when they are first used; `import carom.dsp` alone loads nothing. Eac
 - `carom.dsp.contact`: one contact of a mass with a rigid wall, in closed form.
 - `carom.dsp.bodies`: modes of bars, plates, discs, rings, glasses, strings and membranes from their materials.
 - `carom.dsp.rolling`: rough surfaces, and the path of a body over them.
-- `carom.dsp.study`: rolls and coupled contacts as data, and comparisons of methods.
+- `carom.dsp.lab`: rolls and coupled contacts as data, and comparisons of methods.
 """
 
 from importlib import import_module
@@ -26,9 +26,9 @@ if TYPE_CHECKING:
         release_velocity,
         restitution,
     )
+    from .lab import Case, make_roll, micro_impacts, roll_contacts, roll_force, roll_moments, simulate
+    from .lab.rolling_path import path_pieces
     from .rolling.surface import heights, make_surface
-    from .study import Case, make_roll, micro_impacts, roll_contacts, roll_force, roll_moments, simulate
-    from .study.rolling_path import path_pieces
 
 __all__ = [
     "Case", "Material", "Modes", "bar", "compression", "contact_time", "contact_time_bound", "disc", "energy", "force",
@@ -42,8 +42,8 @@ _MODULES = {
     ".contact": "compression contact_time contact_time_bound energy force force_nodes force_pulse max_compression "
     "potential_energy release_velocity restitution",
     ".rolling.surface": "heights make_surface",
-    ".study": "Case make_roll micro_impacts roll_contacts roll_force roll_moments simulate",
-    ".study.rolling_path": "path_pieces",
+    ".lab": "Case make_roll micro_impacts roll_contacts roll_force roll_moments simulate",
+    ".lab.rolling_path": "path_pieces",
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names.split()}
 

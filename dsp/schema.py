@@ -1,6 +1,6 @@
 """Every gesture, parameter, setting and counter of the engine, declared once.
 
-From these declarations come the engine's records (engine/commands.py, engine/state.py), the check of OSC messages, the
+From these declarations come the engine's records (`engine/memory`), the check of OSC messages, the
 addresses that steer gestures, OSCQuery's ranges, the ranges of presets, the methods' keys in Python and the tables in
 the documentation. To add a parameter to a gesture, add it to the gesture's `keys` here and read it in the kernel.
 """
@@ -62,7 +62,7 @@ class Parameter:
 @dataclass(frozen=True)
 class Gesture:
     """Something that strikes an object: its first argument, the keys that may follow, and the traits that kernels ask
-    for. `engine/gesture_kernels.py` says which kernels begin it, and bring its striker back."""
+    for. `engine/contacts/gesture_kernels.py` says which kernels begin it, and bring its striker back."""
 
     name: str
     help: str

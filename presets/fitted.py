@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from ..dsp.bodies.air import IMPEDANCE
 from ..dsp.bodies.listed import listed
-from ..dsp.bodies.radiation.air import IMPEDANCE
 from ..dsp.fitting.fit import Fit
 from ..dsp.fitting.strikers import Striker
 

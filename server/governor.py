@@ -10,7 +10,7 @@ Each choice goes to the session as /quality, so that a log renders to the same s
 import math
 from collections import deque
 
-from ..dsp.engine.state import Quality
+from ..dsp.engine.memory.state import Quality
 from ..dsp.runtime.engine import Engine
 from .osc.wire import Message
 

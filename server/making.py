@@ -10,14 +10,14 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from ..dsp.engine.capacity import OBJECTS
+from ..dsp.engine.memory.capacity import OBJECTS
 from ..dsp.runtime.arena import EngineFull
 from ..presets import PresetError, Presets
+from .bridge.wire import BODY, new_body
+from .new_object import NEW, new_object
 from .osc.addresses import Call
 from .osc.arguments import Refused
-from .scene.new_object import NEW, new_object
 from .tidying import PERIOD, tidy
-from .world.wire import BODY, new_body
 
 if TYPE_CHECKING:
     from .scene.transaction import Made

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from ipaddress import IPv4Network, IPv6Network, ip_network
 from pathlib import Path
 
-from ..dsp.engine.capacity import MODES, OBJECTS, USUAL_MODES, USUAL_OBJECTS
-from ..dsp.engine.commands import Command, Kind
+from ..dsp.engine.memory.capacity import MODES, OBJECTS, USUAL_MODES, USUAL_OBJECTS
+from ..dsp.engine.memory.commands import Command, Kind
 from ..dsp.numerics.constants import FULL_SCALE_PRESSURE
 from ..dsp.runtime.engine import NOW, Engine
 from ..dsp.schema import CHANNELS, FORMS, FULL_SCALE, MAIN_GAIN

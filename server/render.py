@@ -11,8 +11,8 @@ from typing import SupportsIndex
 import numpy as np
 from numpy.typing import NDArray
 
-from ..dsp.engine.capacity import MODES, OBJECTS, STEMS
-from ..dsp.engine.state import QUANTUM, RING
+from ..dsp.engine.memory.capacity import MODES, OBJECTS, STEMS
+from ..dsp.engine.memory.state import QUANTUM, RING
 from ..dsp.runtime.engine import Engine
 from ..dsp.schema import CHANNELS, FORMS, FULL_SCALE, MAIN_GAIN, ROOM, STEPS, Parameter
 from ..dsp.wording import expected

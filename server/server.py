@@ -9,7 +9,7 @@ from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING
 
-from ..dsp.engine.state import CONTACTS, ROLLS, End
+from ..dsp.engine.memory.state import CONTACTS, ROLLS, End
 from ..dsp.runtime.arena import EngineFull
 from ..dsp.runtime.engine import NOW, Engine
 from ..presets import PresetError, Presets

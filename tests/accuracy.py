@@ -20,7 +20,7 @@ class Promise:
 
 _LAW, _PULSE = "dsp/contact/test_law.py", "dsp/contact/test_pulse.py"
 _CLOSED, _COUPLED = "dsp/contact/test_closed_form.py", "dsp/contact/test_coupled.py"
-_BOUNCE, _ROLL = "dsp/engine/test_bounce.py", "dsp/rolling/test_body.py"
+_BOUNCE, _ROLL = "dsp/engine/contacts/test_bounce.py", "dsp/rolling/test_body.py"
 _SOUND = "presets/test_sound.py"
 _FREE = "dsp/spectral/test_synthesis.py"
 
@@ -52,10 +52,10 @@ COUPLED = Promise(
 COUPLED_EXACT = Promise("the same at `exact`", "DOP853", -130.0, "dB", _COUPLED)
 ENGINE_COUPLED = Promise(
     "velocity of an object that rings already, as the engine strikes it", "DOP853", -60.0, "dB",
-    "dsp/engine/test_coupling.py",
+    "dsp/engine/contacts/test_coupling.py",
 )  # fmt: skip
 SEVERAL = {
-    level: Promise(what, "DOP853", bound, "dB", "dsp/engine/test_contact_groups.py")
+    level: Promise(what, "DOP853", bound, "dB", "dsp/engine/contacts/test_contact_groups.py")
     for level, what, bound in (
         ("-40", "velocity of an object that two to four strikers touch at once, at `-40`", -35.0),
         ("-60", "the same at `-60`", -55.0),
@@ -100,7 +100,7 @@ ROLL_COUPLED = {
         "DOP853",
         bound,
         "dB",
-        "dsp/engine/test_coupled_rolls.py",
+        "dsp/engine/contacts/test_coupled_rolls.py",
     )
     for level, bound in (("-60", -60.0), ("exact", -120.0))
 }

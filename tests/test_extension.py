@@ -38,15 +38,15 @@ PATTER = (
 GESTURES = {gesture.name: gesture for gesture in (IMPACT, BOUNCE, ROLL, PRESS, SPIN, SLIDE, PATTER""",
     ),
     (
-        "dsp/engine/patter.py",
+        "dsp/engine/contacts/patter.py",
         "",
         '''"""A patter: blows at random times, as a Poisson process."""
 
 import math
 
-from ..native.jit import kernel
+from ...native.jit import kernel
 from .contact_list import next_random, release_modes, report_end, schedule_contact
-from .state import END_STOPPED
+from ..memory.state import END_STOPPED
 
 
 @kernel
@@ -76,11 +76,15 @@ def _wait(contact):
 ''',
     ),
     (
-        "dsp/engine/gesture_kernels.py",
+        "dsp/engine/contacts/gesture_kernels.py",
         "from .spins import",
         "from .patter import begin_patter, patter_on\nfrom .spins import",
     ),
-    ("dsp/engine/gesture_kernels.py", "_KERNELS = {\n", '_KERNELS = {\n    "patter": (begin_patter, patter_on),\n'),
+    (
+        "dsp/engine/contacts/gesture_kernels.py",
+        "_KERNELS = {\n",
+        '_KERNELS = {\n    "patter": (begin_patter, patter_on),\n',
+    ),
 )
 LEAN = (
     (

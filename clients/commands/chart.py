@@ -18,8 +18,10 @@ def _options(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    from ..chart.run import FULL, QUICK, chart
+    from ...dsp.lab.chart.run import FULL, QUICK, chart
+    from ..plot import require_matplotlib
 
+    require_matplotlib()
     with shown_progress(Work("chart"), total=1.0) as show:
         for what, done in chart(arguments.folder, QUICK if arguments.quick else FULL):
             show(description=what, completed=done)

@@ -22,9 +22,7 @@ def _options(parser: argparse.ArgumentParser) -> None:
 def _run(arguments: argparse.Namespace) -> int:
     import shtab
 
-    from ..cli import parsers
-
-    parser, commands = parsers()
+    parser, commands = arguments.parsers
     for name, command in commands.items():
         for action in command.actions():
             _choose(name, action)

@@ -124,7 +124,7 @@ def parse(parser: Parser, parsers: dict[str, Parser], words: Sequence[str]) -> a
         parser.error(f"{words[0]}: no such command; {expected(words[0], parsers)}")
     if words[0] in parsers:
         arguments = parsers[words[0]].parse_args(parsers[words[0]].ordered(words[1:]))
-        arguments.command = words[0]
+        arguments.command, arguments.parsers = words[0], (parser, parsers)
         return arguments
     return parser.parse_args(parser.ordered(words))
 

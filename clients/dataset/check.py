@@ -8,9 +8,9 @@ from ...dsp.schema import GESTURES
 from ...presets import PresetError, Presets
 from ...presets.schema import check
 from ...presets.values import shown
+from ...server.new_object import changed
 from ...server.osc.addresses import VERBS, calls
 from ...server.osc.arguments import Refused
-from ...server.scene.new_object import changed
 from .messages import gesture_message, object_message
 from .recipe import OBJECTS, OWN, SCORE, Recipe
 from .scores import FILE, NAMED, filled, require_filled, require_performable

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...dsp.engine.state import QUANTUM
+from ...dsp.engine.memory.state import QUANTUM
 from ...dsp.schema import GESTURES
 from ...presets import Presets
 from ...server.osc.score import Line, sample_at

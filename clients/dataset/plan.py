@@ -14,9 +14,9 @@ from ...dsp.resonator.bank import NYQUIST_SHARE
 from ...dsp.schema import SETTINGS
 from ...presets import Presets
 from ...presets.making import keep, kept
+from ...server.new_object import new_object
 from ...server.osc.addresses import calls
 from ...server.osc.wire import Message
-from ...server.scene.new_object import new_object
 from .clip import render
 from .design import items
 from .messages import object_message

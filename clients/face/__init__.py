@@ -43,14 +43,14 @@ if TYPE_CHECKING:
     from .report import Report as Report
     from .scene import Object as Object
     from .scene import Scene as Scene
+    from .server.bridge.blows import Hit as Hit
+    from .server.bridge.bodies import WorldError as WorldError
+    from .server.bridge.hearing import Hearing as Hearing
+    from .server.bridge.hearing import Microphone as Microphone
+    from .server.bridge.step import Pose as Pose
+    from .server.bridge.step import Touch as Touch
     from .server.files.whole import RenderError as RenderError
     from .server.osc.score import ScoreError as ScoreError
-    from .server.world.blows import Hit as Hit
-    from .server.world.bodies import WorldError as WorldError
-    from .server.world.hearing import Hearing as Hearing
-    from .server.world.hearing import Microphone as Microphone
-    from .server.world.step import Pose as Pose
-    from .server.world.step import Touch as Touch
     from .sound import Sound as Sound
     from .world import World as World
 
@@ -60,12 +60,12 @@ _HOMES = {
     "Client": "clients.client",
     "CommandError": "clients.actions",
     "Contact": "clients.contacts",
-    "Hearing": "server.world.hearing",
-    "Hit": "server.world.simulation",
-    "Microphone": "server.world.hearing",
+    "Hearing": "server.bridge.hearing",
+    "Hit": "server.bridge.simulation",
+    "Microphone": "server.bridge.hearing",
     "ModeTable": "clients.modes",
     "Object": "scene",
-    "Pose": "server.world.step",
+    "Pose": "server.bridge.step",
     "PresetError": "presets",
     "Presets": "presets",
     "RenderError": "server.files.whole",
@@ -73,9 +73,9 @@ _HOMES = {
     "Scene": "scene",
     "ScoreError": "server.osc.score",
     "Sound": "sound",
-    "Touch": "server.world.step",
+    "Touch": "server.bridge.step",
     "World": "world",
-    "WorldError": "server.world.bodies",
+    "WorldError": "server.bridge.bodies",
     "compare": "recordings",
     "fit": "recordings",
     "render": "offline",

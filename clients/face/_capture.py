@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from .clients.contacts import assemble
 from .clients.performer import TRACED, Performer
-from .dsp.engine.state import QUANTUM, TRACE
+from .dsp.engine.memory.state import QUANTUM, TRACE
 from .report import Meter
 from .sound import Sound
 

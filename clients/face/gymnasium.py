@@ -23,9 +23,9 @@ from numpy.typing import ArrayLike, NDArray
 from .clients.processors import processors
 from .dsp.runtime.batch import Batch
 from .mujoco import Bridge
-from .server.world.blows import Hits
-from .server.world.bodies import WorldError
-from .server.world.hearing import Hearing, microphones_of
+from .server.bridge.blows import Hits
+from .server.bridge.bodies import WorldError
+from .server.bridge.hearing import Hearing, microphones_of
 from .world import Blocks
 
 Observation = dict[str, Any]

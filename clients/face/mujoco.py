@@ -10,18 +10,18 @@
 It needs `pip install 'carom[mujoco]'`.
 """
 
-import math
 from collections.abc import Callable, Mapping
-from ctypes import CDLL, c_int32, c_uint64, c_void_p, cast
-from functools import cache
-from pathlib import Path
+from ctypes import c_void_p, cast
 from typing import Any
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from ._mujoco_model import (
+from .server.bridge.bodies import WorldError
+from .server.bridge.mujoco.arrays import ARRAYS
+from .server.bridge.mujoco.layout import memory_layout, mujoco_library
+from .server.bridge.mujoco.model import (
     Part,
     check_names,
     material_of,
@@ -32,12 +32,8 @@ from ._mujoco_model import (
     shape_of,
     written_in,
 )
-from .dsp.tracking.arrays import ARRAYS
-from .server.world.bodies import WorldError
-from .server.world.step import Pose
+from .server.bridge.step import Pose
 from .world import Blocks, World
-
-_LOOKED = 64  # words of a struct that are looked at together
 
 
 class Bridge:
@@ -99,7 +95,7 @@ class Bridge:
         self._roots = model.body_rootid[self._bodies].astype(np.intp)
         self._number = numbers_of(model, parts, self._first)
         self._arrays = self._described()
-        time, count = (data._address + _layout()[name] for name in ("time", "count"))
+        time, count = (data._address + memory_layout()[name] for name in ("time", "count"))
         kept = self._arrays, self._number, self._room, model, data
         self.tell: Callable[[], int] = self.world.teller(self._arrays.ctypes.data, time, count, kept)
         """Tell the World of a step of MuJoCo, to be called after each; return the number of its blows. WorldError for
@@ -145,7 +141,7 @@ class Bridge:
             ("abouts", data.subtree_com), ("numbers", self._number),
         ):  # fmt: skip
             record[name] = array.ctypes.data
-        for name, place in _layout().items():
+        for name, place in memory_layout().items():
             if name in (ARRAYS.names or ()):
                 record[name] = place
         for name in ("contacts", "forces"):
@@ -156,7 +152,7 @@ class Bridge:
 
     def _mechanical(self, record: np.void) -> None:
         """Fill a record of MECHANISM."""
-        model, data, layout, library = self._model, self._data, _layout(), _library()
+        model, data, layout, library = self._model, self._data, memory_layout(), mujoco_library()
         for name, function in (("jacobian", library["mj_jac"]), ("solve", library["mj_solveM"])):
             record[name] = cast(function, c_void_p).value or 0
         record["model"], record["data"] = model._address, data._address
@@ -188,64 +184,3 @@ class Bridge:
         led = np.flatnonzero(self._arrays["led"][0])
         self.world.memory["position"][0, self._first + led] = np.nan  # what comes next is no motion of theirs
         self.world.restart(float(self._data.time))
-
-
-@cache
-def _layout() -> dict[str, int]:
-    """Return where MuJoCo has its time, the number of contacts, these and their forces in its data, and the fields of
-    each contact (bytes), as ARRAYS names them.
-
-    Found in data with contacts: a pointer is where its value stands, as is a time, and a number that goes as the
-    contacts' does.
-    """
-    ball = '<body><freejoint/><geom size="1"/></body>'
-    model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{3 * ball}</worldbody></mujoco>")
-    model.opt.timestep = math.e
-    data = mujoco.MjData(model)
-    data.time = math.pi
-    time = _standing(data, int(np.float64(math.pi).view(np.uint64)))
-    found: set[int] = set()
-    for place in (0.0, 9.0, 0.0):  # the third ball touches both others, or none
-        data.qpos[14] = place
-        mujoco.mj_forward(model, data)
-        words = (c_int32 * _LOOKED).from_address(data._address + time - 4 * _LOOKED)[:]  # it stands just before
-        here = {place for place, word in enumerate(words) if word == data.ncon}
-        found = found & here if found else here
-    (count,) = found
-    contact = data.contact
-    first = contact.dist.ctypes.data
-    parts = {
-        "point": contact.pos, "normal": contact.frame, "distance": contact.dist, "geoms": contact.geom,
-        "row": contact.efc_address, "dimensions": contact.dim, "reference": contact.solref,
-        "impedance": contact.solimp, "margin": contact.includemargin,
-    }  # fmt: skip
-    return {
-        "time": time,
-        "count": time + 4 * (count - _LOOKED),
-        "contacts": _standing(data, first),
-        "forces": _standing(data, data.efc_force.ctypes.data),
-        "smooth": _standing(data, data.qacc_smooth.ctypes.data),
-        "step": _standing(model, int(np.float64(model.opt.timestep).view(np.uint64))),
-        "stride": contact.dist.strides[0],
-        **{name: part.ctypes.data - first for name, part in parts.items()},
-    }
-
-
-@cache
-def _library() -> CDLL:
-    """Return MuJoCo's functions, in the library that its package has loaded."""
-    folder = Path(mujoco.__file__).parent
-    found = [each for pattern in ("libmujoco*", "mujoco.dll") for each in folder.glob(pattern)]
-    if not found:
-        raise WorldError(f"{folder}: expected MuJoCo's library there, libmujoco")
-    return CDLL(str(found[0]))
-
-
-def _standing(data: mujoco.MjData | mujoco.MjModel, pointer: int) -> int:
-    """Return where in MuJoCo's data, as a struct, a pointer stands (bytes): it has one to each of its arrays."""
-    offset = 0
-    while True:
-        words = (c_uint64 * _LOOKED).from_address(data._address + offset)[:]
-        if pointer in words:
-            return offset + 8 * words.index(pointer)
-        offset += 8 * _LOOKED

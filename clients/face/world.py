@@ -20,20 +20,20 @@ from .clients.actions import CommandError
 from .clients.client import Client
 from .clients.performer import Folders, Performer, chosen
 from .dsp.bodies.material import CONTACT_RADIUS
-from .dsp.engine.state import QUANTUM
+from .dsp.engine.memory.state import QUANTUM
 from .dsp.resonator.bank import NYQUIST_SHARE
 from .dsp.runtime.batch import Batch
-from .dsp.runtime.telling import PER_BLOW, tell
 from .scene import Scene
+from .server.bridge.blows import Counts, Hit
+from .server.bridge.bodies import Body, WorldError
+from .server.bridge.gestures import template
+from .server.bridge.hearing import Hearing, Microphone, microphones_of
+from .server.bridge.requests import Request, Slide, in_order
+from .server.bridge.simulation import Simulation
+from .server.bridge.step import Contacts, Pose, Poses
+from .server.bridge.telling import PER_BLOW, tell
 from .server.closing import Closing
 from .server.osc.score import format_line
-from .server.world.blows import Counts, Hit
-from .server.world.bodies import Body, WorldError
-from .server.world.gestures import template
-from .server.world.hearing import Hearing, Microphone, microphones_of
-from .server.world.requests import Request, Slide, in_order
-from .server.world.simulation import Simulation
-from .server.world.step import Contacts, Pose, Poses
 from .sound import Sound
 
 Blocks = NDArray[np.float32]
@@ -218,8 +218,9 @@ class World(Closing):
     def teller(self, arrays: int, time: int, points: int, kept: object = None) -> Callable[[], int]:
         """Return a function that tells a step, for bridges, and returns the number of its blows.
 
-        arrays: address of a record of `carom.dsp.tracking.arrays.ARRAYS`, which says where a simulator has its poses
-        and contacts. time: address of its time (s), a float64. points: address of the number of its contacts, an int32.
+        arrays: address of a record of `carom.server.bridge.mujoco.arrays.ARRAYS`, which says where a simulator has its
+        poses and contacts. time: address of its time (s), a float64. points: address of the number of its contacts, an
+        int32.
         kept: what holds them. Python does next to nothing then, unless something begins or ends.
         """
         simulation, run = self.simulation, tell.brief
@@ -259,7 +260,7 @@ class World(Closing):
 
     @property
     def memory(self) -> NDArray[np.void]:
-        """The columns of bodies and contacts, a record of `carom.dsp.tracking.state.STATE`."""
+        """The columns of bodies and contacts, a record of `carom.server.bridge.tracking.state.STATE`."""
         return self.simulation.state
 
     def ring(self, seconds: float) -> Blocks:

@@ -23,7 +23,7 @@ turning heard, which a blow beside the centre of mass adds.
 import math
 from typing import NamedTuple
 
-from .radiation.air import IMPEDANCE, SPEED
+from .air import IMPEDANCE, SPEED
 
 _SPHERE = math.sqrt(0.5)  # damping ratio
 _DISC = 0.466

@@ -20,9 +20,9 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from .air import IMPEDANCE, SPEED
 from .material import Array, Material
 from .modes import MOST_MODES, Modes, columns
-from .radiation.air import IMPEDANCE, SPEED
 
 LOAD = 100.0
 

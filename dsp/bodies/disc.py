@@ -10,11 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from . import acceleration
+from .air import plate_mass
 from .heard import BAFFLES, heard, loaded
 from .material import Array, Material
 from .modes import MOST_MODES, Indices, Modes, audible, path, read_only, require_choice, require_positive
 from .near import critical_frequency, near_field
-from .radiation.air import plate_mass
 from .radiation.round import Loads, Round
 from .residual import with_residual
 from .ring import Doublets, doublets

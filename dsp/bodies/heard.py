@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .air import IMPEDANCE, Load
 from .material import Array, Material
 from .modes import Modes
-from .radiation.air import IMPEDANCE, Load
 
 BAFFLES = ("free", "wall", "closed")
 """free: the air moves around the edge from one side to the other. wall: in a wall, both sides radiate, one is heard.

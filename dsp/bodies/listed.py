@@ -6,10 +6,10 @@ from functools import partial
 
 import numpy as np
 
+from .air import IMPEDANCE, wavenumber
 from .heard import pressure
 from .material import Array
 from .modes import Modes, audible, columns
-from .radiation.air import IMPEDANCE, wavenumber
 from .radiation.closed import sphere_efficiency
 from .radiation.thin import open_cylinder
 

@@ -22,7 +22,7 @@ plate is left out, 1/(1 + 2 rho c/(i omega m)), which matters below rho c/(pi m)
 import math
 
 from .acceleration import Click
-from .radiation.air import DENSITY, SPEED
+from .air import DENSITY, SPEED
 
 _DAMPING = 0.95  # ratio, of each click: nearly what one complex mode can be
 _SPREAD = 1.932  # the integral of a click's response in phase over the log of frequency, for a peak of 1

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from . import acceleration
+from .air import plate_mass
 from .heard import BAFFLES, heard, loaded
 from .material import Array, Material
 from .modes import LOWEST_FREQUENCY, Indices, Modes, ascending, audible, path, require_choice, require_positive
 from .near import critical_frequency, near_field
-from .radiation.air import plate_mass
 from .radiation.plate import Group, Loads, Rectangle
 from .unheard import Felt, completed, with_unheard
 

@@ -10,12 +10,12 @@ import numpy as np
 
 from . import acceleration
 from .acceleration import Click
+from .air import DENSITY, Load
 from .heard import Loaded, heard, loaded
 from .material import Array, Material
 from .modes import MOST_MODES, Indices, Modes, audible, path, require_positive
 from .near import critical_frequency, near_field
 from .radiation import wall as wall_air
-from .radiation.air import DENSITY, Load
 from .radiation.sampling import between, members
 from .radiation.thin import Profile
 from .unheard import FINER, Felt, with_unheard

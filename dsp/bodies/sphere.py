@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from . import acceleration
+from .air import IMPEDANCE, wavenumber
 from .heard import heard
 from .material import Array, Material
 from .modes import MOST_MODES, Indices, Modes, ascending, require_positive
-from .radiation.air import IMPEDANCE, wavenumber
 from .radiation.closed import sphere_efficiency
 
 _STEP = 0.05  # of y between two looks for a sign's change: the roots of an order lie 0.068 and more apart

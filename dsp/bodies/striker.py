@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .acceleration import Click
-from .radiation.air import IMPEDANCE
+from .air import IMPEDANCE
 
 MOST_MODES = 13
 """Most modes of a striker, besides its click."""

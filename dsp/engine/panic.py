@@ -10,13 +10,13 @@ import math
 from ..native.jit import kernel
 from ..resonator.bank import RESPONSES, Modes, ring
 from ..resonator.simd import LANES
-from .contact_list import end_contacts
-from .fade import RATES, fade_length, going_on, left_of, pace_of, tilt_of
-from .mix import add_share, is_finite, sides_of
-from .objects import shape_at
-from .spectral import let_bank_fade
-from .state import QUANTUM
-from .strikers import fade_voices, let_voice_go
+from .bank.spectral import let_bank_fade
+from .bodies.objects import shape_at
+from .bodies.strikers import fade_voices, let_voice_go
+from .contacts.contact_list import end_contacts
+from .memory.state import QUANTUM
+from .output.fade import RATES, fade_length, going_on, left_of, pace_of, tilt_of
+from .output.mix import add_share, is_finite, sides_of
 
 
 @kernel

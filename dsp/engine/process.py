@@ -6,13 +6,13 @@ size can't change a bit of it. Nothing here allocates, locks or needs Python.
 
 from ..native.atomics import load_acquire, store_release
 from ..native.jit import kernel
-from .events import carry_out, take_commands, take_due
-from .limiter import limit
-from .meter import measure
-from .ramps import run_ramps
+from .bank.spectral import recall_objects, ring_bank
+from .events.events import carry_out, take_commands, take_due
+from .events.ramps import run_ramps
+from .memory.state import QUANTUM, TAP
+from .output.limiter import limit
+from .output.meter import measure
 from .render import forget_quiet, mix_objects, retune_objects, update_objects
-from .spectral import recall_objects, ring_bank
-from .state import QUANTUM, TAP
 
 
 @kernel

@@ -8,19 +8,19 @@ from ..resonator.bank import state_of
 from ..resonator.click import set_click
 from ..resonator.coefficients import set_mode, set_unfelt
 from ..resonator.simd import LANES
-from .contact_groups import solve_groups
-from .contact_list import end_contacts
-from .contacts import begin_contacts, next_driven_frame, run_contacts, update_contacts
-from .flights import call_back
-from .glide import follow_tension
-from .mix import add_share, clear_mix, glide_gain, glide_gains, is_faded, is_finite, remove_static
-from .objects import is_felt, modes_of, relief_of, ringing_of
+from .bank.spectral import mix_bank, recall_struck
+from .bodies.glide import follow_tension
+from .bodies.objects import is_felt, modes_of, relief_of, ringing_of
+from .bodies.strikers import rest_strikers, ring_strikers, silence_strikers
+from .contacts.contact_groups import solve_groups
+from .contacts.contact_list import end_contacts
+from .contacts.contacts import begin_contacts, next_driven_frame, run_contacts, update_contacts
+from .contacts.flights import call_back
+from .contacts.rolls import add_through, ring_on
+from .memory.quality import find_oldest_running, is_left_out, keeps_strikers, silence_of
+from .memory.state import QUANTUM
+from .output.mix import add_share, clear_mix, glide_gain, glide_gains, is_faded, is_finite, remove_static
 from .panic import mix_fading
-from .quality import find_oldest_running, is_left_out, keeps_strikers, silence_of
-from .rolls import add_through, ring_on
-from .spectral import mix_bank, recall_struck
-from .state import QUANTUM
-from .strikers import rest_strikers, ring_strikers, silence_strikers
 
 _RETUNE_BUDGET = 1024  # modes per quantum that get new coefficients in the background
 _PREPARED = 65_536  # modes of the bank that get them before they are touched; it is much memory for the others

@@ -7,10 +7,10 @@ from ctypes import c_int, c_ulong, c_void_p
 
 import numpy as np
 
-from ..engine.clock import lock
+from ..engine.events.queue import look_again
+from ..engine.memory.clock import lock
+from ..engine.memory.state import QUANTUM, STATE
 from ..engine.process import process
-from ..engine.queue import look_again
-from ..engine.state import QUANTUM, STATE
 from ..native.jit import c_function, carray
 from ..native.system import flush_denormals, monotonic_ns, restore_denormals, thread_id
 

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from ..bodies.modes import Modes
 from ..bodies.striker import StrikerSound
 from ..contact.accuracy import LEVELS
-from ..engine.capacity import USUAL_MODES, USUAL_OBJECTS, check_sizes
-from ..engine.commands import Command, Handle, Kind
-from ..engine.state import ENDED, QUANTUM, RING, TAP, End, Quality
+from ..engine.memory.capacity import USUAL_MODES, USUAL_OBJECTS, check_sizes
+from ..engine.memory.commands import Command, Handle, Kind
+from ..engine.memory.state import ENDED, QUANTUM, RING, TAP, End, Quality
 from ..native.atomics import observe, publish
 from ..native.code import Code, load
 from ..native.system import clock_ns

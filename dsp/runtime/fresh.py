@@ -8,7 +8,7 @@ from itertools import count
 import numpy as np
 from numpy.typing import NDArray
 
-from ..engine.state import STATE, new_state
+from ..engine.memory.state import STATE, new_state
 
 _numbers = count()
 

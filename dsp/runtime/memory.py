@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bodies.modes import Modes
-from ..engine.capacity import SHAPE_VALUES
-from ..engine.commands import Handle
-from ..engine.state import BANK
+from ..engine.memory.capacity import SHAPE_VALUES
+from ..engine.memory.commands import Handle
+from ..engine.memory.state import BANK
 from ..native.atomics import hold_page
 from .arena import Arena, EngineFull
 from .plan import COLUMNS, Plan, planned

@@ -5,8 +5,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ..engine.meter_record import METERED, WINDOW, k_weighting
-from ..engine.state import QUANTUM
+from ..engine.memory.meter_record import METERED, WINDOW, k_weighting
+from ..engine.memory.state import QUANTUM
 
 SILENCE = -200.0
 """dB: what counts as silence."""

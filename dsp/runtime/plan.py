@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..bodies.material import Array
 from ..bodies.modes import Modes
-from ..engine.capacity import MODES_PER_OBJECT
+from ..engine.memory.capacity import MODES_PER_OBJECT
 from ..kept import Kept
 from ..resonator.click import CLICK_MODES
 from ..resonator.simd import LANES

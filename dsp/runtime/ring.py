@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..engine.commands import COMMAND, Command, write
-from ..engine.state import EVENTS, RING
+from ..engine.memory.commands import COMMAND, Command, write
+from ..engine.memory.state import EVENTS, RING
 from ..native.atomics import observe, publish
 from .arena import EngineFull
 

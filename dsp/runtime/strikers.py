@@ -7,7 +7,7 @@ from dataclasses import astuple
 import numpy as np
 
 from ..bodies.striker import Snap, StrikerSound
-from ..engine.striker_state import STRIKER_MODES, STRIKERS
+from ..engine.memory.striker_state import STRIKER_MODES, STRIKERS
 from ..resonator.click import CLICK_MODES
 from ..resonator.simd import LANES
 

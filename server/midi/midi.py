@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING, Any
 from ..discovery import in_parts
 from ..net.network import Source
 from ..net.remote import Doorway, Remote
-from ..osc.arguments import Refused, Values
+from ..osc.arguments import Refused, Values, require_name
 from ..osc.midi_verbs import BEND, HIGHEST, LOWEST, PRESSURE
 from ..osc.wire import IMMEDIATELY, Message, encode_bundle, parse
-from ..scene.object_call import require_name
 from ..scene.session import Session
 from .controls import Control, Controls, control
 from .keys import Keys

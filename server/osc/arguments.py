@@ -12,6 +12,8 @@ from ...dsp.wording import expected
 from .wire import Argument
 
 _LONGEST_SHOWN = 40  # characters of a value in an error
+_NAME = re.compile(r"[^\s#*,/?\[\]{}]{1,64}")
+_FORBIDDEN = "# * , / ? [ ] { } or space"
 
 
 class Refused(ValueError):
@@ -28,6 +30,12 @@ def shown(value: Argument) -> str:
         return f"{value:g}"
     text = str(value) if isinstance(value, str) else repr(value)
     return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 3] + "..."
+
+
+def require_name(key: str, name: str) -> None:
+    """Refuse a name that can't be a part of an address."""
+    if not _NAME.fullmatch(name) or not name.isprintable():
+        raise Refused(f"{key} = {shown(name)}: expected 1 to 64 printable characters, none of them {_FORBIDDEN}")
 
 
 def check_number(number: Number, value: Argument) -> float:

@@ -1,8 +1,17 @@
 """The addresses by which a simulation is told, `/world/...`."""
 
 from ...dsp.schema import RESTITUTION, SLIDE, Parameter
-from ..world.shapes import SHAPES
 from .arguments import Either, Numbers, Verb, Word
+
+SIZES = {
+    "box": "three edges, in m",
+    "plate": "three edges, in m",
+    "sphere": "a radius, in m",
+    "cylinder": "a radius and a length, in m",
+    "capsule": "a radius and the length between its ends' centres, in m",
+    "mesh": "its vertices, an array (n, 3) in m",
+}
+"""The shapes of bodies, and the size that makes each."""
 
 _FAR = 1e5
 _PLACE = Parameter("metres", -_FAR, _FAR, "m")
@@ -31,7 +40,7 @@ WORLD = (
         "/world/body",
         "makes a body of a simulation, and the object that rings as it does. A box, plate or mesh has three edges, a "
         "sphere a radius, a cylinder and a capsule a radius and a length along z",
-        (Word("name"), Either("shape", SHAPES), Word("material"), _LENGTH),
+        (Word("name"), Either("shape", tuple(SIZES)), Word("material"), _LENGTH),
         (_number("y", "", low=1e-5, high=1e3), _number("z", "", low=1e-5, high=1e3)),
         (
             _number("density", "its material's if not given", "kg/m^3", 1e-3, 1e5),

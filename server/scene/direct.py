@@ -4,10 +4,10 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from ...dsp.engine.commands import COMMAND, NUMBERS, VALUES, Kind
+from ...dsp.engine.memory.commands import COMMAND, NUMBERS, VALUES, Kind
 from ...dsp.schema import STEERABLE
+from ..bridge.requests import Blow, Ending, Gains, Request, Said, Slide, Steering
 from ..osc.wire import Message
-from ..world.requests import Blow, Ending, Gains, Request, Said, Slide, Steering
 from .session import Session
 
 _PLACES = {name: place for place, name in enumerate(STEERABLE)}

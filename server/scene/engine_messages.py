@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from ...dsp.contact.accuracy import LEVELS
 from ...dsp.contact.sampled import CORRECTIONS, METHODS
-from ...dsp.engine.commands import Command, Kind
+from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.runtime.engine import NOW
 from ...dsp.schema import CURVE, FORMS, MAIN_GAIN, OVER, Parameter
 from ...dsp.wording import expected

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from itertools import islice
 from typing import Any
 
-from ...dsp.engine.state import End
+from ...dsp.engine.memory.state import End
 from ...dsp.runtime.engine import Engine
 from ..osc.patterns import Selection, is_pattern
 

@@ -116,7 +116,7 @@ def fall(height: float, velocity: float, gravity: float) -> tuple[float, float]:
 
 def rim_speed(flat: float, radius: float, angle: float, gravity: float) -> float:
     """Return the velocity (m/s) at which a spinning disc's flat first hits; angle in degrees. See
-    `dsp/engine/spins.py`."""
+    `dsp/engine/contacts/spins.py`."""
     return 2 * flat * math.sqrt(gravity * radius * math.sin(math.radians(angle)))
 
 

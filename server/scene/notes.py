@@ -4,12 +4,10 @@ import math
 
 from ...dsp.bodies.modes import Modes
 from ...dsp.schema import SETTINGS
+from ..new_object import TUNINGS
 from ..osc.arguments import Refused, Values, check_number
 from ..osc.wire import Argument
 from .objects import PlayedObject
-
-TUNINGS = ("note", "pitch")
-"""Keys of /object/new that tune it."""
 
 _A4, _A4_NUMBER = 440.0, 69
 _SLOWEST, _FASTEST = 0.05, 5.0  # m/s of the velocities 1 and 127

@@ -1,6 +1,5 @@
 """A message to one object: the object, what strikes it, and the id of the gesture that it starts."""
 
-import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import partial
@@ -10,21 +9,13 @@ from ...dsp.bodies.material import CONTACT_RADIUS
 from ...dsp.schema import BY_RADIUS
 from ...presets.kinds import STAND_IN
 from ..osc.addresses import Call
-from ..osc.arguments import Refused, Values, shown
+from ..osc.arguments import Refused, Values, require_name, shown
 from ..osc.patterns import is_pattern
 from ..osc.wire import Argument, Message
 from .objects import PlayedObject
 from .transaction import MOST_COMPARED, Transaction
 
-_NAME = re.compile(r"[^\s#*,/?\[\]{}]{1,64}")
-_FORBIDDEN = "# * , / ? [ ] { } or space"
 _MOST_LISTED = 8  # names in an error
-
-
-def require_name(key: str, name: str) -> None:
-    """Refuse a name that can't be a part of an address."""
-    if not _NAME.fullmatch(name) or not name.isprintable():
-        raise Refused(f"{key} = {shown(name)}: expected 1 to 64 printable characters, none of them {_FORBIDDEN}")
 
 
 def listed(names: Iterable[str]) -> str:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from ...dsp.bodies.modes import Modes
-from ...dsp.engine.commands import Handle
+from ...dsp.engine.memory.commands import Handle
 from ...dsp.runtime.engine import Engine
 from ...presets import ObjectPreset
 from ..osc.patterns import Selection, is_pattern

@@ -4,16 +4,16 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from ...dsp.engine.commands import Command
-from ...dsp.engine.state import RING
+from ...dsp.engine.memory.commands import Command
+from ...dsp.engine.memory.state import RING
 from ...dsp.runtime.arena import EngineFull
 from ...dsp.runtime.engine import NOW, Engine
 from ...presets import PresetError, Presets
+from ..bridge.wire import TellsWorld
 from ..osc.addresses import Call, calls
 from ..osc.arguments import GestureEnded, Refused
 from ..osc.patterns import Selection, TooMuch
 from ..osc.wire import Message
-from ..world.wire import TellsWorld
 from .gesture_ids import Ended, GestureIds
 from .limits import ContactLaws, least_radius
 from .objects import ObjectTable

@@ -2,7 +2,7 @@
 
 from itertools import islice
 
-from ...dsp.engine.commands import Command, Kind
+from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.runtime.engine import NOW
 from ...dsp.wording import suggestion
 from ..osc.addresses import Call

@@ -5,22 +5,22 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar, cast
 
-from ...dsp.engine.commands import Command
+from ...dsp.engine.memory.commands import Command
 from ...dsp.runtime.engine import Engine
 from ...dsp.wording import suggestion
 from ...presets import NoPreset, Presets
+from ..new_object import NewObject
 from ..osc.addresses import Call
 from ..osc.patterns import Selection
 from ..osc.wire import Message
 from .gesture_ids import GestureIds
 from .limits import ContactLaws
-from .new_object import NewObject
 from .objects import ObjectTable
 from .scale import Scale
 
 if TYPE_CHECKING:
-    from ..world.bodies import Body
-    from ..world.wire import TellsWorld
+    from ..bridge.bodies import Body
+    from ..bridge.wire import TellsWorld
 
     Made: TypeAlias = NewObject | Body | Exception
 

@@ -9,21 +9,21 @@ from collections.abc import Callable
 from functools import partial
 from itertools import islice
 
-from ...dsp.engine.commands import Command, Kind
+from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.numerics.constants import STANDARD_GRAVITY
 from ...dsp.runtime.engine import NOW
 from ...dsp.schema import BOUNCE, GAIN, GESTURES, ROLL, SETTINGS, SLIDE, STEERABLE, STRIKE, Gesture
 from ...presets.kinds import DRY
+from ..new_object import NEW, NewObject, new_object
 from ..osc.addresses import Call, calls, unknown
-from ..osc.arguments import Refused, Values
+from ..osc.arguments import Refused, Values, require_name
 from ..osc.patterns import is_pattern
 from ..osc.wire import Message
 from .contact_law import law_of, law_on
 from .engine_messages import ENGINE_HANDLERS, Handler, changes
 from .limits import Contact, fall, require_rest, require_rollable, require_short, rim_speed
-from .new_object import NEW, NewObject, new_object
 from .notes import copy_of, speed_of, tuned
-from .object_call import ObjectCall, listed, require_name
+from .object_call import ObjectCall, listed
 from .objects import PlayedObject
 from .steering import CHANGE_WORK, steer
 from .transaction import MOST_COMPARED, Sent, Transaction

@@ -2,10 +2,10 @@
 
 from collections.abc import Callable
 
+from ..bridge.wire import BODY, new_body
 from ..osc.addresses import Call, calls
 from ..osc.arguments import Values
 from ..osc.wire import Message
-from ..world.wire import BODY, new_body
 from .transaction import Transaction
 
 Handler = Callable[[Transaction, Call, Values], None]

@@ -23,7 +23,7 @@ from numba import njit
 from rich.console import Console
 from rich.table import Table
 
-from carom.dsp.engine.state import QUANTUM, new_state
+from carom.dsp.engine.memory.state import QUANTUM, new_state
 from carom.dsp.native.jit import kernel as compiled
 from carom.dsp.resonator.bank import RESPONSES, Modes, Point, inject, ring
 from carom.dsp.resonator.coefficients import set_mode

@@ -12,13 +12,13 @@ from carom.dsp.bodies.modes import Modes
 from carom.dsp.contact.accuracy import LEVELS
 from carom.dsp.contact.coupled_step import HELD
 from carom.dsp.contact.pulse import contact_time
-from carom.dsp.engine.commands import Command, Kind
-from carom.dsp.engine.state import QUANTUM
+from carom.dsp.engine.memory.commands import Command, Kind
+from carom.dsp.engine.memory.state import QUANTUM
+from carom.dsp.lab.comparison import touched
+from carom.dsp.lab.coupled import CONVERGED, Case, simulate, simulation_loop
+from carom.dsp.lab.coupled_closed import striking_loop
 from carom.dsp.native.atomics import publish
 from carom.dsp.runtime.engine import NOW, Engine
-from carom.dsp.study.comparison import touched
-from carom.dsp.study.coupled import CONVERGED, Case, simulate, simulation_loop
-from carom.dsp.study.coupled_closed import striking_loop
 from tests.bench.rounds import Contenders, minima
 
 RATE = 48_000.0

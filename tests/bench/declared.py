@@ -8,10 +8,10 @@ from itertools import chain
 from carom.presets import Presets
 from carom.presets.schema import SHAPES as OBJECT_SHAPES
 from carom.presets.values import Choice, Quantity, Whole
+from carom.server.bridge.shapes import SHAPES as BODY_SHAPES
 from carom.server.osc.addresses import VERBS
 from carom.server.osc.arguments import Either, Key, Note, Number, Numbers, Word
 from carom.server.osc.wire import Argument, Message
-from carom.server.world.shapes import SHAPES as BODY_SHAPES
 
 PRESETS = Presets()
 KINDS = {

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from carom.dsp.engine.state import QUANTUM
+from carom.dsp.engine.memory.state import QUANTUM
 from carom.dsp.numerics.legendre import KEPT
 from carom.dsp.resonator import fed
 from carom.dsp.resonator.bank import DRIVER, RESPONSES, Drive, Modes, Point, ring, ring_driven

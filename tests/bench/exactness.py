@@ -23,15 +23,15 @@ import numpy as np
 
 import carom
 from carom.dsp.contact.accuracy import LEVELS
-from carom.dsp.engine.commands import Command, Kind
-from carom.dsp.engine.state import QUANTUM
+from carom.dsp.engine.memory.commands import Command, Kind
+from carom.dsp.engine.memory.state import QUANTUM
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.presets.library import Presets
 from carom.server.options import BUDGET
 from tests.dsp.contact.coupled_reference import Blow, several
+from tests.dsp.engine.contacts.test_contact_groups import FIRST, PROMISED, shapes
+from tests.dsp.engine.contacts.test_coupling import felt, modal
 from tests.dsp.engine.support import strike
-from tests.dsp.engine.test_contact_groups import FIRST, PROMISED, shapes
-from tests.dsp.engine.test_coupling import felt, modal
 
 CASES = (
     ("tin-lid", [("ball-bearing", 0.0, 0.6)]),

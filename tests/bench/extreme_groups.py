@@ -18,12 +18,12 @@ import numpy as np
 from carom.dsp.bodies import Modes, listed
 from carom.dsp.contact.accuracy import LEVELS
 from carom.dsp.contact.collocation import elastic
-from carom.dsp.engine.commands import Command, Handle, Kind
-from carom.dsp.engine.state import QUANTUM, Solver
+from carom.dsp.engine.memory.commands import Command, Handle, Kind
+from carom.dsp.engine.memory.state import QUANTUM, Solver
 from carom.dsp.runtime.engine import NOW, Engine
 from tests.accuracy import GROWTH
+from tests.dsp.engine.contacts.test_coupling import energy, felt
 from tests.dsp.engine.support import free, impact
-from tests.dsp.engine.test_coupling import energy, felt
 
 RATES = (8_000.0, 22_050.0, 48_000.0, 96_000.0, 192_000.0)
 QUANTA = 12

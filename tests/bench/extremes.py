@@ -12,7 +12,7 @@ import numpy as np
 
 from carom.dsp.contact.accuracy import TOLERANCE
 from carom.dsp.contact.coupled_step import HELD
-from carom.dsp.study.coupled import extreme_case, simulate
+from carom.dsp.lab.coupled import extreme_case, simulate
 
 
 def main(count: int) -> int:

@@ -12,9 +12,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from carom.dsp.study.bowing import BETAS, FORCES, SHARP, force_limit, schelleng, schelleng_limit
-from carom.dsp.study.rubbed import extreme_rub
-from carom.dsp.study.slide import BOWED, rub_modes
+from carom.dsp.lab.bowing import BETAS, FORCES, SHARP, force_limit, schelleng, schelleng_limit
+from carom.dsp.lab.rubbed import extreme_rub
+from carom.dsp.lab.slide import BOWED, rub_modes
 
 BALANCE, GIVEN_BACK = 1e-9, 1e-12
 SLOPE = 0.15

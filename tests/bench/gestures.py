@@ -8,7 +8,7 @@ import numpy as np
 
 from carom.dsp.bodies.modes import Modes
 from carom.dsp.contact.accuracy import LEVELS
-from carom.dsp.engine.commands import Command, Handle, Kind
+from carom.dsp.engine.memory.commands import Command, Handle, Kind
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.dsp.schema import LAW

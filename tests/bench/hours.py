@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from carom.dsp.bodies.modes import Modes
-from carom.dsp.engine.commands import Command, Handle, Kind
+from carom.dsp.engine.memory.commands import Command, Handle, Kind
 from carom.dsp.runtime.engine import NOW, Engine
 from tests.bench.ringing import BLOW, least
 

@@ -12,9 +12,9 @@ import numpy as np
 from numba import njit
 
 from carom.dsp.bodies.modes import Modes as Body
-from carom.dsp.engine.capacity import MODES, OBJECTS
-from carom.dsp.engine.commands import Command, Handle, Kind
-from carom.dsp.engine.state import QUANTUM
+from carom.dsp.engine.memory.capacity import MODES, OBJECTS
+from carom.dsp.engine.memory.commands import Command, Handle, Kind
+from carom.dsp.engine.memory.state import QUANTUM
 from carom.dsp.resonator.bank import Modes, ring
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.dsp.schema import FORMS

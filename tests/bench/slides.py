@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from carom.dsp.bodies.modes import Modes
-from carom.dsp.engine.commands import Command, Kind
-from carom.dsp.engine.state import Quality
+from carom.dsp.engine.memory.commands import Command, Kind
+from carom.dsp.engine.memory.state import Quality
+from carom.dsp.lab.rubbed import bowed_string
+from carom.dsp.lab.slide import Rub, rub_cost, rub_modes
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.dsp.schema import LAW
-from carom.dsp.study.rubbed import bowed_string
-from carom.dsp.study.slide import Rub, rub_cost, rub_modes
 from carom.presets.library import Presets
 
 RATE = 48_000.0

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from carom.dsp.engine.commands import Command
-from carom.dsp.engine.state import QUANTUM
+from carom.dsp.engine.memory.commands import Command
+from carom.dsp.engine.memory.state import QUANTUM
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.dsp.schema import FORMS
 from tests.bench.ringing import BLOW, RATE, keep, ringing

@@ -10,14 +10,14 @@ from pathlib import Path
 
 import pytest
 
-from carom.clients.chart.report import PRINTED
 from carom.clients.cli import main
 from carom.dsp.contact.sampled import CORRECTIONS, METHODS
-from carom.dsp.study import wall
-from carom.dsp.study.bowing import schelleng_limit
-from carom.dsp.study.bristle import METHODS as METHODS_OF_FRICTION
-from carom.dsp.study.comparison import BANDS
-from carom.dsp.study.wall import PAPER_CASES, PAPER_RATE
+from carom.dsp.lab import wall
+from carom.dsp.lab.bowing import schelleng_limit
+from carom.dsp.lab.bristle import METHODS as METHODS_OF_FRICTION
+from carom.dsp.lab.chart.report import PRINTED
+from carom.dsp.lab.comparison import BANDS
+from carom.dsp.lab.wall import PAPER_CASES, PAPER_RATE
 from tests.accuracy import RINGING
 from tests.support import CAROM
 

@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from carom.clients.chart import report
-from carom.clients.chart.tables import Row
+from carom.dsp.lab.chart import report
+from carom.dsp.lab.chart.tables import Row
 from tests.accuracy import GROWTH, PROMISES
 from tests.bench import fits as fitted
 from tests.bench import friction, fuzz, gil, hours, overload, queries, soak

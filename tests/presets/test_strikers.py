@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from carom.dsp.bodies.radiation.air import SPEED
+from carom.dsp.bodies.air import SPEED
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.presets import Presets

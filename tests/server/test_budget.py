@@ -6,15 +6,15 @@ import pytest
 
 import carom
 from carom.dsp.contact.accuracy import LEVELS
-from carom.dsp.engine.commands import Command, Kind
-from carom.dsp.engine.state import QUANTUM
+from carom.dsp.engine.memory.commands import Command, Kind
+from carom.dsp.engine.memory.state import QUANTUM
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.presets import Presets
 from carom.server.options import BUDGET
 from carom.server.osc.score import parse
 from carom.server.render import Options, RenderError, blocks
+from tests.dsp.engine.contacts.test_coupling import body, budget
 from tests.dsp.engine.support import strike
-from tests.dsp.engine.test_coupling import body, budget
 
 PRESETS = carom.Presets()
 LONG = {"exact": {"cello-string", "cymbal", "pot-lid", "tom"}}

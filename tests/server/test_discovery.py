@@ -7,7 +7,7 @@ from contextlib import closing
 import pytest
 
 from carom.clients.client import Client
-from carom.dsp.engine.state import QUANTUM
+from carom.dsp.engine.memory.state import QUANTUM
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.presets import Presets
 from carom.server.contact_watch import ContactWatch, thinned

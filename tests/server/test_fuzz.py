@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import soundfile
 
-from carom.dsp.engine.state import TRACE, TRACED
+from carom.dsp.engine.memory.state import TRACE, TRACED
 from carom.presets.making import KEPT_BYTES
 from carom.server.osc import wire
 from tests.bench import crowd

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import pytest
 
-from carom.dsp.engine.state import Quality
+from carom.dsp.engine.memory.state import Quality
 from carom.dsp.schema import Stats
 from carom.server.governor import Governor
 from carom.server.osc.wire import Message

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from carom.clients.client import Client
-from carom.dsp.engine import state
+from carom.dsp.engine.memory import state
 from carom.server.net.network import RECEIVE_BUFFER, Network
 from carom.server.osc import wire
 from carom.server.osc.wire import Message

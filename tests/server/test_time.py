@@ -114,7 +114,7 @@ def test_the_wall_clock_may_be_set_while_events_wait(monkeypatch):
 
 def an_hour_late() -> None:
     """Assert that an event of an hour ago is that late, and is carried out, however young the machine is."""
-    from carom.dsp.engine.commands import Command, Kind
+    from carom.dsp.engine.memory.commands import Command, Kind
     from carom.dsp.native.system import clock_ns
     from carom.dsp.runtime.engine import Engine
 
@@ -144,7 +144,7 @@ def test_an_hour_late_is_told_here():
 
 def test_the_scores_grid_is_the_engines():
     """Both say where events may fall between samples; the score cannot import the engine, which is compiled."""
-    from carom.dsp.engine import clock
+    from carom.dsp.engine.memory import clock
     from carom.server.osc import score
 
     assert score._GRID == clock._GRID

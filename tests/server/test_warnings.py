@@ -12,7 +12,7 @@ import pytest
 
 from carom.clients.actions import CommandError
 from carom.clients.client import Client
-from carom.dsp.engine.state import CONTACTS
+from carom.dsp.engine.memory.state import CONTACTS
 from carom.dsp.runtime.engine import Engine
 from carom.server.options import Options, ServeError
 from carom.server.osc import wire

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..air import IMPEDANCE, SPEED
 from ..material import Array
-from .air import IMPEDANCE, SPEED
 
 _JOIN = 1.25  # times the critical frequency: up to here from its inverse the efficiency follows a power law
 

@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..air import IMPEDANCE, Complex
 from ..material import Array
 from ..modes import Indices
-from .air import IMPEDANCE, Complex
 from .quadrature import bessel, segment, spherical_bessel
 
 _AT_ONCE = 8000  # places in the spectrum of which the Bessel functions are found together

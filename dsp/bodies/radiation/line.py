@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..air import DENSITY, IMPEDANCE, Load, wavenumber
 from ..material import Array
-from .air import DENSITY, IMPEDANCE, Load, wavenumber
 from .closed import cylinder_efficiency
 from .quadrature import segment, spherical_bessel
 from .rectangle import free_rectangle, jump_terms, side

@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from ..air import IMPEDANCE, SPEED, Load, plate_mass, wavenumber
 from ..material import Array
 from ..modes import Indices
-from .air import IMPEDANCE, SPEED, Load, plate_mass, wavenumber
 from .rectangle import free_rectangle, jump_terms, legendre_terms, side, walled_rectangle
 
 _MARGIN = {"free": 3, "wall": 8, "closed": 8}  # terms beyond those that a mode's waves need

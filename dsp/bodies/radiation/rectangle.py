@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
+from ..air import Complex
 from ..material import Array
-from .air import Complex
 from .quadrature import bessel, panels, segment, spherical_bessel
 
 _REACH = 20.0  # beyond the terms: from there on products of Bessel functions are taken as their means, by Debye

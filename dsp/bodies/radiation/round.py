@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from ..air import Complex, Load, endless_plate, load, wavenumber
 from ..material import Array
 from ..modes import Indices
-from .air import Complex, Load, endless_plate, load, wavenumber
 from .disc import Waves, baffled_disc, free_disc
 from .sampling import fill
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from ..air import Load
 from ..material import Array
 from ..modes import Indices
-from .air import Load
 
 _LEAST = 1e-300
 _GROWTH = 1.25  # from one member to the next, where not all are solved

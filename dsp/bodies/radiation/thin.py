@@ -11,8 +11,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..air import IMPEDANCE, Complex
 from ..material import Array
-from .air import IMPEDANCE, Complex
 from .quadrature import bessel, segment
 
 Profile = Callable[[Array], Array]

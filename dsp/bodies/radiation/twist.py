@@ -10,8 +10,8 @@ import math
 
 import numpy as np
 
+from ..air import IMPEDANCE, wavenumber
 from ..material import Array
-from .air import IMPEDANCE, wavenumber
 
 REACH = (0.1, 40.0)
 RESISTANCE = (

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
+from ..air import DENSITY, IMPEDANCE, Load, load, wavenumber
 from ..material import Array
-from .air import DENSITY, IMPEDANCE, Load, load, wavenumber
 from .closed import radial_function
 from .quadrature import segment
 from .thin import Profile, open_cylinder

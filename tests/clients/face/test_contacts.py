@@ -5,7 +5,7 @@ import pytest
 
 import carom
 from carom.clients.contacts import Striking, assemble
-from carom.dsp.engine.state import TRACE
+from carom.dsp.engine.memory.state import TRACE
 from carom.presets import Presets
 
 RATE = 1000.0

@@ -7,8 +7,7 @@ import pytest
 from numpy.polynomial.legendre import leggauss
 from scipy.special import eval_jacobi, gammaln, h1vp, spherical_jn
 
-from carom.dsp.bodies import acceleration, bar, disc, plate, ring
-from carom.dsp.bodies.radiation import air
+from carom.dsp.bodies import acceleration, air, bar, disc, plate, ring
 from carom.presets import Presets
 
 RHO, C = air.DENSITY, air.SPEED

@@ -9,8 +9,8 @@ import pytest
 from carom.dsp import bodies
 from carom.dsp.bodies import Cavity, Noise, Partials
 from carom.dsp.bodies.added import LOAD, Complete
+from carom.dsp.bodies.air import IMPEDANCE
 from carom.dsp.bodies.modes import MOST_MODES
-from carom.dsp.bodies.radiation.air import IMPEDANCE
 from tests.dsp.bodies.reference import STEEL
 
 BAR = {"material": STEEL, "length": 0.3, "width": 0.03, "thickness": 0.01}

@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import brentq
 
 from carom.dsp import bodies
-from carom.dsp.bodies.radiation.air import IMPEDANCE
+from carom.dsp.bodies.air import IMPEDANCE
 from carom.dsp.bodies.radiation.board import BOX
 from tests import accuracy
 from tests.dsp.bodies.reference import FREE_ROOTS, HEAVY, euler_bernoulli, integral_along

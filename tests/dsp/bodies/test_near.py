@@ -9,8 +9,8 @@ from scipy.special import hankel1, kv
 
 from carom.dsp import bodies
 from carom.dsp.bodies import acceleration
+from carom.dsp.bodies.air import DENSITY, SPEED
 from carom.dsp.bodies.near import critical_frequency, near_field
-from carom.dsp.bodies.radiation.air import DENSITY, SPEED
 from carom.presets import Presets
 
 AREAL, RIGIDITY = 9.0, 13.0  # kg/m^2, N m: about a cymbal's

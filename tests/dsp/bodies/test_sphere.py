@@ -11,8 +11,8 @@ from scipy.linalg import eigh
 from scipy.special import spherical_jn
 
 from carom.dsp.bodies import Material, sphere
+from carom.dsp.bodies.air import IMPEDANCE, SPEED
 from carom.dsp.bodies.modes import MOST_MODES
-from carom.dsp.bodies.radiation.air import IMPEDANCE, SPEED
 
 GLASS = Material("glass", 2600.0, 62e9, 0.2, alpha=1.0, beta=0.0)
 RADIUS = 0.15

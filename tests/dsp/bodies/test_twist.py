@@ -7,8 +7,8 @@ import pytest
 from numpy.polynomial import legendre
 from scipy.special import jv
 
+from carom.dsp.bodies.air import DENSITY, SPEED
 from carom.dsp.bodies.radiation import twist
-from carom.dsp.bodies.radiation.air import DENSITY, SPEED
 from carom.dsp.bodies.radiation.twist import FLATNESS, THICKNESS, Twist, strip
 
 

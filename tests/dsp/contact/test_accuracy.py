@@ -8,8 +8,8 @@ import pytest
 from numba import njit
 
 from carom.dsp.contact.accuracy import LEVELS, closed_form_will_do
-from carom.dsp.study import coupled_closed
-from carom.dsp.study.coupled import Case, bank_of, error, random_cases, simulate
+from carom.dsp.lab import coupled_closed
+from carom.dsp.lab.coupled import Case, bank_of, error, random_cases, simulate
 
 
 @njit(error_model="numpy")

@@ -11,9 +11,9 @@ from carom.dsp.contact import coupled, coupled_flight
 from carom.dsp.contact.accuracy import LEVELS, TOLERANCE, closed_form_will_do
 from carom.dsp.contact.coupled import MOST_STEPS, ContactLaw
 from carom.dsp.contact.coupled_step import HELD
+from carom.dsp.lab import coupled_sampled
+from carom.dsp.lab.coupled import Case, error, extreme_case, random_cases, simulate
 from carom.dsp.resonator import bank, coefficients
-from carom.dsp.study import coupled_sampled
-from carom.dsp.study.coupled import Case, error, extreme_case, random_cases, simulate
 from tests import accuracy
 from tests.dsp.contact import pressed
 from tests.dsp.contact.coupled_reference import reference

@@ -7,8 +7,8 @@ from scipy.integrate import solve_ivp
 
 from carom.dsp import contact
 from carom.dsp.contact import sampled
-from carom.dsp.study import wall
-from carom.dsp.study.wall import PAPER_CASES, PAPER_RATE
+from carom.dsp.lab import wall
+from carom.dsp.lab.wall import PAPER_CASES, PAPER_RATE
 
 pytestmark = pytest.mark.slow
 

@@ -5,7 +5,7 @@ from collections.abc import Collection
 import numpy as np
 
 from carom.dsp.bodies import Modes, listed
-from carom.dsp.engine.commands import Command, Handle, Kind
+from carom.dsp.engine.memory.commands import Command, Handle, Kind
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.dsp.schema import LAW
 

@@ -7,9 +7,8 @@ import pytest
 from numpy.polynomial.legendre import leggauss
 from scipy.integrate import solve_ivp
 
-from carom.dsp.bodies import acceleration
+from carom.dsp.bodies import acceleration, air
 from carom.dsp.bodies.modes import Modes
-from carom.dsp.bodies.radiation import air
 from carom.dsp.runtime.engine import Engine
 from tests.dsp.engine.support import RATE, bell, impact, setting, strike
 

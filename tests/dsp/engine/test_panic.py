@@ -10,8 +10,8 @@ from scipy.signal import butter, sosfiltfilt
 from carom.dsp.bodies import acceleration, listed
 from carom.dsp.bodies.acceleration import Click
 from carom.dsp.bodies.striker import Ringing, Snap, StrikerSound
-from carom.dsp.engine.commands import Command, Kind
-from carom.dsp.engine.state import QUANTUM
+from carom.dsp.engine.memory.commands import Command, Kind
+from carom.dsp.engine.memory.state import QUANTUM
 from carom.dsp.runtime.engine import NOW, Engine
 from tests.dsp.engine.support import RATE, bell, free, gesture, impact, panic, setting, stop
 

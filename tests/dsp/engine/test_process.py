@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from carom.dsp.engine.state import QUANTUM, TAP
+from carom.dsp.engine.memory.state import QUANTUM, TAP
 from carom.dsp.runtime.engine import Engine
 from tests.dsp.engine.support import RATE, bell, free, setting, strike
 

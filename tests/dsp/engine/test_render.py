@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from carom.dsp.bodies import Modes, listed
-from carom.dsp.engine.state import QUANTUM
+from carom.dsp.engine.memory.state import QUANTUM
 from carom.dsp.runtime.engine import Engine
 from tests.dsp.engine.support import RATE, bell, setting, strike
 

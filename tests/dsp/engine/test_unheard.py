@@ -8,15 +8,15 @@ import pytest
 
 from carom.dsp.bodies.unheard import Felt, with_unheard
 from carom.dsp.contact.accuracy import LEVELS
-from carom.dsp.engine.commands import Command, Kind
-from carom.dsp.engine.state import QUANTUM
+from carom.dsp.engine.memory.commands import Command, Kind
+from carom.dsp.engine.memory.state import QUANTUM
+from carom.dsp.lab.coupled import random_cases, simulate
 from carom.dsp.resonator.mode import APART, HIGHEST, recurring
 from carom.dsp.runtime.engine import NOW, Engine
-from carom.dsp.study.coupled import random_cases, simulate
 from carom.presets.library import Presets
 from tests.accuracy import GROWTH
+from tests.dsp.engine.contacts.test_coupling import modal
 from tests.dsp.engine.support import setting, strike
-from tests.dsp.engine.test_coupling import modal
 
 PRESETS = Presets()
 PAIRS = {

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from carom.dsp.study.slide import Rub
+from carom.dsp.lab.slide import Rub
 
 
 def exact_rub(rub: Rub, seconds: float) -> tuple[NDArray, NDArray]:

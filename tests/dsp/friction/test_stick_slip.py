@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from carom.dsp.friction.elastic import SHARE, STIFFNESS
-from carom.dsp.study.bowing import force_limit, schelleng_limit
-from carom.dsp.study.rubbed import bowed_bar, bowed_string, extreme_rub, rubbed_glass, slips_per_period
-from carom.dsp.study.slide import BOWED, Rub, constant, rub_modes
+from carom.dsp.lab.bowing import force_limit, schelleng_limit
+from carom.dsp.lab.rubbed import bowed_bar, bowed_string, extreme_rub, rubbed_glass, slips_per_period
+from carom.dsp.lab.slide import BOWED, Rub, constant, rub_modes
 from tests.bench import slides
 
 from .friction_reference import exact_rub

@@ -70,8 +70,8 @@ def test_no_function_of_the_engine_is_too_long():
 
 
 @pytest.mark.slow
-def test_the_callbacks_key_holds_its_kernels_and_neither_bodies_nor_study():
-    for module in ("carom.dsp.study.wall", "carom.dsp.study.roll", "carom.dsp.bodies.plate"):
+def test_the_callbacks_key_holds_its_kernels_and_neither_bodies_nor_lab():
+    for module in ("carom.dsp.lab.wall", "carom.dsp.lab.roll", "carom.dsp.bodies.plate"):
         importlib.import_module(module)
     held = set(sources("carom.dsp.runtime.callback"))
     kernels = {"contact.law", "contact.closed_form", "contact.coupled", "resonator.bank", "rolling.body", "native.jit"}

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from numba import njit
 
+from carom.dsp.lab import roll
 from carom.dsp.numerics.legendre import KEPT
 from carom.dsp.resonator import bank, coefficients, fed
 from carom.dsp.resonator.simd import LANES
-from carom.dsp.study import roll
 from tests import accuracy
 from tests.dsp.rolling.support import GLASS, MARBLE, STEEL_BALL, STONE, WHEEL, WOOD, ground
 

@@ -12,13 +12,13 @@ from scipy.signal import welch
 from scipy.stats import trim_mean
 
 from carom.dsp import contact
+from carom.dsp.lab import roll
+from carom.dsp.lab.rolling_path import path_pieces
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
 from carom.dsp.numerics.legendre import KEPT
 from carom.dsp.rolling import surface
 from carom.dsp.rolling.body import fill_roll
 from carom.dsp.rolling.contact_step import BRIEF
-from carom.dsp.study import roll
-from carom.dsp.study.rolling_path import path_pieces
 from tests import accuracy
 from tests.dsp.rolling.support import CLOTH, GLASS, MARBLE, SOFT_BALL, STEEL_BALL, STONE, WHEEL, WOOD, flat, ground
 

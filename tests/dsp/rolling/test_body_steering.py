@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from carom.dsp.lab import roll
 from carom.dsp.numerics.constants import STANDARD_GRAVITY
-from carom.dsp.study import roll
 from tests.dsp.rolling.support import MARBLE, flat, ground
 
 pytestmark = pytest.mark.slow

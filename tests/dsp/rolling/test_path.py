@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from carom.dsp.lab.rolling_path import path_pieces, pieces_of, restart
 from carom.dsp.rolling import path, surface
 from carom.dsp.rolling.lattice import CREST
-from carom.dsp.study.rolling_path import path_pieces, pieces_of, restart
 
 pytestmark = pytest.mark.slow
 

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from carom.dsp.engine.capacity import MODES, USUAL_MODES, USUAL_OBJECTS
-from carom.dsp.engine.state import QUANTUM, RING, STATE, Quality, new_state
+from carom.dsp.engine.memory.capacity import MODES, USUAL_MODES, USUAL_OBJECTS
+from carom.dsp.engine.memory.state import QUANTUM, RING, STATE, Quality, new_state
 from carom.dsp.runtime.arena import EngineFull
 from carom.dsp.runtime.engine import Engine
 from carom.dsp.runtime.fresh import fresh_state

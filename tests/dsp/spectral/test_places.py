@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from carom.dsp.engine.state import new_state
+from carom.dsp.engine.memory.state import new_state
 from carom.dsp.spectral.basis import BINS
 from carom.dsp.spectral.layout import REGION
 from carom.dsp.spectral.places import (

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from carom.dsp.lab.ringing import TIMES, bank_blocks, error_of, placed
 from carom.dsp.schema import FORMS
 from carom.dsp.spectral.basis import BINS, MOST_LOSS
-from carom.dsp.study.ringing import TIMES, bank_blocks, error_of, placed
 from tests.accuracy import RINGING
 
 ERROR = 10 ** (RINGING["float64"].bound / 20)

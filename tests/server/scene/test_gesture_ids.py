@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from carom.dsp.engine.state import End
+from carom.dsp.engine.memory.state import End
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.presets.library import Presets
 from carom.server.files.log import Log

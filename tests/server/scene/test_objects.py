@@ -4,7 +4,7 @@ import time
 
 import pytest
 
-from carom.dsp.engine.capacity import USUAL_OBJECTS
+from carom.dsp.engine.memory.capacity import USUAL_OBJECTS
 from carom.dsp.native.system import clock_ns
 from carom.dsp.runtime.engine import NOW, Engine
 from carom.presets.library import ObjectPreset, Presets

@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from carom.dsp.engine.state import CONTACTS, RING
+from carom.dsp.engine.memory.state import CONTACTS, RING
 from carom.dsp.runtime.engine import NOW
 from carom.server.making import Making
 from carom.server.osc.addresses import calls

@@ -12,7 +12,7 @@ import aiohttp
 import numpy as np
 import pytest
 
-from carom.dsp.engine.state import QUANTUM
+from carom.dsp.engine.memory.state import QUANTUM
 from carom.server.options import Options
 from carom.server.osc.wire import Message, encode, parse
 from carom.server.server import Server

@@ -11,7 +11,7 @@ import numpy as np
 from scipy import special
 from scipy.integrate import solve_ivp
 
-from carom.dsp.bodies.radiation.air import DENSITY, SPEED
+from carom.dsp.bodies.air import DENSITY, SPEED
 
 
 def impedance(order, x, radius, profile, count=6):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import iv, j1, jv, spherical_jn, struve
 
-from carom.dsp.bodies.radiation.air import DENSITY, IMPEDANCE
+from carom.dsp.bodies.air import DENSITY, IMPEDANCE
 from carom.dsp.bodies.radiation.disc import Waves, _jumps, _Plan, baffled_disc, free_disc
 from tests.dsp.bodies.radiation.spheroid import impedance
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from carom.dsp import bodies
+from carom.dsp.bodies.air import IMPEDANCE
 from carom.dsp.bodies.heard import placed
-from carom.dsp.bodies.radiation.air import IMPEDANCE
 from carom.dsp.resonator.bank import state_of
 from carom.dsp.runtime.engine import Engine
 from carom.presets import Presets

@@ -7,8 +7,8 @@ import pytest
 from scipy.integrate import trapezoid
 
 from carom.dsp import bodies
+from carom.dsp.bodies.air import DENSITY, IMPEDANCE, SPEED, wavenumber
 from carom.dsp.bodies.radiation import line
-from carom.dsp.bodies.radiation.air import DENSITY, IMPEDANCE, SPEED, wavenumber
 from carom.dsp.bodies.radiation.closed import cylinder_efficiency
 from carom.dsp.bodies.radiation.rectangle import free_rectangle, jump_terms, side
 from tests.dsp.bodies.reference import HEAVY, STEEL

@@ -8,9 +8,9 @@ import pytest
 from scipy.special import jn_zeros
 
 from carom.dsp import bodies
+from carom.dsp.bodies.air import DENSITY, IMPEDANCE, SPEED
 from carom.dsp.bodies.heard import loaded
 from carom.dsp.bodies.radiation import round as loads
-from carom.dsp.bodies.radiation.air import DENSITY, IMPEDANCE, SPEED
 from carom.dsp.bodies.radiation.board import PIANO
 from carom.dsp.bodies.radiation.sampling import members
 from tests.dsp.bodies.reference import EVERY, HEAVY, STEEL

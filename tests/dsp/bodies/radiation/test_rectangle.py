@@ -8,8 +8,8 @@ from scipy.integrate import trapezoid
 from scipy.special import spherical_jn
 
 from carom.dsp import bodies
+from carom.dsp.bodies.air import DENSITY, IMPEDANCE, SPEED, wavenumber
 from carom.dsp.bodies.radiation import plate as loads
-from carom.dsp.bodies.radiation.air import DENSITY, IMPEDANCE, SPEED, wavenumber
 from carom.dsp.bodies.radiation.rectangle import (
     free_rectangle,
     jump_terms,

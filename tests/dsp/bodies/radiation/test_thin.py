@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.special import hankel1, jvp
 
+from carom.dsp.bodies.air import DENSITY, IMPEDANCE, SPEED
 from carom.dsp.bodies.radiation import strip_table
-from carom.dsp.bodies.radiation.air import DENSITY, IMPEDANCE, SPEED
 from carom.dsp.bodies.radiation.closed import cylinder_efficiency
 from carom.dsp.bodies.radiation.thin import open_cylinder, strip
 from carom.dsp.bodies.radiation.wall import load_of

@@ -1,0 +1,1 @@
+"""Objects and strikers as the engine has them: their modes, their tension, and the voices of what strikes."""

@@ -1,0 +1,156 @@
+"""An object as contacts see it: where it is touched, how its modes decay, how far it can swing."""
+
+import math
+
+import numpy as np
+
+from ...native.jit import kernel
+from ...native.records import set_field
+from ...resonator.bank import NYQUIST_SHARE, RESPONSES, Modes, Point, reach
+from ...resonator.mode import mode_energy, recurring
+from ...resonator.simd import LANES
+from ...schema import SETTINGS
+
+_HAND = 200.0  # 1/s: decay that a hand adds at damp = 1
+GONE = 0.35  # of a relief's frequency, where the middle of its modes lies an octave above the highest there is
+_FADE = 500.0  # 1/s: decay added to a mode that was tuned above the Nyquist share
+_HEAVIEST = 10.0  # of a mode's decay a sample, in nepers: it is gone in one, and more only costs digits
+_RETUNES = np.array([name in ("tune", "decay", "damp") for name in SETTINGS])
+
+
+@kernel
+def set_of(obj, parameter, value):
+    """Change a setting of an object; its modes get new coefficients where it is about them."""
+    set_field(obj.settings, parameter, value)
+    obj.returns = int(obj.spectral > 0)
+    if _RETUNES[parameter]:
+        obj.stale_modes = obj.size
+
+
+@kernel
+def place(point, position, rows):
+    """Find rows and weights of the cubic through the mode shapes at a position in [0, 1]."""
+    x = position * (rows - 1)
+    row = min(max(int(x) - 1, 0), rows - 4)
+    point.row = row
+    weigh(point.weights, x - row)
+
+
+@kernel
+def weigh(weights, x):
+    """Set the weights of the cubic through four rows at x in rows from the first."""
+    weights[0] = -(x - 1.0) * (x - 2.0) * (x - 3.0) / 6.0
+    weights[1] = 0.5 * x * (x - 2.0) * (x - 3.0)
+    weights[2] = -0.5 * x * (x - 1.0) * (x - 3.0)
+    weights[3] = x * (x - 1.0) * (x - 2.0) / 6.0
+
+
+@kernel
+def is_felt(obj, i):
+    """True if contacts feel an object's mode i."""
+    return i < obj.felt or i >= obj.unheard
+
+
+@kernel
+def pitch_of(obj):
+    """Return the factor on an object's frequencies: as it is tuned and as tense as it is now."""
+    return obj.settings.tune * math.sqrt(1.0 + obj.stretch)
+
+
+@kernel
+def frequency_of(state, obj, i):
+    """Return the frequency (Hz) of an object's mode i as it is now; of one that is stretched by its own ringing too
+    (mode.py)."""
+    at = obj.first + i
+    frequency = state.bank.frequency[at] * obj.settings.tune
+    if obj.stretch == 0.0:
+        return frequency
+    bank = state.bank
+    energy = mode_energy(bank.y1[at], bank.y2[at], bank.a1[at], bank.a2[at], bank.weight[at]) / obj.amplified
+    own = 0.5 * obj.glide * energy
+    return frequency * math.sqrt(1.0 + obj.stretch + min(own, 0.5 * obj.stretch))
+
+
+@kernel
+def sigma_of(state, obj, i):
+    """Return the decay (1/s) of an object's mode i as it is now, with a hand on it."""
+    return min(
+        state.bank.sigma[obj.first + i] / obj.settings.decay + _HAND * obj.settings.damp * obj.settings.damp,
+        _HEAVIEST * state.rate,
+    )
+
+
+@kernel
+def highest_of(state):
+    """Return the frequency (Hz) above which modes are silent."""
+    return NYQUIST_SHARE * 0.5 * state.rate
+
+
+@kernel
+def relief_of(state, obj, i):
+    """Return the frequency (Hz), decay (1/s) and weight of an object's mode i, a relief (see runtime/relief.py), as it
+    is now.
+
+    It follows the pitch, up to the highest frequency there is, where it answers slow forces as it would above. Where
+    the modes that it belongs to are silent, it is.
+    """
+    pitch = pitch_of(obj)
+    frequency = state.bank.frequency[obj.first + i] * pitch
+    share = min(1.0, highest_of(state) / max(frequency, 1e-9))
+    weight = state.bank.weight[obj.first + i] * share if share > GONE else 0.0
+    return frequency * share, state.bank.sigma[obj.first + i] * pitch * share, weight
+
+
+@kernel
+def ringing_of(state, obj, i):
+    """Return frequency (Hz), decay (1/s) and weight of the answer to forces of mode i of an object, as it rings now.
+
+    Nothing excites a mode above `highest_of`, and its ringing fades there; but those that were made so high are felt
+    (runtime/unheard.py).
+    """
+    frequency, sigma = frequency_of(state, obj, i), sigma_of(state, obj, i)
+    highest = highest_of(state)
+    if state.bank.frequency[obj.first + i] > highest:
+        return recurring(frequency, 0.5 * state.rate), sigma, state.bank.weight[obj.first + i]
+    if frequency > highest:
+        return highest, sigma + _FADE, 0.0
+    return frequency, sigma, state.bank.weight[obj.first + i]
+
+
+@kernel
+def modes_of(state, obj, begin, end):
+    """Return an object's modes from number `begin` up to `end`, both multiples of LANES."""
+    bank = state.bank
+    first, last = obj.first + begin, obj.first + end
+    return Modes(
+        bank.y1[first:last], bank.y2[first:last], bank.a1[first:last], bank.a2[first:last], bank.balance[first:last],
+        bank.response[first // LANES * RESPONSES : last // LANES * RESPONSES],
+    )  # fmt: skip
+
+
+@kernel
+def shapes_of(state, obj):
+    """Return an object's table of mode shapes, flat."""
+    return state.bank.shape[obj.table : obj.table + obj.rows * obj.size]
+
+
+@kernel
+def point_of(state, obj, point):
+    """Return the point of an object that a record of POINT says."""
+    return Point(shapes_of(state, obj), obj.size, point.row, point.weights)
+
+
+@kernel
+def reach_of(state, obj, point):
+    """Return bounds of the object's motion where it is touched: displacement (m) and velocity (m/s)."""
+    return reach(modes_of(state, obj, 0, obj.live), point_of(state, obj, point), state.scratch.work)
+
+
+@kernel
+def shape_at(state, obj, point, i):
+    """Return the mass-normalised shape of the object's mode i where the contact is, kg^-1/2."""
+    at = obj.table + point.row * obj.size + i
+    phi = 0.0
+    for n in range(4):
+        phi += point.weights[n] * state.bank.shape[at + n * obj.size]
+    return phi

@@ -1,0 +1,76 @@
+"""The modes of a striker that sounds: its click, and its ringing."""
+
+import math
+
+from ...native.jit import kernel
+from ...resonator.bank import Modes
+from ...resonator.click import set_click
+from ...resonator.coefficients import set_mode
+from ...resonator.simd import LANES
+from ..memory.striker_state import STRIKER_MODES
+
+_SAME = 1e-9  # relative difference of radii that are one
+
+
+@kernel
+def modes_of_voice(voice):
+    """Return the modes of a voice."""
+    n = voice.size
+    return Modes(voice.y1[:n], voice.y2[:n], voice.a1[:n], voice.a2[:n], voice.balance[:n], voice.response)
+
+
+@kernel
+def become(state, voice, contact):
+    """Set a voice to the sound of a contact's striker, at rest."""
+    striker = state.strikers[contact.sound]
+    voice.size = striker.size
+    for i in range(striker.size):
+        voice.y1[i] = voice.y2[i] = 0.0
+        voice.a1[i], voice.a2[i] = striker.a1[i], striker.a2[i]
+        voice.balance[i] = 1.0
+        voice.struck[i], voice.snapped[i] = striker.struck[i], striker.snapped[i]
+    for i in range(striker.size // LANES * (len(striker.response) // (STRIKER_MODES // LANES))):
+        voice.response[i] = striker.response[i]
+
+
+@kernel
+def resize(state, voice, contact):
+    """Retune a new voice's click to a rolling body of its radius, of the same form as the striker."""
+    striker = state.strikers[contact.sound]
+    ratio = state.rolls[contact.roll].target.radius / striker.radius if striker.clicks > 0 else 1.0
+    if abs(ratio - 1.0) > _SAME:
+        set_click(
+            modes_of_voice(voice), 0, striker.frequency[0] / ratio, striker.sigma[0] / ratio, state.rate,
+            striker.weight[0] * ratio,
+        )  # fmt: skip
+
+
+@kernel
+def prepare(striker, rate):
+    """Compute the coefficients of a kind of striker, before a contact with it begins.
+
+    Its modes sound in the phase of their velocity: a slow bend by the force is not heard. Where there is a second pulse
+    it alone moves them, and they begin at 0.
+    """
+    n = striker.size
+    snaps = striker.momentum > 0.0
+    modes = Modes(
+        striker.struck[:n], striker.struck[:n], striker.a1[:n], striker.a2[:n], striker.struck[:n], striker.response
+    )
+    for i in range(n):
+        striker.a2[i] = 0.0
+    for i in range(n):
+        frequency, sigma, weight = striker.frequency[i], striker.sigma[i], striker.weight[i]
+        if i < striker.clicks:
+            if i == 0:
+                set_click(modes, i, frequency, sigma, rate, weight)
+        elif frequency == 0.0:
+            set_mode(modes, i, 0.0, 0.0, rate, 0.0j)
+        elif snaps:
+            set_mode(modes, i, frequency, sigma, rate, complex(weight, 0.0))
+        else:
+            set_mode(modes, i, frequency, sigma, rate, weight * complex(-sigma / (2.0 * math.pi * frequency), 1.0))
+    for i in range(n):
+        striker.snapped[i] = 1.0 if i >= striker.clicks and snaps else 0.0
+        striker.struck[i] = 1.0 - striker.snapped[i]
+    striker.prepared = 1

@@ -1,0 +1,302 @@
+"""Strikers that sound: voices that the force of a contact moves, as it moves the object that is struck.
+
+A voice is heard with the object: in its stem, with its gain, at its place. It has the sign of the object's own click:
+the two bodies are accelerated against each other, but stand apart by about a wavelength where they are heard, so that
+their powers add, not their amplitudes; the sum of equal clicks is up to 3 dB too loud.
+
+A voice belongs to a contact while that lasts and to the object until it has rung out. Where all are taken the quietest
+is cut short, which is counted.
+"""
+
+import math
+
+import numpy as np
+
+from ...native.jit import kernel, noinline_kernel
+from ...numerics.legendre import FALL, MOMENTS, RISE
+from ...numerics.random import STEP, mixed
+from ...resonator.bank import Point, inject, inject_fine, inject_kept, ring, ring_alike, state_of
+from ...resonator.simd import LANES
+from ..memory.quality import silence_of
+from ..memory.state import BEHIND, COUPLING, ROLLING
+from ..memory.striker_state import VOICES
+from ..output.fade import fade_length, going_on, left_of, pace_of, tilt_of
+from .striker_modes import become, modes_of_voice, resize
+
+_NEW = 1e300  # loudness of a voice that has just begun: it is not the quietest
+_FINE = 2.0**40  # steps per m/s in which a velocity is told from another
+
+
+@kernel
+def begin_striker(state, contact):
+    """Give a contact that begins a voice, if its striker sounds, and a second pulse, if it has one."""
+    if not _sounds(state, contact):
+        return
+    _take_voice(state, contact, True)
+    striker = state.strikers[contact.sound]
+    if striker.momentum > 0.0:
+        voice = state.voices[contact.voice]
+        voice.snap = contact.now.gain * _second_pulse(striker, contact)
+        voice.snap_at = contact.start + contact.fraction + striker.delay * state.rate
+
+
+@kernel
+def roll_striker(state, contact):
+    """Drive a rolling body's voice by its force in this quantum, if it has one or one is free."""
+    if not _sounds(state, contact):
+        return
+    has_one = contact.voice >= 0
+    _take_voice(state, contact, False)
+    if contact.voice >= 0:
+        voice = state.voices[contact.voice]
+        obj = state.objects[voice.slot]
+        if not has_one:
+            resize(state, voice, contact)
+        voice.driven = 1
+        voice.share[0] = obj.level / state.rolls[contact.roll].m
+        if contact.solver != COUPLING:  # else its force comes sample by sample, with the gain
+            voice.roll = contact.roll
+            voice.share[0] *= contact.now.gain
+
+
+@kernel
+def _sounds(state, contact):
+    """True if a contact's striker sounds, and its kind is still kept."""
+    return contact.sound >= 0 and state.strikers[contact.sound].serial == contact.sound_serial
+
+
+@kernel
+def drive_striker(state, contact):
+    """Give a contact's voice the force over the sample. One that has rung out meanwhile begins anew."""
+    if not _sounds(state, contact):
+        return
+    _take_voice(state, contact, False)
+    if contact.voice < 0:
+        return
+    voice = state.voices[contact.voice]
+    voice.driven = 1
+    where = Point(voice.struck, 0, 0, voice.share)
+    if contact.solver == COUPLING:
+        inject_fine(modes_of_voice(voice), where, state.scratch.fine)
+    else:
+        inject(modes_of_voice(voice), where, state.scratch.moments)
+
+
+@kernel
+def release_voice(state, contact):
+    """Leave a contact's voice to itself."""
+    if contact.voice >= 0:
+        state.voices[contact.voice].contact = -1
+        contact.voice = -1
+
+
+@kernel
+def _take_voice(state, contact, needed):
+    """Give a contact a voice where it has none: a free one, or the quietest of all if it is `needed`."""
+    if contact.voice >= 0:
+        return
+    if state.voices_active == VOICES:
+        if not needed:
+            return
+        _cut_quietest(state)
+    index = state.free_voice[VOICES - 1 - state.voices_active]
+    state.voices_active += 1
+    voice = state.voices[index]
+    obj = state.objects[contact.point[0].slot]
+    voice.slot = contact.point[0].slot
+    voice.next = obj.voice
+    obj.voice = index
+    voice.contact = contact.index
+    contact.voice = index
+    voice.roll = -1
+    voice.driven = 0
+    voice.fades = voice.faded = 0
+    voice.snap = voice.energy = voice.held_ratio = 0.0
+    voice.loudness = _NEW
+    for i in range(4):
+        voice.share[i] = 0.0
+    voice.share[0] = obj.level * contact.trait.meets / contact.m
+    become(state, voice, contact)
+
+
+@kernel
+def _second_pulse(striker, contact):
+    """Return the momentum (N s) of the second pulse of a contact: it grows as a power of the velocity, and scatters.
+
+    Equal blows at equal times are equal. A round body, which does not turn as it bounces, lands on the same spot again,
+    so that its second pulses fall with its velocity. It gives the modes no more energy than the contact takes from the
+    striker.
+    """
+    v, e = contact.v_in, contact.pulse.restitution
+    if contact.trait.falls == 0 or contact.target.irregularity > 0.0 or contact.spot == np.uint64(0):
+        contact.spot = mixed(np.uint64(np.int64(v * _FINE)) + mixed(np.uint64(np.int64(contact.start)) + STEP))
+    first = (np.float64(contact.spot >> np.uint64(11)) + 1.0) * 2.0**-53
+    second = np.float64(mixed(contact.spot + STEP) >> np.uint64(11)) * 2.0**-53
+    normal = math.sqrt(-2.0 * math.log(first)) * math.cos(2.0 * math.pi * second)
+    momentum = striker.momentum * v**striker.exponent * 10.0 ** (0.05 * striker.scatter * normal)
+    return min(momentum, v * math.sqrt(max(1.0 - e * e, 0.0) * contact.m / striker.mobility))
+
+
+@noinline_kernel
+def ring_strikers(state, obj, out, start, stop):
+    """Add the strikers that sound on an object to its voice, from frame `start` to `stop`."""
+    index = obj.voice
+    while index >= 0:
+        voice = state.voices[index]
+        frame = start
+        while frame < stop:
+            frame = _ring_on(state, voice, out, frame, stop)
+        index = voice.next
+
+
+@kernel
+def _ring_on(state, voice, out, frame, stop):
+    """Ring a voice from a frame to another, at most `stop`, and return the latter: forces act at its beginning."""
+    modes = modes_of_voice(voice)
+    sound = state.scratch.striker
+    if voice.snap > 0.0:
+        due = max(-math.floor(state.position - voice.snap_at), frame)
+        if due == frame:
+            _snap(state, voice, modes, frame)
+        stop = min(stop, due) if due > frame else stop
+    if voice.held_ratio > 0.0:
+        stop = frame + 1
+        _hold(state, voice, modes)
+        ring(modes, sound, frame, stop)
+    elif voice.roll < 0:
+        ring(modes, sound, frame, stop)
+    elif stop - frame < LANES:
+        stop = frame + 1
+        inject_kept(modes, Point(voice.struck, 0, 0, voice.share), state.feeds[voice.roll, BEHIND + frame])
+        ring(modes, sound, frame, stop)
+    else:
+        stop -= (stop - frame) % LANES
+        ring_alike(modes, voice.struck, voice.share[0], state.feeds[voice.roll, BEHIND:], sound[0], frame, stop)
+        for n in range(frame, stop):
+            sound[1, n] = sound[0, n]
+    energy = 0.0
+    if voice.fades == 1:
+        for n in range(frame, stop):
+            left = left_of(state.rate, voice.faded + n - frame + 1)
+            sound[0, n] *= left
+            sound[1, n] *= left
+        voice.faded += stop - frame
+    for n in range(frame, stop):
+        out[0, n] += sound[0, n]
+        out[1, n] += sound[1, n]
+        energy += sound[0, n] * sound[0, n]
+    voice.energy += energy
+    return stop
+
+
+@kernel
+def let_voice_go(state, contact):
+    """Make the force on a contact's voice die away in a panic, so that its end makes no sound."""
+    if contact.voice < 0:
+        return
+    voice = state.voices[contact.voice]
+    gain = 1.0 if contact.solver == ROLLING else contact.now.gain  # a roll's share holds it
+    q, u, v, w = going_on(contact.forces, pace_of(contact.forces, state.rate), state.rate)
+    voice.held_ratio, voice.held[0], voice.held[1], voice.held[2] = q, gain * u, gain * v, gain * w
+
+
+@kernel
+def fade_voices(state, obj):
+    """Fade all strikers that sound on an object, in a panic; drop their second pulses."""
+    index = obj.voice
+    while index >= 0:
+        voice = state.voices[index]
+        voice.snap = 0.0
+        voice.roll = -1
+        voice.fades = 1
+        index = voice.next
+
+
+@kernel
+def _hold(state, voice, modes):
+    """Give a voice the force that dies away over a sample."""
+    moments = state.scratch.moments
+    for n in range(MOMENTS):
+        moments[n] = 0.0
+    q, u, v, w = voice.held_ratio, voice.held[0], voice.held[1], voice.held[2]
+    moments[0] = u
+    moments[1], _, _ = tilt_of(q, u, v, w)
+    inject(modes, Point(voice.struck, 0, 0, voice.share), moments)
+    voice.held[0], voice.held[1], voice.held[2] = q * (u + v + w), q * (v + 2.0 * w), q * w
+
+
+@kernel
+def _snap(state, voice, modes, frame):
+    """Give a voice its second pulse, at its time in the sample that ends at a frame."""
+    moments = state.scratch.moments
+    x = min(max(2.0 * (voice.snap_at - state.position - frame) + 1.0, -1.0), 1.0)
+    moments[0] = voice.snap
+    moments[1] = voice.snap * x
+    for n in range(1, MOMENTS - 1):
+        moments[n + 1] = RISE[n] * x * moments[n] - FALL[n] * moments[n - 1]
+    inject(modes, Point(voice.snapped, 0, 0, voice.share), moments)
+    voice.snap = 0.0
+    voice.driven = 1
+
+
+@kernel
+def rest_strikers(state, obj):
+    """Free the voices on an object that nobody hears any more, at the end of a quantum."""
+    threshold = silence_of(state) / max(1.0, obj.settings.gain)
+    before = -1
+    index = obj.voice
+    while index >= 0:
+        voice = state.voices[index]
+        after = voice.next
+        heard = voice.driven == 1 or voice.snap > 0.0
+        for i in range(voice.size):
+            if not heard and voice.a2[i] != 0.0:
+                re, im = state_of(voice.y1[i], voice.y2[i], voice.a1[i], voice.a2[i])
+                heard = re * re + im * im > threshold * threshold
+        heard = heard and voice.faded < fade_length(state.rate)
+        voice.loudness, voice.energy = voice.energy, 0.0
+        voice.driven = 0
+        voice.roll = -1
+        if heard:
+            before = index
+        else:
+            _free(state, obj, before, index)
+        index = after
+
+
+@kernel
+def silence_strikers(state, obj):
+    """End the sound of all strikers on an object."""
+    while obj.voice >= 0:
+        _free(state, obj, -1, obj.voice)
+
+
+@kernel
+def _cut_quietest(state):
+    """Free the voice that was the quietest in the last quantum."""
+    quietest = 0
+    for i in range(1, VOICES):
+        if state.voices[i].loudness < state.voices[quietest].loudness:
+            quietest = i
+    obj = state.objects[state.voices[quietest].slot]
+    before = -1
+    index = obj.voice
+    while index != quietest:
+        before = index
+        index = state.voices[index].next
+    _free(state, obj, before, quietest)
+    state.stats.strikers_cut += 1
+
+
+@kernel
+def _free(state, obj, before, index):
+    """Take a voice, which follows `before` (-1: the first), out of an object's list."""
+    voice = state.voices[index]
+    if before < 0:
+        obj.voice = voice.next
+    else:
+        state.voices[before].next = voice.next
+    if voice.contact >= 0:
+        state.contacts[voice.contact].voice = -1
+    state.voices_active -= 1
+    state.free_voice[VOICES - 1 - state.voices_active] = index

@@ -1,0 +1,94 @@
+"""The time for which a striker that has left surely touches nothing: until then nobody needs to look.
+
+Two bounds hold for how far an object's point comes: the sum of its modes' amplitudes, as long as nobody else strikes
+it; and sqrt(2 E C), with E the energy that the modes have and may be given, and C = sum phi_i^2/omega_i^2 the
+compliance of the point, as sum phi_i q_i <= sqrt(sum omega_i^2 q_i^2 sum phi_i^2/omega_i^2).
+"""
+
+import math
+
+from ...contact.coupled_flight import apart_for
+from ...native.jit import kernel
+from ...resonator.mode import energy_of
+from ..bodies.objects import modes_of, reach_of
+from ..memory.quality import keeps_strikers
+from ..memory.state import COUPLING
+from .solver_choice import moved_by
+
+
+@kernel
+def flight(state, contact, seen):
+    """Return samples for which a coupled striker that has left surely touches nothing; infinity if it never comes back.
+
+    seen: the point was looked at just now.
+    """
+    distance = farthest = speed = 0.0
+    for side in range(2):
+        point = contact.point[side]
+        if point.slot >= 0:
+            obj = state.objects[point.slot]
+            far, fast = reach_of(state, obj, point) if obj.live > 0 else (0.0, 0.0)
+            given, faster = _given_by_others(state, contact, point.slot) if keeps_strikers(state) else (0.0, 0.0)
+            distance += far / contact.now.gain
+            speed += (fast + faster) / contact.now.gain
+            farthest += _farthest(state, contact, side, far, given) / contact.now.gain
+    contact.reach = distance
+    if not seen:
+        contact.coupled.motion[0] = contact.coupled.position + distance  # at most
+    return apart_for(contact.coupled, farthest, speed)
+
+
+@kernel
+def _farthest(state, contact, side, far, given):
+    """Return how far (m) a point can move, whose modes reach so far (m) now, if others may give them energy (J).
+
+    Infinity where that is not known: the compliance is that of where the contact began, and only impacts stay there.
+    """
+    point = contact.point[side]
+    if contact.trait.single == 0:
+        return far if given == 0.0 else math.inf
+    obj = state.objects[point.slot]
+    energy = given + _energy(state, obj, 0, min(obj.live, obj.felt)) + _energy(state, obj, obj.unheard, obj.live)
+    farthest = math.sqrt(2.0 * energy * point.compliance) / obj.settings.tune
+    return farthest if given > 0.0 else min(far, farthest)
+
+
+@kernel
+def _energy(state, obj, begin, end):
+    """Return the energy (J) of an object's modes from number `begin`, a multiple of LANES, up to `end`."""
+    if begin >= end:
+        return 0.0
+    weights = state.bank.weight[obj.first + begin : obj.first + obj.live]
+    return energy_of(modes_of(state, obj, begin, obj.live), weights, end - begin)
+
+
+@kernel
+def _given_by_others(state, contact, slot):
+    """Return the energy (J) that others which touch an object may give it yet, and how much faster they make its points
+    (m/s).
+
+    Faster each by twice its own speed at most: a free surface moves with twice the speed of the wave that comes to it.
+    """
+    energy = speed = 0.0
+    index = state.objects[slot].contact
+    while index >= 0:
+        other = state.contacts[index]
+        if index != contact.index and _gives(other):
+            fast = other.v_in * other.now.gain
+            energy += 0.5 * other.m * fast * fast
+            speed += min(moved_by(contact, other) * contact.v_in * contact.now.gain, 2.0 * fast)
+        index = other.next
+    return energy, speed
+
+
+@kernel
+def _gives(contact):
+    """True if a striker touches, or may do so again, by a blow: its energy is known.
+
+    One that flies off from a blow gives none: an object that catches up with it pushes it on.
+    """
+    if contact.touching == 0 or contact.aside == 2 or contact.trait.lasts == 1:
+        return False
+    coupled = contact.coupled
+    leaves = contact.solver == COUPLING and contact.trait.single == 1 and coupled.touching == 0
+    return not (leaves and coupled.contacts > 0 and coupled.v <= 0.0 and coupled.push <= 0.0)

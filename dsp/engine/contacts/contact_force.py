@@ -1,0 +1,324 @@
+"""A contact's force: the solver that it gets, and what its force does to the modes, sample by sample.
+
+Every solver begins with `begin_contact` and goes on with an `_advance_...(state, contact, age)` of one signature, which
+leaves the force's moments over the sample and is true while the contact lasts.
+"""
+
+import math
+
+from ...contact.closed_form import advance_pulse, begin_pulse, state_of_pulse
+from ...contact.coupled import ContactLaw, begin_coupled, begin_within, respond_with, step_coupled
+from ...contact.sampled import begin_sampled, step_sampled
+from ...native.jit import kernel, noinline_kernel
+from ...numerics.legendre import FINE, MOMENTS, add_held
+from ...resonator.bank import inject, inject_fine, observe, receptance
+from ...rolling.body import share_of
+from ..bodies.objects import frequency_of, highest_of, modes_of, place, point_of, relief_of, sigma_of
+from ..bodies.strikers import begin_striker, drive_striker
+from ..memory.quality import BY_ITSELF, holds_steps, modes_for, room_for_coupling
+from ..memory.state import COUPLING, SAMPLING
+from ..output.fade import note_force
+from .contact_list import take_room_again
+from .coupled_rolls import lead_roll
+from .solver_choice import choose_solver, choose_tolerance, count_steps, soften_pulse, tolerance_of
+from .trace import trace_blow, trace_touches
+
+_FIRST = 0.05  # of a pulse: the first step after it is coupled
+_TOO_STRONG = 1e3  # times its momentum that a sampled method may give in a step: it has failed, and would deafen
+_PATIENCE = 3.0  # exact durations for which a sampled contact is followed: it might never end
+_FEWEST_STEPS = 20  # that it may take in any case
+
+
+@noinline_kernel
+def begin_contact(state, contact, pushed):
+    """Begin to touch; where `pushed`, the striker's push acts meanwhile. False if there is no room for it."""
+    state.stats.impacts += 1
+    state.contact_count += 1
+    contact.number = state.contact_count
+    contact.touching = 1
+    contact.forces[:] = 0.0
+    place(contact.point[0], contact.now.position, state.objects[contact.point[0].slot].rows)
+    update_mode_count(state, contact)
+    if contact.w > 0.0:
+        contact.mu = contact.w / max(contact.v_in, _resting_speed(contact))
+    begin_pulse(contact.pulse, contact.v_in, contact.m, contact.k, contact.mu, contact.a, state.rate)
+    solver, mass_ratio, seen_mass_ratio = choose_solver(state, contact)
+    if solver != COUPLING:
+        soften_pulse(state, contact, mass_ratio, seen_mass_ratio)
+    if pushed:
+        solver = COUPLING
+    if solver != COUPLING:
+        _leave_unheard(state, contact)
+    if solver == COUPLING and not _has_room(state, contact):
+        state.stats.contacts_dropped += 1
+        return False
+    contact.solver = solver
+    if solver == COUPLING:
+        _begin_coupled(state, contact)
+    elif solver == SAMPLING:
+        _begin_sampled(state, contact)
+    begin_striker(state, contact)
+    return True
+
+
+@kernel
+def _leave_unheard(state, contact):
+    """Stop a contact from acting on modes that nobody hears: it has its force already."""
+    for side in range(2):
+        point = contact.point[side]
+        if point.slot >= 0:
+            point.modes = min(point.modes, state.objects[point.slot].unheard)
+
+
+@kernel
+def couple_pulse(state, contact):
+    """Couple a touching contact of closed form to the modes, if there is room."""
+    update_mode_count(state, contact)
+    if not _has_room(state, contact):
+        state.stats.over_budget += 1
+        return
+    pulse = contact.pulse
+    x, v, given = state_of_pulse(pulse, contact.v_in, contact.k)
+    contact.solver = COUPLING
+    _begin_coupled(state, contact)
+    if pulse.time > 0.0:
+        begin_within(contact.coupled, x, contact.v_in - given / contact.m, v, _FIRST * pulse.duration)
+
+
+@kernel
+def _resting_speed(contact):
+    """Return the speed (m/s) of a striker that rocks on its contact under what pushes it: sqrt(F x/m), k x^a = F.
+
+    A restitution is that of blows. Slower ones, near rest, get the dissipation of this speed.
+    """
+    push = contact.push_target
+    return math.sqrt(push / contact.m * (push / contact.k) ** (1.0 / contact.a)) if push > 0.0 else 0.0
+
+
+@kernel
+def _begin_coupled(state, contact):
+    """Begin a contact that is solved together with the modes."""
+    contact.unsettled = 1
+    contact.debt = 0
+    contact.told = 1
+    law = ContactLaw(contact.m, contact.k, contact.mu, contact.a)
+    begin_coupled(
+        contact.coupled, contact.v_in, law, contact.push, contact.fraction, state.rate, tolerance_of(state, contact)
+    )
+    contact.coupled.w = contact.w
+    contact.coupled.slowest = _resting_speed(contact)
+    state.stats.coupled += 1
+    state.stats.coupled_modes += contact.modes
+
+
+@kernel
+def _begin_sampled(state, contact):
+    """Begin a contact that a sampled method follows: it can't begin between samples."""
+    choice = state.choices.method
+    contact.oversampling = choice.oversampling
+    contact.fraction = 0.0
+    contact.steps = int(_PATIENCE * contact.pulse.duration * contact.oversampling) + _FEWEST_STEPS
+    m = contact.pulse.momentum / contact.v_in  # the effective mass
+    begin_sampled(
+        contact.sampled, choice.method - 1, choice.correction, contact.v_in, m, contact.k, contact.mu, contact.a
+    )  # fmt: skip
+
+
+@kernel
+def _has_room(state, contact):
+    """True if a contact may be coupled to the modes that it touches."""
+    contact.modes = BY_ITSELF
+    for side in range(2):
+        if contact.point[side].slot >= 0:
+            contact.modes += contact.point[side].modes
+    taken = state.stats.coupled_modes
+    room = room_for_coupling(state)
+    return room == 0 or taken == 0 or taken + contact.modes <= room
+
+
+@kernel
+def update_mode_count(state, contact):
+    """Choose the modes that a contact acts on; true if they are others than before."""
+    changed = False
+    for side in range(2):
+        point = contact.point[side]
+        if point.slot >= 0:
+            modes = modes_for(state, state.objects[point.slot], contact)
+            changed |= modes != point.modes
+            point.modes = modes
+    return changed
+
+
+@noinline_kernel
+def apply_contact_force(state, contact, frame):
+    """Give the modes the force of a contact over the sample that ends at a frame of the quantum.
+
+    False where a closed or sampled contact ends.
+    """
+    scratch = state.scratch
+    sample = state.position + frame - 1
+    age = sample + 1 - contact.start - contact.fraction
+    acted = contact.solved == 1
+    if contact.solver == COUPLING:
+        lasts = _advance_coupled(state, contact, age)
+        trace_touches(state, contact, sample, scratch.fine[0])
+        note_force(contact.forces, scratch.fine[0] * state.rate)
+        gain = gain_of(state, contact)
+        for n in range(FINE):
+            scratch.fine[n] *= gain
+        impulse = scratch.fine[0]
+    else:
+        begin, end = contact.start + contact.fraction, math.inf
+        if contact.solver == SAMPLING:
+            lasts = _advance_sampled(state, contact, age)
+        else:
+            lasts = _advance_closed(state, contact, age)
+            end = begin + contact.pulse.duration
+        trace_blow(state, contact, sample, begin, end, scratch.moments[0])
+        note_force(contact.forces, scratch.moments[0] * state.rate)
+        for n in range(MOMENTS):
+            scratch.moments[n] *= contact.now.gain
+        impulse = scratch.moments[0]
+    if contact.sound >= 0 and impulse != 0.0:
+        drive_striker(state, contact)
+    if not acted:
+        drive(state, contact)
+    return lasts
+
+
+@kernel
+def gain_of(state, contact):
+    """Return the factor on the force that the modes get: the gesture's gain, and what is left of a roll that has
+    stopped."""
+    share = share_of(state.rolls[contact.roll]) if contact.trait.rolls == 1 else 1.0
+    return contact.now.gain * share
+
+
+@kernel
+def drive(state, contact):
+    """Inject a contact's force over the sample, whose moments are in `scratch`, into the modes that it touches."""
+    for side in range(2):
+        if contact.point[side].slot >= 0:
+            _drive(state, contact, contact.point[side])
+
+
+@kernel
+def _drive(state, contact, point):
+    """Inject a contact's force over the sample into the modes of an object at its point."""
+    obj = state.objects[point.slot]
+    obj.live = max(obj.live, point.modes)
+    obj.driven_modes = max(obj.driven_modes, point.modes)
+    obj.driven_gain = max(obj.driven_gain, contact.now.gain)
+    modes, where = modes_of(state, obj, 0, point.modes), point_of(state, obj, point)
+    if contact.solver == COUPLING:
+        if _is_any(state.scratch.fine):
+            inject_fine(modes, where, state.scratch.fine)
+    else:
+        inject(modes, where, state.scratch.moments)
+
+
+@kernel
+def _is_any(moments):
+    """True if there is a force: a striker that flies has none."""
+    total = 0.0
+    for n in range(FINE):
+        total += abs(moments[n])
+    return total != 0.0
+
+
+@kernel
+def _advance_closed(state, contact, age):
+    """Advance the closed form by a sample."""
+    advance_pulse(contact.pulse, min(age, contact.pulse.duration), age - 1.0, state.scratch.moments)
+    return age < contact.pulse.duration  # a duration that is not a number has no end
+
+
+@kernel
+def _advance_coupled(state, contact, age):
+    """Advance a contact that is solved together with the modes by a sample: it lasts until the striker is gone for
+    good."""
+    if contact.solved == 1:  # with others on the same objects
+        contact.solved = 0
+        for n in range(FINE):
+            state.scratch.fine[n] = contact.moments[n]
+        return True
+    observe_points(state, contact)
+    if not choose_tolerance(state, contact) and not holds_steps(state):
+        state.stats.over_budget += 1
+    count_steps(state, contact, -1, 1)
+    step_coupled(contact.coupled, state.scratch.observed, state.scratch.fine)
+    count_steps(state, contact, 1, 1)
+    return True
+
+
+@kernel
+def observe_points(state, contact):
+    """Find how the points that are touched would move without the contact; tell it their receptance where that is new.
+
+    A contact with a gain sees a motion that is as large as if it had none.
+    """
+    scratch = state.scratch
+    take_room_again(state, contact)
+    if contact.trait.rolls == 1:
+        lead_roll(state, contact)
+    for n in range(FINE):
+        scratch.observed[n] = scratch.receptance[n] = 0.0
+    for side in range(2):
+        point = contact.point[side]
+        if point.slot < 0:
+            continue
+        obj = state.objects[point.slot]
+        modes, where = modes_of(state, obj, 0, point.modes), point_of(state, obj, point)
+        if contact.unsettled == 1:
+            receptance(modes, where, scratch.work, scratch.fine)
+            for n in range(FINE):
+                scratch.receptance[n] += scratch.fine[n]
+            if contact.trait.rolls == 0:
+                find_static(state, contact, side, obj, point.modes)
+        if obj.live > 0:
+            observe(modes, where, scratch.work, scratch.fine)
+            for n in range(FINE):
+                scratch.observed[n] += scratch.fine[n] / contact.now.gain
+    if contact.unsettled == 1:
+        respond_with(contact.coupled, scratch.receptance)
+        contact.unsettled = 0
+        state.settled_count += 1
+        contact.settled = state.settled_count
+
+
+@kernel
+def find_static(state, contact, side, obj, count):
+    """Put the static output for a push of 1 N on so many modes, whose shapes are in `work`, into `static`."""
+    left = right = 0.0
+    for i in range(min(count, obj.bent)):
+        frequency, sigma, weight = frequency_of(state, obj, i), 0.0, 0.0
+        if i >= obj.felt:
+            frequency, sigma, weight = relief_of(state, obj, i)
+        elif frequency <= highest_of(state):
+            sigma, weight = sigma_of(state, obj, i), state.bank.weight[obj.first + i]
+        if frequency > 0.0:
+            omega = 2.0 * math.pi * frequency
+            heard = state.scratch.work[i] * weight * omega / (omega * omega + sigma * sigma)
+            left += heard
+            right += heard * state.bank.balance[obj.first + i]
+    contact.static[side, 0] = left
+    contact.static[side, 1] = right
+
+
+@kernel
+def _advance_sampled(state, contact, age):
+    """Advance a sampled method by a sample: the moments of its steps, each held for the step."""
+    sampled = contact.sampled
+    for n in range(MOMENTS):
+        state.scratch.moments[n] = 0.0
+    for i in range(contact.oversampling):
+        before = sampled.v
+        lasts = step_sampled(sampled, 1.0 / (state.rate * contact.oversampling))
+        given = sampled.m * (before - sampled.v)
+        if not abs(given) < _TOO_STRONG * sampled.m * contact.v_in:
+            return False  # the method has failed: what it gave so far stays
+        add_held(given, i / contact.oversampling, (i + 1) / contact.oversampling, state.scratch.moments)
+        contact.steps -= 1
+        if not lasts or contact.steps <= 0:
+            return False
+    return True

@@ -1,0 +1,155 @@
+"""Contacts that share objects are solved together, sample by sample, where more than one is coupled to the modes."""
+
+from ...contact.coupled_group import GROUP, answer_with, step_together
+from ...native.jit import kernel, noinline_kernel
+from ...numerics.legendre import FINE
+from ...resonator.bank import transfer_receptance
+from ..bodies.objects import modes_of, point_of
+from ..memory.state import COUPLING
+from .contact_force import drive, gain_of, observe_points
+from .solver_choice import choose_tolerance, count_steps
+
+_CHEAP = 16  # the square of a group's size at which its equations cost as much as the rest of a step
+
+
+@noinline_kernel
+def solve_groups(state, frame):
+    """Solve contacts over the sample that ends at a frame that share objects of `scratch.group`."""
+    count = _find_candidates(state, frame)
+    candidates = state.scratch.candidates
+    for i in range(count):
+        if count - i < 2:
+            break
+        if candidates[i] >= 0:
+            _gather(state, i, count)
+            if state.scratch.together.size > 1:
+                _solve(state)
+
+
+@kernel
+def _find_candidates(state, frame):
+    """List the coupled contacts that may touch in the sample; their number."""
+    scratch = state.scratch
+    count = 0
+    for g in range(scratch.group_size):
+        index = state.objects[scratch.group[g]].contact
+        while index >= 0:
+            contact = state.contacts[index]
+            due = state.position + frame - contact.start - contact.fraction > 0.0
+            if contact.touching == 1 and contact.solver == COUPLING and due and choose_tolerance(state, contact):
+                scratch.candidates[count] = index
+                count += 1
+            index = contact.next
+    return count
+
+
+@kernel
+def _gather(state, first, count):
+    """Put a candidate and all that share objects with it, and with these, into `together`; they are candidates no more.
+
+    More than GROUP see each other one after the other.
+    """
+    group, candidates = state.scratch.together, state.scratch.candidates
+    group.size = 0
+    _join(group, candidates, first)
+    member = 0
+    while member < group.size:
+        for i in range(count):
+            free = group.size < GROUP and candidates[i] >= 0
+            if free and _share(state, state.contacts[group.member[member]], state.contacts[candidates[i]]):
+                _join(group, candidates, i)
+        member += 1
+
+
+@kernel
+def _join(group, candidates, i):
+    """Put a candidate into the group; it is one no more."""
+    group.member[group.size] = candidates[i]
+    candidates[i] = -1
+    group.size += 1
+
+
+@kernel
+def _sort(group):
+    """Bring the members into the order of their places, so that one keeps its own while contacts take turns."""
+    for i in range(1, group.size):
+        member = group.member[i]
+        j = i
+        while j > 0 and group.member[j - 1] > member:
+            group.member[j] = group.member[j - 1]
+            j -= 1
+        group.member[j] = member
+
+
+@kernel
+def _share(state, contact, other):
+    """True if two contacts touch the same object."""
+    for side in range(2):
+        slot = contact.point[side].slot
+        if slot >= 0 and (slot == other.point[0].slot or slot == other.point[1].slot):
+            return True
+    return False
+
+
+@kernel
+def _solve(state):
+    """Find the moments of all forces in `together` over the coming sample, and have them act."""
+    group = state.scratch.together
+    _sort(group)
+    price = 1 + group.size * group.size // _CHEAP
+    for i in range(group.size):
+        contact = state.contacts[group.member[i]]
+        observe_points(state, contact)
+        for n in range(FINE):
+            group.observed[i, n] = state.scratch.observed[n]
+        count_steps(state, contact, -1, price)
+    _find_answers(state, group)
+    step_together(state.contacts, group)
+    for i in range(group.size):
+        contact = state.contacts[group.member[i]]
+        count_steps(state, contact, 1, price)
+        contact.solved = 1
+        gain = gain_of(state, contact)
+        for n in range(FINE):
+            contact.moments[n] = group.moments[i, n]
+            state.scratch.fine[n] = gain * contact.moments[n]
+        drive(state, contact)
+
+
+@kernel
+def _find_answers(state, group):
+    """Find how each contact's points answer the others' forces, but where that is known from an earlier sample."""
+    for i in range(GROUP):
+        if i < group.size:
+            contact = state.contacts[group.member[i]]
+            if group.known[i] == contact.settled and group.gain[i] == gain_of(state, contact):
+                continue
+        group.known[i] = 0
+    for i in range(group.size):
+        for j in range(group.size):
+            if i != j and (group.known[i] == 0 or group.known[j] == 0):
+                _find_answer(state, group, i, j)
+    for i in range(group.size):
+        group.known[i] = state.contacts[group.member[i]].settled
+        group.gain[i] = gain_of(state, state.contacts[group.member[i]])
+
+
+@kernel
+def _find_answer(state, group, i, j):
+    """Find how the points of contact i answer the force of contact j: on all objects that both touch."""
+    contact, other = state.contacts[group.member[i]], state.contacts[group.member[j]]
+    scratch = state.scratch
+    for n in range(FINE):
+        scratch.receptance[n] = 0.0
+    for side in range(2):
+        for other_side in range(2):
+            point, struck = contact.point[side], other.point[other_side]
+            if point.slot >= 0 and point.slot == struck.slot:
+                obj = state.objects[point.slot]
+                modes = modes_of(state, obj, 0, min(point.modes, struck.modes))
+                transfer_receptance(
+                    modes, point_of(state, obj, struck), point_of(state, obj, point), scratch.work, scratch.fine
+                )
+                for n in range(FINE):
+                    scratch.receptance[n] += scratch.fine[n]
+    answer_with(group, i, j, scratch.receptance, 1.0 / state.rate, gain_of(state, other) / contact.now.gain)

@@ -1,0 +1,105 @@
+"""The contacts of an object: a linked list of places in state.contacts, and what ends with them."""
+
+import math
+
+import numpy as np
+
+from ...native.atomics import store_release
+from ...native.jit import kernel
+from ...numerics.random import STEP, mixed
+from ..bodies.strikers import release_voice
+from ..memory.state import CLOSED, COUPLING, END_GONE, ENDED
+
+
+@kernel
+def append_contact(state, obj, index):
+    """Put a contact at the end of an object's list."""
+    state.contacts[index].next = -1
+    if obj.contact < 0:
+        obj.contact = index
+        return
+    last = obj.contact
+    while state.contacts[last].next >= 0:
+        last = state.contacts[last].next
+    state.contacts[last].next = index
+
+
+@kernel
+def schedule_contact(state, contact):
+    """Schedule a contact for when its flight is over."""
+    time = contact.origin + contact.elapsed * state.rate
+    contact.start = math.floor(time)
+    contact.fraction = time - contact.start
+
+
+@kernel
+def next_random(contact):
+    """Return the next number of a contact's own sequence, in [0, 1)."""
+    contact.random += STEP
+    z = mixed(contact.random)
+    return np.float64(z >> np.uint64(11)) * 2.0**-53
+
+
+@kernel
+def release_modes(state, contact):
+    """Give back the room of a contact that was coupled to modes."""
+    if contact.solver == COUPLING:
+        give_room_back(state, contact)
+        contact.aside = 0
+        contact.solver = CLOSED
+
+
+@kernel
+def give_room_back(state, contact):
+    """Take a coupled contact out of the budget while its striker flies."""
+    if contact.aside == 0:
+        state.stats.coupled_modes -= contact.modes
+        contact.aside = 1
+
+
+@kernel
+def take_room_again(state, contact):
+    """Count a coupled contact whose striker comes back in the budget again, even if there is no room."""
+    if contact.aside > 0:
+        state.stats.coupled_modes += contact.modes
+        contact.aside = 0
+
+
+@kernel
+def report_end(state, gesture, end):
+    """Report what became of a gesture, if it was given a number."""
+    if gesture == 0:
+        return
+    ends = state.ends
+    written = ends.written[0]
+    ends.entries[written % ENDED, 0] = gesture
+    ends.entries[written % ENDED, 1] = end
+    store_release(ends.written, 0, written + 1)
+
+
+@kernel
+def end_contact(state, obj, before, index):
+    """Take a contact, which follows `before` (-1: the first), out of its object's list and free its place."""
+    contact = state.contacts[index]
+    if before < 0:
+        obj.contact = contact.next
+    else:
+        state.contacts[before].next = contact.next
+    contact.gesture = 0
+    state.last_command[index] = 0
+    release_modes(state, contact)
+    release_voice(state, contact)
+    stats = state.stats
+    stats.contacts_active -= 1
+    state.free_contact[len(state.contacts) - 1 - stats.contacts_active] = index
+    if contact.trait.along == 1:
+        stats.rolls_active -= 1
+        state.free_roll[len(state.rolls) - 1 - stats.rolls_active] = contact.roll
+
+
+@kernel
+def end_contacts(state, obj):
+    """End every gesture on an object at once."""
+    while obj.contact >= 0:
+        report_end(state, state.contacts[obj.contact].gesture, END_GONE)
+        end_contact(state, obj, -1, obj.contact)

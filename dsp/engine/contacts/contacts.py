@@ -1,0 +1,322 @@
+"""The life of a contact: a striker waits for its time, touches, and leaves; one that bounces comes back.
+
+A contact acts on one object, or on two that ring: then the striker is the second one's mass, and the opposite force
+goes into its modes. Flights of a bounce are parabolas, its restitution is the share of the speed that the contact
+leaves the striker. Near rest its weight acts in contact too, until its energy says that it can't leave any more.
+"""
+
+import math
+
+import numpy as np
+
+from ...native.jit import kernel, noinline_kernel
+from ...native.records import field, set_field
+from ...schema import FORCE, STEERABLE, gestures_steered_by
+from ..bodies.objects import place
+from ..bodies.strikers import roll_striker
+from ..memory.order import wake
+from ..memory.quality import coarseness_of, holds_steps, must_wait
+from ..memory.state import CLOSED, COUPLING, END_NO_ROOM, END_RESTED, END_STOPPED, QUANTUM, ROLLING
+from .contact_force import apply_contact_force, begin_contact, couple_pulse, update_mode_count
+from .contact_list import end_contact, release_modes, report_end, schedule_contact
+from .flights import follow_coupled, is_gone, is_pushed, leave, release_striker
+from .rolls import feed_of, feed_on, register_roll
+from .slides import lead_slide, rub, rubs
+from .solver_choice import is_moved
+from .trace import trace_roll
+
+_LAID = FORCE.glide  # s: also of a striker's weight
+_MOST_PER_SAMPLE = 8  # contacts of one bounce that may begin in a sample: at 8 kHz there is time for 7
+
+_GLIDES = np.array([max(each.glide for each in gestures_steered_by(name).values()) for name in STEERABLE])
+_NEAR = np.array([1e-6 if name == "position" else 0.0 for name in STEERABLE])  # as good as there
+_POSITION = STEERABLE.index("position")
+
+
+@noinline_kernel
+def update_contacts(state, obj):
+    """Bring an object's contacts to a new quantum: parameters glide, rolls go on, stopped gestures end."""
+    before = -1
+    index = obj.contact
+    while index >= 0:
+        contact = state.contacts[index]
+        after = contact.next
+        _glide(contact, state.rate, obj)
+        _look_at_partner(state, contact, obj)
+        waits = must_wait(state, index) and not (contact.trait.repeats == 1 and contact.touching == 1)
+        ended = _wait_longer(state, contact) if waits else _go_on(state, index)
+        if ended:
+            report_end(state, contact.gesture, END_RESTED if is_gone(state, contact) else END_STOPPED)
+            end_contact(state, obj, before, index)
+        else:
+            before = index
+            if not waits and (contact.touching or contact.start < state.position + QUANTUM):
+                obj.has_contact = 1
+                if contact.point[1].slot >= 0:
+                    state.objects[contact.point[1].slot].has_contact = 1
+        index = after
+
+
+@kernel
+def _glide(contact, rate, obj):
+    """Bring what can be steered nearer to its target."""
+    now, target = contact.now, contact.target
+    for i in range(len(_GLIDES)):
+        value, goal = field(now, i), field(target, i)
+        if not abs(value - goal) > _NEAR[i]:
+            continue
+        left = math.exp(-QUANTUM / (_GLIDES[i] * rate)) if _GLIDES[i] > 0.0 else 0.0
+        set_field(now, i, goal + (value - goal) * left)
+        if i == _POSITION and contact.solver == COUPLING:
+            place(contact.point[0], now.position, obj.rows)
+            contact.unsettled = 1
+
+
+@kernel
+def _look_at_partner(state, contact, obj):
+    """Tie the objects of a contact together; forget one that is gone; note where modes are retuned."""
+    other = contact.point[1]
+    if other.slot >= 0:
+        partner = state.objects[other.slot]
+        if partner.used == 0 or partner.serial != other.serial:
+            other.slot = -1
+            contact.unsettled = 1
+        else:
+            wake(state, other.slot)
+            obj.shares_contact = partner.shares_contact = 1
+            contact.unsettled |= partner.stale_modes > 0 or partner.detuned == 1
+    contact.unsettled |= obj.stale_modes > 0 or obj.detuned == 1
+
+
+@kernel
+def _go_on(state, index):
+    """Continue a contact in a new quantum; return True if its gesture has been stopped and is over."""
+    contact = state.contacts[index]
+    if contact.trait.along == 1:
+        return _roll_on(state, index)
+    if contact.touching == 0:
+        return contact.start >= contact.until
+    if is_gone(state, contact):
+        return True
+    if contact.trait.held == 1 and update_mode_count(state, contact):
+        _lift(state, contact, 0)
+    elif contact.solver == COUPLING:
+        _push_on(state, contact)
+    return False
+
+
+@kernel
+def _wait_longer(state, contact):
+    """Halt a gesture's time for a quantum; return True if it has been told to end."""
+    contact.forces[:] = 0.0
+    if contact.trait.held == 1:
+        _lift(state, contact, QUANTUM)
+        return contact.start >= contact.until
+    contact.origin += QUANTUM
+    if contact.trait.repeats == 1:
+        schedule_contact(state, contact)
+        return contact.start >= contact.until
+    if contact.solver == COUPLING:
+        contact.start = state.position + QUANTUM
+    return state.rolls[contact.roll].target.speed == 0.0
+
+
+@kernel
+def _lift(state, contact, frames):
+    """Take a pressing striker away, to be laid on again after so many frames."""
+    release_modes(state, contact)
+    contact.touching = 0
+    contact.push = 0.0
+    contact.start = state.position + frames
+    contact.fraction = 0.0
+
+
+@kernel
+def _push_on(state, contact):
+    """Bring the push on a coupled striker nearer to its target."""
+    if contact.until < state.position + QUANTUM and contact.gone_at == math.inf:
+        release_striker(state, contact, contact.until)
+        if contact.trait.held == 1:
+            contact.push = 0.0  # a hand is taken away at once
+    slowly = math.exp(-QUANTUM / (_LAID * state.rate))
+    contact.push = contact.push_target + (contact.push - contact.push_target) * slowly
+    contact.coupled.push = contact.push
+    _add_static(state, contact)
+
+
+@kernel
+def _add_static(state, contact):
+    """Record the static deflection of the objects under the push, so that the mix can subtract it."""
+    for side in range(2):
+        if contact.point[side].slot >= 0:
+            obj = state.objects[contact.point[side].slot]
+            for channel in range(2):
+                obj.static[channel] += contact.now.gain * contact.push * contact.static[side, channel]
+
+
+@noinline_kernel
+def _roll_on(state, index):
+    """Compute a rolling or sliding body's force for a quantum; true if it has come to its end."""
+    contact = state.contacts[index]
+    if contact.solver == COUPLING:
+        return _roll_on_coupled(state, contact)
+    roll = state.rolls[contact.roll]
+    changed = update_mode_count(state, contact)
+    if contact.trait.slips == 1:
+        lead_slide(state, contact, changed)
+    roll.path.coarseness = coarseness_of(state)
+    met = roll.impacts
+    feed_on(state, contact)
+    if contact.trait.rolls == 1:
+        ahead = roll.t - (state.position - 1 + QUANTUM - contact.origin) / state.rate
+        contact.rolled += contact.rolls
+        contact.rolls = roll.s - roll.modulated_speed * ahead - contact.rolled
+    state.stats.impacts += roll.impacts - met
+    feed = feed_of(state, contact)
+    trace_roll(state, contact, feed)
+    for n in range(len(contact.forces)):
+        contact.forces[n] = feed[QUANTUM - 1 - n, 0] * state.rate
+    if roll.ended == 0:
+        register_roll(state, index)
+        roll_striker(state, contact)
+    return roll.ended == 1
+
+
+@kernel
+def _roll_on_coupled(state, contact):
+    """Bring a roll that feels all modes to a new quantum; true if it has come to its end."""
+    roll = state.rolls[contact.roll]
+    if update_mode_count(state, contact):
+        contact.unsettled = 1
+    contact.m = roll.m
+    state.stats.impacts += contact.coupled.contacts - 1 - roll.impacts
+    roll.impacts = contact.coupled.contacts - 1
+    roll_striker(state, contact)
+    return roll.ended == 1
+
+
+@kernel
+def next_driven_frame(state, obj, frame):
+    """Return the first frame from `frame` on that a contact, but for rolls, acts on, or QUANTUM: after its
+    beginning."""
+    found = QUANTUM
+    index = obj.contact
+    while index >= 0:
+        contact = state.contacts[index]
+        if contact.solver != ROLLING or (contact.trait.slips == 1 and rubs(contact)):
+            found = min(found, max(frame, contact.start + 1 - state.position))
+        index = contact.next
+    return found
+
+
+@kernel
+def _is_due(state, contact, frame):
+    """True if a contact, but for rolls, acts in the sample that ends at a frame."""
+    return contact.solver != ROLLING and state.position + frame - contact.start - contact.fraction > 0.0
+
+
+@kernel
+def _begin(state, contact, frame):
+    """Begin the touch of a contact that is due, unless it touches already; return False if there is no room for it."""
+    if contact.touching == 1:
+        return True
+    contact.begun = float(state.position + frame)
+    if begin_contact(state, contact, is_pushed(contact)):
+        return True
+    report_end(state, contact.gesture, END_NO_ROOM)
+    return False
+
+
+@noinline_kernel
+def begin_contacts(state, obj, frame):
+    """Begin an object's contacts that are due in the sample that ends at a frame; end those without room.
+
+    Where one begins, the others that touch and are of closed form may not stay so. True if one does.
+    """
+    began = False
+    before = -1
+    index = obj.contact
+    while index >= 0:
+        contact = state.contacts[index]
+        after = contact.next
+        touched = contact.touching
+        if not _is_due(state, contact, frame) or _begin(state, contact, frame):
+            before = index
+            began |= contact.touching > touched
+        else:
+            end_contact(state, obj, before, index)
+        index = after
+    if began and not holds_steps(state):
+        _couple_moved(state, obj)
+    return began
+
+
+@kernel
+def _couple_moved(state, obj):
+    """Couple the contacts of closed form that others on the same objects move."""
+    index = obj.contact
+    while index >= 0:
+        contact = state.contacts[index]
+        if contact.touching == 1 and contact.solver == CLOSED and is_moved(state, contact):
+            couple_pulse(state, contact)
+        index = contact.next
+
+
+@noinline_kernel
+def run_contacts(state, obj, frame):
+    """Give the modes the force of all contacts, but for rolls, over the sample that ends at a frame.
+
+    Contacts that end are dropped.
+    """
+    _rub_all(state, obj, frame)
+    before = -1
+    index = obj.contact
+    while index >= 0:
+        contact = state.contacts[index]
+        after = contact.next
+        stays = True
+        for _ in range(_MOST_PER_SAMPLE):
+            if not _is_due(state, contact, frame):
+                break
+            stays = _begin(state, contact, frame)
+            if not stays:
+                break
+            if apply_contact_force(state, contact, frame):
+                leaves = contact.solver == COUPLING and contact.trait.rolls == 0
+                stays = not leaves or follow_coupled(state, contact, frame)
+                break
+            stays = leave(state, contact, frame)
+            if not stays:
+                break
+        if stays:
+            before = index
+        else:
+            end_contact(state, obj, before, index)
+        index = after
+    _take_turns(state, obj)
+
+
+@noinline_kernel
+def _rub_all(state, obj, frame):
+    """Give the modes the friction of all slides over the sample that ends at a frame, before other contacts: the force
+    of a press that a slide feels is then always that of the last sample."""
+    index = obj.contact
+    while index >= 0:
+        contact = state.contacts[index]
+        if contact.trait.slips == 1:
+            rub(state, contact, frame)
+        index = contact.next
+
+
+@kernel
+def _take_turns(state, obj):
+    """Take turns among coupled contacts in the same sample, which see each other one after the other: next time another
+    is the first."""
+    first = obj.contact
+    if first < 0 or state.contacts[first].solver != COUPLING or state.contacts[first].next < 0:
+        return
+    obj.contact = last = state.contacts[first].next
+    while state.contacts[last].next >= 0:
+        last = state.contacts[last].next
+    state.contacts[last].next = first
+    state.contacts[first].next = -1

@@ -1,0 +1,118 @@
+"""Rolls that feel the modes of the object under them.
+
+On an object that gives way a roll is coupled to its modes, as a blow is (rolling/coupled_roll.py). On one that hardly
+does, at the accuracy -40, where steps are held, where `/budget` has no room or too few steps (it takes some
+1 + omega/rate, with omega that of the effective mass on the contact), and under a slide the object is a dashpot, which
+costs as much for any number of modes (rolling/contact_step.py).
+
+The contact swings at omega_c = sqrt(a g/x_e) about x_e, the compression at rest. Modes that are slower give way, those
+that are faster hardly move meanwhile. So sum m phi^2/(1 + (omega/omega_c)^2) tells by how much the object is lighter
+than rigid. Over a uniform density of modes that is m omega_c/Z, with 1/Z the mean of their mobility.
+"""
+
+import math
+
+import numpy as np
+
+from ...native.jit import kernel, noinline_kernel
+from ...rolling.contact_step import BRIEF
+from ...rolling.coupled_roll import begin_coupled_roll, lead_coupled_roll
+from ..bodies.objects import is_felt, place, shape_at
+from ..memory.quality import BY_ITSELF, holds_steps, room_for_coupling
+from ..memory.state import COUPLING, QUANTUM
+from .solver_choice import tolerance_of
+
+GIVING = np.array([math.inf, 3e-4, 3e-5, 0.0])
+"""Sum, by accuracy, above which a roll feels each of the object's modes. Where four modes ring for seconds a dashpot is
+6 dB wrong in all at a sum of 0.003, 2 dB at 3e-4."""
+
+_FINE = 2  # of the accuracies, from which on a path's kinks within a sample count, and short steps err no more
+_SHARE = 1.0 / 16.0  # of the room for coupled modes, which rolls take at most: they last
+_PLACES = 5  # along the path of a body that moves over its object, at which is looked
+_PLACED = 16  # frames after which one that feels all modes acts at another place
+
+
+@noinline_kernel
+def couple_roll(state, contact):
+    """Couple a roll or slide that begins to the objects that it touches, if they give way enough."""
+    level, roll = state.choices.accuracy, state.rolls[contact.roll]
+    mass, gravity = roll.target.mass, roll.target.gravity
+    omega_c = math.sqrt(contact.a * gravity / (mass * gravity / contact.k) ** (1.0 / contact.a))
+    mobility, greatest = _mobility(state, contact, omega_c)
+    roll.mobility = mobility / omega_c
+    gives_way = mass * greatest > GIVING[level]
+    roll.brief = BRIEF if level < _FINE or gives_way else 0.0
+    if not gives_way or contact.trait.slips == 1 or holds_steps(state):
+        return
+    modes = BY_ITSELF
+    for side in range(2):
+        if contact.point[side].slot >= 0:
+            modes += state.objects[contact.point[side].slot].size
+    room, steps = room_for_coupling(state), state.choices.budget.steps
+    turn = omega_c * math.sqrt(1.0 + mass * _mobility_here(state, contact, math.inf)) / state.rate
+    crowded = room > 0 and state.stats.coupled_modes + modes > _SHARE * room
+    if crowded or (steps > 0 and 1.0 + turn > steps):
+        state.stats.over_budget += 1
+        return
+    roll.mobility = 0.0
+    contact.solver = COUPLING
+    contact.modes, contact.light, contact.unsettled, contact.debt = modes, 1, 1, 0
+    state.stats.coupled += 1
+    state.stats.coupled_modes += modes
+    begin_coupled_roll(roll, contact.coupled, state.rate, tolerance_of(state, contact))
+
+
+@kernel
+def _mobility(state, contact, omega_c):
+    """Return sum phi^2/(1 + (omega/omega_c)^2) over the objects' modes, 1/kg: the mean and the greatest on a roll's
+    way."""
+    rows = state.objects[contact.point[0].slot].rows
+    mean = greatest = 0.0
+    places = _PLACES if contact.travel > 0.0 else 1
+    for n in range(places):
+        place(contact.point[0], n / (_PLACES - 1.0) if places > 1 else contact.now.position, rows)
+        here = _mobility_here(state, contact, omega_c)
+        mean += here / places
+        greatest = max(greatest, here)
+    place(contact.point[0], contact.now.position, rows)
+    return mean, greatest
+
+
+@kernel
+def _mobility_here(state, contact, omega_c):
+    """Return that sum at the place of a contact."""
+    total = 0.0
+    for side in range(2):
+        point = contact.point[side]
+        if point.slot >= 0:
+            obj = state.objects[point.slot]
+            for i in range(obj.size):
+                omega = 2.0 * math.pi * state.bank.frequency[obj.first + i]
+                if is_felt(obj, i) and omega > 0.0:
+                    phi = shape_at(state, obj, point, i)
+                    total += phi * phi / (1.0 + (omega / omega_c) ** 2)
+    return total
+
+
+@kernel
+def lead_roll(state, contact):
+    """Bring a roll that feels all modes to the coming sample: its path, and where it acts."""
+    roll = state.rolls[contact.roll]
+    frame = int(roll.t * state.rate + 0.5)
+    begin, whole = contact.fraction if roll.t == 0.0 else 0.0, state.choices.accuracy < _FINE
+    if lead_coupled_roll(roll, contact.coupled, begin, whole):
+        contact.unsettled = 1
+    contact.rolled = roll.s
+    if contact.travel > 0.0 and frame % _PLACED == 0:
+        place(contact.point[0], position_of(contact, 0), state.objects[contact.point[0].slot].rows)
+        contact.unsettled = 1
+
+
+@kernel
+def position_of(contact, frame):
+    """Return the position of a rolling or sliding body on the object's strike path, along which it goes to and fro."""
+    position = contact.now.position
+    if contact.travel > 0.0:
+        position += (contact.rolls * (frame / QUANTUM) + contact.rolled) / contact.travel
+    position -= 2.0 * math.floor(0.5 * position)
+    return min(position, 2.0 - position)

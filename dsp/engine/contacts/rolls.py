@@ -1,0 +1,241 @@
+"""The ringing of objects from contact to contact, driven meanwhile by the bodies that roll on them.
+
+A roll is computed LEAD frames ahead of its sound, so that one number a frame tells the modes its force (see
+resonator/fed.py); a click's modes, which answer in another way, get its moments. New values of a roll take effect as
+much later. A roll that feels all modes is computed with them instead (coupled_rolls.py).
+"""
+
+from ...native.jit import kernel, noinline_kernel
+from ...numerics.legendre import KEPT
+from ...resonator.bank import Drive, Point, inject_kept, ring, ring_driven
+from ...resonator.fed import LINE, REACH, feed_through, lay_blows, ring_fed, sample_force
+from ...resonator.simd import LANES, STRETCH
+from ...rolling.body import fill_roll
+from ..bodies.objects import modes_of, place, shapes_of, weigh
+from ..memory.state import BEHIND, LEAD, QUANTUM
+from .coupled_rolls import position_of
+
+
+@noinline_kernel
+def feed_on(state, contact):
+    """Compute a rolling or sliding body's force up to LEAD frames behind this quantum's end."""
+    roll, feed, samples = state.rolls[contact.roll], state.feeds[contact.roll], state.samples[contact.roll]
+    begun = roll.piece >= 0
+    new = BEHIND + LEAD if begun else BEHIND
+    for n in range(new):
+        for k in range(KEPT):
+            feed[n, k] = feed[QUANTUM + n, k] if begun else 0.0
+    for n in range(2 * REACH):
+        samples[n] = samples[QUANTUM + n] if begun else 0.0
+    since = (state.position - 1 - contact.origin + new - BEHIND) / state.rate
+    fill_roll(roll, since, state.rate, feed[new:])
+    sample_force(feed, samples, 2 * REACH)
+
+
+@kernel
+def feed_of(state, contact):
+    """Return the moments (N s) of a roll's or slide's force over each frame of this quantum."""
+    return state.feeds[contact.roll, BEHIND : BEHIND + QUANTUM]
+
+
+@kernel
+def register_roll(state, index):
+    """Put a rolling contact on the lists of the objects that it acts on, for this quantum."""
+    contact = state.contacts[index]
+    for side in range(2):
+        point = contact.point[side]
+        if point.slot >= 0:
+            obj = state.objects[point.slot]
+            point.next_roll = obj.rolls_head
+            obj.rolls_head = 2 * index + side
+            obj.live = max(obj.live, point.modes)
+            obj.driven_modes = max(obj.driven_modes, point.modes)
+            obj.driven_gain = max(obj.driven_gain, contact.now.gain)
+
+
+@kernel
+def ring_on(state, obj, voice, start, stop):
+    """Ring an object from frame `start` to `stop` into its voice."""
+    if obj.rolls_head < 0:
+        ring(modes_of(state, obj, 0, obj.live), voice, start, stop)
+        return
+    moves = _moves(state, obj)
+    frame = start
+    while frame < stop:
+        end = min(stop, frame - frame % LINE + LINE) if moves else stop
+        count, driven = _drivers(state, obj, frame, end)
+        fed = min(driven, obj.bent // LANES * LANES)
+        ring(modes_of(state, obj, driven, obj.live), voice, frame, end)
+        _ring_fed(state, obj, voice, _place_blows(state, count, frame, end), fed, frame, end, moves)
+        if driven > fed:
+            _ring_driven(state, obj, voice, count, fed, driven, frame, end)
+        frame = end
+
+
+@kernel
+def _moves(state, obj):
+    """True if a roll on an object moves over it."""
+    moves = False
+    entry = obj.rolls_head
+    while entry >= 0:
+        contact = state.contacts[entry // 2]
+        moves = moves or (entry % 2 == 0 and contact.travel > 0.0)
+        entry = contact.point[entry % 2].next_roll
+    return moves
+
+
+@kernel
+def _place_blows(state, count, frame, end):
+    """Add up the forces of those drivers that stay at one place, in `blows`; how many places there are."""
+    scratch, places = state.scratch, 0
+    for j in range(count):
+        driver = scratch.drivers[j]
+        samples = state.samples[driver.feed]
+        k = 0
+        while k < places and not _acts_alike(driver, scratch.drivers[scratch.placed[k]]):
+            k += 1
+        if k == places:
+            scratch.placed[k] = j
+            places += 1
+            for n in range(frame, end):
+                scratch.blows[k, n] = 0.0
+        for n in range(frame, end):
+            scratch.blows[k, n] += samples[REACH - 1 + n]
+    return places
+
+
+@kernel
+def _acts_alike(a, b):
+    """True if two drivers act at one place, with one gain, and stay there."""
+    alike = a.row == b.row
+    for i in range(4):
+        alike = alike and a.weights[i] == b.weights[i] and a.drift[i] == b.drift[i] == 0.0
+    return alike
+
+
+@kernel
+def _ring_fed(state, obj, voice, places, fed, frame, end, moves):
+    """Ring an object's first `fed` modes under rolls at some places, by one number a frame; add to its voice."""
+    scratch, work, shape = state.scratch, state.scratch.work, shapes_of(state, obj)
+    room = len(work) // (2 * places) // LANES * LANES
+    first = 0
+    while first < fed:
+        size = min(room, fed - first)
+        modes = modes_of(state, obj, first, first + size)
+        for k in range(places):
+            driver = scratch.drivers[scratch.placed[k]]
+            where = Point(shape, obj.size, driver.row, driver.weights)
+            lay_blows(modes.response, where, driver.drift, moves, first, work, 2 * k * size, size)
+        ring_fed(modes, work, scratch.blows, places, moves, voice, frame, end)
+        first += size
+
+
+@kernel
+def _ring_driven(state, obj, voice, count, first, last, frame, end):
+    """Ring an object's modes from `first` to `last` under rolls, by moments; add to its voice."""
+    scratch, shape = state.scratch, shapes_of(state, obj)
+    modes = modes_of(state, obj, first, last)
+    here = shape[first:]
+    while frame < end:
+        frames = STRETCH if end - frame >= STRETCH else 1
+        if frames == STRETCH:
+            drive = Drive(scratch.drivers, count, state.feeds, BEHIND)
+            ring_driven(modes, here, obj.size, drive, scratch.work, voice, frame)
+        else:
+            for j in range(count):
+                driver = scratch.drivers[j]
+                where = Point(here, obj.size, driver.row, driver.weights)
+                inject_kept(modes, where, state.feeds[driver.feed, BEHIND + frame])
+            ring(modes, scratch.striker, frame, frame + 1)
+            for side in range(2):
+                voice[side, frame] += scratch.striker[side, frame]
+        for j in range(count):
+            driver = scratch.drivers[j]
+            for i in range(4):
+                driver.weights[i] += frames * driver.drift[i]
+        frame += frames
+
+
+@kernel
+def _drivers(state, obj, frame, end):
+    """List the rolls on an object as they are at a frame, and how they move until another, in `drivers`: how many, and
+    how many modes they drive."""
+    count = driven = 0
+    entry = obj.rolls_head
+    while entry >= 0:
+        contact = state.contacts[entry // 2]
+        point = contact.point[entry % 2]
+        driver = state.scratch.drivers[count]
+        _drive(driver, contact, point, entry % 2, obj.rows, frame, end)
+        count += 1
+        driven = point.modes
+        entry = point.next_roll
+    return count, driven
+
+
+@kernel
+def _drive(driver, contact, point, side, rows, frame, end):
+    """Tell where a roll acts on an object at a frame, and how that changes until another."""
+    driver.feed = contact.roll
+    for i in range(4):
+        driver.drift[i] = 0.0
+    if side == 0:
+        place(point, position_of(contact, frame), rows)
+        if contact.travel > 0.0 and end > frame:
+            weigh(driver.drift, position_of(contact, end) * (rows - 1) - point.row)
+            for i in range(4):
+                driver.drift[i] = contact.now.gain * (driver.drift[i] - point.weights[i]) / (end - frame)
+    driver.row = point.row
+    for i in range(4):
+        driver.weights[i] = contact.now.gain * point.weights[i]
+
+
+@kernel
+def add_through(state, obj, voice):
+    """Add what of the rolls' forces goes straight into an object's voice, over a quantum."""
+    driver, taps = state.scratch.drivers[0], state.scratch.taps
+    entry = obj.rolls_head
+    while entry >= 0:
+        contact = state.contacts[entry // 2]
+        point, through = contact.point[entry % 2], state.through[contact.roll, entry % 2]
+        moves = entry % 2 == 0 and contact.travel > 0.0
+        for end in range(2 if moves else 1):
+            _drive(driver, contact, point, entry % 2, obj.rows, end * QUANTUM, end * QUANTUM)
+            _know_through(state, obj, point.modes, driver.row, through)
+            for side in range(2):
+                for k in range(REACH + 1):
+                    taps[end, side, k] = 0.0
+                    for i in range(4):
+                        taps[end, side, k] += driver.weights[i] * through.taps[i, side, k]
+        _hear(taps[0], taps[1 if moves else 0], state.samples[contact.roll], voice)
+        entry = point.next_roll
+
+
+@kernel
+def _know_through(state, obj, modes, row, through):
+    """Compute the taps from a force on an object's first modes to its sound, for four rows of shapes, unless they are
+    known."""
+    known = through.serial == obj.serial and through.retuned == obj.retuned
+    if known and through.modes == modes and through.row == row:
+        return
+    through.serial, through.retuned, through.modes, through.row = obj.serial, obj.retuned, modes, row
+    taken = modes_of(state, obj, 0, min(modes, obj.bent // LANES * LANES))
+    alone = state.scratch.power
+    for n in range(4):
+        for i in range(4):
+            alone[i] = 1.0 if i == n else 0.0
+        for side in range(2):
+            for k in range(REACH + 1):
+                through.taps[n, side, k] = 0.0
+        feed_through(taken, Point(shapes_of(state, obj), obj.size, row, alone[:4]), state.scratch.work, through.taps[n])
+
+
+@kernel
+def _hear(taps, later, samples, voice):
+    """Add a force by taps that go as lines over the quantum to a voice."""
+    for side in range(2):
+        for m in range(2 * REACH + 1):
+            k = abs(m - REACH)
+            tap, slope = taps[side, k], (later[side, k] - taps[side, k]) / QUANTUM
+            for n in range(QUANTUM):
+                voice[side, n] += (tap + n * slope) * samples[n + m]

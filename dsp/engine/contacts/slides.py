@@ -1,0 +1,234 @@
+"""Bodies that slide: a roll's normal motion, and friction along the surface.
+
+Rolling and sliding are one state of contact: a speed at which the contact moves over the object (sweep) and one at
+which the surfaces slip. Asperities pass at the faster of the two. The normal force is the roll's, whose weight is the
+force that presses; a light object is a dashpot under it. Friction feels the modes, the SLID longest ringing ones,
+sample by sample (friction/stick_slip.py). Its bound follows the normal force, or that of a press on the same object,
+which feels them, too.
+"""
+
+import math
+
+from ...friction.elastic import step_elastic, stiffen
+from ...friction.held import step_held
+from ...friction.located import step_located
+from ...friction.stick_slip import begin_friction, respond_along, step_whole
+from ...native.jit import kernel
+from ...numerics.legendre import FINE
+from ...resonator.bank import Point, inject_fine, inject_line
+from ...resonator.velocity import observe_velocity, sense, set_rows, set_shapes, velocity_response
+from ...schema import SPEED
+from ..bodies.objects import modes_of, place, shapes_of
+from ..memory.quality import holds_steps
+from ..memory.records import SLID
+from ..memory.state import QUANTUM
+from .contact_force import find_static
+from .coupled_rolls import position_of
+from .rolls import feed_of
+
+_LAID = 0.02  # s: time constant with which a striker is laid on
+_MEAN = 0.05  # s: and of the mean of its friction, which bends the object without a sound
+_LEAST = 1e-9  # N
+_GLIDE = SPEED.glide
+
+
+@kernel
+def begin_slide(state, contact):
+    """Begin to slide: to be called before the roll begins."""
+    slide = state.slides[contact.roll]
+    begin_friction(slide.friction, state.rate)
+    slide.friction.drive[1] = slide.slip = contact.target.speed
+    slide.friction.normal[1] = slide.laid = slide.pull = 0.0
+    slide.sweep = _sweep_of(contact)
+    slide.position = -1.0
+    slide.pressed = -1
+    contact.rolls = 0.0
+    contact.unsettled = 1
+    _lead_roll(state, contact)
+
+
+@kernel
+def _sweep_of(contact):
+    """Return the sweep (m/s) that is asked for."""
+    return contact.target.sweep if contact.target.sweep >= 0.0 else contact.target.speed
+
+
+@kernel
+def _lead_roll(state, contact):
+    """Set the normal motion to what the slide asks for."""
+    asked, target = contact.target, state.rolls[contact.roll].target
+    target.speed = max(asked.speed, _sweep_of(contact))
+    target.mass = contact.m
+    target.gravity = max(contact.now.force, _LEAST) / contact.m
+    target.radius, target.patch, target.roughness = asked.radius, asked.patch, asked.roughness
+    target.friction = target.asymmetry = 0.0
+
+
+@kernel
+def lead_slide(state, contact, changed):
+    """Bring a slide to a new quantum; `changed`: it acts on other modes than before."""
+    slide = state.slides[contact.roll]
+    _lead_roll(state, contact)
+    slide.sweep += (_sweep_of(contact) - slide.sweep) * -math.expm1(-QUANTUM / (_GLIDE * state.rate))
+    contact.rolled += contact.rolls
+    contact.rolls = slide.sweep * QUANTUM / state.rate
+    if changed:
+        contact.unsettled = 1
+    moves = contact.travel > 0.0 and contact.rolls > 0.0
+    if moves or slide.along != contact.target.along or slide.position != contact.now.position:
+        slide.moved = 1
+    slide.slip = slide.friction.drive[1]
+    slide.pressed = _place_of_press(state, contact) if slide.press > 0 else -1
+    friction, law = slide.friction, contact.target
+    friction.dynamic, friction.stribeck = law.dynamic, law.stribeck
+    friction.static = max(law.static, law.dynamic)
+    stiffen(friction, law.tangential)
+    for side in range(2):
+        if contact.point[side].slot >= 0:
+            obj = state.objects[contact.point[side].slot]
+            for channel in range(2):
+                obj.static[channel] += contact.now.gain * slide.along * slide.pull * contact.static[side, channel]
+
+
+@kernel
+def _place_of_press(state, contact):
+    """Return the place of the press that a slide's friction feels; -1 where there is none on the object."""
+    press = state.slides[contact.roll].press
+    index = state.objects[contact.point[0].slot].contact
+    while index >= 0:
+        if state.contacts[index].gesture == press and state.contacts[index].trait.held == 1:
+            return index
+        index = state.contacts[index].next
+    return -1
+
+
+@kernel
+def rubs(contact):
+    """True for a slide whose friction is heard."""
+    return contact.target.along > 0.0 and max(contact.target.static, contact.target.dynamic) > 0.0
+
+
+@kernel
+def rub(state, contact, frame):
+    """Give the modes a slide's friction over the sample that ends at a frame."""
+    if state.position + frame - contact.start - contact.fraction <= 0.0 or not rubs(contact):
+        return
+    slide, scratch = state.slides[contact.roll], state.scratch
+    friction = slide.friction
+    if contact.unsettled == 1 or slide.moved == 1:
+        _settle(state, contact)
+    _drive(state, contact, frame)
+    third = end = mean = moment = 0.0
+    for side in range(2):
+        if contact.point[side].slot >= 0:
+            modes = modes_of(state, state.objects[contact.point[side].slot], 0, slide.modes[side])
+            a, b, c, d = sense(modes, slide.rows[side], SLID)
+            third, end, mean, moment = third + a, end + b, mean + c, moment + d
+    gain = contact.now.gain
+    whole = True
+    if friction.tangential > 0.0:
+        step_elastic(friction, mean / gain)
+    elif holds_steps(state):
+        friction.slope = 0.0
+        step_held(friction, end / gain, mean / gain)
+    else:
+        whole = step_whole(friction, third / gain, end / gain, mean / gain, moment / gain)
+    if not whole:
+        _observe(state, contact)
+        step_located(friction, scratch.observed, scratch.fine)
+    force = friction.start + 0.5 * friction.slope if whole else scratch.fine[0] * state.rate
+    slide.pull += (force - slide.pull) / (_MEAN * state.rate)
+    _inject(state, contact, whole)
+
+
+@kernel
+def _settle(state, contact):
+    """Tell a slide's friction where it is, and how the objects give way there; their modes only if these are others."""
+    slide, scratch = state.slides[contact.roll], state.scratch
+    slide.along, slide.position = contact.target.along, contact.now.position
+    for n in range(FINE):
+        scratch.receptance[n] = 0.0
+    for side in range(2):
+        point = contact.point[side]
+        if point.slot < 0:
+            continue
+        obj = state.objects[point.slot]
+        if side == 0:
+            place(point, position_of(contact, 0.5 * QUANTUM), obj.rows)
+        slide.modes[side] = min(point.modes, SLID)
+        slide.row[side] = point.row
+        for n in range(4):
+            slide.weights[side, n] = point.weights[n]
+        modes = modes_of(state, obj, 0, slide.modes[side])
+        where = Point(shapes_of(state, obj), obj.size, point.row, point.weights)
+        if contact.unsettled == 1:
+            set_rows(modes, slide.rows[side], SLID)
+        set_shapes(slide.modes[side], where, slide.along, slide.rows[side], SLID)
+        velocity_response(modes, slide.rows[side], SLID, scratch.work, scratch.fine)
+        for n in range(FINE):
+            scratch.receptance[n] += scratch.fine[n]
+        find_static(state, contact, side, obj, slide.modes[side])
+    respond_along(slide.friction, scratch.receptance)
+    contact.unsettled = slide.moved = 0
+
+
+@kernel
+def _drive(state, contact, frame):
+    """Give friction the slip and the normal force at the sample's end."""
+    slide, roll = state.slides[contact.roll], state.rolls[contact.roll]
+    friction, feed = slide.friction, feed_of(state, contact)
+    friction.drive[0], friction.normal[0] = friction.drive[1], friction.normal[1]
+    friction.drive[1] = slide.slip + (contact.now.speed - slide.slip) * ((frame + 1) / QUANTUM)
+    slide.laid += (1.0 - slide.laid) / (_LAID * state.rate)
+    if slide.press > 0:
+        friction.normal[1] = slide.laid * roll.fade * _force_of_press(state, slide)
+        return
+    after = min(frame + 1, QUANTUM - 1)
+    weight = roll.fade * roll.m * roll.g
+    here = max(feed[frame, 0] * state.rate + weight, 0.0)
+    there = max(feed[after, 0] * state.rate + weight, 0.0)
+    friction.normal[1] = 0.5 * slide.laid * (here + there)
+
+
+@kernel
+def _force_of_press(state, slide):
+    """Return the force (N) of the press that a slide's friction feels, over the last sample."""
+    if slide.pressed < 0 or state.contacts[slide.pressed].gesture != slide.press:
+        return 0.0
+    return max(state.contacts[slide.pressed].forces[0], 0.0)
+
+
+@kernel
+def _observe(state, contact):
+    """Find the velocity of the points over the sample in full."""
+    slide, scratch = state.slides[contact.roll], state.scratch
+    for n in range(FINE):
+        scratch.observed[n] = 0.0
+    for side in range(2):
+        if contact.point[side].slot >= 0:
+            modes = modes_of(state, state.objects[contact.point[side].slot], 0, slide.modes[side])
+            observe_velocity(modes, slide.rows[side], SLID, scratch.work, scratch.fine)
+            for n in range(FINE):
+                scratch.observed[n] += scratch.fine[n] / contact.now.gain
+
+
+@kernel
+def _inject(state, contact, whole):
+    """Inject friction's force over the sample into the modes."""
+    slide, scratch = state.slides[contact.roll], state.scratch
+    friction, scale = slide.friction, contact.now.gain * slide.along
+    first = scale * (friction.start + 0.5 * friction.slope) / state.rate
+    second = scale * friction.slope / (6.0 * state.rate)
+    if not whole:
+        for n in range(FINE):
+            scratch.fine[n] *= scale
+    for side in range(2):
+        if contact.point[side].slot < 0:
+            continue
+        obj = state.objects[contact.point[side].slot]
+        modes = modes_of(state, obj, 0, slide.modes[side])
+        where = Point(shapes_of(state, obj), obj.size, slide.row[side], slide.weights[side])
+        if whole:
+            inject_line(modes, where, first, second)
+        else:
+            inject_fine(modes, where, scratch.fine)

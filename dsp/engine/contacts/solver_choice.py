@@ -1,0 +1,194 @@
+"""The choice of a contact's solver: the cheapest whose error is known to be small enough (contact/accuracy.py).
+
+The closed form of a rigid wall, with an effective mass where the objects give way, if a striker is light or slow
+against them and they are quiet; otherwise the contact is coupled to their modes (contact/coupled.py).
+"""
+
+import math
+
+from ...contact.accuracy import LIGHT, LIGHT_TOLERANCE, RESIDUAL, TOLERANCE, closed_form_will_do
+from ...contact.closed_form import find_nodes, find_power
+from ...contact.coupled_step import HELD
+from ...native.jit import kernel
+from ..bodies.objects import is_felt, pitch_of, reach_of, shape_at
+from ..memory.quality import holds_steps
+from ..memory.state import CLOSED, COUPLING, SAMPLING
+
+_RESOLVED = 28.0  # rad of a mode over a pulse: up to here its nodes tell the spectrum, beyond it is as good as 0
+_BURST = 256  # times its steps per sample that a coupled contact may need at once: a blow at `exact` takes 4,000
+_BURST_OF_ALL = 1024  # the same of all coupled contacts, in a quantum
+_LIGHT = 1e-4  # sum of m phi^2 below which the object is as good as a rigid wall (-80 dB)
+
+
+@kernel
+def tolerance_of(state, contact):
+    """Return the tolerance of coupled contacts at the accuracy asked for, as far as there is time for it."""
+    if holds_steps(state):
+        return HELD
+    return (LIGHT_TOLERANCE if contact.light == 1 else TOLERANCE)[state.choices.accuracy]
+
+
+@kernel
+def choose_tolerance(state, contact):
+    """Give a coupled contact the tolerance for the coming sample; return False if its force is held."""
+    tolerance, steps = tolerance_of(state, contact), state.choices.budget.steps
+    if steps > 0 and (contact.debt > _BURST * steps or state.steps_taken > _BURST_OF_ALL * steps):
+        tolerance = HELD
+    contact.coupled.tolerance = tolerance
+    return tolerance != HELD
+
+
+@kernel
+def count_steps(state, contact, sign, price):
+    """Bring the stats and the debt of steps up to date: with -1 before a coupled contact steps, with 1 after.
+
+    price: of its steps, against those of a contact that is alone.
+    """
+    coupled, stats = contact.coupled, state.stats
+    stats.held += sign * coupled.held
+    if contact.trait.rolls == 0:
+        stats.recontacts += sign * max(coupled.contacts - 1, 0)
+    contact.debt += sign * price * coupled.steps
+    state.steps_taken += sign * price * coupled.steps
+    if sign > 0:
+        steps = state.choices.budget.steps
+        contact.debt = max(contact.debt - steps, 0) if steps > 0 else 0
+
+
+@kernel
+def choose_solver(state, contact):
+    """Return the solver for a contact whose wall pulse has begun, with its sums of r_i and of r_i P_i.
+
+    r_i = m phi_i^2, and P_i is the wall pulse's power spectrum at mode i over that at 0. The second sum is -1 where it
+    was not needed. A contact is never coupled where a sampled method was asked for.
+    """
+    mass_ratio, ringing_ratio = _ratios(state, contact)
+    contact.light = int(mass_ratio >= LIGHT)
+    sampled = state.choices.method.method > 0
+    uncoupled = SAMPLING if sampled else CLOSED
+    level = 0 if holds_steps(state) else state.choices.accuracy
+    residual = RESIDUAL[level]
+    if not sampled and ringing_ratio >= residual:
+        return COUPLING, mass_ratio, -1.0
+    if mass_ratio < _LIGHT and (sampled or mass_ratio + ringing_ratio < residual):
+        return uncoupled, mass_ratio, -1.0
+    find_nodes(contact.pulse)
+    seen = _seen_mass_ratio(state, contact)
+    if sampled or closed_form_will_do(level, seen, mass_ratio, ringing_ratio, contact.pulse.restitution):
+        return uncoupled, mass_ratio, seen
+    return COUPLING, mass_ratio, seen
+
+
+@kernel
+def _ratios(state, contact):
+    """Return sum r_i over the objects' modes, and how fast their ringing can be against the striker."""
+    mass_ratio = ringing_ratio = 0.0
+    for side in range(2):
+        point = contact.point[side]
+        if point.slot >= 0:
+            obj = state.objects[point.slot]
+            point.give = point.compliance = 0.0
+            for i in range(obj.size):
+                omega = 2.0 * math.pi * state.bank.frequency[obj.first + i]
+                if is_felt(obj, i) and omega > 0.0:
+                    phi = shape_at(state, obj, point, i)
+                    point.give += phi * phi
+                    point.compliance += phi * phi / (omega * omega)
+            mass_ratio += contact.m * point.give
+            if obj.live > 0:
+                ringing_ratio += reach_of(state, obj, point)[1] / (contact.v_in * contact.now.gain)
+    return mass_ratio, ringing_ratio
+
+
+@kernel
+def moved_by(contact, other):
+    """Return the speed that another contact may give a contact's points, against its own: sum |phi_i phi'_i| 2 J'/v_in.
+
+    The sum is at most sqrt(sum phi_i^2 sum phi'_i^2), which is taken: it costs the same however many modes there are.
+    """
+    total = 0.0
+    for side in range(2):
+        for other_side in range(2):
+            point, struck = contact.point[side], other.point[other_side]
+            if point.slot >= 0 and point.slot == struck.slot:
+                total += math.sqrt(point.give * struck.give)
+    return total * 2.0 * other.m * other.v_in * other.now.gain / (contact.v_in * contact.now.gain)
+
+
+@kernel
+def is_moved(state, contact):
+    """True if the others that touch a contact's objects may move it by more than the accuracy asked for."""
+    residual = RESIDUAL[0 if holds_steps(state) else state.choices.accuracy]
+    moved = 0.0
+    for side in range(2):
+        if contact.point[side].slot >= 0:
+            index = state.objects[contact.point[side].slot].contact
+            while index >= 0:
+                other = state.contacts[index]
+                if index != contact.index and other.touching == 1 and other.trait.along == 0:
+                    moved += moved_by(contact, other)
+                index = other.next
+    return moved > residual
+
+
+@kernel
+def soften_pulse(state, contact, mass_ratio, seen_mass_ratio):
+    """Give a wall pulse the effective mass of striker and object, by the sums of `choose_solver`.
+
+    That is m* = m/(1 + sum r_i P_i). The same v_in leaves w, and so the pulse's form, as it is: its time scales by
+    (m*/m)^(1/(a+1)) and its momentum by m*/m. A shorter pulse reaches higher modes: where it would give them more than
+    the striker loses, its momentum J is held to 2 m v_in/(1 + sum r_i P'_i), with P' of the shorter pulse; there
+    m v_in^2/2 = m (v_in - J/m)^2/2 + sum (phi_i J)^2 P'_i/2.
+    """
+    if seen_mass_ratio < 0.0:
+        return
+    pulse = contact.pulse
+    ratio = 1.0 / (1.0 + seen_mass_ratio)
+    _shorten(pulse, ratio ** (1.0 / (pulse.exponent + 1.0)))
+    if (1.0 + pulse.restitution) * (1.0 + mass_ratio) > 2.0 * (1.0 + seen_mass_ratio):
+        ratio = min(ratio, 2.0 / ((1.0 + pulse.restitution) * (1.0 + _seen_mass_ratio(state, contact))))
+    pulse.momentum *= ratio
+
+
+@kernel
+def _shorten(pulse, ratio):
+    """Scale a pulse's times."""
+    pulse.duration *= ratio
+    for i in range(len(pulse.node_time)):
+        pulse.node_time[i] *= ratio
+    for phase in range(2):
+        pulse.phase_time[phase] *= ratio
+        for i in range(len(pulse.time_series[phase])):
+            pulse.time_series[phase, i] *= ratio
+
+
+@kernel
+def _seen_mass_ratio(state, contact):
+    """Return sum r_i P_i over the objects' modes, with P by the pulse's nodes, which `find_nodes` has set."""
+    share = 0.0
+    for side in range(2):
+        point = contact.point[side]
+        if point.slot >= 0:
+            obj = state.objects[point.slot]
+            share += _seen_of(state, contact, point, 0, obj.felt)
+            share += _seen_of(state, contact, point, obj.unheard, obj.size)
+    return share
+
+
+@kernel
+def _seen_of(state, contact, point, begin, end):
+    """Return sum r_i P_i over an object's modes from `begin` up to `end`."""
+    if begin == end:
+        return 0.0
+    pulse, obj = contact.pulse, state.objects[point.slot]
+    frequency = state.bank.frequency[obj.first + begin : obj.first + end]
+    power = state.scratch.power[begin:end]
+    pitch = pitch_of(obj)
+    find_power(pulse, pitch / state.rate, frequency, power)
+    highest = _RESOLVED * state.rate / (2.0 * math.pi * pulse.duration * pitch)
+    share = 0.0
+    for i in range(end - begin):
+        if frequency[i] < highest:
+            phi = shape_at(state, obj, point, begin + i)
+            share += contact.m * phi * phi * power[i]
+    return share

@@ -1,0 +1,268 @@
+"""Commands become events: they join the queue, wait for their time, and are carried out."""
+
+from ...native.atomics import load_acquire, store_release
+from ...native.jit import kernel, noinline_kernel
+from ..bodies.objects import set_of
+from ..contacts.contact_list import report_end
+from ..memory.channels import ask_gains
+from ..memory.clock import sample_at
+from ..memory.commands import (
+    KIND_ACCURACY,
+    KIND_BANK,
+    KIND_BUDGET,
+    KIND_FREE,
+    KIND_GAIN,
+    KIND_GESTURE,
+    KIND_LIMITER,
+    KIND_METHOD,
+    KIND_NEW,
+    KIND_PANIC,
+    KIND_PLACE,
+    KIND_QUALITY,
+    KIND_SET,
+    KIND_STEER,
+    KIND_STOP,
+    KIND_SYNC,
+)
+from ..memory.order import wake
+from ..memory.ramp_list import takes_time
+from ..memory.state import END_GONE, NOTES, QUANTUM, RING
+from ..panic import let_fade
+from .gestures import start_gesture
+from .queue import has_room, order_heap, pop, push, sink, swap
+from .steering import is_running, steer, stop_gesture, stop_gestures_on
+
+_WANDER = 1.0 / 512.0  # share by which an event's sample, guessed from the clock, may be too late
+_PATIENCE = 1.0  # s that an event waits for its object
+
+
+@noinline_kernel
+def take_commands(state):
+    """Move commands from the ring to the queue, as far as it has room."""
+    written = load_acquire(state.ring.written, 0)
+    read = state.ring.read[0]
+    while read < written and has_room(state.queue):
+        command = state.ring.entries[read % RING]
+        time = sample_at(state.clock, command.clock) if command.has_clock == 1 else command.time
+        if time < state.position:
+            if time >= 0.0 or command.has_clock == 1:
+                period = 1e-9 * state.clock.period if command.has_clock == 1 else 1.0 / state.rate
+                _count_late(state, (state.position - time) * period)
+            command.has_clock = 0
+        if time < state.position or command.has_clock == 1:
+            # Past events and those for now keep the order in which they came; one with a clock is looked at at once.
+            command.time = state.position
+        command.waits_until = -1.0
+        push(state.queue, command)
+        read += 1
+    store_release(state.ring.read, 0, read)
+
+
+@kernel
+def _count_late(state, seconds):
+    """Count an event that came after its time."""
+    state.stats.late += 1
+    state.stats.late_last = seconds
+    state.stats.late_worst = max(state.stats.late_worst, seconds)
+
+
+@kernel
+def take_due(state):
+    """Remove the next event of this quantum from the queue: its index in the pool, or -1. Events for objects that are
+    gone are dropped; those for objects that are yet to come wait."""
+    queue = state.queue
+    while queue.size > 0 and queue.events[queue.heap[0]].time < state.position + QUANTUM:
+        first = queue.events[queue.heap[0]]
+        if first.has_clock == 1:
+            _read_clock(state, first)
+            sink(queue, 0)
+            continue
+        if _is_early(state, first):
+            first.time = float(state.position + QUANTUM)
+            sink(queue, 0)
+            continue
+        index = pop(queue)
+        event = queue.events[index]
+        # If the clock was set back meanwhile, an event that was overtaken comes now: notes are in order.
+        event.time = queue.last_time = max(event.time, queue.last_time)
+        ignored = _is_ignored(state, event)
+        _note(state, event.number, -1.0 if ignored else event.time)
+        if not ignored:
+            return index
+        if event.kind == KIND_GESTURE:
+            report_end(state, event.gesture, END_GONE)
+    return -1
+
+
+@kernel
+def _read_clock(state, event):
+    """Give an event of the clock its sample if that lies in this quantum, else look again before it is due.
+
+    The guess that is kept is early, by more than the clock's pace may turn out to be wrong: so nothing is overtaken,
+    and an event an hour ahead is looked at some five times.
+    """
+    time = max(sample_at(state.clock, event.clock), float(state.position))
+    end = state.position + QUANTUM
+    if time < end:
+        event.has_clock = 0
+        event.time = time
+    else:
+        event.time = max(float(end), time - 1.0 - (time - end) * _WANDER)
+
+
+@kernel
+def _is_early(state, event):
+    """True if an event waits for an object that is yet to come: where the clock is set, that may be later than was
+    likely as the event was sent.
+
+    It waits for _PATIENCE. Only what frees the object waits for as long as it takes, or the object would stay.
+    """
+    if event.kind == KIND_NEW or event.serial <= state.objects[event.slot].serial:
+        return False
+    if event.kind == KIND_FREE:
+        return True
+    if event.waits_until < 0.0:
+        event.waits_until = state.position + _PATIENCE * state.rate
+    return state.position < event.waits_until
+
+
+@kernel
+def _is_ignored(state, event):
+    """True if an event is meant for an object or a gesture that is gone."""
+    obj = state.objects[event.slot]
+    if event.kind == KIND_STEER or event.kind == KIND_STOP:
+        return not is_running(state, event.gesture)
+    return event.serial > 0 and event.kind != KIND_NEW and (
+        obj.used == 0 or obj.serial != event.serial or obj.dying > 0
+    )  # fmt: skip
+
+
+@kernel
+def _note(state, number, time):
+    """Keep what became of a command for a log, if it keeps up."""
+    notes = state.notes
+    if notes.on == 0:
+        return
+    written = notes.written[0]
+    if written - load_acquire(notes.read, 0) >= NOTES:
+        state.stats.notes_lost += 1
+        return
+    notes.entries[written % NOTES].number = number
+    notes.entries[written % NOTES].time = time
+    store_release(notes.written, 0, written + 1)
+
+
+@noinline_kernel
+def carry_out(state, event):
+    """Do what an event asks for."""
+    state.queue.carried_out += 1
+    kind = event.kind
+    if event.serial > 0 and kind != KIND_NEW:
+        wake(state, event.slot)
+    if kind == KIND_GESTURE:
+        start_gesture(state, state.objects[event.slot], event)
+    elif kind == KIND_STEER:
+        steer(state, event)
+    elif kind == KIND_STOP:
+        stop_gesture(state, event)
+    elif kind == KIND_SET:
+        if not takes_time(state, event, event.slot, event.serial):
+            set_of(state.objects[event.slot], event.parameter, event.value)
+    elif kind == KIND_PLACE:
+        _place(state.objects[event.slot], event)
+    elif kind == KIND_NEW:
+        _new(state, event)
+    elif kind == KIND_FREE:
+        obj = state.objects[event.slot]
+        obj.dying = 2 if event.value != 0.0 else 1
+        stop_gestures_on(state, obj, event.time)
+    elif kind == KIND_PANIC:
+        _panic(state, event.order)
+    elif kind == KIND_SYNC:
+        state.stats.synced = int(event.value)
+    elif kind == KIND_GAIN:
+        if not takes_time(state, event, 0, 0):
+            state.choices.gain = event.value
+    else:
+        _choose(state.choices, event)
+
+
+@kernel
+def _choose(choices, event):
+    """Change how the engine computes."""
+    if event.kind == KIND_QUALITY:
+        choices.quality = int(event.value)
+    elif event.kind == KIND_ACCURACY:
+        choices.accuracy = int(event.value)
+    elif event.kind == KIND_BANK:
+        choices.bank = int(event.value)
+    elif event.kind == KIND_METHOD:
+        choices.method = event.method
+    elif event.kind == KIND_BUDGET:
+        choices.budget = event.budget
+    elif event.kind == KIND_LIMITER:
+        choices.limiter = int(event.value)
+
+
+@kernel
+def _place(obj, event):
+    """Give an object a gain of its own in a channel, or have its pan place it again."""
+    place = obj.place
+    obj.returns = int(obj.spectral > 0)
+    place.has_own = int(event.channel >= 0)
+    if event.channel >= 0:
+        place.own[event.channel] = event.value
+
+
+@kernel
+def _new(state, event):
+    """Make the object whose modes and shapes Python has laid out."""
+    obj = state.objects[event.slot]
+    obj.used = 1
+    obj.serial = event.serial
+    obj.dying = 0
+    obj.first, obj.size = event.layout.first, event.layout.size
+    obj.table, obj.rows = event.layout.table, event.layout.rows
+    obj.felt, obj.bent, obj.unheard = event.layout.felt, event.layout.bent, event.layout.unheard
+    obj.level = event.layout.level
+    obj.glide, obj.cone = event.layout.glide, event.layout.cone
+    obj.rang, obj.amplified = 0.0, 1.0
+    obj.stretch, obj.detuned = 0.0, 0
+    obj.settings = event.settings
+    obj.live = 0
+    obj.stale_modes = obj.size
+    obj.retuning = 0
+    obj.contact = obj.voice = -1
+    obj.faults = 0
+    obj.limited_energy = 0.0
+    obj.fading = obj.spectral = obj.returns = obj.awake = 0
+    obj.returned_at = obj.last_driven_at = 0
+    for side in range(2):
+        obj.static[side] = obj.static_before[side] = 0.0
+    obj.place.has_own = 0
+    ask_gains(state, obj)
+    for channel in range(state.output.channels):
+        obj.place.gain[channel] = obj.place.asked[channel]
+    for i in range(obj.first, obj.first + obj.size):
+        state.bank.a2[i] = 0.0
+    wake(state, event.slot)
+
+
+@kernel
+def _panic(state, order):
+    """Fade everything out, and forget the strikes and changes that arrived before and still wait."""
+    queue = state.queue
+    kept = 0
+    for i in range(queue.size):
+        event = queue.events[queue.heap[i]]
+        if event.order > order or event.kind == KIND_NEW or event.kind == KIND_FREE or event.kind == KIND_SYNC:
+            swap(queue, kept, i)
+            kept += 1
+        else:
+            _note(state, event.number, -1.0)
+            if event.kind == KIND_GESTURE:
+                report_end(state, event.gesture, END_GONE)
+    queue.size = kept
+    order_heap(queue)
+    state.ramps.count = 0
+    let_fade(state)

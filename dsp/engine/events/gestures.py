@@ -1,0 +1,148 @@
+"""The beginning of gestures: a striker gets a place among the contacts, and the values of its command."""
+
+import math
+
+import numpy as np
+
+from ...contact.loss import loss_of
+from ...native.jit import kernel
+from ...native.records import field, set_field
+from ...rolling.body import begin_roll
+from ...rolling.surface import begin_surface
+from ..bodies.objects import place
+from ..bodies.striker_modes import prepare
+from ..contacts.contact_list import append_contact, report_end, schedule_contact
+from ..contacts.coupled_rolls import couple_roll
+from ..contacts.gesture_kernels import begin_gesture
+from ..contacts.slides import begin_slide
+from ..memory.commands import IN_VALUES
+from ..memory.quality import coarseness_of
+from ..memory.state import CLOSED, END_JOINED, END_NO_ROOM, END_RESTED, ROLLING
+from .steering import steer_existing
+
+_SLOWEST = 1e-12  # m/s: a slower striker moves nothing, and its square may underflow
+
+
+@kernel
+def start_gesture(state, obj, event):
+    """Take a striker into an object's list, to touch it at its time; a roll or slide that goes on is steered."""
+    trait = state.traits[event.what]
+    stats = state.stats
+    full = stats.contacts_active == len(state.contacts) or (trait.along == 1 and stats.rolls_active == len(state.rolls))
+    if trait.along == 1 and steer_existing(state, event):
+        report_end(state, event.gesture, END_JOINED)
+    elif _size_of(event.values) < _SLOWEST:
+        report_end(state, event.gesture, END_RESTED)
+    elif full:
+        stats.impacts += 1
+        stats.contacts_dropped += 1
+        report_end(state, event.gesture, END_NO_ROOM)
+    else:
+        index = state.free_contact[len(state.contacts) - 1 - stats.contacts_active]
+        stats.contacts_active += 1
+        state.last_command[index] = 0 if trait.single == 1 else state.queue.carried_out
+        contact = state.contacts[index]
+        _describe(state, contact, event)
+        if trait.along == 1:
+            _begin_along(state, contact, event)
+        begin_gesture(contact.kind, state, contact, event)
+        schedule_contact(state, contact)
+        append_contact(state, obj, index)
+
+
+@kernel
+def _size_of(values):
+    """Return the greatest of a gesture's speeds (m/s) and its duration (s); a gesture of 0 does nothing."""
+    return max(max(values.velocity, values.speed), max(values.sweep, values.duration))
+
+
+@kernel
+def _describe(state, contact, event):
+    """Make a contact what a command says."""
+    values = event.values
+    contact.kind = event.what
+    contact.trait = state.traits[event.what]
+    contact.gesture = event.gesture
+    contact.command = event.number
+    contact.v_in = values.velocity
+    contact.m = contact.trait.meets * values.mass
+    contact.k, contact.mu, contact.a = values.stiffness, values.dissipation, values.exponent
+    contact.w = 0.0
+    if values.restitution > 0.0:
+        contact.w, contact.mu = loss_of(values.restitution), 0.0
+    _choose_points(state, contact, event)
+    contact.touching = 0
+    contact.until = contact.gone_at = math.inf
+    contact.origin = event.time
+    contact.elapsed = values.delay
+    contact.random = np.uint64(values.seed)
+    contact.spin = 0.0
+    contact.solver = CLOSED
+    contact.unsettled = contact.solved = 0
+    contact.forces[:] = 0.0
+    _choose_sound(state, contact, values)
+    for i in range(len(IN_VALUES)):
+        set_field(contact.target, i, field(values, IN_VALUES[i]))
+    _push(contact, values)
+    contact.now = contact.target
+
+
+@kernel
+def _push(contact, values):
+    """Set the force that pushes a striker on: its weight, or a hand, which is laid on."""
+    target = contact.target
+    contact.push = contact.push_target = 0.0
+    contact.has_weight = int(values.weight)
+    if contact.trait.falls == 1:
+        contact.push = contact.push_target = contact.m * target.gravity
+    elif contact.trait.held == 1:
+        contact.push_target = target.force
+        target.gain = 1.0  # a hand that is softer is one that presses less
+
+
+@kernel
+def _choose_sound(state, contact, values):
+    """Say which striker's modes sound with a contact, if it has any, and have them ready."""
+    contact.sound = contact.voice = -1
+    contact.spot = np.uint64(0)
+    if values.sound_serial > 0.0:
+        contact.sound, contact.sound_serial = int(values.sound), int(values.sound_serial)
+        striker = state.strikers[contact.sound]
+        state.stats.strikers_cut += striker.serial != contact.sound_serial
+        if striker.prepared == 0 and striker.serial == contact.sound_serial:
+            prepare(striker, state.rate)
+
+
+@kernel
+def _choose_points(state, contact, event):
+    """Say which object is touched, and which one touches it, if one does."""
+    touched, other = contact.point[0], contact.point[1]
+    touched.slot, touched.serial = event.slot, event.serial
+    other.slot, other.serial = event.by_slot, event.by_serial
+    partner = state.objects[other.slot]
+    if partner.used == 1 and partner.serial == other.serial and partner.dying == 0:
+        place(other, event.values.by_position, partner.rows)
+    else:
+        other.slot = -1  # it was told to go, or there never was one: its mass strikes alone
+
+
+@kernel
+def _begin_along(state, contact, event):
+    """Give a striker that moves along a surface its body and its surface."""
+    values, stats = event.values, state.stats
+    contact.roll = state.free_roll[len(state.rolls) - 1 - stats.rolls_active]
+    stats.rolls_active += 1
+    contact.solver = ROLLING
+    contact.touching = 1
+    state.contact_count += 1
+    contact.number = state.contact_count
+    contact.travel = values.travel
+    contact.rolled = contact.rolls = 0.0
+    roll = state.rolls[contact.roll]
+    begin_surface(roll.path.surface, event.surface, np.int64(values.seed))
+    roll.target = contact.target
+    if contact.trait.slips == 1:
+        state.slides[contact.roll].press = np.int64(values.press)
+        begin_slide(state, contact)
+    begin_roll(roll, 0, contact.k, contact.mu, contact.a, values.corners, coarseness_of(state))
+    couple_roll(state, contact)

@@ -1,0 +1,108 @@
+"""The course of ramps: once a quantum each gives its parameter the value for the quantum's end, as a command would.
+
+From there it glides as it always does, so that a ramp has no steps that are heard. A parameter that users know in dB or
+semitones goes by equal ratios.
+"""
+
+import math
+
+import numpy as np
+
+from ...native.jit import kernel, noinline_kernel
+from ...native.records import field
+from ...schema import MAIN_GAIN, SETTINGS, STEERABLE, gestures_steered_by
+from ..bodies.objects import set_of
+from ..memory.commands import KIND_GAIN, KIND_STEER
+from ..memory.order import wake
+from ..memory.ramp_list import keep_ramp
+from ..memory.state import QUANTUM
+from .steering import set_target, target_of
+
+_STEERED_BY_RATIOS = np.array(
+    [any(each.by_ratios for each in gestures_steered_by(name).values()) for name in STEERABLE]
+)
+_SET_BY_RATIOS = np.array([setting.by_ratios for setting in SETTINGS.values()])
+_GAIN_BY_RATIOS = MAIN_GAIN.by_ratios
+_STRAIGHT = 1e-3  # a curve below it is as good as a straight line
+
+
+@noinline_kernel
+def run_ramps(state):
+    """Bring what ramps change to this quantum, in the order in which they came."""
+    kept = 0
+    for i in range(state.ramps.count):
+        ramp = state.ramps.entries[i]
+        if ramp.begin >= state.position + QUANTUM or _goes_on(state, ramp):
+            keep_ramp(state, kept, i)
+            kept += 1
+    state.ramps.count = kept
+
+
+@kernel
+def _goes_on(state, ramp):
+    """Advance a ramp; return False if it is over, or its target is gone."""
+    if not _has_target(state, ramp):
+        return False
+    if ramp.begun == 0:
+        ramp.begun = 1
+        ramp.first = _value_of(state, ramp)
+    left = ramp.end - (state.position + QUANTUM)
+    if left > 0.0:
+        _set_value(state, ramp, _between(ramp, 1.0 - left / (ramp.end - ramp.begin)))
+        return True
+    _set_value(state, ramp, ramp.last)
+    return False
+
+
+@kernel
+def _has_target(state, ramp):
+    """True if the gesture or object that a ramp changes is there."""
+    if ramp.kind == KIND_GAIN:
+        return True
+    if ramp.kind == KIND_STEER:
+        contact = state.contacts[ramp.place]
+        return contact.gesture != 0 and contact.command == ramp.serial
+    obj = state.objects[ramp.place]
+    return obj.used == 1 and obj.serial == ramp.serial
+
+
+@kernel
+def _between(ramp, share):
+    """Return the value at a share of a ramp's time."""
+    if abs(ramp.curve) > _STRAIGHT:
+        share = math.expm1(ramp.curve * share) / math.expm1(ramp.curve)
+    if _goes_by_ratios(ramp) and ramp.first > 0.0:
+        return ramp.first * (ramp.last / ramp.first) ** share
+    return ramp.first + (ramp.last - ramp.first) * share
+
+
+@kernel
+def _goes_by_ratios(ramp):
+    """True if a ramp's parameter has a unit of ratios."""
+    if ramp.kind == KIND_GAIN:
+        return _GAIN_BY_RATIOS
+    if ramp.kind == KIND_STEER:
+        return _STEERED_BY_RATIOS[ramp.parameter]
+    return _SET_BY_RATIOS[ramp.parameter]
+
+
+@kernel
+def _value_of(state, ramp):
+    """Return the value that a ramp's parameter was last set to."""
+    if ramp.kind == KIND_GAIN:
+        return state.choices.gain
+    if ramp.kind == KIND_STEER:
+        return target_of(state, state.contacts[ramp.place], ramp.parameter)
+    return field(state.objects[ramp.place].settings, ramp.parameter)
+
+
+@kernel
+def _set_value(state, ramp, value):
+    """Tell a ramp's parameter what to be."""
+    if ramp.kind == KIND_GAIN:
+        state.choices.gain = value
+    elif ramp.kind == KIND_STEER:
+        set_target(state, state.contacts[ramp.place], ramp.parameter, value)
+    else:
+        set_of(state.objects[ramp.place], ramp.parameter, value)
+        wake(state, ramp.place)

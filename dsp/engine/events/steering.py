@@ -1,0 +1,113 @@
+"""Changes to running gestures, and their ends."""
+
+from ...native.jit import kernel
+from ...native.records import field, set_field
+from ...schema import STEERABLE
+from ..memory.commands import (
+    IN_VALUES,
+    KIND_STEER,
+    STEERS,
+)
+from ..memory.ramp_list import drop_ramps, takes_time
+
+_GRAVITY, _FORCE = STEERABLE.index("gravity"), STEERABLE.index("force")
+_SPEED, _SWEEP = STEERABLE.index("speed"), STEERABLE.index("sweep")
+
+
+@kernel
+def steer_existing(state, event):
+    """Steer the rolls or slides of the event's gesture that go on on its object, by what was given; true if there are
+    any."""
+    found = False
+    for i in range(len(state.contacts)):
+        contact = state.contacts[i]
+        here = contact.point[0].slot == event.slot and contact.point[0].serial == event.serial
+        if contact.gesture == event.gesture and contact.kind == event.what and contact.gesture > 0 and here:
+            found = True
+            state.last_command[i] = state.queue.carried_out
+            for n in range(len(IN_VALUES)):
+                if n == _SPEED or event.given >> n & 1:
+                    drop_ramps(state, KIND_STEER, n, i, contact.command)
+                    set_target(state, contact, n, field(event.values, IN_VALUES[n]))
+    return found
+
+
+@kernel
+def steer(state, event):
+    """Give a running gesture's parameter a new target."""
+    for i in range(len(state.contacts)):
+        contact = state.contacts[i]
+        if contact.gesture == event.gesture:
+            _count_command(state, i)
+            if STEERS[contact.kind, event.parameter] and not takes_time(state, event, i, contact.command):
+                set_target(state, contact, event.parameter, event.value)
+
+
+@kernel
+def target_of(state, contact, parameter):
+    """Return the value that one parameter of a contact was last set to; for a roll's speed, as far as friction has
+    slowed it."""
+    target = state.rolls[contact.roll].target if contact.trait.rolls == 1 else contact.target
+    return field(target, parameter)
+
+
+@kernel
+def set_target(state, contact, parameter, value):
+    """Give one parameter of a contact a new target."""
+    set_field(contact.target, parameter, value)
+    if contact.trait.rolls == 1:
+        set_field(state.rolls[contact.roll].target, parameter, value)
+    elif contact.trait.falls == 1 and parameter == _GRAVITY:
+        contact.push_target = contact.m * value
+    elif contact.trait.held == 1 and parameter == _FORCE:
+        contact.push_target = value
+
+
+@kernel
+def stop_gesture(state, event):
+    """End a running gesture."""
+    for i in range(len(state.contacts)):
+        contact = state.contacts[i]
+        if contact.gesture == event.gesture:
+            _count_command(state, i)
+            _stop(state, i, event.time)
+
+
+@kernel
+def _count_command(state, index):
+    """Remember that a command was about a gesture that lasts: it counts as new."""
+    if state.contacts[index].trait.single == 0:
+        state.last_command[index] = state.queue.carried_out
+
+
+@kernel
+def is_running(state, gesture):
+    """True if there is anything of a gesture to be steered."""
+    found = False
+    for i in range(len(state.contacts)):
+        found |= state.contacts[i].gesture == gesture
+    return found
+
+
+@kernel
+def _stop(state, index, time):
+    """End a gesture: a bouncing striker doesn't come back, a rolling body halts, a pressing one is released."""
+    contact = state.contacts[index]
+    contact.until = min(contact.until, time)
+    drop_ramps(state, KIND_STEER, _SPEED, index, contact.command)
+    drop_ramps(state, KIND_STEER, _SWEEP, index, contact.command)
+    if contact.trait.rolls == 1:
+        state.rolls[contact.roll].target.speed = 0.0
+    elif contact.trait.slips == 1:
+        contact.target.speed = contact.target.sweep = 0.0
+
+
+@kernel
+def stop_gestures_on(state, obj, time):
+    """End all gestures on an object."""
+    index = obj.contact
+    while index >= 0:
+        contact = state.contacts[index]
+        if contact.trait.single == 0 or contact.touching == 1:  # a blow that was to come still does
+            _stop(state, index, time)
+        index = contact.next

@@ -1,0 +1,67 @@
+"""The clock: which sample is whose time, by a delay-locked loop on the times at which the callback is entered.
+
+Blocks are asked for in bursts and too late by up to milliseconds; the loop follows the device's mean pace, and so
+tells the time of a sample to a fraction of one. After F. Adriaensen, "Using a DLL to filter time", Linux Audio
+Conference 2005.
+"""
+
+import math
+
+import numpy as np
+
+from ...native.atomics import store_release
+from ...native.jit import kernel
+
+_FIRST_BANDWIDTH, _LAST_BANDWIDTH = 1.0, 0.05  # Hz
+_FASTEST = 0.5  # rad a block: beyond, the loop would overshoot
+_LOST = 50e6  # ns of error after which it begins anew
+_GRID = 256.0  # places between two samples where an event may fall, so that a score's seconds can name each exactly
+
+CLOCK = np.dtype(
+    [
+        ("turn", np.int64, 8),  # odd while the next four change
+        ("origin", np.int64),  # CLOCK_MONOTONIC in ns when the loop began, 0: not yet
+        ("time", np.float64),  # ns since then
+        ("sample", np.int64),  # whose time that is
+        ("period", np.float64),  # ns a sample
+        ("bandwidth", np.float64),  # Hz
+        ("begun", np.int64),  # times the loop began anew
+        ("latency", np.float64),  # samples between a callback and its sound
+    ],
+    align=True,
+)
+
+
+@kernel
+def lock(clock, rate, entered, sample, frames, gap):
+    """Take in that a callback was entered at `entered` (ns) for `frames` frames from `sample` on.
+
+    Begins anew, and returns true, at the first call, after a gap in the sound, and when it is 50 ms wrong.
+    """
+    predicted = clock.time + (sample - clock.sample) * clock.period
+    error = entered - clock.origin - predicted
+    anew = clock.origin == 0 or gap or abs(error) > _LOST
+    store_release(clock.turn, 0, clock.turn[0] + 1)
+    clock.sample = sample
+    if anew:
+        clock.origin = entered
+        clock.time = 0.0
+        clock.period = 1e9 / rate
+        clock.bandwidth = _FIRST_BANDWIDTH
+        clock.begun += 1
+    else:
+        omega = min(_FASTEST, 2.0 * math.pi * clock.bandwidth * frames / rate)
+        clock.time = predicted + math.sqrt(2.0) * omega * error
+        clock.period += omega * omega * error / max(frames, 1)
+        # As the mean over all that was seen would narrow: its bandwidth falls as 1/t.
+        narrower = clock.bandwidth / (1.0 + clock.bandwidth * frames / rate)
+        clock.bandwidth = max(_LAST_BANDWIDTH, narrower)
+    store_release(clock.turn, 0, clock.turn[0] + 1)
+    return anew
+
+
+@kernel
+def sample_at(clock, time):
+    """Return the sample, on a grid of 1/256, that is heard at a CLOCK_MONOTONIC time in ns."""
+    sample = clock.sample + (time - clock.origin - clock.time) / clock.period - clock.latency
+    return math.floor(sample * _GRID + 0.5) / _GRID

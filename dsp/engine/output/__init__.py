@@ -1,0 +1,1 @@
+"""The way out: the mix, fades, the limiter and the meter."""

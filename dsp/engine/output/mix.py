@@ -1,0 +1,142 @@
+"""The mix: an object's voice with its gains on every channel, and its share of the sum."""
+
+import math
+
+from ...native.jit import kernel, simd_kernel
+from ..memory.capacity import STEMS
+from ..memory.channels import ask_gains
+from ..memory.quality import is_left_out
+from ..memory.state import QUANTUM
+
+_GLIDE = 0.005  # s: time constant of gains
+_FADED = 1e-6  # gain (-120 dB) at which an object's fade is over
+_HUGE = 1e30  # above this a voice counts as not finite
+
+
+@kernel
+def clear_mix(state):
+    """Begin a quantum with silence, also in the stems of objects that no longer sound."""
+    output = state.output
+    for channel in range(output.channels):
+        for n in range(QUANTUM):
+            output.mix[channel, n] = 0.0
+    if output.stems_on == 0:
+        return
+    if output.delay > 0:
+        output.turn = 1 - output.turn
+    for slot in range(STEMS):
+        if output.stem_sounds[output.turn, slot] == 1:
+            output.stem_sounds[output.turn, slot] = 0
+            for channel in range(output.channels):
+                for n in range(QUANTUM):
+                    output.stems[output.turn, slot, channel, n] = 0.0
+
+
+@kernel
+def glide_gains(state, obj):
+    """Bring an object's gains nearer to their targets."""
+    ask_gains(state, obj)
+    place = obj.place
+    c = math.exp(-QUANTUM / (_GLIDE * state.rate))
+    fades = obj.dying == 2 or is_left_out(state, obj)
+    unheard = not fades and obj.live == 0 and obj.fading == 0 and obj.voice < 0  # nobody would hear it glide
+    for channel in range(state.output.channels):
+        asked = 0.0 if fades else place.asked[channel]
+        if unheard:
+            place.gain[channel] = asked
+        place.before[channel] = place.gain[channel]
+        place.gain[channel] = asked + (place.gain[channel] - asked) * c
+
+
+@kernel
+def glide_gain(state):
+    """Give the mix and all stems the gain of everything: it glides where something sounded, else it is there."""
+    output = state.output
+    asked, before = state.choices.gain, output.gain[1]
+    if output.silent == 1:
+        before = asked
+    output.silent = int(state.stats.sounding == 0)
+    now = asked + (before - asked) * math.exp(-QUANTUM / (_GLIDE * state.rate))
+    output.gain[0], output.gain[1] = before, now
+    if before == 1.0 and now == 1.0:
+        return
+    for channel in range(output.channels):
+        _scale(output.mix[channel], before, now)
+    if output.stems_on == 1:
+        for slot in range(STEMS):
+            for channel in range(output.channels if output.stem_sounds[output.turn, slot] == 1 else 0):
+                _scale(output.stems[output.turn, slot, channel], before, now)
+
+
+@kernel
+def _scale(sound, before, now):
+    """Give a quantum of sound a gain that goes from one value to another."""
+    step = (now - before) / QUANTUM
+    for n in range(QUANTUM):
+        sound[n] *= before + (n + 1) * step
+
+
+@kernel
+def is_faded(state, obj):
+    """True if an object's gains are as good as 0."""
+    loudest = 0.0
+    for channel in range(state.output.channels):
+        loudest = max(loudest, abs(obj.place.gain[channel]))
+    return loudest < _FADED
+
+
+@kernel
+def is_finite(state, voice):
+    """True if a voice is made of numbers."""
+    finite = True
+    for side in range(sides_of(state)):
+        for n in range(QUANTUM):
+            finite &= abs(voice[side, n]) < _HUGE
+    return finite
+
+
+@kernel
+def sides_of(state):
+    """Return the sides of a voice that are heard: left and right of two channels, else the first."""
+    return 2 if state.output.channels == 2 else 1
+
+
+@kernel
+def remove_static(state, obj, voice):
+    """Take the output of an object's static deflection out of its voice."""
+    for side in range(sides_of(state)):
+        before = obj.static_before[side]
+        more = (obj.static[side] - before) / QUANTUM
+        if before != 0.0 or more != 0.0:
+            for n in range(QUANTUM):
+                voice[side, n] = voice[side, n] - before - (n + 1) * more
+
+
+@kernel
+def add_share(state, slot, voice):
+    """Add an object's voice with its gains to the mix, and to its stem where stems are kept."""
+    output, scratch, obj = state.output, state.scratch, state.objects[slot]
+    for channel in range(output.channels):
+        before = obj.place.before[channel]
+        step = (obj.place.gain[channel] - before) / QUANTUM
+        if before == 0.0 and step == 0.0:
+            continue
+        side = min(channel, sides_of(state) - 1)
+        for n in range(QUANTUM):
+            scratch.share[n] = voice[side, n] * (before + (n + 1) * step)
+        for n in range(QUANTUM):
+            output.mix[channel, n] += scratch.share[n]
+        obj.energy += _energy(scratch.share)
+        if output.stems_on == 1:
+            output.stem_sounds[output.turn, slot] = 1
+            for n in range(QUANTUM):
+                output.stems[output.turn, slot, channel, n] += scratch.share[n]
+
+
+@simd_kernel
+def _energy(share):
+    """Return the sum of squares."""
+    energy = 0.0
+    for n in range(QUANTUM):
+        energy += share[n] * share[n]
+    return energy

@@ -1,0 +1,139 @@
+"""Bodies of a simulation: what each is, how loud a blow on it is, and the law of a contact of two of them."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...dsp.bodies.material import Material
+from ...dsp.bodies.modes import Modes
+from ...dsp.schema import SETTINGS
+from ...dsp.wording import expected
+from ...presets import Presets
+from ..new_object import NEW, NewObject
+from ..osc.arguments import Refused, require_name, shown
+from ..osc.wire import Argument, Message
+from .shapes import SHAPES, Shape, Vector, shape_of
+from .tracking.state import OCTAVES
+
+_CALIBRATED = {"level": 0.0, "stereo_width": 0.0}
+_MOST = 1e30
+"""Greatest density, mass and inertia; their reciprocals are needed, too."""
+_OCTAVES = np.exp2(np.arange(1.0 - OCTAVES, 1.0))  # s
+
+
+class WorldError(Refused):
+    """Error of something that cannot be of a simulation.
+
+    The text names the body, the value and what was expected, and in a step which.
+    """
+
+
+@dataclass(frozen=True)
+class Body:
+    """A body of a simulation. mass: kg; inertia: moments about its axes, kg m^2; keys: of its object, beside those of
+    its shape and material."""
+
+    name: str
+    shape: Shape
+    material: Material
+    mass: float
+    inertia: Vector
+    held: bool
+    keys: Mapping[str, Argument] = field(default_factory=dict)
+    sound: NewObject | None = None
+    """Object that sounds; None: the body does not ring."""
+
+    @property
+    def rings(self) -> bool:
+        return self.sound is not None
+
+    @property
+    def modes(self) -> Modes | None:
+        return self.sound.modes if self.sound else None
+
+    def message(self) -> Message:
+        """Return the message that makes its object."""
+        assert self.sound
+        pairs = [part for pair in self.keys.items() for part in pair]
+        return Message(NEW, (self.name, self.sound.preset.name, *pairs))
+
+    @cached_property
+    def ringing(self) -> float:
+        """s after a blow until all of it has fallen by 90 dB."""
+        return math.log(10.0 ** (90.0 / 20.0)) / float(self.modes.decay.min(initial=math.inf)) if self.modes else 0.0
+
+    def place(self, point: Vector) -> float:
+        """Return the place 0 to 1 on its object's strike path, of a point (m) in its axes."""
+        return self.shape.place(point)
+
+    def loudness(self) -> NDArray[np.float64]:
+        """Return the pressure (Pa rms at 1 m, just after) of a blow of 1 N s, as an estimate, for contact times of
+        octaves up to 1 s."""
+        if self.modes is None:
+            return np.zeros(OCTAVES)
+        heard = 0.25 * (self.modes.pressure**2).sum(axis=0) * (self.modes.strike**2).max(axis=0)
+        slow = 1 + (2 * self.modes.frequency * _OCTAVES[:, None]) ** 4
+        power = (heard / slow).sum(axis=1)
+        for click in self.modes.clicks:
+            power += 0.5 * click.strength**2 / (1 + (2 * click.frequency * _OCTAVES) ** 4)
+        return np.asarray(np.sqrt(power))
+
+
+class BodyMaker:
+    """Makes bodies with modes up to `top` (Hz), from presets."""
+
+    def __init__(self, presets: Presets, top: float) -> None:
+        self._presets, self._top = presets, top
+
+    def make(self, name: str, shape: str, size: ArrayLike, material: str, **about: Argument) -> Body:
+        """Make a body. about: density (kg/m^3), mass (kg), inertia (three, kg m^2), held, rings, object (a preset), and
+        keys of `/object/new`. WorldError names the body and what is wrong."""
+        try:
+            require_name("name", name)
+            return self._made(name, shape, size, material, about)
+        except (ValueError, TypeError) as error:
+            raise WorldError(f"body {shown(name)}: {error}") from None
+
+    def _made(self, name: str, kind: str, size: ArrayLike, material: str, about: dict[str, Argument]) -> Body:
+        if kind not in SHAPES:
+            raise ValueError(f"shape = {shown(kind)}: {expected(kind, SHAPES)}")
+        held, rings, preset = (about.pop(key, default) for key, default in (("held", 0), ("rings", 1), ("object", "")))
+        density, mass, inertia = (about.pop(key, None) for key in ("density", "mass", "inertia"))
+        shape = shape_of(kind, size, bool(held))
+        made_of = self._presets.material(str(material))
+        if density is not None and mass is not None:
+            raise ValueError(f"density = {shown(density)}, mass = {shown(mass)}: expected one of the two")
+        density = made_of.density if density is None else _positive("density", density)
+        mass = density * shape.volume if mass is None else _positive("mass", mass)
+        if inertia is None:
+            moments = tuple(mass * each for each in shape.inertia)
+        else:
+            moments = tuple(_positive("inertia", each) for each in np.ravel(np.asarray(inertia, np.float64)))
+            if len(moments) != 3:
+                raise ValueError(f"inertia = {moments}: expected three moments, kg m^2")
+        ringing = shape.ringing
+        if preset:
+            source, keys = str(preset), {**_CALIBRATED, **about}
+        elif rings and ringing:
+            source = ringing.preset
+            keys = {**_CALIBRATED, **ringing.keys, "material": material, **about}
+        else:
+            source, keys = "", {}
+        sound = self._sound(source, keys) if source else None
+        return Body(name, shape, made_of, mass, moments, bool(held), keys, sound)  # type: ignore[arg-type]
+
+    def _sound(self, name: str, keys: dict[str, Argument]) -> NewObject:
+        """Make its object. PresetError or ValueError say why there is none."""
+        changes = {key: value for key, value in keys.items() if key not in SETTINGS}
+        preset = self._presets.object(name).replace(**changes)
+        return NewObject(preset, preset.modes(self._top))
+
+
+def _positive(name: str, value: Argument) -> float:
+    if not isinstance(value, int | float | np.integer | np.floating) or not 1.0 / _MOST <= value <= _MOST:
+        raise ValueError(f"{name} = {shown(value)}: expected a number from {1.0 / _MOST:g} to {_MOST:g}")
+    return float(value)

@@ -1,0 +1,104 @@
+"""Hearing of a simulation: microphones, and contacts that are too faint to be computed."""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...dsp.contact.accuracy import LEVELS
+from ...dsp.wording import expected
+from .bodies import WorldError
+from .shapes import Vector
+from .tracking.microphones import MICROPHONE_STATE
+
+NEAREST = 0.1
+"""m: a body that is nearer to a microphone is as loud as at this distance."""
+_MOST_DB = 1000.0
+_CHANGED = 0.03  # share by which a gain changes before it is told: 0.26 dB
+
+
+class Microphone(NamedTuple):
+    """A microphone in the world of a simulation.
+
+    position: m. direction: in which it points, None for one that hears alike all around. pattern: 0 all around, 0.5 a
+    cardioid, 1 a figure of eight.
+    """
+
+    position: Vector
+    direction: Vector | None = None
+    pattern: float = 0.5
+
+
+@dataclass(frozen=True)
+class Hearing:
+    """Settings of what is computed of a simulation, and where it is heard.
+
+    microphones: one for each channel. faintest: dB over 20 µPa, below which a contact is left out. masked: dB by which
+    it may lie below what was heard within 0.1 s. blows: the most in 50 ms; gestures: the most that slip or sweep at
+    once; the loudest are taken. seed: of the surfaces on which bodies slide and roll. accuracy: of blows, as
+    `/accuracy` has it: "-40" (dB), "-60", "-80" or "exact"; a server keeps its own.
+    """
+
+    microphones: Sequence[Microphone] = (Microphone((0.0, 0.0, 1.5)),)
+    faintest: float = 0.0
+    masked: float = 70.0
+    blows: int = 200
+    gestures: int = 24
+    seed: int = 0
+    accuracy: str | int = LEVELS[1]
+
+    def __post_init__(self) -> None:
+        if not 1 <= len(self.microphones) <= 64:
+            raise WorldError(f"microphones: {len(self.microphones)} of them: expected 1 to 64")
+        for name in ("faintest", "masked"):
+            if not -_MOST_DB <= (value := getattr(self, name)) <= _MOST_DB:
+                raise WorldError(f"{name} = {value}: expected -{_MOST_DB:g} to {_MOST_DB:g} dB")
+        for name in ("blows", "gestures"):
+            if not (value := getattr(self, name)) >= 0:
+                raise WorldError(f"{name} = {value}: expected 0 or more")
+        if str(self.accuracy) not in LEVELS:
+            raise WorldError(f"accuracy = {self.accuracy}: {expected(self.accuracy, LEVELS)}")
+        for number, microphone in enumerate(self.microphones):
+            for name, vector in (("position", microphone.position), ("direction", microphone.direction)):
+                if vector is not None and not (len(vector) == 3 and all(map(math.isfinite, vector))):
+                    raise WorldError(f"microphone {number}: {name} = {vector}: expected three numbers")
+            if not 0.0 <= microphone.pattern <= 1.0:
+                raise WorldError(f"microphone {number}: pattern = {microphone.pattern}: expected 0 to 1")
+
+
+def microphones_of(given: Sequence[Microphone | Sequence[float]]) -> tuple[Microphone, ...]:
+    """Return microphones, of which some may be places (m)."""
+    if not isinstance(given, Iterable):
+        raise WorldError(f"microphones = {given!r}: expected Microphones or places (m)")
+    return tuple(map(_microphone, given))
+
+
+def _microphone(given: Microphone | Sequence[float]) -> Microphone:
+    if isinstance(given, Microphone):
+        return given
+    try:
+        x, y, z = given
+        return Microphone((float(x), float(y), float(z)))
+    except (TypeError, ValueError):
+        raise WorldError(f"microphones: {given!r}: expected a Microphone or a place, three numbers (m)") from None
+
+
+def begin_hearing(hearing: Hearing, state: NDArray[np.void]) -> NDArray[np.void]:
+    """Tell the tracker's memory what is heard; (1,) of MICROPHONE_STATE, the microphones."""
+    state["faintest"], state["masked"] = 20e-6 * 10.0 ** (hearing.faintest / 20.0), 10.0 ** (-hearing.masked / 20.0)
+    state["most"], state["most_blows"] = hearing.gestures, hearing.blows
+    made = np.zeros(1, MICROPHONE_STATE)
+    record = made[0]
+    record["count"] = len(hearing.microphones)
+    record["nearest"], record["step"] = NEAREST, _CHANGED
+    for n, microphone in enumerate(hearing.microphones):
+        record["position"][n] = microphone.position
+        length = math.hypot(*microphone.direction) if microphone.direction else 0.0
+        if microphone.direction and length:
+            record["direction"][n] = np.array(microphone.direction) / length
+            record["pattern"][n] = microphone.pattern
+    record["told"], record["next"] = np.nan, np.inf
+    return made

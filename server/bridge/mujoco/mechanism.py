@@ -1,0 +1,122 @@
+"""MuJoCo's own account of a blow: the effective mass of the whole mechanism, and its contact's restitution.
+
+The mass is 1/(J M^-1 J'), with J how fast the bodies close at the point for each of the model's velocities.
+"""
+
+import numpy as np
+
+from ....dsp.native.jit import carray, kernel, noinline_kernel
+from ....dsp.native.pointers import load_address, load_double, pointer_to
+from .functions import call_jacobian, call_solve
+from .soft import LEAST_IMPEDANCE, MOST_IMPEDANCE, SOFT, rebound_of
+
+MECHANISM = np.dtype(
+    [
+        ("jacobian", np.int64),  # addresses of mj_jac, 0: nothing is known; and of mj_solveM
+        ("solve", np.int64),
+        ("model", np.int64),  # of the model and its data
+        ("data", np.int64),
+        ("velocities", np.int64),  # how many the model has
+        ("smooth", np.int64),  # where the address of their accelerations stands that are due to other forces
+        ("step", np.int64),  # of the model's step (s)
+        ("own", np.int64),  # 1: the restitution is its contact's
+        ("reference", np.int64),  # where in a contact its solref and solimp are,
+        ("impedance", np.int64),
+        ("margin", np.int64),  # and the distance below which it pushes
+        # Addresses of room for a point, for J's rows, for J and for M^-1 J'.
+        ("point", np.int64),
+        ("slope", np.int64),
+        ("along", np.int64),
+        ("answer", np.int64),
+        ("soft", SOFT),
+    ],
+    align=True,
+)
+"""Addresses of MuJoCo's data that decide over a blow."""
+
+_DOUBLE = 8  # bytes
+
+
+@noinline_kernel
+def ask_mechanism(arrays, state, blow):
+    """Say a blow's effective mass, if the mechanism gives way, and its restitution."""
+    mechanism = arrays.mechanism
+    count = mechanism.velocities
+    along = carray(pointer_to(mechanism.along), (count,), np.float64)
+    for k in range(count):
+        along[k] = 0.0
+    point = carray(pointer_to(mechanism.point), (3,), np.float64)
+    for k in range(3):
+        point[k] = blow.point[k]
+    _close(arrays, blow, blow.a, 1.0, along)
+    _close(arrays, blow, blow.b, -1.0, along)
+    call_solve(mechanism.solve, mechanism.model, mechanism.data, mechanism.answer, mechanism.along)
+    answer = carray(pointer_to(mechanism.answer), (count,), np.float64)
+    lightness = pushed = 0.0
+    smooth = load_address(mechanism.smooth)
+    for k in range(count):
+        lightness += along[k] * answer[k]
+        pushed += along[k] * load_double(smooth + _DOUBLE * k)
+    if lightness > 0.0:
+        blow.mass = 1.0 / lightness
+    if mechanism.own == 1:
+        blow.restitution = _rebound(arrays, blow, pushed)
+
+
+@kernel
+def _close(arrays, blow, body, sign, along):
+    """Add how fast a body's point moves along a blow's normal, for each of the model's velocities."""
+    moving = body - arrays.first
+    if moving < 0 or moving >= arrays.bodies:
+        return
+    mechanism = arrays.mechanism
+    number = arrays.body[moving]
+    call_jacobian(mechanism.jacobian, mechanism.model, mechanism.data, mechanism.slope, mechanism.point, number)
+    slope = carray(pointer_to(mechanism.slope), (3, mechanism.velocities), np.float64)
+    for k in range(mechanism.velocities):
+        for i in range(3):
+            along[k] += sign * blow.normal[i] * slope[i, k]
+
+
+@kernel
+def _rebound(arrays, blow, pushed):
+    """Return the share of its speed that a blow's contact leaves, where other forces push the bodies together
+    (m/s^2)."""
+    mechanism = arrays.mechanism
+    soft = mechanism.soft
+    contact = load_address(arrays.contacts) + arrays.stride * blow.contact
+    impedance, reference = contact + mechanism.impedance, contact + mechanism.reference
+    soft.step = load_double(mechanism.step)
+    soft.low, soft.high = load_double(impedance), load_double(impedance + _DOUBLE)
+    soft.width, soft.middle = load_double(impedance + 2 * _DOUBLE), load_double(impedance + 3 * _DOUBLE)
+    soft.power = load_double(impedance + 4 * _DOUBLE)
+    most = min(max(soft.high, LEAST_IMPEDANCE), MOST_IMPEDANCE)
+    first, second = load_double(reference), load_double(reference + _DOUBLE)
+    if first > 0.0:
+        time = max(first, 2.0 * soft.step)
+        root = most * time * second
+        soft.stiffness, soft.damping = 1.0 / (root * root), 2.0 / (most * time)
+    else:
+        soft.stiffness, soft.damping = -first / (most * most), -second / most
+    soft.depth = max(load_double(contact + mechanism.margin) - load_double(contact + arrays.distance), 0.0)
+    soft.speed, soft.pushed, soft.late = blow.speed, pushed, arrays.late
+    soft.braked = 0.0
+    if arrays.late == 1:
+        soft.braked = _closes_now(arrays, blow, blow.a) - _closes_now(arrays, blow, blow.b)
+    return rebound_of(soft)
+
+
+@kernel
+def _closes_now(arrays, blow, body):
+    """Return the speed of a body's point along a blow's normal at the end of a step (m/s): see `late` of ARRAYS."""
+    moving = body - arrays.first
+    if moving < 0 or moving >= arrays.bodies:
+        return 0.0
+    motion = arrays.before[moving]
+    total = 0.0
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        rate = motion[3 + k]
+        rate += motion[i] * (blow.point[j] - motion[6 + j]) - motion[j] * (blow.point[i] - motion[6 + i])
+        total += rate * blow.normal[k]
+    return total

@@ -1,0 +1,136 @@
+"""The shapes of bodies: their mass and inertia, and the object that rings as they do."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..osc.wire import Argument
+from ..osc.world_verbs import SIZES
+from .tracking.strips import BAR, DISC, PLATE, POINT, place_on, radius_at
+
+Vector = tuple[float, float, float]
+Strip = tuple[int, int, int]
+"""A strike path: its kind, of `carom.server.bridge.tracking.strips`, and two axes."""
+
+FLAT = 3.0
+"""Least width, in thicknesses, of a body that rings as a plate."""
+LONG = 4.0
+"""Least length, in widths, of such a body that rings as a bar all the same."""
+_THICKEST, _LONGEST, _SHORTEST = 0.5, 20.0, 1e-3  # m: what objects can be
+_PATH: dict[str, Argument] = {
+    "path_from": (0.0, 0.1),
+    "path_to": (1.0, 0.9),
+}  # of a plate: from corner to corner, off the diagonal
+_LEAST, _MOST = 1e-6, 1e6  # m: of edges and radii
+SHAPES = tuple(SIZES)
+
+
+class Ringing(NamedTuple):
+    """The object that rings as a body does: a preset, and the keys of `/object/new` that change it."""
+
+    preset: str
+    keys: Mapping[str, Argument]
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A body's shape, about the centre of its volume. A cylinder's and a capsule's axis is z.
+
+    edges: of the box around it (m). volume: m^3. inertia: moments about its axes over its mass (m^2). round: the radius
+    of its side, 0 for one with edges. ringing: what rings as it does; None: it is beyond what objects can be.
+    """
+
+    name: str
+    edges: Vector
+    volume: float
+    inertia: Vector
+    round: float
+    ringing: Ringing | None
+    strip: Strip
+
+    def place(self, point: Sequence[float]) -> float:
+        """Return the place 0 to 1 on the object's strike path that is nearest to a point (m), in the body's axes."""
+        return float(place_on.py_func(self.strip, self.edges, point))
+
+    def radius_at(self, point: Sequence[float]) -> float:
+        """Return the radius (m) of the surface about a point; of a face it is infinite."""
+        return float(radius_at.py_func(self.round, self.edges, point))
+
+
+def shape_of(name: str, size: ArrayLike, held: bool) -> Shape:
+    """Return the shape of a name and a size; held: whether something holds the body. ValueError says what is wrong."""
+    numbers = np.asarray(size, np.float64)
+    if name == "mesh":
+        return _mesh(numbers, held)
+    given = numbers.ravel()
+    if len(given) != {"sphere": 1, "cylinder": 2, "capsule": 2}.get(name, 3) or not _can_be(given):
+        raise ValueError(f"size = {given.tolist()}: expected {SIZES[name]}, from {_LEAST:g} to {_MOST:g}")
+    if name == "sphere":
+        return _sphere(float(given[0]))
+    if name in ("cylinder", "capsule"):
+        return _cylinder(name, float(given[0]), float(given[1]), held)
+    return _box(name, (float(given[0]), float(given[1]), float(given[2])), held)
+
+
+def _can_be(lengths: NDArray[np.float64]) -> bool:
+    return bool(np.all((lengths >= _LEAST) & (lengths <= _MOST)))
+
+
+def _mesh(vertices: NDArray[np.float64], held: bool) -> Shape:
+    """Return the box around a mesh, whose axes and origin are those of the body."""
+    if vertices.ndim != 2 or vertices.shape[1] != 3 or len(vertices) < 4 or not np.isfinite(vertices).all():
+        raise ValueError(f"size, of shape {vertices.shape}: expected {SIZES['mesh']}")
+    with np.errstate(over="ignore"):
+        edges = np.ptp(vertices, axis=0)
+    if not _can_be(edges):
+        wanted = f"a body, not a surface, with edges from {_LEAST:g} to {_MOST:g} m"
+        raise ValueError(f"size: vertices with edges {edges.tolist()}: expected {wanted}")
+    return _box("mesh", (float(edges[0]), float(edges[1]), float(edges[2])), held)
+
+
+def _sphere(radius: float) -> Shape:
+    inertia = 0.4 * radius**2
+    rings = Ringing("glass-ball", {"radius": radius}) if _SHORTEST <= radius <= _LONGEST else None
+    edge = 2 * radius
+    volume = 4 / 3 * math.pi * radius**3
+    return Shape("sphere", (edge, edge, edge), volume, (inertia,) * 3, radius, rings, (POINT, 0, 0))
+
+
+def _cylinder(name: str, radius: float, length: float, held: bool) -> Shape:
+    """Return a cylinder, or a capsule: then a rod of the same volume rings for it."""
+    caps = 4 / 3 * radius if name == "capsule" else 0.0
+    whole = length + (2 * radius if name == "capsule" else 0.0)
+    rod = length + caps
+    across = radius**2 / 4 + rod**2 / 12
+    volume = math.pi * radius**2 * rod
+    inertia = (across, across, radius**2 / 2)
+    edges = (2 * radius, 2 * radius, whole)
+    if name == "cylinder" and length < 2 * radius / FLAT:
+        disc = {"radius": radius, "thickness": length, "edge": "supported" if held else "free"}
+        rings = Ringing("gong", disc) if radius <= _LONGEST and length <= _THICKEST else None
+        return Shape(name, edges, volume, inertia, radius, rings, (DISC, 0, 0))
+    bar = {"length": rod, "diameter": 2 * radius, "ends": "cantilever" if held else "free", "split": 0.0}
+    rings = Ringing("triangle", bar) if 2 * radius <= _THICKEST and _SHORTEST <= rod <= _LONGEST else None
+    return Shape(name, edges, volume, inertia, radius, rings, (BAR, 2, 2))
+
+
+def _box(name: str, edges: Vector, held: bool) -> Shape:
+    """Return a box: a plate where it is flat, else a bar along its longest edge."""
+    third, second, first = sorted(range(3), key=lambda axis: edges[axis])
+    length, width, thickness = edges[first], edges[second], edges[third]
+    squares = [edge**2 / 12 for edge in edges]
+    inertia = (squares[1] + squares[2], squares[0] + squares[2], squares[0] + squares[1])
+    volume = length * width * thickness
+    fits = thickness <= _THICKEST and length <= _LONGEST and thickness >= 1e-5 and width >= _SHORTEST
+    if name == "plate" or (width >= FLAT * thickness and length <= LONG * width):
+        plate: dict[str, Argument] = {"length": length, "width": width, "thickness": thickness, **_PATH}
+        edge = "supported" if held else "free"
+        rings = Ringing("wood-board", {**plate, "edges": (edge,) * 4}) if fits else None
+        return Shape(name, edges, volume, inertia, 0.0, rings, (PLATE, first, second))
+    bar = {"length": length, "width": width, "thickness": thickness, "ends": "cantilever" if held else "free"}
+    rings = Ringing("triangle", bar) if fits and width <= _THICKEST else None
+    return Shape(name, edges, volume, inertia, 0.0, rings, (BAR, first, second))

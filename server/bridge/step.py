@@ -1,0 +1,233 @@
+"""A step of a simulation: contacts and poses, in the ways in which simulators have them, into the tracker's memory."""
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...dsp.wording import expected
+from .bodies import WorldError
+from .shapes import Vector
+from .tracking.state import POINTS, TOLD
+
+
+class Touch(NamedTuple):
+    """A point at which two bodies touch, or are about to; what a simulator does not tell is NaN.
+
+    point: m, in the world. normal: of length 1, from a to b. approach: how fast they close (m/s), before the simulator
+    pushes them apart; slip: how fast they move over each other; both follow from the bodies' velocities if these are
+    told. depth: by how much they overlap (m). force: N, along the normal. mass: effective along the normal (kg), if it
+    is not that of two free bodies. restitution: of the simulator's contact, 0 to 1, else the materials'.
+    """
+
+    a: str
+    b: str
+    point: Sequence[float]
+    normal: Sequence[float]
+    approach: float = math.nan
+    slip: float = math.nan
+    depth: float = math.nan
+    force: float = math.nan
+    mass: float = math.nan
+    restitution: float = math.nan
+
+
+class Pose(NamedTuple):
+    """The pose of a body, in the world's axes.
+
+    position: of its centre of mass (m). turn: a quaternion w, x, y, z. velocity: of the centre of mass (m/s). spin:
+    rad/s.
+    """
+
+    position: Sequence[float]
+    turn: Sequence[float] = (1.0, 0.0, 0.0, 0.0)
+    velocity: Sequence[float] = (0.0, 0.0, 0.0)
+    spin: Sequence[float] = (0.0, 0.0, 0.0)
+
+
+class Event(NamedTuple):
+    """Something that happened between two bodies, as the tracker's EVENT."""
+
+    kind: int
+    a: int
+    b: int
+    side: int
+    contact: int
+    slide: int
+    gesture: int
+    seed: int
+    time: float
+    point: Vector
+    normal: Vector
+    local: tuple[Vector, Vector]
+    speed: float
+    mass: float
+    restitution: float
+    motion: tuple[float, float, float, float]
+    stiffness: float
+    exponent: float
+    radius: float
+    patch: float
+    by_place: float
+
+
+Contacts = Iterable[Touch] | Mapping[str, ArrayLike]
+"""Touches, or the columns of these as arrays: `pair` (n, 2) of bodies' numbers, `point` (n, 3), `normal` (n, 3)."""
+
+Poses = Mapping[str, Pose]
+
+_ROWS: dict[str, tuple[int, ...]] = {"pair": (2,), "point": (3,), "normal": (3,), **dict.fromkeys(TOLD, ())}
+_FINITE = -math.inf, math.inf, "a finite number"
+_BOUNDS = {
+    "approach": _FINITE,
+    "slip": (0.0, math.inf, "a finite number that is not negative"),
+    "depth": _FINITE,
+    "force": _FINITE,
+    "mass": (np.finfo(float).tiny, math.inf, "a positive number (kg)"),
+    "restitution": (0.0, 1.0, "0 to 1"),
+}
+_UNIT = 1e-3  # by which a normal's or a quaternion's length may differ from 1
+
+
+def take_contacts(
+    state: NDArray[np.void], contacts: Contacts, number: Callable[[str], int], names: Sequence[str], where: str
+) -> int:
+    """Put contacts into the tracker's memory; how many they are.
+
+    number: of a body; names: of all bodies; where: the step, for an error.
+    """
+    columns = contacts if isinstance(contacts, Mapping) else _columns(_touches(contacts, where), number)
+    for name in columns:
+        if name not in _ROWS:
+            raise WorldError(f"{where}: contacts: {name}: {expected(name, _ROWS)}")
+    if missing := [name for name in ("pair", "point", "normal") if name not in columns]:
+        raise WorldError(f"{where}: contacts: {missing[0]} is missing: expected pair, point and normal")
+    count = len(np.asarray(columns["pair"]))
+    if count > POINTS:
+        raise WorldError(f"{where}: {count} contacts: expected at most {POINTS}")
+    for name, row in _ROWS.items():
+        target = state[name][0, :count]
+        if name not in columns:
+            target[...] = np.nan
+            continue
+        given = _numbers(columns[name], f"{where}: contacts: {name}")
+        if given.shape != (count, *row):
+            raise WorldError(f"{where}: contacts: {name}, of shape {given.shape}: expected {(count, *row)}")
+        if name == "pair":
+            _check_pairs(given, names, where)
+        target[...] = given
+    _check_contacts(state, count, names, where)
+    return count
+
+
+def _touches(contacts: Any, where: str) -> list[Touch]:
+    """Return contacts that are Touches; raise WorldError for others."""
+    if isinstance(contacts, Touch) or not isinstance(contacts, Iterable):
+        raise WorldError(f"{where}: contacts = {contacts!r}: expected a list of Touch, or arrays by name")
+    touches = list(contacts)
+    for each in touches:
+        if not isinstance(each, Touch):
+            raise WorldError(f"{where}: contacts: {each!r}: expected a Touch")
+    return touches
+
+
+def _numbers(given: ArrayLike, what: str) -> NDArray[np.float64]:
+    """Return an array of numbers; raise WorldError if they are none."""
+    try:
+        return np.asarray(given, float)
+    except (TypeError, ValueError):
+        raise WorldError(f"{what} = {given!r}: expected numbers") from None
+
+
+def _check_pairs(pairs: NDArray[np.float64], names: Sequence[str], where: str) -> None:
+    """Raise WorldError for a pair that is not of two bodies."""
+    for pair in pairs[~((pairs >= 0) & (pairs < len(names)) & (pairs % 1 == 0)).all(axis=1)].tolist():
+        shown = ", ".join(names[int(n)] if n in range(len(names)) else f"number {n:g}" for n in pair)
+        raise WorldError(f"{where}: bodies {shown}: expected numbers below {len(names)}")
+
+
+def _check_contacts(state: NDArray[np.void], count: int, names: Sequence[str], where: str) -> None:
+    """Raise WorldError for the first contact of which something is told that cannot be."""
+    told = {name: state[name][0, :count] for name in _ROWS}
+    lengths = np.linalg.norm(told["normal"], axis=1)
+    wrong = {
+        "point": (~np.isfinite(told["point"]).all(axis=1), "finite numbers"),
+        "normal": (~(np.abs(lengths - 1.0) <= _UNIT), "one of length 1"),
+    }
+    for name, (least, most, words) in _BOUNDS.items():
+        values = told[name]
+        wrong[name] = ~(np.isnan(values) | (np.isfinite(values) & (values >= least) & (values <= most))), words
+    for name, (places, words) in wrong.items():
+        for n in np.flatnonzero(places):
+            a, b = (names[body] for body in told["pair"][n])
+            raise WorldError(f"{where}: bodies {a}, {b}: {name} = {told[name][n].tolist()}: expected {words}")
+
+
+def _columns(touches: list[Touch], number: Callable[[str], int]) -> Mapping[str, ArrayLike]:
+    """Return the columns of touches."""
+    if not touches:
+        return {"pair": np.empty((0, 2)), "point": np.empty((0, 3)), "normal": np.empty((0, 3))}
+    a, b, *rest = zip(*touches, strict=True)
+    pair = [(number(first), number(second)) for first, second in zip(a, b, strict=True)]
+    named: dict[str, Any] = dict(zip(Touch._fields[2:], rest, strict=True))
+    return {"pair": np.array(pair), **named}
+
+
+def checked_poses(poses: Poses | None, number: Callable[[str], int], where: str) -> list[tuple[int, Pose]]:
+    """Return the numbers of bodies that have moved, and their poses. where: the step, for an error."""
+    if not isinstance(poses, Mapping | None):
+        raise WorldError(f"{where}: poses = {poses!r}: expected a mapping from names to Pose")
+    return [(number(name), checked_pose(pose, f"{where}: body {name}")) for name, pose in (poses or {}).items()]
+
+
+def checked_pose(pose: Pose, where: str) -> Pose:
+    """Return a pose; raise WorldError if it cannot be one. where: the body, and the step, for an error."""
+    if not isinstance(pose, Pose):
+        raise WorldError(f"{where}: {pose!r}: expected a Pose")
+    for name, wanted, values in zip(Pose._fields, (3, 4, 3, 3), pose, strict=True):
+        try:
+            whole = len(values) == wanted and all(map(math.isfinite, values))
+        except TypeError:
+            whole = False
+        if not whole:
+            shown = tuple(values) if isinstance(values, Iterable) else values
+            raise WorldError(f"{where}: {name} = {shown}: expected {wanted} finite numbers")
+    if abs(math.hypot(*pose.turn) - 1.0) > _UNIT:
+        raise WorldError(f"{where}: turn = {tuple(pose.turn)}: expected a quaternion of length 1")
+    return pose
+
+
+def put_pose(state: NDArray[np.void], body: int, pose: Pose) -> None:
+    """Put a body's pose into the tracker's memory."""
+    record = state[0]
+    record["position"][body] = record["about"][body] = pose.position
+    record["turn"][body] = rotation(pose.turn)
+    record["velocity"][body] = pose.velocity
+    record["spin"][body] = pose.spin
+
+
+def rotation(turn: Sequence[float]) -> tuple[float, ...]:
+    """Return the rotation matrix of a quaternion w, x, y, z, row by row."""
+    w, x, y, z = turn
+    return (
+        1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
+        2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
+        2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y),
+    )  # fmt: skip
+
+
+def events_of(whole: NDArray[np.int64], numbers: NDArray[np.float64]) -> list[Event]:
+    """Return the events of a step, from rows of EVENT as integers and as floats."""
+    found = []
+    for (kind, a, b, side, *numbered), row in zip(whole[:, :8].tolist(), numbers[:, 8:].tolist(), strict=True):
+        contact, slide, gesture, seed = numbered
+        time, x, y, z, nx, ny, nz, ax, ay, az, bx, by, bz, speed, mass, restitution, *moving = row
+        slip, sweep, force, place, stiffness, exponent, radius, patch, by_place = moving
+        local, motion = ((ax, ay, az), (bx, by, bz)), (slip, sweep, force, place)
+        found.append(
+            Event(kind, a, b, side, contact, slide, gesture, seed, time, (x, y, z), (nx, ny, nz), local, speed, mass,
+                  restitution, motion, stiffness, exponent, radius, patch, by_place)
+        )  # fmt: skip
+    return found

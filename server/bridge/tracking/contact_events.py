@@ -1,0 +1,297 @@
+"""The events of each pair of bodies in a step: blows, and standing contacts that begin to move, change their motion, or
+rest.
+
+The points of a pair of bodies are one contact. A point that was not there in the last steps, neither in the axes of one
+body nor in those of the other, is new; new points that close faster than `rest` are one blow at their middle. Its time
+lies before the step's by depth over speed. Its effective mass along the normal n is 1/m = sum over both bodies of
+1/M + (r x n) I^-1 (r x n), with the lever arm r from the centre of mass.
+
+A pair that has touched for a while slips at the speed of one body over the other, and sweeps at that of the contact
+over each body. It is told anew only where the change can be heard.
+"""
+
+import math
+
+from ....dsp.native.jit import kernel, noinline_kernel
+from .motion import find_glide, follow, hop
+from .points import clear, into, longest_hop, remember, take_point
+from .slides import RESTS, fainter_slide, is_masked, is_noticed, is_too_faint, motion_of, pressure_of, steer_slide
+from .state import EVENTS, HEARD, HIT, MOVE, POINTS, REST, STEERED, STILL, UNHEARD
+
+_OPPOSITE = 0.1  # length of the mean of normals below which they are against each other
+_STOOD = 0.03  # s after a blow, when it is not one of a bounce
+_MOVES = 0.01  # m/s: a faster contact begins to move; one slower than RESTS rests
+_SLIPS = 0.1  # m/s: what slips faster moves as soon as it touches, before it was followed
+_BETWEEN = 0.01  # s between two times that a contact is told: half the time constant by which a slide glides
+_FALL = 1.05  # times the speed that gravity gives in a step, which is no blow either;
+_LONGEST_FALL = 0.05  # s: of a step at most, as what is told less often is told of blows
+
+
+@noinline_kernel
+def take_step(state, microphones, points, time):
+    """Look at a step of so many points at a time (s); the number of events, -1 for numbers that cannot be."""
+    if not _is_whole(state, points):
+        return -1
+    span = time - state.time
+    state.time = time
+    state.steps += 1
+    state.points = points
+    find_glide(state.glide, span)
+    state.happened = state.changed = 0
+    for i in range(state.touching):
+        clear(state.pairs[i])
+    least = max(state.rest, _FALL * state.gravity * min(span, _LONGEST_FALL))
+    for n in range(points):
+        take_point(state, n, span, least)
+    for i in range(state.touching - 1, -1, -1):
+        _step_pair(state, microphones, i, span)
+    return state.happened
+
+
+@kernel
+def _is_whole(state, points):
+    """True if all that was told is finite, and of bodies that there are."""
+    if points > POINTS:
+        return False
+    x = y = z = w = 0.0  # sums that the processor follows side by side
+    for n in range(state.bodies):
+        for row in range(3):
+            x += state.turn[n, row]
+            y += state.turn[n, 3 + row]
+            z += state.turn[n, 6 + row]
+            w += state.position[n, row] + (state.velocity[n, row] + state.spin[n, row])
+    for n in range(points):
+        for side in range(2):
+            if not 0 <= state.pair[n, side] < state.bodies:
+                return False
+        x += state.point[n, 0] + state.normal[n, 0]
+        y += state.point[n, 1] + state.normal[n, 1]
+        z += state.point[n, 2] + state.normal[n, 2]
+    return math.isfinite(x + y + z + w)
+
+
+@noinline_kernel
+def _step_pair(state, microphones, i, span):
+    """Tell what happened to a pair in this step; forget it where it touches no more."""
+    pair = state.pairs[i]
+    if pair.count == 0:
+        _leave(state, i, span)
+        return
+    for k in range(3):
+        pair.point[k] /= pair.count
+    remember(state, pair)
+    if pair.fresh > 0:
+        _hit(state, pair)
+        pair.stood, pair.begun = 0, state.time
+    elif pair.settled == 0 or state.time - pair.begun > _STOOD:
+        pair.stood = 1
+    follow(state, pair, span)
+    slip, sweep = pair.now[0], pair.now[1]
+    fastest = max(slip, sweep)
+    if pair.moves == STILL:
+        if pair.stood == 1 and ((fastest > _MOVES and pair.settled == 2) or slip > _SLIPS):
+            _begin(state, microphones, pair)
+    elif fastest < RESTS:
+        _end(state, pair)
+    elif state.time - pair.told_at < _BETWEEN:
+        return
+    elif pair.moves == UNHEARD:
+        _begin(state, microphones, pair)
+    elif is_too_faint(state, microphones, pair):
+        _hush(state, pair)
+    elif is_noticed(pair):
+        steer_slide(state, pair)
+
+
+@kernel
+def _begin(state, microphones, pair):
+    """Begin the sound of a standing contact that moves, if one of its bodies rings, it is loud enough and there is room
+    for it."""
+    if state.rings[pair.a] == 0 and state.rings[pair.b] == 0:
+        return
+    if state.most == 0 and pair.moves == UNHEARD:
+        return
+    pair.pressure = pressure_of(state, microphones, pair)
+    pair.told_at = pair.weighed_at = pair.heard_at = state.time
+    if pair.moves == STILL:
+        pair.moved_at = state.time
+    if pair.pressure < state.faintest or is_masked(state, pair):
+        if pair.moves == STILL:
+            state.faint += 1
+        pair.moves = UNHEARD
+        return
+    if state.heard >= state.most:
+        _make_room(state, pair)
+    if state.heard < state.most:
+        state.heard += 1
+        pair.moves = HEARD
+        state.sliding[pair.a] += 1
+        state.sliding[pair.b] += 1
+        state.made += 1
+        state.begun += 1
+        pair.slide = state.made
+        _tell(state, pair, MOVE)
+    elif pair.moves == STILL:
+        state.unheard += 1
+        pair.moves = UNHEARD
+
+
+@kernel
+def _make_room(state, pair):
+    """End the faintest slide, if a contact that begins to move is louder by far."""
+    faintest = fainter_slide(state, pair)
+    if faintest >= 0:
+        _hush(state, state.pairs[faintest])
+        state.unheard += 1
+
+
+@kernel
+def _hush(state, pair):
+    """Stop hearing a contact that moves, for now."""
+    _end(state, pair)
+    pair.moves = UNHEARD
+    pair.told_at = state.time
+
+
+@kernel
+def _end(state, pair):
+    """End the sound of a standing contact, if it moved."""
+    if pair.moves == HEARD:
+        state.heard -= 1
+        state.sliding[pair.a] -= 1
+        state.sliding[pair.b] -= 1
+        _tell(state, pair, REST)
+    pair.moves = STILL
+    pair.slide = pair.gesture = 0
+
+
+@kernel
+def _leave(state, i, span):
+    """Forget a pair that does not touch in this step, unless it slides and may only have hopped."""
+    pair = state.pairs[i]
+    if state.time - pair.seen > longest_hop(state, pair, span):
+        _end(state, pair)
+        _forget(state, i)
+    elif pair.settled > 0:
+        hop(state, pair, span)
+        if pair.moves == HEARD and state.time - pair.told_at >= _BETWEEN and is_noticed(pair):
+            steer_slide(state, pair)
+
+
+@noinline_kernel
+def _hit(state, pair):
+    """Tell a blow: the new points that close, at their middle."""
+    count = pair.fresh
+    length = 0.0
+    for k in range(3):
+        pair.fresh_point[k] /= count
+        length += pair.fresh_normal[k] * pair.fresh_normal[k]
+    length = math.sqrt(length)
+    if length < _OPPOSITE * count:
+        return
+    for k in range(3):
+        pair.fresh_normal[k] /= length
+    lightness = _lightness(state, pair.a, pair) + _lightness(state, pair.b, pair)
+    mass = pair.mass / count
+    if math.isnan(mass):
+        mass = 1.0 / lightness
+    event = _tell(state, pair, HIT)
+    if event < 0:
+        return
+    happened = state.events[event]
+    happened.contact = _nearest(state, pair)
+    happened.time = state.time - pair.delay / count
+    happened.speed = pair.speed / length  # along the mean normal: more than along each, where they differ
+    happened.mass = mass
+    happened.restitution = pair.restitution / count
+    for k in range(3):
+        happened.point[k] = pair.fresh_point[k]
+        happened.normal[k] = pair.fresh_normal[k]
+        happened.local[0, k] = into(state, pair.a, pair.fresh_point, k)
+        happened.local[1, k] = into(state, pair.b, pair.fresh_point, k)
+
+
+@kernel
+def _nearest(state, pair):
+    """Return the contact of a pair that is nearest to its blow."""
+    found, least = -1, math.inf
+    for n in range(state.points):
+        first, second = state.pair[n, 0], state.pair[n, 1]
+        if min(first, second) == pair.a and max(first, second) == pair.b:
+            square = 0.0
+            for k in range(3):
+                away = state.point[n, k] - pair.fresh_point[k]
+                square += away * away
+            if square < least:
+                found, least = n, square
+    return found
+
+
+@kernel
+def _lightness(state, body, pair):
+    """Return 1/M + (r x n) I^-1 (r x n) of a body (1/kg), at the point of a blow."""
+    total = state.lightness[body]
+    if total == 0.0:
+        return 0.0
+    for k in range(3):
+        along = 0.0
+        for i in range(3):
+            j, m = (i + 1) % 3, (i + 2) % 3
+            arm_j = pair.fresh_point[j] - state.position[body, j]
+            arm_m = pair.fresh_point[m] - state.position[body, m]
+            turning = arm_j * pair.fresh_normal[m] - arm_m * pair.fresh_normal[j]
+            along += state.turn[body, 3 * i + k] * turning
+        total += state.yielding[body, k] * along * along
+    return total
+
+
+@noinline_kernel
+def _tell(state, pair, kind):
+    """Add an event; its number, -1 where there is no room."""
+    if state.happened == EVENTS:
+        return -1
+    number = state.happened
+    state.happened += 1
+    event = state.events[number]
+    event.kind = kind
+    _sound(state, pair.a)
+    _sound(state, pair.b)
+    event.a, event.b, event.side = pair.a, pair.b, pair.side
+    event.slide, event.gesture = pair.slide, pair.gesture
+    event.time = state.time
+    if kind != HIT:
+        pair.told_at = state.time
+    length = 0.0
+    for k in range(3):
+        length += pair.normal[k] * pair.normal[k]
+    for k in range(3):
+        event.point[k] = pair.point[k]
+        event.normal[k] = pair.normal[k] / math.sqrt(length) if length > 0.0 else 0.0
+        event.local[0, k], event.local[1, k] = pair.local[0, k], pair.local[1, k]
+        if kind != HIT:
+            pair.said[k] = pair.now[k]
+    for parameter in range(len(STEERED)):
+        event.motion[parameter] = motion_of(state, pair, parameter)
+        if kind == MOVE:
+            pair.steered[parameter] = event.motion[parameter]
+    return number
+
+
+@kernel
+def _sound(state, body):
+    """Keep a body sounding for as long as it rings, or on and on where it slides."""
+    if state.rings[body] == 1:
+        state.until[body] = math.inf if state.sliding[body] > 0 else state.time + state.ringing[body]
+
+
+@kernel
+def _forget(state, i):
+    """Remove a pair that touches no more; the last one takes its place."""
+    gone = state.pairs[i]
+    state.place[gone.a, gone.b] = 0
+    state.touching -= 1
+    last = state.touching
+    if i != last:
+        moved = state.pairs[last]
+        state.place[moved.a, moved.b] = i + 1
+        state.pairs[i] = moved

@@ -1,0 +1,75 @@
+"""The gains of bodies at microphones, and which of them have changed.
+
+A body at a distance r is heard by 1/r, times 1 - p + p cos(angle), the pattern p of the microphone to its direction.
+"""
+
+import math
+
+import numpy as np
+
+from ....dsp.native.jit import kernel, noinline_kernel
+from .state import BODIES
+
+MICROPHONES = 64
+_PLACED = 0.02  # s between two looks at where bodies are
+
+MICROPHONE_STATE = np.dtype(
+    [
+        ("count", np.int64),
+        ("nearest", np.float64),  # m: a body that is nearer is as loud as there
+        ("step", np.float64),  # share by which a gain changes before it is told
+        ("position", np.float64, (MICROPHONES, 3)),
+        ("direction", np.float64, (MICROPHONES, 3)),  # of length 1
+        ("pattern", np.float64, MICROPHONES),
+        # Of each body.
+        ("told", np.float64, (BODIES, MICROPHONES)),
+        ("now", np.float64, (BODIES, MICROPHONES)),
+        ("loudest", np.float64, BODIES),  # the gain at the microphone that hears it best
+        ("sound", np.int64),  # how many bodies sound
+        ("found", np.int64),  # how many of them are to be told
+        ("next", np.float64),  # s: when to look again
+        ("changed", np.int64, BODIES),  # numbers of bodies whose gains are to be told
+    ],
+    align=True,
+)
+"""Microphones, and how they hear each body."""
+
+
+@kernel
+def gain_at(microphones, m, place):
+    """Return a microphone's gain for a sound's pressure at 1 m from a place (3,)."""
+    square = along = 0.0
+    for k in range(3):
+        way = place[k] - microphones.position[m, k]
+        square += way * way
+        along += way * microphones.direction[m, k]
+    distance = max(math.sqrt(square), microphones.nearest)
+    pattern = microphones.pattern[m]
+    return (1.0 - pattern + pattern * (along / distance)) / distance
+
+
+@noinline_kernel
+def find_gains(microphones, state):
+    """Find the gains of all bodies, and list those that sound and whose gains are others than those told; how many."""
+    found = 0
+    microphones.sound = 0
+    for n in range(state.bodies):
+        largest = 0.0
+        for m in range(microphones.count):
+            microphones.now[n, m] = gain_at(microphones, m, state.position[n])
+            largest = max(largest, abs(microphones.now[n, m]))
+        microphones.loudest[n] = largest
+        if state.until[n] > state.time:
+            microphones.sound += 1
+            changed = False
+            for m in range(microphones.count):
+                if not abs(microphones.now[n, m] - microphones.told[n, m]) <= microphones.step * largest:
+                    changed = True
+            if changed:
+                microphones.changed[found] = n
+                found += 1
+                for m in range(microphones.count):
+                    microphones.told[n, m] = microphones.now[n, m]
+    microphones.next = state.time + _PLACED if microphones.sound > 0 else math.inf
+    microphones.found = found
+    return found

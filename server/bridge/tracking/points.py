@@ -1,0 +1,269 @@
+"""The points at which bodies touch in a step: whose they are, how fast they close and slip, which of them are new."""
+
+import math
+
+from ....dsp.native.jit import kernel, noinline_kernel
+from .state import KEPT, PAIRS
+
+MEMORY = 0.002
+"""s, at least two steps: how long a point that is not told is remembered."""
+
+GRAZING = 0.25
+"""Share of its slip below which what slides closes without a blow: simulators lift what slides, by up to the friction
+coefficient times the slip, and let it fall again (M. Anitescu, Math. Program. 105, 2006)."""
+
+_LONGEST_HOP = 0.1  # s that what slides may be without a contact
+_SAME = 0.002  # m by which a point may move from step to step and stay the same
+_SAME_SHARE = 0.1  # of the smaller body's half length, by which it may as well
+_STILL = 0.01  # share of that: no other point is as near
+
+
+@kernel
+def clear(pair):
+    """Forget the points of the step before."""
+    pair.count = pair.fresh = pair.followed = 0
+    pair.swept[0] = pair.swept[1] = 0.0
+    pair.weight = pair.slip = pair.force = pair.speed = pair.delay = pair.mass = pair.restitution = 0.0
+    for k in range(3):
+        pair.point[k] = pair.normal[k] = pair.fresh_point[k] = pair.fresh_normal[k] = 0.0
+
+
+@kernel
+def _find(state, a, b):
+    """Find the number of a pair, which touches from now on if it did not; -1 where there is no room."""
+    place = state.place[a, b] - 1
+    if place >= 0 or state.touching == PAIRS:
+        return place
+    place = state.touching
+    state.touching += 1
+    state.place[a, b] = place + 1
+    pair = state.pairs[place]
+    clear(pair)
+    pair.a, pair.b = a, b
+    pair.side = _struck(state, a, b)
+    pair.begun = state.time
+    pair.moves = pair.settled = pair.stood = pair.slide = pair.gesture = 0
+    pair.known = 0
+    for k in range(3):
+        pair.now[k] = pair.said[k] = 0.0
+    pair.sweep[0] = pair.sweep[1] = pair.fastest = pair.pushed = pair.over = 0.0
+    pair.hopped_at = -math.inf
+    return place
+
+
+@kernel
+def _struck(state, a, b):
+    """Return the side of the body that is struck, or slid on: of the one that rings, the heavier one rather."""
+    if state.rings[a] != state.rings[b]:
+        return 0 if state.rings[a] == 1 else 1
+    return 0 if state.lightness[a] <= state.lightness[b] else 1
+
+
+@noinline_kernel
+def take_point(state, n, span, least):
+    """Add a point of this step to its pair."""
+    first, second = state.pair[n, 0], state.pair[n, 1]
+    if first == second:
+        return
+    if state.lightness[first] == 0.0 and state.lightness[second] == 0.0:
+        return
+    sign = 1.0 if first < second else -1.0
+    a, b = min(first, second), max(first, second)
+    place = _find(state, a, b)
+    if place < 0:
+        state.left_out += 1
+        return
+    pair = state.pairs[place]
+    pair.seen = state.time
+    pair.count += 1
+    pair.told = 0 if math.isnan(state.slip[n]) else 1
+    point, normal = state.point[n], state.normal[n]
+    approach, slip = _speeds(state, n, a, b, sign)
+    force = state.force[n]
+    weight = force if force > 0.0 else 1e-9
+    pair.weight += weight
+    pair.slip += weight * slip
+    pair.force += force if force > 0.0 else 0.0
+    for k in range(3):
+        pair.point[k] += point[k]
+        pair.normal[k] += sign * normal[k]
+    fresh = _is_new(state, pair, n, span, abs(approach) + slip)
+    if fresh and approach > least and not (pair.stood == 1 and approach < GRAZING * max(slip, pair.fastest)):
+        pair.fresh += 1
+        pair.speed += approach
+        depth = state.depth[n]
+        pair.delay += min(depth / approach, span) if depth > 0.0 else 0.0
+        pair.mass += state.mass[n]
+        pair.restitution += state.restitution[n]
+        for k in range(3):
+            pair.fresh_point[k] += point[k]
+            pair.fresh_normal[k] += sign * normal[k]
+
+
+@kernel
+def _speeds(state, n, a, b, sign):
+    """Return the closing speed and the slip of a point (m/s): as they were told, else by the motion of the bodies."""
+    closing, aside = _rates(state, a, b, state.point[n], state.normal[n])
+    approach, slip = state.approach[n], state.slip[n]
+    return sign * closing if math.isnan(approach) else approach, aside if math.isnan(slip) else slip
+
+
+@kernel
+def _rates(state, a, b, point, normal):
+    """Return the speed of one body against another at a point (m/s): along a normal, and across it."""
+    closing = square = 0.0
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        rate = state.velocity[a, k] - state.velocity[b, k]
+        rate += state.spin[a, i] * (point[j] - state.about[a, j]) - state.spin[a, j] * (point[i] - state.about[a, i])
+        rate -= state.spin[b, i] * (point[j] - state.about[b, j]) - state.spin[b, j] * (point[i] - state.about[b, i])
+        closing += rate * normal[k]
+        square += rate * rate
+    return closing, math.sqrt(max(square - closing * closing, 0.0))
+
+
+@kernel
+def remember(state, pair):
+    """Remember where the bodies of a pair touch, for when they hop."""
+    body = _smaller(state, pair)
+    for k in range(3):
+        pair.facing[k] = pair.normal[k] / pair.count
+        pair.arm[k] = pair.point[k] - state.position[body, k]
+
+
+@kernel
+def slip_at(state, pair):
+    """Return the speed at which the bodies of a pair slip where they touched last (m/s).
+
+    That is as far from the centre of the smaller body as it was, in the world's axes: a ball that turns in the air is
+    looked at below.
+    """
+    body = _smaller(state, pair)
+    for k in range(3):
+        pair.point[k] = state.position[body, k] + pair.arm[k]
+    return _rates(state, pair.a, pair.b, pair.point, pair.facing)[1]
+
+
+@kernel
+def _smaller(state, pair):
+    """Return the smaller body of a pair."""
+    return pair.a if state.reach[pair.a] <= state.reach[pair.b] else pair.b
+
+
+@kernel
+def into(state, body, point, k):
+    """Return component k of a point (m, in the world) in the axes of a body."""
+    total = 0.0
+    for i in range(3):
+        total += state.turn[body, 3 * i + k] * (point[i] - state.position[body, i])
+    return total
+
+
+@kernel
+def _apart(state, a, b):
+    """Return the speed of one body against another, but for their turning (m/s)."""
+    total = 0.0
+    for k in range(3):
+        rate = state.velocity[a, k] - state.velocity[b, k]
+        total += rate * rate
+    return math.sqrt(total)
+
+
+@kernel
+def longest_hop(state, pair, span):
+    """Return the longest time (s) for which a pair may be missing and still touch: what slides hops."""
+    longest = max(MEMORY, 2.5 * span)
+    if pair.stood == 1 and state.gravity > 0.0:
+        longest = max(longest, min(2.0 * GRAZING * pair.fastest / state.gravity, _LONGEST_HOP))
+    return longest
+
+
+@kernel
+def _is_new(state, pair, n, span, rate):
+    """True if a point was not there in the last steps, but for the way it goes at a rate (m/s), by which a point closes
+    and slips, and as its bodies move; it is remembered.
+
+    One that was there, or before a hop, tells how fast the contact moves over both bodies. Simulators tell points in
+    the same order from step to step: the one that was the same in the last step is looked at first.
+    """
+    point, time = state.point[n], state.time
+    near = max(_SAME, _SAME_SHARE * min(state.reach[pair.a], state.reach[pair.b]))
+    longest, memory = longest_hop(state, pair, span), max(MEMORY, 2.5 * span)
+    order = (pair.count - 1) % KEPT
+    on_a = into(state, pair.a, point, 0), into(state, pair.a, point, 1), into(state, pair.a, point, 2)
+    on_b = into(state, pair.b, point, 0), into(state, pair.b, point, 1), into(state, pair.b, point, 2)
+    found = pair.same[order]
+    passed, ways = time - pair.kept_at[found], _ways(pair, found, on_a, on_b)
+    here = found < pair.known and 0.0 < passed <= longest and min(ways) < (_STILL * near) ** 2
+    if not here:
+        rate += _apart(state, pair.a, pair.b)
+        found, passed, ways = _nearest_of(pair, on_a, on_b, time, longest, near, rate)
+    new = found < 0 or passed > memory
+    if found < 0:
+        new = not _grows(pair, on_a, on_b, time, near)
+        found = _room(pair)
+    else:
+        pace = 1.0 / passed
+        pair.followed += 1
+        pair.swept[0] += math.sqrt(ways[0]) * pace
+        pair.swept[1] += math.sqrt(ways[1]) * pace
+    pair.same[order], pair.was_new[found] = found, 1 if new else 0
+    pair.kept_at[found] = time
+    for k in range(3):
+        pair.kept[found, 0, k], pair.kept[found, 1, k] = on_a[k], on_b[k]
+    return new
+
+
+@noinline_kernel
+def _nearest_of(pair, on_a, on_b, time, longest, near, rate):
+    """Return the nearest of a pair's points, -1 if none is near: its number, for how long it was not told (s), and how
+    far it has come on each body, squared (m^2)."""
+    found, least, passed, ways = -1, math.inf, 0.0, (0.0, 0.0)
+    for m in range(pair.known):
+        before = time - pair.kept_at[m]
+        if 0.0 < before <= longest:
+            away = near + rate * before
+            squares = _ways(pair, m, on_a, on_b)
+            nearest = min(squares)
+            if nearest < min(least, away * away):
+                found, least, passed, ways = m, nearest, before, squares
+    return found, passed, ways
+
+
+@kernel
+def _grows(pair, on_a, on_b, time, near):
+    """True if a point lies beside one of this step that was there before: the patch of a contact grows."""
+    grows = False
+    for m in range(pair.known):
+        if pair.kept_at[m] == time and pair.was_new[m] == 0:
+            grows |= min(_ways(pair, m, on_a, on_b)) < near * near
+    return grows
+
+
+@kernel
+def _ways(pair, m, on_a, on_b):
+    """Return the squared distance (m^2) on each body between a point and a pair's point m as it was last told."""
+    return _square(on_a, pair.kept[m, 0]), _square(on_b, pair.kept[m, 1])
+
+
+@kernel
+def _room(pair):
+    """Return the place among a pair's points of a new one: where there is none yet, or that of the oldest."""
+    if pair.known < KEPT:
+        pair.known += 1
+        return pair.known - 1
+    oldest = 0
+    for m in range(1, KEPT):
+        if pair.kept_at[m] < pair.kept_at[oldest]:
+            oldest = m
+    return oldest
+
+
+@kernel
+def _square(here, there):
+    """Return the square of the way between two points in the axes of a body (m^2)."""
+    total = 0.0
+    for k in range(3):
+        away = here[k] - there[k]
+        total += away * away
+    return total

@@ -1,0 +1,89 @@
+"""Blows of one step on the same bodies: each takes a part of what the body brings along.
+
+The impulses J_i solve sum_j W_ij J_j = (1 + e_i) v_i, none of them negative, with W_ij how fast a unit impulse at blow
+j opens blow i: the sum over the bodies that both have, with a sign by their sides, of n_i n_j/M + (r_i x n_i) I^-1 (r_j
+x n_j). W_ii is 1/m of the effective mass. On the seam of two tiles, a ball leaves half of its momentum on each.
+"""
+
+from ....dsp.native.jit import kernel, noinline_kernel
+from .blows import left_of
+from .state import TOGETHER
+
+_RIGID = 1e-3  # share by which a blow's mass may differ from that of rigid bodies; else it is taken alone
+_ROUNDS = 60  # for each blow
+_LEAST = 1e-12  # kg: the mass of a blow that has no part
+
+
+@noinline_kernel
+def share_blows(state):
+    """Give the blows of a step, TOGETHER at most, that are on the same bodies the masses of their parts."""
+    count = state.struck
+    if count < 2 or count > TOGETHER or not _set_equations(state, count):
+        return
+    for i in range(count):
+        state.part[i] = 0.0
+    for _ in range(_ROUNDS * count):
+        for i in range(count):
+            missing = state.rate[i]
+            for j in range(count):
+                missing -= state.opens[i, j] * state.part[j]
+            state.missing[i] = missing
+        for i in range(count):
+            state.part[i] = max(state.part[i] + state.missing[i] / (state.opens[i, i] * count), 0.0)
+    for i in range(count):
+        state.blows[i].mass = max(state.part[i] / state.rate[i], _LEAST)
+
+
+@kernel
+def _set_equations(state, count):
+    """Write down W and (1 + e) v; true if any two blows are on the same body."""
+    shared = False
+    for i in range(count):
+        blow = state.blows[i]
+        state.rate[i] = (1.0 + left_of(state, blow)) * blow.speed
+        for j in range(count):
+            state.opens[i, j] = _opens(state, blow, state.blows[j])
+    for i in range(count):
+        mass = state.blows[i].mass
+        rigid = abs(state.opens[i, i] * mass - 1.0) < _RIGID
+        for j in range(count):
+            if i != j and not rigid:
+                state.opens[i, j] = state.opens[j, i] = 0.0
+        state.opens[i, i] = 1.0 / mass
+    for i in range(count):
+        for j in range(count):
+            shared |= i != j and state.opens[i, j] != 0.0
+    return shared
+
+
+@kernel
+def _opens(state, one, other):
+    """Return the speed at which a unit impulse at another blow opens one, as rigid bodies (1/kg)."""
+    total = 0.0
+    for side in range(2):
+        body = one.b if side == 1 else one.a
+        for other_side in range(2):
+            if body == (other.b if other_side == 1 else other.a) and state.lightness[body] > 0.0:
+                total += (1.0 if side == other_side else -1.0) * _moves(state, body, one, other)
+    return total
+
+
+@kernel
+def _moves(state, body, one, other):
+    """Return n n'/M + (r x n) I^-1 (r' x n') of a body (1/kg), at the points of two blows."""
+    total = 0.0
+    for k in range(3):
+        total += state.lightness[body] * one.normal[k] * other.normal[k]
+        total += state.yielding[body, k] * _turns(state, body, one, k) * _turns(state, body, other, k)
+    return total
+
+
+@kernel
+def _turns(state, body, blow, axis):
+    """Return r x n of a blow (m), about an axis of a body."""
+    total = 0.0
+    for i in range(3):
+        j, m = (i + 1) % 3, (i + 2) % 3
+        arm_j, arm_m = blow.point[j] - state.position[body, j], blow.point[m] - state.position[body, m]
+        total += state.turn[body, 3 * i + axis] * (arm_j * blow.normal[m] - arm_m * blow.normal[j])
+    return total

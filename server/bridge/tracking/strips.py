@@ -1,0 +1,45 @@
+"""A point of a body: where on its object's strike path it is, and how round the body is there."""
+
+import math
+
+from ....dsp.bodies.material import CONTACT_RADIUS
+from ....dsp.native.jit import kernel
+
+POINT, DISC, BAR, PLATE = range(4)
+"""Kinds of paths: there is one place; from the middle to the edge; along an axis; from corner to corner of a plate."""
+
+_ENDS = 0.9  # of the half length: beyond, a point is at an end
+
+
+@kernel
+def place_on(strip, edges, point):
+    """Return the place 0 to 1 that is nearest to a point (m), in the body's axes.
+
+    strip: a kind and two axes; edges: of the box around the body (m).
+    """
+    if strip[0] == POINT:
+        return 0.0
+    if strip[0] == DISC:
+        far = math.sqrt(point[0] * point[0] + point[1] * point[1])
+        return 0.5 + 0.5 * min(1.0, far / (0.5 * edges[0]))
+    u = min(max(point[strip[1]] / edges[strip[1]] + 0.5, 0.0), 1.0)
+    if strip[0] == BAR:
+        return u
+    v = min(max(point[strip[2]] / edges[strip[2]] + 0.5, 0.0), 1.0) - 0.5
+    u -= 0.5
+    return 0.5 + math.copysign(0.5 * (abs(u) + abs(v)), u if abs(u) > abs(v) else v)
+
+
+@kernel
+def radius_at(side, edges, point):
+    """Return the radius (m) of the surface about a point (m), in the body's axes; of a face it is infinite.
+
+    side: the radius of the body's side, 0 for one with edges.
+    """
+    if side > 0.0:
+        return side
+    ends = 0
+    for k in range(3):
+        if abs(point[k]) > 0.5 * _ENDS * edges[k]:
+            ends += 1
+    return math.inf if ends < 2 else min(CONTACT_RADIUS, 0.5 * min(edges[0], edges[1], edges[2]))

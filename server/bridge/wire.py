@@ -1,0 +1,100 @@
+"""A simulation that is told over OSC: `/world/...`, message by message, and a step at a time."""
+
+import math
+from collections.abc import Sequence
+
+from ...presets import Presets
+from ..osc.addresses import VERBS, Call
+from ..osc.arguments import shown
+from ..osc.wire import Argument
+from ..osc.world_verbs import TOUCHED
+from .bodies import Body, BodyMaker, WorldError
+from .hearing import Hearing, Microphone
+from .requests import Request
+from .simulation import Simulation
+from .step import Pose, Touch
+from .telling import tell
+
+BODY = "/world/body"
+
+
+class TellsWorld:
+    """The simulation that messages tell: its bodies, and what was told since the last step."""
+
+    def __init__(self, presets: Presets, top: float, channels: int) -> None:
+        self._presets, self._top = presets, top
+        self._microphones: Sequence[Microphone] = (Microphone((0.0, 0.0, 0.0)),) * channels
+        self._simulation: Simulation | None = None
+        self._touches: list[Touch] = []
+        self._poses: dict[str, Pose] = {}
+
+    def of(self, *names: str) -> Simulation:
+        """Return the simulation that has bodies of these names. WorldError if there is none."""
+        if self._simulation is None:
+            raise WorldError(f"body {shown(names[0])}: no such body; there is no body yet")
+        for name in names:
+            self._simulation.number(name)
+        return self._simulation
+
+    @property
+    def simulation(self) -> Simulation:
+        """The simulation, which begins with its first body."""
+        if self._simulation is None:
+            self._simulation = Simulation(self._presets, self._top, Hearing(self._microphones), start=-1.0)
+        return self._simulation
+
+    def place_microphones(self, places: Sequence[float]) -> None:
+        """Place the microphones, before the first body: three numbers (m) for each channel."""
+        channels = len(self._microphones)
+        if self._simulation is not None:
+            raise WorldError("microphones: expected before the first body")
+        if len(places) != 3 * channels:
+            raise WorldError(f"{len(places)} places: expected {3 * channels}, three for each of {channels} channels")
+        self._microphones = [Microphone((x, y, z)) for x, y, z in zip(*[iter(places)] * 3, strict=True)]
+
+    def pose(self, name: str, values: Sequence[float]) -> None:
+        """Keep a body's pose until the step ends."""
+        if len(values) not in (3, 7, 10, 13):
+            raise WorldError(f"body {name}: {len(values)} values: expected 3, 7, 10 or 13")
+        self.of(name)
+        parts = [tuple(values[first:last]) for first, last in ((0, 3), (3, 7), (7, 10), (10, 13))]
+        self._poses[name] = Pose(*(part for part in parts if part))
+
+    def touch(self, a: str, b: str, numbers: dict[str, float]) -> None:
+        """Keep a point of contact until the step ends."""
+        self.of(a, b)
+        point, normal = ([numbers[f"{sign}{axis}"] for axis in "xyz"] for sign in ("", "n"))
+        told = {each.name: numbers.get(each.name, math.nan) for each in TOUCHED}
+        self._touches.append(Touch(a, b, point, normal, **told))
+
+    def step(self, time: float) -> tuple[float, list[Request]]:
+        """End a step: the time of the step before, and what is to be heard of what happened since."""
+        touches, poses = self._touches, self._poses
+        self._touches, self._poses = [], {}
+        simulation = self._simulation
+        if simulation is None:
+            return time, []
+        before = max(simulation.time, 0.0) if simulation.steps else time
+        return before, simulation.step(time, touches, poses)
+
+    def end(self) -> list[str]:
+        """Forget the simulation; the names of its objects."""
+        names = [body.name for body in self._simulation.bodies if body.rings] if self._simulation else []
+        self._simulation = None
+        self._touches, self._poses = [], {}
+        return names
+
+
+def new_body(call: Call, presets: Presets, top: float) -> Body:
+    """Make the body that a call of BODY asks for, with modes up to `top` (Hz). Any thread may ask; it can take seconds.
+
+    Refused says why there is none.
+    """
+    values = VERBS[BODY].parse(call.message.args)
+    _ = tell.brief  # loaded now, or compiled, and not where others wait
+    words, numbers = values.words, values.numbers
+    size = [numbers[axis] for axis in "xyz" if axis in numbers]
+    about: dict[str, Argument] = {key: value for key, value in numbers.items() if key not in ("x", "y", "z")}
+    if "object" in words:
+        about["object"] = words["object"]
+    return BodyMaker(presets, top).make(words["name"], words["shape"], size, words["material"], **about)

@@ -1,0 +1,44 @@
+"""An object that a message asks for: its preset with the message's changes, and its modes."""
+
+from typing import NamedTuple
+
+from ..dsp.bodies.modes import Modes
+from ..dsp.schema import SETTINGS
+from ..dsp.wording import expected
+from ..presets import ObjectPreset, Presets
+from .osc.addresses import VERBS, Call
+from .osc.arguments import Refused, Values, shown
+
+NEW = "/object/new"
+TUNINGS = ("note", "pitch")
+"""Keys of /object/new that tune it."""
+
+
+class NewObject(NamedTuple):
+    """A preset, changed as a message asks, and its modes."""
+
+    preset: ObjectPreset
+    modes: Modes
+
+
+def new_object(call: Call, presets: Presets, top: float) -> NewObject:
+    """Make the object that a call of NEW asks for, with modes up to `top` (Hz). Any thread may ask; it can take
+    seconds.
+
+    Refused or PresetError say why there is none.
+    """
+    values = VERBS[NEW].parse(call.message.args)
+    preset = changed(presets.object(values.words["preset"]), values)
+    return NewObject(preset, preset.modes(top))
+
+
+def changed(preset: ObjectPreset, values: Values) -> ObjectPreset:
+    """Return a preset with what the keys of /object/new change of it. Refused or PresetError name a key that cannot
+    be."""
+    for key, value in values.others.items():
+        if key not in preset.keys:
+            known = dict.fromkeys((*VERBS[NEW].named, *preset.keys))
+            raise Refused(f"{key} = {shown(value)}: {expected(key, known)}")
+    given = {**values.numbers, **values.words}
+    changes = {key: value for key, value in given.items() if key not in ("name", "preset", *SETTINGS, *TUNINGS)}
+    return preset.replace(**values.others, **changes) if values.others or changes else preset

@@ -1,0 +1,185 @@
+"""Rolls that feel the modes of what they roll on, against DOP853 on the same path."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from carom.dsp.bodies import Modes, listed
+from carom.dsp.contact.accuracy import LEVELS
+from carom.dsp.engine.memory.commands import Command, Kind
+from carom.dsp.engine.memory.state import QUANTUM
+from carom.dsp.lab.rolling_path import path_pieces
+from carom.dsp.numerics.constants import STANDARD_GRAVITY
+from carom.dsp.rolling.surface import make_surface
+from carom.dsp.runtime.engine import NOW, Engine
+from tests import accuracy
+from tests.dsp.engine.contacts.test_coupling import modal
+from tests.dsp.engine.support import SURFACE, gesture
+
+RATE = 48_000
+LAW = (0.02, 3e6, 0.5, 1.5)
+ROLL = {"speed": 0.3, "radius": 0.02, "seed": 5, "gravity": STANDARD_GRAVITY}
+
+
+def light(modal_mass=0.05, t60=0.3):
+    return listed(
+        frequency=np.array([180.0, 433.0, 911.0, 1_740.0]), t60=np.full(4, t60), modal_mass=modal_mass, mass=1.0,
+        top=20_000,
+    )  # fmt: skip
+
+
+def reference(frequency, sigma, phi, law, times, pieces, speed, gravity):
+    """Return the states z of the modes at `times` (s), by DOP853 from kink to kink: m y'' = f - m g, the modes get f -
+    m g."""
+    m, k, mu, a = law
+    omega = 2 * np.pi * frequency
+    n = len(omega)
+
+    def motion(t, y, begin, level, incline, curvature):
+        s = speed * t - begin
+        height, rise = level + s * (incline + 0.5 * curvature * s), speed * (incline + curvature * s)
+        q = y[2 + n :] / omega
+        x = height - y[0] - phi @ q
+        v = rise - y[1] - phi @ (y[2 : 2 + n] - sigma * q)
+        f = k * x**a * max(0.0, 1 + mu * v) if x > 0 else 0.0
+        over = f - m * gravity
+        turning = -sigma * y[2 : 2 + n] - omega * y[2 + n :] + phi * over
+        return np.concatenate([[y[1], over / m], turning, omega * y[2 : 2 + n] - sigma * y[2 + n :]])
+
+    rest = (m * gravity / k) ** (1 / a)
+    begin, level, incline, curvature = pieces[0]
+    y = np.zeros(2 + 2 * n)
+    y[0] = level + (0 - begin) * (incline - 0.5 * curvature * begin) - rest
+    y[1] = speed * (incline - curvature * begin)
+    found = []
+    t = 0.0
+    for i, (begin, level, incline, curvature) in enumerate(pieces):
+        end = pieces[i + 1, 0] / speed if i + 1 < len(pieces) else times[-1]
+        end = min(end, times[-1])
+        if end <= t:
+            continue
+        wanted = times[(times > t) & (times <= end)]
+        solved = solve_ivp(
+            motion, (t, end), y, "DOP853", np.append(wanted, end) if not len(wanted) or wanted[-1] < end else wanted,
+            args=(begin, level, incline, curvature), rtol=1e-10, atol=1e-13,
+        )  # fmt: skip
+        y, t = solved.y[:, -1], end
+        found += list(solved.y[2:, : len(wanted)].T)
+    z = np.array(found)
+    return z[:, :n] + 1j * z[:, n:]
+
+
+def followed(engine, handle, quanta, surface=SURFACE, law=LAW, **values):
+    """Return the states of an object's modes after each quantum under a body that begins 3.25 samples late; as DOP853
+    has them."""
+    roll = {**ROLL, **values}
+    command = gesture("roll", handle, law, 3.25, 7, **roll)
+    engine.send([command._replace(surface=surface)])
+    states, times = [], []
+    for _ in range(quanta):
+        engine.process(QUANTUM)
+        frequency, sigma, phi, z = modal(engine, handle, 4)
+        states.append(z)
+        times.append((engine.position - 1 - 3.25) / RATE)
+    profile = make_surface(*surface, seed=roll["seed"])
+    pieces = path_pieces(profile, roll["radius"], roll["speed"], roll["speed"] * times[-1] * 1.01)
+    right = reference(frequency, sigma, phi, law, np.array(times), pieces, roll["speed"], STANDARD_GRAVITY)
+    return np.array(states) @ phi, right @ phi
+
+
+def apart(found, right):
+    return 20 * math.log10(np.abs(found - right).max() / np.abs(right).max())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("level", "bound"), [(1, -60), (2, -100), (3, -140)])
+def test_a_roll_and_the_modes_that_it_moves_against_dop853(level, bound):
+    """A body on an object that is as light: the modes' states over 40 ms, the path's kinks and all."""
+    engine = Engine(RATE)
+    handle = engine.add(light(), 0.05)
+    engine.send([Command(NOW, Kind.ACCURACY, value=level)])
+    found, right = followed(engine, handle, 30)
+    assert engine.stats.coupled == 1 and engine.stats.impacts == 0
+    assert apart(found, right) < bound
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("level", accuracy.ROLL_COUPLED)
+def test_a_body_that_hops_on_an_object_that_it_moves_against_dop853(level):
+    """The body leaves a rough surface and lands three times in 16 ms."""
+    engine = Engine(RATE)
+    handle = engine.add(light(), 0.05)
+    engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index(level))])
+    found, right = followed(engine, handle, 12, (1e-5, 1e-3, 2.0, 0.0, 1.0, 0.0, 1.0), (0.02, 1e8, 0.5, 1.5), speed=1.0)
+    assert engine.stats.impacts >= 3
+    assert apart(found, right) < accuracy.ROLL_COUPLED[level].bound
+
+
+MARBLE = (5e-3, 3e9, 3.0, 1.5)
+
+
+def pane(modal_mass):
+    """Return a body of 120 modes, each with a shape of its own."""
+    n = 120
+    random = np.random.default_rng(1)
+    return Modes(
+        frequency=np.sort(random.uniform(80.0, 9_600.0, n)), decay=np.full(n, 14.0),
+        strike=random.normal(size=(16, n)) / math.sqrt(modal_mass), pressure=np.ones((2, n)), mass=1.0,
+    )  # fmt: skip
+
+
+def rolled(body, level, modes=0, quality=0, steps=0):
+    """Return the power in octaves from 250 Hz of a marble on a pane, over surfaces of four seeds (dB); what the engine
+    counted."""
+    powers = []
+    for seed in range(4):
+        engine = Engine(RATE)
+        handle = engine.add(body, 0.05)
+        engine.send([Command(NOW, Kind.ACCURACY, value=level), Command(NOW, Kind.QUALITY, value=quality)])
+        engine.send([Command(NOW, Kind.BUDGET, values={"steps": steps, "modes": modes})])
+        values = {**ROLL, "speed": 0.4, "radius": 8e-3, "seed": seed}
+        engine.send([gesture("roll", handle, MARBLE, 0.0, 7, **values)])
+        sound = engine.process(RATE)[:, 0].astype(float)
+        power = np.abs(np.fft.rfft(sound * np.hanning(RATE))) ** 2
+        powers.append([power[f : 2 * f].sum() for f in (250, 500, 1000, 2000, 4000)])
+    return 10 * np.log10(np.mean(powers, axis=0)), engine.stats
+
+
+@pytest.mark.slow
+def test_a_pane_is_a_dashpot_for_less():
+    """Octaves are within 5 dB of those by all modes, where on a rigid pane they are far louder."""
+    full, counted = rolled(pane(0.5), 2)
+    assert counted.coupled == 1 and counted.over_budget == 0
+    dashpot, counted = rolled(pane(0.5), 0)
+    assert counted.coupled == 0
+    without_room, counted = rolled(pane(0.5), 2, 16 * 120)
+    assert counted.coupled == 0 and counted.over_budget == 1
+    held, counted = rolled(pane(0.5), 2, quality=1)
+    without_steps, counted = rolled(pane(0.5), 2, steps=1)
+    assert counted.coupled == 0 and counted.over_budget == 1 and counted.held == 0
+    np.testing.assert_array_equal(without_steps, dashpot)
+    np.testing.assert_array_equal(without_room, dashpot)
+    np.testing.assert_array_equal(held, dashpot)
+    rigid = rolled(pane(0.5e6), 2)[0] + 60.0
+    assert np.abs(dashpot - full).max() < 5.0 < (rigid - full).mean()
+
+
+def test_two_bodies_on_one_object_are_as_one_of_twice_the_mass():
+    """Equal bodies on the same path move alike, and push with twice the force: their contacts are solved together."""
+    found = []
+    m, k, mu, a = LAW
+    for laws in ([LAW, LAW], [(2 * m, 2 * k, mu, a)]):
+        engine = Engine(RATE)
+        handle = engine.add(light(), 0.05)
+        rolls = [gesture("roll", handle, law, 3.25, 7 + n, **ROLL) for n, law in enumerate(laws)]
+        engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index("exact")), *rolls])
+        states = []
+        for _ in range(30):
+            engine.process(QUANTUM)
+            _, _, phi, z = modal(engine, handle, 4)
+            states.append(z @ phi)
+        assert engine.stats.coupled == len(laws)
+        found.append(np.array(states))
+    assert apart(*found) < -110
