@@ -8,8 +8,9 @@ from typing import SupportsFloat
 
 from ..server.closing import Closing
 from ..server.osc import wire
-from .actions import Actions, CommandError, Value, key_pairs, message_of
+from .actions import Actions, CommandError, key_pairs, message_of
 from .connection import Connection
+from .gesture_methods import Value
 
 _MAKING = 10.0  # s: a busy machine may take that long over a large object
 

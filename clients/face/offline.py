@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from ._capture import Capture
-from .clients.actions import Value, plain
+from .clients.actions import plain
+from .clients.gesture_methods import Value
 from .clients.performer import Folders, Performer
 from .server.osc.score import LONGEST_SCORE, Line, ScoreError, parse, read
 from .server.osc.wire import Message

@@ -7,8 +7,8 @@ from typing import NoReturn, SupportsFloat, SupportsIndex
 
 from ._capture import Capture
 from ._documented import documented
-from .clients.actions import Actions, CommandError, Value, plain
-from .clients.gesture_methods import ObjectGestures, with_object_gestures
+from .clients.actions import Actions, CommandError, plain
+from .clients.gesture_methods import ObjectGestures, Value, with_object_gestures
 from .clients.modes import ModeTable, Settings, gains_of, mode_table
 from .clients.performer import Folders, Performer, Placed
 from .dsp.schema import SETTINGS

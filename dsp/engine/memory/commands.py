@@ -202,8 +202,7 @@ _SETTING_PLACES = {name: place for place, name in enumerate(SETTINGS)}
 
 def write(entry: np.void, number: int, command: Command) -> None:
     """Write a command into an entry of COMMAND. ValueError names a value that is missing or that its kind has not."""
-    gesture = command.kind if isinstance(command.kind, str) else ""
-    kind = Kind.GESTURE if gesture else Kind(command.kind)
+    kind, gesture = (Kind.GESTURE, command.kind) if isinstance(command.kind, str) else (command.kind, "")
     clock = getattr(command.time, "clock", None)
     entry["time"] = command.time
     entry["has_clock"], entry["clock"] = (0, 0) if clock is None else (1, clock)
