@@ -1,5 +1,10 @@
-"""A new steerable parameter of a roll is added in two places, and is then everywhere."""
+"""A new steerable parameter of a roll is added in two places, and is then everywhere.
 
+The engine that this gives is the same to the bit, whether it is built from an empty cache or from that of the engine as
+it was.
+"""
+
+import json
 import os
 import shutil
 import subprocess
@@ -8,9 +13,15 @@ from pathlib import Path
 
 import pytest
 
+from carom.dsp.native.code import KERNELS
+from carom.dsp.native.store import Store, user_cache
+from carom.dsp.native.targets import targets
+from carom.dsp.runtime.engine import prepare
+
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[1]
+MODULE = "carom.dsp.runtime.callback"
 
 # The roll is one at -40: of one that is coupled to modes the engine hands the force on.
 # The patch: file, anchor, and what stands in the anchor's place. An anchor must be found once.
@@ -98,6 +109,14 @@ assert "looseness: 0 to 1; share of the force that is lost" in carom.Scene.roll.
 """
 
 
+AFTER_AN_EDIT = """
+import carom.dsp.runtime.engine as engine
+from carom.dsp.native.translation import translator
+engine.prepare()
+print(translator().count)
+"""
+
+
 def test_a_steerable_parameter_is_added_in_two_places_and_heard_everywhere(tmp_path):
     package = tmp_path / "carom"
     shutil.copytree(ROOT / "clients" / "face", package)
@@ -109,6 +128,35 @@ def test_a_steerable_parameter_is_added_in_two_places_and_heard_everywhere(tmp_p
         assert text.count(anchor) == 1, (name, anchor)
         (package / name).write_text(text.replace(anchor, replacement))
     (tmp_path / "script.py").write_text(SCRIPT)
-    # A cache of its own: what an earlier run of this test compiled is not found.
-    env = os.environ | {"PYTHONPATH": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path / "cache")}
-    subprocess.run([sys.executable, "script.py"], cwd=tmp_path, env=env, check=True, timeout=300)
+    # Caches of their own: what an earlier run of this test compiled is not found.
+    empty, edited = tmp_path / "empty", tmp_path / "edited"
+    _run(tmp_path, "script.py", empty)
+    _fill(edited)
+    count = int(_run(tmp_path, "-c", edited, AFTER_AN_EDIT))
+    assert 0 < count < KERNELS[MODULE]
+    assert _code(empty) == _code(edited)
+
+
+def _run(folder: Path, script: str, cache: Path, *words: str) -> str:
+    """Run Python with the copy of the tree and a cache; return its output."""
+    env = os.environ | {"PYTHONPATH": str(folder), "XDG_CACHE_HOME": str(cache)}
+    words = sys.executable, script, *words
+    return subprocess.run(words, cwd=folder, env=env, check=True, timeout=300, stdout=subprocess.PIPE, text=True).stdout
+
+
+def _fill(cache: Path) -> None:
+    """Make a cache with what the engine is made of as it is in this tree."""
+    prepare()
+    (cache / "carom").mkdir(parents=True)
+    shutil.copytree(user_cache(), cache / "carom" / "code")
+
+
+def _code(cache: Path) -> dict[str, list[bytes]]:
+    """Return the engine's units as a cache holds them: machine code and bitcode, by their keys."""
+    store = Store(cache / "carom" / "code")
+    # the list that was written last is that of the edited engine
+    folders = sorted((store.root / "modules" / MODULE).glob("*/listed.json"), key=lambda path: path.stat().st_mtime)
+    units = json.loads(folders[-1].read_text())["units"][str(targets()[0])]
+    found = {unit: sorted(path.read_bytes() for path in (store.root / "units" / unit).iterdir()) for unit in units}
+    assert len(found) > 20 and all(len(files) == 4 for files in found.values())
+    return found
