@@ -4,6 +4,12 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
+DEV := $(VENV)/.dev
+
+# uv installs in a tenth of the time that pip takes.
+UV := $(shell command -v uv 2>/dev/null)
+INSTALL := $(if $(UV),$(UV) pip install --quiet --python $(BIN)/python,\
+  $(BIN)/python -m pip install -qq --disable-pip-version-check)
 
 CHECK := $(BIN)/check-jsonschema --quiet --builtin-schema
 LAST := $(VENV)/.test-time
@@ -18,21 +24,21 @@ demo: $(READY)  ## render the demo score to demo.wav and draw demo.png
 	@$(BIN)/carom render presets/scores/demo.txt demo.wav --plot demo.png
 	@echo "demo.wav and demo.png are here"
 
-quick: $(READY)  ## the tests that are fast: less than a minute on two cores, once the engine is compiled
+quick: $(DEV)  ## the tests that are fast: less than a minute on two cores, once the engine is compiled
 	@OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -m "not slow" -n 2 --dist loadfile --no-loadscope-reorder
 
-test: $(READY) lint  ## linters, types and all tests: some ten minutes on two cores
+test: $(DEV) lint  ## linters, types and all tests: some ten minutes on two cores
 	@echo "all tests: $$(cat $(LAST) 2>/dev/null || echo 'some ten minutes on two cores'); make quick runs the fast ones"
 	@begun=$$(date +%s); OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder || exit; \
 	  echo "$$((($$(date +%s) - begun + 59) / 60)) minutes the last time" >$(LAST)
 
-coverage: $(READY)  ## all tests, and which lines of the Python side they run (kernels are compiled, and not seen)
+coverage: $(DEV)  ## all tests, and which lines of the Python side they run (kernels are compiled, and not seen)
 	@$(BIN)/coverage erase
 	@$(BIN)/coverage run -m pytest
 	@$(BIN)/coverage combine --quiet
 	@$(BIN)/coverage report
 
-lint: $(READY)  ## linters, import contracts and types
+lint: $(DEV)  ## linters, import contracts and types
 	@$(BIN)/ruff check --quiet .
 	@$(BIN)/ruff format --quiet --check .
 	@$(BIN)/python -m tests.docstrings
@@ -51,29 +57,29 @@ lint: $(READY)  ## linters, import contracts and types
 serve: $(READY)  ## listen for OSC and play on the default device, or on none where there is no PortAudio
 	@if $(BIN)/carom devices >/dev/null; then $(BIN)/carom serve; else $(BIN)/carom serve --device none; fi
 
-bench: $(READY)  ## measure speed; figures go to tests/measured, and from there into tests/speed.md
+bench: $(DEV)  ## measure speed; figures go to tests/measured, and from there into tests/speed.md
 	$(BIN)/python -m tests.bench.bench --json tests/measured/bench.json
 	@$(BIN)/python -m tests.documents.pages
 
-chart: $(READY)  ## measure speed against accuracy; figures go to tests/measured, and from there into tests/methods.md
+chart: $(DEV)  ## measure speed against accuracy; figures go to tests/measured, and from there into tests/methods.md
 	$(BIN)/carom chart build/chart
 	@$(BIN)/python -m tests.documents.study build/chart
 	@$(BIN)/python -m tests.documents.pages
 
-levels: $(READY)  ## make the built-in objects equally loud when struck, and measure their gestures
+levels: $(DEV)  ## make the built-in objects equally loud when struck, and measure their gestures
 	$(BIN)/python -m tests.bench.loudness
 	@$(BIN)/python -m tests.documents.pages
 
-sounds: $(READY)  ## render the sounds and draw the pictures of the documents
+sounds: $(DEV)  ## render the sounds and draw the pictures of the documents
 	@$(BIN)/python -m tests.documents.sounds
 
-picture: $(READY)  ## take the picture of the page, in Chromium
+picture: $(DEV)  ## take the picture of the page, in Chromium
 	@$(BIN)/python -m tests.documents.screenshot
 
-documents: $(READY)  ## write the tables of all pages
+documents: $(DEV)  ## write the tables of all pages
 	@$(BIN)/python -m tests.documents.pages
 
-study: $(READY)  ## the hour-long stress tests: recordings, data sets, extreme contacts, a long evening, threads that hog, a million packets
+study: $(DEV)  ## the hour-long stress tests: recordings, data sets, extreme contacts, a long evening, threads that hog, a million packets
 	$(BIN)/python -m tests.bench.recordings
 	$(BIN)/python -m tests.bench.fits
 	$(BIN)/python -m tests.bench.worlds
@@ -96,17 +102,28 @@ study: $(READY)  ## the hour-long stress tests: recordings, data sets, extreme c
 	$(BIN)/python -m tests.bench.compiling --json tests/measured/compiling.json
 	$(BIN)/python -m tests.bench.memory --minutes 30
 
+# What plays. What compiles the engine comes first: the rest is installed meanwhile.
 $(READY): pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || \
 	  { echo "Python 3.10 or newer is needed; found $$($(PYTHON) --version). Try make PYTHON=python3.11" >&2; exit 1; }
-	@$(PYTHON) -c 'import ensurepip' 2>/dev/null || \
+	@test -n "$(UV)" || $(PYTHON) -c 'import ensurepip' 2>/dev/null || \
 	  { echo "Python lacks venv (Debian: apt install python3-venv)" >&2; exit 1; }
-	@echo "setting up $(VENV): a minute or two, some 700 MB"
-	@$(PYTHON) -m venv $(VENV)
-	@$(BIN)/python -m pip install -qq --upgrade pip
-	@$(BIN)/python -m pip install -qq --editable '.[dev]'
-	@echo "compiling the engine, once: README.md says how long that takes"
-	@$(BIN)/python -c 'from carom.dsp.runtime.engine import prepare; prepare()'
+	@echo "setting up $(VENV) with $(if $(UV),uv,pip), and compiling the engine: a minute or two, some 600 MB"
+	@test -x $(BIN)/python || $(if $(UV),$(UV) venv --quiet --seed --python $(PYTHON),$(PYTHON) -m venv) $(VENV)
+	@$(BIN)/python -c 'import ast; said = next(line for line in open("pyproject.toml") if line.startswith("requires = ")); \
+	  print(*ast.literal_eval(said[11:]), sep="\n")' >$(VENV)/compiler.txt
+	@$(INSTALL) -r $(VENV)/compiler.txt
+	@$(INSTALL) --no-deps --no-build-isolation --editable .
+	@$(BIN)/python -c 'from carom.dsp.runtime.engine import prepare; prepare()' & compiling=$$!; \
+	  trap 'kill $$compiling; exit 130' INT TERM; \
+	  $(INSTALL) --no-build-isolation $(if $(UV),-r pyproject.toml --extra plot,'carom[plot]'); installed=$$?; \
+	  wait $$compiling && exit $$installed
+	@touch $@
+
+# What tests, checks and measures.
+$(DEV): $(READY)
+	@echo "installing what tests, checks and measures: some 500 MB more"
+	@$(INSTALL) --no-build-isolation $(if $(UV),-r pyproject.toml --extra dev,'carom[dev]')
 	@touch $@
 
 clean:

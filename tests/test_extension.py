@@ -1,5 +1,10 @@
-"""A gesture, a parameter of a roll and a shape are added in few places, and are then everywhere."""
+"""A gesture, a parameter of a roll and a shape are added in few places, and are then everywhere.
 
+The engine that this gives is the same to the bit, whether it is built from an empty cache or from that of the engine as
+it was.
+"""
+
+import json
 import os
 import shutil
 import subprocess
@@ -8,9 +13,15 @@ from pathlib import Path
 
 import pytest
 
+from carom.dsp.native.code import KERNELS
+from carom.dsp.native.store import Store, user_cache
+from carom.dsp.native.targets import targets
+from carom.dsp.runtime.engine import prepare
+
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[1]
+MODULE = "carom.dsp.runtime.callback"
 
 # Edits: file, anchor, and what stands in the anchor's place; no anchor: a new file. An anchor must be found once.
 PARAMETER = (
@@ -264,6 +275,14 @@ assert "cone" in SHAPES
 """
 
 
+AFTER_AN_EDIT = """
+import carom.dsp.runtime.engine as engine
+from carom.dsp.native.translation import translator
+engine.prepare()
+print(translator().count)
+"""
+
+
 def patched(folder, *patches):
     """Return a copy of the tree under a folder, with edits made."""
     package = folder / "carom"
@@ -279,16 +298,41 @@ def patched(folder, *patches):
     return package
 
 
-def run(folder, script):
-    """Run a script on the copy, with a cache of its own: what an earlier run compiled is not found."""
-    (folder / "script.py").write_text(script)
-    env = os.environ | {"PYTHONPATH": str(folder), "XDG_CACHE_HOME": str(folder / "cache")}
-    subprocess.run([sys.executable, "script.py"], cwd=folder, env=env, check=True, timeout=300)
-
-
 def test_a_gesture_a_parameter_and_a_shape_are_added_in_few_places_and_heard_everywhere(tmp_path):
     assert len(PARAMETER) <= 3 and len(PATTER) <= 4 and len(LEAN) <= 4 and len(SHAPE) <= 2
     assert sum(replacement.count("\n") - anchor.count("\n") for _, anchor, replacement in PATTER) <= 120
     patched(tmp_path, PARAMETER, PATTER, LEAN, SHAPE)
-    run(tmp_path, SCRIPT)
-    run(tmp_path, GESTURES_ADDED)
+    # Caches of their own: what an earlier run of this test compiled is not found.
+    empty, edited = tmp_path / "empty", tmp_path / "edited"
+    for script in (SCRIPT, GESTURES_ADDED):
+        (tmp_path / "script.py").write_text(script)
+        _run(tmp_path, "script.py", empty)
+    _fill(edited)
+    count = int(_run(tmp_path, "-c", edited, AFTER_AN_EDIT))
+    assert 0 < count < KERNELS[MODULE]
+    assert _code(empty) == _code(edited)
+
+
+def _run(folder: Path, script: str, cache: Path, *words: str) -> str:
+    """Run Python with the copy of the tree and a cache; return its output."""
+    env = os.environ | {"PYTHONPATH": str(folder), "XDG_CACHE_HOME": str(cache)}
+    words = sys.executable, script, *words
+    return subprocess.run(words, cwd=folder, env=env, check=True, timeout=300, stdout=subprocess.PIPE, text=True).stdout
+
+
+def _fill(cache: Path) -> None:
+    """Make a cache with what the engine is made of as it is in this tree."""
+    prepare()
+    (cache / "carom").mkdir(parents=True)
+    shutil.copytree(user_cache(), cache / "carom" / "code")
+
+
+def _code(cache: Path) -> dict[str, list[bytes]]:
+    """Return the engine's units as a cache holds them: machine code and bitcode, by their keys."""
+    store = Store(cache / "carom" / "code")
+    # the list that was written last is that of the edited engine
+    folders = sorted((store.root / "modules" / MODULE).glob("*/listed.json"), key=lambda path: path.stat().st_mtime)
+    units = json.loads(folders[-1].read_text())["units"][str(targets()[0])]
+    found = {unit: sorted(path.read_bytes() for path in (store.root / "units" / unit).iterdir()) for unit in units}
+    assert len(found) > 20 and all(len(files) == 4 for files in found.values())
+    return found

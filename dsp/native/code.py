@@ -18,7 +18,7 @@ import llvmlite.binding as llvm
 
 from . import store as stores
 from .jit import CFunction
-from .sources import compiler_digest, hash_of, key, sources
+from .sources import compiler_digest, hash_of, sources
 from .store import Listed, Store, user_cache
 from .targets import Target, system, targets
 from .together import together
@@ -57,11 +57,11 @@ def load(module: str) -> Code:
 def compiled(module: str) -> Code:
     """Return the code of a module's C functions, of which what is not in the cache is compiled now."""
     kept = Store(user_cache())
-    listed = _compile([module], targets()[:1])[module]
     target = targets()[0]
+    name, listed = _compile([module], (target,))[module]
     objects = [_object(kept, unit, target)[0] for unit in listed.units[str(target)]]
     kept.prune()
-    return _linked(module, objects, key(module), target, "compiled")
+    return _linked(module, objects, name, target, "compiled")
 
 
 def build(modules: list[str], wanted: tuple[Target, ...], root: Path) -> None:
@@ -71,8 +71,8 @@ def build(modules: list[str], wanted: tuple[Target, ...], root: Path) -> None:
     """
     shutil.rmtree(root, ignore_errors=True)
     kept, packaged = Store(user_cache()), Store(root)
-    for module, listed in _compile(modules, wanted).items():
-        packaged.write_list(module, key(module), listed)
+    for module, (name, listed) in _compile(modules, wanted).items():
+        packaged.write_list(module, name, listed)
         for target in wanted:
             for unit in listed.units[str(target)]:
                 made, needs = _object(kept, unit, target)
@@ -82,7 +82,7 @@ def build(modules: list[str], wanted: tuple[Target, ...], root: Path) -> None:
 def bitcode(module: str) -> bytes:
     """Return LLVM's bitcode of a module's C functions, optimised for this processor, all units in one."""
     kept, target = Store(user_cache()), targets()[0]
-    listed = _compile([module], (target,))[module]
+    _, listed = _compile([module], (target,))[module]
     parts = [kept.read_unit(unit, str(target), "bc") or b"" for unit in listed.units[str(target)]]
     whole = llvm.parse_bitcode(parts[0])
     for part in parts[1:]:
@@ -115,8 +115,9 @@ def _found(module: str, kept: Store, origin: str) -> Code | None:
     return None
 
 
-def _compile(modules: list[str], wanted: tuple[Target, ...]) -> dict[str, Listed]:
-    """Compile what the cache lacks of the machine code of modules for some targets, and return what it consists of."""
+def _compile(modules: list[str], wanted: tuple[Target, ...]) -> dict[str, tuple[str, Listed]]:
+    """Compile what the cache lacks of the machine code of modules for some targets, and return the keys of their lists
+    and the lists."""
     global _notice
     from .compile_notice import CompileNotice
     from .translation import translate_units  # it imports numba
@@ -127,13 +128,14 @@ def _compile(modules: list[str], wanted: tuple[Target, ...]) -> dict[str, Listed
     gc.disable()  # a compiler keeps most of the millions of objects that it makes: looking through them takes a while
     try:
         for module in modules:
-            with CompileNotice(KERNELS.get(module, 0)) as _notice:
-                workers = Workers(kept, _notice.compiled)
+            functions, read = functions_of(module), sources(module)
+            name = hash_of(read)  # before anybody can edit them while they are compiled
+            with CompileNotice(KERNELS.get(module, 0)) as _notice, Workers(kept, _notice.compiled) as workers:
                 submit = partial(_submit, kept, workers, wanted, _notice.submitted)
-                units = translate_units(functions_of(module), kept, submit, _notice.translated)
+                units = translate_units(functions, submit, _notice.translated)
                 workers.finish()
-            lists[module] = Listed(sources(module), {str(target): units for target in wanted})
-            kept.write_list(module, key(module), lists[module])
+            lists[module] = name, Listed(read, {str(target): units for target in wanted})
+            kept.write_list(module, *lists[module])
     finally:
         _notice = None
         if collecting:

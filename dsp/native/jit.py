@@ -1,7 +1,7 @@
 """The decorators that mark kernels, and the calls from C and Python that reach them.
 
 Nothing here imports numba: where the machine code has come along, or is in the user's cache, it is not needed. It is
-imported when something is compiled (`translation.py`).
+imported when something is compiled (`kernel_types.py`).
 """
 
 import ctypes
@@ -54,11 +54,11 @@ class Kernel:
     @functools.cached_property
     def whole(self) -> Any:
         """The kernel as a function of its own, compiled at its first call."""
-        return import_module(f"{__package__}.translation").whole(self)
+        return import_module(f"{__package__}.kernel_types").whole(self)
 
     @functools.cached_property
     def _numba_type_(self) -> Any:
-        return import_module(f"{__package__}.translation").type_of_kernel(self)
+        return import_module(f"{__package__}.kernel_types").type_of_kernel(self)
 
     def __call__(self, *args: Any) -> Any:
         return self.whole(*args)
@@ -96,7 +96,7 @@ class Intrinsic:
 
     @functools.cached_property
     def _numba_type_(self) -> Any:
-        return import_module(f"{__package__}.translation").type_of_intrinsic(self.function)
+        return import_module(f"{__package__}.kernel_types").type_of_intrinsic(self.function)
 
 
 def intrinsic(function: Callable[..., Any]) -> Any:
@@ -112,7 +112,7 @@ class External:
 
     @functools.cached_property
     def _numba_type_(self) -> Any:
-        return import_module(f"{__package__}.translation").type_of_external(*self.signature)
+        return import_module(f"{__package__}.kernel_types").type_of_external(*self.signature)
 
 
 class CFunction:

@@ -1,17 +1,19 @@
 """All that Carom takes from numba beyond its documented names: nothing else imports or changes these.
 
-A test translates a kernel with the numba that is installed, so that a release that moves a name fails there.
+A test translates kernels with the numba that is installed, so that a release that moves a name fails there, with the
+name and numba's version.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
+import llvmlite.binding as llvm
 from llvmlite import ir
 from numba.core import cgutils, typed_passes, types, typing, untyped_passes
 from numba.core.base import BaseContext
 from numba.core.callconv import excinfo_t
-from numba.core.codegen import JITCodeLibrary, _parse_refprune_flags
+from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.compiler_machinery import register_pass
@@ -24,16 +26,15 @@ from numba.core.typed_passes import NativeLowering
 from numba.core.types.misc import unliteral
 
 __all__ = [
-    "JITCodeLibrary",
-    "call_symbol",
     "cgutils",
-    "compiler_into",
     "compiler_of",
     "define_call",
     "global_compiler_lock",
+    "lowered",
     "quiet_compiler",
-    "refprune_flags",
+    "refresh",
     "register_opaque",
+    "target_machine",
     "type_of",
     "types",
     "typing",
@@ -44,14 +45,15 @@ __all__ = [
 # is a record of records: their texts, each with all its fields, took a quarter of the time.
 types.Record.__repr__ = lambda record: record.name
 
-refprune_flags = _parse_refprune_flags
-
 _UNUSED = (
     *("WithLifting", "InlineClosureLikes", "RewriteDynamicRaises", "MakeFunctionToJitFunction", "InlineInlinables"),
     *("FindLiterallyCalls", "LiteralUnroll", "LiteralPropagationSubPipelinePass"),
     *("InlineOverloads", "AnnotateTypes", "DumpParforDiagnostics"),
 )
 """Passes for closures, `with`, `literal_unroll`, `prange` and inlined overloads, which no kernel has."""
+
+_INTERNAL: dict[Any, Any] = {}
+"""Functions that numba has compiled for kernels, as numba keeps them."""
 
 
 def type_of(value: Any) -> Any:
@@ -70,59 +72,121 @@ def register_opaque(kind: type) -> None:
     register_default(kind)(models.OpaqueModel)
 
 
-def compiler_of(function: Callable[..., Any], options: dict[str, Any], pipeline: type) -> Any:
-    """Return numba's compiler of one function: `fold_argument_types(args, kws)` and `compile(args, None)`."""
-    return _FunctionCompiler(function, cpu_target, options, {}, pipeline)
+def target_machine() -> Any:
+    """Return LLVM's maker of machine code that numba uses."""
+    return cpu_target.target_context.codegen()._tm
 
 
-def compiler_into(library: type) -> type:
-    """Return numba's usual compiler, without the passes that no kernel needs, which writes LLVM's code into a library
-    of a class of ours, and no more."""
-    unused = {getattr(where, name, None) for where in (untyped_passes, typed_passes) for name in _UNUSED}
-    lowering = _lowering_into(library)
+class _OwnCode(JITCodeLibrary):
+    """A kernel's own module; the functions that numba itself compiles for it are linked in."""
 
-    class Compiler(CompilerBase):  # type: ignore[misc]
-        def define_pipelines(self) -> list[Any]:
-            pipeline = DefaultPassBuilder.define_nopython_pipeline(self.state)
-            pipeline.add_pass_after(lowering, NativeLowering)
-            pipeline.passes = [each for each in pipeline.passes if each[0] not in {NativeLowering, *unused}]
-            pipeline.finalize()
-            return [pipeline]
+    def _optimize_functions(self, ll_module: Any) -> None:
+        """Make functions small, and no more.
 
-    return Compiler
+        LLVM's passes for functions, which numba runs, take a condition that stays the same out of its loop by writing
+        the loop twice. A loop around a call doubles all that is called.
+        """
+        ll_module.data_layout = self._codegen._data_layout
+        builder = llvm.create_pass_builder(self._codegen._tm, llvm.create_pipeline_tuning_options(speed_level=1))
+        passes = llvm.create_new_function_pass_manager()
+        passes.add_sroa_pass()
+        passes.add_simplify_cfg_pass()
+        passes.add_instruction_combine_pass()
+        passes.add_simplify_cfg_pass()
+        passes.add_dead_code_elimination_pass()
+        for function in ll_module.functions:
+            if not function.is_declaration:
+                passes.run(function, builder)
+
+    def finalize(self) -> None:
+        foreign = [each for each in dict.fromkeys(self._linking_libraries) if not isinstance(each, _WholeCode)]
+        for library in foreign:
+            self._final_module.link_in(library._get_module_for_linking(), preserve=True)
+        for function in self._final_module.functions if foreign else ():
+            if not function.is_declaration and str(function.linkage).endswith("linkonce_odr"):
+                function.linkage = "internal"
+        self._finalized = True
+
+    def get_pointer_to_function(self, name: str) -> int:
+        return 0  # nobody calls it here
 
 
-def _lowering_into(library: type) -> type:
-    class Lowering(NativeLowering):  # type: ignore[misc]
-        _name = f"lowering_into_{library.__name__}"
+class _WholeCode(JITCodeLibrary):
+    """A kernel with all that it calls, to be linked into an ordinary function of numba's.
 
-        def run_pass(self, state: Any) -> bool:
-            state.library = library(state.targetctx.codegen(), state.func_id.func_qualname)
-            state.library.enable_object_caching()
-            state.flags.no_compile = True
-            return bool(super().run_pass(state))
+    parts: returns the bitcode of all of them.
+    """
 
-    register_pass(mutates_CFG=True, analysis_only=False)(Lowering)
-    return Lowering
+    def __init__(self, name: str, parts: Callable[[], Iterable[bytes]]) -> None:
+        super().__init__(cpu_target.target_context.codegen(), name)
+        self._parts = parts
+        self._finalized = True
+
+    def _get_module_for_linking(self) -> Any:
+        if self._shared_module is None:
+            for each in self._parts():
+                self._final_module.link_in(llvm.parse_bitcode(each))
+        return super()._get_module_for_linking()
 
 
-def define_call(symbol: Any, argument_types: tuple[Any, ...], libraries: tuple[Any, ...], key: object) -> None:
-    """Tell numba how a call is written whose implementation has a key: by LLVM's symbol, its status unread.
+@register_pass(mutates_CFG=True, analysis_only=False)
+class _Lowering(NativeLowering):
+    _name = "lowering_of_own_code"
 
-    symbol: numba's description of the function. libraries: code that is linked where an ordinary function calls it.
+    def run_pass(self, state: Any) -> bool:
+        state.library = _OwnCode(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.library.enable_object_caching()
+        state.flags.no_compile = True
+        return bool(super().run_pass(state))
+
+
+class _Compiler(CompilerBase):
+    """numba's usual compiler, without the passes that no kernel needs, which writes LLVM's code and no more."""
+
+    def define_pipelines(self) -> list[Any]:
+        unused = {getattr(where, name, None) for where in (untyped_passes, typed_passes) for name in _UNUSED}
+        pipeline = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        pipeline.add_pass_after(_Lowering, NativeLowering)
+        pipeline.passes = [each for each in pipeline.passes if each[0] not in {NativeLowering, *unused}]
+        pipeline.finalize()
+        return [pipeline]
+
+
+def compiler_of(function: Callable[..., Any], options: dict[str, Any]) -> Any:
+    """Return numba's compiler of one function: `fold_argument_types(args, kws)` and `compile(args, returned)`."""
+    return _FunctionCompiler(function, cpu_target, options, {}, _Compiler)
+
+
+def lowered(
+    function: Callable[..., Any], options: dict[str, Any], argument_types: tuple[Any, ...], returned: Any = None
+) -> tuple[Any, Any]:
+    """Return numba's description of a function, and LLVM's module of its own code."""
+    compiled = compiler_of(function, options).compile(argument_types, returned)
+    compiled.library._ensure_finalized()
+    return compiled.fndesc, compiled.library._final_module
+
+
+def define_call(symbol: Any, argument_types: tuple[Any, ...], parts: Callable[[], Iterable[bytes]]) -> object:
+    """Tell numba how a kernel is called: by LLVM's symbol, its status unread. Return the key that finds it.
+
+    symbol: as numba describes a function. parts: returns the bitcode that an ordinary function that calls it is linked
+    with.
     """
 
     def implementation(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return call_symbol(context, builder, symbol, args)
+        return _call_symbol(context, builder, symbol, args)
 
+    key = object()
     implementation.signature = argument_types  # type: ignore[attr-defined]
-    implementation.libs = libraries  # type: ignore[attr-defined]
+    implementation.libs = (_WholeCode(symbol.mangled_name, parts),)  # type: ignore[attr-defined]
     cpu_target.target_context._defns[key].append(implementation, argument_types)
+    return key
 
 
-def call_symbol(context: Any, builder: Any, symbol: Any, args: Any) -> Any:
+def _call_symbol(context: Any, builder: Any, symbol: Any, args: Any) -> Any:
     """Write a call of a kernel by its symbol. A kernel can't fail, so that nobody reads the status it returns."""
     function = context.declare_function(builder.module, symbol)
+    function.attributes.discard("alwaysinline")  # its own code says so, which may be edited without that of its callers
     convention = context.call_conv
     returned = cgutils.alloca_once(builder, convention.get_return_type(symbol.restype).pointee)
     error = cgutils.alloca_once(builder, ir.PointerType(excinfo_t), name="excinfo")
@@ -136,7 +200,8 @@ def quiet_compiler(mangle: Callable[[str, tuple[Any, ...]], str]) -> Iterator[No
     """Prepare numba to compile kernels, and nothing else, while this is entered.
 
     Kernels own nothing: reference counts are not written. Names hold no counters of this process: `mangle` makes them,
-    of a function's name and the types of its arguments. LLVM is asked once for the size of each type.
+    of a function's name and the types of its arguments. LLVM is asked once for the size of each type. Functions that
+    numba compiles for kernels are kept apart from those for others, which count references and have other names.
     """
     sizes: dict[str, int] = {}
     size_of = BaseContext.get_abi_sizeof
@@ -157,6 +222,7 @@ def quiet_compiler(mangle: Callable[[str, tuple[Any, ...]], str]) -> Iterator[No
         *((where, name, nothing) for where in (Lower, NRTContext) for name in ("incref", "decref")),
         (BaseContext, "mangler", named),
         (BaseContext, "get_abi_sizeof", remembered),
+        (cpu_target.target_context, "cached_internal_func", _INTERNAL),
     ]
     with global_compiler_lock:
         before = [(where, name, getattr(where, name)) for where, name, _ in changed]

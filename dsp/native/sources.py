@@ -9,9 +9,15 @@ import importlib
 import importlib.util
 import sys
 from collections.abc import Iterator
+from importlib.metadata import version
 from pathlib import Path
 
-_COMPILER = ("digests", "numba_internals", "platforms", "targets", "translation", "units")
+from .digests import digest
+
+_COMPILER = (
+    *("digests", "kernel_types", "lowering", "numba_internals", "pickled", "platforms", "targets", "translation"),
+    "units",
+)
 
 
 def key(module: str) -> str:
@@ -35,20 +41,21 @@ def sources(module: str) -> list[str]:
 
 def hash_of(modules: list[str]) -> str:
     """Return a hash of the sources of modules as they are now; empty where one of them is gone."""
-    digest = hashlib.sha256()
+    found = hashlib.sha256()
     for name in modules:
         file = _file_of(name)
         if file is None or not file.exists():
             return ""
         source = file.read_bytes()
-        digest.update(f"{name}\0{len(source)}\0".encode())
-        digest.update(source)
-    return digest.hexdigest()[:16]
+        found.update(f"{name}\0{len(source)}\0".encode())
+        found.update(source)
+    return found.hexdigest()[:16]
 
 
 def compiler_digest() -> str:
-    """Return a hash of the sources of the compiler."""
-    return hash_of([f"{__package__}.{name}" for name in _COMPILER])
+    """Return a hash of the sources of the compiler, and of the versions of what it is made of."""
+    versions = [f"{name} {version(name)}" for name in ("llvmlite", "numba", "numpy")]
+    return f"{hash_of([f'{__package__}.{name}' for name in _COMPILER])}-{digest(f'{sys.version} {versions}')}"
 
 
 def _imports(module: str) -> Iterator[str]:
@@ -60,6 +67,8 @@ def _imports(module: str) -> Iterator[str]:
             target = importlib.util.resolve_name("." * node.level + (node.module or ""), package)
             yield target
             yield from (f"{target}.{each.name}" for each in node.names)
+        elif isinstance(node, ast.Import):
+            yield from (each.name for each in node.names)
 
 
 def _file_of(module: str) -> Path | None:

@@ -35,6 +35,7 @@ except ImportError:  # Windows
 PACKAGED = Path(__file__).parent / "objects"
 """The folder in which a wheel holds its code."""
 
+_FOLDERS = ("translations", "units", "modules")
 _MOST = 200e6  # bytes in the cache before what was not used for longest goes
 _VERSIONS_KEPT = 8  # of a module's list of units
 _COMPILERS_KEPT = 2
@@ -46,13 +47,13 @@ def user_cache() -> Path:
     """Return the folder of the user's cache; where it can't be written, one that goes with this process."""
     root = platformdirs.user_cache_path("carom") / "code"
     try:
-        root.mkdir(parents=True, exist_ok=True)
-        if os.access(root, os.W_OK):
-            return root
-        why = f"no right to write {root}"
+        for folder in (root, *(root / name for name in _FOLDERS)):
+            folder.mkdir(parents=True, exist_ok=True)
+            if not os.access(folder, os.W_OK):
+                return _passing_cache(f"no right to write {folder}")
+        return root
     except OSError as error:
-        why = str(error)
-    return _passing_cache(why)
+        return _passing_cache(str(error))
 
 
 @cache
@@ -86,9 +87,11 @@ class Store:
 
     def read_translation(self, name: str) -> bytes | None:
         """Return what `write_translation` kept by a name; None where there is none that is whole."""
+        file = self._translations / name
         with suppress(OSError):
-            content = (self._translations / name).read_bytes()
+            content = file.read_bytes()
             if content[:20] == digest(content[20:]).encode():
+                _touch(file)
                 return content[20:]
         return None
 

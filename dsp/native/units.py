@@ -19,7 +19,10 @@ from .targets import Target
 
 
 class Unit(NamedTuple):
-    """A function and what is inlined into it: LLVM's symbol, and the bitcode of each, the function's first."""
+    """A function and what is inlined into it: LLVM's symbol, and the bitcode of each.
+
+    The function's comes first, the others by their symbols.
+    """
 
     symbol: str
     parts: tuple[bytes, ...]
@@ -27,8 +30,7 @@ class Unit(NamedTuple):
     @property
     def key(self) -> str:
         """The name by which its code is kept."""
-        first, *inlined = map(digest, self.parts)
-        return digest(f"{_compiler()} {self.symbol} {first} {sorted(inlined)}")
+        return digest(f"{_compiler()} {self.symbol} {[digest(part) for part in self.parts]}")
 
     def source(self) -> bytes:
         """Return its bitcode, in which it alone can be seen from elsewhere."""

@@ -3,10 +3,12 @@
 import json
 import os
 import queue
+import signal
 import subprocess
 import sys
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 from .store import Store
@@ -52,6 +54,17 @@ class Workers:
         if self._errors:
             raise TypeError(self._errors[0])
 
+    def __enter__(self) -> "Workers":
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        """End the processes, whatever is left to be made."""
+        with suppress(queue.Empty):
+            while True:
+                self._jobs.get_nowait()
+        for _ in self._threads:
+            self._jobs.put(None)
+
     def _take_one(self) -> bool:
         """Make one unit in this process; False if there is none."""
         try:
@@ -67,32 +80,27 @@ class Workers:
         return True
 
     def _feed(self) -> None:
-        """Give a process one unit after the other."""
+        """Give a process one unit after the other, until it ends or there are none."""
         begin = f"import sys; sys.path[:] = {sys.path!r}; from {__name__} import serve; serve()"
-        try:
-            process = subprocess.Popen(
-                [sys.executable, "-c", begin], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1
-            )
-        except OSError:
-            return
-        with process:
-            assert process.stdin and process.stdout
+        words, pipe = [sys.executable, "-c", begin], subprocess.PIPE
+        with suppress(OSError), subprocess.Popen(words, stdin=pipe, stdout=pipe, text=True, bufsize=1) as process:
             while job := self._jobs.get():
-                key, target = job
-                try:
-                    words = [str(self._store.root), key, target.system, target.processor]
-                    print(json.dumps(words), file=process.stdin)
-                    answer = process.stdout.readline()
-                except OSError:
-                    answer = ""
-                if not answer:
+                if not self._made_by(process, *job):
                     self._jobs.put(job)
                     return
-                error = json.loads(answer)
-                if error:
-                    self._errors.append(error)
-                self._made()
-            process.stdin.close()
+
+    def _made_by(self, process: "subprocess.Popen[str]", key: str, target: Target) -> bool:
+        """True if a process has made a unit; False if it has ended, or gives no answer of `serve`."""
+        try:
+            words = [str(self._store.root), key, target.system, target.processor]
+            print(json.dumps(words), file=process.stdin)
+            error = json.loads(process.stdout.readline() if process.stdout else "")["error"]
+        except (OSError, ValueError, LookupError, TypeError):
+            return False
+        if error:
+            self._errors.append(error)
+        self._made()
+        return True
 
 
 def _others() -> int:
@@ -103,7 +111,12 @@ def _others() -> int:
 
 
 def serve() -> None:
-    """Make units that lines of standard input name, and answer each by a line: null, or an error."""
+    """Make units that lines of standard input name, and answer each by a line of JSON: its error, or null.
+
+    Who interrupts a compilation, or ends it, ends this process too, without a word.
+    """
+    for name in {"SIGINT", "SIGPIPE"} & set(dir(signal)):
+        signal.signal(getattr(signal, name), signal.SIG_DFL)
     for line in sys.stdin:
         root, key, system, processor = json.loads(line)
         error = None
@@ -111,4 +124,4 @@ def serve() -> None:
             make_object(Store(Path(root)), key, Target(system, processor))
         except TypeError as caught:
             error = str(caught)
-        print(json.dumps(error), flush=True)
+        print(json.dumps({"error": error}), flush=True)

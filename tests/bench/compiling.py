@@ -3,7 +3,8 @@
 A copy of the tree, with a cache of its own, plays a short score: at first from an empty cache, then after one edit of a
 kernel in each package, after an edit of a comment, and after a record got one more field. Each is a new process, which
 imports, translates, compiles, loads and renders. All are told as ratios to one fixed compilation by numba, too, which
-runs in between. `--json tests/measured/compiling.json` keeps the figures for the documents.
+runs in between. `--wheel` builds a wheel, too, and `--clone` runs `make demo` in a clone, twice; both from an empty
+cache. `--json tests/measured/compiling.json` keeps the figures for the documents.
 """
 
 import argparse
@@ -14,6 +15,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from datetime import date
 from pathlib import Path
 from typing import Any
@@ -93,8 +95,44 @@ class Copy:
         file.write_text(text.replace(before, after, 1))
 
 
-def measure() -> dict[str, Any]:
-    """Return the seconds from an edit to a sound, by what was edited, and those of the fixed compilation."""
+def wheel() -> float:
+    """Return the seconds that a wheel for machines like this one takes, from an empty cache."""
+    with tempfile.TemporaryDirectory() as folder:
+        shutil.copytree(ROOT, Path(folder) / "tree", ignore=shutil.ignore_patterns(".*", "build", "__pycache__"))
+        words = [sys.executable, "-m", "pip", "wheel", "-qq", "--no-deps", "--no-build-isolation", "."]
+        return _seconds(words, Path(folder) / "tree", os.environ | {"XDG_CACHE_HOME": folder})
+
+
+def clone() -> float:
+    """Return the seconds that `make demo` takes in a clone of the last commit, with all packages in pip's cache."""
+    caches = {"PIP_CACHE_DIR": ("pip", "cache", "dir"), "UV_CACHE_DIR": ("uv", "cache", "dir")}
+    kept = {name: _said(*words) for name, words in caches.items()}
+    for _ in range(2):  # the first time what it lacks is loaded into that cache
+        with tempfile.TemporaryDirectory() as folder:
+            tree = Path(folder) / "tree"
+            subprocess.run(["git", "clone", "--quiet", ROOT, tree], check=True)
+            env = os.environ | {name: said for name, said in kept.items() if said} | {"XDG_CACHE_HOME": folder}
+            seconds = _seconds(["make", "demo"], tree, env)
+    return seconds
+
+
+def _seconds(words: list[str], folder: Path, env: dict[str, str]) -> float:
+    """Run a command in a folder; return the seconds that it took."""
+    begun = time.perf_counter()
+    subprocess.run(words, cwd=folder, env=env, check=True, stdout=subprocess.DEVNULL)
+    return time.perf_counter() - begun
+
+
+def _said(*words: str) -> str:
+    """Return what a program says; nothing where it isn't there."""
+    return subprocess.run(words, capture_output=True, text=True).stdout.strip() if shutil.which(words[0]) else ""
+
+
+def measure(wanted: dict[str, Callable[[], float]]) -> dict[str, Any]:
+    """Return the seconds from an edit to a sound, by what was edited, and those of the fixed compilation.
+
+    wanted: what else is measured, in seconds.
+    """
     with tempfile.TemporaryDirectory() as folder:
         copy = Copy(Path(folder))
         copy.run("import numba, carom")  # Python's own cache of bytecode
@@ -106,6 +144,9 @@ def measure() -> dict[str, Any]:
             copy.edit(file, after, before)
             fixed.append(float(copy.run(FIXED)[1]))
             print(f"{name}: {seconds[name]:.1f} s", file=sys.stderr)
+    for name, measured in wanted.items():
+        seconds[name] = measured()
+        print(f"{name}: {seconds[name]:.1f} s", file=sys.stderr)
     return {
         "date": date.today().isoformat(),
         "machine": machine(),
@@ -118,8 +159,12 @@ def measure() -> dict[str, Any]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", type=Path, help="a file for the figures")
+    parser.add_argument("--wheel", action="store_true", help="build a wheel, too")
+    parser.add_argument("--clone", action="store_true", help="run `make demo` in a clone, too, twice")
     options = parser.parse_args()
-    figures = json.dumps(measure(), indent=2)
+    wanted = {"a wheel": wheel} if options.wheel else {}
+    wanted |= {"`make demo` in a new clone": clone} if options.clone else {}
+    figures = json.dumps(measure(wanted), indent=2)
     print(figures)
     if options.json:
         options.json.write_text(figures + "\n")

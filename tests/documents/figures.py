@@ -142,9 +142,34 @@ def speed() -> str:
 def compiling() -> str:
     """Say in a sentence how long the engine takes to be compiled."""
     found = json.loads(COMPILING.read_text(encoding="utf-8"))
-    own = f"Compiling the engine for one's own machine takes about {_round(found['start'])} s of one core"
-    wheel = f", for the {found['levels']} levels of a wheel {_round(found['wheel'])} s" if "wheel" in found else ""
+    if "ratios" not in found:
+        return _UNMEASURED
+    cores, seconds = found["machine"]["cores"], found["seconds"]
+    own = (
+        f"Compiling the engine for one's own machine takes about {_round(seconds['an empty cache'])} s on {cores} cores"
+    )
+    wheel = f", for the levels of a wheel {_round(seconds['a wheel'])} s" if "a wheel" in seconds else ""
     return f"{own}{wheel} ({found['machine']['cpu']})."
+
+
+def edits() -> str:
+    """Return the time from an edit to a sound, by what was edited."""
+    found = json.loads(COMPILING.read_text(encoding="utf-8"))
+    if "ratios" not in found:
+        return _UNMEASURED
+    lines = [
+        (name, f"{seconds:.1f}" if seconds < 10 else f"{seconds:.0f}", _number(found["ratios"][name]))
+        for name, seconds in found["seconds"].items()
+    ]
+    head = ("edited, or begun with", "s to a sound", "as a ratio")
+    note = (
+        f"A ratio is to a fixed compilation by numba, which took {found['fixed']:.2f} s "
+        "([bench/compiling.py](tests/bench/compiling.py))."
+    )
+    return f"{_machine(found | {'quick': False})}\n\n{table(head, lines)}\n\n{note}"
+
+
+_UNMEASURED = "Not measured yet: `python -m tests.bench.compiling` does."
 
 
 def _round(seconds: float) -> int:

@@ -12,7 +12,8 @@ from tests.documents import commands, figures, presets, protocol, recipes
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = ("server", "clients", "presets", "dsp", "tests")
-PAGES = ("README.md", *(f"{folder}/{page.name}" for folder in FOLDERS for page in sorted((ROOT / folder).glob("*.md"))))
+IN_FOLDERS = [f"{folder}/{page.name}" for folder in FOLDERS for page in sorted((ROOT / folder).glob("*.md"))]
+PAGES = ("README.md", "CONTRIBUTING.md", *IN_FOLDERS)
 
 PARTS: dict[str, Callable[[], str]] = {
     "addresses": address_table,
@@ -32,6 +33,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "accuracy": figures.accuracy,
     "speed": figures.speed,
     "compile time": figures.compiling,
+    "edits": figures.edits,
     "failures": figures.failures,
     "rebounds": figures.rebounds,
     "choices": figures.choices,

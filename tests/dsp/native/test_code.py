@@ -2,9 +2,11 @@
 
 import importlib
 import logging
+import os
 import subprocess
 import sys
 import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import llvmlite.binding as llvm
 import platformdirs
@@ -13,7 +15,7 @@ import pytest
 from carom.dsp.native import code, store, targets
 from carom.dsp.native.code import bitcode, compiled, load
 from carom.dsp.native.digests import digest
-from carom.dsp.native.sources import key, sources
+from carom.dsp.native.sources import compiler_digest, key, sources
 from carom.dsp.native.store import Store
 from carom.dsp.native.targets import LEVELS, Target, processors, system
 
@@ -21,7 +23,8 @@ FILES = {
     "__init__.py": "",
     "callback.py": "from .engine.process import run\nfrom .engine import clock\n",
     "engine/__init__.py": "",
-    "engine/clock.py": "",
+    "engine/clock.py": "import kernels.contact.plain as plain\n",
+    "contact/plain.py": "",
     "engine/process.py": "from ..contact.deep.law import (\n    force,\n)\ndef run(): return force()\n",
     "contact/__init__.py": "",
     "contact/deep/__init__.py": "",
@@ -47,7 +50,9 @@ def package(tmp_path, monkeypatch):
         del sys.modules[module]
 
 
-@pytest.mark.parametrize("name", ["callback.py", "engine/clock.py", "engine/process.py", "contact/deep/law.py"])
+@pytest.mark.parametrize(
+    "name", ["callback.py", "engine/clock.py", "engine/process.py", "contact/deep/law.py", "contact/plain.py"]
+)
 def test_an_edit_of_a_file_that_is_imported_however_deep_changes_the_key(package, name):
     before = key("kernels.callback")
     (package / name).write_text(FILES[name] + "# edited\n")
@@ -179,13 +184,94 @@ def test_code_that_needs_what_the_system_lacks_is_compiled_here(doubling, tmp_pa
     assert doubled(doubling) == (42, "compiled")
 
 
-def test_a_cache_that_cannot_be_written_is_said_once_and_the_code_runs(doubling, tmp_path, caplog):
-    (tmp_path / "cache").write_text("a file, where a folder is needed")
+@pytest.mark.parametrize("file", ["cache", "cache/carom/code/units", "cache/carom/code/translations"])
+def test_a_cache_that_cannot_be_written_is_said_once_and_the_code_runs(doubling, tmp_path, caplog, file):
+    (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
+    (tmp_path / file).write_text("a file, where a folder is needed")
     store._passing_cache.cache_clear()
     with caplog.at_level(logging.WARNING):
         assert doubled(doubling) == (42, "compiled")
         assert doubled(doubling)[0] == 42
     assert caplog.text.count("cannot write the code cache") == 1
+
+
+def test_files_of_an_older_version_in_the_cache_are_left_alone(doubling, tmp_path):
+    """The layout was code/MODULE/KEY/FILE: it may still be in use."""
+    older = tmp_path / "cache" / "carom" / "code" / doubling / "0123456789abcdef"
+    older.mkdir(parents=True)
+    (older / "linux-x86-64-v3.bc").write_bytes(b"BC")
+    (older / "linux-x86-64-v3.0123.o").write_bytes(b"ELF")
+    assert doubled(doubling) == (42, "compiled")
+    assert doubled(doubling) == (42, "cache")
+    assert len(list(older.iterdir())) == 2
+
+
+def test_what_was_not_used_for_longest_goes_when_the_cache_is_full(doubling, tmp_path, monkeypatch):
+    assert doubled(doubling) == (42, "compiled")
+    kept = Store(tmp_path / "cache" / "carom" / "code", compiler_digest())
+    for number in range(3):
+        kept.write_unit(f"unit{number}", "source", "bc", bytes(1000))
+        kept.write_translation(f"translation{number}", bytes(1000))
+    for path in [*kept.root.glob("units/*"), *kept.root.glob("translations/*/translation*")]:
+        os.utime(path, (1e9, 1e9))
+    kept.read_translation("translation1")
+    os.utime(kept.root / "units" / "unit2")
+    assert doubled(doubling) == (42, "cache")  # its unit is in use now
+    size = sum(path.stat().st_size for folder in ("units", "translations") for path in kept.root.glob(f"{folder}/*/*"))
+    monkeypatch.setattr(store, "_MOST", size - 3500)
+    kept.prune()
+    found = {path.name for path in [*kept.root.glob("units/unit*"), *kept.root.glob("translations/*/translation*")]}
+    assert found == {"unit2", "translation1"}
+    assert doubled(doubling) == (42, "cache")
+
+
+def test_sources_that_are_edited_while_they_are_compiled_are_compiled_again(doubling, tmp_path, monkeypatch):
+    submit = code._submit
+
+    def edit_and_submit(*args):
+        (tmp_path / "doubling.py").write_text(MODULE.replace("2 * x", "20 * x"))
+        submit(*args)
+
+    monkeypatch.setattr(code, "_submit", edit_and_submit)
+    assert doubled(doubling) == (42, "compiled")
+    monkeypatch.setattr(code, "_submit", submit)
+    assert doubled(doubling) == (420, "compiled")
+
+
+@pytest.mark.slow
+def test_threads_may_compile_at_once(tmp_path, monkeypatch):
+    monkeypatch.setattr(platformdirs, "user_cache_path", lambda name: tmp_path / name)
+    monkeypatch.syspath_prepend(tmp_path)
+    names = [f"at_once_{number}" for number in range(4)]
+    for number, name in enumerate(names):
+        (tmp_path / f"{name}.py").write_text(MODULE.replace("2 * x", f"leaf(x) + {number}") + LEAF)
+        importlib.import_module(name)
+    with ThreadPoolExecutor() as pool:
+        assert [each.origin for each in pool.map(compiled, names)] == ["compiled"] * 4
+    assert [importlib.import_module(name).double(21) for name in names] == [42, 43, 44, 45]
+
+
+LEAF = """
+from carom.dsp.native.jit import kernel
+
+@kernel
+def leaf(x):
+    return 2 * x
+"""
+
+AT_ONCE = """
+import doubling
+from carom.dsp.native.code import load
+print(load("doubling").origin, doubling.double(21))
+"""
+
+
+@pytest.mark.slow
+def test_processes_that_start_at_once_get_the_same_code(doubling, tmp_path):
+    env = os.environ | {"PYTHONPATH": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path / "together")}
+    words = [sys.executable, "-c", AT_ONCE]
+    both = [subprocess.Popen(words, env=env, stdout=subprocess.PIPE, text=True) for _ in range(2)]
+    assert sorted(each.communicate()[0] for each in both) == ["cache 42\n", "compiled 42\n"]
 
 
 def test_a_package_brings_code_for_several_processors_and_needs_no_cache(doubling, tmp_path, monkeypatch):
