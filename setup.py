@@ -26,8 +26,8 @@ EVERYWHERE = os.environ.get("CAROM_WHEEL") == "everywhere"
 
 BUILD = f"""
 import sys
-from carom.dsp.native import code, targets
-code.build(sys.argv[1:], {"targets.WHEEL" if EVERYWHERE else "targets.built()"}, code.PACKAGED)
+from carom.dsp.native import code, store, targets
+code.build(sys.argv[1:], {"targets.WHEEL" if EVERYWHERE else "targets.built()"}, store.PACKAGED)
 """
 
 

@@ -48,7 +48,8 @@ class Stamp(float):
 
 def prepare() -> None:
     """Load the engine's code, or compile it, which takes long; after this, an Engine takes milliseconds."""
-    load(callback.__module__)
+    for function in (callback, observe, clock_ns):
+        load(function.__module__)
 
 
 class Engine:

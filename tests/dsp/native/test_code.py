@@ -3,14 +3,17 @@
 import importlib
 import logging
 import os
+import runpy
 import subprocess
 import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import llvmlite.binding as llvm
 import platformdirs
 import pytest
+import setuptools
 
 from carom.dsp.native import code, store, targets
 from carom.dsp.native.code import bitcode, compiled, load
@@ -214,6 +217,7 @@ def test_what_was_not_used_for_longest_goes_when_the_cache_is_full(doubling, tmp
         kept.write_translation(f"translation{number}", bytes(1000))
     for path in [*kept.root.glob("units/*"), *kept.root.glob("translations/*/translation*")]:
         os.utime(path, (1e9, 1e9))
+    os.utime(next(kept.root.glob("translations/*/translation1")), (1e8, 1e8))
     kept.read_translation("translation1")
     os.utime(kept.root / "units" / "unit2")
     assert doubled(doubling) == (42, "cache")  # its unit is in use now
@@ -284,6 +288,15 @@ def test_a_package_brings_code_for_several_processors_and_needs_no_cache(doublin
     assert not (tmp_path / "nowhere").exists()
     (tmp_path / "doubling.py").write_text(MODULE.replace("2 * x", "20 * x"))
     assert doubled(doubling) == (420, "compiled")
+
+
+def test_a_wheel_compiles_itself(doubling, tmp_path, monkeypatch):
+    monkeypatch.setattr(setuptools, "setup", lambda **_: None)
+    monkeypatch.setattr(store, "PACKAGED", tmp_path / "objects")
+    monkeypatch.setattr(sys, "argv", ["-c", doubling])
+    exec(runpy.run_path(str(Path(__file__).parents[3] / "setup.py"))["BUILD"], {})
+    assert len(list((tmp_path / "objects").rglob("*.o"))) == len(targets.built())
+    assert doubled(doubling) == (42, "package")
 
 
 def test_code_that_can_fail_is_refused(monkeypatch, tmp_path):
