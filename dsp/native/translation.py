@@ -132,7 +132,8 @@ class Translator:
 
 def translator() -> Translator:
     """Return the translator of this process, which keeps what it makes in the user's cache."""
-    return _translator(user_cache())
+    with global_compiler_lock:  # two threads that came at once would have one each
+        return _translator(user_cache())
 
 
 @cache
