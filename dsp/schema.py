@@ -253,7 +253,7 @@ SLIDE = Gesture(
 )  # fmt: skip
 GESTURES = {gesture.name: gesture for gesture in (IMPACT, BOUNCE, ROLL, PRESS, SPIN, SLIDE)}
 
-TRAITS = ("single", "repeats", "falls", "held", "rolls", "slips", "along", "lasts", "meets")
+TRAIT_NAMES = ("single", "repeats", "falls", "held", "rolls", "slips", "along", "lasts", "meets")
 """Traits of gestures that kernels ask for: 1 or 0, but for `meets`."""
 
 STEERABLE = tuple(dict.fromkeys(name for gesture in GESTURES.values() for name in gesture.steerable))

@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ... import schema
 from ...rolling.surface import PROFILE
 from ...schema import (
     BY_POSITION,
@@ -19,6 +18,7 @@ from ...schema import (
     SETTINGS,
     STEERABLE,
     STRIKE,
+    TRAIT_NAMES,
     VELOCITY,
     Gesture,
     Parameter,
@@ -91,7 +91,7 @@ IN_VALUES = np.array([(VALUES.names or ()).index(name) for name in STEERABLE])
 STEERS = np.array([[name in gesture.steerable for name in STEERABLE] for gesture in GESTURES.values()])
 """True where a gesture can be steered by a parameter."""
 
-TRAITS = np.dtype([(name, np.float64 if name == "meets" else np.int64) for name in schema.TRAITS], align=True)
+TRAITS = np.dtype([(name, np.float64 if name == "meets" else np.int64) for name in TRAIT_NAMES], align=True)
 """Traits of a gesture, as schema.Gesture says."""
 
 _PLACES_OF_NEW = ("first", "size", "table", "rows", "felt", "bent", "unheard")

@@ -6,7 +6,6 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from ... import schema
 from ...contact.coupled_group import COUPLED_GROUP
 from ...native.pages import own_zeros
 from ...numerics.legendre import FINE, KEPT, MOMENTS
@@ -14,7 +13,7 @@ from ...resonator.bank import DRIVER, RESPONSES
 from ...resonator.fed import HALF, REACH
 from ...resonator.simd import LANES
 from ...rolling.body import ROLL
-from ...schema import GESTURES
+from ...schema import GESTURES, TRAIT_NAMES
 from ...schema_records import STATS
 from ...spectral.layout import PHASES, REGION, SPECTRAL
 from .capacity import MODES, MODES_PER_OBJECT, OBJECTS, SHAPE_VALUES, STEMS
@@ -336,7 +335,7 @@ def new_state(rate: float, channels: int = 2, memory: mmap.mmap | None = None) -
     state: NDArray[np.void] = np.frombuffer(memory or own_zeros(STATE.itemsize), STATE)
     record = state[0]
     record["rate"] = rate
-    record["traits"] = [tuple(getattr(each, name) for name in schema.TRAITS) for each in GESTURES.values()]
+    record["traits"] = [tuple(getattr(each, name) for name in TRAIT_NAMES) for each in GESTURES.values()]
     record["output"]["channels"] = channels
     record["output"]["consumed"] = QUANTUM
     record["output"]["limit"] = record["output"]["gain"] = record["output"]["allowed"] = 1.0
