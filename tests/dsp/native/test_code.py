@@ -97,6 +97,7 @@ def test_the_callbacks_key_holds_its_kernels_and_neither_bodies_nor_lab():
         "engine",
         "runtime",
         "schema",
+        "schema_records",
     }
     assert {name for name in held if ".runtime." in name} == {"carom.dsp.runtime.callback"}
 
