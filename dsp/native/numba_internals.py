@@ -192,7 +192,9 @@ def _call_symbol(context: Any, builder: Any, symbol: Any, args: Any) -> Any:
     error = cgutils.alloca_once(builder, ir.PointerType(excinfo_t), name="excinfo")
     packed = convention._get_arg_packer(symbol.argtypes).as_arguments(builder, args)
     builder.call(function, [returned, error, *packed])
-    return context.get_returned_value(builder, symbol.restype, builder.load(returned))
+    value = context.get_returned_value(builder, symbol.restype, builder.load(returned))
+    context.nrt.incref(builder, symbol.restype, value)  # an ordinary function counts: a kernel returns no reference
+    return value
 
 
 @contextmanager

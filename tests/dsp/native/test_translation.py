@@ -11,6 +11,7 @@ from textwrap import dedent
 from typing import NamedTuple
 
 import pytest
+from numba import njit
 
 from carom.dsp.native import translation
 from carom.dsp.native.code import functions_of
@@ -391,3 +392,27 @@ def test_a_kernel_that_calls_itself_is_refused(empty, body):
     empty.write("functions.py", dedent(MODULE).replace("BODY", body) + other)
     with pytest.raises(TypeError, match=r"small.functions:culprit calls itself"):
         empty.start()
+
+
+@kernel
+def _rest(x):
+    return x[1:]
+
+
+@njit
+def _rests(x, n):
+    total = 0.0
+    for _ in range(n):
+        total += _rest(x)[0]
+    return total, _rest(x)
+
+
+def test_an_array_that_a_kernel_returns_is_counted_by_whoever_called_it():
+    x = np.arange(4.0)
+    before = sys.getrefcount(x)
+    total, rest = _rests(x, 100)
+    again = _rest(x)
+    assert total == 100.0 and sys.getrefcount(x) == before + 2
+    assert rest.tolist() == again.tolist() == [1.0, 2.0, 3.0]
+    del rest, again
+    assert sys.getrefcount(x) == before
