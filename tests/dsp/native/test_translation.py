@@ -10,12 +10,14 @@ from pathlib import Path
 from textwrap import dedent
 from typing import NamedTuple
 
+import numpy as np
 import pytest
 from numba import njit
 
 from carom.dsp.native import translation
 from carom.dsp.native.code import functions_of
 from carom.dsp.native.jit import KERNELS as KERNELS_BY_NAME
+from carom.dsp.native.jit import kernel
 from carom.dsp.native.translation import translate_units, translator
 
 FILES = {
