@@ -18,7 +18,7 @@ export function strokeOn({ preset, material }) {
   if (shape === "ring" || (shape === "bar" && geometry.diameter)) return sanded(60);
   if (shape === "bar" && geometry.ends !== "cantilever" && !isWood(material)) return sanded(100);
   if (shape === "listed" && geometry.height > 0.3) return HEAVY;
-  return shape === "plate" && isWood(material) ? ROUGHER : BALL;
+  return shape === "bar" || (shape === "plate" && isWood(material)) ? ROUGHER : BALL;
 }
 
 function isWood(material) {
