@@ -48,4 +48,5 @@ def test_a_wheel_brings_its_code_though_its_python_has_no_numba(tree, tmp_path):
     (archive,) = tmp_path.glob("*.whl")
     with zipfile.ZipFile(archive) as packed:
         names = packed.namelist()
-    assert [name for name in names if "/objects/carom.dsp.runtime.callback/" in name and name.endswith(".o")]
+    assert any("/objects/modules/carom.dsp.runtime.callback/" in name for name in names)
+    assert sum("/objects/units/" in name and name.endswith(".o") for name in names) > 20

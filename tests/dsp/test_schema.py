@@ -76,7 +76,7 @@ def test_every_counter_is_written_by_the_engine():
     """One that is declared and not counted would always be what it was at the beginning."""
     folder = Path(schema.__file__).parent
     written = set()
-    for path in (*(folder / "engine").glob("*.py"), folder / "runtime" / "callback.py"):
+    for path in (*(folder / "engine").rglob("*.py"), folder / "runtime" / "callback.py"):
         for node in ast.walk(ast.parse(path.read_text())):
             targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
             written |= {each.attr for each in targets if isinstance(each, ast.Attribute) and "stats" in ast.dump(each)}

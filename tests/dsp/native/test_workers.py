@@ -104,7 +104,7 @@ def test_processes_end_where_the_work_is_given_up(kept):
 def test_workers_end_without_a_word_when_their_parent_does(tmp_path, name):
     """Nothing is left running, and nothing stands on the terminal but what the parent says."""
     script = f"""
-import os, signal, subprocess, sys
+import os, signal, subprocess, sys, time
 worker = subprocess.Popen(
     [sys.executable, "-c", "from carom.dsp.native.workers import serve; print(1, flush=True); serve()"],
     stdin=subprocess.PIPE, stdout=subprocess.PIPE,
@@ -112,6 +112,7 @@ worker = subprocess.Popen(
 worker.stdout.readline()
 print(worker.pid, flush=True)
 if {name!r} == "SIGINT":
+    time.sleep(0.5)  # by then it serves
     worker.send_signal(signal.SIGINT)
     worker.wait()
 else:
