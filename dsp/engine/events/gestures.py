@@ -9,18 +9,26 @@ from ...native.jit import kernel
 from ...native.records import field, set_field
 from ...rolling.body import begin_roll
 from ...rolling.surface import begin_surface
+from ...schema import GESTURES
 from ..bodies.objects import place
 from ..bodies.striker_modes import prepare
 from ..contacts.contact_list import append_contact, report_end, schedule_contact
 from ..contacts.coupled_rolls import couple_roll
 from ..contacts.gesture_kernels import begin_gesture
 from ..contacts.slides import begin_slide
-from ..memory.commands import IN_VALUES
+from ..memory.commands import IN_VALUES, VALUES
 from ..memory.quality import coarseness_of
 from ..memory.state import CLOSED, END_JOINED, END_NO_ROOM, END_RESTED, ROLLING
 from .steering import steer_existing
 
 _SLOWEST = 1e-12  # m/s: a slower striker moves nothing, and its square may underflow
+_SIZES = np.array(
+    [
+        (VALUES.names or ()).index("velocity" if each.falls or each.held else each.argument.name)
+        for each in GESTURES.values()
+    ]
+)
+"""The place in VALUES of what says whether a gesture does anything: its argument, or the velocity that it comes to."""
 
 
 @kernel
@@ -31,7 +39,7 @@ def start_gesture(state, obj, event):
     full = stats.contacts_active == len(state.contacts) or (trait.along == 1 and stats.rolls_active == len(state.rolls))
     if trait.along == 1 and steer_existing(state, event):
         report_end(state, event.gesture, END_JOINED)
-    elif _size_of(event.values) < _SLOWEST:
+    elif max(field(event.values, _SIZES[event.what]), event.values.sweep) < _SLOWEST:
         report_end(state, event.gesture, END_RESTED)
     elif full:
         stats.impacts += 1
@@ -48,12 +56,6 @@ def start_gesture(state, obj, event):
         begin_gesture(contact.kind, state, contact, event)
         schedule_contact(state, contact)
         append_contact(state, obj, index)
-
-
-@kernel
-def _size_of(values):
-    """Return the greatest of a gesture's speeds (m/s) and its duration (s); a gesture of 0 does nothing."""
-    return max(max(values.velocity, values.speed), max(values.sweep, values.duration))
 
 
 @kernel
