@@ -332,7 +332,10 @@ def _code(cache: Path) -> dict[str, list[bytes]]:
     store = Store(cache / "carom" / "code")
     # the list that was written last is that of the edited engine
     folders = sorted((store.root / "modules" / MODULE).glob("*/listed.json"), key=lambda path: path.stat().st_mtime)
-    units = json.loads(folders[-1].read_text())["units"][str(targets()[0])]
-    found = {unit: sorted(path.read_bytes() for path in (store.root / "units" / unit).iterdir()) for unit in units}
-    assert len(found) > 20 and all(len(files) == 4 for files in found.values())
+    target = str(targets()[0])
+    units = json.loads(folders[-1].read_text())["units"][target]
+    # the cache may hold the code for other targets too
+    kinds = "source.*.bc", f"{target}.*.bc", f"{target}.*.o", f"{target}.*.needs"
+    found = {unit: [file.read_bytes() for kind in kinds for file in (store.root / "units" / unit).glob(kind)] for unit in units}
+    assert len(found) > 20 and all(len(files) == len(kinds) for files in found.values())
     return found

@@ -12,6 +12,9 @@ export class Link extends EventTarget {
     this.skipped = 0;
     this.heard = new Map();
     this.wait = 250;
+    this.syncs = new Map();
+    this.syncCount = 0;
+    this.on("/synced", (id) => this.synced(id));
   }
 
   /** Have a function called with the arguments of each message to an address. */
@@ -30,6 +33,7 @@ export class Link extends EventTarget {
     this.socket.onmessage = ({ data }) => this.take(data);
     this.socket.onclose = () => {
       this.dispatchEvent(new Event("lost"));
+      for (const id of [...this.syncs.keys()]) this.synced(id);
       setTimeout(() => this.open(), this.wait);
       this.wait = Math.min(2 * this.wait, 2000);
     };
@@ -68,6 +72,20 @@ export class Link extends EventTarget {
       return false;
     }
     return this.send(address, ...args);
+  }
+
+  /** Wait until the server has done all that was sent before, or the connection is lost. */
+  sync() {
+    const id = ++this.syncCount;
+    return new Promise((resolve) => {
+      this.syncs.set(id, resolve);
+      if (!this.send("/sync", id)) this.synced(id);
+    });
+  }
+
+  synced(id) {
+    this.syncs.get(id)?.();
+    this.syncs.delete(id);
   }
 
   command(COMMAND, DATA) {

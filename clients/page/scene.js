@@ -86,8 +86,9 @@ export class Scene extends EventTarget {
     this.changed();
   }
 
-  /** Ask for an object's modes and settings. */
+  /** Ask for an object's modes and settings, once the server has them as they were set here. */
   async look(object) {
+    await this.link.sync();
     const response = await fetch(`/page/object/${encodeURIComponent(object.name)}`);
     if (!response.ok) return;
     object.modes = await response.json();

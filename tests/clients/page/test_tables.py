@@ -47,7 +47,7 @@ def test_a_restarted_server_finds_the_pages_table_again(browser, tmp_path):
             table.settle("carom.scene.objects.get('pane')?.modes")
             page.keyboard.press("Escape")
             before = table.ask(LAID)
-            page.wait_for_timeout(600)
+            table.settle("/ glass-ball tune 12.*[^]*edges/.test(localStorage.getItem('carom-table'))")
         (tmp_path / "log.txt").unlink()
         stack.enter_context(served(tmp_path, re.search(r":(\d+)/", url)[1]))
         table.settle("carom.link.isOpen && carom.scene.isKnown")
