@@ -336,6 +336,9 @@ def _code(cache: Path) -> dict[str, list[bytes]]:
     units = json.loads(folders[-1].read_text())["units"][target]
     # the cache may hold the code for other targets too
     kinds = "source.*.bc", f"{target}.*.bc", f"{target}.*.o", f"{target}.*.needs"
-    found = {unit: [file.read_bytes() for kind in kinds for file in (store.root / "units" / unit).glob(kind)] for unit in units}
+    found = {
+        unit: [file.read_bytes() for kind in kinds for file in (store.root / "units" / unit).glob(kind)]
+        for unit in units
+    }
     assert len(found) > 20 and all(len(files) == len(kinds) for files in found.values())
     return found
