@@ -1,7 +1,7 @@
 """The modes of an object as the engine plays them: labels for its sound."""
 
 from types import SimpleNamespace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -111,8 +111,8 @@ def _decays(modes: Modes, settings: Settings, rate: float) -> NDArray[np.float64
     """Return the decays of all modes, as the engine has them."""
     if not len(modes.decay):  # a small body that clicks alone
         return modes.decay
-    state = SimpleNamespace(bank=SimpleNamespace(sigma=modes.decay), rate=rate)
-    obj = SimpleNamespace(first=0, settings=settings)
+    state: Any = SimpleNamespace(bank=SimpleNamespace(sigma=modes.decay), rate=rate)
+    obj: Any = SimpleNamespace(first=0, settings=settings)
     most = int(np.argmax(modes.decay))
     if settings.decay == 1.0 and settings.damp == 0.0 and sigma_of.py_func(state, obj, most) == modes.decay[most]:
         return modes.decay  # nothing changes them, and the heaviest is not too heavy

@@ -32,7 +32,9 @@ _CAUGHT_UP = 0.8  # of the speed a striker leaves with: swinging back with .94 o
 
 
 @kernel
-def closed_form_will_do(level, seen_mass_ratio, mass_ratio, ringing_ratio, restitution):
+def closed_form_will_do(
+    level: int, seen_mass_ratio: float, mass_ratio: float, ringing_ratio: float, restitution: float
+) -> bool:
     """True if the closed form is as accurate as `level` (a number in LEVELS) asks, given seen_mass_ratio = sum r_i P_i,
     mass_ratio = sum r_i, ringing_ratio = sum |phi_i z_i|/v_in and the restitution e.
 

@@ -18,12 +18,14 @@ Eight nodes are computed at once (numerics/elementary.py): LLVM turns all loops 
 """
 
 import math
+from typing import Annotated
 
 import numpy as np
 from numpy.polynomial import legendre
+from numpy.typing import NDArray
 
 from ..native.jit import kernel, simd_kernel
-from ..numerics.checks import Array
+from ..native.typed import Record, View, View2D, dtype_of
 from ..numerics.elementary import exp, expm1, log
 from ..numerics.legendre import FALL, MOMENTS, RISE
 from .law import potential, restitution_of, time_scale
@@ -42,7 +44,7 @@ NODES = len(_PIECE_NODES)
 """Gauss nodes of a phase of a pulse."""
 
 
-def _antiderivative() -> Array:
+def _antiderivative() -> NDArray[np.float64]:
     """Return the matrix from a function's values at _NODES to the power series (in x = 2 zeta - 1) of its integral over
     zeta."""
     degrees = np.arange(_DEGREE)
@@ -57,52 +59,54 @@ _ANTIDERIVATIVE[:, : _DEGREE + 1] = _antiderivative().T
 
 _LEAST = 1e-300  # what a logarithm is taken of, at least
 
-PULSE = np.dtype(
-    [
-        ("time_series", np.float64, (2, _ROOM)),  # samples from the phase's contact end, over x = 2 zeta - 1
-        ("slowness", np.float64, 2 * _DEGREE),  # samples per zeta at _NODES
-        ("node_time", np.float64, 2 * NODES),  # samples: see `find_nodes`
-        ("node_impulse", np.float64, 2 * NODES),  # N s
-        ("span", np.float64, 2),  # |U| at the contact end
-        ("phase_time", np.float64, 2),  # samples
-        ("w", np.float64, 2),  # mu v_in, negative in the release
-        ("exponent", np.float64),
-        ("momentum", np.float64),  # m v_in, N s
-        ("restitution", np.float64),
-        ("duration", np.float64),  # samples
-        ("time", np.float64),  # samples since the beginning: how far the moments have been taken
-        ("zeta", np.float64),
-        ("u", np.float64),
-    ],
-    align=True,
-)
-"""State of one contact: phase 0 compresses, phase 1 releases."""
+
+class Pulse(Record):
+    """State of one contact: phase 0 compresses, phase 1 releases."""
+
+    time_series: Annotated[View2D[float], 2, _ROOM]  # samples from the phase's contact end, over x = 2 zeta - 1
+    slowness: Annotated[View[float], 2 * _DEGREE]  # samples per zeta at _NODES
+    node_time: Annotated[View[float], 2 * NODES]  # samples: see `find_nodes`
+    node_impulse: Annotated[View[float], 2 * NODES]  # N s
+    span: Annotated[View[float], 2]  # |U| at the contact end
+    phase_time: Annotated[View[float], 2]  # samples
+    w: Annotated[View[float], 2]  # mu v_in, negative in the release
+    exponent: float
+    momentum: float  # m v_in, N s
+    restitution: float
+    duration: float  # samples
+    time: float  # samples since the beginning: how far the moments have been taken
+    zeta: float
+    u: float
+
+
+PULSE = dtype_of(Pulse)
 
 
 @kernel
-def velocity_of(w, U):
+def velocity_of(w: float, U: float) -> float:
     """Return (exp(w U) - 1)/w: the velocity whose logarithmic velocity is U."""
     z = w * U
     return U if z == 0.0 else math.expm1(z) / w
 
 
 @kernel
-def slowness_at(Z, span, w, a):
+def slowness_at(Z: float, span: float, w: float, a: float) -> float:
     """Return dt/dzeta of a phase, at Z = zeta^(a+1)."""
     u = velocity_of(w, span * (1.0 - Z))
     g = potential(velocity_of(w, span * Z), w * span * Z, u, w)
-    return span * (a + 1.0) * (Z / ((a + 1.0) * g)) ** (a / (a + 1.0))
+    rate: float = (Z / ((a + 1.0) * g)) ** (a / (a + 1.0))
+    return span * (a + 1.0) * rate
 
 
 @kernel
-def spans_of(w, e):
+def spans_of(w: float, e: float) -> tuple[float, float]:
     """Return |U| at the beginning and at the release."""
     compressing = math.log1p(w) / w if w > 0.0 else 1.0
     return compressing, 1.0 + e - compressing
 
 
 @kernel
-def begin_pulse(pulse, v_in, m, k, mu, a, rate):
+def begin_pulse(pulse: Pulse, v_in: float, m: float, k: float, mu: float, a: float, rate: float) -> None:
     """Set up the pulse of a contact at v_in; times in samples of 1/rate s."""
     w = mu * v_in if mu * v_in > 1e-100 else 0.0
     e = restitution_of(w)
@@ -124,7 +128,7 @@ def begin_pulse(pulse, v_in, m, k, mu, a, rate):
 
 
 @simd_kernel
-def _find_slowness(pulse, unit):
+def _find_slowness(pulse: Pulse, unit: float) -> None:
     """Put `slowness_at` times `unit` at all nodes into `slowness`."""
     a, compressing, releasing = pulse.exponent, pulse.span[0], pulse.span[1]
     dissipation, slowness = pulse.w[0], pulse.slowness
@@ -141,7 +145,7 @@ def _find_slowness(pulse, unit):
 
 
 @simd_kernel
-def _integrate(pulse):
+def _integrate(pulse: Pulse) -> None:
     """Find the time series from the slowness."""
     for phase in range(2):
         series, slowness = pulse.time_series[phase], pulse.slowness[phase * _DEGREE : (phase + 1) * _DEGREE]
@@ -153,7 +157,7 @@ def _integrate(pulse):
 
 
 @simd_kernel
-def _time(series, zeta):
+def _time(series: View[float], zeta: float) -> float:
     """Return samples between the phase's contact end and zeta."""
     x = 2.0 * zeta - 1.0
     t = series[12]
@@ -172,7 +176,7 @@ def _time(series, zeta):
 
 
 @kernel
-def _zeta(series, duration, t):
+def _zeta(series: View[float], duration: float, t: float) -> float:
     """Invert `_time` by Newton's method from the straight line, which it is close to."""
     zeta = t / duration
     for _ in range(8):
@@ -190,7 +194,7 @@ def _zeta(series, duration, t):
 
 
 @kernel
-def _add_piece(pulse, phase, zeta, u, shift, moments):
+def _add_piece(pulse: Pulse, phase: int, zeta: float, u: float, shift: float, moments: View[float]) -> None:
     """Add the moments from the pulse's state to (zeta, u) in the same phase, and move it there."""
     if abs(zeta - pulse.zeta) > _WIDE:
         middle = 0.5 * (pulse.zeta + zeta)
@@ -205,13 +209,13 @@ def _add_piece(pulse, phase, zeta, u, shift, moments):
 
 
 @simd_kernel
-def _impulse_at(log_zeta, a, heat):
+def _impulse_at(log_zeta: float, a: float, heat: float) -> float:
     """Return the force's impulse per zeta at a node, over momentum (a + 1) span; `heat` is w span."""
     return exp(heat * (1.0 - exp((a + 1.0) * log_zeta)) + a * log_zeta)
 
 
 @simd_kernel
-def _add_moments(pulse, phase, ends, shift, moments):
+def _add_moments(pulse: Pulse, phase: int, ends: tuple[float, float], shift: float, moments: View[float]) -> None:
     """Add all moments but the zeroth between two zeta of a phase."""
     a, heat, series = pulse.exponent, pulse.w[phase] * pulse.span[phase], pulse.time_series[phase]
     middle, half = 0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0])
@@ -246,7 +250,7 @@ def _add_moments(pulse, phase, ends, shift, moments):
 
 
 @kernel
-def advance_pulse(pulse, until, shift, moments):
+def advance_pulse(pulse: Pulse, until: float, shift: float, moments: View[float]) -> None:
     """Advance the pulse to the time `until`, and write the moments (N s) of its force on the way; both ends are in the
     sample that begins at `shift`.
 
@@ -274,7 +278,7 @@ def advance_pulse(pulse, until, shift, moments):
 
 
 @kernel
-def state_of_pulse(pulse, v_in, k):
+def state_of_pulse(pulse: Pulse, v_in: float, k: float) -> tuple[float, float, float]:
     """Return the state of a pulse: compression (m), its velocity (m/s), and the momentum (N s) given so far."""
     phase = 0 if pulse.time < pulse.phase_time[0] else 1
     a, w, span = pulse.exponent, pulse.w[phase], pulse.span[phase]
@@ -286,7 +290,7 @@ def state_of_pulse(pulse, v_in, k):
 
 
 @simd_kernel
-def find_nodes(pulse):
+def find_nodes(pulse: Pulse) -> None:
     """Put times (samples) and impulses (N s) of a pulse's Gauss nodes into `node_time` and `node_impulse`.
 
     The sum of impulses times exp(-s t) is the pulse's Laplace transform: for |s| tau < 4 and a <= 4 within 1e-5 of
@@ -311,7 +315,7 @@ _SINE = tuple((-1) ** k * math.pi ** (2 * k + 1) / math.factorial(2 * k + 1) for
 
 
 @simd_kernel
-def _phasor(x):
+def _phasor(x: float) -> tuple[float, float]:
     """Return cos and sin of 2 pi x to 3e-7, without a call or a division, so that loops over it become SIMD."""
     x -= math.floor(x + 0.5)
     s = x * x
@@ -330,7 +334,7 @@ def _phasor(x):
 
 
 @simd_kernel
-def find_power(pulse, period, frequency, power):
+def find_power(pulse: Pulse, period: float, frequency: View[float], power: View[float]) -> None:
     """Put a pulse's power at every frequency (Hz), as a share of that at 0, into `power`.
 
     It is that of the nodes, which `find_nodes` has set. period: of a sample (s), times the object's pitch.

@@ -12,11 +12,13 @@ energy can't grow, whatever the step, and the root is unique.
 """
 
 import math
+from typing import Annotated
 
 import numpy as np
 from numpy.polynomial import legendre
 
 from ..native.jit import kernel
+from ..native.typed import Record, View, View2D, dtype_of
 
 NODES = 3
 
@@ -33,7 +35,7 @@ WEIGHTS = np.array([CARDINAL[:, j] @ (1.0 / np.arange(1, NODES + 1)) for j in ra
 INTEGRAL = np.array([[c ** np.arange(1, 4) / np.arange(1, 4) @ CARDINAL[:, j] for j in range(NODES)] for c in GAUSS])
 """Integrals from the step's beginning up to a node (row): the Gauss method's matrix."""
 
-LAST = CARDINAL.sum(axis=0)
+LAST: View[float] = CARDINAL.sum(axis=0)
 """The quadratic's value at the step's end."""
 
 _C = tuple(tuple(float(x) for x in row) for row in CARDINAL)
@@ -55,26 +57,27 @@ _ROUNDED = 2e-14  # share of its parts that is left of a residual by rounding
 _NEARLY_EQUAL = 3e-2  # share of x below which a change makes energies too equal to subtract
 _SHORTEN, _LENGTHEN = 0.2, 2.0  # a step by at most, at once
 
-STEP = np.dtype(
-    [
-        # Given: the motion without the force, and how far the nodes' forces (N) change it.
-        ("free_x", np.float64, NODES),  # m
-        ("free_v", np.float64, NODES),  # m/s
-        ("give_x", np.float64, (NODES, NODES)),  # m/N
-        ("give_v", np.float64, (NODES, NODES)),  # m/(s N)
-        # Found; `f` also says where to start.
-        ("f", np.float64, NODES),  # N
-        ("x", np.float64, NODES),
-        ("v", np.float64, NODES),
-        ("linear", np.float64, (NODES, NODES + 1)),
-    ],
-    align=True,
-)
-"""One step: x_i = free_x_i - sum_j give_x_ij f_j, v_i = free_v_i - sum_j give_v_ij f_j."""
+
+class Step(Record):
+    """One step: x_i = free_x_i - sum_j give_x_ij f_j, v_i = free_v_i - sum_j give_v_ij f_j."""
+
+    # Given: the motion without the force, and how far the nodes' forces (N) change it.
+    free_x: Annotated[View[float], NODES]  # m
+    free_v: Annotated[View[float], NODES]  # m/s
+    give_x: Annotated[View2D[float], NODES, NODES]  # m/N
+    give_v: Annotated[View2D[float], NODES, NODES]  # m/(s N)
+    # Found; `f` also says where to start.
+    f: Annotated[View[float], NODES]  # N
+    x: Annotated[View[float], NODES]
+    v: Annotated[View[float], NODES]
+    linear: Annotated[View2D[float], NODES, NODES + 1]
+
+
+STEP = dtype_of(Step)
 
 
 @kernel
-def raised(x, exponent):
+def raised(x: float, exponent: float) -> float:
     """Raise x >= 0 to an exponent; by a root where that is one of a sphere's, 1/2, 3/2 or 5/2."""
     if exponent == 0.5:
         return math.sqrt(x)
@@ -82,24 +85,25 @@ def raised(x, exponent):
         return x * math.sqrt(x)
     if exponent == 2.5:
         return x * x * math.sqrt(x)
-    return x**exponent
+    power: float = x**exponent
+    return power
 
 
 @kernel
-def law(x, v, k, mu, a):
+def law(x: float, v: float, k: float, mu: float, a: float) -> float:
     """Return the contact force (N), never negative: equation (1) of Papetti, Avanzini, Rocchesso 2011 (see law.py)
     where x > 0."""
     return k * raised(x, a) * max(1.0 + mu * v, 0.0) if x > 0.0 else 0.0
 
 
 @kernel
-def elastic(x, k, a):
+def elastic(x: float, k: float, a: float) -> float:
     """Return the elastic energy V(x) in J: equation (13) of Papetti, Avanzini, Rocchesso 2011."""
     return k * raised(x, a + 1.0) / (a + 1.0) if x > 0.0 else 0.0
 
 
 @kernel
-def captured(x, v, m, k, a, push):
+def captured(x: float, v: float, m: float, k: float, a: float, push: float) -> bool:
     """True if the mass can never leave while it is pushed like this.
 
     E = m v^2/2 + k x^(a+1)/(a+1) - push x does not grow in contact, and isn't negative at x = 0.
@@ -108,7 +112,7 @@ def captured(x, v, m, k, a, push):
 
 
 @kernel
-def solve(step, k, mu, a, negligible):
+def solve(step: Step, k: float, mu: float, a: float, negligible: float) -> bool:
     """Solve for the forces at the nodes by Newton's method from `step.f`, then from 0, where the law's convexity helps
     it.
 
@@ -152,7 +156,7 @@ def solve(step, k, mu, a, negligible):
 
 
 @kernel
-def eliminate(linear, size):
+def eliminate(linear: View2D[float], size: int) -> None:
     """Solve the linear equations; the solution takes the right side's place. Their diagonal is safely positive."""
     for i in range(size):
         reciprocal = 1.0 / linear[i, i]
@@ -169,14 +173,14 @@ def eliminate(linear, size):
 
 
 @kernel
-def allowance(gained, scale):
+def allowance(gained: float, scale: float) -> float:
     """Return the energy (J) that a step may gain, in a contact of about `scale`, after `gained`: half of what is left
     to gain."""
     return max(0.5 * (_GROWTH * scale - gained), _LEAST_GROWTH * scale)
 
 
 @kernel
-def extrapolate(step, ratio):
+def extrapolate(step: Step, ratio: float) -> None:
     """Extrapolate the last step's force as the first guess of the next step's Newton iteration; the next step is
     `ratio` times as long."""
     f0, f1, f2 = step.f[0], step.f[1], step.f[2]
@@ -185,14 +189,14 @@ def extrapolate(step, ratio):
 
 
 @kernel
-def force_at(f0, f1, f2, theta):
+def force_at(f0: float, f1: float, f2: float, theta: float) -> float:
     """Return the quadratic through a step's forces at `theta`, in times of the step; never negative."""
     c0, c1, c2 = power_series_of(f0, f1, f2)
     return max(c0 + theta * (c1 + theta * c2), 0.0)
 
 
 @kernel
-def power_series_of(f0, f1, f2):
+def power_series_of(f0: float, f1: float, f2: float) -> tuple[float, float, float]:
     """Return the power series of the quadratic through a step's forces, in times of the step."""
     return (
         _C[0][0] * f0 + _C[0][1] * f1 + _C[0][2] * f2,
@@ -202,13 +206,15 @@ def power_series_of(f0, f1, f2):
 
 
 @kernel
-def end_of(f):
+def end_of(f: View[float]) -> float:
     """Evaluate the quadratic through the nodes' values at the step's end."""
     return LAST[0] * f[0] + LAST[1] * f[1] + LAST[2] * f[2]
 
 
 @kernel
-def discrete_gradient(x, free, give, h, k, mu, a):
+def discrete_gradient(
+    x: float, free: float, give: float, h: float, k: float, mu: float, a: float
+) -> tuple[float, float]:
     """Return the change of x over a step of h seconds, and the force that is held for it.
 
     Without the force x would change by `free` (m); a held one takes off `give` (m/N) > 0. The change that the law
@@ -241,7 +247,7 @@ def discrete_gradient(x, free, give, h, k, mu, a):
 
 
 @kernel
-def _held(x, stored, change, h, k, mu, a):
+def _held(x: float, stored: float, change: float, h: float, k: float, mu: float, a: float) -> tuple[float, float]:
     """Return [V(x + change) - V(x)]/change max(0, 1 + mu change/h), and its slope over the change; V(x) is `stored`."""
     slack = 1.0 + mu * change / h
     end = x + change
@@ -262,7 +268,7 @@ def _held(x, stored, change, h, k, mu, a):
 
 
 @kernel
-def until_release(step, x, v, h, longest, closing):
+def until_release(step: Step, x: float, v: float, h: float, longest: float, closing: bool) -> tuple[float, bool]:
     """Return the length of the step, at most `longest`, that ends where x comes to 0; and whether that is being sought.
 
     x and v (per unit of h) are those at the end of the step as tried. Newton's method from either side.
@@ -282,7 +288,7 @@ def until_release(step, x, v, h, longest, closing):
 
 
 @kernel
-def step_within(rest, wanted):
+def step_within(rest: float, wanted: float) -> float:
     """Return the factor from a step to the next one to try; `rest` is left at its end, of which `wanted` is allowed.
 
     WITHIN or more means that the step itself will do. The rest grows with h^4 where the force is smooth, and less
@@ -292,6 +298,6 @@ def step_within(rest, wanted):
 
 
 @kernel
-def better_step(share):
+def better_step(share: float) -> float:
     """Return the factor from a step to the next one to try; share: the longest within the tolerance over this step."""
     return min(max(WITHIN * share, _SHORTEN), _LENGTHEN)

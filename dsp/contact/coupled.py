@@ -24,12 +24,12 @@ Lengths of steps are in samples, and so are the variables of polynomials; all el
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from ..native.jit import kernel
+from ..native.typed import View
 from ..numerics.legendre import FINE
-from .collocation import NODES, STEP, law
+from .collocation import NODES, law
 from .coupled_flight import fly
+from .coupled_records import Coupled
 from .coupled_step import set_powers, stay
 from .power_series import (
     BEYOND,
@@ -41,10 +41,9 @@ from .power_series import (
     TO_END,
     legendre_moments,
 )
-from .touches import TOUCH, TOUCHES, begin_touch, end_touch, look_at_touches
+from .touches import begin_touch, end_touch, look_at_touches
 
 MOST_STEPS = 3_000  # in a sample; what is left of it then is one held step
-KINKS = 32  # of the surface in a sample, at most
 _ON_KINK = 1e-12  # samples from a kink that are none
 _FIRST = 0.2  # share of the contact's natural time: the first step to try
 
@@ -61,59 +60,10 @@ class ContactLaw(NamedTuple):
     a: float
 
 
-COUPLED = np.dtype(
-    [
-        ("step", STEP),
-        ("force", np.float64, NODES),  # N, at GAUSS of the step
-        ("motion", np.float64, FINE),  # m: the compression without a force, from now to the sample's end
-        ("answer", np.float64, FINE),  # m/(N sample): g times a sample's length
-        ("power", np.float64, FINE),  # of the step's length
-        ("moved", np.float64, FINE),  # m: motion[n] times power[n]
-        ("given", np.float64, FINE),  # m/(N sample): answer[n] times power[n]
-        ("impulse", np.float64, FINE),  # N samples^(n+1): int (eta - s)^n f ds over the step
-        ("v", np.float64),  # the striker's velocity towards the object, m/s
-        ("position", np.float64),  # the striker's, m: its compression of the object at rest
-        ("period", np.float64),  # a sample, s
-        ("wait", np.float64),  # samples until the contact begins, negative once it has
-        ("m", np.float64),  # kg
-        ("k", np.float64),
-        ("mu", np.float64),
-        ("a", np.float64),
-        ("w", np.float64),  # mu v, where it is kept from touch to touch; 0: mu is
-        ("slowest", np.float64),  # m/s: a slower touch gets the mu of this speed
-        ("push", np.float64),  # constant force on the striker towards the object, N
-        ("rest_force", np.float64),  # N: that of a striker at rest; the modes get what is beyond it
-        ("swing", np.float64),  # rad/s: of the striker about the compression at which it rests; 0: it does not rest
-        ("rest_compression", np.float64),  # m
-        ("rise", np.float64),  # m per sample: how the surface rises under the striker
-        ("bend", np.float64),  # m per sample^2: half of what that changes by
-        ("kinks", np.int64),  # of the surface in this sample
-        ("kink", np.int64),  # the next of them
-        ("kink_at", np.float64, KINKS),  # samples from the sample's beginning
-        ("kink_rise", np.float64, KINKS),  # by how much `rise` jumps there,
-        ("kink_bend", np.float64, KINKS),  # and `bend`
-        ("mass", np.float64),  # effective, of striker and modes in the first instant, kg
-        ("tolerance", np.float64),
-        ("next", np.float64),  # samples: the step to try
-        ("last", np.float64),  # samples: the step before
-        ("gained", np.float64),  # J: by how much the energy is above the least so far
-        ("scale", np.float64),  # J: the greatest energy of the contact so far
-        ("touching", np.int64),
-        ("contacts", np.int64),
-        ("approach", np.float64),  # m/s: the speed at which striker and object last met
-        ("arrival", np.float64),  # m/s: the striker's velocity then
-        ("touched", np.int64),  # touches in this sample
-        ("touches", TOUCH, TOUCHES),  # the first of them
-        ("steps", np.int64),
-        ("held", np.int64),  # steps with the force held
-    ],
-    align=True,
-)
-"""A striker and what it meets."""
-
-
 @kernel
-def begin_coupled(contact, v, law, push, fraction, rate, tolerance):
+def begin_coupled(
+    contact: Coupled, v: float, law: ContactLaw, push: float, fraction: float, rate: float, tolerance: float
+) -> None:
     """Begin the contact of a striker, given by its ContactLaw, that touches at v (m/s) after `fraction` in [0, 1) of
     the coming sample.
 
@@ -147,7 +97,7 @@ def begin_coupled(contact, v, law, push, fraction, rate, tolerance):
 
 
 @kernel
-def begin_within(contact, x, v, v_relative, step):
+def begin_within(contact: Coupled, x: float, v: float, v_relative: float, step: float) -> None:
     """Continue a contact that `begin_coupled` began as one under way: compressed by x (m), its striker at v (m/s).
 
     v_relative: how fast x grows; step: samples to try first.
@@ -163,7 +113,7 @@ def begin_within(contact, x, v, v_relative, step):
 
 
 @kernel
-def respond_with(contact, receptance):
+def respond_with(contact: Coupled, receptance: View[float]) -> None:
     """Set how the modes of a receptance (FINE, m/(N s)) respond to the contact: at its beginning, and when they are
     retuned."""
     h = contact.period
@@ -178,7 +128,7 @@ def respond_with(contact, receptance):
 
 
 @kernel
-def step_coupled(contact, observed, moments):
+def step_coupled(contact: Coupled, observed: View[float], moments: View[float]) -> bool:
     """Take the contact through the coming sample; fill `moments` (FINE, N s) with the force's on the object.
 
     `observed` (FINE, m) is how the object's point would move without it, by `bank.observe`; of two objects, the
@@ -215,7 +165,7 @@ def step_coupled(contact, observed, moments):
 
 
 @kernel
-def settle(contact, at, meets, released):
+def settle(contact: Coupled, at: float, meets: bool, released: bool) -> None:
     """Begin or end a touch at the end of a step: at a time in the sample, where striker and object meet or part."""
     if meets or released:
         contact.position -= contact.motion[0]
@@ -231,13 +181,13 @@ def settle(contact, at, meets, released):
 
 
 @kernel
-def until_kink(contact, at):
+def until_kink(contact: Coupled, at: float) -> float:
     """Return samples from `at` until the surface's next kink in this sample; infinity if there is none."""
     return contact.kink_at[contact.kink] - at if contact.kink < contact.kinks else math.inf
 
 
 @kernel
-def pass_kinks(contact, at):
+def pass_kinks(contact: Coupled, at: float) -> None:
     """Change the surface's slope and curvature at each kink that is passed up to a time in the sample."""
     while until_kink(contact, at) <= _ON_KINK:
         contact.rise += contact.kink_rise[contact.kink]
@@ -248,7 +198,7 @@ def pass_kinks(contact, at):
 
 
 @kernel
-def look(contact, observed):
+def look(contact: Coupled, observed: View[float]) -> None:
     """Find the compression over the sample, if no more force acted; begin the record of its touches."""
     look_at_touches(contact)
     place = 0.0
@@ -274,7 +224,7 @@ def look(contact, observed):
 
 
 @kernel
-def lift(contact, answer, force):
+def lift(contact: Coupled, answer: View[float], force: float) -> None:
     """Undo how far a point gives way to a constant force (N) over the sample, by its answer to one.
 
     The answer's last power integrates to one that `motion` does not hold. The lower ones stand for it: where modes lie
@@ -288,7 +238,7 @@ def lift(contact, answer, force):
 
 
 @kernel
-def _touch(contact, at):
+def _touch(contact: Coupled, at: float) -> None:
     """Begin a touch at x = 0: the first step is a share of its natural time, or of strong dissipation's.
 
     Where a restitution was given, mu follows from the speed at which striker and object meet.
@@ -304,7 +254,7 @@ def _touch(contact, at):
 
 
 @kernel
-def move(contact, eta, at, powers):
+def move(contact: Coupled, eta: float, at: float, powers: View[float]) -> None:
     """Go on by `eta` samples under the step's force: what becomes of the sample's rest, and the force's part of its
     moments, those of the powers of 2 t - 1 (see `legendre_moments`)."""
     contact.last = eta
@@ -325,7 +275,7 @@ def move(contact, eta, at, powers):
 
 
 @kernel
-def _push(contact, eta, at, powers):
+def _push(contact: Coupled, eta: float, at: float, powers: View[float]) -> None:
     """Apply the force to striker and point: the rest of `move` where there is one."""
     f, h, power = contact.force, contact.period, contact.power
     for n in range(FINE):

@@ -3,7 +3,9 @@
 import math
 
 from ..native.jit import kernel
+from ..native.typed import View
 from ..numerics.legendre import FINE
+from .coupled_records import Coupled
 from .power_series import value_at
 
 _LOOKS = 8  # at the gap, in a sample
@@ -14,7 +16,7 @@ _LEAST_SPEED = 1e-300  # m/s: keeps a quotient finite
 
 
 @kernel
-def fly(motion, left):
+def fly(motion: View[float], left: float) -> tuple[float, bool]:
     """Return the samples until x comes up to 0, at most `left`, and whether it does."""
     highest, power = motion[0], left
     for n in range(1, FINE):
@@ -57,7 +59,7 @@ def fly(motion, left):
 
 
 @kernel
-def apart_for(contact, distance, speed):
+def apart_for(contact: Coupled, distance: float, speed: float) -> float:
     """Return for how many whole samples from now striker and object surely stay apart: those may be left to `fly_on`.
 
     To be asked right after `step_coupled`; `distance` and `speed` bound the object's point, by `bank.reach`. 0 while
@@ -77,7 +79,7 @@ def apart_for(contact, distance, speed):
 
 
 @kernel
-def _until(way, speed, acceleration):
+def _until(way: float, speed: float, acceleration: float) -> float:
     """Return seconds until way >= 0 is covered; 0 if there is none."""
     if way <= 0.0:
         return 0.0
@@ -88,7 +90,7 @@ def _until(way, speed, acceleration):
 
 
 @kernel
-def fly_on(contact, samples):
+def fly_on(contact: Coupled, samples: float) -> None:
     """Advance a striker that touches nothing by whole samples, without a search for a meeting."""
     time = samples * contact.period
     contact.position += time * (contact.v + 0.5 * time * contact.push / contact.m)

@@ -12,55 +12,20 @@ as alone. Where steps get too fine the forces are held one after the other, each
 can't gain energy either.
 """
 
-import numpy as np
-
 from ..native.jit import kernel
+from ..native.typed import Items, View
 from ..numerics.legendre import FINE
-from .collocation import NODES
 from .coupled import lift, look, move, pass_kinks, settle, until_kink
 from .coupled_group_step import LEAVES, MEETS, NOTHING, find_step
+from .coupled_records import Coupled, CoupledGroup, Member
 from .coupled_step import FINEST, LEAST, give_of, hold
 from .power_series import BINOMIAL, POWERS, legendre_moments
 
-GROUP = 32
-"""Contacts that are solved together at most."""
-
-_UNKNOWNS = GROUP * NODES
 _MOST_STEPS = 600  # in a sample; what is left of it then is one held step
-
-COUPLED_GROUP = np.dtype(
-    [
-        ("size", np.int64),
-        ("member", np.int64, GROUP),  # places among the contacts
-        ("known", np.int64, GROUP),  # `settled` of those whose answers to each other are known, 0: none
-        ("gain", np.float64, GROUP),  # of the gestures then
-        ("answer", np.float64, (GROUP, GROUP, FINE)),  # m/(N sample): of the point of a row to the force of a column
-        ("observed", np.float64, (GROUP, FINE)),  # m: as for `step_coupled`
-        ("moments", np.float64, (GROUP, FINE)),  # N s: what `step_together` finds
-        # Of a step:
-        ("touching", np.int64),  # contacts that touch
-        ("touches", np.int64, GROUP),  # places of these in the group
-        ("given", np.float64, (GROUP, GROUP, FINE)),  # m/(N sample): answers times powers of its length
-        ("negligible", np.float64, GROUP),  # N: changes of a contact's force below it don't matter
-        ("give_x", np.float64, (_UNKNOWNS, _UNKNOWNS)),  # m/N: what the forces take off
-        ("give_v", np.float64, (_UNKNOWNS, _UNKNOWNS)),  # m/(s N)
-        ("linear", np.float64, (_UNKNOWNS, _UNKNOWNS + 1)),
-        ("f", np.float64, _UNKNOWNS),  # N: at the nodes
-        ("end_x", np.float64, GROUP),  # m: compression at its end
-        ("end_v", np.float64, GROUP),  # m/s
-        ("ratio", np.float64, GROUP),  # to the longest step within the tolerance
-        ("gained", np.float64, GROUP),  # J: energy of each contact
-        ("sought", np.int64, GROUP),  # 1: the step's end is to be where this contact begins or ends
-        ("event", np.int64, GROUP),
-        ("path", np.float64, FINE),  # m: of one striker that flies
-    ],
-    align=True,
-)
-"""Contacts that share objects, in one sample."""
 
 
 @kernel
-def answer_with(group, i, j, receptance, period, gain):
+def answer_with(group: CoupledGroup, i: int, j: int, receptance: View[float], period: float, gain: float) -> None:
     """Set how the point of contact i answers the force of contact j, by a receptance (FINE, m/(N s)) times a gain."""
     answer = group.answer[i, j]
     answer[0] = 0.0
@@ -72,7 +37,7 @@ def answer_with(group, i, j, receptance, period, gain):
 
 
 @kernel
-def step_together(contacts, group):
+def step_together(contacts: Items[Member], group: CoupledGroup) -> None:
     """Take all contacts of a group through the coming sample; fill the `moments` of their forces."""
     for i in range(group.size):
         contact = contacts[group.member[i]].coupled
@@ -99,7 +64,7 @@ def step_together(contacts, group):
 
 
 @kernel
-def _lift_others(contacts, group):
+def _lift_others(contacts: Items[Member], group: CoupledGroup) -> None:
     """Undo how far each point gives way to the weight of the other strikers at rest."""
     for j in range(group.size):
         force = contacts[group.member[j]].coupled.rest_force
@@ -110,7 +75,7 @@ def _lift_others(contacts, group):
 
 
 @kernel
-def _settle(contact, at, event):
+def _settle(contact: Coupled, at: float, event: int) -> None:
     """Begin or end a contact at the end of a step."""
     if contact.wait >= 0.0:
         if event != MEETS:
@@ -120,7 +85,7 @@ def _settle(contact, at, event):
 
 
 @kernel
-def _step(contacts, group, at, last):
+def _step(contacts: Items[Member], group: CoupledGroup, at: float, last: bool) -> float:
     """Take a step from `at` on, with its events; the `last` one holds the forces for the rest. Return its length."""
     left = 1.0 - at
     longest = eta = left
@@ -160,14 +125,14 @@ def _step(contacts, group, at, last):
 
 
 @kernel
-def _move_all(contacts, group, eta, at):
+def _move_all(contacts: Items[Member], group: CoupledGroup, eta: float, at: float) -> None:
     """Go on by `eta` samples, each contact under its own force."""
     for i in range(group.size):
         move(contacts[group.member[i]].coupled, eta, at, group.moments[i])
 
 
 @kernel
-def _answer_others(contacts, group, kept):
+def _answer_others(contacts: Items[Member], group: CoupledGroup, kept: bool) -> None:
     """Move every point as it answers the other contacts' forces over the step that was taken.
 
     Where compressions are `kept` the strikers that touch move along: what is compressed holds energy.
@@ -181,7 +146,7 @@ def _answer_others(contacts, group, kept):
 
 
 @kernel
-def _answer(contact, answer, other, kept):
+def _answer(contact: Coupled, answer: View[float], other: Coupled, kept: bool) -> None:
     """Move the point of a contact as it answers another's force; its compression now may be `kept`."""
     for k in range(FINE):
         total = 0.0
@@ -194,7 +159,7 @@ def _answer(contact, answer, other, kept):
 
 
 @kernel
-def _hold_in_turn(contacts, group, eta, at):
+def _hold_in_turn(contacts: Items[Member], group: CoupledGroup, eta: float, at: float) -> None:
     """Hold the forces for a step, one after the other, and go on by it.
 
     Two forces do the same work, each against the motion that the other gives to its point. The later one is found where

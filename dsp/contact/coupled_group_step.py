@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from ..native.jit import kernel, noinline_kernel
+from ..native.typed import Items
 from ..numerics.legendre import FINE
 from .collocation import (
     CARDINAL,
@@ -23,6 +24,7 @@ from .collocation import (
     until_release,
 )
 from .coupled_flight import fly
+from .coupled_records import Coupled, CoupledGroup, Member
 from .coupled_step import (
     FINEST,
     REFINE,
@@ -56,7 +58,7 @@ _RUNNING = np.array(
 
 
 @noinline_kernel
-def find_step(contacts, group, eta, longest):
+def find_step(contacts: Items[Member], group: CoupledGroup, eta: float, longest: float) -> float:
     """Find a step that is solved, within the tolerance and right in energy: its length, or 0 if it gets too fine."""
     finest = FINEST * eta
     for _ in range(TRIALS):
@@ -85,7 +87,7 @@ def find_step(contacts, group, eta, longest):
 
 
 @kernel
-def _try(contacts, group, eta):
+def _try(contacts: Items[Member], group: CoupledGroup, eta: float) -> bool:
     """Try a step: true if it is solved; all forces are then in the contacts' steps, and `end_x`, `end_v` filled."""
     _set_given(contacts, group, eta)
     if group.touching == 1:
@@ -107,7 +109,7 @@ def _try(contacts, group, eta):
 
 
 @kernel
-def _find_end_of(contacts, group, i, eta):
+def _find_end_of(contacts: Items[Member], group: CoupledGroup, i: int, eta: float) -> None:
     """Find the compression of contact i at the step's end, and its rate."""
     contact = contacts[group.member[i]].coupled
     x, v = end_without(contact.moved)
@@ -121,7 +123,7 @@ def _find_end_of(contacts, group, i, eta):
 
 
 @kernel
-def _set_given(contacts, group, eta):
+def _set_given(contacts: Items[Member], group: CoupledGroup, eta: float) -> None:
     """Write all series in times of the step."""
     for i in range(group.size):
         contact = contacts[group.member[i]].coupled
@@ -133,7 +135,7 @@ def _set_given(contacts, group, eta):
 
 
 @kernel
-def _set_equations(contacts, group, eta):
+def _set_equations(contacts: Items[Member], group: CoupledGroup, eta: float) -> None:
     """Write down the equations of all nodes."""
     for a in range(group.touching):
         contact = contacts[group.member[group.touches[a]]].coupled
@@ -148,7 +150,7 @@ def _set_equations(contacts, group, eta):
 
 
 @kernel
-def _fill_give(group, a, b, eta, period):
+def _fill_give(group: CoupledGroup, a: int, b: int, eta: float, period: float) -> None:
     """Fill in how far the nodes' forces of touching contact b move the nodes of touching contact a."""
     g = sums_of_nine(ANSWER_AT, group.given[group.touches[a], group.touches[b]])
     u, w, v, rate = a * NODES, b * NODES, group.give_v, 1.0 / period
@@ -164,7 +166,7 @@ def _fill_give(group, a, b, eta, period):
 
 
 @kernel
-def _solve(contacts, group, eta, touching):
+def _solve(contacts: Items[Member], group: CoupledGroup, eta: float, touching: int) -> bool:
     """Solve for the forces at all nodes by Newton's method, from where the last ones lead, then from 0. False if it
     fails."""
     size = touching * NODES
@@ -195,7 +197,7 @@ def _solve(contacts, group, eta, touching):
 
 
 @kernel
-def _start(contact, eta, start):
+def _start(contact: Coupled, eta: float, start: int) -> None:
     """Set the forces that Newton's method starts from: where the last ones lead, or at the second `start` zeros."""
     f, ratio = contact.force, eta / contact.last if contact.last > 0.0 else 0.0
     for r in range(NODES):
@@ -203,7 +205,7 @@ def _start(contact, eta, start):
 
 
 @kernel
-def _linearise(contact, group, a, size):
+def _linearise(contact: Coupled, group: CoupledGroup, a: int, size: int) -> None:
     """Fill the rows of Newton's equations for touching contact a."""
     step = contact.step
     for r in range(NODES):
@@ -228,7 +230,7 @@ def _linearise(contact, group, a, size):
 
 
 @kernel
-def _rate(contacts, group, eta):
+def _rate(contacts: Items[Member], group: CoupledGroup, eta: float) -> float:
     """Return the least `ratio` of the contacts that touch. One that asks for a shorter step will next time try that."""
     least = math.inf
     for a in range(group.touching):
@@ -243,7 +245,7 @@ def _rate(contacts, group, eta):
 
 
 @kernel
-def _find_end(contacts, group, eta, longest):
+def _find_end(contacts: Items[Member], group: CoupledGroup, eta: float, longest: float) -> float:
     """Return the length of the step that ends where the first contact begins or ends; `eta` itself where this one
     does."""
     shorter, longer, exact = eta, math.inf, False
@@ -273,7 +275,9 @@ def _find_end(contacts, group, eta, longest):
 
 
 @kernel
-def _until_meeting(contacts, group, i, eta, longest):
+def _until_meeting(
+    contacts: Items[Member], group: CoupledGroup, i: int, eta: float, longest: float
+) -> tuple[float, bool]:
     """Return the time at which a flying striker meets the object, and whether it does, else `eta`; compare
     `until_release`."""
     contact = contacts[group.member[i]].coupled
@@ -290,7 +294,7 @@ def _until_meeting(contacts, group, i, eta, longest):
 
 
 @kernel
-def _follow_path(contacts, group, i, eta):
+def _follow_path(contacts: Items[Member], group: CoupledGroup, i: int, eta: float) -> None:
     """Write the compression of contact i over the step as a power series, moved by the forces of the others."""
     path = group.path
     motion = contacts[group.member[i]].coupled.motion
@@ -308,7 +312,7 @@ def _follow_path(contacts, group, i, eta):
 
 
 @kernel
-def _is_sound(contacts, group, eta):
+def _is_sound(contacts: Items[Member], group: CoupledGroup, eta: float) -> bool:
     """True if the step's energy is right: each force's exact work against the change of V, and what its law takes."""
     for a in range(group.touching):
         i = group.touches[a]
@@ -334,7 +338,7 @@ def _is_sound(contacts, group, eta):
 
 
 @kernel
-def _accept(contacts, group, eta):
+def _accept(contacts: Items[Member], group: CoupledGroup, eta: float) -> None:
     """Take the step's forces."""
     for a in range(group.touching):
         i = group.touches[a]

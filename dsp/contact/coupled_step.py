@@ -3,12 +3,14 @@
 import math
 
 from ..native.jit import kernel
+from ..native.typed import View, View2D
 from ..numerics.legendre import FINE
 from .collocation import (
     INTEGRAL,
     NODES,
     WEIGHTS,
     WITHIN,
+    Step,
     allowance,
     discrete_gradient,
     elastic,
@@ -20,6 +22,7 @@ from .collocation import (
     step_within,
     until_release,
 )
+from .coupled_records import Coupled
 from .power_series import ANSWER_AT, ANSWER_TO_END, AT_NODES, MISSED, TAKEN, WORK, value_at
 
 HELD = math.inf
@@ -37,7 +40,7 @@ ROUNDING = 1e-14  # share of the momentum at hand that no force is asked for
 
 
 @kernel
-def stay(contact, left, last):
+def stay(contact: Coupled, left: float, last: bool) -> tuple[float, bool]:
     """Take a step in contact, at most `left` samples long; return its length, and whether it ends in the release.
 
     A step is accepted where |f_end - f(x, v)| times its length, with f_end the end of the force's quadratic, is below
@@ -81,7 +84,7 @@ def stay(contact, left, last):
 
 
 @kernel
-def collocate(contact, eta):
+def collocate(contact: Coupled, eta: float) -> tuple[bool, float, float]:
     """Try a step: whether it is solved, and x and v at its end."""
     step, h = contact.step, contact.period
     set_powers(contact, eta)
@@ -96,7 +99,7 @@ def collocate(contact, eta):
 
 
 @kernel
-def set_powers(contact, eta):
+def set_powers(contact: Coupled, eta: float) -> None:
     """Scale the series of a contact to times of a step of `eta` samples."""
     power = 1.0
     for n in range(FINE):
@@ -107,7 +110,7 @@ def set_powers(contact, eta):
 
 
 @kernel
-def put_free(step, moved, rate):
+def put_free(step: Step, moved: View[float], rate: float) -> None:
     """Set compression and rate at the nodes as they are without a force; rate: steps per s."""
     s = _sums_of_six(AT_NODES, moved)
     step.free_x[0], step.free_x[1], step.free_x[2] = s[0], s[1], s[2]
@@ -115,7 +118,7 @@ def put_free(step, moved, rate):
 
 
 @kernel
-def _sums_of_six(table, series):
+def _sums_of_six(table: View2D[float], series: View[float]) -> tuple[float, float, float, float, float, float]:
     """Return sum_n series[n] table[n, k] for each k < 6: six sums that do not wait for each other."""
     s0 = s1 = s2 = s3 = s4 = s5 = 0.0
     for n in range(FINE):
@@ -129,7 +132,7 @@ def _sums_of_six(table, series):
 
 
 @kernel
-def _put_give(step, given, time, rate):
+def _put_give(step: Step, given: View[float], time: float, rate: float) -> None:
     """Set how far the nodes' forces move the nodes over a step of `time` seconds; rate: samples per s."""
     g = sums_of_nine(ANSWER_AT, given)
     step.give_v[0, 0], step.give_v[0, 1], step.give_v[0, 2] = rate * g[0], rate * g[1], rate * g[2]
@@ -145,7 +148,7 @@ def _put_give(step, given, time, rate):
 
 
 @kernel
-def keep_at_rest(step, given, impulse):
+def keep_at_rest(step: Step, given: View[float], impulse: float) -> None:
     """Correct the nodes so that a force at rest moves none: the Gauss method's integral of its answer differs from the
     answer.
 
@@ -160,7 +163,9 @@ def keep_at_rest(step, given, impulse):
 
 
 @kernel
-def sums_of_nine(table, series):
+def sums_of_nine(
+    table: View2D[float], series: View[float]
+) -> tuple[float, float, float, float, float, float, float, float, float]:
     """Return sum_n series[n] table[n, k], n > 0, for each k < 9: nine sums that do not wait for each other."""
     s0 = s1 = s2 = s3 = s4 = s5 = s6 = s7 = s8 = 0.0
     for n in range(1, FINE):
@@ -178,7 +183,7 @@ def sums_of_nine(table, series):
 
 
 @kernel
-def end_without(moved):
+def end_without(moved: View[float]) -> tuple[float, float]:
     """Return x (m) and its derivative (m per step) at a step's end without the forces."""
     x = v = 0.0
     for n in range(FINE):
@@ -188,14 +193,14 @@ def end_without(moved):
 
 
 @kernel
-def taken_at_end(given, f, eta):
+def taken_at_end(given: View[float], f: View[float], eta: float) -> tuple[float, float]:
     """Return how much the nodes' forces take off compression and rate at the step's end."""
     s = _sums_of_six(ANSWER_TO_END, given)
     return eta * (s[0] * f[0] + s[1] * f[1] + s[2] * f[2]), eta * (s[3] * f[0] + s[4] * f[1] + s[5] * f[2])
 
 
 @kernel
-def speed_of(contact, x, v):
+def speed_of(contact: Coupled, x: float, v: float) -> float:
     """Return the speed that kinetic and elastic energy amount to; of a striker that rests, about its rest."""
     if contact.swing > 0.0:
         away = contact.swing * (x - contact.rest_compression)
@@ -204,7 +209,7 @@ def speed_of(contact, x, v):
 
 
 @kernel
-def ratio_to_longest(contact, eta, x, v):
+def ratio_to_longest(contact: Coupled, eta: float, x: float, v: float) -> float:
     """Return the factor by which to change the step to meet the tolerance."""
     speed = max(speed_of(contact, x, v), speed_of(contact, contact.motion[0], contact.motion[1] / contact.period))
     rest = abs(end_of(contact.step.f) - law(x, v, contact.k, contact.mu, contact.a)) * eta * contact.period
@@ -213,7 +218,7 @@ def ratio_to_longest(contact, eta, x, v):
 
 
 @kernel
-def _sound(contact, eta, x):
+def _sound(contact: Coupled, eta: float, x: float) -> bool:
     """True if the step's energy is right: its exact work balances the change of V and the dissipation."""
     f = contact.step.f
     stored = elastic(contact.motion[0], contact.k, contact.a)
@@ -233,7 +238,7 @@ def _sound(contact, eta, x):
 
 
 @kernel
-def work_of(f, moved):
+def work_of(f: View[float], moved: View[float]) -> float:
     """Return a step's work (J) of the nodes' forces (N) along a series of its times, exactly."""
     w0 = w1 = w2 = 0.0
     for n in range(1, FINE):
@@ -244,7 +249,7 @@ def work_of(f, moved):
 
 
 @kernel
-def work_against(f, other, given, eta):
+def work_against(f: View[float], other: View[float], given: View[float], eta: float) -> float:
     """Return the work (J) of the nodes' forces against what another's forces take off in a step of `eta` samples,
     exactly."""
     t = sums_of_nine(TAKEN, given)
@@ -256,13 +261,13 @@ def work_against(f, other, given, eta):
 
 
 @kernel
-def may_lose(contact):
+def may_lose(contact: Coupled) -> float:
     """Return the energy (J) that a step may lose beyond what the law takes."""
     return max(_LOSS * contact.tolerance, _LEAST_LOSS) * contact.scale
 
 
 @kernel
-def give_of(answer, eta):
+def give_of(answer: View[float], eta: float) -> float:
     """Return the distance (m) by which a point gives way to 1 N held for a step, by its answer (FINE, m/(N sample)) to
     it."""
     give = 0.0
@@ -274,7 +279,7 @@ def give_of(answer, eta):
 
 
 @kernel
-def hold(contact, eta, taken):
+def hold(contact: Coupled, eta: float, taken: float) -> None:
     """Hold the force for a step, which can't gain energy. taken (m): what others take off the compression meanwhile."""
     h = contact.period
     free = value_at(contact.motion, eta)[0] - contact.motion[0] - taken

@@ -10,8 +10,8 @@ LONGEST_CONTACT = 1.0
 
 
 @kernel
-def longest_estimate(v_in, m, k, a, w):
+def longest_estimate(v_in: float, m: float, k: float, a: float, w: float) -> float:
     """Return an upper estimate (s) of `contact_time_bound`, with one of the depth; w: mu v_in, at least."""
-    length = (m * v_in * v_in / k) ** (1.0 / (a + 1.0))
-    deepest = ((a + 1.0) * min(0.5, 1.0 / w if w > 0.0 else math.inf)) ** (1.0 / (a + 1.0))
+    length: float = (m * v_in * v_in / k) ** (1.0 / (a + 1.0))
+    deepest: float = ((a + 1.0) * min(0.5, 1.0 / w if w > 0.0 else math.inf)) ** (1.0 / (a + 1.0))
     return length / v_in * (ELASTIC_TIME + w * deepest)

@@ -44,7 +44,7 @@ up."""
 
 
 @kernel
-def psi(z, log1p_z):
+def psi(z: float, log1p_z: float) -> float:
     """Return (z - ln(1 + z))/z^2 for z > -1, given ln(1 + z); 1/2 at z = 0."""
     if abs(z) > _SERIES_BELOW or z < -0.5:
         return (z - log1p_z) / (z * z) if z < _SQUARE_OVERFLOWS else 1.0 / z
@@ -67,7 +67,7 @@ def psi(z, log1p_z):
 
 
 @kernel
-def restitution_of(w):
+def restitution_of(w: float) -> float:
     """Return the restitution E = |v_out/v_in| of w = mu v_in.
 
     The root of equation (6) of Papetti, Avanzini, Rocchesso 2011, by Halley's method on a form without cancellation.
@@ -96,7 +96,7 @@ def restitution_of(w):
 
 
 @kernel
-def potential(distance, log1p_wd, u, w):
+def potential(distance: float, log1p_wd: float, u: float, w: float) -> float:
     """Return x^(a+1)/((a+1) L^(a+1)) on the trajectory, from the distance d to the contact's nearer end.
 
     Seen from the beginning d = (1 - u)/(1 + w u). Seen from the release d = (u + E)/(1 + w u), and u and w are given
@@ -106,7 +106,7 @@ def potential(distance, log1p_wd, u, w):
 
 
 @kernel
-def potential_at(u, w):
+def potential_at(u: float, w: float) -> float:
     """Return x^(a+1)/((a+1) L^(a+1)) at the velocity u = v/v_in.
 
     Equation (3) of Papetti, Avanzini, Rocchesso 2011 without its cancellation.
@@ -121,7 +121,7 @@ def potential_at(u, w):
 
 
 @kernel
-def potential_from_entry(u, w):
+def potential_from_entry(u: float, w: float) -> float:
     """Return `potential_at` from the beginning alone: for all u > -1/w, negative beyond the release, near which it
     cancels."""
     d = (1.0 - u) / (1.0 + w * u)
@@ -129,23 +129,24 @@ def potential_from_entry(u, w):
 
 
 @kernel
-def _is_ordinary(value):
+def _is_ordinary(value: float) -> bool:
     """True if a product has lost nothing to underflow or overflow."""
     return _LEAST < value < _GREATEST
 
 
 @kernel
-def length_scale(v_in, m, k, a):
+def length_scale(v_in: float, m: float, k: float, a: float) -> float:
     """Return L = (m v_in^2/k)^(1/(a+1)) in m."""
     energy = m * v_in * v_in
     power = energy / k
     if _is_ordinary(energy) and _is_ordinary(power):
-        return power ** (1.0 / (a + 1.0))
+        length: float = power ** (1.0 / (a + 1.0))
+        return length
     return math.exp((math.log(m) + 2.0 * math.log(v_in) - math.log(k)) / (a + 1.0))
 
 
 @kernel
-def time_scale(v_in, m, k, a):
+def time_scale(v_in: float, m: float, k: float, a: float) -> float:
     """Return L/v_in in s."""
     length = length_scale(v_in, m, k, a)
     if _is_ordinary(length):
@@ -154,25 +155,25 @@ def time_scale(v_in, m, k, a):
 
 
 @kernel
-def force_scale(v_in, m, k, a):
+def force_scale(v_in: float, m: float, k: float, a: float) -> float:
     """Return k L^a in N."""
-    power = length_scale(v_in, m, k, a) ** a
+    power: float = length_scale(v_in, m, k, a) ** a
     if _is_ordinary(power):
         return k * power
     return math.exp((math.log(k) + a * (math.log(m) + 2.0 * math.log(v_in))) / (a + 1.0))
 
 
 @kernel
-def _times_power(k, x, a):
+def _times_power(k: float, x: float, a: float) -> float:
     """Return k x^a for x > 0."""
-    power = x**a
+    power: float = x**a
     if _is_ordinary(power):
         return k * power
     return math.exp(math.log(k) + a * math.log(x))
 
 
 @kernel
-def paper_release_of(v_in, mu):
+def paper_release_of(v_in: float, mu: float) -> float:
     """Return the approximation of v_out (m/s): equations (7) and (8) of Papetti, Avanzini, Rocchesso 2011."""
     if mu == 0.0:
         return -v_in
@@ -182,14 +183,15 @@ def paper_release_of(v_in, mu):
 
 
 @kernel
-def trajectory(v, v_in, m, k, mu, a):
+def trajectory(v: float, v_in: float, m: float, k: float, mu: float, a: float) -> float:
     """Return the compression x(v) in m: equation (3) of Papetti, Avanzini, Rocchesso 2011."""
     g = potential_at(v / v_in, mu * v_in)
-    return length_scale(v_in, m, k, a) * ((a + 1.0) * g) ** (1.0 / (a + 1.0))
+    share: float = ((a + 1.0) * g) ** (1.0 / (a + 1.0))
+    return length_scale(v_in, m, k, a) * share
 
 
 @kernel
-def longest_time(v_in, m, k, mu, a):
+def longest_time(v_in: float, m: float, k: float, mu: float, a: float) -> float:
     """Return a time (s) within which the contact surely ends: see `contact_time_bound`."""
     return ELASTIC_TIME * time_scale(v_in, m, k, a) + mu * trajectory(0.0, v_in, m, k, mu, a)
 
@@ -198,45 +200,45 @@ def longest_time(v_in, m, k, mu, a):
 
 
 @elementwise
-def _restitution(w):
+def _restitution(w: float) -> float:
     return restitution_of(w)
 
 
 @elementwise
-def _release(v_in, mu):
+def _release(v_in: float, mu: float) -> float:
     w = mu * v_in
     # w may have overflowed where 1/mu has not.
     return -1.0 / mu if w >= _STRONG_DISSIPATION else -v_in * restitution_of(w)
 
 
 @elementwise
-def _paper_release(v_in, mu):
+def _paper_release(v_in: float, mu: float) -> float:
     return paper_release_of(v_in, mu)
 
 
 @elementwise
-def _compression(v, v_in, m, k, mu, a):
+def _compression(v: float, v_in: float, m: float, k: float, mu: float, a: float) -> float:
     return trajectory(v, v_in, m, k, mu, a)
 
 
 @elementwise
-def _energy(v, v_in, m, mu):
+def _energy(v: float, v_in: float, m: float, mu: float) -> float:
     u = v / v_in
     return m * v_in * v_in * (0.5 * u * u + potential_at(u, mu * v_in))
 
 
 @elementwise
-def _force(x, v, k, mu, a):
+def _force(x: float, v: float, k: float, mu: float, a: float) -> float:
     return _times_power(k, x, a) * (1.0 + mu * v) if x > 0.0 else 0.0
 
 
 @elementwise
-def _potential_energy(x, k, a):
+def _potential_energy(x: float, k: float, a: float) -> float:
     return _times_power(k, x, a + 1.0) / (a + 1.0) if x > 0.0 else 0.0
 
 
 @elementwise
-def _longest_time(v_in, m, k, mu, a):
+def _longest_time(v_in: float, m: float, k: float, mu: float, a: float) -> float:
     return longest_time(v_in, m, k, mu, a)
 
 

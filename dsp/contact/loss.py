@@ -10,7 +10,7 @@ _SETTLED = 1e-14
 
 
 @kernel
-def loss_of(restitution):
+def loss_of(restitution: float) -> float:
     """Return w of a restitution E in (0, 1]: invert `restitution_of` by Newton's method.
 
     It is at most 1.5 (1 - E)/E. The slope follows from equation (6) of Papetti, Avanzini, Rocchesso 2011 (see law.py).

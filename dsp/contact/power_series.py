@@ -9,6 +9,7 @@ import numpy as np
 from numpy.polynomial import Chebyshev, Legendre, Polynomial, legendre
 
 from ..native.jit import kernel
+from ..native.typed import View
 from ..numerics.checks import Array
 from ..numerics.legendre import FINE
 from .collocation import CARDINAL, GAUSS, INTEGRAL, NODES
@@ -98,7 +99,7 @@ for _n in range(FINE):
 
 
 @kernel
-def value_at(series, t):
+def value_at(series: View[float], t: float) -> tuple[float, float]:
     """Return a power series and its derivative."""
     value = series[FINE - 1]
     slope = 0.0
@@ -109,7 +110,7 @@ def value_at(series, t):
 
 
 @kernel
-def legendre_moments(moments):
+def legendre_moments(moments: View[float]) -> None:
     """Make Legendre moments of a force over a sample, in the place of its moments of the powers of x = 2 t - 1."""
     for k in range(FINE - 1, 1, -1):
         total = 0.0

@@ -46,12 +46,12 @@ def _running() -> Array:
 
 
 @kernel
-def _slowness(zeta, span, w, a):
+def _slowness(zeta: float, span: float, w: float, a: float) -> float:
     return slowness_at(max(zeta ** (a + 1.0), _LEAST_Z), span, w, a)
 
 
 @kernel
-def _time(zeta, span, w, a):
+def _time(zeta: float, span: float, w: float, a: float) -> float:
     """Return the time from a phase's contact end to zeta, in L/v_in."""
     total = 0.0
     for j in range(_COUNT):
@@ -60,7 +60,7 @@ def _time(zeta, span, w, a):
 
 
 @kernel
-def _zeta(t, whole, span, w, a):
+def _zeta(t: float, whole: float, span: float, w: float, a: float) -> float:
     """Invert `_time` by Newton's method within a bracket; `whole` is the phase's duration."""
     low, high = 0.0, 1.0
     zeta = t / whole
@@ -80,14 +80,14 @@ def _zeta(t, whole, span, w, a):
 
 
 @elementwise
-def _contact_time(v_in, m, k, mu, a):
+def _contact_time(v_in: float, m: float, k: float, mu: float, a: float) -> float:
     w = mu * v_in
     compressing, releasing = spans_of(w, restitution_of(w))
     return time_scale(v_in, m, k, a) * (_time(1.0, compressing, w, a) + _time(1.0, releasing, -w, a))
 
 
 @elementwise
-def _force_at(t, v_in, m, k, mu, a):
+def _force_at(t: float, v_in: float, m: float, k: float, mu: float, a: float) -> float:
     if t <= 0.0:
         return 0.0
     w = mu * v_in
@@ -105,16 +105,17 @@ def _force_at(t, v_in, m, k, mu, a):
     Z = max(_zeta(since, whole, span, w, a) ** (a + 1.0), _LEAST_Z)
     u = velocity_of(w, span * (1.0 - Z))
     y = ((a + 1.0) * potential(velocity_of(w, span * Z), w * span * Z, u, w)) ** (1.0 / (a + 1.0))
-    return force_scale(v_in, m, k, a) * y**a * (1.0 + w * u)
+    force: float = force_scale(v_in, m, k, a) * y**a * (1.0 + w * u)
+    return force
 
 
 @elementwise
-def _node_slowness(zeta, span, w, a):
+def _node_slowness(zeta: float, span: float, w: float, a: float) -> float:
     return _slowness(zeta, span, w, a)
 
 
 @elementwise
-def _node_velocity(w, U):
+def _node_velocity(w: float, U: float) -> float:
     return velocity_of(w, U)
 
 

@@ -12,9 +12,8 @@ the velocity at release by the exact root of equation (6), or by the approximati
 
 import math
 
-import numpy as np
-
 from ..native.jit import kernel
+from ..native.typed import Record, dtype_of
 from .law import paper_release_of, restitution_of, trajectory
 
 METHODS = ("am1", "verlet", "heun", "rk4")
@@ -39,34 +38,37 @@ _PAPER_BOUND = (0.798, 8.05)  # mu v_in between which the paper's release veloci
 _NEWTON_STEPS = 100
 _SOLVED = 1e-14  # relative change of the acceleration that ends Newton's method
 
-SAMPLED = np.dtype(
-    [
-        ("method", np.int64),
-        ("correction", np.int64),
-        ("x", np.float64),  # m
-        ("v", np.float64),  # m/s
-        ("acceleration", np.float64),  # m/s^2, as the method keeps it
-        ("v_in", np.float64),
-        ("v_out", np.float64),  # what a release correction puts; NaN: nothing
-        ("v_least", np.float64),  # the exact release velocity, below which x(v) ends
-        ("m", np.float64),
-        ("k", np.float64),
-        ("mu", np.float64),
-        ("a", np.float64),
-    ],
-    align=True,
-)
-"""A contact that is being stepped through."""
+
+class Sampled(Record):
+    """A contact that is being stepped through."""
+
+    method: int
+    correction: int
+    x: float  # m
+    v: float  # m/s
+    acceleration: float  # m/s^2, as the method keeps it
+    v_in: float
+    v_out: float  # what a release correction puts; NaN: nothing
+    v_least: float  # the exact release velocity, below which x(v) ends
+    m: float
+    k: float
+    mu: float
+    a: float
+
+
+SAMPLED = dtype_of(Sampled)
 
 
 @kernel
-def acceleration_of(x, v, m, k, mu, a):
+def acceleration_of(x: float, v: float, m: float, k: float, mu: float, a: float) -> float:
     """Return -f(x, v)/m in m/s^2: equations (1) and (2)."""
     return -k / m * x**a * (1.0 + mu * v) if x > 0.0 else 0.0
 
 
 @kernel
-def am1(x, v, acceleration, h, m, k, mu, a):
+def am1(
+    x: float, v: float, acceleration: float, h: float, m: float, k: float, mu: float, a: float
+) -> tuple[float, float, float]:
     """Step by one-step Adams-Moulton (trapezoid rule), equation (23): safeguarded Newton's method on the new
     acceleration."""
     p = x + h * v + 0.25 * h * h * acceleration
@@ -103,12 +105,14 @@ def am1(x, v, acceleration, h, m, k, mu, a):
 
 
 @kernel
-def _am1_residual(new, p, q, h, m, k, mu, a):
+def _am1_residual(new: float, p: float, q: float, h: float, m: float, k: float, mu: float, a: float) -> float:
     return new - acceleration_of(p + 0.25 * h * h * new, q + 0.5 * h * new, m, k, mu, a)
 
 
 @kernel
-def verlet(x, v, acceleration, h, m, k, mu, a):
+def verlet(
+    x: float, v: float, acceleration: float, h: float, m: float, k: float, mu: float, a: float
+) -> tuple[float, float, float]:
     """Step by velocity Verlet: equation (24)."""
     x1 = x + h * v + 0.5 * h * h * acceleration
     half = v + 0.5 * h * acceleration
@@ -117,7 +121,9 @@ def verlet(x, v, acceleration, h, m, k, mu, a):
 
 
 @kernel
-def heun(x, v, acceleration, h, m, k, mu, a):
+def heun(
+    x: float, v: float, acceleration: float, h: float, m: float, k: float, mu: float, a: float
+) -> tuple[float, float, float]:
     """Step by Heun's method: equation (25)."""
     predicted = v + h * acceleration
     x1 = x + 0.5 * h * (v + predicted)
@@ -126,7 +132,9 @@ def heun(x, v, acceleration, h, m, k, mu, a):
 
 
 @kernel
-def rk4(x, v, acceleration, h, m, k, mu, a):
+def rk4(
+    x: float, v: float, acceleration: float, h: float, m: float, k: float, mu: float, a: float
+) -> tuple[float, float, float]:
     """Step by the classic Runge-Kutta method of order 4: equation (26)."""
     a1 = acceleration
     v2 = v + 0.5 * h * a1
@@ -142,7 +150,9 @@ def rk4(x, v, acceleration, h, m, k, mu, a):
 
 # The one parameter over eight chooses between methods that have eight.
 @kernel
-def step(method, x, v, acceleration, h, m, k, mu, a):
+def step(
+    method: int, x: float, v: float, acceleration: float, h: float, m: float, k: float, mu: float, a: float
+) -> tuple[float, float, float]:
     """Take a step of the method of that number."""
     if method == 0:
         return am1(x, v, acceleration, h, m, k, mu, a)
@@ -154,7 +164,9 @@ def step(method, x, v, acceleration, h, m, k, mu, a):
 
 
 @kernel
-def begin_sampled(contact, method, correction, v_in, m, k, mu, a):
+def begin_sampled(
+    contact: Sampled, method: int, correction: int, v_in: float, m: float, k: float, mu: float, a: float
+) -> None:
     """Begin a contact: x = 0, v = v_in."""
     contact.method = method
     contact.correction = correction
@@ -177,7 +189,7 @@ def begin_sampled(contact, method, correction, v_in, m, k, mu, a):
 
 
 @kernel
-def step_sampled(contact, h):
+def step_sampled(contact: Sampled, h: float) -> bool:
     """Take one step of h seconds, corrections included. True as long as the contact lasts.
 
     It ends at the first sample with x <= 0, or where the state is not finite; a hybrid one also where v has passed the

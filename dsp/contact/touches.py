@@ -1,27 +1,11 @@
 """A coupled striker's touches over a sample: when each began and ended, how fast they met, and the impulse of each."""
 
-import numpy as np
-
 from ..native.jit import kernel
-
-TOUCHES = 16
-"""Touches in a sample that are told apart; those beyond count with the last of them."""
-
-TOUCH = np.dtype(
-    [
-        ("number", np.int64),  # of the striker's touches
-        ("begin", np.float64),  # samples from the sample's beginning
-        ("end", np.float64),
-        ("speed", np.float64),  # m/s: at which striker and object met
-        ("velocity", np.float64),  # m/s: of the striker then, towards the object
-        ("impulse", np.float64),  # N s, in this sample
-    ],
-    align=True,
-)
+from .coupled_records import TOUCHES, Coupled
 
 
 @kernel
-def look_at_touches(contact):
+def look_at_touches(contact: Coupled) -> None:
     """Begin a sample's record, with the touch that goes on if one does."""
     contact.touched = 0
     if contact.touching == 1:
@@ -29,7 +13,7 @@ def look_at_touches(contact):
 
 
 @kernel
-def begin_touch(contact, at):
+def begin_touch(contact: Coupled, at: float) -> None:
     """Begin a touch at a time in the sample."""
     contact.touching = 1
     contact.contacts += 1
@@ -39,7 +23,7 @@ def begin_touch(contact, at):
 
 
 @kernel
-def end_touch(contact, at):
+def end_touch(contact: Coupled, at: float) -> None:
     """End the touch at a time in the sample."""
     if contact.touching == 1:
         contact.touches[contact.touched - 1].end = at
@@ -47,7 +31,7 @@ def end_touch(contact, at):
 
 
 @kernel
-def _record(contact, at):
+def _record(contact: Coupled, at: float) -> None:
     """Open the record of a touch that begins, or goes on, at a time in the sample."""
     if contact.touched < TOUCHES:
         touch = contact.touches[contact.touched]

@@ -8,19 +8,21 @@ rings freely about that. Strikers that sound ring on where they are, and fade li
 import math
 
 from ..native.jit import kernel
+from ..native.typed import View2D
 from ..resonator.bank import RESPONSES, Modes, ring
 from ..resonator.simd import LANES
 from .bank.spectral import let_bank_fade
 from .bodies.objects import shape_at
 from .bodies.strikers import fade_voices, let_voice_go
 from .contacts.contact_list import end_contacts
-from .memory.state import QUANTUM
+from .memory.records import Contact, ContactPoint
+from .memory.state import QUANTUM, Object, State
 from .output.fade import RATES, fade_length, going_on, left_of, pace_of, tilt_of
 from .output.mix import add_share, is_finite, sides_of
 
 
 @kernel
-def let_fade(state):
+def let_fade(state: State) -> None:
     """End every gesture, and let what sounds fade."""
     let_bank_fade(state)
     for i in range(state.active):
@@ -40,7 +42,7 @@ def let_fade(state):
 
 
 @kernel
-def _set_aside(state, obj):
+def _set_aside(state: State, obj: Object) -> None:
     """Put what an object's modes ring aside, together with what may be fading there already, and its modes to rest."""
     if obj.live == 0:
         return
@@ -61,7 +63,7 @@ def _set_aside(state, obj):
 
 
 @kernel
-def _age(state, obj, left):
+def _age(state: State, obj: Object, left: float) -> None:
     """Restart the output of an earlier panic's forces from now, at the share that is left of it."""
     seconds = obj.faded / state.rate
     for k in range(len(RATES)):
@@ -74,7 +76,7 @@ def _age(state, obj, left):
 
 
 @kernel
-def _let_go(state, contact, point):
+def _let_go(state: State, contact: Contact, point: ContactPoint) -> None:
     """Make a contact's force on the fading modes die away.
 
     A mode takes the momentum p[n] of a sample and its first moment p'[n] into its state, x[n + 1] = M (x[n] + b p[n] +
@@ -110,21 +112,25 @@ def _let_go(state, contact, point):
 
 
 @kernel
-def _driven(a1, a2, b, b1, p, p1):
+def _driven(
+    a1: float, a2: float, b: tuple[float, float], b1: tuple[float, float], p: float, p1: float
+) -> tuple[float, float]:
     """Return M (b p + b' p')."""
     last, before = b[0] * p + b1[0] * p1, b[1] * p + b1[1] * p1
     return a1 * last + a2 * before, last
 
 
 @kernel
-def _steady(q, a1, a2, push, less):
+def _steady(
+    q: float, a1: float, a2: float, push: tuple[float, float], less: tuple[float, float]
+) -> tuple[float, float]:
     """Solve (q - M) x = push - q less for x."""
     first, second, inverse = push[0] - q * less[0], push[1] - q * less[1], 1.0 / (q * (q - a1) - a2)
     return (q * first + a2 * second) * inverse, (first + (q - a1) * second) * inverse
 
 
 @kernel
-def mix_fading(state):
+def mix_fading(state: State) -> None:
     """Add what fades to the mix."""
     for i in range(state.active):
         obj = state.objects[state.order[i]]
@@ -133,7 +139,7 @@ def mix_fading(state):
 
 
 @kernel
-def _add_driven(state, obj, k, side, voice):
+def _add_driven(state: State, obj: Object, k: int, side: int, voice: View2D[float]) -> None:
     """Add the output of the forces that die away at one of the rates."""
     value, slope, bend = obj.driven[k, side, 0], obj.driven[k, side, 1], obj.driven[k, side, 2]
     if value == 0.0 and slope == 0.0 and bend == 0.0:
@@ -144,7 +150,7 @@ def _add_driven(state, obj, k, side, voice):
 
 
 @kernel
-def _mix(state, slot):
+def _mix(state: State, slot: int) -> None:
     """Add what fades of one object to the mix."""
     bank, obj, voice = state.bank, state.objects[slot], state.scratch.voices[0]
     first, last = obj.first, obj.first + obj.fading

@@ -6,17 +6,18 @@ size can't change a bit of it. Nothing here allocates, locks or needs Python.
 
 from ..native.atomics import load_acquire, store_release
 from ..native.jit import kernel
+from ..native.typed import View2D
 from .bank.spectral import recall_objects, ring_bank
 from .events.events import carry_out, take_commands, take_due
 from .events.ramps import run_ramps
-from .memory.state import QUANTUM, TAP
+from .memory.state import QUANTUM, TAP, State
 from .output.limiter import limit
 from .output.meter import measure
 from .render import forget_quiet, mix_objects, retune_objects, update_objects
 
 
 @kernel
-def process(state, out, frames):
+def process(state: State, out: View2D[float], frames: int) -> None:
     """Write `frames` frames of sound to out, float32 (frames, channels)."""
     output = state.output
     channels = output.channels
@@ -34,7 +35,7 @@ def process(state, out, frames):
 
 
 @kernel
-def render_quantum(state):
+def render_quantum(state: State) -> None:
     """Compute the next quantum: the way of the sound."""
     # Commands that Python has sent join the queue; events whose time falls into this quantum are carried out.
     take_commands(state)
@@ -61,7 +62,7 @@ def render_quantum(state):
 
 
 @kernel
-def _make_ready(state):
+def _make_ready(state: State) -> None:
     """Hand the mix over to whoever asks for frames, and move on in time."""
     output = state.output
     for n in range(QUANTUM):
@@ -74,7 +75,7 @@ def _make_ready(state):
 
 
 @kernel
-def _tap(state):
+def _tap(state: State) -> None:
     """Keep the quantum for a recorder, if it keeps up; not the silence that a limiter begins with."""
     tap = state.tap
     if tap.on == 0 or state.position <= state.output.delay:

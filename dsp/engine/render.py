@@ -4,6 +4,7 @@ Objects that share a contact are rendered together, sample by sample; every othe
 """
 
 from ..native.jit import kernel, noinline_kernel
+from ..native.typed import View2D
 from ..resonator.bank import state_of
 from ..resonator.click import set_click
 from ..resonator.coefficients import set_mode, set_unfelt
@@ -18,7 +19,7 @@ from .contacts.contacts import begin_contacts, next_driven_frame, run_contacts, 
 from .contacts.flights import call_back
 from .contacts.rolls import add_through, ring_on
 from .memory.quality import find_oldest_running, is_left_out, keeps_strikers, silence_of
-from .memory.state import QUANTUM
+from .memory.state import QUANTUM, Object, State
 from .output.mix import add_share, clear_mix, glide_gain, glide_gains, is_faded, is_finite, remove_static
 from .panic import mix_fading
 
@@ -27,7 +28,7 @@ _PREPARED = 65_536  # modes of the bank that get them before they are touched; i
 
 
 @noinline_kernel
-def update_objects(state):
+def update_objects(state: State) -> None:
     """Bring objects and their contacts to a new quantum."""
     for i in range(state.active):
         obj = state.objects[state.order[i]]
@@ -45,7 +46,7 @@ def update_objects(state):
 
 
 @kernel
-def mix_objects(state):
+def mix_objects(state: State) -> None:
     """Add all objects to the mix: first those that share contacts, together, then each other one by itself."""
     clear_mix(state)
     state.stats.live_modes = 0
@@ -60,7 +61,7 @@ def mix_objects(state):
 
 
 @kernel
-def _choose_group(state, turn):
+def _choose_group(state: State, turn: int) -> None:
     """Put the slots that are rendered together into `group`: all that share contacts, or object `turn` if not."""
     scratch = state.scratch
     scratch.group_size = 0
@@ -72,7 +73,7 @@ def _choose_group(state, turn):
 
 
 @noinline_kernel
-def _render_group(state):
+def _render_group(state: State) -> None:
     """Add the voices of the objects in `group` to the mix, if any of them has one."""
     scratch = state.scratch
     awake = False
@@ -108,7 +109,7 @@ def _render_group(state):
 
 
 @kernel
-def _begin_and_solve(state, frame):
+def _begin_and_solve(state: State, frame: int) -> None:
     """Begin contacts that are due, and, where there are several, solve those together that share objects."""
     scratch = state.scratch
     several = scratch.group_size > 1
@@ -127,7 +128,7 @@ def _begin_and_solve(state, frame):
 
 
 @kernel
-def _mix(state, slot, voice):
+def _mix(state: State, slot: int, voice: View2D[float]) -> None:
     """Add an object's voice to the mix; one that is not finite is silenced."""
     obj = state.objects[slot]
     if not is_finite(state, voice):
@@ -150,7 +151,7 @@ def _mix(state, slot, voice):
 
 
 @noinline_kernel
-def retune_objects(state):
+def retune_objects(state: State) -> None:
     """Give modes their coefficients: all of a touched object, of the others as many as the budget allows, in turn."""
     budget = _RETUNE_BUDGET
     turn = state.position // QUANTUM
@@ -170,7 +171,7 @@ def retune_objects(state):
 
 
 @kernel
-def _retune(state, obj, count):
+def _retune(state: State, obj: Object, count: int) -> None:
     """Bring the next `count` modes of an object to its tune, decay and damp."""
     modes = modes_of(state, obj, 0, obj.size)
     for _ in range(count):
@@ -193,7 +194,7 @@ def _retune(state, obj, count):
 
 
 @kernel
-def _rest_silent(state, obj):
+def _rest_silent(state: State, obj: Object) -> None:
     """Put the last groups of live modes to rest that nobody hears any more: at most two groups per quantum."""
     threshold = silence_of(state)
     for _ in range(2):
@@ -215,7 +216,7 @@ def _rest_silent(state, obj):
 
 
 @kernel
-def _rest_all(state, obj):
+def _rest_all(state: State, obj: Object) -> None:
     """Put all modes of an object to rest."""
     for i in range(obj.first, obj.first + obj.size):
         state.bank.y1[i] = 0.0
@@ -227,7 +228,7 @@ def _rest_all(state, obj):
 
 
 @noinline_kernel
-def forget_quiet(state):
+def forget_quiet(state: State) -> None:
     """Give up objects that were freed and are silent or faded; leave those be with which nothing goes on."""
     kept = 0
     for i in range(state.active):
@@ -246,7 +247,7 @@ def forget_quiet(state):
 
 
 @kernel
-def _is_over(state, obj):
+def _is_over(state: State, obj: Object) -> bool:
     """True if an object was freed and nobody hears it any more."""
     if obj.dying == 0 or obj.spectral > 0:
         return False
@@ -255,7 +256,7 @@ def _is_over(state, obj):
 
 
 @kernel
-def _goes_on(obj):
+def _goes_on(obj: Object) -> bool:
     """True if an object has to be looked at in each quantum: it sounds, is touched or waits for that, or changes."""
     if obj.contact >= 0 or obj.voice >= 0 or obj.fading > 0 or obj.stale_modes > 0 or obj.stretch != 0.0:
         return True

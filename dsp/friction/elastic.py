@@ -21,7 +21,7 @@ import numpy as np
 
 from ..native.jit import kernel
 from .law import coefficient
-from .stick_slip import SPRINGS
+from .stick_slip import SPRINGS, Friction
 
 _STEPS = 40
 _EXACT = 1e-15  # share of the stretch by which Newton's last step may differ
@@ -36,7 +36,7 @@ SHARE = 1.5 * STIFFNESS * _reach
 
 
 @kernel
-def stiffen(friction, tangential):
+def stiffen(friction: Friction, tangential: float) -> None:
     """Set the contact's stiffness (N/m; 0: it is rigid). No spring gains energy by it: a stiffer one keeps its force,
     and a softer one its stretch."""
     if tangential == friction.tangential:
@@ -57,7 +57,7 @@ def stiffen(friction, tangential):
 
 
 @kernel
-def step_elastic(friction, mean):
+def step_elastic(friction: Friction, mean: float) -> None:
     """Take the sample with one force, `start`; mean: the point's mean velocity if no force acts (m/s)."""
     period = friction.period
     load = 0.5 * (friction.normal[0] + friction.normal[1])
@@ -73,7 +73,7 @@ def step_elastic(friction, mean):
 
 
 @kernel
-def _keep_within(friction, most):
+def _keep_within(friction: Friction, most: float) -> float:
     """Make those springs slip that the limit (N) has fallen below; return the force of all (N)."""
     held = 0.0
     for i in range(SPRINGS):
@@ -88,7 +88,7 @@ def _keep_within(friction, most):
 
 
 @kernel
-def _stretch_of(friction, sign, free, give, most):
+def _stretch_of(friction: Friction, sign: float, free: float, give: float, most: float) -> float:
     """Return the stretch x >= 0 (m) over the sample, along `sign`, with x = free - give f(x), f being the mean force.
 
     f is concave, so that Newton's method comes from 0 and never goes beyond the solution.
@@ -113,7 +113,7 @@ def _stretch_of(friction, sign, free, give, most):
 
 
 @kernel
-def _take(friction, sign, stretch, most):
+def _take(friction: Friction, sign: float, stretch: float, most: float) -> float:
     """Stretch the springs, and count what they store and lose (J); their mean force (N) along `sign`."""
     force = stored = 0.0
     slipping = True
@@ -138,7 +138,7 @@ def _take(friction, sign, stretch, most):
 
 
 @kernel
-def _renew(friction, stretch, load):
+def _renew(friction: Friction, stretch: float, load: float) -> None:
     """Update the limit to the slip, and predict it for the middle of the next sample, should that slip as fast."""
     length = _MEMORY * friction.static * load / friction.tangential
     mu = coefficient(stretch / friction.period, friction.static, friction.dynamic, friction.stribeck)[0]

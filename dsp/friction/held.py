@@ -7,11 +7,11 @@ mean is taken after all.
 
 from ..native.jit import kernel
 from .law import coefficient, slip_of
-from .stick_slip import pay
+from .stick_slip import Friction, pay
 
 
 @kernel
-def hold_mean(friction, drive, give, normal):
+def hold_mean(friction: Friction, drive: float, give: float, normal: float) -> None:
     """Find the held force by the mean slip without friction (m/s), what 1 N takes of it, and the mean normal force."""
     ms, md, vs = friction.static, friction.dynamic, friction.stribeck
     friction.slope = 0.0
@@ -29,7 +29,7 @@ def hold_mean(friction, drive, give, normal):
 
 
 @kernel
-def step_held(friction, end, mean):
+def step_held(friction: Friction, end: float, mean: float) -> None:
     """Take the sample with one force, `start`, by the velocities that `velocity.sense` finds."""
     drive, normal = friction.drive, friction.normal
     give = friction.whole_mean

@@ -13,7 +13,7 @@ from ..native.jit import kernel
 
 
 @kernel
-def coefficient(v, static, dynamic, stribeck):
+def coefficient(v: float, static: float, dynamic: float, stribeck: float) -> tuple[float, float]:
     """Return mu(v) and its slope (s/m); v in m/s, `stribeck` > 0 in m/s."""
     fall = static - dynamic
     if v < 0.0:
@@ -23,7 +23,7 @@ def coefficient(v, static, dynamic, stribeck):
 
 
 @kernel
-def slip_of(drive, give, normal, static, dynamic, stribeck):
+def slip_of(drive: float, give: float, normal: float, static: float, dynamic: float, stribeck: float) -> float:
     """Return the greater slip w >= 0 (m/s) with w = drive - give mu(w) N, or -1 where there is none.
 
     drive: slip without friction, m/s; give >= 0: by how much 1 N slows it, m/(s N); N: normal force, N.

@@ -7,9 +7,10 @@ bisection, then the branch changes. A branch that holds for no time at all is le
 
 from ..contact.power_series import BINOMIAL, POWERS, QUADRATURE, QUADRATURE_WEIGHTS
 from ..native.jit import kernel
+from ..native.typed import View
 from ..numerics.legendre import FINE
 from .held import hold_mean
-from .stick_slip import MOST_PIECES, THIRD, book, fill_give, solve_piece
+from .stick_slip import MOST_PIECES, THIRD, Friction, book, fill_give, solve_piece
 
 _MOST_FLIPS = 6  # changes of branch that take no time, in a sample
 _TRIALS = 40
@@ -19,7 +20,7 @@ _FOLD = 0.1  # share of a piece by which its end may err where it ends because t
 
 
 @kernel
-def step_located(friction, observed, moments):
+def step_located(friction: Friction, observed: View[float], moments: View[float]) -> None:
     """Take the sample in as many pieces as it needs; fill `moments` (FINE, N s) with the force's on the object.
 
     observed: FINE Legendre coefficients of v_free, by `velocity.observe_velocity`.
@@ -65,7 +66,7 @@ def step_located(friction, observed, moments):
 
 
 @kernel
-def _value(series, t):
+def _value(series: View[float], t: float) -> float:
     """Return a power series at t."""
     value = 0.0
     for n in range(FINE - 1, -1, -1):
@@ -74,7 +75,7 @@ def _value(series, t):
 
 
 @kernel
-def _longest(friction, at, left):
+def _longest(friction: Friction, at: float, left: float) -> tuple[float, float]:
     """Return the longest piece for which the branch holds, and the branch after it; the piece's force is kept.
 
     0 where it holds for no time.
@@ -115,7 +116,7 @@ def _longest(friction, at, left):
 
 
 @kernel
-def _fill(friction, at, eta):
+def _fill(friction: Friction, at: float, eta: float) -> None:
     """Fill the equation at the nodes of a piece from now."""
     drive, normal = friction.drive, friction.normal
     for i in range(2):
@@ -126,7 +127,7 @@ def _fill(friction, at, eta):
 
 
 @kernel
-def _hold(friction, at, eta):
+def _hold(friction: Friction, at: float, eta: float) -> None:
     """Hold the force for a piece: the branch's equation in the mean velocity, which can't give energy back."""
     friction.holds += 1
     drive, normal = friction.drive, friction.normal
@@ -141,7 +142,7 @@ def _hold(friction, at, eta):
 
 
 @kernel
-def _work(friction, at, eta):
+def _work(friction: Friction, at: float, eta: float) -> tuple[float, float]:
     """Return the work on the object over a piece from now, and the driver's, in J per sample."""
     f0, f1, drive = friction.start, friction.slope, friction.drive
     free = own = 0.0
@@ -158,7 +159,7 @@ def _work(friction, at, eta):
 
 
 @kernel
-def _advance(friction, at, eta, moments):
+def _advance(friction: Friction, at: float, eta: float, moments: View[float]) -> None:
     """Go on by a piece under its force: its part of the moments, and what becomes of the sample's rest."""
     f0, f1 = friction.start, friction.slope
     for k in range(FINE):

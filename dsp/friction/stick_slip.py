@@ -13,10 +13,11 @@ gives energy that it has not taken.
 Times are in samples, velocities in m/s, forces in N.
 """
 
-import numpy as np
+from typing import Annotated
 
 from ..contact.power_series import POWERS
 from ..native.jit import kernel
+from ..native.typed import Record, View, View2D, dtype_of
 from ..numerics.legendre import FINE
 from .law import coefficient, slip_of
 
@@ -31,57 +32,58 @@ _NEWTON_STEPS = 12
 _SOLVED = 1e-11  # share of the velocities at hand by which an equation may fail
 _FASTEST = 1e7  # m/s: Newton's method is lost beyond
 
-FRICTION = np.dtype(
-    [
-        ("static", np.float64),  # mu_s
-        ("dynamic", np.float64),  # mu_d
-        ("stribeck", np.float64),  # m/s
-        ("period", np.float64),  # a sample, s
-        ("branch", np.float64),  # 0: stick; else the sign of the slip
-        ("tank", np.float64),  # J: lost so far, that a piece may give back
-        # The driver at the sample's beginning and end.
-        ("drive", np.float64, 2),  # m/s
-        ("normal", np.float64, 2),  # N
-        # The point: power series of its velocity after a unit impulse, m/(s N) a sample, and that for a unit force that
-        # is held, and for one that rises by 1 N a sample; the first power of time that counts is 0, 1 and 2.
-        ("impulse", np.float64, FINE),
-        ("held", np.float64, FINE),
-        ("rising", np.float64, FINE),
-        ("whole", np.float64, (2, 2)),  # as `give`, for a whole sample
-        ("whole_held", np.float64, 2),  # response to a held force after a third and at the end of the sample
-        ("whole_mean", np.float64),  # its mean
-        ("form", np.float64, 3),  # int f v over the sample of the force's own velocity: of F0^2, F0 F1, F1^2
-        ("motion", np.float64, FINE),  # power series of v_free from now
-        # A piece: the equation at its nodes.
-        ("gap", np.float64, 2),  # v_d - v_free
-        ("load", np.float64, 2),  # N
-        ("give", np.float64, (2, 2)),  # velocity at a node for 1 N at a node
-        ("guess", np.float64, 2),  # the same for a held force
-        ("force", np.float64, 2),  # found, at the nodes
-        ("start", np.float64),  # N: the force's line
-        ("slope", np.float64),  # N a sample
-        # The last sample with events: begin, length, the force's start and slope, and the branch, for each piece.
-        ("piece", np.float64, (MOST_PIECES + 1, 5)),
-        ("count", np.int64),
-        # Since it began:
-        ("lost", np.float64),  # J
-        ("driven", np.float64),  # J: the driver's work
-        ("events", np.int64),
-        ("holds", np.int64),  # pieces with the force held
-        # An elastic contact:
-        ("tangential", np.float64),  # N/m: its stiffness along the surface; 0: it is rigid
-        ("pull", np.float64, SPRINGS),  # N: force of each spring
-        ("stored", np.float64),  # J, in the springs
-        ("limit", np.float64),  # coefficient of friction, now
-        ("limit_ahead", np.float64),  # and in the middle of the coming sample
-    ],
-    align=True,
-)
-"""A driver and the point that it rubs. Set `static`, `dynamic`, `stribeck` > 0 and `drive`, `normal` >= 0."""
+
+class Friction(Record):
+    """A driver and the point that it rubs. Set `static`, `dynamic`, `stribeck` > 0 and `drive`, `normal` >= 0."""
+
+    static: float  # mu_s
+    dynamic: float  # mu_d
+    stribeck: float  # m/s
+    period: float  # a sample, s
+    branch: float  # 0: stick; else the sign of the slip
+    tank: float  # J: lost so far, that a piece may give back
+    # The driver at the sample's beginning and end.
+    drive: Annotated[View[float], 2]  # m/s
+    normal: Annotated[View[float], 2]  # N
+    # The point: power series of its velocity after a unit impulse, m/(s N) a sample, and that for a unit force that
+    # is held, and for one that rises by 1 N a sample; the first power of time that counts is 0, 1 and 2.
+    impulse: Annotated[View[float], FINE]
+    held: Annotated[View[float], FINE]
+    rising: Annotated[View[float], FINE]
+    whole: Annotated[View2D[float], 2, 2]  # as `give`, for a whole sample
+    whole_held: Annotated[View[float], 2]  # response to a held force after a third and at the end of the sample
+    whole_mean: float  # its mean
+    form: Annotated[View[float], 3]  # int f v over the sample of the force's own velocity: of F0^2, F0 F1, F1^2
+    motion: Annotated[View[float], FINE]  # power series of v_free from now
+    # A piece: the equation at its nodes.
+    gap: Annotated[View[float], 2]  # v_d - v_free
+    load: Annotated[View[float], 2]  # N
+    give: Annotated[View2D[float], 2, 2]  # velocity at a node for 1 N at a node
+    guess: Annotated[View[float], 2]  # the same for a held force
+    force: Annotated[View[float], 2]  # found, at the nodes
+    start: float  # N: the force's line
+    slope: float  # N a sample
+    # The last sample with events: begin, length, the force's start and slope, and the branch, for each piece.
+    piece: Annotated[View2D[float], MOST_PIECES + 1, 5]
+    count: int
+    # Since it began:
+    lost: float  # J
+    driven: float  # J: the driver's work
+    events: int
+    holds: int  # pieces with the force held
+    # An elastic contact:
+    tangential: float  # N/m: its stiffness along the surface; 0: it is rigid
+    pull: Annotated[View[float], SPRINGS]  # N: force of each spring
+    stored: float  # J, in the springs
+    limit: float  # coefficient of friction, now
+    limit_ahead: float  # and in the middle of the coming sample
+
+
+FRICTION = dtype_of(Friction)
 
 
 @kernel
-def begin_friction(friction, rate):
+def begin_friction(friction: Friction, rate: float) -> None:
     """Begin to rub, slipping, at a rate in Hz; `respond_along` must follow."""
     friction.period = 1.0 / rate
     friction.branch = 1.0
@@ -93,7 +95,7 @@ def begin_friction(friction, rate):
 
 
 @kernel
-def respond_along(friction, response):
+def respond_along(friction: Friction, response: View[float]) -> None:
     """Set how a point answers the driver, by its `velocity_response` (FINE): at the beginning, and when modes are
     retuned."""
     for n in range(FINE):
@@ -118,7 +120,7 @@ def respond_along(friction, response):
 
 
 @kernel
-def fill_give(friction, eta):
+def fill_give(friction: Friction, eta: float) -> None:
     """Put the velocities at the nodes of a piece of `eta` samples for forces there into `give` and `guess`."""
     for i in range(2):
         t = eta * (THIRD if i == 0 else 1.0)
@@ -135,7 +137,7 @@ def fill_give(friction, eta):
 
 
 @kernel
-def solve_piece(friction, eta):
+def solve_piece(friction: Friction, eta: float) -> tuple[bool, float]:
     """Solve the branch's equation for a piece: whether it could be solved, and how well the branch holds (>= 0).
 
     The line of force is left in `start` and `slope`; `gap`, `load`, `give` and `guess` must be filled.
@@ -162,7 +164,7 @@ def solve_piece(friction, eta):
 
 
 @kernel
-def _slip(friction):
+def _slip(friction: Friction) -> tuple[bool, float]:
     """Solve for the slip at both nodes: Newton's method on the branch that goes on from fast slips."""
     sign, g = friction.branch, friction.give
     ms, md, vs = friction.static, friction.dynamic, friction.stribeck
@@ -196,7 +198,7 @@ def _slip(friction):
 
 
 @kernel
-def step_whole(friction, third, end, mean, moment):
+def step_whole(friction: Friction, third: float, end: float, mean: float, moment: float) -> bool:
     """Take the sample in one piece, if it has no event and its loss is right: whether it did.
 
     The arguments are what `velocity.sense` finds. The force is start + slope t.
@@ -217,7 +219,7 @@ def step_whole(friction, third, end, mean, moment):
 
 
 @kernel
-def pay(friction, mean, moment):
+def pay(friction: Friction, mean: float, moment: float) -> bool:
     """Book the whole sample's work and loss under the force start + slope t; false, and nothing, if it may not be."""
     f0, f1, drive, form = friction.start, friction.slope, friction.drive, friction.form
     work = f0 * mean + f1 * moment + f0 * f0 * form[0] + f0 * f1 * form[1] + f1 * f1 * form[2]
@@ -226,7 +228,7 @@ def pay(friction, mean, moment):
 
 
 @kernel
-def book(friction, driven, work):
+def book(friction: Friction, driven: float, work: float) -> bool:
     """Book a piece's work (J a sample) of the driver, and on the object; false, and nothing, if the tank can't pay."""
     driven *= friction.period
     loss = driven - work * friction.period

@@ -46,7 +46,7 @@ class Bristled(NamedTuple):
 
 
 @kernel
-def _adhesion(z, w, steady):
+def _adhesion(z: float, w: float, steady: float) -> float:
     """Return alpha, 0 where the bristle only bends and 1 where it slips; steady: g/s0 (m)."""
     size, breaks = abs(z), _BREAKS * steady
     if z * w <= 0.0 or size <= breaks:
@@ -57,7 +57,9 @@ def _adhesion(z, w, steady):
 
 
 @kernel
-def _euler(z, w, h, load, law, bristle):
+def _euler(
+    z: float, w: float, h: float, load: float, law: tuple[float, float, float], bristle: tuple[float, float]
+) -> tuple[float, float]:
     """Return the force now, and the deflection a sample later, by Euler's explicit step."""
     steady = load * coefficient(abs(w), law[0], law[1], law[2])[0] / bristle[0]
     rate = w - _adhesion(z, w, steady) * abs(w) * z / steady if steady > 0.0 else 0.0
@@ -65,7 +67,9 @@ def _euler(z, w, h, load, law, bristle):
 
 
 @kernel
-def _trapezoid(z, w, h, load, law, bristle):
+def _trapezoid(
+    z: float, w: float, h: float, load: float, law: tuple[float, float, float], bristle: tuple[float, float]
+) -> tuple[float, float]:
     """Return the mean force over a sample, and the deflection at its end, by the trapezoidal rule; alpha by a fixed
     point."""
     steady = load * coefficient(abs(w), law[0], law[1], law[2])[0] / bristle[0]
@@ -77,7 +81,16 @@ def _trapezoid(z, w, h, load, law, bristle):
 
 
 @kernel
-def _iterate(z, w, free, give, h, load, law, bristle):
+def _iterate(
+    z: float,
+    w: float,
+    free: float,
+    give: float,
+    h: float,
+    load: float,
+    law: tuple[float, float, float],
+    bristle: tuple[float, float],
+) -> float:
     """Solve w = free - give f(w) by Newton's method, with a slope by differences, from the last sample's w."""
     for _ in range(_ITERATIONS):
         rest = free - give * _trapezoid(z, w, h, load, law, bristle)[0] - w

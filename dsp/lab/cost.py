@@ -39,7 +39,7 @@ def _pulse_loop(pulse, law, rate, times):
     moments = np.zeros(MOMENTS)
     total = 0.0
     for _ in range(times):
-        begin_pulse(pulse, *law, rate)
+        begin_pulse(pulse, *law, rate)  # type: ignore[call-arg]
         while pulse.time < pulse.duration:
             advance_pulse(pulse, min(pulse.time + 1.0, pulse.duration), pulse.time, moments)
             total += moments[0]
@@ -47,7 +47,7 @@ def _pulse_loop(pulse, law, rate, times):
 
 
 @kernel
-def _nearly(v_in, i):
+def _nearly(v_in: float, i: int) -> float:
     """Return v_in, a little different each time: the compiler would take a constant out of the loop."""
     return v_in * (1.0 + 1e-12 * i)
 

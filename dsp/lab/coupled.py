@@ -11,7 +11,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..contact.collocation import elastic
-from ..contact.coupled import COUPLED, ContactLaw, begin_coupled, respond_with, step_coupled
+from ..contact.coupled import ContactLaw, begin_coupled, respond_with, step_coupled
+from ..contact.coupled_records import COUPLED
 from ..contact.pulse import contact_time
 from ..native.jit import kernel
 from ..numerics.checks import Array, checked, checked_scalar
@@ -148,7 +149,7 @@ def bank_of(case: Case) -> Bank:
 
 
 @kernel
-def restart(bank):
+def restart(bank: Bank) -> None:
     """Set the modes back to their start."""
     modes = bank.modes
     for i in range(len(modes.y1)):
@@ -157,7 +158,7 @@ def restart(bank):
 
 
 @kernel
-def ring_on(modes):
+def ring_on(modes: Modes) -> None:
     """Ring the modes for one sample."""
     for i in range(len(modes.y1)):
         y = modes.a1[i] * modes.y1[i] + modes.a2[i] * modes.y2[i]
@@ -166,7 +167,7 @@ def ring_on(modes):
 
 
 @kernel
-def motion_and_energy(bank):
+def motion_and_energy(bank: Bank) -> tuple[float, float]:
     """Return the velocity of the modes' point (m/s), and their energy (J)."""
     velocity = energy = 0.0
     modes = bank.modes

@@ -13,6 +13,7 @@ from numba import njit
 from ..contact.collocation import elastic, law
 from ..contact.sampled import METHODS
 from ..native.jit import simd_kernel
+from ..native.typed import View, View2D
 from ..numerics.checks import Array
 from .coupled import NOT_KEPT, Case, Run
 
@@ -26,7 +27,7 @@ _WORK = 8  # rows of memory, each for the modes and, last, the striker
 
 
 @simd_kernel
-def _compression(row, phi):
+def _compression(row: View[float], phi: View[float]) -> float:
     """Return the contact's compression from displacements, or its rate from velocities."""
     n = len(phi)
     give = 0.0
@@ -36,7 +37,13 @@ def _compression(row, phi):
 
 
 @simd_kernel
-def _accelerate(place, speed, modes, striker, out):
+def _accelerate(
+    place: View[float],
+    speed: View[float],
+    modes: tuple[View[float], View[float], View[float]],
+    striker: tuple[float, float, float, float],
+    out: View[float],
+) -> None:
     """Put the accelerations of the modes and of the striker into `out`."""
     squares, losses, phi = modes
     m, k, mu, a = striker
@@ -48,7 +55,14 @@ def _accelerate(place, speed, modes, striker, out):
 
 
 @simd_kernel
-def _verlet(place, speed, modes, striker, h, work):
+def _verlet(
+    place: View[float],
+    speed: View[float],
+    modes: tuple[View[float], View[float], View[float]],
+    striker: tuple[float, float, float, float],
+    h: float,
+    work: View2D[float],
+) -> None:
     kept, half = work[0], work[1]
     for i in range(len(place)):
         place[i] += h * speed[i] + 0.5 * h * h * kept[i]
@@ -59,7 +73,14 @@ def _verlet(place, speed, modes, striker, h, work):
 
 
 @simd_kernel
-def _heun(place, speed, modes, striker, h, work):
+def _heun(
+    place: View[float],
+    speed: View[float],
+    modes: tuple[View[float], View[float], View[float]],
+    striker: tuple[float, float, float, float],
+    h: float,
+    work: View2D[float],
+) -> None:
     kept, predicted, new = work[0], work[1], work[2]
     for i in range(len(place)):
         predicted[i] = speed[i] + h * kept[i]
@@ -71,7 +92,14 @@ def _heun(place, speed, modes, striker, h, work):
 
 
 @simd_kernel
-def _runge_kutta(place, speed, modes, striker, h, work):
+def _runge_kutta(
+    place: View[float],
+    speed: View[float],
+    modes: tuple[View[float], View[float], View[float]],
+    striker: tuple[float, float, float, float],
+    h: float,
+    work: View2D[float],
+) -> None:
     v, at, acceleration, moved, gained = work[1], work[2], work[3], work[4], work[5]
     for i in range(len(place)):
         v[i] = acceleration[i] = moved[i] = gained[i] = 0.0
@@ -89,7 +117,7 @@ def _runge_kutta(place, speed, modes, striker, h, work):
 
 
 @simd_kernel
-def _prepare(modes, h, work):
+def _prepare(modes: tuple[View[float], View[float], View[float]], h: float, work: View2D[float]) -> None:
     """Put the trapezoid rule's coefficients of the modes into `work`: of free motion, and of the answer to a force."""
     squares, losses, phi = modes
     c = 0.5 * h
@@ -101,7 +129,15 @@ def _prepare(modes, h, work):
 
 
 @simd_kernel
-def _trapezoid(place, speed, f, modes, striker, h, work):
+def _trapezoid(
+    place: View[float],
+    speed: View[float],
+    f: float,
+    modes: tuple[View[float], View[float], View[float]],
+    striker: tuple[float, float, float, float],
+    h: float,
+    work: View2D[float],
+) -> float:
     """Take a step of the trapezoid rule; return the force at its end, its one unknown, by safeguarded Newton's
     method."""
     phi = modes[2]

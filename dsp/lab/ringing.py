@@ -57,7 +57,9 @@ def placed(steps: Array, c: Array, balance: Array) -> Chunks:
     return chunks.ravel(), weights.ravel().astype(np.float32), start, count
 
 
-def _arguments(chunks: Array, weights: Array, start: Array, count: Array) -> tuple[Array, ...]:
+def _arguments(
+    chunks: Array, weights: Array, start: Array, count: Array
+) -> tuple[Array, Array, Array, Array, Array, Array]:
     """Return the arguments of `sum_bins`, of chunks in float64 or float32."""
     single = chunks.dtype == np.float32
     both = (np.zeros(0), chunks) if single else (chunks, np.zeros(0, np.float32))

@@ -10,8 +10,9 @@ from ..contact.collocation import CARDINAL, NODES, WEIGHTS
 from ..numerics.checks import Array, checked, checked_scalar
 from ..numerics.constants import STANDARD_GRAVITY
 from ..numerics.legendre import KEPT
-from ..rolling.body import ROLL, begin_roll, fill_roll, next_event
+from ..rolling.body import begin_roll, fill_roll, next_event
 from ..rolling.path import PIECES
+from ..rolling.roll_record import ROLL
 
 _FRAMES = 64
 _LOOKS = 64  # at the compression in a step, to find the release

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..friction.elastic import step_elastic, stiffen
 from ..friction.held import step_held
 from ..friction.located import step_located
-from ..friction.stick_slip import FRICTION, begin_friction, respond_along, step_whole
+from ..friction.stick_slip import FRICTION, Friction, begin_friction, respond_along, step_whole
 from ..native.jit import kernel
 from ..numerics.checks import Array, checked, checked_scalar
 from ..numerics.legendre import FINE
@@ -123,7 +123,7 @@ def _bank_of(rub: Rub) -> _Bank:
 
 
 @kernel
-def _energy(bank, modes):
+def _energy(bank: _Bank, modes: Modes) -> float:
     """Return the energy (J) of the modes: (q'^2 + (omega^2 + sigma^2) q^2)/2."""
     total = 0.0
     for i in range(len(modes.y1)):
@@ -135,7 +135,7 @@ def _energy(bank, modes):
 
 
 @kernel
-def _flow(z, s, t, start, slope):
+def _flow(z: complex, s: complex, t: float, start: float, slope: float) -> complex:
     """Return z after t samples: z' = s z + start + slope t. Series of (exp(x) - 1)/x and (exp(x) - 1 - x)/x^2, x = s
     t."""
     x = s * t
@@ -154,7 +154,7 @@ def _flow(z, s, t, start, slope):
 
 
 @kernel
-def _damping(bank, modes, friction, whole):
+def _damping(bank: _Bank, modes: Modes, friction: Friction, whole: bool) -> float:
     """Return the loss (J) by the modes' damping over the coming sample, int 2 sigma q'^2 dt, by the exact flow of each
     mode."""
     total = 0.0
@@ -180,7 +180,7 @@ def _damping(bank, modes, friction, whole):
 
 
 @kernel
-def _step(friction, bank, held):
+def _step(friction: Friction, bank: _Bank, held: bool) -> bool:
     """Solve the coming sample; True if it had no event, else its moments are in bank.moments[1]."""
     modes, rows, moments = bank.modes, bank.rows, bank.moments
     stride = len(modes.y1)
@@ -200,7 +200,7 @@ def _step(friction, bank, held):
 
 
 @kernel
-def _give(friction, bank, whole):
+def _give(friction: Friction, bank: _Bank, whole: bool) -> float:
     """Give the modes the force over the coming sample; its mean (N)."""
     period = friction.period
     if whole:
@@ -208,11 +208,12 @@ def _give(friction, bank, whole):
         inject_line(bank.modes, bank.point, given * period, friction.slope * period / 6.0)
         return given
     inject_fine(bank.modes, bank.point, bank.moments[1])
-    return bank.moments[1, 0] / period
+    impulse: float = bank.moments[1, 0]
+    return impulse / period
 
 
 @kernel
-def _begin(friction, bank, tangential):
+def _begin(friction: Friction, bank: _Bank, tangential: float) -> None:
     begin_friction(friction, 1.0 / friction.period)
     stiffen(friction, tangential)
     n = len(bank.modes.y1)
@@ -223,7 +224,7 @@ def _begin(friction, bank, tangential):
 
 
 @kernel
-def _ring(bank):
+def _ring(bank: _Bank) -> float:
     """Ring the modes for a sample; return the point's velocity at its end."""
     modes, velocity = bank.modes, 0.0
     for i in range(len(modes.y1)):

@@ -24,7 +24,7 @@ Spectrum = NDArray[np.complex128]
 
 @njit(error_model="numpy")
 def _moments(pulse, law, rate, moments):
-    begin_pulse(pulse, *law, rate)
+    begin_pulse(pulse, *law, rate)  # type: ignore[call-arg]
     for i in range(len(moments)):
         advance_pulse(pulse, min(i + 1.0, pulse.duration), float(i), moments[i])
 

@@ -17,8 +17,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..contact.closed_form import PULSE, advance_pulse, begin_pulse
 from ..contact.law import checked_law, length_scale, longest_time, potential_at, potential_from_entry, restitution_of
-from ..contact.sampled import CORRECTIONS, METHODS, SAMPLED, begin_sampled, step_sampled
+from ..contact.sampled import CORRECTIONS, METHODS, SAMPLED, Sampled, begin_sampled, step_sampled
 from ..native.jit import kernel
+from ..native.typed import View
 from ..numerics.checks import Array, checked
 from ..numerics.legendre import MOMENTS
 from .reference import release_error, restitution
@@ -78,7 +79,15 @@ class Deviations:
 
 
 @kernel
-def run(contact, scheme, law, h, most, x, v):
+def run(
+    contact: Sampled,
+    scheme: tuple[int, int],
+    law: tuple[float, float, float, float, float],
+    h: float,
+    most: int,
+    x: View[float],
+    v: View[float],
+) -> int:
     """Step through a contact of a `law`, keeping x and v where there is room; return the steps taken.
 
     scheme: a method's and a correction's numbers; h: a step, s; most: the steps after which it is given up.
@@ -96,7 +105,9 @@ def run(contact, scheme, law, h, most, x, v):
 
 
 @kernel
-def _deviate(contact, scheme, law, h, most):
+def _deviate(
+    contact: Sampled, scheme: tuple[int, int], law: tuple[float, float, float, float, float], h: float, most: int
+) -> tuple[float, float, float, int, Outcome]:
     """Return (final v, %dev(x), %dev(H), steps, outcome)."""
     v_in, m, k, mu, a = law
     w = mu * v_in
@@ -126,7 +137,7 @@ def _deviate(contact, scheme, law, h, most):
 
 
 @kernel
-def _judge(contact, lasts, v_in, highest):
+def _judge(contact: Sampled, lasts: bool, v_in: float, highest: float) -> Outcome:
     """Judge a contact where it was left; `highest`: its greatest energy over the one that it came with."""
     v = contact.v
     if not (math.isfinite(v) and math.isfinite(contact.x)):
@@ -143,7 +154,7 @@ def _judge(contact, lasts, v_in, highest):
 
 
 @kernel
-def most_steps(law, h):
+def most_steps(law: tuple[float, float, float, float, float], h: float) -> int:
     """Return steps of h s after which a contact is given up."""
     return int(min(10.0 * longest_time(*law) / h + 20.0, MOST_STEPS))
 

@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from .jit import c_function, carray, cgutils, intrinsic, ir, types
+from .jit import Lowered, c_function, carray, cgutils, intrinsic, ir, types
+from .typed import View
 
 
 def _address(context: Any, builder: Any, array_type: Any, array: Any, index: Any) -> Any:
@@ -14,7 +15,7 @@ def _address(context: Any, builder: Any, array_type: Any, array: Any, index: Any
 
 
 @intrinsic
-def load_acquire(typingctx, array, index):
+def load_acquire(typingctx: object, array: View[int], index: int) -> Lowered[int]:
     """Load array[index] (int64) with acquire ordering."""
 
     def codegen(context, builder, signature, args):
@@ -25,7 +26,7 @@ def load_acquire(typingctx, array, index):
 
 
 @intrinsic
-def store_release(typingctx, array, index, value):
+def store_release(typingctx: object, array: View[int], index: int, value: int) -> Lowered[None]:
     """Store an int64 in array[index] with release ordering."""
 
     def codegen(context, builder, signature, args):
@@ -38,7 +39,7 @@ def store_release(typingctx, array, index, value):
 
 
 @intrinsic
-def exchange(typingctx, array, index, before, after):
+def exchange(typingctx: object, array: View[int], index: int, before: int, after: int) -> Lowered[bool]:
     """Exchange array[index] (int64) by compare-and-swap: store `after` if it holds `before`; return whether it did."""
 
     def codegen(context, builder, signature, args):
@@ -51,19 +52,19 @@ def exchange(typingctx, array, index, before, after):
 
 
 @c_function(None, c_void_p, c_int64)
-def publish_at(address, value):
+def publish_at(address: int, value: int) -> None:
     """Store an int64 at an address with release ordering."""
     store_release(carray(address, (1,), np.int64), 0, value)
 
 
 @c_function(c_int64, c_void_p)
-def _observe(address):
+def _observe(address: int) -> int:
     """Load an int64 from an address with acquire ordering."""
     return load_acquire(carray(address, (1,), np.int64), 0)
 
 
 @c_function(c_int64, c_void_p, c_int64, c_int64)
-def _swap(address, before, after):
+def _swap(address: int, before: int, after: int) -> int:
     """Exchange an int64 at an address by compare-and-swap: return 1 if it held `before`."""
     return int(exchange(carray(address, (1,), np.int64), 0, before, after))
 

@@ -9,7 +9,11 @@ import functools
 from collections import defaultdict
 from collections.abc import Callable
 from importlib import import_module
-from typing import Any
+from typing import Any, Concatenate, Generic, ParamSpec, TypeAlias, TypeVar, cast
+
+P = ParamSpec("P")
+R = TypeVar("R")
+R_co = TypeVar("R_co", covariant=True)
 
 
 class Later:
@@ -42,10 +46,10 @@ cgutils: Any = Later(f"{__package__}.numba_internals", "cgutils")
 carray: Any = Later("numba", "carray")
 
 
-class Kernel:
+class Kernel(Generic[P, R_co]):
     """A function that is compiled into others. Called from Python, it runs as a function of its own."""
 
-    def __init__(self, function: Callable[..., Any], simd: bool = False, inlined: bool = True) -> None:
+    def __init__(self, function: Callable[P, R_co], simd: bool = False, inlined: bool = True) -> None:
         functools.update_wrapper(self, function)
         self.py_func = function
         self.settings = simd, inlined
@@ -60,20 +64,21 @@ class Kernel:
     def _numba_type_(self) -> Any:
         return import_module(f"{__package__}.kernel_types").type_of_kernel(self)
 
-    def __call__(self, *args: Any) -> Any:
-        return self.whole(*args)
+    def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R_co:
+        returned: R_co = self.whole(*args, **kwargs)
+        return returned
 
 
-KERNELS: dict[str, list[Kernel]] = defaultdict(list)
+KERNELS: dict[str, list[Kernel[..., Any]]] = defaultdict(list)
 """All kernels by `module:qualified name`, the newest last: several where a function makes them."""
 
 
-def kernel(function: Callable[..., Any]) -> Any:
+def kernel(function: Callable[P, R]) -> Kernel[P, R]:
     """Mark a kernel with strict IEEE arithmetic: a decorator."""
     return Kernel(function)
 
 
-def noinline_kernel(function: Callable[..., Any]) -> Any:
+def noinline_kernel(function: Callable[P, R]) -> Kernel[P, R]:
     """Mark a kernel that stays a function of its own in the one that calls it: a decorator.
 
     For large ones that run per block, per event or per contact and sample: LLVM's passes take more than in proportion
@@ -82,7 +87,7 @@ def noinline_kernel(function: Callable[..., Any]) -> Any:
     return Kernel(function, inlined=False)
 
 
-def simd_kernel(function: Callable[..., Any]) -> Any:
+def simd_kernel(function: Callable[P, R]) -> Kernel[P, R]:
     """Mark a kernel whose sums may be reordered into vector lanes: a decorator."""
     return Kernel(function, simd=True)
 
@@ -99,9 +104,18 @@ class Intrinsic:
         return import_module(f"{__package__}.kernel_types").type_of_intrinsic(self.function)
 
 
-def intrinsic(function: Callable[..., Any]) -> Any:
-    """Mark an intrinsic as numba's `intrinsic` does: a decorator."""
-    return Intrinsic(function)
+class Signature(Generic[R_co]):
+    """numba's signature of an intrinsic, by the type that kernels get from it."""
+
+
+Lowered: TypeAlias = tuple[Signature[R], Callable[..., Any]]
+"""An intrinsic's signature, and the function that writes its instructions."""
+
+
+def intrinsic(function: Callable[Concatenate[object, P], Lowered[R]]) -> Callable[P, R]:
+    """Mark an intrinsic as numba's `intrinsic` does: a decorator. Its hints tell what kernels give, and get."""
+    made: Callable[P, R] = cast(Any, Intrinsic(function))
+    return made
 
 
 class External:
@@ -113,6 +127,11 @@ class External:
     @functools.cached_property
     def _numba_type_(self) -> Any:
         return import_module(f"{__package__}.kernel_types").type_of_external(*self.signature)
+
+
+def external(name: str, returned: Any, *arguments: Any) -> Any:
+    """Return a function of the C library, for kernels."""
+    return External(name, returned, *arguments)
 
 
 class CFunction:

@@ -18,7 +18,7 @@ from .translation import translator
 class KernelType(types.Callable, types.Dummy):
     """The type that numba knows a kernel by, whose calls are translated when their arguments are known."""
 
-    def __init__(self, kernel: Kernel) -> None:
+    def __init__(self, kernel: Kernel[..., Any]) -> None:
         self.kernel = kernel
         self._folding = internals.compiler_of(kernel.py_func, OPTIONS)
         super().__init__(f"kernel({name_of(kernel)} {own_digest(kernel)})")
@@ -47,7 +47,7 @@ class KernelType(types.Callable, types.Dummy):
 internals.register_opaque(KernelType)
 
 
-def type_of_kernel(kernel: Kernel) -> Any:
+def type_of_kernel(kernel: Kernel[..., Any]) -> Any:
     """Return the type that numba knows a kernel by."""
     return KernelType(kernel)
 
@@ -65,7 +65,7 @@ def type_of_external(name: str, returned: Any, arguments: tuple[Any, ...]) -> An
     return internals.type_of(types.ExternalFunction(name, KINDS[returned](*kinds)))
 
 
-def whole(kernel: Kernel) -> Any:
+def whole(kernel: Kernel[..., Any]) -> Any:
     """Return a kernel as a function of its own, which Python can call."""
 
     @numba.njit(error_model="numpy")

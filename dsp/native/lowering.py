@@ -55,7 +55,7 @@ class Translation:
     key: object = None  # of the way to call it, in this process
 
 
-def lower(kernel: Kernel, argument_types: tuple[Any, ...]) -> Translation:
+def lower(kernel: Kernel[..., Any], argument_types: tuple[Any, ...]) -> Translation:
     """Translate a kernel. TypeError if it can fail."""
     simd, inlined = kernel.settings
     options = OPTIONS | {"forceinline": inlined} | ({"fastmath": _REASSOCIATE} if simd else {})

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from .jit import intrinsic, ir, types
+from .jit import Lowered, intrinsic, ir, types
 
 
 def _loaded(kind: Any, builder: Any, address: Any) -> Any:
@@ -10,7 +10,7 @@ def _loaded(kind: Any, builder: Any, address: Any) -> Any:
 
 
 @intrinsic
-def load_double(typingctx, address):
+def load_double(typingctx: object, address: int) -> Lowered[float]:
     """Load the float64 at an address."""
 
     def codegen(context, builder, signature, args):
@@ -20,7 +20,7 @@ def load_double(typingctx, address):
 
 
 @intrinsic
-def load_address(typingctx, address):
+def load_address(typingctx: object, address: int) -> Lowered[int]:
     """Load the address at an address."""
 
     def codegen(context, builder, signature, args):
@@ -30,7 +30,7 @@ def load_address(typingctx, address):
 
 
 @intrinsic
-def load_int32(typingctx, address):
+def load_int32(typingctx: object, address: int) -> Lowered[int]:
     """Load the int32 at an address, as an int64."""
 
     def codegen(context, builder, signature, args):
@@ -40,7 +40,7 @@ def load_int32(typingctx, address):
 
 
 @intrinsic
-def pointer_to(typingctx, address):
+def pointer_to(typingctx: object, address: int) -> Lowered[int]:
     """Return a pointer to an address, for `carray`."""
 
     def codegen(context, builder, signature, args):

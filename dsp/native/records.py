@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from .jit import intrinsic, ir, types
+from .jit import Lowered, intrinsic, ir, types
+from .typed import Record
 
 
 def _field(builder: Any, record: Any, index: Any) -> Any:
@@ -10,7 +11,7 @@ def _field(builder: Any, record: Any, index: Any) -> Any:
 
 
 @intrinsic
-def field(typingctx, record, index):
+def field(typingctx: object, record: Record, index: int) -> Lowered[float]:
     """Return field number `index` of a record whose fields are all float64."""
 
     def codegen(context, builder, signature, args):
@@ -20,7 +21,7 @@ def field(typingctx, record, index):
 
 
 @intrinsic
-def set_field(typingctx, record, index, value):
+def set_field(typingctx: object, record: Record, index: int, value: float) -> Lowered[None]:
     """Set field number `index` of a record whose fields are all float64."""
 
     def codegen(context, builder, signature, args):

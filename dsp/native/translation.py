@@ -45,7 +45,7 @@ class Translator:
         """Look at all kernels again: modules may have been imported anew since."""
         self._known.clear()
 
-    def kernel(self, kernel: Kernel, kinds: tuple[Any, ...]) -> Translation:
+    def kernel(self, kernel: Kernel[..., Any], kinds: tuple[Any, ...]) -> Translation:
         """Return a kernel's translation for types of arguments: of this process, of an earlier one, or made now."""
         name = name_of(kernel)
         found = self._known.get((name, kinds))
@@ -55,7 +55,7 @@ class Translator:
         self._calls[-1].append((name, kinds, found.restype))
         return found
 
-    def known(self, kernel: Kernel, kinds: tuple[Any, ...]) -> Translation:
+    def known(self, kernel: Kernel[..., Any], kinds: tuple[Any, ...]) -> Translation:
         """Return a translation of this process."""
         return self._known[name_of(kernel), kinds]
 
@@ -141,11 +141,12 @@ def _translator(root: Path) -> Translator:
     return Translator(Store(root, compiler_digest()))
 
 
-def _named(name: str) -> Kernel:
+def _named(name: str) -> Kernel[..., Any]:
     """Return the kernel of a name; LookupError if there is none any more."""
     path, _, own = name.partition("@")
     if path not in KERNELS:
         import_module(path.partition(":")[0])
+    kernel: Kernel[..., Any]
     for kernel in reversed(KERNELS.get(path, [])):
         if not own or own_digest(kernel) == own:
             return kernel

@@ -7,7 +7,7 @@ finite. exp and expm1 hold theirs within -700 to 700; the argument of log must b
 import math
 from typing import Any
 
-from ..native.jit import intrinsic, ir, simd_kernel, types
+from ..native.jit import Lowered, intrinsic, ir, simd_kernel, types
 
 _LIMIT = 700.0
 _FRACTION = 52  # bits
@@ -31,7 +31,7 @@ def _biased(builder: Any, number: Any) -> Any:
 
 
 @intrinsic
-def _two_to(typingctx: Any, k: Any) -> Any:
+def _two_to(typingctx: object, k: float) -> Lowered[float]:
     """Return 2^k of a whole number k, a float64, within +-1020."""
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
@@ -43,7 +43,7 @@ def _two_to(typingctx: Any, k: Any) -> Any:
 
 
 @intrinsic
-def _exponent_of(typingctx: Any, number: Any) -> Any:
+def _exponent_of(typingctx: object, number: float) -> Lowered[float]:
     """Return the k of `_biased`, as a float64."""
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
@@ -54,7 +54,7 @@ def _exponent_of(typingctx: Any, number: Any) -> Any:
 
 
 @intrinsic
-def _mantissa_of(typingctx: Any, number: Any) -> Any:
+def _mantissa_of(typingctx: object, number: float) -> Lowered[float]:
     """Return the m of `_biased`."""
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
@@ -65,7 +65,7 @@ def _mantissa_of(typingctx: Any, number: Any) -> Any:
 
 
 @simd_kernel
-def _reduced(x):
+def _reduced(x: float) -> tuple[float, float]:
     """Reduce x = k ln 2 + r to r and k, with whole k and |r| <= ln(2)/2."""
     held = min(max(x, -_LIMIT), _LIMIT)
     k = float(math.floor(held * (1.0 / _LN2) + 0.5))
@@ -73,7 +73,7 @@ def _reduced(x):
 
 
 @simd_kernel
-def _rise(r):
+def _rise(r: float) -> float:
     """Return exp(r) - 1 for |r| <= ln(2)/2."""
     e = _EXP[13]
     e = e * r + _EXP[12]
@@ -92,14 +92,14 @@ def _rise(r):
 
 
 @simd_kernel
-def exp(x):
+def exp(x: float) -> float:
     """Return exp(x)."""
     r, k = _reduced(x)
     return _two_to(k) * (1.0 + _rise(r))
 
 
 @simd_kernel
-def expm1(x):
+def expm1(x: float) -> float:
     """Return exp(x) - 1, without cancellation near 0."""
     r, k = _reduced(x)
     rise = _rise(r)
@@ -107,7 +107,7 @@ def expm1(x):
 
 
 @simd_kernel
-def _log_near_1(m):
+def _log_near_1(m: float) -> float:
     """Return ln(m) = 2 artanh(s), s = (m - 1)/(m + 1)."""
     s = (m - 1.0) / (m + 1.0)
     z = s * s
@@ -126,6 +126,6 @@ def _log_near_1(m):
 
 
 @simd_kernel
-def log(x):
+def log(x: float) -> float:
     """Return ln(x)."""
     return _exponent_of(x) * _LN2 + _log_near_1(_mantissa_of(x))

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..native.jit import kernel
+from ..native.typed import View
 
 MOMENTS = 8
 """Legendre moments of the force kept for each sample."""
@@ -20,7 +21,7 @@ FALL = np.array([n / (n + 1) for n in range(MOMENTS)])
 
 
 @kernel
-def add_held(impulse, start, stop, moments):
+def add_held(impulse: float, start: float, stop: float, moments: View[float]) -> None:
     """Add the moments of an impulse (N s) spread evenly from `start` to `stop`, both in [0, 1] of a sample."""
     x0 = 2.0 * start - 1.0
     x1 = 2.0 * stop - 1.0

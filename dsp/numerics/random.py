@@ -14,7 +14,7 @@ _S30, _S27, _S31 = np.uint64(30), np.uint64(27), np.uint64(31)
 
 
 @kernel
-def mixed(x):
+def mixed(x: np.uint64) -> np.uint64:
     """Mix 64 bits well."""
     x = (x ^ (x >> _S30)) * _FIRST
     x = (x ^ (x >> _S27)) * _SECOND

@@ -1,10 +1,10 @@
 """Roots that need not be exact."""
 
-from ..native.jit import intrinsic, ir, kernel, types
+from ..native.jit import Lowered, intrinsic, ir, kernel, types
 
 
 @intrinsic
-def _bits(typingctx, x):
+def _bits(typingctx: object, x: float) -> Lowered[int]:
     """Return a number's bits, as an integer."""
 
     def codegen(context, builder, signature, args):
@@ -14,7 +14,7 @@ def _bits(typingctx, x):
 
 
 @intrinsic
-def _number(typingctx, bits):
+def _number(typingctx: object, bits: int) -> Lowered[float]:
     """Return the number that has these bits."""
 
     def codegen(context, builder, signature, args):
@@ -28,7 +28,7 @@ _REST = _ONE - (_ONE >> 3) - (9 << 44)  # the last term makes the errors equal i
 
 
 @kernel
-def rough_eighth_root(x):
+def rough_eighth_root(x: float) -> float:
     """Return the eighth root of a normal number > 0 within 4 %: an eighth of its logarithm, which its bits nearly
     are."""
     return _number((_bits(x) >> 3) + _REST)

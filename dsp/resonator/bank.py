@@ -16,17 +16,13 @@ does belong together, and no energy gets lost between them.
 """
 
 import math
-from typing import Any, NamedTuple
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import Annotated, NamedTuple
 
 from ..native.jit import kernel, simd_kernel
+from ..native.typed import Record, View, View2D, View3D, dtype_of
 from ..numerics.legendre import FINE
 from .simd import HALF, LANES, STRETCH, add_product, dot, put_product, put_projections
 from .simd_ring import push, ring_moved, ring_pushed
-
-Array = NDArray[Any]
 
 MOBILITY = 2 * FINE * LANES
 """First of the rows that `observe`, `receptance` and velocity.py need."""
@@ -39,37 +35,43 @@ that `observe` and `receptance` need, sigma/omega, and those of fed.py."""
 NYQUIST_SHARE = 0.95
 """No mode is made above this share of the Nyquist frequency."""
 
-DRIVER = np.dtype(
-    [("feed", np.int64), ("row", np.int64), ("weights", np.float64, 4), ("drift", np.float64, 4)], align=True
-)
-"""A force that goes on: the number of its moments, where in a shape table it acts, by the weights of four rows, and how
-these change from sample to sample."""
+
+class Driver(Record):
+    """A force that goes on."""
+
+    feed: int  # number of its moments
+    row: int  # of a shape table, where it acts: the first of four
+    weights: Annotated[View[float], 4]  # of these
+    drift: Annotated[View[float], 4]  # how they change from sample to sample
+
+
+DRIVER = dtype_of(Driver)
 
 
 class Modes(NamedTuple):
     """Modes of the bank: float64 arrays of one length, a multiple of LANES, but for `response`."""
 
-    y1: Array
+    y1: View[float]
     """The last sample."""
-    y2: Array
+    y2: View[float]
     """The last but one."""
-    a1: Array
-    a2: Array
-    balance: Array
+    a1: View[float]
+    a2: View[float]
+    balance: View[float]
     """Weight at the right output over that at the left."""
-    response: Array
+    response: View[float]
     """RESPONSES values for each LANES of modes, made by `coefficients.set_mode`."""
 
 
 class Point(NamedTuple):
     """A point where a force acts: between four rows of a table of mode shapes, weighted."""
 
-    shape: Array
+    shape: View[float]
     """Flat, float32 or float64: rows of `stride` modes each."""
     stride: int
     row: int
     """The first of the four."""
-    weights: Array
+    weights: View[float]
     """(4,) float64."""
 
 
@@ -77,9 +79,9 @@ class Drive(NamedTuple):
     """Forces that go on: the first `active` of `drivers` (records of DRIVER), with moments feeds[feed, begin + frame]
     (N s), KEPT of them."""
 
-    drivers: Array
+    drivers: View[Driver]
     active: int
-    feeds: Array
+    feeds: View3D[float]
     begin: int
 
 
@@ -88,7 +90,7 @@ _FLAT = 1e-300  # keeps quotients of modes finite that are at rest for good
 
 
 @simd_kernel
-def ring(modes, out, start, stop):
+def ring(modes: Modes, out: View2D[float], start: int, stop: int) -> None:
     """Ring modes from frame `start` to `stop`: out[0], out[1] (float64, at least `stop` long) are overwritten.
 
     The state is scaled by the modes' weights at the left output, so that left is a sum, which costs no multiplication.
@@ -140,7 +142,9 @@ def ring(modes, out, start, stop):
 
 
 @simd_kernel
-def ring_driven(modes, shape, stride, drive, work, out, frame):
+def ring_driven(
+    modes: Modes, shape: View[float], stride: int, drive: Drive, work: View[float], out: View2D[float], frame: int
+) -> None:
     """Ring modes for STRETCH samples from a frame on, driven in each; add the sound to out[0], out[1].
 
     shape, stride: as in Point. `work` (float64) has room for 4 STRETCH LANES values. Else as in `ring`.
@@ -170,7 +174,9 @@ def ring_driven(modes, shape, stride, drive, work, out, frame):
 
 
 @simd_kernel
-def ring_alike(modes, shape, share, moments, out, start, stop):
+def ring_alike(
+    modes: Modes, shape: View[float], share: float, moments: View2D[float], out: View[float], start: int, stop: int
+) -> None:
     """Ring modes that sound alike on both sides from frame `start` to `stop`, a multiple of LANES later.
 
     A force moves them, by `share` times its moments (frames, KEPT) in N s. out (float64) is overwritten.
@@ -187,7 +193,7 @@ def ring_alike(modes, shape, share, moments, out, start, stop):
 
 
 @simd_kernel
-def inject(modes, point, moments):
+def inject(modes: Modes, point: Point, moments: View[float]) -> None:
     """Add a force over the coming sample at a point, given by its moments (N s), to the modes before they take that
     sample."""
     m = (moments[0], moments[1], moments[2], moments[3], moments[4], moments[5], moments[6], moments[7])
@@ -195,7 +201,7 @@ def inject(modes, point, moments):
 
 
 @simd_kernel
-def inject_fine(modes, point, moments):
+def inject_fine(modes: Modes, point: Point, moments: View[float]) -> None:
     """Add a force as `inject` does, by the FINE moments of a coupled contact."""
     m = (
         moments[0], moments[1], moments[2], moments[3], moments[4], moments[5],
@@ -206,24 +212,24 @@ def inject_fine(modes, point, moments):
 
 
 @simd_kernel
-def inject_kept(modes, point, moments):
+def inject_kept(modes: Modes, point: Point, moments: View[float]) -> None:
     """Add a force as `inject` does, by the KEPT moments of one that goes on."""
     _inject(modes, point, (moments[0], moments[1], moments[2], moments[3]))
 
 
 @simd_kernel
-def inject_line(modes, point, moment0, moment1):
+def inject_line(modes: Modes, point: Point, moment0: float, moment1: float) -> None:
     """Add a force as `inject` does, which is a line over the sample: it has no other moments."""
     _inject(modes, point, (moment0, moment1))
 
 
 @simd_kernel
-def _four(weights):
+def _four(weights: View[float]) -> tuple[float, float, float, float]:
     return weights[0], weights[1], weights[2], weights[3]
 
 
 @simd_kernel
-def _inject(modes, point, m):
+def _inject(modes: Modes, point: Point, m: tuple[float, ...]) -> None:
     """Add a force, given by a tuple of moments."""
     w = _four(point.weights)
     for first in range(0, len(modes.y1), LANES):
@@ -234,7 +240,7 @@ def _inject(modes, point, m):
 
 
 @simd_kernel
-def observe(modes, point, work, coefficients):
+def observe(modes: Modes, point: Point, work: View[float], coefficients: View[float]) -> None:
     """Find the point's displacement (m) over the coming sample without a force: FINE Legendre coefficients.
 
     `work` (float64) has room for 3 n values, n being the number of modes.
@@ -255,7 +261,7 @@ def observe(modes, point, work, coefficients):
 
 
 @simd_kernel
-def receptance(modes, point, work, coefficients):
+def receptance(modes: Modes, point: Point, work: View[float], coefficients: View[float]) -> None:
     """Find the point's displacement over a sample after a unit impulse there: FINE Legendre coefficients, m/(N s).
 
     `work` as in `observe`; its first n values are the modes' shapes at the point afterwards.
@@ -264,7 +270,9 @@ def receptance(modes, point, work, coefficients):
 
 
 @simd_kernel
-def transfer_receptance(modes, struck, point, work, coefficients):
+def transfer_receptance(
+    modes: Modes, struck: Point, point: Point, work: View[float], coefficients: View[float]
+) -> None:
     """Find a point's displacement over a sample after a unit impulse at the one that is struck; else as
     `receptance`."""
     a1, a2, response = modes.a1, modes.a2, modes.response
@@ -284,7 +292,7 @@ def transfer_receptance(modes, struck, point, work, coefficients):
 
 
 @simd_kernel
-def reach(modes, point, work):
+def reach(modes: Modes, point: Point, work: View[float]) -> tuple[float, float]:
     """Return bounds of the point's displacement (m) and velocity (m/s, up to sigma/omega) by the ringing modes.
 
     `work` as in `observe`.
@@ -307,7 +315,7 @@ def reach(modes, point, work):
 
 
 @simd_kernel
-def _shapes(n, point, work):
+def _shapes(n: int, point: Point, work: View[float]) -> None:
     """Write the modes' shapes at the point into the first n values of `work`."""
     shape, stride, row = point.shape, point.stride, point.row
     w = _four(point.weights)
@@ -318,7 +326,7 @@ def _shapes(n, point, work):
 
 
 @simd_kernel
-def project(n, response, work, coefficients):
+def project(n: int, response: View[float], work: View[float], coefficients: View[float]) -> None:
     """Compute coefficients[k] = (-1)^k sum (A_i Im R_ik + B_i Im(R_ik exp(-s_i))), with A and B behind the shapes in
     `work`."""
     for first in range(0, FINE, HALF):
@@ -328,7 +336,7 @@ def project(n, response, work, coefficients):
 
 
 @kernel
-def state_of(y1, y2, a1, a2):
+def state_of(y1: float, y2: float, a1: float, a2: float) -> tuple[float, float]:
     """Return z of a mode from its last two samples: (Re z, Im z)."""
     r = math.sqrt(-a2)
     cosine = 0.5 * a1 / r

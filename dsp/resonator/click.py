@@ -22,7 +22,7 @@ from numpy.polynomial import legendre
 
 from ..native.jit import kernel
 from ..numerics.legendre import FINE
-from .bank import RESPONSES
+from .bank import RESPONSES, Modes
 from .simd import LANES
 
 CLICK_MODES = 3
@@ -42,7 +42,7 @@ _NODES, _WEIGHTS = (each.copy() for each in legendre.leggauss(16))
 
 
 @kernel
-def set_click(modes, i, frequency, decay, rate, strength):
+def set_click(modes: Modes, i: int, frequency: float, decay: float, rate: float, strength: float) -> None:
     """Make modes i to i + CLICK_MODES - 1 a click: frequency (Hz) > 0, decay (1/s), strength in output per N s.
 
     They have been at rest; no contact feels them.
@@ -56,7 +56,9 @@ def set_click(modes, i, frequency, decay, rate, strength):
 
 
 @kernel
-def _set_section(modes, i, pole, second, third, own, s, weight):
+def _set_section(
+    modes: Modes, i: int, pole: complex, second: complex, third: complex, own: complex, s: complex, weight: complex
+) -> None:
     """Make mode i the partial fraction of one pair of poles, the other two being `second` and `third`.
 
     At z = pole its two taps are n0 + n1/pole = N/(D D), D those of the other poles.
@@ -84,7 +86,7 @@ def _set_section(modes, i, pole, second, third, own, s, weight):
 
 
 @kernel
-def _numerator(since, x, own, s, weight):
+def _numerator(since: float, x: complex, own: complex, s: complex, weight: complex) -> complex:
     """Return N at x = 1/z for an impulse that came a share `since` of a sample before the first tap.
 
     Tap j of the click is the fourth difference of `_integral`; D_0 leaves of it what is not its own ringing.
@@ -104,7 +106,7 @@ def _numerator(since, x, own, s, weight):
 
 
 @kernel
-def _integral(t, s, weight):
+def _integral(t: float, s: complex, weight: complex) -> float:
     """Integrate Im(weight exp(s t)) from 0 to t four times, _FIRST of it three times and _SECOND twice; t in samples.
 
     The fourth integral is t^4 (exp(x) - 1 - x - x^2/2 - x^3/6)/x^4 at x = s t, the third t^3/6 and s times the fourth,
@@ -129,17 +131,17 @@ def _integral(t, s, weight):
 
 
 @kernel
-def _denominator(pole, x):
+def _denominator(pole: complex, x: complex) -> complex:
     """Return (1 - p x)(1 - p* x)."""
     return 1.0 - 2.0 * pole.real * x + (pole.real * pole.real + pole.imag * pole.imag) * x * x
 
 
 @kernel
-def _polar(radius, angle):
+def _polar(radius: float, angle: float) -> complex:
     return complex(radius * math.cos(angle), radius * math.sin(angle))
 
 
 @kernel
-def _reciprocal(z):
+def _reciprocal(z: complex) -> complex:
     """Return 1/z by the conjugate: numba's complex division can raise."""
     return z.conjugate() * (1.0 / (z.real * z.real + z.imag * z.imag))

@@ -3,8 +3,9 @@
 import math
 
 from ..native.jit import kernel
+from ..native.typed import View
 from ..numerics.legendre import FINE
-from .bank import FED, MOBILITY, RESPONSES
+from .bank import FED, MOBILITY, RESPONSES, Modes
 from .fed import REACH, feed_tap
 from .mode import ring_at
 from .simd import LANES
@@ -13,7 +14,7 @@ _BESSEL_START = 24  # where the downward recursion of the spherical Bessel funct
 
 
 @kernel
-def set_mode(modes, i, frequency, decay, rate, weight):
+def set_mode(modes: Modes, i: int, frequency: float, decay: float, rate: float, weight: complex) -> None:
     """Give mode i a frequency (Hz) and decay (1/s) at a sampling rate (Hz); its ringing goes on without a step.
 
     `weight` scales what it will answer to a force; where it is complex, the output is Im(weight z): a mode whose output
@@ -64,7 +65,7 @@ def set_mode(modes, i, frequency, decay, rate, weight):
 
 
 @kernel
-def _set_mobility(response, base, omega, sine, weight):
+def _set_mobility(response: View[float], base: int, omega: float, sine: float, weight: complex) -> None:
     """Set what `observe` and `receptance` need of a mode: nothing where its output has a phase."""
     real, felt = weight.real, weight.real != 0.0 and weight.imag == 0.0
     response[base + MOBILITY] = 1.0 / (omega * real * real * sine) if felt else 0.0
@@ -72,7 +73,7 @@ def _set_mobility(response, base, omega, sine, weight):
 
 
 @kernel
-def set_unfelt(modes, i, frequency, decay, rate, weight):
+def set_unfelt(modes: Modes, i: int, frequency: float, decay: float, rate: float, weight: float) -> None:
     """Give mode i coefficients as `set_mode` does, but no contact feels it."""
     set_mode(modes, i, frequency, decay, rate, complex(weight, 0.0))
     base = (i // LANES) * RESPONSES + i % LANES

@@ -22,8 +22,9 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from ..native.jit import kernel, simd_kernel
+from ..native.typed import View, View2D
 from ..numerics.legendre import KEPT
-from .bank import FED, RESPONSES
+from .bank import FED, RESPONSES, Modes, Point
 from .simd import FACTORS, LANES, STRETCH, add_product, dot, inner_products, put_product
 from .simd_ring import ring_blown, ring_blown_still
 
@@ -71,7 +72,7 @@ _TAPS = _taps()
 
 
 @kernel
-def feed_tap(theta, k):
+def feed_tap(theta: float, k: int) -> float:
     """Return d_k of a mode of frequency theta per sample."""
     square = (theta / math.pi) ** 2
     value = 0.0
@@ -81,7 +82,7 @@ def feed_tap(theta, k):
 
 
 @kernel
-def sample_force(moments, samples, begin):
+def sample_force(moments: View2D[float], samples: View[float], begin: int) -> None:
     """Write band-limited samples (N s) of a force from its moments, (frames, KEPT).
 
     samples[begin + n] (a multiple of LANES of them, up to the end) is the force around the beginning of sample n + HALF
@@ -92,7 +93,16 @@ def sample_force(moments, samples, begin):
 
 
 @simd_kernel
-def lay_blows(response, point, drift, moves, first, blows, at, count):
+def lay_blows(
+    response: View[float],
+    point: Point,
+    drift: View[float],
+    moves: bool,
+    first: int,
+    blows: View[float],
+    at: int,
+    count: int,
+) -> None:
     """Write the response to a unit blow of `count` modes from number `first` on into blows[at + i], and if the point
     moves, its change from sample to sample into blows[at + count + i].
 
@@ -109,7 +119,16 @@ def lay_blows(response, point, drift, moves, first, blows, at, count):
 
 
 @kernel
-def ring_fed(modes, blows, forces, count, moves, out, start, stop):
+def ring_fed(
+    modes: Modes,
+    blows: View[float],
+    forces: View2D[float],
+    count: int,
+    moves: bool,
+    out: View2D[float],
+    start: int,
+    stop: int,
+) -> None:
     """Ring modes from frame `start` to `stop` under `count` forces; add the sound to out[0], out[1].
 
     Force j acts by forces[j, t] (N s) in frame t, on the modes as `lay_blows` put it into `blows`, as of frame `start`,
@@ -133,7 +152,9 @@ def ring_fed(modes, blows, forces, count, moves, out, start, stop):
 
 
 @kernel
-def _ring_stretch(modes, blows, forces, count, moves, t, since):
+def _ring_stretch(
+    modes: Modes, blows: View[float], forces: View2D[float], count: int, moves: bool, t: int, since: float
+) -> tuple[float, ...]:
     """Ring STRETCH frames of `ring_fed`; return the sums of all modes, left and right."""
     if moves:
         return ring_blown(modes.y1, modes.y2, modes.a1, modes.a2, modes.balance, blows, forces, count, t, since)
@@ -141,7 +162,16 @@ def _ring_stretch(modes, blows, forces, count, moves, t, since):
 
 
 @simd_kernel
-def _ring_blown_once(modes, blows, forces, count, moves, out, t, since):
+def _ring_blown_once(
+    modes: Modes,
+    blows: View[float],
+    forces: View2D[float],
+    count: int,
+    moves: bool,
+    out: View2D[float],
+    t: int,
+    since: float,
+) -> None:
     """Compute one frame of `ring_fed`."""
     y1, y2, a1, a2, balance = modes.y1, modes.y2, modes.a1, modes.a2, modes.balance
     n = len(y1)
@@ -164,7 +194,7 @@ def _ring_blown_once(modes, blows, forces, count, moves, out, t, since):
 
 
 @simd_kernel
-def feed_through(modes, point, work, taps):
+def feed_through(modes: Modes, point: Point, work: View[float], taps: View2D[float]) -> None:
     """Add the taps from a force at a point to an object's sound, by its first modes, to taps[side, k].
 
     `work` (float64) has room for (3 + 2 REACH) LANES values.

@@ -11,7 +11,8 @@ stiffness by half as much again, g E_i/2 (the 3/4 of Duffing's oscillator).
 import math
 
 from ..native.jit import kernel, simd_kernel
-from .bank import state_of
+from ..native.typed import View
+from .bank import Modes, state_of
 
 HIGHEST = 2.2
 """Times the Nyquist frequency: no mode is higher, though none above it is heard."""
@@ -20,7 +21,7 @@ APART = 0.0003
 
 
 @kernel
-def mode_energy(y1, y2, a1, a2, weight):
+def mode_energy(y1: float, y2: float, a1: float, a2: float, weight: float) -> float:
     """Return a mode's energy (J), |z|^2/2, its samples being scaled by a weight that is not 0."""
     scale = 4.0 * a2 + a1 * a1  # -4 r^2 sin(theta)^2
     square = (y1 * y1 - a1 * y1 * y2 - a2 * y2 * y2) * 4.0 * a2
@@ -28,7 +29,7 @@ def mode_energy(y1, y2, a1, a2, weight):
 
 
 @simd_kernel
-def energy_of(modes, weights, count):
+def energy_of(modes: Modes, weights: View[float], count: int) -> float:
     """Return the energy (J) of the first `count` modes at most, their samples being scaled by weights (n,) that are not
     0."""
     y1, y2, a1, a2 = modes.y1, modes.y2, modes.a1, modes.a2
@@ -41,7 +42,7 @@ def energy_of(modes, weights, count):
 
 
 @kernel
-def recurring(frequency, nyquist):
+def recurring(frequency: float, nyquist: float) -> float:
     """Return the frequency (Hz) nearest to one at which two samples tell how a mode rings, and what it answers to a
     force.
 
@@ -56,7 +57,7 @@ def recurring(frequency, nyquist):
 
 
 @kernel
-def ring_at(modes, i, frequency, decay, rate):
+def ring_at(modes: Modes, i: int, frequency: float, decay: float, rate: float) -> None:
     """Retune mode i to a frequency > 0 (Hz) and decay (1/s): it keeps its energy and makes no step.
 
     It answers forces as before.

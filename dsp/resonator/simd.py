@@ -5,7 +5,8 @@ It can't know that the results are written nowhere in the tables. Here all is re
 
 from typing import Any
 
-from ..native.jit import cgutils, intrinsic, ir, types
+from ..native.jit import Lowered, cgutils, intrinsic, ir, types
+from ..native.typed import View, View2D
 from ..numerics.legendre import FINE, KEPT
 
 LANES = 8
@@ -59,17 +60,20 @@ def vector_of(builder: Any, scalars: Any) -> Any:
 
 
 @intrinsic
-def dot(typingctx, table, first, step, factors):
+def dot(
+    typingctx: object, table: View[float], first: int, step: int, factors: tuple[float, ...]
+) -> Lowered[tuple[float, ...]]:
     """Return sum_k factors[k] table[first + k step + i] for each lane i, a tuple; `factors` is a tuple, `table`
     flat."""
+    kind = table.dtype  # type: ignore[attr-defined]
 
     def codegen(context, builder, signature, args):
         array, first, step, factors = args
         total = ir.Constant(vector_type(), None)
         for k, factor in enumerate(cgutils.unpack_tuple(builder, factors)):
             index = builder.add(first, builder.mul(step, int64(k)))
-            values = builder.load(pointer_to(context, builder, table, array, index), align=table.dtype.bitwidth // 8)
-            if table.dtype != types.float64:
+            values = builder.load(pointer_to(context, builder, table, array, index), align=kind.bitwidth // 8)
+            if kind != types.float64:
                 values = builder.fpext(values, vector_type())
             term = builder.fmul(vector_of(builder, [factor] * LANES), values, flags=REASSOCIATE)
             total = builder.fadd(total, term, flags=REASSOCIATE)
@@ -80,7 +84,9 @@ def dot(typingctx, table, first, step, factors):
 
 
 @intrinsic
-def add_product(typingctx, array, first, a, b):
+def add_product(
+    typingctx: object, array: View[float], first: int, a: tuple[float, ...], b: tuple[float, ...]
+) -> Lowered[None]:
     """Add a[i] b[i] to array[first + i] for each lane i."""
 
     def codegen(context, builder, signature, args):
@@ -94,7 +100,9 @@ def add_product(typingctx, array, first, a, b):
 
 
 @intrinsic
-def put_product(typingctx, array, first, a, b):
+def put_product(
+    typingctx: object, array: View[float], first: int, a: tuple[float, ...], b: tuple[float, ...]
+) -> Lowered[None]:
     """Set array[first + i] = a[i] b[i] for each lane i."""
 
     def codegen(context, builder, signature, args):
@@ -122,7 +130,9 @@ def sums_of(builder: Any, vectors: list[Any]) -> Any:
 
 
 @intrinsic
-def inner_products(typingctx, array, first, factors):
+def inner_products(
+    typingctx: object, array: View2D[float], first: int, factors: View2D[float]
+) -> Lowered[tuple[float, ...]]:
     """Return sum_i array[first + n KEPT + i] factors[i] for each n below LANES, a tuple.
 
     Both arrays count as flat; of factors there are FACTORS.
@@ -149,7 +159,16 @@ def inner_products(typingctx, array, first, factors):
 
 
 @intrinsic
-def put_projections(typingctx, out, begin, table, first, step, work, size):
+def put_projections(
+    typingctx: object,
+    out: View[float],
+    begin: int,
+    table: View[float],
+    first: int,
+    step: int,
+    work: View[float],
+    size: int,
+) -> Lowered[None]:
     """Set out[begin + k] = sum_i work[size + i] table[at_i + 2 k LANES] + work[2 size + i] table[at_i + (2 k + 1)
     LANES] for k below HALF.
 

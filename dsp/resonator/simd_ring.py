@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from ..native.jit import cgutils, intrinsic, ir, types
+from ..native.jit import Lowered, cgutils, intrinsic, ir, types
+from ..native.typed import View, View2D, View3D
 from ..numerics.legendre import KEPT
 from .simd import LANES, REASSOCIATE, STRETCH, int32, int64, lanes_type, pointer_to, sums_of, vector_of, vector_type
 
@@ -10,7 +11,17 @@ _CONTRACT = ("contract",)  # not reordered: LLVM would have more operations wait
 
 
 @intrinsic
-def push(typingctx, pushes, phi, slope, table, first, feeds, feed, frame):
+def push(
+    typingctx: object,
+    pushes: View[float],
+    phi: tuple[float, ...],
+    slope: tuple[float, ...],
+    table: View[float],
+    first: int,
+    feeds: View3D[float],
+    feed: int,
+    frame: int,
+) -> Lowered[None]:
     """Add what a force does to a group of modes in each of STRETCH samples, for each lane i.
 
     The force's moments are in feeds[feed, frame + t]; with sums over them, pushes[(2 t + s) LANES + i] +=
@@ -46,7 +57,17 @@ def push(typingctx, pushes, phi, slope, table, first, feeds, feed, frame):
 
 
 @intrinsic
-def ring_pushed(typingctx, y1, y2, a1, a2, balance, first, pushes, totals):
+def ring_pushed(
+    typingctx: object,
+    y1: View[float],
+    y2: View[float],
+    a1: View[float],
+    a2: View[float],
+    balance: View[float],
+    first: int,
+    pushes: View[float],
+    totals: View[float],
+) -> Lowered[None]:
     """Compute STRETCH samples of the recursion y <- a1 y1 + a2 y2 for each lane i, from y1[first + i] and y2[first + i]
     on.
 
@@ -84,7 +105,19 @@ def ring_pushed(typingctx, y1, y2, a1, a2, balance, first, pushes, totals):
 
 
 @intrinsic
-def ring_moved(typingctx, y1, y2, a1, a2, first, phi, table, row, moments, frame):
+def ring_moved(
+    typingctx: object,
+    y1: View[float],
+    y2: View[float],
+    a1: View[float],
+    a2: View[float],
+    first: int,
+    phi: tuple[float, ...],
+    table: View[float],
+    row: int,
+    moments: View2D[float],
+    frame: int,
+) -> Lowered[tuple[float, ...]]:
     """Compute LANES samples of the recursion of LANES modes from `first` on under a force; return the sums of y, a
     tuple.
 
@@ -132,7 +165,19 @@ def ring_moved(typingctx, y1, y2, a1, a2, first, phi, table, row, moments, frame
 
 
 @intrinsic
-def ring_blown(typingctx, y1, y2, a1, a2, balance, blows, forces, count, frame, since):
+def ring_blown(
+    typingctx: object,
+    y1: View[float],
+    y2: View[float],
+    a1: View[float],
+    a2: View[float],
+    balance: View[float],
+    blows: View[float],
+    forces: View2D[float],
+    count: int,
+    frame: int,
+    since: float,
+) -> Lowered[tuple[float, ...]]:
     """Compute STRETCH samples of y <- a1 y1 + a2 y2 + sum_j (blow_j + (since + t) change_j) forces[j, frame + t] of all
     modes.
 
@@ -143,12 +188,24 @@ def ring_blown(typingctx, y1, y2, a1, a2, balance, blows, forces, count, frame, 
 
 
 @intrinsic
-def ring_blown_still(typingctx, y1, y2, a1, a2, balance, blows, forces, count, frame, since):
+def ring_blown_still(
+    typingctx: object,
+    y1: View[float],
+    y2: View[float],
+    a1: View[float],
+    a2: View[float],
+    balance: View[float],
+    blows: View[float],
+    forces: View2D[float],
+    count: int,
+    frame: int,
+    since: float,
+) -> Lowered[tuple[float, ...]]:
     """Compute the same where each change_j is 0: they are not read."""
     return _ring_blown((y1, y2, a1, a2, balance, blows, forces, types.intp, types.intp, types.float64), moves=False)
 
 
-def _ring_blown(arguments: tuple[Any, ...], moves: bool) -> Any:
+def _ring_blown(arguments: tuple[Any, ...], moves: bool) -> Lowered[tuple[float, ...]]:
     """Return the signature and code of `ring_blown`, with changes or without."""
 
     def codegen(context, builder, signature, args):

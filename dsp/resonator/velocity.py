@@ -12,8 +12,9 @@ import numpy as np
 from numpy.polynomial import Legendre
 
 from ..native.jit import kernel, simd_kernel
+from ..native.typed import View
 from ..numerics.legendre import FINE
-from .bank import MOBILITY, RESPONSES, project
+from .bank import MOBILITY, RESPONSES, Modes, Point, project
 from .simd import LANES
 
 SENSED = 4
@@ -33,7 +34,7 @@ _AT_THIRD, _AT_END = (np.array([Legendre.basis(k, domain=[0, 1])(t) for k in ran
 
 
 @kernel
-def set_rows(modes, rows, stride):
+def set_rows(modes: Modes, rows: View[float], stride: int) -> None:
     """Set the rows of as many modes, but for their shapes: rows[j stride + i]. To be called when modes are retuned."""
     response = modes.response
     for i in range(len(modes.a1)):
@@ -78,14 +79,14 @@ def set_rows(modes, rows, stride):
 
 
 @kernel
-def _set_row(rows, row, stride, i, first, second):
+def _set_row(rows: View[float], row: int, stride: int, i: int, first: float, second: float) -> None:
     """Set a mode's place in a row and in the next one."""
     rows[row * stride + i] = first
     rows[(row + 1) * stride + i] = second
 
 
 @simd_kernel
-def set_shapes(n, point, scale, rows, stride):
+def set_shapes(n: int, point: Point, scale: float, rows: View[float], stride: int) -> None:
     """Set the shapes of n modes at a point, times `scale`. To be called when the point moves."""
     for i in range(n):
         phi = 0.0
@@ -95,7 +96,7 @@ def set_shapes(n, point, scale, rows, stride):
 
 
 @simd_kernel
-def sense(modes, rows, stride):
+def sense(modes: Modes, rows: View[float], stride: int) -> tuple[float, float, float, float]:
     """Return the SENSED velocities of the point over the coming sample, if no force acts."""
     y1, y2 = modes.y1, modes.y2
     n = len(y1)
@@ -115,7 +116,9 @@ def sense(modes, rows, stride):
 
 
 @simd_kernel
-def observe_velocity(modes, rows, stride, work, coefficients):
+def observe_velocity(
+    modes: Modes, rows: View[float], stride: int, work: View[float], coefficients: View[float]
+) -> None:
     """Find the same velocity in full: FINE Legendre coefficients (m/s). `work` as in `bank.observe`."""
     y1, y2 = modes.y1, modes.y2
     n = len(y1)
@@ -130,7 +133,9 @@ def observe_velocity(modes, rows, stride, work, coefficients):
 
 
 @simd_kernel
-def velocity_response(modes, rows, stride, work, coefficients):
+def velocity_response(
+    modes: Modes, rows: View[float], stride: int, work: View[float], coefficients: View[float]
+) -> None:
     """Find the point's velocity over a sample after a unit impulse there: FINE Legendre coefficients, (m/s)/(N s).
 
     `work` as in `bank.observe`; its first n values are the modes' shapes at the point afterwards.

@@ -13,16 +13,15 @@ A roll that asks for more than EVENTS steps a second gets coarser ones, whose en
 
 import math
 
-import numpy as np
-
-from ..contact.collocation import NODES, STEP
+from ..contact.collocation import NODES
 from ..native.jit import kernel, noinline_kernel
+from ..native.typed import View2D
 from ..numerics.legendre import KEPT
 from ..schema import SPEED
-from ..schema_records import STEERED
 from .contact_step import path_at, step_contact
 from .moments import add_quadratic
-from .path import AHEAD, PATH, PIECES, make_piece, restart_path
+from .path import AHEAD, PIECES, make_piece, restart_path
+from .roll_record import Roll
 
 EVENTS = 120_000.0
 """Flights and steps a second that a roll may need for long, divided by its coarseness."""
@@ -44,59 +43,9 @@ _LEAST_PACE = 0.2  # share of its speed that a lopsided body keeps
 _MOST_LIFT = 0.9  # share of its weight that a lopsided body loses or gains
 _MOST_EVENTS = 4096  # for one call
 
-ROLL = np.dtype(
-    [
-        ("path", PATH),
-        ("step", STEP),
-        ("target", STEERED),  # of what can be steered; some are glided to
-        # The body and where it is.
-        ("k", np.float64),
-        ("mu", np.float64),
-        ("a", np.float64),
-        ("energy_share", np.float64),  # 1/(a + 1): elastic energy over force times compression
-        ("stiffness", np.float64),  # k, as far as it makes a difference
-        ("rest_compression", np.float64),  # m: compression under its weight
-        ("swing", np.float64),  # 1/s^2: square of the angular frequency at which it swings about that
-        ("lightness", np.float64),  # 1/kg: 1/m
-        ("m", np.float64),
-        ("g", np.float64),
-        ("mobility", np.float64),  # m/(N s): of the object, where that yields as a dashpot; 0: it is rigid
-        ("v", np.float64),  # m/s along the surface
-        ("top_speed", np.float64),  # the speed last asked for
-        ("modulated_speed", np.float64),  # v as asymmetry modulates it
-        ("modulated_gravity", np.float64),  # g as asymmetry modulates it
-        ("angle", np.float64),
-        ("s", np.float64),  # m rolled since the beginning
-        ("t", np.float64),  # s since the beginning
-        ("y", np.float64),  # height of the lowest point, m
-        ("w", np.float64),  # its rate, m/s
-        ("piece", np.int64),  # of the path
-        ("along", np.float64),  # m into it
-        ("touching", np.int64),
-        ("next", np.float64),  # s: the step to try
-        ("brief", np.float64),  # s: a shorter step may err by more (contact_step.py); 0: none may
-        ("debt", np.float64),  # events beyond what is granted
-        ("fade", np.float64),  # 1, falling to 0 when the roll has stopped
-        ("ended", np.int64),
-        # The last event: what is heard from `since` on for `span` s is the quadratic through `force` (N) at GAUSS.
-        ("since", np.float64),
-        ("span", np.float64),
-        ("force", np.float64, NODES),
-        ("given", np.float64),  # s: up to where moments have been taken
-        ("level", np.float64, NODES + 1),  # of the path at a step's nodes and end
-        ("path_rate", np.float64, NODES + 1),  # its rate
-        ("v_in", np.float64),  # m/s: speed at which body and path last met
-        ("impacts", np.int64),  # times it met the surface
-        ("events", np.int64),
-        ("holds", np.int64),  # steps that had to be held ones
-    ],
-    align=True,
-)
-"""A rolling body. Its surface is path.surface, to be set up first."""
-
 
 @kernel
-def begin_roll(roll, place, k, mu, a, corners, coarseness):
+def begin_roll(roll: Roll, place: int, k: float, mu: float, a: float, corners: float, coarseness: float) -> None:
     """Put a body at rest on a surface at a place, rolling; roll.target says how.
 
     There speed (m/s), radius (m), mass (kg), gravity (m/s^2) > 0, friction, asymmetry, roughness and patch (m) >= 0.
@@ -131,7 +80,7 @@ def begin_roll(roll, place, k, mu, a, corners, coarseness):
 
 
 @noinline_kernel
-def steer(roll):
+def steer(roll: Roll) -> None:
     """Bring speed, mass and gravity, after an event, nearer to their targets."""
     roll.path.roughness, roll.path.patch = roll.target.roughness, roll.target.patch
     roll.top_speed = max(roll.top_speed, roll.target.speed)
@@ -162,14 +111,14 @@ def steer(roll):
 
 
 @kernel
-def _nearer(value, goal, share):
+def _nearer(value: float, goal: float, share: float) -> float:
     """Move a value a share of its way to a goal, or all of it where little is left."""
     value += share * (goal - value)
     return goal if abs(goal - value) < _SMALL * abs(goal) else value
 
 
 @kernel
-def modulate(roll):
+def modulate(roll: Roll) -> None:
     """Modulate a lopsided body's speed and weight: its energy is (7/10) m v^2 and m g times the height of its centre of
     mass."""
     radius = roll.path.radius
@@ -193,7 +142,7 @@ def modulate(roll):
 
 
 @kernel
-def look_ahead(roll, seconds):
+def look_ahead(roll: Roll, seconds: float) -> float:
     """Extend the path ahead of the body; return the time in s for which it is ready, at most `seconds`."""
     path = roll.path
     begun = roll.piece >= 0
@@ -204,7 +153,7 @@ def look_ahead(roll, seconds):
         if begun:
             level, incline = path_at(roll)
         path.radius = roll.target.radius
-        restart_path(path, path.origin[i] + np.int64((path.start[i] + roll.along) / path.surface.unit))
+        restart_path(path, path.origin[i] + int((path.start[i] + roll.along) / path.surface.unit))
         roll.piece = 0
         roll.along = 0.0
     while path.made < roll.piece + AHEAD:
@@ -225,7 +174,7 @@ def look_ahead(roll, seconds):
 
 
 @kernel
-def _rest(roll):
+def _rest(roll: Roll) -> None:
     """Put the body where its contact carries its weight."""
     roll.y = -roll.rest_compression
     roll.w = 0.0
@@ -236,13 +185,13 @@ def _rest(roll):
 
 
 @kernel
-def share_of(roll):
+def share_of(roll: Roll) -> float:
     """Return the share of a roll's force that drives the object: what is left of one that has stopped."""
     return roll.fade
 
 
 @kernel
-def next_event(roll):
+def next_event(roll: Roll) -> None:
     """Advance the body by one event: a flight or a part of one, or a step in contact."""
     steer(roll)
     modulate(roll)
@@ -263,7 +212,7 @@ def next_event(roll):
 
 
 @kernel
-def _fly(roll, longest):
+def _fly(roll: Roll, longest: float) -> None:
     """Fly until the path is met, or for the longest time."""
     path = roll.path
     v, g = roll.modulated_speed, roll.modulated_gravity
@@ -298,7 +247,7 @@ def _fly(roll, longest):
 
 
 @kernel
-def _is_clear(roll, v, rises, time):
+def _is_clear(roll: Roll, v: float, rises: float, time: float) -> bool:
     """True if a flight surely stays above the piece of the path for a time. It stays above the line between its ends,
     the path below `swell` above its own: so it is enough that the gaps at both ends are larger."""
     path, piece = roll.path, roll.piece & (PIECES - 1)
@@ -310,7 +259,7 @@ def _is_clear(roll, v, rises, time):
 
 
 @kernel
-def _meeting(gap, rate, fall):
+def _meeting(gap: float, rate: float, fall: float) -> float:
     """Return the time until gap + rate t - fall t^2/2 is 0, infinite if never."""
     square = rate * rate + 2.0 * fall * gap
     if square < 0.0 or (fall <= 0.0 and rate >= 0.0):
@@ -324,7 +273,7 @@ def _meeting(gap, rate, fall):
 
 
 @kernel
-def _land(roll, v_in):
+def _land(roll: Roll, v_in: float) -> None:
     """Begin a contact."""
     roll.touching = 1
     roll.v_in = v_in
@@ -338,7 +287,7 @@ def _land(roll, v_in):
 
 
 @kernel
-def fill_roll(roll, origin, rate, moments):
+def fill_roll(roll: Roll, origin: float, rate: float, moments: View2D[float]) -> None:
     """Fill in the moments (N s) of the force over each frame.
 
     moments: (frames, KEPT) float64. Frame n is the sample from origin + n/rate to

@@ -25,6 +25,7 @@ from ..native.jit import kernel, noinline_kernel
 from ..numerics.roots import rough_eighth_root
 from .free_mass import solve_free_mass
 from .path import PIECES
+from .roll_record import Roll
 
 TOLERANCE = 2e-4
 """Share of the momentum at hand by which a step is to err, times the path's coarseness. It is tried at the length at
@@ -49,7 +50,7 @@ _LEAST_RIPPLE = 1e-3  # share of the speed at hand that counts as heard in any c
 
 
 @kernel
-def path_at(roll):
+def path_at(roll: Roll) -> tuple[float, float]:
     """Return the height and slope of the path under the body."""
     i = roll.piece & (PIECES - 1)
     path = roll.path
@@ -59,7 +60,7 @@ def path_at(roll):
 
 
 @kernel
-def _to_kink(roll, h, least):
+def _to_kink(roll: Roll, h: float, least: float) -> float:
     """Return the length of a step of at most h s that ends before the path kinks, by a jump of its rate of `least`
     m/s."""
     path = roll.path
@@ -76,7 +77,7 @@ def _to_kink(roll, h, least):
 
 
 @kernel
-def _walk(roll, h):
+def _walk(roll: Roll, h: float) -> tuple[int, float]:
     """Put the path's heights and their rates at a step's nodes and end; return the piece and place of the end."""
     path = roll.path
     piece = roll.piece
@@ -94,7 +95,7 @@ def _walk(roll, h):
 
 
 @kernel
-def _collocate(roll, h, pace, k, speed):
+def _collocate(roll: Roll, h: float, pace: float, k: float, speed: float) -> tuple[bool, float, float]:
     """Try a step in contact, pace = 1/h: whether it is solved, and the body's height and rate at its end."""
     step = roll.step
     y, w, g = roll.y, roll.w, roll.modulated_gravity
@@ -116,7 +117,9 @@ def _collocate(roll, h, pace, k, speed):
 
 
 @kernel
-def _judge(roll, h, pace, k, begin, y, w):
+def _judge(
+    roll: Roll, h: float, pace: float, k: float, begin: tuple[float, float, float], y: float, w: float
+) -> tuple[float, bool]:
     """Return the factor by which to change a step to meet the tolerance, and whether the step will do; begin:
     compression, its rate, and the elastic energy at its beginning."""
     m, f = roll.m, roll.step.f
@@ -145,21 +148,21 @@ def _judge(roll, h, pace, k, begin, y, w):
 
 
 @kernel
-def _tolerance(roll, pace):
+def _tolerance(roll: Roll, pace: float) -> float:
     """Return the share of the momentum at hand by which a step of 1/pace s may err."""
     shorter = max(roll.brief * pace, 1.0)
     return min(TOLERANCE * shorter * shorter, _MOST) * roll.path.coarseness
 
 
 @kernel
-def _spring(roll, k, x):
+def _spring(roll: Roll, k: float, x: float) -> tuple[float, float]:
     """Return the force (N) without dissipation under a compression, and the elastic energy (J)."""
     spring = k * raised(x, roll.a) if x > 0.0 else 0.0
     return spring, spring * max(x, 0.0) * roll.energy_share
 
 
 @kernel
-def _rate_under(roll, spring, rate):
+def _rate_under(roll: Roll, spring: float, rate: float) -> float:
     """Return the rate of compression under a spring's force (N), which would be `rate` (m/s) if the surface did not
     sink."""
     if roll.mobility == 0.0:
@@ -168,13 +171,13 @@ def _rate_under(roll, spring, rate):
 
 
 @kernel
-def _speed_squared(roll, v, stored):
+def _speed_squared(roll: Roll, v: float, stored: float) -> float:
     """Return the square of the speed that a rate of compression, the elastic energy and the rest's make together."""
     return v * v + 2.0 * stored * roll.lightness + roll.g * roll.rest_compression
 
 
 @kernel
-def _ripple(roll, x, v):
+def _ripple(roll: Roll, x: float, v: float) -> float:
     """Return the square of the speed of a swing about rest: what is heard of a body that never leaves the path, however
     soft."""
     away = x - roll.rest_compression
@@ -182,7 +185,7 @@ def _ripple(roll, x, v):
 
 
 @kernel
-def _hold(roll, h, k, x):
+def _hold(roll: Roll, h: float, k: float, x: float) -> tuple[float, float]:
     """Hold the force over a step, which can't gain energy however long it is; the body's height and rate at its end."""
     rate = roll.w - roll.mobility * roll.m * roll.g
     free = roll.level[NODES] - (roll.y + h * (rate - 0.5 * roll.modulated_gravity * h)) - x
@@ -195,7 +198,7 @@ def _hold(roll, h, k, x):
 
 
 @noinline_kernel
-def step_contact(roll, longest, least):
+def step_contact(roll: Roll, longest: float, least: float) -> None:
     """Take a step in contact of at most `longest` s, and no less than `least` whatever its error."""
     k = roll.stiffness
     left = roll.path.length[roll.piece & (PIECES - 1)]

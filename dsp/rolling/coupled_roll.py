@@ -9,18 +9,20 @@ Steered, speed, mass and gravity go on sample by sample.
 
 import math
 
-from ..contact.coupled import KINKS, ContactLaw, begin_coupled, begin_within
+from ..contact.coupled import ContactLaw, begin_coupled, begin_within
+from ..contact.coupled_records import KINKS, Coupled
 from ..native.jit import kernel
 from .body import look_ahead, modulate, steer
 from .contact_step import path_at
 from .path import AHEAD, PIECES, make_piece
+from .roll_record import Roll
 
 _SLOW = 0.7  # rad of its swing in a sample, below which a body doesn't tell kinks within it
 _FIRST = 0.2  # of a radian of its swing: the first step to try
 
 
 @kernel
-def begin_coupled_roll(roll, contact, rate, tolerance):
+def begin_coupled_roll(roll: Roll, contact: Coupled, rate: float, tolerance: float) -> None:
     """Put a body, by `begin_roll`, on an object that it moves, at rest against the path: to be called before its first
     sample."""
     roll.span = 0.0
@@ -34,7 +36,7 @@ def begin_coupled_roll(roll, contact, rate, tolerance):
 
 
 @kernel
-def _weigh(roll, contact):
+def _weigh(roll: Roll, contact: Coupled) -> bool:
     """Tell a coupled contact a body's mass, stiffness and weight; true if its answer to a force is another."""
     changed = contact.m != roll.m
     contact.m, contact.k = roll.m, roll.stiffness
@@ -45,7 +47,7 @@ def _weigh(roll, contact):
 
 
 @kernel
-def lead_coupled_roll(roll, contact, begin, whole):
+def lead_coupled_roll(roll: Roll, contact: Coupled, begin: float, whole: bool) -> bool:
     """Bring a body to the coming sample, which it rolls from `begin` on, and lay its path under the contact.
 
     whole: as one parabola, right at the sample's end, where the body swings too slowly to tell it from its kinks. True
@@ -67,7 +69,7 @@ def lead_coupled_roll(roll, contact, begin, whole):
 
 
 @kernel
-def _lay_path(roll, contact, begin):
+def _lay_path(roll: Roll, contact: Coupled, begin: float) -> None:
     """Lay the path from `begin` to the sample's end under a contact, and a line before it. The body ends there."""
     path = roll.path
     pace = roll.modulated_speed * contact.period
@@ -94,7 +96,7 @@ def _lay_path(roll, contact, begin):
 
 
 @kernel
-def _smooth(contact):
+def _smooth(contact: Coupled) -> None:
     """Replace the sample's path by the parabola that has its height and slope at the end."""
     height, slope = contact.rise + contact.bend, contact.rise + 2.0 * contact.bend
     for n in range(contact.kinks):
@@ -106,14 +108,14 @@ def _smooth(contact):
 
 
 @kernel
-def _slope_at(roll, pace):
+def _slope_at(roll: Roll, pace: float) -> tuple[float, float]:
     """Return the slope (m per sample) and the curvature of the path under a body."""
     incline = path_at(roll)[1]
     return pace * incline, 0.5 * pace * pace * roll.path.curvature[roll.piece & (PIECES - 1)]
 
 
 @kernel
-def _lay_kink(contact, at, rise, bend):
+def _lay_kink(contact: Coupled, at: float, rise: float, bend: float) -> None:
     """Lay a kink under a contact; one too many is made one with the last."""
     n = min(contact.kinks, KINKS - 1)
     if contact.kinks < KINKS:

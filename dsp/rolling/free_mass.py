@@ -10,7 +10,7 @@ the nodes counts by the square of the swing in a step: each iteration gains two 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contact.collocation import INTEGRAL, WEIGHTS, raised, solve
+from ..contact.collocation import INTEGRAL, WEIGHTS, Step, raised, solve
 from ..native.jit import kernel, noinline_kernel
 
 _ITERATIONS = 10
@@ -40,7 +40,12 @@ _W = tuple(float(x) for x in WEIGHTS)
 
 
 @kernel
-def _times(matrix, f0, f1, f2):
+def _times(
+    matrix: tuple[tuple[float, ...], ...],
+    f0: float,
+    f1: float,
+    f2: float,
+) -> tuple[float, float, float]:
     """Multiply a matrix of 3 x 3 numbers by a vector."""
     return (
         matrix[0][0] * f0 + matrix[0][1] * f1 + matrix[0][2] * f2,
@@ -50,7 +55,7 @@ def _times(matrix, f0, f1, f2):
 
 
 @kernel
-def _law(x, v, k, mu, a):
+def _law(x: float, v: float, k: float, mu: float, a: float) -> tuple[float, float, float]:
     """Return the contact force (N) and its slopes over x and v."""
     slack = 1.0 + mu * v
     if x <= 0.0 or slack <= 0.0:
@@ -60,7 +65,9 @@ def _law(x, v, k, mu, a):
 
 
 @kernel
-def _compressions(step, f, h, lightness, mobility):
+def _compressions(
+    step: Step, f: tuple[float, float, float], h: float, lightness: float, mobility: float
+) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
     """Return the compressions and their rates under forces at the nodes."""
     p = _times(_P, f[0], f[1], f[2])
     pp = _times(_PP, f[0], f[1], f[2])
@@ -79,7 +86,9 @@ def _compressions(step, f, h, lightness, mobility):
 
 
 @kernel
-def _slopes(stiffness, damping, h, lightness, mobility):
+def _slopes(
+    stiffness: float, damping: float, h: float, lightness: float, mobility: float
+) -> tuple[float, float, float]:
     """Return the reciprocals of Newton's matrix in P's eigenvectors: a real number, and a complex one by its parts."""
     c0, c1, c2 = 1.0 + damping * mobility, damping * lightness + stiffness * h * mobility, stiffness * h * lightness
     real = 1.0 / (c0 + _REAL * (c1 + _REAL * c2))
@@ -90,7 +99,9 @@ def _slopes(stiffness, damping, h, lightness, mobility):
 
 
 @noinline_kernel
-def solve_free_mass(step, h, lightness, mobility, law, negligible):
+def solve_free_mass(
+    step: Step, h: float, lightness: float, mobility: float, law: tuple[float, float, float], negligible: float
+) -> bool:
     """Solve for the forces at the nodes, from `step.f` on, within `negligible` (N); return False if the step is too
     long to find them.
 
@@ -125,7 +136,9 @@ def solve_free_mass(step, h, lightness, mobility, law, negligible):
 
 
 @noinline_kernel
-def _solve_each(step, h, lightness, mobility, law, negligible):
+def _solve_each(
+    step: Step, h: float, lightness: float, mobility: float, law: tuple[float, float, float], negligible: float
+) -> bool:
     """Solve for the same by Newton's method with each node's own slopes."""
     k, mu, a = law
     for i in range(3):

@@ -24,14 +24,14 @@ _HALF = 2.0**52
 
 
 @kernel
-def drawn(seed, number):
+def drawn(seed: np.uint64, number: int) -> float:
     """Draw a whole number from -2^52 to 2^52, all alike likely, for a point of a lattice."""
     bits = mixed(np.uint64(number) * STEP + seed)
     return np.float64(np.int64(bits >> np.uint64(11))) - _HALF
 
 
 @kernel
-def cubic_weights(t):
+def cubic_weights(t: float) -> tuple[float, float, float, float]:
     """Return the weights of a lattice's four heights at t, in [0, 1], of the cell in their middle."""
     return (
         CUBIC[0, 0] + t * (CUBIC[1, 0] + t * (CUBIC[2, 0] + t * CUBIC[3, 0])),
@@ -42,7 +42,7 @@ def cubic_weights(t):
 
 
 @kernel
-def noise_at(seed, level, place):
+def noise_at(seed: np.uint64, level: int, place: int) -> float:
     """Return the noise, of an rms height of 1, at a place; its lattice has a height every 2^level places."""
     cell = place >> level
     w0, w1, w2, w3 = cubic_weights((place - (cell << level)) / (np.int64(1) << level))

@@ -4,10 +4,20 @@ import math
 
 from ..contact.collocation import power_series_of
 from ..native.jit import kernel
+from ..native.typed import View, View2D
 
 
 @kernel
-def add_quadratic(force, since, span, start, stop, origin, rate, moments):
+def add_quadratic(
+    force: View[float],
+    since: float,
+    span: float,
+    start: float,
+    stop: float,
+    origin: float,
+    rate: float,
+    moments: View2D[float],
+) -> None:
     """Add a force from `start` to `stop` to the moments (N s) of the frames it touches.
 
     It is the quadratic with the values `force` (N) at GAUSS of the `span` s that begin `since`. Frame n is the sample
@@ -29,7 +39,9 @@ def add_quadratic(force, since, span, start, stop, origin, rate, moments):
 
 
 @kernel
-def _add_whole(curve, first, last, moments):
+def _add_whole(
+    curve: tuple[float, float, float, float, float, float], first: int, last: int, moments: View2D[float]
+) -> None:
     """Add the quadratic to whole samples, over which it has three moments."""
     early, step, c0, c1, c2, sample = curve
     reach = 0.5 * step
@@ -44,7 +56,9 @@ def _add_whole(curve, first, last, moments):
 
 
 @kernel
-def _add_part(curve, begin, end, moments):
+def _add_part(
+    curve: tuple[float, float, float, float, float, float], begin: float, end: float, moments: View[float]
+) -> None:
     """Add the quadratic to the moments of a sample, from `begin` to `end` samples."""
     early, step, c0, c1, c2, sample = curve
     reach, middle = end - begin, begin + end

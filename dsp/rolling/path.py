@@ -22,12 +22,12 @@ audible time: the faster, the further. Octaves fade out towards it.
 """
 
 import math
-
-import numpy as np
+from typing import Annotated
 
 from ..native.jit import kernel, noinline_kernel
+from ..native.typed import Record, View, dtype_of
 from .lattice import CREST
-from .surface import BLOCK, OCTAVES, SURFACE, read_heights
+from .surface import BLOCK, OCTAVES, Surface, read_heights
 
 AUDIBLE = 60_000.0
 """1/s: octaves whose lattice is passed faster than this aren't read. Points are those of the finest lattice that is
@@ -52,54 +52,55 @@ _SMALL = 1e-5  # of a gain that isn't glided any more
 _OCTAVE = math.log(2.0)
 _WIDEST = 2.0**40  # places between two points
 
-PATH = np.dtype(
-    [
-        ("surface", SURFACE),
-        ("radius", np.float64),  # m
-        ("bend", np.float64),  # 1/m: curvature of the body's lowest arc, -1/radius
-        ("corners", np.float64),  # of the body, 0: it is round
-        ("side", np.float64),  # m between them, 0: it is round
-        # As asked for.
-        ("speed", np.float64),  # m/s
-        ("roughness", np.float64),  # factor on the surface's heights
-        ("coarseness", np.float64),  # factor on the shortest wavelength
-        ("patch", np.float64),  # m: width of the contact
-        ("wanted", np.float64, OCTAVES),  # gains of the octaves
-        ("settled", np.int64),  # 1: they are as they are wanted for `read_for`: speed, roughness, coarseness and patch
-        ("read_for", np.float64, 4),
-        ("ahead", np.float64, BLOCK),  # heights of points as they are read
-        ("hidden", np.float64, BLOCK),  # 0 or more: two of these hide it
-        ("kept", np.int64, BLOCK),  # those that aren't hidden
-        # The hull: a double-ended queue of points.
-        ("place", np.int64, POINTS),
-        ("height", np.float64, POINTS),
-        ("distance", np.float64, POINTS),  # from the hull's point before it, m
-        ("edge", np.float64, POINTS),  # from the hull's point before it to where the body passes on to it, m
-        ("adjoins", np.int64, POINTS),  # 1: that one is the profile's point before it
-        ("first", np.int64),
-        ("count", np.int64),
-        ("front", np.int64),  # place of the profile's last point
-        ("stride", np.int64),  # places between points
-        ("highest", np.float64),  # above which the profile can't rise, m
-        ("left", np.float64),  # from the first point to where its arc has come, m
-        ("entered", np.float64),  # from the first point to the edge before it, m
-        ("before", np.float64),  # between that edge's points, m
-        # Pieces made: length, and the path's height, slope and curvature at their beginning.
-        ("made", np.int64),
-        ("length", np.float64, PIECES),
-        ("level", np.float64, PIECES),
-        ("incline", np.float64, PIECES),
-        ("curvature", np.float64, PIECES),
-        ("origin", np.int64, PIECES),  # the place from which `start` counts
-        ("start", np.float64, PIECES),
-    ],
-    align=True,
-)
-"""The path, as far as it is known. Piece i is in column i mod PIECES."""
+
+class Path(Record):
+    """The path, as far as it is known. Piece i is in column i mod PIECES."""
+
+    surface: Surface
+    radius: float  # m
+    bend: float  # 1/m: curvature of the body's lowest arc, -1/radius
+    corners: float  # of the body, 0: it is round
+    side: float  # m between them, 0: it is round
+    # As asked for.
+    speed: float  # m/s
+    roughness: float  # factor on the surface's heights
+    coarseness: float  # factor on the shortest wavelength
+    patch: float  # m: width of the contact
+    wanted: Annotated[View[float], OCTAVES]  # gains of the octaves
+    settled: int  # 1: they are as they are wanted for `read_for`: speed, roughness, coarseness and patch
+    read_for: Annotated[View[float], 4]
+    ahead: Annotated[View[float], BLOCK]  # heights of points as they are read
+    hidden: Annotated[View[float], BLOCK]  # 0 or more: two of these hide it
+    kept: Annotated[View[int], BLOCK]  # those that aren't hidden
+    # The hull: a double-ended queue of points.
+    place: Annotated[View[int], POINTS]
+    height: Annotated[View[float], POINTS]
+    distance: Annotated[View[float], POINTS]  # from the hull's point before it, m
+    edge: Annotated[View[float], POINTS]  # from the hull's point before it to where the body passes on to it, m
+    adjoins: Annotated[View[int], POINTS]  # 1: that one is the profile's point before it
+    first: int
+    count: int
+    front: int  # place of the profile's last point
+    stride: int  # places between points
+    highest: float  # above which the profile can't rise, m
+    left: float  # from the first point to where its arc has come, m
+    entered: float  # from the first point to the edge before it, m
+    before: float  # between that edge's points, m
+    # Pieces made: length, and the path's height, slope and curvature at their beginning.
+    made: int
+    length: Annotated[View[float], PIECES]
+    level: Annotated[View[float], PIECES]
+    incline: Annotated[View[float], PIECES]
+    curvature: Annotated[View[float], PIECES]
+    origin: Annotated[View[int], PIECES]  # the place from which `start` counts
+    start: Annotated[View[float], PIECES]
+
+
+PATH = dtype_of(Path)
 
 
 @kernel
-def _refresh(path):
+def _refresh(path: Path) -> None:
     """Choose what of the surface is read at this speed."""
     surface = path.surface
     most = 0.0
@@ -125,14 +126,14 @@ def _refresh(path):
 
 
 @kernel
-def _nearer(gain, wanted):
+def _nearer(gain: float, wanted: float) -> float:
     """Move an octave's gain nearer to its target, a block later, or all of the way where little is left."""
     missing = wanted - gain
     return wanted if abs(missing) < _SMALL else gain + _GLIDE * missing
 
 
 @kernel
-def _is_settled(path):
+def _is_settled(path: Path) -> bool:
     """True if the gains that are read are those wanted."""
     now = path.read_for
     same = now[0] == path.speed and now[1] == path.roughness and now[2] == path.coarseness and now[3] == path.patch
@@ -140,7 +141,7 @@ def _is_settled(path):
 
 
 @kernel
-def _settle_gains(path, ripple_gain):
+def _settle_gains(path: Path, ripple_gain: float) -> None:
     """Bring the gains a block nearer to those that are wanted, and see whether they are there."""
     path.read_for[0], path.read_for[1] = path.speed, path.roughness
     path.read_for[2], path.read_for[3] = path.coarseness, path.patch
@@ -153,7 +154,7 @@ def _settle_gains(path, ripple_gain):
 
 
 @kernel
-def _read_block(path):
+def _read_block(path: Path) -> None:
     """Take the profile's next points into the hull, and those out that they hide."""
     surface = path.surface
     ripple_gain = path.roughness
@@ -169,7 +170,7 @@ def _read_block(path):
 
 
 @kernel
-def _lower(path):
+def _lower(path: Path) -> None:
     """Lower the points between a body's corners."""
     for i in range(BLOCK):
         s = (path.front + (i + 1) * path.stride) * path.surface.unit
@@ -178,7 +179,7 @@ def _lower(path):
 
 
 @noinline_kernel
-def _look_around(path):
+def _look_around(path: Path) -> None:
     """Find points of a block that can't touch: two others, so many points to either side, hide them."""
     path.hidden[:] = -1.0
     _hide(path, 1)
@@ -188,7 +189,7 @@ def _look_around(path):
 
 
 @kernel
-def _hide(path, k):
+def _hide(path: Path, k: int) -> None:
     """Find those that lie too low between the two that are k points away: the chord is above their arcs."""
     height, hidden = path.ahead, path.hidden
     distance = k * path.stride * path.surface.unit
@@ -198,7 +199,7 @@ def _hide(path, k):
 
 
 @kernel
-def _keep(path):
+def _keep(path: Path) -> int:
     """List the points of a block that aren't hidden; how many there are."""
     count = 0
     for i in range(BLOCK):
@@ -208,7 +209,7 @@ def _keep(path):
 
 
 @noinline_kernel
-def _push(path):
+def _push(path: Path) -> None:
     """Take the block's points that aren't hidden into the hull."""
     unit, radius, count = path.surface.unit, path.radius, path.count
     last = (path.first + count - 1) & (POINTS - 1)
@@ -238,7 +239,7 @@ def _push(path):
 
 
 @kernel
-def _settle(path):
+def _settle(path: Path) -> None:
     """Read until nothing ahead can change the path before the hull's second edge."""
     for _ in range(4 * POINTS):
         if path.count >= 3:
@@ -252,7 +253,7 @@ def _settle(path):
 
 
 @kernel
-def restart_path(path, place):
+def restart_path(path: Path, place: int) -> None:
     """Begin the path anew at a place: piece 0 begins in the middle of the arc there."""
     _refresh(path)
     path.bend = -1.0 / path.radius
@@ -262,7 +263,7 @@ def restart_path(path, place):
     path.surface.ripple_gain = path.roughness
     path.surface.made_for = 0
     behind = max(math.sqrt(4.0 * path.radius * path.highest), path.side)
-    path.front = place - path.stride * (np.int64(behind / (path.stride * path.surface.unit)) + 2)
+    path.front = place - path.stride * (int(behind / (path.stride * path.surface.unit)) + 2)
     path.first = 0
     path.count = 0
     path.made = 0
@@ -284,7 +285,7 @@ def restart_path(path, place):
 
 
 @kernel
-def make_piece(path):
+def make_piece(path: Path) -> None:
     """Make the next piece or two: the rest of the first point's arc, and the turn to the second."""
     _settle(path)
     second, third = (path.first + 1) & (POINTS - 1), (path.first + 2) & (POINTS - 1)
@@ -308,7 +309,7 @@ def make_piece(path):
 
 
 @kernel
-def _lay(path, begin, length, curvature, distance):
+def _lay(path: Path, begin: float, length: float, curvature: float, distance: float) -> None:
     """Make a piece of a length and curvature that begins so far from the first point, on its arc; `distance`: from that
     to the next."""
     if length <= _SHORTEST * distance:

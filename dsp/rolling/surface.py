@@ -11,16 +11,18 @@ of kilometres. The reader chooses how much of an octave is heard: `gain`.
 """
 
 import math
+from typing import Annotated, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..native.jit import kernel, noinline_kernel
+from ..native.typed import Record, View, dtype_of
 from ..numerics.checks import checked
 from ..numerics.random import STEP, mixed
 from ..resonator.simd import LANES, add_product, dot
 from .lattice import TO_HEIGHT, cubic_weights, drawn
-from .variation import MOST_VARIATION, VARIATION, begin_variation, local_roughness
+from .variation import MOST_VARIATION, Variation, begin_variation, local_roughness
 
 OCTAVES = 16
 
@@ -36,36 +38,47 @@ _TABLES = int(np.maximum(_CELLS // LANES, 1).sum())
 _LONGEST = 2.0
 """Spacing of the first lattice in correlation lengths: where beta = 2, the autocorrelation is 1/e at l."""
 
-_PROFILE = ("roughness", "correlation", "slope", "ripple", "wavelength", "variation", "variation_length")
-PROFILE = np.dtype([(name, np.float64) for name in _PROFILE], align=True)
-"""A surface: rms height (m), correlation length (m), slope of its spectrum; amplitude (m), length (m) of a ripple; how
-far the rms height varies from place to place (dB), and over which length (m)."""
 
-SURFACE = np.dtype(
-    [
-        ("unit", np.float64),  # m between places
-        ("height", np.float64, OCTAVES),  # rms, m
-        ("seed", np.uint64, OCTAVES),
-        ("offset", np.int64, OCTAVES),  # places by which the lattices are moved against each other
-        ("ripple", np.float64),  # amplitude of the corrugation, m
-        ("turns", np.float64),  # of the corrugation, for each place
-        ("variation", VARIATION),  # of the octaves' heights
-        # The share of each octave that is read, and room for the lattice heights of one, a block of points long.
-        ("gain", np.float64, OCTAVES),
-        ("ripple_gain", np.float64),
-        ("corner", np.float64, BLOCK + TAPS),
-        # Of octaves with 2 to BLOCK/2 points in a cell: the weights of the lattice's heights, for LANES points at a
-        # time, and the points' stride for which they are made.
-        ("weights", np.float64, _TABLES * TAPS * LANES),
-        ("made_for", np.int64),
-    ],
-    align=True,
-)
-"""A surface as it is read."""
+class Profile(Record):
+    """A surface as a preset has it."""
+
+    roughness: float  # m: rms height
+    correlation: float  # m: its length
+    slope: float  # of its spectrum
+    ripple: float  # m: amplitude
+    wavelength: float  # m, of the ripple
+    variation: float  # dB: how far the rms height varies from place to place
+    variation_length: float  # m
+
+
+PROFILE = dtype_of(Profile)
+
+
+class Surface(Record):
+    """A surface as it is read."""
+
+    unit: float  # m between places
+    height: Annotated[View[float], OCTAVES]  # rms, m
+    seed: Annotated[View[np.uint64], OCTAVES]
+    offset: Annotated[View[int], OCTAVES]  # places by which the lattices are moved against each other
+    ripple: float  # amplitude of the corrugation, m
+    turns: float  # of the corrugation, for each place
+    variation: Variation  # of the octaves' heights
+    # The share of each octave that is read, and room for the lattice heights of one, a block of points long.
+    gain: Annotated[View[float], OCTAVES]
+    ripple_gain: float
+    corner: Annotated[View[float], BLOCK + TAPS]
+    # Of octaves with 2 to BLOCK/2 points in a cell: the weights of the lattice's heights, for LANES points at a
+    # time, and the points' stride for which they are made.
+    weights: Annotated[View[float], _TABLES * TAPS * LANES]
+    made_for: int
+
+
+SURFACE = dtype_of(Surface)
 
 
 @kernel
-def begin_surface(surface, profile, seed):
+def begin_surface(surface: Surface, profile: Profile, seed: int) -> None:
     """Set a surface up by a PROFILE."""
     slope = profile.slope
     surface.unit = _LONGEST * profile.correlation * 0.5 ** (OCTAVES - 1)
@@ -81,7 +94,7 @@ def begin_surface(surface, profile, seed):
         share *= 2.0 ** (1.0 - slope)
         bits += STEP
         surface.seed[j] = mixed(bits)
-        surface.offset[j] = np.int64(surface.seed[j] >> np.uint64(31))
+        surface.offset[j] = int(np.int64(surface.seed[j] >> np.uint64(31)))
         surface.gain[j] = 1.0
     surface.ripple = profile.ripple
     surface.ripple_gain = 1.0
@@ -91,7 +104,7 @@ def begin_surface(surface, profile, seed):
 
 
 @kernel
-def _enter(surface, j, cell, count):
+def _enter(surface: Surface, j: int, cell: int, count: int) -> None:
     """Put octave j's heights at `count` points of its lattice, from a cell's first corner on, into `corner`."""
     corner, seed, scale = surface.corner, surface.seed[j], surface.height[j] * TO_HEIGHT
     for c in range(count):
@@ -99,14 +112,14 @@ def _enter(surface, j, cell, count):
 
 
 @kernel
-def _cubic(corner, c):
+def _cubic(corner: View[float], c: int) -> tuple[float, float, float, float]:
     """Return the cubic of a cell, between corners c + 1 and c + 2, by its power series in [0, 1]."""
     a0, a1, a2, a3 = corner[c], corner[c + 1], corner[c + 2], corner[c + 3]
     return a1, 0.5 * (a2 - a0), a0 - 2.5 * a1 + 2.0 * a2 - 0.5 * a3, 0.5 * (a3 - a0) + 1.5 * (a1 - a2)
 
 
 @kernel
-def _octave_at(surface, j, place):
+def _octave_at(surface: Surface, j: int, place: int) -> float:
     """Return the octave j's height (m) at a place."""
     level = OCTAVES - 1 - j
     shifted = place + surface.offset[j]
@@ -118,14 +131,16 @@ def _octave_at(surface, j, place):
 
 
 @kernel
-def _ripple_at(surface, place):
+def _ripple_at(surface: Surface, place: int) -> float:
     """Return the corrugation's height (m) at a place."""
     turns = surface.turns * place
     return surface.ripple * math.cos(2.0 * math.pi * (turns - math.floor(turns)))
 
 
 @kernel
-def read_heights(surface, place, stride, gains, ripple_gain, z):
+def read_heights(
+    surface: Surface, place: int, stride: int, gains: View[float], ripple_gain: float, z: View[float]
+) -> None:
     """Read the profile's heights (m) at BLOCK points from a place on, `stride` places, a power of 2, from each other.
 
     Meanwhile the octaves' gains and the corrugation's go evenly to others. A block begins where the last one ended;
@@ -167,7 +182,7 @@ def read_heights(surface, place, stride, gains, ripple_gain, z):
 
 
 @noinline_kernel
-def _vary(surface, place, stride, z):
+def _vary(surface: Surface, place: int, stride: int, z: View[float]) -> None:
     """Make a block's heights as rough as the surface is there: as at its ends, and evenly from one to the other."""
     local = local_roughness(surface.variation, place)
     rise = (local_roughness(surface.variation, place + BLOCK * stride) - local) / BLOCK
@@ -176,7 +191,7 @@ def _vary(surface, place, stride, z):
 
 
 @kernel
-def _is_in_one_cell(surface, j, place, stride):
+def _is_in_one_cell(surface: Surface, j: int, place: int, stride: int) -> bool:
     """True if a block's points lie in one cell of octave j's lattice."""
     level = OCTAVES - 1 - j
     shifted = place + surface.offset[j]
@@ -184,7 +199,9 @@ def _is_in_one_cell(surface, j, place, stride):
 
 
 @kernel
-def _in_one_cell(surface, j, place, stride, gain, rise):
+def _in_one_cell(
+    surface: Surface, j: int, place: int, stride: int, gain: float, rise: float
+) -> tuple[float, float, float, float, float]:
     """Return the octave j over a block that lies in one of its cells: a power series in the points' number."""
     level = OCTAVES - 1 - j
     shifted = place + surface.offset[j]
@@ -199,7 +216,7 @@ def _in_one_cell(surface, j, place, stride, gain, rise):
 
 
 @kernel
-def _add_wide(surface, j, place, stride, gain, rise, z):
+def _add_wide(surface: Surface, j: int, place: int, stride: int, gain: float, rise: float, z: View[float]) -> None:
     """Add octave j, of whose cells a block meets two at most."""
     level = OCTAVES - 1 - j
     shifted = place + surface.offset[j]
@@ -218,7 +235,7 @@ def _add_wide(surface, j, place, stride, gain, rise, z):
 
 
 @kernel
-def _add_narrow(surface, j, place, stride, gain, rise, z):
+def _add_narrow(surface: Surface, j: int, place: int, stride: int, gain: float, rise: float, z: View[float]) -> None:
     """Add octave j, of whose cells a block meets many, by weights: its points lie alike in each block."""
     level = OCTAVES - 1 - j
     shifted = place + surface.offset[j]
@@ -238,7 +255,7 @@ def _add_narrow(surface, j, place, stride, gain, rise, z):
 
 
 @kernel
-def _add_narrowest(surface, j, place, gain, rise, z):
+def _add_narrowest(surface: Surface, j: int, place: int, gain: float, rise: float, z: View[float]) -> None:
     """Add octave j, of whose cells each holds one point of a block, all at one place in their cells."""
     level = OCTAVES - 1 - j
     shifted = place + surface.offset[j]
@@ -251,7 +268,7 @@ def _add_narrowest(surface, j, place, gain, rise, z):
 
 
 @kernel
-def _gains(gain, rise, begin):
+def _gains(gain: float, rise: float, begin: int) -> tuple[float, float, float, float, float, float, float, float]:
     """Return an octave's gains at LANES points of a block from one on."""
     if rise == 0.0:
         return gain, gain, gain, gain, gain, gain, gain, gain
@@ -263,7 +280,7 @@ def _gains(gain, rise, begin):
 
 
 @kernel
-def _table_of(points):
+def _table_of(points: int) -> int:
     """Return the first of the tables, one for LANES points, of octaves that have so many points in a cell."""
     table = 0
     for n in range(len(_CELLS)):
@@ -274,7 +291,7 @@ def _table_of(points):
 
 
 @kernel
-def _make_weights(surface, place, stride):
+def _make_weights(surface: Surface, place: int, stride: int) -> None:
     """Make the weights of the lattices' heights at points from a place on."""
     surface.made_for = stride
     for j in range(OCTAVES):
@@ -299,7 +316,7 @@ def _make_weights(surface, place, stride):
 
 
 @kernel
-def _heights(surface, places, z):
+def _heights(surface: Surface, places: View[int], z: View[float]) -> None:
     for i in range(len(places)):
         z[i] = 0.0
         for j in range(OCTAVES):
@@ -337,7 +354,7 @@ def make_surface(
         checked("variation", variation, 0.0, MOST_VARIATION, strict=False),
         checked("variation_length", variation_length, 0.0),
     )
-    begin_surface(surface, profile[0], int(checked("seed", seed, 0, 2.0**53, strict=False)))
+    begin_surface(cast(Surface, surface), profile[0], int(checked("seed", seed, 0, 2.0**53, strict=False)))
     return surface
 
 
@@ -348,5 +365,5 @@ def heights(surface: np.void, places: ArrayLike) -> NDArray[np.float64]:
     """
     where = np.atleast_1d(np.asarray(places, np.int64))
     z = np.empty(where.shape)
-    _heights(surface, where.ravel(), z.reshape(-1))
+    _heights(cast(Surface, surface), where.ravel(), z.reshape(-1))
     return z.reshape(np.shape(places))

@@ -7,23 +7,25 @@ surface is as rough as ever on the whole. A body that slides over it sounds in b
 """
 
 import math
+from typing import Annotated
 
 import numpy as np
 
 from ..native.jit import kernel, noinline_kernel
+from ..native.typed import Record, View
 from ..numerics.random import STEP, mixed
 from .lattice import CREST, EDGE, cubic_weights, noise_at
 
-VARIATION = np.dtype(
-    [
-        ("spread", np.float64),  # s over the square root of 2: of each lattice; 0: the surface is even
-        ("mean", np.float64),  # c
-        ("most", np.float64),  # the greatest rms height of a place, over the surface's own
-        ("level", np.int64),  # log2 of the coarser lattice's spacing in places
-        ("seed", np.uint64, 2),  # of the coarser lattice and of the finer one
-    ],
-    align=True,
-)
+
+class Variation(Record):
+    """A surface's roughness as it varies from place to place."""
+
+    spread: float  # s over the square root of 2: of each lattice; 0: the surface is even
+    mean: float  # c
+    most: float  # the greatest rms height of a place, over the surface's own
+    level: int  # log2 of the coarser lattice's spacing in places
+    seed: Annotated[View[np.uint64], 2]  # of the coarser lattice and of the finer one
+
 
 MOST_VARIATION = 12.0
 """dB: beyond that a surface is flat, with lumps."""
@@ -34,11 +36,11 @@ _NODES = 32  # of a cell, over which the mean is taken
 
 
 @noinline_kernel
-def begin_variation(variation, decibels, length, unit, seed):
+def begin_variation(variation: Variation, decibels: float, length: float, unit: float, seed: int) -> None:
     """Set it up: the local rms height has a standard deviation of some decibels and changes over a length (m); places
     are a unit (m) apart."""
     variation.spread = decibels * math.log(10.0) / 20.0 * math.sqrt(0.5)
-    variation.level = np.int64(min(max(math.floor(math.log2(length / unit) + 0.5), _FINER), _MOST_LEVEL))
+    variation.level = int(min(max(math.floor(math.log2(length / unit) + 0.5), _FINER), _MOST_LEVEL))
     variation.seed[0] = mixed(np.uint64(seed) + np.uint64(2) * STEP)
     variation.seed[1] = mixed(variation.seed[0])
     mean = 0.0
@@ -51,13 +53,13 @@ def begin_variation(variation, decibels, length, unit, seed):
 
 
 @kernel
-def _mean_power(x):
+def _mean_power(x: float) -> float:
     """Return the mean of exp(x u), u between -1 and 1: sinh(x)/x."""
     return math.sinh(x) / x if abs(x) > 1e-4 else 1.0 + x * x / 6.0
 
 
 @kernel
-def local_roughness(variation, place):
+def local_roughness(variation: Variation, place: int) -> float:
     """Return the rms height about a place over the surface's own."""
     if variation.spread == 0.0:
         return 1.0

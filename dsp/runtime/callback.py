@@ -9,10 +9,11 @@ import numpy as np
 
 from ..engine.events.queue import look_again
 from ..engine.memory.clock import lock
-from ..engine.memory.state import QUANTUM, STATE
+from ..engine.memory.state import QUANTUM, STATE, State
 from ..engine.process import process
 from ..native.jit import c_function, carray
 from ..native.system import flush_denormals, monotonic_ns, restore_denormals, thread_id
+from ..native.typed import View
 
 SIGNATURE = c_int, c_void_p, c_void_p, c_ulong, c_void_p, c_ulong, c_void_p
 """PaStreamCallback's types: what it returns; input, output, frames, times, status flags, state."""
@@ -27,12 +28,12 @@ _LATELY = 0.1  # s
 
 
 @c_function(*SIGNATURE)
-def callback(_input, output, frames, times, flags, userdata):
+def callback(_input: int, output: int, frames: int, times: int, flags: int, userdata: int) -> int:
     """Fill `output` with `frames` frames, channel by channel, from the state in `userdata`: a PaStreamCallback."""
     entered = monotonic_ns()
-    frames = np.int64(frames) & C_LONG
+    frames = int(np.int64(frames) & C_LONG)
     mode = flush_denormals()
-    state = carray(userdata, (1,), STATE)[0]
+    state: State = carray(userdata, (1,), STATE)[0]
     if state.thread == 0:
         state.thread = thread_id()
     underflow = flags & OUTPUT_UNDERFLOW != 0
@@ -40,12 +41,12 @@ def callback(_input, output, frames, times, flags, userdata):
     first = state.position - QUANTUM + state.output.consumed
     if lock(state.clock, state.rate, entered, first, frames, underflow):
         look_again(state.queue, state.position)
-    times = carray(times, (3,), np.float64)
+    told: View[float] = carray(times, (3,), np.float64)
     process(state, carray(output, (frames, state.output.channels), np.float32), frames)
     restore_denormals(mode)
     load = (monotonic_ns() - entered) * 1e-9 * state.rate / max(frames, 1)
     share = min(1.0, frames / state.rate)
-    state.stats.latency_measured += (times[_HEARD] - times[_NOW] - state.stats.latency_measured) * share
+    state.stats.latency_measured += (told[_HEARD] - told[_NOW] - state.stats.latency_measured) * share
     state.stats.load += (load - state.stats.load) * share
     state.stats.load_now += (load - state.stats.load_now) * min(1.0, share / _LATELY)
     state.stats.load_peak = max(load, state.stats.load_peak * (1.0 - share))

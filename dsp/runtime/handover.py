@@ -7,41 +7,45 @@ that finds the flag TAKEN plays silence.
 """
 
 import ctypes
+from typing import Annotated
 
 import numpy as np
 
 from ..native.atomics import exchange, observe, store_release, swap
 from ..native.jit import c_function, carray
 from ..native.system import call_back
+from ..native.typed import Record, View, View2D, dtype_of
 from .callback import C_LONG, SIGNATURE
 
 FREE, RUNNING, TAKEN = range(3)
 
-HANDOVER = np.dtype(
-    [
-        ("turn", np.int64, 8),  # FREE, RUNNING or TAKEN
-        ("calls", np.int64, 8),  # times that the device has called
-        ("callback", np.int64),  # address of the engine's callback
-        ("state", np.int64),  # and of its user data
-        ("channels", np.int64),
-    ],
-    align=True,
-)
+
+class HandoverRecord(Record):
+    """A callback that may be taken away, and whether it is."""
+
+    turn: Annotated[View[int], 8]  # FREE, RUNNING or TAKEN
+    calls: Annotated[View[int], 8]  # times that the device has called
+    callback: int  # address of the engine's callback
+    state: int  # and of its user data
+    channels: int
+
+
+HANDOVER = dtype_of(HandoverRecord)
 
 
 @c_function(*SIGNATURE)
-def guarded(_input, output, frames, times, flags, userdata):
+def guarded(_input: int, output: int, frames: int, times: int, flags: int, userdata: int) -> int:
     """Do what the engine's callback does, or play silence while the HANDOVER in `userdata` is taken: a
     PaStreamCallback."""
-    handover = carray(userdata, (1,), HANDOVER)[0]
-    frames = np.int64(frames) & C_LONG
+    handover: HandoverRecord = carray(userdata, (1,), HANDOVER)[0]
+    frames = int(np.int64(frames) & C_LONG)
     store_release(handover.calls, 0, handover.calls[0] + 1)
     if exchange(handover.turn, 0, FREE, RUNNING):
-        out = carray(output, (frames, handover.channels), np.float32)
+        out: View2D[float] = carray(output, (frames, handover.channels), np.float32)
         call_back(handover.callback, out, frames, carray(times, (3,), np.float64), flags, handover.state)
         store_release(handover.turn, 0, FREE)
     else:
-        samples = carray(output, (frames * handover.channels,), np.float32)
+        samples: View[float] = carray(output, (frames * handover.channels,), np.float32)
         for n in range(len(samples)):
             samples[n] = 0.0
     return 0

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ..native.atomics import load_acquire
 from ..native.jit import c_function, carray
 from ..native.system import call_back, monotonic_ns, pause_ns
+from ..native.typed import View, View2D
 from .callback import OUTPUT_UNDERFLOW
 
 _LONGEST_PAUSE = 20_000_000  # ns: the loop looks at least this often whether to stop
@@ -19,17 +20,20 @@ _SLEPT = 1_000_000_000  # ns behind after which the machine is thought to have s
 
 
 @c_function(None, c_void_p, c_int64, c_int64, c_double, c_void_p, c_int64, c_int64, c_void_p)
-def pace(running, callback, state, rate, out, frames, channels, times):
+def pace(
+    running: int, callback: int, state: int, rate: float, out: int, frames: int, channels: int, times: int
+) -> None:
     """Compute blocks of so many frames as their time comes, while the int64 at `running` is not 0.
 
     callback, state: addresses. rate: Hz. out: of float32 (frames, channels). times: of float64 (3,), in which the
     callback reads them as PortAudio's.
     """
-    running, times = carray(running, (1,), np.int64), carray(times, (3,), np.float64)
-    out = carray(out, (frames, channels), np.float32)
+    goes_on: View[int] = carray(running, (1,), np.int64)
+    clock: View[float] = carray(times, (3,), np.float64)
+    block: View2D[float] = carray(out, (frames, channels), np.float32)
     started = monotonic_ns()
     done = 0
-    while load_acquire(running, 0) != 0:
+    while load_acquire(goes_on, 0) != 0:
         now = monotonic_ns()
         due = started + int(done * 1e9 / rate)
         if due > now:
@@ -40,9 +44,9 @@ def pace(running, callback, state, rate, out, frames, channels, times):
             started += now - due
             flags = OUTPUT_UNDERFLOW
         done += frames
-        times[1] = 1e-9 * now
-        times[2] = 1e-9 * max(now, started + int(done * 1e9 / rate))  # a late block is heard at once, not in the past
-        call_back(callback, out, frames, times, flags, state)
+        clock[1] = 1e-9 * now
+        clock[2] = 1e-9 * max(now, started + int(done * 1e9 / rate))  # a late block is heard at once, not in the past
+        call_back(callback, block, frames, clock, flags, state)
 
 
 def keep_pace(

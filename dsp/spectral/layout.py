@@ -4,11 +4,12 @@ A phase keeps its chunks in a region of its own, bin after bin as far as may be:
 which it is read is read several times faster. A bin has room for some more modes; one that runs full moves to the
 region's end. When too much has moved, the phase moves bin by bin to the spare region (places.py).
 
-A bin keeps what brings its modes further as float64 or, where that is chosen, as float32.
+A bin keeps what brings its modes further as float64 or, where that is chosen, as f32.
 """
 
-import numpy as np
+from typing import Annotated
 
+from ..native.typed import Record, View, View2D, f32, i32
 from .basis import BINS, FRAMES, SIZE
 from .simd import CHUNK, MOTION, SUMS, WEIGHTS
 from .synthesis import POINT
@@ -21,43 +22,42 @@ REGION = 4 * (PHASE_MODES // CHUNK + BINS)
 """Chunks of a region: what moves in it needs room."""
 CHUNKS = (PHASES + 1) * REGION
 
-PHASE = np.dtype(
-    [
-        ("start", np.int64, BINS),  # first chunk of each bin
-        ("count", np.int64, BINS),  # its chunks
-        ("room", np.int64, BINS),  # chunks that it has room for
-        ("used", np.int64, BINS),  # its modes
-        ("free", np.int64, BINS),  # its first free place, 1 + number; 0: none
-        ("single", np.int64, BINS),  # 1: its modes are in `singles`
-        ("region", np.int64),  # first chunk of its region
-        ("top", np.int64),  # the first chunk after all that are taken
-        ("modes", np.int64),  # in all its bins
-        ("moved", np.int64),  # chunks that moved since it was last put in order
-        ("begin", np.int64),  # samples: when its block began
-        ("sounds", np.int64),  # 1: its block is not silence
-        ("out", np.float64, (2, FRAMES)),  # the block
-    ],
-    align=True,
-)
 
-SPECTRAL = np.dtype(
-    [
-        ("chunks", np.float64, CHUNKS * MOTION * CHUNK),  # modes, as simd.py says
-        ("singles", np.float32, CHUNKS * MOTION * CHUNK),  # the same places, of bins whose modes are kept in float32
-        ("weights", np.float32, CHUNKS * WEIGHTS * CHUNK),  # of both
-        ("owner", np.int32, CHUNKS * CHUNK),  # whose place it is: 1 + number of the mode; else minus the next free one
-        ("sums", np.float64, BINS * SUMS),
-        ("points", np.float64, (2, SIZE * POINT)),
-        ("phases", PHASE, PHASES),
-        ("spare", np.int64),  # first chunk of the spare region
-        ("moving", np.int64),  # 1 + the phase that is being put in order; 0: none
-        ("next_bin", np.int64),  # the first of its bins that has not moved
-        ("modes", np.int64),  # in all phases
-        ("single", np.int64),  # 1: all bins are to be kept in float32
-        ("unlike", np.int64),  # bins that are not yet looked at for that, from the last one on
-        ("fading", np.int64),  # 1: a panic lets all that is in it fade
-        ("faded", np.int64),  # frames since that panic
-    ],
-    align=True,
-)
-"""A place is a chunk's number times CHUNK and the mode's number in the chunk."""
+class Phase(Record):
+    """The modes whose blocks begin in one quantum."""
+
+    start: Annotated[View[int], BINS]  # first chunk of each bin
+    count: Annotated[View[int], BINS]  # its chunks
+    room: Annotated[View[int], BINS]  # chunks that it has room for
+    used: Annotated[View[int], BINS]  # its modes
+    free: Annotated[View[int], BINS]  # its first free place, 1 + number; 0: none
+    single: Annotated[View[int], BINS]  # 1: its modes are in `singles`
+    region: int  # first chunk of its region
+    top: int  # the first chunk after all that are taken
+    modes: int  # in all its bins
+    moved: int  # chunks that moved since it was last put in order
+    begin: int  # samples: when its block began
+    sounds: int  # 1: its block is not silence
+    out: Annotated[View2D[float], 2, FRAMES]  # the block
+
+
+class Spectral(Record):
+    """A place is a chunk's number times CHUNK and the mode's number in the chunk."""
+
+    chunks: Annotated[View[float], CHUNKS * MOTION * CHUNK]  # modes, as simd.py says
+    singles: Annotated[View[f32], CHUNKS * MOTION * CHUNK]  # the same places, of bins whose modes are kept in f32
+    weights: Annotated[View[f32], CHUNKS * WEIGHTS * CHUNK]  # of both
+    owner: Annotated[
+        View[i32], CHUNKS * CHUNK
+    ]  # whose place it is: 1 + number of the mode; else minus the next free one
+    sums: Annotated[View[float], BINS * SUMS]
+    points: Annotated[View2D[float], 2, SIZE * POINT]
+    phases: Annotated[View[Phase], PHASES]
+    spare: int  # first chunk of the spare region
+    moving: int  # 1 + the phase that is being put in order; 0: none
+    next_bin: int  # the first of its bins that has not moved
+    modes: int  # in all phases
+    single: int  # 1: all bins are to be kept in f32
+    unlike: int  # bins that are not yet looked at for that, from the last one on
+    fading: int  # 1: a panic lets all that is in it fade
+    faded: int  # frames since that panic

@@ -4,8 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..native.jit import kernel
+from ..native.typed import View
 from .basis import BINS
-from .layout import PHASE_MODES, REGION
+from .layout import PHASE_MODES, REGION, Phase, Spectral
 from .simd import CHUNK, MOTION, ROWS, WEIGHTS
 
 _SPREAD = 4  # a bin that has run full gets room for this share more chunks, and
@@ -15,20 +16,20 @@ _SMALL = 2 * BINS  # chunks: below this order saves nothing
 
 
 @kernel
-def has_room(phase, modes):
+def has_room(phase: Phase, modes: int) -> bool:
     """True if so many modes find places, in whichever bins they are."""
     held = phase.top - phase.region
     return 2 * held + held // _SPREAD + (_LEAST + 1) * modes <= REGION and phase.modes + modes <= PHASE_MODES
 
 
 @kernel
-def _grown(count):
+def _grown(count: int) -> int:
     """Return the room for a bin with so many chunks."""
     return count + max(_LEAST, count // _SPREAD)
 
 
 @kernel
-def take_place(spectral, phase, b, mode, slots):
+def take_place(spectral: Spectral, phase: Phase, b: int, mode: int, slots: View[int]) -> int:
     """Take a place for a mode (its number) in a bin of a phase that `has_room`; slots[mode] holds 1 + the place."""
     if phase.free[b] == 0:
         if phase.count[b] == phase.room[b]:
@@ -45,7 +46,7 @@ def take_place(spectral, phase, b, mode, slots):
 
 
 @kernel
-def give_place(spectral, phase, b, mode, slots):
+def give_place(spectral: Spectral, phase: Phase, b: int, mode: int, slots: View[int]) -> None:
     """Give a mode's place in a bin back."""
     place = slots[mode] - 1
     slots[mode] = 0
@@ -58,13 +59,13 @@ def give_place(spectral, phase, b, mode, slots):
 
 
 @kernel
-def _number_at(place, row, rows):
+def _number_at(place: int, row: int, rows: int) -> int:
     """Return the index of a place's number in one row, among chunks of so many rows."""
     return place // CHUNK * (rows * CHUNK) + row * CHUNK + place % CHUNK
 
 
 @kernel
-def number(spectral, single, place, row):
+def number(spectral: Spectral, single: int, place: int, row: int) -> float:
     """Return a place's number of a row, in a bin that is kept in float32 (single: 1) or in float64."""
     if row >= MOTION:
         return float(spectral.weights[_number_at(place, row - MOTION, WEIGHTS)])
@@ -73,7 +74,7 @@ def number(spectral, single, place, row):
 
 
 @kernel
-def put_number(spectral, single, place, row, value):
+def put_number(spectral: Spectral, single: int, place: int, row: int, value: float) -> None:
     """Set a place's number of a row; else as `number`."""
     if row >= MOTION:
         spectral.weights[_number_at(place, row - MOTION, WEIGHTS)] = value
@@ -84,14 +85,14 @@ def put_number(spectral, single, place, row, value):
 
 
 @kernel
-def _silence(spectral, single, place):
+def _silence(spectral: Spectral, single: int, place: int) -> None:
     """Fill a place with a mode that is at rest."""
     for row in range(ROWS):
         put_number(spectral, single, place, row, 0.0)
 
 
 @kernel
-def _add_chunk(spectral, phase, b):
+def _add_chunk(spectral: Spectral, phase: Phase, b: int) -> None:
     """Add an empty chunk to a bin that has room for it."""
     first = (phase.start[b] + phase.count[b]) * CHUNK
     phase.count[b] += 1
@@ -102,7 +103,7 @@ def _add_chunk(spectral, phase, b):
 
 
 @kernel
-def _grow(spectral, phase, b, slots):
+def _grow(spectral: Spectral, phase: Phase, b: int, slots: View[int]) -> None:
     """Move a bin that has run full to where it has more room."""
     room = _grown(phase.count[b])
     phase.moved += phase.count[b]
@@ -110,7 +111,7 @@ def _grow(spectral, phase, b, slots):
 
 
 @kernel
-def _move(spectral, phase, b, room, slots):
+def _move(spectral: Spectral, phase: Phase, b: int, room: int, slots: View[int]) -> None:
     """Move a bin's modes to the phase's top, where it gets room for so many chunks, without gaps between them."""
     old, count, single = phase.start[b], phase.count[b], phase.single[b]
     phase.start[b], phase.room[b] = phase.top, room
@@ -136,7 +137,7 @@ def _move(spectral, phase, b, room, slots):
 
 
 @kernel
-def put_in_order(spectral, budget, slots):
+def put_in_order(spectral: Spectral, budget: int, slots: View[int]) -> None:
     """Bring what has come out of order back into it, bin by bin: about `budget` modes at a time, in one phase."""
     if spectral.moving == 0:
         _choose(spectral)
@@ -156,7 +157,7 @@ def put_in_order(spectral, budget, slots):
 
 
 @kernel
-def _choose(spectral):
+def _choose(spectral: Spectral) -> None:
     """Begin to put the first phase in order that needs it: from now on it takes its room from the spare region."""
     for p in range(len(spectral.phases)):
         phase = spectral.phases[p]
@@ -171,7 +172,7 @@ def _choose(spectral):
 
 
 @kernel
-def empty_phase(spectral, phase, slots):
+def empty_phase(spectral: Spectral, phase: Phase, slots: View[int]) -> None:
     """Give all places of a phase back."""
     for b in range(BINS):
         for place in range(phase.start[b] * CHUNK, (phase.start[b] + phase.count[b]) * CHUNK):

@@ -5,7 +5,8 @@ Complex vectors lie in memory as TERMS real parts and then TERMS imaginary ones.
 
 from typing import Any
 
-from ..native.jit import cgutils, intrinsic, ir, types
+from ..native.jit import Lowered, cgutils, intrinsic, ir, types
+from ..native.typed import View, View2D
 from .basis import TERMS
 
 CHUNK = 8
@@ -119,14 +120,16 @@ class _Writer:
 
 
 @intrinsic
-def spread(typingctx, chunks, weights, first, last, sums, at):
+def spread(
+    typingctx: object, chunks: View[float], weights: View[float], first: int, last: int, sums: View[float], at: int
+) -> Lowered[None]:
     """Add up the modes of a bin, in chunks `first` to `last`, and bring them a block further.
 
     sums[at + j] = sum_m Re(c_m zeta_m^j), then Im at TERMS; from 2 TERMS on the same times the modes' balance. Then
     c_m <- c_m exp(lambda_m FRAMES). Arrays are flat: chunks (MOTION rows each) float64 or float32, which all but the
     last addition of a bin's modes is done in; weights (WEIGHTS rows) float32; sums float64.
     """
-    bits = chunks.dtype.bitwidth
+    bits = chunks.dtype.bitwidth  # type: ignore[attr-defined]
 
     def codegen(context, builder, signature, args):
         w, wide, narrow = _Writer(context, builder, bits), _Writer(context, builder), _Writer(context, builder, 32)
@@ -162,7 +165,7 @@ def spread(typingctx, chunks, weights, first, last, sums, at):
 
 
 @intrinsic
-def pack(typingctx, sums, at, points, up, down):
+def pack(typingctx: object, sums: View[float], at: int, points: View[float], up: int, down: int) -> Lowered[None]:
     """Write a bin's sums at sums[at] as points of a transform: left + i right at `up`, with both conjugate at `down`.
 
     Points are counted in numbers: 2 TERMS each.
@@ -181,7 +184,16 @@ def pack(typingctx, sums, at, points, up, down):
 
 
 @intrinsic
-def butterfly(typingctx, source, at, step, target, to, stride, turns):
+def butterfly(
+    typingctx: object,
+    source: View[float],
+    at: int,
+    step: int,
+    target: View[float],
+    to: int,
+    stride: int,
+    turns: tuple[float, ...],
+) -> Lowered[None]:
     """Transform four points, source[at + k step] to target[to + k stride], where the last three are turned.
 
     `turns` is a tuple of cos and sin for each of these three.
@@ -211,7 +223,9 @@ def butterfly(typingctx, source, at, step, target, to, stride, turns):
 
 
 @intrinsic
-def weighted(typingctx, points, at, weights, first):
+def weighted(
+    typingctx: object, points: View[float], at: int, weights: View2D[float], first: int
+) -> Lowered[tuple[float, float]]:
     """Return sums of a point's real parts and of its imaginary ones, each times weights[first + j]: a tuple."""
 
     def codegen(context, builder, signature, args):

@@ -6,6 +6,7 @@ mode's decay is the real part of its zeta.
 """
 
 from ..native.jit import kernel
+from ..native.typed import View, View2D
 from .basis import BINS, FRAMES, PSI, SIZE, TERMS, TWIDDLES
 from .simd import SUMS, butterfly, pack, spread, weighted
 
@@ -14,7 +15,15 @@ POINT = 2 * TERMS
 
 
 @kernel
-def sum_bins(chunks, singles, weights, single, start, count, sums):
+def sum_bins(
+    chunks: View[float],
+    singles: View[float],
+    weights: View[float],
+    single: View[int],
+    start: View[int],
+    count: View[int],
+    sums: View[float],
+) -> None:
     """Add up the modes by bin, and bring them a block further.
 
     chunks, singles, weights: as in `spread`, float64 and float32; those of bin b are `count[b]` from `start[b]` on, in
@@ -31,7 +40,7 @@ def sum_bins(chunks, singles, weights, single, start, count, sums):
 
 
 @kernel
-def synthesize(sums, points, other, out):
+def synthesize(sums: View[float], points: View[float], other: View[float], out: View2D[float]) -> None:
     """Synthesize the sound of the sums: out (2, FRAMES), left and right. points, other: room for SIZE POINT numbers
     each."""
     for b in range(1, BINS):
@@ -52,7 +61,7 @@ def synthesize(sums, points, other, out):
 
 
 @kernel
-def _stage(source, target, left):
+def _stage(source: View[float], target: View[float], left: int) -> None:
     """Compute a stage of Stockham's transform of radix 4, with exp(+i): transforms of `left` points remain."""
     quarter, stride = left // 4, SIZE // left
     for p in range(quarter):

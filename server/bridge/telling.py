@@ -9,56 +9,65 @@ from ctypes import c_int64, c_void_p
 
 import numpy as np
 
-from ...dsp.engine.memory.commands import COMMAND, KIND_GESTURE, KIND_PLACE, KIND_STEER, KIND_STOP, NUMBERS
+from ...dsp.engine.memory.commands import COMMAND, KIND_GESTURE, KIND_PLACE, KIND_STEER, KIND_STOP, NUMBERS, Event
 from ...dsp.engine.memory.state import EVENTS as WAITING
 from ...dsp.engine.memory.state import QUEUE, RING
 from ...dsp.engine.memory.state import STATE as ENGINE
 from ...dsp.native.atomics import load_acquire, store_release
 from ...dsp.native.jit import c_function, carray, kernel, noinline_kernel
 from ...dsp.native.pointers import load_address, load_double, load_int32, pointer_to
+from ...dsp.native.typed import Record, View, View2D, dtype_of
 from ...dsp.runtime.ring import KEPT_FOR_NOW, SOON
 from ...dsp.schema import STEERABLE
-from .mujoco.arrays import ARRAYS, gather
+from .mujoco.arrays import ARRAYS, Arrays, gather
 from .mujoco.mechanism import ask_mechanism
 from .tracking.blows import find_blows, judge_blows, weigh_blow
 from .tracking.contact_events import take_step
-from .tracking.microphones import MICROPHONE_STATE, find_gains
+from .tracking.microphones import MICROPHONE_STATE, MicrophoneState, find_gains
 from .tracking.shared_blows import share_blows
 from .tracking.slides import find_slides
-from .tracking.state import BODIES, DONE, MOVE, REST, STATE, STEERED
+from .tracking.state import BODIES, DONE, MOVE, REST, STATE, STEERED, Blow, PairEvent, State
 
-TELLING = np.dtype(
-    [
-        ("state", np.int64),  # address of the tracker's STATE
-        ("microphones", np.int64),  # of MICROPHONE_STATE
-        ("arrays", np.int64),  # of ARRAYS; 0: poses and contacts are in the tracker's columns
-        ("time", np.int64),  # of the step's time (s), a float64
-        ("points", np.int64),  # of the number of its contacts, an int32
-        ("before", np.float64),  # s: the time of the step before
-        # The engine: where its ring of commands is, and what it has computed; 0: there is none.
-        ("entries", np.int64),
-        ("written", np.int64),
-        ("read", np.int64),
-        ("position", np.int64),
-        ("waiting", np.int64),
-        ("rate", np.float64),  # Hz
-        ("start", np.int64),  # address of the simulation's time (s) at the engine's first sample, a float64
-        ("latency", np.float64),  # s
-        ("objects", np.int64),  # address of OBJECTS
-        ("templates", np.int64),  # address of TEMPLATES
-        ("blank", COMMAND),
-    ],
-    align=True,
-)
-"""Addresses of a step that is told, and of the engine that hears it."""
+
+class Telling(Record):
+    """Addresses of a step that is told, and of the engine that hears it."""
+
+    state: int  # address of the tracker's STATE
+    microphones: int  # of MICROPHONE_STATE
+    arrays: int  # of ARRAYS; 0: poses and contacts are in the tracker's columns
+    time: int  # of the step's time (s), a float64
+    points: int  # of the number of its contacts, an int32
+    before: float  # s: the time of the step before
+    # The engine: where its ring of commands is, and what it has computed; 0: there is none.
+    entries: int
+    written: int
+    read: int
+    position: int
+    waiting: int
+    rate: float  # Hz
+    start: int  # address of the simulation's time (s) at the engine's first sample, a float64
+    latency: float  # s
+    objects: int  # address of OBJECTS
+    templates: int  # address of TEMPLATES
+    blank: Event
+
+
+TELLING = dtype_of(Telling)
 
 OBJECTS = np.dtype((np.int64, (BODIES, 2)))
 """The slot and the serial of each body's object in the engine."""
 
 SURFACES = 16
-TEMPLATES = np.dtype([("least", np.float64), ("command", COMMAND)], align=True)
-"""Template of a slide on a surface: the least radius (m) of what slides there, and the command, which lacks the numbers
-of the contact."""
+
+
+class Template(Record):
+    """A template of a slide on a surface."""
+
+    least: float  # m: radius of what slides there
+    command: Event  # lacks the numbers of the contact
+
+
+TEMPLATES = dtype_of(Template)
 
 _BLOW, _SLIDE = NUMBERS["impact"], NUMBERS["slide"]
 _OWN = 1 << 40  # numbers of gestures from here on are those of slides, which no message names
@@ -92,16 +101,16 @@ def link_engine(telling: np.ndarray, engine: np.ndarray) -> None:
 
 
 @c_function(c_int64, c_void_p)
-def tell(telling):
+def tell(telling: int) -> int:
     """Look at a step, as a record of TELLING says: what happened, or what is wrong: then it was not taken, unless the
     ring is full."""
-    link = carray(telling, (1,), TELLING)[0]
-    state = carray(pointer_to(link.state), (1,), STATE)[0]
+    link: Telling = carray(telling, (1,), TELLING)[0]
+    state: State = carray(pointer_to(link.state), (1,), STATE)[0]
     time, points = load_double(link.time), load_int32(link.points)
     if not state.time < time < math.inf:
         return NOT_LATER
     link.before = state.time
-    microphones = carray(pointer_to(link.microphones), (1,), MICROPHONE_STATE)[0]
+    microphones: MicrophoneState = carray(pointer_to(link.microphones), (1,), MICROPHONE_STATE)[0]
     if link.arrays != 0:
         gather(state, carray(pointer_to(link.arrays), (1,), ARRAYS)[0], points, time - state.time)
     if take_step(state, microphones, points, time) < 0:
@@ -124,14 +133,14 @@ def tell(telling):
 
 
 @kernel
-def _find_blows(link, state, microphones):
+def _find_blows(link: Telling, state: State, microphones: MicrophoneState) -> int:
     """Find the blows of a step, and which are heard: how many. A body that begins to slide is placed anew in the next
     step."""
     find_blows(state)
     find_slides(state)
     for n in range(state.struck):
         if link.arrays != 0:
-            arrays = carray(pointer_to(link.arrays), (1,), ARRAYS)[0]
+            arrays: Arrays = carray(pointer_to(link.arrays), (1,), ARRAYS)[0]
             if arrays.mechanism.jacobian != 0:
                 ask_mechanism(arrays, state, state.blows[n])
     share_blows(state)
@@ -144,7 +153,7 @@ def _find_blows(link, state, microphones):
 
 
 @kernel
-def _sample_of(link, time):
+def _sample_of(link: Telling, time: float) -> float:
     """Return the engine's sample of a time of the simulation (s), as a score has it."""
     at = max(time - load_double(link.start) + link.latency, load_address(link.position) / link.rate)
     sample = at * link.rate
@@ -156,7 +165,7 @@ def _sample_of(link, time):
 
 
 @kernel
-def _has_room(link, count, latest):
+def _has_room(link: Telling, count: int, latest: float) -> bool:
     """True if so many commands can be sent, the last for a sample, as `ring.py` has it."""
     room = RING - load_address(link.written) + load_acquire(carray(pointer_to(link.read), (1,), np.int64), 0)
     if count > room:
@@ -167,11 +176,11 @@ def _has_room(link, count, latest):
 
 
 @noinline_kernel
-def _write(link, state, microphones):
+def _write(link: Telling, state: State, microphones: MicrophoneState) -> None:
     """Send the gains of bodies that sound, the blows that are heard, and what steers slides."""
-    entries = carray(pointer_to(link.entries), (RING,), COMMAND)
-    objects = carray(pointer_to(link.objects), (BODIES, 2), np.int64)
-    written = carray(pointer_to(link.written), (1,), np.int64)
+    entries: View[Event] = carray(pointer_to(link.entries), (RING,), COMMAND)
+    objects: View2D[int] = carray(pointer_to(link.objects), (BODIES, 2), np.int64)
+    written: View[int] = carray(pointer_to(link.written), (1,), np.int64)
     number = written[0]
     early, late = _sample_of(link, link.before), _sample_of(link, state.time)
     for n in range(microphones.found):
@@ -198,7 +207,7 @@ def _write(link, state, microphones):
 
 
 @kernel
-def _strike(state, command, objects, blow):
+def _strike(state: State, command: Event, objects: View2D[int], blow: Blow) -> None:
     """Make a command a blow."""
     struck, strikes = (blow.b, blow.a) if blow.side == 1 else (blow.a, blow.b)
     command.what = _BLOW
@@ -213,7 +222,7 @@ def _strike(state, command, objects, blow):
 
 
 @kernel
-def _begin(link, entries, number, time, kind):
+def _begin(link: Telling, entries: View[Event], number: int, time: float, kind: int) -> Event:
     """Begin a command of a number, at a time (samples)."""
     entries[number % RING] = link.blank
     command = entries[number % RING]
@@ -222,10 +231,10 @@ def _begin(link, entries, number, time, kind):
 
 
 @noinline_kernel
-def _slide(link, state):
+def _slide(link: Telling, state: State) -> bool:
     """Begin and end slides, but for those of pairs that slide in a way of their own; return True if there are such."""
-    entries = carray(pointer_to(link.entries), (RING,), COMMAND)
-    written = carray(pointer_to(link.written), (1,), np.int64)
+    entries: View[Event] = carray(pointer_to(link.entries), (RING,), COMMAND)
+    written: View[int] = carray(pointer_to(link.written), (1,), np.int64)
     number, time = written[0], _sample_of(link, state.time)
     left = False
     for n in range(state.happened):
@@ -243,15 +252,15 @@ def _slide(link, state):
 
 
 @kernel
-def _begin_slide(link, state, entries, number, time, event):
+def _begin_slide(link: Telling, state: State, entries: View[Event], number: int, time: float, event: PairEvent) -> bool:
     """Make a command a slide; return False for one of a pair that slides in a way of its own."""
     surface = state.surface[state.material[event.a], state.material[event.b]] - 1
     if surface < 0 or state.slides_so[event.a, event.b] == 1:
         return False
-    template = carray(pointer_to(link.templates), (SURFACES,), TEMPLATES)[surface]
+    template: Template = carray(pointer_to(link.templates), (SURFACES,), TEMPLATES)[surface]
     if not event.radius >= template.least > 0.0:
         return False
-    objects = carray(pointer_to(link.objects), (BODIES, 2), np.int64)
+    objects: View2D[int] = carray(pointer_to(link.objects), (BODIES, 2), np.int64)
     struck, strikes = (event.b, event.a) if event.side == 1 else (event.a, event.b)
     entries[number % RING] = template.command
     command = entries[number % RING]

@@ -9,14 +9,16 @@ import socket
 import struct
 import sys
 import threading
+from collections.abc import Callable
 from contextlib import suppress
 from ctypes import c_int64, c_void_p
-from typing import Any
+from typing import Annotated
 
 import numpy as np
 
 from ...dsp.native.atomics import load_acquire, observe, publish, store_release
-from ...dsp.native.jit import External, c_function, carray, kernel
+from ...dsp.native.jit import c_function, carray, external, kernel
+from ...dsp.native.typed import Record, View, dtype_of, i32
 
 CAPACITY = 1 << 22
 """Bytes of datagrams that can wait to be carried out, each with 24 of its own: some 50,000 short ones."""
@@ -26,27 +28,31 @@ _HEAD = 3  # words before a datagram: its size, and two of the address that it c
 _LARGEST = _HEAD + (1 << 16) // 8  # words
 _WORDS = CAPACITY // 8
 
+
 # The ring's words hold datagrams one after another; one begins where the largest would fit before the end, else at 0.
-_BOX = np.dtype(
-    [
-        ("written", np.int64, (1,)),  # words ever
-        ("read", np.int64, (1,)),
-        ("stopped", np.int64, (1,)),
-        ("dropped", np.int64, (1,)),  # datagrams
-        ("loser", np.int64, (2,)),  # address that the last of them came from
-        ("descriptor", np.int64),
-        ("bell", np.int64),
-        ("length", np.int32, (2,)),
-        ("fresh", np.int64, (_LARGEST,)),
-        ("ring", np.int64, (_WORDS,)),
-    ],
-    align=True,
-)
+class Box(Record):
+    """Datagrams as they come in."""
+
+    written: Annotated[View[int], 1]  # words ever
+    read: Annotated[View[int], 1]
+    stopped: Annotated[View[int], 1]
+    dropped: Annotated[View[int], 1]  # datagrams
+    loser: Annotated[View[int], 2]  # address that the last of them came from
+    descriptor: int
+    bell: int
+    length: Annotated[View[i32], 2]
+    fresh: Annotated[View[int], _LARGEST]
+    ring: Annotated[View[int], _WORDS]
+
+
+_BOX = dtype_of(Box)
 _ENTRY = struct.Struct("=q2x2s4s8x")  # size, and of the sockaddr_in port and host
 
 _WINDOWS = sys.platform == "win32"
-_receive: Any = External("carom_receive", c_int64, c_int64, c_void_p, c_int64, c_void_p, c_void_p)
-_send: Any = External("carom_send", None, c_int64, c_void_p, c_int64)
+_receive: Callable[[int, int, int, int, int], int] = external(
+    "carom_receive", c_int64, c_int64, c_void_p, c_int64, c_void_p, c_void_p
+)
+_send: Callable[[int, int, int], None] = external("carom_send", None, c_int64, c_void_p, c_int64)
 
 
 def _after(position: int, size: int) -> int:
@@ -60,9 +66,9 @@ _beyond = kernel(_after)
 
 
 @c_function(None, c_void_p)
-def drain(address):
+def drain(address: int) -> None:
     """Move datagrams into the ring until stopped, and count those that find no room there. address: of a _BOX."""
-    box = carray(address, (1,), _BOX)[0]
+    box: Box = carray(address, (1,), _BOX)[0]
     fresh, ring = box.fresh, box.ring
     start = fresh.ctypes.data
     written = load_acquire(box.written, 0)

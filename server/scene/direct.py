@@ -4,8 +4,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from ...dsp.engine.memory.commands import COMMAND, NUMBERS, VALUES, Kind
+from ...dsp.engine.memory.commands import COMMAND, NUMBERS, Kind
 from ...dsp.schema import STEERABLE
+from ...dsp.schema_records import VALUES
 from ..bridge.requests import Blow, Ending, Gains, Request, Said, Slide, Steering
 from ..osc.wire import Message
 from .session import Session

@@ -25,7 +25,7 @@ from tests.bench.machine import machine
 ROOT = Path(__file__).parents[2]
 
 EDITS = {
-    "contact": ("dsp/contact/law.py", "return power ** (1.0 / (a + 1.0))", "return power ** (1.0 / (a + 1.000001))"),
+    "contact": ("dsp/contact/law.py", "float = power ** (1.0 / (a + 1.0))", "float = power ** (1.0 / (a + 1.000001))"),
     "friction": ("dsp/friction/law.py", "square = b * b - 4.0 * c", "square = b * b - 4.000001 * c"),
     "rolling": ("dsp/rolling/body.py", "roll.angle = 0.5 * math.pi", "roll.angle = 0.500001 * math.pi"),
     "resonator": ("dsp/resonator/bank.py", "_inject(modes, point, m)", "_inject(modes, point, m[:7] + (0.5 * m[7],))"),
@@ -36,8 +36,8 @@ EDITS = {
     "a comment": ("dsp/contact/law.py", "import math\n", "import math  # of Python\n"),
     "a field more in a record": (
         "dsp/engine/memory/records.py",
-        "CONTACT = np.dtype(\n    [\n",
-        'CONTACT = np.dtype(\n    [\n        ("planted", np.float64),\n',
+        "    pulse: Pulse\n",
+        "    planted: float\n    pulse: Pulse\n",
     ),
 }
 """One edit in each package: a file, a text that it holds at least once, and another for it."""

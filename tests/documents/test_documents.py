@@ -9,12 +9,17 @@ from carom.dsp.contact.accuracy import LEVELS
 from carom.server.osc.wire import Message
 from carom.server.status import FIELDS, FIRST
 from tests.documents.pages import PAGES, PARTS, ROOT, parts, written
+from tests.documents.records import STUB, stub
 from tests.support import serving
 
 LONGEST_README, LONGEST_PAGE = 150, 200
 AS_LONG_AS_ITS_HISTORY = "CHANGELOG.md"
 OTHERS = ("CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "clients/examples/README.md")
 TEXTS = {page: (ROOT / page).read_text(encoding="utf-8") for page in (*PAGES, *OTHERS)}
+
+
+def test_the_stub_of_the_schemas_records_is_what_they_hold():
+    assert STUB.read_text(encoding="utf-8") == stub(), "run `make documents`"
 
 
 @pytest.mark.parametrize("page", PAGES)

@@ -12,7 +12,7 @@ from ...spectral.synthesis import sum_bins, synthesize
 from ..memory.channels import ask_gains
 from ..memory.order import wake
 from ..memory.quality import is_left_out
-from ..memory.state import QUANTUM
+from ..memory.state import QUANTUM, Object, State
 from ..output.fade import fade_length, left_of
 from ..output.mix import sides_of
 from .spectral_modes import come_back, go, look, take_form
@@ -29,7 +29,7 @@ _INAUDIBLE = 1e-9  # gain: the same
 
 
 @kernel
-def recall_struck(state, obj):
+def recall_struck(state: State, obj: Object) -> None:
     """Bring an object's modes back if one of its own contacts may touch it in this quantum."""
     index = obj.contact
     while index >= 0 and obj.spectral > 0:
@@ -40,7 +40,7 @@ def recall_struck(state, obj):
 
 
 @noinline_kernel
-def recall_objects(state):
+def recall_objects(state: State) -> None:
     """Bring modes back that are touched in this quantum, and those that are to change, as many as the budget allows."""
     left = 0 if state.spectral.modes >= _UNWORTHY else _UNWORTHY
     while left > 0 and state.ringer_count > 0 and state.spectral.fading == 0:
@@ -62,7 +62,7 @@ def recall_objects(state):
 
 
 @kernel
-def _recall_partners(state, obj):
+def _recall_partners(state: State, obj: Object) -> None:
     """Bring the modes of those objects back that strike an object which is touched."""
     index = obj.contact
     while index >= 0:
@@ -73,7 +73,7 @@ def _recall_partners(state, obj):
 
 
 @noinline_kernel
-def ring_bank(state):
+def ring_bank(state: State) -> None:
     """Begin the block of the phase whose turn it is, with the objects that ring freely now."""
     spectral = state.spectral
     turn = state.position // QUANTUM % PHASES
@@ -93,7 +93,7 @@ def ring_bank(state):
 
 
 @noinline_kernel
-def mix_bank(state):
+def mix_bank(state: State) -> None:
     """Add the bank's sound to the mix, without what has left it."""
     sounds = state.tails.count > 0
     for p in range(PHASES):
@@ -105,7 +105,7 @@ def mix_bank(state):
 
 
 @kernel
-def _mix_phases(state):
+def _mix_phases(state: State) -> None:
     """Add what the phases have laid out for this quantum to the mix."""
     spectral, output = state.spectral, state.output
     out = state.scratch.bank
@@ -129,7 +129,7 @@ def _mix_phases(state):
 
 
 @kernel
-def let_bank_fade(state):
+def let_bank_fade(state: State) -> None:
     """Fade out all that rings in the bank. Its objects are free at once, and are at rest."""
     spectral = state.spectral
     if spectral.modes == 0:
@@ -144,7 +144,7 @@ def let_bank_fade(state):
 
 
 @kernel
-def _fade_on(state):
+def _fade_on(state: State) -> None:
     """End a fade that is over."""
     spectral = state.spectral
     spectral.faded += QUANTUM
@@ -157,7 +157,7 @@ def _fade_on(state):
 
 
 @kernel
-def _go(state, turn):
+def _go(state: State, turn: int) -> None:
     """Take the objects into a phase that ring freely, if they are worth it: as many as the budget allows."""
     if state.output.channels > 2 or state.output.stems_on == 1:
         return
@@ -185,7 +185,7 @@ def _go(state, turn):
 
 
 @kernel
-def _phases_for(total):
+def _phases_for(total: int) -> int:
     """Return the number of phases that so many modes are shared among: each has a transform of its own, and a
     callback's work."""
     phases = 1
@@ -195,7 +195,7 @@ def _phases_for(total):
 
 
 @kernel
-def _rings_freely(state, obj):
+def _rings_freely(state: State, obj: Object) -> bool:
     """True if nothing but its own modes moves an object, and nothing has for a while."""
     if obj.live == 0 or obj.spectral > 0 or obj.has_contact == 1 or obj.voice >= 0 or obj.fading > 0:
         return False
@@ -211,7 +211,7 @@ def _rings_freely(state, obj):
 
 
 @kernel
-def _is_settled(state, obj):
+def _is_settled(state: State, obj: Object) -> bool:
     """True if an object's gains have come where they are asked to be."""
     ask_gains(state, obj)
     for side in range(sides_of(state)):

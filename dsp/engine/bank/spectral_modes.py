@@ -10,13 +10,13 @@ from ...native.jit import kernel
 from ...resonator.bank import state_of
 from ...resonator.mode import energy_of
 from ...spectral.basis import BINS, CENTRE, FRAMES, MOST_LOSS, RADIUS
-from ...spectral.layout import PHASES
+from ...spectral.layout import PHASES, Phase, Spectral
 from ...spectral.places import give_place, number, put_number, take_place
 from ...spectral.simd import CHUNK, ROWS
 from ..bodies.objects import modes_of, relief_of, ringing_of
 from ..memory.order import wake
 from ..memory.quality import silence_of
-from ..memory.state import QUANTUM
+from ..memory.state import QUANTUM, Bank, Object, State
 from ..output.mix import sides_of
 from .tails import begin_tail
 
@@ -30,7 +30,7 @@ _POWERS = 10  # squarings that reach the powers that are taken
 
 
 @kernel
-def _gains(state, obj):
+def _gains(state: State, obj: Object) -> tuple[float, float]:
     """Return the gains of an object's modes at the left and at the right, the first far enough from 0 to be divided
     by."""
     left = obj.place.gain[0]
@@ -40,7 +40,7 @@ def _gains(state, obj):
 
 
 @kernel
-def _is_admissible(state, obj):
+def _is_admissible(state: State, obj: Object) -> bool:
     """True if all modes that are heard decay slowly enough, and are numbers."""
     bank = state.bank
     for i in range(obj.first, obj.first + obj.live):
@@ -53,7 +53,7 @@ def _is_admissible(state, obj):
 
 
 @kernel
-def _is_heard(state, obj, i, re, im):
+def _is_heard(state: State, obj: Object, i: int, re: float, im: float) -> bool:
     """True if a mode of the bank (its number there) with a state z is louder than silence."""
     weight = max(1.0, abs(state.bank.balance[i])) * max(1.0, obj.place.loudest)
     threshold = 0.25 * silence_of(state)
@@ -61,7 +61,7 @@ def _is_heard(state, obj, i, re, im):
 
 
 @kernel
-def go(state, slot, turn):
+def go(state: State, slot: int, turn: int) -> None:
     """Take an object's modes into a phase whose block begins now; those that nobody hears come to rest."""
     obj, bank, spectral = state.objects[slot], state.bank, state.spectral
     if not _is_admissible(state, obj):
@@ -91,7 +91,9 @@ def go(state, slot, turn):
 
 
 @kernel
-def _describe(state, at, single, place, z, loss, offset, balance):
+def _describe(
+    state: State, at: int, single: int, place: int, z: complex, loss: float, offset: float, balance: float
+) -> None:
     """Write a mode, whose state z it was a sample ago and now begins its block, to its place.
 
     loss: nepers a sample; offset: from the middle of its bin, rad a sample.
@@ -109,7 +111,7 @@ def _describe(state, at, single, place, z, loss, offset, balance):
 
 
 @kernel
-def _put_turn(spectral, single, place, turned):
+def _put_turn(spectral: Spectral, single: int, place: int, turned: complex) -> None:
     """Write exp(lambda FRAMES) to a mode's place, in float32 so that rounding lets no mode grow."""
     least = _LEAST_LOSS * single
     if turned.real * turned.real + turned.imag * turned.imag > 1.0 - 2.0 * least:
@@ -119,7 +121,7 @@ def _put_turn(spectral, single, place, turned):
 
 
 @kernel
-def take_form(state, budget):
+def take_form(state: State, budget: int) -> None:
     """Bring bins into the form, float64 or float32, that is chosen: about `budget` modes at a time."""
     spectral = state.spectral
     if spectral.single != state.choices.bank:
@@ -133,7 +135,7 @@ def take_form(state, budget):
 
 
 @kernel
-def _form_anew(state, phase, b):
+def _form_anew(state: State, phase: Phase, b: int) -> None:
     """Bring a bin into the form that is chosen. From float32 to float64 its modes ring on as exactly as they are."""
     spectral = state.spectral
     before, single = phase.single[b], spectral.single
@@ -148,14 +150,14 @@ def _form_anew(state, phase, b):
 
 
 @kernel
-def _step(bank, i):
+def _step(bank: Bank, i: int) -> complex:
     """Return exp(lambda), the factor of a mode's state from sample to sample."""
     cosine = 0.5 * bank.a1[i]
     return complex(cosine, math.sqrt(-bank.a2[i] - cosine * cosine))
 
 
 @kernel
-def _power(base, exponent):
+def _power(base: complex, exponent: int) -> complex:
     """Raise to a power with an exponent from 0 to 1,023, by squaring."""
     result = complex(1.0, 0.0)
     for k in range(_POWERS):
@@ -166,7 +168,7 @@ def _power(base, exponent):
 
 
 @kernel
-def come_back(state, obj):
+def come_back(state: State, obj: Object) -> None:
     """Bring an object's modes back, as they are at the last sample; what is laid out of them yet is taken out."""
     bank, spectral = state.bank, state.spectral
     phase = spectral.phases[obj.spectral - 1]
@@ -198,7 +200,7 @@ def come_back(state, obj):
 
 
 @kernel
-def _forget_ringer(state, obj):
+def _forget_ringer(state: State, obj: Object) -> None:
     """Take an object off the list of those in the bank."""
     last = state.ringer_count - 1
     moved = state.ringers[last]
@@ -209,7 +211,7 @@ def _forget_ringer(state, obj):
 
 
 @kernel
-def look(state):
+def look(state: State) -> None:
     """Put modes in the bank to rest that nobody hears any more, object by object in turn."""
     looked = 0
     state.to_look_at = min(state.to_look_at + _LOOKED, _LOOKED)
@@ -222,7 +224,7 @@ def look(state):
 
 
 @kernel
-def _look_at(state, slot):
+def _look_at(state: State, slot: int) -> None:
     """Measure what an object in the bank sounds, and put its silent modes to rest; without any, it is at rest."""
     obj, bank, spectral = state.objects[slot], state.bank, state.spectral
     phase = spectral.phases[obj.spectral - 1]

@@ -5,15 +5,16 @@ subtracted.
 """
 
 from ...native.jit import kernel
+from ...native.typed import View2D
 from ...resonator.bank import Modes, ring
 from ..memory.capacity import OBJECTS
 from ..memory.records import TAIL_MODES
-from ..memory.state import QUANTUM
+from ..memory.state import QUANTUM, Object, State
 from ..output.mix import sides_of
 
 
 @kernel
-def begin_tail(state, obj, end):
+def begin_tail(state: State, obj: Object, end: int) -> None:
     """Take an object's modes, as they are now, out of a block that ends at a sample."""
     tails, bank = state.tails, state.bank
     if tails.count == 0 or tails.top + obj.live > TAIL_MODES:
@@ -32,7 +33,7 @@ def begin_tail(state, obj, end):
 
 
 @kernel
-def ring_tails(state, out):
+def ring_tails(state: State, out: View2D[float]) -> None:
     """Subtract a quantum of all tails from out (2, QUANTUM); forget those that are over."""
     tails, voice = state.tails, state.scratch.voices[0]
     for k in range(tails.count):

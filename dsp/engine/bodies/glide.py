@@ -9,7 +9,7 @@ import math
 
 from ...native.jit import kernel
 from ...resonator.mode import energy_of, ring_at
-from ..memory.state import COUPLING, QUANTUM
+from ..memory.state import COUPLING, QUANTUM, Object, State
 from .objects import modes_of, ringing_of
 
 _AUDIBLE = 2.0 ** (2.0 / 1200.0) - 1.0  # rise of the tension by which the pitch rises by a cent
@@ -21,7 +21,7 @@ _SPREAD = 0.003  # s: the tension about a striker that has left spreads over the
 
 
 @kernel
-def follow_tension(state, obj):
+def follow_tension(state: State, obj: Object) -> None:
     """Bring an object's tension to its ringing and its strikers; nothing where it does not glide, or inaudibly."""
     if obj.glide == 0.0 or (obj.live == 0 and obj.stretch == 0.0 and obj.contact < 0):
         return
@@ -42,7 +42,7 @@ def follow_tension(state, obj):
 
 
 @kernel
-def _energy_of(state, obj):
+def _energy_of(state: State, obj: Object) -> float:
     """Return the energy (J) that rings on an object, as it were if all gestures had a gain of 1: gains are heard, not
     felt.
 
@@ -58,7 +58,7 @@ def _energy_of(state, obj):
 
 
 @kernel
-def _cone_of(state, obj):
+def _cone_of(state: State, obj: Object) -> float:
     """Return the rise of the tension about the fastest of the strikers that touch an object in this quantum."""
     fastest = 0.0
     index = obj.contact
@@ -75,7 +75,7 @@ def _cone_of(state, obj):
 
 
 @kernel
-def _bend(state, obj):
+def _bend(state: State, obj: Object) -> None:
     """Retune the modes that ring to the tension."""
     modes = modes_of(state, obj, 0, obj.live)
     for i in range(min(obj.live, obj.felt)):

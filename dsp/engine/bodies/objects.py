@@ -6,10 +6,13 @@ import numpy as np
 
 from ...native.jit import kernel
 from ...native.records import set_field
+from ...native.typed import View
 from ...resonator.bank import NYQUIST_SHARE, RESPONSES, Modes, Point, reach
 from ...resonator.mode import mode_energy, recurring
 from ...resonator.simd import LANES
 from ...schema import SETTINGS
+from ..memory.records import ContactPoint
+from ..memory.state import Object, State
 
 _HAND = 200.0  # 1/s: decay that a hand adds at damp = 1
 GONE = 0.35  # of a relief's frequency, where the middle of its modes lies an octave above the highest there is
@@ -19,7 +22,7 @@ _RETUNES = np.array([name in ("tune", "decay", "damp") for name in SETTINGS])
 
 
 @kernel
-def set_of(obj, parameter, value):
+def set_of(obj: Object, parameter: int, value: float) -> None:
     """Change a setting of an object; its modes get new coefficients where it is about them."""
     set_field(obj.settings, parameter, value)
     obj.returns = int(obj.spectral > 0)
@@ -28,7 +31,7 @@ def set_of(obj, parameter, value):
 
 
 @kernel
-def place(point, position, rows):
+def place(point: ContactPoint, position: float, rows: int) -> None:
     """Find rows and weights of the cubic through the mode shapes at a position in [0, 1]."""
     x = position * (rows - 1)
     row = min(max(int(x) - 1, 0), rows - 4)
@@ -37,7 +40,7 @@ def place(point, position, rows):
 
 
 @kernel
-def weigh(weights, x):
+def weigh(weights: View[float], x: float) -> None:
     """Set the weights of the cubic through four rows at x in rows from the first."""
     weights[0] = -(x - 1.0) * (x - 2.0) * (x - 3.0) / 6.0
     weights[1] = 0.5 * x * (x - 2.0) * (x - 3.0)
@@ -46,19 +49,19 @@ def weigh(weights, x):
 
 
 @kernel
-def is_felt(obj, i):
+def is_felt(obj: Object, i: int) -> bool:
     """True if contacts feel an object's mode i."""
     return i < obj.felt or i >= obj.unheard
 
 
 @kernel
-def pitch_of(obj):
+def pitch_of(obj: Object) -> float:
     """Return the factor on an object's frequencies: as it is tuned and as tense as it is now."""
     return obj.settings.tune * math.sqrt(1.0 + obj.stretch)
 
 
 @kernel
-def frequency_of(state, obj, i):
+def frequency_of(state: State, obj: Object, i: int) -> float:
     """Return the frequency (Hz) of an object's mode i as it is now; of one that is stretched by its own ringing too
     (mode.py)."""
     at = obj.first + i
@@ -72,7 +75,7 @@ def frequency_of(state, obj, i):
 
 
 @kernel
-def sigma_of(state, obj, i):
+def sigma_of(state: State, obj: Object, i: int) -> float:
     """Return the decay (1/s) of an object's mode i as it is now, with a hand on it."""
     return min(
         state.bank.sigma[obj.first + i] / obj.settings.decay + _HAND * obj.settings.damp * obj.settings.damp,
@@ -81,13 +84,13 @@ def sigma_of(state, obj, i):
 
 
 @kernel
-def highest_of(state):
+def highest_of(state: State) -> float:
     """Return the frequency (Hz) above which modes are silent."""
     return NYQUIST_SHARE * 0.5 * state.rate
 
 
 @kernel
-def relief_of(state, obj, i):
+def relief_of(state: State, obj: Object, i: int) -> tuple[float, float, float]:
     """Return the frequency (Hz), decay (1/s) and weight of an object's mode i, a relief (see runtime/relief.py), as it
     is now.
 
@@ -102,7 +105,7 @@ def relief_of(state, obj, i):
 
 
 @kernel
-def ringing_of(state, obj, i):
+def ringing_of(state: State, obj: Object, i: int) -> tuple[float, float, float]:
     """Return frequency (Hz), decay (1/s) and weight of the answer to forces of mode i of an object, as it rings now.
 
     Nothing excites a mode above `highest_of`, and its ringing fades there; but those that were made so high are felt
@@ -118,7 +121,7 @@ def ringing_of(state, obj, i):
 
 
 @kernel
-def modes_of(state, obj, begin, end):
+def modes_of(state: State, obj: Object, begin: int, end: int) -> Modes:
     """Return an object's modes from number `begin` up to `end`, both multiples of LANES."""
     bank = state.bank
     first, last = obj.first + begin, obj.first + end
@@ -129,25 +132,25 @@ def modes_of(state, obj, begin, end):
 
 
 @kernel
-def shapes_of(state, obj):
+def shapes_of(state: State, obj: Object) -> View[float]:
     """Return an object's table of mode shapes, flat."""
     return state.bank.shape[obj.table : obj.table + obj.rows * obj.size]
 
 
 @kernel
-def point_of(state, obj, point):
+def point_of(state: State, obj: Object, point: ContactPoint) -> Point:
     """Return the point of an object that a record of POINT says."""
     return Point(shapes_of(state, obj), obj.size, point.row, point.weights)
 
 
 @kernel
-def reach_of(state, obj, point):
+def reach_of(state: State, obj: Object, point: ContactPoint) -> tuple[float, float]:
     """Return bounds of the object's motion where it is touched: displacement (m) and velocity (m/s)."""
     return reach(modes_of(state, obj, 0, obj.live), point_of(state, obj, point), state.scratch.work)
 
 
 @kernel
-def shape_at(state, obj, point, i):
+def shape_at(state: State, obj: Object, point: ContactPoint, i: int) -> float:
     """Return the mass-normalised shape of the object's mode i where the contact is, kg^-1/2."""
     at = obj.table + point.row * obj.size + i
     phi = 0.0

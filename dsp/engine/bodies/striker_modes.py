@@ -7,20 +7,22 @@ from ...resonator.bank import Modes
 from ...resonator.click import set_click
 from ...resonator.coefficients import set_mode
 from ...resonator.simd import LANES
-from ..memory.striker_state import STRIKER_MODES
+from ..memory.records import Contact
+from ..memory.state import State
+from ..memory.striker_state import STRIKER_MODES, Striker, Voice
 
 _SAME = 1e-9  # relative difference of radii that are one
 
 
 @kernel
-def modes_of_voice(voice):
+def modes_of_voice(voice: Voice) -> Modes:
     """Return the modes of a voice."""
     n = voice.size
     return Modes(voice.y1[:n], voice.y2[:n], voice.a1[:n], voice.a2[:n], voice.balance[:n], voice.response)
 
 
 @kernel
-def become(state, voice, contact):
+def become(state: State, voice: Voice, contact: Contact) -> None:
     """Set a voice to the sound of a contact's striker, at rest."""
     striker = state.strikers[contact.sound]
     voice.size = striker.size
@@ -34,7 +36,7 @@ def become(state, voice, contact):
 
 
 @kernel
-def resize(state, voice, contact):
+def resize(state: State, voice: Voice, contact: Contact) -> None:
     """Retune a new voice's click to a rolling body of its radius, of the same form as the striker."""
     striker = state.strikers[contact.sound]
     ratio = state.rolls[contact.roll].target.radius / striker.radius if striker.clicks > 0 else 1.0
@@ -46,7 +48,7 @@ def resize(state, voice, contact):
 
 
 @kernel
-def prepare(striker, rate):
+def prepare(striker: Striker, rate: float) -> None:
     """Compute the coefficients of a kind of striker, before a contact with it begins.
 
     Its modes sound in the phase of their velocity: a slow bend by the force is not heard. Where there is a second pulse

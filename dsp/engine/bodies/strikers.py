@@ -13,13 +13,15 @@ import math
 import numpy as np
 
 from ...native.jit import kernel, noinline_kernel
+from ...native.typed import View2D
 from ...numerics.legendre import FALL, MOMENTS, RISE
 from ...numerics.random import STEP, mixed
-from ...resonator.bank import Point, inject, inject_fine, inject_kept, ring, ring_alike, state_of
+from ...resonator.bank import Modes, Point, inject, inject_fine, inject_kept, ring, ring_alike, state_of
 from ...resonator.simd import LANES
 from ..memory.quality import silence_of
-from ..memory.state import BEHIND, COUPLING, ROLLING
-from ..memory.striker_state import VOICES
+from ..memory.records import Contact
+from ..memory.state import BEHIND, COUPLING, ROLLING, Object, State
+from ..memory.striker_state import VOICES, Striker, Voice
 from ..output.fade import fade_length, going_on, left_of, pace_of, tilt_of
 from .striker_modes import become, modes_of_voice, resize
 
@@ -28,7 +30,7 @@ _FINE = 2.0**40  # steps per m/s in which a velocity is told from another
 
 
 @kernel
-def begin_striker(state, contact):
+def begin_striker(state: State, contact: Contact) -> None:
     """Give a contact that begins a voice, if its striker sounds, and a second pulse, if it has one."""
     if not _sounds(state, contact):
         return
@@ -41,7 +43,7 @@ def begin_striker(state, contact):
 
 
 @kernel
-def roll_striker(state, contact):
+def roll_striker(state: State, contact: Contact) -> None:
     """Drive a rolling body's voice by its force in this quantum, if it has one or one is free."""
     if not _sounds(state, contact):
         return
@@ -60,13 +62,13 @@ def roll_striker(state, contact):
 
 
 @kernel
-def _sounds(state, contact):
+def _sounds(state: State, contact: Contact) -> bool:
     """True if a contact's striker sounds, and its kind is still kept."""
     return contact.sound >= 0 and state.strikers[contact.sound].serial == contact.sound_serial
 
 
 @kernel
-def drive_striker(state, contact):
+def drive_striker(state: State, contact: Contact) -> None:
     """Give a contact's voice the force over the sample. One that has rung out meanwhile begins anew."""
     if not _sounds(state, contact):
         return
@@ -83,7 +85,7 @@ def drive_striker(state, contact):
 
 
 @kernel
-def release_voice(state, contact):
+def release_voice(state: State, contact: Contact) -> None:
     """Leave a contact's voice to itself."""
     if contact.voice >= 0:
         state.voices[contact.voice].contact = -1
@@ -91,7 +93,7 @@ def release_voice(state, contact):
 
 
 @kernel
-def _take_voice(state, contact, needed):
+def _take_voice(state: State, contact: Contact, needed: bool) -> None:
     """Give a contact a voice where it has none: a free one, or the quietest of all if it is `needed`."""
     if contact.voice >= 0:
         return
@@ -120,7 +122,7 @@ def _take_voice(state, contact, needed):
 
 
 @kernel
-def _second_pulse(striker, contact):
+def _second_pulse(striker: Striker, contact: Contact) -> float:
     """Return the momentum (N s) of the second pulse of a contact: it grows as a power of the velocity, and scatters.
 
     Equal blows at equal times are equal. A round body, which does not turn as it bounces, lands on the same spot again,
@@ -133,12 +135,12 @@ def _second_pulse(striker, contact):
     first = (np.float64(contact.spot >> np.uint64(11)) + 1.0) * 2.0**-53
     second = np.float64(mixed(contact.spot + STEP) >> np.uint64(11)) * 2.0**-53
     normal = math.sqrt(-2.0 * math.log(first)) * math.cos(2.0 * math.pi * second)
-    momentum = striker.momentum * v**striker.exponent * 10.0 ** (0.05 * striker.scatter * normal)
+    momentum: float = striker.momentum * v**striker.exponent * 10.0 ** (0.05 * striker.scatter * normal)
     return min(momentum, v * math.sqrt(max(1.0 - e * e, 0.0) * contact.m / striker.mobility))
 
 
 @noinline_kernel
-def ring_strikers(state, obj, out, start, stop):
+def ring_strikers(state: State, obj: Object, out: View2D[float], start: int, stop: int) -> None:
     """Add the strikers that sound on an object to its voice, from frame `start` to `stop`."""
     index = obj.voice
     while index >= 0:
@@ -150,7 +152,7 @@ def ring_strikers(state, obj, out, start, stop):
 
 
 @kernel
-def _ring_on(state, voice, out, frame, stop):
+def _ring_on(state: State, voice: Voice, out: View2D[float], frame: int, stop: int) -> int:
     """Ring a voice from a frame to another, at most `stop`, and return the latter: forces act at its beginning."""
     modes = modes_of_voice(voice)
     sound = state.scratch.striker
@@ -190,7 +192,7 @@ def _ring_on(state, voice, out, frame, stop):
 
 
 @kernel
-def let_voice_go(state, contact):
+def let_voice_go(state: State, contact: Contact) -> None:
     """Make the force on a contact's voice die away in a panic, so that its end makes no sound."""
     if contact.voice < 0:
         return
@@ -201,7 +203,7 @@ def let_voice_go(state, contact):
 
 
 @kernel
-def fade_voices(state, obj):
+def fade_voices(state: State, obj: Object) -> None:
     """Fade all strikers that sound on an object, in a panic; drop their second pulses."""
     index = obj.voice
     while index >= 0:
@@ -213,7 +215,7 @@ def fade_voices(state, obj):
 
 
 @kernel
-def _hold(state, voice, modes):
+def _hold(state: State, voice: Voice, modes: Modes) -> None:
     """Give a voice the force that dies away over a sample."""
     moments = state.scratch.moments
     for n in range(MOMENTS):
@@ -226,7 +228,7 @@ def _hold(state, voice, modes):
 
 
 @kernel
-def _snap(state, voice, modes, frame):
+def _snap(state: State, voice: Voice, modes: Modes, frame: int) -> None:
     """Give a voice its second pulse, at its time in the sample that ends at a frame."""
     moments = state.scratch.moments
     x = min(max(2.0 * (voice.snap_at - state.position - frame) + 1.0, -1.0), 1.0)
@@ -240,7 +242,7 @@ def _snap(state, voice, modes, frame):
 
 
 @kernel
-def rest_strikers(state, obj):
+def rest_strikers(state: State, obj: Object) -> None:
     """Free the voices on an object that nobody hears any more, at the end of a quantum."""
     threshold = silence_of(state) / max(1.0, obj.settings.gain)
     before = -1
@@ -265,14 +267,14 @@ def rest_strikers(state, obj):
 
 
 @kernel
-def silence_strikers(state, obj):
+def silence_strikers(state: State, obj: Object) -> None:
     """End the sound of all strikers on an object."""
     while obj.voice >= 0:
         _free(state, obj, -1, obj.voice)
 
 
 @kernel
-def _cut_quietest(state):
+def _cut_quietest(state: State) -> None:
     """Free the voice that was the quietest in the last quantum."""
     quietest = 0
     for i in range(1, VOICES):
@@ -289,7 +291,7 @@ def _cut_quietest(state):
 
 
 @kernel
-def _free(state, obj, before, index):
+def _free(state: State, obj: Object, before: int, index: int) -> None:
     """Take a voice, which follows `before` (-1: the first), out of an object's list."""
     voice = state.voices[index]
     if before < 0:

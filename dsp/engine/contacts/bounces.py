@@ -6,7 +6,8 @@ Flights are parabolas; the restitution is the share of the speed that the contac
 import math
 
 from ...native.jit import kernel
-from ..memory.state import END_RESTED, END_STOPPED, SAMPLING
+from ..memory.records import Contact
+from ..memory.state import END_RESTED, END_STOPPED, SAMPLING, State
 from .contact_list import next_random, release_modes, report_end, schedule_contact
 
 _SHORTEST_ROUND = 20e-6  # s from contact to contact of a bounce: a quicker one presses like a weight at rest
@@ -14,7 +15,7 @@ _TILT = 0.45 * math.pi  # the most of a bounce's velocity that irregularity turn
 
 
 @kernel
-def bounce_on(state, contact, frame):
+def bounce_on(state: State, contact: Contact, frame: int) -> bool:
     """End a touch of closed form or sampled. True if the striker comes back."""
     if contact.solver == SAMPLING:
         impulse = contact.sampled.m * (contact.v_in - contact.sampled.v)
@@ -26,7 +27,7 @@ def bounce_on(state, contact, frame):
 
 
 @kernel
-def fly_off(state, contact, rebound, gap):
+def fly_off(state: State, contact: Contact, rebound: float, gap: float) -> bool:
     """Send a bouncing striker off at a velocity (m/s) from a gap (m). True if it comes back.
 
     A body that is not round trades velocity for rotation at every contact; neither is lost.

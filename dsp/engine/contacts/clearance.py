@@ -12,12 +12,13 @@ from ...native.jit import kernel
 from ...resonator.mode import energy_of
 from ..bodies.objects import modes_of, reach_of
 from ..memory.quality import keeps_strikers
-from ..memory.state import COUPLING
+from ..memory.records import Contact
+from ..memory.state import COUPLING, Object, State
 from .solver_choice import moved_by
 
 
 @kernel
-def flight(state, contact, seen):
+def flight(state: State, contact: Contact, seen: bool) -> float:
     """Return samples for which a coupled striker that has left surely touches nothing; infinity if it never comes back.
 
     seen: the point was looked at just now.
@@ -39,7 +40,7 @@ def flight(state, contact, seen):
 
 
 @kernel
-def _farthest(state, contact, side, far, given):
+def _farthest(state: State, contact: Contact, side: int, far: float, given: float) -> float:
     """Return how far (m) a point can move, whose modes reach so far (m) now, if others may give them energy (J).
 
     Infinity where that is not known: the compliance is that of where the contact began, and only impacts stay there.
@@ -54,7 +55,7 @@ def _farthest(state, contact, side, far, given):
 
 
 @kernel
-def _energy(state, obj, begin, end):
+def _energy(state: State, obj: Object, begin: int, end: int) -> float:
     """Return the energy (J) of an object's modes from number `begin`, a multiple of LANES, up to `end`."""
     if begin >= end:
         return 0.0
@@ -63,7 +64,7 @@ def _energy(state, obj, begin, end):
 
 
 @kernel
-def _given_by_others(state, contact, slot):
+def _given_by_others(state: State, contact: Contact, slot: int) -> tuple[float, float]:
     """Return the energy (J) that others which touch an object may give it yet, and how much faster they make its points
     (m/s).
 
@@ -82,7 +83,7 @@ def _given_by_others(state, contact, slot):
 
 
 @kernel
-def _gives(contact):
+def _gives(contact: Contact) -> bool:
     """True if a striker touches, or may do so again, by a blow: its energy is known.
 
     One that flies off from a blow gives none: an object that catches up with it pushes it on.

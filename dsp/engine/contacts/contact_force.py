@@ -10,13 +10,15 @@ from ...contact.closed_form import advance_pulse, begin_pulse, state_of_pulse
 from ...contact.coupled import ContactLaw, begin_coupled, begin_within, respond_with, step_coupled
 from ...contact.sampled import begin_sampled, step_sampled
 from ...native.jit import kernel, noinline_kernel
+from ...native.typed import View
 from ...numerics.legendre import FINE, MOMENTS, add_held
 from ...resonator.bank import inject, inject_fine, observe, receptance
 from ...rolling.body import share_of
 from ..bodies.objects import frequency_of, highest_of, modes_of, place, point_of, relief_of, sigma_of
 from ..bodies.strikers import begin_striker, drive_striker
 from ..memory.quality import BY_ITSELF, holds_steps, modes_for, room_for_coupling
-from ..memory.state import COUPLING, SAMPLING
+from ..memory.records import Contact, ContactPoint
+from ..memory.state import COUPLING, SAMPLING, Object, State
 from ..output.fade import note_force
 from .contact_list import take_room_again
 from .coupled_rolls import lead_roll
@@ -30,7 +32,7 @@ _FEWEST_STEPS = 20  # that it may take in any case
 
 
 @noinline_kernel
-def begin_contact(state, contact, pushed):
+def begin_contact(state: State, contact: Contact, pushed: bool) -> bool:
     """Begin to touch; where `pushed`, the striker's push acts meanwhile. False if there is no room for it."""
     state.stats.impacts += 1
     state.contact_count += 1
@@ -62,7 +64,7 @@ def begin_contact(state, contact, pushed):
 
 
 @kernel
-def _leave_unheard(state, contact):
+def _leave_unheard(state: State, contact: Contact) -> None:
     """Stop a contact from acting on modes that nobody hears: it has its force already."""
     for side in range(2):
         point = contact.point[side]
@@ -71,7 +73,7 @@ def _leave_unheard(state, contact):
 
 
 @kernel
-def couple_pulse(state, contact):
+def couple_pulse(state: State, contact: Contact) -> None:
     """Couple a touching contact of closed form to the modes, if there is room."""
     update_mode_count(state, contact)
     if not _has_room(state, contact):
@@ -86,7 +88,7 @@ def couple_pulse(state, contact):
 
 
 @kernel
-def _resting_speed(contact):
+def _resting_speed(contact: Contact) -> float:
     """Return the speed (m/s) of a striker that rocks on its contact under what pushes it: sqrt(F x/m), k x^a = F.
 
     A restitution is that of blows. Slower ones, near rest, get the dissipation of this speed.
@@ -96,7 +98,7 @@ def _resting_speed(contact):
 
 
 @kernel
-def _begin_coupled(state, contact):
+def _begin_coupled(state: State, contact: Contact) -> None:
     """Begin a contact that is solved together with the modes."""
     contact.unsettled = 1
     contact.debt = 0
@@ -112,7 +114,7 @@ def _begin_coupled(state, contact):
 
 
 @kernel
-def _begin_sampled(state, contact):
+def _begin_sampled(state: State, contact: Contact) -> None:
     """Begin a contact that a sampled method follows: it can't begin between samples."""
     choice = state.choices.method
     contact.oversampling = choice.oversampling
@@ -125,7 +127,7 @@ def _begin_sampled(state, contact):
 
 
 @kernel
-def _has_room(state, contact):
+def _has_room(state: State, contact: Contact) -> bool:
     """True if a contact may be coupled to the modes that it touches."""
     contact.modes = BY_ITSELF
     for side in range(2):
@@ -137,7 +139,7 @@ def _has_room(state, contact):
 
 
 @kernel
-def update_mode_count(state, contact):
+def update_mode_count(state: State, contact: Contact) -> bool:
     """Choose the modes that a contact acts on; true if they are others than before."""
     changed = False
     for side in range(2):
@@ -150,7 +152,7 @@ def update_mode_count(state, contact):
 
 
 @noinline_kernel
-def apply_contact_force(state, contact, frame):
+def apply_contact_force(state: State, contact: Contact, frame: int) -> bool:
     """Give the modes the force of a contact over the sample that ends at a frame of the quantum.
 
     False where a closed or sampled contact ends.
@@ -187,7 +189,7 @@ def apply_contact_force(state, contact, frame):
 
 
 @kernel
-def gain_of(state, contact):
+def gain_of(state: State, contact: Contact) -> float:
     """Return the factor on the force that the modes get: the gesture's gain, and what is left of a roll that has
     stopped."""
     share = share_of(state.rolls[contact.roll]) if contact.trait.rolls == 1 else 1.0
@@ -195,7 +197,7 @@ def gain_of(state, contact):
 
 
 @kernel
-def drive(state, contact):
+def drive(state: State, contact: Contact) -> None:
     """Inject a contact's force over the sample, whose moments are in `scratch`, into the modes that it touches."""
     for side in range(2):
         if contact.point[side].slot >= 0:
@@ -203,7 +205,7 @@ def drive(state, contact):
 
 
 @kernel
-def _drive(state, contact, point):
+def _drive(state: State, contact: Contact, point: ContactPoint) -> None:
     """Inject a contact's force over the sample into the modes of an object at its point."""
     obj = state.objects[point.slot]
     obj.live = max(obj.live, point.modes)
@@ -218,7 +220,7 @@ def _drive(state, contact, point):
 
 
 @kernel
-def _is_any(moments):
+def _is_any(moments: View[float]) -> bool:
     """True if there is a force: a striker that flies has none."""
     total = 0.0
     for n in range(FINE):
@@ -227,14 +229,14 @@ def _is_any(moments):
 
 
 @kernel
-def _advance_closed(state, contact, age):
+def _advance_closed(state: State, contact: Contact, age: float) -> bool:
     """Advance the closed form by a sample."""
     advance_pulse(contact.pulse, min(age, contact.pulse.duration), age - 1.0, state.scratch.moments)
     return age < contact.pulse.duration  # a duration that is not a number has no end
 
 
 @kernel
-def _advance_coupled(state, contact, age):
+def _advance_coupled(state: State, contact: Contact, age: float) -> bool:
     """Advance a contact that is solved together with the modes by a sample: it lasts until the striker is gone for
     good."""
     if contact.solved == 1:  # with others on the same objects
@@ -252,7 +254,7 @@ def _advance_coupled(state, contact, age):
 
 
 @kernel
-def observe_points(state, contact):
+def observe_points(state: State, contact: Contact) -> None:
     """Find how the points that are touched would move without the contact; tell it their receptance where that is new.
 
     A contact with a gain sees a motion that is as large as if it had none.
@@ -287,7 +289,7 @@ def observe_points(state, contact):
 
 
 @kernel
-def find_static(state, contact, side, obj, count):
+def find_static(state: State, contact: Contact, side: int, obj: Object, count: int) -> None:
     """Put the static output for a push of 1 N on so many modes, whose shapes are in `work`, into `static`."""
     left = right = 0.0
     for i in range(min(count, obj.bent)):
@@ -306,7 +308,7 @@ def find_static(state, contact, side, obj, count):
 
 
 @kernel
-def _advance_sampled(state, contact, age):
+def _advance_sampled(state: State, contact: Contact, age: float) -> bool:
     """Advance a sampled method by a sample: the moments of its steps, each held for the step."""
     sampled = contact.sampled
     for n in range(MOMENTS):

@@ -1,11 +1,14 @@
 """Contacts that share objects are solved together, sample by sample, where more than one is coupled to the modes."""
 
-from ...contact.coupled_group import GROUP, answer_with, step_together
+from ...contact.coupled_group import answer_with, step_together
+from ...contact.coupled_records import GROUP, CoupledGroup
 from ...native.jit import kernel, noinline_kernel
+from ...native.typed import View
 from ...numerics.legendre import FINE
 from ...resonator.bank import transfer_receptance
 from ..bodies.objects import modes_of, point_of
-from ..memory.state import COUPLING
+from ..memory.records import Contact
+from ..memory.state import COUPLING, State
 from .contact_force import drive, gain_of, observe_points
 from .solver_choice import choose_tolerance, count_steps
 
@@ -13,7 +16,7 @@ _CHEAP = 16  # the square of a group's size at which its equations cost as much 
 
 
 @noinline_kernel
-def solve_groups(state, frame):
+def solve_groups(state: State, frame: int) -> None:
     """Solve contacts over the sample that ends at a frame that share objects of `scratch.group`."""
     count = _find_candidates(state, frame)
     candidates = state.scratch.candidates
@@ -27,7 +30,7 @@ def solve_groups(state, frame):
 
 
 @kernel
-def _find_candidates(state, frame):
+def _find_candidates(state: State, frame: int) -> int:
     """List the coupled contacts that may touch in the sample; their number."""
     scratch = state.scratch
     count = 0
@@ -44,7 +47,7 @@ def _find_candidates(state, frame):
 
 
 @kernel
-def _gather(state, first, count):
+def _gather(state: State, first: int, count: int) -> None:
     """Put a candidate and all that share objects with it, and with these, into `together`; they are candidates no more.
 
     More than GROUP see each other one after the other.
@@ -62,7 +65,7 @@ def _gather(state, first, count):
 
 
 @kernel
-def _join(group, candidates, i):
+def _join(group: CoupledGroup, candidates: View[int], i: int) -> None:
     """Put a candidate into the group; it is one no more."""
     group.member[group.size] = candidates[i]
     candidates[i] = -1
@@ -70,7 +73,7 @@ def _join(group, candidates, i):
 
 
 @kernel
-def _sort(group):
+def _sort(group: CoupledGroup) -> None:
     """Bring the members into the order of their places, so that one keeps its own while contacts take turns."""
     for i in range(1, group.size):
         member = group.member[i]
@@ -82,7 +85,7 @@ def _sort(group):
 
 
 @kernel
-def _share(state, contact, other):
+def _share(state: State, contact: Contact, other: Contact) -> bool:
     """True if two contacts touch the same object."""
     for side in range(2):
         slot = contact.point[side].slot
@@ -92,7 +95,7 @@ def _share(state, contact, other):
 
 
 @kernel
-def _solve(state):
+def _solve(state: State) -> None:
     """Find the moments of all forces in `together` over the coming sample, and have them act."""
     group = state.scratch.together
     _sort(group)
@@ -117,7 +120,7 @@ def _solve(state):
 
 
 @kernel
-def _find_answers(state, group):
+def _find_answers(state: State, group: CoupledGroup) -> None:
     """Find how each contact's points answer the others' forces, but where that is known from an earlier sample."""
     for i in range(GROUP):
         if i < group.size:
@@ -135,7 +138,7 @@ def _find_answers(state, group):
 
 
 @kernel
-def _find_answer(state, group, i, j):
+def _find_answer(state: State, group: CoupledGroup, i: int, j: int) -> None:
     """Find how the points of contact i answer the force of contact j: on all objects that both touch."""
     contact, other = state.contacts[group.member[i]], state.contacts[group.member[j]]
     scratch = state.scratch

@@ -8,11 +8,12 @@ from ...native.atomics import store_release
 from ...native.jit import kernel
 from ...numerics.random import STEP, mixed
 from ..bodies.strikers import release_voice
-from ..memory.state import CLOSED, COUPLING, END_GONE, ENDED
+from ..memory.records import Contact
+from ..memory.state import CLOSED, COUPLING, END_GONE, ENDED, Object, State
 
 
 @kernel
-def append_contact(state, obj, index):
+def append_contact(state: State, obj: Object, index: int) -> None:
     """Put a contact at the end of an object's list."""
     state.contacts[index].next = -1
     if obj.contact < 0:
@@ -25,7 +26,7 @@ def append_contact(state, obj, index):
 
 
 @kernel
-def schedule_contact(state, contact):
+def schedule_contact(state: State, contact: Contact) -> None:
     """Schedule a contact for when its flight is over."""
     time = contact.origin + contact.elapsed * state.rate
     contact.start = math.floor(time)
@@ -33,7 +34,7 @@ def schedule_contact(state, contact):
 
 
 @kernel
-def next_random(contact):
+def next_random(contact: Contact) -> float:
     """Return the next number of a contact's own sequence, in [0, 1)."""
     contact.random += STEP
     z = mixed(contact.random)
@@ -41,7 +42,7 @@ def next_random(contact):
 
 
 @kernel
-def release_modes(state, contact):
+def release_modes(state: State, contact: Contact) -> None:
     """Give back the room of a contact that was coupled to modes."""
     if contact.solver == COUPLING:
         give_room_back(state, contact)
@@ -50,7 +51,7 @@ def release_modes(state, contact):
 
 
 @kernel
-def give_room_back(state, contact):
+def give_room_back(state: State, contact: Contact) -> None:
     """Take a coupled contact out of the budget while its striker flies."""
     if contact.aside == 0:
         state.stats.coupled_modes -= contact.modes
@@ -58,7 +59,7 @@ def give_room_back(state, contact):
 
 
 @kernel
-def take_room_again(state, contact):
+def take_room_again(state: State, contact: Contact) -> None:
     """Count a coupled contact whose striker comes back in the budget again, even if there is no room."""
     if contact.aside > 0:
         state.stats.coupled_modes += contact.modes
@@ -66,7 +67,7 @@ def take_room_again(state, contact):
 
 
 @kernel
-def report_end(state, gesture, end):
+def report_end(state: State, gesture: int, end: int) -> None:
     """Report what became of a gesture, if it was given a number."""
     if gesture == 0:
         return
@@ -78,7 +79,7 @@ def report_end(state, gesture, end):
 
 
 @kernel
-def end_contact(state, obj, before, index):
+def end_contact(state: State, obj: Object, before: int, index: int) -> None:
     """Take a contact, which follows `before` (-1: the first), out of its object's list and free its place."""
     contact = state.contacts[index]
     if before < 0:
@@ -98,7 +99,7 @@ def end_contact(state, obj, before, index):
 
 
 @kernel
-def end_contacts(state, obj):
+def end_contacts(state: State, obj: Object) -> None:
     """End every gesture on an object at once."""
     while obj.contact >= 0:
         report_end(state, state.contacts[obj.contact].gesture, END_GONE)

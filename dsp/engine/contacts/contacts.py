@@ -16,7 +16,8 @@ from ..bodies.objects import place
 from ..bodies.strikers import roll_striker
 from ..memory.order import wake
 from ..memory.quality import coarseness_of, holds_steps, must_wait
-from ..memory.state import CLOSED, COUPLING, END_NO_ROOM, END_RESTED, END_STOPPED, QUANTUM, ROLLING
+from ..memory.records import Contact
+from ..memory.state import CLOSED, COUPLING, END_NO_ROOM, END_RESTED, END_STOPPED, QUANTUM, ROLLING, Object, State
 from .contact_force import apply_contact_force, begin_contact, couple_pulse, update_mode_count
 from .contact_list import end_contact, release_modes, report_end, schedule_contact
 from .flights import follow_coupled, is_gone, is_pushed, leave, release_striker
@@ -34,7 +35,7 @@ _POSITION = STEERABLE.index("position")
 
 
 @noinline_kernel
-def update_contacts(state, obj):
+def update_contacts(state: State, obj: Object) -> None:
     """Bring an object's contacts to a new quantum: parameters glide, rolls go on, stopped gestures end."""
     before = -1
     index = obj.contact
@@ -58,7 +59,7 @@ def update_contacts(state, obj):
 
 
 @kernel
-def _glide(contact, rate, obj):
+def _glide(contact: Contact, rate: float, obj: Object) -> None:
     """Bring what can be steered nearer to its target."""
     now, target = contact.now, contact.target
     for i in range(len(_GLIDES)):
@@ -73,7 +74,7 @@ def _glide(contact, rate, obj):
 
 
 @kernel
-def _look_at_partner(state, contact, obj):
+def _look_at_partner(state: State, contact: Contact, obj: Object) -> None:
     """Tie the objects of a contact together; forget one that is gone; note where modes are retuned."""
     other = contact.point[1]
     if other.slot >= 0:
@@ -89,7 +90,7 @@ def _look_at_partner(state, contact, obj):
 
 
 @kernel
-def _go_on(state, index):
+def _go_on(state: State, index: int) -> bool:
     """Continue a contact in a new quantum; return True if its gesture has been stopped and is over."""
     contact = state.contacts[index]
     if contact.trait.along == 1:
@@ -106,7 +107,7 @@ def _go_on(state, index):
 
 
 @kernel
-def _wait_longer(state, contact):
+def _wait_longer(state: State, contact: Contact) -> bool:
     """Halt a gesture's time for a quantum; return True if it has been told to end."""
     contact.forces[:] = 0.0
     if contact.trait.held == 1:
@@ -122,7 +123,7 @@ def _wait_longer(state, contact):
 
 
 @kernel
-def _lift(state, contact, frames):
+def _lift(state: State, contact: Contact, frames: int) -> None:
     """Take a pressing striker away, to be laid on again after so many frames."""
     release_modes(state, contact)
     contact.touching = 0
@@ -132,7 +133,7 @@ def _lift(state, contact, frames):
 
 
 @kernel
-def _push_on(state, contact):
+def _push_on(state: State, contact: Contact) -> None:
     """Bring the push on a coupled striker nearer to its target."""
     if contact.until < state.position + QUANTUM and contact.gone_at == math.inf:
         release_striker(state, contact, contact.until)
@@ -145,7 +146,7 @@ def _push_on(state, contact):
 
 
 @kernel
-def _add_static(state, contact):
+def _add_static(state: State, contact: Contact) -> None:
     """Record the static deflection of the objects under the push, so that the mix can subtract it."""
     for side in range(2):
         if contact.point[side].slot >= 0:
@@ -155,7 +156,7 @@ def _add_static(state, contact):
 
 
 @noinline_kernel
-def _roll_on(state, index):
+def _roll_on(state: State, index: int) -> bool:
     """Compute a rolling or sliding body's force for a quantum; true if it has come to its end."""
     contact = state.contacts[index]
     if contact.solver == COUPLING:
@@ -183,7 +184,7 @@ def _roll_on(state, index):
 
 
 @kernel
-def _roll_on_coupled(state, contact):
+def _roll_on_coupled(state: State, contact: Contact) -> bool:
     """Bring a roll that feels all modes to a new quantum; true if it has come to its end."""
     roll = state.rolls[contact.roll]
     if update_mode_count(state, contact):
@@ -196,7 +197,7 @@ def _roll_on_coupled(state, contact):
 
 
 @kernel
-def next_driven_frame(state, obj, frame):
+def next_driven_frame(state: State, obj: Object, frame: int) -> int:
     """Return the first frame from `frame` on that a contact, but for rolls, acts on, or QUANTUM: after its
     beginning."""
     found = QUANTUM
@@ -210,13 +211,13 @@ def next_driven_frame(state, obj, frame):
 
 
 @kernel
-def _is_due(state, contact, frame):
+def _is_due(state: State, contact: Contact, frame: int) -> bool:
     """True if a contact, but for rolls, acts in the sample that ends at a frame."""
     return contact.solver != ROLLING and state.position + frame - contact.start - contact.fraction > 0.0
 
 
 @kernel
-def _begin(state, contact, frame):
+def _begin(state: State, contact: Contact, frame: int) -> bool:
     """Begin the touch of a contact that is due, unless it touches already; return False if there is no room for it."""
     if contact.touching == 1:
         return True
@@ -228,7 +229,7 @@ def _begin(state, contact, frame):
 
 
 @noinline_kernel
-def begin_contacts(state, obj, frame):
+def begin_contacts(state: State, obj: Object, frame: int) -> bool:
     """Begin an object's contacts that are due in the sample that ends at a frame; end those without room.
 
     Where one begins, the others that touch and are of closed form may not stay so. True if one does.
@@ -252,7 +253,7 @@ def begin_contacts(state, obj, frame):
 
 
 @kernel
-def _couple_moved(state, obj):
+def _couple_moved(state: State, obj: Object) -> None:
     """Couple the contacts of closed form that others on the same objects move."""
     index = obj.contact
     while index >= 0:
@@ -263,7 +264,7 @@ def _couple_moved(state, obj):
 
 
 @noinline_kernel
-def run_contacts(state, obj, frame):
+def run_contacts(state: State, obj: Object, frame: int) -> None:
     """Give the modes the force of all contacts, but for rolls, over the sample that ends at a frame.
 
     Contacts that end are dropped.
@@ -297,7 +298,7 @@ def run_contacts(state, obj, frame):
 
 
 @noinline_kernel
-def _rub_all(state, obj, frame):
+def _rub_all(state: State, obj: Object, frame: int) -> None:
     """Give the modes the friction of all slides over the sample that ends at a frame, before other contacts: the force
     of a press that a slide feels is then always that of the last sample."""
     index = obj.contact
@@ -309,7 +310,7 @@ def _rub_all(state, obj, frame):
 
 
 @kernel
-def _take_turns(state, obj):
+def _take_turns(state: State, obj: Object) -> None:
     """Take turns among coupled contacts in the same sample, which see each other one after the other: next time another
     is the first."""
     first = obj.contact

@@ -19,7 +19,8 @@ from ...rolling.contact_step import BRIEF
 from ...rolling.coupled_roll import begin_coupled_roll, lead_coupled_roll
 from ..bodies.objects import is_felt, place, shape_at
 from ..memory.quality import BY_ITSELF, holds_steps, room_for_coupling
-from ..memory.state import COUPLING, QUANTUM
+from ..memory.records import Contact
+from ..memory.state import COUPLING, QUANTUM, State
 from .solver_choice import tolerance_of
 
 GIVING = np.array([math.inf, 3e-4, 3e-5, 0.0])
@@ -33,7 +34,7 @@ _PLACED = 16  # frames after which one that feels all modes acts at another plac
 
 
 @noinline_kernel
-def couple_roll(state, contact):
+def couple_roll(state: State, contact: Contact) -> None:
     """Couple a roll or slide that begins to the objects that it touches, if they give way enough."""
     level, roll = state.choices.accuracy, state.rolls[contact.roll]
     mass, gravity = roll.target.mass, roll.target.gravity
@@ -63,7 +64,7 @@ def couple_roll(state, contact):
 
 
 @kernel
-def _mobility(state, contact, omega_c):
+def _mobility(state: State, contact: Contact, omega_c: float) -> tuple[float, float]:
     """Return sum phi^2/(1 + (omega/omega_c)^2) over the objects' modes, 1/kg: the mean and the greatest on a roll's
     way."""
     rows = state.objects[contact.point[0].slot].rows
@@ -79,7 +80,7 @@ def _mobility(state, contact, omega_c):
 
 
 @kernel
-def _mobility_here(state, contact, omega_c):
+def _mobility_here(state: State, contact: Contact, omega_c: float) -> float:
     """Return that sum at the place of a contact."""
     total = 0.0
     for side in range(2):
@@ -95,7 +96,7 @@ def _mobility_here(state, contact, omega_c):
 
 
 @kernel
-def lead_roll(state, contact):
+def lead_roll(state: State, contact: Contact) -> None:
     """Bring a roll that feels all modes to the coming sample: its path, and where it acts."""
     roll = state.rolls[contact.roll]
     frame = int(roll.t * state.rate + 0.5)
@@ -109,7 +110,7 @@ def lead_roll(state, contact):
 
 
 @kernel
-def position_of(contact, frame):
+def position_of(contact: Contact, frame: float) -> float:
     """Return the position of a rolling or sliding body on the object's strike path, along which it goes to and fro."""
     position = contact.now.position
     if contact.travel > 0.0:

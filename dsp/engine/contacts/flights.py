@@ -10,7 +10,8 @@ from ...contact.collocation import captured, elastic
 from ...contact.coupled_flight import fly_on
 from ...native.jit import kernel, noinline_kernel
 from ..memory.quality import keeps_strikers
-from ..memory.state import COUPLING, END_RESTED, END_STOPPED, QUANTUM
+from ..memory.records import Contact
+from ..memory.state import COUPLING, END_RESTED, END_STOPPED, QUANTUM, Object, State
 from .bounces import fly_off
 from .clearance import flight
 from .contact_list import give_room_back, report_end
@@ -27,7 +28,7 @@ _SPENT = 1e-12  # share of its energy (-120 dB) with which a striker that nothin
 
 
 @kernel
-def is_pushed(contact):
+def is_pushed(contact: Contact) -> bool:
     """True if the push on a striker counts while it touches: a hand's, or its weight near rest.
 
     Its weight does below some sqrt(g x_e): as fast moves a striker that rocks on its contact, about where it rests.
@@ -39,7 +40,7 @@ def is_pushed(contact):
 
 
 @kernel
-def leave(state, contact, frame):
+def leave(state: State, contact: Contact, frame: int) -> bool:
     """End a touch of closed form or sampled. True if the striker comes back."""
     if contact.trait.repeats == 1:
         return come_back(contact.kind, state, contact, frame)
@@ -48,7 +49,7 @@ def leave(state, contact, frame):
 
 
 @noinline_kernel
-def follow_coupled(state, contact, frame):
+def follow_coupled(state: State, contact: Contact, frame: int) -> bool:
     """Look at a coupled contact after a sample: false where it is over."""
     coupled = contact.coupled
     now = float(state.position + frame)
@@ -88,7 +89,7 @@ def follow_coupled(state, contact, frame):
 
 
 @kernel
-def _keep(state, contact, now):
+def _keep(state: State, contact: Contact, now: float) -> None:
     """Keep a striker that has left for good in flight for a while, as another one may throw the object after it."""
     coupled = contact.coupled
     away = max(_AFAR + coupled.position, 0.0) / max(-coupled.v, _AFAR / _KEPT)
@@ -101,13 +102,13 @@ def _keep(state, contact, now):
 
 
 @kernel
-def is_gone(state, contact):
+def is_gone(state: State, contact: Contact) -> bool:
     """True if a striker has left that nothing caught up with in the time for which it was kept."""
     return contact.aside == 2 and state.position >= contact.gone_at
 
 
 @noinline_kernel
-def call_back(state, obj, frame):
+def call_back(state: State, obj: Object, frame: int) -> None:
     """Look sooner at strikers that fly from an object, where another that began to touch may throw it after them."""
     index = obj.contact
     while index >= 0:
@@ -118,7 +119,7 @@ def call_back(state, obj, frame):
 
 
 @kernel
-def _call_back(state, contact, now):
+def _call_back(state: State, contact: Contact, now: float) -> None:
     """Advance a striker unseen, from a time in samples on, for no longer than it surely stays apart."""
     until = contact.gone_at if contact.aside == 2 else float(contact.start)
     if until <= now:
@@ -133,7 +134,7 @@ def _call_back(state, contact, now):
 
 
 @kernel
-def _has_left(contact, now):
+def _has_left(contact: Contact, now: float) -> bool:
     """True if a coupled contact has touched and is over, at a time in samples."""
     coupled = contact.coupled
     return (
@@ -142,7 +143,7 @@ def _has_left(contact, now):
 
 
 @kernel
-def _release_spent(state, contact, now):
+def _release_spent(state: State, contact: Contact, now: float) -> None:
     """Release a striker that rests on the object, has no more energy to give, or has touched it for long."""
     compression = max(contact.coupled.motion[0], 0.0)
     v, m = contact.coupled.v, contact.m
@@ -157,7 +158,7 @@ def _release_spent(state, contact, now):
 
 
 @kernel
-def release_striker(state, contact, time):
+def release_striker(state: State, contact: Contact, time: float) -> None:
     """Take the push off a striker, and forget it a little later."""
     contact.push_target = 0.0
     contact.gone_at = time + _LIFTED * state.rate

@@ -3,17 +3,20 @@
 from ...native.choice import one_of
 from ...native.jit import kernel
 from ...schema import GESTURES
+from ..memory.commands import Event
+from ..memory.records import Contact
+from ..memory.state import State
 from .bounces import bounce_on
 from .spins import begin_spin, turn_on
 
 
 @kernel
-def _is_told(state, contact, event):
+def _is_told(state: State, contact: Contact, event: Event) -> None:
     """Begin a gesture of which values and traits say all."""
 
 
 @kernel
-def _is_over(state, contact, frame):
+def _is_over(state: State, contact: Contact, frame: int) -> bool:
     """Return False: the striker of a gesture that does not repeat stays away."""
     return False
 

@@ -6,18 +6,20 @@ much later. A roll that feels all modes is computed with them instead (coupled_r
 """
 
 from ...native.jit import kernel, noinline_kernel
+from ...native.typed import View, View2D
 from ...numerics.legendre import KEPT
-from ...resonator.bank import Drive, Point, inject_kept, ring, ring_driven
+from ...resonator.bank import Drive, Driver, Point, inject_kept, ring, ring_driven
 from ...resonator.fed import LINE, REACH, feed_through, lay_blows, ring_fed, sample_force
 from ...resonator.simd import LANES, STRETCH
 from ...rolling.body import fill_roll
 from ..bodies.objects import modes_of, place, shapes_of, weigh
-from ..memory.state import BEHIND, LEAD, QUANTUM
+from ..memory.records import Contact, ContactPoint, Through
+from ..memory.state import BEHIND, LEAD, QUANTUM, Object, State
 from .coupled_rolls import position_of
 
 
 @noinline_kernel
-def feed_on(state, contact):
+def feed_on(state: State, contact: Contact) -> None:
     """Compute a rolling or sliding body's force up to LEAD frames behind this quantum's end."""
     roll, feed, samples = state.rolls[contact.roll], state.feeds[contact.roll], state.samples[contact.roll]
     begun = roll.piece >= 0
@@ -33,13 +35,13 @@ def feed_on(state, contact):
 
 
 @kernel
-def feed_of(state, contact):
+def feed_of(state: State, contact: Contact) -> View2D[float]:
     """Return the moments (N s) of a roll's or slide's force over each frame of this quantum."""
     return state.feeds[contact.roll, BEHIND : BEHIND + QUANTUM]
 
 
 @kernel
-def register_roll(state, index):
+def register_roll(state: State, index: int) -> None:
     """Put a rolling contact on the lists of the objects that it acts on, for this quantum."""
     contact = state.contacts[index]
     for side in range(2):
@@ -54,7 +56,7 @@ def register_roll(state, index):
 
 
 @kernel
-def ring_on(state, obj, voice, start, stop):
+def ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: int) -> None:
     """Ring an object from frame `start` to `stop` into its voice."""
     if obj.rolls_head < 0:
         ring(modes_of(state, obj, 0, obj.live), voice, start, stop)
@@ -73,7 +75,7 @@ def ring_on(state, obj, voice, start, stop):
 
 
 @kernel
-def _moves(state, obj):
+def _moves(state: State, obj: Object) -> bool:
     """True if a roll on an object moves over it."""
     moves = False
     entry = obj.rolls_head
@@ -85,7 +87,7 @@ def _moves(state, obj):
 
 
 @kernel
-def _place_blows(state, count, frame, end):
+def _place_blows(state: State, count: int, frame: int, end: int) -> int:
     """Add up the forces of those drivers that stay at one place, in `blows`; how many places there are."""
     scratch, places = state.scratch, 0
     for j in range(count):
@@ -105,7 +107,7 @@ def _place_blows(state, count, frame, end):
 
 
 @kernel
-def _acts_alike(a, b):
+def _acts_alike(a: Driver, b: Driver) -> bool:
     """True if two drivers act at one place, with one gain, and stay there."""
     alike = a.row == b.row
     for i in range(4):
@@ -114,7 +116,9 @@ def _acts_alike(a, b):
 
 
 @kernel
-def _ring_fed(state, obj, voice, places, fed, frame, end, moves):
+def _ring_fed(
+    state: State, obj: Object, voice: View2D[float], places: int, fed: int, frame: int, end: int, moves: bool
+) -> None:
     """Ring an object's first `fed` modes under rolls at some places, by one number a frame; add to its voice."""
     scratch, work, shape = state.scratch, state.scratch.work, shapes_of(state, obj)
     room = len(work) // (2 * places) // LANES * LANES
@@ -131,7 +135,9 @@ def _ring_fed(state, obj, voice, places, fed, frame, end, moves):
 
 
 @kernel
-def _ring_driven(state, obj, voice, count, first, last, frame, end):
+def _ring_driven(
+    state: State, obj: Object, voice: View2D[float], count: int, first: int, last: int, frame: int, end: int
+) -> None:
     """Ring an object's modes from `first` to `last` under rolls, by moments; add to its voice."""
     scratch, shape = state.scratch, shapes_of(state, obj)
     modes = modes_of(state, obj, first, last)
@@ -157,7 +163,7 @@ def _ring_driven(state, obj, voice, count, first, last, frame, end):
 
 
 @kernel
-def _drivers(state, obj, frame, end):
+def _drivers(state: State, obj: Object, frame: int, end: int) -> tuple[int, int]:
     """List the rolls on an object as they are at a frame, and how they move until another, in `drivers`: how many, and
     how many modes they drive."""
     count = driven = 0
@@ -174,7 +180,7 @@ def _drivers(state, obj, frame, end):
 
 
 @kernel
-def _drive(driver, contact, point, side, rows, frame, end):
+def _drive(driver: Driver, contact: Contact, point: ContactPoint, side: int, rows: int, frame: int, end: int) -> None:
     """Tell where a roll acts on an object at a frame, and how that changes until another."""
     driver.feed = contact.roll
     for i in range(4):
@@ -191,7 +197,7 @@ def _drive(driver, contact, point, side, rows, frame, end):
 
 
 @kernel
-def add_through(state, obj, voice):
+def add_through(state: State, obj: Object, voice: View2D[float]) -> None:
     """Add what of the rolls' forces goes straight into an object's voice, over a quantum."""
     driver, taps = state.scratch.drivers[0], state.scratch.taps
     entry = obj.rolls_head
@@ -212,7 +218,7 @@ def add_through(state, obj, voice):
 
 
 @kernel
-def _know_through(state, obj, modes, row, through):
+def _know_through(state: State, obj: Object, modes: int, row: int, through: Through) -> None:
     """Compute the taps from a force on an object's first modes to its sound, for four rows of shapes, unless they are
     known."""
     known = through.serial == obj.serial and through.retuned == obj.retuned
@@ -231,7 +237,7 @@ def _know_through(state, obj, modes, row, through):
 
 
 @kernel
-def _hear(taps, later, samples, voice):
+def _hear(taps: View2D[float], later: View2D[float], samples: View[float], voice: View2D[float]) -> None:
     """Add a force by taps that go as lines over the quantum to a voice."""
     for side in range(2):
         for m in range(2 * REACH + 1):

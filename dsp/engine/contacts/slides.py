@@ -20,8 +20,8 @@ from ...resonator.velocity import observe_velocity, sense, set_rows, set_shapes,
 from ...schema import SPEED
 from ..bodies.objects import modes_of, place, shapes_of
 from ..memory.quality import holds_steps
-from ..memory.records import SLID
-from ..memory.state import QUANTUM
+from ..memory.records import SLID, Contact, Slide
+from ..memory.state import QUANTUM, State
 from .contact_force import find_static
 from .coupled_rolls import position_of
 from .rolls import feed_of
@@ -33,7 +33,7 @@ _GLIDE = SPEED.glide
 
 
 @kernel
-def begin_slide(state, contact):
+def begin_slide(state: State, contact: Contact) -> None:
     """Begin to slide: to be called before the roll begins."""
     slide = state.slides[contact.roll]
     begin_friction(slide.friction, state.rate)
@@ -48,13 +48,13 @@ def begin_slide(state, contact):
 
 
 @kernel
-def _sweep_of(contact):
+def _sweep_of(contact: Contact) -> float:
     """Return the sweep (m/s) that is asked for."""
     return contact.target.sweep if contact.target.sweep >= 0.0 else contact.target.speed
 
 
 @kernel
-def _lead_roll(state, contact):
+def _lead_roll(state: State, contact: Contact) -> None:
     """Set the normal motion to what the slide asks for."""
     asked, target = contact.target, state.rolls[contact.roll].target
     target.speed = max(asked.speed, _sweep_of(contact))
@@ -65,7 +65,7 @@ def _lead_roll(state, contact):
 
 
 @kernel
-def lead_slide(state, contact, changed):
+def lead_slide(state: State, contact: Contact, changed: bool) -> None:
     """Bring a slide to a new quantum; `changed`: it acts on other modes than before."""
     slide = state.slides[contact.roll]
     _lead_roll(state, contact)
@@ -91,7 +91,7 @@ def lead_slide(state, contact, changed):
 
 
 @kernel
-def _place_of_press(state, contact):
+def _place_of_press(state: State, contact: Contact) -> int:
     """Return the place of the press that a slide's friction feels; -1 where there is none on the object."""
     press = state.slides[contact.roll].press
     index = state.objects[contact.point[0].slot].contact
@@ -103,13 +103,13 @@ def _place_of_press(state, contact):
 
 
 @kernel
-def rubs(contact):
+def rubs(contact: Contact) -> bool:
     """True for a slide whose friction is heard."""
     return contact.target.along > 0.0 and max(contact.target.static, contact.target.dynamic) > 0.0
 
 
 @kernel
-def rub(state, contact, frame):
+def rub(state: State, contact: Contact, frame: int) -> None:
     """Give the modes a slide's friction over the sample that ends at a frame."""
     if state.position + frame - contact.start - contact.fraction <= 0.0 or not rubs(contact):
         return
@@ -142,7 +142,7 @@ def rub(state, contact, frame):
 
 
 @kernel
-def _settle(state, contact):
+def _settle(state: State, contact: Contact) -> None:
     """Tell a slide's friction where it is, and how the objects give way there; their modes only if these are others."""
     slide, scratch = state.slides[contact.roll], state.scratch
     slide.along, slide.position = contact.target.along, contact.now.position
@@ -173,7 +173,7 @@ def _settle(state, contact):
 
 
 @kernel
-def _drive(state, contact, frame):
+def _drive(state: State, contact: Contact, frame: int) -> None:
     """Give friction the slip and the normal force at the sample's end."""
     slide, roll = state.slides[contact.roll], state.rolls[contact.roll]
     friction, feed = slide.friction, feed_of(state, contact)
@@ -191,7 +191,7 @@ def _drive(state, contact, frame):
 
 
 @kernel
-def _force_of_press(state, slide):
+def _force_of_press(state: State, slide: Slide) -> float:
     """Return the force (N) of the press that a slide's friction feels, over the last sample."""
     if slide.pressed < 0 or state.contacts[slide.pressed].gesture != slide.press:
         return 0.0
@@ -199,7 +199,7 @@ def _force_of_press(state, slide):
 
 
 @kernel
-def _observe(state, contact):
+def _observe(state: State, contact: Contact) -> None:
     """Find the velocity of the points over the sample in full."""
     slide, scratch = state.slides[contact.roll], state.scratch
     for n in range(FINE):
@@ -213,7 +213,7 @@ def _observe(state, contact):
 
 
 @kernel
-def _inject(state, contact, whole):
+def _inject(state: State, contact: Contact, whole: bool) -> None:
     """Inject friction's force over the sample into the modes."""
     slide, scratch = state.slides[contact.roll], state.scratch
     friction, scale = slide.friction, contact.now.gain * slide.along

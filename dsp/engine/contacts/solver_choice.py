@@ -7,12 +7,13 @@ against them and they are quiet; otherwise the contact is coupled to their modes
 import math
 
 from ...contact.accuracy import LIGHT, LIGHT_TOLERANCE, RESIDUAL, TOLERANCE, closed_form_will_do
-from ...contact.closed_form import find_nodes, find_power
+from ...contact.closed_form import Pulse, find_nodes, find_power
 from ...contact.coupled_step import HELD
 from ...native.jit import kernel
 from ..bodies.objects import is_felt, pitch_of, reach_of, shape_at
 from ..memory.quality import holds_steps
-from ..memory.state import CLOSED, COUPLING, SAMPLING
+from ..memory.records import Contact, ContactPoint
+from ..memory.state import CLOSED, COUPLING, SAMPLING, State
 
 _RESOLVED = 28.0  # rad of a mode over a pulse: up to here its nodes tell the spectrum, beyond it is as good as 0
 _BURST = 256  # times its steps per sample that a coupled contact may need at once: a blow at `exact` takes 4,000
@@ -21,15 +22,16 @@ _LIGHT = 1e-4  # sum of m phi^2 below which the object is as good as a rigid wal
 
 
 @kernel
-def tolerance_of(state, contact):
+def tolerance_of(state: State, contact: Contact) -> float:
     """Return the tolerance of coupled contacts at the accuracy asked for, as far as there is time for it."""
     if holds_steps(state):
         return HELD
-    return (LIGHT_TOLERANCE if contact.light == 1 else TOLERANCE)[state.choices.accuracy]
+    tolerance: float = (LIGHT_TOLERANCE if contact.light == 1 else TOLERANCE)[state.choices.accuracy]
+    return tolerance
 
 
 @kernel
-def choose_tolerance(state, contact):
+def choose_tolerance(state: State, contact: Contact) -> bool:
     """Give a coupled contact the tolerance for the coming sample; return False if its force is held."""
     tolerance, steps = tolerance_of(state, contact), state.choices.budget.steps
     if steps > 0 and (contact.debt > _BURST * steps or state.steps_taken > _BURST_OF_ALL * steps):
@@ -39,7 +41,7 @@ def choose_tolerance(state, contact):
 
 
 @kernel
-def count_steps(state, contact, sign, price):
+def count_steps(state: State, contact: Contact, sign: int, price: int) -> None:
     """Bring the stats and the debt of steps up to date: with -1 before a coupled contact steps, with 1 after.
 
     price: of its steps, against those of a contact that is alone.
@@ -56,7 +58,7 @@ def count_steps(state, contact, sign, price):
 
 
 @kernel
-def choose_solver(state, contact):
+def choose_solver(state: State, contact: Contact) -> tuple[int, float, float]:
     """Return the solver for a contact whose wall pulse has begun, with its sums of r_i and of r_i P_i.
 
     r_i = m phi_i^2, and P_i is the wall pulse's power spectrum at mode i over that at 0. The second sum is -1 where it
@@ -67,7 +69,7 @@ def choose_solver(state, contact):
     sampled = state.choices.method.method > 0
     uncoupled = SAMPLING if sampled else CLOSED
     level = 0 if holds_steps(state) else state.choices.accuracy
-    residual = RESIDUAL[level]
+    residual: float = RESIDUAL[level]
     if not sampled and ringing_ratio >= residual:
         return COUPLING, mass_ratio, -1.0
     if mass_ratio < _LIGHT and (sampled or mass_ratio + ringing_ratio < residual):
@@ -80,7 +82,7 @@ def choose_solver(state, contact):
 
 
 @kernel
-def _ratios(state, contact):
+def _ratios(state: State, contact: Contact) -> tuple[float, float]:
     """Return sum r_i over the objects' modes, and how fast their ringing can be against the striker."""
     mass_ratio = ringing_ratio = 0.0
     for side in range(2):
@@ -101,7 +103,7 @@ def _ratios(state, contact):
 
 
 @kernel
-def moved_by(contact, other):
+def moved_by(contact: Contact, other: Contact) -> float:
     """Return the speed that another contact may give a contact's points, against its own: sum |phi_i phi'_i| 2 J'/v_in.
 
     The sum is at most sqrt(sum phi_i^2 sum phi'_i^2), which is taken: it costs the same however many modes there are.
@@ -116,9 +118,9 @@ def moved_by(contact, other):
 
 
 @kernel
-def is_moved(state, contact):
+def is_moved(state: State, contact: Contact) -> bool:
     """True if the others that touch a contact's objects may move it by more than the accuracy asked for."""
-    residual = RESIDUAL[0 if holds_steps(state) else state.choices.accuracy]
+    residual: float = RESIDUAL[0 if holds_steps(state) else state.choices.accuracy]
     moved = 0.0
     for side in range(2):
         if contact.point[side].slot >= 0:
@@ -132,7 +134,7 @@ def is_moved(state, contact):
 
 
 @kernel
-def soften_pulse(state, contact, mass_ratio, seen_mass_ratio):
+def soften_pulse(state: State, contact: Contact, mass_ratio: float, seen_mass_ratio: float) -> None:
     """Give a wall pulse the effective mass of striker and object, by the sums of `choose_solver`.
 
     That is m* = m/(1 + sum r_i P_i). The same v_in leaves w, and so the pulse's form, as it is: its time scales by
@@ -151,7 +153,7 @@ def soften_pulse(state, contact, mass_ratio, seen_mass_ratio):
 
 
 @kernel
-def _shorten(pulse, ratio):
+def _shorten(pulse: Pulse, ratio: float) -> None:
     """Scale a pulse's times."""
     pulse.duration *= ratio
     for i in range(len(pulse.node_time)):
@@ -163,7 +165,7 @@ def _shorten(pulse, ratio):
 
 
 @kernel
-def _seen_mass_ratio(state, contact):
+def _seen_mass_ratio(state: State, contact: Contact) -> float:
     """Return sum r_i P_i over the objects' modes, with P by the pulse's nodes, which `find_nodes` has set."""
     share = 0.0
     for side in range(2):
@@ -176,7 +178,7 @@ def _seen_mass_ratio(state, contact):
 
 
 @kernel
-def _seen_of(state, contact, point, begin, end):
+def _seen_of(state: State, contact: Contact, point: ContactPoint, begin: int, end: int) -> float:
     """Return sum r_i P_i over an object's modes from `begin` up to `end`."""
     if begin == end:
         return 0.0

@@ -14,7 +14,9 @@ which falls as t^n. The rim of a free disc meets it with a fifth of the disc's m
 import math
 
 from ...native.jit import kernel
-from ..memory.state import END_RESTED, END_STOPPED
+from ..memory.commands import Event
+from ..memory.records import Contact
+from ..memory.state import END_RESTED, END_STOPPED, State
 from .contact_list import next_random, release_modes, report_end, schedule_contact
 
 _SHORTEST_TURN = 20e-6  # s: beyond, it lies still
@@ -23,7 +25,7 @@ _SCATTER = 0.25  # of a turn by which an irregular contact comes early or late a
 
 
 @kernel
-def begin_spin(state, contact, event):
+def begin_spin(state: State, contact: Contact, event: Event) -> None:
     """Begin a contact as the first of a disc's."""
     spin = event.values
     contact.lasts = spin.duration
@@ -37,7 +39,7 @@ def begin_spin(state, contact, event):
 
 
 @kernel
-def turn_on(state, contact, frame):
+def turn_on(state: State, contact: Contact, frame: int) -> bool:
     """End a disc's contact. True if there is another one."""
     release_modes(state, contact)
     contact.touching = 0
@@ -53,7 +55,7 @@ def turn_on(state, contact, frame):
 
 
 @kernel
-def _turn(contact, now):
+def _turn(contact: Contact, now: float) -> bool:
     """Find the next contact that is not before `now` (s from the beginning). False if it lies still first."""
     power = 1.0 - contact.quickening
     left = contact.lasts - contact.turned
@@ -74,8 +76,8 @@ def _turn(contact, now):
 
 
 @kernel
-def _speed_of(contact):
+def _speed_of(contact: Contact) -> float:
     """Return the velocity (m/s) at which the flat hits; a contact that is irregular is weaker."""
     left = contact.lasts - contact.turned
-    whole = contact.target.flat * contact.swing * math.sqrt(contact.target.gravity) * left**contact.quickening
+    whole: float = contact.target.flat * contact.swing * math.sqrt(contact.target.gravity) * left**contact.quickening
     return max(whole * (1.0 - contact.target.irregularity * next_random(contact)), _SLOWEST)

@@ -2,12 +2,14 @@
 
 from ...native.atomics import load_acquire, store_release
 from ...native.jit import kernel
-from ..memory.state import QUANTUM, TRACED
+from ...native.typed import View2D
+from ..memory.records import Contact
+from ..memory.state import QUANTUM, TRACED, State
 from .coupled_rolls import position_of
 
 
 @kernel
-def trace_blow(state, contact, sample, begin, end, impulse):
+def trace_blow(state: State, contact: Contact, sample: int, begin: float, end: float, impulse: float) -> None:
     """Keep the impulse (N s) that a blow gave between a sample and the next.
 
     begin, end: samples, when it began and ended.
@@ -17,7 +19,7 @@ def trace_blow(state, contact, sample, begin, end, impulse):
 
 
 @kernel
-def trace_touches(state, contact, sample, impulse):
+def trace_touches(state: State, contact: Contact, sample: int, impulse: float) -> None:
     """Keep what a coupled striker gave between a sample and the next: each touch is a contact, but those of a roll,
     which together gave the `impulse` (N s)."""
     if contact.trait.rolls == 1:
@@ -35,21 +37,29 @@ def trace_touches(state, contact, sample, impulse):
 
 
 @kernel
-def trace_roll(state, contact, feed):
+def trace_roll(state: State, contact: Contact, feed: View2D[float]) -> None:
     """Keep the impulses of a roll, beyond its weight, or of a slide over a quantum."""
     for n in range(QUANTUM):
         _trace_moving(state, contact, state.position + n - 1, feed[n, 0])
 
 
 @kernel
-def _trace_moving(state, contact, sample, impulse):
+def _trace_moving(state: State, contact: Contact, sample: int, impulse: float) -> None:
     """Keep the impulse of a body that rolls or slides between a sample and the next."""
     met = position_of(contact, 0), contact.now.speed, 0.0
     _trace(state, contact, sample, float(sample), sample + 1.0, impulse, met)
 
 
 @kernel
-def _trace(state, contact, sample, begin, end, impulse, met):
+def _trace(
+    state: State,
+    contact: Contact,
+    sample: int,
+    begin: float,
+    end: float,
+    impulse: float,
+    met: tuple[float, float, float],
+) -> None:
     """Keep an impulse (N s) that was given in a sample, between two times, if there is one and Python keeps up.
 
     met: where on the object, how fast striker and object met, and the striker's velocity then.

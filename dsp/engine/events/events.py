@@ -23,10 +23,11 @@ from ..memory.commands import (
     KIND_STEER,
     KIND_STOP,
     KIND_SYNC,
+    Event,
 )
 from ..memory.order import wake
 from ..memory.ramp_list import takes_time
-from ..memory.state import END_GONE, NOTES, QUANTUM, RING
+from ..memory.state import END_GONE, NOTES, QUANTUM, RING, Choices, Object, State
 from ..panic import let_fade
 from .gestures import start_gesture
 from .queue import has_room, order_heap, pop, push, sink, swap
@@ -37,7 +38,7 @@ _PATIENCE = 1.0  # s that an event waits for its object
 
 
 @noinline_kernel
-def take_commands(state):
+def take_commands(state: State) -> None:
     """Move commands from the ring to the queue, as far as it has room."""
     written = load_acquire(state.ring.written, 0)
     read = state.ring.read[0]
@@ -59,7 +60,7 @@ def take_commands(state):
 
 
 @kernel
-def _count_late(state, seconds):
+def _count_late(state: State, seconds: float) -> None:
     """Count an event that came after its time."""
     state.stats.late += 1
     state.stats.late_last = seconds
@@ -67,7 +68,7 @@ def _count_late(state, seconds):
 
 
 @kernel
-def take_due(state):
+def take_due(state: State) -> int:
     """Remove the next event of this quantum from the queue: its index in the pool, or -1. Events for objects that are
     gone are dropped; those for objects that are yet to come wait."""
     queue = state.queue
@@ -95,7 +96,7 @@ def take_due(state):
 
 
 @kernel
-def _read_clock(state, event):
+def _read_clock(state: State, event: Event) -> None:
     """Give an event of the clock its sample if that lies in this quantum, else look again before it is due.
 
     The guess that is kept is early, by more than the clock's pace may turn out to be wrong: so nothing is overtaken,
@@ -111,7 +112,7 @@ def _read_clock(state, event):
 
 
 @kernel
-def _is_early(state, event):
+def _is_early(state: State, event: Event) -> bool:
     """True if an event waits for an object that is yet to come: where the clock is set, that may be later than was
     likely as the event was sent.
 
@@ -127,7 +128,7 @@ def _is_early(state, event):
 
 
 @kernel
-def _is_ignored(state, event):
+def _is_ignored(state: State, event: Event) -> bool:
     """True if an event is meant for an object or a gesture that is gone."""
     obj = state.objects[event.slot]
     if event.kind == KIND_STEER or event.kind == KIND_STOP:
@@ -138,7 +139,7 @@ def _is_ignored(state, event):
 
 
 @kernel
-def _note(state, number, time):
+def _note(state: State, number: int, time: float) -> None:
     """Keep what became of a command for a log, if it keeps up."""
     notes = state.notes
     if notes.on == 0:
@@ -153,7 +154,7 @@ def _note(state, number, time):
 
 
 @noinline_kernel
-def carry_out(state, event):
+def carry_out(state: State, event: Event) -> None:
     """Do what an event asks for."""
     state.queue.carried_out += 1
     kind = event.kind
@@ -188,7 +189,7 @@ def carry_out(state, event):
 
 
 @kernel
-def _choose(choices, event):
+def _choose(choices: Choices, event: Event) -> None:
     """Change how the engine computes."""
     if event.kind == KIND_QUALITY:
         choices.quality = int(event.value)
@@ -205,7 +206,7 @@ def _choose(choices, event):
 
 
 @kernel
-def _place(obj, event):
+def _place(obj: Object, event: Event) -> None:
     """Give an object a gain of its own in a channel, or have its pan place it again."""
     place = obj.place
     obj.returns = int(obj.spectral > 0)
@@ -215,7 +216,7 @@ def _place(obj, event):
 
 
 @kernel
-def _new(state, event):
+def _new(state: State, event: Event) -> None:
     """Make the object whose modes and shapes Python has laid out."""
     obj = state.objects[event.slot]
     obj.used = 1
@@ -249,7 +250,7 @@ def _new(state, event):
 
 
 @kernel
-def _panic(state, order):
+def _panic(state: State, order: int) -> None:
     """Fade everything out, and forget the strikes and changes that arrived before and still wait."""
     queue = state.queue
     kept = 0

@@ -10,15 +10,17 @@ from ...native.records import field, set_field
 from ...rolling.body import begin_roll
 from ...rolling.surface import begin_surface
 from ...schema import GESTURES
+from ...schema_records import VALUES, Values
 from ..bodies.objects import place
 from ..bodies.striker_modes import prepare
 from ..contacts.contact_list import append_contact, report_end, schedule_contact
 from ..contacts.coupled_rolls import couple_roll
 from ..contacts.gesture_kernels import begin_gesture
 from ..contacts.slides import begin_slide
-from ..memory.commands import IN_VALUES, VALUES
+from ..memory.commands import IN_VALUES, Event
 from ..memory.quality import coarseness_of
-from ..memory.state import CLOSED, END_JOINED, END_NO_ROOM, END_RESTED, ROLLING
+from ..memory.records import Contact
+from ..memory.state import CLOSED, END_JOINED, END_NO_ROOM, END_RESTED, ROLLING, Object, State
 from .steering import steer_existing
 
 _SLOWEST = 1e-12  # m/s: a slower striker moves nothing, and its square may underflow
@@ -32,7 +34,7 @@ _SIZES = np.array(
 
 
 @kernel
-def start_gesture(state, obj, event):
+def start_gesture(state: State, obj: Object, event: Event) -> None:
     """Take a striker into an object's list, to touch it at its time; a roll or slide that goes on is steered."""
     trait = state.traits[event.what]
     stats = state.stats
@@ -59,7 +61,7 @@ def start_gesture(state, obj, event):
 
 
 @kernel
-def _describe(state, contact, event):
+def _describe(state: State, contact: Contact, event: Event) -> None:
     """Make a contact what a command says."""
     values = event.values
     contact.kind = event.what
@@ -90,7 +92,7 @@ def _describe(state, contact, event):
 
 
 @kernel
-def _push(contact, values):
+def _push(contact: Contact, values: Values) -> None:
     """Set the force that pushes a striker on: its weight, or a hand, which is laid on."""
     target = contact.target
     contact.push = contact.push_target = 0.0
@@ -103,7 +105,7 @@ def _push(contact, values):
 
 
 @kernel
-def _choose_sound(state, contact, values):
+def _choose_sound(state: State, contact: Contact, values: Values) -> None:
     """Say which striker's modes sound with a contact, if it has any, and have them ready."""
     contact.sound = contact.voice = -1
     contact.spot = np.uint64(0)
@@ -116,7 +118,7 @@ def _choose_sound(state, contact, values):
 
 
 @kernel
-def _choose_points(state, contact, event):
+def _choose_points(state: State, contact: Contact, event: Event) -> None:
     """Say which object is touched, and which one touches it, if one does."""
     touched, other = contact.point[0], contact.point[1]
     touched.slot, touched.serial = event.slot, event.serial
@@ -129,7 +131,7 @@ def _choose_points(state, contact, event):
 
 
 @kernel
-def _begin_along(state, contact, event):
+def _begin_along(state: State, contact: Contact, event: Event) -> None:
     """Give a striker that moves along a surface its body and its surface."""
     values, stats = event.values, state.stats
     contact.roll = state.free_roll[len(state.rolls) - 1 - stats.rolls_active]
@@ -141,10 +143,10 @@ def _begin_along(state, contact, event):
     contact.travel = values.travel
     contact.rolled = contact.rolls = 0.0
     roll = state.rolls[contact.roll]
-    begin_surface(roll.path.surface, event.surface, np.int64(values.seed))
+    begin_surface(roll.path.surface, event.surface, int(values.seed))
     roll.target = contact.target
     if contact.trait.slips == 1:
-        state.slides[contact.roll].press = np.int64(values.press)
+        state.slides[contact.roll].press = int(values.press)
         begin_slide(state, contact)
     begin_roll(roll, 0, contact.k, contact.mu, contact.a, values.corners, coarseness_of(state))
     couple_roll(state, contact)

@@ -4,11 +4,12 @@ heap[:size] is the heap, heap[size:] the pool's free places.
 """
 
 from ...native.jit import kernel
-from ..memory.state import EVENTS
+from ..memory.commands import Event
+from ..memory.state import EVENTS, Queue
 
 
 @kernel
-def _before(queue, i, j):
+def _before(queue: Queue, i: int, j: int) -> bool:
     """True if heap entry i comes before heap entry j: by time, then by order of arrival."""
     a = queue.events[queue.heap[i]]
     b = queue.events[queue.heap[j]]
@@ -16,13 +17,13 @@ def _before(queue, i, j):
 
 
 @kernel
-def swap(queue, i, j):
+def swap(queue: Queue, i: int, j: int) -> None:
     """Exchange two entries."""
     queue.heap[i], queue.heap[j] = queue.heap[j], queue.heap[i]
 
 
 @kernel
-def push(queue, command):
+def push(queue: Queue, command: Event) -> None:
     """Add a copy of a command; the caller has checked that there is room."""
     i = queue.size
     queue.events[queue.heap[i]] = command
@@ -35,7 +36,7 @@ def push(queue, command):
 
 
 @kernel
-def pop(queue):
+def pop(queue: Queue) -> int:
     """Remove the first event and return its index in the pool, valid until the next push."""
     queue.size -= 1
     last = queue.size
@@ -45,14 +46,14 @@ def pop(queue):
 
 
 @kernel
-def order_heap(queue):
+def order_heap(queue: Queue) -> None:
     """Make a heap of the first `size` entries, whatever their order."""
     for i in range(queue.size // 2 - 1, -1, -1):
         sink(queue, i)
 
 
 @kernel
-def look_again(queue, position):
+def look_again(queue: Queue, position: int) -> None:
     """Check all events that go by the clock as soon as possible, as it was set anew."""
     for i in range(queue.size):
         event = queue.events[queue.heap[i]]
@@ -62,7 +63,7 @@ def look_again(queue, position):
 
 
 @kernel
-def sink(queue, i):
+def sink(queue: Queue, i: int) -> None:
     """Move entry i down until both entries below it come later."""
     while 2 * i + 1 < queue.size:
         child = 2 * i + 1
@@ -75,6 +76,6 @@ def sink(queue, i):
 
 
 @kernel
-def has_room(queue):
+def has_room(queue: Queue) -> bool:
     """True if another event can be pushed."""
     return queue.size < EVENTS

@@ -10,24 +10,26 @@ import numpy as np
 
 from ...native.jit import kernel, noinline_kernel
 from ...native.records import field
+from ...native.typed import View
 from ...schema import MAIN_GAIN, SETTINGS, STEERABLE, gestures_steered_by
 from ..bodies.objects import set_of
 from ..memory.commands import KIND_GAIN, KIND_STEER
 from ..memory.order import wake
 from ..memory.ramp_list import keep_ramp
-from ..memory.state import QUANTUM
+from ..memory.records import Ramp
+from ..memory.state import QUANTUM, State
 from .steering import set_target, target_of
 
-_STEERED_BY_RATIOS = np.array(
+_STEERED_BY_RATIOS: View[bool] = np.array(
     [any(each.by_ratios for each in gestures_steered_by(name).values()) for name in STEERABLE]
 )
-_SET_BY_RATIOS = np.array([setting.by_ratios for setting in SETTINGS.values()])
+_SET_BY_RATIOS: View[bool] = np.array([setting.by_ratios for setting in SETTINGS.values()])
 _GAIN_BY_RATIOS = MAIN_GAIN.by_ratios
 _STRAIGHT = 1e-3  # a curve below it is as good as a straight line
 
 
 @noinline_kernel
-def run_ramps(state):
+def run_ramps(state: State) -> None:
     """Bring what ramps change to this quantum, in the order in which they came."""
     kept = 0
     for i in range(state.ramps.count):
@@ -39,7 +41,7 @@ def run_ramps(state):
 
 
 @kernel
-def _goes_on(state, ramp):
+def _goes_on(state: State, ramp: Ramp) -> bool:
     """Advance a ramp; return False if it is over, or its target is gone."""
     if not _has_target(state, ramp):
         return False
@@ -55,7 +57,7 @@ def _goes_on(state, ramp):
 
 
 @kernel
-def _has_target(state, ramp):
+def _has_target(state: State, ramp: Ramp) -> bool:
     """True if the gesture or object that a ramp changes is there."""
     if ramp.kind == KIND_GAIN:
         return True
@@ -67,17 +69,18 @@ def _has_target(state, ramp):
 
 
 @kernel
-def _between(ramp, share):
+def _between(ramp: Ramp, share: float) -> float:
     """Return the value at a share of a ramp's time."""
     if abs(ramp.curve) > _STRAIGHT:
         share = math.expm1(ramp.curve * share) / math.expm1(ramp.curve)
     if _goes_by_ratios(ramp) and ramp.first > 0.0:
-        return ramp.first * (ramp.last / ramp.first) ** share
+        ratio: float = (ramp.last / ramp.first) ** share
+        return ramp.first * ratio
     return ramp.first + (ramp.last - ramp.first) * share
 
 
 @kernel
-def _goes_by_ratios(ramp):
+def _goes_by_ratios(ramp: Ramp) -> bool:
     """True if a ramp's parameter has a unit of ratios."""
     if ramp.kind == KIND_GAIN:
         return _GAIN_BY_RATIOS
@@ -87,7 +90,7 @@ def _goes_by_ratios(ramp):
 
 
 @kernel
-def _value_of(state, ramp):
+def _value_of(state: State, ramp: Ramp) -> float:
     """Return the value that a ramp's parameter was last set to."""
     if ramp.kind == KIND_GAIN:
         return state.choices.gain
@@ -97,7 +100,7 @@ def _value_of(state, ramp):
 
 
 @kernel
-def _set_value(state, ramp, value):
+def _set_value(state: State, ramp: Ramp, value: float) -> None:
     """Tell a ramp's parameter what to be."""
     if ramp.kind == KIND_GAIN:
         state.choices.gain = value

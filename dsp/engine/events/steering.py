@@ -7,15 +7,18 @@ from ..memory.commands import (
     IN_VALUES,
     KIND_STEER,
     STEERS,
+    Event,
 )
 from ..memory.ramp_list import drop_ramps, takes_time
+from ..memory.records import Contact
+from ..memory.state import Object, State
 
 _GRAVITY, _FORCE = STEERABLE.index("gravity"), STEERABLE.index("force")
 _SPEED, _SWEEP = STEERABLE.index("speed"), STEERABLE.index("sweep")
 
 
 @kernel
-def steer_existing(state, event):
+def steer_existing(state: State, event: Event) -> bool:
     """Steer the rolls or slides of the event's gesture that go on on its object, by what was given; true if there are
     any."""
     found = False
@@ -33,7 +36,7 @@ def steer_existing(state, event):
 
 
 @kernel
-def steer(state, event):
+def steer(state: State, event: Event) -> None:
     """Give a running gesture's parameter a new target."""
     for i in range(len(state.contacts)):
         contact = state.contacts[i]
@@ -44,7 +47,7 @@ def steer(state, event):
 
 
 @kernel
-def target_of(state, contact, parameter):
+def target_of(state: State, contact: Contact, parameter: int) -> float:
     """Return the value that one parameter of a contact was last set to; for a roll's speed, as far as friction has
     slowed it."""
     target = state.rolls[contact.roll].target if contact.trait.rolls == 1 else contact.target
@@ -52,7 +55,7 @@ def target_of(state, contact, parameter):
 
 
 @kernel
-def set_target(state, contact, parameter, value):
+def set_target(state: State, contact: Contact, parameter: int, value: float) -> None:
     """Give one parameter of a contact a new target."""
     set_field(contact.target, parameter, value)
     if contact.trait.rolls == 1:
@@ -64,7 +67,7 @@ def set_target(state, contact, parameter, value):
 
 
 @kernel
-def stop_gesture(state, event):
+def stop_gesture(state: State, event: Event) -> None:
     """End a running gesture."""
     for i in range(len(state.contacts)):
         contact = state.contacts[i]
@@ -74,14 +77,14 @@ def stop_gesture(state, event):
 
 
 @kernel
-def _count_command(state, index):
+def _count_command(state: State, index: int) -> None:
     """Remember that a command was about a gesture that lasts: it counts as new."""
     if state.contacts[index].trait.single == 0:
         state.last_command[index] = state.queue.carried_out
 
 
 @kernel
-def is_running(state, gesture):
+def is_running(state: State, gesture: int) -> bool:
     """True if there is anything of a gesture to be steered."""
     found = False
     for i in range(len(state.contacts)):
@@ -90,7 +93,7 @@ def is_running(state, gesture):
 
 
 @kernel
-def _stop(state, index, time):
+def _stop(state: State, index: int, time: float) -> None:
     """End a gesture: a bouncing striker doesn't come back, a rolling body halts, a pressing one is released."""
     contact = state.contacts[index]
     contact.until = min(contact.until, time)
@@ -103,7 +106,7 @@ def _stop(state, index, time):
 
 
 @kernel
-def stop_gestures_on(state, obj, time):
+def stop_gestures_on(state: State, obj: Object, time: float) -> None:
     """End all gestures on an object."""
     index = obj.contact
     while index >= 0:

@@ -3,6 +3,7 @@
 from ...schema import CHANNELS
 
 OBJECTS = 16_384
+MOST_CHANNELS = int(CHANNELS.high)
 MODES = 1_310_720
 """A million that are heard, and a quarter more for those beside them: reliefs, clicks, modes that are felt alone."""
 MODES_PER_OBJECT = 4_096

@@ -7,29 +7,13 @@ is a point between two channels.
 
 import math
 
-import numpy as np
-
 from ...native.jit import kernel
-from ...schema import CHANNELS
-
-MOST_CHANNELS = int(CHANNELS.high)
-
-PLACE = np.dtype(
-    [
-        ("gain", np.float64, MOST_CHANNELS),  # of each channel, gliding
-        ("before", np.float64, MOST_CHANNELS),  # at the quantum's beginning
-        ("asked", np.float64, MOST_CHANNELS),  # that it glides to
-        ("own", np.float64, MOST_CHANNELS),  # given to the object channel by channel
-        ("has_own", np.int64),  # 1: these place it, not its pan
-        ("loudest", np.float64),  # factor on its modes in the output
-    ],
-    align=True,
-)
-"""The gains with which an object is heard."""
+from ...native.typed import View
+from .state import Object, State
 
 
 @kernel
-def ask_gains(state, obj):
+def ask_gains(state: State, obj: Object) -> None:
     """Find the gains that an object's settings and its place ask for; everything's gain comes on top of them."""
     place, settings, channels = obj.place, obj.settings, state.output.channels
     gain = settings.gain / settings.distance
@@ -45,7 +29,7 @@ def ask_gains(state, obj):
 
 
 @kernel
-def pan_gains(gains, channels, pan, gain):
+def pan_gains(gains: View[float], channels: int, pan: float, gain: float) -> None:
     """Set the gain of each channel for an object at a pan of -1 to 1; powers add up to the same wherever it is.
 
     Of two: from left to right, and `gain` on both in the middle. Of a ring: pan times half a turn to the right, and

@@ -6,34 +6,36 @@ Conference 2005.
 """
 
 import math
-
-import numpy as np
+from typing import Annotated
 
 from ...native.atomics import store_release
 from ...native.jit import kernel
+from ...native.typed import Record, View, dtype_of
 
 _FIRST_BANDWIDTH, _LAST_BANDWIDTH = 1.0, 0.05  # Hz
 _FASTEST = 0.5  # rad a block: beyond, the loop would overshoot
 _LOST = 50e6  # ns of error after which it begins anew
 _GRID = 256.0  # places between two samples where an event may fall, so that a score's seconds can name each exactly
 
-CLOCK = np.dtype(
-    [
-        ("turn", np.int64, 8),  # odd while the next four change
-        ("origin", np.int64),  # CLOCK_MONOTONIC in ns when the loop began, 0: not yet
-        ("time", np.float64),  # ns since then
-        ("sample", np.int64),  # whose time that is
-        ("period", np.float64),  # ns a sample
-        ("bandwidth", np.float64),  # Hz
-        ("begun", np.int64),  # times the loop began anew
-        ("latency", np.float64),  # samples between a callback and its sound
-    ],
-    align=True,
-)
+
+class Clock(Record):
+    """The loop that says which sample is whose time."""
+
+    turn: Annotated[View[int], 8]  # odd while the next four change
+    origin: int  # CLOCK_MONOTONIC in ns when the loop began, 0: not yet
+    time: float  # ns since then
+    sample: int  # whose time that is
+    period: float  # ns a sample
+    bandwidth: float  # Hz
+    begun: int  # times the loop began anew
+    latency: float  # samples between a callback and its sound
+
+
+CLOCK = dtype_of(Clock)
 
 
 @kernel
-def lock(clock, rate, entered, sample, frames, gap):
+def lock(clock: Clock, rate: float, entered: int, sample: int, frames: int, gap: bool) -> bool:
     """Take in that a callback was entered at `entered` (ns) for `frames` frames from `sample` on.
 
     Begins anew, and returns true, at the first call, after a gap in the sound, and when it is 50 ms wrong.
@@ -61,7 +63,7 @@ def lock(clock, rate, entered, sample, frames, gap):
 
 
 @kernel
-def sample_at(clock, time):
+def sample_at(clock: Clock, time: int) -> float:
     """Return the sample, on a grid of 1/256, that is heard at a CLOCK_MONOTONIC time in ns."""
     sample = clock.sample + (time - clock.origin - clock.time) / clock.period - clock.latency
     return math.floor(sample * _GRID + 0.5) / _GRID

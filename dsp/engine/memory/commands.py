@@ -8,22 +8,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...rolling.surface import PROFILE
+from ...native.typed import Record, dtype_of
+from ...rolling.surface import Profile
 from ...schema import (
     BY_POSITION,
-    CURVE,
     GESTURES,
-    OVER,
     RESTITUTION,
     SETTINGS,
     STEERABLE,
-    STRIKE,
-    TRAIT_NAMES,
     VELOCITY,
-    Gesture,
     Parameter,
 )
-from ...schema_records import record_of
+from ...schema_records import VALUES, RampValues, Settings, Values
+from ...schema_values import OF_RAMPS, OWN, SHARED
 
 
 class Kind(IntEnum):
@@ -58,87 +55,73 @@ KIND_BUDGET, KIND_BANK = int(Kind.BUDGET), int(Kind.BANK)
 NUMBERS = {name: number for number, name in enumerate(GESTURES)}
 """The numbers of gestures: their places in schema.GESTURES."""
 
-_SOUND = (
-    Parameter("sound", 0, np.inf, "", "its place among the strikers that are laid out", default=0.0),
-    Parameter("sound_serial", 0, np.inf, "", "its serial there; 0: it does not sound", default=0.0),
-)
-_PRESSED = Parameter(
-    "press", 0, np.inf, "", "number of a press whose force a slide's friction feels; 0: none", default=0.0
-)  # fmt: skip
-_DELAY = Parameter("delay", 0.0, np.inf, "s", "from the beginning to the first contact", default=0.0)
-
-_SHARED = {each.name: each for each in (VELOCITY, *STRIKE, BY_POSITION, *_SOUND, _PRESSED, _DELAY)}
-
-
-def _own(gesture: Gesture) -> dict[str, Parameter]:
-    """Return the parameters of a gesture that not every gesture has; one that falls is told the velocity, not the
-    height."""
-    given = (*gesture.keys, *(() if gesture.falls else (gesture.argument,)))
-    return {each.name: each for each in given if each.name not in _SHARED}
-
-
-_OWN = {name: _own(gesture) for name, gesture in GESTURES.items()}
-VALUES = record_of(*dict.fromkeys([*_SHARED, *(name for own in _OWN.values() for name in own)]))
-"""The values of a gesture: the parameters of all gestures, 0 for those that it has not."""
-SETTINGS_RECORD = record_of(*SETTINGS)
-_AFTER = Parameter("after", 0.0, np.inf, "s", "until it begins; 0: what was asked for before ends", default=0.0)
-_RAMP = {each.name: each for each in (OVER, CURVE, _AFTER)}
-RAMP_RECORD = record_of(*_RAMP)
-
 IN_VALUES = np.array([(VALUES.names or ()).index(name) for name in STEERABLE])
 """The place in VALUES of each steerable parameter."""
 
 STEERS = np.array([[name in gesture.steerable for name in STEERABLE] for gesture in GESTURES.values()])
 """True where a gesture can be steered by a parameter."""
 
-TRAITS = np.dtype([(name, np.float64 if name == "meets" else np.int64) for name in TRAIT_NAMES], align=True)
-"""Traits of a gesture, as schema.Gesture says."""
 
-_PLACES_OF_NEW = ("first", "size", "table", "rows", "felt", "bent", "unheard")
-_SCALES_OF_NEW = ("level", "glide", "cone")
-LAYOUT = np.dtype(
-    [*((name, np.int64) for name in _PLACES_OF_NEW), *((name, np.float64) for name in _SCALES_OF_NEW)], align=True
-)
-"""Layout of a new object's modes and shapes: its first mode, how many (padded), first value and rows of its shapes, how
-many modes are felt and heard, of how many slow forces are heard, and the first of those that are felt alone; the output
-that 1 Pa is; the rise of its tension: for the energy that rings, 1/J, and about a striker, kg (bodies/tension.py)."""
+class Layout(Record):
+    """The layout of a new object's modes and shapes."""
 
-METHOD = np.dtype([(name, np.int64) for name in ("method", "correction", "oversampling")], align=True)
-"""Method by which contacts are solved: 0 closed form, else 1 + method; correction; steps per sample."""
+    first: int  # its first mode
+    size: int  # how many modes, padded
+    table: int  # first value of its shapes
+    rows: int  # of them
+    felt: int  # modes that are felt and heard
+    bent: int  # modes of which slow forces are heard
+    unheard: int  # the first of those that are felt alone
+    level: float  # output that 1 Pa is
+    glide: float  # 1/J: rise of its tension for the energy that rings (bodies/tension.py)
+    cone: float  # kg: the same about a striker
 
-BUDGET = np.dtype([(name, np.int64) for name in ("steps", "modes")], align=True)
-"""Bounds on the cost of contacts that are coupled to modes: steps per sample of each, on average, and modes at once; 0:
-any number."""
 
-COMMAND = np.dtype(
-    [
-        ("time", np.float64),  # samples since the start; what is past is now
-        ("has_clock", np.int64),  # 1: `clock` says when, and `time` is an early guess
-        ("clock", np.int64),  # CLOCK_MONOTONIC in ns
-        ("number", np.int64),  # of all commands sent
-        ("kind", np.int64),  # a Kind
-        ("slot", np.int64),
-        ("serial", np.int64),  # of the object meant: commands to one that is gone are ignored
-        ("order", np.int64),  # of arrival, set by the engine
-        ("waits_until", np.float64),  # samples: for an object that is yet to come; set by the engine, -1 before
-        ("value", np.float64),  # as Kind says
-        ("gesture", np.int64),  # its number, 0: none
-        ("parameter", np.int64),  # its place in schema.STEERABLE or schema.SETTINGS
-        ("channel", np.int64),  # of a place
-        ("given", np.int64),  # of a gesture along a surface: bits of the places in schema.STEERABLE that were given
-        ("by_slot", np.int64),  # of the object that strikes, if one does
-        ("by_serial", np.int64),  # else 0
-        ("what", np.int64),  # of a gesture: its place in schema.GESTURES
-        ("values", VALUES),  # of a gesture
-        ("surface", PROFILE),  # of a gesture along a surface
-        ("settings", SETTINGS_RECORD),  # of a new object
-        ("layout", LAYOUT),  # of a new object
-        ("method", METHOD),
-        ("budget", BUDGET),
-        ("ramp", RAMP_RECORD),  # of a change: how it takes its time
-    ],
-    align=True,
-)
+class Method(Record):
+    """The method by which contacts are solved."""
+
+    method: int  # 0: closed form, else 1 + method
+    correction: int
+    oversampling: int  # steps per sample
+
+
+class Budget(Record):
+    """Bounds on the cost of contacts that are coupled to modes; 0: any number."""
+
+    steps: int  # per sample of each, on average
+    modes: int  # at once
+
+
+class Event(Record):
+    """A command, as it waits in the engine."""
+
+    time: float  # samples since the start; what is past is now
+    has_clock: int  # 1: `clock` says when, and `time` is an early guess
+    clock: int  # CLOCK_MONOTONIC in ns
+    number: int  # of all commands sent
+    kind: int  # a Kind
+    slot: int
+    serial: int  # of the object meant: commands to one that is gone are ignored
+    order: int  # of arrival, set by the engine
+    waits_until: float  # samples: for an object that is yet to come; set by the engine, -1 before
+    value: float  # as Kind says
+    gesture: int  # its number, 0: none
+    parameter: int  # its place in schema.STEERABLE or schema.SETTINGS
+    channel: int  # of a place
+    given: int  # of a gesture along a surface: bits of the places in schema.STEERABLE that were given
+    by_slot: int  # of the object that strikes, if one does
+    by_serial: int  # else 0
+    what: int  # of a gesture: its place in schema.GESTURES
+    values: Values  # of a gesture
+    surface: Profile  # of a gesture along a surface
+    settings: Settings  # of a new object
+    layout: Layout  # of a new object
+    method: Method
+    budget: Budget
+    ramp: RampValues  # of a change: how it takes its time
+
+
+COMMAND = dtype_of(Event)
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,13 +164,16 @@ _ALWAYS = {BY_POSITION.name: 0.0, VELOCITY.name: 0.0, RESTITUTION.name: 0.0}
 
 def _defaults_of(own: dict[str, Parameter]) -> dict[str, float]:
     """Return the values that a gesture with its own parameters need not be given."""
-    has = _SHARED | own
+    has = SHARED | own
     return {key: 0.0 for key in VALUES.names or () if key not in has} | _defaults(has.values()) | _ALWAYS
 
 
-_DEFAULTS = {name: _defaults_of(own) for name, own in _OWN.items()}
-_HAS = {name: {*_SHARED, *own} for name, own in _OWN.items()}
-_OF_RECORDS: dict[str, dict[str, float]] = {"settings": _defaults(SETTINGS.values()), "ramp": _defaults(_RAMP.values())}
+_DEFAULTS = {name: _defaults_of(own) for name, own in OWN.items()}
+_HAS = {name: {*SHARED, *own} for name, own in OWN.items()}
+_OF_RECORDS: dict[str, dict[str, float]] = {
+    "settings": _defaults(SETTINGS.values()),
+    "ramp": _defaults(OF_RAMPS.values()),
+}
 _RECORDS = {
     Kind.NEW: ("layout", "settings"),
     Kind.METHOD: ("method",),

@@ -1,28 +1,29 @@
 """The record of the level meter, and the filters of ITU-R BS.1770 that it weighs by."""
 
 import math
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .channels import MOST_CHANNELS
+from ...native.typed import Record, View, View2D, f32
+from .capacity import MOST_CHANNELS
 
 METERED = 1_280
 """Quanta that are kept: 0.4 s at the highest rate, and some that may be written meanwhile."""
 WINDOW = 0.4
 """s over which momentary loudness is taken."""
 
-METER = np.dtype(
-    [
-        ("on", np.int64),
-        ("shelf", np.float64, 5),  # b0, b1, b2, a1, a2
-        ("high_pass", np.float64, 5),
-        ("memory", np.float64, (MOST_CHANNELS, 4)),  # two of each filter
-        ("power", np.float64, METERED),  # of each quantum: the weighted mean square, all channels added
-        ("peak", np.float32, (METERED, MOST_CHANNELS)),
-    ],
-    align=True,
-)
+
+class Meter(Record):
+    """The level meter: its filters, and what it measured of late."""
+
+    on: int
+    shelf: Annotated[View[float], 5]  # b0, b1, b2, a1, a2
+    high_pass: Annotated[View[float], 5]
+    memory: Annotated[View2D[float], MOST_CHANNELS, 4]  # two of each filter
+    power: Annotated[View[float], METERED]  # of each quantum: the weighted mean square, all channels added
+    peak: Annotated[View2D[f32], METERED, MOST_CHANNELS]
 
 
 def k_weighting(rate: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -1,10 +1,11 @@
 """The objects that something goes on with: those that a quantum looks at, in the order in which it adds them up."""
 
 from ...native.jit import kernel
+from .state import State
 
 
 @kernel
-def wake(state, slot):
+def wake(state: State, slot: int) -> None:
     """Put an object among those that something goes on with."""
     obj = state.objects[slot]
     if obj.awake == 1:

@@ -5,7 +5,8 @@ steered last. Events count in the order in which they are carried out, which a l
 """
 
 from ...native.jit import kernel
-from .state import ROLLING, Quality
+from .records import Contact
+from .state import ROLLING, Object, Quality, State
 
 COARSER = 4.0
 """Factor on the shortest wavelength that rolls feel from COARSE on: about as loud, at 60 % of the cost."""
@@ -24,13 +25,13 @@ _VOICES = 32  # gestures that go on at NEWEST_32; each further step halves them
 
 
 @kernel
-def holds_steps(state):
+def holds_steps(state: State) -> bool:
     """True where coupled contacts take one step per sample, and the closed form serves where it is within -40 dB."""
     return state.choices.quality >= _HELD
 
 
 @kernel
-def keeps_strikers(state):
+def keeps_strikers(state: State) -> bool:
     """True where strikers that have left are kept for a while, as others may throw the object after them.
 
     Not where steps are counted: each blow has all that are kept looked at.
@@ -39,19 +40,19 @@ def keeps_strikers(state):
 
 
 @kernel
-def silence_of(state):
+def silence_of(state: State) -> float:
     """Return the output amplitude below which a mode is put to rest."""
     return _LOUDER_SILENCE if state.choices.quality >= _QUIET else _SILENCE
 
 
 @kernel
-def coarseness_of(state):
+def coarseness_of(state: State) -> float:
     """Return the factor on the shortest wavelength that rolls feel."""
     return COARSER if state.choices.quality >= _COARSE else 1.0
 
 
 @kernel
-def modes_for(state, obj, contact):
+def modes_for(state: State, obj: Object, contact: Contact) -> int:
     """Return how many of an object's modes a contact acts on; rolls and slides that feel none act on those that are
     heard."""
     modes = obj.unheard if contact.solver == ROLLING else obj.size
@@ -59,21 +60,21 @@ def modes_for(state, obj, contact):
 
 
 @kernel
-def is_left_out(state, obj):
+def is_left_out(state: State, obj: Object) -> bool:
     """True if there is time only for objects that were touched more recently."""
     long_ago = state.position - obj.last_driven_at > _RECENTLY * state.rate
     return state.choices.quality >= _RECENT and obj.has_contact == 0 and long_ago
 
 
 @kernel
-def room_for_coupling(state):
+def room_for_coupling(state: State) -> int:
     """Return the modes that may be coupled to contacts at once; 0: any number."""
     room = state.choices.budget.modes
     return max(room >> max(state.choices.quality - _NEWEST + 1, 0), 1) if room > 0 else 0
 
 
 @kernel
-def find_oldest_running(state):
+def find_oldest_running(state: State) -> None:
     """Find the gestures that may go on in this quantum: the least number of their last events."""
     state.oldest_running = 0
     if state.choices.quality < _NEWEST:
@@ -93,6 +94,6 @@ def find_oldest_running(state):
 
 
 @kernel
-def must_wait(state, index):
+def must_wait(state: State, index: int) -> bool:
     """True if there is time only for gestures that began or were steered more recently than this contact's."""
     return 0 < state.last_command[index] < state.oldest_running

@@ -1,31 +1,13 @@
 """The ramps that run or wait: values that reach another one in a given time."""
 
-import numpy as np
-
 from ...native.jit import kernel
 from .capacity import RAMPS
-
-RAMP = np.dtype(
-    [
-        ("kind", np.int64),  # STEER, SET or GAIN: what it changes
-        ("parameter", np.int64),  # its place in schema.STEERABLE or schema.SETTINGS
-        ("place", np.int64),  # of the contact, or the slot of the object
-        ("serial", np.int64),  # number of the command that brought that contact, or the object's serial
-        ("begun", np.int64),  # 1: `first` is known
-        ("begin", np.float64),  # samples
-        ("end", np.float64),
-        ("first", np.float64),  # the value at its beginning
-        ("last", np.float64),  # and at its end
-        ("curve", np.float64),  # as schema.CURVE
-    ],
-    align=True,
-)
-RAMP_LIST = np.dtype([("entries", RAMP, RAMPS), ("count", np.int64)], align=True)
-"""Ramps in the order in which they came."""
+from .commands import Event
+from .state import State
 
 
 @kernel
-def takes_time(state, event, place, serial):
+def takes_time(state: State, event: Event, place: int, serial: int) -> bool:
     """Start the ramp that an event brings; return False if its value counts at once. In either case the event ends the
     ramps on its parameter, of a contact, an object or the whole, that were asked for before."""
     ramp = event.ramp
@@ -47,7 +29,7 @@ def takes_time(state, event, place, serial):
 
 
 @kernel
-def drop_ramps(state, kind, parameter, place, serial):
+def drop_ramps(state: State, kind: int, parameter: int, place: int, serial: int) -> None:
     """End the ramps on a parameter: it stays as it is."""
     kept = 0
     for i in range(state.ramps.count):
@@ -60,7 +42,7 @@ def drop_ramps(state, kind, parameter, place, serial):
 
 
 @kernel
-def keep_ramp(state, kept, i):
+def keep_ramp(state: State, kept: int, i: int) -> None:
     """Move ramp i up, behind those that are kept: they stay in the order in which they came."""
     if kept < i:
         state.ramps.entries[kept] = state.ramps.entries[i]

@@ -2,28 +2,28 @@
 
 import mmap
 from enum import IntEnum
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...contact.coupled_group import COUPLED_GROUP
+from ...contact.coupled_records import CoupledGroup
 from ...native.pages import own_zeros
+from ...native.typed import Record, View, View2D, View3D, View4D, dtype_of, f32, i16, i32
 from ...numerics.legendre import FINE, KEPT, MOMENTS
-from ...resonator.bank import DRIVER, RESPONSES
+from ...resonator.bank import RESPONSES, Driver
 from ...resonator.fed import HALF, REACH
 from ...resonator.simd import LANES
-from ...rolling.body import ROLL
+from ...rolling.roll_record import Roll
 from ...schema import GESTURES, TRAIT_NAMES
-from ...schema_records import STATS
-from ...spectral.layout import PHASES, REGION, SPECTRAL
-from .capacity import MODES, MODES_PER_OBJECT, OBJECTS, SHAPE_VALUES, STEMS
-from .channels import MOST_CHANNELS, PLACE
-from .clock import CLOCK
-from .commands import BUDGET, COMMAND, METHOD, SETTINGS_RECORD, TRAITS
-from .meter_record import METER
-from .ramp_list import RAMP_LIST
-from .records import CONTACT, SLIDE, TAILS, THROUGH
-from .striker_state import STRIKER, STRIKERS, VOICE, VOICES
+from ...schema_records import Counters, Settings, Traits
+from ...spectral.layout import PHASES, REGION, Spectral
+from .capacity import MODES, MODES_PER_OBJECT, MOST_CHANNELS, OBJECTS, SHAPE_VALUES, STEMS
+from .clock import Clock
+from .commands import Budget, Event, Method
+from .meter_record import Meter
+from .records import Contact, Place, RampList, Slide, Tails, Through
+from .striker_state import STRIKERS, VOICES, Striker, Voice
 
 QUANTUM = 64
 """Frames the engine computes at a time, on a grid of its own: the sound can't depend on the device's block size."""
@@ -87,244 +87,279 @@ class End(IntEnum):
 CLOSED, SAMPLING, COUPLING, ROLLING = (int(solver) for solver in Solver)
 END_RESTED, END_STOPPED, END_NO_ROOM, END_GONE, END_JOINED = (int(end) for end in End)
 
-NOTE = np.dtype(
-    [
-        ("number", np.int64),  # of the command
-        ("time", np.float64),  # samples: when it was carried out; below 0: never
-    ],
-    align=True,
-)
 
-TRACE = np.dtype(
-    [
-        ("command", np.int64),  # the number of the command that brought the striker
-        ("gesture", np.int64),  # the gesture's number, 0: none
-        ("contact", np.int64),  # the contact's own number
-        ("slot", np.int64),  # of the object touched
-        ("position", np.float64),  # along its strike path
-        ("speed", np.float64),  # m/s: at which striker and object met, of a roll along the surface
-        ("velocity", np.float64),  # m/s: of the striker then, towards the object
-        ("sample", np.int64),  # the force acted between this sample and the next
-        ("begin", np.float64),  # samples: when it began in there, exact where the solver knows it, else `sample`
-        ("end", np.float64),  # samples: when it ended in there, else `sample` + 1
-        ("impulse", np.float64),  # N s: of the force on the object in there, before the gesture's gain
-    ],
-    align=True,
-)
-"""A sample of a contact. The entries of one contact are in the order of time."""
+class Note(Record):
+    """A note of a command that was carried out."""
 
-OBJECT = np.dtype(
-    [
-        ("used", np.int64),
-        ("serial", np.int64),
-        ("awake", np.int64),  # 1: it is in `order`
-        ("dying", np.int64),  # to be freed: 1 once silent, 2 after a short fade
-        ("first", np.int64),  # mode
-        ("size", np.int64),  # modes, a multiple of LANES
-        ("felt", np.int64),  # its first modes, that contacts feel and settings change
-        ("bent", np.int64),  # those and their reliefs, which slow forces bend; its clicks follow
-        ("unheard", np.int64),  # from there on, modes that contacts feel too, and nobody hears: a multiple of LANES
-        ("live", np.int64),  # modes before the first that is at rest
-        ("spectral", np.int64),  # 1 + the phase of the spectral bank in which its modes ring; 0: here
-        ("ringer", np.int64),  # its place in `ringers` then
-        ("spectral_gain", np.float64),  # that their amplitudes there hold: an output's, never 0
-        ("returns", np.int64),  # 1: they are to come back
-        ("returned_at", np.int64),  # samples: when they last came back, or could not go
-        ("stale_modes", np.int64),  # that wait for new coefficients
-        ("retuning", np.int64),  # the first of them
-        ("retuned", np.int64),  # times that some got them
-        ("table", np.int64),  # first value of its mode shapes, `rows` rows of `size` values
-        ("rows", np.int64),
-        ("glide", np.float64),  # 1/J: rise of its tension, as a share of it, for the energy that rings
-        ("cone", np.float64),  # kg: how far it does about a striker
-        ("rang", np.float64),  # J: energy of its modes as last looked at, with the gains of gestures in it
-        ("amplified", np.float64),  # that over what it were without these gains
-        ("stretch", np.float64),  # that rise now; 0 where nobody would hear it
-        ("detuned", np.int64),  # 1: modes answer forces as at another stretch, and must be told if they are touched
-        ("contact", np.int64),  # head of its list of contacts, -1: none
-        ("voice", np.int64),  # head of its list of strikers that sound, -1: none
-        ("level", np.float64),  # output per Pa
-        ("faults", np.int64),  # times it was silenced for not being finite
-        ("settings", SETTINGS_RECORD),
-        ("place", PLACE),
-        ("static", np.float64, 2),  # output of its static deflection under pressing strikers, left and right
-        ("static_before", np.float64, 2),
-        ("fading", np.int64),  # modes of it that a panic lets fade
-        ("faded", np.int64),  # frames since that panic
-        ("driven", np.float64, (11, 2, 3)),  # output of the forces that acted then, left and right: see panic.py
-        ("last_driven_at", np.int64),  # samples at the beginning of the last quantum in which a force acted on it
-        ("limited_energy", np.float64),  # sum of squares of its share of the mix where the limiter turned it down
-        # In this quantum:
-        ("has_contact", np.int64),  # a contact touches it
-        ("shares_contact", np.int64),  # with another object
-        ("driven_modes", np.int64),  # its first modes that a force acted on
-        ("driven_gain", np.float64),  # the highest gain of a gesture whose force acted on it
-        ("rolls_head", np.int64),  # head of the list of rolls on it, 2 contact + side; -1: none
-        ("energy", np.float64),  # sum of squares of its share of the mix
-    ],
-    align=True,
-)
+    number: int  # of the command
+    time: float  # samples: when it was carried out; below 0: never
 
-BANK = np.dtype(
-    [
-        ("y1", np.float64, MODES),
-        ("y2", np.float64, MODES),
-        ("a1", np.float64, MODES),
-        ("a2", np.float64, MODES),
-        ("weight", np.float64, MODES),
-        ("balance", np.float64, MODES),
-        ("frequency", np.float64, MODES),
-        ("sigma", np.float64, MODES),
-        ("place", np.int32, MODES),  # 1 + a mode's place in the spectral bank, 0: it has none
-        ("bin", np.int16, MODES),  # of the spectral bank, where it has one
-        ("fading_y1", np.float64, MODES),  # what a panic lets fade, with its coefficients
-        ("fading_y2", np.float64, MODES),
-        ("fading_a1", np.float64, MODES),
-        ("fading_a2", np.float64, MODES),
-        ("response", np.float64, MODES // LANES * RESPONSES),
-        ("shape", np.float32, SHAPE_VALUES),
-    ],
-    align=True,
-)
-"""The modal bank; every array begins at a multiple of 64 bytes."""
 
-SCRATCH = np.dtype(
-    [
-        ("work", np.float64, 3 * MODES_PER_OBJECT),
-        ("voices", np.float64, (OBJECTS, 2, QUANTUM)),  # of the objects that are rendered together
-        ("share", np.float64, QUANTUM),  # of one object in one channel
-        ("power", np.float64, MODES_PER_OBJECT),
-        ("moments", np.float64, MOMENTS),
-        ("fine", np.float64, FINE),
-        ("observed", np.float64, FINE),
-        ("receptance", np.float64, FINE),
-        ("drivers", DRIVER, ROLLS),  # of the rolls on one object, at one time
-        ("blows", np.float64, (ROLLS, QUANTUM)),  # their forces by one number a frame, those at one place together
-        ("placed", np.int64, ROLLS),  # the first driver at each place
-        ("taps", np.float64, (2, 2, REACH + 1)),  # from one to the sound, at a quantum's beginning and end
-        ("group", np.int64, OBJECTS),  # slots of those that are rendered together
-        ("group_size", np.int64),
-        ("striker", np.float64, (2, QUANTUM)),  # sound of one
-        ("bank", np.float64, (2, QUANTUM)),  # sound of the spectral bank
-        ("together", COUPLED_GROUP),  # contacts that are solved together
-        ("candidates", np.int64, CONTACTS),  # places of coupled contacts on the objects in `group`
-    ],
-    align=True,
-)
-"""Room for values that are computed and used within a quantum."""
+NOTE = dtype_of(Note)
 
-COMMAND_RING = np.dtype([("entries", COMMAND, RING), ("written", np.int64, 8), ("read", np.int64, 8)], align=True)
-"""Commands on their way in; Python moves `written`, the engine `read`."""
 
-QUEUE = np.dtype(
-    [
-        ("events", COMMAND, EVENTS),
-        ("heap", np.int64, EVENTS),
-        ("size", np.int64),
-        ("last_time", np.float64),  # of the last event that was carried out
-        ("arrivals", np.int64),
-        ("carried_out", np.int64),  # events so far
-    ],
-    align=True,
-)
-"""Events waiting for their time: a heap of indices into a pool."""
+class Trace(Record):
+    """A sample of a contact. The entries of one contact are in the order of time."""
 
-OUTPUT = np.dtype(
-    [
-        ("channels", np.int64),
-        ("mix", np.float64, (MOST_CHANNELS, QUANTUM)),
-        ("ready", np.float32, QUANTUM * MOST_CHANNELS),  # frame by frame
-        ("consumed", np.int64),  # frames of `ready` that have left
-        ("delay", np.int64),  # frames by which the limiter delays the sound, QUANTUM; 0: there is none
-        ("held", np.float64, (MOST_CHANNELS, QUANTUM)),  # the mix that the limiter delays
-        ("allowed", np.float64, 2 * QUANTUM),  # gain that each frame of it, and then of `mix`, allows
-        ("limit", np.float64),  # the limiter's gain
-        ("stems_on", np.int64),
-        ("gain", np.float64, 2),  # of everything, gliding: at the quantum's beginning and end
-        ("silent", np.int64),  # 1: nothing sounded in the last quantum
-        ("turn", np.int64),  # which of two quanta of stems was computed last
-        ("stems", np.float64, (2, STEMS, MOST_CHANNELS, QUANTUM)),  # each slot's share, where they are asked for
-        ("stem_sounds", np.int64, (2, STEMS)),  # 1: that is not silence
-    ],
-    align=True,
-)
+    command: int  # the number of the command that brought the striker
+    gesture: int  # the gesture's number, 0: none
+    contact: int  # the contact's own number
+    slot: int  # of the object touched
+    position: float  # along its strike path
+    speed: float  # m/s: at which striker and object met, of a roll along the surface
+    velocity: float  # m/s: of the striker then, towards the object
+    sample: int  # the force acted between this sample and the next
+    begin: float  # samples: when it began in there, exact where the solver knows it, else `sample`
+    end: float  # samples: when it ended in there, else `sample` + 1
+    impulse: float  # N s: of the force on the object in there, before the gesture's gain
 
-CHOICES = np.dtype(
-    [
-        ("quality", np.int64),  # a Quality
-        ("accuracy", np.int64),  # a place in accuracy.LEVELS
-        ("method", METHOD),
-        ("budget", BUDGET),
-        ("bank", np.int64),  # a place in schema.FORMS: of modes in the spectral bank
-        ("gain", np.float64),  # amplitude: of everything
-        ("limiter", np.int64),  # 0: off
-    ],
-    align=True,
-)
-"""The engine's choices of how to compute, as commands set them."""
 
-TAP_RING = np.dtype(
-    [("on", np.int64), ("frames", np.float32, TAP * MOST_CHANNELS), ("written", np.int64, 8), ("read", np.int64, 8)],
-    align=True,
-)
-NOTE_RING = np.dtype(
-    [("on", np.int64), ("entries", NOTE, NOTES), ("written", np.int64, 8), ("read", np.int64, 8)], align=True
-)
-TRACE_RING = np.dtype(
-    [("on", np.int64), ("entries", TRACE, TRACED), ("written", np.int64, 8), ("read", np.int64, 8)], align=True
-)
-END_RING = np.dtype([("entries", np.int64, (ENDED, 2)), ("written", np.int64, 8)], align=True)
+TRACE = dtype_of(Trace)
 
-STATE = np.dtype(
-    [
-        ("bank", BANK),
-        ("scratch", SCRATCH),
-        ("ring", COMMAND_RING),
-        ("queue", QUEUE),
-        ("objects", OBJECT, OBJECTS),
-        ("order", np.int64, OBJECTS),  # slots of objects that something goes on with: the order of summation
-        ("active", np.int64),  # objects in `order`
-        ("spectral", SPECTRAL),
-        ("ringers", np.int64, OBJECTS),  # slots of objects whose modes ring in the spectral bank
-        ("ringer_count", np.int64),
-        ("looked_at", np.int64),  # the one of them that was looked at last
-        ("to_look_at", np.int64),  # modes that are to be looked at now, below 0: more than that were
-        ("tails", TAILS),
-        ("contacts", CONTACT, CONTACTS),
-        ("free_contact", np.int64, CONTACTS),  # stack
-        ("last_command", np.int64, CONTACTS),  # number of the event that was last about a gesture that lasts; 0: none
-        ("contact_count", np.int64),  # numbers given to contacts so far
-        ("steps_taken", np.int64),  # by coupled contacts in this quantum
-        ("settled_count", np.int64),  # and to the receptances that coupled contacts were told
-        ("oldest_running", np.int64),  # the least of these that may go on in this quantum
-        ("rolls", ROLL, ROLLS),
-        ("slides", SLIDE, ROLLS),  # what those that slide have besides
-        ("feeds", np.float64, (ROLLS, BEHIND + QUANTUM + LEAD, KEPT)),  # moments of their forces, also about a quantum
-        ("samples", np.float64, (ROLLS, QUANTUM + 2 * REACH)),  # their forces by one number a frame, likewise
-        ("through", THROUGH, (ROLLS, 2)),
-        ("free_roll", np.int64, ROLLS),  # stack
-        ("strikers", STRIKER, STRIKERS),  # kinds that sound
-        ("voices", VOICE, VOICES),
-        ("free_voice", np.int64, VOICES),  # stack
-        ("voices_active", np.int64),
-        ("ramps", RAMP_LIST),
-        ("choices", CHOICES),
-        ("output", OUTPUT),
-        ("meter", METER),
-        ("rate", np.float64),
-        ("traits", TRAITS, len(GESTURES)),
-        ("position", np.int64),  # samples computed
-        ("stats", STATS),
-        ("clock", CLOCK),
-        ("thread", np.int64),  # the system's number of the callback's thread, 0: not known
-        # On their way out; the engine moves `written`, Python `read`.
-        ("tap", TAP_RING),  # sound, for a recorder
-        ("notes", NOTE_RING),  # what became of commands, for a log
-        ("trace", TRACE_RING),  # forces of contacts
-        ("ends", END_RING),  # gestures that ended, and how: an End
-    ],
-    align=True,
-)
+
+class Object(Record):
+    """An object: a resonating body."""
+
+    used: int
+    serial: int
+    awake: int  # 1: it is in `order`
+    dying: int  # to be freed: 1 once silent, 2 after a short fade
+    first: int  # mode
+    size: int  # modes, a multiple of LANES
+    felt: int  # its first modes, that contacts feel and settings change
+    bent: int  # those and their reliefs, which slow forces bend; its clicks follow
+    unheard: int  # from there on, modes that contacts feel too, and nobody hears: a multiple of LANES
+    live: int  # modes before the first that is at rest
+    spectral: int  # 1 + the phase of the spectral bank in which its modes ring; 0: here
+    ringer: int  # its place in `ringers` then
+    spectral_gain: float  # that their amplitudes there hold: an output's, never 0
+    returns: int  # 1: they are to come back
+    returned_at: int  # samples: when they last came back, or could not go
+    stale_modes: int  # that wait for new coefficients
+    retuning: int  # the first of them
+    retuned: int  # times that some got them
+    table: int  # first value of its mode shapes, `rows` rows of `size` values
+    rows: int
+    glide: float  # 1/J: rise of its tension, as a share of it, for the energy that rings
+    cone: float  # kg: how far it does about a striker
+    rang: float  # J: energy of its modes as last looked at, with the gains of gestures in it
+    amplified: float  # that over what it were without these gains
+    stretch: float  # that rise now; 0 where nobody would hear it
+    detuned: int  # 1: modes answer forces as at another stretch, and must be told if they are touched
+    contact: int  # head of its list of contacts, -1: none
+    voice: int  # head of its list of strikers that sound, -1: none
+    level: float  # output per Pa
+    faults: int  # times it was silenced for not being finite
+    settings: Settings
+    place: Place
+    static: Annotated[View[float], 2]  # output of its static deflection under pressing strikers, left and right
+    static_before: Annotated[View[float], 2]
+    fading: int  # modes of it that a panic lets fade
+    faded: int  # frames since that panic
+    driven: Annotated[View3D[float], 11, 2, 3]  # output of the forces that acted then, left and right: see panic.py
+    last_driven_at: int  # samples at the beginning of the last quantum in which a force acted on it
+    limited_energy: float  # sum of squares of its share of the mix where the limiter turned it down
+    # In this quantum:
+    has_contact: int  # a contact touches it
+    shares_contact: int  # with another object
+    driven_modes: int  # its first modes that a force acted on
+    driven_gain: float  # the highest gain of a gesture whose force acted on it
+    rolls_head: int  # head of the list of rolls on it, 2 contact + side; -1: none
+    energy: float  # sum of squares of its share of the mix
+
+
+OBJECT = dtype_of(Object)
+
+
+class Bank(Record):
+    """The modal bank; every array begins at a multiple of 64 bytes."""
+
+    y1: Annotated[View[float], MODES]
+    y2: Annotated[View[float], MODES]
+    a1: Annotated[View[float], MODES]
+    a2: Annotated[View[float], MODES]
+    weight: Annotated[View[float], MODES]
+    balance: Annotated[View[float], MODES]
+    frequency: Annotated[View[float], MODES]
+    sigma: Annotated[View[float], MODES]
+    place: Annotated[View[i32], MODES]  # 1 + a mode's place in the spectral bank, 0: it has none
+    bin: Annotated[View[i16], MODES]  # of the spectral bank, where it has one
+    fading_y1: Annotated[View[float], MODES]  # what a panic lets fade, with its coefficients
+    fading_y2: Annotated[View[float], MODES]
+    fading_a1: Annotated[View[float], MODES]
+    fading_a2: Annotated[View[float], MODES]
+    response: Annotated[View[float], MODES // LANES * RESPONSES]
+    shape: Annotated[View[f32], SHAPE_VALUES]
+
+
+BANK = dtype_of(Bank)
+
+
+class Scratch(Record):
+    """Room for values that are computed and used within a quantum."""
+
+    work: Annotated[View[float], 3 * MODES_PER_OBJECT]
+    voices: Annotated[View3D[float], OBJECTS, 2, QUANTUM]  # of the objects that are rendered together
+    share: Annotated[View[float], QUANTUM]  # of one object in one channel
+    power: Annotated[View[float], MODES_PER_OBJECT]
+    moments: Annotated[View[float], MOMENTS]
+    fine: Annotated[View[float], FINE]
+    observed: Annotated[View[float], FINE]
+    receptance: Annotated[View[float], FINE]
+    drivers: Annotated[View[Driver], ROLLS]  # of the rolls on one object, at one time
+    blows: Annotated[View2D[float], ROLLS, QUANTUM]  # their forces by one number a frame, those at one place together
+    placed: Annotated[View[int], ROLLS]  # the first driver at each place
+    taps: Annotated[View3D[float], 2, 2, REACH + 1]  # from one to the sound, at a quantum's beginning and end
+    group: Annotated[View[int], OBJECTS]  # slots of those that are rendered together
+    group_size: int
+    striker: Annotated[View2D[float], 2, QUANTUM]  # sound of one
+    bank: Annotated[View2D[float], 2, QUANTUM]  # sound of the spectral bank
+    together: CoupledGroup  # contacts that are solved together
+    candidates: Annotated[View[int], CONTACTS]  # places of coupled contacts on the objects in `group`
+
+
+class CommandRing(Record):
+    """Commands on their way in; Python moves `written`, the engine `read`."""
+
+    entries: Annotated[View[Event], RING]
+    written: Annotated[View[int], 8]
+    read: Annotated[View[int], 8]
+
+
+class Queue(Record):
+    """Events waiting for their time: a heap of indices into a pool."""
+
+    events: Annotated[View[Event], EVENTS]
+    heap: Annotated[View[int], EVENTS]
+    size: int
+    last_time: float  # of the last event that was carried out
+    arrivals: int
+    carried_out: int  # events so far
+
+
+QUEUE = dtype_of(Queue)
+
+
+class Output(Record):
+    """The mix, and how it leaves the engine."""
+
+    channels: int
+    mix: Annotated[View2D[float], MOST_CHANNELS, QUANTUM]
+    ready: Annotated[View[f32], QUANTUM * MOST_CHANNELS]  # frame by frame
+    consumed: int  # frames of `ready` that have left
+    delay: int  # frames by which the limiter delays the sound, QUANTUM; 0: there is none
+    held: Annotated[View2D[float], MOST_CHANNELS, QUANTUM]  # the mix that the limiter delays
+    allowed: Annotated[View[float], 2 * QUANTUM]  # gain that each frame of it, and then of `mix`, allows
+    limit: float  # the limiter's gain
+    stems_on: int
+    gain: Annotated[View[float], 2]  # of everything, gliding: at the quantum's beginning and end
+    silent: int  # 1: nothing sounded in the last quantum
+    turn: int  # which of two quanta of stems was computed last
+    stems: Annotated[View4D[float], 2, STEMS, MOST_CHANNELS, QUANTUM]  # each slot's share, where they are asked for
+    stem_sounds: Annotated[View2D[int], 2, STEMS]  # 1: that is not silence
+
+
+class Choices(Record):
+    """The engine's choices of how to compute, as commands set them."""
+
+    quality: int  # a Quality
+    accuracy: int  # a place in accuracy.LEVELS
+    method: Method
+    budget: Budget
+    bank: int  # a place in schema.FORMS: of modes in the spectral bank
+    gain: float  # amplitude: of everything
+    limiter: int  # 0: off
+
+
+class TapRing(Record):
+    """Sound for a recorder; the engine moves `written`, Python `read`."""
+
+    on: int
+    frames: Annotated[View[f32], TAP * MOST_CHANNELS]
+    written: Annotated[View[int], 8]
+    read: Annotated[View[int], 8]
+
+
+class NoteRing(Record):
+    """Notes of what became of commands, for a log."""
+
+    on: int
+    entries: Annotated[View[Note], NOTES]
+    written: Annotated[View[int], 8]
+    read: Annotated[View[int], 8]
+
+
+class TraceRing(Record):
+    """Samples of contacts."""
+
+    on: int
+    entries: Annotated[View[Trace], TRACED]
+    written: Annotated[View[int], 8]
+    read: Annotated[View[int], 8]
+
+
+class EndRing(Record):
+    """Numbers of gestures that ended, each with an End."""
+
+    entries: Annotated[View2D[int], ENDED, 2]
+    written: Annotated[View[int], 8]
+
+
+class State(Record):
+    """The whole memory."""
+
+    bank: Bank
+    scratch: Scratch
+    ring: CommandRing
+    queue: Queue
+    objects: Annotated[View[Object], OBJECTS]
+    order: Annotated[View[int], OBJECTS]  # slots of objects that something goes on with: the order of summation
+    active: int  # objects in `order`
+    spectral: Spectral
+    ringers: Annotated[View[int], OBJECTS]  # slots of objects whose modes ring in the spectral bank
+    ringer_count: int
+    looked_at: int  # the one of them that was looked at last
+    to_look_at: int  # modes that are to be looked at now, below 0: more than that were
+    tails: Tails
+    contacts: Annotated[View[Contact], CONTACTS]
+    free_contact: Annotated[View[int], CONTACTS]  # stack
+    last_command: Annotated[
+        View[int], CONTACTS
+    ]  # number of the event that was last about a gesture that lasts; 0: none
+    contact_count: int  # numbers given to contacts so far
+    steps_taken: int  # by coupled contacts in this quantum
+    settled_count: int  # and to the receptances that coupled contacts were told
+    oldest_running: int  # the least of these that may go on in this quantum
+    rolls: Annotated[View[Roll], ROLLS]
+    slides: Annotated[View[Slide], ROLLS]  # what those that slide have besides
+    feeds: Annotated[
+        View3D[float], ROLLS, BEHIND + QUANTUM + LEAD, KEPT
+    ]  # moments of their forces, also about a quantum
+    samples: Annotated[View2D[float], ROLLS, QUANTUM + 2 * REACH]  # their forces by one number a frame, likewise
+    through: Annotated[View2D[Through], ROLLS, 2]
+    free_roll: Annotated[View[int], ROLLS]  # stack
+    strikers: Annotated[View[Striker], STRIKERS]  # kinds that sound
+    voices: Annotated[View[Voice], VOICES]
+    free_voice: Annotated[View[int], VOICES]  # stack
+    voices_active: int
+    ramps: RampList
+    choices: Choices
+    output: Output
+    meter: Meter
+    rate: float
+    traits: Annotated[View[Traits], len(GESTURES)]
+    position: int  # samples computed
+    stats: Counters
+    clock: Clock
+    thread: int  # the system's number of the callback's thread, 0: not known
+    # On their way out; the engine moves `written`, Python `read`.
+    tap: TapRing  # sound, for a recorder
+    notes: NoteRing  # what became of commands, for a log
+    trace: TraceRing  # forces of contacts
+    ends: EndRing  # gestures that ended, and how: an End
+
+
+STATE = dtype_of(State)
 
 
 def new_state(rate: float, channels: int = 2, memory: mmap.mmap | None = None) -> NDArray[np.void]:

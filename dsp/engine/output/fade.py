@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 from ...native.jit import kernel
+from ...native.typed import View
 from ..memory.state import QUANTUM
 
 RATES = np.array([0.0, *100.0 * 2.0 ** np.arange(10)])
@@ -20,13 +21,13 @@ _STEADY = 25.0  # 1/s
 
 
 @kernel
-def note_force(forces, force):
+def note_force(forces: View[float], force: float) -> None:
     """Put the mean (N) of a force over a sample before those of the samples before."""
     forces[2], forces[1], forces[0] = forces[1], forces[0], force
 
 
 @kernel
-def pace_of(forces, rate):
+def pace_of(forces: View[float], rate: float) -> int:
     """Choose the rate in RATES at which a force decays, by its last means (N)."""
     slope = abs(forces[0] - forces[1]) * rate
     bend = abs(forces[0] - 2.0 * forces[1] + forces[2]) * rate * rate
@@ -41,7 +42,7 @@ def pace_of(forces, rate):
 
 
 @kernel
-def going_on(forces, k, rate):
+def going_on(forces: View[float], k: int, rate: float) -> tuple[float, float, float, float]:
     """Return (q, u, v, w) of a force by its last means (N): in sample n from now it gives p = q^n (u + v n + w n^2) N
     s."""
     q = math.exp(-RATES[k] / rate)
@@ -52,7 +53,7 @@ def going_on(forces, k, rate):
 
 
 @kernel
-def tilt_of(q, u, v, w):
+def tilt_of(q: float, u: float, v: float, w: float) -> tuple[float, float, float]:
     """Return (u', v', w') of such a force's first Legendre moments: a twelfth of the difference of p after and
     before."""
     after, before = q / 12.0, 1.0 / (12.0 * q)
@@ -61,13 +62,13 @@ def tilt_of(q, u, v, w):
 
 
 @kernel
-def fade_length(rate):
+def fade_length(rate: float) -> int:
     """Return the frames that a fade lasts."""
     return QUANTUM * max(int(_FADE * rate / QUANTUM + 0.5), 1)
 
 
 @kernel
-def left_of(rate, frames):
+def left_of(rate: float, frames: int) -> float:
     """Return the share left of a sound some frames after a panic, 1 to 0, without a step in slope or curvature."""
     x = min(frames / fade_length(rate), 1.0)
     return 1.0 - x * x * x * (10.0 - x * (15.0 - 6.0 * x))

@@ -7,7 +7,8 @@ line over QUANTUM frames, and is there in time. It goes up again as an exponenti
 import math
 
 from ...native.jit import kernel, noinline_kernel
-from ..memory.state import QUANTUM
+from ...native.typed import View
+from ..memory.state import QUANTUM, Output, State
 
 _ATTACK = 1.0 / QUANTUM  # the most that the gain falls per frame
 _RELEASE = 0.1  # s
@@ -15,7 +16,7 @@ _OVER = 0.9999  # gain above which a release is over
 
 
 @noinline_kernel
-def limit(state):
+def limit(state: State) -> None:
     """Exchange the mix for the one before it, and bring that within [-1, 1], all channels alike.
 
     Count the frames that are turned down, and for whom. A limiter that is switched off lets go as it does after a peak,
@@ -46,7 +47,7 @@ def limit(state):
 
 
 @kernel
-def _exchange(output, on):
+def _exchange(output: Output, on: bool) -> float:
     """Exchange the mix for the one that was held; return the lowest gain that a frame of either allows."""
     mix, held, allowed = output.mix, output.held, output.allowed
     lowest = 1.0
@@ -63,7 +64,7 @@ def _exchange(output, on):
 
 
 @kernel
-def _ramp(allowed, gain):
+def _ramp(allowed: View[float], gain: View[float]) -> None:
     """Fill the gain of the frames that leave: what all frames allow, with a line down to each, from the last one on."""
     ahead = 1.0
     for n in range(2 * QUANTUM - 1, -1, -1):

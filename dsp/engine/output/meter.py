@@ -1,12 +1,13 @@
 """The level meter: what leaves the engine, by quanta: its peaks, and its power as ITU-R BS.1770 weighs it."""
 
 from ...native.jit import kernel
+from ...native.typed import View
 from ..memory.meter_record import METERED
-from ..memory.state import QUANTUM
+from ..memory.state import QUANTUM, State
 
 
 @kernel
-def measure(state):
+def measure(state: State) -> None:
     """Keep the peaks and the power of the quantum that leaves, where a meter is on."""
     meter, output = state.meter, state.output
     if meter.on == 0:
@@ -25,7 +26,7 @@ def measure(state):
 
 
 @kernel
-def _filter(c, memory, at, sample):
+def _filter(c: View[float], memory: View[float], at: int, sample: float) -> float:
     """Filter a sample by a filter of second order, whose memory begins at a place."""
     out = c[0] * sample + memory[at]
     memory[at] = c[1] * sample - c[3] * out + memory[at + 1]

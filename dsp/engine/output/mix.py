@@ -3,10 +3,11 @@
 import math
 
 from ...native.jit import kernel, simd_kernel
+from ...native.typed import View, View2D
 from ..memory.capacity import STEMS
 from ..memory.channels import ask_gains
 from ..memory.quality import is_left_out
-from ..memory.state import QUANTUM
+from ..memory.state import QUANTUM, Object, State
 
 _GLIDE = 0.005  # s: time constant of gains
 _FADED = 1e-6  # gain (-120 dB) at which an object's fade is over
@@ -14,7 +15,7 @@ _HUGE = 1e30  # above this a voice counts as not finite
 
 
 @kernel
-def clear_mix(state):
+def clear_mix(state: State) -> None:
     """Begin a quantum with silence, also in the stems of objects that no longer sound."""
     output = state.output
     for channel in range(output.channels):
@@ -33,7 +34,7 @@ def clear_mix(state):
 
 
 @kernel
-def glide_gains(state, obj):
+def glide_gains(state: State, obj: Object) -> None:
     """Bring an object's gains nearer to their targets."""
     ask_gains(state, obj)
     place = obj.place
@@ -49,7 +50,7 @@ def glide_gains(state, obj):
 
 
 @kernel
-def glide_gain(state):
+def glide_gain(state: State) -> None:
     """Give the mix and all stems the gain of everything: it glides where something sounded, else it is there."""
     output = state.output
     asked, before = state.choices.gain, output.gain[1]
@@ -69,7 +70,7 @@ def glide_gain(state):
 
 
 @kernel
-def _scale(sound, before, now):
+def _scale(sound: View[float], before: float, now: float) -> None:
     """Give a quantum of sound a gain that goes from one value to another."""
     step = (now - before) / QUANTUM
     for n in range(QUANTUM):
@@ -77,7 +78,7 @@ def _scale(sound, before, now):
 
 
 @kernel
-def is_faded(state, obj):
+def is_faded(state: State, obj: Object) -> bool:
     """True if an object's gains are as good as 0."""
     loudest = 0.0
     for channel in range(state.output.channels):
@@ -86,7 +87,7 @@ def is_faded(state, obj):
 
 
 @kernel
-def is_finite(state, voice):
+def is_finite(state: State, voice: View2D[float]) -> bool:
     """True if a voice is made of numbers."""
     finite = True
     for side in range(sides_of(state)):
@@ -96,13 +97,13 @@ def is_finite(state, voice):
 
 
 @kernel
-def sides_of(state):
+def sides_of(state: State) -> int:
     """Return the sides of a voice that are heard: left and right of two channels, else the first."""
     return 2 if state.output.channels == 2 else 1
 
 
 @kernel
-def remove_static(state, obj, voice):
+def remove_static(state: State, obj: Object, voice: View2D[float]) -> None:
     """Take the output of an object's static deflection out of its voice."""
     for side in range(sides_of(state)):
         before = obj.static_before[side]
@@ -113,7 +114,7 @@ def remove_static(state, obj, voice):
 
 
 @kernel
-def add_share(state, slot, voice):
+def add_share(state: State, slot: int, voice: View2D[float]) -> None:
     """Add an object's voice with its gains to the mix, and to its stem where stems are kept."""
     output, scratch, obj = state.output, state.scratch, state.objects[slot]
     for channel in range(output.channels):
@@ -134,7 +135,7 @@ def add_share(state, slot, voice):
 
 
 @simd_kernel
-def _energy(share):
+def _energy(share: View[float]) -> float:
     """Return the sum of squares."""
     energy = 0.0
     for n in range(QUANTUM):

@@ -3,54 +3,78 @@
 They are laid out as MuJoCo's: a contact is a struct, its force is in a row of the constraints' forces.
 """
 
-import numpy as np
+from typing import Annotated
 
 from ....dsp.native.jit import kernel, noinline_kernel
 from ....dsp.native.pointers import load_address, load_double, load_int32
-from ..tracking.state import BODIES, POINTS
-from .mechanism import MECHANISM
+from ....dsp.native.typed import Record, View, View2D, dtype_of
+from ..tracking.state import BODIES, POINTS, State
+from .soft import Soft
 
-ARRAYS = np.dtype(
-    [
-        ("first", np.int64),  # the number of the first body that moves; the others follow
-        ("bodies", np.int64),
-        # For each of them its rows in the arrays below.
-        ("geom", np.int64, BODIES),
-        ("body", np.int64, BODIES),
-        ("root", np.int64, BODIES),
-        ("led", np.int64, BODIES),  # 1: it is moved by its pose, and `motions` say nothing of it
-        # If `motions` are of the end of a step, as with steps of Runge and Kutta, those of the step before count.
-        ("late", np.int64),  # 1: they are
-        ("known", np.int64),  # 1: there was a step before
-        ("before", np.float64, (BODIES, 9)),  # spin, velocity, and the point that it is of
-        # Addresses of arrays of float64.
-        ("positions", np.int64),  # by geom: 3
-        ("turns", np.int64),  # by geom: a rotation matrix
-        ("motions", np.int64),  # by body: spin, and the velocity of the point `abouts`
-        ("abouts", np.int64),  # by root: 3
-        # Contacts: where the address of the first stands, how far apart they are, and where in each its parts are.
-        ("contacts", np.int64),
-        ("stride", np.int64),
-        ("point", np.int64),
-        ("normal", np.int64),
-        ("distance", np.int64),
-        ("geoms", np.int64),  # two of int32
-        ("row", np.int64),  # int32: of the force; below 0 it is not in force
-        ("dimensions", np.int64),  # int32
-        ("forces", np.int64),  # where the address of the forces stands; 0: they are not known
-        ("pyramids", np.int64),  # 1: a force is the sum of two rows for each tangent
-        ("numbers", np.int64),  # address of int32: the number of each geom's body, -1: it has none
-        ("mechanism", MECHANISM),
-    ],
-    align=True,
-)
-"""Addresses of a simulator's poses and contacts."""
+
+class Mechanism(Record):
+    """Addresses of MuJoCo's data that decide over a blow."""
+
+    jacobian: int  # addresses of mj_jac, 0: nothing is known; and of mj_solveM
+    solve: int
+    model: int  # of the model and its data
+    data: int
+    velocities: int  # how many the model has
+    smooth: int  # where the address of their accelerations stands that are due to other forces
+    step: int  # of the model's step (s)
+    own: int  # 1: the restitution is its contact's
+    reference: int  # where in a contact its solref and solimp are,
+    impedance: int
+    margin: int  # and the distance below which it pushes
+    # Addresses of room for a point, for J's rows, for J and for M^-1 J'.
+    point: int
+    slope: int
+    along: int
+    answer: int
+    soft: Soft
+
+
+class Arrays(Record):
+    """Addresses of a simulator's poses and contacts."""
+
+    first: int  # the number of the first body that moves; the others follow
+    bodies: int
+    # For each of them its rows in the arrays below.
+    geom: Annotated[View[int], BODIES]
+    body: Annotated[View[int], BODIES]
+    root: Annotated[View[int], BODIES]
+    led: Annotated[View[int], BODIES]  # 1: it is moved by its pose, and `motions` say nothing of it
+    # If `motions` are of the end of a step, as with steps of Runge and Kutta, those of the step before count.
+    late: int  # 1: they are
+    known: int  # 1: there was a step before
+    before: Annotated[View2D[float], BODIES, 9]  # spin, velocity, and the point that it is of
+    # Addresses of arrays of float64.
+    positions: int  # by geom: 3
+    turns: int  # by geom: a rotation matrix
+    motions: int  # by body: spin, and the velocity of the point `abouts`
+    abouts: int  # by root: 3
+    # Contacts: where the address of the first stands, how far apart they are, and where in each its parts are.
+    contacts: int
+    stride: int
+    point: int
+    normal: int
+    distance: int
+    geoms: int  # two of int32
+    row: int  # int32: of the force; below 0 it is not in force
+    dimensions: int  # int32
+    forces: int  # where the address of the forces stands; 0: they are not known
+    pyramids: int  # 1: a force is the sum of two rows for each tangent
+    numbers: int  # address of int32: the number of each geom's body, -1: it has none
+    mechanism: Mechanism
+
+
+ARRAYS = dtype_of(Arrays)
 
 _DOUBLE, _INT = 8, 4  # bytes
 
 
 @noinline_kernel
-def gather(state, arrays, points, span):
+def gather(state: State, arrays: Arrays, points: int, span: float) -> None:
     """Copy poses and so many contacts into the tracker's memory, a time (s) after the last step's."""
     for n in range(arrays.bodies):
         if arrays.led[n] == 1:
@@ -78,7 +102,7 @@ def gather(state, arrays, points, span):
 
 
 @noinline_kernel
-def _take_before(state, arrays, n):
+def _take_before(state: State, arrays: Arrays, n: int) -> None:
     """Give a body the motion that it had a step before, and keep that of this one."""
     to = arrays.first + n
     before = arrays.before[n]
@@ -91,7 +115,7 @@ def _take_before(state, arrays, n):
 
 
 @noinline_kernel
-def _lead(state, arrays, n, span):
+def _lead(state: State, arrays: Arrays, n: int, span: float) -> None:
     """Copy the pose of a body that is moved by it: its motion is what has changed. One that jumps has none."""
     to = arrays.first + n
     place = arrays.positions + 3 * _DOUBLE * arrays.geom[n]
@@ -117,7 +141,7 @@ def _lead(state, arrays, n, span):
 
 
 @kernel
-def _take_contact(state, arrays, n, contact):
+def _take_contact(state: State, arrays: Arrays, n: int, contact: int) -> None:
     """Copy a contact at an address; one that is not in force is as if it did not touch."""
     row = load_int32(contact + arrays.row)
     for side in range(2):

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ....dsp.native.jit import intrinsic, ir, types
+from ....dsp.native.jit import Lowered, intrinsic, ir, types
 
 
 def _called(builder: Any, address: Any, *args: Any) -> None:
@@ -12,7 +12,9 @@ def _called(builder: Any, address: Any, *args: Any) -> None:
 
 
 @intrinsic
-def call_jacobian(typingctx, function, model, data, slope, point, body):
+def call_jacobian(
+    typingctx: object, function: int, model: int, data: int, slope: int, point: int, body: int
+) -> Lowered[None]:
     """Call MuJoCo's mj_jac at an address, for the 3 rows of translations alone."""
 
     def codegen(context, builder, signature, args):
@@ -25,7 +27,7 @@ def call_jacobian(typingctx, function, model, data, slope, point, body):
 
 
 @intrinsic
-def call_solve(typingctx, function, model, data, answer, given):
+def call_solve(typingctx: object, function: int, model: int, data: int, answer: int, given: int) -> Lowered[None]:
     """Call MuJoCo's mj_solveM at an address, for one row."""
 
     def codegen(context, builder, signature, args):

@@ -7,51 +7,30 @@ import numpy as np
 
 from ....dsp.native.jit import carray, kernel, noinline_kernel
 from ....dsp.native.pointers import load_address, load_double, pointer_to
+from ....dsp.native.typed import View, View2D
+from ..tracking.state import Blow, State
+from .arrays import Arrays
 from .functions import call_jacobian, call_solve
-from .soft import LEAST_IMPEDANCE, MOST_IMPEDANCE, SOFT, rebound_of
-
-MECHANISM = np.dtype(
-    [
-        ("jacobian", np.int64),  # addresses of mj_jac, 0: nothing is known; and of mj_solveM
-        ("solve", np.int64),
-        ("model", np.int64),  # of the model and its data
-        ("data", np.int64),
-        ("velocities", np.int64),  # how many the model has
-        ("smooth", np.int64),  # where the address of their accelerations stands that are due to other forces
-        ("step", np.int64),  # of the model's step (s)
-        ("own", np.int64),  # 1: the restitution is its contact's
-        ("reference", np.int64),  # where in a contact its solref and solimp are,
-        ("impedance", np.int64),
-        ("margin", np.int64),  # and the distance below which it pushes
-        # Addresses of room for a point, for J's rows, for J and for M^-1 J'.
-        ("point", np.int64),
-        ("slope", np.int64),
-        ("along", np.int64),
-        ("answer", np.int64),
-        ("soft", SOFT),
-    ],
-    align=True,
-)
-"""Addresses of MuJoCo's data that decide over a blow."""
+from .soft import LEAST_IMPEDANCE, MOST_IMPEDANCE, rebound_of
 
 _DOUBLE = 8  # bytes
 
 
 @noinline_kernel
-def ask_mechanism(arrays, state, blow):
+def ask_mechanism(arrays: Arrays, state: State, blow: Blow) -> None:
     """Say a blow's effective mass, if the mechanism gives way, and its restitution."""
     mechanism = arrays.mechanism
     count = mechanism.velocities
-    along = carray(pointer_to(mechanism.along), (count,), np.float64)
+    along: View[float] = carray(pointer_to(mechanism.along), (count,), np.float64)
     for k in range(count):
         along[k] = 0.0
-    point = carray(pointer_to(mechanism.point), (3,), np.float64)
+    point: View[float] = carray(pointer_to(mechanism.point), (3,), np.float64)
     for k in range(3):
         point[k] = blow.point[k]
     _close(arrays, blow, blow.a, 1.0, along)
     _close(arrays, blow, blow.b, -1.0, along)
     call_solve(mechanism.solve, mechanism.model, mechanism.data, mechanism.answer, mechanism.along)
-    answer = carray(pointer_to(mechanism.answer), (count,), np.float64)
+    answer: View[float] = carray(pointer_to(mechanism.answer), (count,), np.float64)
     lightness = pushed = 0.0
     smooth = load_address(mechanism.smooth)
     for k in range(count):
@@ -64,7 +43,7 @@ def ask_mechanism(arrays, state, blow):
 
 
 @kernel
-def _close(arrays, blow, body, sign, along):
+def _close(arrays: Arrays, blow: Blow, body: int, sign: float, along: View[float]) -> None:
     """Add how fast a body's point moves along a blow's normal, for each of the model's velocities."""
     moving = body - arrays.first
     if moving < 0 or moving >= arrays.bodies:
@@ -72,14 +51,14 @@ def _close(arrays, blow, body, sign, along):
     mechanism = arrays.mechanism
     number = arrays.body[moving]
     call_jacobian(mechanism.jacobian, mechanism.model, mechanism.data, mechanism.slope, mechanism.point, number)
-    slope = carray(pointer_to(mechanism.slope), (3, mechanism.velocities), np.float64)
+    slope: View2D[float] = carray(pointer_to(mechanism.slope), (3, mechanism.velocities), np.float64)
     for k in range(mechanism.velocities):
         for i in range(3):
             along[k] += sign * blow.normal[i] * slope[i, k]
 
 
 @kernel
-def _rebound(arrays, blow, pushed):
+def _rebound(arrays: Arrays, blow: Blow, pushed: float) -> float:
     """Return the share of its speed that a blow's contact leaves, where other forces push the bodies together
     (m/s^2)."""
     mechanism = arrays.mechanism
@@ -107,7 +86,7 @@ def _rebound(arrays, blow, pushed):
 
 
 @kernel
-def _closes_now(arrays, blow, body):
+def _closes_now(arrays: Arrays, blow: Blow, body: int) -> float:
     """Return the speed of a body's point along a blow's normal at the end of a step (m/s): see `late` of ARRAYS."""
     moving = body - arrays.first
     if moving < 0 or moving >= arrays.bodies:

@@ -4,28 +4,30 @@ The reference acceleration is a_ref = -b v - k d r, of which the constraint appl
 (MuJoCo, "Computation": "Solver parameters"). It is taken step by step as the simulator does.
 """
 
-import numpy as np
-
 from ....dsp.native.jit import kernel
+from ....dsp.native.typed import Record, dtype_of
 
-SOFT = np.dtype(
-    [
-        (name, np.float64)
-        for name in (
-            "step",  # s
-            "stiffness",  # k, 1/s^2
-            "damping",  # b, 1/s
-            "low", "high", "width", "middle", "power",  # of the impedance: a sigmoid of the depth over a width (m)
-            "depth",  # m, as the contact is seen first
-            "speed",  # m/s, of the approach
-            "pushed",  # m/s^2: how other forces push the bodies together
-            "late",  # 1: the simulator's steps are Runge and Kutta's, and `depth` is that of the last of four stages
-            "braked",  # m/s: how fast they close at that stage
-        )
-    ],
-    align=True,
-)  # fmt: skip
-"""A contact of MuJoCo's."""
+
+class Soft(Record):
+    """A contact of MuJoCo's."""
+
+    step: float  # s
+    stiffness: float  # k, 1/s^2
+    damping: float  # b, 1/s
+    # Of the impedance, a sigmoid of the depth over a width (m):
+    low: float
+    high: float
+    width: float
+    middle: float
+    power: float
+    depth: float  # m, as the contact is seen first
+    speed: float  # m/s, of the approach
+    pushed: float  # m/s^2: how other forces push the bodies together
+    late: float  # 1: the simulator's steps are Runge and Kutta's, and `depth` is that of the last of four stages
+    braked: float  # m/s: how fast they close at that stage
+
+
+SOFT = dtype_of(Soft)
 
 LEAST_IMPEDANCE, MOST_IMPEDANCE = 1e-4, 0.9999
 """MuJoCo's bounds of the impedance."""
@@ -35,7 +37,7 @@ _GUESSES = 20  # at the depth before it was seen
 
 
 @kernel
-def rebound_of(soft):
+def rebound_of(soft: Soft) -> float:
     """Return the share of its speed that the contact leaves: as it parts, or before other forces push it back."""
     depth, rate, least = _first_depth(soft), soft.speed, soft.speed
     slows = False
@@ -54,7 +56,7 @@ def rebound_of(soft):
 
 
 @kernel
-def _first_depth(soft):
+def _first_depth(soft: Soft) -> float:
     """Return the depth (m) at the beginning of the step in which the contact is seen."""
     if soft.late == 0.0:
         return soft.depth
@@ -65,7 +67,7 @@ def _first_depth(soft):
 
 
 @kernel
-def _runge_kutta(soft, depth, rate):
+def _runge_kutta(soft: Soft, depth: float, rate: float) -> tuple[float, float, float]:
     """Return the depth and its rate after a step, and the depth at its last stage."""
     half = 0.5 * soft.step
     push1 = _acceleration(soft, depth, rate)
@@ -81,7 +83,7 @@ def _runge_kutta(soft, depth, rate):
 
 
 @kernel
-def _acceleration(soft, depth, rate):
+def _acceleration(soft: Soft, depth: float, rate: float) -> float:
     """Return the acceleration of the depth (m/s^2)."""
     if depth < 0.0:
         return soft.pushed
@@ -91,7 +93,7 @@ def _acceleration(soft, depth, rate):
 
 
 @kernel
-def _impedance(soft, depth):
+def _impedance(soft: Soft, depth: float) -> float:
     """Return d(r)."""
     x = min(depth / max(soft.width, 1e-15), 1.0)
     if soft.power <= 1.0 or x == 0.0 or x == 1.0:

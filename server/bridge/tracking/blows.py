@@ -11,7 +11,9 @@ from ....dsp.bodies.material import CONTACT_RADIUS
 from ....dsp.contact.estimate import LONGEST_CONTACT, longest_estimate
 from ....dsp.contact.law import restitution_of
 from ....dsp.native.jit import kernel, noinline_kernel
-from .state import EVENTS, HIT, OCTAVES
+from ....dsp.native.typed import View2D
+from .microphones import MicrophoneState
+from .state import EVENTS, HIT, OCTAVES, Blow, State
 from .strips import place_on, radius_at
 
 _IN = 0.05  # s: the time over which blows are counted
@@ -23,7 +25,7 @@ _SHARPEST, _FLATTEST = 1e-4, 10.0  # m: radii of contacts
 
 
 @noinline_kernel
-def judge_blows(state):
+def judge_blows(state: State) -> int:
     """Weigh the blows of a step, the loudest first, and say which are heard: how many."""
     count = state.struck
     for n in range(count):
@@ -56,7 +58,7 @@ def judge_blows(state):
 
 
 @kernel
-def _is_heard(state, pressure, time):
+def _is_heard(state: State, pressure: float, time: float) -> bool:
     """True if a contact of a pressure (Pa rms at a microphone) is heard at a time (s), after those asked of."""
     if pressure < max(state.faintest, masked_at(state, time)):
         return False
@@ -66,18 +68,18 @@ def _is_heard(state, pressure, time):
 
 
 @kernel
-def masked_at(state, time):
+def masked_at(state: State, time: float) -> float:
     """Return the pressure (Pa rms) below which nothing is heard at a time (s) beside what was heard of late."""
     return state.loudest * state.masked if _is_recent(state, time) else 0.0
 
 
 @kernel
-def _is_recent(state, time):
+def _is_recent(state: State, time: float) -> bool:
     return time - state.loudest_at < _RECENT
 
 
 @noinline_kernel
-def find_blows(state):
+def find_blows(state: State) -> None:
     """Make blows of a step's hits."""
     state.struck = 0
     for n in range(state.happened):
@@ -96,7 +98,7 @@ def find_blows(state):
 
 
 @kernel
-def _find_law(state, blow, local):
+def _find_law(state: State, blow: Blow, local: View2D[float]) -> None:
     """Find the law of a contact of two bodies at points in their axes: Hertz's."""
     law = state.law[state.material[blow.a], state.material[blow.b]]
     blow.stiffness = law[0] * math.sqrt(contact_radius(curvature_of(state, blow.a, blow.b, local)))
@@ -104,14 +106,14 @@ def _find_law(state, blow, local):
 
 
 @kernel
-def curvature_of(state, a, b, local):
+def curvature_of(state: State, a: int, b: int, local: View2D[float]) -> float:
     """Return the curvature (1/m) of a contact of two bodies, at points in their axes."""
     first = radius_at(state.round[a], state.edges[a], local[0])
     return 1.0 / first + 1.0 / radius_at(state.round[b], state.edges[b], local[1])
 
 
 @noinline_kernel
-def weigh_blow(state, microphones, blow):
+def weigh_blow(state: State, microphones: MicrophoneState, blow: Blow) -> None:
     """Find a blow's impulse and its pressure, from its speed, mass and restitution."""
     share, told = left_of(state, blow), not math.isnan(blow.restitution)
     speed, mass = blow.speed, blow.mass
@@ -137,7 +139,7 @@ def weigh_blow(state, microphones, blow):
 
 
 @kernel
-def left_of(state, blow):
+def left_of(state: State, blow: Blow) -> float:
     """Return the share of its speed that a blow leaves: of the pair, as it was told, or by its law."""
     own = state.bounce[blow.a, blow.b]
     if own > 0.0:
@@ -148,13 +150,14 @@ def left_of(state, blow):
 
 
 @kernel
-def time_of_contact(mass, stiffness, speed):
+def time_of_contact(mass: float, stiffness: float, speed: float) -> float:
     """Return the time (s) of a blow, by Hertz, without dissipation."""
-    return 3.218 * (mass * mass / (stiffness * stiffness * speed)) ** 0.2
+    time: float = 3.218 * (mass * mass / (stiffness * stiffness * speed)) ** 0.2
+    return time
 
 
 @kernel
-def loudness_of(state, body, lasting):
+def loudness_of(state: State, body: int, lasting: float) -> float:
     """Return the pressure (Pa rms at 1 m) of a blow of 1 N s on a body, that lasts so long (s), as an estimate."""
     octave = min(max(math.log2(lasting) + (OCTAVES - 1), 0.0), OCTAVES - 1.001)
     low = int(octave)
@@ -163,6 +166,6 @@ def loudness_of(state, body, lasting):
 
 
 @kernel
-def contact_radius(curvature):
+def contact_radius(curvature: float) -> float:
     """Return the radius (m) of a contact, within bounds; of two faces, that of rounded corners."""
     return min(max(1.0 / curvature if curvature > 0.0 else CONTACT_RADIUS, _SHARPEST), _FLATTEST)

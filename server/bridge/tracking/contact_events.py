@@ -13,10 +13,11 @@ over each body. It is told anew only where the change can be heard.
 import math
 
 from ....dsp.native.jit import kernel, noinline_kernel
+from .microphones import MicrophoneState
 from .motion import find_glide, follow, hop
 from .points import clear, into, longest_hop, remember, take_point
 from .slides import RESTS, fainter_slide, is_masked, is_noticed, is_too_faint, motion_of, pressure_of, steer_slide
-from .state import EVENTS, HEARD, HIT, MOVE, POINTS, REST, STEERED, STILL, UNHEARD
+from .state import EVENTS, HEARD, HIT, MOVE, POINTS, REST, STEERED, STILL, UNHEARD, Pair, State
 
 _OPPOSITE = 0.1  # length of the mean of normals below which they are against each other
 _STOOD = 0.03  # s after a blow, when it is not one of a bounce
@@ -28,7 +29,7 @@ _LONGEST_FALL = 0.05  # s: of a step at most, as what is told less often is told
 
 
 @noinline_kernel
-def take_step(state, microphones, points, time):
+def take_step(state: State, microphones: MicrophoneState, points: int, time: float) -> int:
     """Look at a step of so many points at a time (s); the number of events, -1 for numbers that cannot be."""
     if not _is_whole(state, points):
         return -1
@@ -49,7 +50,7 @@ def take_step(state, microphones, points, time):
 
 
 @kernel
-def _is_whole(state, points):
+def _is_whole(state: State, points: int) -> bool:
     """True if all that was told is finite, and of bodies that there are."""
     if points > POINTS:
         return False
@@ -71,7 +72,7 @@ def _is_whole(state, points):
 
 
 @noinline_kernel
-def _step_pair(state, microphones, i, span):
+def _step_pair(state: State, microphones: MicrophoneState, i: int, span: float) -> None:
     """Tell what happened to a pair in this step; forget it where it touches no more."""
     pair = state.pairs[i]
     if pair.count == 0:
@@ -104,7 +105,7 @@ def _step_pair(state, microphones, i, span):
 
 
 @kernel
-def _begin(state, microphones, pair):
+def _begin(state: State, microphones: MicrophoneState, pair: Pair) -> None:
     """Begin the sound of a standing contact that moves, if one of its bodies rings, it is loud enough and there is room
     for it."""
     if state.rings[pair.a] == 0 and state.rings[pair.b] == 0:
@@ -137,7 +138,7 @@ def _begin(state, microphones, pair):
 
 
 @kernel
-def _make_room(state, pair):
+def _make_room(state: State, pair: Pair) -> None:
     """End the faintest slide, if a contact that begins to move is louder by far."""
     faintest = fainter_slide(state, pair)
     if faintest >= 0:
@@ -146,7 +147,7 @@ def _make_room(state, pair):
 
 
 @kernel
-def _hush(state, pair):
+def _hush(state: State, pair: Pair) -> None:
     """Stop hearing a contact that moves, for now."""
     _end(state, pair)
     pair.moves = UNHEARD
@@ -154,7 +155,7 @@ def _hush(state, pair):
 
 
 @kernel
-def _end(state, pair):
+def _end(state: State, pair: Pair) -> None:
     """End the sound of a standing contact, if it moved."""
     if pair.moves == HEARD:
         state.heard -= 1
@@ -166,7 +167,7 @@ def _end(state, pair):
 
 
 @kernel
-def _leave(state, i, span):
+def _leave(state: State, i: int, span: float) -> None:
     """Forget a pair that does not touch in this step, unless it slides and may only have hopped."""
     pair = state.pairs[i]
     if state.time - pair.seen > longest_hop(state, pair, span):
@@ -179,7 +180,7 @@ def _leave(state, i, span):
 
 
 @noinline_kernel
-def _hit(state, pair):
+def _hit(state: State, pair: Pair) -> None:
     """Tell a blow: the new points that close, at their middle."""
     count = pair.fresh
     length = 0.0
@@ -212,7 +213,7 @@ def _hit(state, pair):
 
 
 @kernel
-def _nearest(state, pair):
+def _nearest(state: State, pair: Pair) -> int:
     """Return the contact of a pair that is nearest to its blow."""
     found, least = -1, math.inf
     for n in range(state.points):
@@ -228,7 +229,7 @@ def _nearest(state, pair):
 
 
 @kernel
-def _lightness(state, body, pair):
+def _lightness(state: State, body: int, pair: Pair) -> float:
     """Return 1/M + (r x n) I^-1 (r x n) of a body (1/kg), at the point of a blow."""
     total = state.lightness[body]
     if total == 0.0:
@@ -246,7 +247,7 @@ def _lightness(state, body, pair):
 
 
 @noinline_kernel
-def _tell(state, pair, kind):
+def _tell(state: State, pair: Pair, kind: int) -> int:
     """Add an event; its number, -1 where there is no room."""
     if state.happened == EVENTS:
         return -1
@@ -278,14 +279,14 @@ def _tell(state, pair, kind):
 
 
 @kernel
-def _sound(state, body):
+def _sound(state: State, body: int) -> None:
     """Keep a body sounding for as long as it rings, or on and on where it slides."""
     if state.rings[body] == 1:
         state.until[body] = math.inf if state.sliding[body] > 0 else state.time + state.ringing[body]
 
 
 @kernel
-def _forget(state, i):
+def _forget(state: State, i: int) -> None:
     """Remove a pair that touches no more; the last one takes its place."""
     gone = state.pairs[i]
     state.place[gone.a, gone.b] = 0

@@ -4,39 +4,40 @@ A body at a distance r is heard by 1/r, times 1 - p + p cos(angle), the pattern 
 """
 
 import math
-
-import numpy as np
+from typing import Annotated
 
 from ....dsp.native.jit import kernel, noinline_kernel
-from .state import BODIES
+from ....dsp.native.typed import Record, View, View2D, dtype_of
+from .state import BODIES, State
 
 MICROPHONES = 64
 _PLACED = 0.02  # s between two looks at where bodies are
 
-MICROPHONE_STATE = np.dtype(
-    [
-        ("count", np.int64),
-        ("nearest", np.float64),  # m: a body that is nearer is as loud as there
-        ("step", np.float64),  # share by which a gain changes before it is told
-        ("position", np.float64, (MICROPHONES, 3)),
-        ("direction", np.float64, (MICROPHONES, 3)),  # of length 1
-        ("pattern", np.float64, MICROPHONES),
-        # Of each body.
-        ("told", np.float64, (BODIES, MICROPHONES)),
-        ("now", np.float64, (BODIES, MICROPHONES)),
-        ("loudest", np.float64, BODIES),  # the gain at the microphone that hears it best
-        ("sound", np.int64),  # how many bodies sound
-        ("found", np.int64),  # how many of them are to be told
-        ("next", np.float64),  # s: when to look again
-        ("changed", np.int64, BODIES),  # numbers of bodies whose gains are to be told
-    ],
-    align=True,
-)
-"""Microphones, and how they hear each body."""
+
+class MicrophoneState(Record):
+    """Microphones, and how they hear each body."""
+
+    count: int
+    nearest: float  # m: a body that is nearer is as loud as there
+    step: float  # share by which a gain changes before it is told
+    position: Annotated[View2D[float], MICROPHONES, 3]
+    direction: Annotated[View2D[float], MICROPHONES, 3]  # of length 1
+    pattern: Annotated[View[float], MICROPHONES]
+    # Of each body.
+    told: Annotated[View2D[float], BODIES, MICROPHONES]
+    now: Annotated[View2D[float], BODIES, MICROPHONES]
+    loudest: Annotated[View[float], BODIES]  # the gain at the microphone that hears it best
+    sound: int  # how many bodies sound
+    found: int  # how many of them are to be told
+    next: float  # s: when to look again
+    changed: Annotated[View[int], BODIES]  # numbers of bodies whose gains are to be told
+
+
+MICROPHONE_STATE = dtype_of(MicrophoneState)
 
 
 @kernel
-def gain_at(microphones, m, place):
+def gain_at(microphones: MicrophoneState, m: int, place: View[float]) -> float:
     """Return a microphone's gain for a sound's pressure at 1 m from a place (3,)."""
     square = along = 0.0
     for k in range(3):
@@ -49,7 +50,7 @@ def gain_at(microphones, m, place):
 
 
 @noinline_kernel
-def find_gains(microphones, state):
+def find_gains(microphones: MicrophoneState, state: State) -> int:
     """Find the gains of all bodies, and list those that sound and whose gains are others than those told; how many."""
     found = 0
     microphones.sound = 0

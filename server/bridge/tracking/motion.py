@@ -4,6 +4,7 @@ import math
 
 from ....dsp.native.jit import kernel
 from .points import into, slip_at
+from .state import Glide, Pair, State
 
 _SMOOTH = 0.005  # s: time constant of slip and sweep
 _SMOOTH_FORCE = 0.1  # s: of the force
@@ -15,7 +16,7 @@ _STAYS_AT = 0.1  # share of its sweep over one body, at which a contact that is 
 
 
 @kernel
-def find_glide(glide, span):
+def find_glide(glide: Glide, span: float) -> None:
     """Find how far a contact's motion, its place and its force glide in a time (s), unless it is the same as before."""
     if glide.span == span:
         return
@@ -26,7 +27,7 @@ def find_glide(glide, span):
 
 
 @kernel
-def follow(state, pair, span):
+def follow(state: State, pair: Pair, span: float) -> None:
     """Find how a contact slips and sweeps, and how hard it is pressed, smoothed."""
     passed = state.time - pair.last if pair.settled > 0 else span
     pair.last = state.time
@@ -56,7 +57,7 @@ def follow(state, pair, span):
 
 
 @kernel
-def _press(state, pair, span, landed):
+def _press(state: State, pair: Pair, span: float, landed: bool) -> None:
     """Smooth a contact's force: of one that hops, its mean from landing to landing; its weight where none is told."""
     weight = _weight(state, pair)
     if pair.now[2] == 0.0:
@@ -74,7 +75,7 @@ def _press(state, pair, span, landed):
 
 
 @kernel
-def hop(state, pair, span):
+def hop(state: State, pair: Pair, span: float) -> None:
     """Find how a contact that hops slips on: as its bodies move where it was last, or as it was told.
 
     One that stays at its place on one body sweeps over the other as fast as it slips.
@@ -94,7 +95,7 @@ def hop(state, pair, span):
 
 
 @kernel
-def _weight(state, pair):
+def _weight(state: State, pair: Pair) -> float:
     """Return the weight (N) of the lighter body of a pair."""
     lightness = max(state.lightness[pair.a], state.lightness[pair.b])
     return state.gravity / lightness if lightness > 0.0 else 0.0

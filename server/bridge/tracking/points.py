@@ -3,7 +3,8 @@
 import math
 
 from ....dsp.native.jit import kernel, noinline_kernel
-from .state import KEPT, PAIRS
+from ....dsp.native.typed import View
+from .state import KEPT, PAIRS, Pair, State
 
 MEMORY = 0.002
 """s, at least two steps: how long a point that is not told is remembered."""
@@ -19,7 +20,7 @@ _STILL = 0.01  # share of that: no other point is as near
 
 
 @kernel
-def clear(pair):
+def clear(pair: Pair) -> None:
     """Forget the points of the step before."""
     pair.count = pair.fresh = pair.followed = 0
     pair.swept[0] = pair.swept[1] = 0.0
@@ -29,7 +30,7 @@ def clear(pair):
 
 
 @kernel
-def _find(state, a, b):
+def _find(state: State, a: int, b: int) -> int:
     """Find the number of a pair, which touches from now on if it did not; -1 where there is no room."""
     place = state.place[a, b] - 1
     if place >= 0 or state.touching == PAIRS:
@@ -52,7 +53,7 @@ def _find(state, a, b):
 
 
 @kernel
-def _struck(state, a, b):
+def _struck(state: State, a: int, b: int) -> int:
     """Return the side of the body that is struck, or slid on: of the one that rings, the heavier one rather."""
     if state.rings[a] != state.rings[b]:
         return 0 if state.rings[a] == 1 else 1
@@ -60,7 +61,7 @@ def _struck(state, a, b):
 
 
 @noinline_kernel
-def take_point(state, n, span, least):
+def take_point(state: State, n: int, span: float, least: float) -> None:
     """Add a point of this step to its pair."""
     first, second = state.pair[n, 0], state.pair[n, 1]
     if first == second:
@@ -101,7 +102,7 @@ def take_point(state, n, span, least):
 
 
 @kernel
-def _speeds(state, n, a, b, sign):
+def _speeds(state: State, n: int, a: int, b: int, sign: float) -> tuple[float, float]:
     """Return the closing speed and the slip of a point (m/s): as they were told, else by the motion of the bodies."""
     closing, aside = _rates(state, a, b, state.point[n], state.normal[n])
     approach, slip = state.approach[n], state.slip[n]
@@ -109,7 +110,7 @@ def _speeds(state, n, a, b, sign):
 
 
 @kernel
-def _rates(state, a, b, point, normal):
+def _rates(state: State, a: int, b: int, point: View[float], normal: View[float]) -> tuple[float, float]:
     """Return the speed of one body against another at a point (m/s): along a normal, and across it."""
     closing = square = 0.0
     for k in range(3):
@@ -123,7 +124,7 @@ def _rates(state, a, b, point, normal):
 
 
 @kernel
-def remember(state, pair):
+def remember(state: State, pair: Pair) -> None:
     """Remember where the bodies of a pair touch, for when they hop."""
     body = _smaller(state, pair)
     for k in range(3):
@@ -132,7 +133,7 @@ def remember(state, pair):
 
 
 @kernel
-def slip_at(state, pair):
+def slip_at(state: State, pair: Pair) -> float:
     """Return the speed at which the bodies of a pair slip where they touched last (m/s).
 
     That is as far from the centre of the smaller body as it was, in the world's axes: a ball that turns in the air is
@@ -145,13 +146,13 @@ def slip_at(state, pair):
 
 
 @kernel
-def _smaller(state, pair):
+def _smaller(state: State, pair: Pair) -> int:
     """Return the smaller body of a pair."""
     return pair.a if state.reach[pair.a] <= state.reach[pair.b] else pair.b
 
 
 @kernel
-def into(state, body, point, k):
+def into(state: State, body: int, point: View[float], k: int) -> float:
     """Return component k of a point (m, in the world) in the axes of a body."""
     total = 0.0
     for i in range(3):
@@ -160,7 +161,7 @@ def into(state, body, point, k):
 
 
 @kernel
-def _apart(state, a, b):
+def _apart(state: State, a: int, b: int) -> float:
     """Return the speed of one body against another, but for their turning (m/s)."""
     total = 0.0
     for k in range(3):
@@ -170,7 +171,7 @@ def _apart(state, a, b):
 
 
 @kernel
-def longest_hop(state, pair, span):
+def longest_hop(state: State, pair: Pair, span: float) -> float:
     """Return the longest time (s) for which a pair may be missing and still touch: what slides hops."""
     longest = max(MEMORY, 2.5 * span)
     if pair.stood == 1 and state.gravity > 0.0:
@@ -179,7 +180,7 @@ def longest_hop(state, pair, span):
 
 
 @kernel
-def _is_new(state, pair, n, span, rate):
+def _is_new(state: State, pair: Pair, n: int, span: float, rate: float) -> bool:
     """True if a point was not there in the last steps, but for the way it goes at a rate (m/s), by which a point closes
     and slips, and as its bodies move; it is remembered.
 
@@ -215,7 +216,15 @@ def _is_new(state, pair, n, span, rate):
 
 
 @noinline_kernel
-def _nearest_of(pair, on_a, on_b, time, longest, near, rate):
+def _nearest_of(
+    pair: Pair,
+    on_a: tuple[float, float, float],
+    on_b: tuple[float, float, float],
+    time: float,
+    longest: float,
+    near: float,
+    rate: float,
+) -> tuple[int, float, tuple[float, float]]:
     """Return the nearest of a pair's points, -1 if none is near: its number, for how long it was not told (s), and how
     far it has come on each body, squared (m^2)."""
     found, least, passed, ways = -1, math.inf, 0.0, (0.0, 0.0)
@@ -231,7 +240,9 @@ def _nearest_of(pair, on_a, on_b, time, longest, near, rate):
 
 
 @kernel
-def _grows(pair, on_a, on_b, time, near):
+def _grows(
+    pair: Pair, on_a: tuple[float, float, float], on_b: tuple[float, float, float], time: float, near: float
+) -> bool:
     """True if a point lies beside one of this step that was there before: the patch of a contact grows."""
     grows = False
     for m in range(pair.known):
@@ -241,13 +252,15 @@ def _grows(pair, on_a, on_b, time, near):
 
 
 @kernel
-def _ways(pair, m, on_a, on_b):
+def _ways(
+    pair: Pair, m: int, on_a: tuple[float, float, float], on_b: tuple[float, float, float]
+) -> tuple[float, float]:
     """Return the squared distance (m^2) on each body between a point and a pair's point m as it was last told."""
     return _square(on_a, pair.kept[m, 0]), _square(on_b, pair.kept[m, 1])
 
 
 @kernel
-def _room(pair):
+def _room(pair: Pair) -> int:
     """Return the place among a pair's points of a new one: where there is none yet, or that of the oldest."""
     if pair.known < KEPT:
         pair.known += 1
@@ -260,7 +273,7 @@ def _room(pair):
 
 
 @kernel
-def _square(here, there):
+def _square(here: tuple[float, float, float], there: View[float]) -> float:
     """Return the square of the way between two points in the axes of a body (m^2)."""
     total = 0.0
     for k in range(3):

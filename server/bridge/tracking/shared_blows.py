@@ -7,7 +7,7 @@ x n_j). W_ii is 1/m of the effective mass. On the seam of two tiles, a ball leav
 
 from ....dsp.native.jit import kernel, noinline_kernel
 from .blows import left_of
-from .state import TOGETHER
+from .state import TOGETHER, Blow, State
 
 _RIGID = 1e-3  # share by which a blow's mass may differ from that of rigid bodies; else it is taken alone
 _ROUNDS = 60  # for each blow
@@ -15,7 +15,7 @@ _LEAST = 1e-12  # kg: the mass of a blow that has no part
 
 
 @noinline_kernel
-def share_blows(state):
+def share_blows(state: State) -> None:
     """Give the blows of a step, TOGETHER at most, that are on the same bodies the masses of their parts."""
     count = state.struck
     if count < 2 or count > TOGETHER or not _set_equations(state, count):
@@ -35,7 +35,7 @@ def share_blows(state):
 
 
 @kernel
-def _set_equations(state, count):
+def _set_equations(state: State, count: int) -> bool:
     """Write down W and (1 + e) v; true if any two blows are on the same body."""
     shared = False
     for i in range(count):
@@ -57,7 +57,7 @@ def _set_equations(state, count):
 
 
 @kernel
-def _opens(state, one, other):
+def _opens(state: State, one: Blow, other: Blow) -> float:
     """Return the speed at which a unit impulse at another blow opens one, as rigid bodies (1/kg)."""
     total = 0.0
     for side in range(2):
@@ -69,7 +69,7 @@ def _opens(state, one, other):
 
 
 @kernel
-def _moves(state, body, one, other):
+def _moves(state: State, body: int, one: Blow, other: Blow) -> float:
     """Return n n'/M + (r x n) I^-1 (r' x n') of a body (1/kg), at the points of two blows."""
     total = 0.0
     for k in range(3):
@@ -79,7 +79,7 @@ def _moves(state, body, one, other):
 
 
 @kernel
-def _turns(state, body, blow, axis):
+def _turns(state: State, body: int, blow: Blow, axis: int) -> float:
     """Return r x n of a blow (m), about an axis of a body."""
     total = 0.0
     for i in range(3):

@@ -14,8 +14,8 @@ import math
 from ....dsp.native.jit import kernel, noinline_kernel
 from ....dsp.numerics.constants import STANDARD_GRAVITY
 from .blows import contact_radius, curvature_of, loudness_of, masked_at, time_of_contact
-from .microphones import gain_at
-from .state import EVENTS, HEARD, MOVE
+from .microphones import MicrophoneState, gain_at
+from .state import EVENTS, HEARD, MOVE, Pair, State
 from .strips import place_on
 
 RESTS = 0.004
@@ -34,7 +34,7 @@ _SEEDS = 2**31
 
 
 @noinline_kernel
-def pressure_of(state, microphones, pair):
+def pressure_of(state: State, microphones: MicrophoneState, pair: Pair) -> float:
     """Return the pressure (Pa rms) of a contact's slide at the microphone that hears it best, as an estimate.
 
     Of two bodies that are held it is infinite; of a pair that slides as it was told to, it is 20 dB more.
@@ -56,7 +56,7 @@ def pressure_of(state, microphones, pair):
 
 
 @kernel
-def is_too_faint(state, microphones, pair):
+def is_too_faint(state: State, microphones: MicrophoneState, pair: Pair) -> bool:
     """Weigh a slide, if it was not of late; true if nobody hears it any more."""
     if state.time - pair.weighed_at < _STAYS:
         return False
@@ -65,14 +65,14 @@ def is_too_faint(state, microphones, pair):
 
 
 @kernel
-def is_masked(state, pair):
+def is_masked(state: State, pair: Pair) -> bool:
     """True if nobody is likely to hear a slide beside the blows of late; for a while, if it is as loud as estimated."""
     likely = _LIKELY if state.time - pair.moved_at < _STAYS else 1.0
     return likely * pair.pressure < masked_at(state, state.time)
 
 
 @kernel
-def fainter_slide(state, pair):
+def fainter_slide(state: State, pair: Pair) -> int:
     """Return the number of the faintest pair whose slide is heard, has been for a while, and is fainter by far; else
     -1."""
     faintest, pressure = -1, pair.pressure / _LOUDER
@@ -84,13 +84,13 @@ def fainter_slide(state, pair):
 
 
 @kernel
-def is_round(state, a, b):
+def is_round(state: State, a: int, b: int) -> bool:
     """True if one of two bodies is round where they touch: else faces do."""
     return max(state.round[a], state.round[b]) > 0.0
 
 
 @kernel
-def is_noticed(pair):
+def is_noticed(pair: Pair) -> bool:
     """True if a speed or the force has changed by so much since it was told that it is heard."""
     for k in range(3):
         floor = RESTS if k < 2 else 1e-6
@@ -100,7 +100,7 @@ def is_noticed(pair):
 
 
 @kernel
-def steer_slide(state, pair):
+def steer_slide(state: State, pair: Pair) -> None:
     """Tell what of a slide is other than it was told: its slip and its sweep (m/s), its force (N), its place."""
     pair.told_at = state.time
     for k in range(3):
@@ -117,7 +117,7 @@ def steer_slide(state, pair):
 
 
 @kernel
-def motion_of(state, pair, parameter):
+def motion_of(state: State, pair: Pair, parameter: int) -> float:
     """Return a parameter of STEERED of a contact, within what a slide takes."""
     if parameter == 0:
         return min(max(pair.now[0], _LEAST), _FASTEST)
@@ -130,7 +130,7 @@ def motion_of(state, pair, parameter):
 
 
 @noinline_kernel
-def find_slides(state):
+def find_slides(state: State) -> None:
     """Say how those contacts slide that begin to."""
     for n in range(state.happened):
         event = state.events[n]

@@ -4,6 +4,7 @@ import math
 
 from ....dsp.bodies.material import CONTACT_RADIUS
 from ....dsp.native.jit import kernel
+from ....dsp.native.typed import Items
 
 POINT, DISC, BAR, PLATE = range(4)
 """Kinds of paths: there is one place; from the middle to the edge; along an axis; from corner to corner of a plate."""
@@ -12,7 +13,7 @@ _ENDS = 0.9  # of the half length: beyond, a point is at an end
 
 
 @kernel
-def place_on(strip, edges, point):
+def place_on(strip: Items[int], edges: Items[float], point: Items[float]) -> float:
     """Return the place 0 to 1 that is nearest to a point (m), in the body's axes.
 
     strip: a kind and two axes; edges: of the box around the body (m).
@@ -31,7 +32,7 @@ def place_on(strip, edges, point):
 
 
 @kernel
-def radius_at(side, edges, point):
+def radius_at(side: float, edges: Items[float], point: Items[float]) -> float:
     """Return the radius (m) of the surface about a point (m), in the body's axes; of a face it is infinite.
 
     side: the radius of the body's side, 0 for one with edges.

@@ -8,8 +8,8 @@ import pytest
 
 from carom.dsp.bodies import listed
 from carom.dsp.contact.accuracy import LEVELS
-from carom.dsp.contact.coupled import COUPLED
-from carom.dsp.contact.touches import TOUCHES, begin_touch, end_touch, look_at_touches
+from carom.dsp.contact.coupled_records import COUPLED, TOUCHES
+from carom.dsp.contact.touches import begin_touch, end_touch, look_at_touches
 from carom.dsp.engine.memory.commands import Command, Kind
 from carom.dsp.engine.memory.state import QUANTUM
 from carom.dsp.numerics.constants import STANDARD_GRAVITY

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from carom.dsp.engine.memory.capacity import STEMS
-from carom.dsp.engine.memory.channels import MOST_CHANNELS
+from carom.dsp.engine.memory.capacity import MOST_CHANNELS, STEMS
 from carom.dsp.engine.memory.commands import Command, Kind
 from carom.dsp.engine.memory.state import QUANTUM
 from carom.dsp.runtime.engine import NOW, Engine

@@ -1,0 +1,137 @@
+"""Records of the numbers that the schema declares, as the engine holds them; `make documents` writes this."""
+
+import numpy as np
+
+from .native.typed import Record
+
+class Steered(Record):
+    """A value for each steerable parameter."""
+
+    position: float
+    gain: float  # as amplitude
+    gravity: float  # m/s^2
+    irregularity: float
+    speed: float  # m/s
+    mass: float  # kg
+    radius: float  # m
+    roughness: float  # times
+    asymmetry: float
+    friction: float
+    force: float  # N
+    flat: float
+    sweep: float  # m/s
+    patch: float  # m
+    static: float
+    dynamic: float
+    stribeck: float  # m/s
+    tangential: float  # N/m
+    along: float
+
+class Values(Record):
+    """The values of a gesture: the parameters of all gestures, 0 for those that it has not."""
+
+    velocity: float  # m/s
+    mass: float  # kg
+    stiffness: float  # N/m^a
+    dissipation: float  # s/m
+    exponent: float
+    restitution: float
+    position: float
+    gain: float  # as amplitude
+    by_position: float
+    sound: float
+    sound_serial: float
+    press: float
+    delay: float  # s
+    gravity: float  # m/s^2
+    irregularity: float
+    seed: float
+    weight: float
+    radius: float  # m
+    roughness: float  # times
+    asymmetry: float
+    friction: float
+    corners: float
+    travel: float  # m
+    speed: float  # m/s
+    force: float  # N
+    angle: float  # degrees
+    quickening: float
+    flat: float
+    duration: float  # s
+    sweep: float  # m/s
+    patch: float  # m
+    static: float
+    dynamic: float
+    stribeck: float  # m/s
+    tangential: float  # N/m
+    along: float
+
+class Settings(Record):
+    """The settings of an object."""
+
+    gain: float  # as amplitude
+    pan: float
+    distance: float  # m
+    tune: float  # as ratio
+    decay: float  # times
+    damp: float
+
+class RampValues(Record):
+    """The time that a change takes, and how."""
+
+    over: float  # s
+    curve: float
+    after: float  # s
+
+class Traits(Record):
+    """The traits of a gesture: see `Gesture`."""
+
+    single: int
+    repeats: int
+    falls: int
+    held: int
+    rolls: int
+    slips: int
+    along: int
+    lasts: int
+    meets: float
+
+class Counters(Record):
+    """The counters as the engine holds them: see `Stats`."""
+
+    impacts: int
+    contacts_dropped: int
+    coupled: int
+    recontacts: int
+    held: int
+    over_budget: int
+    late: int
+    faults: int
+    limited: int  # frames
+    strikers_cut: int
+    ramps_dropped: int
+    tap_lost: int  # frames
+    notes_lost: int
+    trace_lost: int  # samples
+    underflows: int
+    overruns: int
+    callbacks: int
+    synced: int
+    contacts_active: int
+    rolls_active: int
+    coupled_modes: int
+    live_modes: int
+    sounding: int
+    sounded: int  # samples
+    limit_lowest: float
+    load: float
+    load_now: float
+    load_peak: float
+    late_last: float  # s
+    late_worst: float  # s
+    latency_measured: float  # s
+
+STATS: np.dtype[np.void]
+STEERED: np.dtype[np.void]
+VALUES: np.dtype[np.void]

@@ -1,0 +1,33 @@
+"""The values that a command carries, as parameters: those of gestures, those that all of these share, and of ramps."""
+
+import numpy as np
+
+from .schema import BY_POSITION, CURVE, GESTURES, OVER, STRIKE, VELOCITY, Gesture, Parameter
+
+_SOUND = (
+    Parameter("sound", 0, np.inf, "", "its place among the strikers that are laid out", default=0.0),
+    Parameter("sound_serial", 0, np.inf, "", "its serial there; 0: it does not sound", default=0.0),
+)
+_PRESSED = Parameter(
+    "press", 0, np.inf, "", "number of a press whose force a slide's friction feels; 0: none", default=0.0
+)  # fmt: skip
+_DELAY = Parameter("delay", 0.0, np.inf, "s", "from the beginning to the first contact", default=0.0)
+
+SHARED = {each.name: each for each in (VELOCITY, *STRIKE, BY_POSITION, *_SOUND, _PRESSED, _DELAY)}
+"""Parameters that every gesture has, by name."""
+
+
+def _own(gesture: Gesture) -> dict[str, Parameter]:
+    """Return the parameters of a gesture that not every gesture has; one that falls is told the velocity, not the
+    height."""
+    given = (*gesture.keys, *(() if gesture.falls else (gesture.argument,)))
+    return {each.name: each for each in given if each.name not in SHARED}
+
+
+OWN = {name: _own(gesture) for name, gesture in GESTURES.items()}
+"""Parameters of each gesture that not every gesture has, by name."""
+
+_AFTER = Parameter("after", 0.0, np.inf, "s", "until it begins; 0: what was asked for before ends", default=0.0)
+
+OF_RAMPS = {each.name: each for each in (OVER, CURVE, _AFTER)}
+"""Parameters of a ramp, by name."""
