@@ -117,7 +117,7 @@ def test_misspelt_fields_and_a_wrong_argument_are_found_where_they_stand(tmp_pat
         (package / each.file).write_bytes(b"".join(lines))
     clock = package / "dsp" / "engine" / "memory" / "clock.py"
     with clock.open("a") as file:
-        file.write("\n\n@kernel\ndef _wrong(clock: Clock) -> float:\n    return sample_at(clock.time, 0.0)\n")
+        file.write("\n\n@kernel\ndef _wrong(clock: Clock) -> float:\n    return sample_at(clock.time, 0)\n")
     wrong = f"dsp/engine/memory/clock.py:{clock.read_text().count(chr(10))}"
     errors = checked(tmp_path)
     assert sorted(line.split(": ")[0] for line in errors) == sorted(

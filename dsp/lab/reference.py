@@ -57,7 +57,7 @@ def release_error(v_out: float, v_in: float, mu: float) -> float:
 
 
 @elementwise
-def _potential(distance, log1p_wd, u, w):
+def _potential(distance: float, log1p_wd: float, u: float, w: float) -> float:
     return potential(distance, log1p_wd, u, w)
 
 
