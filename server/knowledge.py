@@ -10,7 +10,7 @@ import numpy as np
 from ..dsp.contact.sampled import METHODS
 from ..dsp.schema import GESTURES, MAIN_GAIN, SETTINGS, STRIKE, TRAIT_NAMES, Parameter
 from ..presets import PresetError, Presets
-from .discovery import tuning_of
+from .osc.questions import tuning_of
 from .osc.score import format_line
 from .osc.wire import Message
 from .scene.notes import keys_of

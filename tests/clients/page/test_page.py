@@ -185,7 +185,7 @@ window.fetch = async (url, ...rest) => {
   const response = await fetched(url, ...rest);
   if (url !== "/page/catalogue.json") return response;
   const catalogue = await response.json();
-  const argument = { name: "load", unit: "N", low: 1, high: 100, default: null, help: "", steerable: true, whole: false };
+  const argument = { ...catalogue.gestures.press.argument, name: "load", low: 1, high: 100 };
   catalogue.gestures.lean = { ...catalogue.gestures.press, argument };
   return new Response(JSON.stringify(catalogue));
 };
