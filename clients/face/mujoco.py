@@ -32,8 +32,19 @@ from .server.bridge.mujoco.model import (
     shape_of,
     written_in,
 )
+from .server.bridge.mujoco.stepping import listening, take_step
 from .server.bridge.step import Pose
 from .world import Blocks, World
+
+NO_STEPS = "its time goes on without mujoco.mj_step, so that nothing is heard: expected steps by mujoco.mj_step"
+
+
+def bare(given: Any, kind: type[Any]) -> Any:
+    """Return MuJoCo's own model or data, which dm_control keeps as `ptr`, robosuite as `_model` and `_data`."""
+    for each in (given, *(getattr(given, name, None) for name in ("ptr", "_model", "_data"))):
+        if isinstance(each, kind):
+            return each
+    raise WorldError(f"{given!r}: expected a {kind.__name__} of MuJoCo")
 
 
 class Bridge:
@@ -50,14 +61,15 @@ class Bridge:
     mass is that of the whole mechanism, but for equality constraints and friction. `restitution="materials"` takes the
     materials' instead. A body that `mocap_pos` moves is as fast as its pose changes. Flexes are silent.
 
-    The sound is a step of the model behind its state: only then are its contacts known. WorldError for names that the
-    model does not have.
+    model, data: MuJoCo's own, or as dm_control and robosuite wrap them. Of a step MuJoCo knows the contacts at its
+    beginning (with `RK4` at its end): that is the time of hits, and the World's. The sound of a moment of `data.time`
+    comes `latency` (s) later. WorldError for names that the model does not have.
     """
 
     def __init__(
         self,
-        model: mujoco.MjModel,
-        data: mujoco.MjData,
+        model: Any,
+        data: Any,
         world: World | None = None,
         *,
         materials: Mapping[str, str] | None = None,
@@ -69,15 +81,19 @@ class Bridge:
     ) -> None:
         if restitution not in ("simulator", "materials"):
             raise WorldError(f"restitution = {restitution}: expected simulator or materials")
+        model, data = bare(model, mujoco.MjModel), bare(data, mujoco.MjData)
         if (data.geom_xpos.shape[0], len(data.qvel)) != (model.ngeom, model.nv):
             raise WorldError("data: expected that of the model")
         if world is not None and options:
             raise WorldError(f"{next(iter(options))}: expected no options of a World that is there already")
         self._model, self._data = model, data
+        self._late = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
         self._modes = modes
         self._by_simulator = restitution == "simulator"
         gravity = float(np.linalg.norm(model.opt.gravity))
-        self.world = world or World(**{"gravity": gravity, "start": float(data.time), **options})
+        self.world = world or World(**{"gravity": gravity, "start": self._now, **options})
+        if world is not None and world.simulation.steps == 0:
+            world.simulation.begin(min(world.time, self._now))
         mujoco.mj_kinematics(model, data)
         parts = named_apart(sorted(parts_of(model), key=lambda part: part.body == 0))
         chosen = {**written_in(model), **(materials or {})}
@@ -96,10 +112,25 @@ class Bridge:
         self._number = numbers_of(model, parts, self._first)
         self._arrays = self._described()
         time, count = (data._address + memory_layout()[name] for name in ("time", "count"))
+        behind = 0 if self._late else model._address + memory_layout()["step"]
         kept = self._arrays, self._number, self._room, model, data
-        self.tell: Callable[[], int] = self.world.teller(self._arrays.ctypes.data, time, count, kept)
+        self.tell: Callable[[], int] = self.world.teller(self._arrays.ctypes.data, time, count, behind, kept)
         """Tell the World of a step of MuJoCo, to be called after each; return the number of its blows. WorldError for
         what is not finite, or if time has not gone on."""
+
+    @property
+    def _now(self) -> float:
+        """Time (s) of the contacts that are known: those at the beginning of the last step."""
+        return float(self._data.time) - self._behind
+
+    @property
+    def _behind(self) -> float:
+        return 0.0 if self._late else float(self._model.opt.timestep)
+
+    @property
+    def latency(self) -> float:
+        """Time (s) from a moment of the simulation to its place in the sound, by `data.time`."""
+        return self.world.latency + self._behind
 
     def _add(self, part: Part, material: str, about: Mapping[str, Any]) -> None:
         """Add a part to the World, with the mass and inertia of the body that moves it."""
@@ -134,7 +165,7 @@ class Bridge:
         record = made[0]
         record["first"], record["bodies"] = self._first, count
         record["geom"][:count], record["body"][:count], record["root"][:count] = self._geoms, self._bodies, self._roots
-        record["late"] = self._model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
+        record["late"] = self._late
         record["led"][:count] = self._model.body_mocapid[self._bodies] >= 0
         for name, array in (
             ("positions", data.geom_xpos), ("turns", data.geom_xmat), ("motions", data.cvel),
@@ -165,10 +196,30 @@ class Bridge:
         for name, array in self._room.items():
             record[name] = array.ctypes.data
 
-    def step(self) -> Blocks:
-        """Take one step of MuJoCo, and `update`."""
-        mujoco.mj_step(self._model, self._data)
-        return self.update()
+    def step(self, stepping: Callable[[], object] | None = None) -> Blocks:
+        """Take one step of MuJoCo, or all that a function takes of this model and data by `mujoco.mj_step`; return
+        their sound.
+
+        The function may be dm_control's `physics.step`, an environment's step with its action, or any other. Data that
+        it resets begins anew in the sound. WorldError for a function that lets time go on in another way.
+        """
+        if stepping is None:
+            take_step(self._model, self._data)
+            return self.update()
+        told, time = self.world.simulation.steps, self._data.time
+        with listening(self._data, self._take):
+            stepping()
+        if self.world.simulation.steps == told and self._data.time > time:
+            raise WorldError(f"{stepping}: {NO_STEPS}")
+        return self.world.block()
+
+    def _take(self, step: Callable[[], None], count: int) -> None:
+        """Take so many steps, and tell each."""
+        if self._data.time - self._behind < self.world.time:
+            self.restart()
+        for _ in range(count):
+            step()
+            self.tell()
 
     def update(self) -> Blocks:
         """Tell the step, and return the sound since the last update, float32 (frames, channels), Pa.
@@ -183,4 +234,4 @@ class Bridge:
         self._arrays["known"] = 0
         led = np.flatnonzero(self._arrays["led"][0])
         self.world.memory["position"][0, self._first + led] = np.nan  # what comes next is no motion of theirs
-        self.world.restart(float(self._data.time))
+        self.world.restart(self._now)

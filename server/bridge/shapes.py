@@ -21,6 +21,7 @@ FLAT = 3.0
 LONG = 4.0
 """Least length, in widths, of such a body that rings as a bar all the same."""
 _THICKEST, _LONGEST, _SHORTEST = 0.5, 20.0, 1e-3  # m: what objects can be
+_THINNEST = 1e-5  # m
 _PATH: dict[str, Argument] = {
     "path_from": (0.0, 0.1),
     "path_to": (1.0, 0.9),
@@ -41,7 +42,8 @@ class Shape:
     """A body's shape, about the centre of its volume. A cylinder's and a capsule's axis is z.
 
     edges: of the box around it (m). volume: m^3. inertia: moments about its axes over its mass (m^2). round: the radius
-    of its side, 0 for one with edges. ringing: what rings as it does; None: it is beyond what objects can be.
+    of its side, 0 for one with edges. ringing: what rings as it does, where it is too large or too small for that a
+    sphere of its volume; None: no object can be so large or so small.
     """
 
     name: str
@@ -94,10 +96,15 @@ def _mesh(vertices: NDArray[np.float64], held: bool) -> Shape:
 
 def _sphere(radius: float) -> Shape:
     inertia = 0.4 * radius**2
-    rings = Ringing("glass-ball", {"radius": radius}) if _SHORTEST <= radius <= _LONGEST else None
     edge = 2 * radius
     volume = 4 / 3 * math.pi * radius**3
-    return Shape("sphere", (edge, edge, edge), volume, (inertia,) * 3, radius, rings, (POINT, 0, 0))
+    return Shape("sphere", (edge, edge, edge), volume, (inertia,) * 3, radius, _ball(volume), (POINT, 0, 0))
+
+
+def _ball(volume: float) -> Ringing | None:
+    """Return the sphere of a volume (m^3)."""
+    radius = (volume / (4 / 3 * math.pi)) ** (1 / 3)
+    return Ringing("glass-ball", {"radius": radius}) if _SHORTEST <= radius <= _LONGEST else None
 
 
 def _cylinder(name: str, radius: float, length: float, held: bool) -> Shape:
@@ -111,10 +118,12 @@ def _cylinder(name: str, radius: float, length: float, held: bool) -> Shape:
     edges = (2 * radius, 2 * radius, whole)
     if name == "cylinder" and length < 2 * radius / FLAT:
         disc = {"radius": radius, "thickness": length, "edge": "supported" if held else "free"}
-        rings = Ringing("gong", disc) if radius <= _LONGEST and length <= _THICKEST else None
+        fits = _SHORTEST <= radius <= _LONGEST and _THINNEST <= length <= _THICKEST
+        rings = Ringing("gong", disc) if fits else _ball(volume)
         return Shape(name, edges, volume, inertia, radius, rings, (DISC, 0, 0))
     bar = {"length": rod, "diameter": 2 * radius, "ends": "cantilever" if held else "free", "split": 0.0}
-    rings = Ringing("triangle", bar) if 2 * radius <= _THICKEST and _SHORTEST <= rod <= _LONGEST else None
+    fits = _THINNEST <= 2 * radius <= _THICKEST and _SHORTEST <= rod <= _LONGEST
+    rings = Ringing("triangle", bar) if fits else _ball(volume)
     return Shape(name, edges, volume, inertia, radius, rings, (BAR, 2, 2))
 
 
@@ -125,12 +134,12 @@ def _box(name: str, edges: Vector, held: bool) -> Shape:
     squares = [edge**2 / 12 for edge in edges]
     inertia = (squares[1] + squares[2], squares[0] + squares[2], squares[0] + squares[1])
     volume = length * width * thickness
-    fits = thickness <= _THICKEST and length <= _LONGEST and thickness >= 1e-5 and width >= _SHORTEST
+    fits = _THINNEST <= thickness <= _THICKEST and length <= _LONGEST and width >= _SHORTEST
     if name == "plate" or (width >= FLAT * thickness and length <= LONG * width):
         plate: dict[str, Argument] = {"length": length, "width": width, "thickness": thickness, **_PATH}
         edge = "supported" if held else "free"
-        rings = Ringing("wood-board", {**plate, "edges": (edge,) * 4}) if fits else None
+        rings = Ringing("wood-board", {**plate, "edges": (edge,) * 4}) if fits else _ball(volume)
         return Shape(name, edges, volume, inertia, 0.0, rings, (PLATE, first, second))
     bar = {"length": length, "width": width, "thickness": thickness, "ends": "cantilever" if held else "free"}
-    rings = Ringing("triangle", bar) if fits and width <= _THICKEST else None
+    rings = Ringing("triangle", bar) if fits and width <= _THICKEST else _ball(volume)
     return Shape(name, edges, volume, inertia, 0.0, rings, (BAR, first, second))

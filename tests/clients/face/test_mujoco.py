@@ -3,6 +3,8 @@
 import gc
 import subprocess
 import sys
+from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -179,6 +181,48 @@ def bounced(model, data):
         found += bridge.world.hits
     (hit,) = found
     return hit, speed, data.qvel[2] + 9.81 * model.opt.timestep
+
+
+@pytest.mark.parametrize("integrator", ["Euler", "implicitfast", "RK4"])
+def test_a_blow_is_told_at_its_time_by_the_simulators_clock(integrator):
+    """It is heard by the bridge's latency later, which is a step of 20 ms and a quantum; with RK4, a quantum."""
+    model, data = dropped(0.02, 0.3, ".04 1", integrator)
+    bridge = Bridge(model, data, microphones=[(0, 0, 0.5)], default="steel")
+    hits, blocks = [], []
+    while data.time < 0.4:
+        blocks.append(bridge.step())
+        hits += bridge.world.hits
+    early = 0.0 if integrator == "RK4" else 0.01  # by half of a step, as a fall by Euler's steps is
+    assert hits[0].time == pytest.approx((2 * 0.28 / 9.81) ** 0.5 - early, abs=5e-4)
+    assert bridge.latency == pytest.approx((0.0 if integrator == "RK4" else 0.02) + bridge.world.latency)
+    sound = np.abs(np.concatenate(blocks)[:, 0])
+    assert np.argmax(sound > 0) / 48_000 == pytest.approx(hits[0].time + bridge.latency, abs=1e-4)
+
+
+def test_any_function_that_takes_steps_is_heard_step_by_step():
+    sounds = []
+    for way in ("each", "by a function"):
+        model, data = dropped(0.002, 0.1, ".004 .3")
+        wrapped = (SimpleNamespace(ptr=each) for each in (model, data))  # as dm_control has them
+        bridge = Bridge(*wrapped)
+        if way == "each":
+            blocks = [bridge.step() for _ in range(300)]
+        else:
+            blocks = [bridge.step(partial(mujoco_steps, model, data)) for _ in range(3)]
+        assert bridge.world.counts.hits > 1
+        sounds.append(np.concatenate(blocks))
+    np.testing.assert_array_equal(*sounds)
+    mujoco.mj_resetData(model, data)
+    assert len(bridge.step(partial(mujoco_steps, model, data))) == 9600 and bridge.world.counts.hits > 2
+    with pytest.raises(carom.WorldError, match="goes on without mujoco"):
+        bridge.step(lambda: own_step(model, data))
+
+
+own_step = mujoco.mj_step
+
+
+def mujoco_steps(model, data):
+    mujoco.mj_step(model, data, 100)
 
 
 @pytest.mark.parametrize(
