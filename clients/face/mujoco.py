@@ -22,14 +22,16 @@ from .server.bridge.bodies import WorldError
 from .server.bridge.mujoco.arrays import ARRAYS
 from .server.bridge.mujoco.layout import memory_layout, mujoco_library
 from .server.bridge.mujoco.model import (
+    Frame,
     Part,
     check_names,
+    frame_of,
     material_of,
     named_apart,
     names_in,
+    names_of,
     numbers_of,
     parts_of,
-    shape_of,
     written_in,
 )
 from .server.bridge.mujoco.stepping import listening, take_step
@@ -50,12 +52,14 @@ def bare(given: Any, kind: type[Any]) -> Any:
 class Bridge:
     """Tells a World what happens in MuJoCo's `data`.
 
-    Each body that moves is one of the World, shaped as its largest geom that collides; each such geom that does not
-    move is one, held. Where a name is there already, the geom's number follows it. A plane rings as a plate of 2 m.
-    Materials are presets: of a geom by `materials` (a mapping from names of geoms, bodies or MuJoCo's materials), by
-    the model's custom text `carom` ("floor wood ball glass"), or by a material of the model that is named as a preset;
-    else `default`. modes: at most, of each. bodies: keys of World.body by name, for those that need more. The other
-    options are those of a World; without any, `world` may be one that is there already.
+    Each body is one of the World, with all its geoms that collide: shaped as the largest of them, or, if that is a mesh
+    that moves or is less than half of all, as a solid box with their inertia. So is each geom of the world's own body.
+    What does not move is held. Where a name is there already, the geom's number follows it. A plane rings as a plate of
+    2 m. Materials are presets: of a geom by `materials` (a mapping from names of geoms, bodies or MuJoCo's materials),
+    by the model's custom text `carom` ("floor wood ball glass"), or by a material of the model that is named as a
+    preset; else `default`. modes: at most, of each. settle: s, for which no blow is told as it begins: bodies that are
+    placed in each other fly apart. bodies: keys of World.body by name, for those that need more. The other options are
+    those of a World; without any, `world` may be one that is there already.
 
     A blow's restitution is that of MuJoCo's own contact, so that its impulse is that of the motion, and its effective
     mass is that of the whole mechanism, but for equality constraints and friction. `restitution="materials"` takes the
@@ -77,6 +81,7 @@ class Bridge:
         default: str = "wood",
         modes: int = 64,
         restitution: str = "simulator",
+        settle: float = 0.0,
         **options: Any,
     ) -> None:
         if restitution not in ("simulator", "materials"):
@@ -95,18 +100,22 @@ class Bridge:
         if world is not None and world.simulation.steps == 0:
             world.simulation.begin(min(world.time, self._now))
         mujoco.mj_kinematics(model, data)
-        parts = named_apart(sorted(parts_of(model), key=lambda part: part.body == 0))
+        parts = named_apart(parts_of(model))
         chosen = {**written_in(model), **(materials or {})}
         check_names("materials", chosen, names_in(model))
-        check_names("bodies", bodies or {}, {part.name for part in parts})
+        check_names("bodies", bodies or {}, {name for part in parts for name in names_of(model, part)})
         for name, keys in (bodies or {}).items():
             if not isinstance(keys, Mapping):
                 raise WorldError(f"bodies: {name} = {keys!r}: expected a mapping of keys of World.body")
+        self.world.simulation.settle(settle)
         self._first = len(self.world.bodies)
-        for part in parts:
-            self._add(part, material_of(model, part, chosen) or default, (bodies or {}).get(part.name, {}))
+        mujoco.mj_comPos(model, data)
+        frames = [frame_of(model, data, part) for part in parts]
+        for part, frame in zip(parts, frames, strict=True):
+            about = next((bodies[name] for name in names_of(model, part) if name in bodies), {}) if bodies else {}
+            self._add(part, frame, material_of(model, part, chosen) or default, about)
         moving = [part for part in parts if part.body]
-        self._geoms = np.array([part.geom for part in moving], np.intp)
+        self._frames = frames[: len(moving)]
         self._bodies = np.array([part.body for part in moving], np.intp)
         self._roots = model.body_rootid[self._bodies].astype(np.intp)
         self._number = numbers_of(model, parts, self._first)
@@ -132,28 +141,31 @@ class Bridge:
         """Time (s) from a moment of the simulation to its place in the sound, by `data.time`."""
         return self.world.latency + self._behind
 
-    def _add(self, part: Part, material: str, about: Mapping[str, Any]) -> None:
+    def _add(self, part: Part, frame: Frame, material: str, about: Mapping[str, Any]) -> None:
         """Add a part to the World, with the mass and inertia of the body that moves it."""
         model, data = self._model, self._data
-        shape, size = shape_of(model, part.geom)
-        turn = data.geom_xmat[part.geom].reshape(3, 3)
         quaternion = np.empty(4)
-        mujoco.mju_mat2Quat(quaternion, data.geom_xmat[part.geom])
+        mujoco.mju_mat2Quat(quaternion, frame.axes.ravel())
         given: dict[str, Any] = {"held": True, "most_modes": self._modes}
         if part.body:
-            axes = turn.T @ data.ximat[part.body].reshape(3, 3)
+            axes = frame.axes.T @ data.ximat[part.body].reshape(3, 3)
             inertia = axes**2 @ model.body_inertia[part.body]
             given |= {
                 "held": False,
                 "mass": float(model.body_mass[part.body]),
                 "inertia": tuple(np.maximum(inertia, 1e-12)),
             }
-        pose = Pose(tuple(data.geom_xpos[part.geom]), tuple(quaternion))
-        kind = str(about.get("shape", shape))
+        pose = Pose(tuple(frame.origin), tuple(quaternion))
+        kind = str(about.get("shape", frame.shape))
         keys = {key: value for key, value in about.items() if key not in ("shape", "size", "material")}
         try:
             self.world.body(
-                part.name, kind, about.get("size", size), about.get("material", material), pose, **{**given, **keys}
+                part.name,
+                kind,
+                about.get("size", frame.size),
+                about.get("material", material),
+                pose,
+                **{**given, **keys},
             )
         except WorldError as error:
             raise WorldError(f"geom {part.geom}: {error}") from None
@@ -164,12 +176,13 @@ class Bridge:
         made = np.zeros(1, ARRAYS)
         record = made[0]
         record["first"], record["bodies"] = self._first, count
-        record["geom"][:count], record["body"][:count], record["root"][:count] = self._geoms, self._bodies, self._roots
+        record["place"][:count] = [frame.place for frame in self._frames]
+        record["turned"][:count] = [frame.turned for frame in self._frames]
+        record["body"][:count], record["root"][:count] = self._bodies, self._roots
         record["late"] = self._late
         record["led"][:count] = self._model.body_mocapid[self._bodies] >= 0
         for name, array in (
-            ("positions", data.geom_xpos), ("turns", data.geom_xmat), ("motions", data.cvel),
-            ("abouts", data.subtree_com), ("numbers", self._number),
+            ("motions", data.cvel), ("abouts", data.subtree_com), ("numbers", self._number),
         ):  # fmt: skip
             record[name] = array.ctypes.data
         for name, place in memory_layout().items():

@@ -57,6 +57,7 @@ class Simulation:
         self.bodies: list[Body] = []
         self._hits: tuple[int, list[Hit]] = 0, []  # of a step
         self.hearing = hearing or Hearing()
+        self._settle = 0.0
         self.state = new_state(rest, gravity)
         self.state["time"] = start
         self._microphones = begin_hearing(self.hearing, self.state)
@@ -242,11 +243,18 @@ class Simulation:
         self.state["until"] = self.state["loudest_at"] = -math.inf
         self._microphones["next"] = math.inf
         self._gestures = Gestures()
+        self.settle(self._settle)
 
     def begin(self, time: float) -> None:
         """Begin its sound at a time (s), before anything was told."""
         self.start[0] = time
         self.wait(time)
+
+    def settle(self, seconds: float) -> None:
+        """Tell no blow for a time (s) from now on, and from each time on at which it begins anew."""
+        _check_number("settle", seconds, 0.0)
+        self._settle = seconds
+        self.state["settles"] = self.time + seconds if seconds else -math.inf
 
     def wait(self, time: float) -> None:
         """Pass the time up to another (s), in which nothing is told."""

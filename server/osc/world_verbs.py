@@ -32,6 +32,7 @@ TOUCHED = (
     _number("force", "along the normal", "N", 0.0, 1e6),
     _number("mass", "effective, along the normal", "kg", 1e-9, 1e6),
     RESTITUTION,
+    _number("friction", "its coefficient", "", 0.0, 100.0),
 )
 """Quantities that may be told of a point of contact."""
 

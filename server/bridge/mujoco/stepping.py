@@ -23,7 +23,7 @@ _listeners: dict[int, Listener] = {}
 
 
 def listen(data: mujoco.MjData, listener: Listener) -> None:
-    """Have steps of some data taken by a listener, until `forget`; WorldError if there is one already."""
+    """Give steps of some data to a listener, until `forget`; WorldError if there is one already."""
     with _LOCK:
         if data._address in _listeners:
             raise WorldError("data: expected some that nobody hears; these are heard already")
@@ -32,7 +32,7 @@ def listen(data: mujoco.MjData, listener: Listener) -> None:
 
 
 def forget(data: mujoco.MjData) -> None:
-    """Have steps of some data taken as ever."""
+    """Take steps of some data as ever."""
     with _LOCK:
         _listeners.pop(data._address, None)
         if not _listeners and mujoco.mj_step is _heard_step:
@@ -41,7 +41,7 @@ def forget(data: mujoco.MjData) -> None:
 
 @contextmanager
 def listening(data: mujoco.MjData, listener: Listener) -> Iterator[None]:
-    """Have steps of some data taken by a listener, for a while."""
+    """Give steps of some data to a listener, for a while."""
     listen(data, listener)
     try:
         yield

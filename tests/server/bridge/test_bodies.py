@@ -16,7 +16,7 @@ SMALL = [
 
 @pytest.mark.parametrize(("shape", "size"), SMALL)
 def test_a_small_body_clicks_as_a_sphere_of_its_volume_does(shape, size):
-    """Where sound is longer than the body."""
+    """The low end is compared, where sound is longer than the body."""
     body = BodyMaker(Presets(), TOP).make("a", shape, size, "steel")
     assert body.modes and body.modes.frequency.size == 0 and len(body.modes.clicks) == 1
     radius = (body.shape.volume / (4 / 3 * np.pi)) ** (1 / 3)
