@@ -26,6 +26,7 @@ from .server.bridge.mujoco.model import (
     Part,
     check_names,
     frame_of,
+    inertia_of,
     material_of,
     named_apart,
     names_in,
@@ -148,13 +149,8 @@ class Bridge:
         mujoco.mju_mat2Quat(quaternion, frame.axes.ravel())
         given: dict[str, Any] = {"held": True, "most_modes": self._modes}
         if part.body:
-            axes = frame.axes.T @ data.ximat[part.body].reshape(3, 3)
-            inertia = axes**2 @ model.body_inertia[part.body]
-            given |= {
-                "held": False,
-                "mass": float(model.body_mass[part.body]),
-                "inertia": tuple(np.maximum(inertia, 1e-12)),
-            }
+            mass, inertia = inertia_of(model, data, part, frame)
+            given |= {"held": False, "mass": mass, "inertia": inertia}
         pose = Pose(tuple(frame.origin), tuple(quaternion))
         kind = str(about.get("shape", frame.shape))
         keys = {key: value for key, value in about.items() if key not in ("shape", "size", "material")}

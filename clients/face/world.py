@@ -162,9 +162,9 @@ class World(Closing):
         length between its ends' centres), mesh (vertices (n, 3); the box around them rings). A cylinder's and a
         capsule's axis is z. material: a preset. pose: where it is, if no step says it. density (kg/m^3) or mass (kg),
         inertia (moments about its axes, kg m^2): in place of those of a solid body of the material. held=True: it does
-        not move. rings=False: it is silent. object: a preset that rings in its place. Further keys are those of
-        `/object/new`, such as most_modes, damping or gain. WorldError for a name that is taken, or a value that cannot
-        be.
+        not move. rings=False: it is silent. object: a preset that rings in its place. wall: thickness (m) of the wall
+        of a hollow box, cylinder or capsule. Further keys are those of `/object/new`, such as most_modes, damping or
+        gain. WorldError for a name that is taken, or a value that cannot be.
         """
         requests = self.simulation.add(name, shape, size, material, pose, **about)
         try:

@@ -104,8 +104,8 @@ class BodyMaker:
         if kind not in SHAPES:
             raise ValueError(f"shape = {shown(kind)}: {expected(kind, SHAPES)}")
         held, rings, preset = (about.pop(key, default) for key, default in (("held", 0), ("rings", 1), ("object", "")))
-        density, mass, inertia = (about.pop(key, None) for key in ("density", "mass", "inertia"))
-        shape = shape_of(kind, size, bool(held))
+        density, mass, inertia, wall = (about.pop(key, None) for key in ("density", "mass", "inertia", "wall"))
+        shape = shape_of(kind, size, bool(held), None if wall is None else _positive("wall", wall))
         made_of = self._presets.material(str(material))
         if density is not None and mass is not None:
             raise ValueError(f"density = {shown(density)}, mass = {shown(mass)}: expected one of the two")

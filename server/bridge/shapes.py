@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -28,6 +28,7 @@ _PATH: dict[str, Argument] = {
 }  # of a plate: from corner to corner, off the diagonal
 _LEAST, _MOST = 1e-6, 1e6  # m: of edges and radii
 SHAPES = tuple(SIZES)
+_HOLLOW = ("box", "cylinder", "capsule")
 
 
 class Ringing(NamedTuple):
@@ -63,8 +64,11 @@ class Shape:
         return float(radius_at.py_func(self.round, self.edges, point))
 
 
-def shape_of(name: str, size: ArrayLike, held: bool) -> Shape:
-    """Return the shape of a name and a size; held: whether something holds the body. ValueError says what is wrong."""
+def shape_of(name: str, size: ArrayLike, held: bool, wall: float | None = None) -> Shape:
+    """Return the shape of a name and a size; held: whether something holds the body; wall: the thickness (m) of a
+    hollow one's wall. ValueError says what is wrong."""
+    if wall is not None:
+        return _hollow(shape_of(name, size, held), wall)
     numbers = np.asarray(size, np.float64)
     if name == "mesh":
         return _mesh(numbers, held)
@@ -99,6 +103,41 @@ def _sphere(radius: float) -> Shape:
     edge = 2 * radius
     volume = 4 / 3 * math.pi * radius**3
     return Shape("sphere", (edge, edge, edge), volume, (inertia,) * 3, radius, _ball(volume), (POINT, 0, 0))
+
+
+def _hollow(outer: Shape, wall: float) -> Shape:
+    """Return a shape with a wall of a thickness (m) around a hollow, which is closed.
+
+    A box rings as its widest face: a plate on supported edges, over which the other faces turn freely. The lowest mode
+    of a closed box lies between it and that of a clamped one: for square faces up to 1.8 times as high (S. M. Dickinson
+    and G. B. Warburton, Proc. IMechE 182, 1967). A cylinder rings as a cup that stands on one of its ends (bodies/ring:
+    `glass`), as does a capsule of its length without the ends: what its other end holds is left out.
+    """
+    least = min(outer.edges) / 2
+    if outer.name not in _HOLLOW or not 0.0 < wall < least:
+        wanted = f"above 0 and below {least:g} m" if outer.name in _HOLLOW else f"none but of {', '.join(_HOLLOW)}"
+        raise ValueError(f"wall = {wall:g}: expected {wanted}")
+    inner = tuple(edge - 2.0 * wall for edge in outer.edges)
+    if outer.name == "box":
+        hole = _box("box", (inner[0], inner[1], inner[2]), False)
+        _, second, first = sorted(range(3), key=lambda axis: outer.edges[axis])
+        length, width = outer.edges[first], outer.edges[second]
+        plate: dict[str, Argument] = {"length": length, "width": width, "thickness": wall, **_PATH}
+        fits = _THINNEST <= wall <= _THICKEST and length <= _LONGEST and width >= _SHORTEST
+        rings = Ringing("wood-board", {**plate, "edges": ("supported",) * 4}) if fits else None
+        strip = (PLATE, first, second)
+    else:
+        radius, length = outer.round, outer.edges[2] - (2 * outer.round if outer.name == "capsule" else 0.0)
+        hole = _cylinder(outer.name, radius - wall, length - (2 * wall if outer.name == "cylinder" else 0.0), False)
+        cup: dict[str, Argument] = {"radius": radius - wall / 2, "height": length, "thickness": wall}
+        fits = _THINNEST <= wall <= _THICKEST and _SHORTEST <= length <= _LONGEST and radius <= _LONGEST
+        rings, strip = Ringing("wine-glass", {**cup, "rows": 3}) if fits else None, (POINT, 0, 0)
+    volume = outer.volume - hole.volume
+    moments = [
+        (outer.volume * whole - hole.volume * missing) / volume
+        for whole, missing in zip(outer.inertia, hole.inertia, strict=True)
+    ]
+    return replace(outer, volume=volume, inertia=(moments[0], moments[1], moments[2]), ringing=rings, strip=strip)
 
 
 def _ball(volume: float) -> Ringing | None:

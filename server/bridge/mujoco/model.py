@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ....dsp.wording import expected
 from ....presets import Presets
 from ..bodies import WorldError
+from ..shapes import Vector
 
 _SHAPES = {
     mujoco.mjtGeom.mjGEOM_SPHERE: "sphere",
@@ -93,6 +94,20 @@ def frame_of(model: mujoco.MjModel, data: mujoco.MjData, part: Part) -> Frame:
         origin, axes = data.geom_xpos[part.geom], data.geom_xmat[part.geom]
         shape, size = shape_of(model, part.geom)
     return Frame(origin.ctypes.data, axes.ctypes.data, origin, axes.reshape(3, 3), shape, size)
+
+
+def inertia_of(model: mujoco.MjModel, data: mujoco.MjData, part: Part, frame: Frame) -> tuple[float, Vector]:
+    """Return the mass (kg) of a part that moves, with all bodies that are fixed to its own, and its moments of inertia
+    about the axes of its frame through its centre of mass (kg m^2)."""
+    bodies = np.flatnonzero(model.body_weldid == part.body)
+    masses = model.body_mass[bodies]
+    mass = float(masses.sum())
+    away = data.xipos[bodies] - masses @ data.xipos[bodies] / max(mass, 1e-300)
+    turns = data.ximat[bodies].reshape(-1, 3, 3)
+    whole = np.einsum("nij,nj,nkj->ik", turns, model.body_inertia[bodies], turns)
+    whole += np.einsum("n,nj,nj->", masses, away, away) * np.eye(3) - np.einsum("n,ni,nk->ik", masses, away, away)
+    x, y, z = map(float, np.maximum(np.diag(frame.axes.T @ whole @ frame.axes), 1e-12))
+    return mass, (x, y, z)
 
 
 def _whole_axes(model: mujoco.MjModel, data: mujoco.MjData, part: Part) -> tuple[NDArray[np.float64], ...]:

@@ -16,7 +16,7 @@ it falls closes up to twice as fast."""
 _ROCKS, _STEEPEST = 2.0, 1.0  # times the friction; the greatest share
 _BRIEF = 0.01  # s of flight that is no flight
 _LIFTED = 1.1  # times as fast as its last blow left it, at least: no bounce does
-_LONGEST_HOP = 0.1  # s that what slides may be without a contact
+_LONGEST_HOP = 0.15  # s that what slides may be without a contact
 _SAME = 0.002  # m by which a point may move from step to step and stay the same
 _SAME_SHARE = 0.1  # of the smaller body's half length, by which it may as well
 _STILL = 0.01  # share of that: no other point is as near

@@ -205,7 +205,7 @@ def test_the_pieces_of_a_bowl_are_one_object_in_which_a_ball_rolls_as_one_gestur
 
 
 def test_a_ball_that_bounces_along_is_told_each_bounce():
-    """It is thrown over a floor so smooth that it slips all the time: no slide hides its bounces."""
+    """The floor is so smooth that the ball slips all the time: no slide hides its bounces."""
     text = """<mujoco><option timestep=".001"/><worldbody><geom name="floor" type="plane" size="2 2 .1"/>
     <body name="ball" pos="0 0 .12"><freejoint/><geom size=".02" solref="-100000 -20" priority="1" friction=".05"/>
     </body></worldbody></mujoco>"""
@@ -274,7 +274,7 @@ def bounced(model, data):
 
 @pytest.mark.parametrize("integrator", ["Euler", "implicitfast", "RK4"])
 def test_a_blow_is_told_at_its_time_by_the_simulators_clock(integrator):
-    """It is heard by the bridge's latency later, which is a step of 20 ms and a quantum; with RK4, a quantum."""
+    """The sound comes by the bridge's latency later, which is a step of 20 ms and a quantum; with RK4, a quantum."""
     model, data = dropped(0.02, 0.3, ".04 1", integrator)
     bridge = Bridge(model, data, microphones=[(0, 0, 0.5)], default="steel")
     hits, blocks = [], []
