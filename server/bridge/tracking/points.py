@@ -14,6 +14,7 @@ friction coefficient times the slip, and let it fall again (M. Anitescu, Math. P
 it falls closes up to twice as fast."""
 
 _ROCKS, _STEEPEST = 2.0, 1.0  # times the friction; the greatest share
+_ALIGNED = 0.98  # cosine between two normals of one plane
 _BRIEF = 0.01  # s of flight that is no flight
 _LIFTED = 1.1  # times as fast as its last blow left it, at least: no bounce does
 _LONGEST_HOP = 0.15  # s that what slides may be without a contact
@@ -97,7 +98,8 @@ def take_point(state, n, span, least):
         pair.normal[k] += sign * normal[k]
     pair.steepest = _steepest(state.friction[n])
     fresh = _is_new(state, pair, n, span, abs(approach) + slip)
-    if fresh and approach > least and not _grazes(pair, approach, slip):
+    fresh = fresh and approach > least and not _grazes(pair, approach, slip)
+    if fresh and not _goes_on(state, pair, n, sign, span, approach):
         pair.fresh += 1
         pair.speed += approach
         depth = state.depth[n]
@@ -124,6 +126,33 @@ def _grazes(pair, approach, slip):
     if pair.stood == 0 and pair.flown < math.inf and approach > _LIFTED * pair.left:
         pair.stood = 1
     return pair.stood == 1 or pair.flown < _BRIEF
+
+
+@noinline_kernel
+def _goes_on(state, pair, n, sign, span, approach):
+    """True if a new point is where one of a pair's bodies has come to over a seam: it slips or rolls over another body,
+    with a face in the same plane, far faster than it closes."""
+    for i in range(state.touching):
+        other = state.pairs[i]
+        for side in range(4):
+            one, its = (pair.b, pair.a) if side % 2 == 1 else (pair.a, pair.b)
+            also, beside = (other.b, other.a) if side >= 2 else (other.a, other.b)
+            if one != also or its == beside or state.lightness[its] > 0.0 or state.lightness[beside] > 0.0:
+                continue
+            fast = max(other.fastest, other.now[1])
+            if state.time - other.seen > 1.5 * span or approach >= GRAZING * fast:
+                continue
+            turned = sign if (side % 2 == 1) == (side >= 2) else -sign
+            smaller = _smaller(state, other)
+            along = away = above = 0.0
+            for k in range(3):
+                way = state.point[n, k] - state.position[smaller, k] - other.arm[k]
+                along += turned * state.normal[n, k] * other.facing[k]
+                above += way * other.facing[k]
+                away += way * way
+            if along > _ALIGNED and abs(above) < _SAME and away < 4.0 * state.reach[one] * state.reach[one]:
+                return True
+    return False
 
 
 @kernel

@@ -204,6 +204,22 @@ def test_the_pieces_of_a_bowl_are_one_object_in_which_a_ball_rolls_as_one_gestur
     assert edges == pytest.approx([0.124, 0.242, 0.242], rel=0.03)
 
 
+def test_a_can_rolls_over_the_seams_of_tiles_without_a_blow():
+    """Each tile is a body of its own; it lands on the first one."""
+    tiles = "".join(f'<geom type="box" size=".02 .2 .02" pos="{0.04 * n} 0 0"/>' for n in range(24))
+    text = f"""<mujoco><option timestep=".001" gravity=".7 0 -9.8"/><worldbody>{tiles}
+    <body name="can" pos="0 0 .054" euler="90 0 0"><freejoint/><geom type="cylinder" size=".033 .05" density="400"/>
+    </body></worldbody></mujoco>"""
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    bridge = Bridge(model, data, hearing=HEARING)
+    hits = []
+    while data.qpos[0] < 0.85:
+        bridge.step()
+        hits += bridge.world.hits
+    assert {hit.time < 0.05 for hit in hits} == {True} and bridge.world.counts.gestures > 15
+
+
 def test_a_ball_that_bounces_along_is_told_each_bounce():
     """The floor is so smooth that the ball slips all the time: no slide hides its bounces."""
     text = """<mujoco><option timestep=".001"/><worldbody><geom name="floor" type="plane" size="2 2 .1"/>
