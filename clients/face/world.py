@@ -162,9 +162,9 @@ class World(Closing):
         length between its ends' centres), mesh (vertices (n, 3); the box around them rings). A cylinder's and a
         capsule's axis is z. material: a preset. pose: where it is, if no step says it. density (kg/m^3) or mass (kg),
         inertia (moments about its axes, kg m^2): in place of those of a solid body of the material. held=True: it does
-        not move. rings=False: it is silent. object: a preset that rings in its place. Further keys are those of
-        `/object/new`, such as most_modes, damping or gain. WorldError for a name that is taken, or a value that cannot
-        be.
+        not move. rings=False: it is silent. object: a preset that rings in its place. wall: thickness (m) of the wall
+        of a hollow box, cylinder or capsule. Further keys are those of `/object/new`, such as most_modes, damping or
+        gain. WorldError for a name that is taken, or a value that cannot be.
         """
         requests = self.simulation.add(name, shape, size, material, pose, **about)
         try:
@@ -215,16 +215,16 @@ class World(Closing):
         """
         self._send(self.simulation.advance(time, points))
 
-    def teller(self, arrays: int, time: int, points: int, kept: object = None) -> Callable[[], int]:
+    def teller(self, arrays: int, time: int, points: int, behind: int = 0, kept: object = None) -> Callable[[], int]:
         """Return a function that tells a step, for bridges, and returns the number of its blows.
 
         arrays: address of a record of `carom.server.bridge.mujoco.arrays.ARRAYS`, which says where a simulator has its
         poses and contacts. time: address of its time (s), a float64. points: address of the number of its contacts, an
-        int32.
+        int32. behind: address of the time (s) by which contacts lie before it, a float64; 0 if they do not.
         kept: what holds them. Python does next to nothing then, unless something begins or ends.
         """
         simulation, run = self.simulation, tell.brief
-        telling = simulation.telling(arrays, time, points)
+        telling = simulation.telling(arrays, time, points, behind)
         address, holds = telling.ctypes.data, (telling, kept)
 
         def told() -> int:

@@ -32,7 +32,8 @@ TELLING = np.dtype(
         ("state", np.int64),  # address of the tracker's STATE
         ("microphones", np.int64),  # of MICROPHONE_STATE
         ("arrays", np.int64),  # of ARRAYS; 0: poses and contacts are in the tracker's columns
-        ("time", np.int64),  # of the step's time (s), a float64
+        ("time", np.int64),  # of the simulator's time (s), a float64
+        ("behind", np.int64),  # of the time (s) by which contacts lie before it, a float64; 0: they do not
         ("points", np.int64),  # of the number of its contacts, an int32
         ("before", np.float64),  # s: the time of the step before
         # The engine: where its ring of commands is, and what it has computed; 0: there is none.
@@ -97,7 +98,7 @@ def tell(telling):
     ring is full."""
     link = carray(telling, (1,), TELLING)[0]
     state = carray(pointer_to(link.state), (1,), STATE)[0]
-    time, points = load_double(link.time), load_int32(link.points)
+    time, points = time_of(link), load_int32(link.points)
     if not state.time < time < math.inf:
         return NOT_LATER
     link.before = state.time
@@ -121,6 +122,13 @@ def tell(telling):
         _write(link, state, microphones)
         looks = _slide(link, state)
     return PER_BLOW * state.struck + (LOOK if looks else 0)
+
+
+@kernel
+def time_of(link):
+    """Return the time of a step's contacts (s), by a record of TELLING."""
+    time = load_double(link.time)
+    return time if link.behind == 0 else time - load_double(link.behind)
 
 
 @kernel

@@ -14,8 +14,9 @@ ARRAYS = np.dtype(
     [
         ("first", np.int64),  # the number of the first body that moves; the others follow
         ("bodies", np.int64),
-        # For each of them its rows in the arrays below.
-        ("geom", np.int64, BODIES),
+        # For each of them the addresses of its place and of its rotation matrix, and its rows in the arrays below.
+        ("place", np.int64, BODIES),
+        ("turned", np.int64, BODIES),
         ("body", np.int64, BODIES),
         ("root", np.int64, BODIES),
         ("led", np.int64, BODIES),  # 1: it is moved by its pose, and `motions` say nothing of it
@@ -24,8 +25,6 @@ ARRAYS = np.dtype(
         ("known", np.int64),  # 1: there was a step before
         ("before", np.float64, (BODIES, 9)),  # spin, velocity, and the point that it is of
         # Addresses of arrays of float64.
-        ("positions", np.int64),  # by geom: 3
-        ("turns", np.int64),  # by geom: a rotation matrix
         ("motions", np.int64),  # by body: spin, and the velocity of the point `abouts`
         ("abouts", np.int64),  # by root: 3
         # Contacts: where the address of the first stands, how far apart they are, and where in each its parts are.
@@ -37,6 +36,7 @@ ARRAYS = np.dtype(
         ("geoms", np.int64),  # two of int32
         ("row", np.int64),  # int32: of the force; below 0 it is not in force
         ("dimensions", np.int64),  # int32
+        ("friction", np.int64),
         ("forces", np.int64),  # where the address of the forces stands; 0: they are not known
         ("pyramids", np.int64),  # 1: a force is the sum of two rows for each tangent
         ("numbers", np.int64),  # address of int32: the number of each geom's body, -1: it has none
@@ -57,8 +57,7 @@ def gather(state, arrays, points, span):
             _lead(state, arrays, n, span)
             continue
         to = arrays.first + n
-        place = arrays.positions + 3 * _DOUBLE * arrays.geom[n]
-        turn = arrays.turns + 9 * _DOUBLE * arrays.geom[n]
+        place, turn = arrays.place[n], arrays.turned[n]
         motion = arrays.motions + 6 * _DOUBLE * arrays.body[n]
         about = arrays.abouts + 3 * _DOUBLE * arrays.root[n]
         for k in range(3):
@@ -94,8 +93,7 @@ def _take_before(state, arrays, n):
 def _lead(state, arrays, n, span):
     """Copy the pose of a body that is moved by it: its motion is what has changed. One that jumps has none."""
     to = arrays.first + n
-    place = arrays.positions + 3 * _DOUBLE * arrays.geom[n]
-    turn = arrays.turns + 9 * _DOUBLE * arrays.geom[n]
+    place, turn = arrays.place[n], arrays.turned[n]
     square = 0.0
     for k in range(3):
         way = load_double(place + _DOUBLE * k) - state.position[to, k]
@@ -131,6 +129,7 @@ def _take_contact(state, arrays, n, contact):
         state.point[n, k] = load_double(contact + arrays.point + _DOUBLE * k)
         state.normal[n, k] = load_double(contact + arrays.normal + _DOUBLE * k)
     state.depth[n] = -load_double(contact + arrays.distance)
+    state.friction[n] = load_double(contact + arrays.friction)
     state.force[n] = 0.0
     if row >= 0 and arrays.forces:
         forces = load_address(arrays.forces) + _DOUBLE * row

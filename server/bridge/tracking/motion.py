@@ -58,7 +58,7 @@ def follow(state, pair, span):
 @kernel
 def _press(state, pair, span, landed):
     """Smooth a contact's force: of one that hops, its mean from landing to landing; its weight where none is told."""
-    weight = _weight(state, pair)
+    weight = weight_of(state, pair)
     if pair.now[2] == 0.0:
         pair.now[2] = weight if weight > 0.0 else pair.force
     if pair.force == 0.0 and pair.pushed == 0.0:
@@ -94,7 +94,7 @@ def hop(state, pair, span):
 
 
 @kernel
-def _weight(state, pair):
+def weight_of(state, pair):
     """Return the weight (N) of the lighter body of a pair."""
     lightness = max(state.lightness[pair.a], state.lightness[pair.b])
     return state.gravity / lightness if lightness > 0.0 else 0.0

@@ -28,7 +28,7 @@ STILL, UNHEARD, HEARD = range(3)
 TOGETHER = 16
 """Blows of one step on the same bodies that share them: of more each is taken alone."""
 
-TOLD = ("depth", "approach", "slip", "force", "mass", "restitution")
+TOLD = ("depth", "approach", "slip", "force", "mass", "restitution", "friction")
 """Quantities that a simulator may tell of a point, NaN where it does not."""
 
 _PAIR = np.dtype(
@@ -39,6 +39,12 @@ _PAIR = np.dtype(
         ("seen", np.float64),  # s: when it was told last
         ("last", np.float64),  # s: when its slip and sweep were found last
         ("stood", np.int64),  # 1: it began without a blow, or has stayed: it may graze
+        ("flown", np.float64),  # s for which none of its points touched before this step
+        ("steepest", np.float64),  # share of its slip by which it may close, and slide
+        ("landed", np.float64),  # m/s: the approach of its last blow, and
+        ("left", np.float64),  # the speed at which it left
+        ("calm", np.int64),  # steps for which it neither closes nor opens
+        ("calm_since", np.float64),  # s
         ("fastest", np.float64),  # m/s: its slip, or what is left of a faster one of late
         ("moves", np.int64),  # STILL, UNHEARD or HEARD
         ("pressure", np.float64),  # Pa rms: of its slide, as it was last estimated
@@ -61,6 +67,7 @@ _PAIR = np.dtype(
         ("weight", np.float64),
         ("slip", np.float64),
         ("force", np.float64),
+        ("closes", np.float64),  # m/s, times the weight
         # Of the last step that had any: the mean of their normals, and the way to them from the smaller body's centre.
         ("facing", np.float64, 3),
         ("arm", np.float64, 3),
@@ -172,6 +179,7 @@ STATE = np.dtype(
         ("steps", np.int64),  # taken
         ("rest", np.float64),  # m/s: a slower approach is no blow
         ("gravity", np.float64),  # m/s^2
+        ("settles", np.float64),  # s: up to when no blow is told
         ("bodies", np.int64),
         # Of each body: its centre of mass, its axes (rows of a rotation matrix), and the velocity of its point `about`.
         ("position", np.float64, (BODIES, 3)),
