@@ -24,6 +24,10 @@ ABOUT = "dataset.json"
 """The file that says by which recipe, and by what, a folder's data set is made."""
 
 
+SCHEMA = 2
+"""The version of the form of a data set: of its files, of the table's columns, and of the truth."""
+
+
 class FolderError(RuntimeError):
     """A folder that cannot take the data set; the text says why."""
 
@@ -31,7 +35,9 @@ class FolderError(RuntimeError):
 def about(recipe: Recipe, versions: Mapping[str, str]) -> dict[str, Any]:
     """Return the contents of the file ABOUT."""
     return {
+        "schema": SCHEMA,
         "recipe": recipe.name,
+        "licence": recipe.licence,
         "items": recipe.count,
         "shards": [shard_name(recipe, number) for number in range(recipe.shards)],
         "table": table_name(recipe),
