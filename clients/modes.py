@@ -136,7 +136,7 @@ def _sides(modes: Modes, channels: int) -> NDArray[np.float64]:
     """Return the weights of modes on each side: of two channels left and right, else one of both."""
     if channels == 2:
         return modes.pressure
-    return np.copysign(np.sqrt(0.5 * (modes.pressure**2).sum(axis=0)), modes.pressure[:1])
+    return np.asarray(np.copysign(np.sqrt(0.5 * (modes.pressure**2).sum(axis=0)), modes.pressure[:1]))
 
 
 def _decays(modes: Modes, settings: Settings, rate: float) -> NDArray[np.float64]:

@@ -19,6 +19,7 @@ from scipy.signal import lfilter
 from scipy.special import spherical_in
 
 from ..dsp.engine.memory.state import QUANTUM, TRACED_MOMENTS
+from ..dsp.errors import CaromError
 from ..dsp.resonator.click import FAR, FIRST, GAIN, LEAST, NEAR, SECOND, TAPS, WIDEST
 
 Array = NDArray[Any]
@@ -30,7 +31,7 @@ _SMALL, _TERMS = 1.0, 18  # |x| up to which exp(x) is summed as a series
 _NODES, _WEIGHTS = legendre.leggauss(16)
 
 
-class NotLinear(ValueError):
+class NotLinear(CaromError, ValueError):
     """A clip whose truth does not say its sound, as an object of it is not linear; the text names it."""
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...dsp.engine.memory.state import QUANTUM, TRACED_MOMENTS
+from ...dsp.errors import CaromError
 from ...presets import Presets
 from ...server.osc.score import Line, sample_at
 from ...server.render import Options
@@ -30,7 +31,7 @@ _PIECE = 16 * TRACED
 _LEAST_LEVEL = 40.0  # dB of a clip above the noise of its samples' steps
 
 
-class ItemError(RuntimeError):
+class ItemError(CaromError, RuntimeError):
     """An item that cannot be rendered; the text names it and says why."""
 
 

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from ...dsp.errors import CaromError
 from ...server.files.whole import appearing
 from ...server.osc.score import Line, format_line
 from .plan import Made
@@ -28,7 +29,7 @@ SCHEMA = 2
 """The version of the form of a data set: of its files, of the table's columns, and of the truth."""
 
 
-class FolderError(RuntimeError):
+class FolderError(CaromError, RuntimeError):
     """A folder that cannot take the data set; the text says why."""
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,10 +25,13 @@ def step_of(full_scale: float, samples: str) -> float:
     return full_scale / 2.0 ** (QUANTIZED[samples] - 1)
 
 
-def quantized(pressure: NDArray[np.float32], full_scale: float, samples: str) -> NDArray[Any]:
+def quantized(
+    pressure: NDArray[np.float32], full_scale: float, samples: str
+) -> NDArray[np.float32] | NDArray[np.int32]:
     """Return a pressure as samples: floats, or the nearest whole numbers of steps, int32."""
     if samples not in QUANTIZED:
         return pressure / np.float32(full_scale)
     most = 2 ** (QUANTIZED[samples] - 1)
     steps = np.rint(pressure.astype(np.float64) * (most / full_scale))
-    return np.clip(steps, -most, most - 1).astype(np.int32)
+    whole: NDArray[np.int32] = np.clip(steps, -most, most - 1).astype(np.int32)
+    return whole

@@ -54,7 +54,7 @@ def sound_file(samples: NDArray[np.float32] | NDArray[np.int32], recipe: Recipe)
     if recipe.samples not in QUANTIZED:
         return header(recipe.rate, len(samples), samples.shape[1]) + samples.astype("<f4").tobytes()
     memory = io.BytesIO()
-    whole = samples << (32 - QUANTIZED[recipe.samples])
+    whole = samples.astype(np.int32) << (32 - QUANTIZED[recipe.samples])
     soundfile.write(memory, whole, recipe.rate, _SUBTYPES[recipe.samples], format=recipe.format.upper())
     return memory.getvalue()
 
