@@ -171,7 +171,7 @@ def _about(recipe: Recipe, item: Item, peak: float, full_scale: float, pressure:
         **paired,
         "gesture": item.gesture,
         "licence": recipe.licence,
-        "split": recipe.split.side(item) if recipe.split else "train",
+        "split": recipe.split.side(item.factors) if recipe.split else "train",
         "factors": dict(item.factors),
         "rate": recipe.rate,
         "frames": recipe.frames,

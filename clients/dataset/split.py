@@ -7,7 +7,7 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...dsp.schema import SETTINGS
 from ...dsp.wording import expected
@@ -15,9 +15,6 @@ from ...presets import PresetError
 from ...presets.schema import Fields, check
 from ...presets.values import Quantity, Text, shown
 from .spread import Spread, Value
-
-if TYPE_CHECKING:
-    from .design import Item
 
 GEOMETRY = "geometry"
 """The word for all of an object but its material and its settings: preset, size, and all lengths."""
@@ -41,9 +38,9 @@ class Split:
     shares: tuple[tuple[str, float], ...]
     ranks: Mapping[tuple[Value, ...], float]
 
-    def side(self, item: Item) -> str:
-        """Return the side of an item."""
-        group = tuple(item.factors[name] for name in self.by if name in item.factors)
+    def side(self, factors: Mapping[str, Value]) -> str:
+        """Return the side of an item, by its factors."""
+        group = tuple(factors[name] for name in self.by if name in factors)
         at = self.ranks[group] if group in self.ranks else _hashed(self.seed, group)
         for side, share in self.shares:
             if at < share:

@@ -48,7 +48,7 @@ def test_a_split_keeps_what_is_alike_together(tmp_path):
     recipe = recipe_of(tmp_path, text, 200)
     sides = {}
     for item in items(recipe, range(200)):
-        sides.setdefault(item.factors["object.preset"], set()).add(recipe.split.side(item))
+        sides.setdefault(item.factors["object.preset"], set()).add(recipe.split.side(item.factors))
     assert sorted(map(sorted, sides.values())) == [["test"], ["train"], ["train"], ["train"]]
 
 
