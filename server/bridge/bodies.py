@@ -85,6 +85,10 @@ class Body:
         return np.asarray(np.sqrt(power))
 
 
+ABOUT = ("density", "mass", "inertia", "held", "rings", "object")
+"""Keys of a body that are no object's."""
+
+
 class BodyMaker:
     """Makes bodies with modes up to `top` (Hz), from presets."""
 

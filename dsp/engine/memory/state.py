@@ -95,6 +95,9 @@ NOTE = np.dtype(
     align=True,
 )
 
+TRACED_MOMENTS = 6
+"""Legendre moments of a force over a sample that are traced."""
+
 TRACE = np.dtype(
     [
         ("command", np.int64),  # the number of the command that brought the striker
@@ -108,10 +111,20 @@ TRACE = np.dtype(
         ("begin", np.float64),  # samples: when it began in there, exact where the solver knows it, else `sample`
         ("end", np.float64),  # samples: when it ended in there, else `sample` + 1
         ("impulse", np.float64),  # N s: of the force on the object in there, before the gesture's gain
+        ("moments", np.float64, TRACED_MOMENTS - 1),  # N s: its other Legendre moments over the sample
+        ("gain", np.float64),  # factor on the force that the modes get
+        ("kind", np.int64),  # PUSHED, RUBBED or SNAPPED
+        ("sound", np.int64),  # place of the striker that sounds, -1: none does
+        ("share", np.float64),  # of the striker's output that the force moves
+        ("ratio", np.float64),  # of its radius to that of its kind
     ],
     align=True,
 )
 """A sample of a contact. The entries of one contact are in the order of time."""
+
+PUSHED, RUBBED, SNAPPED = range(3)
+"""Kinds of entries: a force that presses, friction along the surface, and a second pulse of the striker's own, at the
+time `begin`."""
 
 OBJECT = np.dtype(
     [
