@@ -5,9 +5,10 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import islice
 from typing import Protocol
 
+from ...dsp.schema import Parameter as Number
 from ...dsp.wording import MOST_COMPARED, some_of, suggestion
 from ...presets import ObjectPreset, Presets
-from .arguments import Either, Number, Parameter, Refused, Values, Verb
+from .arguments import Either, Parameter, Refused, Values, Verb
 from .wire import Argument, Message
 
 _LARGEST = 1_200  # bytes of the arguments of an answer: a datagram of it fits any network
@@ -18,8 +19,11 @@ class Object(Protocol):
     """The part of an object that questions read."""
 
     preset: ObjectPreset
-    mass: float
     settings: dict[str, float]
+
+    @property
+    def mass(self) -> float:
+        """kg."""
 
 
 class Scene(Protocol):
