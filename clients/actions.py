@@ -3,11 +3,12 @@
 from abc import ABC, abstractmethod
 from typing import Any, SupportsFloat
 
+from ..dsp.errors import CaromError
 from ..server.osc.wire import Message
 from .gesture_methods import Gestures, Value, with_gestures
 
 
-class CommandError(RuntimeError):
+class CommandError(CaromError, RuntimeError):
     """A message was refused, or cannot be sent; the text says why."""
 
 

@@ -16,6 +16,7 @@ import numpy as np
 import soundfile
 from numpy.typing import NDArray
 
+from ..dsp.errors import CaromError
 from ..dsp.fitting.distance import Distance, distance
 from ..dsp.fitting.errors import RecordingError
 from ..dsp.fitting.hits import check
@@ -42,7 +43,7 @@ Compared = tuple[Distance, tuple[str, str]]
 """A distance, and the names of A and B."""
 
 
-class PageError(RuntimeError):
+class PageError(CaromError, RuntimeError):
     """The page cannot be made; the text says why."""
 
 

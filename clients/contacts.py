@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from ..dsp.engine.memory.state import PUSHED, RUBBED, SNAPPED, TRACED_MOMENTS
+
 
 @dataclass(frozen=True)
 class Striking:
@@ -16,6 +18,33 @@ class Striking:
     id: str
     gesture: str
     mass: float = 0.0
+    by_position: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """The force of a contact as the modes get it, in each frame from its `first` on.
+
+    moments: (n, 6) N, the force's Legendre moments over the sample that ends there, the mean first. gain: (n,), the
+    factor on them. position, (n,): where it acts. friction: (n, 3), of what rubs along the surface: where, and its
+    first two moments (N) with its gain; (0, 3) where nothing does. sound: the place of a striker that sounds among the
+    engine's, -1: none; share: of its output; ratio: of its radius to that of its kind. snaps: second pulses of the
+    striker, (frame, N s).
+    """
+
+    moments: NDArray[np.float64]
+    gain: NDArray[np.float64]
+    position: NDArray[np.float64]
+    friction: NDArray[np.float64]
+    sound: int = -1
+    share: float = 0.0
+    ratio: float = 1.0
+    snaps: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def stays(self) -> bool:
+        """True if it acts at one place with one gain, and nothing rubs."""
+        return not len(self.friction) and np.ptp(self.position) == np.ptp(self.gain) == 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +60,7 @@ class Contact:
     and the object caught up with it; of a roll or a slide 0. mass: kg, of the striker.
     impulse: N s that the striker gave the object. A gesture's `gain` makes it louder, and is not in here.
     first: the first frame of the sound that the force reaches; force: (n,) N, its mean over the sample that ends with
-    each frame from there on.
+    each frame from there on; drive: the force in full, as the modes get it.
 
     A contact ends where the two part, be it for a microsecond: where they meet again, another one begins. So a blow on
     an object that gives way may be several contacts, whose impulses add up to what the striker loses; so may a press. A
@@ -52,6 +81,9 @@ class Contact:
     impulse: float
     first: int
     force: NDArray[np.float64] = field(repr=False)
+    drive: Drive = field(repr=False)
+    by_position: float = 0.0
+    """0 to 1 on the striker's own strike path, if it is an object."""
 
     @property
     def peak(self) -> float:
@@ -75,18 +107,50 @@ def assemble(
 
 
 def _contact(run: NDArray[np.void], rate: float, start: int, striking: Striking) -> Contact:
-    first = int(run["sample"][0])
-    force = np.zeros(int(run["sample"][-1]) - first + 1)
-    force[run["sample"] - first] = run["impulse"] * rate  # a roll's may be 0 meanwhile, without an entry
+    pushed = run[run["kind"] == PUSHED]
+    if not len(pushed):  # friction alone, or a second pulse
+        pushed = run
+    first = int(pushed["sample"][0])
+    drive = _drive(run, pushed, rate, start)
     return Contact(
         striking.object, striking.striker, striking.id, striking.gesture,
-        start=float(run["begin"][0]) / rate,
-        duration=float(run["end"][-1] - run["begin"][0]) / rate,
-        position=float(run["position"][0]),
-        speed=float(run["speed"][0]),
-        velocity=float(run["velocity"][0]),
+        start=float(pushed["begin"][0]) / rate,
+        duration=float(pushed["end"][-1] - pushed["begin"][0]) / rate,
+        position=float(pushed["position"][0]),
+        speed=float(pushed["speed"][0]),
+        velocity=float(pushed["velocity"][0]),
         mass=striking.mass,
-        impulse=float(run["impulse"].sum()),
+        impulse=float(pushed["impulse"].sum()) if (pushed["kind"] == PUSHED).all() else 0.0,
         first=first + 1 - start,
-        force=force,
+        force=drive.moments[:, 0],
+        drive=drive,
+        by_position=striking.by_position,
+    )  # fmt: skip
+
+
+def _drive(run: NDArray[np.void], pushed: NDArray[np.void], rate: float, start: int) -> Drive:
+    """Return the force of a contact; entries that lack are samples without one, where nothing else changes."""
+    first = int(pushed["sample"][0])
+    rubbed, snapped = run[run["kind"] == RUBBED], run[run["kind"] == SNAPPED]
+    last = max(int(each["sample"][-1]) for each in (pushed, rubbed) if len(each))
+    size = last - first + 1
+    moments, friction = np.zeros((size, TRACED_MOMENTS)), np.zeros((size if len(rubbed) else 0, 3))
+    pressing = pushed[pushed["kind"] == PUSHED]
+    at = pressing["sample"] - first
+    np.add.at(moments[:, 0], at, pressing["impulse"] * rate)
+    np.add.at(moments[:, 1:], at, pressing["moments"] * rate)
+    rubbed = rubbed[rubbed["sample"] >= first]
+    scale = rubbed["gain"] * rate
+    columns = rubbed["position"], scale * rubbed["impulse"], scale * rubbed["moments"][:, 0]
+    friction[rubbed["sample"] - first] = np.column_stack(columns)
+    sounding = pushed[pushed["sound"] >= 0]
+    known = sounding[0] if len(sounding) else None
+    places = np.interp(np.arange(size), at, pressing["position"]) if len(at) else np.full(size, pushed["position"][0])
+    gains = np.interp(np.arange(size), at, pressing["gain"]) if len(at) else np.ones(size)
+    return Drive(
+        moments, gains, places, friction,
+        sound=int(known["sound"]) if known is not None else -1,
+        share=float(known["share"]) if known is not None else 0.0,
+        ratio=float(known["ratio"]) if known is not None else 1.0,
+        snaps=tuple((float(each["begin"]) - start, float(each["impulse"])) for each in snapped),
     )  # fmt: skip

@@ -11,6 +11,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from numpy.typing import NDArray
 
+from ..dsp.errors import CaromError
 from ..dsp.fitting.blow import Blow, alike, measured, pulse, striker_pulse
 from ..dsp.fitting.distance import at_rate, distance
 from ..dsp.fitting.errors import RecordingError
@@ -37,7 +38,7 @@ _MOST_MODES = 200
 _AS_NEAR = 0.1  # dB: a strike by the measured force that is no further from the recording than that is as good
 
 
-class FitError(ValueError):
+class FitError(CaromError, ValueError):
     """Error of a fit that cannot be made as asked; the text names why."""
 
 

@@ -2,61 +2,48 @@
 
 import inspect
 from collections.abc import Callable
-from typing import Any, Protocol, SupportsFloat, TypeVar
+from typing import Any, TypeVar
 
 from ..dsp.schema import GESTURES, Gesture
+from .gesture_keys import (
+    BounceOfNamed,
+    BounceOfObject,
+    ImpactOfNamed,
+    ImpactOfObject,
+    PressOfNamed,
+    PressOfObject,
+    RollOfNamed,
+    RollOfObject,
+    SlideOfNamed,
+    SlideOfObject,
+    SpinOfNamed,
+    SpinOfObject,
+)
 
 Value = Any
 """An argument: a number, a string, bytes, None, or a list or tuple of these; NumPy's scalars and arrays too."""
 
 
-class OfNamed(Protocol):
-    """A gesture on an object of a name: its first argument, a position 0 to 1 on the strike path, a time, keys."""
-
-    def __call__(
-        self,
-        name: str,
-        value: SupportsFloat | None = None,
-        position: SupportsFloat | None = None,
-        at: SupportsFloat | None = None,
-        **keys: Value,
-    ) -> None:
-        """Begin the gesture; the preset's own values stand for those that are None."""
-
-
-class OfObject(Protocol):
-    """A gesture on an object, the same way."""
-
-    def __call__(
-        self,
-        value: SupportsFloat | None = None,
-        position: SupportsFloat | None = None,
-        at: SupportsFloat | None = None,
-        **keys: Value,
-    ) -> None:
-        """Begin the gesture; the preset's own values stand for those that are None."""
-
-
 class Gestures:
     """Gestures on objects by name: methods of what has `_gesture(gesture, name, value, position, at, keys)`."""
 
-    impact: OfNamed
-    bounce: OfNamed
-    roll: OfNamed
-    press: OfNamed
-    spin: OfNamed
-    slide: OfNamed
+    impact: ImpactOfNamed
+    bounce: BounceOfNamed
+    roll: RollOfNamed
+    press: PressOfNamed
+    spin: SpinOfNamed
+    slide: SlideOfNamed
 
 
 class ObjectGestures:
     """Gestures on an object: methods of what has a `scene` and a `name`."""
 
-    impact: OfObject
-    bounce: OfObject
-    roll: OfObject
-    press: OfObject
-    spin: OfObject
-    slide: OfObject
+    impact: ImpactOfObject
+    bounce: BounceOfObject
+    roll: RollOfObject
+    press: PressOfObject
+    spin: SpinOfObject
+    slide: SlideOfObject
 
 
 def _on_named(gesture: Gesture) -> Callable[..., None]:

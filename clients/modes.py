@@ -92,9 +92,7 @@ def mode_table(
     frequencies = modes.frequency * settings.tune
     made = modes.frequency <= NYQUIST_SHARE * 0.5 * rate
     heard = np.flatnonzero(made & (frequencies <= NYQUIST_SHARE * 0.5 * rate))
-    sides = modes.pressure
-    if len(gains) != 2:
-        sides = np.copysign(np.sqrt(0.5 * (sides**2).sum(axis=0)), sides[:1])
+    sides = _sides(modes, len(gains))
     shape = _shape_at(modes.strike, position)[heard]
     clicks = tuple(Click(each.frequency, each.decay, level * each.strength * gains) for each in modes.clicks)
     still = _relief(modes, settings.tune, level * gains, position, rate)
@@ -105,6 +103,40 @@ def mode_table(
         clicks,
         still,
     )
+
+
+class Places(NamedTuple):
+    """Mode shapes all along an object's strike path, beside a ModeTable of it: its gains at a position are
+    shape x weight, by the cubic through four rows around it."""
+
+    strike: NDArray[np.float64]
+    """(P, n) kg^-1/2, at P equally spaced positions 0..1."""
+    weights: NDArray[np.float64]
+    """(n, channels)."""
+    relief: NDArray[np.float64]
+    """(channels, P, b): gains of the relief."""
+
+
+def places_of(modes: Modes, level: float, settings: Settings, gains: NDArray[np.float64], rate: float) -> Places:
+    """Return the shapes of the modes of `mode_table` along the strike path; arguments as there."""
+    frequencies = modes.frequency * settings.tune
+    top = NYQUIST_SHARE * 0.5 * rate
+    heard = np.flatnonzero((modes.frequency <= top) & (frequencies <= top))
+    rows = modes.strike if len(modes.strike) >= _ROWS else np.repeat(modes.strike[:1], _ROWS, axis=0)
+    found = planned(modes, top, 0.5 * rate, len(gains) == 2).relief
+    share = np.minimum(1.0, top / (found.frequency * settings.tune))
+    shapes = [found.shape[side if len(gains) == 2 else 0] for side in range(len(gains))]
+    sized = [
+        level * gain * shape * np.where(share > GONE, share, 0.0) for gain, shape in zip(gains, shapes, strict=True)
+    ]
+    return Places(rows[:, heard], level * _sides(modes, len(gains))[:, heard].T * gains, np.array(sized))
+
+
+def _sides(modes: Modes, channels: int) -> NDArray[np.float64]:
+    """Return the weights of modes on each side: of two channels left and right, else one of both."""
+    if channels == 2:
+        return modes.pressure
+    return np.asarray(np.copysign(np.sqrt(0.5 * (modes.pressure**2).sum(axis=0)), modes.pressure[:1]))
 
 
 def _decays(modes: Modes, settings: Settings, rate: float) -> NDArray[np.float64]:

@@ -71,7 +71,7 @@ class Performer:
     """An engine and a scene of its own, and what is told of both. Errors are CommandErrors.
 
     score: which may say its channels and its full scale. stems, contacts: whether they are kept. steers_ended: as for a
-    Session.
+    Session. amplified: factor on calibrated samples; what ends below the silence of the engine rings on with it.
     """
 
     def __init__(
@@ -82,9 +82,10 @@ class Performer:
         stems: bool,
         contacts: bool,
         steers_ended: bool = False,
+        amplified: float = 1.0,
     ) -> None:
         self.presets = chosen(presets)
-        scale, room = options.scale_of(score), STEMS if stems else OBJECTS
+        scale, room = replace(options.scale_of(score), amplified=amplified), STEMS if stems else OBJECTS
         with _compiling:
             self.engine = _Engine(options.rate, options.channels_of(score), room, not options.calibrated)
         self.scene = Session(self.engine, self.presets, steers_ended, scale)
@@ -165,9 +166,12 @@ class Performer:
             elif self.contacts and each.serial:
                 striker = self._names.get(each.by, "") if each.by else ""
                 gesture = each.message.address.rsplit("/", 1)[1]
+                keys = _keys(each.message.args)
+                by_position = self.scene.objects[striker].preset.position if striker in self.scene.objects else 0.0
                 self._striking[number] = Striking(
-                    self._names[each.serial], striker, str(_keys(each.message.args).get("id", "")), gesture, each.mass
-                )
+                    self._names[each.serial], striker, str(keys.get("id", "")), gesture, each.mass,
+                    float(keys.get("by_position", by_position)),  # type: ignore[arg-type]
+                )  # fmt: skip
 
     def ended(self) -> list[str]:
         """Return the ids of gestures that have ended since the last call."""

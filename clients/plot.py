@@ -8,6 +8,8 @@ import numpy as np
 import soundfile
 from numpy.typing import NDArray
 
+from ..dsp.errors import CaromError
+
 _WINDOW = 4096
 _COLUMNS = 1500
 _FLOOR, _CEILING = -100.0, -10.0  # dBFS
@@ -16,7 +18,7 @@ _LEAST_PRESSURE = 20e-6  # Pa
 _NAMES = {1: ["mono"], 2: ["left", "right"]}
 
 
-class PlotError(RuntimeError):
+class PlotError(CaromError, RuntimeError):
     """The picture cannot be drawn; the text says why."""
 
 

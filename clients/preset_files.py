@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..dsp.bodies.material import Material
+from ..dsp.errors import CaromError
 from ..presets import KINDS, ObjectPreset, PresetError, Presets, StrikerPreset
 from ..presets.library import read_file
 from .dataset.check import require_sound
@@ -16,7 +17,7 @@ RECIPE = "recipes"
 _TOP = 20_000.0  # Hz up to which modes are made
 
 
-class CheckError(RuntimeError):
+class CheckError(CaromError, RuntimeError):
     """Error of a check without anything to check; the text says why."""
 
 

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from ..dsp.errors import CaromError
 from ..dsp.wording import listed, near
 from ..presets import BUILT_IN
 from ..server.osc.score import Line, ScoreError, parse, read
@@ -17,7 +18,7 @@ STREAM = "-"
 """Stands for stdin where a file is read, and for stdout where one is written."""
 
 
-class StreamError(RuntimeError):
+class StreamError(CaromError, RuntimeError):
     """Stdin has no score, or stdout cannot take a sound; the text says why."""
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..dsp.errors import CaromError
 from ..presets import Presets
 from ..server.audio.portaudio import AudioError, devices, portaudio
 from ..server.osc.score import Line
@@ -16,7 +17,7 @@ Progress = Callable[[float], object]
 """Function that is told how many seconds of a sound are computed."""
 
 
-class StrikeError(ValueError):
+class StrikeError(CaromError, ValueError):
     """A strike that makes no sound; the text says why."""
 
 

@@ -2,13 +2,23 @@
 
 import difflib
 from collections.abc import Iterable, Sequence
+from itertools import islice
 
 _LONGEST = 64  # characters of a word that is compared: a longer one is no misspelt name
 _MOST_LETTERS = 4_096  # of the known words that are compared: more would hold up a server
 _NEAR = 0.7  # of likeness, 0 to 1, for a word of another length
 _AS_NEAR = 0.1  # of likeness, 0 to 1, by which others may be less near than the nearest
 _MOST_LISTED = 64  # words that an error names
+_MOST_SHOWN = 8  # names of things that there are
 _SHORTEST_PART = 3  # letters that are looked for inside the known words
+
+MOST_COMPARED = 128
+"""Names of things that there are among which a near one is looked for."""
+
+
+def some_of(names: Iterable[str]) -> str:
+    """List the first of the things that there are, for an error."""
+    return ", ".join(islice(names, _MOST_SHOWN)) or "none"
 
 
 def near(word: str, known: Iterable[str]) -> list[str]:

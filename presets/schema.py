@@ -17,6 +17,7 @@ from ..dsp.bodies.heard import BAFFLES
 from ..dsp.bodies.material import LOSSES
 from ..dsp.bodies.plate import EDGES as PLATE_EDGES
 from ..dsp.bodies.radiation.board import BOARDS
+from ..dsp.errors import CaromError
 from ..dsp.rolling.variation import MOST_VARIATION
 from ..dsp.wording import expected
 from .values import Choice, Domain, Many, Name, OneOrMany, Quantity, Row, Rows, Section, Text, Unfit, Whole, shown
@@ -24,7 +25,7 @@ from .values import Choice, Domain, Many, Name, OneOrMany, Quantity, Row, Rows, 
 Fields = Mapping[str, Domain]
 
 
-class PresetError(ValueError):
+class PresetError(CaromError, ValueError):
     """A preset that is unknown or does not fit: "FILE: [section] key = VALUE: expected WHAT"."""
 
 

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from ..dsp.errors import CaromError
 from ..dsp.wording import suggestion
 
 NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
@@ -20,7 +21,7 @@ _LONGEST_SHOWN = 300  # characters: lists in lists have many, each of them short
 _SEPARATOR = re.compile(r"[,\s]+")
 
 
-class Unfit(ValueError):
+class Unfit(CaromError, ValueError):
     """A value that does not fit; the text is "VALUE: expected WHAT", after "item N = " inside a list."""
 
     def __init__(self, value: object, expected: object, item: int | None = None) -> None:

@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from ..dsp.engine.memory.state import PUSHED
+
 _BLOW = 0.1  # s: what touches for longer is reported as it goes on
 _MOST_FORCES = 2_048  # samples of a contact whose force is kept
 _MOST_OPEN = 2_048  # contacts
@@ -45,6 +47,7 @@ class ContactWatch:
 
     def look(self, trace: NDArray[np.void]) -> tuple[list[Touching], list[Touching]]:
         """Return the blows that are over, and what touches on, by what was traced since the last call."""
+        trace = trace[trace["kind"] == PUSHED]
         order = np.argsort(trace["contact"], kind="stable")
         places = np.flatnonzero(np.diff(trace["contact"][order])) + 1
         runs = {int(run["contact"][0]): run for run in np.split(trace[order], places) if len(run)}

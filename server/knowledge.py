@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from ..dsp.contact.sampled import METHODS
-from ..dsp.schema import GESTURES, MAIN_GAIN, SETTINGS, STRIKE, Parameter
+from ..dsp.schema import GESTURES, MAIN_GAIN, SETTINGS, STRIKE, TRAIT_NAMES, Parameter
 from ..presets import PresetError, Presets
-from .discovery import tuning_of
+from .osc.questions import tuning_of
 from .osc.score import format_line
 from .osc.wire import Message
 from .scene.notes import keys_of
@@ -74,6 +74,7 @@ class Knowledge:
                         "argument": _parameter(gesture.argument),
                         "keys": [_parameter(key) for key in {k.name: k for k in (*STRIKE, *gesture.keys)}.values()],
                         "steerable": gesture.steerable,
+                        **{trait: getattr(gesture, trait) for trait in TRAIT_NAMES},
                     }
                     for name, gesture in GESTURES.items()
                 },

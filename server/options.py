@@ -6,6 +6,7 @@ from pathlib import Path
 
 from ..dsp.engine.memory.capacity import MODES, OBJECTS, USUAL_MODES, USUAL_OBJECTS
 from ..dsp.engine.memory.commands import Command, Kind
+from ..dsp.errors import CaromError
 from ..dsp.numerics.constants import FULL_SCALE_PRESSURE
 from ..dsp.runtime.engine import NOW, Engine
 from ..dsp.schema import CHANNELS, FORMS, FULL_SCALE, MAIN_GAIN
@@ -23,7 +24,7 @@ OVER_BUDGET = (
 _LONGEST_LATENCY = 2.0  # s
 
 
-class ServeError(ValueError):
+class ServeError(CaromError, ValueError):
     """A server can't start. The text names the option, its value and what was expected."""
 
 

@@ -13,7 +13,6 @@ from ..dsp.engine.memory.state import CONTACTS, ROLLS, End
 from ..dsp.runtime.arena import EngineFull
 from ..dsp.runtime.engine import NOW, Engine
 from ..presets import PresetError, Presets
-from . import discovery
 from .audio.supervisor import Player
 from .files.log import Log
 from .files.recorder import Recorder
@@ -28,6 +27,7 @@ from .options import ServeError
 from .osc.addresses import Call
 from .osc.arguments import Refused, Values
 from .osc.patterns import TooMuch
+from .osc.questions import QUESTIONS, Answer
 from .osc.wire import Argument, BadPacket, Bundle, Message
 from .packets import Packet, is_question, read
 from .recording import Recording
@@ -104,12 +104,7 @@ class Server:
             "/version": lambda values, source: [version()],
             "/sync": self._sync,
             "/notify": self._notify,
-            "/object/NAME/get": lambda values, source: discovery.described(
-                self._session, values.words["NAME"], int(values.number("modes"))
-            ),
-            "/presets": lambda values, source: discovery.presets(self._session.presets, values.words["kind"]),
-            "/objects": lambda values, source: discovery.objects(self._session),
-            "/gestures": lambda values, source: discovery.gestures(self._session),
+            **{address: partial(self._answer, answer) for address, (_, answer) in QUESTIONS.items()},
             "/record": self.recording.asked,
             "/dump": self._dump,
             "/quit": self._quit,
@@ -232,6 +227,9 @@ class Server:
                 self._reply(answer, source)
         except (Refused, EngineFull, TooMuch, PresetError) as error:
             self._reply(fail(call.message.address, str(error)), source)
+
+    def _answer(self, answer: Answer, values: Values, source: Source) -> Iterable[Message]:
+        return answer(self._session, values)
 
     def _status_asked(self, values: Values, source: Source) -> None:
         objects = len(self._session.objects)

@@ -130,6 +130,20 @@ def cone(material: Material, *, radius: float, top_radius: float, height: float,
     ),
 )
 
+QUERY = (
+    (
+        "server/osc/questions.py",
+        "def tuning_of(",
+        """@_question("/loudest", "answers /loudest.reply and the names of the objects with the highest gain")
+def _loudest(scene: Scene, values: Values) -> Iterator[Message]:
+    gains = {name: obj.settings.get("gain", 0.0) for name, obj in scene.objects_there().items()}
+    yield Message("/loudest.reply", tuple(name for name, gain in gains.items() if gain == max(gains.values())))
+
+
+def tuning_of(""",
+    ),
+)
+
 SCRIPT = """
 import subprocess, sys, time
 from pathlib import Path
@@ -258,6 +272,8 @@ with carom.Client(port=port) as client:
         client.ask("/sync", 1)
     status = client.ask("/status")
     assert "impacts" in str(status)
+    client.new("b", "steel-plate", gain=6.0)
+    assert client.ask("/loudest").args == ("b",)
     client.steer("rain", rate=20, velocity=1.0)
     client.ask("/sync", 2)
     client.ask("/quit")
@@ -270,6 +286,7 @@ for name in ("patter", "lean"):
     assert getattr(carom.Client, name).__doc__ and getattr(carom.Object, name).__doc__
 assert "rate: 0.1 to 1000 Hz; of its blows, on average" in carom.Scene.patter.__doc__
 assert node("/gesture/rain/rate", {"ID": ["rain"], "NAME": []})["RANGE"] == [{"MIN": 0.1, "MAX": 1000.0}]
+assert "| `/loudest` |" in table() and "FULL_PATH" in node("/loudest", {"ID": [], "NAME": []})
 from carom.presets.schema import SHAPES
 assert "cone" in SHAPES
 """
@@ -299,9 +316,9 @@ def patched(folder, *patches):
 
 
 def test_a_gesture_a_parameter_and_a_shape_are_added_in_few_places_and_heard_everywhere(tmp_path):
-    assert len(PARAMETER) <= 3 and len(PATTER) <= 4 and len(LEAN) <= 4 and len(SHAPE) <= 2
+    assert len(PARAMETER) <= 3 and len(PATTER) <= 4 and len(LEAN) <= 4 and len(SHAPE) <= 2 and len(QUERY) <= 1
     assert sum(replacement.count("\n") - anchor.count("\n") for _, anchor, replacement in PATTER) <= 120
-    patched(tmp_path, PARAMETER, PATTER, LEAN, SHAPE)
+    patched(tmp_path, PARAMETER, PATTER, LEAN, SHAPE, QUERY)
     # Caches of their own: what an earlier run of this test compiled is not found.
     empty, edited = tmp_path / "empty", tmp_path / "edited"
     for script in (SCRIPT, GESTURES_ADDED):

@@ -6,6 +6,7 @@ from pathlib import Path
 from threading import Event
 from typing import TYPE_CHECKING
 
+from ...dsp.errors import CaromError
 from ..processors import processors
 from .options import add_presets, on_end
 from .parser import Command, whole
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 MOST_WORKERS = 256
 
 
-class DatasetError(RuntimeError):
+class DatasetError(CaromError, RuntimeError):
     """The data set cannot be made; the text says why."""
 
 

@@ -2,50 +2,48 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...dsp.engine.memory.state import QUANTUM
-from ...dsp.schema import GESTURES
+from ...dsp.engine.memory.state import QUANTUM, TRACED_MOMENTS
+from ...dsp.errors import CaromError
 from ...presets import Presets
 from ...server.osc.score import Line, sample_at
 from ...server.render import Options
 from ..actions import CommandError
 from ..contacts import Contact, assemble
 from ..errors import KINDS, is_expected, plain
-from ..modes import mode_table
 from ..performer import TRACED, Performer
 from .design import Item
+from .level import QUANTIZED, quantized, step_of, whole_of
 from .messages import OBJECT, lines_of, number
 from .recipe import SCORE, Recipe
+from .truth import AMPLIFIED, Followed, Truth, about_contacts, about_object, path_of
 
-Truth = dict[str, Any]
-"""Ground truth of a clip, by name: numbers, words, and lists of these."""
-
-FREE = tuple(name for name, gesture in GESTURES.items() if not gesture.lasts)
-"""Gestures between whose contacts a striker flies: nothing but the contact changes its speed then."""
-
+_PLAIN = ("impact", "spin")
+"""Gestures that push nothing, and change no settings: the truth has no more than modes and forces."""
 
 _PIECE = 16 * TRACED
 """Frames between two looks at the trace, which has room for the contacts of one gesture."""
 
+_LEAST_LEVEL = 40.0  # dB of a clip above the noise of its samples' steps
 
-class ItemError(RuntimeError):
+
+class ItemError(CaromError, RuntimeError):
     """An item that cannot be rendered; the text names it and says why."""
 
 
 @dataclass(frozen=True)
 class Clip:
-    """An item's sound, float32 (frames, channels), 1.0 being full scale; its truth; and the forces (N, float32) of all
-    contacts, one after the other."""
+    """An item's sound, (frames, channels): floats, or whole numbers of steps; its truth; and of all contacts, one after
+    the other, the forces, (N, 6) float32 in N, and the paths of those that move, (M, 5) float32."""
 
-    samples: NDArray[np.float32]
+    samples: NDArray[np.float32] | NDArray[np.int32]
     truth: Truth
     force: NDArray[np.float32]
+    path: NDArray[np.float32]
 
 
 def render(recipe: Recipe, item: Item, presets: Presets) -> Clip:
@@ -60,23 +58,55 @@ def render(recipe: Recipe, item: Item, presets: Presets) -> Clip:
 
 def _render(recipe: Recipe, item: Item, presets: Presets) -> Clip:
     options = Options(recipe.rate, calibrated=True, channels=recipe.channels)
-    performer = Performer(options, (), presets, stems=False, contacts=True, steers_ended=True)
+    performer = Performer(options, (), presets, stems=False, contacts=True, steers_ended=True, amplified=AMPLIFIED)
     performer.perform(options.head, None)
-    pressure, contacts = _played(recipe, item, performer)
+    followed = Followed()
+    pressure, contacts = _played(recipe, item, performer, followed)
     peak = float(np.abs(pressure).max())
-    if not peak <= recipe.full_scale:
+    full_scale = recipe.full_scale or whole_of(peak)
+    if not peak <= full_scale:
         raise ItemError(
-            f"item {item.number}: its peak is {peak:.4g} Pa: expected at most full_scale = {recipe.full_scale:g} Pa "
+            f"item {item.number}: its peak is {peak:.4g} Pa: expected at most full_scale = {full_scale:g} Pa "
             f"({_said(item)})"
         )
-    truth = _about(recipe, item, peak, pressure)
+    truth = _about(recipe, item, peak, full_scale, pressure)
     touched = {name: _touched(item, name, contacts) for name in performer.scene.objects}
-    told = (_object(performer, recipe, name, position) for name, position in touched.items())
+    told = (
+        about_object(performer, recipe.rate, recipe.frames, name, at, _moves(name, at, contacts), followed)
+        for name, at in touched.items()
+    )
     truth["objects"] = [each for each in told if each]
-    truth["contacts"] = _contacts(contacts)
-    truth["warnings"] = performer.warnings
-    forces = [np.zeros(0), *(contact.force for contact in contacts)]
-    return Clip(pressure / np.float32(recipe.full_scale), truth, np.concatenate(forces).astype(np.float32))
+    truth["linear"] = all(each["linear"] for each in truth["objects"])
+    truth["contacts"] = about_contacts(performer, contacts)
+    truth["warnings"] = [*performer.warnings, *_quiet(recipe, full_scale, pressure)]
+    forces = [np.zeros((0, TRACED_MOMENTS)), *(contact.drive.moments for contact in contacts)]
+    paths = [np.zeros((0, 5)), *(path_of(contact.drive) for contact in contacts)]
+    return Clip(
+        quantized(pressure, full_scale, recipe.samples), truth,
+        np.concatenate(forces).astype(np.float32), np.concatenate(paths).astype(np.float32),
+    )  # fmt: skip
+
+
+def _moves(name: str, position: float | None, contacts: tuple[Contact, ...]) -> bool:
+    """True if an object is touched elsewhere than at a position."""
+    own = [each for each in contacts if each.object == name]
+    others = [each.by_position for each in contacts if each.striker == name]
+    return any(at != position for at in [each.position for each in own] + others) or not all(
+        np.ptp(each.drive.position) == 0.0 for each in own
+    )
+
+
+def _quiet(recipe: Recipe, full_scale: float, pressure: NDArray[np.float32]) -> list[str]:
+    """Warn of a clip that is silent, or hardly above the steps of its samples."""
+    mean = float(np.square(pressure, dtype=np.float64).mean())
+    if mean == 0.0:
+        return ["it is silent"]
+    if recipe.samples not in QUANTIZED:
+        return []
+    level = 10.0 * np.log10(12.0 * mean / step_of(full_scale, recipe.samples) ** 2)
+    if level >= _LEAST_LEVEL:
+        return []
+    return [f"it is {level:.0f} dB above the noise of its samples; expected at least {_LEAST_LEVEL:g}"]
 
 
 def _said(item: Item) -> str:
@@ -90,11 +120,14 @@ def _said(item: Item) -> str:
     )
 
 
-def _played(recipe: Recipe, item: Item, performer: Performer) -> tuple[NDArray[np.float32], tuple[Contact, ...]]:
+def _played(
+    recipe: Recipe, item: Item, performer: Performer, followed: Followed
+) -> tuple[NDArray[np.float32], tuple[Contact, ...]]:
     """Play an item; return its sound (Pa), and its contacts. CommandError names the line of a score that was
     refused."""
     pieces, traces = [], []
-    longest = TRACED if item.gesture == SCORE else _PIECE
+    follows = item.gesture not in _PLAIN
+    longest = QUANTUM if follows else _PIECE
     done = 0
     for line in [*lines_of(recipe, item, performer.presets), None]:
         due = _due(recipe, item, line) if line else recipe.frames
@@ -102,6 +135,8 @@ def _played(recipe: Recipe, item: Item, performer: Performer) -> tuple[NDArray[n
             end = min(done + longest, due, recipe.frames)
             pieces.append(performer.engine.process(end - done))
             traces.append(performer.traced(end))
+            if follows:
+                followed.look(performer)
             done = end
         if line:
             try:
@@ -109,7 +144,7 @@ def _played(recipe: Recipe, item: Item, performer: Performer) -> tuple[NDArray[n
             except CommandError as error:
                 raise CommandError(f"{line.where}: {error}" if line.where else str(error)) from None
     trace = np.concatenate([*filter(len, traces)] or traces)
-    return np.concatenate(pieces), assemble(trace, recipe.rate, 0, performer.striking)
+    return np.concatenate(pieces) / np.float32(AMPLIFIED), assemble(trace, recipe.rate, 0, performer.striking)
 
 
 def _due(recipe: Recipe, item: Item, line: Line) -> int:
@@ -127,7 +162,7 @@ def _touched(item: Item, name: str, contacts: tuple[Contact, ...]) -> float | No
     return max(hits, key=lambda contact: contact.impulse).position if hits else None
 
 
-def _about(recipe: Recipe, item: Item, peak: float, pressure: NDArray[np.float32]) -> Truth:
+def _about(recipe: Recipe, item: Item, peak: float, full_scale: float, pressure: NDArray[np.float32]) -> Truth:
     """Describe an item, and its loudness. exposure: Pa^2 s, of each channel."""
     paired = {"pair": item.pair, "differs": item.differs} if item.pair >= 0 else {}
     return {
@@ -135,61 +170,12 @@ def _about(recipe: Recipe, item: Item, peak: float, pressure: NDArray[np.float32
         "seed": item.seed,
         **paired,
         "gesture": item.gesture,
+        "licence": recipe.licence,
+        "split": recipe.split.side(item.factors) if recipe.split else "train",
         "factors": dict(item.factors),
         "rate": recipe.rate,
         "frames": recipe.frames,
-        "full_scale": recipe.full_scale,
+        "full_scale": full_scale,
         "peak": peak,
         "exposure": [float(each) for each in np.square(pressure, dtype=np.float64).sum(axis=0) / recipe.rate],
     }
-
-
-def _object(performer: Performer, recipe: Recipe, name: str, touched: float | None) -> Truth:
-    """Describe an object: what it is, and the modes that a blow where it is touched excites; empty where it came too
-    late."""
-    placed = performer.placed(name)
-    heard = performer.heard(placed)
-    if heard is None:
-        return {}
-    preset = performer.scene.objects[name].preset
-    position = placed.position if touched is None else touched
-    table = mode_table(placed.modes, placed.level, *heard, position, recipe.rate)
-    relief = table.relief
-    return {
-        "name": name,
-        "preset": preset.name,
-        "shape": preset.shape,
-        "material": preset.material.name if preset.material else "",
-        "mass": placed.modes.mass,
-        "position": position,
-        "modes": _sines(table.frequencies, table.decays, table.gains),
-        "clicks": [
-            {"frequency": each.frequency, "decay": each.decay, "gain": each.gains.tolist()} for each in table.clicks
-        ],
-        "relief": _sines(relief.frequencies, relief.decays, relief.gains) if relief else {},
-    }
-
-
-def _sines(frequency: NDArray[np.float64], decay: NDArray[np.float64], gain: NDArray[np.float64]) -> Truth:
-    """Return damped sines: frequencies (Hz), decays (1/s), and for each channel the gains (Pa per N s)."""
-    return {"frequency": frequency.tolist(), "decay": decay.tolist(), "gain": gain.T.tolist()}
-
-
-def _contacts(contacts: tuple[Contact, ...]) -> list[Mapping[str, Any]]:
-    """Describe the contacts; where their forces begin among all forces, and how many they are."""
-    told: list[Mapping[str, Any]] = []
-    begin = 0
-    for each in contacts:
-        free = each.gesture in FREE
-        told.append(
-            {
-                "object": each.object, "by": each.striker, "gesture": each.gesture, "id": each.id,
-                "start": each.start, "duration": each.duration, "position": each.position,
-                "speed": each.speed, "velocity": each.velocity, "mass": each.mass, "impulse": each.impulse,
-                "peak": each.peak, "energy": 0.5 * each.mass * each.velocity**2 if free else 0.0,
-                "loss": each.impulse * (each.velocity - 0.5 * each.impulse / each.mass) if free else 0.0,
-                "first": each.first, "force_begin": begin, "force_count": len(each.force),
-            }
-        )  # fmt: skip
-        begin += len(each.force)
-    return told

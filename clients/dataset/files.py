@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from ...dsp.errors import CaromError
 from ...server.files.whole import appearing
 from ...server.osc.score import Line, format_line
 from .plan import Made
@@ -24,14 +25,20 @@ ABOUT = "dataset.json"
 """The file that says by which recipe, and by what, a folder's data set is made."""
 
 
-class FolderError(RuntimeError):
+SCHEMA = 2
+"""The version of the form of a data set: of its files, of the table's columns, and of the truth."""
+
+
+class FolderError(CaromError, RuntimeError):
     """A folder that cannot take the data set; the text says why."""
 
 
 def about(recipe: Recipe, versions: Mapping[str, str]) -> dict[str, Any]:
     """Return the contents of the file ABOUT."""
     return {
+        "schema": SCHEMA,
         "recipe": recipe.name,
+        "licence": recipe.licence,
         "items": recipe.count,
         "shards": [shard_name(recipe, number) for number in range(recipe.shards)],
         "table": table_name(recipe),

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...dsp.bodies.modes import Modes
+from ...dsp.errors import CaromError
 from ...presets import Presets
 from ...presets.making import kept
 from ...server.osc.wire import Message
@@ -28,7 +29,7 @@ _LOOK = 0.2  # s between looks at whether to go on
 _MODES = "modes.part"  # the file by which processes have modes that were made; it goes as the run ends
 
 
-class WorkerError(RuntimeError):
+class WorkerError(CaromError, RuntimeError):
     """A worker that could not do its work; the text says why."""
 
 
@@ -127,7 +128,7 @@ def _carry_out(shard: int) -> tuple[int, str]:
     return shard, ""
 
 
-class _Stopped(RuntimeError):
+class _Stopped(CaromError, RuntimeError):
     """The first process wants no more."""
 
 

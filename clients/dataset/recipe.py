@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import math
 import os
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,9 +16,10 @@ from ...dsp.wording import expected
 from ...presets import BUILT_IN, NoPreset, PresetError
 from ...presets.library import read_file
 from ...presets.schema import Fields, check
-from ...presets.values import NAME, Choice, Name, Quantity, Section, Text, Whole, shown
+from ...presets.values import NAME, Choice, Name, Quantity, Section, Text, Unfit, Whole, shown
 from ...server.render import HIGHEST_RATE, LOWEST_RATE
 from .scores import Score, read_scores
+from .split import Split, split_of
 from .spread import Choice as Chosen
 from .spread import Spread, Value, Words, spread_of
 
@@ -34,6 +36,22 @@ DESIGNS = ("random", "sobol", "grid", "pairs")
 FORMATS = ("flac", "wav")
 SAMPLES = ("16", "24", "float")
 
+
+class Word(Text):
+    """A text without spaces, such as an SPDX identifier."""
+
+    def __str__(self) -> str:
+        return "the SPDX identifier of a licence, such as MIT"
+
+    def fit(self, value: object) -> Any:
+        if not isinstance(value, str) or not LICENCE.fullmatch(value):
+            raise Unfit(value, self)
+        return value
+
+
+LICENCE = re.compile(r"[A-Za-z0-9][A-Za-z0-9.+-]*")
+"""Form of a licence's identifier."""
+
 _SECTIONS = (*OBJECTS, *GESTURES, SCORE)
 
 KEYS: Fields = {
@@ -48,6 +66,8 @@ KEYS: Fields = {
     "format": Choice(FORMATS),
     "samples": Choice(SAMPLES),
     "full_scale": Quantity(1e-6, 1e6, "Pa"),
+    "licence": Word(),
+    "split": Section(),
     "shard": Whole(1, 100_000),
     **dict.fromkeys(_SECTIONS, Section()),
 }
@@ -55,7 +75,7 @@ KEYS: Fields = {
 
 DEFAULTS: Mapping[str, Any] = {
     "design": "random", "seed": 0, "seconds": 1.0, "rate": 48_000, "channels": 1, "format": "flac", "samples": "24",
-    "full_scale": 20.0, "shard": 256,
+    "full_scale": None, "licence": "unknown", "shard": 256,
 }  # fmt: skip
 """Defaults of keys that need not be given."""
 
@@ -79,7 +99,8 @@ class Factor:
 class Recipe:
     """A recipe as it is used. text: of its file; where: how an error about it begins.
 
-    count: items; seconds: of each; samples: of the files, 16, 24 or float; full_scale: Pa; shard: items in each.
+    count: items; seconds: of each; samples: of the files, 16, 24 or float; full_scale: Pa, None: a power of two of each
+    item's own; licence: of the clips; split: of the items (None: all are to learn from); shard: items in each.
     sections: objects and gestures, or a score's, each with values and distributions by key. scores: by their files.
     differ: the factors in which pairs may differ; empty: any.
     """
@@ -95,13 +116,15 @@ class Recipe:
     channels: int
     format: str
     samples: str
-    full_scale: float
+    full_scale: float | None
+    licence: str
     shard: int
     sections: Mapping[str, Mapping[str, Value | Spread]]
     factors: tuple[Factor, ...]
     gestures: tuple[str, ...]
     description: str = ""
     differ: tuple[str, ...] = ()
+    split: Split | None = None
     scores: Mapping[str, Score] = field(default_factory=dict, repr=False)
 
     @property
@@ -169,6 +192,9 @@ def read(path: Path, count: int | None = None) -> Recipe:
         values["count"] = math.prod(each.spread.levels or 1 for each in factors)
     elif "count" not in values:
         raise PresetError(f"{where}count is missing: expected {KEYS['count']}")
+    if "split" in values:
+        spreads = [(each.name, each.spread) for each in factors]
+        values["split"] = split_of(where, values["split"], spreads, (*OBJECTS, SCORE), values["seed"])
     text = path.read_text(encoding="utf-8")
     recipe = Recipe(
         name=path.stem, text=text, where=where, sections=sections, factors=tuple(factors), gestures=gestures,
@@ -200,6 +226,10 @@ def _require_sense(recipe: Recipe) -> None:
         raise PresetError(f"{where}design = 'sobol': expected a key that is drawn, such as velocity")
     if recipe.design != "pairs":
         return
+    if recipe.split:
+        able = recipe.differ or tuple(each.name for each in recipe.factors)
+        if both := [name for name in recipe.split.by if name in able]:
+            raise PresetError(f"{where}split: pairs may differ in {both[0]}; expected differ = [...] without it")
     if recipe.count % 2:
         raise PresetError(f"{where}count = {recipe.count}: expected an even number, as items are pairs")
     names = [factor.name for factor in recipe.factors if factor.spread.levels != 1]

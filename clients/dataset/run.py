@@ -9,8 +9,9 @@ from typing import Any
 
 from ...presets import Presets
 from ...server.files.whole import appearing
+from .card import CARD, card
 from .check import require_sound
-from .files import about, missing, opened, rows_name, table_name
+from .files import about, missing, opened, rows_name, table_name, write
 from .local import by_processes
 from .plan import outlined, planned
 from .recipe import Recipe
@@ -65,6 +66,7 @@ def _table(recipe: Recipe, out: Path, said: Mapping[str, Any]) -> Path:
     if not table.exists():
         with appearing(table, durable=True) as descriptor, open(descriptor, "wb", closefd=False) as file:
             join(recipe, said, parts, file)
+    write(out / CARD, card(recipe, said).encode())
     for part in parts:
         part.unlink(missing_ok=True)
     return table

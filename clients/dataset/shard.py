@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ...server.files.floatwav import header
 from .clip import Clip
+from .level import QUANTIZED
 from .recipe import Recipe
 
 _SUBTYPES = {"16": "PCM_16", "24": "PCM_24"}
@@ -29,7 +30,8 @@ def key_of(item: int) -> str:
 
 
 def packed(recipe: Recipe, clips: Iterable[Clip]) -> bytes:
-    """Pack clips into a tar: for each its sound, KEY.json with its truth, and KEY.force.npy with its forces."""
+    """Pack clips into a tar: for each its sound, KEY.json with its truth, KEY.force.npy with its forces, and
+    KEY.path.npy with the paths of contacts that move, if any does."""
     memory = io.BytesIO()
     with tarfile.open(fileobj=memory, mode="w", format=tarfile.USTAR_FORMAT) as tar:
         for clip in clips:
@@ -38,6 +40,7 @@ def packed(recipe: Recipe, clips: Iterable[Clip]) -> bytes:
                 recipe.format: sound_file(clip.samples, recipe),
                 "json": json.dumps(clip.truth, allow_nan=False, separators=(",", ":")).encode(),
                 "force.npy": _array_file(clip.force),
+                **({"path.npy": _array_file(clip.path)} if len(clip.path) else {}),
             }
             for ending, content in parts.items():
                 member = tarfile.TarInfo(f"{key}.{ending}")  # its time is 0, and it belongs to nobody
@@ -46,12 +49,13 @@ def packed(recipe: Recipe, clips: Iterable[Clip]) -> bytes:
     return memory.getvalue()
 
 
-def sound_file(samples: NDArray[np.float32], recipe: Recipe) -> bytes:
-    """Return a sound file of samples (frames, channels)."""
-    if recipe.samples == "float":
+def sound_file(samples: NDArray[np.float32] | NDArray[np.int32], recipe: Recipe) -> bytes:
+    """Return a sound file of samples (frames, channels): floats, or whole numbers of steps."""
+    if recipe.samples not in QUANTIZED:
         return header(recipe.rate, len(samples), samples.shape[1]) + samples.astype("<f4").tobytes()
     memory = io.BytesIO()
-    soundfile.write(memory, samples, recipe.rate, _SUBTYPES[recipe.samples], format=recipe.format.upper())
+    whole = samples.astype(np.int32) << (32 - QUANTIZED[recipe.samples])
+    soundfile.write(memory, whole, recipe.rate, _SUBTYPES[recipe.samples], format=recipe.format.upper())
     return memory.getvalue()
 
 

@@ -18,6 +18,10 @@ from .shard import key_of, shard_name
 _LIST = pa.list_(pa.float64())
 _SINES = pa.struct({"frequency": _LIST, "decay": _LIST, "gain": pa.list_(_LIST)})
 _CLICK = pa.struct({"frequency": pa.float64(), "decay": pa.float64(), "gain": _LIST})
+_MATRIX = pa.list_(pa.list_(pa.float32()))
+_STRIKER = pa.struct(
+    {"clicks": pa.list_(_CLICK), "ringing": _SINES, "second": _SINES, "snaps": pa.list_(pa.list_(pa.float64()))}
+)
 _OBJECT = pa.struct(
     {
         **dict.fromkeys(("name", "preset", "shape", "material"), pa.string()),
@@ -25,15 +29,22 @@ _OBJECT = pa.struct(
         "modes": _SINES,
         "clicks": pa.list_(_CLICK),
         "relief": _SINES,
+        "linear": pa.bool_(),
+        "places": pa.struct({"modes": pa.list_(_MATRIX), "relief": pa.list_(_MATRIX)}),
+        "fades": pa.list_(pa.list_(_LIST)),
+        "bends": pa.list_(pa.list_(_LIST)),
     }
 )
 _CONTACT = pa.struct(
     {
         **dict.fromkeys(("object", "by", "gesture", "id"), pa.string()),
-        **dict.fromkeys(("start", "duration", "position", "speed", "velocity", "mass"), pa.float64()),
-        **dict.fromkeys(("impulse", "peak", "energy", "loss"), pa.float64()),
+        **dict.fromkeys(("start", "duration", "position", "by_position", "speed", "velocity"), pa.float64()),
+        **dict.fromkeys(("mass", "impulse", "peak", "gain", "energy", "loss"), pa.float64()),
         "first": pa.int64(),
         "force": pa.list_(pa.float32()),
+        "moments": pa.list_(pa.float32()),
+        "path": pa.list_(pa.float32()),
+        "striker": _STRIKER,
     }
 )
 
@@ -44,7 +55,8 @@ def schema(recipe: Recipe, about: Mapping[str, Any]) -> pa.Schema:
     factors = {factor.name: _kind(factor.spread.ends) for factor in recipe.factors}
     columns = {
         "item": pa.int64(), "key": pa.string(), "shard": pa.string(), "seed": pa.int64(), **paired,
-        "gesture": pa.string(), "factors": pa.struct(factors) if factors else None, "rate": pa.int64(),
+        "gesture": pa.string(), "licence": pa.string(), "split": pa.string(), "linear": pa.bool_(),
+        "factors": pa.struct(factors) if factors else None, "rate": pa.int64(),
         "frames": pa.int64(), "full_scale": pa.float64(), "peak": pa.float64(), "exposure": _LIST,
         "objects": pa.list_(_OBJECT), "contacts": pa.list_(_CONTACT), "warnings": pa.list_(pa.string()),
     }  # fmt: skip
@@ -55,7 +67,7 @@ def schema(recipe: Recipe, about: Mapping[str, Any]) -> pa.Schema:
 def rows_file(recipe: Recipe, shard: int, clips: Iterable[Clip]) -> bytes:
     """Return a shard's rows, as a table of their own."""
     columns = schema(recipe, {})
-    rows = [{"shard": shard_name(recipe, shard), "key": key_of(clip.truth["item"]), **_row(clip)} for clip in clips]
+    rows = [{"shard": shard_name(recipe, shard), "key": key_of(clip.truth["item"]), **row_of(clip)} for clip in clips]
     memory = io.BytesIO()
     pq.write_table(pa.Table.from_pylist(rows, columns), memory, compression="zstd")
     return memory.getvalue()
@@ -70,12 +82,13 @@ def join(recipe: Recipe, about: Mapping[str, Any], parts: Sequence[Path], out: B
             writer.write_table(rows, row_group_size=max(1, len(rows)))
 
 
-def _row(clip: Clip) -> dict[str, Any]:
-    """Return a row: the truth, with each contact's forces in place."""
-    contacts = [
-        {**told, "force": clip.force[told["force_begin"] : told["force_begin"] + told["force_count"]]}
-        for told in clip.truth["contacts"]
-    ]
+def row_of(clip: Clip) -> dict[str, Any]:
+    """Return a row: the truth, with each contact's forces in place, their other moments and its path flat."""
+    contacts = []
+    for told in clip.truth["contacts"]:
+        force = clip.force[told["force_begin"] :][: told["force_count"]]
+        path = clip.path[told["path_begin"] :][: told["path_count"]]
+        contacts.append({**told, "force": force[:, 0], "moments": force[:, 1:].ravel(), "path": path.ravel()})
     return {**clip.truth, "contacts": contacts}
 
 

@@ -16,6 +16,7 @@ import soundfile
 import threadpoolctl
 
 from ... import clients, dsp, presets, server
+from ...dsp.errors import CaromError
 from ...dsp.native.code import load
 from ...dsp.runtime.callback import callback
 from ...server.provenance import computing
@@ -23,7 +24,7 @@ from ...server.provenance import computing
 _VENDOR = re.compile(rb"reference libFLAC [\w.-]+")
 
 
-class VersionError(RuntimeError):
+class VersionError(CaromError, RuntimeError):
     """Something that computes is not what it is elsewhere; the text names it and says both."""
 
 

@@ -17,11 +17,12 @@ contacts into blows, slides and rolls; `carom.mujoco` and `carom.gymnasium` conn
 the objects, strikers, materials and surfaces there are; on the command line, `carom presets` lists them. `carom.dsp`
 holds the contact law, its closed forms and the modes of bodies.
 
-`carom.fit` makes an object of recordings; `carom.compare` says how far apart two sounds are.
+`carom.fit` makes an object of recordings; `carom.compare` says how far apart two sounds are. `carom.rebuild` computes
+the sound of a data set's clip from its ground truth.
 
 Units are SI, but for levels (dB), tuning (semitones) and angles (degrees). A call that cannot be carried out raises an
 error that names the culprit, its value and what was expected: CommandError from a Scene or a Client, ScoreError,
-RenderError or PresetError elsewhere.
+RenderError or PresetError elsewhere. All are CaromErrors.
 
 Nothing is loaded before it is asked for. The first sound of a checkout compiles the engine.
 """
@@ -35,6 +36,8 @@ if TYPE_CHECKING:
     from .clients.client import Client as Client
     from .clients.contacts import Contact as Contact
     from .clients.modes import ModeTable as ModeTable
+    from .clients.rebuilding import rebuild as rebuild
+    from .dsp.errors import CaromError as CaromError
     from .offline import render as render
     from .presets import PresetError as PresetError
     from .presets import Presets as Presets
@@ -57,6 +60,7 @@ if TYPE_CHECKING:
     __version__: str
 
 _HOMES = {
+    "CaromError": "dsp.errors",
     "Client": "clients.client",
     "CommandError": "clients.actions",
     "Contact": "clients.contacts",
@@ -78,11 +82,13 @@ _HOMES = {
     "WorldError": "server.bridge.bodies",
     "compare": "recordings",
     "fit": "recordings",
+    "rebuild": "clients.rebuilding",
     "render": "offline",
 }
 """The module of each public name."""
 
 __all__ = [
+    "CaromError",
     "Client",
     "CommandError",
     "Contact",
@@ -106,6 +112,7 @@ __all__ = [
     "compare",
     "dsp",
     "fit",
+    "rebuild",
     "render",
 ]
 
@@ -128,4 +135,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted({*__all__, *(name for name in globals() if name.startswith("__"))})

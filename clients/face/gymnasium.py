@@ -9,6 +9,7 @@
 It needs `pip install 'carom[gymnasium,mujoco]'`.
 """
 
+from collections.abc import Callable
 from typing import Any, cast
 
 import gymnasium
@@ -18,14 +19,15 @@ from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
 from gymnasium.vector import SyncVectorEnv, VectorEnv, VectorWrapper
 from gymnasium.vector.utils import batch_space
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from .clients.processors import processors
 from .dsp.runtime.batch import Batch
-from .mujoco import Bridge
+from .mujoco import NO_STEPS, Bridge, bare
 from .server.bridge.blows import Hits
 from .server.bridge.bodies import WorldError
 from .server.bridge.hearing import Hearing, microphones_of
+from .server.bridge.mujoco.stepping import forget, listen
 from .world import Blocks
 
 Observation = dict[str, Any]
@@ -36,8 +38,9 @@ class AddAudioObservation(gymnasium.Wrapper[Observation, Any, Any, Any], RecordC
 
     audio: float32 (frames, channels), in Pa, of the time that an action takes, a channel for each microphone; a longer
     or shorter one, of the time just before the observation, by `frames`. info["hits"]: the blows of the step, a
-    sequence. options: those of a Bridge. The environment is one with MuJoCo's `model` and `data`, as Gymnasium's own
-    are. WorldError for any other, and for one that hears already.
+    sequence. options: those of a Bridge. The environment has MuJoCo's `model` and `data`, and takes its steps by
+    `mujoco.mj_step`, wherever in it, as those of Gymnasium and gymnasium-robotics do. WorldError for any other, and for
+    one that hears already.
 
     It hears blows alone, as slides and rolls cost most by far, unless a `hearing` says how many of these there may be.
     """
@@ -163,6 +166,25 @@ def _whole(name: str, value: Any, least: int) -> int:
     return int(value)
 
 
+def simulated_by(env: Any) -> Any:
+    """Return what has MuJoCo's model and data: an environment, its `physics` of dm_control, its `sim` of robosuite."""
+    for each in (env, *(getattr(env, name, None) for name in ("physics", "sim", "env"))):
+        if hasattr(each, "model") and hasattr(each, "data"):
+            return each
+    raise WorldError(f"{env}: expected an environment with MuJoCo's model and data")
+
+
+def seconds_of(env: Any, model: mujoco.MjModel) -> float:
+    """Return the time that an action takes (s), as an environment says it, or one within it."""
+    inner = env.unwrapped
+    for each in (inner, *vars(inner).values()):
+        if isinstance(dt := getattr(each, "dt", None), int | float | np.number):
+            return float(dt)
+        if isinstance(steps := getattr(each, "frame_skip", None), int):
+            return steps * float(model.opt.timestep)
+    raise WorldError(f"{env}: it does not say how long an action takes: expected `frames`")
+
+
 class _Sound:
     """The sound of an environment, which is told each of its steps of MuJoCo, and begins anew where it is reset.
 
@@ -174,27 +196,30 @@ class _Sound:
         self, env: gymnasium.Env[Any, Any], frames: int | None, options: dict[str, Any], batch: Batch | None = None
     ) -> None:
         inner = cast(Any, env.unwrapped)
-        if not hasattr(inner, "_step_mujoco_simulation"):
-            raise WorldError(f"{inner}: expected an environment of Gymnasium with MuJoCo")
-        if isinstance(getattr(inner._step_mujoco_simulation, "__self__", None), _Sound):
-            raise WorldError(f"{env}: expected an environment without sound; this one has it already")
+        simulated = simulated_by(inner)
         if "hearing" not in options:
             places = options.get("microphones", Hearing().microphones)
             others = {name: value for name, value in options.items() if name != "microphones"}
             options = {**others, "hearing": Hearing(microphones_of(places), gestures=0)}
         length = None if frames is None else _whole("frames", frames, 1)
         self._inner, self._batch = inner, batch
-        self.bridge = Bridge(inner.model, inner.data, **options)
+        model, self._data = bare(simulated.model, mujoco.MjModel), bare(simulated.data, mujoco.MjData)
+        self.bridge = Bridge(model, self._data, **options)
         world = self.bridge.world
-        self._shape = length or round(inner.dt * world.rate), world.simulation.channels
+        self._shape = length or round(seconds_of(env, model) * world.rate), world.simulation.channels
         self.audio = self.final = np.zeros(self._shape, np.float32)
         self.space = spaces.Box(-np.inf, np.inf, self._shape, np.float32)
         self._blows: list[NDArray[np.void]] = []
         self._block: Blocks | None = None
-        self._anew, self._struck = True, 0  # nothing was simulated since it began; the blows before that
+        self._anew, self._resetting = True, 0  # nothing was simulated since it began; it is being reset, within resets
+        self._stepped, self._at = False, self._data.time  # since an action began; when that was
         self._before: list[tuple[Any, str, Any]] = []
         self._resets = inner.reset, env.reset
-        self._replace(inner, "_step_mujoco_simulation", self._simulate)
+        try:
+            listen(self._data, self._simulate)
+        except WorldError:
+            world.close()
+            raise WorldError(f"{env}: expected an environment without sound; this one has it already") from None
         self._replace(inner, "reset", self._reset)
         if env is not inner:  # what a wrapper simulates as it resets is not heard either
             self._replace(env, "reset", self._reset_whole)
@@ -207,10 +232,13 @@ class _Sound:
     def begin(self) -> None:
         """Begin an action."""
         self._blows = []
+        self._stepped, self._at = False, self._data.time
 
     def end(self) -> Hits:
         """Hear what was simulated; the blows of the action."""
         self._hear()
+        if not self._stepped and self._data.time > self._at:
+            raise WorldError(f"{self._inner}: {NO_STEPS}")
         blows, self._blows = self._blows, []
         return Hits(blows, self.bridge.world.simulation.bodies)
 
@@ -222,6 +250,7 @@ class _Sound:
                 delattr(of, name)
             else:
                 setattr(of, name, method)
+        forget(self._data)
         self.bridge.world.close()
 
     def _hear(self) -> None:
@@ -230,18 +259,19 @@ class _Sound:
             frames = self._shape[0]
             self.audio = block if len(block) == frames else np.concatenate([self.audio, block])[-frames:]
 
-    def _simulate(self, control: ArrayLike, steps: int) -> None:
-        """Take the environment's own steps of MuJoCo, and tell each."""
+    def _simulate(self, step: Callable[[], None], count: int) -> None:
+        """Take so many steps of MuJoCo, and tell each; none as the environment is reset."""
+        self._anew, self._stepped = False, True
+        if self._resetting:
+            for _ in range(count):
+                step()
+            return
         self._settle()
-        self._anew = False
-        model, data, simulation = self._inner.model, self._inner.data, self.bridge.world.simulation
-        step, tell = mujoco.mj_step, self.bridge.tell
-        data.ctrl[:] = control
-        for _ in range(steps):
-            step(model, data)
+        tell, simulation = self.bridge.tell, self.bridge.world.simulation
+        for _ in range(count):
+            step()
             if tell():
                 self._blows.append(simulation.blows)
-        mujoco.mj_rnePostConstraint(model, data)
         self._block = self.bridge.world.block(self._batch)
 
     def _settle(self) -> None:
@@ -254,21 +284,29 @@ class _Sound:
     def _reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> Any:
         """Reset the environment, in silence."""
         self._settle()
-        self.final, self._struck = self.audio, len(self._blows)
-        found = self._resets[0](seed=seed, options=options)
+        self.final = self.audio
+        found = self._silently(0, seed, options)
         self._begin_anew()
         return found
 
     def _reset_whole(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> Any:
         """Reset the environment with all that is wrapped around it."""
-        found = self._resets[1](seed=seed, options=options)
+        found = self._silently(1, seed, options)
         if not self._anew:
-            self._settle()
             self._begin_anew()
-        del self._blows[self._struck :]
         return found
 
+    def _silently(self, which: int, seed: int | None, options: dict[str, Any] | None) -> Any:
+        """Reset the environment, or all of it, by its own method; what it simulates meanwhile is not heard."""
+        self._resetting += 1
+        try:
+            return self._resets[which](seed=seed, options=options)
+        finally:
+            self._resetting -= 1
+
     def _begin_anew(self) -> None:
+        if bare(simulated_by(self._inner).data, mujoco.MjData) is not self._data:
+            raise WorldError(f"{self._inner}: expected a reset of its data; it has made others, which nobody hears")
         self.bridge.restart()
         self.audio = np.zeros(self._shape, np.float32)
         self._anew = True

@@ -22,42 +22,59 @@ from .server.bridge.bodies import WorldError
 from .server.bridge.mujoco.arrays import ARRAYS
 from .server.bridge.mujoco.layout import memory_layout, mujoco_library
 from .server.bridge.mujoco.model import (
+    Frame,
     Part,
     check_names,
+    frame_of,
+    inertia_of,
     material_of,
     named_apart,
     names_in,
+    names_of,
     numbers_of,
     parts_of,
-    shape_of,
     written_in,
 )
+from .server.bridge.mujoco.stepping import listening, take_step
 from .server.bridge.step import Pose
 from .world import Blocks, World
+
+NO_STEPS = "its time goes on without mujoco.mj_step, so that nothing is heard: expected steps by mujoco.mj_step"
+
+
+def bare(given: Any, kind: type[Any]) -> Any:
+    """Return MuJoCo's own model or data, which dm_control keeps as `ptr`, robosuite as `_model` and `_data`."""
+    for each in (given, *(getattr(given, name, None) for name in ("ptr", "_model", "_data"))):
+        if isinstance(each, kind):
+            return each
+    raise WorldError(f"{given!r}: expected a {kind.__name__} of MuJoCo")
 
 
 class Bridge:
     """Tells a World what happens in MuJoCo's `data`.
 
-    Each body that moves is one of the World, shaped as its largest geom that collides; each such geom that does not
-    move is one, held. Where a name is there already, the geom's number follows it. A plane rings as a plate of 2 m.
-    Materials are presets: of a geom by `materials` (a mapping from names of geoms, bodies or MuJoCo's materials), by
-    the model's custom text `carom` ("floor wood ball glass"), or by a material of the model that is named as a preset;
-    else `default`. modes: at most, of each. bodies: keys of World.body by name, for those that need more. The other
-    options are those of a World; without any, `world` may be one that is there already.
+    Each body is one of the World, with all its geoms that collide: shaped as the largest of them, or, if that is a mesh
+    that moves or is less than half of all, as a solid box with their inertia. So is each geom of the world's own body.
+    What does not move is held. Where a name is there already, the geom's number follows it. A plane rings as a plate of
+    2 m. Materials are presets: of a geom by `materials` (a mapping from names of geoms, bodies or MuJoCo's materials),
+    by the model's custom text `carom` ("floor wood ball glass"), or by a material of the model that is named as a
+    preset; else `default`. modes: at most, of each. settle: s, for which no blow is told as it begins: bodies that are
+    placed in each other fly apart. bodies: keys of World.body by name, for those that need more. The other options are
+    those of a World; without any, `world` may be one that is there already.
 
     A blow's restitution is that of MuJoCo's own contact, so that its impulse is that of the motion, and its effective
     mass is that of the whole mechanism, but for equality constraints and friction. `restitution="materials"` takes the
     materials' instead. A body that `mocap_pos` moves is as fast as its pose changes. Flexes are silent.
 
-    The sound is a step of the model behind its state: only then are its contacts known. WorldError for names that the
-    model does not have.
+    model, data: MuJoCo's own, or as dm_control and robosuite wrap them. Of a step MuJoCo knows the contacts at its
+    beginning (with `RK4` at its end): that is the time of hits, and the World's. The sound of a moment of `data.time`
+    comes `latency` (s) later. WorldError for names that the model does not have.
     """
 
     def __init__(
         self,
-        model: mujoco.MjModel,
-        data: mujoco.MjData,
+        model: Any,
+        data: Any,
         world: World | None = None,
         *,
         materials: Mapping[str, str] | None = None,
@@ -65,64 +82,86 @@ class Bridge:
         default: str = "wood",
         modes: int = 64,
         restitution: str = "simulator",
+        settle: float = 0.0,
         **options: Any,
     ) -> None:
         if restitution not in ("simulator", "materials"):
             raise WorldError(f"restitution = {restitution}: expected simulator or materials")
+        model, data = bare(model, mujoco.MjModel), bare(data, mujoco.MjData)
         if (data.geom_xpos.shape[0], len(data.qvel)) != (model.ngeom, model.nv):
             raise WorldError("data: expected that of the model")
         if world is not None and options:
             raise WorldError(f"{next(iter(options))}: expected no options of a World that is there already")
         self._model, self._data = model, data
+        self._late = model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
         self._modes = modes
         self._by_simulator = restitution == "simulator"
         gravity = float(np.linalg.norm(model.opt.gravity))
-        self.world = world or World(**{"gravity": gravity, "start": float(data.time), **options})
+        self.world = world or World(**{"gravity": gravity, "start": self._now, **options})
+        if world is not None and world.simulation.steps == 0:
+            world.simulation.begin(min(world.time, self._now))
         mujoco.mj_kinematics(model, data)
-        parts = named_apart(sorted(parts_of(model), key=lambda part: part.body == 0))
+        parts = named_apart(parts_of(model))
         chosen = {**written_in(model), **(materials or {})}
         check_names("materials", chosen, names_in(model))
-        check_names("bodies", bodies or {}, {part.name for part in parts})
+        check_names("bodies", bodies or {}, {name for part in parts for name in names_of(model, part)})
         for name, keys in (bodies or {}).items():
             if not isinstance(keys, Mapping):
                 raise WorldError(f"bodies: {name} = {keys!r}: expected a mapping of keys of World.body")
+        self.world.simulation.settle(settle)
         self._first = len(self.world.bodies)
-        for part in parts:
-            self._add(part, material_of(model, part, chosen) or default, (bodies or {}).get(part.name, {}))
+        mujoco.mj_comPos(model, data)
+        frames = [frame_of(model, data, part) for part in parts]
+        for part, frame in zip(parts, frames, strict=True):
+            about = next((bodies[name] for name in names_of(model, part) if name in bodies), {}) if bodies else {}
+            self._add(part, frame, material_of(model, part, chosen) or default, about)
         moving = [part for part in parts if part.body]
-        self._geoms = np.array([part.geom for part in moving], np.intp)
+        self._frames = frames[: len(moving)]
         self._bodies = np.array([part.body for part in moving], np.intp)
         self._roots = model.body_rootid[self._bodies].astype(np.intp)
         self._number = numbers_of(model, parts, self._first)
         self._arrays = self._described()
         time, count = (data._address + memory_layout()[name] for name in ("time", "count"))
+        behind = 0 if self._late else model._address + memory_layout()["step"]
         kept = self._arrays, self._number, self._room, model, data
-        self.tell: Callable[[], int] = self.world.teller(self._arrays.ctypes.data, time, count, kept)
+        self.tell: Callable[[], int] = self.world.teller(self._arrays.ctypes.data, time, count, behind, kept)
         """Tell the World of a step of MuJoCo, to be called after each; return the number of its blows. WorldError for
         what is not finite, or if time has not gone on."""
 
-    def _add(self, part: Part, material: str, about: Mapping[str, Any]) -> None:
+    @property
+    def _now(self) -> float:
+        """Time (s) of the contacts that are known: those at the beginning of the last step."""
+        return float(self._data.time) - self._behind
+
+    @property
+    def _behind(self) -> float:
+        return 0.0 if self._late else float(self._model.opt.timestep)
+
+    @property
+    def latency(self) -> float:
+        """Time (s) from a moment of the simulation to its place in the sound, by `data.time`."""
+        return self.world.latency + self._behind
+
+    def _add(self, part: Part, frame: Frame, material: str, about: Mapping[str, Any]) -> None:
         """Add a part to the World, with the mass and inertia of the body that moves it."""
         model, data = self._model, self._data
-        shape, size = shape_of(model, part.geom)
-        turn = data.geom_xmat[part.geom].reshape(3, 3)
         quaternion = np.empty(4)
-        mujoco.mju_mat2Quat(quaternion, data.geom_xmat[part.geom])
+        mujoco.mju_mat2Quat(quaternion, frame.axes.ravel())
         given: dict[str, Any] = {"held": True, "most_modes": self._modes}
         if part.body:
-            axes = turn.T @ data.ximat[part.body].reshape(3, 3)
-            inertia = axes**2 @ model.body_inertia[part.body]
-            given |= {
-                "held": False,
-                "mass": float(model.body_mass[part.body]),
-                "inertia": tuple(np.maximum(inertia, 1e-12)),
-            }
-        pose = Pose(tuple(data.geom_xpos[part.geom]), tuple(quaternion))
-        kind = str(about.get("shape", shape))
+            mass, inertia = inertia_of(model, data, part, frame)
+            given |= {"held": False, "mass": mass, "inertia": inertia}
+        pose = Pose(tuple(frame.origin), tuple(quaternion))
+        kind = str(about.get("shape", frame.shape))
         keys = {key: value for key, value in about.items() if key not in ("shape", "size", "material")}
         try:
             self.world.body(
-                part.name, kind, about.get("size", size), about.get("material", material), pose, **{**given, **keys}
+                part.name,
+                kind,
+                about.get("size", frame.size),
+                about.get("material", material),
+                pose,
+                **{**given, **keys},
             )
         except WorldError as error:
             raise WorldError(f"geom {part.geom}: {error}") from None
@@ -133,12 +172,13 @@ class Bridge:
         made = np.zeros(1, ARRAYS)
         record = made[0]
         record["first"], record["bodies"] = self._first, count
-        record["geom"][:count], record["body"][:count], record["root"][:count] = self._geoms, self._bodies, self._roots
-        record["late"] = self._model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
+        record["place"][:count] = [frame.place for frame in self._frames]
+        record["turned"][:count] = [frame.turned for frame in self._frames]
+        record["body"][:count], record["root"][:count] = self._bodies, self._roots
+        record["late"] = self._late
         record["led"][:count] = self._model.body_mocapid[self._bodies] >= 0
         for name, array in (
-            ("positions", data.geom_xpos), ("turns", data.geom_xmat), ("motions", data.cvel),
-            ("abouts", data.subtree_com), ("numbers", self._number),
+            ("motions", data.cvel), ("abouts", data.subtree_com), ("numbers", self._number),
         ):  # fmt: skip
             record[name] = array.ctypes.data
         for name, place in memory_layout().items():
@@ -165,10 +205,30 @@ class Bridge:
         for name, array in self._room.items():
             record[name] = array.ctypes.data
 
-    def step(self) -> Blocks:
-        """Take one step of MuJoCo, and `update`."""
-        mujoco.mj_step(self._model, self._data)
-        return self.update()
+    def step(self, stepping: Callable[[], object] | None = None) -> Blocks:
+        """Take one step of MuJoCo, or all that a function takes of this model and data by `mujoco.mj_step`; return
+        their sound.
+
+        The function may be dm_control's `physics.step`, an environment's step with its action, or any other. Data that
+        it resets begins anew in the sound. WorldError for a function that lets time go on in another way.
+        """
+        if stepping is None:
+            take_step(self._model, self._data)
+            return self.update()
+        told, time = self.world.simulation.steps, self._data.time
+        with listening(self._data, self._take):
+            stepping()
+        if self.world.simulation.steps == told and self._data.time > time:
+            raise WorldError(f"{stepping}: {NO_STEPS}")
+        return self.world.block()
+
+    def _take(self, step: Callable[[], None], count: int) -> None:
+        """Take so many steps, and tell each."""
+        if self._data.time - self._behind < self.world.time:
+            self.restart()
+        for _ in range(count):
+            step()
+            self.tell()
 
     def update(self) -> Blocks:
         """Tell the step, and return the sound since the last update, float32 (frames, channels), Pa.
@@ -183,4 +243,4 @@ class Bridge:
         self._arrays["known"] = 0
         led = np.flatnonzero(self._arrays["led"][0])
         self.world.memory["position"][0, self._first + led] = np.nan  # what comes next is no motion of theirs
-        self.world.restart(float(self._data.time))
+        self.world.restart(self._now)

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from threading import Lock
 from typing import NoReturn, SupportsFloat, SupportsIndex
 
 from ._capture import Capture
@@ -71,6 +74,24 @@ class Scene(Actions, Closing):
         self.channels = self._performer.engine.channels
         """Number of channels of its sounds."""
         self._frames = 0
+        self._busy = Lock()
+
+    def __repr__(self) -> str:
+        """Return its rate, its channels, how far it is computed, and how many objects it has."""
+        if self._performer is None:
+            return "<carom.Scene closed>"
+        objects = len(self._performer.scene.objects)
+        return f"<carom.Scene {self.rate} Hz, channels {self.channels}, at {self.time:g} s, objects {objects}>"
+
+    @contextmanager
+    def _alone(self, what: str) -> Iterator[Performer]:
+        """Hold the scene for one thread. CommandError where another one is at work in it."""
+        if not self._busy.acquire(blocking=False):
+            raise CommandError(f"{what}: another thread is at work in this scene; expected one at a time, or one each")
+        try:
+            yield self._open
+        finally:
+            self._busy.release()
 
     def close(self) -> None:
         """Give its memory back.
@@ -94,7 +115,7 @@ class Scene(Actions, Closing):
         """
         return self._open.time
 
-    def render(self, seconds: float | None = None, *, frames: int | None = None) -> Sound:
+    def render(self, seconds: SupportsFloat | None = None, *, frames: SupportsIndex | None = None) -> Sound:
         """Render the sound of the next seconds, or frames, from the end of the last one on.
 
         Return a Sound: samples float32 (frames, channels). ValueError unless one of the two is given, and is at least a
@@ -107,19 +128,21 @@ class Scene(Actions, Closing):
             raise ValueError(f"seconds = {seconds}: expected at least a frame, and at most {LONGEST_SCORE}")
         if frames is not None and not (1 <= _number(frames) <= most and _number(frames).is_integer()):
             raise ValueError(f"frames = {frames}: expected a whole number from 1 to {most}")
-        capture = Capture(self._open, self._frames)
-        if self._open.engine.position == 0:
-            self._open.engine.process(self._open.engine.delay)  # the silence that the limiter begins with
-        self._frames += round(_number(seconds) * self.rate) if frames is None else int(_number(frames))
-        while left := self._frames - capture.end:
-            capture.add(self._open.engine.process(min(left, capture.room())))
-        return capture.sound()
+        with self._alone("render") as performer:
+            capture = Capture(performer, self._frames)
+            if performer.engine.position == 0:
+                performer.engine.process(performer.engine.delay)  # the silence that the limiter begins with
+            self._frames += round(_number(seconds) * self.rate) if frames is None else int(_number(frames))
+            while left := self._frames - capture.end:
+                capture.add(performer.engine.process(min(left, capture.room())))
+            return capture.sound()
 
     def __reduce_ex__(self, protocol: SupportsIndex) -> NoReturn:
         raise TypeError("a Scene is an engine at work: it cannot be copied or pickled")
 
     def _send(self, messages: list[Message], at: SupportsFloat | None) -> None:
-        self._open.perform(messages, at)
+        with self._alone(messages[0].address) as performer:
+            performer.perform(messages, at)
 
     def new(self, name: str, preset: str, at: SupportsFloat | None = None, **keys: Value) -> Object:
         """Make an object from a preset.
@@ -223,7 +246,9 @@ class Object(ObjectGestures):
 def _number(value: object) -> float:
     """Return a number as a float, NaN for anything else."""
     value = plain(value)
-    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else math.nan
+    if isinstance(value, bool | str) or not isinstance(value, SupportsFloat | SupportsIndex):
+        return math.nan
+    return float(value)
 
 
 def _settings(keys: dict[str, Value]) -> Settings:

@@ -2,9 +2,10 @@
 
 import base64
 import io
+import math
 import tempfile
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 
 from .clients.contacts import Contact
 from .report import Report
+from .server.render import HIGHEST_RATE, LOWEST_RATE
 from .server.scene.scale import USUAL_SCALE, Scale
 
 
@@ -27,7 +29,7 @@ class Picture:
         return self.png
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Sound:
     """A sound, and what there is to know about it.
 
@@ -70,9 +72,73 @@ class Sound:
         """Length in s."""
         return len(self.samples) / self.rate
 
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Frames and channels."""
+        frames, channels = self.samples.shape
+        return frames, channels
+
     def __len__(self) -> int:
         """Return the number of frames."""
         return len(self.samples)
+
+    def __repr__(self) -> str:
+        """Return its length, rate, channels and peak."""
+        peak, unit = float(np.abs(self.samples).max(initial=0.0)), " Pa" if self.calibrated else ""
+        return f"<carom.Sound {self.duration:g} s, {self.rate} Hz, channels {self.shape[1]}, peak {peak:.3g}{unit}>"
+
+    @property
+    def mono(self) -> "Sound":
+        """The mean of all channels, as a sound of one."""
+        return self._other(lambda samples: samples.mean(axis=1, keepdims=True, dtype=np.float32))
+
+    def __getitem__(self, frames: slice) -> "Sound":
+        """Return the sound of a slice of frames, step 1, with the contacts that begin in it. TypeError for anything
+        else."""
+        if not isinstance(frames, slice) or frames.step not in (None, 1):
+            raise TypeError(f"{frames!r}: expected a slice of frames, such as sound[480:960]; samples has each of them")
+        first, last, _ = frames.indices(len(self))
+        start = self.start + first / self.rate
+        cut = self._other(lambda samples: samples[first : max(first, last)])
+        end = start + len(cut) / self.rate
+        kept = self.contacts and tuple(
+            replace(each, first=each.first - first) for each in self.contacts if start <= each.start < end
+        )
+        return replace(cut, start=start, contacts=kept)
+
+    def resample(self, rate: int) -> "Sound":
+        """Return it at another rate (Hz), by a polyphase filter; without its contacts, which count frames.
+
+        ValueError for a rate that cannot be.
+        """
+        from scipy.signal import resample_poly
+
+        if not isinstance(rate, int) or not LOWEST_RATE <= rate <= HIGHEST_RATE:
+            raise ValueError(f"rate = {rate!r}: expected a whole number from {LOWEST_RATE} to {HIGHEST_RATE} Hz")
+        shared = math.gcd(rate, self.rate)
+        up, down = rate // shared, self.rate // shared
+        made = self._other(lambda samples: resample_poly(samples, up, down, axis=0).astype(np.float32))
+        return replace(made, rate=rate, contacts=None)
+
+    def __add__(self, other: "Sound") -> "Sound":
+        """Return both together, from their beginnings on; the shorter one ends in silence.
+
+        ValueError where rates, channels or scales differ.
+        """
+        if not isinstance(other, Sound):
+            return NotImplemented
+        mine, its = ((each.rate, each.shape[1], each.scale) for each in (self, other))
+        if mine != its:
+            raise ValueError(f"{self!r} + {other!r}: expected sounds of one rate, as many channels, and one scale")
+        total = np.zeros((max(len(self), len(other)), self.shape[1]), np.float32)
+        total[: len(self)] += self.samples
+        total[: len(other)] += other.samples
+        return Sound(total, self.rate, self.start, scale=self.scale)
+
+    def _other(self, change: Callable[[NDArray[np.float32]], NDArray[np.float32]]) -> "Sound":
+        """Return the sound whose samples, and those of its stems, are changed alike."""
+        stems = self.stems and {name: change(stem) for name, stem in self.stems.items()}
+        return replace(self, samples=change(self.samples), stems=stems)
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
         if copy is False and dtype not in (None, self.samples.dtype):

@@ -10,7 +10,7 @@ from numbers import Real
 from operator import attrgetter, itemgetter
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn, SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,9 +23,10 @@ from .dsp.bodies.material import CONTACT_RADIUS
 from .dsp.engine.memory.state import QUANTUM
 from .dsp.resonator.bank import NYQUIST_SHARE
 from .dsp.runtime.batch import Batch
+from .dsp.wording import near
 from .scene import Scene
 from .server.bridge.blows import Counts, Hit
-from .server.bridge.bodies import Body, WorldError
+from .server.bridge.bodies import ABOUT, Body, WorldError
 from .server.bridge.gestures import template
 from .server.bridge.hearing import Hearing, Microphone, microphones_of
 from .server.bridge.requests import Request, Slide, in_order
@@ -123,6 +124,13 @@ class World(Closing):
                 if body.rings:
                     self._client.free(body.name)
 
+    def __repr__(self) -> str:
+        """Return its rate, its time, and how many bodies it has."""
+        return f"<carom.World {self.rate} Hz, at {self.time:g} s, bodies {len(self.bodies)}>"
+
+    def __reduce_ex__(self, protocol: SupportsIndex) -> NoReturn:
+        raise TypeError("a World is an engine at work: it cannot be copied or pickled; make one in each process")
+
     @property
     def time(self) -> float:
         """Time (s) of the last step."""
@@ -162,11 +170,17 @@ class World(Closing):
         length between its ends' centres), mesh (vertices (n, 3); the box around them rings). A cylinder's and a
         capsule's axis is z. material: a preset. pose: where it is, if no step says it. density (kg/m^3) or mass (kg),
         inertia (moments about its axes, kg m^2): in place of those of a solid body of the material. held=True: it does
-        not move. rings=False: it is silent. object: a preset that rings in its place. Further keys are those of
-        `/object/new`, such as most_modes, damping or gain. WorldError for a name that is taken, or a value that cannot
-        be.
+        not move. rings=False: it is silent. object: a preset that rings in its place. wall: thickness (m) of the wall
+        of a hollow box, cylinder or capsule. Further keys are those of `/object/new`, such as most_modes, damping or
+        gain. WorldError for a name that is taken, or a value that cannot be.
         """
-        requests = self.simulation.add(name, shape, size, material, pose, **about)
+        try:
+            requests = self.simulation.add(name, shape, size, material, pose, **about)
+        except WorldError as error:
+            for key in about:
+                if key not in ABOUT and (found := near(key, ABOUT)) and f"{key} = " in str(error):
+                    raise WorldError(f"body {name}: {key} = {about[key]}: did you mean {found[0]}?") from None
+            raise
         try:
             self._send(requests)
         except CommandError as error:
@@ -215,16 +229,16 @@ class World(Closing):
         """
         self._send(self.simulation.advance(time, points))
 
-    def teller(self, arrays: int, time: int, points: int, kept: object = None) -> Callable[[], int]:
+    def teller(self, arrays: int, time: int, points: int, behind: int = 0, kept: object = None) -> Callable[[], int]:
         """Return a function that tells a step, for bridges, and returns the number of its blows.
 
         arrays: address of a record of `carom.server.bridge.mujoco.arrays.ARRAYS`, which says where a simulator has its
         poses and contacts. time: address of its time (s), a float64. points: address of the number of its contacts, an
-        int32.
+        int32. behind: address of the time (s) by which contacts lie before it, a float64; 0 if they do not.
         kept: what holds them. Python does next to nothing then, unless something begins or ends.
         """
         simulation, run = self.simulation, tell.brief
-        telling = simulation.telling(arrays, time, points)
+        telling = simulation.telling(arrays, time, points, behind)
         address, holds = telling.ctypes.data, (telling, kept)
 
         def told() -> int:

@@ -2,10 +2,14 @@
 
 import { el, slider } from "./dom.js";
 
-const ACTIONS = { impact: "Strike", bounce: "Drop", roll: "Roll", press: "Press", spin: "Spin", slide: "Slide" };
+const VERBS = { impact: "strike", bounce: "drop" };
 const LAW = ["mass", "stiffness", "dissipation", "exponent", "restitution"];
 const HIDDEN = new Set([...LAW, "position", "gain", "seed", "by_radius"]);
-const LASTS = 1500; // ms of a roll, a slide or a press from its button
+const LASTS = 1500; // ms of a gesture that its button begins, where only a stop ends it
+
+function capitalized(text) {
+  return text[0].toUpperCase() + text.slice(1);
+}
 
 export class Controls {
   constructor(box, scene, hands) {
@@ -46,7 +50,7 @@ export class Controls {
   }
 
   section(key, title, children) {
-    const made = el("details", { open: this.open.has(key) }, el("summary", { textContent: title[0].toUpperCase() + title.slice(1) }), ...children);
+    const made = el("details", { open: this.open.has(key) }, el("summary", { textContent: capitalized(title) }), ...children);
     made.ontoggle = () => (made.open ? this.open.add(key) : this.open.delete(key));
     return made;
   }
@@ -71,13 +75,13 @@ export class Controls {
     });
   }
 
-  gesture(object, name, { argument, keys }) {
+  gesture(object, name, { argument, keys, along, rolls }) {
     const chosen = this.hands.chosen[name];
-    const usual = { impact: object.preset.velocity, bounce: 0.2, press: 5, spin: 3, roll: 0.5, slide: 0.1 }[name];
+    const usual = this.hands.usual(object, name);
     const rows = [argument, ...keys.filter((key) => !HIDDEN.has(key.name))].map((parameter) =>
       this.choice(chosen, parameter, parameter === argument ? usual : parameter.default));
-    if (name === "roll" || name === "slide") rows.splice(1, 0, this.surface(chosen, name === "roll" ? "by material" : "wood"));
-    const act = el("button", { className: "act", textContent: ACTIONS[name] });
+    if (along) rows.splice(1, 0, this.surface(chosen, rolls ? "by material" : "wood"));
+    const act = el("button", { className: "act", textContent: capitalized(VERBS[name] ?? name) });
     act.onclick = () => this.act(object, name);
     return [...rows, act];
   }
@@ -116,13 +120,7 @@ export class Controls {
   }
 
   act(object, name) {
-    const { position } = object.preset;
-    if (name === "impact") this.hands.strike(object, position);
-    else if (name === "bounce") this.hands.drop(object, position);
-    else if (name === "spin") this.hands.spin(object, position);
-    else {
-      const id = name === "roll" ? this.hands.roll(object, position, this.hands.chosen.roll.speed ?? 0.5) : this.hands[name](object, position);
-      setTimeout(() => this.hands.stop(id), LASTS);
-    }
+    const id = this.hands.play(object, name, object.preset.position);
+    if (this.scene.catalogue.gestures[name].lasts) setTimeout(() => this.hands.stop(id), LASTS);
   }
 }

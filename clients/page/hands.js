@@ -1,9 +1,11 @@
 // What a hand does to an object, as messages: strikes, drops, rolls, slides, presses, meetings.
 
+import { scaleOf } from "./dom.js";
 import { strokeOn } from "./strokes.js";
 
 const SURFACES = { glass: "glass", polycarbonate: "glass", wood: "polished-wood", rosewood: "polished-wood", ceramic: "tile" };
 const OTHERWISE = "steel";
+const USUAL = { bounce: 0.2, roll: 0.5, press: 5, spin: 3, slide: 0.1 };
 const SMALLEST = 0.004; // m: a smaller body is caught in every groove
 
 export const GRAVITY = 9.80665;
@@ -14,7 +16,8 @@ export class Hands extends EventTarget {
     this.link = link;
     this.scene = scene;
     this.striker = null; // null: each object's own
-    this.chosen = { impact: {}, bounce: {}, roll: {}, press: {}, spin: {}, slide: {} };
+    this.gestures = scene.catalogue.gestures;
+    this.chosen = Object.fromEntries(Object.keys(this.gestures).map((name) => [name, {}]));
     this.count = 0;
   }
 
@@ -29,14 +32,40 @@ export class Hands extends EventTarget {
 
   keys(gesture, object, more = {}) {
     const given = { ...this.chosen[gesture], ...more };
-    delete given[{ impact: "velocity", bounce: "height", roll: "speed", press: "force", spin: "duration", slide: "speed" }[gesture]];
+    delete given[this.gestures[gesture].argument.name];
     if (this.striker && !("by" in given)) given.striker = this.striker;
-    if ("restitution" in given) delete given[gesture === "roll" || gesture === "slide" ? "restitution" : "dissipation"];
+    if ("restitution" in given) delete given[this.gestures[gesture].along ? "restitution" : "dissipation"];
     return Object.entries(given).flat();
   }
 
+  /** The argument of a gesture where none is chosen: the preset's own, else one that suits most objects. */
+  usual(object, name) {
+    const { argument } = this.gestures[name];
+    if (name === "impact") return object.preset.velocity;
+    return object.preset.gestures[name]?.[argument.name] ?? USUAL[name] ?? scaleOf(argument).value(0.5);
+  }
+
+  /** The argument of a gesture as it is chosen. */
+  argument(object, name) {
+    return this.chosen[name][this.gestures[name].argument.name] ?? this.usual(object, name);
+  }
+
   velocity(object) {
-    return this.chosen.impact.velocity ?? object.preset.velocity;
+    return this.argument(object, "impact");
+  }
+
+  /** Begin any gesture as it is chosen; its id, if it can be stopped. */
+  play(object, name, position) {
+    const own = { impact: "strike", bounce: "drop" }[name] ?? name;
+    return own in this ? this[own](object, position) : this.begin(object, name, position);
+  }
+
+  begin(object, name, position, value = this.argument(object, name), more = {}) {
+    const id = this.id(name);
+    this.link.send(`/object/${object.name}/${name}`, value, position, ...this.keys(name, object, { ...more, id }));
+    const { falls, argument } = this.gestures[name];
+    if (falls && argument.name === "height") this.tell("dropped", { object, position, value, id, gesture: name });
+    return id;
   }
 
   /** `stamp`: when a finger asked for it, ms of the page's clock. */
@@ -45,17 +74,13 @@ export class Hands extends EventTarget {
     this.tell("struck", { object, position, stamp });
   }
 
-  drop(object, position, height = this.chosen.bounce.height ?? object.preset.gestures.bounce?.height ?? 0.2) {
-    const id = this.id("ball");
-    this.link.send(`/object/${object.name}/bounce`, height, position, ...this.keys("bounce", object, { id }));
-    this.tell("dropped", { object, position, value: height, id });
+  drop(object, position, height = this.argument(object, "bounce")) {
+    return this.begin(object, "bounce", position, height);
   }
 
   spin(object, position) {
-    const id = this.id("spin");
-    const usual = object.preset.gestures.spin;
-    const duration = this.chosen.spin.duration ?? usual?.duration ?? 3;
-    this.link.send(`/object/${object.name}/spin`, duration, position, ...this.keys("spin", object, { id, ...(this.striker || usual ? {} : { striker: "coin" }) }));
+    const isGiven = this.striker || object.preset.gestures.spin;
+    return this.begin(object, "spin", position, undefined, isGiven ? {} : { striker: "coin" });
   }
 
   /** What a drag over an object does; a striker that was chosen rolls. */
@@ -70,28 +95,19 @@ export class Hands extends EventTarget {
   }
 
   roll(object, position, speed, keys = {}) {
-    const id = this.id("roll");
     const { radius, click_radius } = this.strikerOf(object);
     const surface = SURFACES[object.material] ?? OTHERWISE;
     const round = keys.surface ? {} : { radius: Math.max(SMALLEST, radius ?? click_radius ?? 0.008) };
-    const more = { ...round, surface, ...keys, ...this.chosen.roll, id };
-    this.link.send(`/object/${object.name}/roll`, speed, position, ...this.keys("roll", object, more));
-    return id;
+    return this.begin(object, "roll", position, speed, { ...round, surface, ...keys, ...this.chosen.roll });
   }
 
-  slide(object, position, speed = this.chosen.slide.speed ?? 0.1, keys = { striker: "bow", force: 2 }) {
-    const id = this.id("slide");
-    const more = { ...(this.striker ? {} : keys), ...this.chosen.slide, id };
-    this.link.send(`/object/${object.name}/slide`, speed, position, ...this.keys("slide", object, more));
-    return id;
+  slide(object, position, speed, keys = object.preset.gestures.slide ? {} : { striker: "bow", force: 2 }) {
+    const more = { ...(this.striker ? {} : keys), ...this.chosen.slide };
+    return this.begin(object, "slide", position, speed, more);
   }
 
   press(object, position) {
-    const id = this.id("hand");
-    const force = this.chosen.press.force ?? 5;
-    const more = this.striker ? { id } : { id, striker: "hand" };
-    this.link.send(`/object/${object.name}/press`, force, position, ...this.keys("press", object, more));
-    return id;
+    return this.begin(object, "press", position, undefined, this.striker ? {} : { striker: "hand" });
   }
 
   steer(id, key, value) {

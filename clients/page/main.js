@@ -176,8 +176,10 @@ async function start() {
   const keys = new Keys(scene, hands, table, silence);
   presets($("presets"), $("search"), scene, table);
   strikers($("strikers"), hands, () => controls.show());
-  hands.addEventListener("dropped", ({ detail }) =>
-    table.marks.follow(detail, { ...hands.strikerOf(detail.object), ...hands.chosen.bounce }, hands.chosen.bounce.gravity));
+  hands.addEventListener("dropped", ({ detail }) => {
+    const chosen = hands.chosen[detail.gesture];
+    table.marks.follow(detail, { ...hands.strikerOf(detail.object), ...chosen }, chosen.gravity);
+  });
   for (const moves of [false, true]) {
     $(moves ? "mode-move" : "mode-play").onclick = () => {
       touch.moves = moves;

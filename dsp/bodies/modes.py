@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from ..errors import CaromError
 from .acceleration import Click
 from .material import Array
 
@@ -19,7 +20,7 @@ LOWEST_FREQUENCY = 1.0  # Hz; below lie rigid motions, which a Ritz method retur
 PATH_STEP = 0.6  # rad of the shortest wave between two positions: cubic interpolation then errs by < 0.6 %
 
 
-class Silent(ValueError):
+class Silent(CaromError, ValueError):
     """A body that has no mode between the lowest frequency and the highest one wanted."""
 
 

@@ -12,7 +12,7 @@ import llvmlite.binding as llvm
 from llvmlite import ir
 from numba.core import cgutils, typed_passes, types, typing, untyped_passes
 from numba.core.base import BaseContext
-from numba.core.callconv import excinfo_t
+from numba.core.callconv import CPUCallConv, excinfo_t
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.compiler_lock import global_compiler_lock
@@ -202,8 +202,9 @@ def quiet_compiler(mangle: Callable[[str, tuple[Any, ...]], str]) -> Iterator[No
     """Prepare numba to compile kernels, and nothing else, while this is entered.
 
     Kernels own nothing: reference counts are not written. Names hold no counters of this process: `mangle` makes them,
-    of a function's name and the types of its arguments. LLVM is asked once for the size of each type. Functions that
-    numba compiles for kernels are kept apart from those for others, which count references and have other names.
+    of a function's name and the types of its arguments. Errors, which kernels never meet, hold no paths of files. LLVM
+    is asked once for the size of each type. Functions that numba compiles for kernels are kept apart from those for
+    others, which count references and have other names.
     """
     sizes: dict[str, int] = {}
     size_of = BaseContext.get_abi_sizeof
@@ -217,12 +218,16 @@ def quiet_compiler(mangle: Callable[[str, tuple[Any, ...]], str]) -> Iterator[No
     def named(context: Any, name: str, args: Any, *, abi_tags: Any = (), uid: Any = None) -> str:
         return mangle(name, args)
 
+    def unplaced(convention: Any, error: Any, arguments: Any, place: Any, name: Any) -> tuple[Any, Any, None]:
+        return error, arguments, None
+
     def nothing(*_: Any) -> None:
         pass
 
     changed: list[tuple[Any, str, Any]] = [
         *((where, name, nothing) for where in (Lower, NRTContext) for name in ("incref", "decref")),
         (BaseContext, "mangler", named),
+        (CPUCallConv, "build_excinfo_struct", unplaced),
         (BaseContext, "get_abi_sizeof", remembered),
         (cpu_target.target_context, "cached_internal_func", _INTERNAL),
     ]

@@ -28,14 +28,14 @@ from .simd import LANES
 CLICK_MODES = 3
 """Modes of the bank that a click takes, one after the other: together they make one sound."""
 
-_TAPS = 6
-_FIRST, _SECOND = 0.15, 0.05  # samples, samples^2: of the B-spline's derivatives
-# The poles of the filter, which make sinc^4 (1 + _FIRST j w - _SECOND w^2) flattest up to 0.43 of the rate, by
+TAPS = 6
+FIRST, SECOND = 0.15, 0.05  # samples, samples^2: of the B-spline's derivatives
+# The poles of the filter, which make sinc^4 (1 + FIRST j w - SECOND w^2) flattest up to 0.43 of the rate, by
 # Nelder-Mead.
-_NEAR = 0.4781 * complex(math.cos(3.1117), math.sin(3.1117))
-_FAR = 0.188 * complex(math.cos(1.2404), math.sin(1.2404))
-_GAIN = abs((1.0 - _NEAR) * (1.0 - _FAR)) ** 2
-_LEAST, _WIDEST = 0.03, 0.97 * math.pi  # of a pole: faster clicks are over with the six taps
+NEAR = 0.4781 * complex(math.cos(3.1117), math.sin(3.1117))
+FAR = 0.188 * complex(math.cos(1.2404), math.sin(1.2404))
+GAIN = abs((1.0 - NEAR) * (1.0 - FAR)) ** 2
+LEAST, WIDEST = 0.03, 0.97 * math.pi  # of a pole: faster clicks are over with the six taps
 _SMALL = 1.0  # |x| up to which exp(x) is summed as a series
 _TERMS = 18
 _NODES, _WEIGHTS = (each.copy() for each in legendre.leggauss(16))
@@ -48,11 +48,11 @@ def set_click(modes: Modes, i: int, frequency: float, decay: float, rate: float,
     They have been at rest; no contact feels them.
     """
     s = complex(-decay / rate, 2.0 * math.pi * frequency / rate)
-    own = _polar(max(math.exp(s.real), _LEAST), min(s.imag, _WIDEST))
+    own = _polar(max(math.exp(s.real), LEAST), min(s.imag, WIDEST))
     weight = strength * complex(s.real / s.imag, 1.0)
-    _set_section(modes, i, own, _NEAR, _FAR, own, s, weight)
-    _set_section(modes, i + 1, _NEAR, own, _FAR, own, s, weight)
-    _set_section(modes, i + 2, _FAR, own, _NEAR, own, s, weight)
+    _set_section(modes, i, own, NEAR, FAR, own, s, weight)
+    _set_section(modes, i + 1, NEAR, own, FAR, own, s, weight)
+    _set_section(modes, i + 2, FAR, own, NEAR, own, s, weight)
 
 
 @kernel
@@ -70,7 +70,7 @@ def _set_section(
     for k in range(RESPONSES // LANES):
         response[base + k * LANES] = 0.0
     x = _reciprocal(pole)
-    gain = _GAIN * _reciprocal(_denominator(second, x) * _denominator(third, x))
+    gain = GAIN * _reciprocal(_denominator(second, x) * _denominator(third, x))
     for q in range(len(_NODES)):
         value = gain * _numerator(0.5 * (1.0 - _NODES[q]), x, own, s, weight)
         n1 = value.imag / x.imag
@@ -95,7 +95,7 @@ def _numerator(since: float, x: complex, own: complex, s: complex, weight: compl
     g1 = g2 = g3 = g4 = u1 = u2 = 0.0
     power = 1.0 + 0.0j
     total = 0.0j
-    for j in range(_TAPS):
+    for j in range(TAPS):
         g = _integral(since + j, s, weight)
         u = g - 4.0 * g1 + 6.0 * g2 - 4.0 * g3 + g4
         total += (u - a1 * u1 - a2 * u2) * power
@@ -107,7 +107,7 @@ def _numerator(since: float, x: complex, own: complex, s: complex, weight: compl
 
 @kernel
 def _integral(t: float, s: complex, weight: complex) -> float:
-    """Integrate Im(weight exp(s t)) from 0 to t four times, _FIRST of it three times and _SECOND twice; t in samples.
+    """Integrate Im(weight exp(s t)) from 0 to t four times, FIRST of it three times and SECOND twice; t in samples.
 
     The fourth integral is t^4 (exp(x) - 1 - x - x^2/2 - x^3/6)/x^4 at x = s t, the third t^3/6 and s times the fourth,
     the second t^2/2 and s times the third.
@@ -127,7 +127,7 @@ def _integral(t: float, s: complex, weight: complex) -> float:
     fourth = rest * (square_of_t * square_of_t)
     third = s * fourth + square_of_t * t * (1.0 / 6.0)
     second = s * third + 0.5 * square_of_t
-    return (weight * (fourth + _FIRST * third + _SECOND * second)).imag
+    return (weight * (fourth + FIRST * third + SECOND * second)).imag
 
 
 @kernel

@@ -3,8 +3,10 @@
 from bisect import bisect_left
 from dataclasses import dataclass
 
+from ..errors import CaromError
 
-class EngineFull(RuntimeError):
+
+class EngineFull(CaromError, RuntimeError):
     """The engine has no room for what was asked; the message says what is full."""
 
 

@@ -8,6 +8,8 @@ import threading
 from pathlib import Path
 from typing import Any
 
+from ...dsp.errors import CaromError
+
 _NO_START_SERVER = 1  # JACK's option
 
 NONE_FOUND = "no device can play: start JACK, PipeWire or PulseAudio, or `carom serve --device none`"
@@ -17,7 +19,7 @@ _spent = threading.Event()
 """Set where PortAudio may not be touched again: its JACK server has gone, or a stream of it does not end."""
 
 
-class AudioError(RuntimeError):
+class AudioError(CaromError, RuntimeError):
     """Sound cannot be played; the text says why, and what might help."""
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...dsp.bodies.material import Material
-from ...dsp.bodies.modes import Modes
+from ...dsp.bodies.modes import Modes, Silent
 from ...dsp.schema import SETTINGS
 from ...dsp.wording import expected
 from ...presets import Presets
@@ -45,7 +45,9 @@ class Body:
     held: bool
     keys: Mapping[str, Argument] = field(default_factory=dict)
     sound: NewObject | None = None
-    """Object that sounds; None: the body does not ring."""
+    """Object that sounds; None: the body is silent."""
+    silence: str = ""
+    """Reason why it is silent."""
 
     @property
     def rings(self) -> bool:
@@ -83,6 +85,10 @@ class Body:
         return np.asarray(np.sqrt(power))
 
 
+ABOUT = ("density", "mass", "inertia", "held", "rings", "object")
+"""Keys of a body that are no object's."""
+
+
 class BodyMaker:
     """Makes bodies with modes up to `top` (Hz), from presets."""
 
@@ -102,8 +108,8 @@ class BodyMaker:
         if kind not in SHAPES:
             raise ValueError(f"shape = {shown(kind)}: {expected(kind, SHAPES)}")
         held, rings, preset = (about.pop(key, default) for key, default in (("held", 0), ("rings", 1), ("object", "")))
-        density, mass, inertia = (about.pop(key, None) for key in ("density", "mass", "inertia"))
-        shape = shape_of(kind, size, bool(held))
+        density, mass, inertia, wall = (about.pop(key, None) for key in ("density", "mass", "inertia", "wall"))
+        shape = shape_of(kind, size, bool(held), None if wall is None else _positive("wall", wall))
         made_of = self._presets.material(str(material))
         if density is not None and mass is not None:
             raise ValueError(f"density = {shown(density)}, mass = {shown(mass)}: expected one of the two")
@@ -115,16 +121,23 @@ class BodyMaker:
             moments = tuple(_positive("inertia", each) for each in np.ravel(np.asarray(inertia, np.float64)))
             if len(moments) != 3:
                 raise ValueError(f"inertia = {moments}: expected three moments, kg m^2")
-        ringing = shape.ringing
+        sound, silence = None, ""
+        keys: dict[str, Argument] = {**_CALIBRATED, **about}
         if preset:
-            source, keys = str(preset), {**_CALIBRATED, **about}
-        elif rings and ringing:
-            source = ringing.preset
-            keys = {**_CALIBRATED, **ringing.keys, "material": material, **about}
+            sound = self._sound(str(preset), keys)
+        elif not rings:
+            silence = "rings = 0"
+        elif shape.ringing is None:
+            silence = "no object can be so large, or so small"
         else:
-            source, keys = "", {}
-        sound = self._sound(source, keys) if source else None
-        return Body(name, shape, made_of, mass, moments, bool(held), keys, sound)  # type: ignore[arg-type]
+            keys = {**_CALIBRATED, **shape.ringing.keys, "material": material, **about}
+            try:
+                sound = self._sound(shape.ringing.preset, keys)
+            except ValueError as error:
+                if not isinstance(error.__context__, Silent):
+                    raise
+                silence = f"it is held, and {error}"  # what moves clicks all the same
+        return Body(name, shape, made_of, mass, moments, bool(held), keys, sound, silence)  # type: ignore[arg-type]
 
     def _sound(self, name: str, keys: dict[str, Argument]) -> NewObject:
         """Make its object. PresetError or ValueError say why there is none."""

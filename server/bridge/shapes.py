@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -21,12 +21,14 @@ FLAT = 3.0
 LONG = 4.0
 """Least length, in widths, of such a body that rings as a bar all the same."""
 _THICKEST, _LONGEST, _SHORTEST = 0.5, 20.0, 1e-3  # m: what objects can be
+_THINNEST = 1e-5  # m
 _PATH: dict[str, Argument] = {
     "path_from": (0.0, 0.1),
     "path_to": (1.0, 0.9),
 }  # of a plate: from corner to corner, off the diagonal
 _LEAST, _MOST = 1e-6, 1e6  # m: of edges and radii
 SHAPES = tuple(SIZES)
+_HOLLOW = ("box", "cylinder", "capsule")
 
 
 class Ringing(NamedTuple):
@@ -41,7 +43,8 @@ class Shape:
     """A body's shape, about the centre of its volume. A cylinder's and a capsule's axis is z.
 
     edges: of the box around it (m). volume: m^3. inertia: moments about its axes over its mass (m^2). round: the radius
-    of its side, 0 for one with edges. ringing: what rings as it does; None: it is beyond what objects can be.
+    of its side, 0 for one with edges. ringing: what rings as it does, where it is too large or too small for that a
+    sphere of its volume; None: no object can be so large or so small.
     """
 
     name: str
@@ -61,8 +64,11 @@ class Shape:
         return float(radius_at.py_func(self.round, self.edges, point))
 
 
-def shape_of(name: str, size: ArrayLike, held: bool) -> Shape:
-    """Return the shape of a name and a size; held: whether something holds the body. ValueError says what is wrong."""
+def shape_of(name: str, size: ArrayLike, held: bool, wall: float | None = None) -> Shape:
+    """Return the shape of a name and a size; held: whether something holds the body; wall: the thickness (m) of a
+    hollow one's wall. ValueError says what is wrong."""
+    if wall is not None:
+        return _hollow(shape_of(name, size, held), wall)
     numbers = np.asarray(size, np.float64)
     if name == "mesh":
         return _mesh(numbers, held)
@@ -94,10 +100,50 @@ def _mesh(vertices: NDArray[np.float64], held: bool) -> Shape:
 
 def _sphere(radius: float) -> Shape:
     inertia = 0.4 * radius**2
-    rings = Ringing("glass-ball", {"radius": radius}) if _SHORTEST <= radius <= _LONGEST else None
     edge = 2 * radius
     volume = 4 / 3 * math.pi * radius**3
-    return Shape("sphere", (edge, edge, edge), volume, (inertia,) * 3, radius, rings, (POINT, 0, 0))
+    return Shape("sphere", (edge, edge, edge), volume, (inertia,) * 3, radius, _ball(volume), (POINT, 0, 0))
+
+
+def _hollow(outer: Shape, wall: float) -> Shape:
+    """Return a shape with a wall of a thickness (m) around a hollow, which is closed.
+
+    A box rings as its widest face: a plate on supported edges, over which the other faces turn freely. The lowest mode
+    of a closed box lies between it and that of a clamped one: for square faces up to 1.8 times as high (S. M. Dickinson
+    and G. B. Warburton, Proc. IMechE 182, 1967). A cylinder rings as a cup that stands on one of its ends (bodies/ring:
+    `glass`), as does a capsule of its length without the ends: what its other end holds is left out.
+    """
+    least = min(outer.edges) / 2
+    if outer.name not in _HOLLOW or not 0.0 < wall < least:
+        wanted = f"above 0 and below {least:g} m" if outer.name in _HOLLOW else f"none but of {', '.join(_HOLLOW)}"
+        raise ValueError(f"wall = {wall:g}: expected {wanted}")
+    inner = tuple(edge - 2.0 * wall for edge in outer.edges)
+    if outer.name == "box":
+        hole = _box("box", (inner[0], inner[1], inner[2]), False)
+        _, second, first = sorted(range(3), key=lambda axis: outer.edges[axis])
+        length, width = outer.edges[first], outer.edges[second]
+        plate: dict[str, Argument] = {"length": length, "width": width, "thickness": wall, **_PATH}
+        fits = _THINNEST <= wall <= _THICKEST and length <= _LONGEST and width >= _SHORTEST
+        rings = Ringing("wood-board", {**plate, "edges": ("supported",) * 4}) if fits else None
+        strip = (PLATE, first, second)
+    else:
+        radius, length = outer.round, outer.edges[2] - (2 * outer.round if outer.name == "capsule" else 0.0)
+        hole = _cylinder(outer.name, radius - wall, length - (2 * wall if outer.name == "cylinder" else 0.0), False)
+        cup: dict[str, Argument] = {"radius": radius - wall / 2, "height": length, "thickness": wall}
+        fits = _THINNEST <= wall <= _THICKEST and _SHORTEST <= length <= _LONGEST and radius <= _LONGEST
+        rings, strip = Ringing("wine-glass", {**cup, "rows": 3}) if fits else None, (POINT, 0, 0)
+    volume = outer.volume - hole.volume
+    moments = [
+        (outer.volume * whole - hole.volume * missing) / volume
+        for whole, missing in zip(outer.inertia, hole.inertia, strict=True)
+    ]
+    return replace(outer, volume=volume, inertia=(moments[0], moments[1], moments[2]), ringing=rings, strip=strip)
+
+
+def _ball(volume: float) -> Ringing | None:
+    """Return the sphere of a volume (m^3)."""
+    radius = (volume / (4 / 3 * math.pi)) ** (1 / 3)
+    return Ringing("glass-ball", {"radius": radius}) if _SHORTEST <= radius <= _LONGEST else None
 
 
 def _cylinder(name: str, radius: float, length: float, held: bool) -> Shape:
@@ -111,10 +157,12 @@ def _cylinder(name: str, radius: float, length: float, held: bool) -> Shape:
     edges = (2 * radius, 2 * radius, whole)
     if name == "cylinder" and length < 2 * radius / FLAT:
         disc = {"radius": radius, "thickness": length, "edge": "supported" if held else "free"}
-        rings = Ringing("gong", disc) if radius <= _LONGEST and length <= _THICKEST else None
+        fits = _SHORTEST <= radius <= _LONGEST and _THINNEST <= length <= _THICKEST
+        rings = Ringing("gong", disc) if fits else _ball(volume)
         return Shape(name, edges, volume, inertia, radius, rings, (DISC, 0, 0))
     bar = {"length": rod, "diameter": 2 * radius, "ends": "cantilever" if held else "free", "split": 0.0}
-    rings = Ringing("triangle", bar) if 2 * radius <= _THICKEST and _SHORTEST <= rod <= _LONGEST else None
+    fits = _THINNEST <= 2 * radius <= _THICKEST and _SHORTEST <= rod <= _LONGEST
+    rings = Ringing("triangle", bar) if fits else _ball(volume)
     return Shape(name, edges, volume, inertia, radius, rings, (BAR, 2, 2))
 
 
@@ -125,12 +173,12 @@ def _box(name: str, edges: Vector, held: bool) -> Shape:
     squares = [edge**2 / 12 for edge in edges]
     inertia = (squares[1] + squares[2], squares[0] + squares[2], squares[0] + squares[1])
     volume = length * width * thickness
-    fits = thickness <= _THICKEST and length <= _LONGEST and thickness >= 1e-5 and width >= _SHORTEST
+    fits = _THINNEST <= thickness <= _THICKEST and length <= _LONGEST and width >= _SHORTEST
     if name == "plate" or (width >= FLAT * thickness and length <= LONG * width):
         plate: dict[str, Argument] = {"length": length, "width": width, "thickness": thickness, **_PATH}
         edge = "supported" if held else "free"
-        rings = Ringing("wood-board", {**plate, "edges": (edge,) * 4}) if fits else None
+        rings = Ringing("wood-board", {**plate, "edges": (edge,) * 4}) if fits else _ball(volume)
         return Shape(name, edges, volume, inertia, 0.0, rings, (PLATE, first, second))
     bar = {"length": length, "width": width, "thickness": thickness, "ends": "cantilever" if held else "free"}
-    rings = Ringing("triangle", bar) if fits and width <= _THICKEST else None
+    rings = Ringing("triangle", bar) if fits and width <= _THICKEST else _ball(volume)
     return Shape(name, edges, volume, inertia, 0.0, rings, (BAR, first, second))

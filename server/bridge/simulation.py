@@ -57,6 +57,7 @@ class Simulation:
         self.bodies: list[Body] = []
         self._hits: tuple[int, list[Hit]] = 0, []  # of a step
         self.hearing = hearing or Hearing()
+        self._settle = 0.0
         self.state = new_state(rest, gravity)
         self.state["time"] = start
         self._microphones = begin_hearing(self.hearing, self.state)
@@ -92,12 +93,12 @@ class Simulation:
         self._step_time, self._step_points = np.zeros(1), np.zeros(1, np.int32)
         self._own = self.telling(0, self._step_time.ctypes.data, self._step_points.ctypes.data)
 
-    def telling(self, arrays: int, time: int, points: int) -> NDArray[np.void]:
+    def telling(self, arrays: int, time: int, points: int, behind: int = 0) -> NDArray[np.void]:
         """Return a record of TELLING, by which steps are told that are at addresses: of a record of ARRAYS, 0 for the
-        columns of `state`; of the time (s), a float64; of the number of contacts, an int32. It is kept as long as this
-        is."""
+        columns of `state`; of the time (s), a float64; of the number of contacts, an int32; of how far these lie before
+        the time (s), a float64, 0 if they do not. It is kept as long as this is."""
         made = self._telling.copy()
-        made["arrays"], made["time"], made["points"] = arrays, time, points
+        made["arrays"], made["time"], made["points"], made["behind"] = arrays, time, points, behind
         return made
 
     def link(self, engine: NDArray[np.void], latency: float) -> None:
@@ -242,6 +243,18 @@ class Simulation:
         self.state["until"] = self.state["loudest_at"] = -math.inf
         self._microphones["next"] = math.inf
         self._gestures = Gestures()
+        self.settle(self._settle)
+
+    def begin(self, time: float) -> None:
+        """Begin its sound at a time (s), before anything was told."""
+        self.start[0] = time
+        self.wait(time)
+
+    def settle(self, seconds: float) -> None:
+        """Tell no blow for a time (s) from now on, and from each time on at which it begins anew."""
+        _check_number("settle", seconds, 0.0)
+        self._settle = seconds
+        self.state["settles"] = self.time + seconds if seconds else -math.inf
 
     def wait(self, time: float) -> None:
         """Pass the time up to another (s), in which nothing is told."""
@@ -280,9 +293,9 @@ class Simulation:
         """Return the requests of a step that was told, of which `tell` said what it found."""
         if found >= 0 and not found & LOOK:
             return []
-        time, before = c_double.from_address(int(telling["time"][0])).value, float(telling["before"][0])
+        before = float(telling["before"][0])
         if found == NOT_LATER:
-            self._check(time, f"step {self.steps + 1}")
+            self._check(time_told(telling), f"step {self.steps + 1}")
         if found == NO_ROOM:
             raise WorldError(f"step {self.steps}: no room for more events: ask for the sound of these steps first")
         if found < 0:
@@ -338,6 +351,12 @@ class Simulation:
         pair = self._pairs.get((event.a, event.b), Pair())
         surface = pair.surface or self._surfaces.between(a.material, b.material)
         return self._gestures.begin(event, to, by, surface, pair.slide)
+
+
+def time_told(telling: NDArray[np.void]) -> float:
+    """Return the time of a step's contacts (s), by a record of TELLING."""
+    time, behind = (int(telling[name][0]) for name in ("time", "behind"))
+    return c_double.from_address(time).value - (c_double.from_address(behind).value if behind else 0.0)
 
 
 def _check_number(name: str, value: object, least: float) -> None:

@@ -20,6 +20,7 @@ class Touch(NamedTuple):
     pushes them apart; slip: how fast they move over each other; both follow from the bodies' velocities if these are
     told. depth: by how much they overlap (m). force: N, along the normal. mass: effective along the normal (kg), if it
     is not that of two free bodies. restitution: of the simulator's contact, 0 to 1, else the materials'.
+    friction: its coefficient, by which the simulator may lift what slides.
     """
 
     a: str
@@ -32,6 +33,7 @@ class Touch(NamedTuple):
     force: float = math.nan
     mass: float = math.nan
     restitution: float = math.nan
+    friction: float = math.nan
 
 
 class Pose(NamedTuple):
@@ -87,6 +89,7 @@ _BOUNDS = {
     "force": _FINITE,
     "mass": (np.finfo(float).tiny, math.inf, "a positive number (kg)"),
     "restitution": (0.0, 1.0, "0 to 1"),
+    "friction": (0.0, math.inf, "a finite number that is not negative"),
 }
 _UNIT = 1e-3  # by which a normal's or a quaternion's length may differ from 1
 

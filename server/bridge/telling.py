@@ -35,7 +35,8 @@ class Telling(Record):
     state: int  # address of the tracker's STATE
     microphones: int  # of MICROPHONE_STATE
     arrays: int  # of ARRAYS; 0: poses and contacts are in the tracker's columns
-    time: int  # of the step's time (s), a float64
+    time: int  # of the simulator's time (s), a float64
+    behind: int  # of the time (s) by which contacts lie before it, a float64; 0: they do not
     points: int  # of the number of its contacts, an int32
     before: float  # s: the time of the step before
     # The engine: where its ring of commands is, and what it has computed; 0: there is none.
@@ -106,7 +107,7 @@ def tell(telling: int) -> int:
     ring is full."""
     link: Telling = carray(telling, (1,), TELLING)[0]
     state: State = carray(pointer_to(link.state), (1,), STATE)[0]
-    time, points = load_double(link.time), load_int32(link.points)
+    time, points = time_of(link), load_int32(link.points)
     if not state.time < time < math.inf:
         return NOT_LATER
     link.before = state.time
@@ -130,6 +131,13 @@ def tell(telling: int) -> int:
         _write(link, state, microphones)
         looks = _slide(link, state)
     return PER_BLOW * state.struck + (LOOK if looks else 0)
+
+
+@kernel
+def time_of(link: Telling) -> float:
+    """Return the time of a step's contacts (s), by a record of TELLING."""
+    time = load_double(link.time)
+    return time if link.behind == 0 else time - load_double(link.behind)
 
 
 @kernel

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ...dsp.errors import CaromError
 from ...dsp.runtime.engine import Engine
 from .floatwav import FloatWav
 from .outfile import OutFile
@@ -14,7 +15,7 @@ from .outfile import OutFile
 _PERIOD = 0.05  # s
 
 
-class RecordError(RuntimeError):
+class RecordError(CaromError, RuntimeError):
     """The recording cannot begin; the text says why."""
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import soundfile
 from numpy.typing import NDArray
 
+from ...dsp.errors import CaromError
 from .soundfiles import WAV_BYTES, open_sound
 
 _ENDINGS = {".wav": "WAV", ".flac": "FLAC"}
@@ -17,7 +18,7 @@ _SUBTYPES = {"16": "PCM_16", "24": "PCM_24", "float": "FLOAT"}
 _MOST_IN_FLAC = 8  # channels
 
 
-class RenderError(ValueError):
+class RenderError(CaromError, ValueError):
     """The render cannot be made; the text says why."""
 
 

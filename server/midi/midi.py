@@ -8,11 +8,11 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
-from ..discovery import in_parts
 from ..net.network import Source
 from ..net.remote import Doorway, Remote
 from ..osc.arguments import Refused, Values, require_name
 from ..osc.midi_verbs import BEND, HIGHEST, LOWEST, PRESSURE
+from ..osc.questions import in_parts
 from ..osc.wire import IMMEDIATELY, Message, encode_bundle, parse
 from ..scene.session import Session
 from .controls import Control, Controls, control

@@ -32,6 +32,7 @@ from .arguments import Either, Note, Numbers, Refused, Verb, Word
 from .midi_verbs import MIDI
 from .patterns import is_pattern, match
 from .points import Change
+from .questions import QUESTIONS
 from .wire import Message
 from .world_verbs import WORLD
 
@@ -181,21 +182,7 @@ _ENGINE = (
 )
 
 _SERVER = (
-    Verb(
-        "/object/NAME/get",
-        "answers /object/NAME/get.reply and pairs of key and value: preset, shape, mass (kg), modes, settings. With a "
-        "number, /object/NAME/get.modes FIRST TOTAL and frequency (Hz) and decay time (T60, s) of so many modes",
-        optional=(Number("modes", 0, 4096, default=0, whole=True),),
-        scored=False,
-    ),
-    Verb("/objects", "answers /objects.reply FIRST TOTAL and pairs of name and preset", scored=False),
-    Verb("/gestures", "answers /gestures.reply FIRST TOTAL and pairs of id and address", scored=False),
-    Verb(
-        "/presets",
-        "answers /presets.reply KIND FIRST TOTAL and names",
-        (Either("kind", ("objects", "strikers", "surfaces", "materials")),),
-        scored=False,
-    ),
+    *(verb for verb, _ in QUESTIONS.values()),
     Verb("/status", "answers /status.reply", scored=False),
     Verb("/version", "answers /version.reply name major minor patch", scored=False),
     Verb(

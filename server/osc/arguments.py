@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
 
+from ...dsp.errors import CaromError
 from ...dsp.schema import Parameter as Number
 from ...dsp.wording import expected
 from .wire import Argument
@@ -16,7 +17,7 @@ _NAME = re.compile(r"[^\s#*,/?\[\]{}]{1,64}")
 _FORBIDDEN = "# * , / ? [ ] { } or space"
 
 
-class Refused(ValueError):
+class Refused(CaromError, ValueError):
     """A message that the server does not carry out. The text names the culprit, its value and what was expected."""
 
 

@@ -7,6 +7,7 @@ the packet itself. Replies go out in the same framing.
 import struct
 from collections.abc import Iterator
 
+from ...dsp.errors import CaromError
 from .wire import MAX_DATAGRAM
 
 _END = b"\xc0"
@@ -15,7 +16,7 @@ _ESCAPED = {b"\xdc": _END, b"\xdd": _ESCAPE}
 _SIZE = struct.Struct(">i")
 
 
-class Broken(ValueError):
+class Broken(CaromError, ValueError):
     """A stream in which no packet can be found any more; the text says why."""
 
 

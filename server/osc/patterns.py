@@ -6,11 +6,13 @@ from functools import lru_cache, reduce
 from operator import or_
 from typing import Protocol
 
+from ...dsp.errors import CaromError
+
 MOST_WORK = 300_000.0
 """The highest cost of a packet's patterns, in the units of `work`: some 30 ms."""
 
 
-class TooMuch(ValueError):
+class TooMuch(CaromError, ValueError):
     """A packet costs more than it may; the text names the pattern or the target that was too much."""
 
     def __init__(self, culprit: str) -> None:

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 
+from ...dsp.errors import CaromError
 from . import wire
 
 _WORD = r"""[^\s"'#\[\]][^\s"']*"""
@@ -38,7 +39,7 @@ _SOUNDS = (b"RIFF", b"RF64", b"fLaC", b"OggS", b"FORM", b"ID3")
 """First bytes of sound files."""
 
 
-class ScoreError(ValueError):
+class ScoreError(CaromError, ValueError):
     """A score that cannot be read: "FILE:LINE: reason"."""
 
 

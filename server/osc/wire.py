@@ -13,6 +13,8 @@ from typing import Any
 
 from pythonosc.osc_message_builder import BuildError, OscMessageBuilder
 
+from ...dsp.errors import CaromError
+
 Argument = int | float | str | bytes | bool | tuple["Argument", ...] | None
 """Argument of a message; a tuple is an array."""
 
@@ -32,7 +34,7 @@ _SIZED = {tag: struct.Struct(">" + code) for tag, code in _CODES.items()}
 _CONSTANT = {"T": True, "F": False, "N": None, "I": True}
 
 
-class BadPacket(ValueError):
+class BadPacket(CaromError, ValueError):
     """A datagram that is not OSC; the text says what is wrong with it."""
 
 

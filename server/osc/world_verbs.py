@@ -32,6 +32,7 @@ TOUCHED = (
     _number("force", "along the normal", "N", 0.0, 1e6),
     _number("mass", "effective, along the normal", "kg", 1e-9, 1e6),
     RESTITUTION,
+    _number("friction", "its coefficient", "", 0.0, 100.0),
 )
 """Quantities that may be told of a point of contact."""
 
@@ -45,6 +46,7 @@ WORLD = (
         (
             _number("density", "its material's if not given", "kg/m^3", 1e-3, 1e5),
             _number("mass", "in place of the density", "kg", 1e-9, 1e9),
+            _number("wall", "thickness of the wall of a hollow box, cylinder or capsule", low=1e-5, high=10.0),
             Parameter("held", 0, 1, "", "1: it does not move"),
             Parameter("rings", 0, 1, "", "0: it is silent"),
             Word("object", "a preset that rings in its place"),

@@ -1,26 +1,20 @@
 """A message to one object: the object, what strikes it, and the id of the gesture that it starts."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import chain, islice
 
 from ...dsp.bodies.material import CONTACT_RADIUS
 from ...dsp.schema import BY_RADIUS
+from ...dsp.wording import MOST_COMPARED, some_of
 from ...presets.kinds import STAND_IN
 from ..osc.addresses import Call
 from ..osc.arguments import Refused, Values, require_name, shown
 from ..osc.patterns import is_pattern
 from ..osc.wire import Argument, Message
 from .objects import PlayedObject
-from .transaction import MOST_COMPARED, Transaction
-
-_MOST_LISTED = 8  # names in an error
-
-
-def listed(names: Iterable[str]) -> str:
-    """List the first of some names, for an error."""
-    return ", ".join(islice(names, _MOST_LISTED)) or "none"
+from .transaction import Transaction
 
 
 @dataclass
@@ -61,7 +55,7 @@ class ObjectCall:
         by = None if is_pattern(name) else objects.at(name, time).get(name)
         if by is None or by is self.obj:
             others = [other for other in islice(objects.there(time), MOST_COMPARED) if other != self.name]
-            known = self.transaction.suggestion(name, others) or f"there are {listed(others)}"
+            known = self.transaction.suggestion(name, others) or f"there are {some_of(others)}"
             raise Refused(f"by = {shown(name)}: expected another object; {known}")
         return by
 

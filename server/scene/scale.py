@@ -10,15 +10,17 @@ from ...presets import ObjectPreset
 class Scale:
     """Levels of objects.
 
-    calibrated: samples are pascals, whatever the presets' levels. Else full_scale (Pa) is 1.0 of an object of level 0.
+    calibrated: samples are pascals, whatever the presets' levels, times `amplified`. Else full_scale (Pa) is 1.0 of an
+    object of level 0.
     """
 
     calibrated: bool = False
     full_scale: float = FULL_SCALE_PRESSURE
+    amplified: float = 1.0
 
     def object(self, preset: ObjectPreset) -> float:
         """Return the value of a sample for each Pa of an object."""
-        return 1.0 if self.calibrated else _amplitude(preset.level) / self.full_scale
+        return self.amplified if self.calibrated else _amplitude(preset.level) / self.full_scale
 
     @property
     def said(self) -> str:

@@ -16,7 +16,7 @@ from ..osc.patterns import Selection, TooMuch
 from ..osc.wire import Message
 from .gesture_ids import Ended, GestureIds
 from .limits import ContactLaws, least_radius
-from .objects import ObjectTable
+from .objects import ObjectTable, PlayedObject
 from .scale import USUAL_SCALE, Scale
 from .transaction import Sent, Transaction
 from .translate import translate
@@ -134,6 +134,23 @@ class Session:
         error.__traceback__ = None  # its frames hold the objects that were made, of which it may be one: a circle
         harmless = self._steers_ended and isinstance(error, GestureEnded)
         return (warning if harmless else fail)(call.message.address, reason)
+
+    @property
+    def top_frequency(self) -> float:
+        """Return the frequency (Hz) below which modes are heard."""
+        return self.engine.top_frequency
+
+    def objects_at(self, pattern: str) -> dict[str, PlayedObject]:
+        """Return the objects that are there and whose names match a pattern; TooMuch as `Selection.names`."""
+        return self.objects.at(pattern, NOW)
+
+    def objects_there(self) -> dict[str, PlayedObject]:
+        """Return the objects that are there."""
+        return {name: self.objects[name] for name in self.objects.there(NOW)}
+
+    def running(self) -> list[tuple[str, str]]:
+        """Return the ids of gestures that run, with the addresses that began them."""
+        return [(id.name, address) for id in self.gestures.running() for address, _ in tuple(id.running)]
 
     def take_ends(self) -> Iterator[Ended]:
         """Return the gestures that have ended and were not taken before, one by one."""

@@ -4,14 +4,13 @@ from itertools import islice
 
 from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.runtime.engine import NOW
-from ...dsp.wording import suggestion
+from ...dsp.wording import MOST_COMPARED, some_of, suggestion
 from ..osc.addresses import Call
 from ..osc.arguments import GestureEnded, Refused, Values
 from ..osc.points import Change
 from ..osc.wire import Message
 from .engine_messages import changes, send
-from .object_call import listed
-from .transaction import MOST_COMPARED, Transaction
+from .transaction import Transaction
 
 CHANGE_WORK = 80
 """Work of carrying out a change on one gesture or object, as in patterns.work."""
@@ -41,4 +40,4 @@ def _running(transaction: Transaction, target: str) -> str:
     if not transaction.explains():
         return ""
     running = list(islice(transaction.gestures.newest_running(), MOST_COMPARED))
-    return f"; {suggestion(target, running) or f'running are {listed(running)}'}"
+    return f"; {suggestion(target, running) or f'running are {some_of(running)}'}"

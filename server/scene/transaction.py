@@ -27,8 +27,6 @@ if TYPE_CHECKING:
 MadeOf = TypeVar("MadeOf", "NewObject", "Body")
 """An object, or a body of a simulation."""
 
-MOST_COMPARED = 128
-"""Names among which a near one is looked for."""
 _MOST_SUGGESTIONS = 8
 
 

@@ -13,6 +13,7 @@ from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.numerics.constants import STANDARD_GRAVITY
 from ...dsp.runtime.engine import NOW
 from ...dsp.schema import BOUNCE, GAIN, GESTURES, ROLL, SETTINGS, SLIDE, STEERABLE, STRIKE, Gesture
+from ...dsp.wording import MOST_COMPARED, some_of
 from ...presets.kinds import DRY
 from ..new_object import NEW, NewObject, new_object
 from ..osc.addresses import Call, calls, unknown
@@ -23,10 +24,10 @@ from .contact_law import law_of, law_on
 from .engine_messages import ENGINE_HANDLERS, Handler, changes
 from .limits import Contact, fall, require_rest, require_rollable, require_short, rim_speed
 from .notes import copy_of, speed_of, tuned
-from .object_call import ObjectCall, listed
+from .object_call import ObjectCall
 from .objects import PlayedObject
 from .steering import CHANGE_WORK, steer
-from .transaction import MOST_COMPARED, Sent, Transaction
+from .transaction import Sent, Transaction
 from .usual import completed
 from .world_messages import world_handlers
 
@@ -281,7 +282,7 @@ def _on_objects(handle: Callable[[ObjectCall], None]) -> Handler:
         objects = transaction.objects.at(call.target, transaction.time, transaction.selection)
         if not objects:
             there = list(islice(transaction.objects.there(transaction.time), MOST_COMPARED))
-            known = transaction.suggestion(call.target, there) or f"there are {listed(there)}"
+            known = transaction.suggestion(call.target, there) or f"there are {some_of(there)}"
             raise Refused(f"{call.target}: no such object; {known}")
         # One object is all that a message reaches without a pattern.
         transaction.selection.charge(_work(call, values, transaction) * (len(objects) - 1), call.target)

@@ -16,7 +16,9 @@ _MEANINGS = {
     "channels": "2: left and right",
     "format": "of the sounds",
     "samples": "bits, or floats, which FLAC does not hold",
-    "full_scale": "pressure of a sample of 1.0",
+    "full_scale": "pressure of a sample of 1.0; of each item its own, a power of two, if not given",
+    "licence": "of the clips",
+    "split": '`{ by = "geometry", test = 0.2, validation = 0.1 }`: a side for each group of items',
     "shard": "items in each",
     "size": "factor of all lengths of the preset; `[by]` has it too",
     "at": "when a gesture begins; 0 if not given",
@@ -38,7 +40,7 @@ def keys() -> str:
 
 
 def _value(key: str, domain: object) -> str:
-    default = f"; {DEFAULTS[key]} if not given" if key in DEFAULTS else ""
+    default = f"; {DEFAULTS[key]} if not given" if DEFAULTS.get(key) is not None else ""
     return f"{domain}{default}"
 
 

@@ -23,7 +23,7 @@ from ..output.fade import note_force
 from .contact_list import take_room_again
 from .coupled_rolls import lead_roll
 from .solver_choice import choose_solver, choose_tolerance, count_steps, soften_pulse, tolerance_of
-from .trace import trace_blow, trace_touches
+from .trace import trace_blow, trace_snap, trace_touches
 
 _FIRST = 0.05  # of a pulse: the first step after it is coupled
 _TOO_STRONG = 1e3  # times its momentum that a sampled method may give in a step: it has failed, and would deafen
@@ -60,6 +60,8 @@ def begin_contact(state: State, contact: Contact, pushed: bool) -> bool:
     elif solver == SAMPLING:
         _begin_sampled(state, contact)
     begin_striker(state, contact)
+    if contact.voice >= 0 and state.voices[contact.voice].snap > 0.0:
+        trace_snap(state, contact, state.voices[contact.voice])
     return True
 
 
@@ -163,7 +165,7 @@ def apply_contact_force(state: State, contact: Contact, frame: int) -> bool:
     acted = contact.solved == 1
     if contact.solver == COUPLING:
         lasts = _advance_coupled(state, contact, age)
-        trace_touches(state, contact, sample, scratch.fine[0])
+        trace_touches(state, contact, sample)
         note_force(contact.forces, scratch.fine[0] * state.rate)
         gain = gain_of(state, contact)
         for n in range(FINE):
@@ -176,7 +178,7 @@ def apply_contact_force(state: State, contact: Contact, frame: int) -> bool:
         else:
             lasts = _advance_closed(state, contact, age)
             end = begin + contact.pulse.duration
-        trace_blow(state, contact, sample, begin, end, scratch.moments[0])
+        trace_blow(state, contact, sample, begin, end)
         note_force(contact.forces, scratch.moments[0] * state.rate)
         for n in range(MOMENTS):
             scratch.moments[n] *= contact.now.gain

@@ -66,7 +66,7 @@ def ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: i
     while frame < stop:
         end = min(stop, frame - frame % LINE + LINE) if moves else stop
         count, driven = _drivers(state, obj, frame, end)
-        fed = min(driven, obj.bent // LANES * LANES)
+        fed = min(driven, obj.felt // LANES * LANES)
         ring(modes_of(state, obj, driven, obj.live), voice, frame, end)
         _ring_fed(state, obj, voice, _place_blows(state, count, frame, end), fed, frame, end, moves)
         if driven > fed:
@@ -225,7 +225,7 @@ def _know_through(state: State, obj: Object, modes: int, row: int, through: Thro
     if known and through.modes == modes and through.row == row:
         return
     through.serial, through.retuned, through.modes, through.row = obj.serial, obj.retuned, modes, row
-    taken = modes_of(state, obj, 0, min(modes, obj.bent // LANES * LANES))
+    taken = modes_of(state, obj, 0, min(modes, obj.felt // LANES * LANES))
     alone = state.scratch.power
     for n in range(4):
         for i in range(4):

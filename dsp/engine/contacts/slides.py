@@ -25,6 +25,7 @@ from ..memory.state import QUANTUM, State
 from .contact_force import find_static
 from .coupled_rolls import position_of
 from .rolls import feed_of
+from .trace import trace_friction
 
 _LAID = 0.02  # s: time constant with which a striker is laid on
 _MEAN = 0.05  # s: and of the mean of its friction, which bends the object without a sound
@@ -138,7 +139,7 @@ def rub(state: State, contact: Contact, frame: int) -> None:
         step_located(friction, scratch.observed, scratch.fine)
     force = friction.start + 0.5 * friction.slope if whole else scratch.fine[0] * state.rate
     slide.pull += (force - slide.pull) / (_MEAN * state.rate)
-    _inject(state, contact, whole)
+    _inject(state, contact, whole, state.position + frame - 1)
 
 
 @kernel
@@ -213,12 +214,17 @@ def _observe(state: State, contact: Contact) -> None:
 
 
 @kernel
-def _inject(state: State, contact: Contact, whole: bool) -> None:
+def _inject(state: State, contact: Contact, whole: bool, sample: int) -> None:
     """Inject friction's force over the sample into the modes."""
     slide, scratch = state.slides[contact.roll], state.scratch
     friction, scale = slide.friction, contact.now.gain * slide.along
-    first = scale * (friction.start + 0.5 * friction.slope) / state.rate
-    second = scale * friction.slope / (6.0 * state.rate)
+    first = (friction.start + 0.5 * friction.slope) / state.rate
+    second = friction.slope / (6.0 * state.rate)
+    if not whole:
+        first, second = scratch.fine[0], scratch.fine[1]
+    trace_friction(state, contact, sample, slide, first, second)
+    first *= scale
+    second *= scale
     if not whole:
         for n in range(FINE):
             scratch.fine[n] *= scale

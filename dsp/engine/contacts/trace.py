@@ -1,31 +1,43 @@
-"""A record of contacts as they are played, for whoever asks: the impulse of each in every sample."""
+"""A record of contacts as they are played, for whoever asks: the force of each in every sample, by its moments."""
 
 from ...native.atomics import load_acquire, store_release
 from ...native.jit import kernel
-from ...native.typed import View2D
-from ..memory.records import Contact
-from ..memory.state import QUANTUM, TRACED, State
+from ...native.typed import View, View2D
+from ...rolling.body import share_of
+from ..memory.records import Contact, Slide
+from ..memory.state import PUSHED, QUANTUM, ROLLING, RUBBED, SNAPPED, TRACED, TRACED_MOMENTS, State, Trace
+from ..memory.striker_state import Voice
 from .coupled_rolls import position_of
 
 
 @kernel
-def trace_blow(state: State, contact: Contact, sample: int, begin: float, end: float, impulse: float) -> None:
-    """Keep the impulse (N s) that a blow gave between a sample and the next.
+def trace_blow(state: State, contact: Contact, sample: int, begin: float, end: float) -> None:
+    """Keep the force that a blow gave between a sample and the next, by its moments in `scratch`.
 
     begin, end: samples, when it began and ended.
     """
+    moments = state.scratch.moments
     met = contact.now.position, contact.v_in, contact.v_in
-    _trace(state, contact, sample, max(begin, float(sample)), min(end, sample + 1.0), impulse, met)
+    entry = _entry(state, contact, sample, moments[0], met)
+    if entry >= 0:
+        _set_times(state, entry, max(begin, float(sample)), min(end, sample + 1.0))
+        _set_moments(state, entry, moments)
+        _publish(state)
 
 
 @kernel
-def trace_touches(state: State, contact: Contact, sample: int, impulse: float) -> None:
-    """Keep what a coupled striker gave between a sample and the next: each touch is a contact, but those of a roll,
-    which together gave the `impulse` (N s)."""
+def trace_touches(state: State, contact: Contact, sample: int) -> None:
+    """Keep what a coupled striker gave between a sample and the next, by its moments in `scratch`.
+
+    Each touch is a contact, but those of a roll. The first touch in the sample gets the higher moments of all.
+    """
+    moments = state.scratch.fine
     if contact.trait.rolls == 1:
-        _trace_moving(state, contact, sample, impulse)
+        point = contact.point[0]
+        _trace_moving(state, contact, sample, _placed(state, point.row, point.weights, point.slot), moments)
         return
     coupled = contact.coupled
+    first = True
     for i in range(coupled.touched):
         touch = coupled.touches[i]
         if touch.number > contact.told:
@@ -33,52 +45,131 @@ def trace_touches(state: State, contact: Contact, sample: int, impulse: float) -
             state.contact_count += 1
             contact.number = state.contact_count
         met = contact.now.position, touch.speed, touch.velocity
-        _trace(state, contact, sample, sample + touch.begin, sample + touch.end, touch.impulse, met)
+        entry = _entry(state, contact, sample, touch.impulse, met)
+        if entry >= 0:
+            _set_times(state, entry, sample + touch.begin, sample + touch.end)
+            if first:
+                _set_moments(state, entry, moments)
+            first = False
+            _publish(state)
 
 
 @kernel
 def trace_roll(state: State, contact: Contact, feed: View2D[float]) -> None:
-    """Keep the impulses of a roll, beyond its weight, or of a slide over a quantum."""
+    """Keep the force of a roll, beyond its weight, or of a slide over a quantum."""
     for n in range(QUANTUM):
-        _trace_moving(state, contact, state.position + n - 1, feed[n, 0])
+        _trace_moving(state, contact, state.position + n - 1, position_of(contact, n), feed[n])
 
 
 @kernel
-def _trace_moving(state: State, contact: Contact, sample: int, impulse: float) -> None:
-    """Keep the impulse of a body that rolls or slides between a sample and the next."""
-    met = position_of(contact, 0), contact.now.speed, 0.0
-    _trace(state, contact, sample, float(sample), sample + 1.0, impulse, met)
+def trace_friction(state: State, contact: Contact, sample: int, slide: Slide, impulse: float, moment: float) -> None:
+    """Keep a slide's friction between a sample and the next: its impulse and first moment (N s)."""
+    slot = contact.point[0].slot
+    met = _placed(state, slide.row[0], slide.weights[0], slot), contact.now.speed, 0.0
+    entry = _entry(state, contact, sample, impulse, met)
+    if entry >= 0:
+        record = state.trace.entries[entry]
+        record.kind = RUBBED
+        record.moments[0] = moment
+        record.gain *= slide.along
+        record.sound = -1
+        _publish(state)
 
 
 @kernel
-def _trace(
-    state: State,
-    contact: Contact,
-    sample: int,
-    begin: float,
-    end: float,
-    impulse: float,
-    met: tuple[float, float, float],
-) -> None:
-    """Keep an impulse (N s) that was given in a sample, between two times, if there is one and Python keeps up.
+def trace_snap(state: State, contact: Contact, voice: Voice) -> None:
+    """Keep the second pulse of a contact's striker, as it is to come."""
+    met = contact.now.position, contact.v_in, contact.v_in
+    entry = _entry(state, contact, int(contact.start), voice.snap, met)
+    if entry >= 0:
+        _set_times(state, entry, voice.snap_at, voice.snap_at)
+        state.trace.entries[entry].kind = SNAPPED
+        state.trace.entries[entry].gain = 1.0
+        _publish(state)
 
-    met: where on the object, how fast striker and object met, and the striker's velocity then.
+
+@kernel
+def _placed(state: State, row: int, weights: View[float], slot: int) -> float:
+    """Return the position on an object's strike path at which its shapes are: a cubic is exact for lines."""
+    x = 0.0
+    for n in range(4):
+        x += weights[n] * (row + n)
+    return x / (state.objects[slot].rows - 1)
+
+
+@kernel
+def _trace_moving(state: State, contact: Contact, sample: int, position: float, moments: View[float]) -> None:
+    """Keep the force of a body that rolls or slides between a sample and the next, by its moments."""
+    entry = _entry(state, contact, sample, moments[0], (position, contact.now.speed, 0.0))
+    if entry >= 0:
+        _set_moments(state, entry, moments)
+        _publish(state)
+
+
+@kernel
+def _set_times(state: State, index: int, begin: float, end: float) -> None:
+    """Say when a force began and ended."""
+    entry = state.trace.entries[index]
+    entry.begin, entry.end = begin, end
+
+
+@kernel
+def _set_moments(state: State, index: int, moments: View[float]) -> None:
+    """Give an entry the moments of a force beyond the first, which is its impulse."""
+    for k in range(1, min(TRACED_MOMENTS, len(moments))):
+        state.trace.entries[index].moments[k - 1] = moments[k]
+
+
+@kernel
+def _entry(state: State, contact: Contact, sample: int, impulse: float, met: tuple[float, float, float]) -> int:
+    """Note an impulse (N s) that was given in a sample, if there is one and Python keeps up; its place, or -1.
+
+    met: where on the object, how fast striker and object met, and the striker's velocity then. It is to be published.
     """
     trace = state.trace
     if trace.on == 0 or impulse == 0.0:
-        return
+        return -1
     written = trace.written[0]
     if written - load_acquire(trace.read, 0) >= TRACED:
         state.stats.trace_lost += 1
-        return
-    entry = trace.entries[written % TRACED]
+        return -1
+    index = written % TRACED
+    entry = trace.entries[index]
     entry.command = contact.command
     entry.gesture = contact.gesture
     entry.contact = contact.number
     entry.slot = contact.point[0].slot
     entry.position, entry.speed, entry.velocity = met
     entry.sample = sample
-    entry.begin = begin
-    entry.end = end
+    entry.begin, entry.end = float(sample), sample + 1.0
     entry.impulse = impulse
-    store_release(trace.written, 0, written + 1)
+    entry.kind = PUSHED
+    for k in range(TRACED_MOMENTS - 1):
+        entry.moments[k] = 0.0
+    entry.gain = contact.now.gain
+    if contact.trait.rolls == 1 and contact.solver != ROLLING:
+        entry.gain *= share_of(state.rolls[contact.roll])
+    _tell_striker(state, contact, entry)
+    return index
+
+
+@kernel
+def _publish(state: State) -> None:
+    """Publish the last entry, for Python to read."""
+    store_release(state.trace.written, 0, state.trace.written[0] + 1)
+
+
+@kernel
+def _tell_striker(state: State, contact: Contact, entry: Trace) -> None:
+    """Tell of an entry's striker how it sounds."""
+    entry.sound, entry.share, entry.ratio = -1, 0.0, 1.0
+    if contact.sound < 0 or state.strikers[contact.sound].serial != contact.sound_serial:
+        return
+    striker, level = state.strikers[contact.sound], state.objects[contact.point[0].slot].level
+    entry.sound = contact.sound
+    if contact.trait.along == 1:
+        roll = state.rolls[contact.roll]
+        entry.share = level / roll.m
+        entry.ratio = roll.target.radius / striker.radius if striker.clicks > 0 else 1.0
+    else:
+        entry.share = level * contact.trait.meets / contact.m

@@ -97,6 +97,9 @@ class Note(Record):
 
 NOTE = dtype_of(Note)
 
+TRACED_MOMENTS = 6
+"""Legendre moments of a force over a sample that are traced."""
+
 
 class Trace(Record):
     """A sample of a contact. The entries of one contact are in the order of time."""
@@ -112,9 +115,19 @@ class Trace(Record):
     begin: float  # samples: when it began in there, exact where the solver knows it, else `sample`
     end: float  # samples: when it ended in there, else `sample` + 1
     impulse: float  # N s: of the force on the object in there, before the gesture's gain
+    moments: Annotated[View[float], TRACED_MOMENTS - 1]  # N s: its other Legendre moments over the sample
+    gain: float  # factor on the force that the modes get
+    kind: int  # PUSHED, RUBBED or SNAPPED
+    sound: int  # place of the striker that sounds, -1: none does
+    share: float  # of the striker's output that the force moves
+    ratio: float  # of its radius to that of its kind
 
 
 TRACE = dtype_of(Trace)
+
+PUSHED, RUBBED, SNAPPED = range(3)
+"""Kinds of entries: a force that presses, friction along the surface, and a second pulse of the striker's own, at the
+time `begin`."""
 
 
 class Object(Record):

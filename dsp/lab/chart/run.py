@@ -7,13 +7,14 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
+from ...errors import CaromError
 from .. import comparison
 from ..wall import PAPER_CASES
 from . import pages, report, tables
 from .tables import Extent, Row
 
 
-class ChartError(RuntimeError):
+class ChartError(CaromError, RuntimeError):
     """The charts cannot be drawn; the text says why."""
 
 

@@ -39,8 +39,9 @@ class Arrays(Record):
 
     first: int  # the number of the first body that moves; the others follow
     bodies: int
-    # For each of them its rows in the arrays below.
-    geom: Annotated[View[int], BODIES]
+    # For each of them the addresses of its place and of its rotation matrix, and its rows in the arrays below.
+    place: Annotated[View[int], BODIES]
+    turned: Annotated[View[int], BODIES]
     body: Annotated[View[int], BODIES]
     root: Annotated[View[int], BODIES]
     led: Annotated[View[int], BODIES]  # 1: it is moved by its pose, and `motions` say nothing of it
@@ -49,8 +50,6 @@ class Arrays(Record):
     known: int  # 1: there was a step before
     before: Annotated[View2D[float], BODIES, 9]  # spin, velocity, and the point that it is of
     # Addresses of arrays of float64.
-    positions: int  # by geom: 3
-    turns: int  # by geom: a rotation matrix
     motions: int  # by body: spin, and the velocity of the point `abouts`
     abouts: int  # by root: 3
     # Contacts: where the address of the first stands, how far apart they are, and where in each its parts are.
@@ -62,6 +61,7 @@ class Arrays(Record):
     geoms: int  # two of int32
     row: int  # int32: of the force; below 0 it is not in force
     dimensions: int  # int32
+    friction: int
     forces: int  # where the address of the forces stands; 0: they are not known
     pyramids: int  # 1: a force is the sum of two rows for each tangent
     numbers: int  # address of int32: the number of each geom's body, -1: it has none
@@ -81,8 +81,7 @@ def gather(state: State, arrays: Arrays, points: int, span: float) -> None:
             _lead(state, arrays, n, span)
             continue
         to = arrays.first + n
-        place = arrays.positions + 3 * _DOUBLE * arrays.geom[n]
-        turn = arrays.turns + 9 * _DOUBLE * arrays.geom[n]
+        place, turn = arrays.place[n], arrays.turned[n]
         motion = arrays.motions + 6 * _DOUBLE * arrays.body[n]
         about = arrays.abouts + 3 * _DOUBLE * arrays.root[n]
         for k in range(3):
@@ -118,8 +117,7 @@ def _take_before(state: State, arrays: Arrays, n: int) -> None:
 def _lead(state: State, arrays: Arrays, n: int, span: float) -> None:
     """Copy the pose of a body that is moved by it: its motion is what has changed. One that jumps has none."""
     to = arrays.first + n
-    place = arrays.positions + 3 * _DOUBLE * arrays.geom[n]
-    turn = arrays.turns + 9 * _DOUBLE * arrays.geom[n]
+    place, turn = arrays.place[n], arrays.turned[n]
     square = 0.0
     for k in range(3):
         way = load_double(place + _DOUBLE * k) - state.position[to, k]
@@ -155,6 +153,7 @@ def _take_contact(state: State, arrays: Arrays, n: int, contact: int) -> None:
         state.point[n, k] = load_double(contact + arrays.point + _DOUBLE * k)
         state.normal[n, k] = load_double(contact + arrays.normal + _DOUBLE * k)
     state.depth[n] = -load_double(contact + arrays.distance)
+    state.friction[n] = load_double(contact + arrays.friction)
     state.force[n] = 0.0
     if row >= 0 and arrays.forces:
         forces = load_address(arrays.forces) + _DOUBLE * row

@@ -40,7 +40,7 @@ def memory_layout() -> dict[str, int]:
     parts = {
         "point": contact.pos, "normal": contact.frame, "distance": contact.dist, "geoms": contact.geom,
         "row": contact.efc_address, "dimensions": contact.dim, "reference": contact.solref,
-        "impedance": contact.solimp, "margin": contact.includemargin,
+        "impedance": contact.solimp, "margin": contact.includemargin, "friction": contact.friction,
     }  # fmt: skip
     return {
         "time": time,

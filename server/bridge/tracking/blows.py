@@ -118,6 +118,9 @@ def weigh_blow(state: State, microphones: MicrophoneState, blow: Blow) -> None:
     share, told = left_of(state, blow), not math.isnan(blow.restitution)
     speed, mass = blow.speed, blow.mass
     blow.restitution = share
+    place = state.place[blow.a, blow.b] - 1
+    if place >= 0:
+        state.pairs[place].left = share * speed
     blow.impulse = mass * speed * (1.0 + share)
     lasting = time_of_contact(mass, blow.stiffness, speed)
     blow.pressure = 0.0

@@ -14,13 +14,15 @@ import math
 
 from ....dsp.native.jit import kernel, noinline_kernel
 from .microphones import MicrophoneState
-from .motion import find_glide, follow, hop
+from .motion import find_glide, follow, hop, weight_of
 from .points import clear, into, longest_hop, remember, take_point
 from .slides import RESTS, fainter_slide, is_masked, is_noticed, is_too_faint, motion_of, pressure_of, steer_slide
 from .state import EVENTS, HEARD, HIT, MOVE, POINTS, REST, STEERED, STILL, UNHEARD, Pair, State
 
 _OPPOSITE = 0.1  # length of the mean of normals below which they are against each other
 _STOOD = 0.03  # s after a blow, when it is not one of a bounce
+_CALM, _CARRIED = 0.15, 2.0  # of the speed of its blow, and weights: what closes more slowly and is pushed less
+_CALM_STEPS, _CALM_TIME = 3, 0.004  # is calm; it stays together if it is so for so many steps and so long (s)
 _MOVES = 0.01  # m/s: a faster contact begins to move; one slower than RESTS rests
 _SLIPS = 0.1  # m/s: what slips faster moves as soon as it touches, before it was followed
 _BETWEEN = 0.01  # s between two times that a contact is told: half the time constant by which a slide glides
@@ -83,8 +85,10 @@ def _step_pair(state: State, microphones: MicrophoneState, i: int, span: float) 
     remember(state, pair)
     if pair.fresh > 0:
         _hit(state, pair)
+        pair.landed, pair.calm = pair.speed / pair.fresh, 0
+        pair.left = pair.landed
         pair.stood, pair.begun = 0, state.time
-    elif pair.settled == 0 or state.time - pair.begun > _STOOD:
+    elif pair.settled == 0 or state.time - pair.begun > _STOOD or _is_calm(state, pair):
         pair.stood = 1
     follow(state, pair, span)
     slip, sweep = pair.now[0], pair.now[1]
@@ -102,6 +106,19 @@ def _step_pair(state: State, microphones: MicrophoneState, i: int, span: float) 
         _hush(state, pair)
     elif is_noticed(pair):
         steer_slide(state, pair)
+
+
+@kernel
+def _is_calm(state: State, pair: Pair) -> bool:
+    """True if the bodies of a pair have neither closed nor opened for a while after their blow: they stay together."""
+    moves = abs(pair.closes) > max(state.rest, _CALM * pair.landed) * pair.weight
+    if moves or pair.force > _CARRIED * weight_of(state, pair):  # in the middle of a bounce it is pushed hardest
+        pair.calm = 0
+        return False
+    if pair.calm == 0:
+        pair.calm_since = state.time
+    pair.calm += 1
+    return pair.calm >= _CALM_STEPS and state.time - pair.calm_since >= _CALM_TIME
 
 
 @kernel
@@ -182,6 +199,8 @@ def _leave(state: State, i: int, span: float) -> None:
 @noinline_kernel
 def _hit(state: State, pair: Pair) -> None:
     """Tell a blow: the new points that close, at their middle."""
+    if state.time < state.settles:
+        return
     count = pair.fresh
     length = 0.0
     for k in range(3):

@@ -59,7 +59,7 @@ def follow(state: State, pair: Pair, span: float) -> None:
 @kernel
 def _press(state: State, pair: Pair, span: float, landed: bool) -> None:
     """Smooth a contact's force: of one that hops, its mean from landing to landing; its weight where none is told."""
-    weight = _weight(state, pair)
+    weight = weight_of(state, pair)
     if pair.now[2] == 0.0:
         pair.now[2] = weight if weight > 0.0 else pair.force
     if pair.force == 0.0 and pair.pushed == 0.0:
@@ -95,7 +95,7 @@ def hop(state: State, pair: Pair, span: float) -> None:
 
 
 @kernel
-def _weight(state: State, pair: Pair) -> float:
+def weight_of(state: State, pair: Pair) -> float:
     """Return the weight (N) of the lighter body of a pair."""
     lightness = max(state.lightness[pair.a], state.lightness[pair.b])
     return state.gravity / lightness if lightness > 0.0 else 0.0

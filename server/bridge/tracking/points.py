@@ -10,10 +10,15 @@ MEMORY = 0.002
 """s, at least two steps: how long a point that is not told is remembered."""
 
 GRAZING = 0.25
-"""Share of its slip below which what slides closes without a blow: simulators lift what slides, by up to the friction
-coefficient times the slip, and let it fall again (M. Anitescu, Math. Program. 105, 2006)."""
+"""Least share of its slip below which what slides closes without a blow: simulators lift what slides, by up to the
+friction coefficient times the slip, and let it fall again (M. Anitescu, Math. Program. 105, 2006). A body that rocks as
+it falls closes up to twice as fast."""
 
-_LONGEST_HOP = 0.1  # s that what slides may be without a contact
+_ROCKS, _STEEPEST = 2.0, 1.0  # times the friction; the greatest share
+_ALIGNED = 0.98  # cosine between two normals of one plane
+_BRIEF = 0.01  # s of flight that is no flight
+_LIFTED = 1.1  # times as fast as its last blow left it, at least: no bounce does
+_LONGEST_HOP = 0.15  # s that what slides may be without a contact
 _SAME = 0.002  # m by which a point may move from step to step and stay the same
 _SAME_SHARE = 0.1  # of the smaller body's half length, by which it may as well
 _STILL = 0.01  # share of that: no other point is as near
@@ -24,7 +29,7 @@ def clear(pair: Pair) -> None:
     """Forget the points of the step before."""
     pair.count = pair.fresh = pair.followed = 0
     pair.swept[0] = pair.swept[1] = 0.0
-    pair.weight = pair.slip = pair.force = pair.speed = pair.delay = pair.mass = pair.restitution = 0.0
+    pair.weight = pair.slip = pair.force = pair.closes = pair.speed = pair.delay = pair.mass = pair.restitution = 0.0
     for k in range(3):
         pair.point[k] = pair.normal[k] = pair.fresh_point[k] = pair.fresh_normal[k] = 0.0
 
@@ -44,7 +49,8 @@ def _find(state: State, a: int, b: int) -> int:
     pair.side = _struck(state, a, b)
     pair.begun = state.time
     pair.moves = pair.settled = pair.stood = pair.slide = pair.gesture = 0
-    pair.known = 0
+    pair.known = pair.calm = 0
+    pair.seen, pair.landed, pair.left = -math.inf, math.inf, math.inf
     for k in range(3):
         pair.now[k] = pair.said[k] = 0.0
     pair.sweep[0] = pair.sweep[1] = pair.fastest = pair.pushed = pair.over = 0.0
@@ -75,6 +81,8 @@ def take_point(state: State, n: int, span: float, least: float) -> None:
         state.left_out += 1
         return
     pair = state.pairs[place]
+    if pair.count == 0:
+        pair.flown = state.time - pair.seen - span
     pair.seen = state.time
     pair.count += 1
     pair.told = 0 if math.isnan(state.slip[n]) else 1
@@ -84,12 +92,15 @@ def take_point(state: State, n: int, span: float, least: float) -> None:
     weight = force if force > 0.0 else 1e-9
     pair.weight += weight
     pair.slip += weight * slip
+    pair.closes += weight * approach
     pair.force += force if force > 0.0 else 0.0
     for k in range(3):
         pair.point[k] += point[k]
         pair.normal[k] += sign * normal[k]
+    pair.steepest = _steepest(state.friction[n])
     fresh = _is_new(state, pair, n, span, abs(approach) + slip)
-    if fresh and approach > least and not (pair.stood == 1 and approach < GRAZING * max(slip, pair.fastest)):
+    fresh = fresh and approach > least and not _grazes(pair, approach, slip)
+    if fresh and not _goes_on(state, pair, n, sign, span, approach):
         pair.fresh += 1
         pair.speed += approach
         depth = state.depth[n]
@@ -99,6 +110,50 @@ def take_point(state: State, n: int, span: float, least: float) -> None:
         for k in range(3):
             pair.fresh_point[k] += point[k]
             pair.fresh_normal[k] += sign * normal[k]
+
+
+@kernel
+def _steepest(friction: float) -> float:
+    """Return the share of its slip that a contact of a friction coefficient may close by, and slide; NaN: unknown."""
+    return GRAZING if math.isnan(friction) else min(max(_ROCKS * friction, GRAZING), _STEEPEST)
+
+
+@kernel
+def _grazes(pair: Pair, approach: float, slip: float) -> bool:
+    """True if a new point is one of a slide: it closes more slowly than it slips by far, and its contact has stayed, or
+    hardly flew, or lands faster than its last blow left it."""
+    if approach >= pair.steepest * max(slip, pair.fastest):
+        return False
+    if pair.stood == 0 and pair.flown < math.inf and approach > _LIFTED * pair.left:
+        pair.stood = 1
+    return pair.stood == 1 or pair.flown < _BRIEF
+
+
+@noinline_kernel
+def _goes_on(state: State, pair: Pair, n: int, sign: float, span: float, approach: float) -> bool:
+    """True if a new point is where one of a pair's bodies has come to over a seam: it slips or rolls over another body,
+    with a face in the same plane, far faster than it closes."""
+    for i in range(state.touching):
+        other = state.pairs[i]
+        for side in range(4):
+            one, its = (pair.b, pair.a) if side % 2 == 1 else (pair.a, pair.b)
+            also, beside = (other.b, other.a) if side >= 2 else (other.a, other.b)
+            if one != also or its == beside or state.lightness[its] > 0.0 or state.lightness[beside] > 0.0:
+                continue
+            fast = max(other.fastest, other.now[1])
+            if state.time - other.seen > 1.5 * span or approach >= GRAZING * fast:
+                continue
+            turned = sign if (side % 2 == 1) == (side >= 2) else -sign
+            smaller = _smaller(state, other)
+            along = away = above = 0.0
+            for k in range(3):
+                way = state.point[n, k] - state.position[smaller, k] - other.arm[k]
+                along += turned * state.normal[n, k] * other.facing[k]
+                above += way * other.facing[k]
+                away += way * way
+            if along > _ALIGNED and abs(above) < _SAME and away < 4.0 * state.reach[one] * state.reach[one]:
+                return True
+    return False
 
 
 @kernel
@@ -174,8 +229,8 @@ def _apart(state: State, a: int, b: int) -> float:
 def longest_hop(state: State, pair: Pair, span: float) -> float:
     """Return the longest time (s) for which a pair may be missing and still touch: what slides hops."""
     longest = max(MEMORY, 2.5 * span)
-    if pair.stood == 1 and state.gravity > 0.0:
-        longest = max(longest, min(2.0 * GRAZING * pair.fastest / state.gravity, _LONGEST_HOP))
+    if state.gravity > 0.0:
+        longest = max(longest, min(2.0 * pair.steepest * pair.fastest / state.gravity, _LONGEST_HOP))
     return longest
 
 

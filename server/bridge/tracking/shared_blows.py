@@ -11,12 +11,13 @@ from .state import TOGETHER, Blow, State
 
 _RIGID = 1e-3  # share by which a blow's mass may differ from that of rigid bodies; else it is taken alone
 _ROUNDS = 60  # for each blow
-_LEAST = 1e-12  # kg: the mass of a blow that has no part
+_LEAST = 1e-6  # of its mass alone: what has less of a part is no blow, the others push it open
 
 
 @noinline_kernel
 def share_blows(state: State) -> None:
-    """Give the blows of a step, TOGETHER at most, that are on the same bodies the masses of their parts."""
+    """Give the blows of a step, TOGETHER at most, that are on the same bodies the masses of their parts; forget those
+    that have none."""
     count = state.struck
     if count < 2 or count > TOGETHER or not _set_equations(state, count):
         return
@@ -30,8 +31,13 @@ def share_blows(state: State) -> None:
             state.missing[i] = missing
         for i in range(count):
             state.part[i] = max(state.part[i] + state.missing[i] / (state.opens[i, i] * count), 0.0)
+    state.struck = 0
     for i in range(count):
-        state.blows[i].mass = max(state.part[i] / state.rate[i], _LEAST)
+        mass = state.part[i] / state.rate[i]
+        if mass > _LEAST * state.blows[i].mass:
+            state.blows[state.struck] = state.blows[i]
+            state.blows[state.struck].mass = mass
+            state.struck += 1
 
 
 @kernel

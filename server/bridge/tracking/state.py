@@ -32,7 +32,7 @@ STILL, UNHEARD, HEARD = range(3)
 TOGETHER = 16
 """Blows of one step on the same bodies that share them: of more each is taken alone."""
 
-TOLD = ("depth", "approach", "slip", "force", "mass", "restitution")
+TOLD = ("depth", "approach", "slip", "force", "mass", "restitution", "friction")
 """Quantities that a simulator may tell of a point, NaN where it does not."""
 
 
@@ -45,6 +45,12 @@ class Pair(Record):
     seen: float  # s: when it was told last
     last: float  # s: when its slip and sweep were found last
     stood: int  # 1: it began without a blow, or has stayed: it may graze
+    flown: float  # s for which none of its points touched before this step
+    steepest: float  # share of its slip by which it may close, and slide
+    landed: float  # m/s: the approach of its last blow, and
+    left: float  # the speed at which it left
+    calm: int  # steps for which it neither closes nor opens
+    calm_since: float  # s
     fastest: float  # m/s: its slip, or what is left of a faster one of late
     moves: int  # STILL, UNHEARD or HEARD
     pressure: float  # Pa rms: of its slide, as it was last estimated
@@ -67,6 +73,7 @@ class Pair(Record):
     weight: float
     slip: float
     force: float
+    closes: float  # m/s, times the weight
     # Of the last step that had any: the mean of their normals, and the way to them from the smaller body's centre.
     facing: Annotated[View[float], 3]
     arm: Annotated[View[float], 3]
@@ -187,6 +194,7 @@ class State(Record):
     steps: int  # taken
     rest: float  # m/s: a slower approach is no blow
     gravity: float  # m/s^2
+    settles: float  # s: up to when no blow is told
     bodies: int
     # Of each body: its centre of mass, its axes (rows of a rotation matrix), and the velocity of its point `about`.
     position: Annotated[View2D[float], BODIES, 3]
@@ -222,6 +230,7 @@ class State(Record):
     force: Annotated[View[float], POINTS]
     mass: Annotated[View[float], POINTS]
     restitution: Annotated[View[float], POINTS]
+    friction: Annotated[View[float], POINTS]
     # Pairs that touch, the first `touching` of `pairs`; `place` has their numbers plus 1.
     touching: int
     glide: Glide  # in this step

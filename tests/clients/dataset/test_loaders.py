@@ -69,7 +69,7 @@ def test_tf_data_gets_pascals(example, made):
     example("with_tensorflow.py", tensorflow=SimpleNamespace(data=SimpleNamespace(Dataset=Data), **vars(specs)))
     expected = [item for shard in sorted(made[1].glob("*.tar")) for item in unpacked(shard)]
     for (sound, speed), item in zip(given, expected, strict=True):
-        np.testing.assert_allclose(sound, 20.0 * item["samples"][:, 0], rtol=1e-6)
+        np.testing.assert_allclose(sound, item["truth"]["full_scale"] * item["samples"][:, 0], rtol=1e-6)
         assert speed == pytest.approx(item["truth"]["factors"]["impact.velocity"], rel=1e-12)
 
 

@@ -12,7 +12,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from carom.clients.cli import main
-from carom.clients.dataset.files import FolderError
+from carom.clients.dataset.files import SCHEMA, FolderError
 from carom.clients.dataset.recipe import read
 from carom.clients.dataset.run import Workers, run
 from carom.clients.dataset.versions import VersionError
@@ -25,9 +25,9 @@ pytestmark = pytest.mark.slow
 def test_it_is_shards_and_a_table(made):
     _, out = made
     shards = [f"small-{n:06d}.tar" for n in range(3)]
-    assert sorted(contents(out)) == sorted(["dataset.json", "small.parquet", *shards])
+    assert sorted(contents(out)) == sorted(["README.md", "dataset.json", "small.parquet", *shards])
     about = json.loads((out / "dataset.json").read_text())
-    assert about["items"] == 6 and about["shards"] == shards and about["pascals_per_full_scale"] == 20.0
+    assert about["items"] == 6 and about["shards"] == shards and about["schema"] == SCHEMA
     assert {"carom", "sources", "code", "numpy", "scipy", "libsndfile", "pyarrow"} <= set(about["computed_by"])
     found = [item for name in shards for item in unpacked(out / name)]
     table = pq.read_table(out / "small.parquet")
@@ -38,7 +38,7 @@ def test_it_is_shards_and_a_table(made):
         assert row["key"] == item["key"] and row["factors"] == item["truth"]["factors"]
         assert row["objects"][0]["modes"] == item["truth"]["objects"][0]["modes"]
         (contact,) = row["contacts"]
-        assert contact["force"] == item["force"].tolist()
+        assert contact["force"] == item["force"][:, 0].tolist()
         assert contact["impulse"] == item["truth"]["contacts"][0]["impulse"]
 
 

@@ -13,10 +13,13 @@ from carom.clients.dataset.files import FolderError
 from carom.clients.dataset.plan import make, planned
 from carom.clients.dataset.recipe import find, read
 from carom.clients.dataset.run import Workers, run
+from carom.clients.dataset.truth import AMPLIFIED
 from carom.dsp.runtime.engine import Engine
 from carom.presets import PresetError, Presets
 from carom.server.osc.score import parse
 from carom.server.render import Options, blocks
+from carom.server.scene.scale import Scale
+from carom.server.scene.session import Session
 from tests.clients.dataset.support import contents, unpacked, written
 
 SCORE = """
@@ -31,6 +34,8 @@ seed = 3
 seconds = 0.3
 shard = 2
 full_scale = 100.0
+format = "wav"
+samples = "float"
 
 [score]
 file = "two.txt"
@@ -48,7 +53,7 @@ def placed(folder, recipe=RECIPE, **scores):
 
 
 def test_an_item_is_its_score_with_its_values(tmp_path):
-    """An item sounds as the score that has its values written out, to the bit."""
+    """An item sounds as the score that has its values written out, to the bit, on an engine as quiet as its own."""
     recipe = read(placed(tmp_path))
     require_sound(recipe, Presets())
     for item in items(recipe, range(4)):
@@ -56,9 +61,11 @@ def test_an_item_is_its_score_with_its_values(tmp_path):
         for key, value in {**item.values["score"], "seed": item.seed}.items():
             text = text.replace(f"${key}", repr(value) if isinstance(value, float) else str(value))
         options = Options(48_000, calibrated=True, channels=1, seconds=0.3)
-        sound = np.concatenate([*blocks(parse(text.encode(), "two"), Engine(48_000, 1), Presets(), options)])
+        engine, scale = Engine(48_000, 1), Scale(True, amplified=AMPLIFIED)
+        session = Session(engine, Presets(), steers_ended=True, scale=scale)
+        sound = np.concatenate([*blocks(parse(text.encode(), "two"), engine, Presets(), options, session)])
         clip = render(recipe, item, Presets())
-        assert (clip.samples == sound / np.float32(100.0)).all()
+        assert (clip.samples == sound / np.float32(AMPLIFIED) / np.float32(100.0)).all()
         assert {each["gesture"] for each in clip.truth["contacts"]} == {"impact", "roll"}
         assert clip.truth["contacts"][1]["id"] == "marble"
         hardest = max(clip.truth["contacts"], key=lambda contact: contact["impulse"])

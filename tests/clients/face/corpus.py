@@ -125,3 +125,34 @@ def separation(run: Run, first: int, last: int, rate) -> tuple[float, float]:
     """Return the speeds before and after an episode; rate: of approach, for a row of MuJoCo's velocities."""
     speeds = [rate(row) for row in run.speeds[first : last + 2]]
     return speeds[0], -min(speeds)
+
+
+class Ramp(NamedTuple):
+    """A brick that slid down a ramp: its blows, the share of the time that it is heard as a slide, the level (dB)."""
+
+    hits: list[carom.Hit]
+    share: float
+    level: float
+
+
+def brick_on_ramp(step: float, solref: str, cone: str, above: float = 0.0, seconds: float = 0.5) -> Ramp:
+    """Return what is heard of a brick on a ramp of 30 degrees, from a height above it (m)."""
+    place = f"{-1 + (0.08 + above) / 2} 0 {3**-0.5 + 0.75**0.5 * (0.08 + above)}"
+    text = f"""<mujoco><option timestep="{step}" cone="{cone}"/>
+    <default><geom solref="{solref}" friction=".3"/></default>
+    <custom><text name="carom" data="ramp wood brick ceramic"/></custom>
+    <worldbody><body euler="0 30 0"><geom name="ramp" type="box" size="3 .3 .05"/></body>
+    <body name="brick" pos="{place}" euler="0 30 0"><freejoint/>
+    <geom type="box" size=".1 .05 .03" density="2000"/></body></worldbody></mujoco>"""
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    bridge = Bridge(model, data, hearing=HEARING)
+    hits, blocks, heard = [], [], []
+    while data.time < seconds:
+        blocks.append(bridge.step())
+        hits += bridge.world.hits
+        if np.linalg.norm(data.qvel[:3]) > 0.05 and data.time > 0.05:
+            memory = bridge.world.memory
+            heard.append(bool((memory["pairs"]["moves"][0, : memory["touching"][0]] == 2).any()))
+    power = np.mean(np.concatenate(blocks).astype(np.float64) ** 2)
+    return Ramp(hits, float(np.mean(heard)), float(10 * np.log10(power)))

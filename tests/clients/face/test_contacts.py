@@ -12,7 +12,9 @@ RATE = 1000.0
 
 
 def trace(*entries):
-    return np.array([(entry[0], 0, entry[1], 0, 0.5, 1.0, 0.8, *entry[2:]) for entry in entries], TRACE)
+    return np.array(
+        [(entry[0], 0, entry[1], 0, 0.5, 1.0, 0.8, *entry[2:], 0.0, 1.0, 0, -1, 0.0, 1.0) for entry in entries], TRACE
+    )
 
 
 def test_entries_are_assembled_into_contacts_by_start():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 gymnasium = pytest.importorskip("gymnasium", reason="Gymnasium is not installed")
-pytest.importorskip("mujoco", reason="MuJoCo is not installed")
+mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
 
 from gymnasium.utils.env_checker import check_env  # noqa: E402
 
@@ -51,8 +51,69 @@ def test_it_is_an_environment_as_gymnasium_wants_it():
 
 
 def test_another_environment_is_an_error():
-    with pytest.raises(carom.WorldError, match="expected an environment of Gymnasium with MuJoCo"):
+    with pytest.raises(carom.WorldError, match="expected an environment with MuJoCo's model and data"):
         AddAudioObservation(gymnasium.make("CartPole-v1"))
+
+
+class Simulated(gymnasium.Env):
+    """A ball that falls, by any way of taking steps; a reset lets it fall for a while."""
+
+    observation_space = action_space = gymnasium.spaces.Box(-1, 1, (1,))
+    dt = 0.02
+
+    def __init__(self, stepping):
+        text = """<mujoco><worldbody><geom name="floor" type="plane" size="1 1 .1"/>
+        <body name="ball" pos="0 0 .07"><freejoint/><geom size=".02"/></body></worldbody></mujoco>"""
+        self.model = mujoco.MjModel.from_xml_string(text)
+        self.data = mujoco.MjData(self.model)
+        self._stepping = stepping
+
+    def reset(self, *, seed=None, options=None):
+        mujoco.mj_resetData(self.model, self.data)
+        mujoco.mj_step(self.model, self.data, nstep=3)
+        return np.zeros(1, np.float32), {}
+
+    def step(self, action):
+        self._stepping(self.model, self.data)
+        return np.zeros(1, np.float32), 0.0, False, False, {}
+
+
+def halves(model, data):
+    for _ in range(10):
+        mujoco.mj_step1(model, data)
+        mujoco.mj_step2(model, data)
+
+
+own_step = mujoco.mj_step
+
+
+def test_it_hears_an_environment_however_that_takes_its_steps():
+    """A ball falls by 5 cm in 0.101 s, and is heard in the sixth action: by one call, by many, by halves of steps."""
+    ways = (
+        lambda model, data: mujoco.mj_step(model, data, 10),
+        lambda model, data: [mujoco.mj_step(m=model, d=data) for _ in range(10)],
+        halves,
+    )
+    sounds = []
+    for way in ways:
+        env = AddAudioObservation(Simulated(way), **HEARING)
+        sound, hits = episode(env, 8)
+        (hit,) = hits
+        assert hit.time == pytest.approx((2 * 0.05 / 9.81) ** 0.5 - 0.001, abs=1e-4)  # by half a step, as Euler falls
+        sounds.append(sound)
+        env.close()
+    assert mujoco.mj_step is own_step
+    assert np.abs(sounds[0]).max() > 0.01
+    for sound in sounds[1:]:
+        np.testing.assert_array_equal(sounds[0], sound)
+
+
+def test_steps_that_cannot_be_heard_are_an_error():
+    env = AddAudioObservation(Simulated(lambda model, data: own_step(model, data, 10)), **HEARING)
+    env.reset()
+    with pytest.raises(carom.WorldError, match="goes on without mujoco"):
+        env.step(np.zeros(1))
+    env.close()
 
 
 def turns(envs, steps: int):

@@ -3,6 +3,9 @@
 import gc
 import subprocess
 import sys
+from functools import partial
+from itertools import pairwise, product
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,6 +21,7 @@ from tests.clients.face.corpus import (  # noqa: E402
     HEARING,
     SCENES,
     apart,
+    brick_on_ramp,
     episodes,
     over_seeds,
     prepared,
@@ -133,6 +137,109 @@ def test_a_slide_that_hops_is_told_its_weight_and_its_speed():
     assert slip == pytest.approx(np.mean(speeds), rel=0.05) and sweep == pytest.approx(slip, rel=0.02)
 
 
+def test_a_slide_that_chatters_is_a_slide_at_any_step_and_stiffness():
+    """MuJoCo lifts the brick by its friction times its slip, again and again; with stiff contacts it flies most of the
+    time."""
+    ways = [(0.0005, ".02 1", "elliptic"), (0.001, ".002 1", "pyramidal"), (0.001, "-20000 -50", "pyramidal")]
+    ways += [(0.002, ".002 1", "elliptic"), (0.005, ".02 1", "pyramidal"), (0.005, ".005 1", "elliptic")]
+    runs = [brick_on_ramp(*way, above=-1e-4) for way in ways]
+    assert not any(hit.time > 0.05 for run in runs for hit in run.hits)  # before, it may pop out of the ramp
+    assert all(run.share > 0.95 for run in runs)
+    assert max(run.level for run in runs) - min(run.level for run in runs) < 3.0
+
+
+def test_nothing_is_told_while_the_scene_settles():
+    model, data = dropped(0.002, 0.05, ".004 .3")
+    hits = []
+    bridge = Bridge(model, data, settle=0.1)
+    for _ in range(2):
+        found = []
+        while data.time < 0.5:
+            bridge.step()
+            found += bridge.world.hits
+        hits.append(found)
+        mujoco.mj_resetData(model, data)
+        bridge.restart()
+    assert hits[0] and all(hit.time > 0.1 for hit in hits[0]) and hits[0] == hits[1]
+    with pytest.raises(carom.WorldError, match="settle = -1: expected a number that is not negative"):
+        Bridge(model, data, settle=-1)
+
+
+@pytest.mark.parametrize("solref", [".02 1", ".002 1"])
+def test_a_body_that_lands_slides_soon_after_its_blow(solref):
+    run = brick_on_ramp(0.001, solref, "elliptic", above=0.01)
+    assert run.hits[0].speed == pytest.approx(0.42, rel=0.03) and len(run.hits) < 5
+    assert run.share > 0.85
+
+
+def bowl(moves: bool) -> str:
+    """Return a bowl of 49 convex pieces, with a ball in it."""
+    pieces = '<geom type="cylinder" size=".024 .003" pos="0 0 -.12"/>'
+    for polar, around in product(np.radians([20, 40, 60, 80]), np.arange(12) * np.pi / 6):
+        u, v = (np.sin(polar), np.cos(polar)), (np.cos(around), np.sin(around))
+        pieces += (
+            f'<geom type="box" size=".0222 {0.033 * u[0]} .003" pos="{0.12 * u[0] * v[0]} {0.12 * u[0] * v[1]} '
+            f'{-0.12 * u[1]}" xyaxes="{u[1] * v[0]} {u[1] * v[1]} {u[0]} {-v[1]} {v[0]} 0"/>'
+        )
+    return f"""<mujoco><option timestep=".002"/><worldbody><geom name="table" type="plane" size="1 1 .1"/>
+    <body name="bowl" pos="0 0 .125">{"<freejoint/>" if moves else ""}{pieces}</body>
+    <body name="ball" pos=".05 0 .07"><freejoint/><geom size=".012" density="2500"/></body></worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize("moves", [False, True])
+def test_the_pieces_of_a_bowl_are_one_object_in_which_a_ball_rolls_as_one_gesture(moves):
+    model = mujoco.MjModel.from_xml_string(bowl(moves))
+    data = mujoco.MjData(model)
+    bridge = Bridge(model, data, hearing=HEARING, bodies={"bowl": {"material": "ceramic"}})
+    heard = []
+    while data.time < 1.0:
+        bridge.step()
+        memory = bridge.world.memory
+        pairs = memory["pairs"][0, : memory["touching"][0]]
+        ball = bridge.world.simulation.number("ball")
+        heard.append(bool(((pairs["a"] == ball) | (pairs["b"] == ball)).any() and (pairs["moves"] == 2).any()))
+    assert sorted(bridge.world.bodies) == ["ball", "bowl", "table"]
+    assert np.mean(heard[200:]) > 0.9 and np.diff(heard[200:]).sum() <= 2
+    edges = sorted(bridge.world.simulation.bodies[bridge.world.simulation.number("bowl")].shape.edges)
+    assert edges == pytest.approx([0.124, 0.242, 0.242], rel=0.03)
+
+
+def test_a_can_rolls_over_the_seams_of_tiles_without_a_blow():
+    """Each tile is a body of its own; it lands on the first one."""
+    tiles = "".join(f'<geom type="box" size=".02 .2 .02" pos="{0.04 * n} 0 0"/>' for n in range(24))
+    text = f"""<mujoco><option timestep=".001" gravity=".7 0 -9.8"/><worldbody>{tiles}
+    <body name="can" pos="0 0 .054" euler="90 0 0"><freejoint/><geom type="cylinder" size=".033 .05" density="400"/>
+    </body></worldbody></mujoco>"""
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    bridge = Bridge(model, data, hearing=HEARING)
+    hits = []
+    while data.qpos[0] < 0.85:
+        bridge.step()
+        hits += bridge.world.hits
+    assert {hit.time < 0.05 for hit in hits} == {True} and bridge.world.counts.gestures > 15
+
+
+def test_a_ball_that_bounces_along_is_told_each_bounce():
+    """The floor is so smooth that the ball slips all the time: no slide hides its bounces."""
+    text = """<mujoco><option timestep=".001"/><worldbody><geom name="floor" type="plane" size="2 2 .1"/>
+    <body name="ball" pos="0 0 .12"><freejoint/><geom size=".02" solref="-100000 -20" priority="1" friction=".05"/>
+    </body></worldbody></mujoco>"""
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    data.qvel[0] = 5.0
+    bridge = Bridge(model, data, hearing=HEARING)
+    hits, landings = [], 0
+    while not hits or hits[-1].speed > 0.5:
+        before = -data.qvel[2]
+        bridge.step()
+        hits += bridge.world.hits
+        landings += before > 0.0 > -data.qvel[2]
+        assert data.time < 5.0
+    assert len(hits) >= 6 and abs(len(hits) - landings) <= 1
+    assert all(one.speed > other.speed for one, other in pairwise(hits))
+
+
 ARM = """<mujoco><option timestep="0.001"/><worldbody>
   <geom name="table" type="box" size=".3 .2 .02" pos=".3 0 -.02"/>
   <body name="arm" pos="0 0 .2"><joint type="hinge" axis="0 1 0"/>
@@ -179,6 +286,48 @@ def bounced(model, data):
         found += bridge.world.hits
     (hit,) = found
     return hit, speed, data.qvel[2] + 9.81 * model.opt.timestep
+
+
+@pytest.mark.parametrize("integrator", ["Euler", "implicitfast", "RK4"])
+def test_a_blow_is_told_at_its_time_by_the_simulators_clock(integrator):
+    """The sound comes by the bridge's latency later, which is a step of 20 ms and a quantum; with RK4, a quantum."""
+    model, data = dropped(0.02, 0.3, ".04 1", integrator)
+    bridge = Bridge(model, data, microphones=[(0, 0, 0.5)], default="steel")
+    hits, blocks = [], []
+    while data.time < 0.4:
+        blocks.append(bridge.step())
+        hits += bridge.world.hits
+    early = 0.0 if integrator == "RK4" else 0.01  # by half of a step, as a fall by Euler's steps is
+    assert hits[0].time == pytest.approx((2 * 0.28 / 9.81) ** 0.5 - early, abs=5e-4)
+    assert bridge.latency == pytest.approx((0.0 if integrator == "RK4" else 0.02) + bridge.world.latency)
+    sound = np.abs(np.concatenate(blocks)[:, 0])
+    assert np.argmax(sound > 0) / 48_000 == pytest.approx(hits[0].time + bridge.latency, abs=1e-4)
+
+
+def test_any_function_that_takes_steps_is_heard_step_by_step():
+    sounds = []
+    for way in ("each", "by a function"):
+        model, data = dropped(0.002, 0.1, ".004 .3")
+        wrapped = (SimpleNamespace(ptr=each) for each in (model, data))  # as dm_control has them
+        bridge = Bridge(*wrapped)
+        if way == "each":
+            blocks = [bridge.step() for _ in range(300)]
+        else:
+            blocks = [bridge.step(partial(mujoco_steps, model, data)) for _ in range(3)]
+        assert bridge.world.counts.hits > 1
+        sounds.append(np.concatenate(blocks))
+    np.testing.assert_array_equal(*sounds)
+    mujoco.mj_resetData(model, data)
+    assert len(bridge.step(partial(mujoco_steps, model, data))) == 9600 and bridge.world.counts.hits > 2
+    with pytest.raises(carom.WorldError, match="goes on without mujoco"):
+        bridge.step(lambda: own_step(model, data))
+
+
+own_step = mujoco.mj_step
+
+
+def mujoco_steps(model, data):
+    mujoco.mj_step(model, data, 100)
 
 
 @pytest.mark.parametrize(
@@ -293,9 +442,9 @@ def test_names_of_a_model_are_made_unique_and_unknown_ones_are_errors():
     <body name="ball" pos="0 0 .3"><freejoint/><geom size=".02"/></body></worldbody></mujoco>"""
     model = mujoco.MjModel.from_xml_string(text)
     bridge = carom.mujoco.Bridge(model, mujoco.MjData(model), materials={"table": "steel"})
-    assert bridge.world.bodies == ("ball", "ball_geom0", "geom1")
+    assert bridge.world.bodies == ("ball", "ball_geom0", "table")
     made = {body.name: body.material.name for body in bridge.world.simulation.bodies}
-    assert made == {"ball": "wood", "ball_geom0": "wood", "geom1": "steel"}
+    assert made == {"ball": "wood", "ball_geom0": "wood", "table": "steel"}
     with pytest.raises(carom.WorldError, match="materials: tabel: did you mean table"):
         carom.mujoco.Bridge(model, mujoco.MjData(model), materials={"tabel": "steel"})
     with pytest.raises(carom.WorldError, match="bodies: bal: did you mean ball"):

@@ -179,6 +179,35 @@ def test_controls_cover_what_is_useful_and_set_what_they_say(play):
     assert table.until("/tune", 2)[-1].message.args == (0,)
 
 
+DECLARED = """
+const fetched = window.fetch;
+window.fetch = async (url, ...rest) => {
+  const response = await fetched(url, ...rest);
+  if (url !== "/page/catalogue.json") return response;
+  const catalogue = await response.json();
+  const argument = { ...catalogue.gestures.press.argument, name: "load", low: 1, high: 100 };
+  catalogue.gestures.lean = { ...catalogue.gestures.press, argument };
+  return new Response(JSON.stringify(catalogue));
+};
+window.sent = [];
+const send = WebSocket.prototype.send;
+WebSocket.prototype.send = function (data) {
+  if (typeof data !== "string") window.sent.push(new TextDecoder("latin1").decode(data));
+  return send.call(this, data);
+};"""
+
+
+def test_a_gesture_that_the_server_declares_is_played_and_steered_by_its_argument(play):
+    table = play(DECLARED)
+    table.page.locator("summary", has_text="Lean").click()
+    table.page.get_by_role("slider", name="load").fill("1000")
+    table.page.get_by_role("button", name="Lean", exact=True).click()
+    table.settle("sent.some((each) => /^.gesture.lean-.*stop/.test(each))")
+    (begun,) = table.ask("sent.filter((each) => /^.object.church-bell.lean/.test(each))")
+    assert "\0\0\0d" in begun and "load" not in begun  # 100 N
+    table.page.get_by_text("unknown action 'lean'").first.wait_for()
+
+
 def test_everything_can_be_played_from_the_keyboard(play):
     table = play()
     press = table.page.keyboard.press

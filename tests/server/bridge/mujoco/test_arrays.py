@@ -52,10 +52,12 @@ class Simulator:
         made = np.zeros(1, ARRAYS)
         record = made[0]
         record["first"], record["bodies"] = 1, 2
-        record["geom"][:2], record["body"][:2], record["root"][:2] = (1, 2), (2, 3), (2, 3)
+        record["body"][:2], record["root"][:2] = (2, 3), (2, 3)
+        record["place"][:2] = [each.ctypes.data for each in self.places[1:]]
+        record["turned"][:2] = [each.ctypes.data for each in self.turns[1:]]
         for name, array in zip(
-            ("positions", "turns", "motions", "abouts", "numbers"),
-            (self.places, self.turns, self.motions, self.abouts, self.numbers),
+            ("motions", "abouts", "numbers"),
+            (self.motions, self.abouts, self.numbers),
             strict=True,
         ):
             record[name] = array.ctypes.data

@@ -1,0 +1,200 @@
+"""The truth about a clip's objects and contacts: numbers, words, and lists of these."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...dsp.engine.memory.state import QUANTUM
+from ...dsp.resonator.click import CLICK_MODES
+from ...dsp.schema import GESTURES
+from ..contacts import Contact, Drive
+from ..modes import Click, Places, mode_table, places_of
+from ..performer import Performer
+
+Truth = dict[str, Any]
+"""Ground truth by name."""
+
+Ends = list[list[list[float]]]
+"""Values by quantum, at its beginning and its end, and by channel."""
+
+FREE = tuple(name for name, gesture in GESTURES.items() if not gesture.lasts)
+"""Gestures between whose contacts a striker flies: nothing but the contact changes its speed then."""
+
+AMPLIFIED = 2.0**24
+"""Factor on the engine's samples, which loses no bit: it puts modes to rest at 1e-6, and quiet clips have their tails,
+too."""
+
+_SOUND = ("tune", "decay", "damp")
+"""Settings of an object that change how its modes ring."""
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """An object in a quantum: its gains and its static output, both (2, channels) at the beginning and the end, and the
+    settings of its modes."""
+
+    gains: NDArray[np.float64]
+    bend: NDArray[np.float64]
+    settings: tuple[float, ...]
+
+
+class Followed:
+    """Objects from quantum to quantum, as what they do is more than their modes and the forces on them say."""
+
+    def __init__(self) -> None:
+        self._seen: dict[int, list[_Seen]] = {}
+
+    def look(self, performer: Performer) -> None:
+        """Take notice of a quantum that was computed."""
+        channels = performer.engine.channels
+        sides = [0, 1] if channels == 2 else [0] * channels
+        for serial, placed in performer.engine.placed.items():
+            record = performer.engine.state[0]["objects"][placed.handle.slot]
+            if record["serial"] == serial:
+                place, settings = record["place"], record["settings"]
+                gains = np.array([place["before"][:channels], place["gain"][:channels]])
+                bend = np.array([record["static_before"][sides], record["static"][sides]])
+                seen = _Seen(gains, bend, tuple(float(settings[name]) for name in _SOUND))
+                self._seen.setdefault(serial, []).append(seen)
+
+    def fades(self, serial: int, gains: NDArray[np.float64], quanta: int) -> Ends:
+        """Return an object's gains at the beginning and the end of each quantum, between which they go as lines, as
+        shares of those in its table; none where they stay."""
+        seen = [each.gains for each in self._seen.get(serial, ())]
+        if all((each == gains).all() for each in seen):
+            return []
+        whole = np.array([seen[0]] * (quanta - len(seen)) + seen)
+        shares: Ends = np.divide(whole, gains, out=np.zeros_like(whole), where=gains != 0.0).tolist()
+        return shares
+
+    def bends(self, serial: int, gains: NDArray[np.float64], quanta: int) -> Ends:
+        """Return the sound (Pa) that a steady push would make at the beginning and the end of each quantum, which is
+        left out of what is heard; none where there is none."""
+        seen = [each.bend for each in self._seen.get(serial, ())]
+        if not any(each.any() for each in seen):
+            return []
+        whole: Ends = (np.array([0.0 * seen[0]] * (quanta - len(seen)) + seen) * gains / AMPLIFIED).tolist()
+        return whole
+
+    def stayed(self, serial: int) -> bool:
+        """True if an object rang on as it was made."""
+        return len({each.settings for each in self._seen.get(serial, ())}) <= 1
+
+
+def about_object(
+    performer: Performer, rate: int, frames: int, name: str, touched: float | None, moves: bool, followed: Followed
+) -> Truth:
+    """Describe an object: what it is, and the modes that a blow where it is touched excites; empty where it came too
+    late. moves: it is touched elsewhere, too."""
+    placed = performer.placed(name)
+    heard = performer.heard(placed)
+    if heard is None:
+        return {}
+    settings, gains = heard
+    preset, serial = performer.scene.objects[name].preset, placed.handle.serial
+    position = placed.position if touched is None else touched
+    level = placed.level / AMPLIFIED
+    table = mode_table(placed.modes, level, settings, gains, position, rate)
+    relief = table.relief
+    glides = placed.modes.glide > 0.0
+    return {
+        "name": name,
+        "preset": preset.name,
+        "shape": preset.shape,
+        "material": preset.material.name if preset.material else "",
+        "mass": placed.modes.mass,
+        "position": position,
+        "linear": not glides and followed.stayed(serial),
+        "modes": sines(table.frequencies, table.decays, table.gains),
+        "clicks": [_click(each) for each in table.clicks],
+        "relief": sines(relief.frequencies, relief.decays, relief.gains) if relief else sines(*_NONE),
+        "places": _places(places_of(placed.modes, level, settings, gains, rate)) if moves else {},
+        "fades": followed.fades(serial, gains, -(-frames // QUANTUM)),
+        "bends": followed.bends(serial, gains, -(-frames // QUANTUM)),
+    }
+
+
+_NONE = (np.zeros(0), np.zeros(0), np.zeros((0, 0)))
+
+
+def _click(click: Click) -> Truth:
+    return {"frequency": click.frequency, "decay": click.decay, "gain": click.gains.tolist()}
+
+
+def sines(frequency: NDArray[np.float64], decay: NDArray[np.float64], gain: NDArray[np.float64]) -> Truth:
+    """Return damped sines: frequencies (Hz), decays (1/s), and for each channel the gains (Pa per N s)."""
+    return {"frequency": frequency.tolist(), "decay": decay.tolist(), "gain": gain.T.tolist()}
+
+
+def _places(found: Places) -> Truth:
+    """Return the gains (channels, P, n) of modes and relief at P equally spaced positions of the strike path."""
+    modes = found.strike[None] * found.weights.T[:, None, :]
+    return {"modes": modes.astype(np.float32).tolist(), "relief": found.relief.astype(np.float32).tolist()}
+
+
+def about_contacts(performer: Performer, contacts: Iterable[Contact]) -> list[Mapping[str, Any]]:
+    """Describe contacts; where their forces begin among all forces, and their paths among all paths, and how many they
+    are."""
+    told: list[Mapping[str, Any]] = []
+    begin = path = 0
+    for each in contacts:
+        free = each.gesture in FREE
+        moved = 0 if each.drive.stays else len(each.force)
+        told.append(
+            {
+                "object": each.object, "by": each.striker, "gesture": each.gesture, "id": each.id,
+                "start": each.start, "duration": each.duration, "position": each.position,
+                "by_position": each.by_position, "speed": each.speed, "velocity": each.velocity, "mass": each.mass,
+                "impulse": each.impulse, "peak": each.peak, "gain": float(each.drive.gain[0]),
+                "energy": 0.5 * each.mass * each.velocity**2 if free else 0.0,
+                "loss": each.impulse * (each.velocity - 0.5 * each.impulse / each.mass) if free else 0.0,
+                "striker": _striker(performer, each),
+                "first": each.first, "force_begin": begin, "force_count": len(each.force),
+                "path_begin": path, "path_count": moved,
+            }
+        )  # fmt: skip
+        begin += len(each.force)
+        path += moved
+    return told
+
+
+def path_of(drive: Drive) -> NDArray[np.float64]:
+    """Return where a contact that moves acts, with its gain and its friction: (n, 5), n = 0 where it stays."""
+    if drive.stays:
+        return np.zeros((0, 5))
+    friction = drive.friction if len(drive.friction) else np.zeros((len(drive.gain), 3))
+    return np.column_stack([drive.position, drive.gain, friction])
+
+
+def _striker(performer: Performer, contact: Contact) -> Truth:
+    """Describe the sound of a contact's striker, as it is heard on the object: of clicks and ringing that its force
+    moves, and of a second pulse, by its times (s) and impulses (N s)."""
+    drive, heard = contact.drive, performer.heard(performer.placed(contact.object))
+    silent = {"clicks": [], "ringing": sines(*_NONE), "second": sines(*_NONE), "snaps": []}
+    if drive.sound < 0 or heard is None:
+        return silent
+    kind, gains = performer.engine.state[0]["strikers"][drive.sound], heard[1]
+    share = drive.share / AMPLIFIED
+    clicks = [
+        {
+            "frequency": float(kind["frequency"][0]) / drive.ratio,
+            "decay": float(kind["sigma"][0]) / drive.ratio,
+            "gain": (float(kind["weight"][0]) * drive.ratio * share * gains).tolist(),
+        }
+        for _ in range(int(kind["clicks"]) // CLICK_MODES)
+    ]
+    rings = np.flatnonzero((np.arange(len(kind["frequency"])) >= kind["clicks"]) & (kind["frequency"] > 0.0))
+    weights = np.outer(kind["weight"][rings] * share, gains)
+    ringing = sines(kind["frequency"][rings], kind["sigma"][rings], weights)
+    rate = performer.engine.rate
+    return {
+        "clicks": clicks,
+        "ringing": sines(*_NONE) if kind["momentum"] > 0.0 else ringing,
+        "second": ringing if kind["momentum"] > 0.0 else sines(*_NONE),
+        "snaps": [[frame / rate, impulse] for frame, impulse in drive.snaps],
+    }

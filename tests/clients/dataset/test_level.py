@@ -1,0 +1,72 @@
+"""Levels of clips: a full scale of each item's own, samples that hold it, and a warning where they do not."""
+
+import numpy as np
+import pytest
+
+from carom.clients.dataset.clip import render
+from carom.clients.dataset.design import items
+from carom.clients.dataset.level import quantized, whole_of
+from carom.clients.dataset.recipe import read
+from carom.clients.dataset.shard import sound_file
+from carom.presets import PresetError, Presets
+from tests.clients.dataset.support import SMALL, recipe_of, written
+
+
+@pytest.mark.parametrize("peak", [1e-12, 1e-5, 0.1, 0.5, 1.0, 270.0])
+def test_full_scale_is_the_least_power_of_two_above_the_peak(peak):
+    whole = whole_of(peak)
+    assert whole / 2 <= peak < whole and np.log2(whole).is_integer()
+
+
+@pytest.mark.parametrize("samples", ["16", "24"])
+def test_samples_are_the_nearest_steps(tmp_path, samples):
+    import io
+
+    import soundfile
+
+    bits = int(samples)
+    pressure = np.random.default_rng(1).uniform(-3, 3, (1_000, 1)).astype(np.float32)
+    recipe = recipe_of(tmp_path, f'samples = "{samples}"\n' + SMALL)
+    back = soundfile.read(io.BytesIO(sound_file(quantized(pressure, 4.0, samples), recipe)), always_2d=True)[0]
+    assert np.abs(4.0 * back - pressure).max() <= 2.0 ** (2 - bits) * 1.001
+
+
+def test_a_faint_clip_keeps_its_sound_and_warns_under_a_full_scale_for_all(tmp_path):
+    faint = SMALL.replace("log_uniform = [0.1, 1.0]", "log_uniform = [1e-6, 2e-6]")
+    own = recipe_of(tmp_path, faint)
+    clip = render(own, items(own, range(1))[0], Presets())
+    assert not clip.truth["warnings"] and np.abs(clip.samples).max() >= 2**22
+    shared = recipe_of(tmp_path, "full_scale = 400\n" + faint)
+    (said,) = render(shared, items(shared, range(1))[0], Presets()).truth["warnings"]
+    assert "dB above the noise of its samples; expected at least 40" in said or said == "it is silent"
+
+
+def test_a_split_keeps_what_is_alike_together(tmp_path):
+    text = 'split = { by = "geometry", test = 0.25 }\n' + SMALL.replace(
+        '"xylophone-bar"', '{ choice = ["xylophone-bar", "marimba-bar", "vibraphone-bar", "glockenspiel-bar"] }'
+    )
+    recipe = recipe_of(tmp_path, text, 200)
+    sides = {}
+    for item in items(recipe, range(200)):
+        sides.setdefault(item.factors["object.preset"], set()).add(recipe.split.side(item.factors))
+    assert sorted(map(sorted, sides.values())) == [["test"], ["train"], ["train"], ["train"]]
+
+
+@pytest.mark.parametrize(
+    ("split", "said"),
+    [
+        ('{ by = "shape" }', r"split.by = 'shape': expected one of geometry"),
+        ('{ by = "geometry" }', r"split.by = 'geometry': no preset or length is drawn"),
+        ('{ by = "object.material", test = 0.6, validation = 0.6 }', "expected less than 1 together"),
+        ("{ test = 0.5 }", "split.by is missing"),
+    ],
+)
+def test_a_bad_split_is_one_line(tmp_path, split, said):
+    with pytest.raises(PresetError, match=said):
+        read(written(tmp_path, f"split = {split}\n{SMALL}"))
+
+
+def test_pairs_that_a_split_would_part_are_refused(tmp_path):
+    text = 'design = "pairs"\nsplit = { by = "object.material" }\n' + SMALL
+    with pytest.raises(PresetError, match=r"split: pairs may differ in object.material; expected differ"):
+        read(written(tmp_path, text))

@@ -1,0 +1,76 @@
+"""The truth rebuilds the sound, attack and tail: of every gesture, of worlds, and at the places of any recipe."""
+
+import numpy as np
+import pytest
+
+import carom
+from carom.clients.dataset.clip import render
+from carom.clients.dataset.design import items
+from carom.clients.dataset.recipe import find, read
+from carom.clients.dataset.table import row_of
+from carom.presets import Presets
+from tests.clients.dataset.support import SMALL, recipe_of
+
+ATTACK = 96  # frames from the first force on
+
+
+def missed(recipe, number, presets=None):
+    """Return how far a rebuilt clip is from what was rendered, dB of the whole and of its attack."""
+    clip = render(recipe, items(recipe, range(number, number + 1))[0], presets or Presets())
+    heard = clip.samples * (clip.truth["full_scale"] / 2**23)
+    rebuilt = carom.rebuild(row_of(clip))
+    first = min(contact["first"] for contact in clip.truth["contacts"])
+
+    def level(part):
+        return 10 * np.log10(np.square(rebuilt[part] - heard[part]).sum() / np.square(heard[part]).sum())
+
+    return level(slice(None)), level(slice(first, first + ATTACK))
+
+
+@pytest.mark.parametrize("number", [0, 1, 3])
+def test_a_blow_is_rebuilt(tmp_path, number):
+    recipe = recipe_of(tmp_path, SMALL)
+    assert max(missed(recipe, number)) < -80
+
+
+@pytest.mark.parametrize(
+    ("object_keys", "by", "gesture"),
+    [
+        ('preset = "glass-plate"\npan = 0.4\ntune = -3', "", '[impact]\nvelocity = 1\nstriker = "ping-pong"\ngain = 6'),
+        ('preset = "aluminium-pipe"', 'preset = "glass-ball"', "[impact]\nvelocity = 1\nposition = 0.2"),
+        (
+            'preset = "steel-ring"\nmaterial = "brass"',
+            "",
+            '[press]\nforce = 2\nstriker = "mute"\nuntil = 0.1',
+        ),
+        ('preset = "ceramic-tile"', "", '[spin]\nduration = 0.2\nstriker = "coin"'),
+        ('preset = "marimba-bar"', "", '[bounce]\nheight = 0.001\nstriker = "ball-bearing"'),
+        ('preset = "wood-board"', "", '[roll]\nspeed = 0.5\nstriker = "glass-marble"\nsurface = "wood"\ntravel = 0.2'),
+    ],
+    ids=["tuned", "by", "press", "spin", "bounce", "roll"],
+)
+@pytest.mark.slow
+def test_what_no_recipe_of_ours_does_is_rebuilt(tmp_path, object_keys, by, gesture):
+    by = f"[by]\n{by}\n" if by else ""
+    text = f"count = 1\nseconds = 0.2\nchannels = 2\n[object]\n{object_keys}\n{by}{gesture}\n"
+    assert max(missed(recipe_of(tmp_path, text), 0)) < -60
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [2, 5])
+def test_impacts_are_rebuilt(number):
+    assert max(missed(read(find("impacts")), number)) < -80
+
+
+@pytest.mark.slow
+def test_a_world_is_rebuilt():
+    """Gains go with the distance, and two bodies sound."""
+    assert max(missed(read(find("worlds")), 1)) < -80
+
+
+def test_what_glides_is_refused_by_name(tmp_path):
+    recipe = recipe_of(
+        tmp_path, SMALL.replace('"xylophone-bar"\nmaterial = { choice = ["rosewood", "aluminium"] }', '"tom"')
+    )
+    with pytest.raises(ValueError, match="object: it is not linear"):
+        missed(recipe, 0)
