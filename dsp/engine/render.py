@@ -109,14 +109,8 @@ def _render_group(state):
 
 @kernel
 def _begin_and_solve(state, frame):
-    """Begin contacts that are due, and, where there are several, solve those together that share objects."""
+    """Begin contacts that are due, and solve those that are coupled to the modes."""
     scratch = state.scratch
-    several = scratch.group_size > 1
-    for g in range(scratch.group_size):
-        obj = state.objects[scratch.group[g]]
-        several |= obj.contact >= 0 and state.contacts[obj.contact].next >= 0
-    if not several:
-        return
     began = False
     for g in range(scratch.group_size):
         began |= begin_contacts(state, state.objects[scratch.group[g]], frame)

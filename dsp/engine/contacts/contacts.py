@@ -18,6 +18,7 @@ from ..memory.order import wake
 from ..memory.quality import coarseness_of, holds_steps, must_wait
 from ..memory.state import CLOSED, COUPLING, END_NO_ROOM, END_RESTED, END_STOPPED, QUANTUM, ROLLING
 from .contact_force import apply_contact_force, begin_contact, couple_pulse, update_mode_count
+from .contact_groups import solve_alone
 from .contact_list import end_contact, release_modes, report_end, schedule_contact
 from .flights import follow_coupled, is_gone, is_pushed, leave, release_striker
 from .rolls import feed_of, feed_on, register_roll
@@ -281,6 +282,8 @@ def run_contacts(state, obj, frame):
             stays = _begin(state, contact, frame)
             if not stays:
                 break
+            if contact.solver == COUPLING and contact.solved == 0:
+                solve_alone(state, contact)
             if apply_contact_force(state, contact, frame):
                 leaves = contact.solver == COUPLING and contact.trait.rolls == 0
                 stays = not leaves or follow_coupled(state, contact, frame)
