@@ -20,7 +20,6 @@ from ..memory.quality import BY_ITSELF, modes_for, room_for_coupling
 from ..memory.state import COUPLING, SAMPLING
 from ..output.fade import note_force
 from .contact_list import take_room_again
-from .coupled_rolls import lead_roll
 from .solver_choice import choose_solver, soften_pulse, tolerance_of
 from .trace import trace_blow, trace_touches
 
@@ -245,8 +244,6 @@ def observe_points(state, contact):
     """
     scratch = state.scratch
     take_room_again(state, contact)
-    if contact.trait.rolls == 1:
-        lead_roll(state, contact)
     for n in range(FINE):
         scratch.observed[n] = scratch.receptance[n] = 0.0
     for side in range(2):

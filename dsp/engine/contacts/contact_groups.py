@@ -9,6 +9,7 @@ from ..bodies.objects import modes_of, point_of
 from ..memory.quality import holds_steps
 from ..memory.state import COUPLING
 from .contact_force import drive, gain_of, observe_points
+from .coupled_rolls import lead_roll
 from .solver_choice import choose_tolerance, count_steps
 
 _CHEAP = 16  # the square of a group's size at which its equations cost as much as the rest of a step
@@ -44,7 +45,7 @@ def _find_candidates(state, frame):
         while index >= 0:
             contact = state.contacts[index]
             due = state.position + frame - contact.start - contact.fraction > 0.0
-            if contact.touching == 1 and contact.solver == COUPLING and due:
+            if contact.touching == 1 and contact.solver == COUPLING and frame >= contact.ahead and due:
                 choose_tolerance(state, contact)
                 scratch.candidates[count] = index
                 count += 1
@@ -110,6 +111,8 @@ def _solve(state):
     price = 1 + group.size * group.size // _CHEAP
     for i in range(group.size):
         contact = state.contacts[group.member[i]]
+        if contact.trait.rolls == 1:
+            lead_roll(state, contact)
         observe_points(state, contact)
         if contact.coupled.tolerance == HELD and not holds_steps(state):
             state.stats.over_budget += 1

@@ -190,6 +190,7 @@ def _roll_on_coupled(state, contact):
     if update_mode_count(state, contact):
         contact.unsettled = 1
     contact.m = roll.m
+    contact.ahead = 0
     state.stats.impacts += contact.coupled.contacts - 1 - roll.impacts
     roll.impacts = contact.coupled.contacts - 1
     roll_striker(state, contact)
@@ -205,7 +206,7 @@ def next_driven_frame(state, obj, frame):
     while index >= 0:
         contact = state.contacts[index]
         if contact.solver != ROLLING or (contact.trait.slips == 1 and rubs(contact)):
-            found = min(found, max(frame, contact.start + 1 - state.position))
+            found = min(found, max(frame, contact.ahead, contact.start + 1 - state.position))
         index = contact.next
     return found
 
@@ -213,7 +214,8 @@ def next_driven_frame(state, obj, frame):
 @kernel
 def _is_due(state, contact, frame):
     """True if a contact, but for rolls, acts in the sample that ends at a frame."""
-    return contact.solver != ROLLING and state.position + frame - contact.start - contact.fraction > 0.0
+    due = state.position + frame - contact.start - contact.fraction > 0.0
+    return contact.solver != ROLLING and frame >= contact.ahead and due
 
 
 @kernel

@@ -1,6 +1,7 @@
 """Rolls that feel the modes of the object under them.
 
-On an object that gives way a roll is coupled to its modes, as a blow is (rolling/coupled_roll.py). On one that hardly
+On an object that gives way a roll is coupled to its modes, as a blow is (rolling/coupled_roll.py); at -60 it is solved a
+quantum at a time where it can be (blocks.py). On one that hardly
 does, at the accuracy -40, where steps are held, where `/budget` has no room or too few steps (it takes some
 1 + omega/rate, with omega that of the effective mass on the contact), and under a slide the object is a dashpot, which
 costs as much for any number of modes (rolling/contact_step.py).
@@ -14,6 +15,7 @@ import math
 
 import numpy as np
 
+from ...contact.block import renew_block
 from ...native.jit import kernel, noinline_kernel
 from ...rolling.contact_step import BRIEF
 from ...rolling.coupled_roll import begin_coupled_roll, lead_coupled_roll
@@ -26,7 +28,7 @@ GIVING = np.array([math.inf, 3e-4, 3e-5, 0.0])
 """Sum, by accuracy, above which a roll feels each of the object's modes. Where four modes ring for seconds a dashpot is
 6 dB wrong in all at a sum of 0.003, 2 dB at 3e-4."""
 
-_FINE = 2  # of the accuracies, from which on a path's kinks within a sample count, and short steps err no more
+_FINE = 2  # of the accuracies, from which on short steps err no more
 _SHARE = 1.0 / 16.0  # of the room for coupled modes, which rolls take at most: they last
 _PLACES = 5  # along the path of a body that moves over its object, at which is looked
 _PLACED = 16  # frames after which one that feels all modes acts at another place
@@ -60,6 +62,7 @@ def couple_roll(state, contact):
     state.stats.coupled += 1
     state.stats.coupled_modes += modes
     begin_coupled_roll(roll, contact.coupled, state.rate, tolerance_of(state, contact))
+    renew_block(state.blocks[contact.roll])
 
 
 @kernel
@@ -97,10 +100,13 @@ def _mobility_here(state, contact, omega_c):
 @kernel
 def lead_roll(state, contact):
     """Bring a roll that feels all modes to the coming sample: its path, and where it acts."""
+    if contact.led == 1:
+        contact.led = 0
+        return
     roll = state.rolls[contact.roll]
     frame = int(roll.t * state.rate + 0.5)
-    begin, whole = contact.fraction if roll.t == 0.0 else 0.0, state.choices.accuracy < _FINE
-    if lead_coupled_roll(roll, contact.coupled, begin, whole):
+    begin = contact.fraction if roll.t == 0.0 else 0.0
+    if lead_coupled_roll(roll, contact.coupled, begin):
         contact.unsettled = 1
     contact.rolled = roll.s
     if contact.travel > 0.0 and frame % _PLACED == 0:

@@ -50,6 +50,8 @@ CONTACT = np.dtype(
         ("settled", np.int64),  # number of that receptance, of no other contact's nor of an earlier one
         ("solved", np.int64),  # 1: a coupled contact's `moments` over the coming sample are known
         ("moments", np.float64, FINE),  # N s
+        ("ahead", np.int64),  # frames of this quantum for which a coupled roll has been solved
+        ("led", np.int64),  # 1: it has been brought to the next one
         ("oversampling", np.int64),  # steps per sample of a sampled contact
         ("steps", np.int64),  # that a sampled contact may still take
         ("v_in", np.float64),  # m/s

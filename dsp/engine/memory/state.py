@@ -6,11 +6,13 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from ...contact.block import BLOCK, ROWS
 from ...contact.coupled_group import COUPLED_GROUP
 from ...native.pages import own_zeros
-from ...numerics.legendre import FINE, KEPT, MOMENTS
+from ...numerics.legendre import AHEAD, FINE, KEPT, MOMENTS
 from ...resonator.bank import DRIVER, RESPONSES
 from ...resonator.fed import HALF, REACH
+from ...resonator.rows import room_for_rows
 from ...resonator.simd import LANES
 from ...rolling.body import ROLL
 from ...schema import GESTURES, TRAIT_NAMES
@@ -25,7 +27,7 @@ from .ramp_list import RAMP_LIST
 from .records import CONTACT, SLIDE, TAILS, THROUGH
 from .striker_state import STRIKER, STRIKERS, VOICE, VOICES
 
-QUANTUM = 64
+QUANTUM = AHEAD
 """Frames the engine computes at a time, on a grid of its own: the sound can't depend on the device's block size."""
 
 CONTACTS = 512
@@ -159,6 +161,10 @@ OBJECT = np.dtype(
         ("shares_contact", np.int64),  # with another object
         ("driven_modes", np.int64),  # its first modes that a force acted on
         ("driven_gain", np.float64),  # the highest gain of a gesture whose force acted on it
+        (
+            "ahead",
+            np.int64,
+        ),  # 1: it is driven by moments of its one roll that were solved ahead
         ("rolls_head", np.int64),  # head of the list of rolls on it, 2 contact + side; -1: none
         ("energy", np.float64),  # sum of squares of its share of the mix
     ],
@@ -197,6 +203,8 @@ SCRATCH = np.dtype(
         ("moments", np.float64, MOMENTS),
         ("fine", np.float64, FINE),
         ("observed", np.float64, FINE),
+        ("rows", np.float64, AHEAD * ROWS),  # of a point's motion over a quantum
+        ("room", np.float64, room_for_rows(ROWS)),  # to lay them out
         ("receptance", np.float64, FINE),
         ("drivers", DRIVER, ROLLS),  # of the rolls on one object, at one time
         ("blows", np.float64, (ROLLS, QUANTUM)),  # their forces by one number a frame, those at one place together
@@ -298,6 +306,7 @@ STATE = np.dtype(
         ("settled_count", np.int64),  # and to the receptances that coupled contacts were told
         ("oldest_running", np.int64),  # the least of these that may go on in this quantum
         ("rolls", ROLL, ROLLS),
+        ("blocks", BLOCK, ROLLS),  # of those that feel all modes
         ("slides", SLIDE, ROLLS),  # what those that slide have besides
         ("feeds", np.float64, (ROLLS, BEHIND + QUANTUM + LEAD, KEPT)),  # moments of their forces, also about a quantum
         ("samples", np.float64, (ROLLS, QUANTUM + 2 * REACH)),  # their forces by one number a frame, likewise
