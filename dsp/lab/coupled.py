@@ -224,7 +224,7 @@ def _simulate(contacts, group, bank, striker, rate, tolerance, samples, times, o
                 out[t, 4] = contact.contacts
 
 
-def _simulation(case: Case, tolerance: float, contacts: Array) -> Callable[..., None]:
+def _simulation(case: Case, tolerance: float, contacts: NDArray[np.void]) -> Callable[..., None]:
     law = (case.v_in, case.m, case.k, case.mu, case.a, case.push, case.fraction)
     group = np.zeros(1, COUPLED_GROUP)[0]
     return partial(

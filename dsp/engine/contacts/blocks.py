@@ -7,7 +7,6 @@ sample (contact_groups.py).
 """
 
 from ...contact.block import (
-    AHEAD,
     AT,
     MOMENTS_AHEAD,
     ROWS,
@@ -19,7 +18,7 @@ from ...contact.block import (
     step_block,
 )
 from ...native.jit import kernel, noinline_kernel
-from ...numerics.legendre import FINE, KEPT
+from ...numerics.legendre import AHEAD, FINE, KEPT
 from ...resonator.bank import Modes, inject_kept
 from ...resonator.rows import lay_rows, row_weights
 from ...rolling.block_path import project_path

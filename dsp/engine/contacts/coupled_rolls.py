@@ -1,10 +1,10 @@
 """Rolls that feel the modes of the object under them.
 
-On an object that gives way a roll is coupled to its modes, as a blow is (rolling/coupled_roll.py); at -60 it is solved a
-quantum at a time where it can be (blocks.py). On one that hardly
-does, at the accuracy -40, where steps are held, where `/budget` has no room or too few steps (it takes some
-1 + omega/rate, with omega that of the effective mass on the contact), and under a slide the object is a dashpot, which
-costs as much for any number of modes (rolling/contact_step.py).
+On an object that gives way a roll is coupled to its modes, as a blow is (rolling/coupled_roll.py). At -60 it is solved
+a quantum at a time where it can be (blocks.py). On one that hardly gives way, at the accuracy -40, where steps are
+held, where `/budget` has no room or too few steps (it takes some 1 + omega/rate, with omega that of the effective mass
+on the contact), and under a slide the object is a dashpot, which costs as much for any number of modes
+(rolling/contact_step.py).
 
 The contact swings at omega_c = sqrt(a g/x_e) about x_e, the compression at rest. Modes that are slower give way, those
 that are faster hardly move meanwhile. So sum m phi^2/(1 + (omega/omega_c)^2) tells by how much the object is lighter
