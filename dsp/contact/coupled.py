@@ -28,9 +28,8 @@ from ..native.jit import kernel
 from ..native.typed import View
 from ..numerics.legendre import FINE
 from .collocation import NODES, law
-from .coupled_flight import fly
 from .coupled_records import Coupled
-from .coupled_step import set_powers, stay
+from .coupled_step import set_powers
 from .power_series import (
     BEYOND,
     BINOMIAL,
@@ -39,11 +38,9 @@ from .power_series import (
     QUADRATURE,
     QUADRATURE_WEIGHTS,
     TO_END,
-    legendre_moments,
 )
 from .touches import begin_touch, end_touch, look_at_touches
 
-MOST_STEPS = 3_000  # in a sample; what is left of it then is one held step
 _ON_KINK = 1e-12  # samples from a kink that are none
 _FIRST = 0.2  # share of the contact's natural time: the first step to try
 
@@ -125,43 +122,6 @@ def respond_with(contact: Coupled, receptance: View[float]) -> None:
     contact.answer[0] = 0.0
     contact.answer[1] += h * h / contact.m
     contact.mass = h * h / contact.answer[1]
-
-
-@kernel
-def step_coupled(contact: Coupled, observed: View[float], moments: View[float]) -> bool:
-    """Take the contact through the coming sample; fill `moments` (FINE, N s) with the force's on the object.
-
-    `observed` (FINE, m) is how the object's point would move without it, by `bank.observe`; of two objects, the
-    difference of both, where the striker's moves against its place in the striker; it gets the moments' negative.
-    Several contacts on one object each see what those before them did, but not those after: take them in turn forwards
-    and backwards, or what the last ones do in a sample shifts the first. True while they touch.
-    """
-    look(contact, observed)
-    for n in range(FINE):
-        moments[n] = 0.0
-    at = 0.0
-    for n in range(MOST_STEPS + 1):
-        left = 1.0 - at if n == MOST_STEPS else min(1.0 - at, until_kink(contact, at))
-        if left <= 0.0:
-            break
-        meets = released = False
-        if contact.wait >= 0.0:
-            eta = contact.wait
-            contact.wait = -1.0
-            meets = True
-        elif contact.touching or n == MOST_STEPS:
-            if contact.touching == 0:
-                begin_touch(contact, at)  # the last step may
-            eta, released = stay(contact, left, n == MOST_STEPS)
-        else:
-            eta, meets = fly(contact.motion, left)
-        move(contact, eta, at, moments)
-        at = min(at + eta, 1.0) if eta < left or contact.kink < contact.kinks else 1.0
-        settle(contact, at, meets, released)
-        pass_kinks(contact, at)
-    legendre_moments(moments)
-    moments[0] -= contact.rest_force * contact.period
-    return contact.touching > 0
 
 
 @kernel

@@ -62,7 +62,7 @@ def fly(motion: View[float], left: float) -> tuple[float, bool]:
 def apart_for(contact: Coupled, distance: float, speed: float) -> float:
     """Return for how many whole samples from now striker and object surely stay apart: those may be left to `fly_on`.
 
-    To be asked right after `step_coupled`; `distance` and `speed` bound the object's point, by `bank.reach`. 0 while
+    To be asked right after `step_together`; `distance` and `speed` bound the object's point, by `bank.reach`. 0 while
     they touch, infinity if the striker is gone for good.
     """
     gap = -contact.motion[0]

@@ -1,4 +1,4 @@
-"""Several coupled contacts in one sample, solved together: the force of each moves the points of all.
+"""The solver of coupled contacts: one, or several in one sample, where the force of each moves the points of all.
 
 As in coupled.py, modes enter over a sample by polynomials. Between two contacts there is the response of the point of
 one to the force of the other, g_ij(t) = sum phi_i phi_j exp(-sigma t) sin(omega t)/omega, with
@@ -16,12 +16,15 @@ from ..native.jit import kernel
 from ..native.typed import Items, View
 from ..numerics.legendre import FINE
 from .coupled import lift, look, move, pass_kinks, settle, until_kink
+from .coupled_flight import fly
 from .coupled_group_step import LEAVES, MEETS, NOTHING, find_step
 from .coupled_records import Coupled, CoupledGroup, Member
-from .coupled_step import FINEST, LEAST, give_of, hold
+from .coupled_step import FINEST, HELD, LEAST, give_of, hold
 from .power_series import BINOMIAL, POWERS, legendre_moments
+from .touches import begin_touch
 
-_MOST_STEPS = 600  # in a sample; what is left of it then is one held step
+MOST_STEPS = 3_000  # of a contact that is alone, in a sample; what is left of it then is one held step
+_MOST_TOGETHER = 600  # of several
 
 
 @kernel
@@ -38,7 +41,12 @@ def answer_with(group: CoupledGroup, i: int, j: int, receptance: View[float], pe
 
 @kernel
 def step_together(contacts: Items[Member], group: CoupledGroup) -> None:
-    """Take all contacts of a group through the coming sample; fill the `moments` of their forces."""
+    """Take all contacts of a group through the coming sample; fill the `moments` (N s) of their forces on the object.
+
+    `observed` holds for each how the object's point would move without them; of two objects, the difference of both,
+    where the striker's moves against its place in the striker; it gets the moments' negative. A contact whose tolerance
+    is HELD is a group of its own.
+    """
     for i in range(group.size):
         contact = contacts[group.member[i]].coupled
         look(contact, group.observed[i])
@@ -47,11 +55,12 @@ def step_together(contacts: Items[Member], group: CoupledGroup) -> None:
             group.answer[i, i, k] = contact.answer[k]
     _lift_others(contacts, group)
     at = 0.0
-    for count in range(_MOST_STEPS + 1):
+    most = MOST_STEPS if group.size == 1 else _MOST_TOGETHER
+    for count in range(most + 1):
         left = 1.0 - at
         if left <= 0.0:
             break
-        eta = _step(contacts, group, at, count == _MOST_STEPS)
+        eta = _step(contacts, group, at, count == most)
         at = 1.0 if eta >= left else at + eta
         for i in range(group.size):
             contact = contacts[group.member[i]].coupled
@@ -98,20 +107,27 @@ def _step(contacts: Items[Member], group: CoupledGroup, at: float, last: bool) -
             longest = min(longest, until_kink(contact, at))
         if contact.wait >= 0.0:
             longest = min(longest, contact.wait)
-        elif contact.touching == 1:
+        elif contact.touching == 1 or last:
+            if contact.touching == 0:
+                begin_touch(contact, at)  # the last step may
             group.touches[group.touching] = i
             group.touching += 1
             contact.steps += 1
             eta = min(eta, contact.next)
     eta = min(eta, longest)
     if eta > 0.0:
-        taken = 0.0 if last else find_step(contacts, group, eta, longest)
+        held = group.touching > 0 and contacts[group.member[0]].coupled.tolerance == HELD
+        taken = 0.0
+        if group.touching == 0 and not last:
+            taken = _until_first_meeting(contacts, group, longest)
+        elif not last and not held:
+            taken = find_step(contacts, group, eta, longest)
         if taken > 0.0:
             eta = taken
             _move_all(contacts, group, eta, at)
             _answer_others(contacts, group, False)
         else:
-            eta = left if last else max(FINEST * eta, min(LEAST, eta))
+            eta = left if last else longest if held else max(FINEST * eta, min(LEAST, eta))
             _hold_in_turn(contacts, group, eta, at)
     for i in range(group.size):
         contact = contacts[group.member[i]].coupled
@@ -122,6 +138,22 @@ def _step(contacts: Items[Member], group: CoupledGroup, at: float, last: bool) -
         elif contact.touching == 0 and contact.motion[0] > 0.0:
             group.event[i] = MEETS
     return eta
+
+
+@kernel
+def _until_first_meeting(contacts: Items[Member], group: CoupledGroup, longest: float) -> float:
+    """Return the time until the first of strikers that all fly meets the object, at most `longest`."""
+    first = longest
+    for i in range(group.size):
+        contact = contacts[group.member[i]].coupled
+        if contact.wait < 0.0:
+            time, meets = fly(contact.motion, first)
+            if meets:
+                first = time
+                for j in range(i):
+                    group.event[j] = NOTHING
+                group.event[i] = MEETS
+    return first
 
 
 @kernel

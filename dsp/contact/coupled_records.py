@@ -92,7 +92,7 @@ class CoupledGroup(Record):
     known: Annotated[View[int], GROUP]  # `settled` of those whose answers to each other are known, 0: none
     gain: Annotated[View[float], GROUP]  # of the gestures then
     answer: Annotated[View3D[float], GROUP, GROUP, FINE]  # m/(N sample): of the point of a row to the force of a column
-    observed: Annotated[View2D[float], GROUP, FINE]  # m: as for `step_coupled`
+    observed: Annotated[View2D[float], GROUP, FINE]  # m: how each point would move without them
     moments: Annotated[View2D[float], GROUP, FINE]  # N s: what `step_together` finds
     # Of a step:
     touching: int  # contacts that touch

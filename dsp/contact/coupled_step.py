@@ -8,19 +8,13 @@ from ..numerics.legendre import FINE
 from .collocation import (
     INTEGRAL,
     NODES,
-    WEIGHTS,
-    WITHIN,
     Step,
-    allowance,
     discrete_gradient,
     elastic,
     end_of,
-    extrapolate,
     law,
-    raised,
     solve,
     step_within,
-    until_release,
 )
 from .coupled_records import Coupled
 from .power_series import ANSWER_AT, ANSWER_TO_END, AT_NODES, MISSED, TAKEN, WORK, value_at
@@ -37,50 +31,6 @@ LEAST = 1e-12  # samples: the force is held no shorter, or steps that fail one a
 RETRY = 0.25  # of a step whose equations are not solved
 REFINE = 0.5  # of a step whose energy is not right
 ROUNDING = 1e-14  # share of the momentum at hand that no force is asked for
-
-
-@kernel
-def stay(contact: Coupled, left: float, last: bool) -> tuple[float, bool]:
-    """Take a step in contact, at most `left` samples long; return its length, and whether it ends in the release.
-
-    A step is accepted where |f_end - f(x, v)| times its length, with f_end the end of the force's quadratic, is below
-    tolerance times the momentum at hand, and energy grows by no more than rounding. The `last` step holds the force for
-    what is left.
-    """
-    contact.steps += 1
-    held = last or contact.tolerance == HELD
-    eta = left if held else min(contact.next, left)
-    finest = left if held else FINEST * eta
-    closing = False
-    for _ in range(TRIALS):
-        if eta <= finest:
-            break
-        solved, x, v = collocate(contact, eta)
-        if not solved:
-            eta *= RETRY
-            closing = False
-            continue
-        whole, closing = until_release(contact.step, x, v * contact.period, eta, left, closing)
-        ratio = ratio_to_longest(contact, eta, x, v)
-        if whole != eta or ratio < WITHIN:
-            # No need to seek a release that is too far away for one step.
-            closing = closing and ratio >= WITHIN
-            if whole < eta:
-                finest = min(finest, FINEST * whole)  # it is short as the release comes soon
-            eta = whole if ratio >= WITHIN else min(whole, ratio * eta)
-            continue
-        if _sound(contact, eta, x):
-            if not closing:
-                contact.next = max(ratio * eta, contact.next if eta == left else 0.0)
-            for j in range(NODES):
-                contact.force[j] = contact.step.f[j]
-            extrapolate(contact.step, contact.next / eta)
-            return eta, closing
-        eta *= REFINE
-        closing = False
-    eta = max(eta, finest, min(LEAST, left))
-    hold(contact, eta, 0.0)
-    return eta, False
 
 
 @kernel
@@ -215,26 +165,6 @@ def ratio_to_longest(contact: Coupled, eta: float, x: float, v: float) -> float:
     rest = abs(end_of(contact.step.f) - law(x, v, contact.k, contact.mu, contact.a)) * eta * contact.period
     mass = contact.m if contact.swing > 0.0 else contact.mass
     return step_within(rest, contact.tolerance * mass * speed)
-
-
-@kernel
-def _sound(contact: Coupled, eta: float, x: float) -> bool:
-    """True if the step's energy is right: its exact work balances the change of V and the dissipation."""
-    f = contact.step.f
-    stored = elastic(contact.motion[0], contact.k, contact.a)
-    v = contact.motion[1] / contact.period
-    contact.scale = max(contact.scale, stored + 0.5 * contact.mass * v * v)
-    work = work_of(f, contact.moved) - work_against(f, f, contact.given, eta)
-    gain = elastic(x, contact.k, contact.a) - stored - work
-    lost = -gain
-    for i in range(NODES):
-        node = contact.step.x[i]
-        spring = contact.k * raised(node, contact.a) if node > 0.0 else 0.0
-        lost -= eta * contact.period * WEIGHTS[i] * (f[i] - spring) * contact.step.v[i]
-    if gain > allowance(contact.gained, contact.scale) or lost > may_lose(contact):
-        return False
-    contact.gained = max(contact.gained + gain, 0.0)
-    return True
 
 
 @kernel

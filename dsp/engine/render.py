@@ -13,6 +13,7 @@ from .bank.spectral import mix_bank, recall_struck
 from .bodies.glide import follow_tension
 from .bodies.objects import is_felt, modes_of, relief_of, ringing_of
 from .bodies.strikers import rest_strikers, ring_strikers, silence_strikers
+from .contacts.blocks import solve_blocks
 from .contacts.contact_groups import solve_groups
 from .contacts.contact_list import end_contacts
 from .contacts.contacts import begin_contacts, next_driven_frame, run_contacts, update_contacts
@@ -37,6 +38,7 @@ def update_objects(state: State) -> None:
         obj.driven_gain = 0.0
         obj.has_contact = obj.shares_contact = obj.driven_modes = 0
         obj.rolls_head = -1
+        obj.ahead = 0
         obj.energy = 0.0
         for channel in range(2):
             obj.static_before[channel], obj.static[channel] = obj.static[channel], 0.0
@@ -86,6 +88,8 @@ def _render_group(state: State) -> None:
             glide_gains(state, obj)
     if not awake:
         return
+    for g in range(scratch.group_size):
+        solve_blocks(state, state.objects[scratch.group[g]])
     frame = 0
     while frame < QUANTUM:
         # The modes answer a force in the first frame that they ring after it.
@@ -103,21 +107,15 @@ def _render_group(state: State) -> None:
                 ring_strikers(state, obj, scratch.voices[g], frame, stop)
         frame = stop
     for g in range(scratch.group_size):
-        if state.objects[scratch.group[g]].rolls_head >= 0:
+        if state.objects[scratch.group[g]].rolls_head >= 0 and state.objects[scratch.group[g]].ahead == 0:
             add_through(state, state.objects[scratch.group[g]], scratch.voices[g])
         _mix(state, scratch.group[g], scratch.voices[g])
 
 
 @kernel
 def _begin_and_solve(state: State, frame: int) -> None:
-    """Begin contacts that are due, and, where there are several, solve those together that share objects."""
+    """Begin contacts that are due, and solve those that are coupled to the modes."""
     scratch = state.scratch
-    several = scratch.group_size > 1
-    for g in range(scratch.group_size):
-        obj = state.objects[scratch.group[g]]
-        several |= obj.contact >= 0 and state.contacts[obj.contact].next >= 0
-    if not several:
-        return
     began = False
     for g in range(scratch.group_size):
         began |= begin_contacts(state, state.objects[scratch.group[g]], frame)

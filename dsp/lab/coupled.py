@@ -11,10 +11,12 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..contact.collocation import elastic
-from ..contact.coupled import ContactLaw, begin_coupled, respond_with, step_coupled
-from ..contact.coupled_records import COUPLED
+from ..contact.coupled import ContactLaw, begin_coupled, respond_with
+from ..contact.coupled_group import step_together
+from ..contact.coupled_records import COUPLED_GROUP, Coupled, CoupledGroup, Member
 from ..contact.pulse import contact_time
 from ..native.jit import kernel
+from ..native.typed import Items, Record, View, dtype_of
 from ..numerics.checks import Array, checked, checked_scalar
 from ..numerics.legendre import FINE
 from ..resonator.bank import MOBILITY, RESPONSES, Modes, Point, inject_fine, observe, receptance, state_of
@@ -23,6 +25,15 @@ from ..resonator.simd import LANES
 
 CONVERGED = 1e-7
 """Tolerance of the coupled solver as the reference for other solvers; tests compare it with DOP853."""
+
+
+class Single(Record):
+    """A contact as the solver takes it."""
+
+    coupled: Coupled
+
+
+MEMBER = dtype_of(Single)
 
 NOT_KEPT = np.empty((0, 5))
 """Stands for the samples of a run that keeps none."""
@@ -183,9 +194,22 @@ def motion_and_energy(bank: Bank) -> tuple[float, float]:
     return velocity, energy
 
 
+@kernel
+def step_alone(contacts: Items[Member], group: CoupledGroup, seen: View[float], moments: View[float]) -> None:
+    """Take the first of the contacts through the coming sample by itself; see `step_together`."""
+    group.size = 1
+    group.member[0] = 0
+    for n in range(FINE):
+        group.observed[0, n] = seen[n]
+    step_together(contacts, group)
+    for n in range(FINE):
+        moments[n] = group.moments[0, n]
+
+
 @njit(error_model="numpy")
-def _simulate(contact, bank, striker, rate, tolerance, samples, times, out):
+def _simulate(contacts, group, bank, striker, rate, tolerance, samples, times, out):
     modes, point, work, seen, moments = bank.modes, bank.point, bank.work, bank.seen, bank.moments
+    contact = contacts[0].coupled
     v, m, k, mu, a, push, fraction = striker
     law = ContactLaw(m, k, mu, a)
     for _ in range(times):
@@ -195,7 +219,7 @@ def _simulate(contact, bank, striker, rate, tolerance, samples, times, out):
         respond_with(contact, seen)
         for t in range(samples):
             observe(modes, point, work, seen)
-            step_coupled(contact, seen, moments)
+            step_alone(contacts, group, seen, moments)
             inject_fine(modes, point, moments)
             ring_on(modes)
             if t < len(out):
@@ -208,9 +232,12 @@ def _simulate(contact, bank, striker, rate, tolerance, samples, times, out):
                 out[t, 4] = contact.contacts
 
 
-def _simulation(case: Case, tolerance: float, contact: np.void) -> Callable[..., None]:
+def _simulation(case: Case, tolerance: float, contacts: NDArray[np.void]) -> Callable[..., None]:
     law = (case.v_in, case.m, case.k, case.mu, case.a, case.push, case.fraction)
-    return partial(_simulate, contact, bank_of(case), tuple(map(float, law)), float(case.rate), float(tolerance))
+    group = np.zeros(1, COUPLED_GROUP)[0]
+    return partial(
+        _simulate, contacts, group, bank_of(case), tuple(map(float, law)), float(case.rate), float(tolerance)
+    )
 
 
 def simulate(case: Case, tolerance: float = 1e-5) -> Run:
@@ -221,16 +248,17 @@ def simulate(case: Case, tolerance: float = 1e-5) -> Run:
     """
     if not tolerance > 0.0:
         raise ValueError(f"tolerance = {tolerance:g}: expected above 0")
-    contact = np.zeros(1, COUPLED)[0]
+    contacts = np.zeros(1, MEMBER)
     out = np.empty((case.samples, 5))
-    _simulation(case, tolerance, contact)(case.samples, 1, out)
+    _simulation(case, tolerance, contacts)(case.samples, 1, out)
+    contact = contacts[0]["coupled"]
     return Run.of(out, int(contact["steps"]), int(contact["held"]))
 
 
 def simulation_loop(case: Case, samples: int, tolerance: float) -> Callable[[int], None]:
     """Return a function that simulates so many samples of a case the given number of times and keeps none, for
     `cost_of`."""
-    simulation = _simulation(case, tolerance, np.zeros(1, COUPLED)[0])
+    simulation = _simulation(case, tolerance, np.zeros(1, MEMBER))
     return lambda times: simulation(samples, times, NOT_KEPT)
 
 

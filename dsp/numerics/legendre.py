@@ -15,6 +15,9 @@ in the highest mode (mode.HIGHEST)."""
 KEPT = 4
 """Legendre moments kept of a force that goes on and on, as a roll's: those left out weigh -100 dB in its sound."""
 
+AHEAD = 64
+"""Samples for which the motion of modes is laid out at once, and a lasting contact is solved: a quantum."""
+
 # P_(n+1) = RISE[n] x P_n - FALL[n] P_(n-1), without divisions.
 RISE = np.array([(2 * n + 1) / (n + 1) for n in range(MOMENTS)])
 FALL = np.array([n / (n + 1) for n in range(MOMENTS)])

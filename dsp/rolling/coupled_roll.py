@@ -17,7 +17,6 @@ from .contact_step import path_at
 from .path import AHEAD, PIECES, make_piece
 from .roll_record import Roll
 
-_SLOW = 0.7  # rad of its swing in a sample, below which a body doesn't tell kinks within it
 _FIRST = 0.2  # of a radian of its swing: the first step to try
 
 
@@ -47,11 +46,10 @@ def _weigh(roll: Roll, contact: Coupled) -> bool:
 
 
 @kernel
-def lead_coupled_roll(roll: Roll, contact: Coupled, begin: float, whole: bool) -> bool:
+def lead_coupled_roll(roll: Roll, contact: Coupled, begin: float) -> bool:
     """Bring a body to the coming sample, which it rolls from `begin` on, and lay its path under the contact.
 
-    whole: as one parabola, right at the sample's end, where the body swings too slowly to tell it from its kinks. True
-    if the contact must be told the object's receptance again.
+    True if the contact must be told the object's receptance again.
     """
     roll.span = (1.0 - begin) * contact.period
     steer(roll)
@@ -61,8 +59,6 @@ def lead_coupled_roll(roll: Roll, contact: Coupled, begin: float, whole: bool) -
     contact.v = -roll.w
     contact.kinks = contact.kink = 0
     _lay_path(roll, contact, begin)
-    if whole and begin == 0.0 and contact.swing * contact.period < _SLOW:
-        _smooth(contact)
     roll.t += roll.span
     roll.s += roll.modulated_speed * roll.span
     return _weigh(roll, contact)
@@ -93,18 +89,6 @@ def _lay_path(roll: Roll, contact: Coupled, begin: float) -> None:
         rise, bend = _slope_at(roll, pace)
         _lay_kink(contact, at, rise - old_rise, bend - old_bend)
     roll.along += (1.0 - at) * pace
-
-
-@kernel
-def _smooth(contact: Coupled) -> None:
-    """Replace the sample's path by the parabola that has its height and slope at the end."""
-    height, slope = contact.rise + contact.bend, contact.rise + 2.0 * contact.bend
-    for n in range(contact.kinks):
-        left = 1.0 - contact.kink_at[n]
-        height += left * (contact.kink_rise[n] + left * contact.kink_bend[n])
-        slope += contact.kink_rise[n] + 2.0 * left * contact.kink_bend[n]
-    contact.rise, contact.bend = 2.0 * height - slope, slope - height
-    contact.kinks = 0
 
 
 @kernel

@@ -57,8 +57,16 @@ def roll_striker(state: State, contact: Contact) -> None:
         voice.driven = 1
         voice.share[0] = obj.level / state.rolls[contact.roll].m
         if contact.solver != COUPLING:  # else its force comes sample by sample, with the gain
-            voice.roll = contact.roll
+            feed_striker(state, contact)
             voice.share[0] *= contact.now.gain
+
+
+@kernel
+def feed_striker(state: State, contact: Contact) -> None:
+    """Drive a rolling body's voice, if it has one, by its force over the whole quantum."""
+    if contact.voice >= 0:
+        voice = state.voices[contact.voice]
+        voice.roll = contact.roll
 
 
 @kernel

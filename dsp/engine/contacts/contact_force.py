@@ -1,13 +1,14 @@
 """A contact's force: the solver that it gets, and what its force does to the modes, sample by sample.
 
-Every solver begins with `begin_contact` and goes on with an `_advance_...(state, contact, age)` of one signature, which
-leaves the force's moments over the sample and is true while the contact lasts.
+Every solver begins with `begin_contact`. A closed or sampled one goes on with an `_advance_...(state, contact, age)` of
+one signature, which leaves the force's moments over the sample and is true while the contact lasts; coupled ones are
+solved before (contact_groups.py).
 """
 
 import math
 
 from ...contact.closed_form import advance_pulse, begin_pulse, state_of_pulse
-from ...contact.coupled import ContactLaw, begin_coupled, begin_within, respond_with, step_coupled
+from ...contact.coupled import ContactLaw, begin_coupled, begin_within, respond_with
 from ...contact.sampled import begin_sampled, step_sampled
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
@@ -16,13 +17,12 @@ from ...resonator.bank import inject, inject_fine, observe, receptance
 from ...rolling.body import share_of
 from ..bodies.objects import frequency_of, highest_of, modes_of, place, point_of, relief_of, sigma_of
 from ..bodies.strikers import begin_striker, drive_striker
-from ..memory.quality import BY_ITSELF, holds_steps, modes_for, room_for_coupling
+from ..memory.quality import BY_ITSELF, modes_for, room_for_coupling
 from ..memory.records import Contact, ContactPoint
 from ..memory.state import COUPLING, SAMPLING, Object, State
 from ..output.fade import note_force
 from .contact_list import take_room_again
-from .coupled_rolls import lead_roll
-from .solver_choice import choose_solver, choose_tolerance, count_steps, soften_pulse, tolerance_of
+from .solver_choice import choose_solver, soften_pulse, tolerance_of
 from .trace import trace_blow, trace_snap, trace_touches
 
 _FIRST = 0.05  # of a pulse: the first step after it is coupled
@@ -155,16 +155,19 @@ def update_mode_count(state: State, contact: Contact) -> bool:
 
 @noinline_kernel
 def apply_contact_force(state: State, contact: Contact, frame: int) -> bool:
-    """Give the modes the force of a contact over the sample that ends at a frame of the quantum.
+    """Give the modes the force of a contact over the sample that ends at a frame of the quantum; those of a coupled
+    contact have it already.
 
     False where a closed or sampled contact ends.
     """
     scratch = state.scratch
     sample = state.position + frame - 1
     age = sample + 1 - contact.start - contact.fraction
-    acted = contact.solved == 1
+    lasts = True
     if contact.solver == COUPLING:
-        lasts = _advance_coupled(state, contact, age)
+        contact.solved = 0
+        for n in range(FINE):
+            scratch.fine[n] = contact.moments[n]
         trace_touches(state, contact, sample)
         note_force(contact.forces, scratch.fine[0] * state.rate)
         gain = gain_of(state, contact)
@@ -185,7 +188,7 @@ def apply_contact_force(state: State, contact: Contact, frame: int) -> bool:
         impulse = scratch.moments[0]
     if contact.sound >= 0 and impulse != 0.0:
         drive_striker(state, contact)
-    if not acted:
+    if contact.solver != COUPLING:
         drive(state, contact)
     return lasts
 
@@ -238,24 +241,6 @@ def _advance_closed(state: State, contact: Contact, age: float) -> bool:
 
 
 @kernel
-def _advance_coupled(state: State, contact: Contact, age: float) -> bool:
-    """Advance a contact that is solved together with the modes by a sample: it lasts until the striker is gone for
-    good."""
-    if contact.solved == 1:  # with others on the same objects
-        contact.solved = 0
-        for n in range(FINE):
-            state.scratch.fine[n] = contact.moments[n]
-        return True
-    observe_points(state, contact)
-    if not choose_tolerance(state, contact) and not holds_steps(state):
-        state.stats.over_budget += 1
-    count_steps(state, contact, -1, 1)
-    step_coupled(contact.coupled, state.scratch.observed, state.scratch.fine)
-    count_steps(state, contact, 1, 1)
-    return True
-
-
-@kernel
 def observe_points(state: State, contact: Contact) -> None:
     """Find how the points that are touched would move without the contact; tell it their receptance where that is new.
 
@@ -263,8 +248,6 @@ def observe_points(state: State, contact: Contact) -> None:
     """
     scratch = state.scratch
     take_room_again(state, contact)
-    if contact.trait.rolls == 1:
-        lead_roll(state, contact)
     for n in range(FINE):
         scratch.observed[n] = scratch.receptance[n] = 0.0
     for side in range(2):

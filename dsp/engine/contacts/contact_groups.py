@@ -1,15 +1,18 @@
-"""Contacts that share objects are solved together, sample by sample, where more than one is coupled to the modes."""
+"""Coupled contacts are solved sample by sample, those that share objects together."""
 
 from ...contact.coupled_group import answer_with, step_together
 from ...contact.coupled_records import GROUP, CoupledGroup
+from ...contact.coupled_step import HELD
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
 from ...numerics.legendre import FINE
 from ...resonator.bank import transfer_receptance
 from ..bodies.objects import modes_of, point_of
+from ..memory.quality import holds_steps
 from ..memory.records import Contact
 from ..memory.state import COUPLING, State
 from .contact_force import drive, gain_of, observe_points
+from .coupled_rolls import lead_roll
 from .solver_choice import choose_tolerance, count_steps
 
 _CHEAP = 16  # the square of a group's size at which its equations cost as much as the rest of a step
@@ -17,16 +20,22 @@ _CHEAP = 16  # the square of a group's size at which its equations cost as much 
 
 @noinline_kernel
 def solve_groups(state: State, frame: int) -> None:
-    """Solve contacts over the sample that ends at a frame that share objects of `scratch.group`."""
+    """Solve the coupled contacts of objects of `scratch.group` over the sample that ends at a frame."""
     count = _find_candidates(state, frame)
     candidates = state.scratch.candidates
     for i in range(count):
-        if count - i < 2:
-            break
         if candidates[i] >= 0:
             _gather(state, i, count)
-            if state.scratch.together.size > 1:
-                _solve(state)
+            _solve(state)
+
+
+@noinline_kernel
+def solve_alone(state: State, contact: Contact) -> None:
+    """Solve a coupled contact by itself over the coming sample, in which it begins after the others were solved."""
+    choose_tolerance(state, contact)
+    state.scratch.together.size = 1
+    state.scratch.together.member[0] = contact.index
+    _solve(state)
 
 
 @kernel
@@ -39,7 +48,8 @@ def _find_candidates(state: State, frame: int) -> int:
         while index >= 0:
             contact = state.contacts[index]
             due = state.position + frame - contact.start - contact.fraction > 0.0
-            if contact.touching == 1 and contact.solver == COUPLING and due and choose_tolerance(state, contact):
+            if contact.touching == 1 and contact.solver == COUPLING and frame >= contact.ahead and due:
+                choose_tolerance(state, contact)
                 scratch.candidates[count] = index
                 count += 1
             index = contact.next
@@ -50,7 +60,7 @@ def _find_candidates(state: State, frame: int) -> int:
 def _gather(state: State, first: int, count: int) -> None:
     """Put a candidate and all that share objects with it, and with these, into `together`; they are candidates no more.
 
-    More than GROUP see each other one after the other.
+    More than GROUP see each other one after the other, and so do those whose forces are held.
     """
     group, candidates = state.scratch.together, state.scratch.candidates
     group.size = 0
@@ -59,7 +69,7 @@ def _gather(state: State, first: int, count: int) -> None:
     while member < group.size:
         for i in range(count):
             free = group.size < GROUP and candidates[i] >= 0
-            if free and _share(state, state.contacts[group.member[member]], state.contacts[candidates[i]]):
+            if free and _see_each_other(state, state.contacts[group.member[member]], state.contacts[candidates[i]]):
                 _join(group, candidates, i)
         member += 1
 
@@ -85,8 +95,10 @@ def _sort(group: CoupledGroup) -> None:
 
 
 @kernel
-def _share(state: State, contact: Contact, other: Contact) -> bool:
-    """True if two contacts touch the same object."""
+def _see_each_other(state: State, contact: Contact, other: Contact) -> bool:
+    """True if two contacts touch the same object, and neither holds its force."""
+    if contact.coupled.tolerance == HELD or other.coupled.tolerance == HELD:
+        return False
     for side in range(2):
         slot = contact.point[side].slot
         if slot >= 0 and (slot == other.point[0].slot or slot == other.point[1].slot):
@@ -102,11 +114,16 @@ def _solve(state: State) -> None:
     price = 1 + group.size * group.size // _CHEAP
     for i in range(group.size):
         contact = state.contacts[group.member[i]]
+        if contact.trait.rolls == 1:
+            lead_roll(state, contact)
         observe_points(state, contact)
+        if contact.coupled.tolerance == HELD and not holds_steps(state):
+            state.stats.over_budget += 1
         for n in range(FINE):
             group.observed[i, n] = state.scratch.observed[n]
         count_steps(state, contact, -1, price)
-    _find_answers(state, group)
+    if group.size > 1:
+        _find_answers(state, group)
     step_together(state.contacts, group)
     for i in range(group.size):
         contact = state.contacts[group.member[i]]

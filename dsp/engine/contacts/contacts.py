@@ -19,6 +19,7 @@ from ..memory.quality import coarseness_of, holds_steps, must_wait
 from ..memory.records import Contact
 from ..memory.state import CLOSED, COUPLING, END_NO_ROOM, END_RESTED, END_STOPPED, QUANTUM, ROLLING, Object, State
 from .contact_force import apply_contact_force, begin_contact, couple_pulse, update_mode_count
+from .contact_groups import solve_alone
 from .contact_list import end_contact, release_modes, report_end, schedule_contact
 from .flights import follow_coupled, is_gone, is_pushed, leave, release_striker
 from .rolls import feed_of, feed_on, register_roll
@@ -190,6 +191,7 @@ def _roll_on_coupled(state: State, contact: Contact) -> bool:
     if update_mode_count(state, contact):
         contact.unsettled = 1
     contact.m = roll.m
+    contact.ahead = 0
     state.stats.impacts += contact.coupled.contacts - 1 - roll.impacts
     roll.impacts = contact.coupled.contacts - 1
     roll_striker(state, contact)
@@ -205,7 +207,7 @@ def next_driven_frame(state: State, obj: Object, frame: int) -> int:
     while index >= 0:
         contact = state.contacts[index]
         if contact.solver != ROLLING or (contact.trait.slips == 1 and rubs(contact)):
-            found = min(found, max(frame, contact.start + 1 - state.position))
+            found = min(found, max(frame, contact.ahead, contact.start + 1 - state.position))
         index = contact.next
     return found
 
@@ -213,7 +215,8 @@ def next_driven_frame(state: State, obj: Object, frame: int) -> int:
 @kernel
 def _is_due(state: State, contact: Contact, frame: int) -> bool:
     """True if a contact, but for rolls, acts in the sample that ends at a frame."""
-    return contact.solver != ROLLING and state.position + frame - contact.start - contact.fraction > 0.0
+    due = state.position + frame - contact.start - contact.fraction > 0.0
+    return contact.solver != ROLLING and frame >= contact.ahead and due
 
 
 @kernel
@@ -282,6 +285,8 @@ def run_contacts(state: State, obj: Object, frame: int) -> None:
             stays = _begin(state, contact, frame)
             if not stays:
                 break
+            if contact.solver == COUPLING and contact.solved == 0:
+                solve_alone(state, contact)
             if apply_contact_force(state, contact, frame):
                 leaves = contact.solver == COUPLING and contact.trait.rolls == 0
                 stays = not leaves or follow_coupled(state, contact, frame)

@@ -1,9 +1,10 @@
 """Rolls that feel the modes of the object under them.
 
-On an object that gives way a roll is coupled to its modes, as a blow is (rolling/coupled_roll.py). On one that hardly
-does, at the accuracy -40, where steps are held, where `/budget` has no room or too few steps (it takes some
-1 + omega/rate, with omega that of the effective mass on the contact), and under a slide the object is a dashpot, which
-costs as much for any number of modes (rolling/contact_step.py).
+On an object that gives way a roll is coupled to its modes, as a blow is (rolling/coupled_roll.py). At -60 it is solved
+a quantum at a time where it can be (blocks.py). On one that hardly gives way, at the accuracy -40, where steps are
+held, where `/budget` has no room or too few steps (it takes some 1 + omega/rate, with omega that of the effective mass
+on the contact), and under a slide the object is a dashpot, which costs as much for any number of modes
+(rolling/contact_step.py).
 
 The contact swings at omega_c = sqrt(a g/x_e) about x_e, the compression at rest. Modes that are slower give way, those
 that are faster hardly move meanwhile. So sum m phi^2/(1 + (omega/omega_c)^2) tells by how much the object is lighter
@@ -14,6 +15,7 @@ import math
 
 import numpy as np
 
+from ...contact.block import renew_block
 from ...native.jit import kernel, noinline_kernel
 from ...rolling.contact_step import BRIEF
 from ...rolling.coupled_roll import begin_coupled_roll, lead_coupled_roll
@@ -27,7 +29,7 @@ GIVING = np.array([math.inf, 3e-4, 3e-5, 0.0])
 """Sum, by accuracy, above which a roll feels each of the object's modes. Where four modes ring for seconds a dashpot is
 6 dB wrong in all at a sum of 0.003, 2 dB at 3e-4."""
 
-_FINE = 2  # of the accuracies, from which on a path's kinks within a sample count, and short steps err no more
+_FINE = 2  # of the accuracies, from which on short steps err no more
 _SHARE = 1.0 / 16.0  # of the room for coupled modes, which rolls take at most: they last
 _PLACES = 5  # along the path of a body that moves over its object, at which is looked
 _PLACED = 16  # frames after which one that feels all modes acts at another place
@@ -61,6 +63,7 @@ def couple_roll(state: State, contact: Contact) -> None:
     state.stats.coupled += 1
     state.stats.coupled_modes += modes
     begin_coupled_roll(roll, contact.coupled, state.rate, tolerance_of(state, contact))
+    renew_block(state.blocks[contact.roll])
 
 
 @kernel
@@ -98,10 +101,13 @@ def _mobility_here(state: State, contact: Contact, omega_c: float) -> float:
 @kernel
 def lead_roll(state: State, contact: Contact) -> None:
     """Bring a roll that feels all modes to the coming sample: its path, and where it acts."""
+    if contact.led == 1:
+        contact.led = 0
+        return
     roll = state.rolls[contact.roll]
     frame = int(roll.t * state.rate + 0.5)
-    begin, whole = contact.fraction if roll.t == 0.0 else 0.0, state.choices.accuracy < _FINE
-    if lead_coupled_roll(roll, contact.coupled, begin, whole):
+    begin = contact.fraction if roll.t == 0.0 else 0.0
+    if lead_coupled_roll(roll, contact.coupled, begin):
         contact.unsettled = 1
     contact.rolled = roll.s
     if contact.travel > 0.0 and frame % _PLACED == 0:

@@ -66,7 +66,7 @@ def ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: i
     while frame < stop:
         end = min(stop, frame - frame % LINE + LINE) if moves else stop
         count, driven = _drivers(state, obj, frame, end)
-        fed = min(driven, obj.felt // LANES * LANES)
+        fed = 0 if obj.ahead == 1 else min(driven, obj.felt // LANES * LANES)
         ring(modes_of(state, obj, driven, obj.live), voice, frame, end)
         _ring_fed(state, obj, voice, _place_blows(state, count, frame, end), fed, frame, end, moves)
         if driven > fed:
@@ -192,8 +192,9 @@ def _drive(driver: Driver, contact: Contact, point: ContactPoint, side: int, row
             for i in range(4):
                 driver.drift[i] = contact.now.gain * (driver.drift[i] - point.weights[i]) / (end - frame)
     driver.row = point.row
+    gain = contact.now.gain if contact.ahead == 0 else 1.0  # else its moments hold it
     for i in range(4):
-        driver.weights[i] = contact.now.gain * point.weights[i]
+        driver.weights[i] = gain * point.weights[i]
 
 
 @kernel

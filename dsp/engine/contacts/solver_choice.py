@@ -31,13 +31,12 @@ def tolerance_of(state: State, contact: Contact) -> float:
 
 
 @kernel
-def choose_tolerance(state: State, contact: Contact) -> bool:
-    """Give a coupled contact the tolerance for the coming sample; return False if its force is held."""
+def choose_tolerance(state: State, contact: Contact) -> None:
+    """Give a coupled contact the tolerance for the coming sample: HELD where its force is held."""
     tolerance, steps = tolerance_of(state, contact), state.choices.budget.steps
     if steps > 0 and (contact.debt > _BURST * steps or state.steps_taken > _BURST_OF_ALL * steps):
         tolerance = HELD
     contact.coupled.tolerance = tolerance
-    return tolerance != HELD
 
 
 @kernel

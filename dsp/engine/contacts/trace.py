@@ -5,7 +5,7 @@ from ...native.jit import kernel
 from ...native.typed import View, View2D
 from ...rolling.body import share_of
 from ..memory.records import Contact, Slide
-from ..memory.state import PUSHED, QUANTUM, ROLLING, RUBBED, SNAPPED, TRACED, TRACED_MOMENTS, State, Trace
+from ..memory.state import PUSHED, QUANTUM, RUBBED, SNAPPED, TRACED, TRACED_MOMENTS, State, Trace
 from ..memory.striker_state import Voice
 from .coupled_rolls import position_of
 
@@ -34,7 +34,8 @@ def trace_touches(state: State, contact: Contact, sample: int) -> None:
     moments = state.scratch.fine
     if contact.trait.rolls == 1:
         point = contact.point[0]
-        _trace_moving(state, contact, sample, _placed(state, point.row, point.weights, point.slot), moments)
+        share = share_of(state.rolls[contact.roll])
+        _trace_moving(state, contact, sample, _placed(state, point.row, point.weights, point.slot), share, moments)
         return
     coupled = contact.coupled
     first = True
@@ -58,7 +59,7 @@ def trace_touches(state: State, contact: Contact, sample: int) -> None:
 def trace_roll(state: State, contact: Contact, feed: View2D[float]) -> None:
     """Keep the force of a roll, beyond its weight, or of a slide over a quantum."""
     for n in range(QUANTUM):
-        _trace_moving(state, contact, state.position + n - 1, position_of(contact, n), feed[n])
+        _trace_moving(state, contact, state.position + n - 1, position_of(contact, n), 1.0, feed[n])
 
 
 @kernel
@@ -98,10 +99,16 @@ def _placed(state: State, row: int, weights: View[float], slot: int) -> float:
 
 
 @kernel
-def _trace_moving(state: State, contact: Contact, sample: int, position: float, moments: View[float]) -> None:
-    """Keep the force of a body that rolls or slides between a sample and the next, by its moments."""
+def _trace_moving(
+    state: State, contact: Contact, sample: int, position: float, share: float, moments: View[float]
+) -> None:
+    """Keep the force of a body that rolls or slides between a sample and the next, by its moments.
+
+    share: of it that the modes get, where the moments do not hold it yet.
+    """
     entry = _entry(state, contact, sample, moments[0], (position, contact.now.speed, 0.0))
     if entry >= 0:
+        state.trace.entries[entry].gain *= share
         _set_moments(state, entry, moments)
         _publish(state)
 
@@ -147,8 +154,6 @@ def _entry(state: State, contact: Contact, sample: int, impulse: float, met: tup
     for k in range(TRACED_MOMENTS - 1):
         entry.moments[k] = 0.0
     entry.gain = contact.now.gain
-    if contact.trait.rolls == 1 and contact.solver != ROLLING:
-        entry.gain *= share_of(state.rolls[contact.roll])
     _tell_striker(state, contact, entry)
     return index
 

@@ -82,7 +82,7 @@ def _describe(state: State, contact: Contact, event: Event) -> None:
     contact.random = np.uint64(values.seed)
     contact.spin = 0.0
     contact.solver = CLOSED
-    contact.unsettled = contact.solved = 0
+    contact.unsettled = contact.solved = contact.ahead = contact.led = 0
     contact.forces[:] = 0.0
     _choose_sound(state, contact, values)
     for i in range(len(IN_VALUES)):

@@ -55,6 +55,8 @@ class Contact(Record):
     settled: int  # number of that receptance, of no other contact's nor of an earlier one
     solved: int  # 1: a coupled contact's `moments` over the coming sample are known
     moments: Annotated[View[float], FINE]  # N s
+    ahead: int  # frames of this quantum for which a coupled roll has been solved
+    led: int  # 1: it has been brought to the next one
     oversampling: int  # steps per sample of a sampled contact
     steps: int  # that a sampled contact may still take
     v_in: float  # m/s

@@ -7,12 +7,14 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
+from ...contact.block import ROWS, Block
 from ...contact.coupled_records import CoupledGroup
 from ...native.pages import own_zeros
 from ...native.typed import Record, View, View2D, View3D, View4D, dtype_of, f32, i16, i32
-from ...numerics.legendre import FINE, KEPT, MOMENTS
+from ...numerics.legendre import AHEAD, FINE, KEPT, MOMENTS
 from ...resonator.bank import RESPONSES, Driver
 from ...resonator.fed import HALF, REACH
+from ...resonator.rows import room_for_rows
 from ...resonator.simd import LANES
 from ...rolling.roll_record import Roll
 from ...schema import GESTURES, TRAIT_NAMES
@@ -25,7 +27,7 @@ from .meter_record import Meter
 from .records import Contact, Place, RampList, Slide, Tails, Through
 from .striker_state import STRIKERS, VOICES, Striker, Voice
 
-QUANTUM = 64
+QUANTUM = AHEAD
 """Frames the engine computes at a time, on a grid of its own: the sound can't depend on the device's block size."""
 
 CONTACTS = 512
@@ -177,6 +179,7 @@ class Object(Record):
     shares_contact: int  # with another object
     driven_modes: int  # its first modes that a force acted on
     driven_gain: float  # the highest gain of a gesture whose force acted on it
+    ahead: int  # 1: it is driven by moments of its one roll that were solved ahead
     rolls_head: int  # head of the list of rolls on it, 2 contact + side; -1: none
     energy: float  # sum of squares of its share of the mix
 
@@ -218,6 +221,8 @@ class Scratch(Record):
     moments: Annotated[View[float], MOMENTS]
     fine: Annotated[View[float], FINE]
     observed: Annotated[View[float], FINE]
+    rows: Annotated[View[float], AHEAD * ROWS]  # of a point's motion over a quantum
+    room: Annotated[View[float], room_for_rows(ROWS)]  # to lay them out
     receptance: Annotated[View[float], FINE]
     drivers: Annotated[View[Driver], ROLLS]  # of the rolls on one object, at one time
     blows: Annotated[View2D[float], ROLLS, QUANTUM]  # their forces by one number a frame, those at one place together
@@ -344,6 +349,7 @@ class State(Record):
     settled_count: int  # and to the receptances that coupled contacts were told
     oldest_running: int  # the least of these that may go on in this quantum
     rolls: Annotated[View[Roll], ROLLS]
+    blocks: Annotated[View[Block], ROLLS]  # of those that feel all modes
     slides: Annotated[View[Slide], ROLLS]  # what those that slide have besides
     feeds: Annotated[
         View3D[float], ROLLS, BEHIND + QUANTUM + LEAD, KEPT

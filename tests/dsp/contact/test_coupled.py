@@ -9,10 +9,12 @@ from numba import carray, cfunc, from_dtype, types
 
 from carom.dsp.contact import coupled, coupled_flight
 from carom.dsp.contact.accuracy import LEVELS, TOLERANCE, closed_form_will_do
-from carom.dsp.contact.coupled import MOST_STEPS, ContactLaw
+from carom.dsp.contact.coupled import ContactLaw
+from carom.dsp.contact.coupled_group import MOST_STEPS
+from carom.dsp.contact.coupled_records import COUPLED_GROUP
 from carom.dsp.contact.coupled_step import HELD
 from carom.dsp.lab import coupled_sampled
-from carom.dsp.lab.coupled import Case, error, extreme_case, random_cases, simulate
+from carom.dsp.lab.coupled import MEMBER, Case, error, extreme_case, random_cases, simulate, step_alone
 from carom.dsp.resonator import bank, coefficients
 from tests import accuracy
 from tests.dsp.contact import pressed
@@ -152,11 +154,16 @@ class Modes:
 
 
 def contact_of(law, receptance, tolerance, push=0.0, fraction=0.0):
-    contact = np.zeros(1, coupled.COUPLED)[0]
+    contacts, group = np.zeros(1, MEMBER), np.zeros(1, COUPLED_GROUP)[0]
+    contact = contacts[0]["coupled"]
     v, *law = law
     coupled.begin_coupled(contact, v, ContactLaw(*law), push, fraction, 48_000.0, tolerance)
     coupled.respond_with(contact, receptance)
-    return contact
+
+    def step(seen, moments):
+        step_alone(contacts, group, seen, moments)
+
+    return contact, step
 
 
 def test_a_pressed_striker_comes_to_rest_and_leaves_when_released():
@@ -164,7 +171,7 @@ def test_a_pressed_striker_comes_to_rest_and_leaves_when_released():
     frequency, sigma, phi = np.array([180.0, 470.0, 1100.0, 2900.0]), np.full(4, 60.0), np.full(4, 2.0)
     law, push, rest = (0.3, 0.02, 1e7, 5.0, 1.5), 3.0, 12_000
     modes = Modes(frequency, sigma, phi)
-    contact = contact_of(law, modes.receptance(), 1e-3, push)
+    contact, step = contact_of(law, modes.receptance(), 1e-3, push)
     velocities, apart, moments = [], [], np.zeros(bank.FINE)
     for t in range(rest + 2_000):
         if t == rest:
@@ -173,7 +180,7 @@ def test_a_pressed_striker_comes_to_rest_and_leaves_when_released():
             assert abs(contact["v"]) < 1e-5
             assert contact["steps"] < 1.2 * rest  # where it lies, a step a sample is enough
             contact["push"] = 0.0
-        coupled.step_coupled(contact, modes.observe(), moments)
+        step(modes.observe(), moments)
         modes.step(moments)
         velocities.append(float(contact["v"]))
         apart.append(coupled_flight.apart_for(contact, *modes.reach()))
@@ -186,7 +193,7 @@ def test_a_pressed_striker_comes_to_rest_and_leaves_when_released():
 def bounced(longest):
     """Drop a weight back on a ringing plate: return contacts, samples looked at, its last velocity."""
     modes = Modes(300.0 * np.arange(1, 5), np.full(4, 80.0), np.full(4, 2.0))
-    contact = contact_of((0.5, 0.002, 1e9, 0.2, 1.5), modes.receptance(), 1e-5, 0.002 * 9.81, 0.25)
+    contact, step = contact_of((0.5, 0.002, 1e9, 0.2, 1.5), modes.receptance(), 1e-5, 0.002 * 9.81, 0.25)
     looked = skip = 0
     moments = np.zeros(bank.FINE)
     for _ in range(20_000):
@@ -196,7 +203,7 @@ def bounced(longest):
             modes.ring()
             continue
         looked += 1
-        coupled.step_coupled(contact, modes.observe(), moments)
+        step(modes.observe(), moments)
         modes.step(moments)
         skip = int(min(coupled_flight.apart_for(contact, *modes.reach()), longest - 1))
     return contact["contacts"], looked, float(contact["v"])
@@ -219,10 +226,10 @@ def test_two_objects_that_both_ring():
     banks = [Modes(frequency[half], case.sigma[half], phi[half]) for half in (slice(0, 8), slice(8, 16))]
     receptance = banks[0].receptance() + banks[1].receptance()
     law = (case.v_in, case.m, case.k, case.mu, case.a)
-    contact = contact_of(law, receptance, EXACT, fraction=case.fraction)
+    contact, step = contact_of(law, receptance, EXACT, fraction=case.fraction)
     velocities, moments = [], np.zeros(bank.FINE)
     for _ in range(case.samples):
-        coupled.step_coupled(contact, banks[0].observe() - banks[1].observe(), moments)
+        step(banks[0].observe() - banks[1].observe(), moments)
         banks[0].step(moments)
         banks[1].step(-moments)
         velocities.append(float(contact["v"]))
@@ -251,7 +258,8 @@ def test_sampled_methods_converge_to_the_coupled_solver():
 
 PLACE = np.dtype(
     [
-        ("contact", coupled.COUPLED),
+        ("contacts", MEMBER, 1),
+        ("group", COUPLED_GROUP),
         ("pressed", pressed.PRESSED),
         ("modes", np.float64, (5, bank.LANES)),
         ("response", np.float64, bank.RESPONSES),
@@ -268,7 +276,7 @@ PLACE = np.dtype(
 def every_kernel(data):
     """Call what the engine will call, one after the other."""
     place = carray(data, (1,))[0]
-    contact, seen, moments, work = place.contact, place.seen, place.moments, place.work
+    contact, seen, moments, work = place.contacts[0].coupled, place.seen, place.moments, place.work
     modes = bank.Modes(
         place.modes[0], place.modes[1], place.modes[2], place.modes[3], place.modes[4], place.response
     )  # fmt: skip
@@ -277,7 +285,7 @@ def every_kernel(data):
     bank.receptance(modes, point, work, seen)
     coupled.respond_with(contact, seen)
     bank.observe(modes, point, work, seen)
-    coupled.step_coupled(contact, seen, moments)
+    step_alone(place.contacts, place.group, seen, moments)
     bank.inject_fine(modes, point, moments)
     distance, speed = bank.reach(modes, point, work)
     apart = coupled_flight.apart_for(contact, distance, speed)

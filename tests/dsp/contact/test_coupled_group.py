@@ -8,11 +8,9 @@ from carom.dsp.contact.accuracy import LIGHT_TOLERANCE
 from carom.dsp.contact.collocation import elastic
 from carom.dsp.contact.coupled import ContactLaw, begin_coupled, respond_with
 from carom.dsp.contact.coupled_group import answer_with, step_together
-from carom.dsp.contact.coupled_records import COUPLED, COUPLED_GROUP
-from carom.dsp.lab.coupled import Case, bank_of, motion_and_energy, restart, ring_on, simulate
+from carom.dsp.contact.coupled_records import COUPLED_GROUP
+from carom.dsp.lab.coupled import MEMBER, Case, bank_of, motion_and_energy, restart, ring_on, simulate
 from carom.dsp.resonator.bank import Point, inject_fine, observe, receptance, transfer_receptance
-
-MEMBER = np.dtype([("coupled", COUPLED)], align=True)
 
 
 @njit(error_model="numpy")

@@ -1,0 +1,209 @@
+"""A lasting contact that is solved in blocks, against DOP853, and its energy."""
+
+import math
+
+import numpy as np
+import pytest
+from numba import njit
+from scipy.integrate import solve_ivp
+
+from carom.dsp.contact.block import (
+    AHEAD,
+    MOMENTS_AHEAD,
+    ROWS,
+    Block,
+    begin_block,
+    end_block,
+    feel,
+    is_soft,
+    settle_block,
+    step_block,
+)
+from carom.dsp.contact.collocation import elastic
+from carom.dsp.contact.coupled import ContactLaw, begin_coupled, begin_within, respond_with
+from carom.dsp.contact.coupled_records import COUPLED_GROUP
+from carom.dsp.engine.contacts.blocks import WEIGHTS
+from carom.dsp.lab.coupled import MEMBER, Case, bank_of, motion_and_energy, restart, ring_on, step_alone
+from carom.dsp.native.typed import dtype_of
+from carom.dsp.numerics.legendre import FINE, KEPT
+from carom.dsp.resonator.bank import Modes, inject_fine, inject_kept, observe, receptance
+from carom.dsp.resonator.rows import lay_rows, room_for_rows
+from carom.dsp.rolling.block_path import project_path
+
+RATE = 48_000.0
+GRAVITY = 9.81
+
+
+@njit(error_model="numpy")
+def _lay(modes, point, room, flat, rows):
+    flat[:] = 0.0
+    lay_rows(modes, point, WEIGHTS, room, flat)
+    for r in range(ROWS):
+        for n in range(AHEAD):
+            rows[n * ROWS + r] = flat[r * AHEAD + n]
+
+
+@njit(error_model="numpy")
+def _run(contacts, group, block, bank, law, v, path, room, flat, out):
+    contact = contacts[0].coupled
+    modes, point, work, seen = bank.modes, bank.point, bank.work, bank.seen
+    m, k, mu, a = law
+    restart(bank)
+    weight = m * GRAVITY
+    begin_coupled(contact, v, ContactLaw(m, k, mu, a), weight, 0.0, RATE, 1e-3)
+    contact.rest_force = weight
+    contact.rest_compression = (weight / k) ** (1.0 / a)
+    begin_within(contact, contact.rest_compression, v, 0.0, 0.1)
+    receptance(modes, point, work, seen)
+    respond_with(contact, seen)
+    settle_block(block, contact)
+    soft = is_soft(contact)
+    n = len(modes.y1)
+    struck = Modes(work[:n], work[n : 2 * n], modes.a1, modes.a2, modes.balance, modes.response)
+    moments = np.zeros(KEPT)
+    for j in range(MOMENTS_AHEAD):
+        work[:] = 0.0
+        moments[:] = 0.0
+        moments[j] = 1.0
+        inject_kept(struck, point, moments)
+        ring_on(struck)
+        _lay(struck, point, room, flat, block.later[j])
+    for first in range(0, len(path), AHEAD):
+        _lay(modes, point, room, flat, block.rows[ROWS:])
+        observe(modes, point, work, seen)
+        place = 0.0
+        for j in range(FINE):
+            place += seen[j] * (1.0 - 2.0 * (j % 2))
+        begin_block(block, contact, place)
+        within, fine = soft, False
+        for i in range(AHEAD):
+            t = first + i
+            contact.rise, contact.bend = path[t, 0], path[t, 1]
+            contact.kinks, contact.kink = 1, 0
+            contact.kink_at[0], contact.kink_rise[0], contact.kink_bend[0] = path[t, 2], path[t, 3], path[t, 4]
+            project_path(contact, block)
+            within = within and step_block(block, contact, i)
+            if within:
+                feel(block, i, 1.0)
+                moments[:] = 0.0
+                for j in range(MOMENTS_AHEAD):
+                    moments[j] = block.moments[j]
+                inject_kept(modes, point, moments)
+            else:
+                if not fine:
+                    end_block(block, contact)
+                fine = True
+                observe(modes, point, work, seen)
+                step_alone(contacts, group, seen, bank.moments)
+                inject_fine(modes, point, bank.moments)
+            ring_on(modes)
+            if i == AHEAD - 1 and not fine:
+                end_block(block, contact)
+            velocity, energy = motion_and_energy(bank)
+            energy += 0.5 * m * contact.v * contact.v + elastic(contact.motion[0], k, a)
+            # The modes move about where the weight bends them; the striker's weight is what is left.
+            out[t, 0], out[t, 1] = velocity, contact.v
+            out[t, 2], out[t, 3] = contact.motion[0], energy - weight * contact.motion[0]
+
+
+def run(case, v, path):
+    """Return the courses of the point's velocity, the body's, compression and energy; steps beyond two a sample."""
+    contacts, group = np.zeros(1, MEMBER), np.zeros(1, COUPLED_GROUP)[0]
+    block, bank = np.zeros(1, dtype_of(Block))[0], bank_of(case)
+    out = np.empty((len(path), 4))
+    law = case.m, case.k, case.mu, case.a
+    _run(contacts, group, block, bank, law, v, path, np.zeros(room_for_rows(ROWS)), np.zeros(AHEAD * ROWS), out)
+    return out, int(contacts[0]["coupled"]["steps"]) - len(path)
+
+
+def reference(case, v, path):
+    """Return the course of the point's velocity by DOP853, from kink to kink of the path."""
+    omega, sigma, n = 2 * np.pi * case.frequency, case.sigma, len(case.frequency)
+    rest = case.m * GRAVITY
+    y = np.concatenate([np.zeros(2 * n), [0.0, v]])  # q, q', the body's place and velocity towards the object
+    level = (rest / case.k) ** (1 / case.a)
+    found = []
+
+    def rate(t, y, height, rise, bend):
+        q, u = y[:n], y[n : 2 * n]
+        x = height + (rise + bend * t) * t + y[-2] - case.phi @ q
+        speed = rise + 2 * bend * t + y[-1] - case.phi @ u
+        force = case.k * max(x, 0.0) ** case.a * max(1 + case.mu * speed, 0.0) - rest
+        bent = case.phi * force - 2 * sigma * u - (omega**2 + sigma**2) * q
+        return np.concatenate([u, bent, [y[-1], -force / case.m]])
+
+    for rise, bend, kink, jump, curve in path:
+        for begin, end in ((0.0, kink), (kink, 1.0)):
+            h = (end - begin) / RATE
+            scaled = rise * RATE, bend * RATE**2
+            y = solve_ivp(rate, (0, h), y, "DOP853", args=(level, *scaled), rtol=1e-11, atol=1e-16).y[:, -1]
+            level += (rise + bend * (end - begin)) * (end - begin)
+            rise += 2 * bend * (end - begin)
+            if end == kink:
+                rise, bend = rise + jump, bend + curve
+        found.append(case.phi @ y[n : 2 * n])
+    return np.array(found)
+
+
+def object_of(modes, light, seed, m=0.005, k=3.9e9, mu=10.0, damped=1.0):
+    """Return a body of m on some modes with sum m phi^2 = light."""
+    random = np.random.default_rng(seed)
+    frequency = np.sort(10 ** random.uniform(2.0, 4.35, modes))
+    phi = random.normal(size=modes)
+    phi *= math.sqrt(light / (m * phi @ phi))
+    return Case(frequency, np.full(modes, 30.0 * damped), phi, 1.0, m, k, mu, 1.5)
+
+
+def rough(samples, height, seed):
+    """Return a path of so many samples: slope (m per sample), half its change, and a kink somewhere in each sample."""
+    random = np.random.default_rng(seed)
+    path = np.empty((samples, 5))
+    slope = 0.0
+    for t in range(samples):
+        path[t] = slope, random.normal() * height, random.uniform(0.02, 0.98), random.normal() * height, 0.0
+        slope += 2.0 * path[t, 1] + path[t, 3]
+        slope *= 0.5
+    return path
+
+
+def decibels(wrong, right):
+    return 20 * math.log10(np.abs(wrong - right).max() / np.abs(right).max())
+
+
+@pytest.mark.parametrize(
+    ("light", "height", "steps"), [(0.1, 1e-9, 0), (1.0, 1e-9, 0), (1.0, 1e-8, 99), (4.0, 3e-9, 0)]
+)
+def test_rolls_against_dop853(light, height, steps):
+    case, path = object_of(12, light, seed=3), rough(2 * AHEAD, height, seed=4)
+    found, fine = run(case, 0.0, path)
+    assert decibels(found[:, 0], reference(case, 0.0, path)) < -60 and fine <= steps
+
+
+@pytest.mark.parametrize("light", [0.01, 1.0, 30.0])
+@pytest.mark.parametrize("m", [1e-3, 6.8])
+def test_a_body_at_rest_stays_so(m, light):
+    case = object_of(40, light, seed=1, m=m)
+    found, _ = run(case, 0.0, np.tile([0.0, 0.0, 0.5, 0.0, 0.0], (64 * AHEAD, 1)))
+    rest = (m * GRAVITY / case.k) ** (1 / case.a)
+    assert np.abs(found[:, 2] / rest - 1).max() < 1e-6
+
+
+def test_energy_grows_by_no_more_than_its_allowance():
+    """Bodies bounce on modes without loss, and chatter, with a law that has none either."""
+    random = np.random.default_rng(7)
+    flat = np.tile([0.0, 0.0, 0.5, 0.0, 0.0], (32 * AHEAD, 1))
+    grown, fine = [], 0
+    for seed in range(60):
+        m = 10 ** random.uniform(-3, 0)
+        light = 10 ** random.uniform(-2, 2)
+        k = m * (math.pi * RATE / 10 ** random.uniform(0.3, 2.0)) ** 2.5
+        case = object_of(24, light, seed, m=m, k=k, mu=0.0, damped=0.0)
+        found, finely = run(case, 10 ** random.uniform(-3, 0), flat)
+        if finely >= len(flat):
+            continue  # too stiff for blocks
+        energy = found[:, 3]
+        start = energy[0]
+        scale = np.abs(found[:, 1]).max() ** 2 * 0.5 * m
+        grown.append(float((energy.max() - start) / max(scale, start)))
+        fine += finely
+    assert max(grown) < 2e-5 and fine > 0, sorted(grown)[-5:]
