@@ -175,7 +175,7 @@ def test_contacts_are_put_together_across_looks():
     assert blow.speed == 1.0 and blow.position == pytest.approx(0.2)
     assert 0.15 < blow.impulse < 0.30, "a felt beater of 150 g loses its momentum, and gets some back"
     assert sum(blow.force) / 48_000 == pytest.approx(blow.impulse, rel=1e-9)
-    assert len(on) > 100 and {(place, speed) for place, speed, _ in on} == {(0.7, 0.5)}
+    assert len(on) > 100 and {(round(place, 12), speed) for place, speed, _ in on} == {(0.7, 0.5)}
     assert all(strength > 0.0 for *_, strength in on)
 
 
