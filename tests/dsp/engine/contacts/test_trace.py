@@ -15,9 +15,10 @@ from carom.dsp.numerics.constants import STANDARD_GRAVITY
 from carom.dsp.rolling.contact_step import BRIEF
 from carom.dsp.rolling.surface import make_surface
 from carom.dsp.runtime.engine import NOW, Engine
-from tests.dsp.engine.support import HARD, RATE, SURFACE, bell, gesture, impact, strike
+from tests.dsp.engine.support import HARD, RATE, SURFACE, bell, gesture, impact, stop, strike
 
 MARBLE = (0.005, 5e8, 0.1, 1.5)
+SOFT = (0.005, 1e6, 0.1, 1.5)
 
 
 def heavy():
@@ -177,3 +178,23 @@ def test_a_trace_changes_no_bit_of_the_sound():
         return engine.process(4_800)
 
     np.testing.assert_array_equal(sound(True), sound(False))
+
+
+@pytest.mark.slow
+def test_a_roll_that_stops_fades_alike_in_the_trace_of_both_accuracies():
+    """The moments of blocks, at -60, hold what is left of it; sample by sample, at -80, the gain does."""
+
+    def given(level):
+        engine = traced_engine()
+        engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index(level))])
+        handle = engine.add(light())
+        engine.send([gesture("roll", handle, SOFT, 0.0, 7, speed=0.5, radius=0.008, seed=3, gain=0.1)])
+        engine.send([stop(7, 4_800.0)])
+        entries = follow(engine, 9_600)
+        force = np.zeros(9_600)
+        force[entries["sample"] + 1] = entries["impulse"] * entries["gain"]
+        return force[4_800:], set(entries["gain"])
+
+    (blocks, constant), (samples, falling) = given("-60"), given("-80")
+    assert len(constant) < len(falling)
+    assert np.sqrt(np.square(blocks - samples).sum() / np.square(samples).sum()) < 0.01
