@@ -109,9 +109,10 @@ def _hollow(outer: Shape, wall: float) -> Shape:
     """Return a shape with a wall of a thickness (m) around a hollow, which is closed.
 
     A box rings as its widest face: a plate on supported edges, over which the other faces turn freely. The lowest mode
-    of a closed box lies between it and that of a clamped one: for square faces up to 1.8 times as high (S. M. Dickinson
-    and G. B. Warburton, Proc. IMechE 182, 1967). A cylinder rings as a cup that stands on one of its ends (bodies/ring:
-    `glass`), as does a capsule of its length without the ends: what its other end holds is left out.
+    of a closed box is expected between it and that of a clamped face, which for a square is 1.8 times as high
+    (lambda^2 = 19.74 and 35.99: A. W. Leissa, Vibration of Plates, NASA SP-160, 1969). A cylinder rings as a cup that
+    stands on one of its ends (bodies/ring: `glass`), as does a capsule of its length without the ends: what its other
+    end holds is left out.
     """
     least = min(outer.edges) / 2
     if outer.name not in _HOLLOW or not 0.0 < wall < least:
