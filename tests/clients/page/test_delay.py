@@ -85,10 +85,12 @@ def test_a_tap_is_heard_within_50_ms(play):
     table.settle("carom.sound.isHeard && carom.sound.state.playing")
     table.page.wait_for_timeout(1500)
     table.ask("carom.delay.measured = []")
-    for n in range(9):
-        table.page.mouse.click(*table.spot("marimba-bar", 0.3 + 0.03 * n))
+    taps = 0
+    while table.ask("carom.delay.measured.length") < 7:
+        assert taps < 60, "seven of sixty taps are measured: those made while the stream plays"
+        table.page.mouse.click(*table.spot("marimba-bar", 0.3 + 0.03 * (taps % 9)))
         table.page.wait_for_timeout(170)
-    table.settle("carom.delay.measured.length >= 7")
+        taps += 1
     # The fastest, as a busy machine holds up others; there the buffer waits for what comes late. `tests.bench.page`
     # bounds the median of an idle one.
     held = table.ask("1000 * (carom.sound.state.reserve - 0.004)")
