@@ -207,10 +207,10 @@ def step_alone(contacts: Items[Member], group: CoupledGroup, seen: View[float], 
 
 
 @njit(error_model="numpy")
-def _simulate(contacts, group, bank, striker, rate, tolerance, samples, times, out):
+def _simulate(contacts, group, bank, case, samples, times, out):
     modes, point, work, seen, moments = bank.modes, bank.point, bank.work, bank.seen, bank.moments
     contact = contacts[0].coupled
-    v, m, k, mu, a, push, fraction = striker
+    v, m, k, mu, a, push, fraction, rate, tolerance = case
     law = ContactLaw(m, k, mu, a)
     for _ in range(times):
         restart(bank)
@@ -233,11 +233,9 @@ def _simulate(contacts, group, bank, striker, rate, tolerance, samples, times, o
 
 
 def _simulation(case: Case, tolerance: float, contacts: NDArray[np.void]) -> Callable[..., None]:
-    law = (case.v_in, case.m, case.k, case.mu, case.a, case.push, case.fraction)
+    law = (case.v_in, case.m, case.k, case.mu, case.a, case.push, case.fraction, case.rate, tolerance)
     group = np.zeros(1, COUPLED_GROUP)[0]
-    return partial(
-        _simulate, contacts, group, bank_of(case), tuple(map(float, law)), float(case.rate), float(tolerance)
-    )
+    return partial(_simulate, contacts, group, bank_of(case), tuple(map(float, law)))
 
 
 def simulate(case: Case, tolerance: float = 1e-5) -> Run:

@@ -44,8 +44,8 @@ def _lay(modes, point, room, flat, rows):
 
 
 @njit(error_model="numpy")
-def _run(contacts, group, block, bank, law, v, path, room, flat, out):
-    contact = contacts[0].coupled
+def _begin(contact, block, bank, law, v, room):
+    """Begin a body that rests on the modes, moving at v; lay how the modes answer the block's moments."""
     modes, point, work, seen = bank.modes, bank.point, bank.work, bank.seen
     m, k, mu, a = law
     restart(bank)
@@ -57,7 +57,6 @@ def _run(contacts, group, block, bank, law, v, path, room, flat, out):
     receptance(modes, point, work, seen)
     respond_with(contact, seen)
     settle_block(block, contact)
-    soft = is_soft(contact)
     n = len(modes.y1)
     struck = Modes(work[:n], work[n : 2 * n], modes.a1, modes.a2, modes.balance, modes.response)
     moments = np.zeros(KEPT)
@@ -67,21 +66,45 @@ def _run(contacts, group, block, bank, law, v, path, room, flat, out):
         moments[j] = 1.0
         inject_kept(struck, point, moments)
         ring_on(struck)
-        _lay(struck, point, room, flat, block.later[j])
+        _lay(struck, point, room[0], room[1], block.later[j])
+
+
+@njit(error_model="numpy")
+def _begin_block(contact, block, bank, room):
+    """Begin a block with the course that the modes would have of themselves."""
+    _lay(bank.modes, bank.point, room[0], room[1], block.rows[ROWS:])
+    observe(bank.modes, bank.point, bank.work, bank.seen)
+    place = 0.0
+    for j in range(FINE):
+        place += bank.seen[j] * (1.0 - 2.0 * (j % 2))
+    begin_block(block, contact, place)
+
+
+@njit(error_model="numpy")
+def _follow(contact, block, path):
+    """Take the path over a sample: its rise, its bend, and one kink."""
+    contact.rise, contact.bend = path[0], path[1]
+    contact.kinks, contact.kink = 1, 0
+    contact.kink_at[0], contact.kink_rise[0], contact.kink_bend[0] = path[2], path[3], path[4]
+    project_path(contact, block)
+
+
+@njit(error_model="numpy")
+def _run(contacts, group, block, bank, start, path, room, out):
+    contact = contacts[0].coupled
+    modes, point = bank.modes, bank.point
+    law, v = start
+    m, k, _mu, a = law
+    weight = m * GRAVITY
+    _begin(contact, block, bank, law, v, room)
+    soft = is_soft(contact)
+    moments = np.zeros(KEPT)
     for first in range(0, len(path), AHEAD):
-        _lay(modes, point, room, flat, block.rows[ROWS:])
-        observe(modes, point, work, seen)
-        place = 0.0
-        for j in range(FINE):
-            place += seen[j] * (1.0 - 2.0 * (j % 2))
-        begin_block(block, contact, place)
+        _begin_block(contact, block, bank, room)
         within, fine = soft, False
         for i in range(AHEAD):
             t = first + i
-            contact.rise, contact.bend = path[t, 0], path[t, 1]
-            contact.kinks, contact.kink = 1, 0
-            contact.kink_at[0], contact.kink_rise[0], contact.kink_bend[0] = path[t, 2], path[t, 3], path[t, 4]
-            project_path(contact, block)
+            _follow(contact, block, path[t])
             within = within and step_block(block, contact, i)
             if within:
                 feel(block, i, 1.0)
@@ -93,8 +116,8 @@ def _run(contacts, group, block, bank, law, v, path, room, flat, out):
                 if not fine:
                     end_block(block, contact)
                 fine = True
-                observe(modes, point, work, seen)
-                step_alone(contacts, group, seen, bank.moments)
+                observe(modes, point, bank.work, bank.seen)
+                step_alone(contacts, group, bank.seen, bank.moments)
                 inject_fine(modes, point, bank.moments)
             ring_on(modes)
             if i == AHEAD - 1 and not fine:
@@ -112,7 +135,8 @@ def run(case, v, path):
     block, bank = np.zeros(1, dtype_of(Block))[0], bank_of(case)
     out = np.empty((len(path), 4))
     law = case.m, case.k, case.mu, case.a
-    _run(contacts, group, block, bank, law, v, path, np.zeros(room_for_rows(ROWS)), np.zeros(AHEAD * ROWS), out)
+    room = np.zeros(room_for_rows(ROWS)), np.zeros(AHEAD * ROWS)
+    _run(contacts, group, block, bank, (law, v), path, room, out)
     return out, int(contacts[0]["coupled"]["steps"]) - len(path)
 
 

@@ -98,6 +98,7 @@ def test_the_callbacks_key_holds_its_kernels_and_neither_bodies_nor_lab():
         "runtime",
         "schema",
         "schema_records",
+        "schema_values",
     }
     assert {name for name in held if ".runtime." in name} == {"carom.dsp.runtime.callback"}
 
