@@ -249,7 +249,14 @@ SHAPES: Mapping[str, Shape] = {
     ),
     "disc": Shape(
         shapes.disc,
-        {"radius": LENGTH, "thickness": THICKNESS, "edge": Choice(DISC_EDGES), **ROUND, "baffle": BAFFLE},
+        {
+            "radius": LENGTH,
+            "thickness": THICKNESS,
+            "dome": Quantity(0, 1, "m"),
+            "edge": Choice(DISC_EDGES),
+            **ROUND,
+            "baffle": BAFFLE,
+        },
     ),
     "membrane": Shape(
         shapes.membrane,

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from . import acceleration
 from .air import plate_mass
+from .dome import SHALLOW, Waves, domed
 from .heard import BAFFLES, heard, loaded
 from .material import Array, Material
 from .modes import MOST_MODES, Indices, Modes, audible, path, read_only, require_choice, require_positive
@@ -36,6 +37,7 @@ def disc(
     radius: float,
     thickness: float,
     top: float,
+    dome: float = 0.0,
     edge: str = "free",
     split: float = 0.0,
     imperfection: float = 20.0,
@@ -43,10 +45,12 @@ def disc(
 ) -> Modes:
     """Return the modes of a thin circular plate (Kirchhoff), its edge free, clamped or simply supported.
 
-    radius and thickness in m, top in Hz; the strike path is a diameter, from edge (0) over the centre (0.5) to edge
-    (1); split and imperfection as in `ring.doublets`, baffle as in `heard.BAFFLES`. ValueError names what is out of
-    range. f = lambda^2/(2 pi R^2) sqrt(D/(rho h)), lambda the roots of the edge's two conditions on
-    J_n(lambda r) + c I_n(lambda r) (Leissa, Vibration of Plates, NASA SP-160, 1969), lowered by the air.
+    radius and thickness in m; dome (m): the rise of the centre over the edge, which is free, as of a shallow parabolic
+    cap (dome.py), on which the air acts as on the flat disc at the cap's frequencies; top in Hz; the strike path is a
+    diameter, from edge (0) over the centre (0.5) to edge (1); split and imperfection as in `ring.doublets`, baffle as
+    in `heard.BAFFLES`. ValueError names what is out of range. f = lambda^2/(2 pi R^2) sqrt(D/(rho h)), lambda the roots
+    of the edge's two conditions on J_n(lambda r) + c I_n(lambda r) (Leissa, Vibration of Plates, NASA SP-160, 1969),
+    lowered by the air.
     """
     require_positive(radius=radius, thickness=thickness)
     require_choice("edge", edge, EDGES)
@@ -59,19 +63,54 @@ def disc(
     mass = areal * math.pi * radius**2
 
     growing, square = _plate_waves(edge, material.poisson_ratio, root, order)
-    scale = 1 / np.sqrt(2 * square * mass * np.where(order == 0, 1.0, 0.5))
+    waves = Waves(order, root, growing, _scale(square, mass, order))
 
-    def radial(r: Array, mode: Indices) -> Array:
+    def flat(r: Array, mode: Indices) -> Array:
         columns = (each.tobytes() for each in (r, root[mode], order[mode], growing[mode]))
-        return scale[mode] * _plate_shapes(*columns)
+        return waves.scale[mode] * _plate_shapes(*columns)
 
-    surface = Round(radius, areal, baffle, order, root, growing, scale)
-    body = _Round(unit * root**2, mass, surface, radial, unit * limit**2)
+    surface = Round(radius, areal, baffle, *waves)
+    body = _Round(unit * root**2, mass, surface, flat, unit * limit**2)
+    if dome:
+        _require_cap(dome, radius, edge)
+        body = _domed(body, waves, limit, 4 * material.youngs_modulus * thickness * (dome / radius) ** 2)
     made = _round(material, body, Doublets(split, imperfection), top)
     if baffle != "free":
         return made
     whole = acceleration.disc(mass, radius, thickness)
     return replace(made, clicks=near_field(areal, whole, critical_frequency(areal, rigidity), held=edge != "free"))
+
+
+def _require_cap(dome: float, radius: float, edge: str) -> None:
+    """Raise ValueError if a disc with this edge can't have such a dome."""
+    if edge != "free":
+        raise ValueError(f"dome = {dome}: expected 0 where edge = {edge}; only a free edge may be domed")
+    if not 0 < dome <= SHALLOW * radius:
+        raise ValueError(f"dome = {dome}: expected 0 to {SHALLOW * radius:g}, a quarter of the radius")
+
+
+def _domed(flat: "_Round", waves: Waves, limit: float, stiffness: float) -> "_Round":
+    """Return a disc as a cap, from its waves up to a root; stiffness as in `domed`."""
+    cap = domed(waves, flat.frequency, _stress_functions(limit), stiffness)
+    everything = np.arange(waves.order.size)
+
+    def radial(r: Array, mode: Indices) -> Array:
+        return cap.mix(flat.radial(r, everything), mode)
+
+    return flat._replace(frequency=cap.frequency, radial=radial)
+
+
+def _scale(square: Array, mass: float, order: Array) -> Array:
+    """Return the factors on waves whose integrals of r times the square are given, so that that over a mass is 1."""
+    scale: Array = 1 / np.sqrt(2 * square * mass * np.where(order == 0, 1.0, 0.5))
+    return scale
+
+
+def _stress_functions(limit: float) -> Waves:
+    """Return the stress functions of a disc of radius 1 with a free edge: the modes of a clamped one, up to a root."""
+    order, root = _plate_roots("clamped", 0.0, limit)
+    growing, square = _plate_waves("clamped", 0.0, root, order)
+    return Waves(order, root, growing, _scale(square, math.pi, order))
 
 
 def membrane(

@@ -126,6 +126,7 @@ MEANINGS = {
     ("plate", "edges"): "at x = 0, x = length, y = 0, y = width",
     ("plate", "path_from"): "beginning of the strike path, as shares of the sides",
     ("plate", "path_to"): "end of the strike path",
+    ("disc", "dome"): "rise of the centre over the edge, which is free: up to a quarter of the radius; 0 if not given",
     ("disc", "edge"): "",
     ("ring", "radius"): "of the middle line",
     ("ring", "thickness"): "along the radius",

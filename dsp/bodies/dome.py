@@ -1,0 +1,93 @@
+"""Domed discs: shallow caps with a free edge, whose modes stretch the middle surface as well as they bend it.
+
+Marguerre's equations of shallow shells, with Airy's stress function F. At a free edge F = F_r = 0, as of the deflection
+of a clamped disc, whose modes span F: the stretching energy is a sum of squares, one for each of them. Modes of one
+angular order mix. (Thomas, Touze, Chaigne, Int. J. Solids Struct. 42, 2005.)
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from .material import Array
+from .modes import Indices
+
+SHALLOW = 0.25
+"""Times its radius: the rise up to which a cap counts as shallow."""
+
+
+class Waves(NamedTuple):
+    """Radial waves scale (J_m(root r) + growing I_m(root r)/I_m(root)) of a disc of radius 1, (k,): orders m, roots.
+
+    For stress functions scale makes the integral of the square over the disc 1.
+    """
+
+    order: Array
+    root: Array
+    growing: Array
+    scale: Array
+
+
+class Mixed(NamedTuple):
+    """The modes of a cap: frequencies without air (Hz, (k,)), and for each angular order the indices of its modes and
+    its mixture (n, n): column j holds mode j of the cap by the modes of the flat disc."""
+
+    frequency: Array
+    parts: list[tuple[Indices, Array]]
+
+    def mix(self, flat: Array, mode: Indices) -> Array:
+        """Return the radial shapes (p, n) of some of the cap's modes (n,) from those of all the flat disc's (p, k)."""
+        whole = np.empty_like(flat)
+        for row, mixture in self.parts:
+            whole[:, row] = flat[:, row] @ mixture
+        mixed: Array = whole[:, mode]
+        return mixed
+
+
+def domed(flat: Waves, frequency: Array, stress: Waves, stiffness: float) -> Mixed:
+    """Return the modes of a cap from those of the flat disc: its mass-normalised waves, and its frequencies (Hz).
+
+    stress: stress functions, of the orders of `flat` at least. stiffness (N/m): 4 E h d^2/R^2 for the rise d.
+    """
+    mixed, parts = frequency.copy(), []
+    for m in np.unique(flat.order):
+        row, column = np.flatnonzero(stress.order == m), np.flatnonzero(flat.order == m)
+        column = column[np.argsort(frequency[column], kind="stable")]
+        strain = math.sqrt(stiffness) * _overlaps(Waves(*(each[row] for each in stress)), _only(flat, column))
+        omega = 2 * math.pi * frequency[column]
+        square, mixture = np.linalg.eigh(np.diag(omega**2) + strain.T @ strain)
+        mixture *= np.sign(np.take_along_axis(mixture, np.abs(mixture).argmax(axis=0)[None], axis=0))
+        mixed[column] = np.sqrt(square) / (2 * math.pi)
+        parts.append((column, mixture))
+    return Mixed(mixed, parts)
+
+
+def _only(waves: Waves, which: Indices) -> Waves:
+    return Waves(*(each[which] for each in waves))
+
+
+def _overlaps(stress: Waves, flat: Waves) -> Array:
+    """Return the integrals over the disc of the stress functions (s,) over z^2 times the Laplacians of waves (k,), all
+    of one order, (s, k).
+
+    Both are eigenfunctions of the biharmonic operator, by z^4 and k^4. So Green's formula gives (z^4 - k^4) times the
+    integral by what they are at the edge, where the stress function and its slope are 0.
+    """
+    around = math.pi * (2.0 if flat.order[0] == 0 else 1.0)
+    curved, curved_slope = _laplacian_at_edge(stress)
+    bent, bent_slope = _laplacian_at_edge(flat)
+    edge = np.outer(curved_slope, bent) - np.outer(curved, bent_slope)
+    height = np.outer(stress.scale / stress.root**2, flat.scale)
+    overlap: Array = around * height * edge / (stress.root[:, None] ** 4 - flat.root**4)
+    return overlap
+
+
+def _laplacian_at_edge(waves: Waves) -> tuple[Array, Array]:
+    """Return the Laplacians of waves that are not scaled, and their slopes, at the edge (k,)."""
+    from scipy.special import ive, jv
+
+    m, k, growing = waves.order, waves.root, waves.growing
+    slope = m / k * jv(m, k) - jv(m + 1, k)
+    growing_slope = m / k + ive(m + 1, k) / ive(m, k)
+    return k**2 * (growing - jv(m, k)), k**3 * (growing * growing_slope - slope)
