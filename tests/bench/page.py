@@ -82,7 +82,8 @@ def page(folder: Path, carom: tuple[str, ...] = CAROM) -> Iterator[tuple[Running
 
 def clicks(folder: Path, count: int) -> dict[str, np.ndarray]:
     """Return the delays (ms) of clicks on an object, a quarter of a second apart on average."""
-    samples, heard = [], []
+    first: dict[int, int] = {}  # sample of a gesture's first contact, by its number: a light body may be hit again
+    heard = []
     random = np.random.default_rng(1)
     with page(folder, HERE) as (server, view), server.client() as listener:
         view.evaluate(_CLICKS)
@@ -96,11 +97,13 @@ def clicks(folder: Path, count: int) -> dict[str, np.ndarray]:
         for _ in range(count):
             view.mouse.click(x, y)
             view.wait_for_timeout(random.uniform(150, 350))
-            samples += [told.args[2] for told in listener.replies(0.0) if told.address == "/hit"]
+            for told in listener.replies(0.0):
+                if told.address == "/hit":
+                    first.setdefault(told.args[1], told.args[2])
             heard += view.evaluate("carom.delay.measured.splice(0)")
         clicked = np.array(view.evaluate("clicks"))
         server.quit()
-    arrived = np.loadtxt(folder / "arrivals.txt")
+    arrived, samples = np.loadtxt(folder / "arrivals.txt"), np.array([*first.values()])
     assert len(arrived) == len(clicked) == len(samples) == count, (len(arrived), len(clicked), len(samples))
     to_osc = 1e-6 * (arrived[:, 0] - clicked)
     to_sample = to_osc + 1e3 * (samples - arrived[:, 1]) / arrived[:, 2]
