@@ -22,6 +22,7 @@ EXCEPTIONS = {
     "face/mujoco.py:__init__": "a face: keywords with defaults",
     "face/world.py:__init__": "a face: keywords with defaults",
     "bodies/bar.py:bar": "a face: its keywords are a preset's keys",
+    "bodies/disc.py:disc": "a face: its keywords are a preset's keys",
     "bodies/disc.py:membrane": "a face: its keywords are a preset's keys",
     "bodies/listed.py:listed": "a face: its keywords are a preset's keys",
     "bodies/plate.py:plate": "a face: its keywords are a preset's keys",
