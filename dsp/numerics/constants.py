@@ -6,3 +6,7 @@ STANDARD_GRAVITY = 9.80665
 FULL_SCALE_PRESSURE = 4.0
 """Pa: the sound pressure that is full scale, 0 dBFS, of an object whose level is 0 dB, unless another is chosen: 106 dB
 over 20 µPa. Strikes of most things, at a metre, come out at a usual loudness then."""
+
+GRID = 256.0
+"""Places between two samples where an event that is played live may fall: few enough that a score's seconds can name
+each exactly."""

@@ -17,6 +17,7 @@ from ...dsp.native.atomics import load_acquire, store_release
 from ...dsp.native.jit import c_function, carray, kernel, noinline_kernel
 from ...dsp.native.pointers import load_address, load_double, load_int32, pointer_to
 from ...dsp.native.typed import Record, View, View2D, dtype_of
+from ...dsp.numerics.constants import GRID
 from ...dsp.runtime.ring import KEPT_FOR_NOW, SOON
 from ...dsp.schema import STEERABLE
 from .mujoco.arrays import ARRAYS, Arrays, gather
@@ -78,7 +79,6 @@ NOT_WHOLE, NOT_LATER, NO_ROOM = -1, -2, -3
 """Other results: that its numbers cannot be, or its time; that the ring is full."""
 
 _STEERED = np.array([STEERABLE.index(name) for name in STEERED])
-_GRID = 256.0  # places between two samples, to which a time is rounded that is there but for rounding
 
 
 def begin_telling(telling: np.ndarray, **arrays: np.ndarray) -> None:
@@ -165,7 +165,7 @@ def _sample_of(link: Telling, time: float) -> float:
     """Return the engine's sample of a time of the simulation (s), as a score has it."""
     at = max(time - load_double(link.start) + link.latency, load_address(link.position) / link.rate)
     sample = at * link.rate
-    nearest = np.rint(sample * _GRID) / _GRID
+    nearest = np.rint(sample * GRID) / GRID
     unit = 2.0**-52
     while 2.0**52 * unit * 2.0 <= sample:
         unit *= 2.0

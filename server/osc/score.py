@@ -16,6 +16,7 @@ from os import PathLike
 from pathlib import Path
 
 from ...dsp.errors import CaromError
+from ...dsp.numerics.constants import GRID
 from . import wire
 
 _WORD = r"""[^\s"'#\[\]][^\s"']*"""
@@ -30,9 +31,6 @@ _REAL = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 
 LONGEST_SCORE = 31 * 86_400
 """s: no event lies further from the start."""
-
-
-_GRID = 256.0  # places between two samples where the engine lets what was played live fall
 
 
 _SOUNDS = (b"RIFF", b"RF64", b"fLaC", b"OggS", b"FORM", b"ID3")
@@ -194,11 +192,16 @@ def _binary(data: bytes, path: str | PathLike[str]) -> Iterator[Line]:
         start += 4 + size
 
 
+def on_grid(sample: float) -> float:
+    """Return the sample nearest to one where an event that is played live may fall: a log's seconds name it exactly."""
+    return round(sample * GRID) / GRID
+
+
 def sample_at(time: float, rate: float) -> float:
     """Return the sample at which a score's time (s) falls; one that is on the engine's grid, but for rounding, is
     there."""
     sample = time * rate
-    nearest = round(sample * _GRID) / _GRID
+    nearest = on_grid(sample)
     return nearest if abs(sample - nearest) <= 4 * math.ulp(sample) else sample
 
 

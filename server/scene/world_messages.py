@@ -5,6 +5,7 @@ from collections.abc import Callable
 from ..bridge.wire import BODY, new_body
 from ..osc.addresses import Call, calls
 from ..osc.arguments import Values
+from ..osc.score import on_grid
 from ..osc.wire import Message
 from .transaction import Transaction
 
@@ -43,7 +44,7 @@ def world_handlers(translate: Translate) -> dict[str, Handler]:
         before, told = transaction.world.step(values.numbers["time"])
         begin = max(transaction.time, float(engine.position) + _AHEAD * engine.rate * (transaction.time < 0))
         for each in told:
-            carry_out(transaction, each.message, begin + max(each.time - before, 0.0) * engine.rate)
+            carry_out(transaction, each.message, on_grid(begin + max(each.time - before, 0.0) * engine.rate))
 
     def end(transaction: Transaction, call: Call, values: Values) -> None:
         for name in transaction.world.end():

@@ -140,11 +140,3 @@ def test_an_hour_late_is_told_on_a_machine_that_is_a_minute_old():
 
 def test_an_hour_late_is_told_here():
     an_hour_late()
-
-
-def test_the_scores_grid_is_the_engines():
-    """Both say where events may fall between samples; the score cannot import the engine, which is compiled."""
-    from carom.dsp.engine.memory import clock
-    from carom.server.osc import score
-
-    assert score._GRID == clock._GRID

@@ -11,11 +11,11 @@ from typing import Annotated
 from ...native.atomics import store_release
 from ...native.jit import kernel
 from ...native.typed import Record, View, dtype_of
+from ...numerics.constants import GRID
 
 _FIRST_BANDWIDTH, _LAST_BANDWIDTH = 1.0, 0.05  # Hz
 _FASTEST = 0.5  # rad a block: beyond, the loop would overshoot
 _LOST = 50e6  # ns of error after which it begins anew
-_GRID = 256.0  # places between two samples where an event may fall, so that a score's seconds can name each exactly
 
 
 class Clock(Record):
@@ -64,6 +64,6 @@ def lock(clock: Clock, rate: float, entered: int, sample: int, frames: int, gap:
 
 @kernel
 def sample_at(clock: Clock, time: int) -> float:
-    """Return the sample, on a grid of 1/256, that is heard at a CLOCK_MONOTONIC time in ns."""
+    """Return the sample, on the grid of events, that is heard at a CLOCK_MONOTONIC time in ns."""
     sample = clock.sample + (time - clock.origin - clock.time) / clock.period - clock.latency
-    return math.floor(sample * _GRID + 0.5) / _GRID
+    return math.floor(sample * GRID + 0.5) / GRID

@@ -44,6 +44,14 @@ class Table:
             self.page.wait_for_timeout(20)
         return found
 
+    def until_last(self, end: str, value: float, near: float = 0.0) -> list[Line]:
+        """Return the same, once the last of them has a value, or is so near to it."""
+        deadline = time.monotonic() + PATIENCE
+        while not (found := self.lines(end)) or abs(found[-1].message.args[0] - value) > near:
+            assert time.monotonic() < deadline, (end, [line.message for line in self.lines()])
+            self.page.wait_for_timeout(20)
+        return found
+
     def ask(self, script: str) -> Any:
         """Return the value of an expression on the page, which knows its parts as `carom`."""
         return self.page.evaluate(script)

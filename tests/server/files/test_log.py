@@ -70,6 +70,30 @@ def replay(tmp_path, rng, messages: Callable[[], list[Message]], rounds: int, op
     return lines
 
 
+def test_a_simulations_contacts_fall_where_the_logs_seconds_can_name_them(monkeypatch):
+    """A step comes at any sample, and its contacts lie anywhere between two steps."""
+    engine = Engine(44_100)
+    scene = Session(engine, PRESETS)
+    times: list[float] = []
+    send = engine.send
+    monkeypatch.setattr(engine, "send", lambda commands: times.extend(each.time for each in commands) or send(commands))
+    touch = ("floor", "ball", 0, 0, 0, 0, 0, 1, "approach", 1.0, "depth")
+    begin = [
+        Message("/world/body", ("floor", "plate", "wood", 0.3, 0.2, 0.01, "held", 1)),
+        Message("/world/body", ("ball", "sphere", "rubber", 0.05)),
+        Message("/world/step", (0.0,)),
+    ]
+    scene.perform(begin, NOW)
+    for n in range(1, 60):
+        engine.process(101)
+        told = [Message("/world/pose", ("ball", 0, 0, 0.05, 1, 0, 0, 0, 0, 0, -1))]
+        if n % 3 == 0:
+            told.append(Message("/world/touch", (*touch, 0.0007 * (n % 7 + 0.123))))
+        scene.perform([*told, Message("/world/step", (0.01 * n + 0.0001 * (n % 5),))], NOW)
+    later = [time for time in times if time > 0]
+    assert len(later) > 15 and [time for time in later if sample_at(time / 44_100, 44_100) != time] == []
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_a_session_of_anything_at_any_time(tmp_path, seed):
