@@ -16,6 +16,7 @@ from .modes import Modes, audible, path, require_choice, require_positive
 from .radiation import line
 from .radiation.board import BOARDS
 from .radiation.twist import Twist
+from .resonator_tube import GAP, Tube, strip_flow, with_tube
 from .ritz import quadrature
 from .torsion import torsion
 from .unheard import FINER, Felt, completed, with_unheard
@@ -43,6 +44,11 @@ def bar(
     imperfection: float = 20.0,
     ends: str = "free",
     board: str | None = None,
+    tube_diameter: float | None = None,
+    tube_length: float | None = None,
+    tube_gap: float = GAP,
+    fan: float = 0.0,
+    fan_depth: float = 0.5,
 ) -> Modes:
     """Return the modes of a Timoshenko bar, free at both ends or a cantilever (clamped at position 0).
 
@@ -61,6 +67,9 @@ def bar(
 
     A cantilever may be heard through a board that it is clamped in, one of `radiation.board.BOARDS`: its force on the
     clamp puts power into the board, and the bar loses that.
+
+    Under the middle of a rectangular bar that is free at both ends may stand a resonator tube, of an inner
+    `tube_diameter`, with the `fan` of a vibraphone: see `resonator_tube.Tube`.
     """
     require_positive(length=length, width=width, thickness=thickness, diameter=diameter, wall=wall)
     require_choice("ends", ends, ENDS)
@@ -68,6 +77,9 @@ def bar(
         require_choice("board", board, tuple(BOARDS))
         if ends != "cantilever":
             raise ValueError(f"board = {board}, ends = {ends}: expected a cantilever, clamped in the board")
+    tube = None if tube_diameter is None else Tube(tube_diameter, tube_length, tube_gap, fan, fan_depth)
+    if tube and (ends != "free" or diameter is not None):
+        raise ValueError(f"tube_diameter = {tube_diameter}: expected a bar with width and thickness and free ends")
     if not 0 <= undercut < 1 or not 0 < undercut_span <= 1:
         raise ValueError(f"undercut = {undercut}, undercut_span = {undercut_span}: expected in [0, 1) and (0, 1]")
 
@@ -103,6 +115,11 @@ def bar(
     mass = material.density * area * length
     made = heard(material, frequency[keep], resistance + share * lost, (strike, sign), mass, resistance + lost)
     made = with_unheard(made, _beyond(parts, positions, 2 * top), material.decay, top)
+    if tube is not None and width is not None:
+        upright = np.flatnonzero(keep < parts[0].motion.frequency.size)
+        along, across = tube.mouth
+        flow = strip_flow(width / 2, across, tube.gap) @ shapes(0.5 + along / length)[:, upright] / along.size
+        made = with_tube(made, upright, flow, tube.tuned(float(made.frequency[upright[0]])), top)
     if span.clamped:
         return made
     if width is not None:

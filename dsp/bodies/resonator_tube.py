@@ -1,0 +1,222 @@
+"""Resonator tubes: columns of air, closed below, under the bars of a marimba or a vibraphone.
+
+A bar that is short beside the sound's wave hardly radiates: the air flows round its edges. Its flow moves the air in
+the mouth of a tube below, which radiates to all sides. With X the volume (m^3) that leaves the mouth, and q_i the bar's
+modes,
+
+    q_i'' + 2 sigma_i q_i' + omega_i^2 q_i + B_i X'' = phi_i F
+    M (X'' + 2 sigma X' + omega^2 X) + sum_i B_i q_i'' = 0
+
+for each resonance of the tube, where its length is an odd number of quarter waves; M = rho L/(2 S) for a length L and
+an opening S. B_i is the pressure in the mouth for a unit of q_i'', and by reciprocity the force of X'' on the bar:
+that of the potential flow round a flat strip, rho (sqrt(b^2 - (y + i z)^2) + i z), its real part below a strip of half
+a width b. The air in the tube loses by viscosity and conduction at the wall (G. Kirchhoff 1868), and by what the open
+end radiates (H. Levine and J. Schwinger 1948; N. Fletcher and T. Rossing, The Physics of Musical Instruments, ch. 8).
+
+The coupled system is solved exactly. Its modes are complex; a body's are real, so each keeps the size of what it
+radiates, and its phase becomes 0 or 180 degrees: that of a tube which is in tune.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from .air import DENSITY, IMPEDANCE, SPEED
+from .material import Array
+from .modes import MOST_MODES, Indices, Modes, ascending, require_positive, selected
+
+GAP = 0.012
+"""m, between the bar and the mouth, unless it is said."""
+_END = 0.6133  # of the radius: the air outside that moves along with an open end (Levine and Schwinger)
+_VISCOSITY, _RATIO, _PRANDTL = 1.51e-5, 1.4, 0.71  # of air at 20 degrees: kinematic (m^2/s), of heats, Prandtl's number
+_RADII = (np.arange(6) + 0.5) / 6  # of rings that share the mouth, as fractions of its radius
+_ANGLES = np.linspace(0, 2 * math.pi, 16, endpoint=False)
+_MOST_TAKEN = 0.3  # of what is felt of a bar's mode: what belongs to the tube's
+_MOVES = 0.05  # share of a bar's mode from which on it counts as moving
+_SILENT = 1e-3  # of the tube's loudest: fainter modes of it are left out
+
+Complex = npt.NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class Tube:
+    """A tube under the middle of a bar: its inner diameter (m), its length (m; None: in tune with the bar's lowest
+    mode) and its distance (m).
+
+    fan: turns of the vibraphone's disc in its mouth, per second, each of which closes it twice, by fan_depth (0..1) of
+    its sound; it stands open at each blow. ValueError names what is out of range.
+    """
+
+    diameter: float
+    length: float | None = None
+    gap: float = GAP
+    fan: float = 0.0
+    fan_depth: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_positive(tube_diameter=self.diameter, tube_length=self.length, tube_gap=self.gap)
+        if not 0 <= self.fan < math.inf or not 0 <= self.fan_depth <= 1:
+            raise ValueError(
+                f"fan = {self.fan}, fan_depth = {self.fan_depth}: expected a number from 0 on, and one in [0, 1]"
+            )
+
+    @property
+    def mouth(self) -> tuple[Array, Array]:
+        """Points of the mouth that share it equally, along and across the bar (m), from its middle."""
+        weighted = np.sqrt(_RADII) * self.diameter / 2
+        return np.outer(weighted, np.cos(_ANGLES)).ravel(), np.outer(weighted, np.sin(_ANGLES)).ravel()
+
+    def tuned(self, frequency: float) -> "Tube":
+        """Return the tube of a length that puts its lowest resonance at a frequency (Hz), if it has none yet."""
+        if self.length is not None:
+            return self
+        slower = 1 - self._loss(np.array([frequency]))[0] * SPEED / (2 * math.pi * frequency)
+        length = SPEED * slower / (4 * frequency) - _END * self.diameter / 2
+        if length <= 0:
+            raise ValueError(f"tube_diameter = {self.diameter}: too wide to be in tune with {frequency:g} Hz")
+        return replace(self, length=length)
+
+    def resonances(self, top: float) -> "Column":
+        """Return the resonances of the air in it up to `top` (Hz)."""
+        assert self.length is not None
+        length = self.length + _END * self.diameter / 2
+        quarters = np.arange(1.0, max(4 * length * top / SPEED, 0.0), 2.0)
+        frequency = quarters * SPEED / (4 * length)
+        frequency = frequency * (1 - self._loss(frequency) * SPEED / (2 * math.pi * frequency))
+        mass = DENSITY * length / (2 * math.pi * (self.diameter / 2) ** 2)
+        radiated = DENSITY * (2 * math.pi * frequency) ** 2 / (4 * math.pi * SPEED)
+        return Column(frequency, SPEED * self._loss(frequency) + radiated / (2 * mass), mass)
+
+    def _loss(self, frequency: Array) -> Array:
+        """Return how sound in it falls at frequencies (Hz), 1/m."""
+        layer = np.sqrt(np.pi * frequency * _VISCOSITY)
+        loss: Array = layer * (1 + (_RATIO - 1) / math.sqrt(_PRANDTL)) / (self.diameter / 2 * SPEED)
+        return loss
+
+
+class Column(NamedTuple):
+    """Resonances of a tube: frequencies (Hz) and decay rates (1/s) (m,), and the modal mass of each (kg/m^4)."""
+
+    frequency: Array
+    decay: Array
+    mass: float
+
+
+def strip_flow(half_width: float, across: Array, below: float) -> Array:
+    """Return the potential (m) of the flow round a flat strip that moves with unit speed across itself.
+
+    At points `across` (m) from its middle line, at a distance (m) from its plane: half_width (m) as wide on each side.
+    """
+    point = across + 1j * below
+    flow: Array = (np.sqrt(point - half_width) * np.sqrt(point + half_width)).imag - below
+    return flow
+
+
+class Coupled(NamedTuple):
+    """Modes of bar and tube: s (k,) in 1/s, of positive imaginary parts.
+
+    After a blow of 1 N s where one of the bar's modes has a shape of 1, that mode moves with the sum over k of
+    Re(share exp(s t)), and the tube is heard at 1 m with that of Re(sound exp(s t)) (Pa); share and sound (n, k).
+    """
+
+    s: Complex
+    share: Complex
+    sound: Complex
+
+
+def coupled(frequency: Array, decay: Array, coupling: Array, column: Column) -> Coupled:
+    """Return the modes of a bar (n,) with a tube; coupling (n,): B of each, Pa s^2/(sqrt(kg) m)."""
+    n, m = frequency.size, column.frequency.size
+    mass = np.eye(n + m)
+    mass[n:, n:] *= column.mass
+    mass[:n, n:] = coupling[:, None]
+    mass[n:, :n] = coupling
+    weight = np.concatenate([np.ones(n), np.full(m, column.mass)])
+    omega = 2 * np.pi * np.concatenate([frequency, column.frequency])
+    loss = weight * 2 * np.concatenate([decay, column.decay])
+    inverse = np.linalg.inv(mass)
+    # x = (positions, velocities), x' = A x; a unit blow on mode i begins with the velocities inverse[:, i].
+    a = np.block([[np.zeros((n + m, n + m)), np.eye(n + m)], [-inverse * (weight * omega**2), -inverse * loss]])
+    s, right = np.linalg.eig(a)
+    begins = np.linalg.solve(right, np.concatenate([np.zeros((n + m, n)), inverse[:, :n]]))
+    up = s.imag > 0
+    s, right, begins = s[up], right[:, up], begins[up]
+    velocity = right[n + m :]
+    share = 2 * velocity[:n] * begins.T
+    sound = 2 * DENSITY / (4 * math.pi) * (s * velocity[n:].sum(axis=0))[None] * begins.T
+    return Coupled(s, share, sound)
+
+
+def with_tube(modes: Modes, bends: Indices, flow: Array, tube: Tube, top: float) -> Modes:
+    """Return a bar's modes with a tube under its middle.
+
+    bends (n,): indices of its modes that move it up and down. flow (n,): the mean over the mouth of such a mode's shape
+    times the potential of the flow round the bar (m kg^-1/2). top in Hz. Only what is so slow that the mouth is small
+    beside the sound's wave (k a < 1) is coupled.
+    """
+    slow = min(top, SPEED / (math.pi * tube.diameter))
+    column = tube.resonances(slow)
+    coupled_modes = modes.frequency[bends] < slow
+    bends, flow = bends[coupled_modes], flow[coupled_modes]
+    if not column.frequency.size or not bends.size:
+        return modes
+    found = coupled(modes.frequency[bends], modes.decay[bends], DENSITY * flow, column)
+    rest = np.setdiff1d(np.arange(modes.frequency.size), bends)
+    parts = [Part(modes.frequency[rest], modes.decay[rest], modes.strike[:, rest], modes.pressure[0, rest])]
+    parts += _parts(selected(modes, bends), found, tube)
+    frequency, decay, strike, pressure = (np.concatenate(arrays, axis=-1) for arrays in zip(*parts, strict=True))
+    order = ascending(frequency)
+    order = order[frequency[order] <= top][:MOST_MODES]
+    return replace(
+        modes,
+        frequency=frequency[order],
+        decay=decay[order],
+        strike=strike[:, order],
+        pressure=np.tile(pressure[order], (2, 1)),
+    )
+
+
+class Part(NamedTuple):
+    """Modes, as in `Modes`: frequency and decay (k,), strike (P, k), and the pressure of either side (k,)."""
+
+    frequency: Array
+    decay: Array
+    strike: Array
+    pressure: Array
+
+
+def _parts(bar: Modes, found: Coupled, tube: Tube) -> list[Part]:
+    """Return the modes of a bar with its tube, as real ones: where the bar moves, where the tube alone does, and what
+    its fan adds.
+
+    Together they are felt as the bar's own are. Those where the tube alone moves are felt as little as can be: their
+    sound is all that they lose.
+    """
+    each = np.arange(found.s.size)
+    own = np.argmax(np.abs(found.share), axis=0)  # which of the bar's modes it belongs to
+    share, sound = found.share[own, each], found.sound[own, each]
+    moves = share.real > _MOVES
+    lead = np.argmax(found.share.real, axis=1)[own]
+    sign = np.where((sound * np.conj(sound[lead])).real < 0, -1.0, 1.0) * np.where(bar.pressure[0, own] < 0, -1.0, 1.0)
+    still, beside = np.abs(sound) * (1 - tube.fan_depth / 2), np.abs(sound) * tube.fan_depth / 4
+    heard = np.hypot(bar.pressure[0, own] * np.abs(share), still if tube.fan else np.abs(sound))
+    frequency, decay = np.abs(found.s) / (2 * math.pi), -found.s.real
+
+    faint = [(frequency[~moves], decay[~moves], own[~moves], (sign * heard)[~moves])]
+    for turns in (-2 * tube.fan, 2 * tube.fan) if tube.fan and tube.fan_depth else ():
+        faint.append((np.abs(frequency + turns), decay, own, sign * beside))
+    f, lost, of, loud = (np.concatenate(arrays) for arrays in zip(*faint, strict=True))
+    most = np.sqrt(IMPEDANCE * lost / (2 * math.pi))  # Pa: of a mode that loses nothing but its sound
+    taken = np.bincount(of, (loud / most) ** 2, bar.frequency.size)
+    most *= np.sqrt(np.maximum(taken / _MOST_TAKEN, 1.0))[of]
+    whole = np.bincount(own[moves], share.real[moves], bar.frequency.size)[own]
+    felt = np.sqrt((share.real / whole * (1 - np.minimum(taken, _MOST_TAKEN))[own])[moves])
+    audible = np.abs(loud) * np.abs(bar.strike).max(axis=0)[of]
+    keep = audible > _SILENT * audible.max(initial=0.0)
+    return [
+        Part(frequency[moves], decay[moves], bar.strike[:, own[moves]] * felt, (sign * heard)[moves] / felt),
+        Part(f[keep], lost[keep], bar.strike[:, of[keep]] * (np.abs(loud) / most)[keep], (np.sign(loud) * most)[keep]),
+    ]

@@ -1,0 +1,140 @@
+"""Resonator tubes under bars: against potential flow, textbook losses, and the coupled equations integrated in time."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from carom.dsp import bodies
+from carom.dsp.bodies.air import DENSITY, IMPEDANCE, SPEED
+from carom.dsp.bodies.resonator_tube import Column, Tube, coupled, strip_flow
+from tests.dsp.bodies.reference import HEAVY
+
+BAR = {"length": 0.36, "width": 0.05, "thickness": 0.012, "undercut": 0.6, "top": 8000, "across": 0.0, "tilt": 0.0}
+LIGHT = replace(HEAVY, density=1000.0, youngs_modulus=2e10, alpha=1.0, beta=0.0, loss_factor=5e-4)
+METAL = replace(LIGHT, density=2700.0, youngs_modulus=7e10, loss_factor=1e-4)
+
+
+def test_the_flow_leaves_a_strip_as_fast_as_it_moves_and_is_a_dipole_far_away():
+    across, step = np.linspace(-0.02, 0.02, 9), 1e-7
+    rises = (strip_flow(0.025, across, 2 * step) - strip_flow(0.025, across, step)) / step
+    assert rises == pytest.approx(-1, abs=1e-4)
+    assert strip_flow(0.025, np.array([0.0]), 1.0) == pytest.approx(0.025**2 / 2, rel=1e-3)
+    y, z, d = 0.013, 0.02, 1e-4  # a potential: its Laplacian is 0
+    around = [strip_flow(0.025, np.array([y + a]), z + b)[0] for a, b in ((d, 0), (-d, 0), (0, d), (0, -d))]
+    here = strip_flow(0.025, np.array([y]), z)[0]
+    assert (sum(around) - 4 * here) / d**2 == pytest.approx(0, abs=1e-3)
+    beside = strip_flow(0.025, np.array([0.05]), 0.01)[0]
+    assert 0 < beside < strip_flow(0.025, np.array([0.0]), 0.01)[0]
+
+
+def test_a_tubes_resonances_are_odd_quarter_waves_with_textbook_losses():
+    column = Tube(0.02, 0.5).resonances(1000.0)
+    quarters = np.array([1, 3, 5]) * SPEED / (4 * (0.5 + 0.6133 * 0.01))
+    assert column.frequency == pytest.approx(quarters, rel=0.02) and (column.frequency < quarters).all()
+    omega = 2 * np.pi * column.frequency
+    wall = SPEED * 1.2e-5 * np.sqrt(omega) / 0.01  # Fletcher and Rossing, The Physics of Musical Instruments, eq. 8.14
+    radiated = SPEED * 0.01**2 * (omega / SPEED) ** 2 / (4 * 0.506)  # r = (k a)^2/4: what an unflanged end radiates
+    assert column.decay == pytest.approx(wall + radiated, rel=0.03)
+    tuned = Tube(0.04).tuned(220.0)
+    assert tuned.resonances(300.0).frequency == pytest.approx([220.0], rel=1e-4)
+
+
+@pytest.mark.parametrize(("column", "decay"), [((200.0, 7.0), 0.5), ((203.0, 2.0), 0.3), ((190.0, 20.0), 4.0)])
+def test_the_coupled_modes_are_those_of_the_equations_in_time(column, decay):
+    """Weakly and strongly coupled, in tune and out of it; Dormand and Prince's method integrates the equations."""
+    air = Column(np.array(column[:1]), np.array(column[1:]), 200.0)
+    found = coupled(np.array([200.0]), np.array([decay]), np.array([0.1]), air)
+    mass = np.array([[1.0, 0.1], [0.1, 200.0]])
+    omega = 2 * np.pi * np.array([200.0, column[0]])
+    weight, inverse = np.array([1.0, 200.0]), np.linalg.inv(mass)
+    loss = 2 * np.array([decay, column[1]])
+
+    def accelerations(x):
+        return inverse @ (-weight * (omega**2 * x[:2] + loss * x[2:]))
+
+    times = np.linspace(0, 1.0, 997)
+    begin = np.concatenate([np.zeros(2), inverse[:, 0]])
+    step = lambda t, x: np.concatenate([x[2:], accelerations(x)])  # noqa: E731
+    x = solve_ivp(step, (0, 1.0), begin, "DOP853", times, rtol=1e-11, atol=1e-13).y
+    turning = np.exp(np.outer(found.s, times))
+    assert (found.s.real < 0).all()
+    assert (found.share[0] @ turning).real == pytest.approx(x[2], abs=1e-7)
+    heard = np.array([DENSITY / (4 * math.pi) * accelerations(each)[1] for each in x.T])
+    assert (found.sound[0] @ turning).real == pytest.approx(heard, abs=1e-7 * np.abs(heard).max())
+
+
+def envelope(modes, position: float, low: float, high: float, times):
+    """Return the analytic signal of the sound at 1 m of a blow of 1 N s, of modes in a band."""
+    row = round(position * (len(modes.strike) - 1))
+    keep = (modes.frequency > low) & (modes.frequency < high)
+    weight = modes.strike[row, keep] * modes.pressure[0, keep]
+    turning = np.exp(np.outer(2j * np.pi * modes.frequency[keep] - modes.decay[keep], times))
+    return weight @ turning
+
+
+@pytest.mark.parametrize("diameter", [0.02, 0.035, 0.05])
+@pytest.mark.parametrize("material", [METAL, LIGHT])
+def test_a_tube_in_tune_swells_and_dies_as_the_coupled_equations_say(material, diameter):
+    """The sound of the lowest mode, against the complex modes; the bar alone is faint beside it."""
+    alone = bodies.bar(material, **BAR)
+    over = bodies.bar(material, **BAR, tube_diameter=diameter)
+    low, high = alone.frequency[0] * 0.8, alone.frequency[0] * 1.2
+    times = np.linspace(0, 1.5 / alone.decay[0], 400)
+    tube = Tube(diameter).tuned(float(alone.frequency[0]))
+    along, across = tube.mouth
+    middle, path = alone.strike[len(alone.strike) // 2, 0], np.linspace(0, 1, len(alone.strike))
+    over_mouth = np.interp(0.5 + along / BAR["length"], path, alone.strike[:, 0])
+    flow = np.array([np.mean(strip_flow(BAR["width"] / 2, across, tube.gap) * over_mouth)])
+    found = coupled(alone.frequency[:1], alone.decay[:1], DENSITY * flow, tube.resonances(high))
+    exact = np.abs(middle * found.sound[0] @ np.exp(np.outer(found.s, times)))
+    heard = np.abs(envelope(over, 0.5, low, high, times))
+    assert np.sqrt(np.mean((heard - exact) ** 2)) < 0.1 * np.sqrt(np.mean(exact**2))
+    assert heard.max() > 2 * np.abs(envelope(alone, 0.5, low, high, times)).max()
+
+
+@pytest.mark.parametrize("tube", [{}, {"tube_length": 0.3}, {"tube_length": 0.9, "fan": 3.0, "fan_depth": 1.0}])
+def test_a_bar_over_a_tube_is_felt_as_the_bar_and_sounds_by_what_it_loses(tube):
+    alone, over = bodies.bar(LIGHT, **BAR), bodies.bar(LIGHT, **BAR, tube_diameter=0.045, **tube)
+    assert (np.diff(over.frequency) >= 0).all() and (over.decay > 0).all() and over.frequency[-1] <= BAR["top"]
+    squares = [(each.strike**2 / each.frequency**2).sum(axis=1) for each in (alone, over)]
+    assert squares[1] == pytest.approx(squares[0], rel=0.01)
+    radiated = 4 * math.pi * over.pressure[0] ** 2 / IMPEDANCE  # 1/s, as much as R
+    assert (radiated <= 2 * over.decay * (1 + 1e-9)).all()
+    assert over.mass == alone.mass and over.unheard is not None
+
+
+def test_a_tube_far_out_of_tune_leaves_the_bar_as_it_is():
+    alone, over = bodies.bar(HEAVY, **BAR), bodies.bar(HEAVY, **BAR, tube_diameter=0.02, tube_length=0.06)
+    first = np.argmin(abs(over.frequency - alone.frequency[0]))
+    assert over.frequency[first] == pytest.approx(alone.frequency[0], rel=1e-4)
+    assert over.decay[first] == pytest.approx(alone.decay[0], rel=0.02)
+    assert over.pressure[0, first] == pytest.approx(alone.pressure[0, first], rel=0.3)
+
+
+def test_a_fan_beats_twice_a_turn_as_deep_as_it_closes():
+    still = bodies.bar(METAL, **BAR, tube_diameter=0.035)
+    turning = bodies.bar(METAL, **BAR, tube_diameter=0.035, fan=2.5, fan_depth=0.8)
+    f = still.frequency[0]
+    times = np.linspace(0.0, 1.0, 1001)
+    beats = envelope(turning, 0.5, f * 0.9, f * 1.1, times) / envelope(still, 0.5, f * 0.9, f * 1.1, times)
+    fan = 1 - 0.8 * (1 - np.cos(2 * np.pi * 5.0 * times)) / 2
+    assert np.abs(beats[100:]) == pytest.approx(fan[100:], abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("given", "named"),
+    [
+        ({"tube_diameter": 0.0}, "tube_diameter = 0.0"),
+        ({"tube_diameter": 3.0}, "tube_diameter = 3.0: too wide"),
+        ({"tube_diameter": 0.04, "tube_length": -1.0}, "tube_length = -1.0"),
+        ({"tube_diameter": 0.04, "tube_gap": math.nan}, "tube_gap = nan"),
+        ({"tube_diameter": 0.04, "fan_depth": 2.0}, "fan_depth = 2.0"),
+        ({"tube_diameter": 0.04, "ends": "cantilever"}, "tube_diameter = 0.04: expected a bar"),
+    ],
+)
+def test_a_wrong_tube_is_named(given, named):
+    with pytest.raises(ValueError, match=named):
+        bodies.bar(HEAVY, **BAR, **given)
