@@ -8,8 +8,9 @@ Names load when they are first used; `import carom.dsp` alone loads nothing. Eac
 - `carom.dsp.lab`: rolls and coupled contacts as data, and comparisons of methods.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from .lazy import lazily
 
 if TYPE_CHECKING:
     from .bodies import Material, Modes, bar, disc, glass, hertz, listed, membrane, plate, ring, string
@@ -45,15 +46,4 @@ _MODULES = {
     ".lab": "Case make_roll micro_impacts roll_contacts roll_force roll_moments simulate",
     ".lab.rolling_path": "path_pieces",
 }
-_HOME = {name: module for module, names in _MODULES.items() for name in names.split()}
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    globals()[name] = value = getattr(import_module(_HOME[name], __name__), name)
-    return value
-
-
-def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+__getattr__, __dir__ = lazily(__name__, _MODULES)

@@ -7,8 +7,9 @@ folders.
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from ..dsp.lazy import lazily
 
 if TYPE_CHECKING:
     from .kinds import ObjectPreset, StrikerPreset, SurfacePreset
@@ -17,20 +18,12 @@ if TYPE_CHECKING:
 
 __all__ = ["BUILT_IN", "KINDS", "NoPreset", "ObjectPreset", "PresetError", "Presets", "StrikerPreset", "SurfacePreset"]
 
-_HOMES = {
-    "library": ("BUILT_IN", "KINDS", "Presets"),
-    "kinds": ("ObjectPreset", "StrikerPreset", "SurfacePreset"),
-    "schema": ("NoPreset", "PresetError"),
-}
-
-
-def __getattr__(name: str) -> object:
-    """Import a public name when it is first asked for: the shapes of objects need scipy, which is slow to load."""
-    for module, names in _HOMES.items():
-        if name in names:
-            return getattr(import_module(f"{__name__}.{module}"), name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-
-
-def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+__getattr__, __dir__ = lazily(
+    __name__,
+    {
+        ".library": "BUILT_IN KINDS Presets",
+        ".kinds": "ObjectPreset StrikerPreset SurfacePreset",
+        ".schema": "NoPreset PresetError",
+    },
+)
+"""The shapes of objects need scipy, which is slow to load."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..dsp.contact.sampled import METHODS
 from ..dsp.schema import GESTURES, MAIN_GAIN, SETTINGS, STRIKE, TRAIT_NAMES, Parameter
-from ..presets import PresetError, Presets
+from ..presets import ObjectPreset, PresetError, Presets
 from .osc.questions import tuning_of
 from .osc.score import format_line
 from .osc.wire import Message
@@ -66,7 +66,7 @@ class Knowledge:
                 "version": version("carom"),
                 "rate": self._session.engine.rate,
                 "channels": self._session.engine.channels,
-                "objects": [self._object(name) for name in self._good("objects")],
+                "objects": [_described(library.object(name)) for name in self._good("objects")],
                 "strikers": [self._striker(name) for name in self._good("strikers")],
                 "surfaces": library.names("surfaces"),
                 "gestures": {
@@ -93,23 +93,6 @@ class Knowledge:
                 continue
             yield name
 
-    def _object(self, name: str) -> dict[str, Any]:
-        preset = self._presets.object(name)
-        return {
-            "name": name,
-            "description": preset.description,
-            "shape": preset.shape,
-            "geometry": _plain(preset.geometry),
-            "material": preset.material.name if preset.material else "",
-            "striker": preset.striker,
-            "velocity": preset.velocity,
-            "position": preset.position,
-            "gestures": {
-                kind: {"striker": usual.striker, "surface": usual.surface, **usual.numbers}
-                for kind, usual in preset.gestures.items()
-            },
-        }
-
     def _striker(self, name: str) -> dict[str, Any]:
         preset = self._presets.striker(name)
         return {
@@ -134,14 +117,9 @@ class Knowledge:
         shapes = modes.strike[rows][:, :count]
         loud = np.sqrt(0.5 * (modes.pressure[:, :count] ** 2).sum(axis=0))
         return {
-            **self._object(obj.preset.name),
+            **_described(obj.preset),
             "preset": obj.preset.name,
             "name": name,
-            "geometry": _plain(obj.preset.geometry),
-            "material": obj.preset.material.name if obj.preset.material else "",
-            "striker": obj.preset.striker,
-            "velocity": obj.preset.velocity,
-            "position": obj.preset.position,
             "mass": obj.mass,
             "settings": dict(obj.settings),
             "made": keys_of(obj),
@@ -157,6 +135,24 @@ class Knowledge:
             return None
         end = self._session.engine.position / self._session.engine.rate
         return self._log.read_bytes() + (format_line(end, Message("/panic")) + "\n").encode()
+
+
+def _described(preset: ObjectPreset) -> dict[str, Any]:
+    """Return what the page shows of an object's preset."""
+    return {
+        "name": preset.name,
+        "description": preset.description,
+        "shape": preset.shape,
+        "geometry": _plain(preset.geometry),
+        "material": preset.material.name if preset.material else "",
+        "striker": preset.striker,
+        "velocity": preset.velocity,
+        "position": preset.position,
+        "gestures": {
+            kind: {"striker": usual.striker, "surface": usual.surface, **usual.numbers}
+            for kind, usual in preset.gestures.items()
+        },
+    }
 
 
 def _plain(geometry: Mapping[str, Any]) -> dict[str, Any]:

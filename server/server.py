@@ -222,7 +222,7 @@ class Server:
         assert call.verb
         try:
             values = call.verb.parse(call.message.args)
-            values.words["NAME"] = call.target
+            values.words[call.verb.target] = call.target
             for answer in self._handlers[call.verb.address](values, source) or ():
                 self._reply(answer, source)
         except (Refused, EngineFull, TooMuch, PresetError) as error:

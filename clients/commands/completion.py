@@ -37,6 +37,10 @@ def _choose(command: str, action: argparse.Action) -> None:
     found: object = None
     if command == "presets" and action.dest == "names":
         found = shtab.cmd("carom presets --names")
+    elif command == "send" and action.dest == "address":
+        from ...server.osc.addresses import VERBS
+
+        action.choices = tuple(VERBS)
     elif action.dest in ("preset", "striker"):
         found = shtab.cmd(f"carom presets --names {'objects' if action.dest == 'preset' else 'strikers'}")
     elif action.dest in ("folder", "presets") or (command == "dataset" and action.dest == "out"):

@@ -11,7 +11,7 @@ from typing import NoReturn, SupportsFloat, SupportsIndex
 from ._capture import Capture
 from ._documented import documented
 from .clients.actions import Actions, CommandError, plain
-from .clients.gesture_methods import ObjectGestures, Value, with_object_gestures
+from .clients.gesture_methods import ObjectMethods, Value, with_methods_of
 from .clients.modes import ModeTable, Settings, gains_of, mode_table
 from .clients.performer import Folders, Performer, Placed
 from .dsp.schema import SETTINGS
@@ -158,8 +158,8 @@ class Scene(Actions, Closing):
         return self._open.ended()
 
 
-@with_object_gestures
-class Object(ObjectGestures):
+@with_methods_of(Actions)
+class Object(ObjectMethods):
     """An object of a scene; its methods are the scene's, without the name.
 
     name: its name; mass: of the whole body, kg.
@@ -189,58 +189,6 @@ class Object(ObjectGestures):
         if performer and (heard := performer.heard(self._placed)):
             settings, gains = heard
         return mode_table(self._placed.modes, self._placed.level, settings, gains, place, self.scene.rate)
-
-    def note(
-        self,
-        note: Value,
-        velocity: SupportsFloat,
-        position: SupportsFloat | None = None,
-        at: SupportsFloat | None = None,
-        **keys: Value,
-    ) -> None:
-        """Strike a copy of it that is tuned to a note: a MIDI number, or a name such as C#4.
-
-        velocity: of MIDI, 0 to 127.
-        """
-        self.scene.note(self.name, note, velocity, position, at, **keys)
-
-    def damp(self, amount: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
-        """Lay a hand on it: 0 none, 1 the firmest."""
-        self.scene.damp(self.name, amount, at, **keys)
-
-    def gain(self, level: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
-        """Set its level, dB."""
-        self.scene.gain(self.name, level, at, **keys)
-
-    def pan(self, place: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
-        """Place it between left (-1) and right (1).
-
-        On a ring of channels it goes from behind (-1) over left, in front (0) and right to behind (1).
-        """
-        self.scene.pan(self.name, place, at, **keys)
-
-    def gains(self, *gains: Value, at: SupportsFloat | None = None) -> None:
-        """Place it by a factor for each channel, one by one or as a list.
-
-        Without any, it is placed by its pan again.
-        """
-        self.scene.gains(self.name, *gains, at=at)
-
-    def distance(self, metres: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
-        """Set how far (m) the listener is from it: twice as far is half the pressure."""
-        self.scene.distance(self.name, metres, at, **keys)
-
-    def tune(self, semitones: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
-        """Move all its frequencies, semitones."""
-        self.scene.tune(self.name, semitones, at, **keys)
-
-    def decay(self, ratio: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
-        """Make all its decay times that many times longer, or shorter."""
-        self.scene.decay(self.name, ratio, at, **keys)
-
-    def free(self, at_once: bool = False, at: SupportsFloat | None = None) -> None:
-        """Remove it once it is silent, or at once, with a short fade; its name is free."""
-        self.scene.free(self.name, at_once, at)
 
 
 def _number(value: object) -> float:

@@ -196,6 +196,11 @@ class Verb:
     """True if a score may hold it; the others are for a running server alone."""
 
     @property
+    def target(self) -> str:
+        """The word that stands for a name in its address, NAME or ID; empty if none does."""
+        return next(filter(str.isupper, self.address.split("/")), "")
+
+    @property
     def action(self) -> str:
         """The last part of the address, such as `impact` or `gain`."""
         return self.address.rsplit("/", 1)[1]

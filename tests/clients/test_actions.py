@@ -9,6 +9,7 @@ import pytest
 
 import carom
 from carom.clients.actions import Actions, CommandError
+from carom.dsp.schema import GESTURES
 from carom.server.osc.addresses import VERBS
 from carom.server.osc.wire import Message
 
@@ -43,7 +44,7 @@ def test_every_address_of_a_score_is_shared_but_those_that_only_begin_it():
 def test_the_keys_are_listed_for_a_scene_alone():
     taking = {verb.action for verb in VERBS.values() if verb.keys} & set(SHARED)
     changing = {"gain", "pan", "distance", "tune", "decay", "damp"}
-    assert taking == {"impact", "bounce", "roll", "press", "spin", "slide", "note", "contact", *changing}
+    assert taking == {*GESTURES, "note", "contact", *changing}
     for name in SHARED:
         assert ("\n\nKeys:\n  " in inspect.getdoc(getattr(carom.Scene, name))) == (name in taking)
         assert "Keys:" not in inspect.getdoc(getattr(carom.Client, name))

@@ -30,6 +30,7 @@ printf '%s\\n' "${COMPREPLY[@]}"
         ("render scor", ["score.txt"]),
         ("presets church", ["church-bell"]),
         ("completion z", ["zsh"]),
+        ("send /object/NAME/b", ["/object/NAME/bounce"]),
     ],
 )
 def test_bash_completes(carom, tmp_path, monkeypatch, words, found):

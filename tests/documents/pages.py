@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from carom.server.osc.tables import address_table, key_table
-from tests.documents import commands, figures, presets, protocol, recipes, records
+from tests.documents import commands, figures, methods, presets, protocol, recipes, records
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = ("server", "clients", "presets", "dsp", "tests")
@@ -57,7 +57,8 @@ def written(text: str) -> str:
 
 
 def main() -> None:
-    records.STUB.write_text(records.stub(), encoding="utf-8")
+    for each in (records, methods):
+        each.STUB.write_text(each.stub(), encoding="utf-8")
     for page in PAGES:
         path = ROOT / page
         path.write_text(written(path.read_text(encoding="utf-8")), encoding="utf-8")

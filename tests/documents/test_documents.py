@@ -8,8 +8,8 @@ import pytest
 from carom.dsp.contact.accuracy import LEVELS
 from carom.server.osc.wire import Message
 from carom.server.status import FIELDS, FIRST
+from tests.documents import methods, records
 from tests.documents.pages import PAGES, PARTS, ROOT, parts, written
-from tests.documents.records import STUB, stub
 from tests.support import serving
 
 LONGEST_README, LONGEST_PAGE = 150, 200
@@ -18,8 +18,9 @@ OTHERS = ("CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "clients/examples/RE
 TEXTS = {page: (ROOT / page).read_text(encoding="utf-8") for page in (*PAGES, *OTHERS)}
 
 
-def test_the_stub_of_the_schemas_records_is_what_they_hold():
-    assert STUB.read_text(encoding="utf-8") == stub(), "run `make documents`"
+@pytest.mark.parametrize("part", [records, methods])
+def test_a_stub_is_what_the_schema_declares(part):
+    assert part.STUB.read_text(encoding="utf-8") == part.stub(), "run `make documents`"
 
 
 @pytest.mark.parametrize("page", PAGES)

@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 
 import carom
-from tests.documents import typed_keys
 
 ROOT = Path(__file__).parents[3]
 
@@ -81,7 +80,3 @@ def test_user_code_type_checks_against_the_wheel(tmp_path):
     assert 'Argument "rate" to "Scene" has incompatible type "str"; expected "int"' in lines[1]
     assert 'Unexpected keyword argument "strikr"' in lines[2] and 'did you mean "striker"?' in lines[2]
     assert 'Argument "travel"' in lines[3] and 'expected "SupportsFloat"' in lines[3]
-
-
-def test_the_types_of_keys_are_those_of_the_addresses():
-    assert typed_keys.PATH.read_text() == typed_keys.written(), "run python -m tests.documents.typed_keys"

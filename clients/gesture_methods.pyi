@@ -1,0 +1,245 @@
+"""The methods of gestures and objects, with their keys; `make documents` writes this."""
+
+from collections.abc import Callable
+from typing import Any, SupportsFloat, TypedDict, TypeVar
+
+from typing_extensions import Unpack
+
+Value = Any
+
+_Class = TypeVar("_Class", bound=type)
+
+def with_gestures(cls: _Class) -> _Class: ...
+def with_methods_of(scene: type) -> Callable[[_Class], _Class]: ...
+
+class Keys(TypedDict, total=False):
+    """Keys of all gestures."""
+
+    striker: str
+    mass: SupportsFloat
+    stiffness: SupportsFloat
+    dissipation: SupportsFloat
+    exponent: SupportsFloat
+    restitution: SupportsFloat
+    by: str
+    by_position: SupportsFloat
+    by_radius: SupportsFloat
+    gain: SupportsFloat
+    id: str
+
+class ImpactKeys(Keys, total=False):
+    """Keys of impact."""
+
+class BounceKeys(Keys, total=False):
+    """Keys of bounce."""
+
+    velocity: SupportsFloat
+    gravity: SupportsFloat
+    irregularity: SupportsFloat
+    seed: SupportsFloat
+    weight: SupportsFloat
+
+class RollKeys(Keys, total=False):
+    """Keys of roll."""
+
+    radius: SupportsFloat
+    roughness: SupportsFloat
+    asymmetry: SupportsFloat
+    friction: SupportsFloat
+    gravity: SupportsFloat
+    seed: SupportsFloat
+    corners: SupportsFloat
+    travel: SupportsFloat
+    surface: str
+
+class PressKeys(Keys, total=False):
+    """Keys of press."""
+
+class SpinKeys(Keys, total=False):
+    """Keys of spin."""
+
+    angle: SupportsFloat
+    radius: SupportsFloat
+    quickening: SupportsFloat
+    flat: SupportsFloat
+    irregularity: SupportsFloat
+    gravity: SupportsFloat
+    seed: SupportsFloat
+
+class SlideKeys(Keys, total=False):
+    """Keys of slide."""
+
+    force: SupportsFloat
+    sweep: SupportsFloat
+    radius: SupportsFloat
+    patch: SupportsFloat
+    roughness: SupportsFloat
+    static: SupportsFloat
+    dynamic: SupportsFloat
+    stribeck: SupportsFloat
+    tangential: SupportsFloat
+    along: SupportsFloat
+    seed: SupportsFloat
+    travel: SupportsFloat
+    surface: str
+    press: str
+
+class Gestures:
+    """Gestures on objects by name: methods of what has `_gesture(gesture, name, value, position, at, keys)`."""
+
+    def impact(
+        self,
+        name: str,
+        velocity: SupportsFloat | None = None,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Unpack[ImpactKeys],
+    ) -> None:
+        """Begin a gesture that strikes the object once; with `by`, another object strikes it, and rings too."""
+
+    def bounce(
+        self,
+        name: str,
+        height: SupportsFloat | None = None,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Unpack[BounceKeys],
+    ) -> None:
+        """Begin a gesture that drops or throws the striker on the object, which bounces until it rests."""
+
+    def roll(
+        self,
+        name: str,
+        speed: SupportsFloat | None = None,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Unpack[RollKeys],
+    ) -> None:
+        """Begin a gesture that rolls the striker over the object until 0, or steers the roll of that id (NAME if
+        none)."""
+
+    def press(
+        self,
+        name: str,
+        force: SupportsFloat | None = None,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Unpack[PressKeys],
+    ) -> None:
+        """Begin a gesture that lays the striker on the object and presses, until it is stopped: a hand, a mute."""
+
+    def spin(
+        self,
+        name: str,
+        duration: SupportsFloat | None = None,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Unpack[SpinKeys],
+    ) -> None:
+        """Begin a gesture that lets a coin, a lid or a ring spin down on the object: contacts ever faster and
+        fainter, then silence."""
+
+    def slide(
+        self,
+        name: str,
+        speed: SupportsFloat | None = None,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Unpack[SlideKeys],
+    ) -> None:
+        """Begin a gesture that drags the striker over the object until 0, or steers the slide of that id (NAME if
+        none): a scrape, a rub, a bow."""
+
+class ObjectMethods:
+    """Methods on an object: those of its scene on objects, without the name."""
+
+    def impact(
+        self,
+        velocity: SupportsFloat | None = None,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Unpack[ImpactKeys],
+    ) -> None:
+        """Begin a gesture that strikes the object once; with `by`, another object strikes it, and rings too."""
+
+    def bounce(
+        self,
+        height: SupportsFloat | None = None,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Unpack[BounceKeys],
+    ) -> None:
+        """Begin a gesture that drops or throws the striker on the object, which bounces until it rests."""
+
+    def roll(
+        self,
+        speed: SupportsFloat | None = None,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Unpack[RollKeys],
+    ) -> None:
+        """Begin a gesture that rolls the striker over the object until 0, or steers the roll of that id (NAME if
+        none)."""
+
+    def press(
+        self,
+        force: SupportsFloat | None = None,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Unpack[PressKeys],
+    ) -> None:
+        """Begin a gesture that lays the striker on the object and presses, until it is stopped: a hand, a mute."""
+
+    def spin(
+        self,
+        duration: SupportsFloat | None = None,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Unpack[SpinKeys],
+    ) -> None:
+        """Begin a gesture that lets a coin, a lid or a ring spin down on the object: contacts ever faster and
+        fainter, then silence."""
+
+    def slide(
+        self,
+        speed: SupportsFloat | None = None,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Unpack[SlideKeys],
+    ) -> None:
+        """Begin a gesture that drags the striker over the object until 0, or steers the slide of that id (NAME if
+        none): a scrape, a rub, a bow."""
+
+    def note(
+        self,
+        note: Value,
+        velocity: SupportsFloat,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Value,
+    ) -> None:
+        """Strike a copy of an object that is tuned to a note: a MIDI number, or a name such as C#4."""
+
+    def damp(self, amount: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+        """Lay a hand on an object: 0 none, 1 the firmest."""
+
+    def gain(self, level: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+        """Set an object's level (dB)."""
+
+    def pan(self, place: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+        """Place an object between left (-1) and right (1)."""
+
+    def gains(self, *gains: Value, at: SupportsFloat | None = None) -> None:
+        """Place an object by a factor for each channel, one by one or as a list."""
+
+    def distance(self, metres: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+        """Set how far (m) the listener is from an object: twice as far is half the pressure."""
+
+    def tune(self, semitones: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+        """Move all frequencies of an object by some semitones from the preset's."""
+
+    def decay(self, ratio: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+        """Multiply all decay times of the preset by a ratio."""
+
+    def free(self, at_once: bool = False, at: SupportsFloat | None = None) -> None:
+        """Remove an object once it is silent, or at once, with a short fade; its name is free."""
