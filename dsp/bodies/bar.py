@@ -89,9 +89,9 @@ def bar(
         parts = _rectangular(span, carving, across, math.radians(tilt))
         area = width * thickness * (1 - 2 / 3 * undercut * undercut_span)
     elif diameter is not None and width is None and thickness is None:
-        tube = _tube(diameter, wall, material.poisson_ratio)
-        parts = _round(span, tube, split, math.radians(imperfection))
-        area = float(tube.area)
+        section = _tube(diameter, wall, material.poisson_ratio)
+        parts = _round(span, section, split, math.radians(imperfection))
+        area = float(section.area)
     else:
         raise ValueError("section: expected width and thickness, or diameter")
 
@@ -117,8 +117,8 @@ def bar(
     made = with_unheard(made, _beyond(parts, positions, 2 * top), material.decay, top)
     if tube is not None and width is not None:
         upright = np.flatnonzero(keep < parts[0].motion.frequency.size)
-        along, across = tube.mouth
-        flow = strip_flow(width / 2, across, tube.gap) @ shapes(0.5 + along / length)[:, upright] / along.size
+        along, aside = tube.mouth
+        flow = strip_flow(width / 2, aside, tube.gap) @ shapes(0.5 + along / length)[:, upright] / along.size
         made = with_tube(made, upright, flow, tube.tuned(float(made.frequency[upright[0]])), top)
     if span.clamped:
         return made
