@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,6 +55,16 @@ def render(recipe: Recipe, item: Item, presets: Presets) -> Clip:
         if isinstance(error, ItemError) or not is_expected(error):
             raise
         raise ItemError(f"item {item.number}: {plain(error)} ({_said(item)})") from None
+
+
+def row_of(clip: Clip) -> dict[str, Any]:
+    """Return a row: the truth, with each contact's forces in place, their other moments and its path flat."""
+    contacts = []
+    for told in clip.truth["contacts"]:
+        force = clip.force[told["force_begin"] :][: told["force_count"]]
+        path = clip.path[told["path_begin"] :][: told["path_count"]]
+        contacts.append({**told, "force": force[:, 0], "moments": force[:, 1:].ravel(), "path": path.ravel()})
+    return {**clip.truth, "contacts": contacts}
 
 
 def _render(recipe: Recipe, item: Item, presets: Presets) -> Clip:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
 from pathlib import Path
 
 from ...dsp.bodies.modes import Modes
@@ -20,6 +19,7 @@ from ...server.osc.wire import Message
 from .clip import render
 from .design import items
 from .messages import object_message
+from .presets import presets_of
 from .recipe import OBJECTS, Recipe
 from .shard import packed
 from .spread import Spread
@@ -72,25 +72,13 @@ def make(plan: Plan, shard: int, worker: str, go_on: Callable[[], object] = lamb
     """
     require_same(plan.versions, versions(plan.folders), worker)
     keep(plan.modes)
-    presets = _presets(plan.folders)
+    presets = presets_of(plan.folders)
     clips = []
     with on_one_thread():
         for item in items(plan.recipe, plan.recipe.numbers(shard)):
             go_on()
             clips.append(render(plan.recipe, item, presets))
         return Made(shard, packed(plan.recipe, clips), rows_file(plan.recipe, shard, clips))
-
-
-class Remembered(Presets):
-    """Presets each of whose files is read once: they do not change while a data set is made."""
-
-    material = cache(Presets.material)
-    striker = cache(Presets.striker)
-    surface = cache(Presets.surface)
-    object = cache(Presets.object)
-
-
-_presets = cache(Remembered)
 
 
 def shared_objects(recipe: Recipe, presets: Presets) -> list[Message]:

@@ -54,11 +54,14 @@ LICENCE = re.compile(r"[A-Za-z0-9][A-Za-z0-9.+-]*")
 
 _SECTIONS = (*OBJECTS, *GESTURES, SCORE)
 
+MOST = 1_000_000_000
+"""Items that a recipe can have."""
+
 KEYS: Fields = {
     "description": Text(),
     "design": Choice(DESIGNS),
     "differ": Words(),
-    "count": Whole(1, 1_000_000_000),
+    "count": Whole(1, MOST),
     "seed": Whole(0, 2**63 - 1),
     "seconds": Quantity(1e-3, 600, "s"),
     "rate": Whole(LOWEST_RATE, HIGHEST_RATE, "Hz"),
@@ -166,8 +169,25 @@ def read(path: Path, count: int | None = None) -> Recipe:
     where, data = read_file(path)
     if not NAME.fullmatch(path.stem):
         raise PresetError(f"{path}: {shown(path.stem)}: expected {Name()} before .toml, as files are named by it")
+    return recipe_of(data, Source(path.stem, where, path.read_text(encoding="utf-8"), path.parent), count)
+
+
+@dataclass(frozen=True)
+class Source:
+    """The place that a recipe is from: its name, how an error about it begins, its text, and the folder of its
+    scores."""
+
+    name: str
+    where: str
+    text: str
+    folder: Path
+
+
+def recipe_of(data: Mapping[str, Any], source: Source, count: int | None = None) -> Recipe:
+    """Return the recipe that data say, as of a file; count: items, in place of theirs. PresetError as of `read`."""
+    where = source.where
     needed = () if SCORE in data else ("object",)
-    values = {**DEFAULTS, **check(where, data, KEYS, needed)}
+    values = {**DEFAULTS, **check(where, dict(data), KEYS, needed)}
     sections = {name: _section(where, name, values.pop(name)) for name in _SECTIONS if name in values}
     gestures = tuple(name for name in (*GESTURES, SCORE) if name in sections)
     if not gestures:
@@ -177,7 +197,22 @@ def read(path: Path, count: int | None = None) -> Recipe:
     if SCORE in sections:
         if others := [name for name in sections if name != SCORE]:
             raise PresetError(f"{where}[{others[0]}]: expected no section beside [{SCORE}], which makes its objects")
-        scores = read_scores(f"{where}[{SCORE}] ", path.parent, sections[SCORE])
+        scores = read_scores(f"{where}[{SCORE}] ", source.folder, sections[SCORE])
+    factors = _factors(sections, gestures)
+    _count(where, values, factors, count)
+    if "split" in values:
+        spreads = [(each.name, each.spread) for each in factors]
+        values["split"] = split_of(where, values["split"], spreads, (*OBJECTS, SCORE), values["seed"])
+    recipe = Recipe(
+        name=source.name, text=source.text, where=where, sections=sections, factors=tuple(factors), gestures=gestures,
+        scores=scores, **values,
+    )  # fmt: skip
+    _require_sense(recipe)
+    return recipe
+
+
+def _factors(sections: Mapping[str, Mapping[str, Value | Spread]], gestures: tuple[str, ...]) -> list[Factor]:
+    """Return what is drawn for each item."""
     factors = [
         Factor(f"{section}.{key}", value)
         for section, table in sections.items()
@@ -186,22 +221,17 @@ def read(path: Path, count: int | None = None) -> Recipe:
     ]
     if len(gestures) > 1:
         factors.insert(0, Factor(GESTURE, Chosen(gestures)))
+    return factors
+
+
+def _count(where: str, values: dict[str, Any], factors: Sequence[Factor], count: int | None) -> None:
+    """Set the number of items: that which is asked for, the recipe's, or of a grid its points."""
     if count is not None:
         values.update(check("", {"count": count}, KEYS, ()))
     elif "count" not in values and values["design"] == "grid":
         values["count"] = math.prod(each.spread.levels or 1 for each in factors)
     elif "count" not in values:
         raise PresetError(f"{where}count is missing: expected {KEYS['count']}")
-    if "split" in values:
-        spreads = [(each.name, each.spread) for each in factors]
-        values["split"] = split_of(where, values["split"], spreads, (*OBJECTS, SCORE), values["seed"])
-    text = path.read_text(encoding="utf-8")
-    recipe = Recipe(
-        name=path.stem, text=text, where=where, sections=sections, factors=tuple(factors), gestures=gestures,
-        scores=scores, **values,
-    )  # fmt: skip
-    _require_sense(recipe)
-    return recipe
 
 
 def _section(where: str, name: str, table: Mapping[str, object]) -> dict[str, Value | Spread]:

@@ -11,7 +11,7 @@ from typing import Any, BinaryIO
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from .clip import Clip
+from .clip import Clip, row_of
 from .recipe import Recipe
 from .shard import key_of, shard_name
 
@@ -80,16 +80,6 @@ def join(recipe: Recipe, about: Mapping[str, Any], parts: Sequence[Path], out: B
         for part in parts:
             rows = pq.read_table(part, use_threads=False).replace_schema_metadata(columns.metadata)
             writer.write_table(rows, row_group_size=max(1, len(rows)))
-
-
-def row_of(clip: Clip) -> dict[str, Any]:
-    """Return a row: the truth, with each contact's forces in place, their other moments and its path flat."""
-    contacts = []
-    for told in clip.truth["contacts"]:
-        force = clip.force[told["force_begin"] :][: told["force_count"]]
-        path = clip.path[told["path_begin"] :][: told["path_count"]]
-        contacts.append({**told, "force": force[:, 0], "moments": force[:, 1:].ravel(), "path": path.ravel()})
-    return {**clip.truth, "contacts": contacts}
 
 
 def _kind(ends: Sequence[object]) -> pa.DataType:

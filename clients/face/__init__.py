@@ -18,7 +18,8 @@ the objects, strikers, materials and surfaces there are; on the command line, `c
 holds the contact law, its closed forms and the modes of bodies.
 
 `carom.fit` makes an object of recordings; `carom.compare` says how far apart two sounds are. `carom.rebuild` computes
-the sound of a data set's clip from its ground truth.
+the sound of a data set's clip from its ground truth. `carom.render_many` renders the items of a recipe without files,
+and `carom.torch` gives them to PyTorch.
 
 Units are SI, but for levels (dB), tuning (semitones) and angles (degrees). A call that cannot be carried out raises an
 error that names the culprit, its value and what was expected: CommandError from a Scene or a Client, ScoreError,
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from .clients.actions import CommandError as CommandError
     from .clients.client import Client as Client
     from .clients.contacts import Contact as Contact
+    from .clients.dataset.stream import render_many as render_many
     from .clients.modes import ModeTable as ModeTable
     from .clients.rebuilding import rebuild as rebuild
     from .dsp.errors import CaromError as CaromError
@@ -84,6 +86,7 @@ _HOMES = {
     "fit": "recordings",
     "rebuild": "clients.rebuilding",
     "render": "offline",
+    "render_many": "clients.dataset.stream",
 }
 """The module of each public name."""
 
@@ -114,13 +117,14 @@ __all__ = [
     "fit",
     "rebuild",
     "render",
+    "render_many",
 ]
 
 
 def __getattr__(name: str) -> Any:
     if name in _HOMES:
         value = getattr(import_module(f".{_HOMES[name]}", __name__), name)
-    elif name in ("dsp", "gymnasium", "mujoco"):
+    elif name in ("dsp", "gymnasium", "mujoco", "torch"):
         value = import_module(f".{name}", __name__)
     elif name == "__version__":
         from importlib.metadata import version

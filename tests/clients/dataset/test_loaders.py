@@ -1,9 +1,13 @@
-"""The examples that read a data set. Of torch, TensorFlow and Hugging Face's datasets, which are large, stand-ins do as
-much as the examples ask for; webdataset is itself."""
+"""The examples that read a data set, with what they read it by: torch, Hugging Face's datasets and webdataset.
+
+The first two take some GB (`pip install 'carom[loaders]'`). Where they are not installed, and of TensorFlow, stand-ins
+do as much as the examples ask for.
+"""
 
 import gc
 import runpy
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -37,7 +41,7 @@ def example(made, monkeypatch, capsys):
     return play
 
 
-def test_webdataset_reads_it(example, made):
+def test_torch_reads_it_by_webdataset(example):
     pytest.importorskip("webdataset")
 
     def batches(clips, batch_size, collate_fn):
@@ -45,9 +49,39 @@ def test_webdataset_reads_it(example, made):
         return (collate_fn(found[n : n + batch_size]) for n in range(0, len(found), batch_size))
 
     data = SimpleNamespace(DataLoader=batches)
-    torch = SimpleNamespace(from_numpy=np.asarray, stack=np.stack, utils=SimpleNamespace(data=data))
-    (line,) = example("with_torch.py", torch=torch)
-    assert line.startswith("(6, 12000) {'object.material': '")
+    stand_in = SimpleNamespace(from_numpy=np.asarray, stack=np.stack, utils=SimpleNamespace(data=data))
+    (line,) = example("with_torch.py", **({} if find_spec("torch") else {"torch": stand_in}))
+    assert line.replace("torch.Size([6, 12000])", "(6, 12000)").startswith("(6, 12000) {'object.material': '")
+
+
+def test_torch_renders_without_files(made):
+    """Two processes of a DataLoader render all items once."""
+    torch = pytest.importorskip("torch")
+    import carom.torch
+
+    path, out = made
+    loader = torch.utils.data.DataLoader(carom.torch.Items(path), batch_size=2, num_workers=2)
+    batches = list(loader)
+    assert sorted(int(number) for batch in batches for number in batch["item"]) == list(range(6))
+    items = [item for shard in sorted(out.glob("*.tar")) for item in unpacked(shard)]
+    for batch in batches:
+        assert batch["sound"].shape[1:] == (1, 12_000) and batch["sound"].dtype == torch.float32
+        for number, sound, speed in zip(
+            batch["item"], batch["sound"], batch["factors"]["impact.velocity"], strict=True
+        ):
+            item = items[int(number)]
+            np.testing.assert_array_equal(sound[0], item["truth"]["full_scale"] * item["samples"][:, 0])
+            assert float(speed) == item["truth"]["factors"]["impact.velocity"]
+    ones = carom.torch.Items(path, range(2), select=lambda row: row["contacts"][0]["impulse"])
+    assert list(ones) == [item["truth"]["contacts"][0]["impulse"] for item in items[:2]]
+    with pytest.raises(carom.PresetError, match="no recipe 'barz'"):
+        carom.torch.Items("barz")
+
+
+def test_hugging_face_reads_it(example):
+    pytest.importorskip("datasets")
+    lines = [line for line in example("with_huggingface.py") if "(12000,)" in line]
+    assert [line.split()[0] for line in lines] == [f"{n:09d}" for n in range(6)]
 
 
 def test_tf_data_gets_pascals(example, made):

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 import carom
-from carom.clients.dataset.clip import render
+from carom.clients.dataset.clip import render, row_of
 from carom.clients.dataset.design import items
 from carom.clients.dataset.recipe import find, read
-from carom.clients.dataset.table import row_of
 from carom.presets import Presets
 from tests.clients.dataset.support import SMALL, recipe_of
 

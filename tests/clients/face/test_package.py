@@ -51,7 +51,7 @@ def test_help_lists_every_public_name():
     for name in carom.__all__:
         assert name in dir(carom) and hasattr(carom, name)
         listed = {"dsp": "\n    dsp\n", "__version__": "VERSION\n"}.get(name, f"    class {name}(")
-        assert (f"    {name}(" if name in ("render", "fit", "compare", "rebuild") else listed) in page
+        assert (f"    {name}(" if name in ("render", "render_many", "fit", "compare", "rebuild") else listed) in page
 
 
 def test_methods_list_their_keys_from_the_registry():
