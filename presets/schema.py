@@ -237,6 +237,7 @@ SHAPES: Mapping[str, Shape] = {
             "fundamental": FREQUENCY,
             "linear_density": Quantity(1e-6, 10, "kg/m"),
             "inharmonicity": Quantity(0, 0.1),
+            "board": Choice(tuple(BOARDS)),
         },
         TUNING,
     ),

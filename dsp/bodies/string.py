@@ -7,8 +7,8 @@ import numpy as np
 
 from .heard import heard
 from .material import Material
-from .modes import MOST_MODES, Modes, audible, path, require_positive
-from .radiation.board import PIANO
+from .modes import MOST_MODES, Modes, audible, path, require_choice, require_positive
+from .radiation.board import BOARDS
 from .tension import string_glide
 from .unheard import FINER, Felt, with_unheard
 
@@ -26,6 +26,7 @@ def string(
     fundamental: float | None = None,
     linear_density: float | None = None,
     inharmonicity: float | None = None,
+    board: str = "piano",
 ) -> Modes:
     """Return the modes of a stiff string with pinned ends: f_n = n f0 sqrt(1 + B n^2).
 
@@ -34,8 +35,10 @@ def string(
     core's pi^3 E d^4/(64 T L^2) (Fletcher 1964). The strike path is the length. ValueError names what is out of range.
 
     Its own sound is nothing beside that of the board at its end: the power that goes into the board is lost to the
-    string, and the share of it that radiates is heard (radiation/board.py).
+    string, and the share of it that radiates is heard. board: one of `radiation.board.BOARDS`.
     """
+    require_choice("board", board, tuple(BOARDS))
+    body = BOARDS[board]
     require_positive(length=length, diameter=diameter, tension=tension)
     require_positive(fundamental=fundamental, linear_density=linear_density)
     density = linear_density or material.density * math.pi * diameter**2 / 4
@@ -54,10 +57,10 @@ def string(
     mass = density * length
     peak = math.sqrt(2 / mass)
     force = tension * math.pi * order / length * peak / (2 * math.pi * frequency)  # at the bridge, per modal velocity
-    lost = force**2 * PIANO.conductance(frequency)
+    lost = force**2 * body.conductance(frequency)
     at = path(np.pi * FINER * order[-1])
     strike, sign = (peak * np.sin(np.pi * np.outer(place, order)) for place in (at, [_SIGN_AT]))
-    modes = heard(material, frequency, lost * PIANO.radiated_share(frequency), (strike, sign[0]), mass, lost)
+    modes = heard(material, frequency, lost * body.radiated_share(frequency), (strike, sign[0]), mass, lost)
     higher = slice(order.size, _FURTHER * order.size)
     felt = Felt(frequencies[higher], peak * np.sin(np.pi * np.outer(at, orders[higher])))
     glide = string_glide(material, length, diameter, tension)

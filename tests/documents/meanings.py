@@ -128,6 +128,7 @@ MEANINGS = {
     ("string", "fundamental"): "of the string without stiffness",
     ("string", "linear_density"): "of a wound string",
     ("string", "inharmonicity"): "B in f_n = n f_0 (1 + B n²)^½; from the core if not given",
+    ("string", "board"): "that its bridge stands on, and that is heard; `piano` if not given",
     ("plate", "edges"): "at x = 0, x = length, y = 0, y = width",
     ("plate", "path_from"): "beginning of the strike path, as shares of the sides",
     ("plate", "path_to"): "end of the strike path",

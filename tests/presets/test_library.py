@@ -22,7 +22,7 @@ def test_every_object_is_a_body_that_can_be_struck(name):
     modes = preset.modes(20000)
     assert 3 <= modes.frequency.size <= 1024
     assert np.all(np.diff(modes.frequency) >= 0) and modes.frequency[-1] <= 20000
-    assert 1e-3 < modes.mass < 1e4
+    assert 1e-4 < modes.mass < 1e4  # kg: from a guitar's string to a bell
     t60 = math.log(1000) / modes.decay
     assert np.all((t60 > 1e-4) & (t60 < 60))
     for array in (modes.strike, modes.pressure):
@@ -61,7 +61,9 @@ def test_the_library_covers_all_shapes_and_many_materials():
 def test_tuned_objects_are_in_tune(name, pitch, ratios):
     preset = PRESETS.object(name)
     straight = {"across": 0.0, "tilt": 0.0} if "width" in preset.geometry else {}  # bending is what bars are tuned by
-    frequency = replace(preset.replace(**straight), added=()).modes(20000).frequency
+    preset = preset.replace(**straight)
+    bare = {key: value for key, value in preset.geometry.items() if key != "tube_diameter"}
+    frequency = replace(preset, geometry=bare, added=()).modes(20000).frequency
     assert 1200 * math.log2(frequency[0] / pitch) == pytest.approx(0, abs=6)  # cents
     assert frequency[: len(ratios)] / frequency[0] == pytest.approx(ratios, rel=0.01)
 

@@ -3,12 +3,17 @@
 The force at its bridge or clamp, F per unit modal velocity, puts the power |F|^2 Y/2 into the board. Y is the mean
 conductance of a plate, 1/(8 sqrt(D m)) (Cremer, Heckl, Petersson, Structure-Borne Sound, 2005). Of this power the share
 R/(R + eta omega) is radiated, R = 2 rho c sigma/m, with the efficiency of a plate in a wall: P c/(pi^2 S f_c)
-sqrt(f/f_c) below the critical frequency, 1/sqrt(1 - f_c/f) above. Single modes of the board are left out, and below
-its lowest one Y falls as f^4.
+sqrt(f/f_c) below the critical frequency, 1/sqrt(1 - f_c/f) above. Below its lowest mode Y falls as f^4. Single modes
+stand out of the mean only where they are listed: a mode of mass M at f_1, of a quality Q, adds Re[j omega/(M (omega_1^2
+- omega^2 + j omega omega_1/Q))].
 
 A ribbed board is one plate only as long as its waves are long. Where half of one fits between two ribs, waves stay
-between these, and the board gives way as the bare panel does (Ege and Boutillon, Proc. ICA, 2010: the rise of a piano's
-mobility above 1.1 kHz). The radiation of its waves there is left as it is, which errs to the loud side.
+between these, and the board gives way and radiates as the bare panel does (Ege and Boutillon, Proc. ICA, 2010: the rise
+of a piano's mobility above 1.1 kHz), whose edges the ribs are, too.
+
+A bridge on two feet rocks on the board as a mass on a spring: it passes a string's force on as T = 1/(1 - (f/f_b)^2 +
+j f/(f_b Q)), so that above its resonance little of it reaches the body (Reinicke 1973; J. Woodhouse, "On the 'bridge
+hill' of the violin", Acta Acustica united with Acustica 91, 2005). The string meets Y |T|^2.
 """
 
 import math
@@ -23,12 +28,38 @@ _JOIN = 1.25  # times the critical frequency: up to here from its inverse the ef
 
 
 @dataclass(frozen=True)
+class Resonance:
+    """A single mode of a board: its frequency (Hz), its quality, and its modal mass at the bridge (kg)."""
+
+    frequency: float
+    quality: float
+    mass: float
+
+    def conductance(self, frequency: Array) -> Array:
+        """Return its real mobility (s/kg)."""
+        omega, own = 2 * math.pi * frequency, 2 * math.pi * self.frequency
+        found: Array = (1j * omega / (self.mass * (own**2 - omega**2 + 1j * omega * own / self.quality))).real
+        return found
+
+
+@dataclass(frozen=True)
+class Ribs:
+    """Ribs of a board: the frequency (Hz) from which waves stay between them, their length in all (m), and the mass per
+    area (kg/m^2) and the rigidity (N m) of the panel between them, as which the board behaves an octave higher."""
+
+    between: float
+    length: float
+    areal: float
+    rigidity: float
+
+
+@dataclass(frozen=True)
 class Board:
     """A board's mass per area (kg/m^2), its rigidity (N m), the geometric mean of both directions, its loss factor, its
     area (m^2), its perimeter (m), and the frequency (Hz) of its lowest mode.
 
-    Of one with ribs: the frequency (Hz) from which waves stay between them, and the mean mobility (s/kg) of the bare
-    panel, which is reached within an octave.
+    ribs: if it has any. Of one with a bridge on feet: the frequency (Hz) at which that rocks, and
+    its quality. single: modes that stand out of the mean.
     """
 
     areal: float
@@ -37,48 +68,92 @@ class Board:
     area: float
     perimeter: float
     lowest: float
-    between_ribs: float = math.inf
-    panel: float = 0.0
+    ribs: Ribs | None = None
+    bridge: float = math.inf
+    bridge_quality: float = 1.0
+    single: tuple[Resonance, ...] = ()
 
     def conductance(self, frequency: Array) -> Array:
-        """Return the mean real mobility (s/kg) at the bridge."""
-        plate = 1 / (8 * math.sqrt(self.rigidity * self.areal))
-        bare = np.clip(np.log2(frequency / self.between_ribs), 0, 1) if self.panel else 0.0
-        found: Array = plate * (self.panel / plate) ** bare / (1 + (self.lowest / frequency) ** 4)
-        return found
+        """Return the real mobility (s/kg) at the bridge: the mean, and that of single modes."""
+        mean = _mobility(self.areal, self.rigidity) / (1 + (self.lowest / frequency) ** 4)
+        if self.ribs:
+            stiffer = _mobility(self.ribs.areal, self.ribs.rigidity) / _mobility(self.areal, self.rigidity)
+            mean = mean * stiffer ** _between(self.ribs, frequency)
+        whole: Array = mean + sum(mode.conductance(frequency) for mode in self.single)
+        return whole * self._passed_on(frequency)
+
+    def _passed_on(self, frequency: Array) -> Array:
+        """Return |T|^2 of the bridge."""
+        ratio = frequency / self.bridge
+        passed: Array = 1 / ((1 - ratio**2) ** 2 + (ratio / self.bridge_quality) ** 2)
+        return passed
 
     def radiated_share(self, frequency: Array) -> Array:
         """Return the share of the board's power that becomes sound."""
-        critical = SPEED**2 / (2 * math.pi) * math.sqrt(self.areal / self.rigidity)
-        ratio = frequency / critical
-        low = self.perimeter * SPEED / (math.pi**2 * self.area * critical) * np.sqrt(np.minimum(ratio, 1 / _JOIN))
-        high = 1 / np.sqrt(1 - 1 / np.maximum(ratio, _JOIN))
-        rise = np.clip((np.log(ratio) / math.log(_JOIN) + 1) / 2, 0, 1)
-        resistance = 2 * IMPEDANCE / self.areal * low ** (1 - rise) * high**rise
+        resistance = _resistance(frequency, self.areal, self.rigidity, self.perimeter, self.area)
+        if self.ribs:
+            edges = self.perimeter + 2 * self.ribs.length
+            panel = _resistance(frequency, self.ribs.areal, self.ribs.rigidity, edges, self.area)
+            resistance = resistance * (panel / resistance) ** _between(self.ribs, frequency)
         share: Array = resistance / (resistance + self.loss_factor * 2 * math.pi * frequency)
         return share
 
 
-_SPRUCE = 0.008, 390.0, 11.5e9, 0.47e9
-"""Thickness (m), density (kg/m^3), Young's modulus (Pa) along and across the grain, as recalled from Ege's thesis."""
+def _between(ribs: Ribs, frequency: Array) -> Array:
+    """Return by how much a board behaves as the panel between its ribs: 0 to 1."""
+    share: Array = np.clip(np.log2(frequency / ribs.between), 0, 1)
+    return share
 
 
-def _bare(thickness: float, density: float, along: float, across: float) -> float:
-    """Return the mean mobility (s/kg) of a panel of wood."""
-    rigidity = math.sqrt(along * across) * thickness**3 / 12
-    return 1 / (8 * math.sqrt(rigidity * density * thickness))
+def _mobility(areal: float, rigidity: float) -> float:
+    """Return the mean mobility (s/kg) of a plate."""
+    return 1 / (8 * math.sqrt(rigidity * areal))
 
+
+def _resistance(frequency: Array, areal: float, rigidity: float, perimeter: float, area: float) -> Array:
+    """Return the resistance R (1/s) of a plate's modes in a wall."""
+    critical = SPEED**2 / (2 * math.pi) * math.sqrt(areal / rigidity)
+    ratio = frequency / critical
+    low = perimeter * SPEED / (math.pi**2 * area * critical) * np.sqrt(np.minimum(ratio, 1 / _JOIN))
+    high = 1 / np.sqrt(1 - 1 / np.maximum(ratio, _JOIN))
+    rise = np.clip((np.log(ratio) / math.log(_JOIN) + 1) / 2, 0, 1)
+    resistance: Array = 2 * IMPEDANCE / areal * low ** (1 - rise) * high**rise
+    return resistance
+
+
+_THICKNESS, _DENSITY = 0.008, 390.0
+_RIGIDITY = math.sqrt(11.5e9 * 0.47e9) * _THICKNESS**3 / 12
+"""Spruce: its thickness (m), its density (kg/m^3), its rigidity (N m) from the moduli along and across the grain, as
+recalled from Ege's thesis."""
 
 PIANO = Board(
     areal=4.0, rigidity=2000.0, loss_factor=0.02, area=1.4, perimeter=5.0, lowest=60.0,
-    between_ribs=1100.0, panel=_bare(*_SPRUCE),
+    ribs=Ribs(between=1100.0, length=10.0, areal=_DENSITY * _THICKNESS, rigidity=_RIGIDITY),
 )  # fmt: skip
-"""8 mm of spruce with its ribs: a conductance of 1.4e-3 s/kg, where a piano's is 1e-3 within a factor of two up to the
-frequency from which waves stay between the ribs (Giordano, J. Acoust. Soc. Am. 103, 1998; Ege and Boutillon 2010), and
-7e-3 s/kg above. Losses: of 1 to 3 % (Ege, Boutillon, Rebillat, J. Sound Vib. 332, 2013)."""
+"""8 mm of spruce with eleven ribs of 0.9 m: a conductance of 1.4e-3 s/kg, where a piano's is 1e-3 within a factor of 2
+up to the frequency from which waves stay between the ribs (Giordano, J. Acoust. Soc. Am. 103, 1998; Ege and Boutillon
+2010), and 7e-3 s/kg above. Losses: of 1 to 3 % (Ege, Boutillon, Rebillat, J. Sound Vib. 332, 2013)."""
 
 BOX = Board(areal=7.0, rigidity=350.0, loss_factor=0.02, area=0.02, perimeter=0.6, lowest=150.0)
 """The top of a hollow box for tongues, 200 x 100 x 10 mm of hard wood, estimated: a conductance of 2.5e-3 s/kg. The
 lowest mode is that of the air in it."""
 
-BOARDS = {"piano": PIANO, "box": BOX}
+CELLO = Board(
+    areal=2.0, rigidity=25.0, loss_factor=0.025, area=0.24, perimeter=2.0, lowest=220.0,
+    bridge=2000.0, bridge_quality=3.0,
+    single=(Resonance(100.0, 30.0, 3.0), Resonance(180.0, 30.0, 0.4), Resonance(220.0, 35.0, 0.6)),
+)  # fmt: skip
+"""The top of a cello: 4.5 mm of spruce, 0.75 m long, with what its bass bar adds, estimated. Its air resonance and two
+modes of its corpus, near where they lie in most cellos (Bynum and Rossing 1997, as recalled); qualities and masses
+estimated. The bridge: the highest of the three modes in its plane that Reinicke found, 2.1 kHz (as recalled), its
+quality estimated."""
+
+GUITAR = Board(
+    areal=1.3, rigidity=10.0, loss_factor=0.02, area=0.14, perimeter=1.5, lowest=350.0,
+    single=(Resonance(100.0, 25.0, 0.6), Resonance(195.0, 35.0, 0.12), Resonance(390.0, 40.0, 0.15)),
+)  # fmt: skip
+"""The top of a classical guitar: 2.5 mm of spruce with its struts, estimated. Its coupled modes of air and top near 100
+and 195 Hz, where an effective mass of 0.1 kg is usual (Christensen and Vistisen, J. Acoust. Soc. Am. 68, 1980, as
+recalled), and one more; qualities and the other masses estimated."""
+
+BOARDS = {"piano": PIANO, "box": BOX, "cello": CELLO, "guitar": GUITAR}

@@ -2,6 +2,7 @@
 
 import math
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from carom.dsp import bodies
 from carom.dsp.bodies.air import DENSITY, IMPEDANCE, SPEED
 from carom.dsp.bodies.heard import loaded
 from carom.dsp.bodies.radiation import round as loads
-from carom.dsp.bodies.radiation.board import PIANO
+from carom.dsp.bodies.radiation.board import CELLO, GUITAR, PIANO, Board
 from carom.dsp.bodies.radiation.sampling import members
 from tests.dsp.bodies.reference import EVERY, HEAVY, STEEL
 
@@ -131,6 +132,57 @@ def test_between_its_ribs_a_board_gives_way_as_the_bare_panel_does():
     counted = [np.count_nonzero(omega < 2 * math.pi * f) for f in (3000, 9000)]
     density = (counted[1] - counted[0]) / 6000
     assert PIANO.conductance(np.array([4000.0])) == pytest.approx(density / (4 * areal * 0.9 * 1.4), rel=0.05)
+
+
+def test_a_board_between_its_ribs_radiates_as_a_panel_does():
+    """R is that of both sides of a plate above its critical frequency."""
+    panel = 0.008 * 390
+    critical = SPEED**2 / (2 * math.pi) * math.sqrt(panel / (math.sqrt(11.5e9 * 0.47e9) * 0.008**3 / 12))
+    frequency = 2 * critical
+    resistance = 2 * IMPEDANCE / panel / math.sqrt(1 - critical / frequency)
+    share = resistance / (resistance + 0.02 * 2 * math.pi * frequency)
+    assert PIANO.radiated_share(np.array([frequency])) == pytest.approx(share, rel=1e-6)
+    below = PIANO.radiated_share(np.array([1000.0, 2300.0]))
+    assert below[1] < 0.5 * below[0]  # waves between ribs are slower than sound
+
+
+def test_a_bridge_passes_on_twelve_decibels_less_per_octave_above_its_resonance():
+    plain = Board(2.0, 25.0, 0.025, 0.24, 2.0, 220.0)
+    rocking = replace(plain, bridge=2000.0, bridge_quality=3.0)
+    frequency = np.array([200.0, 2000.0, 8000.0, 16000.0])
+    passed = rocking.conductance(frequency) / plain.conductance(frequency)
+    assert passed[0] == pytest.approx(1.0, abs=0.03) and passed[1] == pytest.approx(9.0)
+    assert 10 * math.log10(passed[2] / passed[3]) == pytest.approx(12.2, abs=0.3)
+
+
+@pytest.mark.parametrize("board", [CELLO, GUITAR])
+def test_single_modes_stand_out_of_a_boards_mean(board):
+    """A mode of mass M and quality Q gives way by Q/(M omega) at its resonance, and by half of it half a width off."""
+    smooth = replace(board, single=())
+    for mode in board.single:
+        alone = replace(board, single=(mode,))
+        aside = mode.frequency * (1 + np.array([-0.5, 0.0, 0.5]) / mode.quality)
+        found = alone.conductance(aside) - smooth.conductance(aside)
+        peak = mode.quality / (mode.mass * 2 * math.pi * mode.frequency)
+        assert found == pytest.approx(peak * np.array([0.5, 1.0, 0.5]), rel=0.1)
+
+
+def test_a_bowed_cello_falls_as_its_bridge_and_a_saw_tooth_do():
+    """The saw-tooth falls by 6 dB per octave, the bridge by 12 above its resonance; the board radiates better there."""
+    force = {"length": 0.69, "diameter": 0.0008, "fundamental": 146.8, "linear_density": 0.00296, "top": 9000}
+    wire = bodies.Material("wire", 7850, 2e11, 0.29, 0, 0, 0.002, losses="measured")
+    modes = bodies.string(wire, **force, board="cello")
+    order = np.arange(1, modes.frequency.size + 1)
+    level = 20 * np.log10(np.abs(modes.pressure[0]) / order)  # Helmholtz's motion: velocities as 1/n
+    octaves = np.log2(modes.frequency)
+    above, below = modes.frequency > 2500, (modes.frequency > 300) & (modes.frequency < 1800)
+    assert -18 < np.polyfit(octaves[above], level[above], 1)[0] < -11
+    assert -8 < np.polyfit(octaves[below], level[below], 1)[0] < 0
+
+
+def test_a_string_needs_a_board_that_there_is():
+    with pytest.raises(ValueError, match=r"board = lute: expected"):
+        bodies.string(STEEL, length=0.65, diameter=0.0005, tension=80, top=5000, board="lute")
 
 
 def test_a_glass_of_light_plastic_moves_the_air():
