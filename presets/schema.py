@@ -17,6 +17,7 @@ from ..dsp.bodies.heard import BAFFLES
 from ..dsp.bodies.material import LOSSES
 from ..dsp.bodies.plate import EDGES as PLATE_EDGES
 from ..dsp.bodies.radiation.board import BOARDS
+from ..dsp.bodies.unison import MOST_WIRES
 from ..dsp.errors import CaromError
 from ..dsp.rolling.variation import MOST_VARIATION
 from ..dsp.wording import expected
@@ -238,6 +239,8 @@ SHAPES: Mapping[str, Shape] = {
             "linear_density": Quantity(1e-6, 10, "kg/m"),
             "inharmonicity": Quantity(0, 0.1),
             "board": Choice(tuple(BOARDS)),
+            "wires": Whole(1, MOST_WIRES),
+            "mistuning": Quantity(0, 100, "cents"),
         },
         TUNING,
     ),

@@ -11,6 +11,7 @@ from .modes import MOST_MODES, Modes, audible, path, require_choice, require_pos
 from .radiation.board import BOARDS
 from .tension import string_glide
 from .unheard import FINER, Felt, with_unheard
+from .unison import MOST_WIRES, in_unison
 
 _FURTHER = 8  # times the modes that are heard: those that are felt
 _SIGN_AT = 0.07  # of the length: whose sign a mode's sound has
@@ -27,6 +28,8 @@ def string(
     linear_density: float | None = None,
     inharmonicity: float | None = None,
     board: str = "piano",
+    wires: int = 1,
+    mistuning: float = 1.0,
 ) -> Modes:
     """Return the modes of a stiff string with pinned ends: f_n = n f0 sqrt(1 + B n^2).
 
@@ -36,9 +39,16 @@ def string(
 
     Its own sound is nothing beside that of the board at its end: the power that goes into the board is lost to the
     string, and the share of it that radiates is heard. board: one of `radiation.board.BOARDS`.
+
+    wires: how many such strings one hammer strikes, 1 to 3; mistuning: from the lowest to the highest (cents). How they
+    fall follows from the material's losses and the board (unison.py): measured ones hold the board's already.
     """
     require_choice("board", board, tuple(BOARDS))
     body = BOARDS[board]
+    if wires not in range(1, MOST_WIRES + 1) or not 0 <= mistuning < math.inf:
+        raise ValueError(f"wires = {wires}, mistuning = {mistuning}: expected 1 to {MOST_WIRES}, and cents from 0 on")
+    if wires > 1 and material.losses != "material":
+        raise ValueError(f"wires = {wires}, losses = {material.losses}: expected losses = material for several wires")
     require_positive(length=length, diameter=diameter, tension=tension)
     require_positive(fundamental=fundamental, linear_density=linear_density)
     density = linear_density or material.density * math.pi * diameter**2 / 4
@@ -61,7 +71,9 @@ def string(
     at = path(np.pi * FINER * order[-1])
     strike, sign = (peak * np.sin(np.pi * np.outer(place, order)) for place in (at, [_SIGN_AT]))
     modes = heard(material, frequency, lost * body.radiated_share(frequency), (strike, sign[0]), mass, lost)
+    if wires > 1:
+        modes = in_unison(modes, material.decay(frequency), lost, wires, mistuning, top)
     higher = slice(order.size, _FURTHER * order.size)
-    felt = Felt(frequencies[higher], peak * np.sin(np.pi * np.outer(at, orders[higher])))
-    glide = string_glide(material, length, diameter, tension)
+    felt = Felt(frequencies[higher], peak / math.sqrt(wires) * np.sin(np.pi * np.outer(at, orders[higher])))
+    glide = string_glide(material, length, diameter, tension) / wires
     return replace(with_unheard(modes, felt, material.decay, top), glide=glide)

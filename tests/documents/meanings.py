@@ -129,6 +129,8 @@ MEANINGS = {
     ("string", "linear_density"): "of a wound string",
     ("string", "inharmonicity"): "B in f_n = n f_0 (1 + B n²)^½; from the core if not given",
     ("string", "board"): "that its bridge stands on, and that is heard; `piano` if not given",
+    ("string", "wires"): "strings alike that one hammer strikes and one bridge joins; 1 if not given",
+    ("string", "mistuning"): "from the lowest to the highest of them; 1 if not given",
     ("plate", "edges"): "at x = 0, x = length, y = 0, y = width",
     ("plate", "path_from"): "beginning of the strike path, as shares of the sides",
     ("plate", "path_to"): "end of the strike path",
