@@ -1,8 +1,8 @@
 """Unisons: strings in twos and threes that one hammer strikes and one bridge joins.
 
 Each wire's partial loses what it puts into the board, and moves the others by it (G. Weinreich, "Coupled piano
-strings", J. Acoust. Soc. Am. 62, 1977). With amplitudes a (W,) of W wires at omega_k, which lose sigma by themselves and the
-amplitude b by the bridge's conductance,
+strings", J. Acoust. Soc. Am. 62, 1977). With amplitudes a (W,) of W wires at omega_k, which lose
+sigma by themselves and the amplitude b by the bridge's conductance,
 
     a_k' = (j omega_k - sigma) a_k - b sum_l a_l.
 
