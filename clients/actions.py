@@ -113,6 +113,23 @@ class Actions(Gestures, ABC):
         """End the running gestures of an id or pattern."""
         self.send(f"/gesture/{id}/stop", at=at)
 
+    def sensor(
+        self, sensor: str, object: str, position: SupportsFloat | None = None, at: SupportsFloat | None = None,
+        **keys: Value,
+    ) -> None:  # fmt: skip
+        """Mount a sensor on an object: a channel of its own after those of the sound, which no gain changes.
+
+        sensor: its name. position: 0 to 1 along the object's strike path (None: where its preset is struck). keys: preset (ideal,
+        accelerometer, mems, piezo-20, piezo-27, piezo-35, velocity), quantity (acceleration, in m/s^2, or velocity, in
+        m/s), resonance (Hz), damping (its ratio), full (the value of a sample of 1.0).
+        """
+        place = () if position is None else (position,)
+        self.send("/sensor/new", sensor, object, *place, *key_pairs(keys), at=at)
+
+    def unmount(self, sensor: str, at: SupportsFloat | None = None) -> None:
+        """Take a sensor away."""
+        self.send(f"/sensor/{sensor}/free", at=at)
+
     def accuracy(self, level: str | int, at: SupportsFloat | None = None) -> None:
         """Set the accuracy of later contacts with objects that yield: -40, -60 (dB, the default), -80 or "exact".
 

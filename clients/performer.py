@@ -22,7 +22,7 @@ from ..presets import Presets
 from ..server.bridge.requests import Request, Slide
 from ..server.osc.score import LONGEST_SCORE, Line, sample_at
 from ..server.osc.wire import Argument, Message
-from ..server.render import Options
+from ..server.render import Options, sensors_of
 from ..server.scene.direct import Direct
 from ..server.scene.session import Session
 from ..server.scene.transaction import Sent
@@ -53,8 +53,8 @@ class Placed:
 class _Engine(Engine):
     """An engine that remembers the modes of its objects, by serial, for as long as they have a place."""
 
-    def __init__(self, rate: float, channels: int, objects: int, limited: bool) -> None:
-        super().__init__(rate, channels, MODES, objects, limited)
+    def __init__(self, rate: float, channels: int, objects: int, limited: bool, sensors: int) -> None:
+        super().__init__(rate, channels, MODES, objects, limited, sensors)
         self.placed: dict[int, Placed] = {}
 
     def lay_out(self, modes: Modes, level: float) -> tuple[Handle, dict[str, float]]:
@@ -87,9 +87,11 @@ class Performer:
         self.presets = chosen(presets)
         scale, room = replace(options.scale_of(score), amplified=amplified), STEMS if stems else OBJECTS
         with _compiling:
-            self.engine = _Engine(options.rate, options.channels_of(score), room, not options.calibrated)
+            channels, sensors = options.channels_of(score), sensors_of(score)
+            self.engine = _Engine(options.rate, channels, room, not options.calibrated, sensors)
         self.scene = Session(self.engine, self.presets, steers_ended, scale)
         self.scene.on_sent = self._remember
+        self.scene.sensors.grows = True
         self.stems = stems
         self.contacts = contacts
         self.warnings: list[str] = []  # for the next report

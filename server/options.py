@@ -6,6 +6,7 @@ from pathlib import Path
 
 from ..dsp.engine.memory.capacity import MODES, OBJECTS, USUAL_MODES, USUAL_OBJECTS
 from ..dsp.engine.memory.commands import Command, Kind
+from ..dsp.engine.memory.mounted import SENSORS
 from ..dsp.errors import CaromError
 from ..dsp.numerics.constants import FULL_SCALE_PRESSURE
 from ..dsp.runtime.engine import NOW, Engine
@@ -35,7 +36,8 @@ class Options:
     device's), files to record the sound and to log the events to, folders of presets, the arguments of a /contact to
     begin with, a port for HTTP (None: none, 0: any free one), the folder of the page that is there beside OSCQuery
     (None: no page), whether it goes over TLS, with the certificate of which file (None: one that is made), channels,
-    the main gain in dB, whether the limiter is on, room for modes and objects, the form in which the spectral bank
+    and those for sensors, the main gain in dB, whether the limiter is on, room for modes and objects, the form in which
+    the spectral bank
     keeps its modes, a folder for what clients record, with the most bytes that all files in it may have, the MIDI
     inputs that play, by index or part of a name, and the pressure (Pa) of full scale, of an object of level 0."""
 
@@ -55,6 +57,7 @@ class Options:
     tls: bool = False
     certificate: Path | None = None
     channels: int = 2
+    sensors: int = 0
     gain: float = 0.0
     limiter: bool = True
     modes: int = USUAL_MODES
@@ -72,6 +75,7 @@ class Options:
             ("block", self.block, 0, 65_536),
             ("page" if self.page else "oscquery", self.web or 0, 0, 65_535),
             ("channels", self.channels, CHANNELS.low, CHANNELS.high),
+            ("sensors", self.sensors, 0, min(SENSORS, CHANNELS.high - self.channels)),
             ("gain", self.gain, MAIN_GAIN.low, MAIN_GAIN.high),
             ("full_scale", self.full_scale, FULL_SCALE.low, FULL_SCALE.high),
             ("modes", self.modes, 1, MODES),
@@ -93,7 +97,7 @@ class Options:
 
     def engine(self) -> Engine:
         """Make an engine that begins with them."""
-        engine = Engine(self.rate, self.channels, self.modes, self.objects, limited=True)
+        engine = Engine(self.rate, self.channels, self.modes, self.objects, limited=True, sensors=self.sensors)
         gain = Command(NOW, Kind.GAIN, value=MAIN_GAIN.in_engine(self.gain))
         steps, modes = BUDGET
         budget = Command(NOW, Kind.BUDGET, values={"steps": steps, "modes": modes})
@@ -105,6 +109,13 @@ class Options:
     def scale(self) -> Scale:
         """The scale of the samples."""
         return Scale(full_scale=self.full_scale)
+
+    @property
+    def said(self) -> str:
+        """Meaning of its channels, for the metadata of recordings."""
+        if self.sensors == 0:
+            return self.scale.said
+        return f"{self.scale.said}; the last {self.sensors} channels are sensors': m/s^2 or m/s over `full`"
 
     @property
     def head(self) -> list[Message]:

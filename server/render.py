@@ -12,20 +12,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..dsp.engine.memory.capacity import MODES, OBJECTS, STEMS
+from ..dsp.engine.memory.mounted import SENSORS
 from ..dsp.engine.memory.state import QUANTUM, RING
 from ..dsp.runtime.engine import Engine
 from ..dsp.schema import CHANNELS, FORMS, FULL_SCALE, MAIN_GAIN, ROOM, STEPS, Parameter
 from ..dsp.wording import expected
-from ..presets import Presets
+from ..presets import PresetError, Presets
 from .files.spool import Spool, StemSpools
 from .files.whole import RenderError, require_format, writing
 from .limiting import LimiterWatch, Limiting
 from .osc.addresses import VERBS, calls
 from .osc.arguments import Refused, check_number
 from .osc.score import LONGEST_SCORE, Line, ScoreError, sample_at
+from .osc.sensor_verbs import SENSOR
 from .osc.wire import Argument, Message
 from .scene.limits import LONGEST_BOUNCE
 from .scene.scale import Scale
+from .scene.sensing import said_of
 from .scene.session import Session
 
 LOWEST_RATE, HIGHEST_RATE = 8_000, 192_000
@@ -129,7 +132,10 @@ class Options:
 
     def engine(self, score: Sequence[Line], objects: int = OBJECTS) -> Engine:
         """Make an engine for the render of a score. ScoreError as in `channels_of`."""
-        return Engine(self.rate, self.channels_of(score), MODES, objects, limited=not self.calibrated)
+        channels, sensors = self.channels_of(score), sensors_of(score)
+        if sensors > min(SENSORS, CHANNELS.high - channels):
+            raise RenderError(f"{sensors} sensors: expected at most {min(SENSORS, CHANNELS.high - channels):g}")
+        return Engine(self.rate, channels, MODES, objects, limited=not self.calibrated, sensors=sensors)
 
     def without_head(self, score: Sequence[Line]) -> list[Line]:
         """Return the lines of a score but for those in whose place the options are: at time 0, and of the budget
@@ -156,6 +162,24 @@ def _chosen(number: Parameter, given: float | None, score: Sequence[Line]) -> fl
         return VERBS[address].parse(said[0].message.args).numbers[number.name]
     except Refused as error:
         raise ScoreError(f"{said[0].where}: {address}: {error}") from None
+
+
+def sensors_said(score: Sequence[Line], channels: int) -> str:
+    """Describe the channels of a score's sensors, which follow so many. ScoreError names a line that mounts none."""
+    said: dict[Argument, str] = {}
+    for line in score:
+        if line.message.address == SENSOR:
+            try:
+                values = VERBS[SENSOR].parse(line.message.args)
+                said.setdefault(line.message.args[0], said_of(values, channels + len(said)))
+            except (Refused, PresetError) as error:
+                raise ScoreError(f"{line.where}: {SENSOR}: {error}") from None
+    return "; ".join(said.values())
+
+
+def sensors_of(score: Sequence[Line]) -> int:
+    """Return how many sensors a score mounts, by their names: each has a channel."""
+    return len({line.message.args[:1] for line in score if line.message.address == SENSOR})
 
 
 def require(number: Parameter, value: object) -> None:
@@ -316,13 +340,16 @@ def render(
     with ExitStack() as stack:
         format = "float" if options.calibrated else options.format
         scale = session.scale.said if options.normalize is None else ""
-        write = stack.enter_context(writing(out, options.rate, engine.channels, format, scale))
+        if engine.sensors and (format not in (None, "float") or out.suffix.lower() != ".wav"):
+            raise RenderError(f"{out}: format = {format}: expected a WAV file of floats, as sensors are in SI units")
+        comment = "; ".join(filter(None, (scale, sensors_said(score, engine.channels))))
+        write = stack.enter_context(writing(out, options.rate, engine.width, format, comment))
         if stems:
             _make_folder(stems)
             options = replace(options, block=QUANTUM)
             engine.stems.keep(True)
         folder = Path(stack.enter_context(TemporaryDirectory(prefix=".carom-", dir=stems or out.parent)))
-        spool, parts = Spool(folder / "whole", engine.channels), StemSpools(folder, engine.channels)
+        spool, parts = Spool(folder / "whole", engine.width, engine.sensors), StemSpools(folder, engine.channels)
         keep = write if options.normalize is None else spool.append
         frames = 0
         for sound in blocks(score, engine, presets, options, session, warn):

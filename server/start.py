@@ -44,7 +44,7 @@ def serving(options: Options) -> Iterator[Server]:
         tap = None
         if options.page is not None or options.recordings is not None:
             tap = stack.enter_context(closing(Tap(engine)))
-        recorder = _recorder(engine, options.record, tap, options.scale.said) if options.record else None
+        recorder = _recorder(engine, options.record, tap, options.said) if options.record else None
         if recorder:
             files.callback(recorder.close)
         path = options.log
@@ -63,7 +63,7 @@ def serving(options: Options) -> Iterator[Server]:
         sys.setswitchinterval(_SWITCH)
         server.early.extend(early)
         if options.recordings is not None and tap:
-            takes = server.recording.takes = Takes(engine, tap, options.recordings, options.quota, options.scale.said)
+            takes = server.recording.takes = Takes(engine, tap, options.recordings, options.quota, options.said)
             files.callback(takes.close)
         if options.contact:
             server.choose_contact(options.contact)
@@ -83,7 +83,7 @@ def serving(options: Options) -> Iterator[Server]:
 def _recorder(engine: Engine, path: Path, tap: Tap | None, comment: str) -> Recorder:
     if tap is None:
         return Recorder(engine, path, comment=comment)
-    queue = Queue(engine.channels)
+    queue = Queue(engine.width)
     recorder = Recorder(engine, path, queue.take, comment=comment)
     tap.add(queue)
     return recorder

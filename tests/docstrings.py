@@ -17,11 +17,11 @@ Define Delete Deliver Derive Describe Detect Discard Disconnect Divide Do Docume
 Empty Encode End Enter Estimate Evaluate Exchange Expand Export Extend Extrapolate Fade Fail Fetch Fill Filter Find
 Finish Fit Fly Fold Follow Forget Format Free Freeze Gather Generate Give Go Group Halt Hand Handle Hash Hear Hold
 Ignore Import Init Initialize Inject Insert Install Integrate Interpolate Invert Join Judge Keep Kill Lay Learn Leave
-Limit Link List Listen Load Lock Log Look Lower Make Map Mark Match Measure Merge Mix Modulate Move Multiply Mute Name
-Normalize Note Open Optimise Order Pack Parse Pass Pause Perform Place Plan Play Predict Prefetch Prepare Press
+Limit Link List Listen Load Lock Log Look Lower Make Map Mark Match Measure Merge Mix Modulate Mount Move Multiply Mute
+Name Normalize Note Open Optimise Order Pack Parse Pass Pause Perform Place Plan Play Predict Prefetch Prepare Press
 Pretend Print Process Project Publish Put Queue Raise Read Receive Record Reduce Refine Refuse Register Release
 Remember Remove Rename Render Reopen Repeat Replace Report Resample Reset Resolve Restart Restore Resume Retune Return
-Ring Roll Round Run Sample Save Say Scale Schedule Seek Select Send Serve Set Shake Show Shut Simulate Skip Slide
+Ring Roll Round Run Sample Save Say Scale Schedule Seek Select Send Sense Serve Set Shake Show Shut Simulate Skip Slide
 Smooth Solve Sort Spend Spin Split Stand Start Steer Step Stop Store Stretch Strike Subtract Sum Summarise Switch
 Synthesize Take Tell Test Thin Throw Tie Topple Touch Transform Translate Try Unbind Undo Update Use Validate Verify
 Wait Wake Warn Watch Weigh Write Yield

@@ -27,7 +27,7 @@ PAGE = Path(__file__).parents[1] / "page"
 
 _KEPT = (
     "port", "bind", "device", "latency", "rate", "block", "record", "log", "channels", "gain", "modes", "objects",
-    "bank", "recordings", "quota", "full_scale",
+    "sensors", "bank", "recordings", "quota", "full_scale",
 )  # fmt: skip
 """The options that the server takes as they are given."""
 
@@ -66,6 +66,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--channels", type=whole, default=2, metavar="N", help="channels, 1 to 64 (%(default)s: left and right)"
     )
+    parser.add_argument(
+        "--sensors", type=whole, default=0, metavar="N",
+        help="channels after those of the sound, one for each sensor on an object (%(default)s)",
+    )  # fmt: skip
     parser.add_argument("--gain", type=number, default=0.0, metavar="DB", help="level of the whole, dB (%(default)g)")
     parser.add_argument("--limiter", default="on", **SWITCH, help="keep within full scale (%(default)s)")
     parser.add_argument(

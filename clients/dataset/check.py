@@ -9,10 +9,12 @@ from ...presets import PresetError, Presets
 from ...presets.schema import check
 from ...presets.values import shown
 from ...server.new_object import changed
+from ...server.osc import sensor_verbs
 from ...server.osc.addresses import VERBS, calls
 from ...server.osc.arguments import Refused
-from .messages import gesture_message, object_message
-from .recipe import OBJECTS, OWN, SCORE, Recipe
+from ...server.scene.sensing import sensor_asked
+from .messages import gesture_message, object_message, sensor_message
+from .recipe import OBJECTS, ON, OWN, SCORE, SENSOR, Recipe
 from .scores import FILE, NAMED, filled, require_filled, require_performable
 from .spread import Spread, Value
 
@@ -32,8 +34,8 @@ def require_sound(recipe: Recipe, presets: Presets) -> None:
             for values in _tried(table, FILE):
                 require_performable(filled(drawn[str(values[FILE])], values, 0), presets)
             continue
-        kind = "preset" if section in OBJECTS else GESTURES[section].argument.name
-        if kind not in table:
+        kind = _kind(section)
+        if kind and kind not in table:
             raise PresetError(f"{where}{kind} is missing: expected {_wanted(section)}")
         for key, value in table.items():
             if section in GESTURES and key in _MADE:
@@ -47,6 +49,13 @@ def require_sound(recipe: Recipe, presets: Presets) -> None:
             except (Refused, PresetError) as error:
                 of = str(values.get("preset", ""))
                 raise PresetError(f"{where}{error}{f' (preset {of})' if of not in str(error) else ''}") from None
+
+
+def _kind(section: str) -> str:
+    """Return the key that a section cannot be without."""
+    if section == SENSOR:
+        return ""
+    return "preset" if section in OBJECTS else GESTURES[section].argument.name
 
 
 def _wanted(section: str) -> str:
@@ -77,6 +86,11 @@ def _try(section: str, values: Mapping[str, Value], presets: Presets, has_by: bo
         (call,) = calls(message)
         assert call.verb
         changed(presets.object(str(values["preset"])), call.verb.parse(message.args))
+        return
+    if section == SENSOR:
+        if values.get(ON, OBJECTS[0]) == OBJECTS[1] and not has_by:
+            raise Refused(f"{ON} = {OBJECTS[1]}: expected a section [{OBJECTS[1]}] with it")
+        sensor_asked(VERBS[sensor_verbs.SENSOR].parse(sensor_message(values).args))
         return
     message = gesture_message(section, values, 0, has_by)
     VERBS[f"/object/NAME/{section}"].parse(message.args)

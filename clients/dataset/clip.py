@@ -39,12 +39,14 @@ class ItemError(CaromError, RuntimeError):
 @dataclass(frozen=True)
 class Clip:
     """An item's sound, (frames, channels): floats, or whole numbers of steps; its truth; and of all contacts, one after
-    the other, the forces, (N, 6) float32 in N, and the paths of those that move, (M, 5) float32."""
+    the other, the forces, (N, 6) float32 in N, and the paths of those that move, (M, 5) float32; and the signals of
+    sensors, (frames, sensors) float32, each in the unit that the truth says."""
 
     samples: NDArray[np.float32] | NDArray[np.int32]
     truth: Truth
     force: NDArray[np.float32]
     path: NDArray[np.float32]
+    sensed: NDArray[np.float32]
 
 
 def render(recipe: Recipe, item: Item, presets: Presets) -> Clip:
@@ -72,7 +74,7 @@ def _render(recipe: Recipe, item: Item, presets: Presets) -> Clip:
     performer = Performer(options, (), presets, stems=False, contacts=True, steers_ended=True, amplified=AMPLIFIED)
     performer.perform(options.head, None)
     followed = Followed()
-    pressure, contacts = _played(recipe, item, performer, followed)
+    pressure, sensed, contacts = _played(recipe, item, performer, followed)
     peak = float(np.abs(pressure).max())
     full_scale = recipe.full_scale or whole_of(peak)
     if not peak <= full_scale:
@@ -89,12 +91,14 @@ def _render(recipe: Recipe, item: Item, presets: Presets) -> Clip:
     truth["objects"] = [each for each in told if each]
     truth["linear"] = all(each["linear"] for each in truth["objects"])
     truth["contacts"] = about_contacts(performer, contacts)
+    if sensed.shape[1]:
+        truth["sensors"] = _about_sensors(performer)
     truth["warnings"] = [*performer.warnings, *_quiet(recipe, full_scale, pressure)]
     forces = [np.zeros((0, TRACED_MOMENTS)), *(contact.drive.moments for contact in contacts)]
     paths = [np.zeros((0, 5)), *(path_of(contact.drive) for contact in contacts)]
     return Clip(
         quantized(pressure, full_scale, recipe.samples), truth,
-        np.concatenate(forces).astype(np.float32), np.concatenate(paths).astype(np.float32),
+        np.concatenate(forces).astype(np.float32), np.concatenate(paths).astype(np.float32), sensed,
     )  # fmt: skip
 
 
@@ -133,9 +137,11 @@ def _said(item: Item) -> str:
 
 def _played(
     recipe: Recipe, item: Item, performer: Performer, followed: Followed
-) -> tuple[NDArray[np.float32], tuple[Contact, ...]]:
-    """Play an item; return its sound (Pa), and its contacts. CommandError names the line of a score that was
-    refused."""
+) -> tuple[NDArray[np.float32], NDArray[np.float32], tuple[Contact, ...]]:
+    """Play an item; return its sound (Pa), the signals of its sensors, and its contacts.
+
+    CommandError names the line of a score that was refused.
+    """
     pieces, traces = [], []
     follows = item.gesture not in _PLAIN
     longest = QUANTUM if follows else _PIECE
@@ -155,7 +161,24 @@ def _played(
             except CommandError as error:
                 raise CommandError(f"{line.where}: {error}" if line.where else str(error)) from None
     trace = np.concatenate([*filter(len, traces)] or traces)
-    return np.concatenate(pieces) / np.float32(AMPLIFIED), assemble(trace, recipe.rate, 0, performer.striking)
+    width, channels = performer.engine.width, performer.engine.channels
+    whole = np.zeros((recipe.frames, width), np.float32)
+    for piece, first in zip(pieces, np.cumsum([0, *map(len, pieces)]).tolist(), strict=False):
+        whole[first : first + len(piece), : piece.shape[1]] = piece
+    contacts = assemble(trace, recipe.rate, 0, performer.striking)
+    pressure: NDArray[np.float32] = whole[:, :channels] / np.float32(AMPLIFIED)
+    return pressure, whole[:, channels:], contacts
+
+
+def _about_sensors(performer: Performer) -> list[Truth]:
+    """Describe the sensors, in the order of their channels."""
+    return [
+        {
+            "name": name, "object": each.object, "position": each.position, "quantity": each.sensor.quantity,
+            "unit": each.unit, "full": each.full, "resonance": each.sensor.resonance, "damping": each.sensor.damping,
+        }
+        for _, (name, each) in sorted(performer.scene.sensors.channels.items())
+    ]  # fmt: skip
 
 
 def _due(recipe: Recipe, item: Item, line: Line) -> int:

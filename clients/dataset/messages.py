@@ -8,10 +8,11 @@ from ...dsp.schema import GESTURES
 from ...presets import PresetError, Presets
 from ...presets.schema import SHAPES
 from ...presets.values import Quantity
+from ...server.osc import sensor_verbs
 from ...server.osc.score import Line
 from ...server.osc.wire import Argument, Message
 from .design import Item
-from .recipe import OBJECTS, OWN, SCORE, Recipe
+from .recipe import OBJECTS, ON, OWN, SCORE, SENSOR, Recipe
 from .scores import FILE, filled
 from .spread import Value
 
@@ -28,6 +29,7 @@ def lines_of(recipe: Recipe, item: Item, presets: Presets) -> list[Line]:
         values = item.values[SCORE]
         return filled(recipe.scores[str(values[FILE])].lines, values, item.seed)
     made = [object_message(name, item.values[name], presets) for name in OBJECTS if name in item.values]
+    made += [sensor_message(item.values[SENSOR])] if SENSOR in item.values else []
     values = item.values[item.gesture]
     lines = [Line(0.0, message, "") for message in made]
     gesture = gesture_message(item.gesture, values, item.seed, BY in item.values)
@@ -43,6 +45,12 @@ def object_message(name: str, values: Mapping[str, Value], presets: Presets) -> 
     given = {key: value for key, value in values.items() if key != "preset" and key not in OWN[name]}
     scaled = _scaled(preset, number(values, "size"), presets) if "size" in values else {}
     return Message("/object/new", (name, preset, *_pairs({**scaled, **given})))
+
+
+def sensor_message(values: Mapping[str, Value]) -> Message:
+    """Return the message that mounts a sensor."""
+    given = {key: value for key, value in values.items() if key not in OWN[SENSOR]}
+    return Message(sensor_verbs.SENSOR, (SENSOR, str(values.get(ON, OBJECT)), *_pairs(given)))
 
 
 def gesture_message(gesture: str, values: Mapping[str, Value], seed: int, has_by: bool) -> Message:

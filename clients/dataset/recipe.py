@@ -29,6 +29,9 @@ GESTURE = "gesture"
 OBJECTS = ("object", "by")
 """Sections of objects: the one that is touched, and one that strikes it."""
 
+SENSOR, ON = "sensor", "on"
+"""The section of a sensor, with the keys of `/sensor/new`, and its key that says on which object it is."""
+
 SCORE = "score"
 """The section of a recipe whose items follow scores: they make their objects, and stand in the place of a gesture."""
 
@@ -52,7 +55,7 @@ class Word(Text):
 LICENCE = re.compile(r"[A-Za-z0-9][A-Za-z0-9.+-]*")
 """Form of a licence's identifier."""
 
-_SECTIONS = (*OBJECTS, *GESTURES, SCORE)
+_SECTIONS = (*OBJECTS, *GESTURES, SENSOR, SCORE)
 
 MOST = 1_000_000_000
 """Items that a recipe can have."""
@@ -85,6 +88,7 @@ DEFAULTS: Mapping[str, Any] = {
 OWN: Mapping[str, Fields] = {
     "object": {"size": Quantity(1e-3, 1e3, "times")},
     "by": {"size": Quantity(1e-3, 1e3, "times")},
+    SENSOR: {ON: Choice(OBJECTS)},
     **{name: {"at": Quantity(0, 600, "s"), "until": Quantity(0, 600, "s")} for name in GESTURES},
 }
 """Keys of a section that are the recipe's own, and no message's."""

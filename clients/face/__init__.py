@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     from .server.bridge.step import Touch as Touch
     from .server.files.whole import RenderError as RenderError
     from .server.osc.score import ScoreError as ScoreError
+    from .sound import Sensed as Sensed
     from .sound import Sound as Sound
     from .world import World as World
 
@@ -78,6 +79,7 @@ _HOMES = {
     "Report": "report",
     "Scene": "scene",
     "ScoreError": "server.osc.score",
+    "Sensed": "sound",
     "Sound": "sound",
     "Touch": "server.bridge.step",
     "World": "world",
@@ -107,6 +109,7 @@ __all__ = [
     "Report",
     "Scene",
     "ScoreError",
+    "Sensed",
     "Sound",
     "Touch",
     "World",

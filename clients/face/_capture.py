@@ -7,7 +7,7 @@ from .clients.contacts import assemble
 from .clients.performer import TRACED, Performer
 from .dsp.engine.memory.state import QUANTUM, TRACE
 from .report import Meter
-from .sound import Sound
+from .sound import Sensed, Sound
 
 
 class Capture:
@@ -36,7 +36,8 @@ class Capture:
         """Take a piece, float32 (frames, channels), that was computed just now."""
         first = self.end
         self._pieces.append(piece)
-        self.peak = max(self.peak, float(np.abs(piece).max(initial=0.0)))
+        heard = piece[:, : self._performer.engine.channels]
+        self.peak = max(self.peak, float(np.abs(heard).max(initial=0.0)))
         self.end += len(piece)
         self._meter.look()
         if self._performer.stems:
@@ -52,8 +53,14 @@ class Capture:
         if self._performer.contacts:
             trace = np.concatenate([np.empty(0, TRACE), *filter(len, self._traces)])
             contacts = assemble(trace, rate, self._start, self._performer.striking)
+        engine, mounted = self._performer.engine, self._performer.scene.sensors.channels
+        whole = np.concatenate([np.empty((0, engine.width), np.float32), *map(self._widened, self._pieces)])
         return Sound(
-            samples=np.concatenate([np.empty((0, self._performer.engine.channels), np.float32), *self._pieces]),
+            samples=whole[:, : engine.channels].copy() if mounted else whole,
+            sensors={
+                name: Sensed(whole[:, engine.channels + n].copy(), each.unit, each.full)
+                for n, (name, each) in sorted(mounted.items())
+            },
             rate=rate,
             start=self._start / rate,
             report=self._meter.report(self._start, self.end, self._warnings()),
@@ -61,6 +68,11 @@ class Capture:
             contacts=contacts,
             scale=self._performer.scene.scale,
         )
+
+    def _widened(self, piece: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return a piece with all channels that there are now: sensors that came later were silent."""
+        missing = self._performer.engine.width - piece.shape[1]
+        return np.pad(piece, ((0, 0), (0, missing))) if missing else piece
 
     def _warnings(self) -> list[str]:
         """Return the warnings since the last sound."""

@@ -37,10 +37,11 @@ class AddAudioObservation(gymnasium.Wrapper[Observation, Any, Any, Any], RecordC
     """An environment that hears: its observations are {"state": the environment's own, "audio": its sound}.
 
     audio: float32 (frames, channels), in Pa, of the time that an action takes, a channel for each microphone; a longer
-    or shorter one, of the time just before the observation, by `frames`. info["hits"]: the blows of the step, a
-    sequence. options: those of a Bridge. The environment has MuJoCo's `model` and `data`, and takes its steps by
-    `mujoco.mj_step`, wherever in it, as those of Gymnasium and gymnasium-robotics do. WorldError for any other, and for
-    one that hears already.
+    or shorter one, of the time just before the observation, by `frames`. Where a Bridge's `sensors` are given there is
+    "sensors" too, float32 (frames, sensors), in the order in which they are given, each in its own unit. info["hits"]:
+    the blows of the step, a sequence. options: those of a Bridge. The environment has MuJoCo's `model` and `data`, and
+    takes its steps by `mujoco.mj_step`, wherever in it, as those of Gymnasium and gymnasium-robotics do. WorldError for
+    any other, and for one that hears already.
 
     It hears blows alone, as slides and rolls cost most by far, unless a `hearing` says how many of these there may be.
     """
@@ -49,7 +50,7 @@ class AddAudioObservation(gymnasium.Wrapper[Observation, Any, Any, Any], RecordC
         RecordConstructorArgs.__init__(self, _disable_deepcopy=True, frames=frames, **options)
         gymnasium.Wrapper.__init__(self, env)
         self._sound = _Sound(env, frames, options)
-        self.observation_space = spaces.Dict({"state": env.observation_space, "audio": self._sound.space})
+        self.observation_space = spaces.Dict({"state": env.observation_space, **self._sound.spaces})
 
     @property
     def bridge(self) -> Bridge:
@@ -59,14 +60,14 @@ class AddAudioObservation(gymnasium.Wrapper[Observation, Any, Any, Any], RecordC
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset the environment; the first observation is silent."""
         state, info = self.env.reset(seed=seed, options=options)
-        return {"state": state, "audio": self._sound.audio}, info
+        return {"state": state, **self._sound.heard}, info
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         """Take an action, and hear it."""
         self._sound.begin()
         state, reward, terminated, truncated, info = self.env.step(action)
         hits = self._sound.end()
-        return {"state": state, "audio": self._sound.audio}, reward, terminated, truncated, {**info, "hits": hits}
+        return {"state": state, **self._sound.heard}, reward, terminated, truncated, {**info, "hits": hits}
 
     def close(self) -> None:
         """End the environment and its sound."""
@@ -99,7 +100,7 @@ class VectorAddAudioObservation(VectorWrapper, RecordConstructorArgs):
         self._batch = Batch(count, min(count - 1, further))
         self._sounds = _sounds(inner.envs, frames, options, self._batch)
         super().__init__(env)  # last, as a wrapper that has an environment closes it when it is dropped
-        space = spaces.Dict({"state": env.single_observation_space, "audio": self._sounds[0].space})
+        space = spaces.Dict({"state": env.single_observation_space, **self._sounds[0].spaces})
         self.single_observation_space = space
         self.observation_space = batch_space(space, count)
 
@@ -127,13 +128,14 @@ class VectorAddAudioObservation(VectorWrapper, RecordConstructorArgs):
         if not isinstance(infos, dict):
             raise WorldError(f"{self.env}: infos = {type(infos).__name__}: expected a dictionary; wrap it around this")
         for ended in np.flatnonzero(infos.get("_final_obs", ())).tolist():
-            last = {"state": infos["final_obs"][ended], "audio": self._sounds[ended].final}
+            last = {"state": infos["final_obs"][ended], **self._sounds[ended].last}
             infos["final_obs"][ended] = last
         infos |= {"hits": hits, "_hits": np.ones(len(hits), bool)}
         return self._observed(state), rewards, terminations, truncations, infos
 
     def _observed(self, state: Any) -> Observation:
-        return {"state": state, "audio": np.array([sound.audio for sound in self._sounds])}
+        names = self._sounds[0].heard
+        return {"state": state, **{name: np.array([sound.heard[name] for sound in self._sounds]) for name in names}}
 
     def close(self, **options: Any) -> None:
         """End the environments and their sound."""
@@ -149,7 +151,7 @@ def _sounds(envs: list[Any], frames: int | None, options: dict[str, Any], batch:
     try:
         for number, env in enumerate(envs):
             made.append(_Sound(env, frames, options, batch))
-            one, other = made[0].space.shape[0], made[-1].space.shape[0]
+            one, other = made[0].frames, made[-1].frames
             if one != other:
                 raise WorldError(f"environment {number}: {other} frames per action; expected {one}, as of the first")
     except BaseException:
@@ -188,8 +190,7 @@ def seconds_of(env: Any, model: mujoco.MjModel) -> float:
 class _Sound:
     """The sound of an environment, which is told each of its steps of MuJoCo, and begins anew where it is reset.
 
-    batch: has blocks computed; they are there after its `finish`. audio: of the time before the observation, an array
-    of its own for each. final: the audio just before the last reset.
+    batch: has blocks computed; they are there after its `finish`.
     """
 
     def __init__(
@@ -206,9 +207,11 @@ class _Sound:
         model, self._data = bare(simulated.model, mujoco.MjModel), bare(simulated.data, mujoco.MjData)
         self.bridge = Bridge(model, self._data, **options)
         world = self.bridge.world
-        self._shape = length or round(seconds_of(env, model) * world.rate), world.simulation.channels
-        self.audio = self.final = np.zeros(self._shape, np.float32)
-        self.space = spaces.Box(-np.inf, np.inf, self._shape, np.float32)
+        self.frames = length or round(seconds_of(env, model) * world.rate)
+        self._channels = world.simulation.channels
+        self._shape = self.frames, self._channels + len(world.sensed)
+        self._audio = self._final = np.zeros(self._shape, np.float32)
+        self.spaces = {name: spaces.Box(-np.inf, np.inf, part.shape, np.float32) for name, part in self.heard.items()}
         self._blows: list[NDArray[np.void]] = []
         self._block: Blocks | None = None
         self._anew, self._resetting = True, 0  # nothing was simulated since it began; it is being reset, within resets
@@ -223,6 +226,21 @@ class _Sound:
         self._replace(inner, "reset", self._reset)
         if env is not inner:  # what a wrapper simulates as it resets is not heard either
             self._replace(env, "reset", self._reset_whole)
+
+    @property
+    def heard(self) -> dict[str, Blocks]:
+        """The sound and the signals of sensors before the observation, by name."""
+        return self._parts(self._audio)
+
+    @property
+    def last(self) -> dict[str, Blocks]:
+        """The same just before the last reset."""
+        return self._parts(self._final)
+
+    def _parts(self, whole: Blocks) -> dict[str, Blocks]:
+        if whole.shape[1] == self._channels:
+            return {"audio": whole}
+        return {"audio": whole[:, : self._channels], "sensors": whole[:, self._channels :]}
 
     def _replace(self, of: Any, name: str, method: Any) -> None:
         """Put a method in the place of another, until `close`."""
@@ -256,8 +274,8 @@ class _Sound:
     def _hear(self) -> None:
         if self._block is not None:
             block, self._block = self._block, None
-            frames = self._shape[0]
-            self.audio = block if len(block) == frames else np.concatenate([self.audio, block])[-frames:]
+            frames = self.frames
+            self._audio = block if len(block) == frames else np.concatenate([self._audio, block])[-frames:]
 
     def _simulate(self, step: Callable[[], None], count: int) -> None:
         """Take so many steps of MuJoCo, and tell each; none as the environment is reset."""
@@ -272,7 +290,7 @@ class _Sound:
             step()
             if tell():
                 self._blows.append(simulation.blows)
-        self._block = self.bridge.world.block(self._batch)
+        self._block = self.bridge.world.whole_block(self._batch)
 
     def _settle(self) -> None:
         """Hear what is still being computed, before the World goes on."""
@@ -284,7 +302,7 @@ class _Sound:
     def _reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> Any:
         """Reset the environment, in silence."""
         self._settle()
-        self.final = self.audio
+        self._final = self._audio
         found = self._silently(0, seed, options)
         self._begin_anew()
         return found
@@ -308,5 +326,5 @@ class _Sound:
         if bare(simulated_by(self._inner).data, mujoco.MjData) is not self._data:
             raise WorldError(f"{self._inner}: expected a reset of its data; it has made others, which nobody hears")
         self.bridge.restart()
-        self.audio = np.zeros(self._shape, np.float32)
+        self._audio = np.zeros(self._shape, np.float32)
         self._anew = True

@@ -59,8 +59,10 @@ class Bridge:
     2 m. Materials are presets: of a geom by `materials` (a mapping from names of geoms, bodies or MuJoCo's materials),
     by the model's custom text `carom` ("floor wood ball glass"), or by a material of the model that is named as a
     preset; else `default`. modes: at most, of each. settle: s, for which no blow is told as it begins: bodies that are
-    placed in each other fly apart. bodies: keys of World.body by name, for those that need more. The other options are
-    those of a World; without any, `world` may be one that is there already.
+    placed in each other fly apart. sensors: contact microphones and accelerometers, by name: each a mapping with
+    `site`, a site of the model, or `body`, and what else World.sensor takes. bodies: keys of World.body by name, for
+    those that need more. The other options are those of a World; without any, `world` may be one that is there
+    already.
 
     A blow's restitution is that of MuJoCo's own contact, so that its impulse is that of the motion, and its effective
     mass is that of the whole mechanism, but for equality constraints and friction. `restitution="materials"` takes the
@@ -83,6 +85,7 @@ class Bridge:
         modes: int = 64,
         restitution: str = "simulator",
         settle: float = 0.0,
+        sensors: Mapping[str, Mapping[str, Any]] | None = None,
         **options: Any,
     ) -> None:
         if restitution not in ("simulator", "materials"):
@@ -115,6 +118,8 @@ class Bridge:
         for part, frame in zip(parts, frames, strict=True):
             about = next((bodies[name] for name in names_of(model, part) if name in bodies), {}) if bodies else {}
             self._add(part, frame, material_of(model, part, chosen) or default, about)
+        for name, keys in (sensors or {}).items():
+            self._mount(name, keys, parts, frames)
         moving = [part for part in parts if part.body]
         self._frames = frames[: len(moving)]
         self._bodies = np.array([part.body for part in moving], np.intp)
@@ -165,6 +170,24 @@ class Bridge:
             )
         except WorldError as error:
             raise WorldError(f"geom {part.geom}: {error}") from None
+
+    def _mount(self, name: str, keys: Any, parts: list[Part], frames: list[Frame]) -> None:
+        """Mount a sensor at a site of the model, or on a body as World.sensor does."""
+        if not isinstance(keys, Mapping) or ("site" in keys) == ("body" in keys):
+            raise WorldError(f"sensors: {name} = {keys!r}: expected a mapping with a site, or with a body")
+        given = dict(keys)
+        if "site" in given:
+            site = mujoco.mj_name2id(self._model, mujoco.mjtObj.mjOBJ_SITE, str(given["site"]))
+            if site < 0:
+                raise WorldError(f"sensors: {name}: site = {given['site']}: the model has no such site")
+            body = self._model.site_bodyid[site]
+            at = next((n for n, part in enumerate(parts) if part.body == body and body > 0), -1)
+            if at < 0:
+                raise WorldError(f"sensors: {name}: site = {given['site']}: expected one on a body that moves")
+            del given["site"]
+            given["body"] = self.world.bodies[self._first + at]
+            given["place"] = frames[at].axes.T @ (self._data.site_xpos[site] - frames[at].origin)
+        self.world.sensor(name, given.pop("body"), given.pop("position", None), **given)
 
     def _described(self) -> NDArray[np.void]:
         """Return a record of ARRAYS: where MuJoCo has its poses and contacts, and whose they are."""

@@ -190,6 +190,12 @@ class Object(ObjectMethods):
             settings, gains = heard
         return mode_table(self._placed.modes, self._placed.level, settings, gains, place, self.scene.rate)
 
+    def sensor(
+        self, name: str, position: SupportsFloat | None = None, at: SupportsFloat | None = None, **keys: Value
+    ) -> None:
+        """Mount a sensor on it, as the scene's `sensor` does."""
+        self.scene.sensor(name, self.name, position, at, **keys)
+
 
 def _number(value: object) -> float:
     """Return a number as a float, NaN for anything else."""

@@ -30,6 +30,27 @@ class Picture:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class Sensed:
+    """The signal of a sensor: samples float32 (frames,), in `full` times its unit, m/s^2 or m/s."""
+
+    samples: NDArray[np.float32]
+    unit: str
+    full: float = 1.0
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        return np.array(self.samples, dtype=dtype) if copy else np.asarray(self.samples, dtype=dtype)
+
+    def __len__(self) -> int:
+        """Return the number of frames."""
+        return len(self.samples)
+
+    def __repr__(self) -> str:
+        """Return its length, peak and unit."""
+        peak = self.full * float(np.abs(self.samples).max(initial=0.0))
+        return f"<carom.Sensed {len(self)} frames, peak {peak:.3g} {self.unit}>"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Sound:
     """A sound, and what there is to know about it.
 
@@ -39,6 +60,7 @@ class Sound:
     stems: for each object, float32 (frames, channels), its part of the sound before the limiter: without one, the sum
     of the stems is the sound, up to rounding; None unless they were asked for.
     contacts: every contact as it was played, by start; None unless they were asked for.
+    sensors: the signal of each sensor, a Sensed by name; a file has them as channels after those of the sound.
     scale: whether samples are pascals (`calibrated`), else the pressure (Pa) of full scale (`full_scale`).
 
     A notebook shows it as a player. `numpy.asarray(sound)` gives the samples.
@@ -50,6 +72,7 @@ class Sound:
     report: Report = field(default_factory=Report)
     stems: Mapping[str, NDArray[np.float32]] | None = field(default=None, repr=False)
     contacts: tuple[Contact, ...] | None = field(default=None, repr=False)
+    sensors: Mapping[str, Sensed] = field(default_factory=dict, repr=False)
     scale: Scale = USUAL_SCALE
 
     @property
@@ -138,7 +161,10 @@ class Sound:
     def _other(self, change: Callable[[NDArray[np.float32]], NDArray[np.float32]]) -> "Sound":
         """Return the sound whose samples, and those of its stems, are changed alike."""
         stems = self.stems and {name: change(stem) for name, stem in self.stems.items()}
-        return replace(self, samples=change(self.samples), stems=stems)
+        sensors = {
+            name: replace(each, samples=change(each.samples[:, None])[:, 0]) for name, each in self.sensors.items()
+        }
+        return replace(self, samples=change(self.samples), stems=stems, sensors=sensors)
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
         if copy is False and dtype not in (None, self.samples.dtype):
@@ -156,9 +182,17 @@ class Sound:
 
         if self.calibrated and format not in (None, "float"):
             raise RenderError(f"format = {format}: expected float, as calibrated samples are pascals")
+        if self.sensors and (format not in (None, "float") or Path(path).suffix.lower() != ".wav"):
+            raise RenderError(f"{path}: format = {format}: expected a WAV file of floats, as sensors are in SI units")
         format = "float" if self.calibrated else format
-        with writing(Path(path), self.rate, self.samples.shape[1], format, self.scale.said) as write:
-            write(self.samples)
+        channels = self.samples.shape[1]
+        said = [
+            f"channel {n} ({name.encode('ascii', 'replace').decode()}): 1.0 is {each.full:g} {each.unit}"
+            for n, (name, each) in enumerate(self.sensors.items(), channels + 1)
+        ]
+        whole = np.column_stack([self.samples, *(each.samples for each in self.sensors.values())])
+        with writing(Path(path), self.rate, whole.shape[1], format, "; ".join([self.scale.said, *said])) as write:
+            write(whole)
 
     def plot(self, path: str | PathLike[str] | None = None) -> Picture | None:
         """Draw its wave and spectrogram, into a .png, .svg or .pdf file, or (None) as a picture for a notebook.

@@ -29,12 +29,13 @@ from .server.bridge.blows import Counts, Hit
 from .server.bridge.bodies import ABOUT, Body, WorldError
 from .server.bridge.gestures import template
 from .server.bridge.hearing import Hearing, Microphone, microphones_of
-from .server.bridge.requests import Request, Slide, in_order
+from .server.bridge.requests import Request, Said, Slide, in_order
 from .server.bridge.simulation import Simulation
 from .server.bridge.step import Contacts, Pose, Poses
 from .server.bridge.telling import PER_BLOW, tell
 from .server.closing import Closing
 from .server.osc.score import format_line
+from .server.osc.wire import Message
 from .sound import Sound
 
 Blocks = NDArray[np.float32]
@@ -111,6 +112,7 @@ class World(Closing):
         self._kept: list[tuple[float, Request]] | None = [] if keep else None
         self._origin = math.nan  # Unix time of the simulation's time 0, of a live server
         self._frames = self._surfaces = 0
+        self._whole = np.empty((0, self.simulation.channels), np.float32)
 
     def close(self) -> None:
         """End it: give its memory back, or free its bodies' objects on the server.
@@ -209,6 +211,50 @@ class World(Closing):
         """
         self.simulation.pair(a, b, **keys)
 
+    def sensor(
+        self,
+        name: str,
+        body: str,
+        position: float | None = None,
+        *,
+        place: Sequence[float] | None = None,
+        **keys: Any,
+    ) -> None:
+        """Mount a sensor on a body: a contact microphone or an accelerometer, which senses along the normal.
+
+        It senses what rings, and not how the body moves as a whole, which the simulator knows. position: 0 to 1 along
+        the body's strike path; or place: x y z (m) in the axes of the body, of which the nearest point of that path is
+        taken. keys: preset, quantity, resonance, damping, full, as `Scene.sensor` has them. `sensed` has its signal.
+        WorldError for a body that is not there or is silent, or a value that cannot be.
+        """
+        number = self.simulation.number(body)
+        its = self.simulation.bodies[number]
+        if not its.rings:
+            raise WorldError(f"sensor {name}: body {body} is silent: expected one that rings")
+        if (position is None) == (place is None):
+            raise WorldError(f"sensor {name}: position = {position}, place = {place}: expected one of the two")
+        if place is not None:
+            position = self.simulation.position_of(number, place, f"sensor {name}")
+        pairs = [part for pair in keys.items() for part in pair]
+        try:
+            self._send([Said(self.time, Message("/sensor/new", (name, body, position, *pairs)))])
+        except CommandError as error:
+            raise WorldError(f"sensor {name}: {error}") from None
+
+    @property
+    def sensed(self) -> dict[str, NDArray[np.float32]]:
+        """The signals of sensors over the last block, by name, float32 (frames,), in the unit of each.
+
+        Empty of a World with a client, whose server has them as channels.
+        """
+        if self._scene is None:
+            return {}
+        performer = self._scene._open
+        first, width = performer.engine.channels, self._whole.shape[1]
+        mounted = sorted(performer.scene.sensors.channels.items())
+        whole = self._whole if width > first + len(mounted) - 1 else np.zeros((0, first + len(mounted)), np.float32)
+        return {name: whole[:, first + n] for n, (name, _) in mounted}
+
     def step(self, time: float, contacts: Contacts = (), poses: Poses | None = None) -> Blocks:
         """Take the simulation's state at a time (s) after the last step's; return the sound up to it.
 
@@ -257,6 +303,11 @@ class World(Closing):
         before the next step. A World that keeps its sound fills it at once.
         """
         return self._up_to(self.time, batch)
+
+    def whole_block(self, batch: Batch | None = None) -> Blocks:
+        """Return what `block` does, with the signals of sensors as further channels."""
+        self.block(batch)
+        return self._whole
 
     def restart(self, time: float) -> None:
         """Begin anew at a simulation's time (s), in silence: bodies stay, nothing touches.
@@ -365,9 +416,11 @@ class World(Closing):
         self._frames += frames
         engine = self._scene._open.engine
         if self._capture is None:
-            return batch.add(engine, frames) if batch else engine.process(frames)
-        pieces = [np.empty((0, engine.channels), np.float32)]
+            self._whole = batch.add(engine, frames) if batch else engine.process(frames)
+            return self._whole if engine.sensors == 0 else self._whole[:, : engine.channels]
+        pieces = [np.empty((0, engine.width), np.float32)]
         while left := self._frames - self._capture.end:
             pieces.append(engine.process(min(left, self._capture.room())))
             self._capture.add(pieces[-1])
-        return np.concatenate(pieces)
+        self._whole = np.concatenate(pieces)
+        return self._whole[:, : engine.channels]

@@ -8,6 +8,7 @@ from ..native.atomics import load_acquire, store_release
 from ..native.jit import kernel
 from ..native.typed import View2D
 from .bank.spectral import recall_objects, ring_bank
+from .bodies.sensing import finish_sensing
 from .events.events import carry_out, take_commands, take_due
 from .events.ramps import run_ramps
 from .memory.state import QUANTUM, TAP, State
@@ -18,9 +19,9 @@ from .render import forget_quiet, mix_objects, retune_objects, update_objects
 
 @kernel
 def process(state: State, out: View2D[float], frames: int) -> None:
-    """Write `frames` frames of sound to out, float32 (frames, channels)."""
+    """Write `frames` frames of sound to out, float32 (frames, channels): those of the mix, then those of sensors."""
     output = state.output
-    channels = output.channels
+    channels = output.channels + output.sensors
     done = 0
     while done < frames:
         if output.consumed == QUANTUM:
@@ -29,7 +30,7 @@ def process(state: State, out: View2D[float], frames: int) -> None:
         count = min(frames - done, QUANTUM - output.consumed)
         for n in range(count):
             for channel in range(channels):
-                out[done + n, channel] = output.ready[(output.consumed + n) * channels + channel]
+                out[done + n, channel] = output.ready[output.consumed + n, channel]
         done += count
         output.consumed += count
 
@@ -55,6 +56,7 @@ def render_quantum(state: State) -> None:
     mix_objects(state)
     # The limiter has the last word, and a quantum's delay; what leaves is measured, and kept for a recorder.
     limit(state)
+    finish_sensing(state)
     measure(state)
     forget_quiet(state)
     _make_ready(state)
@@ -67,7 +69,9 @@ def _make_ready(state: State) -> None:
     output = state.output
     for n in range(QUANTUM):
         for channel in range(output.channels):
-            output.ready[n * output.channels + channel] = output.mix[channel, n]
+            output.ready[n, channel] = output.mix[channel, n]
+        for k in range(output.sensors):
+            output.ready[n, output.channels + k] = state.sensors[k].sensed[n]
     state.position += QUANTUM
     state.steps_taken = 0
     if state.stats.sounding > 0:
@@ -84,7 +88,8 @@ def _tap(state: State) -> None:
     if written + QUANTUM - load_acquire(tap.read, 0) > TAP:
         state.stats.tap_lost += QUANTUM
         return
-    channels = state.output.channels
-    for n in range(QUANTUM * channels):
-        tap.frames[written % TAP * channels + n] = state.output.ready[n]
+    channels = state.output.channels + state.output.sensors
+    for n in range(QUANTUM):
+        for channel in range(channels):
+            tap.frames[(written % TAP + n) * channels + channel] = state.output.ready[n, channel]
     store_release(tap.written, 0, written + QUANTUM)

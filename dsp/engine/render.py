@@ -12,6 +12,7 @@ from ..resonator.simd import LANES
 from .bank.spectral import mix_bank, recall_struck
 from .bodies.glide import follow_tension
 from .bodies.objects import is_felt, modes_of, relief_of, ringing_of
+from .bodies.sensing import begin_sensing, clear_sensed, sense
 from .bodies.strikers import rest_strikers, ring_strikers, silence_strikers
 from .contacts.blocks import solve_blocks
 from .contacts.contact_groups import solve_groups
@@ -24,6 +25,7 @@ from .memory.state import QUANTUM, Object, State
 from .output.mix import add_share, clear_mix, glide_gain, glide_gains, is_faded, is_finite, remove_static
 from .panic import mix_fading
 
+_STILL = 1e-5  # of silence, of what is sensed
 _RETUNE_BUDGET = 1024  # modes per quantum that get new coefficients in the background
 _PREPARED = 65_536  # modes of the bank that get them before they are touched; it is much memory for the others
 
@@ -51,6 +53,7 @@ def update_objects(state: State) -> None:
 def mix_objects(state: State) -> None:
     """Add all objects to the mix: first those that share contacts, together, then each other one by itself."""
     clear_mix(state)
+    clear_sensed(state)
     state.stats.live_modes = 0
     state.stats.sounding = 0
     # One loop for both, so that the compiler has one _render_group to inline: turn -1 are all that share contacts.
@@ -89,6 +92,9 @@ def _render_group(state: State) -> None:
     if not awake:
         return
     for g in range(scratch.group_size):
+        if state.objects[scratch.group[g]].sensors > 0:
+            begin_sensing(state, state.objects[scratch.group[g]])
+    for g in range(scratch.group_size):
         solve_blocks(state, state.objects[scratch.group[g]])
     frame = 0
     while frame < QUANTUM:
@@ -102,7 +108,13 @@ def _render_group(state: State) -> None:
                 stop = min(stop, next_driven_frame(state, obj, frame + 1))
         for g in range(scratch.group_size):
             obj = state.objects[scratch.group[g]]
-            ring_on(state, obj, scratch.voices[g], frame, stop)
+            begin = frame
+            while begin < stop:
+                end = stop if obj.sensors == 0 else begin + 1
+                ring_on(state, obj, scratch.voices[g], begin, end)
+                if obj.sensors > 0:
+                    sense(state, obj, begin)
+                begin = end
             if obj.voice >= 0:
                 ring_strikers(state, obj, scratch.voices[g], frame, stop)
         frame = stop
@@ -194,7 +206,7 @@ def _retune(state: State, obj: Object, count: int) -> None:
 @kernel
 def _rest_silent(state: State, obj: Object) -> None:
     """Put the last groups of live modes to rest that nobody hears any more: at most two groups per quantum."""
-    threshold = silence_of(state)
+    threshold = silence_of(state) if obj.sensors == 0 else _STILL * silence_of(state)
     for _ in range(2):
         if obj.live <= obj.driven_modes:
             return

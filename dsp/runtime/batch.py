@@ -31,7 +31,7 @@ class Batch:
     def add(self, engine: Engine, frames: int) -> NDArray[np.float32]:
         """Queue the next frames of an engine; return float32 (frames, channels), which is filled once `finish` was
         called."""
-        shared, channels = self._shared, engine.channels
+        shared, channels = self._shared, engine.width
         added = int(shared.counts[ADDED])
         if added - self._finished >= self._most:
             self.finish()

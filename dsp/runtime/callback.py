@@ -42,7 +42,8 @@ def callback(_input: int, output: int, frames: int, times: int, flags: int, user
     if lock(state.clock, state.rate, entered, first, frames, underflow):
         look_again(state.queue, state.position)
     told: View[float] = carray(times, (3,), np.float64)
-    process(state, carray(output, (frames, state.output.channels), np.float32), frames)
+    channels = state.output.channels + state.output.sensors
+    process(state, carray(output, (frames, channels), np.float32), frames)
     restore_denormals(mode)
     load = (monotonic_ns() - entered) * 1e-9 * state.rate / max(frames, 1)
     share = min(1.0, frames / state.rate)

@@ -69,8 +69,9 @@ class Engine:
         modes: int = USUAL_MODES,
         objects: int = USUAL_OBJECTS,
         limited: bool = False,
+        sensors: int = 0,
     ) -> None:
-        check_sizes(channels, modes, objects)
+        check_sizes(channels, modes, objects, sensors)
         load(callback.__module__)  # before the memory, which may leave no room for code that lies together
         self.state = fresh_state(rate, channels)
         self._record = self.state[0]
@@ -78,6 +79,7 @@ class Engine:
         self.ring = Ring(self._record)
         self.meter = Meter(self._record)
         self._pointer, self._channels = self.state.ctypes.data, channels
+        self.sensors = sensors
         self._pace: tuple[int, float, float] | None = None
         self._memory = Memory(self._record, modes, objects)
         self.stems = Stems(self._record)
@@ -91,6 +93,21 @@ class Engine:
     @property
     def channels(self) -> int:
         return self._channels
+
+    @property
+    def sensors(self) -> int:
+        """Channels that follow those of the sound, one for each sensor; to be set where no other thread computes."""
+        return self._sensors
+
+    @sensors.setter
+    def sensors(self, count: int) -> None:
+        self._sensors = count
+        self._record["output"]["sensors"] = count
+
+    @property
+    def width(self) -> int:
+        """Channels of what it computes: those of the sound, and one for each sensor."""
+        return self._channels + self._sensors
 
     @property
     def address(self) -> int:
@@ -213,9 +230,9 @@ class Engine:
         return objects
 
     def process(self, frames: int) -> NDArray[np.float32]:
-        """Return the next `frames` frames, float32 (frames, channels). A limiter begins with `delay` frames of silence,
+        """Return the next `frames` frames, float32 (frames, width). A limiter begins with `delay` frames of silence,
         which offline callers drop."""
-        out = np.empty((frames, self._channels), np.float32)
+        out = np.empty((frames, self.width), np.float32)
         callback(None, out.ctypes.data, frames, _NO_TIMES_AT, 0, self._pointer)
         return out
 
@@ -279,9 +296,9 @@ class Engine:
         self._record["tap"]["on"] = 1
 
     def recorded(self) -> NDArray[np.float32]:
-        """Return the sound since the last call, float32 (frames, channels)."""
+        """Return the sound since the last call, float32 (frames, width)."""
         frames = self._record["tap"]["frames"]
-        return self._taken("tap", frames[: TAP * self.channels].reshape(TAP, self.channels))
+        return self._taken("tap", frames[: TAP * self.width].reshape(TAP, self.width))
 
     def trace(self, on: bool) -> None:
         """Keep the forces of contacts from here on for `traced`, or no more."""

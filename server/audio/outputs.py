@@ -65,7 +65,7 @@ class ClockOutput:
         self._engine = engine
         self._running = np.ones(1, np.int64)
         load(keep_pace.__module__)  # now, not in the thread: it may have to be compiled
-        memory = np.zeros((frames, engine.channels), np.float32), np.zeros(3)
+        memory = np.zeros((frames, engine.width), np.float32), np.zeros(3)
         args = self._running, engine.address, engine.pointer, engine.rate, *memory
         self._thread = threading.Thread(target=keep_pace, args=args, name="carom-clock", daemon=True)
 
@@ -98,7 +98,7 @@ class DeviceOutput:
     def __init__(self, engine: Engine, device: int | str | None, block: int, latency: float | None) -> None:
         self._sd = portaudio()
         self._engine = engine  # the callback writes to its memory: it must live as long as the stream
-        self._handover = Handover(engine.address, engine.pointer, engine.channels)
+        self._handover = Handover(engine.address, engine.pointer, engine.width)
         self._asked = "default" if device is None else str(device)
         self._api, self._own_rate = "", 0.0
         ffi = self._sd._ffi
@@ -109,7 +109,7 @@ class DeviceOutput:
             self._api = str(self._sd.query_hostapis(found["hostapi"])["name"])
             self._own_rate = float(found["default_samplerate"])
             self._stream = self._sd._StreamBase(
-                kind="output", samplerate=engine.rate, blocksize=block, device=device, channels=engine.channels,
+                kind="output", samplerate=engine.rate, blocksize=block, device=device, channels=engine.width,
                 dtype="float32", latency="low" if latency is None else latency,
                 userdata=ffi.cast("void*", self._handover.pointer),
                 callback=ffi.cast("PaStreamCallback*", self._handover.address), wrap_callback=None,

@@ -85,7 +85,7 @@ class Part:
         """Begin a part that ends by itself after `most` frames."""
         self._engine, self._tap = engine, tap
         self._lock = threading.Lock()
-        self._kept = Queue(engine.channels)
+        self._kept = Queue(engine.width)
         self._next = -1
         tap.add(self)
         with self._lock:

@@ -1,6 +1,7 @@
 """A simulation as it is told step by step, and what is to be heard of it."""
 
 import math
+from collections.abc import Sequence
 from ctypes import c_double, c_int32
 from numbers import Real
 
@@ -220,6 +221,16 @@ class Simulation:
     def has_template(self, surface: str, command: NDArray[np.void], least: float) -> None:
         """Say which command, (1,) of COMMAND, is a slide on a surface, and from which radius (m) on."""
         self._templates[self.surfaces.index(surface)] = least, command[0]
+
+    def position_of(self, number: int, place: Sequence[float], what: str) -> float:
+        """Return the position on a body's strike path that is nearest to a place (m) in its axes.
+
+        WorldError for what is no place.
+        """
+        point = np.array(place, np.float64) if np.size(place) == 3 else np.full(3, np.nan)
+        if not np.isfinite(point).all():
+            raise WorldError(f"{what}: place = {place}: expected three numbers (m)")
+        return self.bodies[number].shape.place(tuple(point.tolist()))
 
     def take_back(self, name: str) -> None:
         """Forget the body that was added last."""

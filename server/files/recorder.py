@@ -50,7 +50,7 @@ class Recorder:
         """Begin to write, from the engine's first sample on. OSError if that fails."""
         self._out.begin()
         try:
-            self._file = FloatWav(self._out.descriptor, round(self._engine.rate), self._engine.channels, self._comment)
+            self._file = FloatWav(self._out.descriptor, round(self._engine.rate), self._engine.width, self._comment)
         except OSError as error:
             self._out.begun = False
             raise OSError(error.errno, error.strerror, str(self._out.path)) from error

@@ -17,17 +17,17 @@ _FLOAT = np.dtype("<f4")
 class Spool:
     """Samples in a file, frame by frame; where nothing was put there is silence."""
 
-    def __init__(self, path: Path, channels: int) -> None:
-        """Create an empty file of some channels; raise OSError if it can't be made."""
-        self._path, self._channels = path, channels
+    def __init__(self, path: Path, channels: int, sensors: int = 0) -> None:
+        """Create an empty file of some channels, the last of which are sensors'; raise OSError if it can't be made."""
+        self._path, self._channels, self._heard = path, channels, channels - sensors
         self._frames = 0
         self.peak = 0.0
-        """The largest magnitude of a sample."""
+        """The largest magnitude of a sample that is heard."""
         path.touch()
 
     def put(self, samples: NDArray[Any], first: int) -> None:
         """Keep samples (frames, channels) from a frame on. OSError where that fails."""
-        self.peak = max(self.peak, float(np.abs(samples).max(initial=0.0)))
+        self.peak = max(self.peak, float(np.abs(samples[:, : self._heard]).max(initial=0.0)))
         self._frames = max(self._frames, first + len(samples))
         with open(self._path, "r+b") as file:
             file.seek(first * self._channels * _FLOAT.itemsize)
@@ -38,14 +38,15 @@ class Spool:
         self.put(samples, self._frames)
 
     def pieces(self, gain: float, frames: int | None = None) -> Iterator[NDArray[np.float32]]:
-        """Yield the first frames (None: as many as were put), times a gain, in pieces."""
+        """Yield the first frames (None: as many as were put), times a gain but for sensors, in pieces."""
         left = self._frames if frames is None else frames
         with open(self._path, "rb") as file:
             while left > 0:
                 piece = np.zeros((min(_PIECE, left), self._channels), np.float32)
                 data = np.frombuffer(file.read(piece.nbytes), _FLOAT)
                 piece.reshape(-1)[: len(data)] = data
-                yield piece * np.float32(gain)
+                piece[:, : self._heard] *= np.float32(gain)
+                yield piece
                 left -= len(piece)
 
 

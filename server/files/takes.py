@@ -50,9 +50,9 @@ class Takes:
         if self._part:
             raise Refused(f"{self._file} is being recorded: expected it to end first")
         path = self._folder / (_file_of(name) if name else self._free_name())
-        frame = 4 * self._engine.channels
+        frame = 4 * self._engine.width
         left = self._quota - self._used()
-        most = (left - len(header(round(self._engine.rate), 0, self._engine.channels, self._comment))) // frame
+        most = (left - len(header(round(self._engine.rate), 0, self._engine.width, self._comment))) // frame
         if most <= 0:
             raise Refused(f"quota: {self._quota} bytes are used up: expected recordings to be removed first")
         try:

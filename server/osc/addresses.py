@@ -33,6 +33,7 @@ from .midi_verbs import MIDI
 from .patterns import is_pattern, match
 from .points import Change
 from .questions import QUESTIONS
+from .sensor_verbs import SENSORS
 from .wire import Message
 from .world_verbs import WORLD
 
@@ -211,7 +212,7 @@ _SERVER = (
     Verb("/quit", "ends the server", scored=False),
 )
 
-VERBS = {verb.address: verb for verb in (*_OBJECTS, *_RUNNING, *_ENGINE, *WORLD, *MIDI, *_SERVER)}
+VERBS = {verb.address: verb for verb in (*_OBJECTS, *_RUNNING, *SENSORS, *_ENGINE, *WORLD, *MIDI, *_SERVER)}
 
 
 @dataclass(frozen=True, slots=True)

@@ -134,7 +134,7 @@ class Numbers:
 
 
 Parameter = Number | Word | Either | Note
-Key = Number | Word | Numbers | Note
+Key = Number | Word | Either | Numbers | Note
 
 
 class Point(NamedTuple):

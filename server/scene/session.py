@@ -18,6 +18,7 @@ from .gesture_ids import Ended, GestureIds
 from .limits import ContactLaws, least_radius
 from .objects import ObjectTable, PlayedObject
 from .scale import USUAL_SCALE, Scale
+from .sensors import SensorTable
 from .transaction import Sent, Transaction
 from .translate import translate
 
@@ -38,6 +39,7 @@ class Session:
         self.presets = presets
         self.objects = ObjectTable(engine)
         self.gestures = GestureIds(engine)
+        self.sensors = SensorTable(engine)
         self._laws = ContactLaws(presets)
         self._world = TellsWorld(presets, engine.top_frequency, engine.channels)
         self._steers_ended = steers_ended
@@ -73,6 +75,7 @@ class Session:
             time,
             source,
             self._world,
+            self.sensors,
             made,
             selection=selection or Selection(),
             pause=pause,
@@ -116,8 +119,9 @@ class Session:
         none."""
         (call,) = calls(message)
         transaction = Transaction(
-            self.engine, self.presets, self._laws, self.objects, self.gestures, self.scale, NOW, None, self._world
-        )
+            self.engine, self.presets, self._laws, self.objects, self.gestures, self.scale, NOW, None, self._world,
+            self.sensors,
+        )  # fmt: skip
         try:
             translate(transaction, call)
             (command,) = transaction.commands

@@ -21,6 +21,7 @@ from .scale import Scale
 if TYPE_CHECKING:
     from ..bridge.bodies import Body
     from ..bridge.wire import TellsWorld
+    from .sensors import SensorTable
 
     Made: TypeAlias = NewObject | Body | Exception
 
@@ -53,6 +54,7 @@ class Transaction:
     time: float
     source: Any
     world: "TellsWorld"
+    sensors: "SensorTable"
     made: "Mapping[int, Made]" = field(default_factory=dict)
     """Objects and bodies that were made before, or the errors they met, by the identity of their calls."""
     commands: list[Command] = field(default_factory=list)

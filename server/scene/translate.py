@@ -26,6 +26,7 @@ from .limits import Contact, fall, require_rest, require_rollable, require_short
 from .notes import copy_of, speed_of, tuned
 from .object_call import ObjectCall
 from .objects import PlayedObject
+from .sensing import SENSOR_HANDLERS
 from .steering import CHANGE_WORK, steer
 from .transaction import Sent, Transaction
 from .usual import completed
@@ -305,6 +306,7 @@ HANDLERS: dict[str, Handler] = {
     "/object/NAME/free": _on_objects(_free),
     "/object/NAME/note": _on_objects(_note),
     **dict.fromkeys((f"/gesture/ID/{action}" for action in ("stop", *STEERABLE)), steer),
+    **SENSOR_HANDLERS,
     **ENGINE_HANDLERS,
     **world_handlers(translate),
 }

@@ -60,7 +60,7 @@ class WebServer:
         def hand_on(first: int, sound: NDArray[np.float32]) -> bool:
             heard = any(client.sound_on for client in tuple(self.site.clients))
             if heard:
-                packet = sound_packet(first, rate, channels, sound.astype("<f4", copy=False).tobytes())
+                packet = sound_packet(first, rate, channels, sound[:, :channels].astype("<f4", copy=False).tobytes())
                 self._loop.call_soon_threadsafe(self.site.play, packet, len(sound) / rate)
             return heard
 

@@ -54,7 +54,7 @@ def recall_objects(state: State) -> None:
             _recall_partners(state, obj)
         if obj.spectral == 0:
             continue
-        if obj.has_contact == 1:
+        if obj.has_contact == 1 or obj.sensors > 0:
             come_back(state, obj)
         elif budget > 0 and (obj.returns == 1 or obj.stale_modes > 0 or obj.dying == 2):
             budget -= obj.live
@@ -198,6 +198,8 @@ def _phases_for(total: int) -> int:
 def _rings_freely(state: State, obj: Object) -> bool:
     """True if nothing but its own modes moves an object, and nothing has for a while."""
     if obj.live == 0 or obj.spectral > 0 or obj.has_contact == 1 or obj.voice >= 0 or obj.fading > 0:
+        return False
+    if obj.sensors > 0:
         return False
     if obj.stale_modes > 0 or obj.dying == 2 or obj.stretch != 0.0 or obj.driven_modes > 0:
         return False

@@ -16,6 +16,7 @@ from ...numerics.legendre import FINE, MOMENTS, add_held
 from ...resonator.bank import inject, inject_fine, observe, receptance
 from ...rolling.body import share_of
 from ..bodies.objects import frequency_of, highest_of, modes_of, place, point_of, relief_of, sigma_of
+from ..bodies.sensing import push_sensed
 from ..bodies.strikers import begin_striker, drive_striker
 from ..memory.quality import BY_ITSELF, modes_for, room_for_coupling
 from ..memory.records import Contact, ContactPoint
@@ -217,6 +218,9 @@ def _drive(state: State, contact: Contact, point: ContactPoint) -> None:
     obj.driven_modes = max(obj.driven_modes, point.modes)
     obj.driven_gain = max(obj.driven_gain, contact.now.gain)
     modes, where = modes_of(state, obj, 0, point.modes), point_of(state, obj, point)
+    if obj.sensors > 0:
+        first = state.scratch.fine[0] if contact.solver == COUPLING else state.scratch.moments[0]
+        push_sensed(state, obj, where, point.modes, first)
     if contact.solver == COUPLING:
         if _is_any(state.scratch.fine):
             inject_fine(modes, where, state.scratch.fine)

@@ -13,6 +13,7 @@ from ...resonator.fed import LINE, REACH, feed_through, lay_blows, ring_fed, sam
 from ...resonator.simd import LANES, STRETCH
 from ...rolling.body import fill_roll
 from ..bodies.objects import modes_of, place, shapes_of, weigh
+from ..bodies.sensing import push_sensed
 from ..memory.records import Contact, ContactPoint, Through
 from ..memory.state import BEHIND, LEAD, QUANTUM, Object, State
 from .coupled_rolls import position_of
@@ -66,12 +67,23 @@ def ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: i
     while frame < stop:
         end = min(stop, frame - frame % LINE + LINE) if moves else stop
         count, driven = _drivers(state, obj, frame, end)
+        if obj.sensors > 0:
+            _push_sensed(state, obj, count, driven, frame)
         fed = 0 if obj.ahead == 1 else min(driven, obj.felt // LANES * LANES)
         ring(modes_of(state, obj, driven, obj.live), voice, frame, end)
         _ring_fed(state, obj, voice, _place_blows(state, count, frame, end), fed, frame, end, moves)
         if driven > fed:
             _ring_driven(state, obj, voice, count, fed, driven, frame, end)
         frame = end
+
+
+@kernel
+def _push_sensed(state: State, obj: Object, count: int, driven: int, frame: int) -> None:
+    """Tell an object's sensors of the rolls on it over the sample before a frame."""
+    for j in range(count):
+        driver = state.scratch.drivers[j]
+        where = Point(shapes_of(state, obj), obj.size, driver.row, driver.weights)
+        push_sensed(state, obj, where, driven, state.feeds[driver.feed, BEHIND + frame, 0])
 
 
 @kernel

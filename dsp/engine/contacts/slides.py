@@ -19,6 +19,7 @@ from ...resonator.bank import Point, inject_fine, inject_line
 from ...resonator.velocity import observe_velocity, sense, set_rows, set_shapes, velocity_response
 from ...schema import SPEED
 from ..bodies.objects import modes_of, place, shapes_of
+from ..bodies.sensing import push_sensed
 from ..memory.quality import holds_steps
 from ..memory.records import SLID, Contact, Slide
 from ..memory.state import QUANTUM, State
@@ -234,6 +235,8 @@ def _inject(state: State, contact: Contact, whole: bool, sample: int) -> None:
         obj = state.objects[contact.point[side].slot]
         modes = modes_of(state, obj, 0, slide.modes[side])
         where = Point(shapes_of(state, obj), obj.size, slide.row[side], slide.weights[side])
+        if obj.sensors > 0:
+            push_sensed(state, obj, where, slide.modes[side], first)
         if whole:
             inject_line(modes, where, first, second)
         else:

@@ -3,6 +3,7 @@
 from ...native.atomics import load_acquire, store_release
 from ...native.jit import kernel, noinline_kernel
 from ..bodies.objects import set_of
+from ..bodies.sensing import mount
 from ..contacts.contact_list import report_end
 from ..memory.channels import ask_gains
 from ..memory.clock import sample_at
@@ -15,6 +16,7 @@ from ..memory.commands import (
     KIND_GESTURE,
     KIND_LIMITER,
     KIND_METHOD,
+    KIND_MOUNT,
     KIND_NEW,
     KIND_PANIC,
     KIND_PLACE,
@@ -171,6 +173,8 @@ def carry_out(state: State, event: Event) -> None:
             set_of(state.objects[event.slot], event.parameter, event.value)
     elif kind == KIND_PLACE:
         _place(state.objects[event.slot], event)
+    elif kind == KIND_MOUNT:
+        mount(state, event)
     elif kind == KIND_NEW:
         _new(state, event)
     elif kind == KIND_FREE:
@@ -234,7 +238,7 @@ def _new(state: State, event: Event) -> None:
     obj.stale_modes = obj.size
     obj.retuning = 0
     obj.contact = obj.voice = -1
-    obj.faults = 0
+    obj.faults = obj.sensors = 0
     obj.limited_energy = 0.0
     obj.fading = obj.spectral = obj.returns = obj.awake = 0
     obj.returned_at = obj.last_driven_at = 0
@@ -250,13 +254,19 @@ def _new(state: State, event: Event) -> None:
 
 
 @kernel
+def _outlasts(kind: int) -> bool:
+    """True if a command is carried out after a panic, too, that it arrived before."""
+    return kind in (KIND_NEW, KIND_FREE, KIND_SYNC, KIND_MOUNT)
+
+
+@kernel
 def _panic(state: State, order: int) -> None:
     """Fade everything out, and forget the strikes and changes that arrived before and still wait."""
     queue = state.queue
     kept = 0
     for i in range(queue.size):
         event = queue.events[queue.heap[i]]
-        if event.order > order or event.kind == KIND_NEW or event.kind == KIND_FREE or event.kind == KIND_SYNC:
+        if event.order > order or _outlasts(event.kind):
             swap(queue, kept, i)
             kept += 1
         else:

@@ -1,6 +1,7 @@
 """The engine's room for modes and objects."""
 
 from ...schema import CHANNELS
+from .mounted import SENSORS
 
 OBJECTS = 16_384
 MOST_CHANNELS = int(CHANNELS.high)
@@ -18,8 +19,11 @@ RAMPS = 4_096
 """Ramps that run or wait; each point of a list is one."""
 
 
-def check_sizes(channels: int, modes: int, objects: int) -> None:
+def check_sizes(channels: int, modes: int, objects: int, sensors: int = 0) -> None:
     """Check the sizes of an engine; ValueError names the first that is not possible."""
+    most_sensors = min(SENSORS, MOST_CHANNELS - channels)
+    if channels <= MOST_CHANNELS and not 0 <= sensors <= most_sensors:
+        raise ValueError(f"sensors = {sensors}: expected 0 to {most_sensors}, beside {channels} channels")
     most = int(CHANNELS.high), MODES, OBJECTS
     for name, value, high in zip(("channels", "modes", "objects"), (channels, modes, objects), most, strict=True):
         if not 1 <= value <= high:

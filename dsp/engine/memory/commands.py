@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from ...schema import (
 )
 from ...schema_records import VALUES, RampValues, Settings, Values
 from ...schema_values import OF_RAMPS, OWN, SHARED
+from .mounted import Mounted
 
 
 class Kind(IntEnum):
@@ -42,6 +43,7 @@ class Kind(IntEnum):
     PLACE = 13  # an object, by a gain of its own (value) in a channel; channel -1: by its pan again
     BUDGET = 14  # of contacts that are coupled to modes
     BANK = 15  # value: a place in schema.FORMS
+    MOUNT = 16  # a sensor, its number in `channel`, on an object; on none: value 0
 
 
 # The same as plain numbers, which kernels compare with.
@@ -50,7 +52,7 @@ KIND_STEER, KIND_STOP, KIND_SET = int(Kind.STEER), int(Kind.STOP), int(Kind.SET)
 KIND_PANIC, KIND_SYNC, KIND_METHOD = int(Kind.PANIC), int(Kind.SYNC), int(Kind.METHOD)
 KIND_ACCURACY, KIND_QUALITY = int(Kind.ACCURACY), int(Kind.QUALITY)
 KIND_GAIN, KIND_LIMITER, KIND_PLACE = int(Kind.GAIN), int(Kind.LIMITER), int(Kind.PLACE)
-KIND_BUDGET, KIND_BANK = int(Kind.BUDGET), int(Kind.BANK)
+KIND_BUDGET, KIND_BANK, KIND_MOUNT = int(Kind.BUDGET), int(Kind.BANK), int(Kind.MOUNT)
 
 NUMBERS = {name: number for number, name in enumerate(GESTURES)}
 """The numbers of gestures: their places in schema.GESTURES."""
@@ -119,6 +121,7 @@ class Event(Record):
     method: Method
     budget: Budget
     ramp: RampValues  # of a change: how it takes its time
+    mounted: Mounted  # of a sensor
 
 
 COMMAND = dtype_of(Event)
@@ -145,7 +148,7 @@ class Command(NamedTuple):
     time: float
     kind: Kind | str
     handle: Handle | None = None
-    values: Mapping[str, float] = MappingProxyType({})
+    values: Mapping[str, Any] = MappingProxyType({})
     value: float = 0.0
     gesture: int = 0
     parameter: str = ""
@@ -178,6 +181,7 @@ _RECORDS = {
     Kind.NEW: ("layout", "settings"),
     Kind.METHOD: ("method",),
     Kind.BUDGET: ("budget",),
+    Kind.MOUNT: ("mounted",),
     **dict.fromkeys((Kind.STEER, Kind.SET, Kind.GAIN), ("ramp",)),
 }
 _FIELDS = {kind: [(name, tuple(COMMAND[name].names or ())) for name in names] for kind, names in _RECORDS.items()}
@@ -227,8 +231,8 @@ def _require_known(kind: str, values: Mapping[str, float], known: Collection[str
 
 
 def _filled(
-    kind: str, names: Iterable[str], values: Mapping[str, float], defaults: Mapping[str, float]
-) -> tuple[float, ...]:
+    kind: str, names: Iterable[str], values: Mapping[str, Any], defaults: Mapping[str, float]
+) -> tuple[Any, ...]:
     """Return the values of a record's fields in order, the defaults where none is given."""
     try:
         return tuple(values[name] if name in values else defaults[name] for name in names)

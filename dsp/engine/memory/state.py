@@ -24,7 +24,9 @@ from .capacity import MODES, MODES_PER_OBJECT, MOST_CHANNELS, OBJECTS, SHAPE_VAL
 from .clock import Clock
 from .commands import Budget, Event, Method
 from .meter_record import Meter
+from .mounted import SENSORS
 from .records import Contact, Place, RampList, Slide, Tails, Through
+from .sensor_record import SensorState
 from .striker_state import STRIKERS, VOICES, Striker, Voice
 
 QUANTUM = AHEAD
@@ -174,6 +176,7 @@ class Object(Record):
     driven: Annotated[View3D[float], 11, 2, 3]  # output of the forces that acted then, left and right: see panic.py
     last_driven_at: int  # samples at the beginning of the last quantum in which a force acted on it
     limited_energy: float  # sum of squares of its share of the mix where the limiter turned it down
+    sensors: int  # on it
     # In this quantum:
     has_contact: int  # a contact touches it
     shares_contact: int  # with another object
@@ -262,8 +265,9 @@ class Output(Record):
     """The mix, and how it leaves the engine."""
 
     channels: int
+    sensors: int  # channels that follow these: one for each sensor
     mix: Annotated[View2D[float], MOST_CHANNELS, QUANTUM]
-    ready: Annotated[View[f32], QUANTUM * MOST_CHANNELS]  # frame by frame
+    ready: Annotated[View2D[f32], QUANTUM, MOST_CHANNELS]  # frame by frame
     consumed: int  # frames of `ready` that have left
     delay: int  # frames by which the limiter delays the sound, QUANTUM; 0: there is none
     held: Annotated[View2D[float], MOST_CHANNELS, QUANTUM]  # the mix that the limiter delays
@@ -361,6 +365,7 @@ class State(Record):
     voices: Annotated[View[Voice], VOICES]
     free_voice: Annotated[View[int], VOICES]  # stack
     voices_active: int
+    sensors: Annotated[View[SensorState], SENSORS]
     ramps: RampList
     choices: Choices
     output: Output

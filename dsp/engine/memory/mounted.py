@@ -1,0 +1,20 @@
+"""A sensor as a command mounts it: a contact microphone, an accelerometer."""
+
+from typing import Annotated
+
+from ...native.typed import Record, View, dtype_of
+
+SENSORS = 32
+"""Sensors that an engine can have, each with a channel of its own after those of the sound."""
+
+
+class Mounted(Record):
+    """A sensor as a command mounts it."""
+
+    acceleration: int  # 1; 0: it senses velocity
+    position: float  # along the object's strike path
+    filter: Annotated[View[float], 5]  # of its resonance: b0, b1, b2, a1, a2
+    scale: float  # of a sample, for each unit of what is sensed
+
+
+MOUNTED = dtype_of(Mounted)

@@ -1,0 +1,71 @@
+"""The handlers of messages that mount sensors on objects."""
+
+from dataclasses import replace
+from typing import Any
+
+from ...dsp.bodies.sensor import Sensor
+from ...dsp.engine.memory.commands import Command, Kind
+from ...dsp.wording import some_of
+from ...presets.sensors import sensor_of
+from ..osc.addresses import Call
+from ..osc.arguments import Refused, Values, require_name, shown
+from ..osc.patterns import is_pattern, match
+from ..osc.sensor_verbs import SENSOR
+from .sensors import Mounted
+from .transaction import Sent, Transaction
+
+
+def sensor_asked(values: Values) -> Sensor:
+    """Return the sensor that a message asks for. PresetError if its preset is none."""
+    changes: dict[str, Any] = {key: values.numbers[key] for key in ("resonance", "damping") if key in values.numbers}
+    changes |= {"quantity": values.words["quantity"]} if "quantity" in values.words else {}
+    return replace(sensor_of(values.words.get("preset", "ideal")), **changes)
+
+
+def said_of(values: Values, before: int) -> str:
+    """Describe the channel of a sensor that a message asks for, after so many, for the metadata of a file."""
+    name = values.words["name"].encode("ascii", "replace").decode()
+    return f"channel {before + 1} ({name}): 1.0 is {values.number('full'):g} {sensor_asked(values).unit}"
+
+
+def _mount(transaction: Transaction, call: Call, values: Values) -> None:
+    name, target = values.words["name"], values.words["object"]
+    require_name("name", name)
+    table = transaction.sensors
+    if name == "new" or name in table.there:
+        raise Refused(f"name = {name}: expected another name, as there is such a sensor, or such an address")
+    found = {} if is_pattern(target) else transaction.objects.at(target, transaction.time)
+    if target not in found:
+        known = list(transaction.objects.there(transaction.time))
+        raise Refused(f"object = {shown(target)}: no such object; {transaction.suggestion(target, known)}")
+    obj = found[target]
+    sensor, full, number = sensor_asked(values), values.number("full"), table.free_number()
+    position = values.numbers.get("position", obj.preset.position)
+    transaction.on_undo(table.add(name, Mounted(target, position, number, sensor, full)))
+    mounted = {
+        "acceleration": int(sensor.quantity == "acceleration"),
+        "position": position,
+        "filter": sensor.filter(transaction.engine.rate),
+        "scale": 1.0 / full,
+    }
+    time = transaction.objects.start_of(obj, transaction.time)
+    command = Command(time, Kind.MOUNT, obj.handle, mounted, value=1.0, channel=number)
+    transaction.add(command, Sent(call.message, obj.handle.serial, 0, 0.0))
+
+
+def _free(transaction: Transaction, call: Call, values: Values) -> None:
+    table = transaction.sensors
+    names = [name for name in table.there if match(call.target, name)]
+    if not names:
+        there = list(table.there)
+        raise Refused(f"{call.target}: no such sensor; {some_of(there) if there else 'there is none'}")
+    for name in names:
+        mounted = table.there.pop(name)
+        transaction.on_undo(lambda name=name, mounted=mounted: table.there.update({name: mounted}))  # type: ignore[misc]
+        blank = {"acceleration": 0, "position": 0.0, "filter": (1.0, 0.0, 0.0, 0.0, 0.0), "scale": 0.0}
+        command = Command(transaction.time, Kind.MOUNT, values=blank, channel=mounted.number)
+        transaction.add(command, Sent(call.message, 0, 0, 0.0))
+
+
+SENSOR_HANDLERS = {SENSOR: _mount, "/sensor/NAME/free": _free}
+"""Handlers by address."""

@@ -1,0 +1,63 @@
+"""Sensors on objects: their names and their channels."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from ...dsp.bodies.sensor import Sensor
+from ...dsp.engine.memory.mounted import SENSORS
+from ...dsp.runtime.engine import Engine
+from ..osc.arguments import Refused
+
+
+@dataclass(frozen=True)
+class Mounted:
+    """A sensor that is mounted: on which object, where, its number, and the value of a sample of 1.0."""
+
+    object: str
+    position: float
+    number: int
+    sensor: Sensor
+    full: float = 1.0
+
+    @property
+    def unit(self) -> str:
+        return self.sensor.unit
+
+
+class SensorTable:
+    """The sensors of an engine by name, and the last that had each channel."""
+
+    def __init__(self, engine: Engine) -> None:
+        self._engine = engine
+        self.there: dict[str, Mounted] = {}
+        self.channels: dict[int, tuple[str, Mounted]] = {}
+        """The name and the sensor of each channel, by number."""
+        self.grows = False
+        """True if an engine gets a channel for each sensor as it is mounted."""
+
+    def free_number(self) -> int:
+        """Return the number of a channel that no sensor has. Refused if there is none."""
+        taken = {each.number for each in self.there.values()}
+        most = SENSORS if self.grows else self._engine.sensors
+        number = next((n for n in range(most) if n not in taken), -1)
+        if number < 0:
+            chosen = "" if self.grows else ", as was chosen at the start"
+            raise Refused(f"no channel for another sensor: expected at most {most}{chosen}")
+        return number
+
+    def add(self, name: str, mounted: Mounted) -> Callable[[], None]:
+        """Add a sensor; return how to undo it."""
+        before, width = self.channels.get(mounted.number), self._engine.sensors
+        self.there[name] = mounted
+        self.channels[mounted.number] = name, mounted
+        self._engine.sensors = max(width, mounted.number + 1)
+
+        def undo() -> None:
+            del self.there[name]
+            self._engine.sensors = width
+            if before:
+                self.channels[mounted.number] = before
+            else:
+                del self.channels[mounted.number]
+
+        return undo
