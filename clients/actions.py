@@ -119,9 +119,9 @@ class Actions(Gestures, ABC):
     ) -> None:  # fmt: skip
         """Mount a sensor on an object: a channel of its own after those of the sound, which no gain changes.
 
-        sensor: its name. position: 0 to 1 along the object's strike path (None: where its preset is struck). keys: preset (ideal,
-        accelerometer, mems, piezo-20, piezo-27, piezo-35, velocity), quantity (acceleration, in m/s^2, or velocity, in
-        m/s), resonance (Hz), damping (its ratio), full (the value of a sample of 1.0).
+        sensor: its name. position: 0 to 1 along the object's strike path (None: where its preset is struck). keys:
+        preset (ideal, accelerometer, mems, piezo-20, piezo-27, piezo-35, velocity), quantity (acceleration, in m/s^2,
+        or velocity, in m/s), resonance (Hz), damping (its ratio), full (the value of a sample of 1.0).
         """
         place = () if position is None else (position,)
         self.send("/sensor/new", sensor, object, *place, *key_pairs(keys), at=at)
