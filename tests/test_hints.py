@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 from collections import defaultdict
+from functools import cache
 from itertools import chain, zip_longest
 from pathlib import Path
 from typing import NamedTuple
@@ -25,6 +26,7 @@ class Place(NamedTuple):
     end: int
 
 
+@cache
 def trees() -> dict[str, ast.Module]:
     """Return the modules of the package's code, by their paths."""
     found = [path for folder in ("dsp", "server") for path in sorted((ROOT / folder).rglob("*.py"))]

@@ -40,10 +40,13 @@ def on_terminal(folder: Path, *words: str) -> str:
 
 
 @pytest.mark.slow
-def test_what_takes_long_shows_its_progress(tmp_path):
+def test_what_takes_long_shows_its_progress(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     (tmp_path / "s.txt").write_text("0 /object/new a wood-block\n0.01 /object/a/impact 1\n")
-    assert "s of sound" in on_terminal(tmp_path, "render", "s.txt", "s.wav", "--seconds", "20")
-    assert "s of sound" in on_terminal(tmp_path, "strike", "wood-block", "a.wav", "--seconds", "20")
+    assert "s of sound" in on_terminal(tmp_path, "render", "s.txt", "long.wav", "--seconds", "20")
+    assert "s of sound" in on_terminal(tmp_path, "strike", "wood-block", "long.wav", "--seconds", "20")
+    for words in ("render s.txt s.wav", "strike wood-block a.wav"):
+        assert main([*words.split(), "--seconds", "0.5"]) == 0
     assert "s.wav and a.wav" in on_terminal(tmp_path, "compare", "s.wav", "a.wav")
     shown = on_terminal(tmp_path, "fit", "a.wav", "mine", "--name", "block", "--source", "", "--licence", "")
     assert "fitting block" in shown
@@ -84,9 +87,10 @@ def test_commands_tell_of_their_progress_where_there_is_no_terminal(tmp_path, ca
     monkeypatch.setattr(progress, "PERIOD", 0.01)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "s.txt").write_text("0 /object/new a wood-block\n0.01 /object/a/impact 1\n")
+    assert main(["strike", "wood-block", "b.wav", "--seconds", "0.5"]) == 0
     for words, line in (
         ("render s.txt s.wav --seconds 60", r"carom render: s.txt: [\d.]+ of 60 s of sound after 0 s"),
-        ("fit s.wav mine --name block", r"carom fit: fitting block: after \d s"),
+        ("fit b.wav mine --name block", r"carom fit: fitting block: after \d s"),
         ("dataset bars bars --count 8 --workers 1", r"carom dataset: [08] (of 8 )?items after \d s"),
     ):
         assert main(words.split()) == 0

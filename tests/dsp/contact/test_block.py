@@ -30,6 +30,8 @@ from carom.dsp.resonator.bank import Modes, inject_fine, inject_kept, observe, r
 from carom.dsp.resonator.rows import lay_rows, room_for_rows
 from carom.dsp.rolling.block_path import project_path
 
+pytestmark = pytest.mark.slow  # numba compiles the loops around the kernels
+
 RATE = 48_000.0
 GRAVITY = 9.81
 

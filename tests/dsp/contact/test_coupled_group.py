@@ -14,10 +14,11 @@ from carom.dsp.resonator.bank import Point, inject_fine, observe, receptance, tr
 
 
 @njit(error_model="numpy")
-def _run(contacts, group, bank, points, strikers, rate, tolerance, out):
-    modes, work, seen = bank.modes, bank.work, bank.seen
+def _run(contacts, group, bank, shapes, strikers, rate, tolerance, out):
+    modes, work, seen, lanes = bank.modes, bank.work, bank.seen, bank.point.stride
     restart(bank)
     n = len(contacts)
+    points = [Point(shapes[i], lanes, 0, bank.point.weights) for i in range(n)]
     group.size = n
     for i in range(n):
         v, m, k, mu, a, fraction = strikers[i]
@@ -52,16 +53,22 @@ def run(case: Case, strikers, shapes, tolerance: float):
     strikers: (v, m, k, mu, a, fraction) of each; shapes: (strikers, modes).
     """
     bank = bank_of(case)
-    lanes = bank.point.stride
-    points = []
-    for phi in shapes:
-        rows = np.zeros((4, lanes))
-        rows[:, : len(phi)] = phi
-        points.append(Point(rows.ravel(), lanes, 0, np.array([0.0, 1.0, 0.0, 0.0])))
+    rows = np.zeros((len(shapes), 4, bank.point.stride))
+    rows[:, :, : len(case.phi)] = np.array(shapes)[:, None]
+    rows = rows.reshape(len(shapes), -1)
     contacts, group = np.zeros(len(strikers), MEMBER), np.zeros(1, COUPLED_GROUP)
     out = np.empty((case.samples, 2))
     given = np.array(strikers, float)
-    _run(contacts.view(np.recarray), group[0], bank, tuple(points), given, float(case.rate), float(tolerance), out)
+    _run(
+        contacts.view(np.recarray),
+        group[0],
+        bank,
+        rows.reshape(len(shapes), -1),
+        given,
+        float(case.rate),
+        float(tolerance),
+        out,
+    )
     return out[:, 0], out[:, 1], int(contacts["coupled"]["held"].sum())
 
 
