@@ -13,6 +13,8 @@ from ..osc.wire import Argument, Message
 _SMOOTH = 0.03
 """s in which what a controller sets gets from one of its 128 places to the next."""
 _WIDE = 30.0  # a range of a greater ratio is covered by equal ratios
+MOST = 1_024
+"""Controls that there may be."""
 _BEGIN = tuple(name for name, gesture in GESTURES.items() if gesture.along)  # gestures that a further message steers
 
 
@@ -75,8 +77,14 @@ class Controls:
         self._by_address: dict[str, Control] = {}
 
     def bind(self, control: Control) -> None:
-        """Bind a controller to an address; no other one sets it any more."""
+        """Bind a controller to an address; no other one sets it any more. Refused where there are too many."""
+        self.require_room(control.address)
         self._by_address[control.address] = control
+
+    def require_room(self, address: str) -> None:
+        """Raise Refused if there are too many controls for one of another address."""
+        if address not in self._by_address and len(self._by_address) >= MOST:
+            raise Refused(f"address = {address}: {MOST} addresses are set already: expected /midi/forget first")
 
     def forget(self, address: str) -> None:
         """Unbind an address, all if it is empty. Refused if nothing sets it."""

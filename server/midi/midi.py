@@ -112,8 +112,9 @@ class Midi(Remote):
         if self._learning and int(self._learning[0].number("channel")) in (0, channel):
             (values, source), self._learning = self._learning, None
             learnt = control(values, controller)
-            self._controls.bind(learnt)
-            self._learnt.append((learnt, source))
+            with suppress(Refused):  # others were bound meanwhile
+                self._controls.bind(learnt)
+                self._learnt.append((learnt, source))
         return [each.message(share) for each in self._controls.of(controller, channel)]
 
     def _player(self, channel: int, note: int) -> str:
@@ -173,6 +174,7 @@ class Midi(Remote):
             raise Refused("no MIDI input is open: expected the server to be started with --midi")
         control(values, "")
         with self._lock:
+            self._controls.require_room(values.words["address"])
             self._learning = values, source
         yield Message("/done", ("/midi/learn", values.words["address"]))
 

@@ -1,11 +1,11 @@
 """Admission to the web server: no other site's scripts, and from elsewhere only whoever has the token."""
 
+import re
 import secrets
 import socket
 from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass, field
-from http.cookies import SimpleCookie
 from ipaddress import ip_address
 from urllib.parse import urlsplit
 
@@ -14,6 +14,7 @@ from yarl import URL
 
 COOKIE = "carom-token"
 """Keeps the token of an address that was opened once."""
+_KEPT = re.compile(rf"(?:^|;) *{COOKIE}=([\w-]*)", re.ASCII)
 
 
 @dataclass(frozen=True)
@@ -59,8 +60,8 @@ class Guard:
         return False
 
     def _has_token(self, headers: CIMultiDictProxy[str], url: URL) -> bool:
-        cookie = SimpleCookie(headers.get("Cookie", "")).get(COOKIE)
-        given = url.query.get("token") or (cookie.value if cookie else "")
+        kept = _KEPT.search(headers.get("Cookie", ""))  # among cookies of any form, which others of this host have left
+        given = url.query.get("token") or (kept[1] if kept else "")
         return secrets.compare_digest(given.encode(errors="replace"), self.token.encode())
 
 

@@ -9,6 +9,7 @@ from ..osc.score import Line, ScoreError, parse
 from ..osc.wire import encode_bundle, time_tag
 
 LARGEST_SCORE = 1 << 20  # bytes: what aiohttp takes of a body
+MOST_SCORES = 4 << 20  # bytes of all scores that are being played: in memory each takes up to some hundred times that
 _LEAD = 0.2  # s until the first message
 _AHEAD = 1.0  # s that a message is handed in before its time
 _MOST_WAITING = 256  # of the client's messages, before another is handed in

@@ -16,7 +16,7 @@ from ..net.network import Network
 from ..osc.oscquery import ATTRIBUTES, Names, host_info, text
 from ..osc.score import ScoreError
 from .guard import COOKIE, Guard
-from .scores import LARGEST_SCORE, play_score, read_score
+from .scores import LARGEST_SCORE, MOST_SCORES, play_score, read_score
 from .socket import MOST_CLIENTS, SocketClient, opened
 
 PAGE = "/page/"
@@ -62,8 +62,8 @@ class Site:
     clients: set[SocketClient] = field(default_factory=set)
 
     def __post_init__(self) -> None:
-        self._turn = asyncio.Lock()
-        self._plays: dict[SocketClient, asyncio.Task[None]] = {}
+        self._turn, self._reading = asyncio.Lock(), asyncio.Lock()
+        self._plays: dict[SocketClient, tuple[asyncio.Task[None], int]] = {}  # each with its score's bytes
 
     def play(self, packet: bytes, seconds: float) -> None:
         """Give every client a block of sound."""
@@ -167,9 +167,12 @@ class Site:
             await client.serve()
         finally:
             self.clients.discard(client)
-            if play := self._plays.pop(client, None):
-                play.cancel()
+            self._end_score(client)
         return socket
+
+    def _end_score(self, client: SocketClient) -> None:
+        if play := self._plays.pop(client, None):
+            play[0].cancel()
 
     async def _score(self, request: web.BaseRequest) -> web.StreamResponse:
         """Play the score that a page sends, until the page goes or sends another one."""
@@ -180,15 +183,19 @@ class Site:
             return _refused(413, f"{request.content_length} bytes: expected at most {LARGEST_SCORE}")
         try:
             data = await request.read()
-            lines = await asyncio.to_thread(read_score, data)
+            async with self._reading:
+                played = sum(size for each, (play, size) in self._plays.items() if each != client and not play.done())
+                if played + len(data) > MOST_SCORES:
+                    return _refused(503, f"scores of {played} bytes are being played: expected others to end first")
+                lines = await asyncio.to_thread(read_score, data)
+                self._end_score(client)
+                if lines and client in self.clients:  # it may have left meanwhile
+                    play = asyncio.ensure_future(play_score(lines, client, self.network))
+                    self._plays[client] = play, len(data)
         except web.HTTPRequestEntityTooLarge:
             return _refused(413, f"a score that is too large: expected at most {LARGEST_SCORE} bytes")
         except ScoreError as error:
             return _refused(400, str(error))
-        if before := self._plays.pop(client, None):
-            before.cancel()
-        if lines:
-            self._plays[client] = asyncio.ensure_future(play_score(lines, client, self.network))
         return _json({"messages": len(lines), "seconds": lines[-1].time if lines else 0.0})
 
 

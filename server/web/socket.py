@@ -24,6 +24,7 @@ _MOST_WAITING = 256  # of its packets, before it is read no further
 _MOST_UNSENT = 1 << 20  # bytes of replies kept for one that reads slowly
 _MOST_SOUND = 0.5  # s of sound kept for it
 _MOST_PATHS = 1_024  # that it listens to
+_LONGEST_PATH = 256  # characters: no address that has a value is longer
 _ALIVE = 20.0  # s between questions whether it is still there
 _SOUND = b"/sound\0\0" + b",hiib\0\0\0"
 _HEAD = struct.Struct(">qiii")
@@ -109,8 +110,9 @@ class SocketClient(Remote):
         with suppress(ValueError, TypeError, KeyError, RecursionError):
             given = json.loads(text)
             command, path = given["COMMAND"], given["DATA"]
-            if command == "LISTEN" and isinstance(path, str) and len(self.listens) < _MOST_PATHS:
-                self.listens.add(path)
+            if command == "LISTEN" and isinstance(path, str) and len(path) <= _LONGEST_PATH:
+                if len(self.listens) < _MOST_PATHS:
+                    self.listens.add(path)
             elif command == "IGNORE":
                 self.listens.discard(path)
             elif command == "SOUND":  # Carom's own

@@ -177,6 +177,18 @@ def test_wide_ranges_go_by_ratios_and_ends_may_be_given(played):
     ]
 
 
+def test_so_many_controls_and_no_more(played):
+    for each in range(1_024):
+        played.ask("/midi/control", 1, f"/gesture/g{each}/speed")
+    with pytest.raises(Refused, match="1024 addresses are set already"):
+        played.ask("/midi/control", 1, "/gesture/more/speed")
+    with pytest.raises(Refused, match="1024 addresses are set already"):
+        played.ask("/midi/learn", "/gesture/more/speed")
+    played.ask("/midi/control", 2, "/gesture/g5/speed")
+    played.ask("/midi/forget", "address", "/gesture/g5/speed")
+    assert played.ask("/midi/control", 1, "/gesture/more/speed") == [("/done", "/midi/control", "/gesture/more/speed")]
+
+
 def test_a_bend_has_a_middle_and_pressure_none(played):
     played.ask("/midi/control", "bend", "/object/bar/tune", "low", -2, "high", 2)
     played.ask("/midi/control", "pressure", "/object/bar/damp")

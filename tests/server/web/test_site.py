@@ -177,6 +177,15 @@ def test_a_token_of_bytes_that_are_no_text_is_wrong(make, caplog):
     assert not caplog.records
 
 
+@pytest.mark.parametrize("others", ["a/b=1", "a@b=1;c", '{"a": 1}=2', "(", 'x="\\777'])
+def test_cookies_that_others_have_left_on_this_host_change_nothing(make, caplog, others):
+    port = make(token="right").port
+    assert ask(port, "/panic", Cookie=f"{others}; carom-token=right; {others}")[0] == 200
+    assert ask(port, "/panic", Cookie=f"{others}; carom-token=wrong")[0] == 403
+    assert ask(port, "/panic", Cookie=f"{others}-carom-token=right")[0] == 403
+    assert not caplog.records
+
+
 def test_many_questions_at_once(web):
     answers = []
     threads = [threading.Thread(target=lambda: answers.append(get(web.port, "/"))) for _ in range(30)]

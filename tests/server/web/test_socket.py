@@ -173,8 +173,12 @@ def test_oscquery_tells_what_comes_goes_and_changes(server):
     async def play() -> None:
         async with page_of(server) as page, page_of(server) as other:
             await page.command("LISTEN", "/object/a/gain")
+            await page.command("LISTEN", "/" + 256 * "x")  # is kept nowhere
             await page.send("/object/new", "a", "wood-block")
             await page.until("/object/a/gain")
+            assert server.web and [each.listens for each in server.web.site.clients if each.listens] == [
+                {"/object/a/gain"}
+            ]
             await other.send("/object/a/gain", -6)
             assert (await page.until("/object/a/gain", 2))[1] == (-6.0,)
             await page.command("IGNORE", "/object/a/gain")
@@ -319,6 +323,26 @@ def test_a_score_is_played_as_if_the_page_had_sent_it(server, tmp_path):
     made, struck = (float(line.split()[0]) for line in text.splitlines() if "bell" in line)
     assert struck - made == pytest.approx(0.2, abs=QUANTUM / 48_000)
     assert Path(tmp_path / "out.wav").exists()
+
+
+def test_scores_that_are_played_have_so_many_bytes_and_no_more(server, monkeypatch):
+    assert server.web
+    monkeypatch.setattr("carom.server.web.site.MOST_SCORES", 100)
+    port = server.web.port
+    score = b"0 /sync 1\n60 /sync 2" + b" " * 40
+
+    async def play() -> None:
+        async with page_of(server) as page, page_of(server) as other:
+            for each in (page, other):
+                await each.send("/version")
+                await each.until("/version.reply")
+            names = [dict(each.told)["CLIENT"] for each in (page, other)]
+            post = lambda name: asyncio.to_thread(ask, port, f"/page/score?client={name}", "POST", score)  # noqa: E731
+            assert [(await post(names[n]))[0] for n in (0, 0, 1)] == [200, 200, 503]
+            assert (await asyncio.to_thread(ask, port, f"/page/score?client={names[0]}", "POST", b""))[0] == 200
+            assert (await post(names[1]))[0] == 200
+
+    run(play())
 
 
 def test_ten_pages_at_a_hundred_messages_a_second(server):
