@@ -109,7 +109,7 @@ class Knowledge:
         obj = self._session.objects.get(name)
         if obj is None:
             return None
-        modes = obj.preset.modes(self._session.engine.top_frequency)
+        modes = obj.modes
         count = min(_MOST_MODES, len(modes.frequency))
         rows = np.unique(
             np.linspace(0, len(modes.strike) - 1, min(_MOST_POINTS, len(modes.strike))).round().astype(int)

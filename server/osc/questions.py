@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import islice
 from typing import Protocol
 
+from ...dsp.bodies.modes import Modes
 from ...dsp.schema import Parameter as Number
 from ...dsp.wording import MOST_COMPARED, some_of, suggestion
 from ...presets import ObjectPreset, Presets
@@ -19,6 +20,7 @@ class Object(Protocol):
     """The part of an object that questions read."""
 
     preset: ObjectPreset
+    modes: Modes
     settings: dict[str, float]
 
     @property
@@ -30,10 +32,6 @@ class Scene(Protocol):
     """The part of a session that questions read."""
 
     presets: Presets
-
-    @property
-    def top_frequency(self) -> float:
-        """Return the frequency (Hz) below which modes are heard."""
 
     def objects_at(self, pattern: str) -> Mapping[str, Object]:
         """Return the objects whose names match a pattern."""
@@ -76,7 +74,7 @@ def _object(scene: Scene, values: Values) -> Iterator[Message]:
         there = list(islice(scene.objects_there(), MOST_COMPARED))
         raise Refused(f"{target}: no such object; {suggestion(target, there) or f'there are {some_of(there)}'}")
     for name, obj in found.items():
-        spectrum = obj.preset.modes(scene.top_frequency)
+        spectrum = obj.modes
         pairs: dict[str, Argument] = {
             "preset": obj.preset.name,
             "shape": obj.preset.shape,

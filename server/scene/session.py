@@ -139,11 +139,6 @@ class Session:
         harmless = self._steers_ended and isinstance(error, GestureEnded)
         return (warning if harmless else fail)(call.message.address, reason)
 
-    @property
-    def top_frequency(self) -> float:
-        """Return the frequency (Hz) below which modes are heard."""
-        return self.engine.top_frequency
-
     def objects_at(self, pattern: str) -> dict[str, PlayedObject]:
         """Return the objects that are there and whose names match a pattern; TooMuch as `Selection.names`."""
         return self.objects.at(pattern, NOW)

@@ -9,8 +9,11 @@ import pytest
 from carom.clients.client import Client
 from carom.dsp.engine.memory.state import QUANTUM
 from carom.dsp.runtime.engine import NOW, Engine
-from carom.presets import Presets
+from carom.presets import ObjectPreset, Presets
 from carom.server.contact_watch import ContactWatch, thinned
+from carom.server.knowledge import Knowledge
+from carom.server.osc.arguments import Values
+from carom.server.osc.questions import QUESTIONS
 from carom.server.osc.wire import Message, encode, parse
 from carom.server.scene.session import Session
 from tests.support import Running, render_lines
@@ -141,6 +144,16 @@ def test_an_object_tells_its_settings_and_modes(server):
         first, total, frequency, decay, *_ = client.ask_all("/object/bar/get", 3)[1].args
         assert (first, total) == (0, 3) and frequency == pytest.approx(2 * 261.2, rel=1e-3) and decay > 0
         assert "drum: no such object" in client.ask_all("/object/drum/get")[0].args[1]
+
+
+def test_what_an_object_tells_is_not_made_again(session, monkeypatch):
+    session.perform([Message("/object/new", ("bell", "church-bell"))], NOW)
+    _, answer = QUESTIONS["/object/NAME/get"]
+    monkeypatch.setattr(ObjectPreset, "modes", None)  # to make some objects again takes a second
+    replies = list(answer(session, Values({"modes": 2}, {"NAME": "bell"})))
+    assert [reply.address for reply in replies] == ["/object/bell/get.reply", "/object/bell/get.modes"]
+    known = Knowledge(session, Presets(), None)
+    assert len((known.shape_of("bell") or {})["frequency"]) > 2
 
 
 @pytest.mark.slow
