@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .eigen import eigh
 from .material import Array, Material
 from .ritz import basis, converged, quadrature, terms_for
 
@@ -115,8 +116,6 @@ def _solve(
     series: how many terms, and whether they are clamped at -1. Return all its frequencies (Hz), and the series of w
     and psi (2 terms + 1, modes) in `basis`.
     """
-    from scipy.linalg import eigh
-
     nodes, weights = points
     terms, clamped = series
     area, moment, kappa = section

@@ -21,7 +21,12 @@ PATH_STEP = 0.6  # rad of the shortest wave between two positions: cubic interpo
 
 
 class Silent(CaromError, ValueError):
-    """A body that has no mode between the lowest frequency and the highest one wanted."""
+    """A body that has no mode between the lowest frequency and `top` (Hz): the highest one wanted, or a lower one where
+    its series ends before that."""
+
+    def __init__(self, top: float) -> None:
+        super().__init__(f"no mode lies between {LOWEST_FREQUENCY:g} Hz and {top:g} Hz")
+        self.top = top
 
 
 class Unheard(NamedTuple):
@@ -83,7 +88,7 @@ def audible(frequency: Array, top: float) -> Indices:
     order = ascending(frequency)
     heard = order[(frequency[order] >= LOWEST_FREQUENCY) & (frequency[order] <= top)]
     if not heard.size:
-        raise Silent(f"no mode lies between {LOWEST_FREQUENCY:g} Hz and {top:g} Hz")
+        raise Silent(top)
     return heard[:MOST_MODES]
 
 

@@ -9,6 +9,7 @@ from numpy.polynomial import legendre
 
 from . import acceleration
 from .air import plate_mass
+from .eigen import eigh
 from .heard import BAFFLES, heard, loaded
 from .material import Array, Material
 from .modes import LOWEST_FREQUENCY, Indices, Modes, ascending, audible, path, require_choice, require_positive
@@ -196,7 +197,7 @@ def _ritz_beam(low: str, high: str, orders: Indices, degree: int, kept: int) -> 
     with their slopes at both ends: their bending energies are orthogonal, so high orders cost no accuracy.
     Returns the series (n, degree + 1) of the latter, k^4 (n,) and the series of the modes, int phi^2 = 1.
     """
-    from scipy.linalg import eigh, null_space
+    from scipy.linalg import null_space
 
     cubic = orders[orders < 4]
     sign = (-1.0) ** cubic

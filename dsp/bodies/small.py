@@ -25,8 +25,9 @@ def heard_or_felt(make: Callable[..., Modes], top: float, **arguments: Any) -> M
     """
     try:
         return make(top=top, **arguments)
-    except Silent:
-        higher = _first(make, top, arguments)
+    except Silent as silent:
+        # Where the series ends lower, another look would find as little, for as much work.
+        higher = _first(make, top, arguments) if silent.top >= top else None
         if higher is None or not higher.clicks:
             raise
         return _felt_above(higher, top)

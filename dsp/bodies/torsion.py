@@ -6,6 +6,7 @@ from collections.abc import Callable
 import numpy as np
 
 from .bending import Motion, Series, motion_of
+from .eigen import eigh
 from .material import Array, Material
 from .ritz import basis, converged, quadrature, terms_for
 
@@ -29,8 +30,6 @@ def torsion(
     Gamma = w^3 t^3/144. The section's points move along the bar by y z chi, chi = -(w^2 - t^2)/(w^2 + t^2) theta',
     which is Vlasov's warping where t is small against w, and none in a square.
     """
-    from scipy.linalg import eigh
-
     half = length / 2
     thinnest = depth(np.zeros(1))[0]
     terms = terms_for(half * _wavenumber(material, width, thinnest, top))

@@ -62,3 +62,16 @@ def test_a_cubes_click_is_that_of_a_plate_as_wide():
 def test_one_that_is_held_can_not_click_and_is_refused(shape, size):
     with pytest.raises(Silent):
         heard_or_felt(shape, TOP, material=HEAVY, **size)
+
+
+def test_a_strip_whose_series_ends_before_its_first_mode_is_looked_at_once():
+    tops = []
+
+    def strip(top):
+        tops.append(top)
+        edges = ("clamped", "clamped", "clamped", "free")
+        return bodies.plate(HEAVY, length=0.008, width=20.0, thickness=0.006, edges=edges, top=top)
+
+    with pytest.raises(Silent) as silent:
+        heard_or_felt(strip, TOP)
+    assert 100.0 < silent.value.top < TOP and tops == [TOP]
