@@ -55,9 +55,14 @@ def prepared(name: str, step: float, hearing: carom.Hearing = HEARING, keep: boo
 
 
 def run(
-    name: str, step: float, seconds: float | None = None, hearing: carom.Hearing = HEARING, keep: bool = False
+    name: str,
+    step: float,
+    seconds: float | None = None,
+    hearing: carom.Hearing = HEARING,
+    keep: bool = False,
+    tells_forces: bool = False,
 ) -> Run:
-    """Run a scene at a step (s), and hear it."""
+    """Run a scene at a step (s), and hear it; tells_forces: MuJoCo is asked for them at each step, which takes long."""
     model, data, bridge = prepared(name, step, hearing, keep)
     hits, blocks, forces, speeds = [], [], [], []
     for _ in range(round((seconds or SCENES[name][1]) / step)):
@@ -65,12 +70,13 @@ def run(
         speeds.append(data.qvel.copy())
         blocks.append(bridge.step())
         hits += bridge.world.hits
-        forces.append(_forces(model, data, bridge.world.bodies))
+        if tells_forces:
+            forces.append(_forces(model, data))
     score = bridge.world.score() if keep else ""
     return Run(hits, np.concatenate(blocks), bridge.world.counts, forces, np.array(speeds), score)
 
 
-def _forces(model, data, names) -> dict[tuple[str, str], float]:
+def _forces(model, data) -> dict[tuple[str, str], float]:
     """Return the normal force between each pair of bodies, by MuJoCo's own function."""
     found: dict[tuple[str, str], float] = {}
     force = np.empty(6)
