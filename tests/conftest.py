@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
+from carom.clients.cli import main
 from carom.server.osc.score import read
 from tests.support import CAROM, Jack, Render, Running, render_lines, serving
 
@@ -40,6 +41,25 @@ def carom(tmp_path) -> Callable[..., subprocess.CompletedProcess[str]]:
     def run(*args: object, check: bool = False) -> subprocess.CompletedProcess[str]:
         words = [*CAROM, *map(str, args)]
         return subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=check)
+
+    return run
+
+
+@pytest.fixture
+def carom_here(tmp_path, monkeypatch, capsys) -> Callable[..., subprocess.CompletedProcess[str]]:
+    """Run the command line in an empty folder in this process, which has loaded what a new one takes a second for."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*args: object, check: bool = False) -> subprocess.CompletedProcess[str]:
+        capsys.readouterr()
+        try:
+            code = main([*map(str, args)])
+        except SystemExit as ended:
+            code = int(ended.code or 0)
+        done = subprocess.CompletedProcess(args, code, *capsys.readouterr())
+        if check:
+            done.check_returncode()
+        return done
 
     return run
 

@@ -46,12 +46,12 @@ def test_render_makes_a_sound_file_and_a_picture(carom, tmp_path):
         (("render", "far.txt", "x.wav"), "far.txt:2: time 1e+300: expected seconds from 0 to 2678400"),
     ],
 )
-def test_errors_are_one_line_and_a_code(carom, tmp_path, words, error):
+def test_errors_are_one_line_and_a_code(carom_here, tmp_path, words, error):
     (tmp_path / "s.txt").write_text(STRIKE)
     (tmp_path / "far.wav").touch()
     (tmp_path / "far.txt").write_text(STRIKE.splitlines()[0] + "\n1e300 /object/a/impact 1\n")
     (tmp_path / "bad.txt").write_text("0 /object/new b wood-block\n0 /object/a/impact 1\n")
-    run = carom(*words)
+    run = carom_here(*words)
     assert run.returncode == 1 and run.stdout == ""
     assert run.stderr.startswith(f"carom {words[0]}: ") and run.stderr.count("\n") == 1 and error in run.stderr
     assert not list(tmp_path.glob("**/x.*"))

@@ -11,6 +11,12 @@ pytestmark = pytest.mark.slow
 GLASS = (BUILT_IN / "objects" / "glass-plate.toml").read_text()
 
 
+@pytest.fixture
+def carom(carom_here):
+    """Run the command line in this process."""
+    return carom_here
+
+
 def test_json_lists_every_preset(carom):
     listed = json.loads(carom("presets", "--json", check=True).stdout)
     assert list(listed) == list(KINDS)

@@ -100,8 +100,8 @@ def test_a_bad_score_does_not_stop_the_others(carom, tmp_path, scores):
         (("s0.txt", "s1.txt", "{}.mp3"), "expected a name that ends in .wav or .flac"),
     ],
 )
-def test_names_that_cannot_be_are_told(carom, tmp_path, scores, words, error):
-    run = carom("render", *words)
+def test_names_that_cannot_be_are_told(carom_here, tmp_path, scores, words, error):
+    run = carom_here("render", *words)
     assert run.returncode == 1 and error in run.stderr
     assert sorted(path.name for path in tmp_path.iterdir()) == scores
 

@@ -10,6 +10,7 @@ import pyloudnorm
 import pytest
 import soundfile
 
+from carom.dsp.engine.memory.state import EVENTS
 from carom.dsp.runtime.engine import Engine
 from carom.presets.library import BUILT_IN, Presets
 from carom.server.osc.score import ScoreError, read
@@ -26,9 +27,10 @@ def demo() -> np.ndarray:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("block", [1, 37, 64, 480])
-def test_block_size_changes_no_bit_of_the_demo(demo, block):
-    np.testing.assert_array_equal(render_lines(read(DEMO), block=block), demo)
+@pytest.mark.parametrize(("block", "seconds"), [(1, 6.0), (37, None), (64, None), (480, None)])
+def test_block_size_changes_no_bit_of_the_demo(demo, block, seconds):
+    sound = render_lines(read(DEMO), block=block, seconds=seconds)
+    np.testing.assert_array_equal(sound, demo[: round(6.0 * 48_000)] if seconds else demo)
 
 
 @pytest.mark.slow
@@ -260,9 +262,16 @@ def test_a_render_without_a_sound_ends_with_its_last_event(render_text):
 
 @pytest.mark.slow
 def test_more_events_than_the_queue_holds_are_played_in_turn(render_text):
-    lines = ["0 /object/new a wood-block gain -40"]
-    lines += [f"{0.0002 * i} /object/a/impact 0.1" for i in range(20_000)]
-    assert len(render_text("\n".join(lines))) > 4 * 48_000
+    """A striker waits behind twice as many changes of a gain as the queue holds."""
+    lines = ["0 /object/new a wood-block"]
+    lines += [f"{0.0001 * i:.4f} /object/a/gain {-i / EVENTS:.4f}" for i in range(2 * EVENTS)]
+    end = round(0.0002 * EVENTS + 0.1, 2)
+    sound = render_text("\n".join([*lines, f"{end} /object/a/impact 1"]))
+    heard = np.flatnonzero(np.abs(sound).max(axis=1))
+    assert heard[0] == pytest.approx(48_000 * end, abs=2)
+    assert np.abs(sound).max() == pytest.approx(
+        np.abs(render_text(f"{lines[0]} gain -2\n0 /object/a/impact 1")).max(), rel=1e-3
+    )
 
 
 @pytest.mark.slow
