@@ -101,27 +101,27 @@ def test_no_matplotlib_is_told_before_rendering(carom, tmp_path, monkeypatch):
     assert not (tmp_path / "s.wav").exists()
 
 
-def test_presets_are_listed_and_shown(carom):
-    listed = carom("presets", check=True).stdout
+def test_presets_are_listed_and_shown(carom_here):
+    listed = carom_here("presets", check=True).stdout
     for kind in ("objects", "strikers", "materials"):
         assert f"{kind}:" in listed
         for path in (BUILT_IN / kind).glob("*.toml"):
             assert path.stem in listed
-    shown = carom("presets", "church-bell", check=True).stdout
+    shown = carom_here("presets", "church-bell", check=True).stdout
     assert shown.split("\n", 1)[1].strip() == (BUILT_IN / "objects" / "church-bell.toml").read_text().strip()
-    both = carom("presets", "steel", check=True).stdout
+    both = carom_here("presets", "steel", check=True).stdout
     assert "# materials/steel.toml" in both and "# strikers/steel.toml" in both
 
 
-def test_own_presets_come_first(carom, tmp_path):
+def test_own_presets_come_first(carom_here, tmp_path):
     (tmp_path / "mine" / "objects").mkdir(parents=True)
     text = (BUILT_IN / "objects" / "wood-block.toml").read_text()
     (tmp_path / "mine" / "objects" / "my-block.toml").write_text(text)
     (tmp_path / "s.txt").write_text("0 /object/new a my-block\n0 /object/a/impact 1\n")
-    assert carom("render", "s.txt", "s.wav", "--presets", "mine").returncode == 0
-    assert carom("render", "s.txt", "s.wav").returncode == 1
+    assert carom_here("render", "s.txt", "s.wav", "--presets", "mine").returncode == 0
+    assert carom_here("render", "s.txt", "s.wav").returncode == 1
     (tmp_path / "mine" / "objects" / "my-block.toml").write_text(text.replace("[geometry]", "[geometry]\nlength = -1"))
-    run = carom("render", "s.txt", "s.wav", "--presets", "mine")
+    run = carom_here("render", "s.txt", "s.wav", "--presets", "mine")
     assert run.returncode == 1 and "my-block.toml" in run.stderr
 
 

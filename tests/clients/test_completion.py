@@ -7,6 +7,7 @@ import sys
 import pytest
 
 from carom.clients.commands.completion import SHELLS
+from tests.support import CAROM
 
 pytestmark = pytest.mark.slow
 
@@ -16,6 +17,12 @@ COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); COMPREPLY=()
 _shtab_carom carom "${COMP_WORDS[$COMP_CWORD]}" "${COMP_WORDS[$((COMP_CWORD - 1))]}"
 printf '%s\\n' "${COMPREPLY[@]}"
 """
+
+
+@pytest.fixture(scope="module")
+def script():
+    """The script for bash."""
+    return subprocess.run([*CAROM, "completion", "bash"], capture_output=True, text=True, check=True).stdout
 
 
 @pytest.mark.skipif(not shutil.which("bash"), reason="bash is not installed")
@@ -33,12 +40,12 @@ printf '%s\\n' "${COMPREPLY[@]}"
         ("send /object/NAME/b", ["/object/NAME/bounce"]),
     ],
 )
-def test_bash_completes(carom, tmp_path, monkeypatch, words, found):
+def test_bash_completes(script, tmp_path, monkeypatch, words, found):
     program = tmp_path / "carom"
     program.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m carom "$@"\n')
     program.chmod(0o755)
     (tmp_path / "score.txt").write_text("")
-    (tmp_path / "completion.bash").write_text(carom("completion", "bash", check=True).stdout)
+    (tmp_path / "completion.bash").write_text(script)
     monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
     asked = ["bash", "-c", ASK, "bash", "carom", *words.split(" ")]
     run = subprocess.run(asked, cwd=tmp_path, capture_output=True, text=True, check=True)
@@ -46,6 +53,6 @@ def test_bash_completes(carom, tmp_path, monkeypatch, words, found):
 
 
 @pytest.mark.parametrize("shell", SHELLS)
-def test_every_shell_gets_a_script_with_every_command(carom, shell):
-    script = carom("completion", shell, check=True).stdout
-    assert all(command in script for command in ("render", "strike", "listen", "oscquery"))
+def test_every_shell_gets_a_script_with_every_command(carom_here, shell):
+    written = carom_here("completion", shell, check=True).stdout
+    assert all(command in written for command in ("render", "strike", "listen", "oscquery"))
