@@ -14,6 +14,7 @@ from .commands import (
     doctor,
     fit,
     listen,
+    mesh,
     page,
     play,
     presets,
@@ -26,7 +27,7 @@ from .commands import (
 from .commands.parser import Parser, parse, parser_of
 
 _MODULES = (
-    serve, render, strike, play, page, send, listen, top, presets, fit, compare, dataset, chart, devices, doctor,
+    serve, render, strike, play, page, send, listen, top, presets, fit, mesh, compare, dataset, chart, devices, doctor,
     completion,
 )  # fmt: skip
 COMMANDS = tuple(module.COMMAND for module in _MODULES)

@@ -154,7 +154,7 @@ def write_page(page: Path, title: str, compared: Sequence[Compared], lines: Sequ
 def _section(found: Distance, names: tuple[str, str]) -> str:
     peak = max(float(np.abs(found.a).max()), float(np.abs(found.b).max()), 1e-9)
     players = [
-        f"<div><p>{mark}: {escape(name)}</p>{_player(samples / peak, found.rate)}</div>"
+        f"<div><p>{mark}: {escape(name)}</p>{player(samples / peak, found.rate)}</div>"
         for mark, name, samples in zip("AB", names, (found.a, found.b), strict=True)
     ]
     figures = (
@@ -184,7 +184,8 @@ def _figure(found: Distance, names: tuple[str, str]) -> str:
     return f'<figure><img alt="Spectrograms, third octaves and decays" src="data:image/png;base64,{data}"></figure>'
 
 
-def _player(samples: NDArray[np.float64], rate: float) -> str:
+def player(samples: NDArray[np.float64], rate: float) -> str:
+    """Return a player that holds a sound, as HTML."""
     memory = io.BytesIO()
     soundfile.write(memory, samples, int(rate), format="FLAC", subtype="PCM_16")
     data = base64.b64encode(memory.getvalue()).decode()

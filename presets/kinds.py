@@ -188,6 +188,8 @@ class ObjectPreset:
         alone."""
         values = check(where, data, OBJECT, ("description", "source", "shape", "level"))
         shape = SHAPES[values["shape"]]
+        if "mesh" in values:
+            raise PresetError(f"{where}[mesh]: expected it of the shape mesh only")
         titles = {key: f"{where}[{key}] " if where else "" for key in SECTIONS}
         geometry = check(titles["geometry"], data.get("geometry", {}), shape.fields, shape.required)
         one, other = ([key for key in geometry if key in side] for side in shape.either)

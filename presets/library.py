@@ -85,7 +85,7 @@ class Presets:
 
         PresetError if there is none, or its file is wrong.
         """
-        return ObjectPreset.from_data(name, *self._read("objects", name), self)
+        return self._object(name, self.path("objects", name))
 
     def load(self, kind: str, path: Path) -> Material | StrikerPreset | SurfacePreset | ObjectPreset:
         """Load the preset of a kind in any file; the presets that it names are found here.
@@ -100,7 +100,7 @@ class Presets:
         if kind == "surfaces":
             return SurfacePreset.from_data(path.stem, where, data)
         if kind == "objects":
-            return ObjectPreset.from_data(path.stem, where, data, self)
+            return self._object(path.stem, path)
         raise ValueError(f"kind = {kind!r}: {expected(kind, KINDS)}")
 
     def description(self, kind: str, name: str) -> str:
@@ -125,6 +125,15 @@ class Presets:
             if os.path.isfile(path):
                 return Path(path)
         raise NoPreset(f"no {singular} {name!r}", lambda: expected(name, self.names(kind)))
+
+    def _object(self, name: str, path: Path) -> ObjectPreset:
+        """Return the object of a file."""
+        where, data = read_file(path)
+        if data.get("shape") == "mesh":
+            from .meshes import with_table  # with what computes
+
+            data = with_table(where, data, path.parent, self)
+        return ObjectPreset.from_data(name, where, data, self)
 
     def _read(self, kind: str, name: str) -> tuple[str, dict[str, Any]]:
         """Return the beginning of errors about a preset's file, and the file's data."""

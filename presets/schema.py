@@ -15,13 +15,14 @@ from ..dsp.bodies.bar import ENDS
 from ..dsp.bodies.disc import EDGES as DISC_EDGES
 from ..dsp.bodies.heard import BAFFLES
 from ..dsp.bodies.material import LOSSES
+from ..dsp.bodies.mesh import Table
 from ..dsp.bodies.plate import EDGES as PLATE_EDGES
 from ..dsp.bodies.radiation.board import BOARDS
 from ..dsp.bodies.unison import MOST_WIRES
 from ..dsp.errors import CaromError
 from ..dsp.rolling.variation import MOST_VARIATION
 from ..dsp.wording import expected
-from .values import Choice, Domain, Many, Name, OneOrMany, Quantity, Row, Rows, Section, Text, Unfit, Whole, shown
+from .values import Choice, Domain, Made, Many, Name, OneOrMany, Quantity, Row, Rows, Section, Text, Unfit, Whole, shown
 
 Fields = Mapping[str, Domain]
 
@@ -155,6 +156,7 @@ FRACTION = Quantity(0, 1)
 ANGLE = Quantity(-360, 360, "degrees")
 FREQUENCY = Quantity(1, 20000, "Hz")
 POINT = Row((FRACTION, FRACTION))
+PLACE = Row((Quantity(-20, 20, "m"),) * 3)
 BAFFLE = Choice(BAFFLES)
 ROUND: Fields = {"split": Quantity(0, 0.1), "imperfection": ANGLE}
 
@@ -285,6 +287,10 @@ SHAPES: Mapping[str, Shape] = {
         {"radius": LENGTH, "height": LENGTH, "thickness": THICKNESS, "rows": Whole(1, 3), **ROUND},
     ),
     "sphere": Shape(shapes.sphere, {"radius": LENGTH}),
+    "mesh": Shape(
+        shapes.mesh,
+        {"table": Made(Table, "a table in the preset's folder"), "path_from": PLACE, "path_to": PLACE},
+    ),
     "listed": Shape(
         shapes.listed,
         {
@@ -347,6 +353,16 @@ ADDED: Mapping[str, Addition] = {
 SUITABLE = tuple(name for name, gesture in schema.GESTURES.items() if gesture.repeats or gesture.along)
 """Gestures that suit some objects, each with a section that says how it goes; a strike and a press suit all."""
 
+MESH: Fields = {
+    "file": Text(),
+    "wall": THICKNESS,
+    "scale": Quantity(1e-6, 1e3, "m"),
+    "modes": Whole(1, 400),
+    "points": Whole(50, 2000),
+    "fine": Choice(("yes", "no")),
+}
+"""The mesh of a body of shape `mesh`, of which its table is made: in the place of a table."""
+
 SECTIONS = ("geometry", "damping", "strike", *ADDED, *SUITABLE)
 STRIKE: Fields = {"striker": Name(), "velocity": Quantity(1e-3, 100, "m/s"), "position": FRACTION}
 
@@ -359,5 +375,6 @@ OBJECT: Fields = {
     "glide": Quantity(0, 1e6, "1/J"),
     "stereo_width": FRACTION,
     "most_modes": Whole(1, 4096),
+    "mesh": Section(),
     **dict.fromkeys(SECTIONS, Section()),
 }

@@ -204,7 +204,23 @@ class Section:
         return value
 
 
-Domain = Quantity | Text | Row | Many | Rows | Section
+@dataclass(frozen=True)
+class Made:
+    """A value that is made of a preset's files: whoever sends keys can't send one."""
+
+    kind: type
+    description: str
+
+    def __str__(self) -> str:
+        return self.description
+
+    def fit(self, value: object) -> Any:
+        if not isinstance(value, self.kind):
+            raise Unfit(value, self)
+        return value
+
+
+Domain = Quantity | Text | Row | Many | Rows | Section | Made
 
 
 def _fit_items(domains: Sequence[Quantity | Choice], values: Sequence[object]) -> tuple[Any, ...]:

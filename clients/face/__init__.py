@@ -17,9 +17,9 @@ contacts into blows, slides and rolls; `carom.mujoco` and `carom.gymnasium` conn
 the objects, strikers, materials and surfaces there are; on the command line, `carom presets` lists them. `carom.dsp`
 holds the contact law, its closed forms and the modes of bodies.
 
-`carom.fit` makes an object of recordings; `carom.compare` says how far apart two sounds are. `carom.rebuild` computes
-the sound of a data set's clip from its ground truth. `carom.render_many` renders the items of a recipe without files,
-and `carom.torch` gives them to PyTorch.
+`carom.fit` makes an object of recordings, `carom.mesh` one of a mesh. `carom.compare` says how far apart two sounds
+are. `carom.rebuild` computes the sound of a data set's clip from its ground truth. `carom.render_many` renders the items
+of a recipe without files, and `carom.torch` gives them to PyTorch.
 
 Units are SI, but for levels (dB), tuning (semitones) and angles (degrees). A call that cannot be carried out raises an
 error that names the culprit, its value and what was expected: CommandError from a Scene or a Client, ScoreError,
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from .clients.modes import ModeTable as ModeTable
     from .clients.rebuilding import rebuild as rebuild
     from .dsp.errors import CaromError as CaromError
+    from .meshes import mesh as mesh
     from .offline import render as render
     from .presets import PresetError as PresetError
     from .presets import Presets as Presets
@@ -86,6 +87,7 @@ _HOMES = {
     "WorldError": "server.bridge.bodies",
     "compare": "recordings",
     "fit": "recordings",
+    "mesh": "meshes",
     "rebuild": "clients.rebuilding",
     "render": "offline",
     "render_many": "clients.dataset.stream",
@@ -118,6 +120,7 @@ __all__ = [
     "compare",
     "dsp",
     "fit",
+    "mesh",
     "rebuild",
     "render",
     "render_many",

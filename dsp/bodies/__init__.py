@@ -14,6 +14,7 @@ from .bar import bar
 from .disc import disc, membrane
 from .listed import listed
 from .material import Material, hertz
+from .mesh import mesh
 from .modes import Modes, loudest
 from .plate import plate
 from .ring import glass, ring
@@ -33,6 +34,7 @@ __all__ = [
     "listed",
     "loudest",
     "membrane",
+    "mesh",
     "plate",
     "ring",
     "sphere",

@@ -95,6 +95,17 @@ def ring(mass: float, radius: float, length: float, volume: float) -> Click:
     return _click(mass, added + volume, 2 * math.pi * radius * length, _RING)
 
 
+def body(mass: float, volume: float, area: float) -> Click:
+    """Return the click of a free body of any shape, the mean over the directions that it may be struck in.
+
+    volume (m^3) of its matter, area (m^2) of its surface. The added volume is 8/9 a^3 with a^2 = area/(2 pi): exact for
+    thin discs (their mean over directions), and for a sphere Q is 6 % high. S is a third of the area, as of all closed
+    bodies in the mean.
+    """
+    added = 8 / 9 * (area / (2 * math.pi)) ** 1.5
+    return _click(mass, added + volume, area / 3, _SPHERE)
+
+
 def _click(mass: float, volume: float, area: float, damping: float) -> Click:
     """Return the click of a body of a mass (kg), from Q (m^3), S (m^2) and the damping ratio z."""
     natural = SPEED * math.sqrt(math.sqrt(12 * math.pi * area) / volume)

@@ -1,0 +1,65 @@
+"""The lowest modes of K x = lambda M x: block Lanczos on (K + sigma M)^-1 M, which finds pairs as pairs.
+
+R. Grimes, J. Lewis, H. Simon, SIAM J. Matrix Anal. Appl. 15, 1994; here with full orthogonalization.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ..bodies.material import Array
+from .surface import MeshError
+
+Apply = Callable[[Array], Array]
+
+_BLOCK = 16
+_RESIDUAL = 1e-5
+_MOST_STEPS = 60
+
+
+def lowest(solve: Apply, mass: Apply, size: int, shift: float, count: int) -> tuple[Array, Array]:
+    """Return the lowest eigenvalues (count,) and vectors (size, count) of unit modal mass, ascending.
+
+    solve: applies (K + shift M)^-1, mass: M, each to (size, k). MeshError if they don't settle.
+    """
+    count = min(count, size - _BLOCK)
+    ahead = solve(mass(np.random.default_rng(0).standard_normal((size, _BLOCK))))
+    vectors, weighed = np.zeros((size, 0)), np.zeros((size, 0))
+    projected = np.zeros((0, 0))
+    for _ in range(_MOST_STEPS):
+        for _ in range(2):
+            ahead = ahead - vectors @ (weighed.T @ ahead)
+        new, heavy = _orthonormal(ahead, mass)
+        vectors, weighed = np.hstack([vectors, new]), np.hstack([weighed, heavy])
+        ahead = solve(heavy)
+        column = weighed.T @ ahead
+        before, block = len(projected), new.shape[1]
+        grown = np.zeros((before + block,) * 2)
+        grown[:before, :before] = projected
+        grown[:, before:] = column
+        grown[before:, :before] = column[:before].T
+        grown[before:, before:] = (column[before:] + column[before:].T) / 2
+        projected = grown
+        if len(projected) < count + _BLOCK:
+            continue
+        inverse, inner = np.linalg.eigh(projected)
+        inverse, inner = inverse[::-1][:count], inner[:, ::-1][:, :count]
+        rest = ahead - vectors @ column
+        last = inner[-block:]
+        error = np.sqrt(np.maximum(np.einsum("ij,ik,kj->j", last, rest.T @ mass(rest), last), 0)) / inverse
+        if error.max() < _RESIDUAL:
+            return 1 / inverse - shift, vectors @ inner
+    raise MeshError(f"modes did not settle in {_MOST_STEPS} steps: expected a body without slivers")
+
+
+def _orthonormal(block: Array, mass: Apply) -> tuple[Array, Array]:
+    """Return a block's vectors made orthonormal by the mass, and the mass times these; what depends is left out."""
+    heavy = mass(block)
+    gram = block.T @ heavy
+    weight, turn = np.linalg.eigh((gram + gram.T) / 2)
+    keep = weight > 1e-13 * max(float(weight.max()), 1e-300)
+    block = block @ (turn[:, keep] / np.sqrt(weight[keep]))
+    heavy = mass(block)
+    gram = block.T @ heavy
+    factor = np.linalg.cholesky((gram + gram.T) / 2)
+    return np.linalg.solve(factor, block.T).T, np.linalg.solve(factor, heavy.T).T

@@ -1,0 +1,239 @@
+"""A model of a body: its modes, their shapes at points of its surface, and what they radiate."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ..bodies.material import Array, Material
+from . import cells, shells
+from .air import Radiation, layer_of, radiation, velocities
+from .cleaning import cleaned, openings
+from .points import curvature, picked, sampled
+from .surface import Indices, MeshError, Surface, faces_of, size_of, volume_of
+
+CELLS, FINE = (4, 80), (4, 170)
+"""Degree and number of cells, at the default and where the best is wanted."""
+POINTS = 400
+MODES = 60
+MOST_MODES = 400
+SIZES = (1e-3, 20.0)
+"""m: the size of a body."""
+
+_RIGID = 6
+_SPARE = 4  # modes beyond those wanted
+_FLOOR = 1e-3  # of the highest frequency: below lie rigid motions of parts that don't touch
+_SHELL = 8.0  # cells' sides over the wall: from there on cells are too stiff
+_PER_POINT = 16  # samples
+_TRIANGLES, _FINE_TRIANGLES = 2600, 8000  # of a shell, about
+_SLIVER = 1e-3  # of a side squared: a triangle's area
+
+Say = Callable[[str, float], object]
+
+
+class Wanted(NamedTuple):
+    """The model that is wanted: the wall (m) of a sheet or a hollow body, how many modes, whether as exact as can be,
+    and whether a second resolution shall give the error of each mode."""
+
+    wall: float | None = None
+    modes: int = MODES
+    fine: bool = False
+    errors: bool = False
+    points: int = POINTS
+
+
+@dataclass(frozen=True)
+class Model:
+    """Modes of a body that is free, n of them, by ascending frequency, at P points of its surface.
+
+    frequency (n,) in Hz, with the air's mass where the wall is thin. resistance (n,) in 1/s: R of a radiated power of
+    R q'^2/2. shapes (P, 3, n) in kg^-1/2, in the body's frame; points (P, 3) in m; normals (P, 3), outward; areas (P,)
+    in m^2; curvature (P,) in 1/m, the mean of both, positive where convex. mass in kg, volume of
+    its material in m^3.
+    error (n,): of the frequencies, estimated, as a share. method: "cells" or "shells"; notes say what was mended and
+    assumed.
+    """
+
+    frequency: Array
+    resistance: Array
+    shapes: Array
+    points: Array
+    normals: Array
+    areas: Array
+    curvature: Array
+    error: Array
+    mass: float
+    volume: float
+    method: str
+    notes: tuple[str, ...]
+
+
+def model_of(points: Array, faces: Indices, material: Material, wanted: Wanted, say: Say | None = None) -> Model:
+    """Return the model of a mesh of points (n, 3) in m and faces (m, 3).
+
+    say: is told what is done now, and how much of the whole is done, 0 to 1. MeshError says why there is none.
+    """
+    _require(wanted)
+    say = say or _silent
+    say("clean-up", 0.0)
+    surface, notes = cleaned(np.asarray(points, float), np.asarray(faces, np.int64), wanted.wall is not None)
+    low, high = SIZES
+    size = float(size_of(surface).max())
+    if not low <= size <= high:
+        raise MeshError(f"size = {size:.3g} m: expected {low:g} to {high:g} m; a scale of 0.001 reads mm")
+    if wanted.wall is not None and not 1e-5 <= wanted.wall <= size / 2:
+        raise MeshError(f"wall = {wanted.wall:g}: expected 1e-05 to {size / 2:.3g} m, half the size")
+    say("modes", 0.1)
+    solution, method, told = _solution(surface, material, wanted, wanted.fine)
+    keep = _elastic(solution.frequency, wanted.modes)
+    frequency = solution.frequency[keep]
+    error = _errors(surface, material, wanted, frequency, say)
+    say("radiation", 0.6)
+    made = _heard(surface, solution, keep, wanted)
+    frequency = frequency / np.sqrt(1 + made.mass)
+    order = np.argsort(frequency, kind="stable")
+    say("points", 0.9)
+    model = _at_points(surface, solution, keep, wanted)
+    say("done", 1.0)
+    return replace(
+        model,
+        frequency=frequency[order],
+        resistance=(made.resistance / (1 + made.mass))[order],
+        shapes=(model.shapes / np.sqrt(1 + made.mass))[:, :, order],
+        error=error[order],
+        method=method,
+        notes=(*notes, *told),
+    )
+
+
+def _require(wanted: Wanted) -> None:
+    if not 1 <= wanted.modes <= MOST_MODES:
+        raise MeshError(f"modes = {wanted.modes}: expected 1 to {MOST_MODES}")
+    if not 50 <= wanted.points <= 2000:
+        raise MeshError(f"points = {wanted.points}: expected 50 to 2000")
+
+
+def _silent(doing: str, done: float) -> None:
+    pass
+
+
+Solution = cells.Solution | shells.Solution
+
+
+def _solution(
+    surface: Surface, material: Material, wanted: Wanted, fine: bool
+) -> tuple[Solution, str, tuple[str, ...]]:
+    """Return the modes, the method, and what it found and assumed."""
+    degree, number = FINE if fine else CELLS
+    count = wanted.modes + _RIGID + _SPARE
+    size = cells.sizes(surface, number, wanted.wall)
+    if wanted.wall is None:
+        solved = cells.solve(surface, material, size, degree, count)
+        told = [f"a solid of {len(solved.mesh.cells)} cells of {1e3 * size.side:.3g} mm and degree {degree}"]
+        if solved.leaks > 1e-3:
+            told.append(f"{100 * solved.leaks:.2g} % of the rays met a gap in the surface, and took a neighbour's hits")
+        return solved, "cells", tuple(told)
+    if size.side < _SHELL * wanted.wall:
+        solved = cells.solve_sheet(surface, wanted.wall, material, size, degree, count)
+        text = f"a sheet of {1e3 * wanted.wall:.3g} mm, of {len(solved.mesh.cells)} cells of {1e3 * size.side:.3g} mm"
+        return solved, "cells", (f"{text} and degree {degree}",)
+    fit = refined(surface, _FINE_TRIANGLES if fine else _TRIANGLES)
+    made = shells.solve(fit, wanted.wall, material, count)
+    return made, "shells", (f"a shell of {1e3 * wanted.wall:.3g} mm, of {len(fit.faces)} triangles",)
+
+
+def refined(surface: Surface, count: int) -> Surface:
+    """Return a surface of about so many triangles at least: sides that are too long are split, and slivers left out."""
+    longest = 1.5 * math.sqrt(float(faces_of(surface).areas.sum()) / count * 2)
+    points, faces = surface
+    for _ in range(24):
+        sides = np.stack([faces, np.roll(faces, -1, axis=1)], axis=2)
+        edges, number = np.unique(np.sort(sides.reshape(-1, 2), axis=1), axis=0, return_inverse=True)
+        length = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
+        number = number.reshape(-1, 3)
+        each = length[number]
+        # A side is split if it is too long, and the longest of one of its triangles.
+        wanted = np.zeros(len(edges), bool)
+        worst = number[np.arange(len(faces)), each.argmax(axis=1)]
+        wanted[worst[each.max(axis=1) > longest]] = True
+        if not wanted.any():
+            break
+        middle = np.where(wanted, len(points) + np.cumsum(wanted) - 1, -1)
+        points = np.vstack([points, points[edges[wanted]].mean(axis=1)])
+        faces = _split(faces, middle[number])
+    corners = points[faces]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    faces = faces[area > _SLIVER * ((corners - np.roll(corners, -1, axis=1)) ** 2).sum(axis=2).max(axis=1)]
+    used = np.unique(faces)
+    return Surface(points[used], np.searchsorted(used, faces))
+
+
+def _split(faces: Indices, middle: Indices) -> Indices:
+    """Return faces of which the sides with a middle (m, 3; -1: none) are split, one at a time."""
+    while (middle >= 0).any():
+        side = np.argmax(middle >= 0, axis=1)
+        has = (middle >= 0).any(axis=1)
+        row = np.arange(len(faces))
+        turned, between = (np.stack([each[row, (side + k) % 3] for k in range(3)], axis=1) for each in (faces, middle))
+        a, b, c = turned.T
+        m = between[:, 0]
+        none = np.full(len(faces), -1)
+        first = np.stack([a, m, c], axis=1), np.stack([none, none, between[:, 2]], axis=1)
+        second = np.stack([m, b, c], axis=1), np.stack([none, between[:, 1], none], axis=1)
+        faces = np.concatenate([turned[~has], first[0][has], second[0][has]])
+        middle = np.concatenate([between[~has], first[1][has], second[1][has]])
+    return faces
+
+
+def _elastic(frequency: Array, count: int) -> Indices:
+    """Return the numbers of the lowest modes that bend the body."""
+    bending = np.flatnonzero(frequency > _FLOOR * frequency[-1])
+    if not len(bending):
+        raise MeshError("no mode bends the body: expected parts that touch")
+    return bending[bending >= _RIGID][:count]
+
+
+def _errors(surface: Surface, material: Material, wanted: Wanted, frequency: Array, say: Say) -> Array:
+    """Return the errors of frequencies, as a share: by a second resolution if it is wanted, else NaN."""
+    if not wanted.errors:
+        return np.full(len(frequency), np.nan)
+    say("modes at a second resolution", 0.35)
+    other, _, _ = _solution(surface, material, wanted, not wanted.fine)
+    again = other.frequency[_elastic(other.frequency, wanted.modes)][: len(frequency)]
+    found = np.full(len(frequency), np.nan)
+    change = np.abs(frequency[: len(again)] / again - 1)
+    found[: len(again)] = change if not wanted.fine else change / 3
+    return found
+
+
+def _heard(surface: Surface, solution: Solution, keep: Indices, wanted: Wanted) -> Radiation:
+    """Return the radiation of the modes."""
+    kind = "solid" if wanted.wall is None else "sheet" if openings(surface) else "hollow"
+    layer, places = layer_of(surface, kind, wanted.points)
+    motion = velocities(layer, solution.at(places)[:, :, keep])
+    return radiation(layer, motion, solution.frequency[keep])
+
+
+def _at_points(surface: Surface, solution: Solution, keep: Indices, wanted: Wanted) -> Model:
+    """Return a model with its points alone."""
+    samples = sampled(surface, _PER_POINT * wanted.points)
+    spacing = math.sqrt(samples.area * len(samples.places) / wanted.points)
+    # Skins apart: points of one lie nearer to each other than to those of the other.
+    chosen, own = picked(np.hstack([samples.places, samples.normals * spacing]), spacing)
+    empty = np.zeros(0)
+    return Model(
+        frequency=empty,
+        resistance=empty,
+        shapes=solution.at(samples.places[chosen])[:, :, keep],
+        points=samples.places[chosen],
+        normals=samples.normals[chosen],
+        areas=np.asarray(np.bincount(own, minlength=len(chosen)) * samples.area, np.float64),
+        curvature=curvature(samples, 1.5 * spacing)[chosen],
+        error=empty,
+        mass=solution.mass,
+        volume=volume_of(surface) if wanted.wall is None else wanted.wall * float(faces_of(surface).areas.sum()),
+        method="",
+        notes=(),
+    )

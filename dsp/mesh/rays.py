@@ -1,0 +1,231 @@
+"""Points and weights inside a body, along rays: the quadrature of cells that the surface cuts.
+
+Rays run along x, y and z on a grid. Each meets the surface where it enters and leaves; the pieces inside, cut at the
+cells' planes, get Gauss points. All three directions fill the body, so each point counts by the share of its own: the
+square of the nearest surface's normal along it. The shares sum to 1, and a thin wall is met by rays across it. Parts
+that overlap count once: a ray is inside while it has entered more parts than it has left.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..bodies.material import Array
+from .polynomials import gauss
+from .surface import Indices, Surface, faces_of
+
+_CHUNK = 2_000_000  # candidates of faces and rays that are tried at a time
+_SHORT = 0.3  # of a cell: a piece that is shorter takes one point less
+_NEAR = 4  # hits that say where the surface looks
+_LEAST_SHARE = 1e-4
+_MOST_CHANGE = 1.5  # by which a cell's weights are set right at most
+
+
+class Grid(NamedTuple):
+    """Cubes of `side` m, numbered from `corner` (3,), as many as `counts` (3,) say; `rays` of them cross a side."""
+
+    corner: Array
+    side: float
+    counts: Indices
+    rays: int
+
+    def number(self, places: Array) -> Indices:
+        """Return the number of the cell that holds each of the places (n, 3)."""
+        at = np.clip(np.floor((places - self.corner) / self.side).astype(np.int64), 0, self.counts - 1)
+        numbers: Indices = (at[:, 0] * self.counts[1] + at[:, 1]) * self.counts[2] + at[:, 2]
+        return numbers
+
+    def cell(self, numbers: Indices) -> Indices:
+        """Return the three indices (n, 3) of cells by their numbers."""
+        return np.stack(np.unravel_index(numbers, tuple(self.counts)), axis=1).astype(np.int64)
+
+
+class Quadrature(NamedTuple):
+    """Places (n, 3), weights (n,) in m^3 and cells (n,) of points inside; cells that are full; the share of rays that
+    met a gap in the surface."""
+
+    places: Array
+    weights: Array
+    cells: Indices
+    full: Indices
+    leaks: float
+
+
+class _Hits(NamedTuple):
+    """The places where rays meet faces, sorted by ray and place: +1 enters, -1 leaves."""
+
+    ray: Indices
+    place: Array
+    sign: Indices
+    face: Indices
+
+
+def grid_about(surface: Surface, side: float, rays: int, margin: float = 0.0) -> Grid:
+    """Return a grid of cells about a surface, and `margin` (m) around it; no face of a box lies on a plane of it."""
+    corner = surface.points.min(axis=0) - margin - side * np.array([0.31, 0.37, 0.43])
+    counts = np.ceil((surface.points.max(axis=0) + margin - corner) / side).astype(np.int64) + 1
+    return Grid(corner, side, counts, rays)
+
+
+def quadrature(surface: Surface, grid: Grid, degree: int) -> Quadrature:
+    """Return points inside a closed surface, exact for polynomials up to about twice the degree along each ray."""
+    step = grid.side / grid.rays
+    faces = faces_of(surface)
+    whole = grid.counts * grid.rays
+    places, weights, axes, hits_at, normals = [], [], [], [], []
+    leaks = rays = 0
+    plain = np.zeros((3, int(grid.counts.prod())))
+    looks = np.zeros_like(plain)
+    for axis in range(3):
+        u, v = (axis + 1) % 3, (axis + 2) % 3
+        hits = _hits(surface, faces.normals, grid.corner, step, (axis, int(whole[u]), int(whole[v])))
+        at = np.empty((len(hits.ray), 3))
+        at[:, axis], (at[:, u], at[:, v]) = hits.place, _centres(hits.ray, int(whole[v]), grid, step, (u, v))
+        hits_at.append(at)
+        normals.append(faces.normals[hits.face])
+        looks[axis] += np.bincount(grid.number(at), np.abs(faces.normals[hits.face, axis]), looks.shape[1])
+        mended, gaps, count = _mended(hits, int(whole[v]))
+        leaks, rays = leaks + gaps, rays + count
+        along, weight, ray = _along(mended, grid, axis, degree)
+        found = np.empty((len(along), 3))
+        found[:, axis], (found[:, u], found[:, v]) = along, _centres(ray, int(whole[v]), grid, step, (u, v))
+        places.append(found)
+        weights.append(weight * step**2)
+        axes.append(np.full(len(along), axis))
+        plain[axis] = np.bincount(grid.number(found), weights[-1], plain.shape[1])
+    surface_points = np.vstack(hits_at)
+    cut = np.zeros(plain.shape[1], bool)
+    cut[grid.number(surface_points)] = True
+    full = np.flatnonzero(~cut & (plain.sum(axis=0) > 1.5 * grid.side**3)).astype(np.int64)
+    at, weight, axis_of = np.vstack(places), np.concatenate(weights), np.concatenate(axes)
+    cell = grid.number(at)
+    keep = cut[cell]
+    at, weight, axis_of, cell = at[keep], weight[keep], axis_of[keep], cell[keep]
+    share = _shares(at, axis_of, surface_points, np.vstack(normals), step)
+    weight = weight * share
+    volume = (looks * plain).sum(axis=0) / np.maximum(looks.sum(axis=0), 1e-300)
+    got = np.bincount(cell, weight, len(volume))
+    weight = weight * np.clip(volume / np.maximum(got, 1e-300), 1 / _MOST_CHANGE, _MOST_CHANGE)[cell]
+    keep = share > _LEAST_SHARE
+    return Quadrature(at[keep], weight[keep], cell[keep], full, leaks / max(rays, 1))
+
+
+def _centres(ray: Indices, columns: int, grid: Grid, step: float, sides: tuple[int, int]) -> tuple[Array, Array]:
+    """Return where rays stand, along the two axes that they don't run along."""
+    u, v = sides
+    return grid.corner[u] + (ray // columns + 0.5) * step, grid.corner[v] + (ray % columns + 0.5) * step
+
+
+def _hits(surface: Surface, normals: Array, corner: Array, step: float, rays: tuple[int, int, int]) -> _Hits:
+    """Return where rays along an axis meet the faces; rays: the axis, and how many there are along the other two."""
+    axis, rows, columns = rays
+    u, v = (axis + 1) % 3, (axis + 2) % 3
+    corners = surface.points[surface.faces]
+    flat = corners[:, :, [u, v]]
+    low = np.ceil((flat.min(axis=1) - corner[[u, v]]) / step - 0.5).astype(np.int64)
+    high = np.floor((flat.max(axis=1) - corner[[u, v]]) / step - 0.5).astype(np.int64)
+    low, high = np.maximum(low, 0), np.minimum(high, [rows - 1, columns - 1])
+    spans = np.maximum(high - low + 1, 0)
+    count = spans.prod(axis=1) * (np.abs(normals[:, axis]) > 1e-6)
+    found: list[tuple[Indices, Array, Indices]] = []
+    ends = np.cumsum(count)
+    begin = 0
+    while begin < len(count):
+        past = ends[begin - 1] if begin else 0
+        end = max(int(np.searchsorted(ends, past + _CHUNK, side="right")), begin + 1)
+        face = np.repeat(np.arange(begin, end), count[begin:end])
+        local = np.arange(len(face)) - (np.repeat(ends[begin:end] - count[begin:end], count[begin:end]) - past)
+        i, j = low[face, 0] + local // spans[face, 1], low[face, 1] + local % spans[face, 1]
+        found.append(_met(corners, face, (i, j), (corner, step), (axis, columns)))
+        begin = end
+    ray, place, face = (np.concatenate(each) for each in zip(*found, strict=True))
+    order = np.lexsort((place, ray))
+    ray, place, face = ray[order], place[order], face[order]
+    return _Hits(ray, place, np.where(normals[face, axis] < 0, 1, -1), face)
+
+
+def _met(
+    corners: Array, face: Indices, ray: tuple[Indices, Indices], at: tuple[Array, float], along: tuple[int, int]
+) -> tuple[Indices, Array, Indices]:
+    """Return the rays that meet their faces, where, and these faces."""
+    (corner, step), (axis, columns) = at, along
+    u, v = (axis + 1) % 3, (axis + 2) % 3
+    a, b, c = (corners[face, n] for n in range(3))
+    one, other = b - a, c - a
+    x = corner[u] + (ray[0] + 0.5) * step - a[:, u]
+    y = corner[v] + (ray[1] + 0.5) * step - a[:, v]
+    area = one[:, u] * other[:, v] - one[:, v] * other[:, u]
+    p = (x * other[:, v] - y * other[:, u]) / area
+    q = (one[:, u] * y - one[:, v] * x) / area
+    inside = (p >= 0) & (q >= 0) & (p + q <= 1)
+    place = a[:, axis] + p * one[:, axis] + q * other[:, axis]
+    return (ray[0] * columns + ray[1])[inside], place[inside], face[inside]
+
+
+def _mended(hits: _Hits, columns: int) -> tuple[_Hits, int, int]:
+    """Return hits of rays that leave as often as they enter, how many did not, and of how many. Such a ray takes the
+    hits of the next one in its row, if one within three is whole."""
+    if not len(hits.ray):
+        return hits, 0, 0
+    begin = np.flatnonzero(np.r_[True, np.diff(hits.ray) > 0])
+    size = np.diff(np.r_[begin, len(hits.ray)])
+    rays = hits.ray[begin]
+    good = np.add.reduceat(hits.sign, begin) == 0
+    bad = np.flatnonzero(~good)
+    keep = np.repeat(good, size)
+    own = _Hits(*(each[keep] for each in hits))
+    whole = np.flatnonzero(good)
+    if not len(bad) or not len(whole):
+        return own, len(bad), len(rays)
+    after = np.clip(np.searchsorted(rays[whole], rays[bad]), 0, len(whole) - 1)
+    before = np.maximum(after - 1, 0)
+    gap = [np.abs(rays[whole[each]] - rays[bad]) for each in (after, before)]
+    source = whole[np.where(gap[0] < gap[1], after, before)]
+    near = (np.abs(rays[source] - rays[bad]) <= 3) & (rays[source] // columns == rays[bad] // columns)
+    source, target = source[near], bad[near]
+    taken = np.repeat(begin[source], size[source]) + _counted(size[source])
+    more = _Hits(np.repeat(rays[target], size[source]), hits.place[taken], hits.sign[taken], hits.face[taken])
+    joined = [np.concatenate(pair) for pair in zip(own, more, strict=True)]
+    order = np.argsort(joined[0], kind="stable")
+    return _Hits(*(each[order] for each in joined)), len(bad), len(rays)
+
+
+def _counted(sizes: Indices) -> Indices:
+    """Return 0, 1, ... for each of the sizes, one after the other."""
+    counted: Indices = np.arange(sizes.sum()) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+    return counted
+
+
+def _along(hits: _Hits, grid: Grid, axis: int, degree: int) -> tuple[Array, Array, Indices]:
+    """Return places along an axis, lengths and rays of Gauss points on the pieces of rays that lie inside."""
+    after = np.cumsum(hits.sign)  # each ray sums to 0
+    before = after - hits.sign
+    enter, leave = (before <= 0) & (after > 0), (before > 0) & (after <= 0)
+    start, end, ray = hits.place[enter], hits.place[leave], hits.ray[enter]
+    origin, side = grid.corner[axis], grid.side
+    first = np.floor((start - origin) / side).astype(np.int64)
+    count = np.floor((end - origin) / side).astype(np.int64) - first + 1
+    cell = np.repeat(first, count) + _counted(count)
+    low = np.maximum(np.repeat(start, count), origin + cell * side)
+    high = np.minimum(np.repeat(end, count), origin + (cell + 1) * side)
+    ray, length = np.repeat(ray, count), high - low
+    places, weights, rays = [], [], []
+    for chosen, points in (((length > _SHORT * side), degree + 1), ((length <= _SHORT * side), degree)):
+        chosen = chosen & (length > 1e-9 * side)
+        nodes, shares = gauss(points)
+        places.append((low[chosen, None] + length[chosen, None] * nodes).ravel())
+        weights.append((length[chosen, None] * shares).ravel())
+        rays.append(np.repeat(ray[chosen], points))
+    return np.concatenate(places), np.concatenate(weights), np.concatenate(rays)
+
+
+def _shares(places: Array, axes: Indices, surface: Array, normals: Array, step: float) -> Array:
+    """Return the share of each point's direction: the square of the normals along it where the surface is nearest."""
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(surface, balanced_tree=False, compact_nodes=False)
+    distance, near = tree.query(places, k=min(_NEAR, len(surface)))
+    weight = 1 / (distance.reshape(len(places), -1) + 0.05 * step) ** 2
+    squares = normals[near.reshape(len(places), -1), axes[:, None]] ** 2
+    shares: Array = (weight * squares).sum(axis=1) / weight.sum(axis=1)
+    return shares

@@ -1,0 +1,83 @@
+"""Points and weights inside of a sheet: a wall about any triangles, open or closed, for finite cells.
+
+Each triangle is cut into small ones and rounded by its corners' normals (Phong tessellation: T. Boubekeur, M. Alexa,
+ACM Trans. Graph. 27, 2008), so that coarse meshes of round things are round.
+"""
+
+import numpy as np
+
+from ..bodies.material import Array
+from .polynomials import gauss
+from .rays import Grid, Quadrature
+from .surface import Surface, faces_of
+
+_CREASE = 0.77  # cosine: a sharper edge is one
+_ROUND = 0.75  # of the way to the corners' planes
+_FINE = 6  # small triangles along a cell's side
+
+
+def of_sheet(surface: Surface, wall: float, grid: Grid, layers: int) -> Quadrature:
+    """Return points in a wall (m) about a surface, in so many layers."""
+    normals = corner_normals(surface)
+    corners = surface.points[surface.faces]
+    side = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2).max(axis=1)
+    cuts = np.maximum(1, np.ceil(side * _FINE / grid.side).astype(np.int64))
+    area = faces_of(surface).areas
+    places, weights = [], []
+    nodes, shares = gauss(layers)
+    for count in np.unique(cuts):
+        these = cuts == count
+        at = _barycentric(int(count))
+        middle, normal = _rounded(corners[these], normals[these], at)
+        weight = np.repeat(area[these, None] / len(at), len(at), axis=1).ravel()
+        for node, share in zip(nodes, shares, strict=True):
+            places.append((middle + (node - 0.5) * wall * normal).reshape(-1, 3))
+            weights.append(weight * share * wall)
+    every = np.vstack(places)
+    return Quadrature(every, np.concatenate(weights), grid.number(every), np.zeros(0, np.int64), 0.0)
+
+
+def corner_normals(surface: Surface) -> Array:
+    """Return unit normals (m, 3, 3) at the corners of each face: the mean of the faces about that turn less than a
+    crease from it, either way round."""
+    normals, areas = faces_of(surface)
+    corners = surface.faces.ravel()
+    order = np.argsort(corners, kind="stable")
+    begin = np.flatnonzero(np.r_[True, np.diff(corners[order]) > 0, True])
+    size = np.diff(begin)
+    start, size = np.repeat(begin[:-1], size), np.repeat(size, size)
+    face = order // 3
+    total = np.zeros((len(order), 3))
+    for step in range(int(size.max())):
+        there = step < size
+        other = face[np.where(there, start + step, 0)]
+        cosine = np.einsum("ij,ij->i", normals[face], normals[other])
+        weight = np.where(there & (np.abs(cosine) > _CREASE), areas[other] * np.sign(cosine), 0.0)
+        total += weight[:, None] * normals[other]
+    total /= np.maximum(np.linalg.norm(total, axis=1), 1e-300)[:, None]
+    found = np.zeros((len(order), 3))
+    found[order] = total
+    return found.reshape(-1, 3, 3)
+
+
+def _barycentric(count: int) -> Array:
+    """Return the shares (n, 3) of a triangle's corners at three points of each of count^2 small ones."""
+    small = []
+    for i in range(count):
+        for j in range(count - i):
+            small.append([[i, j], [i + 1, j], [i, j + 1]])
+            if i + j < count - 1:
+                small.append([[i + 1, j], [i + 1, j + 1], [i, j + 1]])
+    inner = np.array([[4, 1, 1], [1, 4, 1], [1, 1, 4]]) / 6
+    at = np.einsum("gc,bcd->bgd", inner, np.array(small) / count).reshape(-1, 2)
+    return np.asarray(np.c_[1 - at.sum(axis=1), at])
+
+
+def _rounded(corners: Array, normals: Array, at: Array) -> tuple[Array, Array]:
+    """Return places and normals (f, n, 3) of triangles at shares (n, 3) of their corners."""
+    flat = np.einsum("gc,fcd->fgd", at, corners)
+    below = np.einsum("fgcd,fcd->fgc", corners[:, None] - flat[:, :, None], normals)
+    places = flat + _ROUND * np.einsum("gc,fgc,fcd->fgd", at, below, normals)
+    normal = np.einsum("gc,fcd->fgd", at, normals)
+    normal /= np.maximum(np.linalg.norm(normal, axis=2), 1e-300)[:, :, None]
+    return places, normal

@@ -1,0 +1,185 @@
+"""Shell elements for thin walls: flat triangles of six unknowns a corner.
+
+They bend by Kirchhoff's theory at discrete points (DKT: J.-L. Batoz, K.-J. Bathe, L.-W. Ho, Int. J. Numer. Methods
+Eng. 15, 1980), and stretch by the optimal membrane with drilling freedoms (C. Felippa, Comput. Methods Appl. Mech.
+Eng. 192, 2003).
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..bodies.material import Array, Material
+from .fronts import Elements, Factor
+from .lanczos import lowest
+from .surface import Indices, Surface
+
+_STRETCH = 1.5  # Felippa's alpha_b
+_DRILL = ((1, 2, 1, 0, 1, -1, -1, -1, -2), (-2, -1, -1, 1, 1, 2, -1, 0, 1), (1, -1, 0, -1, -2, -1, 2, 1, 1))
+_LEAF = 24
+_SHIFT = 0.1  # of a wave's frequency along the body, times the wall over its length
+
+
+class Solution(NamedTuple):
+    """Modes of a shell: frequencies (n,) in Hz, displacements (points, 3, n) in kg^-1/2 at the corners, mass in kg."""
+
+    frequency: Array
+    displacement: Array
+    surface: Surface
+    mass: float
+
+    def at(self, points: Array) -> Array:
+        """Return the shapes (points, 3, n) at points of the surface, between the corners of the nearest triangle."""
+        from .nearest import Nearest
+
+        face, share = Nearest(self.surface).to(points)
+        found: Array = np.einsum("pc,pckn->pkn", share, self.displacement[self.surface.faces[face]])
+        return found
+
+
+def solve(surface: Surface, wall: float, material: Material, count: int) -> Solution:
+    """Return the `count` lowest modes of a shell of a wall (m), rigid motions among them."""
+    stiffness, mass, total = matrices(surface, wall, material)
+    corners = surface.points[surface.faces]
+    elements = Elements(surface.faces, corners.mean(axis=1), 6, len(surface.points))
+    length = float(np.ptp(surface.points, axis=0).max())
+    speed = np.sqrt(material.youngs_modulus / material.density)
+    shift = (2 * np.pi * _SHIFT * speed * wall / length**2) ** 2
+    factor = Factor(elements, stiffness + shift * mass, _LEAF)
+    unknowns = (surface.faces[:, :, None] * 6 + np.arange(6)).reshape(len(surface.faces), 18)
+    weigh = _summed(unknowns, mass, 6 * len(surface.points))
+    values, vectors = lowest(factor.solve, lambda x: np.asarray(weigh @ x), 6 * len(surface.points), shift, count)
+    shapes = vectors.reshape(len(surface.points), 6, -1)[:, :3]
+    return Solution(np.sqrt(np.maximum(values, 0)) / (2 * np.pi), shapes, surface, total)
+
+
+def _summed(unknowns: Indices, each: Array, size: int) -> Any:
+    """Return the sparse sum (size, size) of the triangles' matrices (e, 18, 18)."""
+    from scipy.sparse import csr_array
+
+    rows = np.repeat(unknowns, 18, axis=1).ravel()
+    columns = np.tile(unknowns, (1, 18)).ravel()
+    return csr_array((each.ravel(), (rows, columns)), shape=(size, size))
+
+
+def matrices(surface: Surface, wall: float, material: Material) -> tuple[Array, Array, float]:
+    """Return the stiffness and the mass (e, 18, 18) of each triangle, in three displacements and three turns a corner,
+    and the mass of all (kg)."""
+    corners = surface.points[surface.faces]
+    along = corners[:, 1] - corners[:, 0]
+    normal = np.cross(along, corners[:, 2] - corners[:, 0])
+    twice = np.linalg.norm(normal, axis=1)
+    normal /= twice[:, None]
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    axes = np.stack([along, np.cross(normal, along), normal], axis=1)  # local = axes @ global
+    flat = np.einsum("eij,eaj->eai", axes[:, :2], corners - corners[:, :1])
+    nu = material.poisson_ratio
+    plane = material.contact_modulus * np.array([[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu) / 2]])
+    count = len(flat)
+    own = np.zeros((count, 3, 6, 3, 6))
+    membrane = stretching(flat, twice / 2, wall * plane, nu).reshape(count, 3, 3, 3, 3)
+    bent = bending(flat, twice / 2, wall**3 / 12 * plane).reshape(count, 3, 3, 3, 3)
+    for part, which in ((membrane, (0, 1, 5)), (bent, (2, 3, 4))):
+        for p, row in enumerate(which):
+            for q, column in enumerate(which):
+                own[:, :, row, :, column] += part[:, :, p, :, q]
+    turn = np.zeros((count, 6, 6))
+    turn[:, :3, :3] = turn[:, 3:, 3:] = axes
+    stiffness = np.einsum("epi,eapbq,eqj->eaibj", turn, own, turn, optimize=True).reshape(count, 18, 18)
+    each = material.density * wall * twice / 2
+    mass = np.zeros((count, 3, 6, 3, 6))
+    shares = ((np.ones((3, 3)) + np.eye(3)) / 12 + np.eye(3) / 3) / 2
+    for axis in range(3):
+        mass[:, :, axis, :, axis] = each[:, None, None] * shares
+        mass[:, :, 3 + axis, :, 3 + axis] = (each * wall**2 / 36)[:, None, None] * np.eye(3)
+    return stiffness, mass.reshape(count, 18, 18), float(each.sum())
+
+
+def bending(flat: Array, area: Array, rigidity: Array) -> Array:
+    """Return the stiffness (e, 9, 9) of triangles with corners (e, 3, 2), in w and two turns a corner."""
+    count = len(flat)
+    x, y = flat[..., 0], flat[..., 1]
+    slopes = np.zeros((count, 6, 2, 9))  # of w at three corners and three middles of sides, by the unknowns
+    for a in range(3):
+        slopes[:, a, 0, 3 * a + 2] = -1
+        slopes[:, a, 1, 3 * a + 1] = 1
+    for middle, (i, j) in enumerate(((0, 1), (1, 2), (2, 0))):
+        side = flat[:, j] - flat[:, i]
+        length = np.linalg.norm(side, axis=1)
+        s = side / length[:, None]
+        n = np.stack([-s[:, 1], s[:, 0]], axis=1)
+        both = slopes[:, i] + slopes[:, j]
+        along, across = (np.einsum("ec,ecf->ef", each, both) for each in (s, n))
+        cubic = -0.25 * along
+        cubic[:, 3 * j] += 1.5 / length
+        cubic[:, 3 * i] -= 1.5 / length
+        slopes[:, 3 + middle] = s[:, :, None] * cubic[:, None] + n[:, :, None] * (0.5 * across)[:, None]
+    b = np.stack([y[:, 1] - y[:, 2], y[:, 2] - y[:, 0], y[:, 0] - y[:, 1]], axis=1) / (2 * area)[:, None]
+    c = np.stack([x[:, 2] - x[:, 1], x[:, 0] - x[:, 2], x[:, 1] - x[:, 0]], axis=1) / (2 * area)[:, None]
+    total = np.zeros((count, 9, 9))
+    for at in ((0.5, 0.5, 0.0), (0.0, 0.5, 0.5), (0.5, 0.0, 0.5)):
+        grow = np.zeros((count, 6, 2))
+        for a in range(3):
+            grow[:, a, 0], grow[:, a, 1] = (4 * at[a] - 1) * b[:, a], (4 * at[a] - 1) * c[:, a]
+        for middle, (i, j) in enumerate(((0, 1), (1, 2), (2, 0))):
+            grow[:, 3 + middle, 0] = 4 * (at[j] * b[:, i] + at[i] * b[:, j])
+            grow[:, 3 + middle, 1] = 4 * (at[j] * c[:, i] + at[i] * c[:, j])
+        along_x = np.einsum("ea,eacf->ecf", grow[..., 0], slopes)
+        along_y = np.einsum("ea,eacf->ecf", grow[..., 1], slopes)
+        curved = np.stack([along_x[:, 0], along_y[:, 1], along_x[:, 1] + along_y[:, 0]], axis=1)
+        total += np.einsum("eif,ij,ejg->efg", curved, rigidity, curved, optimize=True) * (area / 3)[:, None, None]
+    return total
+
+
+def stretching(flat: Array, area: Array, stiffness: Array, nu: float) -> Array:
+    """Return the stiffness (e, 9, 9) of triangles with corners (e, 3, 2), in two displacements and a turn a corner."""
+    x = flat[:, :, None, 0] - flat[:, None, :, 0]  # x[:, i, j] = x_i - x_j
+    y = flat[:, :, None, 1] - flat[:, None, :, 1]
+    basic = _basic(x, y)
+    total: Array = np.einsum("efi,ij,egj->efg", basic, stiffness, basic, optimize=True) / area[:, None, None]
+    higher, hierarchical = _higher(x, y, area, stiffness)
+    share = 0.75 * max((1 - 4 * nu**2) / 2, 0.01)
+    return np.asarray(total + share * np.einsum("eaf,eab,ebg->efg", hierarchical, higher, hierarchical, optimize=True))
+
+
+def _basic(x: Array, y: Array) -> Array:
+    """Return the forces (e, 9, 3) at the corners of each constant stress, per thickness."""
+    rows = np.zeros((len(x), 9, 3))
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        zero, yjk, xkj = np.zeros(len(x)), y[:, j, k], x[:, k, j]
+        rows[:, 3 * i] = np.stack([yjk, zero, xkj], axis=1)
+        rows[:, 3 * i + 1] = np.stack([zero, xkj, yjk], axis=1)
+        turn = [
+            yjk * (y[:, i, k] - y[:, j, i]),
+            xkj * (x[:, k, i] - x[:, i, j]),
+            2 * (x[:, k, i] * y[:, i, k] - x[:, i, j] * y[:, j, i]),
+        ]
+        rows[:, 3 * i + 2] = _STRETCH / 6 * np.stack(turn, axis=1)
+    return rows / 2
+
+
+def _higher(x: Array, y: Array, area: Array, stiffness: Array) -> tuple[Array, Array]:
+    """Return the higher stiffness (e, 3, 3) by the corners' own turns, and these by all unknowns (e, 3, 9)."""
+    squares = np.stack([x[:, i, j] ** 2 + y[:, i, j] ** 2 for i, j in ((1, 0), (2, 1), (0, 2))], axis=1)
+    natural = np.zeros((len(x), 3, 3))
+    for side, (i, j, k) in enumerate(((1, 2, 0), (2, 0, 1), (0, 1, 2))):
+        # Felippa's T_e: column of the side (21, 32, 13), by the other two.
+        natural[:, 0, side] = y[:, i, j] * y[:, k, j] * squares[:, side]
+        natural[:, 1, side] = x[:, i, j] * x[:, k, j] * squares[:, side]
+        natural[:, 2, side] = (y[:, i, j] * x[:, j, k] + x[:, j, i] * y[:, k, j]) * squares[:, side]
+    natural /= (4 * area**2)[:, None, None]
+    energy = np.einsum("eia,ij,ejb->eab", natural, stiffness, natural, optimize=True)
+    weight = (2 * area / 3)[:, None, None] / squares[:, :, None]
+    at = [np.array(each, float).reshape(3, 3) * weight for each in _DRILL]
+    total = np.zeros((len(x), 3, 3))
+    for i, j in ((0, 1), (1, 2), (2, 0)):
+        middle = (at[i] + at[j]) / 2
+        total += np.einsum("eab,eac,ecd->ebd", middle, energy, middle, optimize=True)
+    own = np.zeros((len(x), 3, 9))
+    for corner, (i, j) in enumerate(((2, 1), (0, 2), (1, 0))):
+        own[:, :, 3 * corner] = (x[:, i, j] / (4 * area))[:, None]
+        own[:, :, 3 * corner + 1] = (y[:, i, j] / (4 * area))[:, None]
+    for corner in range(3):
+        own[:, corner, 3 * corner + 2] += 1
+    return total * area[:, None, None], own

@@ -1,0 +1,168 @@
+"""Mesh files, and the tables that are made of them: read once, computed once, kept for whoever asks again."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..dsp.bodies.material import Array, Material
+from ..dsp.bodies.mesh import Table
+from ..dsp.errors import CaromError
+from ..dsp.mesh.surface import Indices, MeshError
+from ..dsp.numerics.blas import on_one_thread
+from .schema import MESH, PresetError, check
+from .tables import SUFFIX, read_table, table_bytes, table_of
+
+FORMATS = (".obj", ".stl", ".ply", ".glb", ".gltf")
+EDITION = "1"
+"""Edition of the computation: tables of another one are made anew."""
+
+_MOST_BYTES = 500_000_000
+_USUAL = (0.003, 10.0)  # m: sizes of which nobody is asked
+
+
+class NoTrimesh(CaromError, RuntimeError):
+    """Error of a mesh file where the library that reads it is missing."""
+
+
+def read_mesh(path: Path, scale: float | None = None) -> tuple[Array, Indices]:
+    """Return points (n, 3) in m and faces (m, 3) of a mesh file; all its parts at their places.
+
+    scale: of the file's unit in m. Without one it is taken as m, and MeshError asks if the size is unusual.
+    """
+    if path.suffix.lower() not in FORMATS:
+        raise MeshError(f"{path}: expected a file that ends in {', '.join(FORMATS)}")
+    size = path.stat().st_size
+    if size > _MOST_BYTES:
+        raise MeshError(f"{path}: {size / 1e6:.0f} MB: expected at most {_MOST_BYTES / 1e6:.0f} MB")
+    try:
+        import trimesh
+    except ImportError as error:
+        raise NoTrimesh(f"meshes need trimesh ({error}): pip install 'carom[mesh]'") from error
+    try:
+        scene = trimesh.load_scene(path, process=False)
+        bodies = [each for each in scene.dump() if isinstance(each, trimesh.Trimesh) and len(each.faces)]
+    except Exception as error:  # readers of files raise whatever they meet
+        raise MeshError(f"{path}: not a mesh that can be read ({type(error).__name__}: {error})") from None
+    if not bodies:
+        raise MeshError(f"{path}: no triangles: expected a surface")
+    begin = np.cumsum([0, *(len(each.vertices) for each in bodies)])
+    points = np.vstack([np.asarray(each.vertices, float) for each in bodies]) * (1.0 if scale is None else scale)
+    numbered = zip(bodies, begin, strict=False)
+    faces = np.concatenate([np.asarray(each.faces, np.int64) + first for each, first in numbered])
+    if scale is None:
+        _require_usual(path, points[np.unique(faces)])
+    return points, faces
+
+
+def _require_usual(path: Path, points: Array) -> None:
+    """Ask for the unit of a mesh that is unusually large or small."""
+    if not np.isfinite(points).all():
+        return  # the clean-up says it
+    x, y, z = np.ptp(points, axis=0)
+    size, (low, high) = max(x, y, z), _USUAL
+    if not low <= size <= high:
+        unit = "scale = 0.001 reads mm, 0.01 cm, 0.0254 inches, and 1 takes it as it is"
+        raise MeshError(f"{path}: {x:.3g} x {y:.3g} x {z:.3g} m: expected {low:g} to {high:g} m; {unit}")
+
+
+def made_table(path: Path, material: Material, wanted: Any, scale: float | None = None, say: Any = None) -> bytes:
+    """Return the bytes of the table of a mesh file: kept ones, if these were made of the same before.
+
+    wanted: a dsp.mesh.model.Wanted. MeshError says why there is none.
+    """
+    from ..dsp.mesh.model import model_of
+
+    elastic = (material.density, material.youngs_modulus, material.poisson_ratio)
+    key = sha256(path.read_bytes())
+    key.update(repr((EDITION, tuple(wanted), scale, elastic)).encode())
+    place = cache_folder() / f"{key.hexdigest()}{SUFFIX}"
+    try:
+        data = place.read_bytes()
+        table_of(data, str(place))
+        return data
+    except (OSError, PresetError):
+        pass
+    points, faces = read_mesh(path, scale)
+    try:
+        with on_one_thread():
+            model = model_of(points, faces, material, wanted, say)
+    except MeshError as error:
+        raise MeshError(f"{path}: {error}") from None
+    except MemoryError:
+        raise MeshError(f"{path}: not enough memory: expected a smaller mesh, or fewer modes") from None
+    density, modulus, ratio = elastic
+    values = {**vars(model), "density": density, "youngs_modulus": modulus, "poisson_ratio": ratio}
+    data = table_bytes(values)
+    _keep(place, data)
+    return data
+
+
+def cache_folder() -> Path:
+    """Return the folder of tables that are kept."""
+    import platformdirs
+
+    return platformdirs.user_cache_path("carom") / "meshes"
+
+
+def _keep(place: Path, data: bytes) -> None:
+    """Keep a table, if there is room: whoever reads at the same time reads the whole of it."""
+    partly = place.with_suffix(f".{os.getpid()}")
+    try:
+        place.parent.mkdir(parents=True, exist_ok=True)
+        partly.write_bytes(data)
+        partly.replace(place)
+    except OSError:
+        partly.unlink(missing_ok=True)
+
+
+def with_table(where: str, data: dict[str, Any], folder: Path, library: Any) -> dict[str, Any]:
+    """Return an object's data with its table in the place of the table's file, or of its section [mesh].
+
+    Files lie in the preset's folder, or below. PresetError names what is missing or wrong.
+    """
+    if data.get("shape") != "mesh":
+        return data
+    geometry = data.get("geometry", {})
+    if "mesh" not in data:
+        name = geometry.get("table") if isinstance(geometry, dict) else None
+        if not isinstance(name, str):
+            return data  # the check of the keys says it
+        table = read_table(_inside(f"{where}[geometry] table", name, folder))
+        return {**data, "geometry": {**geometry, "table": table}}
+    section = f"{where}[mesh] "
+    values = check(section, data["mesh"], MESH, ("file",))
+    if not isinstance(geometry, Mapping) or "table" in geometry:
+        raise PresetError(f"{where}[mesh] file and [geometry] table: expected one of the two")
+    path = _inside(f"{section}file", values.pop("file"), folder)
+    table = table_of_section(path, values, library.material(str(data.get("material"))))
+    return {**{key: each for key, each in data.items() if key != "mesh"}, "geometry": {**geometry, "table": table}}
+
+
+def table_of_section(path: Path, values: dict[str, Any], material: Material) -> Table:
+    """Return the table that the keys of a section [mesh] ask for."""
+    from ..dsp.mesh.model import Wanted
+
+    scale = values.pop("scale", None)
+    values["fine"] = values.pop("fine", "no") == "yes"
+    try:
+        return table_of(made_table(path, material, Wanted(**values), scale), str(path))
+    except (MeshError, NoTrimesh) as error:
+        raise PresetError(str(error)) from None
+    except OSError as error:
+        raise PresetError(f"{path}: {error.strerror}") from None
+
+
+def _inside(where: str, name: str, folder: Path) -> Path:
+    """Return the file of a name inside of a folder."""
+    path = (folder / name).resolve()
+    if not path.is_relative_to(folder.resolve()):
+        raise PresetError(f"{where} = {name!r}: expected a file in the preset's folder")
+    if not path.is_file():
+        raise PresetError(f"{where} = {name!r}: there is no such file in {folder}")
+    return path

@@ -1,0 +1,97 @@
+"""Files of tables: the modes of bodies of any shape, as `carom mesh` writes them."""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from functools import lru_cache
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..dsp.bodies.mesh import Table
+from .schema import PresetError
+
+SUFFIX = ".npz"
+_MOST_BYTES = 200_000_000  # that a file becomes once it is read
+_STEPS = 32767  # of a mode's largest motion: as fine as shapes are kept
+_TEXTS = ("method", "notes")
+_NUMBERS = ("mass", "volume", "density", "youngs_modulus", "poisson_ratio")
+_SHAPES = {
+    "frequency": "n", "resistance": "n", "error": "n", "shapes": "P3n", "points": "P3", "normals": "P3", "areas": "P",
+    "curvature": "P",
+}  # fmt: skip
+
+
+def table_bytes(values: dict[str, Any]) -> bytes:
+    """Return the bytes of a table's file: shapes in steps of 3e-5 of each mode's largest, points in float32, the rest
+    in float64. Equal values give equal bytes."""
+    kept: dict[str, Any] = {name: np.float64(values[name]) for name in _NUMBERS}
+    kept |= {name: np.asarray(values[name], np.float64) for name in ("frequency", "resistance")}
+    kept["error"] = np.asarray(values["error"], np.float32)
+    kept |= {name: np.asarray(values[name], np.float32) for name in ("points", "normals", "areas", "curvature")}
+    shapes = np.asarray(values["shapes"])
+    kept["scale"] = np.abs(shapes).max(axis=(0, 1)) / _STEPS
+    kept["shapes"] = np.round(shapes / np.maximum(kept["scale"], 1e-300)).astype(np.int16)
+    kept |= {name: np.frombuffer(json.dumps(values[name]).encode(), np.uint8) for name in _TEXTS}
+    memory = io.BytesIO()
+    np.savez_compressed(memory, **kept)
+    return memory.getvalue()
+
+
+def table_of(data: bytes, where: str) -> Table:
+    """Return the table that a file's bytes hold. PresetError, which begins with `where`, if they hold none."""
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            size = sum(each.file_size for each in archive.infolist())
+        if size > _MOST_BYTES:
+            raise PresetError(f"{where}: {size / 1e6:.0f} MB: expected a table of at most {_MOST_BYTES / 1e6:.0f} MB")
+        with np.load(io.BytesIO(data), allow_pickle=False) as archive:
+            held = {name: archive[name] for name in archive.files}
+        scale = held.pop("scale")
+        values: dict[str, Any] = {name: np.ascontiguousarray(held.pop(name), np.float64) for name in _SHAPES}
+        values["shapes"] = values["shapes"] * scale
+        values |= {name: float(held.pop(name)) for name in _NUMBERS}
+        texts = {name: json.loads(held.pop(name).tobytes()) for name in _TEXTS}
+    except (KeyError, OSError, ValueError, zipfile.BadZipFile, NotImplementedError) as error:
+        if isinstance(error, PresetError):
+            raise
+        raise PresetError(f"{where}: expected a table of modes, as `carom mesh` writes it ({error})") from None
+    _require_whole(where, values)
+    for array in values.values():
+        if isinstance(array, np.ndarray):
+            array.flags.writeable = False
+    return Table(digest=sha256(data).hexdigest(), **values, method=str(texts["method"]), notes=tuple(texts["notes"]))
+
+
+def _require_whole(where: str, values: dict[str, Any]) -> None:
+    """Raise PresetError unless arrays fit each other and hold numbers."""
+    sizes = {"n": len(values["frequency"]), "P": len(values["points"]), "3": 3}
+    for name, axes in _SHAPES.items():
+        wanted = tuple(sizes[axis] for axis in axes)
+        if values[name].shape != wanted:
+            raise PresetError(f"{where}: {name} of {values[name].shape}: expected {wanted}")
+        if name != "error" and not np.isfinite(values[name]).all():
+            raise PresetError(f"{where}: {name}: expected numbers")
+    if not sizes["n"] or not sizes["P"] or (np.diff(values["frequency"]) < 0).any() or values["frequency"][0] <= 0:
+        raise PresetError(f"{where}: frequency: expected numbers above 0 that ascend")
+    for name in _NUMBERS:
+        if not values[name] > 0 and name != "poisson_ratio":
+            raise PresetError(f"{where}: {name} = {values[name]:g}: expected a number above 0")
+
+
+def read_table(path: Path) -> Table:
+    """Return the table of a file. PresetError if it has none."""
+    try:
+        now = path.stat()
+        return _kept(path, (now.st_mtime_ns, now.st_ctime_ns, now.st_ino, now.st_size))
+    except OSError as error:
+        raise PresetError(f"{path}: {error.strerror}") from None
+
+
+@lru_cache(maxsize=32)
+def _kept(path: Path, edition: tuple[int, ...]) -> Table:
+    return table_of(path.read_bytes(), str(path))

@@ -1,0 +1,106 @@
+"""`carom mesh`: a file becomes an object, or a sentence."""
+
+import numpy as np
+import pytest
+
+import carom
+from carom.clients.cli import main
+from carom.clients.examples.meshes import household
+from carom.dsp.errors import CaromError
+from carom.dsp.mesh import forms
+
+trimesh = pytest.importorskip("trimesh")
+QUICK = ("--modes", "12", "--points", "60")
+
+
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path, monkeypatch):
+    """A cache of tables that the test begins without."""
+    import platformdirs
+
+    monkeypatch.setattr(platformdirs, "user_cache_path", lambda name: tmp_path / "cache" / name)
+
+
+def written(surface, path, unit=1.0):
+    trimesh.Trimesh(surface.points / unit, surface.faces, process=False).export(path)
+    return path
+
+
+@pytest.mark.slow
+def test_a_mesh_becomes_an_object_with_a_report(tmp_path, capsys):
+    file = written(forms.box(0.2, 0.03, 0.008), tmp_path / "bar.stl", 1e-3)
+    out = tmp_path / "mine"
+    assert main(["mesh", str(file), str(out), "--name", "bar", "--material", "steel", *QUICK]) == 1
+    asked = capsys.readouterr().err
+    assert "200 x 30 x 8 m: expected 0.003 to 10 m" in asked and "0.001 reads mm" in asked
+    options = ["--name", "bar", "--material", "steel", "--scale", "0.001", "--errors", *QUICK]
+    assert main(["mesh", str(file), str(out), *options]) == 0
+    told = capsys.readouterr()
+    assert [line.rsplit("/")[-1] for line in told.out.split()] == ["bar.toml", "bar.npz", "bar.html"]
+    assert "a solid of" in told.err
+    page = (out / "bar.html").read_text()
+    assert page.count("<tr>") == 13 and "data:image/png" in page and "data:audio" in page
+    closed = carom.dsp.bodies.bar(
+        carom.Presets().material("steel"), length=0.2, width=0.03, thickness=0.008, top=9000.0
+    )
+    modes = carom.Presets(out).object("bar").modes(20_000.0)
+    assert modes.frequency[:3] == pytest.approx(closed.frequency[:3], rel=5e-3)
+    assert modes.mass == pytest.approx(closed.mass, rel=1e-3)
+    with carom.Scene(presets=out) as scene:
+        scene.new("a", "bar").impact(1.0, position=0.1)
+        assert np.abs(scene.render(seconds=0.2).samples).max() > 1e-4
+
+
+@pytest.mark.slow
+def test_what_was_made_is_kept_and_a_preset_may_name_its_mesh(tmp_path):
+    folder = tmp_path / "mine" / "objects"
+    folder.mkdir(parents=True)
+    written(forms.ball(0.03, 2), folder / "ball.ply")
+    text = (
+        'description = "a"\nsource = "b"\nshape = "mesh"\nmaterial = "glass"\nlevel = 0.0\n[mesh]\nfile = "ball.ply"\n'
+        'modes = 10\npoints = 60\n[strike]\nstriker = "wood"\nvelocity = 1.0\nposition = 0.5\n'
+    )
+    (folder / "ball.toml").write_text(text)
+    first = carom.Presets(tmp_path / "mine").object("ball").geometry["table"]
+    kept = list((tmp_path / "cache").rglob("*.npz"))
+    assert len(kept) == 1
+    stamp = kept[0].stat().st_mtime_ns
+    assert carom.Presets(tmp_path / "mine").object("ball").geometry["table"] == first
+    assert kept[0].stat().st_mtime_ns == stamp
+    kept[0].write_bytes(b"broken")
+    assert carom.Presets(tmp_path / "mine").object("ball").geometry["table"] == first
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ending", ["obj", "ply", "glb", "stl"])
+def test_all_formats_are_read_alike(tmp_path, ending):
+    from carom.presets.meshes import read_mesh
+
+    ball = forms.ball(0.05, 1)
+    points, faces = read_mesh(written(ball, tmp_path / f"ball.{ending}"))
+    corners, own = points[faces], ball.points[ball.faces]
+    assert np.abs(np.sort(corners.reshape(-1, 3), axis=0) - np.sort(own.reshape(-1, 3), axis=0)).max() < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "said"),
+    [
+        ("a.txt", b"x", "expected a file that ends in .obj"),
+        ("a.glb", b"glTF but not quite", "not a mesh that can be read"),
+        ("a.stl", b"", "a.stl"),
+        ("a.obj", b"v 0 0 0\n", "a.obj"),
+    ],
+)
+def test_files_without_a_mesh_are_said(tmp_path, name, data, said):
+    (tmp_path / name).write_bytes(data)
+    with pytest.raises(CaromError, match=said):
+        carom.mesh(tmp_path / name, tmp_path, "a", "steel")
+
+
+def test_the_examples_meshes_are_closed_but_for_the_sheet():
+    from carom.dsp.mesh.cleaning import cleaned
+
+    for name, (make, _, wall, _) in household.OBJECTS.items():
+        surface, notes = cleaned(*make(), wall=wall is not None)
+        assert len(surface.faces) > 400, name
+        assert not any("hole" in note or "flipped" in note or "inside" in note for note in notes), (name, notes)

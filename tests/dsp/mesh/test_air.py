@@ -1,0 +1,78 @@
+"""Radiated power against closed forms: a sphere's modes, a disc, dipoles inside of bars."""
+
+import numpy as np
+import pytest
+from scipy.special import eval_legendre, spherical_jn, spherical_yn
+
+from carom.dsp.bodies.air import DENSITY, IMPEDANCE, SPEED
+from carom.dsp.mesh import forms
+from carom.dsp.mesh.air import layer_of, radiation
+
+
+def decibels(a, b):
+    return 10 * np.log10(a / b)
+
+
+def hankel(n, z, derivative=False):
+    return spherical_jn(n, z, derivative) + 1j * spherical_yn(n, z, derivative)
+
+
+@pytest.mark.slow
+def test_a_spheres_modes_radiate_as_they_do_at_resonances_of_the_inside_too():
+    radius = 0.1
+    layer, _ = layer_of(forms.ball(radius, 4), "solid", 300)
+    cosine = layer.places[:, 2] / np.linalg.norm(layer.places, axis=1)
+    for ka in (0.1, 1.0, 3.14159, 4.4934, 6.0):
+        frequency = ka * SPEED / (2 * np.pi * radius)
+        for order in range(5):
+            z = (1j * hankel(order, ka) / hankel(order, ka, True)).real
+            if z < 1e-3:
+                continue
+            known = IMPEDANCE * z * 4 * np.pi * radius**2 / (2 * order + 1)
+            found = radiation(layer, eval_legendre(order, cosine)[:, None], np.array([frequency])).resistance[0]
+            assert abs(decibels(found, known)) < 0.6, (ka, order)
+
+
+def test_a_disc_moves_its_air():
+    """A thin disc that moves along its axis: a mass of 8/3 rho a^3, and the power of the dipole that this is."""
+    radius = 0.1
+    disc = forms.lathe(np.c_[np.linspace(0, radius, 12), np.zeros(12)], 48, closed=False)
+    layer, _ = layer_of(disc, "sheet", 250)
+    frequency = 0.1 * SPEED / (2 * np.pi * radius)
+    found = radiation(layer, layer.normals[:, 2:], np.array([frequency]))
+    mass = 8 / 3 * DENSITY * radius**3
+    known = (2 * np.pi * frequency) ** 4 * mass**2 / (12 * np.pi * DENSITY * SPEED**3)
+    assert found.mass[0] == pytest.approx(mass, rel=0.08)
+    assert abs(decibels(found.resistance[0], known)) < 0.8
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("size", [(0.24, 0.03, 0.01), (0.24, 0.03, 0.004), (0.24, 0.01, 0.004)])
+def test_dipoles_inside_of_a_bar_have_the_power_that_they_have(size):
+    """The motion of a bar's surface by a sheet of dipoles inside of it, whose far field is known exactly."""
+    length, width, _ = size
+    layer, places = layer_of(forms.box(*size), "solid", 400)
+    margin = min(0.004, width / 4)
+    x = np.arange(-length / 2 + margin, length / 2 - margin + 1e-9, 0.004)
+    y = np.arange(-width / 2 + margin, width / 2 - margin + 1e-9, 0.004)
+    sources = np.stack([*(each.ravel() for each in np.meshgrid(x, y)), np.zeros(len(x) * len(y))], axis=1)
+    strength = np.sin(sources[:, 0] / length * 7.8)
+    frequency = 2441.0
+    k, normals = 2 * np.pi * frequency / SPEED, layer.samples.normals
+    across = places[:, None] - sources
+    r = np.linalg.norm(across, axis=2)
+    ikr = 1j * k * r
+    both = np.einsum("ijk,ik->ij", across, normals) * across[..., 2] / r**2
+    wave = np.exp(ikr) / (4 * np.pi * r**3)
+    motion = (wave * ((ikr - 1) * normals[:, 2:] + (ikr**2 - 3 * ikr + 3) * both)) @ strength
+    motion = motion / (1j * 2 * np.pi * frequency * DENSITY)
+    side = np.sign(np.einsum("ij,ij->i", normals, layer.normals[layer.own]))
+    count = np.bincount(layer.own)
+    mean = [np.bincount(layer.own, part * side) / count for part in (motion.real, motion.imag)]
+    found = radiation(layer, np.stack(mean, axis=1), np.array([frequency, frequency])).resistance.sum()
+    angle = np.arccos(1 - 2 * (np.arange(600) + 0.5) / 600)
+    turn = np.pi * (1 + 5**0.5) * np.arange(600)
+    ways = np.stack([np.sin(angle) * np.cos(turn), np.sin(angle) * np.sin(turn), np.cos(angle)], axis=1)
+    far = (np.exp(-1j * k * ways @ sources.T) @ strength) * (-1j * k * ways[:, 2]) / (4 * np.pi)
+    known = (np.abs(far) ** 2).mean() * 4 * np.pi / IMPEDANCE
+    assert abs(decibels(found, known)) < 1.0

@@ -1,0 +1,98 @@
+"""Meshes as people have them: each is mended, or the error says what is wrong and where."""
+
+import numpy as np
+import pytest
+
+from carom.dsp.mesh import forms
+from carom.dsp.mesh.cleaning import cleaned, openings
+from carom.dsp.mesh.surface import MeshError, Surface, faces_of, volume_of
+
+BALL = forms.ball(0.05, 3)
+RNG = np.random.default_rng(5)
+
+
+def soup(surface):
+    """Return a mesh of which no two triangles share a point, as STL files have it."""
+    return surface.points[surface.faces].reshape(-1, 3), np.arange(3 * len(surface.faces)).reshape(-1, 3)
+
+
+def test_a_soup_of_triangles_becomes_the_body_that_it_was():
+    points, faces = soup(BALL)
+    mended, notes = cleaned(points, faces)
+    assert len(mended.points) == len(BALL.points)
+    assert volume_of(mended) == pytest.approx(volume_of(BALL), rel=1e-9)
+    assert notes == ()
+
+
+def test_flipped_doubled_and_flat_triangles_are_mended():
+    faces = BALL.faces.copy()
+    flipped = RNG.choice(len(faces), 200, replace=False)
+    faces[flipped] = faces[flipped][:, ::-1]
+    faces = np.vstack([faces, faces[:20, ::-1], [[0, 0, 1]]])
+    mended, notes = cleaned(BALL.points, faces)
+    assert volume_of(mended) == pytest.approx(volume_of(BALL), rel=1e-12)
+    text = "; ".join(notes)
+    assert "20 doubled triangles left out" in text
+    assert "1 triangle without area left out" in text
+    assert "flipped triangles turned over" in text
+
+
+def test_a_body_turned_inside_out_is_turned_back_and_a_cavity_is_not():
+    mended, notes = cleaned(BALL.points, BALL.faces[:, ::-1])
+    assert volume_of(mended) == pytest.approx(volume_of(BALL))
+    assert "1 part turned inside out" in notes
+    hollow = forms.together(forms.ball(0.06, 3), Surface(BALL.points, BALL.faces[:, ::-1]))
+    kept, _ = cleaned(*hollow)
+    assert volume_of(kept) == pytest.approx(volume_of(forms.ball(0.06, 3)) - volume_of(BALL))
+
+
+def test_small_holes_are_closed():
+    keep = np.ones(len(BALL.faces), bool)
+    keep[RNG.choice(len(BALL.faces), 12, replace=False)] = False
+    mended, notes = cleaned(BALL.points, BALL.faces[keep])
+    assert openings(mended) == []
+    assert volume_of(mended) == pytest.approx(volume_of(BALL), rel=2e-3)
+    assert any("closed" in note for note in notes)
+
+
+def test_an_open_surface_asks_for_its_wall_and_says_where_it_is_open():
+    half = BALL.faces[(BALL.points[BALL.faces][:, :, 2] >= -1e-9).all(axis=1)]
+    with pytest.raises(MeshError, match=r"1 opening, one about \(.*\) m; expected a closed body, or its wall"):
+        cleaned(BALL.points, half)
+    sheet, _ = cleaned(BALL.points, half, wall=True)
+    assert len(sheet.faces) == len(half)
+
+
+@pytest.mark.parametrize(
+    ("points", "faces", "said"),
+    [
+        (np.zeros((3, 3)), np.zeros((0, 3), np.int64), "no triangles"),
+        (np.zeros((3, 3)), np.array([[0, 1, 2]]), "all points are one"),
+        (np.array([[0, 0, 0], [1, 0, 0], [np.nan, 1, 0.0]]), np.array([[0, 1, 2]]), "not finite"),
+        (np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0.0]]), np.array([[0, 1, 2]]), "no triangle has an area"),
+        (np.eye(3), np.array([[0, 1, 7]]), "names point 7"),
+    ],
+)
+def test_what_is_no_body_is_said(points, faces, said):
+    with pytest.raises(MeshError, match=said):
+        cleaned(points, faces)
+
+
+def test_two_skins_without_a_thickness_between_are_no_body():
+    flat = forms.pulled(forms.circle(0.1), 1e-9)
+    with pytest.raises(MeshError, match=r"expected a body with a thickness, or its wall|no triangle|opening"):
+        cleaned(*flat)
+
+
+def test_forms_are_closed_and_point_outward():
+    bodies = {
+        "lathe": forms.lathe(np.array([[0, 0], [0.03, 0], [0.04, 0.1], [0, 0.1]]), 24),
+        "box": forms.box(0.1, 0.2, 0.3),
+        "ball": BALL,
+        "tube": forms.tube(np.array([[0, 0, 0], [0.1, 0, 0], [0.2, 0, 0.05]]), forms.circle(0.01)),
+    }
+    for name, body in bodies.items():
+        assert openings(body) == [], name
+        assert volume_of(body) > 0, name
+        assert np.allclose((faces_of(body).normals * faces_of(body).areas[:, None]).sum(axis=0), 0, atol=1e-12), name
+    assert volume_of(bodies["box"]) == pytest.approx(0.006)

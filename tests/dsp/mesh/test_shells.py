@@ -1,0 +1,62 @@
+"""Shell elements against plates and cylinders whose frequencies are known."""
+
+import numpy as np
+import pytest
+
+from carom.dsp.bodies.material import Material
+from carom.dsp.mesh import forms, shells
+from carom.dsp.mesh.surface import Surface
+
+METAL = Material("metal", 2700.0, 70e9, 0.3, 1.0, 0.0)
+
+
+def square(count, side):
+    x, y = np.meshgrid(np.linspace(0, side, count + 1), np.linspace(0, side, count + 1), indexing="ij")
+    number = np.arange((count + 1) ** 2).reshape(count + 1, count + 1)
+    a, b, c, d = (each.ravel() for each in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
+    faces = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+    return Surface(np.stack([x.ravel(), y.ravel(), 0 * x.ravel()], axis=1), faces)
+
+
+def test_a_triangle_moves_rigidly_without_force():
+    corners = np.random.default_rng(2).standard_normal((3, 3))
+    stiffness, mass, total = shells.matrices(Surface(corners, np.array([[0, 1, 2]])), 0.01, METAL)
+    moves = np.zeros((6, 3, 6))
+    for axis in range(3):
+        moves[axis, :, axis] = 1
+        turn = np.eye(3)[axis]
+        moves[3 + axis, :, :3] = np.cross(turn, corners)
+        moves[3 + axis, :, 3:] = turn
+    flat = moves.reshape(6, 18)
+    assert np.abs(stiffness[0] @ flat.T).max() < 1e-9 * np.abs(stiffness).max()
+    assert np.linalg.matrix_rank(stiffness[0], tol=1e-9 * np.abs(stiffness).max()) == 12
+    for axis in range(3):
+        assert flat[axis] @ mass[0] @ flat[axis] == pytest.approx(total)
+
+
+def test_a_free_square_plate_has_leissas_frequencies():
+    """lambda = omega a^2 sqrt(rho h/D) of the free square plate, nu = 0.3: A. W. Leissa's upper bounds (J. Sound Vib.
+    31, 1973), and the values of long series of beam functions, up to 1 % below them."""
+    side, wall = 0.2, 0.001
+    found = shells.solve(square(24, side), wall, METAL, 14).frequency[6:]
+    rigidity = METAL.youngs_modulus * wall**3 / 12 / (1 - 0.3**2)
+    root = 2 * np.pi * found * side**2 * np.sqrt(METAL.density * wall / rigidity)
+    assert np.allclose(root[:5], [13.468, 19.596, 24.270, 34.801, 34.801], rtol=3.5e-3)
+    assert (root[:5] < [13.489, 19.789, 24.432, 35.024, 35.024]).all()
+
+
+def test_a_free_cylinder_has_rayleighs_and_loves_frequencies():
+    """Inextensional modes of a thin free cylinder, n waves around: Rayleigh's move alike along it, Love's turn."""
+    radius, length, wall, nu = 0.033, 0.115, 0.001, 0.3
+    profile = np.c_[np.full(21, radius), np.linspace(0, length, 21)]
+    found = shells.solve(forms.lathe(profile, 56, closed=False), wall, METAL, 18).frequency[6:]
+    for n in (2, 3):
+        base = METAL.youngs_modulus * wall**2 / (12 * METAL.density * (1 - nu**2) * radius**4)
+        rayleigh = np.sqrt(base * (n * (n * n - 1)) ** 2 / (n * n + 1)) / (2 * np.pi)
+        ratio = (radius / (n * length)) ** 2
+        love = rayleigh * np.sqrt((1 + 24 * (1 - nu) * ratio) / (1 + 12 * ratio / (n * n + 1)))
+        assert np.abs(found / rayleigh - 1).min() < 0.012, n
+        assert np.abs(found / love - 1).min() < 0.03, n
+        # Each is a pair.
+        near = np.sort(np.abs(found / rayleigh - 1))[:2]
+        assert near.max() < 0.012

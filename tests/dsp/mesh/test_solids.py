@@ -1,0 +1,100 @@
+"""Finite cells against closed forms: integrals over bodies, a sphere's modes, a bar's."""
+
+import numpy as np
+import pytest
+
+from carom.dsp.bodies import bar, sphere
+from carom.dsp.bodies.material import Material
+from carom.dsp.mesh import cells, forms
+from carom.dsp.mesh.fronts import Elements, Factor
+from carom.dsp.mesh.lanczos import lowest
+from carom.dsp.mesh.rays import grid_about, quadrature
+from carom.dsp.mesh.surface import Surface, volume_of
+
+STEEL = Material("steel", 7850.0, 200e9, 0.29, 1.0, 0.0)
+
+
+def turned(surface):
+    return Surface(surface.points @ cells.TILT.T, surface.faces)
+
+
+def integrals(body, side, degree=3):
+    """Return the volume of a body, and its integral of x^2, by the quadrature."""
+    grid = grid_about(body, side, 12)
+    found = quadrature(body, grid, degree)
+    from carom.dsp.mesh.polynomials import gauss
+
+    nodes, weights = gauss(2)
+    inner = np.stack(np.meshgrid(nodes, nodes, nodes, indexing="ij"), -1).reshape(-1, 3)
+    share = (weights[:, None, None] * weights[:, None] * weights).ravel()
+    at = (grid.corner + grid.side * (grid.cell(found.full)[:, None] + inner)).reshape(-1, 3)
+    places = np.vstack([found.places, at])
+    every = np.r_[found.weights, np.tile(share, len(found.full)) * grid.side**3]
+    return every.sum(), (every * places[:, 0] ** 2).sum()
+
+
+def test_the_quadrature_measures_bodies():
+    box = turned(forms.box(0.1, 0.06, 0.004))
+    inertia = cells.TILT @ np.diag(np.array([0.1, 0.06, 0.004]) ** 2 / 12) @ cells.TILT.T * 0.1 * 0.06 * 0.004
+    volume, square = integrals(box, 0.015)
+    assert volume == pytest.approx(0.1 * 0.06 * 0.004, rel=2e-3)
+    assert square == pytest.approx(inertia[0, 0], rel=4e-3)
+    ball = forms.ball(0.05, 3)
+    volume, _ = integrals(ball, 0.02)
+    assert volume == pytest.approx(volume_of(ball), rel=2e-3)
+
+
+def test_parts_that_overlap_count_once():
+    half = forms.box(0.1, 0.05, 0.05)
+    body = turned(forms.together(half, forms.moved(half, (0.04, 0, 0))))
+    assert integrals(body, 0.02)[0] == pytest.approx(0.14 * 0.05 * 0.05, rel=3e-3)
+
+
+def test_the_factor_solves_as_a_dense_matrix_does_and_modes_are_those_of_scipy():
+    from scipy.linalg import eigh
+
+    rng = np.random.default_rng(1)
+    nodes = np.array([[i, i + 1, i + 2] for i in range(30)])
+    parts = rng.standard_normal((30, 6, 6))
+    parts = parts @ parts.transpose(0, 2, 1)
+    whole, mass = np.zeros((64, 64)), np.diag(rng.uniform(1, 2, 64))
+    for at, part in zip(nodes, parts, strict=True):
+        rows = (at[:, None] * 2 + [0, 1]).ravel()
+        whole[np.ix_(rows, rows)] += part
+    factor = Factor(Elements(nodes, np.c_[np.arange(30.0), np.zeros((30, 2))], 2, 32), parts, 4)
+    right = rng.standard_normal((64, 3))
+    assert np.allclose(whole @ factor.solve(right), right, atol=1e-8)
+    values, vectors = lowest(factor.solve, lambda x: mass @ x, 64, 0.0, 8)
+    assert np.allclose(values, eigh(whole, mass, eigvals_only=True)[:8], rtol=1e-8)
+    assert np.allclose(vectors.T @ mass @ vectors, np.eye(8), atol=1e-8)
+
+
+@pytest.mark.slow
+def test_a_ball_rings_as_lambs_sphere_does():
+    """The lowest spheroidal modes with motion along the normal: five of order 2, three of 1, ... at Lamb's roots."""
+    ball = forms.ball(0.05, 4)
+    own = cells.solve(ball, STEEL, cells.sizes(ball, 30), 4, 40)
+    closed = sphere(STEEL, radius=0.05, top=70_000.0).frequency
+    scale = (volume_of(ball) / (4 / 3 * np.pi * 0.05**3)) ** (1 / 3)
+    for frequency in closed[:3]:
+        assert np.abs(own.frequency * scale / frequency - 1).min() < 4e-3
+    fives = own.frequency[(np.abs(own.frequency * scale / closed[0] - 1) < 5e-3)]
+    assert len(fives) == 5
+    assert own.frequency[:6].max() < 1e-3 * closed[0]
+
+
+@pytest.mark.slow
+def test_a_bar_rings_as_caroms_own_bar_does():
+    """Bending in both planes is Timoshenko's; in twisting, the 4th and the 7th, the two theories are 1.3 % apart."""
+    size = {"length": 0.24, "width": 0.03, "thickness": 0.01}
+    block = forms.box(*size.values())
+    found = cells.solve(block, STEEL, cells.sizes(block, 78), 4, 17)
+    closed = bar(STEEL, top=9000.0, **size)
+    own = found.frequency[6:13]
+    apart = np.abs(own / closed.frequency[: len(own)] - 1)
+    assert apart[[0, 1, 2, 4, 5]].max() < 5e-3
+    assert apart.max() < 0.015
+    assert found.mass == pytest.approx(closed.mass, rel=2e-3)
+    # At an end, in the middle of the face: the first mode's shape is a free bar's, 2/sqrt(m).
+    tip = found.at(np.array([[0.12, 0.0, 0.0]]))[0, :, 6]
+    assert np.linalg.norm(tip) == pytest.approx(2 / np.sqrt(closed.mass), rel=0.01)
