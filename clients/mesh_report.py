@@ -82,7 +82,7 @@ def _draw(made: MadeMesh, modes: NDArray[np.intp], file: io.BytesIO) -> None:
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
     light = 0.35 + 0.6 * np.abs(normals @ _LIGHT)
-    near = _nearest(table, corners.mean(axis=1))
+    near = _nearest(table, corners.mean(axis=1), normals)
     plain = np.repeat(light[:, None], 3, axis=1) * np.array([0.75, 0.8, 0.9])
     _surface(axes[0], corners, plain, "the mesh, and the path of strikes")
     start, end = usual_path(table)
@@ -120,10 +120,13 @@ def _coloured(share: NDArray[np.float64], light: NDArray[np.float64]) -> NDArray
     return np.asarray(colour * light[:, None])
 
 
-def _nearest(table: Table, places: NDArray[np.float64]) -> NDArray[np.intp]:
+def _nearest(table: Table, places: NDArray[np.float64], normals: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Return the numbers of the table's points nearest to places (n, 3), on the same skin."""
     from scipy.spatial import cKDTree
 
-    found: NDArray[np.intp] = cKDTree(table.points).query(places)[1]
+    across = float(np.sqrt(np.median(table.areas)))  # points of one skin lie that far apart
+    tree = cKDTree(np.hstack([table.points, across * table.normals]))
+    found: NDArray[np.intp] = tree.query(np.hstack([places, across * normals]))[1]
     return found
 
 

@@ -18,8 +18,8 @@ the objects, strikers, materials and surfaces there are; on the command line, `c
 holds the contact law, its closed forms and the modes of bodies.
 
 `carom.fit` makes an object of recordings, `carom.mesh` one of a mesh. `carom.compare` says how far apart two sounds
-are. `carom.rebuild` computes the sound of a data set's clip from its ground truth. `carom.render_many` renders the items
-of a recipe without files, and `carom.torch` gives them to PyTorch.
+are. `carom.rebuild` computes the sound of a data set's clip from its ground truth. `carom.render_many` renders the
+items of a recipe without files, and `carom.torch` gives them to PyTorch.
 
 Units are SI, but for levels (dB), tuning (semitones) and angles (degrees). A call that cannot be carried out raises an
 error that names the culprit, its value and what was expected: CommandError from a Scene or a Client, ScoreError,

@@ -83,7 +83,7 @@ def layer_of(surface: Surface, kind: str, points: int) -> tuple[Layer, Array]:
     closed = kind != "sheet" and not thin.any()
     if not closed:
         normals = _alike(places, normals)
-    areas: Array = np.bincount(own, weights, len(places))
+    areas = np.asarray(np.bincount(own, weights, len(places)), np.float64)
     keep = areas > _LEAST_AREA * np.median(areas)
     number = np.cumsum(keep) - 1
     stay = keep[own]

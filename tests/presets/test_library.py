@@ -91,7 +91,7 @@ def test_every_material_is_a_solid(name):
 @pytest.mark.parametrize("kind", ["objects", "strikers", "materials"])
 def test_files_are_lowercase_names_with_sources(kind):
     for path in (BUILT_IN / kind).iterdir():
-        assert path.suffix == ".toml" and path.stem == path.stem.lower()
+        assert path.suffix in (".toml", ".npz") and path.stem == path.stem.lower()
         assert "source = " in path.read_text(encoding="utf-8")
 
 
