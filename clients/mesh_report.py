@@ -40,7 +40,7 @@ def write_mesh_report(made: MadeMesh, asked: Asked, material: Material, out: Pat
         f"A second resolution differs by {100 * np.median(known):.2g} % (median), {100 * known.max():.2g} % (most)."
         if len(known)
         else "The errors of frequencies were not asked for: --errors gives them.",
-        "The body is free. It is struck along its normal; its loudness is that at 1 m, the mean over directions.",
+        "The body is free. Its loudness is that at 1 m, the mean over directions.",
     ]
     sound = played(asked.name, out, _RATE).mean(axis=1)
     peak = max(float(np.abs(sound).max()), 1e-9)

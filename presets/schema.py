@@ -289,7 +289,12 @@ SHAPES: Mapping[str, Shape] = {
     "sphere": Shape(shapes.sphere, {"radius": LENGTH}),
     "mesh": Shape(
         shapes.mesh,
-        {"table": Made(Table, "a table in the preset's folder"), "path_from": PLACE, "path_to": PLACE},
+        {
+            "table": Made(Table, "a table in the preset's folder"),
+            "path_from": PLACE,
+            "path_to": PLACE,
+            "tilt": Quantity(-90, 90, "degrees"),
+        },
     ),
     "listed": Shape(
         shapes.listed,

@@ -20,6 +20,9 @@ _ROWS = 65  # along the strike path
 _FITTED = 10  # points that say a shape between them
 _ALIKE = 0.5  # cosine of the normals of points on one side of the body
 _ACROSS = 0.2  # of half the width: how far off the middle the usual path runs, as a hand strikes
+TILT = 5.0
+"""Angle (degrees) of a blow: as a hand strikes unless it takes care."""
+
 _SAME = 1e-6  # of elasticity and density
 
 
@@ -106,12 +109,14 @@ def mesh(
     top: float,
     path_from: Sequence[float] | None = None,
     path_to: Sequence[float] | None = None,
+    tilt: float = TILT,
 ) -> Modes:
-    """Return the modes up to `top` (Hz) of a free body of any shape, struck along its normal.
+    """Return the modes up to `top` (Hz) of a free body of any shape.
 
     table: of the same material; damping alone may be another. The strike path is the straight line from one place to
     another (m, in the body's frame), each point of it moved to the surface; the usual one runs along the body, on top,
-    beside the middle. Modes of the table above `top` are felt. ValueError says what does not fit.
+    beside the middle. The blow is tilted by `tilt` (degrees) from the surface's normal, across the path: at 90 it is
+    tangential. Modes of the table above `top` are felt. ValueError says what does not fit.
     """
     for name in ("density", "youngs_modulus", "poisson_ratio"):
         made, given = getattr(table, name), getattr(material, name)
@@ -122,7 +127,10 @@ def mesh(
     ends = usual_path(table) if path_from is None else (np.array(path_from), np.array(path_to))
     share = np.linspace(0, 1, _ROWS)[:, None]
     _, normals, shapes = table.near((1 - share) * ends[0] + share * ends[1])
-    strike = np.einsum("pc,pcn->pn", normals, shapes)
+    aside = np.cross(normals, ends[1] - ends[0])
+    aside /= np.maximum(np.linalg.norm(aside, axis=1), 1e-300)[:, None]
+    angle = math.radians(tilt)
+    strike = np.einsum("pc,pcn->pn", math.cos(angle) * normals + math.sin(angle) * aside, shapes)
     sign = strike[np.argmax(np.abs(strike), axis=0), np.arange(strike.shape[1])]
     keep = audible(table.frequency, top)
     every = heard(material, table.frequency, table.resistance, (strike, sign), table.mass)

@@ -16,6 +16,7 @@ MEANINGS = {
     ("mesh", "table"): "file of the modes, as `carom mesh` writes it, beside the preset; or a section `[mesh]`",
     ("mesh", "path_from"): "where the strike path begins, in the mesh's frame; along the body if not given",
     ("mesh", "path_to"): "where it ends",
+    ("mesh", "tilt"): "of the blow from the normal, across the path; 5 if not given, 90 is tangential",
     ("mesh", "file"): "the mesh, in the preset's folder or below",
     ("mesh", "wall"): "thickness of a sheet or a hollow body; a solid if not given",
     ("mesh", "scale"): "the mesh's unit; 1 m if not given",

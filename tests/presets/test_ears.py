@@ -81,7 +81,9 @@ def grown(name: str, factor: float) -> dict[str, object]:
 
 
 SOLID = [
-    name for name in PRESETS.names("objects") if PRESETS.object(name).shape not in ("listed", "string", "membrane")
+    name
+    for name in PRESETS.names("objects")
+    if PRESETS.object(name).shape not in ("listed", "mesh", "string", "membrane")
 ]
 
 

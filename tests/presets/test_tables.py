@@ -69,6 +69,14 @@ def test_modes_follow_the_table_and_the_material_damps_them():
     assert np.allclose(np.abs(turned.strike[::-1]), np.abs(made.strike), atol=1e-9)
 
 
+def test_a_blow_has_a_direction():
+    """Blows along the normal and across it add as vectors do."""
+    ceramic, table = Presets().material("ceramic"), read_table(MUG)
+    normal, half, across = (mesh(ceramic, table=table, top=9000.0, tilt=tilt).strike for tilt in (0.0, 45.0, 90.0))
+    assert np.allclose(half, (normal + across) / np.sqrt(2), atol=1e-12)
+    assert np.abs(across).max() > 0.1 * np.abs(normal).max()
+
+
 def test_another_material_needs_another_table():
     with pytest.raises(PresetError, match=r"density = 7850: expected 2700, that of the table; make the table anew"):
         Presets().object("mug").replace(material="steel").modes(20_000.0)
