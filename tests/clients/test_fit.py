@@ -8,6 +8,7 @@ import soundfile
 
 import carom
 from carom.clients.cli import main
+from carom.clients.commands import progress
 from carom.dsp.numerics.constants import FULL_SCALE_PRESSURE
 
 RATE = 32_000
@@ -87,6 +88,7 @@ def test_what_cannot_be_fitted_is_told_in_one_line(folder, capsys, monkeypatch, 
 @pytest.mark.slow
 def test_a_stereo_recording_becomes_an_object_and_a_page(folder, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(folder)
+    monkeypatch.setattr(progress, "PERIOD", 1e3)  # a busy machine takes long enough to tell its progress
     assert main(["fit", "stereo.wav", str(tmp_path), "--name", "bar", "--modes", "6", "--licence", "CC0"]) == 0
     out, error = capsys.readouterr()
     assert error == "carom fit: stereo.wav: 2 channels: the loudest one, channel 2, is taken\n"

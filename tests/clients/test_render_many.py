@@ -78,7 +78,8 @@ def test_a_bad_score_does_not_stop_the_others(carom, tmp_path, scores):
     (tmp_path / "bad.txt").write_text("0 /object/a/impact 1\n")
     (tmp_path / "out").mkdir()
     run = carom("render", "bad.txt", *scores, "none.txt", "out")
-    assert run.returncode == 1 and sorted(run.stderr.splitlines()) == [
+    told = [line for line in run.stderr.splitlines() if " scores after " not in line]  # as a busy machine may say
+    assert run.returncode == 1 and sorted(told) == [
         "carom render: bad.txt:1: /object/a/impact: a: no such object; there are none",
         "carom render: none.txt: No such file or directory",
     ]
