@@ -38,8 +38,8 @@ class Resonance:
     def conductance(self, frequency: Array) -> Array:
         """Return its real mobility (s/kg)."""
         omega, own = 2 * math.pi * frequency, 2 * math.pi * self.frequency
-        found: Array = (1j * omega / (self.mass * (own**2 - omega**2 + 1j * omega * own / self.quality))).real
-        return found
+        mobility = 1j * omega / (self.mass * (own**2 - omega**2 + 1j * omega * own / self.quality))
+        return np.asarray(mobility.real, np.float64)
 
 
 @dataclass(frozen=True)
