@@ -78,7 +78,7 @@ BOUNCE_TIMES = Promise("times of a bounce's first 100 contacts", "mpmath, law an
 BOUNCE_SPEEDS = Promise("their speeds", "mpmath, law and parabola", 1e-10, "relative", _BOUNCE)
 WEIGHTY = Promise("duration and contacts of a bounce whose weight acts in contact", "DOP853", 1e-3, "relative", _BOUNCE)
 ROLL_THIRDS = Promise(
-    "third-octaves of a roll's force at `-60`, 50 Hz to 16 kHz", "the same path at 100 times the rate", 1.0, "dB", _ROLL
+    "third-octaves of a roll's force at `-60`, 50 Hz to 16 kHz", "the same path at 20 times the rate", 1.0, "dB", _ROLL
 )
 ROLL_DRIVEN = Promise(
     "sound below 20 kHz of modes that a roll drives, at rest or moving", "the same force by its moments", -80.0, "dB",
