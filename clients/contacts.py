@@ -26,8 +26,9 @@ class Drive:
     """The force of a contact as the modes get it, in each frame from its `first` on.
 
     moments: (n, 6) N, the force's Legendre moments over the sample that ends there, the mean first. gain: (n,), the
-    factor on them. position, (n,): where it acts. friction: (n, 3), of what rubs along the surface: where, and its
-    first two moments (N) with its gain; (0, 3) where nothing does. sound: the place of a striker that sounds among the
+    factor on them. position, (n,): where it acts. friction: (n, 7), of what rubs along the surface: where, and its
+    moments (N) with its gain; (0, 7) where nothing does. fed: the force, but not the friction, drives modes by
+    one number a frame (dsp/resonator/fed.py). sound: the place of a striker that sounds among the
     engine's, -1: none; share: of its output; ratio: of its radius to that of its kind. snaps: second pulses of the
     striker, (frame, N s).
     """
@@ -36,6 +37,7 @@ class Drive:
     gain: NDArray[np.float64]
     position: NDArray[np.float64]
     friction: NDArray[np.float64]
+    fed: bool = False
     sound: int = -1
     share: float = 0.0
     ratio: float = 1.0
@@ -134,21 +136,21 @@ def _drive(run: NDArray[np.void], pushed: NDArray[np.void], rate: float, start: 
     rubbed, snapped = run[run["kind"] == RUBBED], run[run["kind"] == SNAPPED]
     last = max(int(each["sample"][-1]) for each in (pushed, rubbed) if len(each))
     size = last - first + 1
-    moments, friction = np.zeros((size, TRACED_MOMENTS)), np.zeros((size if len(rubbed) else 0, 3))
+    moments, friction = np.zeros((size, TRACED_MOMENTS)), np.zeros((size if len(rubbed) else 0, 1 + TRACED_MOMENTS))
     pressing = pushed[pushed["kind"] == PUSHED]
     at = pressing["sample"] - first
     np.add.at(moments[:, 0], at, pressing["impulse"] * rate)
     np.add.at(moments[:, 1:], at, pressing["moments"] * rate)
     rubbed = rubbed[rubbed["sample"] >= first]
     scale = rubbed["gain"] * rate
-    columns = rubbed["position"], scale * rubbed["impulse"], scale * rubbed["moments"][:, 0]
+    columns = rubbed["position"], scale * rubbed["impulse"], scale[:, None] * rubbed["moments"]
     friction[rubbed["sample"] - first] = np.column_stack(columns)
     sounding = pushed[pushed["sound"] >= 0]
     known = sounding[0] if len(sounding) else None
     places = np.interp(np.arange(size), at, pressing["position"]) if len(at) else np.full(size, pushed["position"][0])
     gains = np.interp(np.arange(size), at, pressing["gain"]) if len(at) else np.ones(size)
     return Drive(
-        moments, gains, places, friction,
+        moments, gains, places, friction, bool(pushed["fed"].any()),
         sound=int(known["sound"]) if known is not None else -1,
         share=float(known["share"]) if known is not None else 0.0,
         ratio=float(known["ratio"]) if known is not None else 1.0,

@@ -5,8 +5,9 @@ per sample, is at the sample's end
 
     z' = exp(s) z + sum_k (2k+1) (-1)^k exp(s/2) i_k(s/2) m_k,   and heard as gain Im z,
 
-with i_k the modified spherical Bessel functions. A click is the same in continuous time, smoothed as the engine does it
-(`dsp.resonator.click` says how and why).
+with i_k the modified spherical Bessel functions. The force of a slide, and of a roll that feels no modes, drives modes
+by one number a frame instead, as `dsp.resonator.fed` says. A click is the same in continuous time, smoothed as the
+engine does it (`dsp.resonator.click` says how and why).
 """
 
 from collections.abc import Mapping
@@ -20,12 +21,14 @@ from scipy.special import spherical_in
 
 from ..dsp.engine.memory.state import QUANTUM, TRACED_MOMENTS
 from ..dsp.errors import CaromError
+from ..dsp.numerics.legendre import KEPT
 from ..dsp.resonator.click import FAR, FIRST, GAIN, LEAST, NEAR, SECOND, TAPS, WIDEST
+from ..dsp.resonator.fed import HALF, LINE, REACH, WINDOW, feed_tap
 
 Array = NDArray[Any]
 Row = Mapping[str, Any]
 
-_PATH = 5  # columns of a path: place, gain, place of friction, friction and its first moment
+_PATH = 3 + TRACED_MOMENTS  # columns of a path: place, gain, place of friction and its moments
 _ROWS = 4  # of shapes, between which a cubic goes
 _SMALL, _TERMS = 1.0, 18  # |x| up to which exp(x) is summed as a series
 _NODES, _WEIGHTS = legendre.leggauss(16)
@@ -47,14 +50,15 @@ def rebuild(row: Row) -> NDArray[np.float64]:
         if not body["linear"]:
             raise NotLinear(f"{body['name']}: it is not linear; expected an object whose `linear` is true")
         own = np.zeros((frames, channels))
-        forces = _Forces(frames)
+        forces = _Forces(frames), _Forces(frames), _Fed(frames)
         for contact in row["contacts"]:
             if body["name"] in (contact["object"], contact["by"]):
                 _add(forces, own, body["name"] == contact["object"], contact, rate)
         for kind in ("modes", "relief"):
             _ring(own, body, kind, forces, rate)
-        for click in body["clicks"]:
-            _click(own, click, forces.total, 0, rate)
+        for n, click in enumerate(body["clicks"]):
+            rubbed = forces[1].total * float(n < body["rubbed_clicks"])
+            _click(own, click, forces[0].total + rubbed + forces[2].total, 0, rate)
         if len(body["bends"]):
             own -= _lines(body["bends"], frames)
         sound += own * _lines(body["fades"], frames) if len(body["fades"]) else own
@@ -81,6 +85,57 @@ class _Forces:
         else:
             self.moving.append((first, force, place))
 
+    def along(self, table: Array | None) -> Array:
+        """Return the force (frames, TRACED_MOMENTS) on a shape: 1, or of a table of its values along the path."""
+        if table is None:
+            return self.total
+        here = np.zeros_like(self.total)
+        for place, force in self.at.items():
+            here += force * _along(table, np.array([place]))
+        for first, force, places in self.moving:
+            here[first : first + len(force)] += force * self.shape(table, first, places)[:, None]
+        return here
+
+    @staticmethod
+    def shape(table: Array, first: int, places: Array) -> Array:
+        """Return a shape under a force that moves from a frame on."""
+        return _along(table, places)
+
+
+class _Fed(_Forces):
+    """Forces that drive modes by one number a frame: of each, that number in every frame, the sums of those around by
+    which it goes straight into the sound (REACH + 1, frames), and its place."""
+
+    def __init__(self, frames: int) -> None:
+        super().__init__(frames)
+        self.samples: list[tuple[Array, Array, Array]] = []
+
+    def add(self, first: int, force: Array, place: Array) -> None:
+        """Add a force from a frame on, at one place or at one in each frame."""
+        super().add(first, force, place)
+        frames = len(self.total)
+        moments = np.zeros((frames + HALF, KEPT))
+        moments[first : first + len(force)] = force[:, :KEPT]
+        parts = np.array([np.convolve(moments[:, k], WINDOW[::-1, k]) for k in range(KEPT)])
+        samples = parts.sum(axis=0)[HALF - 1 :][: frames + HALF]
+        samples[: (first - 1) // QUANTUM * QUANTUM + REACH + 1] = 0.0  # in the quantum in which it begins
+        around = np.pad(samples, (REACH - 1, 0))
+        through = [around[REACH + k :][:frames] + (around[REACH - k :][:frames] if k else 0) for k in range(REACH + 1)]
+        self.samples.append((samples[:frames], np.array(through), _everywhere(first, place, frames)))
+
+    @staticmethod
+    def shape(table: Array, first: int, places: Array) -> Array:
+        """Return a shape under a force that moves from a frame on: lines of LINE frames."""
+        end = first + len(places)
+        return _in_lines(table, _everywhere(first, places, end), LINE)[first:end]
+
+
+def _everywhere(first: int, places: Array, frames: int) -> Array:
+    """Return places in all frames, of those from a frame on: before, they move as they begin to."""
+    since = np.arange(frames) - first
+    begun = places[np.clip(since, 0, len(places) - 1)]
+    return np.asarray(np.clip(begun + np.minimum(since, 0) * float(np.diff(places[:2]).sum()), 0.0, 1.0))
+
 
 def _lines(ends: Any, frames: int) -> Array:
     """Return values (frames, channels) that go as lines from each quantum's beginning to its end."""
@@ -91,7 +146,11 @@ def _lines(ends: Any, frames: int) -> Array:
     return np.asarray(begin[quantum] + share * (end - begin)[quantum])
 
 
-def _add(forces: _Forces, sound: Array, touched: bool, contact: Row, rate: float) -> None:
+_Kinds = tuple[_Forces, _Forces, _Fed]
+"""Forces on an object: those that push, friction, and those that push by one number a frame."""
+
+
+def _add(forces: _Kinds, sound: Array, touched: bool, contact: Row, rate: float) -> None:
     """Add a contact's force to those on an object; where it is the one that is touched, add the striker's sound."""
     first = int(contact["first"])
     count = min(len(contact["force"]), len(sound) - first)
@@ -103,10 +162,9 @@ def _add(forces: _Forces, sound: Array, touched: bool, contact: Row, rate: float
     gain = path[:, 1] if len(path) else np.full(count, contact["gain"])
     force = moments * gain[:, None] / rate
     place = np.array([contact["position"] if touched else contact["by_position"]])
-    forces.add(first, force, path[:, 0] if len(path) and touched else place)
+    forces[2 if contact["fed"] else 0].add(first, force, path[:, 0] if len(path) and touched else place)
     if len(path) and path[:, 3:].any():
-        rubbed = np.pad(path[:, 3:] / rate, ((0, 0), (0, TRACED_MOMENTS - 2)))
-        forces.add(first, rubbed, path[:, 2] if touched else place)
+        forces[1].add(first, path[:, 3:] / rate, path[:, 2] if touched else place)
     if touched:
         _strike(sound, contact["striker"], force, first, rate)
 
@@ -127,26 +185,41 @@ def _strike(sound: Array, striker: Row, force: Array, first: int, rate: float) -
             sound[begin:] += np.outer(impulse * np.exp(s * since).imag, gain)
 
 
-def _ring(sound: Array, body: Row, kind: str, forces: _Forces, rate: float) -> None:
+def _ring(sound: Array, body: Row, kind: str, forces: _Kinds, rate: float) -> None:
     """Add an object's modes, or their relief, under all forces on it."""
     frequency, decay, gain = _columns(body[kind])
     shapes = (
         [np.asarray([[*row] for row in side]) for side in body["places"][kind]] if _is_touched_all_over(body) else None
     )
     frames, channels = sound.shape
+    are_fed = kind == "modes" and bool(forces[2].samples)
     for i in range(len(frequency)):
         s = complex(-decay[i], 2 * np.pi * frequency[i]) / rate
-        if shapes is None:
-            sound += np.outer(_mode(s, forces.total, frames).imag, gain[i])
-            continue
-        for c in range(channels):
-            table = shapes[c][:, i]
-            here = np.zeros_like(forces.total)
-            for place, force in forces.at.items():
-                here += force * _along(table, np.array([place]))
-            for first, force, places in forces.moving:
-                here[first : first + len(force)] += force * _along(table, places)[:, None]
-            sound[:, c] += _mode(s, here, frames).imag
+        for c in range(channels if shapes else 1):
+            table = shapes[c][:, i] if shapes else None
+            by_moments = [forces[0]]
+            if kind == "modes" or i < body["rubbed_relief"]:
+                by_moments.append(forces[1])
+            if not are_fed or i in body["by_moments"]:
+                by_moments.append(forces[2])
+            heard = _mode(s, np.sum([each.along(table) for each in by_moments], axis=0), frames).imag
+            if forces[2] not in by_moments:
+                heard += _fed(s, forces[2], table)
+            if shapes:
+                sound[:, c] += heard
+            else:
+                sound += np.outer(heard, gain[i])
+
+
+def _fed(s: complex, forces: _Fed, table: Array | None) -> Array:
+    """Return Im z of a mode under forces that drive it by one number a frame (dsp/resonator/fed.py)."""
+    r, theta = np.exp(s.real), s.imag
+    taps = np.array([feed_tap.py_func(theta, k) for k in range(REACH + 1)])
+    blows, heard = np.zeros(len(forces.total)), np.zeros(len(forces.total))
+    for samples, through, places in forces.samples:
+        blows += samples * (1.0 if table is None else _in_lines(table, places, LINE))
+        heard += taps @ through * (1.0 if table is None else _in_lines(table, places, QUANTUM))
+    return np.asarray(heard + lfilter([r * np.sin(theta)], [1.0, -2 * r * np.cos(theta), r * r], blows))
 
 
 def _is_touched_all_over(body: Row) -> bool:
@@ -161,11 +234,25 @@ def _columns(sines: Row) -> tuple[Array, Array, Array]:
     return np.asarray(sines["frequency"]), np.asarray(sines["decay"]), np.array([*sines["gain"]], np.float64).T
 
 
-def _along(table: Array, place: Array) -> Array:
-    """Return a shape (P,) at places, by the cubic through the four rows around each."""
-    x = place * (len(table) - 1)
-    row = np.clip(x.astype(int) - 1, 0, len(table) - _ROWS)
-    x = x - row
+def _in_lines(table: Array, places: Array, lines: int) -> Array:
+    """Return a shape (frames,) at places, as lines of so many frames each."""
+    frame = np.arange(len(places))
+    begin = frame // lines * lines
+    end = np.minimum(begin + lines, len(places) - 1)
+    row = _row_of(table, places[begin]) if lines == LINE else None  # these keep their rows, those of a quantum do not
+    here, there = (_along(table, places[at], row) for at in (begin, end))
+    return np.asarray(here + (frame - begin) / np.maximum(end - begin, 1) * (there - here))
+
+
+def _row_of(table: Array, place: Array) -> Array:
+    """Return the first of the four rows around each place."""
+    return np.asarray(np.clip((place * (len(table) - 1)).astype(int) - 1, 0, len(table) - _ROWS))
+
+
+def _along(table: Array, place: Array, row: Array | None = None) -> Array:
+    """Return a shape (P,) at places, by the cubic through four rows, those around each if no others are given."""
+    row = _row_of(table, place) if row is None else row
+    x = place * (len(table) - 1) - row
     weights = (
         -(x - 1) * (x - 2) * (x - 3) / 6, 0.5 * x * (x - 2) * (x - 3), -0.5 * x * (x - 1) * (x - 3),
         x * (x - 1) * (x - 2) / 6,

@@ -21,7 +21,7 @@ from .design import Item
 from .level import QUANTIZED, quantized, step_of, whole_of
 from .messages import OBJECT, lines_of, number
 from .recipe import SCORE, Recipe
-from .truth import AMPLIFIED, Followed, Truth, about_contacts, about_object, path_of
+from .truth import AMPLIFIED, PATH, Followed, Truth, about_contacts, about_object, path_of
 
 _PLAIN = ("impact", "spin")
 """Gestures that push nothing, and change no settings: the truth has no more than modes and forces."""
@@ -39,7 +39,7 @@ class ItemError(CaromError, RuntimeError):
 @dataclass(frozen=True)
 class Clip:
     """An item's sound, (frames, channels): floats, or whole numbers of steps; its truth; and of all contacts, one after
-    the other, the forces, (N, 6) float32 in N, and the paths of those that move, (M, 5) float32; and the signals of
+    the other, the forces, (N, 6) float32 in N, and the paths of those that move, (M, 9) float32; and the signals of
     sensors, (frames, sensors) float32, each in the unit that the truth says."""
 
     samples: NDArray[np.float32] | NDArray[np.int32]
@@ -95,7 +95,7 @@ def _render(recipe: Recipe, item: Item, presets: Presets) -> Clip:
         truth["sensors"] = _about_sensors(performer)
     truth["warnings"] = [*performer.warnings, *_quiet(recipe, full_scale, pressure)]
     forces = [np.zeros((0, TRACED_MOMENTS)), *(contact.drive.moments for contact in contacts)]
-    paths = [np.zeros((0, 5)), *(path_of(contact.drive) for contact in contacts)]
+    paths = [np.zeros((0, PATH)), *(path_of(contact.drive) for contact in contacts)]
     return Clip(
         quantized(pressure, full_scale, recipe.samples), truth,
         np.concatenate(forces).astype(np.float32), np.concatenate(paths).astype(np.float32), sensed,

@@ -25,7 +25,7 @@ ABOUT = "dataset.json"
 """The file that says by which recipe, and by what, a folder's data set is made."""
 
 
-SCHEMA = 2
+SCHEMA = 3
 """The version of the form of a data set: of its files, of the table's columns, and of the truth."""
 
 

@@ -30,6 +30,8 @@ _OBJECT = pa.struct(
         "clicks": pa.list_(_CLICK),
         "relief": _SINES,
         "linear": pa.bool_(),
+        "by_moments": pa.list_(pa.int64()),
+        **dict.fromkeys(("rubbed_relief", "rubbed_clicks"), pa.int64()),
         "places": pa.struct({"modes": pa.list_(_MATRIX), "relief": pa.list_(_MATRIX)}),
         "fades": pa.list_(pa.list_(_LIST)),
         "bends": pa.list_(pa.list_(_LIST)),
@@ -44,6 +46,7 @@ _CONTACT = pa.struct(
         "force": pa.list_(pa.float32()),
         "moments": pa.list_(pa.float32()),
         "path": pa.list_(pa.float32()),
+        "fed": pa.bool_(),
         "striker": _STRIKER,
     }
 )

@@ -9,8 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...dsp.engine.memory.state import QUANTUM
+from ...dsp.bodies.modes import Modes
+from ...dsp.engine.memory.records import SLID
+from ...dsp.engine.memory.state import QUANTUM, TRACED_MOMENTS
+from ...dsp.resonator.bank import NYQUIST_SHARE
 from ...dsp.resonator.click import CLICK_MODES
+from ...dsp.resonator.simd import LANES
 from ...dsp.schema import GESTURES
 from ..contacts import Contact, Drive
 from ..modes import Click, Places, mode_table, places_of
@@ -28,6 +32,12 @@ FREE = tuple(name for name, gesture in GESTURES.items() if not gesture.lasts)
 AMPLIFIED = 2.0**24
 """Factor on the engine's samples, which loses no bit: it puts modes to rest at 1e-6, and quiet clips have their tails,
 too."""
+
+PATH = 3 + TRACED_MOMENTS
+"""Columns of a path: place, gain, and of friction its place and its moments."""
+
+CLICK_ROOM = 32
+"""Places between an object's own modes and the end of those of its clicks."""
 
 _SOUND = ("tune", "decay", "damp")
 """Settings of an object that change how its modes ring."""
@@ -102,6 +112,7 @@ def about_object(
     table = mode_table(placed.modes, level, settings, gains, position, rate)
     relief = table.relief
     glides = placed.modes.glide > 0.0
+    made = int((placed.modes.frequency <= NYQUIST_SHARE * 0.5 * rate).sum())
     return {
         "name": name,
         "preset": preset.name,
@@ -110,6 +121,9 @@ def about_object(
         "mass": placed.modes.mass,
         "position": position,
         "linear": not glides and followed.stayed(serial),
+        "by_moments": _by_moments(placed.modes, settings.tune, rate),
+        "rubbed_relief": max(min(SLID - made, len(relief.frequencies) if relief else 0), 0),
+        "rubbed_clicks": len(table.clicks) if made + CLICK_ROOM <= SLID else 0,
         "modes": sines(table.frequencies, table.decays, table.gains),
         "clicks": [_click(each) for each in table.clicks],
         "relief": sines(relief.frequencies, relief.decays, relief.gains) if relief else sines(*_NONE),
@@ -117,6 +131,17 @@ def about_object(
         "fades": followed.fades(serial, gains, -(-frames // QUANTUM)),
         "bends": followed.bends(serial, gains, -(-frames // QUANTUM)),
     }
+
+
+def _by_moments(modes: Modes, tune: float, rate: int) -> list[int]:
+    """Return which of the modes in its table even a contact that is fed drives by moments: those beyond whole lanes, as
+    the engine lays them out by their decays."""
+    top = NYQUIST_SHARE * 0.5 * rate
+    order = np.argsort(modes.decay, kind="stable")
+    order = order[modes.frequency[order] <= top]
+    heard = np.flatnonzero((modes.frequency <= top) & (modes.frequency * tune <= top))
+    found: list[int] = np.flatnonzero(np.isin(heard, order[len(order) // LANES * LANES :])).tolist()
+    return found
 
 
 _NONE = (np.zeros(0), np.zeros(0), np.zeros((0, 0)))
@@ -155,7 +180,7 @@ def about_contacts(performer: Performer, contacts: Iterable[Contact]) -> list[Ma
                 "loss": each.impulse * (each.velocity - 0.5 * each.impulse / each.mass) if free else 0.0,
                 "striker": _striker(performer, each),
                 "first": each.first, "force_begin": begin, "force_count": len(each.force),
-                "path_begin": path, "path_count": moved,
+                "path_begin": path, "path_count": moved, "fed": each.drive.fed,
             }
         )  # fmt: skip
         begin += len(each.force)
@@ -164,10 +189,10 @@ def about_contacts(performer: Performer, contacts: Iterable[Contact]) -> list[Ma
 
 
 def path_of(drive: Drive) -> NDArray[np.float64]:
-    """Return where a contact that moves acts, with its gain and its friction: (n, 5), n = 0 where it stays."""
+    """Return where a contact that moves acts, with its gain and its friction: (n, PATH), n = 0 where it stays."""
     if drive.stays:
-        return np.zeros((0, 5))
-    friction = drive.friction if len(drive.friction) else np.zeros((len(drive.gain), 3))
+        return np.zeros((0, PATH))
+    friction = drive.friction if len(drive.friction) else np.zeros((len(drive.gain), PATH - 2))
     return np.column_stack([drive.position, drive.gain, friction])
 
 

@@ -67,7 +67,9 @@ def _taps() -> NDArray[np.float64]:
 
 
 _ONES = (1.0,) * LANES
-_WINDOW = _window()
+WINDOW = _window()
+"""Weights of the KEPT moments of samples -HALF to HALF - 1 in a band-limited sample, (2 HALF, KEPT)."""
+
 _TAPS = _taps()
 
 
@@ -89,7 +91,7 @@ def sample_force(moments: View2D[float], samples: View[float], begin: int) -> No
     of the moments.
     """
     for n in range(0, len(samples) - begin, LANES):
-        put_product(samples, begin + n, inner_products(moments, n * KEPT, _WINDOW), _ONES)
+        put_product(samples, begin + n, inner_products(moments, n * KEPT, WINDOW), _ONES)
 
 
 @simd_kernel

@@ -120,7 +120,7 @@ def _hand_on(state: State, contact: Contact) -> None:
     for n in range(contact.ahead, QUANTUM):
         for k in range(KEPT):
             fed[n, k] = 0.0
-    trace_roll(state, contact, fed)
+    trace_roll(state, contact, fed, 0)
     for n in range(min(contact.ahead, len(contact.forces))):
         contact.forces[n] = fed[contact.ahead - 1 - n, 0] * state.rate
     for n in range(contact.ahead):

@@ -223,7 +223,7 @@ def _inject(state: State, contact: Contact, whole: bool, sample: int) -> None:
     second = friction.slope / (6.0 * state.rate)
     if not whole:
         first, second = scratch.fine[0], scratch.fine[1]
-    trace_friction(state, contact, sample, slide, first, second)
+    trace_friction(state, contact, sample, slide, first, second, whole)
     first *= scale
     second *= scale
     if not whole:

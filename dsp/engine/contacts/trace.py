@@ -35,7 +35,9 @@ def trace_touches(state: State, contact: Contact, sample: int) -> None:
     if contact.trait.rolls == 1:
         point = contact.point[0]
         share = share_of(state.rolls[contact.roll])
-        _trace_moving(state, contact, sample, _placed(state, point.row, point.weights, point.slot), share, moments)
+        place = _placed(state, point.row, point.weights, point.slot)
+        if _trace_moving(state, contact, sample, place, share, moments) >= 0:
+            _publish(state)
         return
     coupled = contact.coupled
     first = True
@@ -56,15 +58,21 @@ def trace_touches(state: State, contact: Contact, sample: int) -> None:
 
 
 @kernel
-def trace_roll(state: State, contact: Contact, feed: View2D[float]) -> None:
-    """Keep the force of a roll, beyond its weight, or of a slide over a quantum."""
+def trace_roll(state: State, contact: Contact, feed: View2D[float], fed: int) -> None:
+    """Keep the force of a roll, beyond its weight, or of a slide over a quantum; fed: as in Trace."""
     for n in range(QUANTUM):
-        _trace_moving(state, contact, state.position + n - 1, position_of(contact, n), 1.0, feed[n])
+        entry = _trace_moving(state, contact, state.position + n - 1, position_of(contact, n), 1.0, feed[n])
+        if entry >= 0:
+            state.trace.entries[entry].fed = fed
+            _publish(state)
 
 
 @kernel
-def trace_friction(state: State, contact: Contact, sample: int, slide: Slide, impulse: float, moment: float) -> None:
-    """Keep a slide's friction between a sample and the next: its impulse and first moment (N s)."""
+def trace_friction(
+    state: State, contact: Contact, sample: int, slide: Slide, impulse: float, moment: float, whole: bool
+) -> None:
+    """Keep a slide's friction between a sample and the next: its impulse and first moment (N s); where it is not whole,
+    with the others in `scratch`."""
     slot = contact.point[0].slot
     met = _placed(state, slide.row[0], slide.weights[0], slot), contact.now.speed, 0.0
     entry = _entry(state, contact, sample, impulse, met)
@@ -72,6 +80,8 @@ def trace_friction(state: State, contact: Contact, sample: int, slide: Slide, im
         record = state.trace.entries[entry]
         record.kind = RUBBED
         record.moments[0] = moment
+        if not whole:
+            _set_moments(state, entry, state.scratch.fine)
         record.gain *= slide.along
         record.sound = -1
         _publish(state)
@@ -101,8 +111,8 @@ def _placed(state: State, row: int, weights: View[float], slot: int) -> float:
 @kernel
 def _trace_moving(
     state: State, contact: Contact, sample: int, position: float, share: float, moments: View[float]
-) -> None:
-    """Keep the force of a body that rolls or slides between a sample and the next, by its moments.
+) -> int:
+    """Note the force of a body that rolls or slides between a sample and the next, by its moments; as `_entry`.
 
     share: of it that the modes get, where the moments do not hold it yet.
     """
@@ -110,7 +120,7 @@ def _trace_moving(
     if entry >= 0:
         state.trace.entries[entry].gain *= share
         _set_moments(state, entry, moments)
-        _publish(state)
+    return entry
 
 
 @kernel
@@ -150,7 +160,7 @@ def _entry(state: State, contact: Contact, sample: int, impulse: float, met: tup
     entry.sample = sample
     entry.begin, entry.end = float(sample), sample + 1.0
     entry.impulse = impulse
-    entry.kind = PUSHED
+    entry.kind, entry.fed = PUSHED, 0
     for k in range(TRACED_MOMENTS - 1):
         entry.moments[k] = 0.0
     entry.gain = contact.now.gain

@@ -122,6 +122,7 @@ class Trace(Record):
     moments: Annotated[View[float], TRACED_MOMENTS - 1]  # N s: its other Legendre moments over the sample
     gain: float  # factor on the force that the modes get
     kind: int  # PUSHED, RUBBED or SNAPPED
+    fed: int  # 1: it drives modes by one number a frame (resonator/fed.py)
     sound: int  # place of the striker that sounds, -1: none does
     share: float  # of the striker's output that the force moves
     ratio: float  # of its radius to that of its kind
