@@ -7,7 +7,6 @@ from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from . import acceleration
 from .air import plate_mass
@@ -16,7 +15,7 @@ from .heard import BAFFLES, heard, loaded
 from .material import Array, Material
 from .modes import MOST_MODES, Indices, Modes, audible, path, read_only, require_choice, require_positive
 from .near import critical_frequency, near_field
-from .radiation.round import Loads, Round
+from .radiation.round import Every, Loads, Round
 from .residual import with_residual
 from .ring import Doublets, doublets
 from .tension import CONE, membrane_glide
@@ -28,6 +27,8 @@ _FALSI_STEPS = 12
 _TABLE_STEP = 0.2  # of Bessel functions: cubic Hermite interpolation errs by its fourth power over 384
 _SIGN_AT = (0.83, math.radians(13.0))  # radius and angle: whose sign a mode's sound has
 _FURTHER = 2.0  # times the wavenumbers that are heard: those that are felt
+_FADED = 40.0  # of I_n(x) from its value at the edge on: less than rounding
+_SIZES = 4  # numbers of radii in an octave
 _NEARLY = 1.1  # times the highest frequency wanted: a pair's lower member and the air's mass bring a mode below it
 
 
@@ -59,17 +60,16 @@ def disc(
     rigidity = material.contact_modulus * thickness**3 / 12
     unit = math.sqrt(rigidity / areal) / (2 * math.pi * radius**2)
     limit = min(_FURTHER * math.sqrt(top / unit), _enough(2 if split else 1))
-    order, root = _plate_roots(edge, material.poisson_ratio, limit)
+    every, square = _plate_waves(edge, material.poisson_ratio, limit)
+    mine = np.flatnonzero(every.root < limit)
+    order, root = every.order[mine], every.root[mine]
     mass = areal * math.pi * radius**2
+    waves = Waves(order, root, every.growing[mine], _scale(square[mine], mass, order))
 
-    growing, square = _plate_waves(edge, material.poisson_ratio, root, order)
-    waves = Waves(order, root, growing, _scale(square, mass, order))
+    def flat(steps: int, mode: Indices) -> Array:
+        return waves.scale[mode] * _plate_shapes(every, steps)[:, mine[mode]]
 
-    def flat(r: Array, mode: Indices) -> Array:
-        columns = (each.tobytes() for each in (r, root[mode], order[mode], growing[mode]))
-        return waves.scale[mode] * _plate_shapes(*columns)
-
-    surface = Round(radius, areal, baffle, *waves)
+    surface = Round(radius, areal, baffle, every, mine, waves.scale)
     body = _Round(unit * root**2, mass, surface, flat, unit * limit**2)
     if dome:
         _require_cap(dome, radius, edge)
@@ -94,8 +94,8 @@ def _domed(flat: "_Round", waves: Waves, limit: float, stiffness: float) -> "_Ro
     cap = domed(waves, flat.frequency, _stress_functions(limit), stiffness)
     everything = np.arange(waves.order.size)
 
-    def radial(r: Array, mode: Indices) -> Array:
-        return cap.mix(flat.radial(r, everything), mode)
+    def radial(steps: int, mode: Indices) -> Array:
+        return cap.mix(flat.radial(steps, everything), mode)
 
     return flat._replace(frequency=cap.frequency, radial=radial)
 
@@ -108,9 +108,10 @@ def _scale(square: Array, mass: float, order: Array) -> Array:
 
 def _stress_functions(limit: float) -> Waves:
     """Return the stress functions of a disc of radius 1 with a free edge: the modes of a clamped one, up to a root."""
-    order, root = _plate_roots("clamped", 0.0, limit)
-    growing, square = _plate_waves("clamped", 0.0, root, order)
-    return Waves(order, root, growing, _scale(square, math.pi, order))
+    every, square = _plate_waves("clamped", 0.0, limit)
+    mine = np.flatnonzero(every.root < limit)
+    order, root, growing = (each[mine] for each in (every.order, every.root, every.growing))
+    return Waves(order, root, growing, _scale(square[mine], math.pi, order))
 
 
 def membrane(
@@ -138,7 +139,8 @@ def membrane(
     require_choice("baffle", baffle, BAFFLES)
     areal = material.density * thickness
     rigidity = material.contact_modulus * thickness**3 / 12
-    order, root = _membrane_roots(_enough(2 if split else 1))
+    every = _membrane_waves(_enough(2 if split else 1))
+    order, root = every.order, every.root
     if (tension is None) == (fundamental is None):
         raise ValueError(f"tension = {tension}, fundamental = {fundamental}: expected one of the two")
     if fundamental is not None:
@@ -152,13 +154,13 @@ def membrane(
     # int_0^1 r J_n(j r)^2 dr = J_(n+1)(j)^2 / 2
     scale = 1 / np.sqrt(mass * np.where(order == 0, 1.0, 0.5)) / np.abs(jv(order + 1, root))
 
-    def radial(r: Array, mode: Indices) -> Array:
-        shapes: Array = scale[mode] * _bessel(order[mode], np.outer(r, root[mode]))
+    def radial(steps: int, mode: Indices) -> Array:
+        shapes: Array = scale[mode] * _film_shapes(every, steps)[:, mode]
         return shapes
 
     wave = root / radius
     frequency = wave / (2 * math.pi) * np.sqrt((tension + rigidity * wave**2) / areal)
-    body = _Round(frequency, mass, Round(radius, areal, baffle, order, root, np.zeros_like(root), scale), radial)
+    body = _Round(frequency, mass, Round(radius, areal, baffle, every, np.arange(root.size), scale), radial)
     modes = _round(material, body, Doublets(split, imperfection), top)
     if modes.frequency.size == MOST_MODES:
         shortest = float(np.sort(np.repeat(wave, 2 if split else 1))[MOST_MODES - 1])
@@ -170,14 +172,14 @@ def membrane(
 class _Round(NamedTuple):
     """A round body: its modes' frequencies without air (Hz, (k,)), and its mass (kg).
 
-    radial: radii (p,) in 0..1 and modes by number (k,) -> their mass-normalised radial shapes (p, k). complete (Hz): of
-    a plate, up to where these are all that there are.
+    radial: how many radii and modes by number (k,) -> their mass-normalised radial shapes at `_radii`, (p, k). complete
+    (Hz): of a plate, up to where these are all that there are.
     """
 
     frequency: Array
     mass: float
     surface: Round
-    radial: Callable[[Array, Indices], Array]
+    radial: Callable[[int, Indices], Array]
     complete: float | None = None
 
 
@@ -203,9 +205,9 @@ def _round(material: Material, body: _Round, pairs: Doublets, top: float) -> Mod
     keep = audible(frequency, top)
     base, member = np.unique(which[keep], return_inverse=True)
 
-    right = np.linspace(0, 1, path(2 * root[near[base]].max()).size // 2 + 1)
-    radius, angle = _SIGN_AT
-    along = body.radial(np.append(right, radius), near[base]) * air.shrinking[base]
+    steps = _steps(float(root[near[base]].max()))
+    angle = _SIGN_AT[1]
+    along = body.radial(steps, near[base]) * air.shrinking[base]
     along, each = along[:, member], order[near[base]][member]
     sign = along[-1] * np.cos(angle * each - phase[keep])
     shapes = _across(along[:-1], each, phase[keep])
@@ -217,11 +219,23 @@ def _round(material: Material, body: _Round, pairs: Doublets, top: float) -> Mod
     upper = np.arange(other.size) >= order.size
     others = np.flatnonzero(~np.isin(2 * other + upper, 2 * near[which[keep]] + (keep >= near.size)))
     base, member = np.unique(other[others], return_inverse=True)
-    shapes = _across(body.radial(right, base)[:, member], order[other[others]], phase[others])
+    shapes = _across(body.radial(steps, base)[:-1, member], order[other[others]], phase[others])
     felt = Felt(frequency[others], shapes)
     if body.complete is not None:
         felt = completed(Felt(made.frequency, made.strike), felt, body.complete, 2 * top)
     return with_unheard(made, felt, material.decay, top)
+
+
+def _steps(root: float) -> int:
+    """Return how many radii show waves up to a root: one of few numbers, so that shapes serve other discs, too."""
+    least = path(2 * root).size // 2 + 1
+    return math.ceil(2 ** (math.ceil(_SIZES * math.log2(least)) / _SIZES))
+
+
+def _radii(steps: int) -> Array:
+    """Return so many equally spaced radii, from the centre to the edge, and that at which a mode's sound has its
+    sign."""
+    return np.append(np.linspace(0, 1, steps), _SIGN_AT[0])
 
 
 def _across(along: Array, order: Array, phase: Array) -> Array:
@@ -232,8 +246,8 @@ def _across(along: Array, order: Array, phase: Array) -> Array:
 
 
 @lru_cache(maxsize=2)  # of single modes and of doublets; 50 ms each
-def _membrane_roots(limit: float) -> tuple[Array, Array]:
-    """Return orders n and roots j of J_n(j) = 0, 0 < j < limit; read-only."""
+def _membrane_waves(limit: float) -> Every:
+    """Return the waves J_n(j r) with J_n(j) = 0, 0 < j < limit."""
     from scipy.special import jn_zeros
 
     orders, roots = [], []
@@ -242,9 +256,17 @@ def _membrane_roots(limit: float) -> tuple[Array, Array]:
         zeros = zeros[zeros < limit]
         orders.append(np.full(zeros.size, float(n)))
         roots.append(zeros)
-    order, root = np.concatenate(orders), np.concatenate(roots)
-    read_only(order, root)
-    return order, root
+    every = Every(np.concatenate(orders), np.concatenate(roots), np.zeros(sum(each.size for each in roots)))
+    read_only(every.order, every.root, every.growing)
+    return every
+
+
+@lru_cache(maxsize=8)  # 3 MB each at most
+def _film_shapes(every: Every, steps: int) -> Array:
+    """Return the shapes (p, k) of a membrane's waves at `_radii`, read-only."""
+    shapes = _bessel(every.order, np.outer(_radii(steps), every.root))
+    read_only(shapes)
+    return shapes
 
 
 def _bessel(order: Array, x: Array) -> Array:
@@ -300,68 +322,46 @@ def _conditions(edge: str, nu: float, root: Array, order: Array) -> tuple[Array,
     )
 
 
-class _Search(NamedTuple):
-    """A search for roots: the orders and the cells of the grid (k,) in which they lie, and after each step (s, k)
-    the roots, which of them are settled, and which are exact."""
-
-    order: Array
-    cell: Indices
-    root: Array
-    settled: npt.NDArray[np.bool_]
-    exact: npt.NDArray[np.bool_]
-
-
-def _plate_roots(edge: str, nu: float, limit: float) -> tuple[Array, Array]:
-    """Return orders n and roots lambda of the determinant of the edge's conditions, 0 < lambda < limit."""
-    search = _search(edge, nu, min(rung for rung in _RUNGS if rung >= limit))
-    mine = (search.order <= math.ceil(limit)) & (search.cell < _grid(limit).size - 1)
-    # These alone decide which step is their last, so that a root does not depend on the rung, to the bit.
-    over = search.settled[:, mine].all(axis=1) | search.exact[:, mine].all(axis=1)
-    order, root = search.order[mine], search.root[np.argmax(over) if over.any() else -1, mine]
-    found = root < limit
-    return order[found], root[found]
-
-
-@lru_cache(maxsize=64)  # 10 MB at most; up to 150 ms each, of use for discs of any size
-def _search(edge: str, nu: float, limit: float) -> _Search:
-    """Return the search for the roots up to a limit, read-only."""
+def _search(edge: str, nu: float, limit: float) -> tuple[Array, Array]:
+    """Return orders and roots up to a limit; a root does not depend on the limit, to the bit."""
 
     def determinant(root: Array, order: Array) -> Array:
         j1, j2, i1, i2 = _conditions(edge, nu, root, order)
         return j1 * i2 - j2 * i1
 
     # For one n the roots lie about pi apart, the first of them above n/2.
-    grid = _grid(limit)
+    grid = np.arange(_STEP, limit + 1, _STEP)
     orders = np.arange(math.ceil(limit) + 1.0)
     value = determinant(grid[None], orders[:, None])
     row, cell = np.nonzero(np.signbit(value[:, :-1]) != np.signbit(value[:, 1:]))
     low, high, order = grid[cell], grid[cell + 1], orders[row]
     at_low, at_high = value[row, cell], value[row, cell + 1]
-    steps = []
+    found, settled = np.zeros_like(low), np.zeros(low.shape, np.bool_)
     for _ in range(_FALSI_STEPS):  # regula falsi, the stale end's value halved (Illinois): to rounding in 8 to 11 steps
         root = (low * at_high - high * at_low) / (at_high - at_low)
         at_root = determinant(root, order)
         crossed = np.signbit(at_root) != np.signbit(at_high)
         low, at_low = np.where(crossed, high, low), np.where(crossed, at_high, at_low / 2)
         high, at_high = root, at_root
-        steps.append((root, np.abs(high - low) < 1e-13 * high, at_root == 0))
-        if steps[-1][1].all() or steps[-1][2].all():
+        found = np.where(settled, found, root)
+        settled |= (np.abs(high - low) < 1e-13 * high) | (at_root == 0)
+        if settled.all():
             break
-    search = _Search(order, cell, *map(np.array, zip(*steps, strict=True)))
-    read_only(*search)
-    return search
+    mine = found < limit
+    return order[mine], found[mine]
 
 
-def _grid(limit: float) -> Array:
-    """Return wavenumbers at which the sign of a determinant is looked at, to find roots up to a limit."""
-    return np.arange(_STEP, limit + 1, _STEP)
+def _plate_waves(edge: str, nu: float, limit: float) -> tuple[Every, Array]:
+    """Return all waves J_n(root r) + c I_n(root r)/I_n(root) up to a root of `limit` or more, and the integrals of r
+    times their squares (k,)."""
+    return _waves_to(edge, nu, min(rung for rung in _RUNGS if rung >= limit))
 
 
-def _plate_waves(edge: str, nu: float, root: Array, order: Array) -> tuple[Array, Array]:
-    """Return the c (k,) of the shapes J_n(root r) + c I_n(root r) / I_n(root), and the integrals of r times their
-    squares."""
+@lru_cache(maxsize=16)  # 1 MB each, and as much as is solved of the air
+def _waves_to(edge: str, nu: float, rung: float) -> tuple[Every, Array]:
     from scipy.special import ive, jv
 
+    order, root = _search(edge, nu, rung)
     j1, j2, i1, i2 = _conditions(edge, nu, root, order)
     second = np.abs(i2) > np.abs(i1)  # the better conditioned of the two
     c = -np.where(second, j2, j1) / np.where(second, i2, i1)
@@ -373,20 +373,20 @@ def _plate_waves(edge: str, nu: float, root: Array, order: Array) -> tuple[Array
     square = 0.5 * (dj**2 + (1 - ratio) * j**2)
     square += c**2 * 0.5 * ((1 + ratio) - di**2)
     square += 2 * c * (j * di - dj) / (2 * root)
-    return c, square
+    read_only(order, root, c, square)
+    return Every(order, root, c), square
 
 
-@lru_cache(maxsize=16)  # 20 MB at most; 100 ms each
-def _plate_shapes(*columns: bytes) -> Array:
-    """Return the radial shapes (p, k) J + c I, read-only.
+@lru_cache(maxsize=8)  # 3 MB each at most
+def _plate_shapes(every: Every, steps: int) -> Array:
+    """Return the shapes J + c I (p, k) of a plate's waves at `_radii`, read-only."""
+    from scipy.special import ive
 
-    columns: bytes, which can be a key, of radii (p,) in 0..1, roots, orders and c (k,).
-    """
-    from scipy.special import ive, jv
-
-    r, root, order, c = (np.frombuffer(column) for column in columns)
-    x = np.outer(r, root)
-    growing = ive(order, x) / ive(order, root) * np.exp(x - root)
-    shapes: Array = jv(order, x) + c * growing
+    x = np.outer(_radii(steps), every.root)
+    shapes = _bessel(every.order, x)
+    row, mode = np.nonzero(x > every.root - _FADED)
+    order, root, at = every.order[mode], every.root[mode], x[row, mode]
+    edge = ive(every.order, every.root)
+    shapes[row, mode] += every.growing[mode] * ive(order, at) / edge[mode] * np.exp(at - root)
     read_only(shapes)
     return shapes

@@ -8,7 +8,6 @@ J_l(x)/x. Time goes as exp(-i omega t).
 """
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -18,80 +17,50 @@ from ..material import Array
 from ..modes import Indices
 from .quadrature import bessel, segment, spherical_bessel
 
-_AT_ONCE = 8000  # places in the spectrum of which the Bessel functions are found together
 _MARGIN = 2  # terms beyond those that the waves need
 
 
 class Waves(NamedTuple):
-    """Modes of one angular order: wavenumbers lambda times the radius (k,), the c above, the factor of both; k a."""
+    """Modes of one angular order: wavenumbers lambda times the radius (k,), the c above, the factor of both."""
 
     order: int
     root: Array
     growing: Array
     scale: Array
-    x: Array
 
 
-def free_disc(families: Sequence[Waves], radius: float) -> list[Complex]:
-    """Return the impedances (kg/s) of modes, both sides: of each family, and of many at once as that takes less
-    time."""
-    found: list[Complex] = []
-    plans = [_Plan(waves) for waves in families]
-    while plans:
-        sizes = np.cumsum([plan.points.size for plan in plans])
-        count = max(1, int(np.searchsorted(sizes, _AT_ONCE)))
-        found += _solve(plans[:count], radius)
-        plans = plans[count:]
-    return found
+def free_disc(waves: Waves, x: Array, radius: float) -> Complex:
+    """Return the impedances (kg/s) of modes, both sides, at places x = k a (p,): (p, k)."""
+    b, jump, _ = _jumps(waves, x)
+    whole = 2 * IMPEDANCE * radius**2 * _turn(waves.order) * x[:, None] * (jump * b).sum(axis=1)
+    return np.asarray(whole, np.complex128)
 
 
-class _Plan:
-    """The integrals of a family's matrices: places s (k, p) in the spectrum, the first of them below x, and weights."""
+def _jumps(waves: Waves, x: Array) -> tuple[Array, Complex, Indices]:
+    """Return the projections b (n, k), the jumps of pressure c (p, n, k) over 2 rho c x, and the degrees (n,)."""
+    order, root, x = waves.order, waves.root, x[:, None]
+    terms = max(4, math.ceil((max(x.max(), root.max()) - order) / 2) + _MARGIN)
+    degree = order + 2 * np.arange(terms) + 1
+    t, w = segment(0, math.pi / 2, 16 + 0.6 * x.max())
+    low = x * np.sin(t)
+    span = degree[-1] + 12.0
+    y, wy = segment(0, math.sqrt(span), 16 + 0.6 * span)
+    high = x + y**2
+    # sqrt(x^2 - s^2) - i s, and beyond x i (sqrt(s^2 - x^2) - s) without cancellation; static parts are known
+    travelling = x * np.cos(t) * w * x * np.cos(t) / low
+    evanescent = -(x**2) / (np.sqrt(high**2 - x**2) + high) / high * (2 * y * wy)
+    rest = np.concatenate([np.broadcast_to(-x * np.cos(t) * w, low.shape), evanescent], axis=1)
 
-    def __init__(self, waves: Waves) -> None:
-        self.waves, x = waves, waves.x[:, None]
-        terms = max(4, math.ceil((max(x.max(), waves.root.max()) - waves.order) / 2) + _MARGIN)
-        self.degree = waves.order + 2 * np.arange(terms) + 1
-        t, w = segment(0, math.pi / 2, 16 + 0.6 * x.max())
-        low = x * np.sin(t)
-        span = self.degree[-1] + 12.0
-        y, wy = segment(0, math.sqrt(span), 16 + 0.6 * span)
-        high = x + y**2
-        self.below = t.size
-        # sqrt(x^2 - s^2) - i s, and beyond x i (sqrt(s^2 - x^2) - s) without cancellation; static parts are known
-        self.travelling = x * np.cos(t) * w * x * np.cos(t) / low
-        evanescent = -(x**2) / (np.sqrt(high**2 - x**2) + high) / high * (2 * y * wy)
-        self.rest = np.concatenate([np.broadcast_to(-x * np.cos(t) * w, low.shape), evanescent], axis=1)
-        self.points = np.concatenate([low, high, waves.root[:, None]], axis=1)
-
-
-def _solve(plans: Sequence[_Plan], radius: float) -> list[Complex]:
-    found = []
-    for plan, (b, jump) in zip(plans, _jumps(plans), strict=True):
-        turn = _turn(plan.waves.order)
-        found.append(2 * IMPEDANCE * radius**2 * turn * plan.waves.x * np.einsum("kn,nk->k", jump, b))
-    return found
-
-
-def _jumps(plans: Sequence[_Plan]) -> list[tuple[Array, Complex]]:
-    """Return, for each family, the projections b (n, k), and the jumps of pressure c (k, n) over 2 rho c x."""
-    count = 1 + max(int(plan.degree[-1]) for plan in plans)
-    table = spherical_bessel(count, np.concatenate([plan.points.ravel() for plan in plans]))
-    found: list[tuple[Array, Complex]] = []
-    first = 0
-    for plan in plans:
-        degree = plan.degree
-        mine = table[degree, first : first + plan.points.size].reshape(degree.size, *plan.points.shape)
-        first += plan.points.size
-        b = _projections(plan.waves, degree, mine[:, :, -1], 0.5)
-        j = mine[:, :, :-1].transpose(1, 0, 2)
-        travels = j[:, :, : plan.below]
-        a = 1j * ((j * plan.rest[:, None]) @ j.transpose(0, 2, 1))
-        a += (travels * plan.travelling[:, None]) @ travels.transpose(0, 2, 1)
-        a += np.diag(1j * math.pi / (2 * (2 * degree + 1)))
-        jump: Complex = np.asarray(np.linalg.solve(a, b.T[:, :, None] + 0j)[..., 0], np.complex128)
-        found.append((b, jump))
-    return found
+    places = np.concatenate([low, high], axis=1)
+    table = spherical_bessel(int(degree[-1]) + 1, np.append(places, root))[degree]
+    b = _projections(waves, degree, table[:, places.size :], 0.5)
+    j = table[:, : places.size].reshape(degree.size, *places.shape).transpose(1, 0, 2)
+    travels = j[:, :, : t.size]
+    a = 1j * ((j * rest[:, None]) @ j.transpose(0, 2, 1))
+    a += (travels * travelling[:, None]) @ travels.transpose(0, 2, 1)
+    a += np.diag(1j * math.pi / (2 * (2 * degree + 1)))
+    jump = np.linalg.solve(a, np.broadcast_to(b + 0j, (len(x), *b.shape)))
+    return b, np.asarray(jump, np.complex128), degree
 
 
 def _turn(order: int) -> float:
@@ -116,25 +85,25 @@ def _projections(waves: Waves, degree: Indices, whole: Array, half: float) -> Ar
     return projected
 
 
-def baffled_disc(waves: Waves, radius: float) -> Complex:
-    """Return the impedances (kg/s) of the modes of a disc in a wall, on one of its sides.
+def baffled_disc(waves: Waves, x: Array, radius: float) -> Complex:
+    """Return the impedances (kg/s) of the modes of a disc in a wall, on one of its sides, at places x = k a (p,): (p,
+    k).
 
     2 pi eps rho c a^2 int Phi(s)^2 s/sqrt(1 - (s/x)^2) ds, Phi the mode's Hankel transform.
     """
-    order, x = waves.order, waves.x
-    terms = max(8, math.ceil((waves.root.max() - order) / 2) + 12)
+    order, root, x = waves.order, waves.root, x[:, None]
+    terms = max(8, math.ceil((root.max() - order) / 2) + 12)
     degree = order + 2 * np.arange(terms) + 1
-    whole = bessel(int(degree[-1]) + 1, waves.root)[degree]
+    whole = bessel(int(degree[-1]) + 1, root)[degree]
     series = 2 * degree[:, None] * _projections(waves, degree, whole, 0.0)
     t, w = segment(0, math.pi / 2, 16 + 0.75 * x.max())
-    low = np.outer(x, np.sin(t))
-    reach = max(2.5 * waves.root.max(), 3 * x.max()) + 40
+    low = x * np.sin(t)
+    reach = max(2.5 * root.max(), 3 * x.max()) + 40
     y, wy = segment(0, math.sqrt(reach), 32 + 0.7 * reach)
-    high = x[:, None] + y**2
+    high = x + y**2
     s = np.concatenate([low, high], axis=1)
-    transform = np.einsum("nk,nks->ks", series, bessel(int(degree[-1]) + 1, s)[order + 1 :: 2]) / s
-    weights = np.concatenate(
-        [np.outer(x, w) * low + 0j, -1j * x[:, None] * high * 2 * wy / np.sqrt(2 * x[:, None] + y**2)], axis=1
-    )
-    whole_impedance = IMPEDANCE * radius**2 * _turn(order) * (weights * transform**2).sum(axis=1)
+    table = bessel(int(degree[-1]) + 1, s)[order + 1 :: 2].reshape(terms, -1)
+    transform = (series.T @ table).reshape(-1, *s.shape) / s
+    weights = np.concatenate([x * w * low + 0j, -1j * x * high * 2 * wy / np.sqrt(2 * x + y**2)], axis=1)
+    whole_impedance = IMPEDANCE * radius**2 * _turn(order) * np.einsum("ps,kps->pk", weights, transform**2)
     return np.asarray(whole_impedance, np.complex128)

@@ -84,24 +84,23 @@ def test_the_centre_moves_only_in_axisymmetrical_modes(shape):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("edge", disc.EDGES)
-def test_roots_do_not_depend_on_how_far_was_searched(edge, monkeypatch):
-    limits = (0.5, 5.5, 17.9, 18.0, 30.8, 45.0)
-    found = [disc._plate_roots(edge, 0.34, limit) for limit in limits]
-    for limit, few in zip(limits, found, strict=True):
-        monkeypatch.setattr(disc, "_RUNGS", (limit,))
-        for array, alone in zip(few, disc._plate_roots(edge, 0.34, limit), strict=True):
-            assert array.tobytes() == alone.tobytes()
+def test_roots_do_not_depend_on_how_far_was_searched(edge):
+    order, root = disc._search(edge, 0.34, 60.0)
+    for limit in (0.5, 5.5, 17.9, 18.0, 30.8, 45.0):
+        few = disc._search(edge, 0.34, limit)
+        for array, alone in zip((order, root), few, strict=True):
+            assert array[root < limit].tobytes() == alone[few[1] < limit].tobytes()
 
 
 def test_what_is_kept_for_the_next_body_cannot_be_changed():
-    order, root = disc._membrane_roots(disc._enough(2))
-    columns = (np.ones(1).tobytes(), root[:2].tobytes(), order[:2].tobytes(), np.ones(2).tobytes())
+    film = disc._membrane_waves(disc._enough(2))
+    every, square = disc._plate_waves("free", 0.3, 9)
     kept = [
-        order,
-        root,
+        *(getattr(each, name) for each in (film, every) for name in ("order", "root", "growing")),
         *disc._bessel_table(),
-        disc._plate_shapes(*columns),
-        *disc._search("free", 0.3, 9),
+        disc._plate_shapes(every, 5),
+        disc._film_shapes(film, 5),
+        square,
     ]
     for array in kept:
         with pytest.raises(ValueError, match="read-only"):

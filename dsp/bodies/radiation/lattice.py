@@ -1,0 +1,84 @@
+"""Impedances of modes over the frequency, solved at fixed places of x = k a, whatever body asks for them.
+
+A body's size, thickness and density say where its modes lie, but not how a mode of that shape radiates at an x. So it
+is solved at the places of a lattice, which are the same for all bodies, kept, and interpolated between them. A value
+depends on its place and its group of modes alone, and not on what was asked for before, to the bit.
+"""
+
+from collections.abc import Callable
+from threading import Lock
+
+import numpy as np
+
+from ..air import Complex
+from ..material import Array
+from ..modes import Indices
+
+COLUMNS = 8
+"""Modes that are solved together, at most."""
+
+_BEND = 3.0  # x from which on the places are equally far apart in x, and below which in ln x
+_STEP = 0.2  # of ln x + x/_BEND, between places
+_NODES = 4  # between which a value is interpolated
+_AT_ONCE = 8  # places that are solved together
+_LOWEST, _PIECES = -25, 200  # pieces of so many places: from x = 1e-17 to 800
+_NOISE = 1e-15  # of an impedance: less resistance is rounding
+
+Solve = Callable[[int, Array], Complex]
+"""A group's number and places x (p,) -> impedances of its modes there, (p, modes)."""
+
+
+class Curves:
+    """The impedances of groups of modes, as far as they were asked for. Any thread may ask."""
+
+    def __init__(self, groups: int, solve: Solve) -> None:
+        self._solve = solve
+        self._slot = np.full((groups, _PIECES), -1, np.int32)
+        self._values = np.empty((16, _AT_ONCE, COLUMNS), np.complex128)
+        self._count = 0
+        self._lock = Lock()
+
+    def at(self, group: Indices, column: Indices, x: Array) -> Complex:
+        """Return the impedances of modes (n,), by their groups and columns there, at x > 0 (n,), interpolated by cubics
+        of ln R and of the mass."""
+        along = _along(x) / _STEP
+        first = np.floor(along).astype(int) - _NODES // 2 + 1
+        places = first + np.arange(_NODES)[:, None]
+        piece = places // _AT_ONCE - _LOWEST
+        with self._lock:
+            lacking = self._slot[group, piece] < 0
+            if lacking.any():
+                self._add(np.broadcast_to(group, piece.shape)[lacking], piece[lacking])
+            found = self._values[self._slot[group, piece], places % _AT_ONCE, column]
+        resistance = np.log(np.maximum(found.real, _NOISE * np.abs(found)))
+        mass = found.imag / _x_of(places)
+        weights = _weights(along - first)
+        return np.asarray(np.exp((weights * resistance).sum(axis=0)) + 1j * x * (weights * mass).sum(axis=0))
+
+    def _add(self, groups: Indices, pieces: Indices) -> None:
+        """Solve groups of modes at pieces of the lattice."""
+        for number in np.unique(groups * _PIECES + pieces):
+            group, piece = divmod(int(number), _PIECES)
+            solved = self._solve(group, _x_of((piece + _LOWEST) * _AT_ONCE + np.arange(_AT_ONCE)))
+            if self._count == len(self._values):
+                self._values = np.concatenate([self._values, np.empty_like(self._values)])
+            self._values[self._count, :, : solved.shape[1]] = solved
+            self._slot[group, piece] = self._count
+            self._count += 1
+
+
+def _along(x: Array) -> Array:
+    return np.asarray(np.log(x) + x / _BEND)
+
+
+def _x_of(place: Indices) -> Array:
+    """Return the x of places by their numbers: of ln x + x/_BEND = number _STEP."""
+    from scipy.special import wrightomega
+
+    return np.asarray(_BEND * wrightomega(place * _STEP - np.log(_BEND)), np.float64)
+
+
+def _weights(t: Array) -> Array:
+    """Return the weights (_NODES, n) of values at 0, 1, 2, 3 in a cubic's value at t."""
+    a, b, c, d = t, t - 1, t - 2, t - 3
+    return np.stack([-b * c * d / 6, a * c * d / 2, -a * b * d / 2, a * b * c / 6])
