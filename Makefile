@@ -79,12 +79,13 @@ picture: $(DEV)  ## take the picture of the page, in Chromium
 documents: $(DEV)  ## write the tables of all pages
 	@$(BIN)/python -m tests.documents.pages
 
-study: $(DEV)  ## the hour-long stress tests: recordings, data sets, simulators, extreme contacts, a long evening, threads that hog, a million packets
+study: $(DEV)  ## the hour-long stress tests: recordings, data sets, simulators, meshes, extreme contacts, a long evening, threads that hog, a million packets
 	$(BIN)/python -m tests.bench.recordings
 	$(BIN)/python -m tests.bench.fits
 	$(BIN)/python -m tests.bench.worlds
 	$(BIN)/python -m tests.bench.simulators
 	$(BIN)/python -m tests.bench.datasets
+	$(BIN)/python -m tests.bench.meshes --errors
 	$(BIN)/python -m tests.bench.extremes
 	$(BIN)/python -m tests.bench.extreme_groups
 	$(BIN)/python -m tests.bench.friction
