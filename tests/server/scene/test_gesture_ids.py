@@ -200,7 +200,7 @@ def test_ids_are_kept_and_made_where_they_are_needed(played):
     say(played, "/object/new", long, "wood-block")
     assert say(played, f"/object/{long}/bounce", 0.01) == [] and say(played, f"/object/{long}/press", 1.0) == []
     say(played, "/object/pane/bounce", 0.01, "id", "ball")
-    seconds(played, 20.0)
+    seconds(played, 5.0)
     assert ("ball", None) in ends(played)
     refusal(played, "/object/pane/bounce", 0.01, "id", "ball", "dissipation", 1e-310)
     number = played.gestures._known.names["ball"].number
