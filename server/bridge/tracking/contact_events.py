@@ -215,6 +215,7 @@ def _hit(state: State, pair: Pair) -> None:
     mass = pair.mass / count
     if math.isnan(mass):
         mass = 1.0 / lightness
+    pair.taken += mass * (state.lightness[pair.a] + state.lightness[pair.b])
     event = _tell(state, pair, HIT)
     if event < 0:
         return

@@ -16,6 +16,8 @@ it falls closes up to twice as fast."""
 
 _ROCKS, _STEEPEST = 2.0, 1.0  # times the friction; the greatest share
 _ALIGNED = 0.98  # cosine between two normals of one plane
+_WHOLE, _ALIKE = 0.8, 1.05  # of the bodies' mass; times as fast as they sink, at most
+_SUNK = 0.005  # m/s
 _BRIEF = 0.01  # s of flight that is no flight
 _LIFTED = 1.1  # times as fast as its last blow left it, at least: no bounce does
 _LONGEST_HOP = 0.15  # s that what slides may be without a contact
@@ -27,6 +29,9 @@ _STILL = 0.01  # share of that: no other point is as near
 @kernel
 def clear(pair: Pair) -> None:
     """Forget the points of the step before."""
+    pair.sank, pair.sinks = pair.sinks, 0.0
+    if pair.sank < _SUNK:
+        pair.taken = 0.0
     pair.count = pair.fresh = pair.followed = 0
     pair.swept[0] = pair.swept[1] = 0.0
     pair.weight = pair.slip = pair.force = pair.closes = pair.speed = pair.delay = pair.mass = pair.restitution = 0.0
@@ -44,6 +49,7 @@ def _find(state: State, a: int, b: int) -> int:
     state.touching += 1
     state.place[a, b] = place + 1
     pair = state.pairs[place]
+    pair.sinks = 0.0
     clear(pair)
     pair.a, pair.b = a, b
     pair.side = _struck(state, a, b)
@@ -99,7 +105,8 @@ def take_point(state: State, n: int, span: float, least: float) -> None:
         pair.normal[k] += sign * normal[k]
     pair.steepest = _steepest(state.friction[n])
     fresh = _is_new(state, pair, n, span, abs(approach) + slip)
-    fresh = fresh and approach > least and not _grazes(pair, approach, slip)
+    pair.sinks = max(pair.sinks, approach)
+    fresh = fresh and approach > least and not _grazes(pair, approach, slip) and not _sinks(pair, approach)
     if fresh and not _goes_on(state, pair, n, sign, span, approach):
         pair.fresh += 1
         pair.speed += approach
@@ -127,6 +134,13 @@ def _grazes(pair: Pair, approach: float, slip: float) -> bool:
     if pair.stood == 0 and pair.flown < math.inf and approach > _LIFTED * pair.left:
         pair.stood = 1
     return pair.stood == 1 or pair.flown < _BRIEF
+
+
+@kernel
+def _sinks(pair: Pair, approach: float) -> bool:
+    """True if a new point closes only as the bodies still sink into each other, whose blow took all of their mass: a
+    simulator takes some time to stop them, and others of their points come to touch meanwhile."""
+    return pair.taken >= _WHOLE and approach <= _ALIKE * pair.sank
 
 
 @noinline_kernel

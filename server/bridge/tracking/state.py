@@ -74,6 +74,9 @@ class Pair(Record):
     slip: float
     force: float
     closes: float  # m/s, times the weight
+    sinks: float  # m/s: the fastest of this step's points
+    sank: float  # m/s: and of the last step's
+    taken: float  # share of the bodies' mass that the blows of this landing took
     # Of the last step that had any: the mean of their normals, and the way to them from the smaller body's centre.
     facing: Annotated[View[float], 3]
     arm: Annotated[View[float], 3]

@@ -1,0 +1,56 @@
+"""Bodies of many geoms that land whole: one blow, though a simulator takes some time to stop them, and points of other
+geoms come to touch meanwhile."""
+
+import math
+
+import pytest
+
+pytest.importorskip("mujoco", reason="without mujoco nothing simulates")
+import mujoco  # noqa: E402
+
+from carom.mujoco import Bridge  # noqa: E402
+
+SCENE = """<mujoco><option timestep="{step}"/><default><geom solref="{solref} 1"/></default><worldbody>
+<geom name="floor" type="plane" size="2 2 .1"/>
+<body name="mover" pos="0 0 {height}" {turn}><freejoint/>{geoms}</body></worldbody></mujoco>"""
+
+
+def bowl():
+    """Return seven rings of seven plates, which touch a floor by ring after ring as they sink into it."""
+    geoms = ""
+    for ring in range(7):
+        down = math.radians(10 + 12 * ring)
+        for place in range(7):
+            way = [math.sin(down) * f(2 * math.pi * place / 7) for f in (math.cos, math.sin)]
+            x, y, z = 0.08 * way[0], 0.08 * way[1], 0.08 * (1 - math.cos(down))
+            size = f".009 {0.08 * math.sin(down) * math.pi / 7 + 0.004:.4f} .0015"
+            normal = f"{-way[0]:.4f} {-way[1]:.4f} {math.cos(down):.4f}"
+            geoms += f'<geom type="box" size="{size}" pos="{x:.4f} {y:.4f} {z:.4f}" zaxis="{normal}"/>'
+    return geoms
+
+
+def landed(geoms, step, solref, turn="", seconds=0.15):
+    """Return the blows of a body that falls from 5 cm, and its mass times its speed when it lands."""
+    xml = SCENE.format(step=step, solref=solref, height=0.05, turn=turn, geoms=geoms)
+    model = mujoco.MjModel.from_xml_string(xml)
+    data = mujoco.MjData(model)
+    bridge = Bridge(model, data, rate=16_000, microphones=[(0, 0, 1)])
+    hits, fastest = [], 0.0
+    while data.time < seconds:
+        bridge.step()
+        hits += bridge.world.hits
+        fastest = max(fastest, -float(data.qvel[2]))
+    return hits, float(model.body_mass[1]) * fastest
+
+
+@pytest.mark.parametrize(("step", "solref"), [(0.001, 0.02), (0.002, 0.02), (0.002, 0.005)])
+def test_a_bowl_of_pieces_lands_once(step, solref):
+    hits, momentum = landed(bowl(), step, solref)
+    assert len(hits) == 1
+    assert hits[0].impulse == pytest.approx(momentum, rel=0.15)  # a critically damped contact gives back nothing
+
+
+def test_a_plank_that_lands_on_one_end_slaps_with_the_other():
+    """The first blow takes a part of its mass alone: the second one is told, and harder."""
+    hits, _ = landed('<geom type="box" size=".2 .03 .01"/>', 0.001, 0.005, 'euler="0 6 0"')
+    assert len(hits) >= 2 and hits[1].speed > hits[0].speed
