@@ -6,9 +6,9 @@ import math
 import pytest
 
 pytest.importorskip("mujoco", reason="without mujoco nothing simulates")
-import mujoco  # noqa: E402
+import mujoco
 
-from carom.mujoco import Bridge  # noqa: E402
+from carom.mujoco import Bridge
 
 SCENE = """<mujoco><option timestep="{step}"/><default><geom solref="{solref} 1"/></default><worldbody>
 <geom name="floor" type="plane" size="2 2 .1"/>
