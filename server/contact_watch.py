@@ -47,10 +47,11 @@ class ContactWatch:
 
     def look(self, trace: NDArray[np.void]) -> tuple[list[Touching], list[Touching]]:
         """Return the blows that are over, and what touches on, by what was traced since the last call."""
-        trace = trace[trace["kind"] == PUSHED]
-        order = np.argsort(trace["contact"], kind="stable")
-        places = np.flatnonzero(np.diff(trace["contact"][order])) + 1
-        runs = {int(run["contact"][0]): run for run in np.split(trace[order], places) if len(run)}
+        pushed = np.flatnonzero(trace["kind"] == PUSHED)
+        order = pushed[np.argsort(trace["contact"][pushed], kind="stable")]
+        numbers = trace["contact"][order]
+        starts = np.flatnonzero(np.diff(numbers, prepend=-1))
+        runs = dict(zip(numbers[starts].tolist(), np.split(order, starts[1:]), strict=False))
         over = [number for number in self._open if number not in runs]
         blows = [each for each in map(self._open.pop, over) if not each.goes_on]
         on = []
@@ -60,25 +61,27 @@ class ContactWatch:
                 if len(self._open) >= _MOST_OPEN:
                     self.lost += 1
                     continue
-                first = run[0]
+                first = trace[run[0]]
                 touching = self._open[number] = Touching(
                     int(first["gesture"]), int(first["slot"]), float(first["position"]), float(first["speed"]),
                     float(first["velocity"]), float(first["begin"]),
                 )  # fmt: skip
-            self._add(touching, run)
+            self._add(touching, trace, run)
             if touching.goes_on:
                 on.append(touching)
         return blows, on
 
-    def _add(self, touching: Touching, run: NDArray[np.void]) -> None:
-        touching.goes_on = touching.goes_on or float(run["end"][-1]) - touching.begin > _BLOW * self._rate
+    def _add(self, touching: Touching, trace: NDArray[np.void], run: NDArray[np.int64]) -> None:
+        """Add the entries of a contact, in their order."""
+        impulse, last = trace["impulse"][run], trace[run[-1]]
+        touching.goes_on = touching.goes_on or float(last["end"]) - touching.begin > _BLOW * self._rate
         if touching.goes_on:
-            touching.strength = float(np.sqrt(np.mean(np.square(run["impulse"]))) * self._rate)
-            touching.position, touching.speed = float(run["position"][-1]), float(run["speed"][-1])
+            touching.strength = float(np.sqrt(np.mean(np.square(impulse))) * self._rate)
+            touching.position, touching.speed = float(last["position"]), float(last["speed"])
         elif len(touching.force) < _MOST_FORCES:
-            touching.force += (run["impulse"] * self._rate).tolist()
-        touching.impulse += float(run["impulse"].sum())
-        touching.end = float(run["end"][-1])
+            touching.force += (impulse * self._rate).tolist()
+        touching.impulse += float(impulse.sum())
+        touching.end = float(last["end"])
 
 
 def thinned(values: list[float], most: int) -> list[float]:

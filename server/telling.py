@@ -18,6 +18,7 @@ from .subscribers import Subscribers
 CHANGES, LEVELS = 2, 3
 """Levels of /notify from which on contacts, and levels, are told."""
 _MOST_BLOWS = 64  # told at a look
+_MOST_SAMPLES = 1 << 16  # of contacts that are looked at: 70 may go on all the time; more would take too long
 _MOST_FORCES = 128  # values of a force
 _MOST_MODES = 12  # of an object that are told
 _MOST_LEVELS = 48  # objects
@@ -89,8 +90,9 @@ class Teller:
             self._watch = ContactWatch(self._engine.rate)
             self._engine.traced()  # what is left of an earlier time
             self._engine.trace(True)
-        blows, on = self._watch.look(self._engine.traced())
-        self._untold += max(0, len(blows) - _MOST_BLOWS)
+        trace = self._engine.traced(_MOST_SAMPLES)
+        blows, on = self._watch.look(trace)
+        self._untold += max(0, len(blows) - _MOST_BLOWS) + (len(trace) == _MOST_SAMPLES)
         for blow in blows[-_MOST_BLOWS:]:
             seconds = (blow.end - blow.begin) / self._engine.rate
             told = (*self._head(blow, blow.begin), blow.impulse, seconds, blow.velocity)

@@ -281,13 +281,14 @@ class Engine:
         notes = self._taken("notes", self._record["notes"]["entries"])
         return list(zip(notes["number"].tolist(), notes["time"].tolist(), strict=True))
 
-    def _taken(self, name: str, entries: NDArray[Any]) -> NDArray[Any]:
-        """Return the entries that a ring has got since the last call."""
+    def _taken(self, name: str, entries: NDArray[Any], most: int | None = None) -> NDArray[Any]:
+        """Return the entries that a ring has got since the last call, the newest of them if there are more than
+        `most`."""
         ring = self._record[name]
-        read = int(ring["read"][0])
         written = int(observe(ring["written"]))
-        places = np.arange(read, written) % len(entries) if read < written else slice(0)
-        taken: NDArray[Any] = entries[places]
+        read = max(int(ring["read"][0]), written - (most or len(entries)))
+        first, last = read % len(entries), written - read + read % len(entries)
+        taken: NDArray[Any] = np.concatenate([entries[first:last], entries[: max(0, last - len(entries))]])
         publish(ring["read"], written)
         return taken
 
@@ -304,10 +305,10 @@ class Engine:
         """Keep the forces of contacts from here on for `traced`, or no more."""
         self._record["trace"]["on"] = on
 
-    def traced(self) -> NDArray[np.void]:
-        """Return the forces of contacts since the last call, (n,) of TRACE; call it every 1,024 frames, so that none is
-        lost."""
-        return self._taken("trace", self._record["trace"]["entries"])
+    def traced(self, most: int | None = None) -> NDArray[np.void]:
+        """Return the forces of contacts since the last call, (n,) of TRACE, the newest if there are more than `most`;
+        call it every 1,024 frames, so that none is lost."""
+        return self._taken("trace", self._record["trace"]["entries"], most)
 
     def limited_energy(self) -> NDArray[np.float64]:
         """Return, by slot, the sum of squares of each object's share of the mix, over the quanta that the limiter

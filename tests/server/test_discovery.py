@@ -4,6 +4,7 @@ import socket
 from collections.abc import Iterator
 from contextlib import closing
 
+import numpy as np
 import pytest
 
 from carom.clients.client import Client
@@ -190,6 +191,23 @@ def test_contacts_are_put_together_across_looks():
     assert sum(blow.force) / 48_000 == pytest.approx(blow.impulse, rel=1e-9)
     assert len(on) > 100 and {(round(place, 12), speed) for place, speed, _ in on} == {(0.7, 0.5)}
     assert all(strength > 0.0 for *_, strength in on)
+
+
+def test_of_a_flood_of_contacts_the_newest_samples_are_looked_at():
+    engine, every = Engine(48_000), Engine(48_000)
+    for each in (engine, every):
+        each.trace(True)
+        session = Session(each, Presets())
+        session.perform([Message("/object/new", ("a", "wood-board"))], NOW)
+        for k in range(8):
+            session.perform([Message("/object/a/press", (1.0 + k,))], NOW)
+    for _ in range(3):  # round the ring, too
+        for each in (engine, every):
+            each.process(30_000)
+        newest, traced = engine.traced(70_000), every.traced()
+        assert len(newest) == 70_000 < len(traced)
+        np.testing.assert_array_equal(newest, traced[-70_000:])
+        assert len(engine.traced(70_000)) == 0
 
 
 def test_a_thinned_force_keeps_its_peak():
