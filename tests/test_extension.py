@@ -254,7 +254,7 @@ from carom.server.osc.tables import table
 
 # a roll's parameter at every accuracy
 ROLL = "0 /object/new board church-bell\\n0 /object/board/roll 0.5 striker glass-marble surface wood seed 1"
-for accuracy in ("-40", "-60", "-80", "exact"):
+for accuracy in ("-40", "-50", "-60", "-80", "exact"):
     plain, loose = (
         carom.render(f"0 /accuracy {accuracy}\\n{ROLL}{keys}", seconds=0.5).samples for keys in ("", " looseness 0.5")
     )

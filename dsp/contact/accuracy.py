@@ -12,19 +12,25 @@ import numpy as np
 
 from ..native.jit import kernel
 
-LEVELS = ("-40", "-60", "-80", "exact")
+LEVELS = ("-40", "-50", "-60", "-80", "exact")
 """Accuracies of the object's velocity, in dB; their places are their numbers."""
 
-RESIDUAL = np.array([7e-3, 4e-4, 3e-5, 0.0])
+DEFAULT = LEVELS.index("-60")
+"""The number of the accuracy that an engine begins with."""
+
+RESIDUAL = np.array([7e-3, 1.7e-3, 4e-4, 3e-5, 0.0])
 """Residual up to which the closed form has that accuracy."""
 
-TOLERANCE = np.array([1e-1, 1e-1, 1e-2, 1e-7])
+TOLERANCE = np.array([1e-1, 1e-1, 1e-1, 1e-2, 1e-7])
 """Tolerances of the coupled solver for it, on objects that outweigh the striker: sum r_i below LIGHT."""
+
+PARTS = np.array([0, 1, 2, 0, 0])
+"""Parts of a sample that lasting contacts are solved by in blocks (block.py), at least; 0: they are not."""
 
 LIGHT = 1.0
 """sum r_i from which on the object swings back and is touched again and again, by which errors grow."""
 
-LIGHT_TOLERANCE = np.array([2e-2, 2e-3, 1e-4, 1e-9])
+LIGHT_TOLERANCE = np.array([2e-2, 6e-3, 2e-3, 1e-4, 1e-9])
 """Tolerances there."""
 
 _HEAVY = 0.25  # sum r_i P_i from which on an object is too light

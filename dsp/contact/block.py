@@ -1,16 +1,20 @@
-"""A lasting contact with an object that rings freely but for it, a block of samples at a time.
+"""Lasting contacts with an object that rings freely but for them, a block of samples at a time.
 
 As in coupled.py the compression is x = D - int g f. Here D is laid out for a whole block (resonator/rows.py), and what
 the force of a sample does to the samples after it is added by a table, so that modes are read once a block. The unknown
 is F = f - f_0, with f_0 the force of a body at rest: gravity is gone from all else, and at rest nothing moves.
 
-The force over a sample is a line in each of HALVES halves, by its values at two Gauss nodes, where the law holds; its
+The force over a sample, or over each half of it, is a line by its values at two Gauss nodes, where the law holds; its
 MOMENTS_AHEAD Legendre moments are all that later samples feel. The path under the body is the line of least squares in
-each half, and so is its rate: so a kink gives the right impulse, and the work of the path is exact.
+each such part, and so is its rate: so a kink gives the right impulse, and the work of the path is exact. One part a
+sample is within -50 dB, two are within -60 dB.
+
+Several contacts are solved in turn, forwards and backwards, each with the forces of the others as they were found last.
 
 Energy: V = k x^(a+1)/(a+1) may grow by the force's work, sampled at the nodes, and by a small share of the greatest V.
-Where it would grow by more, as where a hard contact begins amid a sample, the block ends: what is left of it goes
-sample by sample, by steps as fine as they have to be (coupled_group.py).
+Where it would grow by more, the force is changed by the least that takes the excess: in proportion to x' at the nodes.
+Where that is too much, as where a hard contact begins amid a sample, the block ends: that sample is taken by steps as
+fine as they have to be (coupled_group.py), and another block begins after it.
 """
 
 import math
@@ -20,84 +24,138 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from ..native.jit import kernel
-from ..native.typed import Record, View, View2D
+from ..native.typed import Items, Record, View, View2D
 from ..numerics.checks import Array
 from ..numerics.legendre import AHEAD, FINE
 from .collocation import NODES, elastic, raised
-from .coupled_records import Coupled
+from .coupled_records import Coupled, Member
+from .power_series import POWERS
 
-HALVES = 2
-_PER_HALF = 2
-FORCES = HALVES * _PER_HALF
-"""Unknown forces in a sample."""
+TOGETHER = 4
+"""Contacts that are solved together, at most."""
 
-MOMENTS_AHEAD = 3
-"""Legendre moments of the force over a sample that later ones feel."""
+MOST_PARTS = 2
+"""Parts of a sample, at most."""
+
+_NODES = 2  # in a part
+FORCES = MOST_PARTS * _NODES
+"""Unknown forces in a sample, at most."""
+
+MOMENTS_AHEAD = MOST_PARTS + 1
+"""Legendre moments of the force over a sample that later ones feel: one fewer where it has one part, as a line has no
+more."""
 
 ROWS = 2 * FORCES + 1
-"""Rows of the free motion: displacement and its derivative at each node, and displacement at the sample's end."""
+"""Rows of the free motion, at most: displacement and its derivative at each node, and displacement at the sample's
+end."""
+
+STIFFEST = np.array([0.0, 0.5, 1.5])
+"""rad of a contact's swing in a sample, of body and object together, up to which so many parts of it follow."""
 
 _ALLOWED = 4e-6  # share of the greatest V by which it may grow beyond the force's work
+_MENDED = 1e-3  # share of the force by which it may be changed for that
+_ROUNDS = 4  # of such changes
 _CHANGED = 1e-2  # relative change of the forces that ends Newton's method: what is left is about its square
 _NEWTON_STEPS = 12
-_STIFFEST = 1.5  # rad of its swing in a sample: of body and object together
+_LEAST = 1e-300  # keeps a quotient finite
 _FIRST = 0.25  # of a sample: the first step to try after a block
-_WITHIN_HALF = (legendre.leggauss(_PER_HALF)[0] + 1.0) / 2.0
-_CARDINAL = np.linalg.inv(np.vander(_WITHIN_HALF, increasing=True))
-
-AT = np.concatenate([(half + _WITHIN_HALF) / HALVES for half in range(HALVES)])
-"""The nodes, in [0, 1] of a sample."""
+_WITHIN = (legendre.leggauss(_NODES)[0] + 1.0) / 2.0
+_CARDINAL = np.linalg.inv(np.vander(_WITHIN, increasing=True))
 
 
-def _answers(time: float, powers: int) -> Array:
-    """Return int_0^time (time - s)^n l_j(s) ds for n < powers, with l_j the force of a node that is 1: (powers,
-    FORCES)."""
+def nodes_of(parts: int) -> Array:
+    """Return the nodes of a sample of so many parts, in [0, 1] of it."""
+    return np.concatenate([(part + _WITHIN) / parts for part in range(parts)])
+
+
+def _padded(tables: list[Array]) -> Array:
+    """Return tables in one array, by parts, with zeros for nodes that there are not: first of none."""
+    found = np.zeros((len(tables) + 1, *tables[-1].shape))
+    for each, table in zip(found[1:], tables, strict=True):
+        each[tuple(slice(n) for n in table.shape)] = table
+    return found
+
+
+def _answers(parts: int, time: float, powers: int) -> Array:
+    """Return int_0^time (time - s)^n l_j(s) ds for n < powers, with l_j the force of a node that is 1: a column for
+    each node."""
     x, w = legendre.leggauss(FINE)
-    found = np.zeros((powers, FORCES))
-    for half in range(HALVES):
-        begin, end = half / HALVES, min((half + 1) / HALVES, time)
+    found = np.zeros((powers, parts * _NODES))
+    for part in range(parts):
+        begin, end = part / parts, min((part + 1) / parts, time)
         if end > begin:
             s = begin + (end - begin) * 0.5 * (x + 1.0)
-            lines = np.vander(HALVES * (s - begin), _PER_HALF, increasing=True) @ _CARDINAL
+            lines = np.vander(parts * (s - begin), _NODES, increasing=True) @ _CARDINAL
             weighted = 0.5 * (end - begin) * w[:, None] * lines
-            found[:, half * _PER_HALF : (half + 1) * _PER_HALF] = (time - s) ** np.arange(powers)[:, None] @ weighted
+            found[:, part * _NODES : (part + 1) * _NODES] = (time - s) ** np.arange(powers)[:, None] @ weighted
     return found
 
 
-_TO_NODES = np.array([_answers(float(c), FINE) for c in AT])  # [i, n, j]
-_RATES = np.array(
-    [np.concatenate([np.zeros((1, FORCES)), np.arange(1, FINE)[:, None] * each[:-1]]) for each in _TO_NODES]
-)
-_TO_END = _answers(1.0, FINE)
+def _to_nodes(parts: int) -> Array:
+    """Return those of the displacement at each node: (nodes, FINE, nodes)."""
+    return np.array([_answers(parts, float(c), FINE) for c in nodes_of(parts)])
 
 
-def _moments() -> Array:
-    """Return the Legendre moments of the force of each node over a sample of unit length: (MOMENTS_AHEAD, FORCES)."""
+def _rates(parts: int) -> Array:
+    """Return their derivatives over the time."""
+    powers = np.arange(1, FINE)[:, None]
+    return np.array([np.concatenate([0.0 * each[:1], powers * each[:-1]]) for each in _to_nodes(parts)])
+
+
+def _moments(parts: int) -> Array:
+    """Return the Legendre moments of the force of each node over a sample of unit length: (MOMENTS_AHEAD, nodes)."""
     x, w = legendre.leggauss(8)
-    found = np.zeros((MOMENTS_AHEAD, FORCES))
-    for half in range(HALVES):
+    found = np.zeros((MOMENTS_AHEAD, parts * _NODES))
+    for part in range(parts):
         u = 0.5 * (x + 1.0)
-        lines = np.vander(u, _PER_HALF, increasing=True) @ _CARDINAL
-        values = legendre.legvander(2.0 * (half + u) / HALVES - 1.0, MOMENTS_AHEAD - 1)
-        found[:, half * _PER_HALF : (half + 1) * _PER_HALF] = (0.5 / HALVES * w[:, None] * values).T @ lines
+        lines = np.vander(u, _NODES, increasing=True) @ _CARDINAL
+        values = legendre.legvander(2.0 * (part + u) / parts - 1.0, MOMENTS_AHEAD - 1)
+        found[:, part * _NODES : (part + 1) * _NODES] = (0.5 / parts * w[:, None] * values).T @ lines
     return found
 
 
-_MOMENTS = _moments()
-_SHARES = np.tile(_CARDINAL.T @ (1.0 / np.arange(1, _PER_HALF + 1)) / HALVES, HALVES)
+_PARTS = range(1, MOST_PARTS + 1)
+AT = _padded([nodes_of(parts) for parts in _PARTS])
+"""The nodes, in [0, 1] of a sample, by parts."""
+_TO_NODES = _padded([_to_nodes(parts) for parts in _PARTS])  # [parts, i, n, j]
+_RATES = _padded([_rates(parts) for parts in _PARTS])
+_TO_END = _padded([_answers(parts, 1.0, FINE) for parts in _PARTS])
+_MOMENTS = _padded([_moments(parts) for parts in _PARTS])
+_SHARES = _padded([np.tile(_CARDINAL.T @ (1.0 / np.arange(1, _NODES + 1)) / parts, parts) for parts in _PARTS])
+
+
+class Tables(Record):
+    """The answer of one contact's point to the force of one of those that are solved together."""
+
+    settled: int  # number of the receptance of the contact whose force it is, 0: none is known
+    later: Annotated[View2D[float], MOMENTS_AHEAD, AHEAD * ROWS]  # m/(N s): what a moment adds to rows of later samples
+    give_x: Annotated[View2D[float], FORCES, FORCES]  # m/N: what the forces take off at the nodes
+    give_v: Annotated[View2D[float], FORCES, FORCES]  # m/(N sample)
+    give_end: Annotated[View[float], FORCES]  # m/N
+
+
+class Net(Record):
+    """Contacts with one object that are solved together."""
+
+    size: int
+    contact: Annotated[View[int], TOGETHER]  # places among the contacts
+    block: Annotated[View[int], TOGETHER]  # and among the blocks
+    place: Annotated[View[float], TOGETHER]  # m: of each one's point
+    gain: Annotated[View[float], TOGETHER]  # factor on the force that the object gets, and
+    share: Annotated[View[float], TOGETHER]  # another one, in this sample
 
 
 class Block(Record):
     """A lasting contact and its tables."""
 
     settled: int  # number of the receptance that the tables are of, 0: none
-    later: Annotated[View2D[float], MOMENTS_AHEAD, AHEAD * ROWS]  # m/(N s): what a moment adds to rows of later samples
-    give_x: Annotated[View2D[float], FORCES, FORCES]  # m/N: what the forces take off at the nodes
-    give_v: Annotated[View2D[float], FORCES, FORCES]  # m/(N sample)
-    give_end: Annotated[View[float], FORCES]  # m/N
+    parts: int  # of a sample that they are for, 0: the contact is too stiff
+    tables: Annotated[View[Tables], TOGETHER]  # for the force of each member of the net, its own among them
     # While a block lasts:
     gained: float  # J: by how much the energy is above the least so far
     scale: float  # J: the greatest V so far
+    kept: float  # J: `gained` before the sample
+    most: float  # J: `scale` after it
     # m: the point's motion without the forces to come; the first end at its place now
     rows: Annotated[View[float], (AHEAD + 1) * ROWS]
     force: Annotated[View[float], FORCES]  # N
@@ -106,40 +164,72 @@ class Block(Record):
     height: Annotated[View[float], FORCES]  # m: of the path at the nodes, against the sample's beginning,
     slope: Annotated[View[float], FORCES]  # m per sample
     rise: float  # m: and at the sample's end
-    free_x: Annotated[View[float], FORCES]
-    free_v: Annotated[View[float], FORCES]
+    end: float  # m: compression then
+    solved: int  # 1: so Newton's method has ended
+    free_x: Annotated[View[float], FORCES]  # compression with no force but that at rest, then also with the others',
+    free_v: Annotated[View[float], FORCES]  # m per sample
+    seen_x: Annotated[View[float], FORCES]
+    seen_v: Annotated[View[float], FORCES]
     v: Annotated[View[float], FORCES]  # m per sample
     moments: Annotated[View[float], MOMENTS_AHEAD]  # N s: of F
 
 
 @kernel
-def is_soft(contact: Coupled) -> bool:
-    """True if two steps a sample follow the contact, as stiff as it is under its weight."""
-    stiffness = contact.a * contact.rest_force / contact.rest_compression
-    return math.sqrt(stiffness / contact.mass) * contact.period < _STIFFEST
+def forces_of(block: Block) -> int:
+    """Return the number of unknown forces in a sample of a block."""
+    return _NODES * block.parts
 
 
 @kernel
-def settle_block(block: Block, contact: Coupled) -> None:
-    """Set what the forces do within a sample, by a coupled contact's answer."""
-    for j in range(FORCES):
+def rows_of(block: Block) -> int:
+    """Return the number of rows that a block has."""
+    return 2 * forces_of(block) + 1
+
+
+@kernel
+def parts_for(contact: Coupled, least: int) -> int:
+    """Return the parts of a sample, `least` or more, that follow the contact, as stiff as it is under its weight; 0 if
+    no number does."""
+    stiffness = contact.a * contact.rest_force / contact.rest_compression
+    swing = math.sqrt(stiffness / contact.mass) * contact.period
+    for parts in range(least, MOST_PARTS + 1):
+        if swing < STIFFEST[parts]:
+            return parts
+    return 0
+
+
+@kernel
+def answer_of(receptance: View[float], period: float, answer: View[float]) -> None:
+    """Write how a point answers a force, m/(N sample), by a receptance (FINE, m/(N s))."""
+    answer[0] = 0.0
+    for n in range(1, FINE):
+        total = 0.0
+        for k in range(n, FINE):
+            total += POWERS[n, k] * receptance[k]
+        answer[n] = period * total
+
+
+@kernel
+def settle_tables(tables: Tables, answer: View[float], parts: int) -> None:
+    """Set what the forces do within a sample of so many parts, by an answer."""
+    for j in range(_NODES * parts):
         end = 0.0
         for n in range(FINE):
-            end += contact.answer[n] * _TO_END[n, j]
-        block.give_end[j] = end
-        for i in range(FORCES):
+            end += answer[n] * _TO_END[parts, n, j]
+        tables.give_end[j] = end
+        for i in range(_NODES * parts):
             x = v = 0.0
             for n in range(1, FINE):
-                x += contact.answer[n] * _TO_NODES[i, n, j]
-                v += contact.answer[n] * _RATES[i, n, j]
-            block.give_x[i, j] = x
-            block.give_v[i, j] = v
+                x += answer[n] * _TO_NODES[parts, i, n, j]
+                v += answer[n] * _RATES[parts, i, n, j]
+            tables.give_x[i, j] = x
+            tables.give_v[i, j] = v
 
 
 @kernel
 def renew_block(block: Block) -> None:
     """Begin with a contact anew."""
-    block.settled = 0
+    block.settled = block.parts = 0
     block.gained = block.scale = 0.0
 
 
@@ -147,8 +237,8 @@ def renew_block(block: Block) -> None:
 def begin_block(block: Block, contact: Coupled, place: float) -> None:
     """Begin a block with a coupled contact as it is; place (m): of the object's point now, by its free motion."""
     contact.position = contact.motion[0] + place
-    block.rows[ROWS - 1] = place
-    for j in range(FORCES):
+    block.rows[rows_of(block) - 1] = place
+    for j in range(forces_of(block)):
         block.force[j] = block.before[j] = contact.force[0] if contact.touching == 1 else 0.0
 
 
@@ -156,93 +246,137 @@ def begin_block(block: Block, contact: Coupled, place: float) -> None:
 def end_block(block: Block, contact: Coupled) -> None:
     """Leave the contact so that it can go on by samples, after as many of the block as were taken."""
     for j in range(NODES):
-        contact.force[j] = contact.step.f[j] = block.last[FORCES - 1] if contact.touching == 1 else 0.0
+        contact.force[j] = contact.step.f[j] = block.last[forces_of(block) - 1] if contact.touching == 1 else 0.0
     contact.last = 0.0
     contact.next = _FIRST
 
 
 @kernel
-def step_block(block: Block, contact: Coupled, n: int) -> bool:
-    """Take the contact through sample n of the block, with the path laid by `project_path`; `moments` gets those of F.
+def step_blocks(contacts: Items[Member], blocks: Items[Block], net: Net, n: int) -> bool:
+    """Take all contacts of a net through sample n of the block, with their paths laid by `project_path`; `moments` gets
+    those of F.
 
-    False, and nothing done, where its energy would grow: then the block ends before that sample.
+    False, and nothing done, where the energy of one would grow: then the block ends before that sample.
     """
-    h, rest = contact.period, contact.rest_force
-    pushed = h * (contact.push - rest) / contact.m  # m/s
-    _free(block, contact, n, h * contact.v, h * pushed)
-    for j in range(FORCES):
-        block.last[j] = block.force[j]
-    solved = _solve(block, contact)
-    moved = h * (contact.v + 0.5 * pushed) + block.rise
-    end, work, total = contact.position + moved - block.rows[(n + 1) * ROWS + ROWS - 1], 0.0, 0.0
-    for j in range(FORCES):
-        end -= block.give_end[j] * (block.force[j] - rest)
-        work += _SHARES[j] * block.force[j] * block.v[j]
-        total += block.force[j]
-    stored = elastic(end, contact.k, contact.a)
-    block.scale = max(block.scale, stored)
-    gained = block.gained + stored - elastic(contact.motion[0], contact.k, contact.a) - work
-    if not solved or gained > _ALLOWED * block.scale:
+    for i in range(net.size):
+        _predict(contacts[net.contact[i]].coupled, blocks[net.block[i]], i, n)
+    for i in range(net.size):
+        _solve(contacts, blocks, net, i)
+    for i in range(net.size - 2, -1, -1):
+        _solve(contacts, blocks, net, i)
+    if not _conserve(contacts, blocks, net, n):
+        for i in range(net.size):
+            blocks[net.block[i]].gained = blocks[net.block[i]].kept
         return False
-    block.gained = max(gained, 0.0)
-    for k in range(MOMENTS_AHEAD):
-        moment = 0.0
-        for j in range(FORCES):
-            moment += _MOMENTS[k, j] * (block.force[j] - rest)
-        block.moments[k] = h * moment
-    contact.position += moved - 0.5 * h / contact.m * (block.moments[0] - block.moments[1])
-    contact.v += pushed - block.moments[0] / contact.m
-    if total > 0.0 and contact.touching == 0:
-        contact.contacts += 1
-    contact.motion[0] = end
-    contact.touching = 1 if end > 0.0 else 0
-    for j in range(FORCES):
-        block.before[j] = block.last[j]
-    contact.steps += 1
+    for i in range(net.size):
+        _move(contacts[net.contact[i]].coupled, blocks[net.block[i]])
     return True
 
 
 @kernel
-def _free(block: Block, contact: Coupled, n: int, moved: float, pushed: float) -> None:
-    """Find compression and rate at the nodes with no force but that at rest; moved, pushed (m): by the striker's
-    velocity and its weight in a sample."""
-    rest = contact.rest_force
-    for i in range(FORCES):
-        at = AT[i]
-        x = contact.position + at * (moved + 0.5 * at * pushed) + block.height[i] - block.rows[(n + 1) * ROWS + 2 * i]
-        v = moved + at * pushed + block.slope[i] - block.rows[(n + 1) * ROWS + 2 * i + 1]
-        for j in range(FORCES):
-            x += block.give_x[i, j] * rest
-            v += block.give_v[i, j] * rest
-        block.free_x[i] = x
-        block.free_v[i] = v
+def _conserve(contacts: Items[Member], blocks: Items[Block], net: Net, n: int) -> bool:
+    """Change the forces of sample n so that no contact's energy grows by too much; false if that takes too much."""
+    for _ in range(_ROUNDS):
+        grows = False
+        for i in range(net.size):
+            excess = _account(contacts, blocks, net, i, n)
+            block = blocks[net.block[i]]
+            if block.solved == 0 or not math.isfinite(excess) or (excess > 0.0 and not _mend(block, excess)):
+                return False
+            grows |= excess > 0.0
+        if not grows:
+            return True
+    return False
 
 
 @kernel
-def _solve(block: Block, contact: Coupled) -> bool:
-    """Find the forces, one half of the sample after the other; false if Newton's method fails."""
-    solved = True
-    for half in range(HALVES):
-        i = _PER_HALF * half
-        j = i + 1
-        x0, x1, v0, v1 = block.free_x[i], block.free_x[j], block.free_v[i], block.free_v[j]
-        for p in range(i):
-            x0 -= block.give_x[i, p] * block.force[p]
-            x1 -= block.give_x[j, p] * block.force[p]
-            v0 -= block.give_v[i, p] * block.force[p]
-            v1 -= block.give_v[j, p] * block.force[p]
-        solved &= _solve_half(block, contact, i, x0, x1, v0, v1)
-    return solved
+def _mend(block: Block, excess: float) -> bool:
+    """Change the forces by the least that does so much more work (J), as the rates are; false if that is too much."""
+    square = most = 0.0
+    for k in range(forces_of(block)):
+        if block.force[k] > 0.0:
+            square += _SHARES[block.parts, k] * block.v[k] * block.v[k]
+            most = max(most, block.force[k])
+    for k in range(forces_of(block)):
+        if block.force[k] > 0.0:
+            change = excess / max(square, _LEAST) * block.v[k]
+            if not abs(change) <= min(_MENDED * most, block.force[k]):
+                return False
+            block.force[k] += change
+    return most > 0.0
 
 
 @kernel
-def _solve_half(block: Block, contact: Coupled, i: int, x0: float, x1: float, v0: float, v1: float) -> bool:
-    """Find the two forces of a half of the sample, from the line through those of the last two samples."""
+def _predict(contact: Coupled, block: Block, i: int, n: int) -> None:
+    """Find compression and rate at the nodes with no force but that at rest, and a first guess of the forces: by the
+    line through those of the last two samples."""
+    h, rest, forces, first = contact.period, contact.rest_force, forces_of(block), (n + 1) * rows_of(block)
+    pushed = h * h * (contact.push - rest) / contact.m
+    moved, own = h * contact.v, block.tables[i]
+    for k in range(forces):
+        at = AT[block.parts, k]
+        x = contact.position + at * (moved + 0.5 * at * pushed) + block.height[k] - block.rows[first + 2 * k]
+        v = moved + at * pushed + block.slope[k] - block.rows[first + 2 * k + 1]
+        for j in range(forces):
+            x += own.give_x[k, j] * rest
+            v += own.give_v[k, j] * rest
+        block.free_x[k] = x
+        block.free_v[k] = v
+        block.last[k] = block.force[k]
+        block.force[k] = max(2.0 * block.force[k] - block.before[k], 0.0)
+    block.kept = block.gained
+
+
+@kernel
+def _ratio(net: Net, i: int, j: int) -> float:
+    """Return the factor on what the force of contact j does to the point of another, i."""
+    return net.gain[j] * net.share[j] / net.gain[i]
+
+
+@kernel
+def _see(contacts: Items[Member], blocks: Items[Block], net: Net, i: int) -> None:
+    """Find a contact's compression and rate with the forces of all others beyond those at rest."""
+    block = blocks[net.block[i]]
+    for k in range(forces_of(block)):
+        block.seen_x[k], block.seen_v[k] = block.free_x[k], block.free_v[k]
+    for j in range(net.size):
+        if j != i:
+            other, tables, rest = blocks[net.block[j]], block.tables[j], contacts[net.contact[j]].coupled.rest_force
+            ratio = _ratio(net, i, j)
+            for k in range(forces_of(block)):
+                for p in range(forces_of(other)):
+                    force = ratio * (other.force[p] - rest)
+                    block.seen_x[k] -= tables.give_x[k, p] * force
+                    block.seen_v[k] -= tables.give_v[k, p] * force
+
+
+@kernel
+def _solve(contacts: Items[Member], blocks: Items[Block], net: Net, i: int) -> None:
+    """Find the forces of one contact, one part of the sample after the other."""
+    _see(contacts, blocks, net, i)
+    contact, block = contacts[net.contact[i]].coupled, blocks[net.block[i]]
+    own, solved = block.tables[i], True
+    for part in range(block.parts):
+        first = _NODES * part
+        second = first + 1
+        x0, x1, v0, v1 = block.seen_x[first], block.seen_x[second], block.seen_v[first], block.seen_v[second]
+        for p in range(first):
+            x0 -= own.give_x[first, p] * block.force[p]
+            x1 -= own.give_x[second, p] * block.force[p]
+            v0 -= own.give_v[first, p] * block.force[p]
+            v1 -= own.give_v[second, p] * block.force[p]
+        solved &= _solve_part(block, own, contact, first, (x0, x1, v0, v1))
+    block.solved = 1 if solved else 0
+
+
+@kernel
+def _solve_part(block: Block, own: Tables, contact: Coupled, i: int, seen: tuple[float, float, float, float]) -> bool:
+    """Find the two forces of a part of the sample; false if Newton's method fails."""
     j = i + 1
-    a00, a01, a10, a11 = block.give_x[i, i], block.give_x[i, j], block.give_x[j, i], block.give_x[j, j]
-    w00, w01, w10, w11 = block.give_v[i, i], block.give_v[i, j], block.give_v[j, i], block.give_v[j, j]
-    f0, f1 = 2.0 * block.force[i] - block.before[i], 2.0 * block.force[j] - block.before[j]
-    f0, f1 = max(f0, 0.0), max(f1, 0.0)
+    x0, x1, v0, v1 = seen
+    a00, a01, a10, a11 = own.give_x[i, i], own.give_x[i, j], own.give_x[j, i], own.give_x[j, j]
+    w00, w01, w10, w11 = own.give_v[i, i], own.give_v[i, j], own.give_v[j, i], own.give_v[j, j]
+    f0, f1 = block.force[i], block.force[j]
     if x0 <= 0.0 and x1 <= 0.0:
         f0 = f1 = 0.0
     rate = 1.0 / contact.period
@@ -263,8 +397,62 @@ def _solve_half(block: Block, contact: Coupled, i: int, x0: float, x1: float, v0
             solved = True
             break
     block.force[i], block.force[j] = f0, f1
-    block.v[i], block.v[j] = v0 - w00 * f0 - w01 * f1, v1 - w10 * f0 - w11 * f1
     return solved and math.isfinite(f0 + f1)
+
+
+@kernel
+def _account(contacts: Items[Member], blocks: Items[Block], net: Net, i: int, n: int) -> float:
+    """Find a contact's compression at the sample's end, its rates, and its energy's growth beyond its force's work.
+
+    Return by how much (J) that is above half of what it may be, where it is more than it may be; else 0.
+    """
+    contact, block = contacts[net.contact[i]].coupled, blocks[net.block[i]]
+    _see(contacts, blocks, net, i)
+    h, own, forces = contact.period, block.tables[i], forces_of(block)
+    moved = h * (contact.v + 0.5 * h * (contact.push - contact.rest_force) / contact.m) + block.rise
+    end, work = contact.position + moved - block.rows[(n + 2) * rows_of(block) - 1], 0.0
+    for j in range(net.size):
+        tables, other = block.tables[j], blocks[net.block[j]]
+        rest, ratio = contacts[net.contact[j]].coupled.rest_force, _ratio(net, i, j) if i != j else 1.0
+        for p in range(forces_of(other)):
+            end -= tables.give_end[p] * ratio * (other.force[p] - rest)
+    for k in range(forces):
+        rate = block.seen_v[k]
+        for p in range(forces):
+            rate -= own.give_v[k, p] * block.force[p]
+        block.v[k] = rate
+        work += _SHARES[block.parts, k] * block.force[k] * rate
+    block.end = end
+    stored = elastic(end, contact.k, contact.a)
+    block.most = max(block.scale, stored)
+    grown = block.kept + stored - elastic(contact.motion[0], contact.k, contact.a) - work
+    block.gained = max(grown, 0.0)
+    return 0.0 if grown <= _ALLOWED * block.most else grown - 0.5 * _ALLOWED * block.most
+
+
+@kernel
+def _move(contact: Coupled, block: Block) -> None:
+    """Go on to the sample's end."""
+    h, rest, forces = contact.period, contact.rest_force, forces_of(block)
+    total = 0.0
+    for k in range(MOMENTS_AHEAD):
+        moment = 0.0
+        for j in range(forces):
+            moment += _MOMENTS[block.parts, k, j] * (block.force[j] - rest)
+        block.moments[k] = h * moment
+    for j in range(forces):
+        total += block.force[j]
+        block.before[j] = block.last[j]
+    pushed = h * (contact.push - rest) / contact.m  # m/s
+    contact.position += h * (contact.v + 0.5 * pushed) + block.rise
+    contact.position -= 0.5 * h / contact.m * (block.moments[0] - block.moments[1])
+    contact.v += pushed - block.moments[0] / contact.m
+    if total > 0.0 and contact.touching == 0:
+        contact.contacts += 1
+    block.scale = block.most
+    contact.motion[0] = block.end
+    contact.touching = 1 if block.end > 0.0 else 0
+    contact.steps += 1
 
 
 @kernel
@@ -278,9 +466,23 @@ def _law(contact: Coupled, x: float, v: float) -> tuple[float, float, float]:
 
 
 @kernel
-def feel(block: Block, n: int, share: float) -> None:
-    """Add what a share of sample n's force does to the rows of the samples after it."""
-    m0, m1, m2 = share * block.moments[0], share * block.moments[1], share * block.moments[2]
-    later, rows, first = block.later, block.rows, (n + 2) * ROWS
-    for i in range((AHEAD - 1 - n) * ROWS):
+def feel(blocks: Items[Block], net: Net, n: int) -> None:
+    """Add what the forces of sample n do to the rows of the samples after it, of all contacts of a net."""
+    for i in range(net.size):
+        for j in range(net.size):
+            ratio = _ratio(net, i, j) if i != j else net.share[i]
+            _feel(blocks[net.block[i]], blocks[net.block[i]].tables[j], blocks[net.block[j]].moments, n, ratio)
+
+
+@kernel
+def _feel(block: Block, tables: Tables, moments: View[float], n: int, share: float) -> None:
+    """Add what a share of one force does to the rows of one contact."""
+    m0, m1, m2 = share * moments[0], share * moments[1], share * moments[2]
+    count = rows_of(block)
+    later, rows, first = tables.later, block.rows, (n + 2) * count
+    if block.parts == 1:
+        for i in range((AHEAD - 1 - n) * count):
+            rows[first + i] += later[0, i] * m0 + later[1, i] * m1
+        return
+    for i in range((AHEAD - 1 - n) * count):
         rows[first + i] += later[0, i] * m0 + later[1, i] * m1 + later[2, i] * m2

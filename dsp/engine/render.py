@@ -40,7 +40,7 @@ def update_objects(state: State) -> None:
         obj.driven_gain = 0.0
         obj.has_contact = obj.shares_contact = obj.driven_modes = 0
         obj.rolls_head = -1
-        obj.ahead = 0
+        obj.ahead = obj.resumes = 0
         obj.energy = 0.0
         for channel in range(2):
             obj.static_before[channel], obj.static[channel] = obj.static[channel], 0.0
@@ -94,10 +94,11 @@ def _render_group(state: State) -> None:
     for g in range(scratch.group_size):
         if state.objects[scratch.group[g]].sensors > 0:
             begin_sensing(state, state.objects[scratch.group[g]])
-    for g in range(scratch.group_size):
-        solve_blocks(state, state.objects[scratch.group[g]])
     frame = 0
     while frame < QUANTUM:
+        for g in range(scratch.group_size):
+            if frame >= state.objects[scratch.group[g]].resumes:
+                solve_blocks(state, state.objects[scratch.group[g]], frame)
         # The modes answer a force in the first frame that they ring after it.
         stop = QUANTUM
         _begin_and_solve(state, frame)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...dsp.contact.accuracy import LEVELS
+from ...dsp.contact.accuracy import DEFAULT, LEVELS
 from ...dsp.wording import expected
 from .bodies import WorldError
 from .shapes import Vector
@@ -39,7 +39,7 @@ class Hearing:
     microphones: one for each channel. faintest: dB over 20 µPa, below which a contact is left out. masked: dB by which
     it may lie below what was heard within 0.1 s. blows: the most in 50 ms; gestures: the most that slip or sweep at
     once; the loudest are taken. seed: of the surfaces on which bodies slide and roll. accuracy: of blows, as
-    `/accuracy` has it: "-40" (dB), "-60", "-80" or "exact"; a server keeps its own.
+    `/accuracy` has it: "-40" (dB), "-50", "-60", "-80" or "exact"; a server keeps its own.
     """
 
     microphones: Sequence[Microphone] = (Microphone((0.0, 0.0, 1.5)),)
@@ -48,7 +48,7 @@ class Hearing:
     blows: int = 200
     gestures: int = 24
     seed: int = 0
-    accuracy: str | int = LEVELS[1]
+    accuracy: str | int = LEVELS[DEFAULT]
 
     def __post_init__(self) -> None:
         if not 1 <= len(self.microphones) <= 64:

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
+from ...dsp.contact.accuracy import LEVELS
 from ...dsp.schema import (
     BY_POSITION,
     BY_RADIUS,
@@ -132,8 +133,8 @@ _RUNNING = (
 _ENGINE = (
     Verb(
         "/accuracy",
-        "how exact contacts with objects that yield are from now on: -40, -60 (dB, the default), -80 or exact",
-        (Either("accuracy", ("-40", "-60", "-80", "exact")),),
+        "how exact contacts with objects that yield are from now on: -40, -50, -60 (dB, the default), -80 or exact",
+        (Either("accuracy", LEVELS),),
     ),
     Verb(
         "/quality",

@@ -28,7 +28,7 @@ from carom.dsp.native.jit import kernel as compiled
 from carom.dsp.resonator.bank import RESPONSES, Modes, Point, inject, ring
 from carom.dsp.resonator.coefficients import set_mode
 from carom.dsp.resonator.simd import LANES
-from tests.bench import clips, contacts, driven, gestures, klank, ringing, slides, struck
+from tests.bench import clips, contacts, driven, gestures, klank, ringing, rolled, slides, struck
 from tests.bench.machine import machine
 from tests.bench.rounds import Contenders, minima
 
@@ -42,6 +42,7 @@ TITLES = {
     "Objects that ring: ns per mode-sample, of the kernel by itself; share of a core": "ringing",
     "Modes that ring while objects are struck 200 times per second: share of callbacks of 64 frames": "struck",
     "Modes on which a body rolls: ns per mode-sample, free and by its moments beside": "driven",
+    "A body that rolls and feels the modes: share of a core, and over that on a dashpot": "rolled",
     "Impacts in the engine: µs each": "impacts",
     "Long contacts": "long_contacts",
     "Contacts by themselves: µs, and over what a prototype took": "solvers",
@@ -283,6 +284,7 @@ def main() -> None:
         "ringing": ringing.measure(rounds),
         "struck": struck.measure(struck.CALLBACKS // (10 if options.quick else 1)),
         "driven": driven.measure(rounds),
+        "rolled": rolled.measure(rounds),
         "impacts": contacts.measure_impacts(rounds),
         "long_contacts": contacts.measure_long_contacts(rounds),
         "solvers": contacts.measure_solvers(rounds),

@@ -81,6 +81,7 @@ def measure(rounds: int) -> list[dict[str, Any]]:
     for accuracy, rolls, bounces in (
         ("-60", 0, 0),
         ("-40", GESTURES, 0),
+        ("-50", GESTURES, 0),
         ("-60", GESTURES, 0),
         ("-60", 0, GESTURES),
         ("-60", GESTURES, GESTURES),

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.bench import bench, contacts, extreme_groups, gestures, hours, ringing, rounds, slides, struck
+from tests.bench import bench, contacts, extreme_groups, gestures, hours, ringing, rolled, rounds, slides, struck
 
 pytestmark = pytest.mark.slow
 
@@ -62,11 +62,20 @@ def _at_8_samples(rows):
 
 def test_gestures_are_counted():
     rows = gestures.measure(1)
-    assert [(row["rolls"], row["bounces"]) for row in rows] == [(0, 0), (64, 0), (64, 0), (0, 64), (64, 64), (64, 64)]
-    ringing, dashpots, rolls, bounces, both, _ = (row["impacts_per_second"] for row in rows)
+    assert [(row["rolls"], row["bounces"]) for row in rows] == [
+        *((0, 0), (64, 0), (64, 0), (64, 0)),
+        *((0, 64), (64, 64), (64, 64)),
+    ]
+    ringing, dashpots, _, rolls, bounces, both, _ = (row["impacts_per_second"] for row in rows)
     assert ringing == 0 and dashpots > 10_000 and rolls > 10_000 and bounces > 1_000
     assert both > bounces
-    assert rows[4]["load"] > rows[0]["load"]
+    assert rows[5]["load"] > rows[0]["load"]
+
+
+def test_rolls_that_feel_the_modes_are_measured_beside_a_dashpot():
+    rows = rolled.measure(1)
+    assert len(rows) == len(rolled.MODES) * len(rolled.SURFACES) * len(rolled.ACCURACIES)
+    assert all(row["of_dashpot"] == 1.0 for row in rows[:: len(rolled.ACCURACIES)])
 
 
 def test_slides_are_counted():

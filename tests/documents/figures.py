@@ -132,6 +132,7 @@ def speed() -> str:
         _ringing(bench["ringing"]),
         _struck(bench.get("struck", [])),
         _driven(bench.get("driven", [])),
+        _rolled(bench.get("rolled", [])),
         _gestures(bench["gestures"]),
         _friction(bench.get("friction", []), bench.get("slides", [])),
         _starts(bench),
@@ -280,6 +281,18 @@ def _driven(rows: list[dict[str, Any]]) -> str:
     lines = [(row["modes"], *(_number(row[f"{name}_ns"]) for name in ("ring", "roll", "moments"))) for row in rows]
     head = ("modes", "ns per mode-sample, free", "on which a body rolls", "the same by moments")
     return f"## Rolls\n\n{table(head, lines)}"
+
+
+def _rolled(rows: list[dict[str, Any]]) -> str:
+    """Return the cost of rolls that feel the modes; nothing where a bench has not measured it."""
+    if not rows:
+        return ""
+    lines = [
+        (row["modes"], row["surface"], f"`{row['accuracy']}`", f"{100 * row['load']:.3g} %", _number(row["of_dashpot"]))
+        for row in rows
+    ]
+    head = ("modes", "surface", "accuracy", "load of one core", "over that on a dashpot")
+    return f"## A body that rolls and feels the modes\n\n{table(head, lines)}"
 
 
 def _gestures(rows: list[dict[str, Any]]) -> str:

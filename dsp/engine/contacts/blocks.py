@@ -1,27 +1,33 @@
 """Rolls that feel all modes, solved a quantum at a time (contact/block.py) where nothing else acts on the object.
 
-The modes then get the force as that of a roll that feels none: its moments, frame by frame. Whether it is so is decided
-for each quantum anew: where another contact acts in it, where a body moves over its object, where a
-contact is too stiff for two steps a sample, and after a sample that they don't follow, the roll goes on sample by
-sample (contact_groups.py).
+The modes then get the forces as those of rolls that feel none: their moments, frame by frame. Whether it is so is
+decided for each quantum anew: where a contact of another kind acts in it, or too many do, where a body moves over its
+object, and where a contact is too stiff for the parts of a sample, they go on sample by sample (contact_groups.py). So
+does a sample that they don't follow; then another block begins.
 """
 
+from ...contact.accuracy import PARTS
 from ...contact.block import (
     AT,
     MOMENTS_AHEAD,
-    ROWS,
+    MOST_PARTS,
+    TOGETHER,
     Block,
+    Net,
+    Tables,
+    answer_of,
     begin_block,
     end_block,
     feel,
-    is_soft,
-    settle_block,
-    step_block,
+    parts_for,
+    rows_of,
+    settle_tables,
+    step_blocks,
 )
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
 from ...numerics.legendre import AHEAD, FINE, KEPT
-from ...resonator.bank import Modes, Point, inject_kept
+from ...resonator.bank import Modes, Point, inject_kept, transfer_receptance
 from ...resonator.rows import lay_rows, row_weights
 from ...rolling.block_path import project_path
 from ...rolling.body import share_of
@@ -31,118 +37,196 @@ from ..bodies.strikers import feed_striker
 from ..memory.quality import holds_steps
 from ..memory.records import Contact
 from ..memory.state import BEHIND, COUPLING, QUANTUM, Object, State
+from ..output.fade import note_force
 from .contact_force import observe_points
 from .rolls import feed_of, register_roll
 from .trace import trace_roll
 
 WEIGHTS = tuple(
-    tuple(float(x) for x in row_weights(time, slope))
-    for time, slope in [(float(time), slope) for time in AT for slope in (False, True)] + [(1.0, False)]
+    tuple(
+        tuple(float(x) for x in row_weights(time, slope))
+        for time, slope in [(float(time), slope) for time in AT[parts, : 2 * parts] for slope in (False, True)]
+        + [(1.0, False)]
+    )
+    for parts in range(1, MOST_PARTS + 1)
 )
 
-_REACHES = 1  # the accuracy, of accuracy.LEVELS, that blocks have
+_FEWEST = 8  # frames that are worth a block
 
 
 @noinline_kernel
-def solve_blocks(state: State, obj: Object) -> None:
-    """Solve an object's roll over the quantum, if it is one that can be."""
+def solve_blocks(state: State, obj: Object, frame: int) -> None:
+    """Solve an object's rolls from a frame to the quantum's end, if they can be."""
+    obj.resumes = QUANTUM
+    net = state.scratch.net
+    if PARTS[state.choices.accuracy] == 0 or not _gather(state, obj, net):
+        return
+    parts = _look(state, net)
+    if parts == 0:
+        return
+    for i in range(net.size):
+        _begin(state, obj, net, i, parts)
+    end = _run(state, net, frame)
+    for i in range(net.size):
+        _hand_on(state, obj, state.contacts[net.contact[i]], frame)
+    if end > frame:
+        obj.ahead = 1
+    # After a sample that no block follows comes another block; after one that took none twice as many samples as then.
+    obj.apart = 1 if end > frame else min(max(2 * obj.apart, 1), QUANTUM)
+    if end + obj.apart <= QUANTUM - _FEWEST:
+        obj.resumes = end + obj.apart
+
+
+@kernel
+def _gather(state: State, obj: Object, net: Net) -> bool:
+    """List an object's contacts, in the order of their places; false if one can't be solved in blocks."""
+    net.size = 0
+    if obj.shares_contact == 1 or holds_steps(state) or state.choices.method.method > 0:
+        return False
     index = obj.contact
     while index >= 0:
         contact = state.contacts[index]
-        after = contact.next
-        if contact.trait.rolls == 1 and contact.solver == COUPLING and _can_be(state, obj, contact):
-            observe_points(state, contact)
-            if is_soft(contact.coupled):
-                _solve(state, obj, contact)
-                _hand_on(state, contact)
-                obj.ahead = 1
-                register_roll(state, index)
-                feed_striker(state, contact)
-        index = after
+        if contact.touching == 1 or contact.start < state.position + QUANTUM:
+            if net.size == TOGETHER or not _can_be(state, contact):
+                return False
+            i = net.size
+            while i > 0 and net.contact[i - 1] > index:
+                net.contact[i], net.block[i] = net.contact[i - 1], net.block[i - 1]
+                i -= 1
+            net.contact[i], net.block[i] = index, contact.roll
+            net.size += 1
+        index = contact.next
+    return net.size > 0
 
 
 @kernel
-def _can_be(state: State, obj: Object, contact: Contact) -> bool:
-    """True if a roll may be solved over the quantum, as far as is known before its object is looked at."""
+def _can_be(state: State, contact: Contact) -> bool:
+    """True if a contact is a roll that may be solved over the quantum."""
+    if contact.trait.rolls == 0 or contact.solver != COUPLING or contact.travel > 0.0:
+        return False
     roll = state.rolls[contact.roll]
-    if state.choices.accuracy != _REACHES or holds_steps(state) or state.choices.method.method > 0:
-        return False
-    if roll.t == 0.0 or contact.start + contact.fraction > state.position - 1:
-        return False
-    if contact.travel > 0.0 or roll.m != roll.target.mass or obj.shares_contact == 1:
-        return False
-    index = obj.contact
-    while index >= 0:
-        other = state.contacts[index]
-        if index != contact.index and (other.touching == 1 or other.start < state.position + QUANTUM):
-            return False
-        index = other.next
-    return True
+    return roll.t > 0.0 and contact.start + contact.fraction <= state.position - 1 and roll.m == roll.target.mass
 
 
 @kernel
-def _solve(state: State, obj: Object, contact: Contact) -> None:
-    """Solve a roll over the quantum: its force's moments are in its feed."""
-    roll, block, coupled = state.rolls[contact.roll], state.blocks[contact.roll], contact.coupled
-    feed, scratch = state.feeds[contact.roll], state.scratch
+def _look(state: State, net: Net) -> int:
+    """Find where the contacts' points are, and the parts of a sample that follow all of them; 0: none do."""
+    parts: int = PARTS[state.choices.accuracy]
+    for i in range(net.size):
+        contact = state.contacts[net.contact[i]]
+        observe_points(state, contact)
+        net.place[i] = 0.0
+        for k in range(FINE):
+            net.place[i] += state.scratch.observed[k] * (1.0 - 2.0 * (k % 2))
+        net.gain[i] = contact.now.gain
+        needed = parts_for(contact.coupled, parts)
+        if needed == 0:
+            return 0
+        parts = max(parts, needed)
+    return parts
+
+
+@kernel
+def _begin(state: State, obj: Object, net: Net, i: int, parts: int) -> None:
+    """Begin a block of a contact: what it needs to know of its object."""
+    contact, block = state.contacts[net.contact[i]], state.blocks[net.block[i]]
     modes, where = modes_of(state, obj, 0, contact.point[0].modes), point_of(state, obj, contact.point[0])
-    if block.settled != contact.settled:
-        settle_block(block, coupled)
-        _find_later(state, block, modes, where)
-        block.settled = contact.settled
-    _lay(state, modes, where, block.rows[ROWS:], 1.0 / contact.now.gain)
-    place = 0.0
-    for k in range(FINE):
-        place += scratch.observed[k] * (1.0 - 2.0 * (k % 2))
-    begin_block(block, coupled, place)
-    frame = 0
-    while frame < QUANTUM:
-        lead_coupled_roll(roll, coupled, 0.0)
-        project_path(coupled, block)
-        if not step_block(block, coupled, frame):
-            contact.led = 1
-            break
-        share = share_of(roll)
-        feel(block, frame, share)
-        for k in range(KEPT):
-            feed[BEHIND + frame, k] = share * block.moments[k] if k < MOMENTS_AHEAD else 0.0
-        frame += 1
-    end_block(block, coupled)
-    contact.rolled = roll.s
-    contact.ahead = frame
-    state.steps_taken += frame
+    if block.settled != contact.settled or block.parts != parts:
+        block.settled, block.parts = contact.settled, parts
+        for j in range(TOGETHER):
+            block.tables[j].settled = 0
+    for j in range(net.size):
+        other, tables = state.contacts[net.contact[j]], block.tables[j]
+        if tables.settled != other.settled:
+            tables.settled = other.settled
+            _settle(state, contact, tables, modes, (point_of(state, obj, other.point[0]), where), i == j)
+            _find_later(state, block, tables, modes, (point_of(state, obj, other.point[0]), where))
+    _lay(state, block, modes, where, block.rows[rows_of(block) :], 1.0 / contact.now.gain)
+    begin_block(block, contact.coupled, net.place[i])
 
 
 @kernel
-def _hand_on(state: State, contact: Contact) -> None:
-    """Hand on the force of a roll as far as it is solved: to the record of contacts, and with its gain to the modes."""
+def _settle(
+    state: State, contact: Contact, tables: Tables, modes: Modes, points: tuple[Point, Point], own: bool
+) -> None:
+    """Find what a force at the first of two points does at the second, a contact's, within a sample."""
+    scratch, parts = state.scratch, state.blocks[contact.roll].parts
+    if own:
+        settle_tables(tables, contact.coupled.answer, parts)
+    else:
+        transfer_receptance(modes, points[0], points[1], scratch.work, scratch.receptance)
+        answer_of(scratch.receptance, 1.0 / state.rate, scratch.fine)
+        settle_tables(tables, scratch.fine, parts)
+
+
+@kernel
+def _run(state: State, net: Net, frame: int) -> int:
+    """Solve rolls from a frame on, as far as blocks follow them: their forces' moments are in their feeds. Return the
+    frame of the end."""
+    end = QUANTUM
+    for n in range(frame, QUANTUM):
+        for i in range(net.size):
+            contact, roll = state.contacts[net.contact[i]], state.rolls[net.block[i]]
+            if contact.led == 0:
+                lead_coupled_roll(roll, contact.coupled, 0.0)
+            contact.led = 0
+            net.share[i] = share_of(roll)
+            project_path(contact.coupled, state.blocks[net.block[i]])
+        if not step_blocks(state.contacts, state.blocks, net, n - frame):
+            end = n
+            break
+        feel(state.blocks, net, n - frame)
+        for i in range(net.size):
+            feed = state.feeds[net.block[i], BEHIND + n]
+            for k in range(MOMENTS_AHEAD):
+                feed[k] = net.share[i] * state.blocks[net.block[i]].moments[k]
+    for i in range(net.size):
+        contact = state.contacts[net.contact[i]]
+        end_block(state.blocks[net.block[i]], contact.coupled)
+        contact.led = 1 if end < QUANTUM else 0
+        contact.ahead = end
+        contact.rolled = state.rolls[contact.roll].s
+        state.steps_taken += end - frame
+    return end
+
+
+@kernel
+def _hand_on(state: State, obj: Object, contact: Contact, frame: int) -> None:
+    """Hand on the force of a roll from a frame on, as far as it is solved: to the record of contacts, and with its gain
+    to the modes."""
     fed = feed_of(state, contact)
-    for n in range(contact.ahead, QUANTUM):
-        for k in range(KEPT):
-            fed[n, k] = 0.0
-    trace_roll(state, contact, fed, 0)
-    for n in range(min(contact.ahead, len(contact.forces))):
-        contact.forces[n] = fed[contact.ahead - 1 - n, 0] * state.rate
-    for n in range(contact.ahead):
+    if contact.ahead > frame and obj.ahead == 0:
+        for n in range(QUANTUM):
+            for k in range(KEPT):
+                fed[n, k] = fed[n, k] if frame <= n < contact.ahead and k < MOMENTS_AHEAD else 0.0
+        register_roll(state, contact.index)
+        feed_striker(state, contact)
+    trace_roll(state, contact, fed, (frame, contact.ahead), 0)
+    for n in range(frame, contact.ahead):
+        note_force(contact.forces, fed[n, 0] * state.rate)
         for k in range(KEPT):
             fed[n, k] *= contact.now.gain
 
 
 @kernel
-def _lay(state: State, modes: Modes, where: Point, rows: View[float], scale: float) -> None:
+def _lay(state: State, block: Block, modes: Modes, where: Point, rows: View[float], scale: float) -> None:
     """Lay out the motion of a point without a force, sample by sample, times `scale`."""
-    scratch = state.scratch
-    for i in range(AHEAD * ROWS):
+    scratch, count = state.scratch, rows_of(block)
+    for i in range(AHEAD * count):
         scratch.rows[i] = 0.0
-    lay_rows(modes, where, WEIGHTS, scratch.room, scratch.rows)
-    for r in range(ROWS):
+    if block.parts == 1:
+        lay_rows(modes, where, WEIGHTS[0], scratch.room, scratch.rows)
+    else:
+        lay_rows(modes, where, WEIGHTS[1], scratch.room, scratch.rows)
+    for r in range(count):
         for n in range(AHEAD):
-            rows[n * ROWS + r] = scale * scratch.rows[r * AHEAD + n]
+            rows[n * count + r] = scale * scratch.rows[r * AHEAD + n]
 
 
 @kernel
-def _find_later(state: State, block: Block, modes: Modes, where: Point) -> None:
-    """Find what each moment of the force adds to the rows of later samples: the motion of modes at rest that got it."""
+def _find_later(state: State, block: Block, tables: Tables, modes: Modes, points: tuple[Point, Point]) -> None:
+    """Find what each moment of the force at the first of two points adds to the rows of later samples of the second:
+    the motion of modes at rest that got it."""
     size, work, moments = len(modes.y1), state.scratch.work, state.scratch.fine
     struck = Modes(work[:size], work[size : 2 * size], modes.a1, modes.a2, modes.balance, modes.response)
     for k in range(MOMENTS_AHEAD):
@@ -150,7 +234,7 @@ def _find_later(state: State, block: Block, modes: Modes, where: Point) -> None:
             work[i] = 0.0
         for j in range(KEPT):
             moments[j] = 1.0 if j == k else 0.0
-        inject_kept(struck, where, moments)
+        inject_kept(struck, points[0], moments)
         for i in range(size):
             struck.y1[i], struck.y2[i] = modes.a1[i] * struck.y1[i] + modes.a2[i] * struck.y2[i], struck.y1[i]
-        _lay(state, struck, where, block.later[k], 1.0)
+        _lay(state, block, struck, points[1], tables.later[k], 1.0)

@@ -175,7 +175,7 @@ def _roll_on(state: State, index: int) -> bool:
         contact.rolls = roll.s - roll.modulated_speed * ahead - contact.rolled
     state.stats.impacts += roll.impacts - met
     feed = feed_of(state, contact)
-    trace_roll(state, contact, feed, 1)
+    trace_roll(state, contact, feed, (0, QUANTUM), 1)
     for n in range(len(contact.forces)):
         contact.forces[n] = feed[QUANTUM - 1 - n, 0] * state.rate
     if roll.ended == 0:

@@ -15,7 +15,8 @@ import math
 
 import numpy as np
 
-from ...contact.block import renew_block
+from ...contact.accuracy import LEVELS, PARTS
+from ...contact.block import MOST_PARTS, STIFFEST, renew_block
 from ...native.jit import kernel, noinline_kernel
 from ...rolling.contact_step import BRIEF
 from ...rolling.coupled_roll import begin_coupled_roll, lead_coupled_roll
@@ -25,12 +26,13 @@ from ..memory.records import Contact
 from ..memory.state import COUPLING, QUANTUM, State
 from .solver_choice import tolerance_of
 
-GIVING = np.array([math.inf, 3e-4, 3e-5, 0.0])
+GIVING = np.array([math.inf, 1e-3, 3e-4, 3e-5, 0.0])
 """Sum, by accuracy, above which a roll feels each of the object's modes. Where four modes ring for seconds a dashpot is
 6 dB wrong in all at a sum of 0.003, 2 dB at 3e-4."""
 
-_FINE = 2  # of the accuracies, from which on short steps err no more
-_SHARE = 1.0 / 16.0  # of the room for coupled modes, which rolls take at most: they last
+_FINE = LEVELS.index("-80")  # of the accuracies, from which on short steps err no more
+_SHARE = 1.0 / 8.0  # of the room for coupled modes, which rolls take at most: they last
+_AT_ONCE = 8  # modes that cost as much as one where they are solved in blocks
 _PLACES = 5  # along the path of a body that moves over its object, at which is looked
 _PLACED = 16  # frames after which one that feels all modes acts at another place
 
@@ -47,12 +49,14 @@ def couple_roll(state: State, contact: Contact) -> None:
     roll.brief = BRIEF if level < _FINE or gives_way else 0.0
     if not gives_way or contact.trait.slips == 1 or holds_steps(state):
         return
-    modes = BY_ITSELF
+    modes = 0
     for side in range(2):
         if contact.point[side].slot >= 0:
             modes += state.objects[contact.point[side].slot].size
     room, steps = room_for_coupling(state), state.choices.budget.steps
     turn = omega_c * math.sqrt(1.0 + mass * _mobility_here(state, contact, math.inf)) / state.rate
+    in_blocks = PARTS[level] > 0 and turn < STIFFEST[MOST_PARTS] and contact.travel == 0.0
+    modes = BY_ITSELF + (modes // _AT_ONCE if in_blocks else modes)
     crowded = room > 0 and state.stats.coupled_modes + modes > _SHARE * room
     if crowded or (steps > 0 and 1.0 + turn > steps):
         state.stats.over_budget += 1

@@ -5,7 +5,7 @@ from ...native.jit import kernel
 from ...native.typed import View, View2D
 from ...rolling.body import share_of
 from ..memory.records import Contact, Slide
-from ..memory.state import PUSHED, QUANTUM, RUBBED, SNAPPED, TRACED, TRACED_MOMENTS, State, Trace
+from ..memory.state import PUSHED, RUBBED, SNAPPED, TRACED, TRACED_MOMENTS, State, Trace
 from ..memory.striker_state import Voice
 from .coupled_rolls import position_of
 
@@ -58,9 +58,10 @@ def trace_touches(state: State, contact: Contact, sample: int) -> None:
 
 
 @kernel
-def trace_roll(state: State, contact: Contact, feed: View2D[float], fed: int) -> None:
-    """Keep the force of a roll, beyond its weight, or of a slide over a quantum; fed: as in Trace."""
-    for n in range(QUANTUM):
+def trace_roll(state: State, contact: Contact, feed: View2D[float], frames: tuple[int, int], fed: int) -> None:
+    """Keep the force of a roll, beyond its weight, or of a slide over frames of a quantum, from the first up to the
+    second; fed: as in Trace."""
+    for n in range(frames[0], frames[1]):
         entry = _trace_moving(state, contact, state.position + n - 1, position_of(contact, n), 1.0, feed[n])
         if entry >= 0:
             state.trace.entries[entry].fed = fed

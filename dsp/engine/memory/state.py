@@ -7,7 +7,8 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from ...contact.block import ROWS, Block
+from ...contact.accuracy import DEFAULT
+from ...contact.block import ROWS, Block, Net
 from ...contact.coupled_records import CoupledGroup
 from ...native.pages import own_zeros
 from ...native.typed import Record, View, View2D, View3D, View4D, dtype_of, f32, i16, i32
@@ -183,7 +184,9 @@ class Object(Record):
     shares_contact: int  # with another object
     driven_modes: int  # its first modes that a force acted on
     driven_gain: float  # the highest gain of a gesture whose force acted on it
-    ahead: int  # 1: it is driven by moments of its one roll that were solved ahead
+    ahead: int  # 1: it is driven by moments of its rolls that were solved ahead
+    resumes: int  # frame at which its rolls are to be solved ahead again; QUANTUM: none
+    apart: int  # frames from the end of a block to the next one
     rolls_head: int  # head of the list of rolls on it, 2 contact + side; -1: none
     energy: float  # sum of squares of its share of the mix
 
@@ -225,6 +228,7 @@ class Scratch(Record):
     moments: Annotated[View[float], MOMENTS]
     fine: Annotated[View[float], FINE]
     observed: Annotated[View[float], FINE]
+    net: Net  # rolls that are solved in blocks together
     rows: Annotated[View[float], AHEAD * ROWS]  # of a point's motion over a quantum
     room: Annotated[View[float], room_for_rows(ROWS)]  # to lay them out
     receptance: Annotated[View[float], FINE]
@@ -407,7 +411,8 @@ def new_state(rate: float, channels: int = 2, memory: mmap.mmap | None = None) -
     record["queue"]["heap"] = np.arange(EVENTS)
     record["free_roll"] = np.arange(ROLLS)
     record["free_voice"] = np.arange(VOICES)
-    record["choices"]["accuracy"] = record["choices"]["gain"] = record["choices"]["limiter"] = 1
+    record["choices"]["gain"] = record["choices"]["limiter"] = 1
+    record["choices"]["accuracy"] = DEFAULT
     record["spectral"]["spare"] = PHASES * REGION
     record["spectral"]["phases"]["region"] = record["spectral"]["phases"]["top"] = np.arange(PHASES) * REGION
     return state

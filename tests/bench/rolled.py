@@ -1,0 +1,60 @@
+"""Cost of one body that rolls on an object and feels its modes, path and all, beside one on a dashpot."""
+
+import math
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from carom.dsp.bodies.modes import Modes
+from carom.dsp.contact.accuracy import LEVELS
+from carom.dsp.engine.memory.commands import Command, Kind
+from carom.dsp.runtime.engine import NOW, Engine
+from carom.dsp.schema import LAW
+from carom.presets.library import Presets
+from tests.bench.rounds import minima
+
+RATE = 48_000.0
+MODES = (64, 1024)
+SURFACES = ("glass", "concrete")
+ACCURACIES = ("-40", "-50", "-60")  # the first meets a dashpot
+STRETCH = 4_800  # frames of a measurement
+LIGHT = 0.6  # sum of m phi^2
+STRIKER, SPEED = "glass-marble", 0.3
+
+
+def started(modes: int, surface: str, accuracy: str) -> Engine:
+    """Return an engine in which a body rolls on an object of so many modes; without a bound on coupled modes."""
+    engine, presets = Engine(RATE), Presets()
+    engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index(accuracy))])
+    striker, ground = presets.striker(STRIKER), presets.surface(surface)
+    assert striker.radius and striker.mass
+    random = np.random.default_rng(4)
+    body = Modes(
+        frequency=np.geomspace(150.0, 20_000.0, modes),
+        decay=np.full(modes, 3.0),
+        strike=random.normal(size=(16, modes)) * math.sqrt(LIGHT / (striker.mass * modes)),
+        pressure=np.full((2, modes), 1e-3),
+        mass=1.0,
+    )
+    law = {each.name: value for each, value in zip(LAW, striker.contact(None), strict=True)}
+    motion = {"speed": SPEED, "position": 0.0, "radius": striker.radius, "seed": 1}
+    values = {**law, "dissipation": ground.dissipation, **motion}
+    engine.send([Command(NOW, "roll", engine.add(body), values, gesture=1, surface=ground.profile)])
+    engine.process(STRETCH)
+    assert engine.stats.coupled == (accuracy != ACCURACIES[0])
+    return engine
+
+
+def measure(rounds: int) -> list[dict[str, Any]]:
+    """Measure the share of real time, and that over the one on a dashpot."""
+    rows: list[dict[str, Any]] = []
+    for modes in MODES:
+        for surface in SURFACES:
+            engines = {accuracy: started(modes, surface, accuracy) for accuracy in ACCURACIES}
+            runs = {accuracy: partial(engine.process, STRETCH) for accuracy, engine in engines.items()}
+            seconds = minima(runs, rounds)
+            for accuracy in ACCURACIES:
+                load, of_dashpot = seconds[accuracy] * RATE / STRETCH, seconds[accuracy] / seconds[ACCURACIES[0]]
+                rows.append(dict(modes=modes, surface=surface, accuracy=accuracy, load=load, of_dashpot=of_dashpot))
+    return rows
