@@ -41,6 +41,8 @@ _NODES = 2  # in a part
 FORCES = MOST_PARTS * _NODES
 """Unknown forces in a sample, at most."""
 
+_LANES = 2 * FORCES  # compression and rate at all nodes
+
 MOMENTS_AHEAD = MOST_PARTS + 1
 """Legendre moments of the force over a sample that later ones feel: one fewer where it has one part, as a line has no
 more."""
@@ -54,8 +56,9 @@ STIFFEST = np.array([0.0, 0.5, 1.5])
 
 _ALLOWED = 4e-6  # share of the greatest V by which it may grow beyond the force's work
 _MENDED = 1e-3  # share of the force by which it may be changed for that
-_ROUNDS = 4  # of such changes
-_CHANGED = 1e-2  # relative change of the forces that ends Newton's method: what is left is about its square
+_ROUNDS = 6  # of such changes
+_SWEEPS = 3  # of them, after which several contacts may be found anew
+_CHANGED = 2e-3  # relative change of the forces that ends Newton's method: what is left is about its square
 _NEWTON_STEPS = 12
 _LEAST = 1e-300  # keeps a quotient finite
 _FIRST = 0.25  # of a sample: the first step to try after a block
@@ -117,6 +120,8 @@ def _moments(parts: int) -> Array:
 _PARTS = range(1, MOST_PARTS + 1)
 AT = _padded([nodes_of(parts) for parts in _PARTS])
 """The nodes, in [0, 1] of a sample, by parts."""
+_TIMES_1 = tuple(float(time) for time in nodes_of(1))
+_TIMES_2 = tuple(float(time) for time in nodes_of(2))
 _TO_NODES = _padded([_to_nodes(parts) for parts in _PARTS])  # [parts, i, n, j]
 _RATES = _padded([_rates(parts) for parts in _PARTS])
 _TO_END = _padded([_answers(parts, 1.0, FINE) for parts in _PARTS])
@@ -129,8 +134,8 @@ class Tables(Record):
 
     settled: int  # number of the receptance of the contact whose force it is, 0: none is known
     later: Annotated[View2D[float], MOMENTS_AHEAD, AHEAD * ROWS]  # m/(N s): what a moment adds to rows of later samples
-    give_x: Annotated[View2D[float], FORCES, FORCES]  # m/N: what the forces take off at the nodes
-    give_v: Annotated[View2D[float], FORCES, FORCES]  # m/(N sample)
+    # What each force takes off at all nodes, one after the other: m/N, then of the rate, m/(N sample).
+    give: Annotated[View[float], FORCES * _LANES]
     give_end: Annotated[View[float], FORCES]  # m/N
 
 
@@ -166,10 +171,9 @@ class Block(Record):
     rise: float  # m: and at the sample's end
     end: float  # m: compression then
     solved: int  # 1: so Newton's method has ended
-    free_x: Annotated[View[float], FORCES]  # compression with no force but that at rest, then also with the others',
-    free_v: Annotated[View[float], FORCES]  # m per sample
-    seen_x: Annotated[View[float], FORCES]
-    seen_v: Annotated[View[float], FORCES]
+    free: Annotated[View[float], _LANES]  # compression and rate with no force but that at rest,
+    seen: Annotated[View[float], _LANES]  # and with those of the others,
+    taken: Annotated[View[float], _LANES]  # and what its own add
     v: Annotated[View[float], FORCES]  # m per sample
     moments: Annotated[View[float], MOMENTS_AHEAD]  # N s: of F
 
@@ -212,6 +216,8 @@ def answer_of(receptance: View[float], period: float, answer: View[float]) -> No
 @kernel
 def settle_tables(tables: Tables, answer: View[float], parts: int) -> None:
     """Set what the forces do within a sample of so many parts, by an answer."""
+    for j in range(FORCES * _LANES):
+        tables.give[j] = 0.0
     for j in range(_NODES * parts):
         end = 0.0
         for n in range(FINE):
@@ -222,8 +228,8 @@ def settle_tables(tables: Tables, answer: View[float], parts: int) -> None:
             for n in range(1, FINE):
                 x += answer[n] * _TO_NODES[parts, i, n, j]
                 v += answer[n] * _RATES[parts, i, n, j]
-            tables.give_x[i, j] = x
-            tables.give_v[i, j] = v
+            tables.give[j * _LANES + i] = x
+            tables.give[j * _LANES + FORCES + i] = v
 
 
 @kernel
@@ -238,8 +244,9 @@ def begin_block(block: Block, contact: Coupled, place: float) -> None:
     """Begin a block with a coupled contact as it is; place (m): of the object's point now, by its free motion."""
     contact.position = contact.motion[0] + place
     block.rows[rows_of(block) - 1] = place
-    for j in range(forces_of(block)):
-        block.force[j] = block.before[j] = contact.force[0] if contact.touching == 1 else 0.0
+    for j in range(FORCES):
+        known = contact.touching == 1 and j < forces_of(block)
+        block.force[j] = block.before[j] = contact.force[0] if known else 0.0
 
 
 @kernel
@@ -258,34 +265,60 @@ def step_blocks(contacts: Items[Member], blocks: Items[Block], net: Net, n: int)
 
     False, and nothing done, where the energy of one would grow: then the block ends before that sample.
     """
+    if blocks[net.block[0]].parts == 1:
+        return _step(contacts, blocks, net, n, _TIMES_1)
+    return _step(contacts, blocks, net, n, _TIMES_2)
+
+
+@kernel
+def _step(contacts: Items[Member], blocks: Items[Block], net: Net, n: int, times: tuple[float, ...]) -> bool:
+    """Take a step of `step_blocks` with nodes at `times`, of which there is a fixed number for each compilation."""
     for i in range(net.size):
-        _predict(contacts[net.contact[i]].coupled, blocks[net.block[i]], i, n)
-    for i in range(net.size):
-        _solve(contacts, blocks, net, i)
-    for i in range(net.size - 2, -1, -1):
-        _solve(contacts, blocks, net, i)
-    if not _conserve(contacts, blocks, net, n):
+        _predict(contacts[net.contact[i]].coupled, blocks[net.block[i]], i, n, times)
+    _sweep(contacts, blocks, net, times)
+    if not _conserve(contacts, blocks, net, n, times):
         for i in range(net.size):
             blocks[net.block[i]].gained = blocks[net.block[i]].kept
         return False
     for i in range(net.size):
-        _move(contacts[net.contact[i]].coupled, blocks[net.block[i]])
+        _move(contacts[net.contact[i]].coupled, blocks[net.block[i]], times)
     return True
 
 
 @kernel
-def _conserve(contacts: Items[Member], blocks: Items[Block], net: Net, n: int) -> bool:
-    """Change the forces of sample n so that no contact's energy grows by too much; false if that takes too much."""
-    for _ in range(_ROUNDS):
-        grows = False
+def _sweep(contacts: Items[Member], blocks: Items[Block], net: Net, times: tuple[float, ...]) -> None:
+    """Find the forces of all contacts in turn, forwards and backwards."""
+    for turn in range(2 * net.size - 1):
+        i = turn if turn < net.size else 2 * net.size - 2 - turn
+        if net.size > 1:
+            _see(contacts, blocks, net, i)
+        _solve(contacts[net.contact[i]].coupled, blocks[net.block[i]], blocks[net.block[i]].tables[i], times)
+
+
+@kernel
+def _conserve(contacts: Items[Member], blocks: Items[Block], net: Net, n: int, times: tuple[float, ...]) -> bool:
+    """Change the forces of sample n so that no contact's energy grows by too much; false if that takes too much.
+
+    Of several contacts, each is found anew with the others' forces where they have changed by too much for that.
+    """
+    for turn in range(_ROUNDS):
+        grows = far = False
         for i in range(net.size):
-            excess = _account(contacts, blocks, net, i, n)
+            if net.size > 1 or turn > 0:
+                _rate(contacts, blocks, net, i, times)
+            excess = _account(contacts, blocks, net, i, n, times)
             block = blocks[net.block[i]]
-            if block.solved == 0 or not math.isfinite(excess) or (excess > 0.0 and not _mend(block, excess)):
+            if block.solved == 0 or not math.isfinite(excess):
                 return False
-            grows |= excess > 0.0
+            if excess > 0.0:
+                grows = True
+                far |= not _mend(block, excess)
         if not grows:
             return True
+        if far and (net.size == 1 or turn >= _SWEEPS):
+            return False
+        if far:
+            _sweep(contacts, blocks, net, times)
     return False
 
 
@@ -307,21 +340,20 @@ def _mend(block: Block, excess: float) -> bool:
 
 
 @kernel
-def _predict(contact: Coupled, block: Block, i: int, n: int) -> None:
+def _predict(contact: Coupled, block: Block, i: int, n: int, times: tuple[float, ...]) -> None:
     """Find compression and rate at the nodes with no force but that at rest, and a first guess of the forces: by the
     line through those of the last two samples."""
-    h, rest, forces, first = contact.period, contact.rest_force, forces_of(block), (n + 1) * rows_of(block)
+    h, rest, first = contact.period, contact.rest_force, (n + 1) * (2 * len(times) + 1)
     pushed = h * h * (contact.push - rest) / contact.m
-    moved, own = h * contact.v, block.tables[i]
-    for k in range(forces):
-        at = AT[block.parts, k]
+    moved = h * contact.v
+    _take(block.tables[i].give, (-rest, -rest, -rest, -rest), block.free, False)
+    for k in range(len(times)):
+        at = AT[len(times) // _NODES, k]
         x = contact.position + at * (moved + 0.5 * at * pushed) + block.height[k] - block.rows[first + 2 * k]
         v = moved + at * pushed + block.slope[k] - block.rows[first + 2 * k + 1]
-        for j in range(forces):
-            x += own.give_x[k, j] * rest
-            v += own.give_v[k, j] * rest
-        block.free_x[k] = x
-        block.free_v[k] = v
+        block.free[k] += x
+        block.free[FORCES + k] += v
+        block.seen[k], block.seen[FORCES + k] = block.free[k], block.free[FORCES + k]
         block.last[k] = block.force[k]
         block.force[k] = max(2.0 * block.force[k] - block.before[k], 0.0)
     block.kept = block.gained
@@ -334,37 +366,55 @@ def _ratio(net: Net, i: int, j: int) -> float:
 
 
 @kernel
-def _see(contacts: Items[Member], blocks: Items[Block], net: Net, i: int) -> None:
-    """Find a contact's compression and rate with the forces of all others beyond those at rest."""
-    block = blocks[net.block[i]]
-    for k in range(forces_of(block)):
-        block.seen_x[k], block.seen_v[k] = block.free_x[k], block.free_v[k]
-    for j in range(net.size):
-        if j != i:
-            other, tables, rest = blocks[net.block[j]], block.tables[j], contacts[net.contact[j]].coupled.rest_force
-            ratio = _ratio(net, i, j)
-            for k in range(forces_of(block)):
-                for p in range(forces_of(other)):
-                    force = ratio * (other.force[p] - rest)
-                    block.seen_x[k] -= tables.give_x[k, p] * force
-                    block.seen_v[k] -= tables.give_v[k, p] * force
+def _take(give: View[float], forces: tuple[float, float, float, float], nodes: View[float], more: bool) -> None:
+    """Set compression and rate at all nodes to those that forces take off, or take `more` off."""
+    f0, f1, f2, f3 = forces
+    for k in range(_LANES):
+        taken = f0 * give[k] + f1 * give[_LANES + k] + f2 * give[2 * _LANES + k] + f3 * give[3 * _LANES + k]
+        nodes[k] = (nodes[k] if more else 0.0) - taken
 
 
 @kernel
-def _solve(contacts: Items[Member], blocks: Items[Block], net: Net, i: int) -> None:
-    """Find the forces of one contact, one part of the sample after the other."""
-    _see(contacts, blocks, net, i)
-    contact, block = contacts[net.contact[i]].coupled, blocks[net.block[i]]
-    own, solved = block.tables[i], True
-    for part in range(block.parts):
+def _see(contacts: Items[Member], blocks: Items[Block], net: Net, i: int) -> None:
+    """Find a contact's compression and rate with the forces of all others beyond those at rest."""
+    block = blocks[net.block[i]]
+    for k in range(_LANES):
+        block.seen[k] = block.free[k]
+    for j in range(net.size):
+        if j != i:
+            f, rest = blocks[net.block[j]].force, contacts[net.contact[j]].coupled.rest_force
+            ratio = _ratio(net, i, j)
+            excess = ratio * (f[0] - rest), ratio * (f[1] - rest), ratio * (f[2] - rest), ratio * (f[3] - rest)
+            _take(block.tables[j].give, excess, block.seen, True)
+
+
+@kernel
+def _rate(contacts: Items[Member], blocks: Items[Block], net: Net, i: int, times: tuple[float, ...]) -> None:
+    """Find a contact's rates at the nodes by all forces as they are now."""
+    block = blocks[net.block[i]]
+    if net.size > 1:
+        _see(contacts, blocks, net, i)
+    f = block.force
+    _take(block.tables[i].give, (f[0], f[1], f[2], f[3]), block.taken, False)
+    for k in range(len(times)):
+        block.v[k] = block.seen[FORCES + k] + block.taken[FORCES + k]
+
+
+@kernel
+def _solve(contact: Coupled, block: Block, own: Tables, times: tuple[float, ...]) -> None:
+    """Find the forces of one contact, one part of the sample after the other, and the rates."""
+    solved = True
+    for part in range(len(times) // _NODES):
         first = _NODES * part
         second = first + 1
-        x0, x1, v0, v1 = block.seen_x[first], block.seen_x[second], block.seen_v[first], block.seen_v[second]
+        x0, x1 = block.seen[first], block.seen[second]
+        v0, v1 = block.seen[FORCES + first], block.seen[FORCES + second]
         for p in range(first):
-            x0 -= own.give_x[first, p] * block.force[p]
-            x1 -= own.give_x[second, p] * block.force[p]
-            v0 -= own.give_v[first, p] * block.force[p]
-            v1 -= own.give_v[second, p] * block.force[p]
+            give = own.give[p * _LANES :]
+            x0 -= give[first] * block.force[p]
+            x1 -= give[second] * block.force[p]
+            v0 -= give[FORCES + first] * block.force[p]
+            v1 -= give[FORCES + second] * block.force[p]
         solved &= _solve_part(block, own, contact, first, (x0, x1, v0, v1))
     block.solved = 1 if solved else 0
 
@@ -374,8 +424,10 @@ def _solve_part(block: Block, own: Tables, contact: Coupled, i: int, seen: tuple
     """Find the two forces of a part of the sample; false if Newton's method fails."""
     j = i + 1
     x0, x1, v0, v1 = seen
-    a00, a01, a10, a11 = own.give_x[i, i], own.give_x[i, j], own.give_x[j, i], own.give_x[j, j]
-    w00, w01, w10, w11 = own.give_v[i, i], own.give_v[i, j], own.give_v[j, i], own.give_v[j, j]
+    here, there = own.give[i * _LANES :], own.give[j * _LANES :]
+    a00, a01, a10, a11 = here[i], there[i], here[j], there[j]
+    here, there = own.give[i * _LANES + FORCES :], own.give[j * _LANES + FORCES :]
+    w00, w01, w10, w11 = here[i], there[i], here[j], there[j]
     f0, f1 = block.force[i], block.force[j]
     if x0 <= 0.0 and x1 <= 0.0:
         f0 = f1 = 0.0
@@ -397,31 +449,29 @@ def _solve_part(block: Block, own: Tables, contact: Coupled, i: int, seen: tuple
             solved = True
             break
     block.force[i], block.force[j] = f0, f1
+    block.v[i], block.v[j] = v0 - w00 * f0 - w01 * f1, v1 - w10 * f0 - w11 * f1
     return solved and math.isfinite(f0 + f1)
 
 
 @kernel
-def _account(contacts: Items[Member], blocks: Items[Block], net: Net, i: int, n: int) -> float:
-    """Find a contact's compression at the sample's end, its rates, and its energy's growth beyond its force's work.
+def _account(
+    contacts: Items[Member], blocks: Items[Block], net: Net, i: int, n: int, times: tuple[float, ...]
+) -> float:
+    """Find a contact's compression at the sample's end, and its energy's growth beyond its force's work.
 
     Return by how much (J) that is above half of what it may be, where it is more than it may be; else 0.
     """
     contact, block = contacts[net.contact[i]].coupled, blocks[net.block[i]]
-    _see(contacts, blocks, net, i)
-    h, own, forces = contact.period, block.tables[i], forces_of(block)
+    h, forces = contact.period, len(times)
     moved = h * (contact.v + 0.5 * h * (contact.push - contact.rest_force) / contact.m) + block.rise
-    end, work = contact.position + moved - block.rows[(n + 2) * rows_of(block) - 1], 0.0
+    end, work = contact.position + moved - block.rows[(n + 2) * (2 * forces + 1) - 1], 0.0
     for j in range(net.size):
         tables, other = block.tables[j], blocks[net.block[j]]
         rest, ratio = contacts[net.contact[j]].coupled.rest_force, _ratio(net, i, j) if i != j else 1.0
-        for p in range(forces_of(other)):
+        for p in range(forces):
             end -= tables.give_end[p] * ratio * (other.force[p] - rest)
     for k in range(forces):
-        rate = block.seen_v[k]
-        for p in range(forces):
-            rate -= own.give_v[k, p] * block.force[p]
-        block.v[k] = rate
-        work += _SHARES[block.parts, k] * block.force[k] * rate
+        work += _SHARES[forces // _NODES, k] * block.force[k] * block.v[k]
     block.end = end
     stored = elastic(end, contact.k, contact.a)
     block.most = max(block.scale, stored)
@@ -431,14 +481,14 @@ def _account(contacts: Items[Member], blocks: Items[Block], net: Net, i: int, n:
 
 
 @kernel
-def _move(contact: Coupled, block: Block) -> None:
+def _move(contact: Coupled, block: Block, times: tuple[float, ...]) -> None:
     """Go on to the sample's end."""
-    h, rest, forces = contact.period, contact.rest_force, forces_of(block)
+    h, rest, forces = contact.period, contact.rest_force, len(times)
     total = 0.0
     for k in range(MOMENTS_AHEAD):
         moment = 0.0
         for j in range(forces):
-            moment += _MOMENTS[block.parts, k, j] * (block.force[j] - rest)
+            moment += _MOMENTS[forces // _NODES, k, j] * (block.force[j] - rest)
         block.moments[k] = h * moment
     for j in range(forces):
         total += block.force[j]

@@ -1,6 +1,7 @@
 """Accuracy and cost of each solver on many coupled contacts.
 
-The solvers are the sampled methods, the closed form, the coupled solver, and the engine's choice between the last two.
+The solvers are the sampled methods, the closed form, the coupled solver, the one in blocks, and the engine's choice
+between the closed form and the coupled solver.
 """
 
 import math
@@ -11,10 +12,12 @@ from functools import partial
 import numpy as np
 
 from ..contact.accuracy import LEVELS, TOLERANCE
+from ..contact.block import MOST_PARTS
 from ..contact.coupled_step import HELD
 from ..contact.sampled import METHODS
 from ..numerics.checks import Array
 from . import cost
+from .blocks import blocks_loop, simulate_blocks
 from .coupled import CONVERGED, Case, Run, error, random_cases, simulate, simulation_loop
 from .coupled_closed import asking_loop, strike, striking_loop
 from .coupled_sampled import sample, sampling_loop
@@ -32,7 +35,8 @@ _DEVIATION, _WRONG, _GROWTH, _STEPS, _NS = range(5)
 class Score:
     """Accuracy and cost of a solver on the contacts of a band.
 
-    setting: oversampling of a sampled method, tolerance of the coupled solver, or dB asked of the engine. median,
+    setting: oversampling of a sampled method, tolerance of the coupled solver, parts of a sample in blocks, or dB asked
+    of the engine. median,
     ninety: the median and the ninth decile of errors of the object's velocity (dB). wrong_counts: share of contacts
     that are counted wrongly. growth: worst growth of the energy. steps, ns: medians of the steps, and of the cost from
     the first touch to the last release, modes included (ns).
@@ -65,11 +69,15 @@ def _solvers(oversamplings: tuple[int, ...]) -> list[_Solver]:
         run = partial(simulate, tolerance=tolerance)
         return _Solver("coupled", tolerance, run, partial(simulation_loop, tolerance=tolerance))
 
+    def in_blocks(parts: int) -> _Solver:
+        return _Solver("blocks", parts, partial(simulate_blocks, parts=parts), partial(blocks_loop, parts=parts))
+
     tolerances = (HELD, *sorted(set(TOLERANCE.tolist()), reverse=True))
     return [
         *(sampled(method, n) for method in METHODS for n in oversamplings),
         _Solver("closed", 1, strike, striking_loop),
         *map(coupled, tolerances),
+        *map(in_blocks, range(1, MOST_PARTS + 1)),
     ]
 
 

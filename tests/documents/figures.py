@@ -9,8 +9,8 @@ from typing import Any
 from carom.dsp.lab.chart import report
 from carom.dsp.lab.chart.tables import Row
 from tests.accuracy import GROWTH, PROMISES
+from tests.bench import extremes, friction, fuzz, gil, hours, overload, queries, soak
 from tests.bench import fits as fitted
-from tests.bench import friction, fuzz, gil, hours, overload, queries, soak
 from tests.documents import study
 from tests.documents.markdown import table
 
@@ -55,7 +55,8 @@ def choices() -> str:
 def endurance() -> str:
     """Return the bounds beyond which the scripts of `make study` fail."""
     rows = [
-        ("extremes", "100,000 extreme contacts at each tolerance", f"energy grows by {GROWTH.bound:g} of a contact's"),
+        ("extremes", "100,000 extreme contacts at each tolerance, and in blocks",
+            f"energy grows by {GROWTH.bound:g} of a contact's, in blocks by {extremes.GROWTH_IN_BLOCKS:g}"),
         (
             "extreme_groups", "100,000 times one to four extreme strikers at once on an object, in the engine",
             f"energy grows by {GROWTH.bound:g} of all that there is",

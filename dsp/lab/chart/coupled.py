@@ -15,10 +15,11 @@ from .tables import TITLES, Row
 _STYLES: dict[str, dict[str, Any]] = {
     **{name: {"color": COLOURS[name], "marker": "o", "markersize": 2.5, "label": TITLES[name]} for name in METHODS},
     "coupled": {"color": "#d62728", "marker": "s", "markersize": 4, "linewidth": 2.2, "label": "coupled solver"},
+    "blocks": {"color": "#9467bd", "marker": "^", "markersize": 5, "linewidth": 1.2, "label": "in blocks"},
     "closed": {"color": "black", "marker": "*", "markersize": 9, "linestyle": "", "label": "closed form with m*"},
     "engine": {
         "color": "black", "marker": "D", "markersize": 5, "markerfacecolor": "none", "linewidth": 0.8,
-        "label": "the engine's choice at -40, -60, -80 dB",
+        "label": "the engine's choice at -40, -50, -60, -80 dB",
     },
 }  # fmt: skip
 
@@ -51,7 +52,8 @@ def coupled(rows: list[Row]) -> Figure:
     figure.legend(handles=handles, loc="outside lower center", ncols=4)
     figure.suptitle(
         "Contacts with objects that yield, by the striker's mass m over the object's M at the point\n"
-        "Along a line the oversampling grows, or the tolerance falls from none (a held force) to 1e-7"
+        "Along a line the oversampling or the parts of a sample grow, or the tolerance falls from none (a held force) "
+        "to 1e-7"
     )
     return figure
 

@@ -25,7 +25,12 @@ PRINTED: dict[tuple[str, str], tuple[float, ...]] = {
 """The figures that Papetti, Avanzini, Rocchesso 2011 print for AM1, Verlet, Heun and RK4 by case and figure, in %."""
 
 _FIGURES = {"dev_x": "%dev(x)", "err_v_out": "%err(v_out)", "dev_H": "%dev(H)"}
-_SOLVERS = {**TITLES, "coupled": "coupled solver", "engine": "the engine's choice"}
+_SOLVERS = {
+    **TITLES,
+    "coupled": "coupled solver",
+    "blocks": "the same in blocks",
+    "engine": "the engine's choice",
+}
 _OPERATIONS = ("11 (33) + 25 (68) per iteration", "19 (44)", "21 (47)", "62 (154)")
 _SMALLEST = 5e-4  # below, three decimals would show nothing
 
@@ -170,7 +175,7 @@ def yielding_table(coupled: Sequence[Row]) -> Table:
     head = ("m/M", "solver", "setting", "median error (dB)", "nine of ten (dB)", "miscounted (%)", "cost (µs)")
     note = (
         "Contacts with objects that yield, by the striker's mass m over the object's M at the point. The setting is "
-        "the oversampling of a sampled method, the tolerance of the coupled solver, or the accuracy (dB) asked of the "
-        "engine."
+        "the oversampling of a sampled method, the tolerance of the coupled solver, the parts of a sample in blocks, "
+        "or the accuracy (dB) asked of the engine."
     )
     return Table("Objects that yield", head, tuple(rows), note)

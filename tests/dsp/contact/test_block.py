@@ -1,6 +1,7 @@
 """A lasting contact that is solved in blocks, against DOP853, and its energy."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,23 +14,30 @@ from carom.dsp.contact.block import (
     ROWS,
     Block,
     Net,
-    begin_block,
     end_block,
     feel,
     parts_for,
-    rows_of,
-    settle_tables,
     step_blocks,
 )
 from carom.dsp.contact.collocation import elastic
 from carom.dsp.contact.coupled import ContactLaw, begin_coupled, begin_within, respond_with
 from carom.dsp.contact.coupled_records import COUPLED_GROUP
-from carom.dsp.engine.contacts.blocks import WEIGHTS
-from carom.dsp.lab.coupled import MEMBER, Case, bank_of, motion_and_energy, restart, ring_on, step_alone
+from carom.dsp.lab.blocks import begin_alone, find_tables, simulate_blocks
+from carom.dsp.lab.coupled import (
+    MEMBER,
+    Case,
+    bank_of,
+    error,
+    motion_and_energy,
+    restart,
+    ring_on,
+    simulate,
+    step_alone,
+)
 from carom.dsp.native.typed import dtype_of
-from carom.dsp.numerics.legendre import FINE, KEPT
-from carom.dsp.resonator.bank import Modes, inject_fine, inject_kept, observe, receptance
-from carom.dsp.resonator.rows import lay_rows, room_for_rows
+from carom.dsp.numerics.legendre import KEPT
+from carom.dsp.resonator.bank import inject_fine, inject_kept, observe, receptance
+from carom.dsp.resonator.rows import room_for_rows
 from carom.dsp.rolling.block_path import project_path
 
 pytestmark = pytest.mark.slow  # numba compiles the loops around the kernels
@@ -39,22 +47,8 @@ GRAVITY = 9.81
 
 
 @njit(error_model="numpy")
-def _lay(block, modes, point, room, flat, rows):
-    flat[:] = 0.0
-    if block.parts == 1:
-        lay_rows(modes, point, WEIGHTS[0], room, flat)
-    else:
-        lay_rows(modes, point, WEIGHTS[1], room, flat)
-    count = rows_of(block)
-    for r in range(count):
-        for n in range(AHEAD):
-            rows[n * count + r] = flat[r * AHEAD + n]
-
-
-@njit(error_model="numpy")
 def _begin(contact, block, bank, law, v, least, room):
-    """Begin a body that rests on the modes, moving at v; lay how the modes answer the block's moments."""
-    modes, point, work, seen = bank.modes, bank.point, bank.work, bank.seen
+    """Begin a body that rests on the modes, moving at v; true if a block can follow it."""
     m, k, mu, a = law
     restart(bank)
     weight = m * GRAVITY
@@ -62,33 +56,11 @@ def _begin(contact, block, bank, law, v, least, room):
     contact.rest_force = weight
     contact.rest_compression = (weight / k) ** (1.0 / a)
     begin_within(contact, contact.rest_compression, v, 0.0, 0.1)
-    receptance(modes, point, work, seen)
-    respond_with(contact, seen)
+    receptance(bank.modes, bank.point, bank.work, bank.seen)
+    respond_with(contact, bank.seen)
     parts = parts_for(contact, least)
-    block.parts = max(parts, 1)
-    settle_tables(block.tables[0], contact.answer, block.parts)
-    n = len(modes.y1)
-    struck = Modes(work[:n], work[n : 2 * n], modes.a1, modes.a2, modes.balance, modes.response)
-    moments = np.zeros(KEPT)
-    for j in range(MOMENTS_AHEAD):
-        work[:] = 0.0
-        moments[:] = 0.0
-        moments[j] = 1.0
-        inject_kept(struck, point, moments)
-        ring_on(struck)
-        _lay(block, struck, point, room[0], room[1], block.tables[0].later[j])
+    find_tables(block, contact, bank, max(parts, 1), room)
     return parts > 0
-
-
-@njit(error_model="numpy")
-def _begin_block(contact, block, bank, room):
-    """Begin a block with the course that the modes would have of themselves."""
-    _lay(block, bank.modes, bank.point, room[0], room[1], block.rows[rows_of(block) :])
-    observe(bank.modes, bank.point, bank.work, bank.seen)
-    place = 0.0
-    for j in range(FINE):
-        place += bank.seen[j] * (1.0 - 2.0 * (j % 2))
-    begin_block(block, contact, place)
 
 
 @njit(error_model="numpy")
@@ -110,7 +82,7 @@ def _run(contacts, group, blocks, net, bank, start, path, room, out):
     soft = _begin(contact, block, bank, law, v, least, room)
     moments = np.zeros(KEPT)
     for first in range(0, len(path), AHEAD):
-        _begin_block(contact, block, bank, room)
+        begin_alone(block, contact, bank, room)
         within, fine = soft, False
         for i in range(AHEAD):
             t = first + i
@@ -245,3 +217,15 @@ def test_energy_grows_by_no_more_than_its_allowance(parts):
         grown.append(float((energy.max() - start) / max(scale, start)))
         fine += finely
     assert max(grown) < 2e-5 and fine > 0, sorted(grown)[-5:]
+
+
+@pytest.mark.parametrize(("parts", "bound"), [(1, -50), (2, -60)])
+@pytest.mark.parametrize("samples", [20, 100, 600])
+@pytest.mark.parametrize("light", [0.01, 1.0, 10.0])
+def test_blows_against_the_coupled_solver(light, samples, parts, bound):
+    """Velocities of the point agree; the number of samples is a blow's on a rigid wall."""
+    case = object_of(24, light, seed=5, k=0.005 * (math.pi * RATE / samples) ** 2.5)
+    case = replace(case, mu=0.5, samples=2 * samples)
+    found = simulate_blocks(case, parts)
+    assert error(found.velocity, simulate(case, 1e-9).velocity) < bound
+    assert found.growth(case) < 1e-5

@@ -1,0 +1,145 @@
+"""Coupled contacts by themselves, solved in blocks (contact/block.py) and sample by sample where no block follows."""
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ..contact.block import (
+    MOMENTS_AHEAD,
+    ROWS,
+    Block,
+    Net,
+    begin_block,
+    end_block,
+    feel,
+    rows_of,
+    settle_tables,
+    step_blocks,
+)
+from ..contact.collocation import elastic
+from ..contact.coupled import ContactLaw, begin_coupled, respond_with
+from ..contact.coupled_records import COUPLED_GROUP, Coupled
+from ..engine.contacts.blocks import WEIGHTS
+from ..native.jit import kernel
+from ..native.typed import View, dtype_of
+from ..numerics.legendre import AHEAD, FINE, KEPT
+from ..resonator.bank import Modes, Point, inject_fine, inject_kept, observe, receptance
+from ..resonator.rows import lay_rows, room_for_rows
+from .coupled import MEMBER, NOT_KEPT, Bank, Case, Run, bank_of, motion_and_energy, restart, ring_on, step_alone
+
+_TOLERANCE = 1e-3  # of samples that no block follows
+
+
+@kernel
+def lay(block: Block, modes: Modes, point: Point, room: tuple[View[float], View[float]], rows: View[float]) -> None:
+    """Lay out the free motion of a point over AHEAD samples, sample by sample."""
+    flat, count = room[1], rows_of(block)
+    for i in range(len(flat)):
+        flat[i] = 0.0
+    if block.parts == 1:
+        lay_rows(modes, point, WEIGHTS[0], room[0], flat)
+    else:
+        lay_rows(modes, point, WEIGHTS[1], room[0], flat)
+    for r in range(count):
+        for n in range(AHEAD):
+            rows[n * count + r] = flat[r * AHEAD + n]
+
+
+@kernel
+def find_tables(block: Block, contact: Coupled, bank: Bank, parts: int, room: tuple[View[float], View[float]]) -> None:
+    """Find what the force of one contact does to its own point."""
+    modes, work, moments = bank.modes, bank.work, bank.moments
+    block.parts = parts
+    settle_tables(block.tables[0], contact.answer, parts)
+    n = len(modes.y1)
+    struck = Modes(work[:n], work[n : 2 * n], modes.a1, modes.a2, modes.balance, modes.response)
+    for j in range(MOMENTS_AHEAD):
+        for i in range(2 * n):
+            work[i] = 0.0
+        for k in range(KEPT):
+            moments[k] = 1.0 if k == j else 0.0
+        inject_kept(struck, bank.point, moments)
+        ring_on(struck)
+        lay(block, struck, bank.point, room, block.tables[0].later[j])
+
+
+@kernel
+def begin_alone(block: Block, contact: Coupled, bank: Bank, room: tuple[View[float], View[float]]) -> None:
+    """Begin a block of one contact with the modes as they are."""
+    lay(block, bank.modes, bank.point, room, block.rows[rows_of(block) :])
+    observe(bank.modes, bank.point, bank.work, bank.seen)
+    place = 0.0
+    for k in range(FINE):
+        place += bank.seen[k] * (1.0 - 2.0 * (k % 2))
+    begin_block(block, contact, place)
+
+
+@njit(error_model="numpy")
+def _simulate(contacts, group, blocks, net, bank, room, case, parts, samples, times, out):
+    modes, point = bank.modes, bank.point
+    contact, block = contacts[0].coupled, blocks[0]
+    v, m, k, mu, a, push, rate = case
+    for _ in range(times):
+        restart(bank)
+        begin_coupled(contact, v, ContactLaw(m, k, mu, a), push, 0.0, rate, _TOLERANCE)
+        contact.wait = -1.0
+        receptance(modes, point, bank.work, bank.seen)
+        respond_with(contact, bank.seen)
+        block.gained = block.scale = 0.0
+        find_tables(block, contact, bank, parts, room)
+        within, first = False, 0
+        for t in range(samples):
+            if not within or t - first == AHEAD:
+                begin_alone(block, contact, bank, room)
+                within, first = True, t
+            within = step_blocks(contacts, blocks, net, t - first)
+            if within:
+                feel(blocks, net, t - first)
+                for j in range(KEPT):
+                    bank.moments[j] = block.moments[j] if j < MOMENTS_AHEAD else 0.0
+                inject_kept(modes, point, bank.moments)
+            else:
+                end_block(block, contact)
+                observe(modes, point, bank.work, bank.seen)
+                step_alone(contacts, group, bank.seen, bank.moments)
+                inject_fine(modes, point, bank.moments)
+            ring_on(modes)
+            if t < len(out):
+                velocity, energy = motion_and_energy(bank)
+                out[t, 0] = velocity
+                out[t, 1] = contact.v
+                out[t, 2] = max(contact.motion[0], 0.0)
+                energy += 0.5 * m * contact.v * contact.v - push * contact.position
+                out[t, 3] = energy + elastic(contact.motion[0], k, a)
+                out[t, 4] = contact.contacts
+
+
+def _simulation(case: Case, parts: int) -> tuple[NDArray[np.void], Callable[..., None]]:
+    contacts, group = np.zeros(1, MEMBER), np.zeros(1, COUPLED_GROUP)[0]
+    blocks, net = np.zeros(1, dtype_of(Block)), np.zeros(1, dtype_of(Net))[0]
+    net["size"], net["gain"], net["share"] = 1, 1.0, 1.0
+    room = np.zeros(room_for_rows(ROWS)), np.zeros(AHEAD * ROWS)
+    law = tuple(map(float, (case.v_in, case.m, case.k, case.mu, case.a, case.push, case.rate)))
+    return contacts, partial(_simulate, contacts, group, blocks, net, bank_of(case), room, law, parts)
+
+
+def simulate_blocks(case: Case, parts: int) -> Run:
+    """Simulate a case that begins on a sample in blocks, with the force in so many parts of a sample.
+
+    Return a Run: velocities (m/s), compression (m), energy (J) and contacts begun, float64 (samples,) each.
+    """
+    contacts, simulation = _simulation(case, parts)
+    out = np.empty((case.samples, 5))
+    simulation(case.samples, 1, out)
+    contact = contacts[0]["coupled"]
+    return Run.of(out, int(contact["steps"]), int(contact["held"]))
+
+
+def blocks_loop(case: Case, samples: int, parts: int) -> Callable[[int], None]:
+    """Return a function that simulates so many samples of a case the given number of times and keeps none, for
+    `cost_of`."""
+    simulation = _simulation(case, parts)[1]
+    return lambda times: simulation(samples, times, NOT_KEPT)
