@@ -529,10 +529,10 @@ def _feel(block: Block, tables: Tables, moments: View[float], n: int, share: flo
     """Add what a share of one force does to the rows of one contact."""
     m0, m1, m2 = share * moments[0], share * moments[1], share * moments[2]
     count = rows_of(block)
-    later, rows, first = tables.later, block.rows, (n + 2) * count
+    a, b, c, rows = tables.later[0], tables.later[1], tables.later[2], block.rows[(n + 2) * count :]
     if block.parts == 1:
         for i in range((AHEAD - 1 - n) * count):
-            rows[first + i] += later[0, i] * m0 + later[1, i] * m1
+            rows[i] += a[i] * m0 + b[i] * m1
         return
     for i in range((AHEAD - 1 - n) * count):
-        rows[first + i] += later[0, i] * m0 + later[1, i] * m1 + later[2, i] * m2
+        rows[i] += a[i] * m0 + b[i] * m1 + c[i] * m2
