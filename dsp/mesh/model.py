@@ -28,6 +28,7 @@ _FLOOR = 1e-3  # of the highest frequency: below lie rigid motions of parts that
 _SHELL = 8.0  # cells' sides over the wall: from there on cells are too stiff
 _PER_POINT = 16  # samples
 _TRIANGLES, _FINE_TRIANGLES = 2600, 8000  # of a shell, about
+_MOST_TRIANGLES = 40_000
 _SLIVER = 1e-3  # of a side squared: a triangle's area
 
 Say = Callable[[str, float], object]
@@ -139,9 +140,17 @@ def _solution(
         solved = cells.solve_sheet(surface, wanted.wall, material, size, degree, count)
         text = f"a sheet of {1e3 * wanted.wall:.3g} mm, of {len(solved.mesh.cells)} cells of {1e3 * size.side:.3g} mm"
         return solved, "cells", (f"{text} and degree {degree}",)
+    _require_few(surface.faces)
     fit = refined(surface, _FINE_TRIANGLES if fine else _TRIANGLES)
+    _require_few(fit.faces)
     made = shells.solve(fit, wanted.wall, material, count)
     return made, "shells", (f"a shell of {1e3 * wanted.wall:.3g} mm, of {len(fit.faces)} triangles",)
+
+
+def _require_few(faces: Indices) -> None:
+    """Raise MeshError if a shell has more triangles than there is memory and time for."""
+    if len(faces) > _MOST_TRIANGLES:
+        raise MeshError(f"{len(faces):,} triangles: expected at most {_MOST_TRIANGLES:,} in a thin wall; simplify it")
 
 
 def refined(surface: Surface, count: int) -> Surface:
@@ -158,7 +167,7 @@ def refined(surface: Surface, count: int) -> Surface:
         wanted = np.zeros(len(edges), bool)
         worst = number[np.arange(len(faces)), each.argmax(axis=1)]
         wanted[worst[each.max(axis=1) > longest]] = True
-        if not wanted.any():
+        if not wanted.any() or len(faces) > _MOST_TRIANGLES:
             break
         middle = np.where(wanted, len(points) + np.cumsum(wanted) - 1, -1)
         points = np.vstack([points, points[edges[wanted]].mean(axis=1)])

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+from carom.dsp.bodies.material import Material
 from carom.dsp.mesh import forms
 from carom.dsp.mesh.cleaning import cleaned, openings
+from carom.dsp.mesh.model import Wanted, model_of
 from carom.dsp.mesh.surface import MeshError, Surface, faces_of, volume_of
 
 BALL = forms.ball(0.05, 3)
@@ -96,3 +98,9 @@ def test_forms_are_closed_and_point_outward():
         assert volume_of(body) > 0, name
         assert np.allclose((faces_of(body).normals * faces_of(body).areas[:, None]).sum(axis=0), 0, atol=1e-12), name
     assert volume_of(bodies["box"]) == pytest.approx(0.006)
+
+
+def test_a_thin_wall_of_too_many_triangles_is_refused_before_memory_is_taken():
+    metal = Material("metal", 7850.0, 200e9, 0.29, 1.0, 0.0)
+    with pytest.raises(MeshError, match="81,920 triangles: expected at most 40,000 in a thin wall"):
+        model_of(*forms.ball(0.05, 6), metal, Wanted(wall=1e-4))
