@@ -28,7 +28,8 @@ _FLOOR = 1e-3  # of the highest frequency: below lie rigid motions of parts that
 _SHELL = 8.0  # cells' sides over the wall: from there on cells are too stiff
 _PER_POINT = 16  # samples
 _TRIANGLES, _FINE_TRIANGLES = 2600, 8000  # of a shell, about
-_MOST_TRIANGLES = 40_000
+_MOST_TRIANGLES = 20_000
+_MOST_SPLIT = 4  # times the triangles wanted: long thin ones are not split beyond
 _SLIVER = 1e-3  # of a side squared: a triangle's area
 
 Say = Callable[[str, float], object]
@@ -167,7 +168,7 @@ def refined(surface: Surface, count: int) -> Surface:
         wanted = np.zeros(len(edges), bool)
         worst = number[np.arange(len(faces)), each.argmax(axis=1)]
         wanted[worst[each.max(axis=1) > longest]] = True
-        if not wanted.any() or len(faces) > _MOST_TRIANGLES:
+        if not wanted.any() or len(faces) > _MOST_SPLIT * count:
             break
         middle = np.where(wanted, len(points) + np.cumsum(wanted) - 1, -1)
         points = np.vstack([points, points[edges[wanted]].mean(axis=1)])

@@ -102,5 +102,5 @@ def test_forms_are_closed_and_point_outward():
 
 def test_a_thin_wall_of_too_many_triangles_is_refused_before_memory_is_taken():
     metal = Material("metal", 7850.0, 200e9, 0.29, 1.0, 0.0)
-    with pytest.raises(MeshError, match="81,920 triangles: expected at most 40,000 in a thin wall"):
-        model_of(*forms.ball(0.05, 6), metal, Wanted(wall=1e-4))
+    with pytest.raises(MeshError, match="20,480 triangles: expected at most 20,000 in a thin wall"):
+        model_of(*forms.ball(0.05, 5), metal, Wanted(wall=1e-4))
