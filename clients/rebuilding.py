@@ -238,7 +238,8 @@ def _in_lines(table: Array, places: Array, lines: int) -> Array:
     """Return a shape (frames,) at places, as lines of so many frames each."""
     frame = np.arange(len(places))
     begin = frame // lines * lines
-    end = np.minimum(begin + lines, len(places) - 1)
+    last, end = (np.minimum(begin + n, len(places) - 1) for n in (lines - 1, lines))
+    end = np.where(places[begin] == places[last], begin, end)  # what is steered moves from quantum to quantum alone
     row = _row_of(table, places[begin]) if lines == LINE else None  # these keep their rows, those of a quantum do not
     here, there = (_along(table, places[at], row) for at in (begin, end))
     return np.asarray(here + (frame - begin) / np.maximum(end - begin, 1) * (there - here))
