@@ -20,6 +20,7 @@ _ALARMING = {
     "quality",
     "contacts_dropped",
     "ramps_dropped",
+    "nonlinear_dropped",
     "late",
     "limited",
     "faults",

@@ -111,6 +111,7 @@ class Counters(Record):
     limited: int  # frames
     strikers_cut: int
     ramps_dropped: int
+    nonlinear_dropped: int
     tap_lost: int  # frames
     notes_lost: int
     trace_lost: int  # samples
@@ -121,6 +122,7 @@ class Counters(Record):
     contacts_active: int
     rolls_active: int
     coupled_modes: int
+    nonlinear_active: int
     live_modes: int
     sounding: int
     sounded: int  # samples

@@ -14,6 +14,7 @@ from ..dsp.bodies.added import Added
 from ..dsp.bodies.bar import ENDS
 from ..dsp.bodies.disc import EDGES as DISC_EDGES
 from ..dsp.bodies.heard import BAFFLES
+from ..dsp.bodies.karman import MOST as MOST_COUPLED
 from ..dsp.bodies.material import LOSSES
 from ..dsp.bodies.mesh import Table
 from ..dsp.bodies.plate import EDGES as PLATE_EDGES
@@ -264,6 +265,7 @@ SHAPES: Mapping[str, Shape] = {
             "radius": LENGTH,
             "thickness": THICKNESS,
             "dome": Quantity(0, 1, "m"),
+            "nonlinear_modes": Whole(0, MOST_COUPLED),
             "edge": Choice(DISC_EDGES),
             **ROUND,
             "baffle": BAFFLE,

@@ -28,6 +28,7 @@ _COUNTERS = (
     "underflows",
     "tap_lost",
     "ramps_dropped",
+    "nonlinear_dropped",
 )
 FIRST = (
     "1",
@@ -49,6 +50,7 @@ FIELDS = {
     "gain": "of everything, dB",
     "limiter": "on or off",
     "rolls": "bodies that roll",
+    "nonlinear": "plates whose modes are coupled",
     "accuracy": "as `/accuracy` sets it",
     "quality": "as `/quality` asks for it or the load demands it, 0 to 8",
     "bank": "as `/bank` sets it",
@@ -153,6 +155,7 @@ class Status:
             "gain": 20.0 * math.log10(self._engine.gain),
             "limiter": "on" if self._engine.limiter else "off",
             "rolls": stats.rolls_active,
+            "nonlinear": stats.nonlinear_active,
             "accuracy": self._engine.accuracy,
             "quality": int(self._engine.quality),
             "bank": self._engine.bank,
@@ -186,6 +189,7 @@ class Status:
             ("strikers_cut", "{} strikers were cut short or left out: too many sounded"),
             ("late", "{} late events were played at once; the last was {late_last:.1f} ms late"),
             ("ramps_dropped", "{} changes were made at once: too many took their time"),
+            ("nonlinear_dropped", "{} blows left a plate linear: the modes of too many plates were coupled"),
             ("tap_lost", "{} frames are missing from the recording: the disk is too slow"),
             ("underflows", "the device ran out of sound {} times"),
         ):

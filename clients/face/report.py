@@ -11,6 +11,7 @@ _COUNTERS = {
     "contacts": ("impacts", "recontacts"),
     "contacts_dropped": ("contacts_dropped",),
     "strikers_cut": ("strikers_cut",),
+    "nonlinear_dropped": ("nonlinear_dropped",),
     "steps_held": ("held",),
     "over_budget": ("over_budget",),
     "late": ("late",),
@@ -28,6 +29,7 @@ class Report:
     normalized_db: by how much the sound was brought to the peak that was asked for (None: it was not).
     contacts: how many began, or were left out; contacts_dropped: left out, as too many went on at once;
     strikers_cut: strikers whose own sound was cut short or left out, as too many sounded;
+    nonlinear_dropped: blows that left a plate linear, as the modes of too many plates were coupled;
     steps_held: steps of contacts solved with the modes that took the force as constant; over_budget: samples in which
     they did as `/budget` granted no more steps.
     late: events that came after their time; faults: times that an object was silenced as its sound was not finite.
@@ -42,6 +44,7 @@ class Report:
     contacts: int = 0
     contacts_dropped: int = 0
     strikers_cut: int = 0
+    nonlinear_dropped: int = 0
     steps_held: int = 0
     over_budget: int = 0
     late: int = 0
@@ -62,6 +65,8 @@ class Report:
             lines.append(OVER_BUDGET.format(self.over_budget))
         if self.strikers_cut:
             lines.append(f"{self.strikers_cut} strikers were cut short or left out: too many sounded")
+        if self.nonlinear_dropped:
+            lines.append(f"{self.nonlinear_dropped} blows left a plate linear: too many were coupled at once")
         if self.late:
             lines.append(f"{self.late} events came after their time")
         if self.faults:

@@ -166,8 +166,11 @@ class Complete:
             decay = _decays(decay, frequency[own.frequency[:room].size :], self.written, material)
         order = np.argsort(frequency, kind="stable")
         strikes = [own.strike[:, :room], *(np.repeat(part.strike, len(own.strike), axis=0) for part in parts)]
+        place = np.full(own.frequency.size, -1)
+        place[:room] = np.argsort(order)[: own.frequency[:room].size]
         return replace(
             own,
+            sheet=own.sheet and own.sheet.moved(place),
             frequency=frequency[order],
             decay=np.concatenate([own.decay[:room], decay])[order],
             strike=np.concatenate(strikes, axis=1)[:, order],

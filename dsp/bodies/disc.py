@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +12,7 @@ from . import acceleration
 from .air import plate_mass
 from .dome import SHALLOW, Waves, domed
 from .heard import BAFFLES, heard, loaded
+from .karman import MOST, Sheet
 from .material import Array, Material
 from .modes import MOST_MODES, Indices, Modes, audible, path, read_only, require_choice, require_positive
 from .near import critical_frequency, near_field
@@ -39,6 +40,7 @@ def disc(
     thickness: float,
     top: float,
     dome: float = 0.0,
+    nonlinear_modes: int = 0,
     edge: str = "free",
     split: float = 0.0,
     imperfection: float = 20.0,
@@ -47,11 +49,12 @@ def disc(
     """Return the modes of a thin circular plate (Kirchhoff), its edge free, clamped or simply supported.
 
     radius and thickness in m; dome (m): the rise of the centre over the edge, which is free, as of a shallow parabolic
-    cap (dome.py), on which the air acts as on the flat disc at the cap's frequencies; top in Hz; the strike path is a
-    diameter, from edge (0) over the centre (0.5) to edge (1); split and imperfection as in `ring.doublets`, baffle as
-    in `heard.BAFFLES`. ValueError names what is out of range. f = lambda^2/(2 pi R^2) sqrt(D/(rho h)), lambda the roots
-    of the edge's two conditions on J_n(lambda r) + c I_n(lambda r) (Leissa, Vibration of Plates, NASA SP-160, 1969),
-    lowered by the air.
+    cap (dome.py), on which the air acts as on the flat disc at the cap's frequencies; nonlinear_modes: how many of the
+    lowest modes are coupled by the plate's stretching (karman.py), which no edge holds in its plane; top in Hz; the
+    strike path is a diameter, from edge (0) over the centre (0.5) to edge (1); split and imperfection as in
+    `ring.doublets`, baffle as in `heard.BAFFLES`. ValueError names what is out of range. f = lambda^2/(2 pi R^2)
+    sqrt(D/(rho h)), lambda the roots of the edge's two conditions on J_n(lambda r) + c I_n(lambda r) (Leissa, Vibration
+    of Plates, NASA SP-160, 1969), lowered by the air.
     """
     require_positive(radius=radius, thickness=thickness)
     require_choice("edge", edge, EDGES)
@@ -71,9 +74,17 @@ def disc(
 
     surface = Round(radius, areal, baffle, every, mine, waves.scale)
     body = _Round(unit * root**2, mass, surface, flat, unit * limit**2)
+    stiffness = 4 * material.youngs_modulus * thickness * (dome / radius) ** 2
+    parts: list[tuple[Indices, Array]] = []
     if dome:
         _require_cap(dome, radius, edge)
-        body = _domed(body, waves, limit, 4 * material.youngs_modulus * thickness * (dome / radius) ** 2)
+        body, parts = _domed(body, waves, limit, stiffness)
+    if nonlinear_modes:
+        _require_coupled(nonlinear_modes, split)
+        stretching = math.sqrt(material.youngs_modulus * thickness / 4) / radius
+        stress = _stress_functions(limit)
+        made_of = waves, stress, math.sqrt(stiffness), stretching, parts, unit * root**2
+        body = body._replace(sheet=partial(Sheet, nonlinear_modes, thickness, *made_of))
     made = _round(material, body, Doublets(split, imperfection), top)
     if baffle != "free":
         return made
@@ -89,15 +100,25 @@ def _require_cap(dome: float, radius: float, edge: str) -> None:
         raise ValueError(f"dome = {dome}: expected 0 to {SHALLOW * radius:g}, a quarter of the radius")
 
 
-def _domed(flat: "_Round", waves: Waves, limit: float, stiffness: float) -> "_Round":
-    """Return a disc as a cap, from its waves up to a root; stiffness as in `domed`."""
+def _require_coupled(modes: int, split: float) -> None:
+    """Raise ValueError if so many modes of a disc with such pairs can't be coupled."""
+    if not 0 < modes <= MOST:
+        raise ValueError(f"nonlinear_modes = {modes}: expected 0 to {MOST}")
+    if split == 0:
+        raise ValueError(f"split = {split}: expected more than 0 where nonlinear_modes = {modes}; both of a pair move")
+
+
+def _domed(
+    flat: "_Round", waves: Waves, limit: float, stiffness: float
+) -> tuple["_Round", list[tuple[Indices, Array]]]:
+    """Return a disc as a cap, from its waves up to a root, and its mixtures; stiffness as in `domed`."""
     cap = domed(waves, flat.frequency, _stress_functions(limit), stiffness)
     everything = np.arange(waves.order.size)
 
     def radial(steps: int, mode: Indices) -> Array:
         return cap.mix(flat.radial(steps, everything), mode)
 
-    return flat._replace(frequency=cap.frequency, radial=radial)
+    return flat._replace(frequency=cap.frequency, radial=radial), cap.parts
 
 
 def _scale(square: Array, mass: float, order: Array) -> Array:
@@ -181,6 +202,7 @@ class _Round(NamedTuple):
     surface: Round
     radial: Callable[[int, Indices], Array]
     complete: float | None = None
+    sheet: Callable[[Indices, Array, Array, Indices, Indices], Sheet] | None = None
 
 
 def _enough(members: int) -> float:
@@ -212,6 +234,9 @@ def _round(material: Material, body: _Round, pairs: Doublets, top: float) -> Mod
     sign = along[-1] * np.cos(angle * each - phase[keep])
     shapes = _across(along[:-1], each, phase[keep])
     made = heard(material, frequency[keep], air.resistance[base][member], (shapes, sign), body.mass)
+    if body.sheet is not None:
+        cosine, sine = _members(order[near], which, keep)
+        made = replace(made, sheet=body.sheet(near, air.shrinking, air.frequency, cosine, sine))
     if body.complete is None and made.frequency.size == MOST_MODES:
         return made
 
@@ -236,6 +261,16 @@ def _radii(steps: int) -> Array:
     """Return so many equally spaced radii, from the centre to the edge, and that at which a mode's sound has its
     sign."""
     return np.append(np.linspace(0, 1, steps), _SIGN_AT[0])
+
+
+def _members(order: Array, which: Indices, keep: Indices) -> tuple[Indices, Indices]:
+    """Return the places of the modes cos and sin of functions of some orders among those kept of `ring.doublets`, -1
+    for none."""
+    place = np.full(which.size, -1)
+    place[keep] = np.arange(keep.size)
+    cosine, sine = place[: order.size], np.full(order.size, -1)
+    sine[which[order.size :]] = place[order.size :]
+    return cosine, sine
 
 
 def _across(along: Array, order: Array, phase: Array) -> Array:

@@ -10,8 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .material import Array
-from .modes import Indices
+from .material import Array, Indices
 
 SHALLOW = 0.25
 """Times its radius: the rise up to which a cap counts as shallow."""
@@ -54,7 +53,7 @@ def domed(flat: Waves, frequency: Array, stress: Waves, stiffness: float) -> Mix
     for m in np.unique(flat.order):
         row, column = np.flatnonzero(stress.order == m), np.flatnonzero(flat.order == m)
         column = column[np.argsort(frequency[column], kind="stable")]
-        strain = math.sqrt(stiffness) * _overlaps(Waves(*(each[row] for each in stress)), _only(flat, column))
+        strain = math.sqrt(stiffness) * strains(Waves(*(each[row] for each in stress)), _only(flat, column))
         omega = 2 * math.pi * frequency[column]
         square, mixture = np.linalg.eigh(np.diag(omega**2) + strain.T @ strain)
         mixture *= np.sign(np.take_along_axis(mixture, np.abs(mixture).argmax(axis=0)[None], axis=0))
@@ -67,7 +66,7 @@ def _only(waves: Waves, which: Indices) -> Waves:
     return Waves(*(each[which] for each in waves))
 
 
-def _overlaps(stress: Waves, flat: Waves) -> Array:
+def strains(stress: Waves, flat: Waves) -> Array:
     """Return the integrals over the disc of the stress functions (s,) over z^2 times the Laplacians of waves (k,), all
     of one order, (s, k).
 

@@ -10,9 +10,9 @@ import numpy.typing as npt
 
 from ..errors import CaromError
 from .acceleration import Click
+from .karman import Sheet
 from .material import Array
-
-Indices = npt.NDArray[np.intp]
+from .material import Indices as Indices
 
 MOST_MODES = 1024
 _LEAST = 1e-300  # Hz
@@ -50,7 +50,8 @@ class Modes:
     it is struck: as a whole if it is free to move (acceleration.py), about that point if it is thin (near.py).
     glide in 1/J and cone in kg: how far the tension rises with the energy that rings, Delta T/T = glide x energy, and
     about a striker as it touches, tau (1 + tau) = glide x cone x velocity^2 (tension.py); 0 where it does not.
-    unheard: what is felt of the modes that are not among these; None where they are not known.
+    unheard: what is felt of the modes that are not among these; None where they are not known. sheet: the coupling of a
+    plate's modes by its stretching (karman.py); None where they are not coupled.
 
     A mode that radiates the power R q'^2/2 has G = sqrt(rho c R/(4 pi)), and R/2 is in its decay.
     """
@@ -64,6 +65,7 @@ class Modes:
     glide: float = 0.0
     cone: float = 0.0
     unheard: Unheard | None = None
+    sheet: Sheet | None = None
 
 
 def columns(size: int, of: str, **given: float | Sequence[float]) -> list[Array]:
@@ -100,8 +102,12 @@ def loudest(modes: Modes, count: int) -> Modes:
 
 def selected(modes: Modes, keep: npt.NDArray[Any]) -> Modes:
     """Return the body with the audible modes that an index array or a mask keeps."""
+    place = np.full(modes.frequency.size, -1)
+    kept = np.arange(modes.frequency.size)[keep]
+    place[kept] = np.arange(kept.size)
     return replace(
         modes,
+        sheet=modes.sheet and modes.sheet.moved(place),
         frequency=modes.frequency[keep],
         decay=modes.decay[keep],
         strike=modes.strike[:, keep],

@@ -13,6 +13,7 @@ from ..resonator.bank import RESPONSES, Modes, ring
 from ..resonator.simd import LANES
 from .bank.spectral import let_bank_fade
 from .bodies.objects import shape_at
+from .bodies.sheets import uncouple
 from .bodies.strikers import fade_voices, let_voice_go
 from .contacts.contact_list import end_contacts
 from .memory.records import Contact, ContactPoint
@@ -58,6 +59,7 @@ def _set_aside(state: State, obj: Object) -> None:
     for side in range(2):
         obj.driven[0, side, 0] -= obj.static[side]  # of that, a force that goes on for ever, nothing is heard
         obj.static[side] = obj.static_before[side] = 0.0
+    uncouple(state, obj)
     obj.fading = max(obj.live, obj.fading)
     obj.faded = obj.live = 0
 

@@ -13,6 +13,7 @@ from .bank.spectral import mix_bank, recall_struck
 from .bodies.glide import follow_tension
 from .bodies.objects import is_felt, modes_of, relief_of, ringing_of
 from .bodies.sensing import begin_sensing, clear_sensed, sense
+from .bodies.sheets import follow_sheets, is_coupled, uncouple
 from .bodies.strikers import rest_strikers, ring_strikers, silence_strikers
 from .contacts.blocks import solve_blocks
 from .contacts.contact_groups import solve_groups
@@ -54,6 +55,7 @@ def mix_objects(state: State) -> None:
     """Add all objects to the mix: first those that share contacts, together, then each other one by itself."""
     clear_mix(state)
     clear_sensed(state)
+    follow_sheets(state)
     state.stats.live_modes = 0
     state.stats.sounding = 0
     # One loop for both, so that the compiler has one _render_group to inline: turn -1 are all that share contacts.
@@ -207,6 +209,8 @@ def _retune(state: State, obj: Object, count: int) -> None:
 @kernel
 def _rest_silent(state: State, obj: Object) -> None:
     """Put the last groups of live modes to rest that nobody hears any more: at most two groups per quantum."""
+    if is_coupled(state, obj):
+        return
     threshold = silence_of(state) if obj.sensors == 0 else _STILL * silence_of(state)
     for _ in range(2):
         if obj.live <= obj.driven_modes:
@@ -233,6 +237,7 @@ def _rest_all(state: State, obj: Object) -> None:
         state.bank.y1[i] = 0.0
         state.bank.y2[i] = 0.0
     obj.live = 0
+    uncouple(state, obj)
     silence_strikers(state, obj)
     for side in range(2):
         obj.static[side] = obj.static_before[side] = 0.0

@@ -13,6 +13,7 @@ from ..engine.memory.state import BANK
 from ..native.atomics import hold_page
 from .arena import Arena, EngineFull
 from .plan import COLUMNS, Plan, planned
+from .sheets import Sheets
 
 
 class Memory:
@@ -24,6 +25,7 @@ class Memory:
         self._has_sides = record["output"]["channels"] == 2
         self._modes = Arena("modes", modes)
         self._shapes = Arena("values of mode shapes", SHAPE_VALUES)
+        self._sheets = Sheets(record)
         self._leaving: list[Handle] = []
         self._most = objects
         self._slots: list[int] = []  # that were used and are free again
@@ -47,9 +49,14 @@ class Memory:
         rows, size = plan.shape.shape
         if not self.free:
             raise EngineFull(f"no room for another object: all {self._most} are taken")
-        first = self._modes.take(size)
+        sheet = -1 if plan.laid is None else self._sheets.lay_out(plan.laid)
+        try:
+            first = self._modes.take(size)
+        except EngineFull:
+            self._give_sheet(sheet)
+            raise
         if table < 0:
-            table = self._take_table(key, plan, first)
+            table = self._take_table(key, plan, first, sheet)
         self._tables[table] = key, self._tables[table][1] + 1
         for name, values in zip(COLUMNS, plan.columns, strict=True):
             self._bank[name][first : first + size] = values * level if name == "weight" else values
@@ -65,17 +72,24 @@ class Memory:
             "level": level,
             "glide": modes.glide,
             "cone": modes.cone,
+            "sheet": sheet,
         }
         slot = self._slots.pop() if self._slots else self.reached
         self.reached = max(self.reached, slot + 1)
-        return Handle(slot, self._serial, first, table), layout
+        return Handle(slot, self._serial, first, table, sheet), layout
 
-    def _take_table(self, key: tuple[int, float], plan: Plan, first: int) -> int:
+    def _give_sheet(self, sheet: int) -> None:
+        """Take back the place of a plate, if there is one."""
+        if sheet >= 0:
+            self._sheets.release(sheet)
+
+    def _take_table(self, key: tuple[int, float], plan: Plan, first: int, sheet: int) -> int:
         """Lay out the shapes of a plan, for modes that have been taken: the first value of the table."""
         try:
             table = self._shapes.take(plan.shape.size)
         except EngineFull:
             self._modes.give(first)
+            self._give_sheet(sheet)
             raise
         self._bank["shape"][table : table + plan.shape.size] = plan.shape.ravel()
         self._plans[key], self._tables[table] = (plan, table), (key, 0)
@@ -93,6 +107,7 @@ class Memory:
         """Take back the place of an object that the engine doesn't have, or has no more."""
         self._slots.append(handle.slot)
         self._modes.give(handle.first)
+        self._give_sheet(handle.sheet)
         key, users = self._tables[handle.table]
         if users > 1:
             self._tables[handle.table] = key, users - 1

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bodies.karman import Laid
 from ..bodies.material import Array
 from ..bodies.modes import Modes
 from ..engine.memory.capacity import MODES_PER_OBJECT
@@ -28,7 +29,8 @@ class Plan:
     """An object's modes as they lie in the bank.
 
     columns: (4, size) of COLUMNS; shape: (rows, size) float32. The first `felt` modes are the body's own; up to `bent`
-    come their reliefs; the others are clicks, and from `heard` on modes that are felt alone.
+    come their reliefs; the others are clicks, and from `heard` on modes that are felt alone. laid: the coupling of the
+    first of them, of a plate that has one.
     """
 
     modes: Modes
@@ -38,6 +40,7 @@ class Plan:
     bent: int
     heard: int
     relief: Relief
+    laid: Laid | None
 
     @property
     def bytes(self) -> int:
@@ -69,6 +72,9 @@ def _made(modes: Modes, top: float, nyquist: float, has_sides: bool) -> Plan:
     """Return the plan of `planned`."""
     order = np.argsort(modes.decay, kind="stable")  # the longest ringing first: the rest falls silent from the end
     order = order[modes.frequency[order] <= top]
+    laid = None if modes.sheet is None else modes.sheet.laid_out(top)
+    if laid is not None:  # those that are coupled come first, as their grid has them
+        order = np.concatenate([laid.mode, order[~np.isin(order, laid.mode)]])
     sides = modes.pressure[:, order]
     if not has_sides:  # a mode is heard at one point, with the power of both sides
         sides = np.tile(np.copysign(np.sqrt(0.5 * (sides**2).sum(axis=0)), sides[0]), (2, 1))
@@ -84,7 +90,7 @@ def _made(modes: Modes, top: float, nyquist: float, has_sides: bool) -> Plan:
         raise EngineFull(f"{count} modes: an object holds at most {MODES_PER_OBJECT}")
     size = max(LANES, math.ceil(count / LANES) * LANES)
     columns, shape = np.zeros((len(COLUMNS), size)), np.zeros((len(strike), size), np.float32)
-    plan = Plan(modes, columns, shape, felt, bent, heard, still)
+    plan = Plan(modes, columns, shape, felt, bent, heard, still, laid)
     _fill(plan, 0, modes.frequency[order], modes.decay[order], *_weights(sides))
     plan.shape[:, :felt] = strike[:, order]
     for side, weights in enumerate(((1.0, 0.0), (_FAINT, 1 / _FAINT))):

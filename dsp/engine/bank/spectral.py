@@ -9,6 +9,7 @@ from ...native.jit import kernel, noinline_kernel
 from ...spectral.layout import PHASES
 from ...spectral.places import empty_phase, has_room, put_in_order
 from ...spectral.synthesis import sum_bins, synthesize
+from ..bodies.sheets import is_bent
 from ..memory.channels import ask_gains
 from ..memory.order import wake
 from ..memory.quality import is_left_out
@@ -199,7 +200,7 @@ def _rings_freely(state: State, obj: Object) -> bool:
     """True if nothing but its own modes moves an object, and nothing has for a while."""
     if obj.live == 0 or obj.spectral > 0 or obj.has_contact == 1 or obj.voice >= 0 or obj.fading > 0:
         return False
-    if obj.sensors > 0:
+    if obj.sensors > 0 or is_bent(state, obj):
         return False
     if obj.stale_modes > 0 or obj.dying == 2 or obj.stretch != 0.0 or obj.driven_modes > 0:
         return False

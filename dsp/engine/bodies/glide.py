@@ -25,7 +25,7 @@ def follow_tension(state: State, obj: Object) -> None:
     """Bring an object's tension to its ringing and its strikers; nothing where it does not glide, or inaudibly."""
     if obj.glide == 0.0 or (obj.live == 0 and obj.stretch == 0.0 and obj.contact < 0):
         return
-    stretch = min(max(obj.glide * _energy_of(state, obj), _cone_of(state, obj)), _HIGHEST)
+    stretch = min(max(obj.glide * energy_without_gains(state, obj), _cone_of(state, obj)), _HIGHEST)
     if stretch < obj.stretch:
         stretch += (obj.stretch - stretch) * math.exp(-QUANTUM / (_SPREAD * state.rate))
     if not stretch >= _AUDIBLE:
@@ -42,7 +42,7 @@ def follow_tension(state: State, obj: Object) -> None:
 
 
 @kernel
-def _energy_of(state: State, obj: Object) -> float:
+def energy_without_gains(state: State, obj: Object) -> float:
     """Return the energy (J) that rings on an object, as it were if all gestures had a gain of 1: gains are heard, not
     felt.
 

@@ -11,8 +11,9 @@ from ...contact.coupled_flight import apart_for
 from ...native.jit import kernel
 from ...resonator.mode import energy_of
 from ..bodies.objects import modes_of, reach_of
+from ..bodies.sheets import is_coupled
 from ..memory.quality import keeps_strikers
-from ..memory.records import Contact
+from ..memory.records import Contact, ContactPoint
 from ..memory.state import COUPLING, Object, State
 from .solver_choice import moved_by
 
@@ -28,7 +29,7 @@ def flight(state: State, contact: Contact, seen: bool) -> float:
         point = contact.point[side]
         if point.slot >= 0:
             obj = state.objects[point.slot]
-            far, fast = reach_of(state, obj, point) if obj.live > 0 else (0.0, 0.0)
+            far, fast = _reach(state, obj, point)
             given, faster = _given_by_others(state, contact, point.slot) if keeps_strikers(state) else (0.0, 0.0)
             distance += far / contact.now.gain
             speed += (fast + faster) / contact.now.gain
@@ -37,6 +38,21 @@ def flight(state: State, contact: Contact, seen: bool) -> float:
     if not seen:
         contact.coupled.motion[0] = contact.coupled.position + distance  # at most
     return apart_for(contact.coupled, farthest, speed)
+
+
+@kernel
+def _reach(state: State, obj: Object, point: ContactPoint) -> tuple[float, float]:
+    """Return bounds of an object's motion where it is touched: displacement (m) and velocity (m/s).
+
+    Coupled modes take energy from each other: of them only that is known, or may come in this quantum.
+    """
+    if obj.live == 0:
+        return 0.0, 0.0
+    if not is_coupled(state, obj):
+        return reach_of(state, obj, point)
+    sheet = state.sheets[obj.sheet]
+    twice = 2.0 * sheet.c0 / sheet.growth * obj.amplified
+    return math.sqrt(twice * point.compliance) / obj.settings.tune, math.sqrt(twice * point.give)
 
 
 @kernel

@@ -14,6 +14,7 @@ from ...resonator.simd import LANES, STRETCH
 from ...rolling.body import fill_roll
 from ..bodies.objects import modes_of, place, shapes_of, weigh
 from ..bodies.sensing import push_sensed
+from ..bodies.sheets import is_coupled, kick_modes, rows_coupled, take_bending, wind_up
 from ..memory.records import Contact, ContactPoint, Through
 from ..memory.state import BEHIND, LEAD, QUANTUM, Object, State
 from .coupled_rolls import position_of
@@ -58,7 +59,31 @@ def register_roll(state: State, index: int) -> None:
 
 @kernel
 def ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: int) -> None:
-    """Ring an object from frame `start` to `stop` into its voice."""
+    """Ring an object from frame `start` to `stop` into its voice; modes that are coupled sample by sample."""
+    if not is_coupled(state, obj):
+        _ring_on(state, obj, voice, start, stop)
+        if obj.sheet >= 0:
+            wind_up(state, obj, voice, start, stop)
+    elif obj.rolls_head >= 0:
+        for frame in range(start, stop):
+            _ring_on(state, obj, voice, frame, frame + 1)
+            kick_modes(state, obj)
+            take_bending(state, obj, voice, frame)
+    else:
+        last, sound = rows_coupled(state, obj), state.scratch.striker
+        ring(modes_of(state, obj, last, obj.live), voice, start, stop)
+        modes = modes_of(state, obj, 0, last)
+        for frame in range(start, stop):
+            ring(modes, sound, frame, frame + 1)
+            kick_modes(state, obj)
+            for side in range(2):
+                voice[side, frame] += sound[side, frame]
+            take_bending(state, obj, voice, frame)
+
+
+@kernel
+def _ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: int) -> None:
+    """Ring an object's modes from frame `start` to `stop`, by themselves."""
     if obj.rolls_head < 0:
         ring(modes_of(state, obj, 0, obj.live), voice, start, stop)
         return

@@ -231,6 +231,7 @@ def _new(state: State, event: Event) -> None:
     obj.felt, obj.bent, obj.unheard = event.layout.felt, event.layout.bent, event.layout.unheard
     obj.level = event.layout.level
     obj.glide, obj.cone = event.layout.glide, event.layout.cone
+    obj.sheet = event.layout.sheet
     obj.rang, obj.amplified = 0.0, 1.0
     obj.stretch, obj.detuned = 0.0, 0
     obj.settings = event.settings

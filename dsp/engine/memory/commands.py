@@ -77,6 +77,7 @@ class Layout(Record):
     level: float  # output that 1 Pa is
     glide: float  # 1/J: rise of its tension for the energy that rings (bodies/tension.py)
     cone: float  # kg: the same about a striker
+    sheet: int  # place of a plate whose modes can be coupled, -1: it is none
 
 
 class Method(Record):
@@ -135,6 +136,7 @@ class Handle:
     serial: int
     first: int
     table: int
+    sheet: int = -1
 
 
 class Command(NamedTuple):

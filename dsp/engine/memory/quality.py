@@ -20,6 +20,7 @@ _RECENT, _NEWEST = int(Quality.RECENT), int(Quality.NEWEST_32)
 _SILENCE = 1e-6  # output amplitude (-120 dB) below which a mode is put to rest
 _LOUDER_SILENCE = 1e-4  # the same (-80 dB) from QUIET on
 _FEW = 256  # modes of an object, the longest ringing, that rolls and presses act on from COARSE on; a multiple of LANES
+_SELDOM = 3  # samples from one look at a plate's grid to the next from HELD on, at least
 _RECENTLY = 0.5  # s
 _VOICES = 32  # gestures that go on at NEWEST_32; each further step halves them
 
@@ -37,6 +38,24 @@ def keeps_strikers(state: State) -> bool:
     Not where steps are counted: each blow has all that are kept looked at.
     """
     return state.choices.budget.steps == 0 and not holds_steps(state)
+
+
+@kernel
+def looks_every(state: State, usual: int) -> int:
+    """Return the samples from one look at a coupled plate's grid to the next."""
+    return max(usual + 1, _SELDOM) if state.choices.quality >= _HELD else usual
+
+
+@kernel
+def couples_half(state: State) -> bool:
+    """True where half as many modes of a plate are coupled."""
+    return state.choices.quality >= _QUIET
+
+
+@kernel
+def couples_none(state: State) -> bool:
+    """True where no modes of plates are coupled."""
+    return state.choices.quality >= _COARSE
 
 
 @kernel

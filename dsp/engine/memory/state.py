@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ...contact.accuracy import DEFAULT
 from ...contact.block import ROWS, Block, Net
 from ...contact.coupled_records import CoupledGroup
+from ...karman.layout import SHEETS, TABLE_VALUES, Sheet, Space
 from ...native.pages import own_zeros
 from ...native.typed import Record, View, View2D, View3D, View4D, dtype_of, f32, i16, i32
 from ...numerics.legendre import AHEAD, FINE, KEPT, MOMENTS
@@ -41,6 +42,8 @@ RING = 8_192
 """Commands on their way from Python; a power of two."""
 ROLLS = 128
 """Bodies that can roll or slide at once."""
+COUPLED_SHEETS = 8
+"""Plates whose modes are coupled at once."""
 LEAD = HALF + REACH
 """Frames that a roll is computed ahead of its sound: 0.4 ms at 48 kHz."""
 BEHIND = HALF - REACH - 1
@@ -59,9 +62,11 @@ class Quality(IntEnum):
     """Steps of quality; each leaves out more than the one before."""
 
     FULL = 0
-    HELD = 1  # coupled contacts take one step per sample, and the closed form where that errs by no more than -40 dB
-    QUIET = 2  # modes below -80 dB are put to rest
-    COARSE = 3  # rolls have fewer and stronger micro-impacts; they and presses act on the 256 longest ringing modes
+    HELD = 1  # coupled contacts take one step per sample, and the closed form where that errs by no more than -40 dB;
+    # forces of plates' stretching are computed every third sample at most
+    QUIET = 2  # modes below -80 dB are put to rest; half as many modes of plates are coupled
+    COARSE = 3  # plates are linear; rolls have fewer and stronger micro-impacts; they and presses act on the 256
+    # longest ringing modes
     RECENT = 4  # objects that nobody has touched for half a second fade out
     NEWEST_32 = 5  # of gestures that last all but the newest wait; contacts are coupled to half as many modes
     NEWEST_16 = 6
@@ -165,6 +170,7 @@ class Object(Record):
     amplified: float  # that over what it were without these gains
     stretch: float  # that rise now; 0 where nobody would hear it
     detuned: int  # 1: modes answer forces as at another stretch, and must be told if they are touched
+    sheet: int  # place of a plate whose modes can be coupled, -1: it is none
     contact: int  # head of its list of contacts, -1: none
     voice: int  # head of its list of strikers that sound, -1: none
     level: float  # output per Pa
@@ -336,12 +342,17 @@ class State(Record):
     """The whole memory."""
 
     bank: Bank
+    # The next two begin at multiples of 64 bytes as well.
+    space: Space  # in which the forces of a plate's stretching are computed
+    curves: Annotated[View[f32], TABLE_VALUES]  # the tables of all plates' grids
     scratch: Scratch
     ring: CommandRing
     queue: Queue
     objects: Annotated[View[Object], OBJECTS]
     order: Annotated[View[int], OBJECTS]  # slots of objects that something goes on with: the order of summation
     active: int  # objects in `order`
+    sheets: Annotated[View[Sheet], SHEETS]  # plates whose modes can be coupled
+    coupled_sheets: int  # plates whose modes are coupled
     spectral: Spectral
     ringers: Annotated[View[int], OBJECTS]  # slots of objects whose modes ring in the spectral bank
     ringer_count: int

@@ -1,0 +1,199 @@
+"""Plates whose modes are coupled while they swing far: when they are, and the kick in each sample.
+
+A plate that swings by less than `least` rings as any other object. It is coupled in the quantum in which a blow may
+bring it above, as far as there is room, and uncoupled once it is below. Neither makes energy: what stretching holds is
+taken from the modes first, and is lost in the end.
+"""
+
+import math
+
+from ...karman.grid import stretch
+from ...karman.layout import Sheet
+from ...karman.step import Heard, displace, extrapolate, kick, prepare, set_constant, settle, straighten, take
+from ...native.jit import kernel, noinline_kernel
+from ...native.typed import View2D
+from ...resonator.mode import energy_of
+from ...resonator.simd import LANES
+from ..memory.quality import couples_half, couples_none, looks_every
+from ..memory.state import COUPLED_SHEETS, QUANTUM, Object, State
+from .glide import energy_without_gains
+from .objects import modes_of
+
+_AGAIN = 0.7  # of `least`: below, a plate is uncoupled
+_MOST_STRETCHED = 0.25  # of the energy: more must not be taken from the modes at once
+_LOWERED = 0.125  # of c0: it is only brought down if the energy wants so little
+_UNHEARD = 1e-9  # output
+_FOLLOWS = 0.003  # s in which psi follows the grid's
+
+
+@kernel
+def is_coupled(state: State, obj: Object) -> bool:
+    """True if an object is a plate whose modes are coupled now."""
+    return obj.sheet >= 0 and state.sheets[obj.sheet].coupled == 1
+
+
+@kernel
+def is_bent(state: State, obj: Object) -> bool:
+    """True if it is, or was a moment ago: what would be heard as slow forces bend it still fades."""
+    if obj.sheet < 0:
+        return False
+    sheet = state.sheets[obj.sheet]
+    return sheet.coupled == 1 or sheet.bent[0, 0] != 0.0 or sheet.bent[1, 0] != 0.0
+
+
+@noinline_kernel
+def follow_sheets(state: State) -> None:
+    """Couple plates that may swing far in this quantum, go on with those that do, and uncouple the others."""
+    for i in range(state.active):
+        obj = state.objects[state.order[i]]
+        if obj.sheet >= 0:
+            _follow(state, obj, state.sheets[obj.sheet])
+    state.stats.nonlinear_active = state.coupled_sheets
+
+
+@kernel
+def uncouple(state: State, obj: Object) -> None:
+    """End the coupling of a plate's modes, if there is one: what stretching holds is lost."""
+    if is_coupled(state, obj):
+        state.sheets[obj.sheet].coupled = 0
+        state.coupled_sheets -= 1
+
+
+@kernel
+def _follow(state: State, obj: Object, sheet: Sheet) -> None:
+    """Couple or uncouple a plate, or go on."""
+    if obj.spectral > 0 or (obj.live == 0 and obj.has_contact == 0) or couples_none(state):
+        uncouple(state, obj)
+        sheet.waits = 0
+        return
+    ringing = energy_without_gains(state, obj)
+    coming = _coming(state, obj)
+    if sheet.coupled == 0:
+        if ringing + coming <= sheet.least:
+            sheet.waits = 0
+        elif state.coupled_sheets < COUPLED_SHEETS:
+            _couple(state, obj, sheet, ringing + coming)
+        elif sheet.waits == 0:
+            sheet.waits = 1
+            state.stats.nonlinear_dropped += 1
+        return
+    stored = 0.5 * (sheet.psi * sheet.psi - sheet.c0)
+    sheet.energy = ringing + max(stored, 0.0)
+    if sheet.energy + coming < _AGAIN * sheet.least and stored >= 0.0:
+        uncouple(state, obj)
+        return
+    wanted = sheet.growth * (sheet.energy + coming)
+    if wanted > sheet.c0 or (wanted < _LOWERED * sheet.c0 and sheet.psi * sheet.psi - sheet.c0 > -0.5 * wanted):
+        set_constant(sheet, wanted)
+    _renew(state, obj, sheet)
+
+
+@kernel
+def _coming(state: State, obj: Object) -> float:
+    """Return the energy (J) that strikers which touch an object in this quantum may bring it."""
+    energy = 0.0
+    index = obj.contact
+    while index >= 0:
+        contact = state.contacts[index]
+        if contact.touching == 1 or contact.start < state.position + QUANTUM:
+            energy += 0.5 * contact.m * contact.v_in * contact.v_in
+        index = contact.next
+    return energy
+
+
+@kernel
+def _count(sheet: Sheet) -> int:
+    """Return how many modes of a plate are coupled, or driven by those that are."""
+    return 2 * sheet.functions - sheet.plain
+
+
+@kernel
+def rows_coupled(state: State, obj: Object) -> int:
+    """Return the number of a plate's modes up to the last that is coupled or driven, a multiple of LANES."""
+    return (_count(state.sheets[obj.sheet]) + LANES - 1) // LANES * LANES
+
+
+@kernel
+def _renew(state: State, obj: Object, sheet: Sheet) -> None:
+    """Bring a plate's coupling to its modes' coefficients, to its gain and tune, and to the quality asked for."""
+    level = 1 if couples_half(state) else 0
+    if level != sheet.level:
+        sheet.level, sheet.turn, sheet.looked = level, 0, 0
+    scale = math.sqrt(obj.amplified)
+    sheet.tension = obj.settings.tune * obj.settings.tune
+    if sheet.retuned != obj.retuned or sheet.scale != scale:
+        sheet.retuned, sheet.scale = obj.retuned, scale
+        bank, first = state.bank, obj.first
+        last = first + _count(sheet)
+        heard = Heard(bank.a1[first:last], bank.a2[first:last], bank.weight[first:last], bank.balance[first:last])
+        prepare(sheet, heard, state.rate)
+
+
+@kernel
+def _couple(state: State, obj: Object, sheet: Sheet, energy: float) -> None:
+    """Couple a plate's modes, unless they are far out already; energy (J): that they have or may get."""
+    count = _count(sheet)
+    sheet.retuned = -1
+    sheet.level = sheet.turn = sheet.looked = 0
+    _renew(state, obj, sheet)
+    bank, first, space = state.bank, obj.first, state.space
+    displace(sheet, bank.y1[first : first + count], space.place)
+    stored = sheet.tension * stretch(sheet.grids[sheet.level], state.curves, sheet.functions, space)
+    whole = rows_coupled(state, obj)
+    weights = bank.weight[first : first + whole]
+    ringing = energy_of(modes_of(state, obj, 0, whole), weights, count) / obj.amplified
+    if abs(stored) > _MOST_STRETCHED * ringing and ringing > 0.0:
+        return
+    left = math.sqrt(1.0 - stored / ringing) if ringing > 0.0 else 1.0
+    for i in range(first, first + count):
+        bank.y1[i] *= left
+        bank.y2[i] *= left
+    sheet.c0 = sheet.growth * (energy + abs(stored))
+    sheet.psi = math.sqrt(max(sheet.c0 + 2.0 * stored, 0.0))
+    sheet.energy = energy
+    for side in range(2):
+        sheet.bent[side, 0] = sheet.bent[side, 1] = 0.0
+    sheet.coupled = 1
+    state.coupled_sheets += 1
+    obj.live = max(obj.live, whole)
+
+
+@noinline_kernel
+def kick_modes(state: State, obj: Object) -> None:
+    """Move a plate's modes by its stretching, between two samples."""
+    sheet, bank, space, first = state.sheets[obj.sheet], state.bank, state.space, obj.first
+    last = first + _count(sheet)
+    y1, y2 = bank.y1[first:last], bank.y2[first:last]
+    every = looks_every(state, sheet.every)
+    h = 1.0 / state.rate
+    if sheet.turn >= every:
+        sheet.turn = 0
+    if sheet.turn == 0:
+        displace(sheet, y1, space.place)
+        take(sheet, stretch(sheet.grids[sheet.level], state.curves, sheet.functions, space), space.answer)
+        settle(sheet, y1, y2, min(every * h / _FOLLOWS, 1.0))
+    else:
+        extrapolate(sheet, sheet.turn / every)
+    kick(sheet, y1, y2, h)
+    sheet.turn += 1
+
+
+@kernel
+def take_bending(state: State, obj: Object, voice: View2D[float], frame: int) -> None:
+    """Take what would be heard of a plate's modes as slow forces bend them out of its voice."""
+    bent = state.sheets[obj.sheet].bent
+    for side in range(2):
+        voice[side, frame] -= bent[side, 0]
+
+
+@kernel
+def wind_up(state: State, obj: Object, voice: View2D[float], start: int, stop: int) -> None:
+    """Go on with that from frame `start` to `stop` for a plate that is no longer coupled, until it has faded."""
+    sheet = state.sheets[obj.sheet]
+    if sheet.bent[0, 0] == 0.0 and sheet.bent[1, 0] == 0.0:
+        return
+    for frame in range(start, stop):
+        take_bending(state, obj, voice, frame)
+        straighten(sheet, state.rate)
+    if abs(sheet.bent[0, 0]) + abs(sheet.bent[1, 0]) < _UNHEARD:
+        sheet.bent[0, 0] = sheet.bent[1, 0] = 0.0

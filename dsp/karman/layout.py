@@ -1,0 +1,100 @@
+"""The records of coupled plates, and how much there is room for."""
+
+from typing import Annotated
+
+from ..native.typed import Record, View, View2D, dtype_of, f32
+
+MOST_ORDERS = 96
+"""Angular orders of a grid's functions, and of its stress functions."""
+MOST_COUPLED = 512
+"""Modes of a plate that are coupled."""
+MOST_DRIVEN = 1_024
+"""Modes of a plate that are coupled or driven by those that are."""
+SHEETS = 64
+"""Plates at once whose modes can be coupled."""
+TABLE_VALUES = 4_194_304
+"""Values of float32 in the tables of all grids: those of 30 different plates of 500 modes."""
+SPACE = 65_536
+"""Values of float32 in each array that a force is computed in."""
+LEVELS = 2
+"""Grids of a plate: of all of its coupled modes, and of half of them."""
+
+
+class Grid(Record):
+    """A polar grid on a plate: its tables, as places in those of all grids, and sizes.
+
+    Function i is a radial shape of an angular order, with a mode cos and, from order 1 on, a mode sin. Functions lie in
+    the order of these orders, and in each by frequency: the first `count` are coupled, and those up to `reach` driven.
+    """
+
+    orders: int  # of functions that are driven
+    coupled: int  # of those that are coupled
+    stresses: int  # of stress functions
+    points: int  # radii, a multiple of LANES
+    angles: int  # of the first quarter of the circle
+    first: Annotated[View[int], MOST_ORDERS]  # function of each order
+    count: Annotated[View[int], MOST_ORDERS]
+    reach: Annotated[View[int], MOST_ORDERS]
+    row: Annotated[View[int], MOST_ORDERS]  # of the first of them in `shapes`
+    stress: Annotated[View[int], MOST_ORDERS]  # first stress function of each order; one more
+    strain: Annotated[View[int], MOST_ORDERS]  # of a dome: value of `bent` where each order begins
+    shapes: int  # (functions, 3 points): curvatures a, b and c
+    stretch: int  # (stress functions, points): weights of the strain's integral
+    cosine: Annotated[View[int], 2]  # of even and odd orders: (angles, orders)
+    sine: Annotated[View[int], 2]
+    stress_cosine: Annotated[View[int], 2]
+    stress_sine: Annotated[View[int], 2]
+    bent: int  # linear strains of a dome: of each order (its stress functions, its functions)
+    domed: int  # 1: there are some
+
+
+class Sheet(Record):
+    """A plate whose modes can be coupled, and how they are.
+
+    Its modes are the first of its object: those of cosines of all functions, then those of sines from order 1 on.
+    """
+
+    functions: int
+    plain: int  # the first of them, of order 0, which have no sine
+    highest: float  # Hz: of its coupled modes
+    every: int  # samples from one look at the grid to the next
+    growth: float  # c0 over the energy
+    least: float  # J: energy below which coupling is not heard
+    grids: Annotated[View[Grid], LEVELS]
+    # Now:
+    coupled: int  # 1: its modes are coupled
+    waits: int  # 1: they are not, as too many plates' are
+    level: int  # the grid that they are on
+    turn: int  # samples since that was looked at
+    retuned: int  # times its object had got new coefficients as those here were made
+    scale: float  # samples of modes over what they were without the gains of gestures
+    tension: float  # factor on the stretching energy: the square of the tune
+    psi: float  # sqrt(2 V + c0)
+    truth: float  # that of the grid, as last looked at
+    c0: float  # J
+    energy: float  # J: of its modes and of what is stretched, as last looked at
+    looked: int  # times that the grid was looked at since it was coupled, up to 2
+    gradient: Annotated[View2D[float], 3, 2 * MOST_DRIVEN]  # of psi by displacements: now, as last looked at, before
+    seen: Annotated[View2D[float], 2, 2 * MOST_DRIVEN]  # a mode's velocity by its last two samples
+    pushed: Annotated[View[float], 2 * MOST_DRIVEN]  # change of its last but one by a change of velocity
+    moved: Annotated[View[float], 2 * MOST_DRIVEN]  # displacement by its last
+    drained: Annotated[View[float], 2 * MOST_DRIVEN]  # share in what the driven modes take
+    bends: Annotated[View2D[float], 2, 2 * MOST_DRIVEN]  # output left and right as a steady force of 1 bends a mode
+    smoothing: Annotated[View[float], 3]  # of what is heard of bending: a two-pole recursion, and its input's factor
+    bent: Annotated[View2D[float], 2, 2]  # output of bending, left and right: now and a sample ago
+
+
+class Space(Record):
+    """Room in which a force is computed."""
+
+    place: Annotated[View[f32], 3 * MOST_DRIVEN + 64]  # displacements: cosines, sines, and cosines with other sign
+    answer: Annotated[View[f32], 2 * MOST_DRIVEN + 64]  # gradient of the stretching energy
+    waves: Annotated[View[f32], SPACE]
+    parts: Annotated[View[f32], SPACE]
+    fields: Annotated[View[f32], SPACE]
+    bends: Annotated[View[f32], SPACE]
+    strains: Annotated[View[f32], SPACE]
+    sums: Annotated[View[f32], 4 * MOST_DRIVEN]
+
+
+GRID, SHEET, SPACES = dtype_of(Grid), dtype_of(Sheet), dtype_of(Space)

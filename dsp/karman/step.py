@@ -1,0 +1,178 @@
+"""The step of coupled modes: scalar auxiliary variable, by kicks between samples.
+
+Between samples each mode rings, and answers contacts, as it does on any other object. At each sample all get a change
+of velocity, of which the energy is exact. With psi = sqrt(2 V + c0) and g the gradient of psi by displacements,
+
+    v+ = v - h g (psi+ + psi)/2,    psi+ = psi + h g (v+ + v)/2,
+
+so that sum |z|^2/2 + psi^2/2 stays, whatever g is: an old gradient, one that is extrapolated, or one of modes of which
+V knows nothing. (J. Shen, J. Xu, J. Yang, J. Comput. Phys. 353, 2018, for the variable; S. Bilbao, C. Webb, Z. Wang,
+M. Ducceschi, DAFx 2023, for explicit schemes of nonlinear plates.)
+"""
+
+import math
+from typing import NamedTuple
+
+from ..native.jit import kernel, simd_kernel
+from ..native.typed import View, f32
+from .layout import Sheet
+
+_FLOOR = 0.05  # of c0: the least that psi^2 counts as, so that its gradient stays finite
+_LEAST = 1e-300  # J
+
+
+_DAMPING = math.sqrt(0.5)
+_HELD = 0.02  # s in which what was heard of bending fades once modes are no longer coupled
+
+
+class Heard(NamedTuple):
+    """The first modes of a plate, as they ring and are heard: coefficients, and weights at the left output and, over
+    that, at the right."""
+
+    a1: View[float]
+    a2: View[float]
+    weight: View[float]
+    balance: View[float]
+
+
+@simd_kernel
+def prepare(sheet: Sheet, heard: Heard, rate: float) -> None:
+    """Make what reads and moves modes by their samples: from coefficients, weights and `sheet.scale`.
+
+    With r and theta of a mode, its velocity is (r cos(theta) y1 - r^2 y2)/(r sin(theta)), of samples without weight.
+    """
+    velocity, before, pushed, moved = sheet.seen[0], sheet.seen[1], sheet.pushed, sheet.moved
+    a1, a2, weight, left, right = heard.a1, heard.a2, heard.weight, sheet.bends[0], sheet.bends[1]
+    for i in range(len(a1)):
+        sine = math.sqrt(max(-a2[i] - 0.25 * a1[i] * a1[i], 1e-300))
+        size = sine * weight[i] * sheet.scale
+        omega = rate * math.atan2(sine, 0.5 * a1[i])
+        rings = a2[i] != 0.0 and weight[i] != 0.0
+        velocity[i] = 0.5 * a1[i] / size if rings else 0.0
+        before[i] = a2[i] / size if rings else 0.0
+        pushed[i] = size / a2[i] if rings else 0.0
+        moved[i] = 1.0 / (omega * weight[i] * sheet.scale) if rings else 0.0
+        left[i] = weight[i] * sheet.scale / omega if rings else 0.0
+        right[i] = left[i] * heard.balance[i]
+    theta = 2.0 * math.pi * min(sheet.highest / rate, 0.25)
+    r = math.exp(-_DAMPING * theta)
+    sheet.smoothing[0] = 2.0 * r * math.cos(math.sqrt(1.0 - _DAMPING * _DAMPING) * theta)
+    sheet.smoothing[1] = -r * r
+    sheet.smoothing[2] = 1.0 - sheet.smoothing[0] - sheet.smoothing[1]
+
+
+@simd_kernel
+def displace(sheet: Sheet, y1: View[float], place: View[f32]) -> None:
+    """Write displacements into `place`, (3, functions): of cosines, of sines, and of cosines with the other sign."""
+    n, plain = sheet.functions, sheet.plain
+    cosine, sine, turned = place[:n], place[n : 2 * n], place[2 * n : 3 * n]
+    moved = sheet.moved
+    for i in range(n):
+        cosine[i] = y1[i] * moved[i]
+        turned[i] = -y1[i] * moved[i]
+    for i in range(plain):
+        sine[i] = 0.0
+    for i in range(plain, n):
+        sine[i] = y1[n - plain + i] * moved[n - plain + i]
+
+
+@simd_kernel
+def take(sheet: Sheet, energy: float, answer: View[f32]) -> None:
+    """Take the stretching energy V (J) and its gradient (2, functions), both at a tune of 1, as looked at now."""
+    n, plain = sheet.functions, sheet.plain
+    now, last, before = sheet.gradient[0], sheet.gradient[1], sheet.gradient[2]
+    square = 2.0 * sheet.tension * energy + sheet.c0
+    sheet.truth = math.sqrt(max(square, _FLOOR * sheet.c0, _LEAST))
+    scale = sheet.tension / sheet.truth
+    for i in range(2 * n - plain):
+        before[i] = last[i]
+    for i in range(n):
+        last[i] = scale * answer[i]
+    for i in range(plain, n):
+        last[n - plain + i] = scale * answer[n + i]
+    for i in range(2 * n - plain):
+        now[i] = last[i]
+    sheet.looked = min(sheet.looked + 1, 2)
+
+
+@simd_kernel
+def extrapolate(sheet: Sheet, ahead: float) -> None:
+    """Continue the gradient as a line, by so many looks after the last."""
+    now, last, before = sheet.gradient[0], sheet.gradient[1], sheet.gradient[2]
+    share = ahead if sheet.looked == 2 else 0.0
+    for i in range(2 * sheet.functions - sheet.plain):
+        now[i] = last[i] + share * (last[i] - before[i])
+
+
+@simd_kernel
+def kick(sheet: Sheet, y1: View[float], y2: View[float], h: float) -> None:
+    """Change the modes' velocities by the force of stretching over a sample of h seconds.
+
+    A mode is heard by omega q, which a slow force bends without a sound: pressure follows acceleration. So `sheet.bent`
+    becomes what is heard of bending, up to the highest coupled mode, to be taken from the sound.
+    """
+    n = 2 * sheet.functions - sheet.plain
+    g, velocity, before, pushed = sheet.gradient[0], sheet.seen[0], sheet.seen[1], sheet.pushed
+    square = along = 0.0
+    for i in range(n):
+        square += g[i] * g[i]
+        along += g[i] * (velocity[i] * y1[i] + before[i] * y2[i])
+    share = 0.25 * h * h * square
+    after = (sheet.psi * (1.0 - share) + h * along) / (1.0 + share)
+    change = -0.5 * h * (sheet.psi + after)
+    sheet.psi = after
+    left = right = 0.0
+    for i in range(n):
+        y2[i] += change * pushed[i] * g[i]
+        left += sheet.bends[0, i] * g[i]
+        right += sheet.bends[1, i] * g[i]
+    _smooth(sheet, change / h * left, change / h * right)
+
+
+@kernel
+def _smooth(sheet: Sheet, left: float, right: float) -> None:
+    """Go on with what is heard of bending by a sample."""
+    for side in range(2):
+        bent, new = sheet.bent[side], left if side == 0 else right
+        smooth = sheet.smoothing[0] * bent[0] + sheet.smoothing[1] * bent[1] + sheet.smoothing[2] * new
+        bent[1] = bent[0]
+        bent[0] = smooth
+
+
+@kernel
+def straighten(sheet: Sheet, rate: float) -> None:
+    """Fade what is heard of bending by a sample, of modes that are no longer coupled."""
+    for side in range(2):
+        sheet.bent[side, 1] = 0.0
+        sheet.bent[side, 0] *= 1.0 - 1.0 / (_HELD * rate)
+
+
+@simd_kernel
+def settle(sheet: Sheet, y1: View[float], y2: View[float], share: float) -> None:
+    """Bring psi nearer to the grid's by a share of the difference in energy, which the coupled modes pay, or get.
+
+    Modes that are driven take energy from psi alone; those that drive them lose it here, the highest most.
+    """
+    n = 2 * sheet.functions - sheet.plain
+    velocity, before, pushed, drained = sheet.seen[0], sheet.seen[1], sheet.pushed, sheet.drained
+    wanted = 0.5 * share * (sheet.truth * sheet.truth - sheet.psi * sheet.psi)
+    first = second = 0.0
+    for i in range(n):
+        v = velocity[i] * y1[i] + before[i] * y2[i]
+        first += drained[i] * v * v
+        second += drained[i] * drained[i] * v * v
+    if second <= _LEAST:
+        return
+    paid = min(wanted, 0.25 * first * first / second)
+    loss = (first - math.sqrt(first * first - 2.0 * second * paid)) / second
+    for i in range(n):
+        v = velocity[i] * y1[i] + before[i] * y2[i]
+        y2[i] -= loss * drained[i] * pushed[i] * v
+    sheet.psi = math.sqrt(max(sheet.psi * sheet.psi + 2.0 * paid, 0.0))
+
+
+@kernel
+def set_constant(sheet: Sheet, c0: float) -> None:
+    """Change c0, which changes no energy."""
+    sheet.psi = math.sqrt(max(sheet.psi * sheet.psi + c0 - sheet.c0, 0.0))
+    sheet.c0 = c0

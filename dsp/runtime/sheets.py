@@ -1,0 +1,94 @@
+"""Room for plates whose modes can be coupled: their records, and the tables of their grids."""
+
+import numpy as np
+
+from ..bodies.karman import Laid, Tables
+from ..karman.layout import LEVELS, MOST_DRIVEN, MOST_ORDERS, SHEETS, SPACE, TABLE_VALUES
+from .arena import Arena, EngineFull
+
+
+class Sheets:
+    """The places of plates in a record of STATE."""
+
+    def __init__(self, record: np.void) -> None:
+        self._sheets, self._values, self._rate = record["sheets"], record["curves"], float(record["rate"])
+        self._places = Arena("plates whose modes are coupled", SHEETS)
+        self._room = Arena("values of plates' grids", TABLE_VALUES)
+        self._tables: dict[int, tuple[int, int]] = {}  # by layout: first value, and how many plates have it
+        self._users: dict[int, Laid] = {}  # by place
+
+    def lay_out(self, laid: Laid) -> int:
+        """Give a plate a place; EngineFull if there is none."""
+        _check(laid)
+        place = self._places.take(1)
+        try:
+            begin = self._take_tables(laid)
+        except EngineFull:
+            self._places.give(place)
+            raise
+        self._users[place] = laid
+        self._fill(self._sheets[place], laid, begin)
+        return place
+
+    def release(self, place: int) -> None:
+        """Take back the place of a plate."""
+        laid = self._users.pop(place)
+        self._places.give(place)
+        begin, users = self._tables[id(laid)]
+        if users > 1:
+            self._tables[id(laid)] = begin, users - 1
+        else:
+            self._room.give(begin)
+            del self._tables[id(laid)]
+
+    def _take_tables(self, laid: Laid) -> int:
+        """Return the first value of a layout's tables, which are written if no plate has them."""
+        begin, users = self._tables.get(id(laid), (-1, 0))
+        if users == 0:
+            values = np.concatenate([grid.values for grid in laid.grids])
+            begin = self._room.take(values.size)
+            self._values[begin : begin + values.size] = values
+        self._tables[id(laid)] = begin, users + 1
+        return begin
+
+    def _fill(self, sheet: np.void, laid: Laid, begin: int) -> None:
+        """Write the record of a plate whose tables begin at a value."""
+        every = max(int(self._rate / (LOOKS * laid.highest)), 1)
+        sheet["functions"], sheet["plain"], sheet["every"] = laid.functions, laid.plain, min(every, MOST_EVERY)
+        sheet["highest"], sheet["bent"], sheet["waits"] = laid.highest, 0.0, 0
+        sheet["growth"], sheet["least"] = laid.growth, laid.least
+        sheet["coupled"] = sheet["level"] = 0
+        sheet["scale"] = sheet["tension"] = 1.0
+        sheet["drained"][:] = 0.0
+        sheet["drained"][: laid.drained.size] = laid.drained
+        for grid, tables in zip(sheet["grids"], laid.grids, strict=True):
+            _fill_grid(grid, tables, begin)
+            begin += tables.values.size
+
+
+LOOKS = 12.0
+"""Looks at the grid in each period of the highest coupled mode, at least."""
+MOST_EVERY = 3
+"""Samples from one look at the grid to the next, at most: its gradient is extrapolated between."""
+
+
+def _fill_grid(grid: np.void, tables: Tables, begin: int) -> None:
+    """Write the record of a grid whose tables begin at a value."""
+    grid["orders"], grid["coupled"] = tables.first.size, tables.coupled
+    grid["stresses"] = tables.stress.size - 1
+    grid["points"], grid["angles"] = tables.points, tables.angles
+    for name in ("first", "count", "reach", "row", "stress", "strain"):
+        values = getattr(tables, name)
+        grid[name][: values.size] = values
+    for name, place in tables.places.items():
+        grid[name] = np.add(begin, place)
+    grid["domed"] = int(tables.strain[-1] > 0)
+
+
+def _check(laid: Laid) -> None:
+    """Raise EngineFull if a plate's grids are larger than there is room to compute with."""
+    for tables in laid.grids:
+        width, rows = 3 * tables.points, max(tables.first.size, tables.stress.size)
+        largest = max(2 * tables.first.size * width, 4 * tables.angles * width)
+        if rows > MOST_ORDERS or largest > SPACE or laid.functions > MOST_DRIVEN or len(laid.grids) != LEVELS:
+            raise EngineFull(f"{laid.mode.size} coupled modes: their grid of {largest} values has no room in {SPACE}")

@@ -1,0 +1,41 @@
+"""A tam-tam that is struck hard, by how many of its modes are coupled, beside the same asleep: share of a core."""
+
+import time
+from typing import Any
+
+from carom.dsp import bodies
+from carom.dsp.bodies.material import Material
+from carom.dsp.engine.memory.commands import Command
+from carom.dsp.runtime.engine import NOW, Engine
+
+RATE = 48_000.0
+MODES = (120, 250, 500)
+BRONZE = Material("bronze", 8700.0, 105e9, 0.34, 0.3, 0.0, 1.5e-4)
+BLOW = {"mass": 0.4, "stiffness": 3e7, "dissipation": 0.35, "exponent": 2.3, "position": 0.81}
+FRAMES = 2048
+HARD, SOFT = 4.0, 1e-3  # m/s
+
+
+def measure(rounds: int) -> list[dict[str, Any]]:
+    """Measure the share of real time that a tam-tam takes which swells, and after a blow too soft for that."""
+    rows: list[dict[str, Any]] = []
+    for modes in MODES:
+        body = bodies.disc(
+            BRONZE, radius=0.35, thickness=0.0015, dome=0.01, nonlinear_modes=modes, split=0.004, top=20_000.0
+        )
+        loads = {}
+        for name, velocity in (("coupled", HARD), ("asleep", SOFT)):
+            engine = Engine(RATE)
+            engine.send([Command(NOW, "impact", engine.add(body), {**BLOW, "velocity": velocity})])
+            engine.process(2 * FRAMES)
+            assert engine.stats.nonlinear_active == (name == "coupled")
+            loads[name] = min(_share(engine) for _ in range(rounds))
+        rows.append(dict(modes=modes, **loads))
+    return rows
+
+
+def _share(engine: Engine) -> float:
+    """Return the share of real time that some frames take."""
+    begun = time.perf_counter()
+    engine.process(FRAMES)
+    return (time.perf_counter() - begun) * RATE / FRAMES

@@ -1,0 +1,229 @@
+"""Plates whose modes are coupled: energy in every sample, coming and going, other objects, limits, and the cascade."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import carom
+from carom.dsp import bodies
+from carom.dsp.bodies.material import Material
+from carom.dsp.engine.memory.commands import Command, Kind
+from carom.dsp.engine.memory.state import COUPLED_SHEETS, QUANTUM, Quality
+from carom.dsp.runtime.engine import NOW, Engine
+from tests.dsp.engine.bodies.test_glide import energies
+from tests.dsp.engine.support import bell, gesture, impact, panic, setting, strike
+
+BRONZE = Material("bronze", 8700.0, 105e9, 0.34, 0.3, 0.0, 1.5e-4)
+BEATER = (0.4, 3e7, 0.35, 2.3)
+STICK = (0.01, 3e8, 0.3, 1.5)
+
+
+def plate(modes=40, dome=0.0, radius=0.2, thickness=0.001, top=6_000.0):
+    return bodies.disc(
+        BRONZE, radius=radius, thickness=thickness, dome=dome, nonlinear_modes=modes, split=0.004, top=top
+    )
+
+
+def lossless(modes):
+    """Return a body whose modes lose nothing: of which nobody feels more than is heard, and nothing clicks."""
+    return replace(modes, decay=np.full_like(modes.decay, 1e-12), clicks=(), unheard=None)
+
+
+def sheet_of(engine, handle):
+    return engine.state["sheets"][0][handle.sheet]
+
+
+def is_coupled(engine, handle):
+    return sheet_of(engine, handle)["coupled"] == 1
+
+
+def whole(engine, handle):
+    """Return the energy of an object's modes and, where they are coupled, of what is stretched, J."""
+    sheet = sheet_of(engine, handle)
+    stored = 0.5 * (sheet["psi"] ** 2 - sheet["c0"]) if sheet["coupled"] else 0.0
+    return energies(engine, handle).sum() + float(stored)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("rate", "dome", "amplitude"), [(48_000, 0.0, 5.0), (48_000, 0.008, 2.0), (96_000, 0.0, 1.0)])
+def test_energy_stays_to_a_billionth_over_ten_seconds(rate, dome, amplitude):
+    """A plate without losses goes on after a blow."""
+    engine = Engine(rate)
+    handle = engine.add(lossless(plate(20, dome)))
+    strike(engine, handle, BEATER, velocity=0.4 * amplitude, position=0.8)
+    while engine.stats.contacts_active or engine.position < rate // 10:
+        engine.process(QUANTUM)
+    assert is_coupled(engine, handle)
+    first = whole(engine, handle)
+    most = 0.0
+    for _ in range(100):
+        engine.process(rate // 10)
+        most = max(most, abs(whole(engine, handle) / first - 1))
+    assert is_coupled(engine, handle) and most < 1e-9
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("rate", "dome"), [(44_100, 0.0), (48_000, 0.01), (192_000, 0.01)])
+def test_energy_falls_at_any_time_but_by_a_strikers(rate, dome):
+    """Blows at random while it rings, hard and soft: it never has more than it had and its strikers brought."""
+    rng = np.random.default_rng(3)
+    engine = Engine(rate)
+    handle = engine.add(plate(40, dome))
+    before, total, coupled = 0.0, 0.0, set()
+    for _ in range(6):
+        mass, speed = 10 ** rng.uniform(-3, -0.4), 10 ** rng.uniform(-1.5, 1)
+        strike(engine, handle, (mass, 3e7, 0.3, 2.3), velocity=speed, position=rng.uniform(0.1, 0.9))
+        total += 0.5 * mass * speed**2
+        for _ in range(int(0.15 * rate / QUANTUM)):
+            engine.process(QUANTUM)
+            now = whole(engine, handle)
+            coupled.add(bool(is_coupled(engine, handle)))
+            assert now <= total * (1 + 1e-10)
+            if not engine.stats.contacts_active:
+                assert now <= before * (1 + 1e-11)
+                total = now
+            before = now
+    assert True in coupled
+
+
+@pytest.mark.slow
+def test_it_is_coupled_by_a_blow_and_left_when_it_is_soft_and_neither_adds_energy():
+    engine = Engine(48_000)
+    handle = engine.add(plate(40, 0.006))
+    seen, before = [], 0.0
+    strike(engine, handle, STICK, velocity=1.0, position=0.8)
+    engine.send([setting(handle, "damp", 0.4, 9_600.0)])
+    for _ in range(1500):
+        engine.process(QUANTUM)
+        now, coupled = whole(engine, handle), bool(is_coupled(engine, handle))
+        if not engine.stats.contacts_active:
+            assert now <= before * (1 + 1e-12)
+        if not seen or seen[-1] != coupled:
+            seen.append(coupled)
+        before = now
+    assert seen[-2:] == [True, False]
+    strike(engine, handle, STICK, velocity=1.0, position=0.8)
+    engine.process(10 * QUANTUM)
+    assert is_coupled(engine, handle)
+
+
+def test_a_soft_blow_leaves_it_as_it_is_without():
+    """A plate below the amplitude at which coupling is heard sounds as the linear one, to rounding."""
+    coupled, linear = plate(40), plate(0)
+    sounds = []
+    for body in (coupled, linear):
+        engine = Engine(48_000)
+        strike(engine, engine.add(body, 1e4), (1e-3, 1e6, 0.3, 1.5), velocity=0.002, position=0.8)
+        sounds.append(engine.process(9_600)[:, 0].astype(float))
+        assert engine.stats.nonlinear_active == 0
+    assert np.abs(sounds[0] - sounds[1]).max() < 1e-6 * np.abs(sounds[1]).max()
+
+
+@pytest.mark.slow
+def test_other_objects_sound_to_the_bit_as_without_it():
+    def played(gong):
+        engine = Engine(48_000)
+        engine.stems.keep(True)
+        handles = [engine.add(bell()), *([engine.add(plate(40, 0.006))] if gong else [])]
+        engine.send([impact(handle, STICK, 0.0, 2.0) for handle in handles])
+        shares = []
+        for _ in range(100):
+            engine.process(QUANTUM)
+            shares.append(engine.stems.shares()[: len(handles)].copy())
+        return np.array(shares)
+
+    both, alone = played(True), played(False)
+    assert np.array_equal(both[:, 0], alone[:, 0]) and np.abs(both[:, 1]).max() > 0
+
+
+@pytest.mark.slow
+def test_no_block_size_is_heard():
+    def played(blocks):
+        engine = Engine(48_000)
+        handle = engine.add(plate(40, 0.006))
+        engine.send([impact(handle, STICK, at, 2.0) for at in (0.0, 4_000.0)])
+        return np.concatenate([engine.process(n) for n in blocks])
+
+    assert np.array_equal(played([12_000]), played([37] * 324 + [12]))
+
+
+@pytest.mark.slow
+def test_the_modes_of_as_many_plates_are_coupled_as_there_is_room_for():
+    engine = Engine(48_000)
+    body = plate(12)
+    handles = [engine.add(body) for _ in range(COUPLED_SHEETS + 1)]
+    for handle in handles:
+        strike(engine, handle, BEATER, velocity=3.0, position=0.8)
+    engine.process(20 * QUANTUM)
+    assert engine.stats.nonlinear_active == COUPLED_SHEETS and engine.stats.nonlinear_dropped == 1
+    engine.send([panic()])
+    engine.process(QUANTUM)
+    assert engine.stats.nonlinear_active == 0
+
+
+@pytest.mark.slow
+def test_quality_takes_away_step_by_step_and_gives_back():
+    engine = Engine(48_000)
+    handle = engine.add(plate(40))
+    strike(engine, handle, BEATER, velocity=3.0, position=0.8)
+    engine.process(100 * QUANTUM)
+    before = whole(engine, handle)
+    for quality, coupled, level in ((Quality.HELD, 1, 0), (Quality.QUIET, 1, 1), (Quality.COARSE, 0, 1)):
+        engine.send([Command(NOW, Kind.QUALITY, value=float(quality))])
+        engine.process(20 * QUANTUM)
+        sheet = sheet_of(engine, handle)
+        assert (sheet["coupled"], sheet["level"]) == (coupled, level)
+        assert whole(engine, handle) <= before
+        before = whole(engine, handle)
+
+
+def swell(body, velocity, rate=48_000, seconds=1.2):
+    """Return times (s) and levels (dB) above 1 kHz in windows of 46 ms of a plate struck by the beater."""
+    engine = Engine(rate)
+    strike(engine, engine.add(body, 1e3), BEATER, velocity=velocity, position=0.81)
+    sound = engine.process(int(seconds * rate))[:, 0]
+    size, hop = int(0.046 * rate), int(0.01 * rate)
+    above = np.fft.rfftfreq(size, 1 / rate) > 1000
+    frames = np.lib.stride_tricks.sliding_window_view(sound, size)[::hop] * np.hanning(size)
+    level = 10 * np.log10((np.abs(np.fft.rfft(frames)) ** 2)[:, above].sum(axis=1))
+    return (np.arange(len(level)) * hop + size / 2) / rate, level
+
+
+@pytest.mark.slow
+def test_a_tam_tam_swells_where_it_is_struck_hard_and_not_where_softly():
+    body = bodies.disc(BRONZE, radius=0.35, thickness=0.0015, dome=0.01, nonlinear_modes=250, split=0.004, top=20_000.0)
+    time, level = swell(body, 4.0)
+    assert level.max() - level[0] > 12.0 and 0.1 < time[level.argmax()] < 1.2
+    (_, soft), (_, linear) = (swell(each, 0.005, seconds=0.12) for each in (body, replace(body, sheet=None)))
+    assert abs(soft.max() - linear.max()) < 1.5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["roll", "slide", "bounce", "spin"])
+def test_every_kind_of_contact_moves_coupled_modes(kind):
+    with carom.Scene(48_000) as scene:
+        cymbal = scene.new("cymbal", "splash-cymbal")
+        cymbal.impact(6.0)
+        value = {"roll": 0.5, "slide": 0.5, "bounce": 0.2, "spin": 1.0}[kind]
+        more = {"force": 5.0} if kind == "slide" else {}
+        getattr(cymbal, kind)(value, striker="ball-bearing", at=0.05, seed=1, **more)
+        sound = scene.render(0.4)
+    assert sound.report.faults == 0 and np.isfinite(sound.samples).all()
+
+
+@pytest.mark.slow
+def test_a_press_is_felt_by_coupled_modes():
+    """A hand that presses on takes energy faster than losses alone."""
+    left = []
+    for force in (0.0, 20.0):
+        engine = Engine(48_000)
+        handle = engine.add(plate(40))
+        strike(engine, handle, BEATER, velocity=3.0, position=0.8)
+        if force:
+            law = (0.2, 1e6, 5.0, 1.5)
+            engine.send([gesture("press", handle, law, 4_800.0, number=1, velocity=0.01, force=force, position=0.9)])
+        engine.process(24_000)
+        assert is_coupled(engine, handle)
+        left.append(whole(engine, handle))
+    assert left[1] < 0.9 * left[0]
