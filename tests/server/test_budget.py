@@ -17,7 +17,7 @@ from tests.dsp.engine.contacts.test_coupling import body, budget
 from tests.dsp.engine.support import strike
 
 PRESETS = carom.Presets()
-LONG = {"exact": {"cello-string", "cymbal", "pot-lid", "tom"}}
+LONG = {"exact": {"cello-string", "cymbal", "guitar-string", "pot-lid", "tom"}}
 """Objects whose own strikers take longer than a server grants, at an accuracy."""
 
 
