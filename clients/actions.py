@@ -113,6 +113,33 @@ class Actions(Gestures, ABC):
         """End the running gestures of an id or pattern."""
         self.send(f"/gesture/{id}/stop", at=at)
 
+    def place(self, name: str, *place: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+        """Put an object into space at x, y, z (m), one by one or as a list, or have it go there.
+
+        It is then heard from where `listener` is: by its time, its distance and its direction. keys: over (s), the time
+        that it takes. Without a place it is placed by its pan again.
+        """
+        self.send(f"/object/{name}/place", *_spread(place), at=at, **keys)
+
+    def listener(self, *place: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+        """Place the listener at x, y, z (m), who looks along x, with y to the left and z up.
+
+        keys: yaw, pitch, roll (degrees), over (s), layout ("pan", "binaural" or "ambisonics"), head (m), temperature
+        (degrees Celsius), humidity (%), air (times its absorption).
+        """
+        self.send("/listener", *_spread(place), at=at, **keys)
+
+    def floor(self, z: SupportsFloat | None = None, at: SupportsFloat | None = None, **keys: Value) -> None:
+        """Lay a floor that reflects at a height z (m); None: nothing reflects. keys: absorption (0 to 1)."""
+        self.send("/floor", *([] if z is None else [z]), at=at, **keys)
+
+    def room(self, *size: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+        """Put all into a box of lengths along x, y and z (m): first reflections, and a late part.
+
+        keys: x, y, z (m, of its lowest corner), absorption (0 to 1), t60, t60_high (s), late (0: reflections alone).
+        """
+        self.send("/room", *_spread(size), at=at, **keys)
+
     def sensor(
         self, sensor: str, object: str, position: SupportsFloat | None = None, at: SupportsFloat | None = None,
         **keys: Value,
@@ -181,6 +208,14 @@ class Actions(Gestures, ABC):
 def message_of(address: str, args: tuple[Value, ...], keys: dict[str, Value]) -> Message:
     """Return a message of arguments, followed by keys and their values."""
     return Message(address, tuple(map(plain, (*args, *key_pairs(keys)))))
+
+
+def _spread(numbers: tuple[Value, ...]) -> tuple[Value, ...]:
+    """Return numbers that are given one by one, or as one list."""
+    if len(numbers) == 1 and not isinstance(numbers[0], int | float):
+        listed: tuple[Value, ...] = plain(numbers[0])
+        return listed
+    return numbers
 
 
 def key_pairs(keys: dict[str, Value]) -> list[Value]:

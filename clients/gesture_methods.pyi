@@ -243,3 +243,6 @@ class ObjectMethods:
 
     def free(self, at_once: bool = False, at: SupportsFloat | None = None) -> None:
         """Remove an object once it is silent, or at once, with a short fade; its name is free."""
+
+    def place(self, *place: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
+        """Put an object into space at x, y, z (m), one by one or as a list, or have it go there."""

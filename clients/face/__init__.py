@@ -52,6 +52,7 @@ if TYPE_CHECKING:
     from .server.bridge.blows import Hit as Hit
     from .server.bridge.bodies import WorldError as WorldError
     from .server.bridge.hearing import Hearing as Hearing
+    from .server.bridge.hearing import Listener as Listener
     from .server.bridge.hearing import Microphone as Microphone
     from .server.bridge.step import Pose as Pose
     from .server.bridge.step import Touch as Touch
@@ -70,6 +71,7 @@ _HOMES = {
     "Contact": "clients.contacts",
     "Hearing": "server.bridge.hearing",
     "Hit": "server.bridge.simulation",
+    "Listener": "server.bridge.hearing",
     "Microphone": "server.bridge.hearing",
     "ModeTable": "clients.modes",
     "Object": "scene",
@@ -101,6 +103,7 @@ __all__ = [
     "Contact",
     "Hearing",
     "Hit",
+    "Listener",
     "Microphone",
     "ModeTable",
     "Object",

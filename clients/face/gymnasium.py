@@ -208,7 +208,7 @@ class _Sound:
         self.bridge = Bridge(model, self._data, **options)
         world = self.bridge.world
         self.frames = length or round(seconds_of(env, model) * world.rate)
-        self._channels = world.simulation.channels
+        self._channels = world.channels
         self._shape = self.frames, self._channels + len(world.sensed)
         self._audio = self._final = np.zeros(self._shape, np.float32)
         self.spaces = {name: spaces.Box(-np.inf, np.inf, part.shape, np.float32) for name, part in self.heard.items()}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time as clock
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from itertools import groupby
 from numbers import Real
 from operator import attrgetter, itemgetter
@@ -16,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._capture import Capture
+from ._listening import Listening, ride
 from .clients.actions import CommandError
 from .clients.client import Client
 from .clients.performer import Folders, Performer, chosen
@@ -28,7 +30,7 @@ from .scene import Scene
 from .server.bridge.blows import Counts, Hit
 from .server.bridge.bodies import ABOUT, Body, WorldError
 from .server.bridge.gestures import template
-from .server.bridge.hearing import Hearing, Microphone, microphones_of
+from .server.bridge.hearing import Hearing, Listener, Microphone, microphones_of
 from .server.bridge.requests import Request, Said, Slide, in_order
 from .server.bridge.simulation import Simulation
 from .server.bridge.step import Contacts, Pose, Poses
@@ -62,7 +64,8 @@ class World(Closing):
     materials, at its time between the steps. Samples are pascals at the microphones, and nothing limits them.
 
     rate: Hz. microphones: Microphone or positions (m), a channel each; the pressure falls as 1/r. hearing: in place of
-    microphones, a Hearing, which says what is computed, too. client: plays on that Client's server instead, whose
+    microphones, a Hearing, which says what is computed, too. listener: in place of microphones, a Listener, to whom
+    sound takes its time, with doppler, from its direction. client: plays on that Client's server instead, whose
     channels are then left as they are; steps return empty blocks, and are to be taken in real time. keep: keep the
     sound, for `sound`, and the messages, for `score`. stems, contacts: as for a Scene; they need `keep`. presets: as
     for a Scene. gravity: m/s^2. start: s, the simulation's time before the first step.
@@ -77,6 +80,7 @@ class World(Closing):
         *,
         microphones: Sequence[Microphone | Sequence[float]] = (Microphone((0.0, 0.0, 1.5)),),
         hearing: Hearing | None = None,
+        listener: Listener | None = None,
         client: Client | None = None,
         keep: bool = False,
         stems: bool = False,
@@ -89,6 +93,9 @@ class World(Closing):
             raise WorldError(f"stems = {stems}, contacts = {contacts}: expected keep=True with them")
         if not 0 < rate < math.inf:
             raise WorldError(f"rate = {rate}: expected a positive number of Hz")
+        if listener is not None:
+            microphones = (Microphone(listener.position, on=listener.on),)
+            hearing = replace(hearing, microphones=microphones) if hearing else None
         hearing = hearing or Hearing(microphones_of(microphones))
         library = chosen(presets)
         self.rate = int(rate)
@@ -98,12 +105,16 @@ class World(Closing):
         self._client = client
         self._scene = None
         if client is None:
-            channels = len(hearing.microphones)
+            channels = listener.channels if listener else len(hearing.microphones)
             self._scene = Scene(
                 rate, channels=channels, calibrated=True, stems=stems, contacts=contacts, presets=library
             )
             self._scene.accuracy(hearing.accuracy)
             self._scene.budget(*_BUDGET)
+        self._listening = Listening(listener, self.simulation) if listener else None
+        self._rides = any(each.on for each in hearing.microphones)
+        if listener is not None:
+            self.simulation.hears_nearby()
         self._contacts = contacts
         self._straight = self._scene is not None and not keep
         if self._scene and self._straight:
@@ -112,7 +123,9 @@ class World(Closing):
         self._kept: list[tuple[float, Request]] | None = [] if keep else None
         self._origin = math.nan  # Unix time of the simulation's time 0, of a live server
         self._frames = self._surfaces = 0
-        self._whole = np.empty((0, self.simulation.channels), np.float32)
+        self._whole = np.empty((0, self.channels), np.float32)
+        if self._listening:
+            self._send([Said(start, message) for message in self._listening.first()])
 
     def close(self) -> None:
         """End it: give its memory back, or free its bodies' objects on the server.
@@ -137,6 +150,11 @@ class World(Closing):
     def time(self) -> float:
         """Time (s) of the last step."""
         return self.simulation.time
+
+    @property
+    def channels(self) -> int:
+        """Number of channels of its sound."""
+        return self._scene.channels if self._scene else self.simulation.channels
 
     @property
     def _start(self) -> float:
@@ -265,15 +283,44 @@ class World(Closing):
         if self._scene and isinstance(time, Real) and time - self.time > _LONGEST and math.isfinite(time):
             where = f"step {self.simulation.steps + 1}"
             raise WorldError(f"{where}: time = {time}: expected at most {_LONGEST} s after {self.time}")
-        self._send(self.simulation.step(time, contacts, poses))
+        before = self.time
+        self._ride()
+        told = self.simulation.step(time, contacts, poses)
+        self._move(before)
+        self._send(told)
         return self._up_to(time)
+
+    def _ride(self) -> None:
+        """Place microphones that ride on bodies where these were in the last step."""
+        if self._rides:
+            ride(self.simulation, tuple(self.simulation.hearing.microphones), self.simulation.microphones)
+
+    def _move(self, before: float) -> None:
+        """Tell how bodies and the listener have moved since the time of the step before."""
+        if self._listening is None:
+            return
+        told = list(self._listening.moved(max(self.time - before, 0.0)))
+        if self._scene is None or self._kept is not None:
+            self._send([Said(before, message) for message, _, _ in told])
+            return
+        performer = self._scene._open
+        sample = max(before - self._start + self.latency, self._scene.time) * self.rate
+        commands = []
+        for _, command, name in told:
+            handle = performer.scene.objects[name].handle if name else None
+            commands.append(command._replace(time=sample, handle=handle))
+        performer.engine.send(commands)
 
     def tell(self, time: float, points: int) -> None:
         """Take a step as `step` does, for bridges.
 
         Poses and contacts are in the columns of `memory` already; `block` has the sound.
         """
-        self._send(self.simulation.advance(time, points))
+        before = self.time
+        self._ride()
+        told = self.simulation.advance(time, points)
+        self._move(before)
+        self._send(told)
 
     def teller(self, arrays: int, time: int, points: int, behind: int = 0, kept: object = None) -> Callable[[], int]:
         """Return a function that tells a step, for bridges, and returns the number of its blows.
@@ -288,7 +335,11 @@ class World(Closing):
         address, holds = telling.ctypes.data, (telling, kept)
 
         def told() -> int:
+            before = self.time
+            self._ride()
             found: int = run(address)
+            if found >= 0:
+                self._move(before)
             if found == 0:
                 return 0
             self._send(simulation.told(holds[0], found))
@@ -359,7 +410,7 @@ class World(Closing):
         ordered = sorted(self._kept, key=lambda each: each[0])
         text = "".join(f"{format_line(at, request.message)}\n" for at, request in ordered)
         begun = (
-            f"channels {self.simulation.channels}",
+            f"channels {self.channels}",
             f"accuracy {self.simulation.hearing.accuracy}",
             f"budget {_BUDGET[0]} {_BUDGET[1]}",
         )
@@ -407,7 +458,7 @@ class World(Closing):
     def _up_to(self, time: float, batch: Batch | None = None) -> Blocks:
         """Return the sound up to a time."""
         if self._scene is None:
-            return np.empty((0, self.simulation.channels), np.float32)
+            return np.empty((0, self.channels), np.float32)
         return self._process(round((time - self._start) * self.rate) - self._frames, batch)
 
     def _process(self, frames: int, batch: Batch | None = None) -> Blocks:

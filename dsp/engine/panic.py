@@ -19,13 +19,16 @@ from .contacts.contact_list import end_contacts
 from .memory.records import Contact, ContactPoint
 from .memory.state import QUANTUM, Object, State
 from .output.fade import RATES, fade_length, going_on, left_of, pace_of, tilt_of
-from .output.mix import add_share, is_finite, sides_of
+from .output.mix import is_finite, sides_of
+from .output.space import let_space_fade
+from .output.space_lines import add_voice
 
 
 @kernel
 def let_fade(state: State) -> None:
     """End every gesture, and let what sounds fade."""
     let_bank_fade(state)
+    let_space_fade(state)
     for i in range(state.active):
         _set_aside(state, state.objects[state.order[i]])
     for i in range(state.active):
@@ -169,7 +172,7 @@ def _mix(state: State, slot: int) -> None:
     state.stats.sounding += obj.energy == 0.0  # else it was counted
     state.stats.live_modes += obj.fading
     if is_finite(state, voice):
-        add_share(state, slot, voice)
+        add_voice(state, slot, voice)
     obj.faded += QUANTUM
     if obj.faded >= fade_length(state.rate):
         obj.fading = 0

@@ -23,7 +23,9 @@ from .contacts.flights import call_back
 from .contacts.rolls import add_through, ring_on
 from .memory.quality import find_oldest_running, is_left_out, keeps_strikers, silence_of
 from .memory.state import QUANTUM, Object, State
-from .output.mix import add_share, clear_mix, glide_gain, glide_gains, is_faded, is_finite, remove_static
+from .output.mix import clear_mix, glide_gain, glide_gains, is_faded, is_finite, remove_static
+from .output.space import hear_space
+from .output.space_lines import add_voice
 from .panic import mix_fading
 
 _STILL = 1e-5  # of silence, of what is sensed
@@ -63,6 +65,7 @@ def mix_objects(state: State) -> None:
         _choose_group(state, turn)
         _render_group(state)
     mix_fading(state)
+    hear_space(state)
     mix_bank(state)
     glide_gain(state)
 
@@ -151,7 +154,7 @@ def _mix(state: State, slot: int, voice: View2D[float]) -> None:
         end_contacts(state, obj)
         return
     remove_static(state, obj, voice)
-    add_share(state, slot, voice)
+    add_voice(state, slot, voice)
     state.stats.live_modes += obj.live
     state.stats.sounding += 1
     if obj.driven_modes > 0:

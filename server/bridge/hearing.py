@@ -1,7 +1,7 @@
 """Hearing of a simulation: microphones, and contacts that are too faint to be computed."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -24,12 +24,37 @@ class Microphone(NamedTuple):
     """A microphone in the world of a simulation.
 
     position: m. direction: in which it points, None for one that hears alike all around. pattern: 0 all around, 0.5 a
-    cardioid, 1 a figure of eight.
+    cardioid, 1 a figure of eight. on: the body on which it rides, in whose axes position and direction then are.
     """
 
     position: Vector
     direction: Vector | None = None
     pattern: float = 0.5
+    on: str = ""
+
+
+class Listener(NamedTuple):
+    """A listener in the world of a simulation, to whom sound takes its time: by distance, doppler, air and direction.
+
+    position: m. yaw, pitch, roll: to the left, down, to the right (degrees), from looking along x with z up. layout:
+    "pan" or "binaural", of two channels, or "ambisonics", of (order + 1)^2. on: the body on which it rides, in whose
+    axes all this then is. floor: the height (m) of a floor that reflects. room: the keys of `/room`.
+    """
+
+    position: Vector = (0.0, 0.0, 1.5)
+    yaw: float = 0.0
+    pitch: float = 0.0
+    roll: float = 0.0
+    layout: str = "binaural"
+    order: int = 1
+    on: str = ""
+    floor: float | None = None
+    room: Mapping[str, float] | None = None
+
+    @property
+    def channels(self) -> int:
+        """Number of channels that tell the directions."""
+        return (self.order + 1) ** 2 if self.layout == "ambisonics" else 2
 
 
 @dataclass(frozen=True)

@@ -153,6 +153,16 @@ class Simulation:
         return len(self.hearing.microphones)
 
     @property
+    def microphones(self) -> np.void:
+        """The microphones and their places, a record of MICROPHONE_STATE."""
+        record: np.void = self._microphones[0]
+        return record
+
+    def hears_nearby(self) -> None:
+        """Tell no gains of bodies: a listener in space hears them by their places."""
+        self._microphones["told"], self._microphones["step"] = 0.0, np.inf
+
+    @property
     def counts(self) -> Counts:
         """Counts of what was told since the beginning, and what became of it."""
         names = ("hits", "faint", "over_budget", "unheard", "begun", "left_out")

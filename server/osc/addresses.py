@@ -35,6 +35,7 @@ from .patterns import is_pattern, match
 from .points import Change
 from .questions import QUESTIONS
 from .sensor_verbs import SENSORS
+from .space_verbs import LISTENING, PLACING
 from .wire import Message
 from .world_verbs import WORLD
 
@@ -107,6 +108,7 @@ _OBJECTS = (
         "gives it a factor for each channel in place of its pan; without arguments its pan counts again",
         many=GAINS,
     ),
+    PLACING,
     Verb(
         "/object/NAME/note",
         "strikes a copy of it, NAME.NOTE, that is tuned to a note, and made when the note is first played. Velocities "
@@ -214,7 +216,7 @@ _SERVER = (
     Verb("/quit", "ends the server", scored=False),
 )
 
-VERBS = {verb.address: verb for verb in (*_OBJECTS, *_RUNNING, *SENSORS, *_ENGINE, *WORLD, *MIDI, *_SERVER)}
+VERBS = {verb.address: verb for verb in (*_OBJECTS, *_RUNNING, *SENSORS, *LISTENING, *_ENGINE, *WORLD, *MIDI, *_SERVER)}
 
 
 @dataclass(frozen=True, slots=True)

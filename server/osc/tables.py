@@ -6,6 +6,7 @@ from .arguments import Numbers, Parameter, Verb
 from .midi_verbs import MIDI
 from .points import CHANGE, Change
 from .sensor_verbs import SENSORS
+from .space_verbs import LISTENING, PLACING
 from .world_verbs import WORLD
 
 
@@ -21,7 +22,7 @@ def address_table() -> str:
         if isinstance(verb, Change):
             return "; keys: a change's"
         shared = len(STRIKE) if verb.keys[: len(STRIKE)] == STRIKE else 0
-        whole = verb.keys if verb in (*WORLD, *MIDI, *SENSORS) else (NOTE, PITCH)
+        whole = verb.keys if verb in (*WORLD, *MIDI, *SENSORS, *LISTENING, PLACING) else (NOTE, PITCH)
         own = [_marked(key) if key in whole else f"`{key.name}`" for key in verb.keys[shared:]]
         keys = ["a gesture's"] * bool(shared) + own
         return f"; keys: {', '.join(keys)}" if keys else ""

@@ -19,6 +19,7 @@ from .limits import ContactLaws, least_radius
 from .objects import ObjectTable, PlayedObject
 from .scale import USUAL_SCALE, Scale
 from .sensors import SensorTable
+from .space_table import SpaceTable
 from .transaction import Sent, Transaction
 from .translate import translate
 
@@ -40,6 +41,7 @@ class Session:
         self.objects = ObjectTable(engine)
         self.gestures = GestureIds(engine)
         self.sensors = SensorTable(engine)
+        self.space = SpaceTable()
         self._laws = ContactLaws(presets)
         self._world = TellsWorld(presets, engine.top_frequency, engine.channels)
         self._steers_ended = steers_ended
@@ -76,6 +78,7 @@ class Session:
             source,
             self._world,
             self.sensors,
+            self.space,
             made,
             selection=selection or Selection(),
             pause=pause,
@@ -120,7 +123,7 @@ class Session:
         (call,) = calls(message)
         transaction = Transaction(
             self.engine, self.presets, self._laws, self.objects, self.gestures, self.scale, NOW, None, self._world,
-            self.sensors,
+            self.sensors, self.space,
         )  # fmt: skip
         try:
             translate(transaction, call)

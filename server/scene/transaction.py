@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from ..bridge.bodies import Body
     from ..bridge.wire import TellsWorld
     from .sensors import SensorTable
+    from .space_table import SpaceTable
 
     Made: TypeAlias = NewObject | Body | Exception
 
@@ -55,6 +56,7 @@ class Transaction:
     source: Any
     world: "TellsWorld"
     sensors: "SensorTable"
+    space: "SpaceTable"
     made: "Mapping[int, Made]" = field(default_factory=dict)
     """Objects and bodies that were made before, or the errors they met, by the identity of their calls."""
     commands: list[Command] = field(default_factory=list)

@@ -19,6 +19,7 @@ from ..new_object import NEW, NewObject, new_object
 from ..osc.addresses import Call, calls, unknown
 from ..osc.arguments import Refused, Values, require_name
 from ..osc.patterns import is_pattern
+from ..osc.space_verbs import PLACE
 from ..osc.wire import Message
 from .contact_law import law_of, law_on
 from .engine_messages import ENGINE_HANDLERS, Handler, changes
@@ -26,6 +27,7 @@ from .limits import Contact, fall, require_rest, require_rollable, require_short
 from .notes import copy_of, speed_of, tuned
 from .object_call import ObjectCall
 from .objects import PlayedObject
+from .placing import SPACE_HANDLERS, place_object
 from .sensing import SENSOR_HANDLERS
 from .steering import CHANGE_WORK, steer
 from .transaction import Sent, Transaction
@@ -107,6 +109,10 @@ def _place(transaction: Transaction, message: Message, gains: tuple[float, ...],
     for channel in range(channels):
         gain = gains[channel] if channel < len(gains) else 0.0
         _add(transaction, message, Command(NOW, Kind.PLACE, value=gain, channel=channel), obj)
+
+
+def _put(to: ObjectCall) -> None:
+    _add(to.transaction, to.canonical, place_object(to), to.obj)
 
 
 def _free(to: ObjectCall) -> None:
@@ -303,10 +309,12 @@ HANDLERS: dict[str, Handler] = {
     },
     **dict.fromkeys((f"/object/NAME/{setting}" for setting in SETTINGS), _on_objects(_set)),
     "/object/NAME/gains": _on_objects(_gains),
+    PLACE: _on_objects(_put),
     "/object/NAME/free": _on_objects(_free),
     "/object/NAME/note": _on_objects(_note),
     **dict.fromkeys((f"/gesture/ID/{action}" for action in ("stop", *STEERABLE)), steer),
     **SENSOR_HANDLERS,
+    **SPACE_HANDLERS,
     **ENGINE_HANDLERS,
     **world_handlers(translate),
 }

@@ -69,7 +69,11 @@ def _on_objects() -> Iterable[str]:
     """Yield the methods of Actions on objects, without the name."""
     classes = [each for each in ast.parse(Path(actions.__file__).read_text()).body if isinstance(each, ast.ClassDef)]
     for each in (each for cls in classes if cls.name == Actions.__name__ for each in cls.body):
-        if isinstance(each, ast.FunctionDef) and each.name[0] != "_" and each.args.args[1].arg == "name":
+        if (
+            isinstance(each, ast.FunctionDef)
+            and each.name[0] != "_"
+            and [a.arg for a in each.args.args][1:2] == ["name"]
+        ):
             del each.args.args[1]
             doc = (ast.get_docstring(each) or "").partition("\n")[0]
             yield _definition(each.name, ast.unparse(each.args).split(", "), doc)

@@ -12,14 +12,17 @@ from ..memory.commands import (
     KIND_BANK,
     KIND_BUDGET,
     KIND_FREE,
+    KIND_FURNISH,
     KIND_GAIN,
     KIND_GESTURE,
     KIND_LIMITER,
+    KIND_LISTEN,
     KIND_METHOD,
     KIND_MOUNT,
     KIND_NEW,
     KIND_PANIC,
     KIND_PLACE,
+    KIND_POSE,
     KIND_QUALITY,
     KIND_SET,
     KIND_STEER,
@@ -30,6 +33,8 @@ from ..memory.commands import (
 from ..memory.order import wake
 from ..memory.ramp_list import takes_time
 from ..memory.state import END_GONE, NOTES, QUANTUM, RING, Choices, Object, State
+from ..output.late import furnish
+from ..output.space_lines import leave_space, listen, place_object
 from ..panic import let_fade
 from .gestures import start_gesture
 from .queue import has_room, order_heap, pop, push, sink, swap
@@ -175,6 +180,8 @@ def carry_out(state: State, event: Event) -> None:
         _place(state.objects[event.slot], event)
     elif kind == KIND_MOUNT:
         mount(state, event)
+    elif kind in (KIND_POSE, KIND_LISTEN, KIND_FURNISH):
+        _tell_space(state, event)
     elif kind == KIND_NEW:
         _new(state, event)
     elif kind == KIND_FREE:
@@ -190,6 +197,20 @@ def carry_out(state: State, event: Event) -> None:
             state.choices.gain = event.value
     else:
         _choose(state.choices, event)
+
+
+@kernel
+def _tell_space(state: State, event: Event) -> None:
+    """Tell space of an object's place, of the listener or of walls."""
+    told = event.told
+    if event.kind == KIND_FURNISH:
+        furnish(state, told.values)
+    elif event.kind == KIND_LISTEN:
+        listen(state, told, event.time, event.value == 1.0)
+    elif event.value == 0.0:
+        leave_space(state, event.slot)
+    else:
+        place_object(state, event.slot, told.pose, event.time, told.over * state.rate)
 
 
 @kernel
@@ -239,7 +260,7 @@ def _new(state: State, event: Event) -> None:
     obj.stale_modes = obj.size
     obj.retuning = 0
     obj.contact = obj.voice = -1
-    obj.faults = obj.sensors = 0
+    obj.faults = obj.sensors = obj.line = 0
     obj.limited_energy = 0.0
     obj.fading = obj.spectral = obj.returns = obj.awake = 0
     obj.returned_at = obj.last_driven_at = 0
@@ -257,7 +278,7 @@ def _new(state: State, event: Event) -> None:
 @kernel
 def _outlasts(kind: int) -> bool:
     """True if a command is carried out after a panic, too, that it arrived before."""
-    return kind in (KIND_NEW, KIND_FREE, KIND_SYNC, KIND_MOUNT)
+    return kind in (KIND_NEW, KIND_FREE, KIND_SYNC, KIND_MOUNT, KIND_POSE, KIND_LISTEN, KIND_FURNISH)
 
 
 @kernel

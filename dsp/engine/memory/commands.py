@@ -22,6 +22,7 @@ from ...schema import (
 from ...schema_records import VALUES, RampValues, Settings, Values
 from ...schema_values import OF_RAMPS, OWN, SHARED
 from .mounted import Mounted
+from .told import Told
 
 
 class Kind(IntEnum):
@@ -44,6 +45,9 @@ class Kind(IntEnum):
     BUDGET = 14  # of contacts that are coupled to modes
     BANK = 15  # value: a place in schema.FORMS
     MOUNT = 16  # a sensor, its number in `channel`, on an object; on none: value 0
+    POSE = 17  # an object, where it goes in space (value 1), or in space no more (0)
+    LISTEN = 18  # the listener, with all its values (value 1) or its pose alone (0)
+    FURNISH = 19  # walls, and a late part
 
 
 # The same as plain numbers, which kernels compare with.
@@ -53,6 +57,7 @@ KIND_PANIC, KIND_SYNC, KIND_METHOD = int(Kind.PANIC), int(Kind.SYNC), int(Kind.M
 KIND_ACCURACY, KIND_QUALITY = int(Kind.ACCURACY), int(Kind.QUALITY)
 KIND_GAIN, KIND_LIMITER, KIND_PLACE = int(Kind.GAIN), int(Kind.LIMITER), int(Kind.PLACE)
 KIND_BUDGET, KIND_BANK, KIND_MOUNT = int(Kind.BUDGET), int(Kind.BANK), int(Kind.MOUNT)
+KIND_POSE, KIND_LISTEN, KIND_FURNISH = int(Kind.POSE), int(Kind.LISTEN), int(Kind.FURNISH)
 
 NUMBERS = {name: number for number, name in enumerate(GESTURES)}
 """The numbers of gestures: their places in schema.GESTURES."""
@@ -123,6 +128,7 @@ class Event(Record):
     budget: Budget
     ramp: RampValues  # of a change: how it takes its time
     mounted: Mounted  # of a sensor
+    told: Told  # of space
 
 
 COMMAND = dtype_of(Event)
@@ -184,6 +190,7 @@ _RECORDS = {
     Kind.METHOD: ("method",),
     Kind.BUDGET: ("budget",),
     Kind.MOUNT: ("mounted",),
+    **dict.fromkeys((Kind.POSE, Kind.LISTEN, Kind.FURNISH), ("told",)),
     **dict.fromkeys((Kind.STEER, Kind.SET, Kind.GAIN), ("ramp",)),
 }
 _FIELDS = {kind: [(name, tuple(COMMAND[name].names or ())) for name in names] for kind, names in _RECORDS.items()}

@@ -29,6 +29,7 @@ from .meter_record import Meter
 from .mounted import SENSORS
 from .records import Contact, Place, RampList, Slide, Tails, Through
 from .sensor_record import SensorState
+from .space_record import Space
 from .striker_state import STRIKERS, VOICES, Striker, Voice
 
 QUANTUM = AHEAD
@@ -185,6 +186,7 @@ class Object(Record):
     last_driven_at: int  # samples at the beginning of the last quantum in which a force acted on it
     limited_energy: float  # sum of squares of its share of the mix where the limiter turned it down
     sensors: int  # on it
+    line: int  # 1 + its line in space; 0: it has none
     # In this quantum:
     has_contact: int  # a contact touches it
     shares_contact: int  # with another object
@@ -382,6 +384,7 @@ class State(Record):
     free_voice: Annotated[View[int], VOICES]  # stack
     voices_active: int
     sensors: Annotated[View[SensorState], SENSORS]
+    space: Space
     ramps: RampList
     choices: Choices
     output: Output

@@ -1,0 +1,82 @@
+"""Space: the sound of objects with a place travels in lines to a listener, by several ways."""
+
+from ...native.jit import kernel, noinline_kernel
+from ..memory.space_record import KNOTS, LINES, Line
+from ..memory.state import QUANTUM, State
+from .fade import fade_length
+from .late import hear_late
+from .space_lines import MASK, pose_at
+from .space_paths import hear_path
+
+
+@noinline_kernel
+def hear_space(state: State) -> None:
+    """Add what arrives at the listener in this quantum to the mix."""
+    space = state.space
+    if space.on == 0:
+        return
+    end = state.position + QUANTUM
+    space.now = end
+    for k in range(7):
+        space.listener.before[k] = space.listener.now[k]
+    pose_at(space.listener, float(end))
+    for n in range(QUANTUM):
+        space.late.fed[n] = 0.0
+    for n in range(LINES):
+        if space.lines[n].used == 1:
+            _hear_line(state, space.lines[n], end)
+    if space.late.on == 1:
+        hear_late(state)
+    if space.fading == 1:
+        space.faded += QUANTUM
+        if space.faded >= fade_length(state.rate):
+            _forget_before(state)
+
+
+@kernel
+def _forget_before(state: State) -> None:
+    """End a fade: what left before the panic is gone."""
+    space = state.space
+    space.fading = 0
+    for n in range(LINES):
+        space.lines[n].since = max(space.lines[n].since, space.panicked)
+
+
+@kernel
+def let_space_fade(state: State) -> None:
+    """Fade what is on its way, and the room's late part."""
+    space = state.space
+    if space.on == 1:
+        space.fading, space.faded, space.panicked = 1, 0, state.position
+
+
+@kernel
+def _hear_line(state: State, line: Line, end: int) -> None:
+    """Hear a line in this quantum, and note where its object is at the end of it."""
+    space = state.space
+    obj = state.objects[line.slot]
+    if line.left == 0 and (obj.used == 0 or obj.serial != line.serial):
+        line.left = 1
+    sound = line.sound[state.position & MASK :][:QUANTUM]
+    if line.written == 0:
+        for n in range(QUANTUM):
+            sound[n] = 0.0
+    line.written = 0
+    if line.left == 0:
+        pose_at(line.pose, float(end))
+    knot = end // QUANTUM & (KNOTS - 1)
+    before = end // QUANTUM - 1 & (KNOTS - 1)
+    for i in range(3):
+        if line.knots[before, i] != line.pose.now[i]:
+            line.moved_at = end
+        line.knots[knot, i] = line.pose.now[i]
+    heard = False
+    for p in range(1 + space.walls):
+        heard |= hear_path(state, line, line.paths[p], p, end)
+    if space.late.on == 1:
+        for n in range(QUANTUM):
+            space.late.fed[n] += sound[n]
+    if heard:
+        state.stats.sounding += 1
+    elif line.left == 1:
+        line.used = 0

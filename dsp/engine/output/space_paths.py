@@ -1,0 +1,340 @@
+"""The ways of a line's sound to the listener, each with its own time, loss and direction.
+
+What arrives at a time left when the way was as long as the time since: that is solved at the end of each quantum, and
+goes as a cubic over it, so that delay and doppler are those of the motion, of object and listener. Gains and filters go
+as lines over a quantum.
+"""
+
+import math
+
+from ...native.jit import kernel, noinline_kernel
+from ...native.typed import View, View2D
+from ...space.delay import AHEAD_OF, TAPS, read_moving, read_steady
+from ...space.harmonics import harmonics
+from ...space.head import ear_path, ear_shadow
+from ..memory.capacity import STEMS
+from ..memory.channels import pan_gains
+from ..memory.space_record import FRAMES, KNOTS, Line, Path, Space
+from ..memory.state import QUANTUM, State
+from .fade import left_of
+from .space_lines import MASK
+
+NEAREST = 0.1
+"""m: what is nearer is as loud as there."""
+_SOONEST = AHEAD_OF + 1.0  # samples: no way is shorter
+_LONGEST = FRAMES - 4.0 * QUANTUM  # nor longer
+_ROUNDS = 6
+_EXACT = 1e-9  # samples
+_FASTEST = 0.1  # least derivative of the arrival by the departure: bodies are slower than sound
+_JUMP = 2.5  # quanta that may pass at a line's far end in one: more is a jump
+_STEADY = 1e-7  # samples
+_INAUDIBLE = 1e-3  # dB that the air takes
+_EASY = 1.0  # dB up to which one filter takes it all
+
+
+@noinline_kernel
+def hear_path(state: State, line: Line, path: Path, wall: int, end: int) -> bool:
+    """Hear a way of a line in this quantum; return True if there was, or may soon be, something to hear."""
+    space, rate = state.space, state.rate
+    if path.known == 1 and path.still == 1 and _stays(space, line):
+        return _hear_still(state, line, path)
+    found = space.weights  # room for 7
+    begin, slope = path.place, path.slope
+    place = _departed(space, line, rate, wall, begin + QUANTUM if path.known == 1 else 1e300, float(end), found)
+    frames = rate / space.speed
+    moves = along = 0.0
+    for i in range(3):
+        velocity = (space.listener.now[i] - space.listener.before[i]) / QUANTUM
+        along += found[i] * velocity / found[6]
+        moves += found[i] * found[3 + i] / found[6]
+    later = (1.0 + frames * along) / max(1.0 + frames * moves, _FASTEST)
+    if path.known == 0:
+        begin, slope = place - QUANTUM, 1.0
+    first, second = _aim(state, path, wall, found)
+    jumps = not -0.5 * QUANTUM < place - begin < _JUMP * QUANTUM
+    path.place, path.slope, path.known = place, later, 1
+    steady = abs(later - 1.0) + abs(slope - 1.0) + abs(place - begin - QUANTUM) < _STEADY
+    path.still = int(steady and _stays(space, line))
+    if line.last <= min(begin, place) - TAPS:
+        _settle(state, path, first, second)
+        return False
+    if jumps:
+        _read_jump(state, line, path, begin, slope, place, later)
+    else:
+        _lay_places(space.places, begin, slope, place, later)
+        _read(state, line, path, space.heard)
+    _filter(state, path, first, second)
+    _mix_path(state, line, path)
+    return True
+
+
+@kernel
+def _stays(space: Space, line: Line) -> bool:
+    """True if neither an object nor the listener has moved for as long as a line holds."""
+    moved = line.moved_at + FRAMES > space.now
+    for k in range(7):
+        moved |= space.listener.now[k] != space.listener.before[k]
+    return not moved
+
+
+@kernel
+def _hear_still(state: State, line: Line, path: Path) -> bool:
+    """Hear a way on which nothing has changed since the quantum before."""
+    space = state.space
+    begin = path.place
+    path.place += QUANTUM
+    if line.last <= begin - TAPS:
+        return False
+    for channel in range(state.output.channels):
+        space.asked[channel] = path.gain[channel]
+    for ear in range(2):
+        space.aim[ear], space.aim[2 + ear] = path.longer[ear], path.shadow[ear]
+    if space.fading == 1:
+        _lay_places(space.places, begin, 1.0, path.place, 1.0)
+    for ear in range(2 if space.layout == 1 else 1):
+        place = min(begin - path.longer[ear], state.position - _SOONEST)
+        whole = math.floor(place)
+        _copy(line, whole - (TAPS // 2 - 1), QUANTUM + TAPS, state.position + QUANTUM, space.window)
+        read_steady(space.window, place - whole, space.taps, space.heard[ear], QUANTUM)
+    _filter(state, path, path.air[0], path.air[1])
+    _mix_path(state, line, path)
+    return True
+
+
+@kernel
+def _place_at(space: Space, line: Line, time: float, wall: int, out: View[float]) -> None:
+    """Find where an object, or its image behind a wall (0: itself), was at a time (samples), in out[:3], and its
+    velocity in m a sample, in out[3:6]."""
+    knot = math.floor(time / QUANTUM)
+    share = time / QUANTUM - knot
+    here, there = int(knot) & (KNOTS - 1), (int(knot) + 1) & (KNOTS - 1)
+    for i in range(3):
+        a, b = line.knots[here, i], line.knots[there, i]
+        out[i] = a + share * (b - a)
+        out[3 + i] = (b - a) / QUANTUM
+    if wall > 0:
+        # Of a floor there is one wall, below; of a box those below and above along each axis.
+        axis = 2 if space.walls == 1 else (wall - 1) // 2
+        side = space.low[axis] if space.walls == 1 or (wall - 1) % 2 == 0 else space.high[axis]
+        out[axis] = 2.0 * side - out[axis]
+        out[3 + axis] = -out[3 + axis]
+
+
+@kernel
+def _departed(space: Space, line: Line, rate: float, wall: int, guess: float, end: float, out: View[float]) -> float:
+    """Return when that left which arrives at a time `end` (samples), by Newton's method; `out` has room for 7: the way
+    from listener to source, the source's velocity, and the distance (m)."""
+    frames = rate / space.speed
+    place = min(max(guess, end - _LONGEST), end - _SOONEST)
+    for _ in range(_ROUNDS):
+        _place_at(space, line, place, wall, out)
+        square = along = 0.0
+        for i in range(3):
+            out[i] -= space.listener.now[i]
+            square += out[i] * out[i]
+            along += out[i] * out[3 + i]
+        out[6] = max(math.sqrt(square), 1e-6)
+        slope = max(1.0 + frames * along / out[6], _FASTEST)
+        error = (place - end + frames * out[6]) / slope
+        place = min(max(place - error, end - _LONGEST), end - _SOONEST)
+        if abs(error) < _EXACT:
+            break
+    return place
+
+
+@kernel
+def _aim(state: State, path: Path, wall: int, found: View[float]) -> tuple[float, float]:
+    """Find the gains to which a way goes in this quantum, in `asked`, and what its ears shall be, in `aim`; return the
+    poles of the air's two filters."""
+    space = state.space
+    far = found[6]
+    gain = (space.reflected if wall > 0 else 1.0) / max(far, NEAREST)
+    ahead, left, up = _turned(space.listener.now, found[0] / far, found[1] / far, found[2] / far)
+    channels = state.output.channels
+    for channel in range(channels):
+        space.asked[channel] = 0.0
+    if space.layout == 2:
+        harmonics(space.asked, space.order, ahead, left, up)
+        for channel in range(channels):
+            space.asked[channel] *= gain
+    elif space.layout == 1:
+        space.asked[0] = space.asked[1] = gain
+    elif channels == 2:
+        pan_gains(space.asked, 2, min(max(-left, -1.0), 1.0), gain)
+    else:
+        level = math.sqrt(max(1.0 - up * up, 0.0))
+        pan_gains(space.asked, channels, -math.atan2(left, ahead) / math.pi if level > 1e-6 else 0.0, gain)
+    for ear in range(2):
+        toward = left if ear == 0 else -left
+        space.aim[ear] = ear_path(toward, space.head) / space.speed * state.rate if space.layout == 1 else 0.0
+        space.aim[2 + ear] = ear_shadow(toward) if space.layout == 1 else 1.0
+    lost = space.air * far
+    first = _air_pole(space, min(lost, _EASY + 0.5 * max(lost - _EASY, 0.0)))
+    second = _air_pole(space, 0.5 * max(lost - _EASY, 0.0))
+    if path.known == 0:
+        _settle(state, path, first, second)
+    return first, second
+
+
+@kernel
+def _turned(pose: View[float], x: float, y: float, z: float) -> tuple[float, float, float]:
+    """Return a direction in the axes of a pose: ahead, left and up."""
+    w, i, j, k = pose[3], -pose[4], -pose[5], -pose[6]
+    a, b, c = 2.0 * (j * z - k * y), 2.0 * (k * x - i * z), 2.0 * (i * y - j * x)
+    return x + w * a + j * c - k * b, y + w * b + k * a - i * c, z + w * c + i * b - j * a
+
+
+@kernel
+def _air_pole(space: Space, lost: float) -> float:
+    """Return the pole of a filter that takes so many dB at the frequency where the air's absorption is known."""
+    if lost < _INAUDIBLE:
+        return 0.0
+    square = math.exp(-0.1 * math.log(10.0) * lost)
+    half = (1.0 - square * math.cos(space.turn)) / (1.0 - square)
+    return min(half - math.sqrt(max(half * half - 1.0, 0.0)), 0.999)
+
+
+@kernel
+def _settle(state: State, path: Path, first: float, second: float) -> None:
+    """Bring a way's gains and filters at once to where they go: nobody hears it."""
+    space = state.space
+    for channel in range(state.output.channels):
+        path.gain[channel] = space.asked[channel]
+    path.air[0], path.air[1] = first, second
+    for ear in range(2):
+        path.longer[ear], path.shadow[ear] = space.aim[ear], space.aim[2 + ear]
+        for k in range(4):
+            path.memory[ear, k] = 0.0
+
+
+@kernel
+def _lay_places(places: View[float], begin: float, slope: float, end: float, later: float) -> None:
+    """Lay out a cubic from a place to another a quantum later, by its slopes there."""
+    way = end - begin
+    a, b = slope * QUANTUM - way, way - later * QUANTUM
+    for n in range(QUANTUM):
+        u = n / QUANTUM
+        places[n] = begin + u * way + u * (1.0 - u) * ((1.0 - u) * a + u * b)
+
+
+@kernel
+def _read(state: State, line: Line, path: Path, out: View2D[float]) -> None:
+    """Read a line at `places`: for each ear, if there are two."""
+    space = state.space
+    for ear in range(2 if space.layout == 1 else 1):
+        more = (space.aim[ear] - path.longer[ear]) / QUANTUM
+        low, high = 1e300, -1e300
+        for n in range(QUANTUM):
+            place = min(space.places[n] - path.longer[ear] - n * more, state.position + n - _SOONEST)
+            space.weights[n] = place
+            low, high = min(low, place), max(high, place)
+        first = math.floor(low) - (TAPS // 2 - 1)
+        count = min(math.floor(high) + AHEAD_OF + 1 - first, len(space.window))
+        _copy(line, first, count, state.position + QUANTUM, space.window)
+        if _is_steady(space.weights):
+            read_steady(space.window, space.weights[0] - math.floor(space.weights[0]), space.taps, out[ear], QUANTUM)
+        else:
+            read_moving(space.window, first, space.weights, out[ear], QUANTUM)
+
+
+@kernel
+def _copy(line: Line, first: int, count: int, end: int, window: View[float]) -> None:
+    """Copy samples of a line from number `first` on; before it began, and from `end` on, they are silence."""
+    at = first & MASK
+    if first >= line.since and first + count <= end and at + count <= FRAMES:
+        sound = line.sound[at : at + count]
+        for n in range(count):
+            window[n] = sound[n]
+        return
+    for n in range(count):
+        window[n] = line.sound[first + n & MASK] if line.since <= first + n < end else 0.0
+
+
+@kernel
+def _is_steady(places: View[float]) -> bool:
+    """True if places follow each other by a sample, as good as exactly."""
+    middle, last = places[QUANTUM // 2] - places[0], places[QUANTUM - 1] - places[0]
+    return abs(middle - QUANTUM // 2) < _STEADY and abs(last - (QUANTUM - 1)) < _STEADY
+
+
+@kernel
+def _read_jump(state: State, line: Line, path: Path, begin: float, slope: float, place: float, later: float) -> None:
+    """Read a line whose object or listener has jumped: from the old way to the new one by a fade."""
+    space = state.space
+    _lay_places(space.places, begin, slope, begin + slope * QUANTUM, slope)
+    _read(state, line, path, space.heard)
+    for ear in range(2):
+        for n in range(QUANTUM):
+            space.other[ear, n] = space.heard[ear, n]
+    _lay_places(space.places, place - later * QUANTUM, later, place, later)
+    _read(state, line, path, space.heard)
+    for ear in range(2):
+        for n in range(QUANTUM):
+            u = (n + 1) / QUANTUM
+            share = u * u * (3.0 - 2.0 * u)
+            space.heard[ear, n] = space.other[ear, n] + share * (space.heard[ear, n] - space.other[ear, n])
+
+
+@kernel
+def _filter(state: State, path: Path, first: float, second: float) -> None:
+    """Filter what was read as the air and the head do, and fade what left before a panic."""
+    space = state.space
+    two = 2.0 * state.rate
+    corner = 2.0 * space.speed / space.head if space.layout == 1 else 1.0
+    a1 = (corner - two) / (corner + two)
+    for ear in range(2 if space.layout == 1 else 1):
+        heard, memory = space.heard[ear], path.memory[ear]
+        if space.fading == 1:
+            for n in range(QUANTUM):
+                if space.places[n] < space.panicked:
+                    heard[n] *= left_of(state.rate, space.faded + n + 1)
+        if first > 0.0 or path.air[0] > 0.0:
+            memory[0] = _lose(heard, path.air[0], first, memory[0])
+        if second > 0.0 or path.air[1] > 0.0:
+            memory[1] = _lose(heard, path.air[1], second, memory[1])
+        else:
+            memory[1] = heard[QUANTUM - 1]
+        if space.layout == 1:
+            more = (space.aim[2 + ear] - path.shadow[ear]) / QUANTUM
+            x1, y1 = memory[2], memory[3]
+            for n in range(QUANTUM):
+                alpha = path.shadow[ear] + (n + 1) * more
+                x = heard[n]
+                y1 = ((corner + alpha * two) * x + (corner - alpha * two) * x1) / (corner + two) - a1 * y1
+                x1 = x
+                heard[n] = y1
+            memory[2], memory[3] = x1, y1
+            path.longer[ear], path.shadow[ear] = space.aim[ear], space.aim[2 + ear]
+    path.air[0], path.air[1] = first, second
+
+
+@kernel
+def _lose(heard: View[float], before: float, pole: float, last: float) -> float:
+    """Filter a quantum by one pole, which goes from one value to another; return the last sample."""
+    more = (pole - before) / QUANTUM
+    for n in range(QUANTUM):
+        p = before + (n + 1) * more
+        last = p * last + (1.0 - p) * heard[n]
+        heard[n] = last
+    return last
+
+
+@kernel
+def _mix_path(state: State, line: Line, path: Path) -> None:
+    """Add what was heard to each channel, and to the object's stem where stems are kept."""
+    space, output = state.space, state.output
+    for channel in range(output.channels):
+        before = path.gain[channel]
+        step = (space.asked[channel] - before) / QUANTUM
+        path.gain[channel] = space.asked[channel]
+        if before == 0.0 and step == 0.0:
+            continue
+        heard = space.heard[channel if space.layout == 1 else 0]
+        for n in range(QUANTUM):
+            state.scratch.share[n] = heard[n] * (before + (n + 1) * step)
+        for n in range(QUANTUM):
+            output.mix[channel, n] += state.scratch.share[n]
+        if output.stems_on == 1 and line.slot < STEMS:
+            output.stem_sounds[output.turn, line.slot] = 1
+            for n in range(QUANTUM):
+                output.stems[output.turn, line.slot, channel, n] += state.scratch.share[n]
