@@ -15,7 +15,8 @@ def absorption(frequency: float, temperature: float = 20.0, humidity: float = 50
     f2 = frequency * frequency
     relaxed = 0.01275 * math.exp(-2239.1 / kelvin) / (oxygen + f2 / oxygen)
     relaxed += 0.1068 * math.exp(-3352.0 / kelvin) / (nitrogen + f2 / nitrogen)
-    return 8.686 * f2 * (1.84e-11 / ratio * warm**0.5 + warm**-2.5 * relaxed)
+    lost: float = 8.686 * f2 * (1.84e-11 / ratio * warm**0.5 + warm**-2.5 * relaxed)
+    return lost
 
 
 def speed_of_sound(temperature: float = 20.0) -> float:

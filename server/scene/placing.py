@@ -52,7 +52,9 @@ def _product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
     ])  # fmt: skip
 
 
-def listening(layout: str, channels: int, rate: float, head: float, air: float, temperature: float, humidity: float):
+def listening(
+    layout: str, channels: int, rate: float, head: float, air: float, temperature: float, humidity: float
+) -> tuple[float, ...]:
     """Return the values of a listener. Refused for a layout that the channels cannot tell."""
     if layout == "binaural" and channels != 2:
         raise Refused(f"layout = binaural: expected 2 channels, and there are {channels}")
