@@ -130,7 +130,10 @@ class Actions(Gestures, ABC):
         self.send("/listener", *_spread(place), at=at, **keys)
 
     def floor(self, z: SupportsFloat | None = None, at: SupportsFloat | None = None, **keys: Value) -> None:
-        """Lay a floor that reflects at a height z (m); None: nothing reflects. keys: absorption (0 to 1)."""
+        """Lay a floor that reflects.
+
+        z: its height (m); None: nothing reflects. keys: absorption (0 to 1).
+        """
         self.send("/floor", *([] if z is None else [z]), at=at, **keys)
 
     def room(self, *size: Value, at: SupportsFloat | None = None, **keys: Value) -> None:
