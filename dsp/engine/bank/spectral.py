@@ -200,4 +200,25 @@ def _rings_freely(state: State, obj: Object) -> bool:
     """True if nothing but its own modes moves an object, and nothing has for a while."""
     if obj.live == 0 or obj.spectral > 0 or obj.has_contact == 1 or obj.voice >= 0 or obj.fading > 0:
         return False
-    if obj.sensors > 0 or obj.line > 0:
+    if obj.sensors > 0 or obj.line > 0 or is_bent(state, obj):
+        return False
+    if obj.stale_modes > 0 or obj.dying == 2 or obj.stretch != 0.0 or obj.driven_modes > 0:
+        return False
+    since = max(obj.last_driven_at, obj.returned_at)
+    if state.position - since < _CALM or is_left_out(state, obj):
+        return False
+    for side in range(2):
+        if obj.static[side] != 0.0 or obj.static_before[side] != 0.0:
+            return False
+    return _is_settled(state, obj)
+
+
+@kernel
+def _is_settled(state: State, obj: Object) -> bool:
+    """True if an object's gains have come where they are asked to be."""
+    ask_gains(state, obj)
+    for side in range(sides_of(state)):
+        asked = obj.place.asked[side]
+        if abs(obj.place.gain[side] - asked) > _SETTLED * abs(asked) + _INAUDIBLE:
+            return False
+    return True
