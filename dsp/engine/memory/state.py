@@ -29,7 +29,7 @@ from .meter_record import Meter
 from .mounted import SENSORS
 from .records import Contact, Place, RampList, Slide, Tails, Through
 from .sensor_record import SensorState
-from .space_record import Space
+from .space_record import Space as Surroundings
 from .striker_state import STRIKERS, VOICES, Striker, Voice
 
 QUANTUM = AHEAD
@@ -384,7 +384,7 @@ class State(Record):
     free_voice: Annotated[View[int], VOICES]  # stack
     voices_active: int
     sensors: Annotated[View[SensorState], SENSORS]
-    space: Space
+    space: Surroundings
     ramps: RampList
     choices: Choices
     output: Output
