@@ -384,7 +384,7 @@ class State(Record):
     free_voice: Annotated[View[int], VOICES]  # stack
     voices_active: int
     sensors: Annotated[View[SensorState], SENSORS]
-    space: Surroundings
+    surroundings: Surroundings
     ramps: RampList
     choices: Choices
     output: Output

@@ -15,7 +15,7 @@ _SILENCE = 1e-12  # energy of a quantum
 def furnish(state: State, told: View[float]) -> None:
     """Give space its walls and its late part: walls, corners (m), amplitude reflected, T60 (s; 0: none), that of high
     frequencies, and the amplitude of the late part at its beginning."""
-    space = state.space
+    space = state.surroundings
     space.walls = int(told[0])
     for i in range(3):
         space.low[i], space.high[i] = told[1 + i], told[4 + i]
@@ -48,7 +48,7 @@ def furnish(state: State, told: View[float]) -> None:
 @noinline_kernel
 def hear_late(state: State) -> None:
     """Add the late part of the room to every channel, and move it on by a quantum."""
-    space, output = state.space, state.output
+    space, output = state.surroundings, state.output
     late, lines = space.late, space.weights
     channels, energy = output.channels, 0.0
     scale = 1.0 / math.sqrt(channels) if space.layout == 0 and channels > 2 else 1.0

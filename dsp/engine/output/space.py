@@ -12,7 +12,7 @@ from .space_paths import hear_path
 @noinline_kernel
 def hear_space(state: State) -> None:
     """Add what arrives at the listener in this quantum to the mix."""
-    space = state.space
+    space = state.surroundings
     if space.on == 0:
         return
     end = state.position + QUANTUM
@@ -36,7 +36,7 @@ def hear_space(state: State) -> None:
 @kernel
 def _forget_before(state: State) -> None:
     """End a fade: what left before the panic is gone."""
-    space = state.space
+    space = state.surroundings
     space.fading = 0
     for n in range(LINES):
         space.lines[n].since = max(space.lines[n].since, space.panicked)
@@ -45,7 +45,7 @@ def _forget_before(state: State) -> None:
 @kernel
 def let_space_fade(state: State) -> None:
     """Fade what is on its way, and the room's late part."""
-    space = state.space
+    space = state.surroundings
     if space.on == 1:
         space.fading, space.faded, space.panicked = 1, 0, state.position
 
@@ -53,7 +53,7 @@ def let_space_fade(state: State) -> None:
 @kernel
 def _hear_line(state: State, line: Line, end: int) -> None:
     """Hear a line in this quantum, and note where its object is at the end of it."""
-    space = state.space
+    space = state.surroundings
     obj = state.objects[line.slot]
     if line.left == 0 and (obj.used == 0 or obj.serial != line.serial):
         line.left = 1

@@ -49,7 +49,7 @@ def pose_at(pose: Pose, time: float) -> None:
 @noinline_kernel
 def listen(state: State, told: Told, time: float, wholly: bool) -> None:
     """Place the listener, or have it go there; wholly: with all that is told of how it hears."""
-    space = state.space
+    space = state.surroundings
     go_to(space.listener, told.pose, time, told.over * state.rate if space.on == 1 else 0.0)
     if wholly:
         numbers = told.values
@@ -62,15 +62,15 @@ def listen(state: State, told: Told, time: float, wholly: bool) -> None:
 def line_of(state: State, obj: Object, slot: int) -> int:
     """Return the line of an object; -1 if it has none."""
     n = obj.line - 1
-    if n >= 0 and state.space.lines[n].used == 1 and state.space.lines[n].serial == obj.serial:
-        return n if state.space.lines[n].slot == slot else -1
+    if n >= 0 and state.surroundings.lines[n].used == 1 and state.surroundings.lines[n].serial == obj.serial:
+        return n if state.surroundings.lines[n].slot == slot else -1
     return -1
 
 
 @noinline_kernel
 def place_object(state: State, slot: int, told: View[float], time: float, length: float) -> None:
     """Put an object into space at a place, or have it go there; where no line is free it stays as it is."""
-    space, obj = state.space, state.objects[slot]
+    space, obj = state.surroundings, state.objects[slot]
     n = line_of(state, obj, slot)
     if n >= 0 and space.lines[n].left == 0:
         go_to(space.lines[n].pose, told, time, length)
@@ -111,7 +111,7 @@ def leave_space(state: State, slot: int) -> None:
     """Take an object out of space: what is on its way arrives."""
     n = line_of(state, state.objects[slot], slot)
     if n >= 0:
-        state.space.lines[n].left = 1
+        state.surroundings.lines[n].left = 1
         state.objects[slot].line = 0
 
 
@@ -119,7 +119,7 @@ def leave_space(state: State, slot: int) -> None:
 def travels(state: State, slot: int) -> bool:
     """True if an object's sound goes through space: it has a place, and no gains of its own."""
     obj = state.objects[slot]
-    return state.space.on == 1 and obj.line > 0 and obj.place.has_own == 0 and line_of(state, obj, slot) >= 0
+    return state.surroundings.on == 1 and obj.line > 0 and obj.place.has_own == 0 and line_of(state, obj, slot) >= 0
 
 
 @kernel
@@ -135,7 +135,7 @@ def add_voice(state: State, slot: int, voice: View2D[float]) -> None:
 def send_off(state: State, slot: int, voice: View2D[float]) -> None:
     """Send an object's voice on its way."""
     obj = state.objects[slot]
-    line = state.space.lines[line_of(state, obj, slot)]
+    line = state.surroundings.lines[line_of(state, obj, slot)]
     two = state.output.channels == 2
     asked = 0.0 if obj.dying == 2 or is_left_out(state, obj) else obj.settings.gain
     step = (asked - line.amplitude) / QUANTUM

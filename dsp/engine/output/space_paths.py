@@ -35,7 +35,7 @@ _EASY = 1.0  # dB up to which one filter takes it all
 @noinline_kernel
 def hear_path(state: State, line: Line, path: Path, wall: int, end: int) -> bool:
     """Hear a way of a line in this quantum; return True if there was, or may soon be, something to hear."""
-    space, rate = state.space, state.rate
+    space, rate = state.surroundings, state.rate
     if path.known == 1 and path.still == 1 and _stays(space, line):
         return _hear_still(state, line, path)
     found = space.weights  # room for 7
@@ -80,7 +80,7 @@ def _stays(space: Space, line: Line) -> bool:
 @kernel
 def _hear_still(state: State, line: Line, path: Path) -> bool:
     """Hear a way on which nothing has changed since the quantum before."""
-    space = state.space
+    space = state.surroundings
     begin = path.place
     path.place += QUANTUM
     if line.last <= begin - TAPS:
@@ -146,7 +146,7 @@ def _departed(space: Space, line: Line, rate: float, wall: int, guess: float, en
 def _aim(state: State, path: Path, wall: int, found: View[float]) -> tuple[float, float]:
     """Find the gains to which a way goes in this quantum, in `asked`, and what its ears shall be, in `aim`; return the
     poles of the air's two filters."""
-    space = state.space
+    space = state.surroundings
     far = found[6]
     gain = (space.reflected if wall > 0 else 1.0) / max(far, NEAREST)
     ahead, left, up = _turned(space.listener.now, found[0] / far, found[1] / far, found[2] / far)
@@ -197,7 +197,7 @@ def _air_pole(space: Space, lost: float) -> float:
 @kernel
 def _settle(state: State, path: Path, first: float, second: float) -> None:
     """Bring a way's gains and filters at once to where they go: nobody hears it."""
-    space = state.space
+    space = state.surroundings
     for channel in range(state.output.channels):
         path.gain[channel] = space.asked[channel]
     path.air[0], path.air[1] = first, second
@@ -220,7 +220,7 @@ def _lay_places(places: View[float], begin: float, slope: float, end: float, lat
 @kernel
 def _read(state: State, line: Line, path: Path, out: View2D[float]) -> None:
     """Read a line at `places`: for each ear, if there are two."""
-    space = state.space
+    space = state.surroundings
     for ear in range(2 if space.layout == 1 else 1):
         more = (space.aim[ear] - path.longer[ear]) / QUANTUM
         low, high = 1e300, -1e300
@@ -260,7 +260,7 @@ def _is_steady(places: View[float]) -> bool:
 @kernel
 def _read_jump(state: State, line: Line, path: Path, begin: float, slope: float, place: float, later: float) -> None:
     """Read a line whose object or listener has jumped: from the old way to the new one by a fade."""
-    space = state.space
+    space = state.surroundings
     _lay_places(space.places, begin, slope, begin + slope * QUANTUM, slope)
     _read(state, line, path, space.heard)
     for ear in range(2):
@@ -278,7 +278,7 @@ def _read_jump(state: State, line: Line, path: Path, begin: float, slope: float,
 @kernel
 def _filter(state: State, path: Path, first: float, second: float) -> None:
     """Filter what was read as the air and the head do, and fade what left before a panic."""
-    space = state.space
+    space = state.surroundings
     two = 2.0 * state.rate
     corner = 2.0 * space.speed / space.head if space.layout == 1 else 1.0
     a1 = (corner - two) / (corner + two)
@@ -322,7 +322,7 @@ def _lose(heard: View[float], before: float, pole: float, last: float) -> float:
 @kernel
 def _mix_path(state: State, line: Line, path: Path) -> None:
     """Add what was heard to each channel, and to the object's stem where stems are kept."""
-    space, output = state.space, state.output
+    space, output = state.surroundings, state.output
     for channel in range(output.channels):
         before = path.gain[channel]
         step = (space.asked[channel] - before) / QUANTUM
