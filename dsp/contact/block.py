@@ -21,31 +21,31 @@ import math
 from typing import Annotated
 
 import numpy as np
-from numpy.polynomial import legendre
 
 from ..native.jit import kernel
 from ..native.typed import Items, Record, View, View2D
-from ..numerics.checks import Array
 from ..numerics.legendre import AHEAD, FINE
+from .block_nodes import (
+    AT,
+    FORCE_MOMENTS,
+    FORCES,
+    MOMENTS_AHEAD,
+    MOST_PARTS,
+    MOTIONS,
+    NODES_PER_PART,
+    RATES,
+    SHARES,
+    TIMES_OF_ONE,
+    TIMES_OF_TWO,
+    TO_END,
+    TO_NODES,
+)
 from .collocation import NODES, elastic, raised
 from .coupled_records import Coupled, Member
 from .power_series import POWERS
 
 TOGETHER = 4
 """Contacts that are solved together, at most."""
-
-MOST_PARTS = 2
-"""Parts of a sample, at most."""
-
-_NODES = 2  # in a part
-FORCES = MOST_PARTS * _NODES
-"""Unknown forces in a sample, at most."""
-
-_LANES = 2 * FORCES  # compression and rate at all nodes
-
-MOMENTS_AHEAD = MOST_PARTS + 1
-"""Legendre moments of the force over a sample that later ones feel: one fewer where it has one part, as a line has no
-more."""
 
 ROWS = 2 * FORCES + 1
 """Rows of the free motion, at most: displacement and its derivative at each node, and displacement at the sample's
@@ -62,71 +62,6 @@ _CHANGED = 2e-3  # relative change of the forces that ends Newton's method: what
 _NEWTON_STEPS = 12
 _LEAST = 1e-300  # keeps a quotient finite
 _FIRST = 0.25  # of a sample: the first step to try after a block
-_WITHIN = (legendre.leggauss(_NODES)[0] + 1.0) / 2.0
-_CARDINAL = np.linalg.inv(np.vander(_WITHIN, increasing=True))
-
-
-def nodes_of(parts: int) -> Array:
-    """Return the nodes of a sample of so many parts, in [0, 1] of it."""
-    return np.concatenate([(part + _WITHIN) / parts for part in range(parts)])
-
-
-def _padded(tables: list[Array]) -> Array:
-    """Return tables in one array, by parts, with zeros for nodes that there are not: first of none."""
-    found = np.zeros((len(tables) + 1, *tables[-1].shape))
-    for each, table in zip(found[1:], tables, strict=True):
-        each[tuple(slice(n) for n in table.shape)] = table
-    return found
-
-
-def _answers(parts: int, time: float, powers: int) -> Array:
-    """Return int_0^time (time - s)^n l_j(s) ds for n < powers, with l_j the force of a node that is 1: a column for
-    each node."""
-    x, w = legendre.leggauss(FINE)
-    found = np.zeros((powers, parts * _NODES))
-    for part in range(parts):
-        begin, end = part / parts, min((part + 1) / parts, time)
-        if end > begin:
-            s = begin + (end - begin) * 0.5 * (x + 1.0)
-            lines = np.vander(parts * (s - begin), _NODES, increasing=True) @ _CARDINAL
-            weighted = 0.5 * (end - begin) * w[:, None] * lines
-            found[:, part * _NODES : (part + 1) * _NODES] = (time - s) ** np.arange(powers)[:, None] @ weighted
-    return found
-
-
-def _to_nodes(parts: int) -> Array:
-    """Return those of the displacement at each node: (nodes, FINE, nodes)."""
-    return np.array([_answers(parts, float(c), FINE) for c in nodes_of(parts)])
-
-
-def _rates(parts: int) -> Array:
-    """Return their derivatives over the time."""
-    powers = np.arange(1, FINE)[:, None]
-    return np.array([np.concatenate([0.0 * each[:1], powers * each[:-1]]) for each in _to_nodes(parts)])
-
-
-def _moments(parts: int) -> Array:
-    """Return the Legendre moments of the force of each node over a sample of unit length: (MOMENTS_AHEAD, nodes)."""
-    x, w = legendre.leggauss(8)
-    found = np.zeros((MOMENTS_AHEAD, parts * _NODES))
-    for part in range(parts):
-        u = 0.5 * (x + 1.0)
-        lines = np.vander(u, _NODES, increasing=True) @ _CARDINAL
-        values = legendre.legvander(2.0 * (part + u) / parts - 1.0, MOMENTS_AHEAD - 1)
-        found[:, part * _NODES : (part + 1) * _NODES] = (0.5 / parts * w[:, None] * values).T @ lines
-    return found
-
-
-_PARTS = range(1, MOST_PARTS + 1)
-AT = _padded([nodes_of(parts) for parts in _PARTS])
-"""The nodes, in [0, 1] of a sample, by parts."""
-_TIMES_1 = tuple(float(time) for time in nodes_of(1))
-_TIMES_2 = tuple(float(time) for time in nodes_of(2))
-_TO_NODES = _padded([_to_nodes(parts) for parts in _PARTS])  # [parts, i, n, j]
-_RATES = _padded([_rates(parts) for parts in _PARTS])
-_TO_END = _padded([_answers(parts, 1.0, FINE) for parts in _PARTS])
-_MOMENTS = _padded([_moments(parts) for parts in _PARTS])
-_SHARES = _padded([np.tile(_CARDINAL.T @ (1.0 / np.arange(1, _NODES + 1)) / parts, parts) for parts in _PARTS])
 
 
 class Tables(Record):
@@ -135,7 +70,7 @@ class Tables(Record):
     settled: int  # number of the receptance of the contact whose force it is, 0: none is known
     later: Annotated[View2D[float], MOMENTS_AHEAD, AHEAD * ROWS]  # m/(N s): what a moment adds to rows of later samples
     # What each force takes off at all nodes, one after the other: m/N, then of the rate, m/(N sample).
-    give: Annotated[View[float], FORCES * _LANES]
+    give: Annotated[View[float], FORCES * MOTIONS]
     give_end: Annotated[View[float], FORCES]  # m/N
 
 
@@ -171,9 +106,9 @@ class Block(Record):
     rise: float  # m: and at the sample's end
     end: float  # m: compression then
     solved: int  # 1: so Newton's method has ended
-    free: Annotated[View[float], _LANES]  # compression and rate with no force but that at rest,
-    seen: Annotated[View[float], _LANES]  # and with those of the others,
-    taken: Annotated[View[float], _LANES]  # and what its own add
+    free: Annotated[View[float], MOTIONS]  # compression and rate with no force but that at rest,
+    seen: Annotated[View[float], MOTIONS]  # and with those of the others,
+    taken: Annotated[View[float], MOTIONS]  # and what its own add
     v: Annotated[View[float], FORCES]  # m per sample
     moments: Annotated[View[float], MOMENTS_AHEAD]  # N s: of F
 
@@ -181,7 +116,7 @@ class Block(Record):
 @kernel
 def forces_of(block: Block) -> int:
     """Return the number of unknown forces in a sample of a block."""
-    return _NODES * block.parts
+    return NODES_PER_PART * block.parts
 
 
 @kernel
@@ -216,20 +151,20 @@ def answer_of(receptance: View[float], period: float, answer: View[float]) -> No
 @kernel
 def settle_tables(tables: Tables, answer: View[float], parts: int) -> None:
     """Set what the forces do within a sample of so many parts, by an answer."""
-    for j in range(FORCES * _LANES):
+    for j in range(FORCES * MOTIONS):
         tables.give[j] = 0.0
-    for j in range(_NODES * parts):
+    for j in range(NODES_PER_PART * parts):
         end = 0.0
         for n in range(FINE):
-            end += answer[n] * _TO_END[parts, n, j]
+            end += answer[n] * TO_END[parts, n, j]
         tables.give_end[j] = end
-        for i in range(_NODES * parts):
+        for i in range(NODES_PER_PART * parts):
             x = v = 0.0
             for n in range(1, FINE):
-                x += answer[n] * _TO_NODES[parts, i, n, j]
-                v += answer[n] * _RATES[parts, i, n, j]
-            tables.give[j * _LANES + i] = x
-            tables.give[j * _LANES + FORCES + i] = v
+                x += answer[n] * TO_NODES[parts, i, n, j]
+                v += answer[n] * RATES[parts, i, n, j]
+            tables.give[j * MOTIONS + i] = x
+            tables.give[j * MOTIONS + FORCES + i] = v
 
 
 @kernel
@@ -266,8 +201,8 @@ def step_blocks(contacts: Items[Member], blocks: Items[Block], net: Net, n: int)
     False, and nothing done, where the energy of one would grow: then the block ends before that sample.
     """
     if blocks[net.block[0]].parts == 1:
-        return _step(contacts, blocks, net, n, _TIMES_1)
-    return _step(contacts, blocks, net, n, _TIMES_2)
+        return _step(contacts, blocks, net, n, TIMES_OF_ONE)
+    return _step(contacts, blocks, net, n, TIMES_OF_TWO)
 
 
 @kernel
@@ -328,7 +263,7 @@ def _mend(block: Block, excess: float) -> bool:
     square = most = 0.0
     for k in range(forces_of(block)):
         if block.force[k] > 0.0:
-            square += _SHARES[block.parts, k] * block.v[k] * block.v[k]
+            square += SHARES[block.parts, k] * block.v[k] * block.v[k]
             most = max(most, block.force[k])
     for k in range(forces_of(block)):
         if block.force[k] > 0.0:
@@ -348,7 +283,7 @@ def _predict(contact: Coupled, block: Block, i: int, n: int, times: tuple[float,
     moved = h * contact.v
     _take(block.tables[i].give, (-rest, -rest, -rest, -rest), block.free, False)
     for k in range(len(times)):
-        at = AT[len(times) // _NODES, k]
+        at = AT[len(times) // NODES_PER_PART, k]
         x = contact.position + at * (moved + 0.5 * at * pushed) + block.height[k] - block.rows[first + 2 * k]
         v = moved + at * pushed + block.slope[k] - block.rows[first + 2 * k + 1]
         block.free[k] += x
@@ -369,8 +304,8 @@ def _ratio(net: Net, i: int, j: int) -> float:
 def _take(give: View[float], forces: tuple[float, float, float, float], nodes: View[float], more: bool) -> None:
     """Set compression and rate at all nodes to those that forces take off, or take `more` off."""
     f0, f1, f2, f3 = forces
-    for k in range(_LANES):
-        taken = f0 * give[k] + f1 * give[_LANES + k] + f2 * give[2 * _LANES + k] + f3 * give[3 * _LANES + k]
+    for k in range(MOTIONS):
+        taken = f0 * give[k] + f1 * give[MOTIONS + k] + f2 * give[2 * MOTIONS + k] + f3 * give[3 * MOTIONS + k]
         nodes[k] = (nodes[k] if more else 0.0) - taken
 
 
@@ -378,7 +313,7 @@ def _take(give: View[float], forces: tuple[float, float, float, float], nodes: V
 def _see(contacts: Items[Member], blocks: Items[Block], net: Net, i: int) -> None:
     """Find a contact's compression and rate with the forces of all others beyond those at rest."""
     block = blocks[net.block[i]]
-    for k in range(_LANES):
+    for k in range(MOTIONS):
         block.seen[k] = block.free[k]
     for j in range(net.size):
         if j != i:
@@ -404,13 +339,13 @@ def _rate(contacts: Items[Member], blocks: Items[Block], net: Net, i: int, times
 def _solve(contact: Coupled, block: Block, own: Tables, times: tuple[float, ...]) -> None:
     """Find the forces of one contact, one part of the sample after the other, and the rates."""
     solved = True
-    for part in range(len(times) // _NODES):
-        first = _NODES * part
+    for part in range(len(times) // NODES_PER_PART):
+        first = NODES_PER_PART * part
         second = first + 1
         x0, x1 = block.seen[first], block.seen[second]
         v0, v1 = block.seen[FORCES + first], block.seen[FORCES + second]
         for p in range(first):
-            give = own.give[p * _LANES :]
+            give = own.give[p * MOTIONS :]
             x0 -= give[first] * block.force[p]
             x1 -= give[second] * block.force[p]
             v0 -= give[FORCES + first] * block.force[p]
@@ -424,9 +359,9 @@ def _solve_part(block: Block, own: Tables, contact: Coupled, i: int, seen: tuple
     """Find the two forces of a part of the sample; false if Newton's method fails."""
     j = i + 1
     x0, x1, v0, v1 = seen
-    here, there = own.give[i * _LANES :], own.give[j * _LANES :]
+    here, there = own.give[i * MOTIONS :], own.give[j * MOTIONS :]
     a00, a01, a10, a11 = here[i], there[i], here[j], there[j]
-    here, there = own.give[i * _LANES + FORCES :], own.give[j * _LANES + FORCES :]
+    here, there = own.give[i * MOTIONS + FORCES :], own.give[j * MOTIONS + FORCES :]
     w00, w01, w10, w11 = here[i], there[i], here[j], there[j]
     f0, f1 = block.force[i], block.force[j]
     if x0 <= 0.0 and x1 <= 0.0:
@@ -471,7 +406,7 @@ def _account(
         for p in range(forces):
             end -= tables.give_end[p] * ratio * (other.force[p] - rest)
     for k in range(forces):
-        work += _SHARES[forces // _NODES, k] * block.force[k] * block.v[k]
+        work += SHARES[forces // NODES_PER_PART, k] * block.force[k] * block.v[k]
     block.end = end
     stored = elastic(end, contact.k, contact.a)
     block.most = max(block.scale, stored)
@@ -488,7 +423,7 @@ def _move(contact: Coupled, block: Block, times: tuple[float, ...]) -> None:
     for k in range(MOMENTS_AHEAD):
         moment = 0.0
         for j in range(forces):
-            moment += _MOMENTS[forces // _NODES, k, j] * (block.force[j] - rest)
+            moment += FORCE_MOMENTS[forces // NODES_PER_PART, k, j] * (block.force[j] - rest)
         block.moments[k] = h * moment
     for j in range(forces):
         total += block.force[j]

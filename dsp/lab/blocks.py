@@ -7,18 +7,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ..contact.block import (
-    MOMENTS_AHEAD,
-    ROWS,
-    Block,
-    Net,
-    begin_block,
-    end_block,
-    feel,
-    rows_of,
-    settle_tables,
-    step_blocks,
-)
+from ..contact.block import ROWS, Block, Net, begin_block, end_block, feel, rows_of, settle_tables, step_blocks
+from ..contact.block_nodes import MOMENTS_AHEAD
 from ..contact.collocation import elastic
 from ..contact.coupled import ContactLaw, begin_coupled, respond_with
 from ..contact.coupled_records import COUPLED_GROUP, Coupled
@@ -78,7 +68,8 @@ def begin_alone(block: Block, contact: Coupled, bank: Bank, room: tuple[View[flo
 
 
 @njit(error_model="numpy")
-def _simulate(contacts, group, blocks, net, bank, room, case, parts, samples, times, out):
+def _simulate(solved, bank, room, case, parts, samples, times, out):
+    contacts, group, blocks, net = solved
     modes, point = bank.modes, bank.point
     contact, block = contacts[0].coupled, blocks[0]
     v, m, k, mu, a, push, rate = case
@@ -123,7 +114,7 @@ def _simulation(case: Case, parts: int) -> tuple[NDArray[np.void], Callable[...,
     net["size"], net["gain"], net["share"] = 1, 1.0, 1.0
     room = np.zeros(room_for_rows(ROWS)), np.zeros(AHEAD * ROWS)
     law = tuple(map(float, (case.v_in, case.m, case.k, case.mu, case.a, case.push, case.rate)))
-    return contacts, partial(_simulate, contacts, group, blocks, net, bank_of(case), room, law, parts)
+    return contacts, partial(_simulate, (contacts, group, blocks, net), bank_of(case), room, law, parts)
 
 
 def simulate_blocks(case: Case, parts: int) -> Run:

@@ -8,9 +8,6 @@ does a sample that they don't follow; then another block begins.
 
 from ...contact.accuracy import PARTS
 from ...contact.block import (
-    AT,
-    MOMENTS_AHEAD,
-    MOST_PARTS,
     TOGETHER,
     Block,
     Net,
@@ -24,6 +21,7 @@ from ...contact.block import (
     settle_tables,
     step_blocks,
 )
+from ...contact.block_nodes import AT, MOMENTS_AHEAD, MOST_PARTS
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
 from ...numerics.legendre import AHEAD, FINE, KEPT

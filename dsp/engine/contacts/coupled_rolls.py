@@ -16,7 +16,8 @@ import math
 import numpy as np
 
 from ...contact.accuracy import LEVELS, PARTS
-from ...contact.block import MOST_PARTS, STIFFEST, renew_block
+from ...contact.block import STIFFEST, renew_block
+from ...contact.block_nodes import MOST_PARTS
 from ...native.jit import kernel, noinline_kernel
 from ...rolling.contact_step import BRIEF
 from ...rolling.coupled_roll import begin_coupled_roll, lead_coupled_roll

@@ -8,17 +8,8 @@ import pytest
 from numba import njit
 from scipy.integrate import solve_ivp
 
-from carom.dsp.contact.block import (
-    AHEAD,
-    MOMENTS_AHEAD,
-    ROWS,
-    Block,
-    Net,
-    end_block,
-    feel,
-    parts_for,
-    step_blocks,
-)
+from carom.dsp.contact.block import AHEAD, ROWS, Block, Net, end_block, feel, parts_for, step_blocks
+from carom.dsp.contact.block_nodes import MOMENTS_AHEAD
 from carom.dsp.contact.collocation import elastic
 from carom.dsp.contact.coupled import ContactLaw, begin_coupled, begin_within, respond_with
 from carom.dsp.contact.coupled_records import COUPLED_GROUP
@@ -73,7 +64,8 @@ def _follow(contact, block, path):
 
 
 @njit(error_model="numpy")
-def _run(contacts, group, blocks, net, bank, start, path, room, out):
+def _run(solved, bank, start, path, room, out):
+    contacts, group, blocks, net = solved
     contact, block = contacts[0].coupled, blocks[0]
     modes, point = bank.modes, bank.point
     law, v, least = start
@@ -119,7 +111,7 @@ def run(case, v, path, least=2):
     out = np.empty((len(path), 4))
     law = case.m, case.k, case.mu, case.a
     room = np.zeros(room_for_rows(ROWS)), np.zeros(AHEAD * ROWS)
-    _run(contacts, group, blocks, net, bank, (law, v, least), path, room, out)
+    _run((contacts, group, blocks, net), bank, (law, v, least), path, room, out)
     return out, int(contacts[0]["coupled"]["steps"]) - len(path)
 
 
