@@ -30,7 +30,7 @@ def mug() -> Surface:
 def bottle() -> Surface:
     """Return a wine bottle of 0.75 l: 74 mm wide, 300 mm high, walls of 3.2 mm.
 
-    Source: the Bordeaux bottle of CETIE's data sheets is 74 to 76 mm by 300 mm and weighs 0.4 to 0.55 kg.
+    Source: usual Bordeaux bottles are 74 to 76 mm by 300 mm and weigh 0.4 to 0.55 kg.
     """
     outer = [[0, 0], [33, 0], [37, 5], [37, 190], [36, 205], [30, 218], [20, 228], [15, 236], [14.5, 245], [14.3, 296],
              [14.3, 300]]  # fmt: skip
@@ -42,7 +42,7 @@ def bottle() -> Surface:
 def wrench() -> Surface:
     """Return a combination wrench for 13 mm nuts: 172 mm long, a shank of 11 x 5.5 mm, heads of 28 and 20 mm.
 
-    Source: ISO 7738 bounds the lengths and ISO 1703 the heads; usual forged ones of size 13 are 165 to 180 mm.
+    Source: usual forged ones of size 13 are 165 to 180 mm long.
     """
     shank = moved(box(135 * MM, 11 * MM, 5.5 * MM), (0, 0, 0))
     around = np.linspace(0, 2 * np.pi, 49)[:-1]
