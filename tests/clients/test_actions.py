@@ -13,6 +13,7 @@ from carom.dsp.schema import GESTURES
 from carom.server.osc.addresses import VERBS
 from carom.server.osc.wire import Message
 
+SENSORS = {"sensor", "unmount"}
 SHARED = sorted(name for name in vars(Actions) if not name.startswith("_"))
 
 
@@ -35,16 +36,17 @@ def test_a_client_and_a_scene_take_the_same_and_say_the_same(name):
 
 
 def test_every_address_of_a_score_is_shared_but_those_that_only_begin_it():
-    """The gain of everything has another name than that of an object; a simulation is told to World."""
-    others = "/gesture/", "/world/"
+    """The gain of everything, and sensors, have other names than an object and its; a simulation is told to World."""
+    others = "/gesture/", "/world/", "/sensor/"
     said = {verb.action for verb in VERBS.values() if verb.scored and not verb.address.startswith(others)}
-    assert set(SHARED) == said - {"new", "channels", "full_scale"} | {"main_gain", "send", "steer", "stop"}
+    assert set(SHARED) == said - {"new", "channels", "full_scale"} | {"main_gain", "send", "steer", "stop", *SENSORS}
 
 
 def test_the_keys_are_listed_for_a_scene_alone():
     taking = {verb.action for verb in VERBS.values() if verb.keys} & set(SHARED)
     changing = {"gain", "pan", "distance", "tune", "decay", "damp"}
-    assert taking == {*GESTURES, "note", "contact", *changing}
+    space = {"place", "listener", "floor", "room"}
+    assert taking == {*GESTURES, "note", "contact", *changing, *space}
     for name in SHARED:
         assert ("\n\nKeys:\n  " in inspect.getdoc(getattr(carom.Scene, name))) == (name in taking)
         assert "Keys:" not in inspect.getdoc(getattr(carom.Client, name))

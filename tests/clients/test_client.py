@@ -132,6 +132,12 @@ def say_everything(client: Client, at: float | None) -> None:
     client.distance("a", 2.0, at=at)
     client.tune("a", -1, at=at)
     client.decay("a", 2, at=at)
+    client.listener(0, 0, 0, at=at)
+    client.place("a", 1, 0, 0, at=at)
+    client.floor(-1.5, at=at)
+    client.room(5, 4, 3, at=at)
+    client.sensor("s", "a", at=at)
+    client.unmount("s", at=at)
     client.free("a", at_once=True, at=at)
     client.stop("x", at=at)
     for verb in VERBS.values():
@@ -153,7 +159,10 @@ def test_every_address_of_a_score_has_a_method_that_takes_a_time(server: Server,
     scored -= {"/channels", "/full_scale"}  # they begin a score
     bundles = arrived(server, len(scored))
     said = [message for bundle in bundles for message in bundle.messages]
-    spelled = {m.address.replace("/object/a/", "/object/NAME/").replace("/x/", "/ID/") for m in said}
+    spelled = {
+        m.address.replace("/object/a/", "/object/NAME/").replace("/x/", "/ID/").replace("/sensor/s/", "/sensor/NAME/")
+        for m in said
+    }
     assert spelled == scored
     assert {bundle.time for bundle in bundles} == {wire.IMMEDIATELY if at is None else wire.time_tag(1.8e9)}
     assert Message("/object/a/free", (1,)) in said and Message("/contact", ("heun", 4, "correction", "both")) in said
@@ -162,7 +171,7 @@ def test_every_address_of_a_score_has_a_method_that_takes_a_time(server: Server,
 @pytest.mark.slow
 def test_a_server_takes_every_method(tmp_path) -> None:
     """Nothing is refused but the ids that are not there."""
-    with serving(tmp_path, "--device", "none") as running, running.client() as client:
+    with serving(tmp_path, "--device", "none", "--sensors", "1") as running, running.client() as client:
         for at in (None, time.time() + 0.1):
             say_everything(client, at)
             client.ask("/sync", 1)

@@ -45,6 +45,7 @@ def test_there_is_enough_to_play_with():
         "ring",
         "glass",
         "listed",
+        "mesh",
         "sphere",
     }
     assert len({o.material.name for o in objects if o.material}) >= 8
