@@ -199,10 +199,9 @@ def test_of_a_flood_of_contacts_the_newest_samples_are_looked_at():
     for each in (engine, every):
         each.trace(True)
         session = Session(each, Presets())
-        session.perform([Message("/object/new", ("a", "wood-board"))], NOW)
-        for k in range(8):
-            session.perform([Message("/object/a/press", (1.0 + k,))], NOW)
-    for _ in range(3):  # round the ring, too
+        session.perform([Message("/object/new", (name, "wood-block")) for name in "abc"], NOW)
+        session.perform([Message(f"/object/{name}/press", (2.0,)) for name in "abc"], NOW)
+    for _ in range(6):  # round the ring, too
         for each in (engine, every):
             each.process(30_000)
         newest, traced = engine.traced(70_000), every.traced()
