@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ...dsp.runtime.engine import Engine
 from ..osc.score import format_line
+from ..osc.sensor_verbs import SENSOR
 from ..osc.wire import Argument, Message
 from ..provenance import computed_by
 from ..scene.transaction import Sent
@@ -90,6 +91,9 @@ class Log:
             return Message(message.address, (name, *rest))
         if serial not in self._names:
             return message
+        if message.address == SENSOR:
+            sensor, _, *rest = message.args
+            return Message(SENSOR, (sensor, self._names[serial], *rest))
         action = message.address.rsplit("/", 1)[1]
         name = self._names.pop(serial) if action == "free" else self._names[serial]
         return Message(f"/object/{name}/{action}", self._struck(sent) if sent.by else message.args)

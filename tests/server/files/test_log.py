@@ -178,6 +178,35 @@ def test_a_server_s_log_renders_to_its_recording(tmp_path):
 
 
 @pytest.mark.slow
+def test_a_log_with_sensors_places_and_a_gong_renders_to_its_recording(tmp_path):
+    options = ("--device", "none", "--record", "out.wav", "--log", "log.txt", "--sensors", "1")
+    with serving(tmp_path, *options) as server:
+        with server.client() as client:
+            client.new("a", "wood-block")
+            client.new("gong", "small-gong")
+            client.listener(0, 0, 0)
+            client.place("a", 2, 1, 0)
+            client.room(5, 4, 3)
+            client.sensor("tip", "a", full=1000)
+            client.impact("a", 1.0)
+            client.impact("gong", 3.0)
+            client.place("a", -2, 1, 0, over=0.4)
+            client.ask("/sync", 1)
+            time.sleep(0.3)
+            client.impact("a", 1.0)
+            client.unmount("tip")
+            client.ask("/sync", 2)
+            time.sleep(0.3)
+        server.quit()
+    lines = read(tmp_path / "log.txt")
+    assert Message("/sensor/new", ("tip", "a", "full", 1000)) in [line.message for line in lines]
+    recorded, rate = soundfile.read(tmp_path / "out.wav", dtype="float32")
+    rendered = render_lines(lines, seconds=len(recorded) / rate)
+    assert recorded.shape[1] == 3 and recorded[:, 2].any()
+    np.testing.assert_array_equal(rendered, recorded)
+
+
+@pytest.mark.slow
 def test_a_log_s_head_says_channels_full_scale_limiter_and_gain(tmp_path):
     """The log renders to the recording of a server that was started with other values, and changed while it played."""
     options = ("--device", "none", "--record", "out.wav", "--log", "log.txt", "--full-scale", "0.7Pa")
