@@ -19,6 +19,7 @@ from .layout import Sheet
 
 _FLOOR = 0.05  # of c0: the least that psi^2 counts as, so that its gradient stays finite
 _LEAST = 1e-300  # J
+_BEHIND = 0.1  # of the energy that a plate has or may get: by how much its V may be below the grid's
 
 
 _DAMPING = math.sqrt(0.5)
@@ -110,6 +111,8 @@ def kick(sheet: Sheet, y1: View[float], y2: View[float], h: float) -> None:
 
     A mode is heard by omega q, which a slow force bends without a sound: pressure follows acceleration. So `sheet.bent`
     becomes what is heard of bending, up to the highest coupled mode, to be taken from the sound.
+
+    Stretching gives back no more than it holds: where it would, it pulls at nothing.
     """
     n = 2 * sheet.functions - sheet.plain
     g, velocity, before, pushed = sheet.gradient[0], sheet.seen[0], sheet.seen[1], sheet.pushed
@@ -120,6 +123,8 @@ def kick(sheet: Sheet, y1: View[float], y2: View[float], h: float) -> None:
     share = 0.25 * h * h * square
     after = (sheet.psi * (1.0 - share) + h * along) / (1.0 + share)
     change = -0.5 * h * (sheet.psi + after)
+    if after < sheet.psi and after * after < _held(sheet):
+        after, change = sheet.psi, 0.0
     sheet.psi = after
     left = right = 0.0
     for i in range(n):
@@ -127,6 +132,13 @@ def kick(sheet: Sheet, y1: View[float], y2: View[float], h: float) -> None:
         left += sheet.bends[0, i] * g[i]
         right += sheet.bends[1, i] * g[i]
     _smooth(sheet, change / h * left, change / h * right)
+
+
+@kernel
+def _held(sheet: Sheet) -> float:
+    """Return the least that psi^2 may fall to: a flat plate's V is never below 0, and none is far below the grid's."""
+    least = sheet.truth * sheet.truth - 2.0 * _BEHIND * sheet.c0 / sheet.growth
+    return max(least, sheet.c0) if sheet.grids[sheet.level].domed == 0 else least
 
 
 @kernel
@@ -175,4 +187,5 @@ def settle(sheet: Sheet, y1: View[float], y2: View[float], share: float) -> None
 def set_constant(sheet: Sheet, c0: float) -> None:
     """Change c0, which changes no energy."""
     sheet.psi = math.sqrt(max(sheet.psi * sheet.psi + c0 - sheet.c0, 0.0))
+    sheet.truth = math.sqrt(max(sheet.truth * sheet.truth + c0 - sheet.c0, 0.0))
     sheet.c0 = c0

@@ -17,7 +17,12 @@ from tests.dsp.engine.contacts.test_coupling import body, budget
 from tests.dsp.engine.support import strike
 
 PRESETS = carom.Presets()
-LONG = {"exact": {"cello-string", "cymbal", "guitar-string", "pot-lid", "tom"}}
+LONG = {
+    "exact": {
+        *("cello-string", "cymbal", "guitar-string", "opera-gong", "pot-lid", "small-gong", "splash-cymbal"),
+        *("thunder-sheet", "tom"),
+    }
+}
 """Objects whose own strikers take longer than a server grants, at an accuracy."""
 
 

@@ -63,6 +63,7 @@ def uncouple(state: State, obj: Object) -> None:
 def _follow(state: State, obj: Object, sheet: Sheet) -> None:
     """Couple or uncouple a plate, or go on."""
     if obj.spectral > 0 or (obj.live == 0 and obj.has_contact == 0) or couples_none(state):
+        _repay(state, obj, sheet)
         uncouple(state, obj)
         sheet.waits = 0
         return
@@ -78,7 +79,7 @@ def _follow(state: State, obj: Object, sheet: Sheet) -> None:
             state.stats.nonlinear_dropped += 1
         return
     stored = 0.5 * (sheet.psi * sheet.psi - sheet.c0)
-    sheet.energy = ringing + max(stored, 0.0)
+    sheet.energy = max(ringing + stored, 0.0)
     if sheet.energy + coming < _AGAIN * sheet.least and stored >= 0.0:
         uncouple(state, obj)
         return
@@ -86,6 +87,20 @@ def _follow(state: State, obj: Object, sheet: Sheet) -> None:
     if wanted > sheet.c0 or (wanted < _LOWERED * sheet.c0 and sheet.psi * sheet.psi - sheet.c0 > -0.5 * wanted):
         set_constant(sheet, wanted)
     _renew(state, obj, sheet)
+
+
+@kernel
+def _repay(state: State, obj: Object, sheet: Sheet) -> None:
+    """Take from the modes of a dome that is to be uncoupled what they have got from its stretching beyond what that
+    held."""
+    stored = 0.5 * (sheet.psi * sheet.psi - sheet.c0)
+    if sheet.coupled == 0 or stored >= 0.0:
+        return
+    ringing = energy_without_gains(state, obj)
+    left = math.sqrt(max(1.0 + stored / ringing, 0.0)) if ringing > 0.0 else 0.0
+    for i in range(obj.first, obj.first + obj.live):
+        state.bank.y1[i] *= left
+        state.bank.y2[i] *= left
 
 
 @kernel

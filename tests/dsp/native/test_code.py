@@ -94,6 +94,8 @@ def test_the_callbacks_key_holds_its_kernels_and_neither_bodies_nor_lab():
         "rolling",
         "friction",
         "spectral",
+        "karman",
+        "space",
         "engine",
         "runtime",
         "schema",

@@ -88,6 +88,46 @@ def test_energy_falls_at_any_time_but_by_a_strikers(rate, dome):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("dome", "thickness", "position"), [(0.018, 0.00125, 0.01), (0.008, 0.00065, 0.3), (0.0, 0.0006, 0.3)]
+)
+def test_what_is_much_heavier_leaves_no_more_than_it_brought(dome, thickness, position):
+    """9 kg push a thin plate in: its energy stays below theirs, and so does that of its modes once it has sprung back.
+
+    The grid cannot follow, and V is not to fall far below what it says, or the modes would have what is missing.
+    """
+    engine = Engine(48_000)
+    handle = engine.add(plate(60, dome, 0.127, thickness, 20_000.0))
+    strike(engine, handle, (9.0, 3e8, 0.3, 1.5), velocity=1.0, position=position)
+    engine.process(QUANTUM)
+    while engine.stats.contacts_active:
+        engine.process(QUANTUM)
+        assert whole(engine, handle) < 4.5 * (1 + 1e-9)
+    assert is_coupled(engine, handle)
+    sheet = sheet_of(engine, handle)
+    stretched = 0.5 * (sheet["truth"] ** 2 - sheet["c0"])
+    assert energies(engine, handle).sum() + stretched < 4.5
+
+
+@pytest.mark.slow
+def test_a_dome_that_is_uncoupled_while_it_is_pushed_in_gets_nothing():
+    engine = Engine(48_000)
+    handle = engine.add(plate(40, 0.01))
+    strike(engine, handle, BEATER, velocity=1.0, position=0.1)
+    for _ in range(500):
+        engine.process(QUANTUM)
+        before = whole(engine, handle)
+        if energies(engine, handle).sum() > 1.5 * before > 0.05:
+            break
+    else:
+        pytest.fail("it is never pushed in")
+    engine.send([Command(NOW, Kind.QUALITY, value=float(Quality.COARSE))])
+    engine.process(QUANTUM)
+    assert not is_coupled(engine, handle)
+    assert energies(engine, handle).sum() < 0.2 * (1 + 1e-9)
+
+
+@pytest.mark.slow
 def test_it_is_coupled_by_a_blow_and_left_when_it_is_soft_and_neither_adds_energy():
     engine = Engine(48_000)
     handle = engine.add(plate(40, 0.006))

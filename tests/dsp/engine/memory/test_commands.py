@@ -19,7 +19,7 @@ RECORDS = {
 """The records that a command of a kind fills."""
 
 NEEDED = {
-    Kind.NEW: ("first", "size", "table", "rows", "felt", "bent", "unheard", "level", "glide", "cone"),
+    Kind.NEW: ("first", "size", "table", "rows", "felt", "bent", "unheard", "level", "glide", "cone", "sheet"),
     "impact": ("mass", "stiffness", "dissipation", "exponent", "position"),
     "bounce": ("mass", "stiffness", "dissipation", "exponent", "position", "seed"),
     "roll": ("mass", "stiffness", "dissipation", "exponent", "position", "speed", "radius", "seed"),
