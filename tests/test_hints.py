@@ -122,8 +122,7 @@ def test_misspelt_fields_and_a_wrong_argument_are_found_where_they_stand(tmp_pat
         file.write("\n\n@kernel\ndef _wrong(clock: Clock) -> float:\n    return sample_at(clock.time, 0)\n")
     wrong = f"dsp/engine/memory/clock.py:{clock.read_text().count(chr(10))}"
     errors = checked(tmp_path)
-    assert sorted(line.split(": ")[0] for line in errors) == sorted(
-        [*(f"{each.file}:{each.line}" for each in planted), wrong]
-    )
+    # Where a kernel returns a field, mypy says of the same line that it returns Any, too.
+    assert {line.split(": ")[0] for line in errors} == {*(f"{each.file}:{each.line}" for each in planted), wrong}
     assert sum("_misspelt" in line and "[attr-defined]" in line for line in errors) == PLANTED
     assert any('has incompatible type "float"; expected "Clock"' in line for line in errors)

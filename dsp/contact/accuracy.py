@@ -18,7 +18,7 @@ LEVELS = ("-40", "-50", "-60", "-80", "exact")
 DEFAULT = LEVELS.index("-60")
 """The number of the accuracy that an engine begins with."""
 
-RESIDUAL = np.array([7e-3, 1.7e-3, 4e-4, 3e-5, 0.0])
+RESIDUAL = np.array([7e-3, 7e-4, 4e-4, 3e-5, 0.0])
 """Residual up to which the closed form has that accuracy."""
 
 TOLERANCE = np.array([1e-1, 1e-1, 1e-1, 1e-2, 1e-7])

@@ -33,7 +33,6 @@ from ...rolling.coupled_roll import lead_coupled_roll
 from ..bodies.objects import modes_of, point_of
 from ..bodies.sheets import is_coupled
 from ..bodies.strikers import feed_striker
-from ..memory.quality import holds_steps
 from ..memory.records import Contact
 from ..memory.state import BEHIND, COUPLING, QUANTUM, Object, State
 from ..output.fade import note_force
@@ -80,7 +79,7 @@ def solve_blocks(state: State, obj: Object, frame: int) -> None:
 def _gather(state: State, obj: Object, net: Net) -> bool:
     """List an object's contacts, in the order of their places; false if one can't be solved in blocks."""
     net.size = 0
-    if is_coupled(state, obj) or obj.shares_contact == 1 or holds_steps(state) or state.choices.method.method > 0:
+    if is_coupled(state, obj) or obj.shares_contact == 1 or state.choices.method.method > 0:
         return False
     index = obj.contact
     while index >= 0:

@@ -6,6 +6,9 @@ held, where `/budget` has no room or too few steps (it takes some 1 + omega/rate
 on the contact), and under a slide the object is a dashpot, which costs as much for any number of modes
 (rolling/contact_step.py).
 
+All take as much room as those that no blocks follow: one in blocks is taken by samples, too, as soon as a contact that
+fits in none touches its object.
+
 The contact swings at omega_c = sqrt(a g/x_e) about x_e, the compression at rest. Modes that are slower give way, those
 that are faster hardly move meanwhile. So sum m phi^2/(1 + (omega/omega_c)^2) tells by how much the object is lighter
 than rigid. Over a uniform density of modes that is m omega_c/Z, with 1/Z the mean of their mobility.
@@ -15,9 +18,8 @@ import math
 
 import numpy as np
 
-from ...contact.accuracy import LEVELS, PARTS
-from ...contact.block import STIFFEST, renew_block
-from ...contact.block_nodes import MOST_PARTS
+from ...contact.accuracy import LEVELS
+from ...contact.block import renew_block
 from ...native.jit import kernel, noinline_kernel
 from ...rolling.contact_step import BRIEF
 from ...rolling.coupled_roll import begin_coupled_roll, lead_coupled_roll
@@ -32,8 +34,7 @@ GIVING = np.array([math.inf, 1e-3, 3e-4, 3e-5, 0.0])
 6 dB wrong in all at a sum of 0.003, 2 dB at 3e-4."""
 
 _FINE = LEVELS.index("-80")  # of the accuracies, from which on short steps err no more
-_SHARE = 1.0 / 8.0  # of the room for coupled modes, which rolls take at most: they last
-_AT_ONCE = 8  # modes that cost as much as one where they are solved in blocks
+_SHARE = 1.0 / 16.0  # of the room for coupled modes, which rolls take at most: they last
 _PLACES = 5  # along the path of a body that moves over its object, at which is looked
 _PLACED = 16  # frames after which one that feels all modes acts at another place
 
@@ -50,14 +51,12 @@ def couple_roll(state: State, contact: Contact) -> None:
     roll.brief = BRIEF if level < _FINE or gives_way else 0.0
     if not gives_way or contact.trait.slips == 1 or holds_steps(state):
         return
-    modes = 0
+    modes = BY_ITSELF
     for side in range(2):
         if contact.point[side].slot >= 0:
             modes += state.objects[contact.point[side].slot].size
     room, steps = room_for_coupling(state), state.choices.budget.steps
     turn = omega_c * math.sqrt(1.0 + mass * _mobility_here(state, contact, math.inf)) / state.rate
-    in_blocks = PARTS[level] > 0 and turn < STIFFEST[MOST_PARTS] and contact.travel == 0.0
-    modes = BY_ITSELF + (modes // _AT_ONCE if in_blocks else modes)
     crowded = room > 0 and state.stats.coupled_modes + modes > _SHARE * room
     if crowded or (steps > 0 and 1.0 + turn > steps):
         state.stats.over_budget += 1

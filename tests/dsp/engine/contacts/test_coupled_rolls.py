@@ -166,6 +166,22 @@ def test_a_pane_is_a_dashpot_for_less():
     assert np.abs(dashpot - full).max() < 5.0 < (rigid - full).mean()
 
 
+def test_a_roll_in_blocks_goes_on_so_where_time_is_short():
+    found = []
+    for quality in (0, 1):
+        engine = Engine(RATE)
+        handle = engine.add(light(), 0.05)
+        engine.send([gesture("roll", handle, LAW, 3.25, 7, **ROLL)])
+        sounds = [engine.process(10 * QUANTUM)]
+        engine.send([Command(NOW, Kind.QUALITY, value=quality)])
+        for _ in range(20):
+            sounds.append(engine.process(QUANTUM))
+            assert engine.state["objects"]["ahead"][0, handle.slot] == 1
+        assert engine.stats.coupled == 1 and engine.stats.held == 0
+        found.append(np.concatenate(sounds))
+    np.testing.assert_array_equal(*found)
+
+
 @pytest.mark.parametrize(("level", "bound"), [("-50", -50), ("-60", -60), ("exact", -110)])
 def test_two_bodies_on_one_object_are_as_one_of_twice_the_mass(level, bound):
     """Equal bodies on the same path move alike, and push with twice the force: their contacts are solved together."""

@@ -240,7 +240,7 @@ def test_accuracy_moves_the_gate():
         return engine.stats.coupled
 
     counts = [coupled(level) for level in LEVELS]
-    assert counts == sorted(counts) and counts[0] < counts[1] < counts[2] < counts[3] == 40
+    assert counts == sorted(set(counts)) and counts[-1] == 40
 
 
 @pytest.mark.slow
