@@ -27,8 +27,8 @@ demo: $(READY)  ## render the demo score to demo.wav and draw demo.png
 quick: $(DEV)  ## the tests that are fast: less than a minute on two cores, once the engine is compiled
 	@OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -m "not slow" -n 2 --dist loadfile --no-loadscope-reorder
 
-test: $(DEV) lint  ## linters, types and all tests: some fifteen minutes on two cores
-	@echo "all tests: $$(cat $(LAST) 2>/dev/null || echo 'some fifteen minutes on two cores'); make quick runs the fast ones"
+test: $(DEV) lint  ## linters, types and all tests: some twenty minutes on two cores
+	@echo "all tests: $$(cat $(LAST) 2>/dev/null || echo 'some twenty minutes on two cores'); make quick runs the fast ones"
 	@begun=$$(date +%s); OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder || exit; \
 	  echo "$$((($$(date +%s) - begun + 59) / 60)) minutes the last time" >$(LAST)
 
