@@ -133,26 +133,42 @@ def _contact(run: NDArray[np.void], rate: float, start: int, striking: Striking)
 def _drive(run: NDArray[np.void], pushed: NDArray[np.void], rate: float, start: int) -> Drive:
     """Return the force of a contact; entries that lack are samples without one, where nothing else changes."""
     first = int(pushed["sample"][0])
-    rubbed, snapped = run[run["kind"] == RUBBED], run[run["kind"] == SNAPPED]
-    last = max(int(each["sample"][-1]) for each in (pushed, rubbed) if len(each))
-    size = last - first + 1
-    moments, friction = np.zeros((size, TRACED_MOMENTS)), np.zeros((size if len(rubbed) else 0, 1 + TRACED_MOMENTS))
-    pressing = pushed[pushed["kind"] == PUSHED]
+    kinds = run["kind"]
+    rubbed, snapped = run[kinds == RUBBED], run[kinds == SNAPPED]
+    size = max(int(each["sample"][-1]) for each in (pushed, rubbed) if len(each)) - first + 1
+    pressing = pushed if len(pushed) == len(run) else pushed[pushed["kind"] == PUSHED]
     at = pressing["sample"] - first
+    moments = np.zeros((size, TRACED_MOMENTS))
     np.add.at(moments[:, 0], at, pressing["impulse"] * rate)
     np.add.at(moments[:, 1:], at, pressing["moments"] * rate)
-    rubbed = rubbed[rubbed["sample"] >= first]
-    scale = rubbed["gain"] * rate
-    columns = rubbed["position"], scale * rubbed["impulse"], scale[:, None] * rubbed["moments"]
-    friction[rubbed["sample"] - first] = np.column_stack(columns)
-    sounding = pushed[pushed["sound"] >= 0]
-    known = sounding[0] if len(sounding) else None
-    places = np.interp(np.arange(size), at, pressing["position"]) if len(at) else np.full(size, pushed["position"][0])
-    gains = np.interp(np.arange(size), at, pressing["gain"]) if len(at) else np.ones(size)
+    known = next(iter(pushed[pushed["sound"] >= 0][:1]), None)
     return Drive(
-        moments, gains, places, friction, bool(pushed["fed"].any()),
+        moments,
+        _between(at, pressing["gain"], size, 1.0),
+        _between(at, pressing["position"], size, float(pushed["position"][0])),
+        _friction(rubbed[rubbed["sample"] >= first], first, size, rate) if len(rubbed) else _NO_FRICTION,
+        bool(pushed["fed"].any()),
         sound=int(known["sound"]) if known is not None else -1,
         share=float(known["share"]) if known is not None else 0.0,
         ratio=float(known["ratio"]) if known is not None else 1.0,
         snaps=tuple((float(each["begin"]) - start, float(each["impulse"])) for each in snapped),
-    )  # fmt: skip
+    )
+
+
+_NO_FRICTION = np.zeros((0, 1 + TRACED_MOMENTS))
+
+
+def _friction(rubbed: NDArray[np.void], first: int, size: int, rate: float) -> NDArray[np.float64]:
+    """Return where friction acts, and its moments (N) with its gain, (size, 7), by frames from `first` on."""
+    friction = np.zeros((size, 1 + TRACED_MOMENTS))
+    scale = rubbed["gain"] * rate
+    columns = rubbed["position"], scale * rubbed["impulse"], scale[:, None] * rubbed["moments"]
+    friction[rubbed["sample"] - first] = np.column_stack(columns)
+    return friction
+
+
+def _between(at: NDArray[np.int64], known: NDArray[np.float64], size: int, usual: float) -> NDArray[np.float64]:
+    """Return values by frame (size,), known at some frames, and between these along lines; `usual` if at none."""
+    if not len(at):
+        return np.full(size, usual)
+    return np.full(size, known[0]) if (known == known[0]).all() else np.interp(np.arange(size), at, known)

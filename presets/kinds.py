@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -238,11 +237,9 @@ class ObjectPreset:
             arguments["material"] = self.material
         try:
             make = Complete(shape.make, self.added, self.written) if self.added else shape.make
-            modes = made(make, top, arguments, self.stereo_width)
+            modes = made(make, top, arguments, self.stereo_width, self.most_modes)
         except ValueError as error:
             raise PresetError(f"{self.where}{error}") from None
-        if self.most_modes is not None:
-            modes = shapes.loudest(modes, self.most_modes)
         return modes if self.glide is None else replace(modes, glide=self.glide)
 
     def struck_by(self, striker: ObjectPreset, radius: float = CONTACT_RADIUS) -> tuple[float, float, float]:
@@ -278,7 +275,9 @@ class ObjectPreset:
         fundamental) takes their place. PresetError names the key.
         """
         sections, either = self._sections, SHAPES[self.shape].either
-        data: dict[str, Any] = copy.deepcopy(dict(self._data))
+        data: dict[str, Any] = {
+            name: dict(part) if isinstance(part, Mapping) else part for name, part in self._data.items()
+        }
         for key, value in changes.items():
             if key not in sections:
                 raise PresetError(f"{key} = {shown(value)}: {expected(key, sections)}")

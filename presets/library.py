@@ -87,6 +87,14 @@ class Presets:
         """
         return self._object(name, self.path("objects", name))
 
+    def changed(self, name: str, changes: Iterable[tuple[str, Any]]) -> ObjectPreset:
+        """Return the object of that name with other values of some keys, as `ObjectPreset.replace` takes them.
+
+        PresetError if there is none, or names the key that cannot be.
+        """
+        preset, given = self.object(name), dict(changes)
+        return preset.replace(**given) if given else preset
+
     def load(self, kind: str, path: Path) -> Material | StrikerPreset | SurfacePreset | ObjectPreset:
         """Load the preset of a kind in any file; the presets that it names are found here.
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..dsp.bodies.heard import placed
 from ..dsp.bodies.material import Array
-from ..dsp.bodies.modes import Modes, Unheard, read_only
+from ..dsp.bodies.modes import Modes, Unheard, loudest, read_only
 from ..dsp.bodies.small import heard_or_felt
 from ..dsp.kept import Kept
 from ..dsp.numerics.blas import on_one_thread
@@ -20,18 +20,21 @@ KEPT_BYTES = 64_000_000
 130 MB."""
 
 
-def made(make: Callable[..., Modes], top: float, arguments: Mapping[str, Any], width: float) -> Modes:
+def made(
+    make: Callable[..., Modes], top: float, arguments: Mapping[str, Any], width: float, most: int | None = None
+) -> Modes:
     """Return the modes that a shape makes of hashable arguments, up to `top` (Hz), in a stereo image of a width (0 to
-    1).
+    1); of more than `most` those that are heard best.
 
     Their arrays are read-only, and C-contiguous: where a copy in another process lay otherwise in memory, BLAS would
     give what is computed of it other last bits.
     """
-    key = (make, top, width, *sorted(arguments.items()))
+    key = (make, top, width, most, *sorted(arguments.items()))
     modes = _kept.get(key)
     if modes is None:
         with on_one_thread():
-            modes = _contiguous(placed(heard_or_felt(make, top, **arguments), width))
+            modes = placed(heard_or_felt(make, top, **arguments), width)
+            modes = _contiguous(modes if most is None else loudest(modes, most))
         read_only(*_arrays(modes))
         _kept.put(key, modes)
     return modes

@@ -28,17 +28,19 @@ def new_object(call: Call, presets: Presets, top: float) -> NewObject:
     Refused or PresetError say why there is none.
     """
     values = VERBS[NEW].parse(call.message.args)
-    preset = changed(presets.object(values.words["preset"]), values)
+    preset = changed(presets, values)
     return NewObject(preset, preset.modes(top))
 
 
-def changed(preset: ObjectPreset, values: Values) -> ObjectPreset:
-    """Return a preset with what the keys of /object/new change of it. Refused or PresetError name a key that cannot
-    be."""
-    for key, value in values.others.items():
-        if key not in preset.keys:
-            known = dict.fromkeys((*VERBS[NEW].named, *preset.keys))
-            raise Refused(f"{key} = {shown(value)}: {expected(key, known)}")
+def changed(presets: Presets, values: Values) -> ObjectPreset:
+    """Return the preset that /object/new names, with what its keys change. Refused or PresetError name a key that
+    cannot be."""
+    name = values.words["preset"]
+    if values.others:
+        own = presets.object(name).keys
+        for key, value in values.others.items():
+            if key not in own:
+                raise Refused(f"{key} = {shown(value)}: {expected(key, dict.fromkeys((*VERBS[NEW].named, *own)))}")
     given = {**values.numbers, **values.words}
     changes = {key: value for key, value in given.items() if key not in ("name", "preset", *SETTINGS, *TUNINGS)}
-    return preset.replace(**values.others, **changes) if values.others or changes else preset
+    return presets.changed(name, (*values.others.items(), *changes.items()))

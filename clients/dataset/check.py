@@ -85,7 +85,7 @@ def _try(section: str, values: Mapping[str, Value], presets: Presets, has_by: bo
         message = object_message(section, values, presets)
         (call,) = calls(message)
         assert call.verb
-        changed(presets.object(str(values["preset"])), call.verb.parse(message.args))
+        changed(presets, call.verb.parse(message.args))
         return
     if section == SENSOR:
         if values.get(ON, OBJECTS[0]) == OBJECTS[1] and not has_by:

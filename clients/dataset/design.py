@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from .scores import FILE
 from .spread import Spread, Value
 
 _BITS = 30  # of a Sobol point
+_BLOCK = 256  # of Sobol's points that are found together
 
 
 @dataclass(frozen=True)
@@ -93,17 +95,26 @@ def _sobol(recipe: Recipe, numbers: range) -> NDArray[np.float64]:
 
     The shift keeps the evenness of any 2^m points in a row that begin at a multiple of 2^m.
     """
-    from scipy.stats import qmc  # slow to load
-
     count = len(recipe.factors)
     shift = np.random.default_rng(np.random.SeedSequence(recipe.seed)).integers(2**_BITS, size=count)
+    blocks = range(numbers.start // _BLOCK, -(-numbers.stop // _BLOCK))
+    points = np.concatenate([_sobol_block(count, block) for block in blocks])
+    first = blocks.start * _BLOCK
+    return np.asarray(((points[numbers.start - first : numbers.stop - first] ^ shift) + 0.5) / 2**_BITS)
+
+
+@lru_cache(maxsize=16)
+def _sobol_block(count: int, block: int) -> NDArray[np.int64]:
+    """Return a block of _BLOCK points of Sobol's sequence, (_BLOCK, count), in steps of 2^-_BITS; read-only."""
+    from scipy.stats import qmc  # slow to load
+
     sequence = qmc.Sobol(count, scramble=False, bits=_BITS)
     # scipy warns of a first draw that is no power of 2: it does not know that others come before and after it.
-    if numbers.start:
-        sequence.fast_forward(numbers.start)
-    parts = [sequence.random(1), sequence.random(len(numbers) - 1)] if len(numbers) > 1 else [sequence.random(1)]
-    points = (np.concatenate(parts) * 2**_BITS).astype(np.int64) ^ shift
-    return np.asarray((points + 0.5) / 2**_BITS)
+    if block:
+        sequence.fast_forward(block * _BLOCK)
+    points: NDArray[np.int64] = (sequence.random(_BLOCK) * 2**_BITS).astype(np.int64)
+    points.flags.writeable = False
+    return points
 
 
 def _differing(recipe: Recipe, item: Item, random: np.random.Generator) -> int:

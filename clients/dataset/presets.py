@@ -1,6 +1,6 @@
 """Presets each of whose files is read once: they do not change while a data set is made."""
 
-from functools import cache
+from functools import cache, lru_cache
 
 from ...presets import Presets
 
@@ -10,6 +10,7 @@ class _Remembered(Presets):
     striker = cache(Presets.striker)
     surface = cache(Presets.surface)
     object = cache(Presets.object)
+    changed = lru_cache(maxsize=512)(Presets.changed)  # type: ignore[assignment]
 
 
 presets_of = cache(_Remembered)

@@ -2,11 +2,13 @@
 are."""
 
 import math
+from collections.abc import Callable, Hashable
 from functools import lru_cache
 
 import numpy as np
 from numpy.polynomial import legendre
 
+from ..kept import Kept
 from .material import Array
 from .modes import read_only
 
@@ -39,7 +41,30 @@ def quadrature(points: int, kinks: tuple[float, ...] = ()) -> tuple[Array, Array
 
 
 def basis(x: Array, terms: int, clamped: bool, derivatives: int = 1) -> list[Array]:
-    """Return values and derivatives (len(x), terms) of normalised Legendre polynomials, zero at -1 where clamped."""
+    """Return values and derivatives (len(x), terms) of normalised Legendre polynomials, zero at -1 where clamped;
+    read-only."""
+    return _made(("basis", terms, clamped, derivatives), x, lambda: _basis(x, terms, clamped, derivatives))
+
+
+def legendre_at(x: Array, terms: int) -> Array:
+    """Return Legendre polynomials (len(x), terms), read-only."""
+    return _made(("legendre", terms), x, lambda: [np.asarray(legendre.legvander(x, terms - 1), np.float64)])[0]
+
+
+def _made(key: tuple[Hashable, ...], x: Array, make: Callable[[], list[Array]]) -> list[Array]:
+    """Return tables at x (p,): those that are kept, as bodies of other sizes ask for the same places, or new ones."""
+    found = _kept.get((*key, x.tobytes()))
+    if found is None:
+        found = make()
+        read_only(*found)
+        _kept.put((*key, x.tobytes()), found)
+    return found
+
+
+_kept: Kept[Hashable, list[Array]] = Kept(16_000_000, lambda tables: sum(each.nbytes for each in tables))
+
+
+def _basis(x: Array, terms: int, clamped: bool, derivatives: int) -> list[Array]:
     degree = np.arange(terms + 1)
     scale = np.diag(np.sqrt(degree + 0.5))
     if clamped:

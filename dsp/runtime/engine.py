@@ -260,6 +260,8 @@ class Engine:
     def ended(self) -> list[tuple[int, End]]:
         """Return the gestures (by number) that have ended since the last call, and how: one for each that was sent."""
         count = int(observe(self._record["ends"]["written"]))
+        if count == self._ends_read:
+            return []
         first = max(self._ends_read, count - ENDED)
         self._ends_read = count
         ended = self._record["ends"]["entries"]
@@ -288,7 +290,10 @@ class Engine:
         written = int(observe(ring["written"]))
         read = max(int(ring["read"][0]), written - (most or len(entries)))
         first, last = read % len(entries), written - read + read % len(entries)
-        taken: NDArray[Any] = np.concatenate([entries[first:last], entries[: max(0, last - len(entries))]])
+        if last <= len(entries):
+            taken: NDArray[Any] = entries[first:last].copy()
+        else:
+            taken = np.concatenate([entries[first:], entries[: last - len(entries)]])
         publish(ring["read"], written)
         return taken
 

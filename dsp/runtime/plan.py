@@ -47,7 +47,7 @@ class Plan:
         return self.columns.nbytes + self.shape.nbytes
 
 
-_kept: Kept[tuple[int, float, float, bool], Plan] = Kept(8_000_000, lambda plan: plan.bytes)
+_kept: Kept[tuple[int, float, float, bool], Plan] = Kept(32_000_000, lambda plan: plan.bytes)
 
 
 def planned(modes: Modes, top: float, nyquist: float, has_sides: bool) -> Plan:

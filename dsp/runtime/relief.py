@@ -33,11 +33,12 @@ def relief(frequency: Array, decay: Array, sides: Array, strike: Array, top: flo
     if not frequency.size:
         return Relief(np.empty(0), np.empty(0), np.empty((len(sides), len(strike), 0)))
     omega = 2 * np.pi * frequency
-    bent = strike * sides[:, None] * omega / (omega**2 + decay**2)
-    size = np.sqrt((bent**2).mean(axis=(0, 1))) + 1e-300
+    weight = sides * omega / (omega**2 + decay**2)  # of what a shape answers to a steady force
+    size = np.sqrt((strike**2).mean(axis=0) * (weight**2).mean(axis=0)) + 1e-300
     band = np.floor(np.log2(frequency / frequency.min()) / OCTAVES).astype(int)
     bands = [band == each for each in np.unique(band)]
     middle = np.array([np.exp(np.average(np.log(omega[each]), weights=size[each])) for each in bands])
     natural = np.minimum(REACH * middle, 2 * np.pi * top / TURN)
-    static = np.stack([bent[..., each].sum(axis=-1) for each in bands], axis=-1)
+    # Summed without BLAS, whose last bits are not the same with any number of threads.
+    static = np.stack([(strike[:, each] * weight[:, None, each]).sum(axis=-1) for each in bands], axis=-1)
     return Relief(TURN * natural / (2 * np.pi), DAMPING * natural, -static * natural / TURN)

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..air import DENSITY, IMPEDANCE, Load, wavenumber
 from ..material import Array
+from ..ritz import legendre_at
 from .closed import cylinder_efficiency
 from .quadrature import segment, spherical_bessel
 from .rectangle import free_rectangle, jump_terms, side
@@ -120,11 +121,11 @@ def _of_rectangle(bar: Bar, shape: Array, k: float, wave: float) -> float:
     dipole = displaced + added
     low = 1 / (1 + (k * half_width) ** 2)
     moving = shape * (1 + (dipole / dipole.max() - 1) * low)
-    series = np.polynomial.legendre.legvander(bar.nodes, bar.terms - 1).T @ (bar.weights * moving)
+    series = legendre_at(bar.nodes, bar.terms).T @ (bar.weights * moving)
     series *= np.arange(bar.terms) + 0.5
 
     def along(at: Array) -> Array:
-        return np.asarray(np.polynomial.legendre.legval(2 * at - 1, series), np.float64)[:, None]
+        return np.asarray(legendre_at(2 * at - 1, bar.terms) @ series)[:, None]
 
     def across(at: Array) -> Array:
         return np.ones((at.size, 1))
@@ -145,15 +146,18 @@ def _resistance(bar: Bar, shapes: Array, k: Array) -> Array:
     angle, weights = segment(0, math.pi / 2, 16 + 0.8 * bar.half * k.max())
     x = np.outer(k * half_width, np.sin(angle))
     phase = np.outer(k * bar.half, np.cos(angle))
-    even, odd = _spectrum(bar, shapes, phase, bar.terms)
+    dipole = displaced + added
+    varies = not is_round and dipole.min() < dipole.max() * (1 - 1e-9)
+    most = bar.nodes.size // 2 if varies else bar.terms
+    bessel = spherical_bessel(min(most, math.ceil(phase.max()) + _NEGLIGIBLE), phase)
+    even, odd = _spectrum(bar, shapes, bessel[: bar.terms])
     if is_round:
         power = (even**2 + odd**2) * _round_resistance(x)
     else:
-        dipole = displaced + added
         largest = dipole.max()
         low = 1 / (1 + x**2)
-        if dipole.min() < largest * (1 - 1e-9):
-            other = _spectrum(bar, shapes * (dipole / largest)[:, None], phase, bar.nodes.size // 2)
+        if varies:
+            other = _spectrum(bar, shapes * (dipole / largest)[:, None], bessel)
             even, odd = even + (other[0] - even) * low, odd + (other[1] - odd) * low
         excess = (largest / (math.pi * half_width**2)) ** 2 - 1
         power = (even**2 + odd**2) * _strip_resistance(x) * (1 + excess * low**2)
@@ -161,14 +165,13 @@ def _resistance(bar: Bar, shapes: Array, k: Array) -> Array:
     return resistance
 
 
-def _spectrum(bar: Bar, shapes: Array, phase: Array, terms: int) -> tuple[Array, Array]:
-    """Return the even and the odd part of V at q half = phase (n, d): Legendre series become spherical Bessel
-    functions."""
-    terms = min(terms, math.ceil(phase.max()) + _NEGLIGIBLE)
-    legendre = np.polynomial.legendre.legvander(bar.nodes, terms - 1) * bar.weights[:, None]
+def _spectrum(bar: Bar, shapes: Array, bessel: Array) -> tuple[Array, Array]:
+    """Return the even and the odd part of V (n, d), from spherical Bessel functions of q half (terms, n, d), which
+    Legendre series become."""
+    terms = len(bessel)
+    legendre = legendre_at(bar.nodes, terms) * bar.weights[:, None]
     degree = np.arange(terms)[:, None]
     series = (2 * degree + 1) * (-1.0) ** (degree // 2) * (legendre.T @ shapes)
-    bessel = spherical_bessel(terms, phase)
     even, odd = (np.einsum("dn,dnp->np", series[side::2], bessel[side::2]) for side in (0, 1))
     return bar.half * even, bar.half * odd
 

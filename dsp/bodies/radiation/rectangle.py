@@ -8,13 +8,16 @@ over Legendre series of the velocity. The four parities part. Time goes as exp(-
 
 import math
 from collections.abc import Callable, Mapping
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
 
+from ...kept import Kept
 from ..air import Complex
 from ..material import Array
+from ..modes import read_only
 from .quadrature import bessel, panels, segment, spherical_bessel
 
 _REACH = 20.0  # beyond the terms: from there on products of Bessel functions are taken as their means, by Debye
@@ -28,7 +31,8 @@ Parts = Mapping[tuple[int, int], Array]
 class Side(NamedTuple):
     """A side of a rectangle: half its length (m), terms along it, and products of transforms at a grid of x.
 
-    products: for each parity (terms, terms, x), without (-i)^p, the weights of the grid and the half length included.
+    products: for each parity (terms, terms, x), without (-i)^p, the weights of the grid included, for half a length
+    of 1.
     """
 
     half: float
@@ -39,6 +43,19 @@ class Side(NamedTuple):
 
 def side(half: float, terms: int) -> Side:
     """Return the side's table, which serves all frequencies."""
+    found = _kept.get(terms)
+    if found is None:
+        found = _grid(terms)
+        _kept.put(terms, found)
+    return Side(half, terms, *found)
+
+
+_Grid = tuple[Array, tuple[Array, Array]]
+_kept: Kept[int, _Grid] = Kept(16_000_000, lambda grid: sum(each.nbytes for each in grid[1]))
+
+
+def _grid(terms: int) -> _Grid:
+    """Return the grid and the products of a side with so many terms; read-only."""
     reach = terms + _REACH
     unit, share = panels(math.ceil(reach / _PANEL))
     near, near_weights = reach * unit, reach * share
@@ -46,13 +63,15 @@ def side(half: float, terms: int) -> Side:
     far = np.exp(y)
     transform = _transforms(terms, near)
     size, angle = _debye(terms, far)
-    weights = half * np.concatenate([near_weights, w * far])
+    weights = np.concatenate([near_weights, w * far])
     products = []
     for odd in (0, 1):
         own, large, turn = transform[odd::2], size[odd::2], angle[odd::2]
         mean = large[:, None] * large * np.cos(turn[:, None] - turn) / 2
         products.append(np.concatenate([own[:, None] * own, mean], axis=2) * weights)
-    return Side(half, terms, np.concatenate([near, far]), (products[0], products[1]))
+    grid = np.concatenate([near, far])
+    read_only(grid, *products)
+    return grid, (products[0], products[1])
 
 
 def _debye(terms: int, x: Array) -> tuple[Array, Array]:
@@ -74,10 +93,19 @@ def _transforms(terms: int, x: Array) -> Array:
 
 def jump_terms(terms: int, values: Callable[[Array], Array], half: float) -> Array:
     """Return int f psi_p of functions of fractions of the side, (points) -> (points, n), by length: (terms, n)."""
+    at, psi = _jumps(terms)
+    projected: Array = half * psi @ values(at)
+    return projected
+
+
+@lru_cache(maxsize=128)  # 0.3 MB each at most
+def _jumps(terms: int) -> tuple[Array, Array]:
+    """Return fractions of a side, and psi_p there times the weights of an integral over it; read-only."""
     t, w = segment(0, math.pi, 4 * terms + 60)
     psi = np.sin(np.outer(np.arange(1, terms + 1), t)) * np.sin(t) * w
-    projected: Array = half * psi @ values((1 + np.cos(t)) / 2)
-    return projected
+    at = (1 + np.cos(t)) / 2
+    read_only(at, psi)
+    return at, psi
 
 
 def legendre_terms(terms: int, values: Callable[[Array], Array], half: float) -> Array:
@@ -105,7 +133,8 @@ def free_rectangle(k: float, along: Side, across: Side, projected: Parts) -> Com
         near_x, near_y = (
             each.products[odd][:n, :n].reshape(n * n, -1) for each, odd, n in ((along, odd_x, p), (across, odd_y, q))
         )
-        matrix = (pairs_x @ pairs_y + 1j * (near_x @ kz @ near_y.T)) / math.pi**2
+        near = along.half * across.half * (near_x @ kz @ near_y.T)
+        matrix = (pairs_x @ pairs_y + 1j * near) / math.pi**2
         matrix = matrix.reshape(p, p, q, q).transpose(0, 2, 1, 3).reshape(p * q, p * q)
         flat = b.reshape(p * q, -1)
         total += (flat * np.linalg.solve(matrix, flat + 0j)).sum(axis=0)

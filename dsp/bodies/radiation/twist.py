@@ -12,6 +12,7 @@ import numpy as np
 
 from ..air import IMPEDANCE, wavenumber
 from ..material import Array
+from ..ritz import quadrature
 
 REACH = (0.1, 40.0)
 RESISTANCE = (
@@ -51,7 +52,7 @@ class Twist:
         strongest = float(self._strength.max())
         found = np.empty_like(frequency)
         for mode, k in enumerate(wavenumber(frequency)):
-            nodes, weights = np.polynomial.legendre.leggauss(16 + math.ceil(0.8 * self._half * k))
+            nodes, weights = quadrature(16 + math.ceil(0.8 * self._half * k))
             angle = math.pi / 4 * (nodes + 1)
             x = k * self._half_width * np.sin(angle)
             phase = np.exp(-1j * k * self._half * np.outer(np.cos(angle), self._nodes))
