@@ -18,13 +18,11 @@ fine as they have to be (coupled_group.py), and another block begins after it.
 """
 
 import math
-from typing import Annotated
 
 import numpy as np
 
 from ..native.jit import kernel
-from ..native.typed import Items, Record, View, View2D
-from ..numerics.legendre import AHEAD, FINE
+from ..native.typed import Items, View
 from .block_nodes import (
     AT,
     FORCE_MOMENTS,
@@ -33,23 +31,13 @@ from .block_nodes import (
     MOST_PARTS,
     MOTIONS,
     NODES_PER_PART,
-    RATES,
     SHARES,
     TIMES_OF_ONE,
     TIMES_OF_TWO,
-    TO_END,
-    TO_NODES,
 )
+from .block_records import Block, Net, Tables, forces_of, ratio_of, rows_of
 from .collocation import NODES, elastic, raised
 from .coupled_records import Coupled, Member
-from .power_series import POWERS
-
-TOGETHER = 4
-"""Contacts that are solved together, at most."""
-
-ROWS = 2 * FORCES + 1
-"""Rows of the free motion, at most: displacement and its derivative at each node, and displacement at the sample's
-end."""
 
 STIFFEST = np.array([0.0, 0.5, 1.5])
 """rad of a contact's swing in a sample, of body and object together, up to which so many parts of it follow."""
@@ -64,67 +52,6 @@ _LEAST = 1e-300  # keeps a quotient finite
 _FIRST = 0.25  # of a sample: the first step to try after a block
 
 
-class Tables(Record):
-    """The answer of one contact's point to the force of one of those that are solved together."""
-
-    settled: int  # number of the receptance of the contact whose force it is, 0: none is known
-    later: Annotated[View2D[float], MOMENTS_AHEAD, AHEAD * ROWS]  # m/(N s): what a moment adds to rows of later samples
-    # What each force takes off at all nodes, one after the other: m/N, then of the rate, m/(N sample).
-    give: Annotated[View[float], FORCES * MOTIONS]
-    give_end: Annotated[View[float], FORCES]  # m/N
-
-
-class Net(Record):
-    """Contacts with one object that are solved together."""
-
-    size: int
-    contact: Annotated[View[int], TOGETHER]  # places among the contacts
-    block: Annotated[View[int], TOGETHER]  # and among the blocks
-    place: Annotated[View[float], TOGETHER]  # m: of each one's point
-    gain: Annotated[View[float], TOGETHER]  # factor on the force that the object gets, and
-    share: Annotated[View[float], TOGETHER]  # another one, in this sample
-
-
-class Block(Record):
-    """A lasting contact and its tables."""
-
-    settled: int  # number of the receptance that the tables are of, 0: none
-    parts: int  # of a sample that they are for, 0: the contact is too stiff
-    tables: Annotated[View[Tables], TOGETHER]  # for the force of each member of the net, its own among them
-    # While a block lasts:
-    gained: float  # J: by how much the energy is above the least so far
-    scale: float  # J: the greatest V so far
-    kept: float  # J: `gained` before the sample
-    most: float  # J: `scale` after it
-    # m: the point's motion without the forces to come; the first end at its place now
-    rows: Annotated[View[float], (AHEAD + 1) * ROWS]
-    force: Annotated[View[float], FORCES]  # N
-    before: Annotated[View[float], FORCES]  # a sample before
-    last: Annotated[View[float], FORCES]
-    height: Annotated[View[float], FORCES]  # m: of the path at the nodes, against the sample's beginning,
-    slope: Annotated[View[float], FORCES]  # m per sample
-    rise: float  # m: and at the sample's end
-    end: float  # m: compression then
-    solved: int  # 1: so Newton's method has ended
-    free: Annotated[View[float], MOTIONS]  # compression and rate with no force but that at rest,
-    seen: Annotated[View[float], MOTIONS]  # and with those of the others,
-    taken: Annotated[View[float], MOTIONS]  # and what its own add
-    v: Annotated[View[float], FORCES]  # m per sample
-    moments: Annotated[View[float], MOMENTS_AHEAD]  # N s: of F
-
-
-@kernel
-def forces_of(block: Block) -> int:
-    """Return the number of unknown forces in a sample of a block."""
-    return NODES_PER_PART * block.parts
-
-
-@kernel
-def rows_of(block: Block) -> int:
-    """Return the number of rows that a block has."""
-    return 2 * forces_of(block) + 1
-
-
 @kernel
 def parts_for(contact: Coupled, least: int) -> int:
     """Return the parts of a sample, `least` or more, that follow the contact, as stiff as it is under its weight; 0 if
@@ -135,36 +62,6 @@ def parts_for(contact: Coupled, least: int) -> int:
         if swing < STIFFEST[parts]:
             return parts
     return 0
-
-
-@kernel
-def answer_of(receptance: View[float], period: float, answer: View[float]) -> None:
-    """Write how a point answers a force, m/(N sample), by a receptance (FINE, m/(N s))."""
-    answer[0] = 0.0
-    for n in range(1, FINE):
-        total = 0.0
-        for k in range(n, FINE):
-            total += POWERS[n, k] * receptance[k]
-        answer[n] = period * total
-
-
-@kernel
-def settle_tables(tables: Tables, answer: View[float], parts: int) -> None:
-    """Set what the forces do within a sample of so many parts, by an answer."""
-    for j in range(FORCES * MOTIONS):
-        tables.give[j] = 0.0
-    for j in range(NODES_PER_PART * parts):
-        end = 0.0
-        for n in range(FINE):
-            end += answer[n] * TO_END[parts, n, j]
-        tables.give_end[j] = end
-        for i in range(NODES_PER_PART * parts):
-            x = v = 0.0
-            for n in range(1, FINE):
-                x += answer[n] * TO_NODES[parts, i, n, j]
-                v += answer[n] * RATES[parts, i, n, j]
-            tables.give[j * MOTIONS + i] = x
-            tables.give[j * MOTIONS + FORCES + i] = v
 
 
 @kernel
@@ -295,12 +192,6 @@ def _predict(contact: Coupled, block: Block, i: int, n: int, times: tuple[float,
 
 
 @kernel
-def _ratio(net: Net, i: int, j: int) -> float:
-    """Return the factor on what the force of contact j does to the point of another, i."""
-    return net.gain[j] * net.share[j] / net.gain[i]
-
-
-@kernel
 def _take(give: View[float], forces: tuple[float, float, float, float], nodes: View[float], more: bool) -> None:
     """Set compression and rate at all nodes to those that forces take off, or take `more` off."""
     f0, f1, f2, f3 = forces
@@ -318,7 +209,7 @@ def _see(contacts: Items[Member], blocks: Items[Block], net: Net, i: int) -> Non
     for j in range(net.size):
         if j != i:
             f, rest = blocks[net.block[j]].force, contacts[net.contact[j]].coupled.rest_force
-            ratio = _ratio(net, i, j)
+            ratio = ratio_of(net, i, j)
             excess = ratio * (f[0] - rest), ratio * (f[1] - rest), ratio * (f[2] - rest), ratio * (f[3] - rest)
             _take(block.tables[j].give, excess, block.seen, True)
 
@@ -380,7 +271,9 @@ def _solve_part(block: Block, own: Tables, contact: Coupled, i: int, seen: tuple
         c0, c1 = (r0 * m11 - r1 * m01) * scale, (r1 * m00 - r0 * m10) * scale
         f0 += c0
         f1 += c1
-        if abs(c0) + abs(c1) <= _CHANGED * (abs(f0) + abs(f1)):
+        # What the law changes by, as it is linear, where both nodes touch: what is left is about its square.
+        left = abs(r0 - c0) + abs(r1 - c1) if min(f, g) > 0.0 else abs(c0) + abs(c1)
+        if left <= _CHANGED * (abs(f0) + abs(f1)):
             solved = True
             break
     block.force[i], block.force[j] = f0, f1
@@ -402,7 +295,7 @@ def _account(
     end, work = contact.position + moved - block.rows[(n + 2) * (2 * forces + 1) - 1], 0.0
     for j in range(net.size):
         tables, other = block.tables[j], blocks[net.block[j]]
-        rest, ratio = contacts[net.contact[j]].coupled.rest_force, _ratio(net, i, j) if i != j else 1.0
+        rest, ratio = contacts[net.contact[j]].coupled.rest_force, ratio_of(net, i, j) if i != j else 1.0
         for p in range(forces):
             end -= tables.give_end[p] * ratio * (other.force[p] - rest)
     for k in range(forces):
@@ -448,26 +341,3 @@ def _law(contact: Coupled, x: float, v: float) -> tuple[float, float, float]:
         return 0.0, 0.0, 0.0
     spring = contact.k * raised(x, contact.a - 1.0)
     return spring * x * slack, contact.a * spring * slack, contact.mu * spring * x
-
-
-@kernel
-def feel(blocks: Items[Block], net: Net, n: int) -> None:
-    """Add what the forces of sample n do to the rows of the samples after it, of all contacts of a net."""
-    for i in range(net.size):
-        for j in range(net.size):
-            ratio = _ratio(net, i, j) if i != j else net.share[i]
-            _feel(blocks[net.block[i]], blocks[net.block[i]].tables[j], blocks[net.block[j]].moments, n, ratio)
-
-
-@kernel
-def _feel(block: Block, tables: Tables, moments: View[float], n: int, share: float) -> None:
-    """Add what a share of one force does to the rows of one contact."""
-    m0, m1, m2 = share * moments[0], share * moments[1], share * moments[2]
-    count = rows_of(block)
-    a, b, c, rows = tables.later[0], tables.later[1], tables.later[2], block.rows[(n + 2) * count :]
-    if block.parts == 1:
-        for i in range((AHEAD - 1 - n) * count):
-            rows[i] += a[i] * m0 + b[i] * m1
-        return
-    for i in range((AHEAD - 1 - n) * count):
-        rows[i] += a[i] * m0 + b[i] * m1 + c[i] * m2

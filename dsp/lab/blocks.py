@@ -7,8 +7,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ..contact.block import ROWS, Block, Net, begin_block, end_block, feel, rows_of, settle_tables, step_blocks
+from ..contact.block import begin_block, end_block, step_blocks
 from ..contact.block_nodes import MOMENTS_AHEAD
+from ..contact.block_records import ROWS, Block, Net, moments_of
+from ..contact.block_tables import feel, settle_tables, take_answers, take_rows
 from ..contact.collocation import elastic
 from ..contact.coupled import ContactLaw, begin_coupled, respond_with
 from ..contact.coupled_records import COUPLED_GROUP, Coupled
@@ -24,18 +26,16 @@ _TOLERANCE = 1e-3  # of samples that no block follows
 
 
 @kernel
-def lay(block: Block, modes: Modes, point: Point, room: tuple[View[float], View[float]], rows: View[float]) -> None:
-    """Lay out the free motion of a point over AHEAD samples, sample by sample."""
-    flat, count = room[1], rows_of(block)
+def lay(block: Block, modes: Modes, point: Point, room: tuple[View[float], View[float]]) -> View[float]:
+    """Lay out the free motion of a point over AHEAD samples, one row after the other."""
+    flat = room[1]
     for i in range(len(flat)):
         flat[i] = 0.0
     if block.parts == 1:
         lay_rows(modes, point, WEIGHTS[0], room[0], flat)
     else:
         lay_rows(modes, point, WEIGHTS[1], room[0], flat)
-    for r in range(count):
-        for n in range(AHEAD):
-            rows[n * count + r] = flat[r * AHEAD + n]
+    return flat
 
 
 @kernel
@@ -46,20 +46,20 @@ def find_tables(block: Block, contact: Coupled, bank: Bank, parts: int, room: tu
     settle_tables(block.tables[0], contact.answer, parts)
     n = len(modes.y1)
     struck = Modes(work[:n], work[n : 2 * n], modes.a1, modes.a2, modes.balance, modes.response)
-    for j in range(MOMENTS_AHEAD):
+    for j in range(moments_of(block)):
         for i in range(2 * n):
             work[i] = 0.0
         for k in range(KEPT):
             moments[k] = 1.0 if k == j else 0.0
         inject_kept(struck, bank.point, moments)
         ring_on(struck)
-        lay(block, struck, bank.point, room, block.tables[0].later[j])
+        take_answers(block, block.tables[0], j, lay(block, struck, bank.point, room))
 
 
 @kernel
 def begin_alone(block: Block, contact: Coupled, bank: Bank, room: tuple[View[float], View[float]]) -> None:
     """Begin a block of one contact with the modes as they are."""
-    lay(block, bank.modes, bank.point, room, block.rows[rows_of(block) :])
+    take_rows(block, lay(block, bank.modes, bank.point, room), 1.0)
     observe(bank.modes, bank.point, bank.work, bank.seen)
     place = 0.0
     for k in range(FINE):

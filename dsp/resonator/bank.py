@@ -22,7 +22,7 @@ from ..native.jit import kernel, simd_kernel
 from ..native.typed import Record, View, View2D, View3D, dtype_of
 from ..numerics.legendre import FINE
 from .simd import HALF, LANES, STRETCH, add_product, dot, put_product, put_projections
-from .simd_ring import push, ring_moved, ring_pushed
+from .simd_ring import ANSWERS, push, put_answers, ring_answering, ring_moved, ring_pushed
 
 MOBILITY = 2 * FINE * LANES
 """First of the rows that `observe`, `receptance` and velocity.py need."""
@@ -171,6 +171,32 @@ def ring_driven(
             for i in range(LANES):
                 total += totals[(2 * t + channel) * LANES + i]
             out[channel, frame + t] += total
+
+
+@simd_kernel
+def ring_under(
+    modes: Modes, point: Point, moments: View2D[float], begin: int, work: View[float], out: View2D[float], start: int,
+    stop: int,
+) -> None:  # fmt: skip
+    """Ring modes from frame `start` to `stop`, a multiple of STRETCH later, under a force that stays at a point.
+
+    Its moments are moments[begin + frame], (frames, KEPT) in N s. The sound is added to out[0], out[1]. `work`
+    (float64) has ANSWERS + 2 LANES (stop - start) values.
+    """
+    w = _four(point.weights)
+    frames = stop - start
+    for i in range(2 * frames * LANES):
+        work[ANSWERS + i] = 0.0
+    for first in range(0, len(modes.y1), LANES):
+        phi = dot(point.shape, point.row * point.stride + first, point.stride, w)
+        put_answers(work, phi, modes.response, first // LANES * RESPONSES, modes.a1, modes.a2, first)
+        ring_answering(modes, first, work, moments, begin + start, frames)
+    for t in range(frames):
+        for channel in range(2):
+            total = 0.0
+            for i in range(LANES):
+                total += work[ANSWERS + (2 * t + channel) * LANES + i]
+            out[channel, start + t] += total
 
 
 @simd_kernel

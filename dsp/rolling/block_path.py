@@ -1,8 +1,8 @@
 """The path under a body over a sample as a contact that is solved in blocks needs it (contact/block.py): lines of least
 squares."""
 
-from ..contact.block import Block, forces_of
 from ..contact.block_nodes import AT
+from ..contact.block_records import Block, forces_of
 from ..contact.coupled_records import Coupled
 from ..native.jit import kernel
 

@@ -7,21 +7,10 @@ does a sample that they don't follow; then another block begins.
 """
 
 from ...contact.accuracy import PARTS
-from ...contact.block import (
-    TOGETHER,
-    Block,
-    Net,
-    Tables,
-    answer_of,
-    begin_block,
-    end_block,
-    feel,
-    parts_for,
-    rows_of,
-    settle_tables,
-    step_blocks,
-)
+from ...contact.block import begin_block, end_block, parts_for, step_blocks
 from ...contact.block_nodes import AT, MOMENTS_AHEAD, MOST_PARTS
+from ...contact.block_records import TOGETHER, Block, Net, Tables, moments_of, rows_of
+from ...contact.block_tables import answer_of, feel, settle_tables, take_answers, take_rows
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View
 from ...numerics.legendre import AHEAD, FINE, KEPT
@@ -139,7 +128,7 @@ def _begin(state: State, obj: Object, net: Net, i: int, parts: int) -> None:
             tables.settled = other.settled
             _settle(state, contact, tables, modes, (point_of(state, obj, other.point[0]), where), i == j)
             _find_later(state, block, tables, modes, (point_of(state, obj, other.point[0]), where))
-    _lay(state, block, modes, where, block.rows[rows_of(block) :], 1.0 / contact.now.gain)
+    take_rows(block, _lay(state, block, modes, where), 1.0 / contact.now.gain)
     begin_block(block, contact.coupled, net.place[i])
 
 
@@ -207,18 +196,16 @@ def _hand_on(state: State, obj: Object, contact: Contact, frame: int) -> None:
 
 
 @kernel
-def _lay(state: State, block: Block, modes: Modes, where: Point, rows: View[float], scale: float) -> None:
-    """Lay out the motion of a point without a force, sample by sample, times `scale`."""
-    scratch, count = state.scratch, rows_of(block)
-    for i in range(AHEAD * count):
+def _lay(state: State, block: Block, modes: Modes, where: Point) -> View[float]:
+    """Lay out the motion of a point without a force, one row after the other."""
+    scratch = state.scratch
+    for i in range(AHEAD * rows_of(block)):
         scratch.rows[i] = 0.0
     if block.parts == 1:
         lay_rows(modes, where, WEIGHTS[0], scratch.room, scratch.rows)
     else:
         lay_rows(modes, where, WEIGHTS[1], scratch.room, scratch.rows)
-    for r in range(count):
-        for n in range(AHEAD):
-            rows[n * count + r] = scale * scratch.rows[r * AHEAD + n]
+    return scratch.rows
 
 
 @kernel
@@ -227,7 +214,7 @@ def _find_later(state: State, block: Block, tables: Tables, modes: Modes, points
     the motion of modes at rest that got it."""
     size, work, moments = len(modes.y1), state.scratch.work, state.scratch.fine
     struck = Modes(work[:size], work[size : 2 * size], modes.a1, modes.a2, modes.balance, modes.response)
-    for k in range(MOMENTS_AHEAD):
+    for k in range(moments_of(block)):
         for i in range(2 * size):
             work[i] = 0.0
         for j in range(KEPT):
@@ -235,4 +222,4 @@ def _find_later(state: State, block: Block, tables: Tables, modes: Modes, points
         inject_kept(struck, points[0], moments)
         for i in range(size):
             struck.y1[i], struck.y2[i] = modes.a1[i] * struck.y1[i] + modes.a2[i] * struck.y2[i], struck.y1[i]
-        _lay(state, block, struck, points[1], tables.later[k], 1.0)
+        take_answers(block, tables, k, _lay(state, block, struck, points[1]))

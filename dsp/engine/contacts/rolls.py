@@ -8,7 +8,7 @@ much later. A roll that feels all modes is computed with them instead (coupled_r
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View, View2D
 from ...numerics.legendre import KEPT
-from ...resonator.bank import Drive, Driver, Point, inject_kept, ring, ring_driven
+from ...resonator.bank import Drive, Driver, Point, inject_kept, ring, ring_driven, ring_under
 from ...resonator.fed import LINE, REACH, feed_through, lay_blows, ring_fed, sample_force
 from ...resonator.simd import LANES, STRETCH
 from ...rolling.body import fill_roll
@@ -144,6 +144,13 @@ def _place_blows(state: State, count: int, frame: int, end: int) -> int:
 
 
 @kernel
+def _stays(driver: Driver) -> bool:
+    """True if a driver stays at its place."""
+    drift = driver.drift
+    return drift[0] == drift[1] == drift[2] == drift[3] == 0.0
+
+
+@kernel
 def _acts_alike(a: Driver, b: Driver) -> bool:
     """True if two drivers act at one place, with one gain, and stay there."""
     alike = a.row == b.row
@@ -179,6 +186,11 @@ def _ring_driven(
     scratch, shape = state.scratch, shapes_of(state, obj)
     modes = modes_of(state, obj, first, last)
     here = shape[first:]
+    if count == 1 and _stays(scratch.drivers[0]):
+        driver, stop = scratch.drivers[0], end - (end - frame) % STRETCH
+        where = Point(here, obj.size, driver.row, driver.weights)
+        ring_under(modes, where, state.feeds[driver.feed], BEHIND, scratch.work, voice, frame, stop)
+        frame = stop
     while frame < end:
         frames = STRETCH if end - frame >= STRETCH else 1
         if frames == STRETCH:

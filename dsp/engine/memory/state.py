@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...contact.accuracy import DEFAULT
-from ...contact.block import ROWS, Block, Net
+from ...contact.block_records import ROWS, Block, Net
 from ...contact.coupled_records import CoupledGroup
 from ...karman.layout import SHEETS, TABLE_VALUES, Sheet, Space
 from ...native.pages import own_zeros

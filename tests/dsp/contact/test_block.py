@@ -8,8 +8,10 @@ import pytest
 from numba import njit
 from scipy.integrate import solve_ivp
 
-from carom.dsp.contact.block import AHEAD, ROWS, Block, Net, end_block, feel, parts_for, step_blocks
+from carom.dsp.contact.block import end_block, parts_for, step_blocks
 from carom.dsp.contact.block_nodes import MOMENTS_AHEAD
+from carom.dsp.contact.block_records import ROWS, Block, Net
+from carom.dsp.contact.block_tables import feel
 from carom.dsp.contact.collocation import elastic
 from carom.dsp.contact.coupled import ContactLaw, begin_coupled, begin_within, respond_with
 from carom.dsp.contact.coupled_records import COUPLED_GROUP
@@ -26,7 +28,7 @@ from carom.dsp.lab.coupled import (
     step_alone,
 )
 from carom.dsp.native.typed import dtype_of
-from carom.dsp.numerics.legendre import KEPT
+from carom.dsp.numerics.legendre import AHEAD, KEPT
 from carom.dsp.resonator.bank import inject_fine, inject_kept, observe, receptance
 from carom.dsp.resonator.rows import room_for_rows
 from carom.dsp.rolling.block_path import project_path

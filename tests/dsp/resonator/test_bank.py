@@ -155,6 +155,28 @@ def test_stretches_under_forces_are_blows_and_ringing():
 
 
 @pytest.mark.slow
+def test_ringing_under_a_force_that_stays_is_blows_and_ringing():
+    random = np.random.default_rng(5)
+    count = 3 * LANES
+    modes = bank.Modes(*np.zeros((5, count)), np.zeros(count // LANES * bank.RESPONSES))
+    for i in range(count):
+        coefficients.set_mode(modes, i, 50.0 + 900.0 * i, 5.0, 48_000.0, random.uniform(-2, 2))
+    modes.balance[:], modes.y1[:], modes.y2[:] = random.uniform(-1, 1, (3, count))
+    point = bank.Point(random.normal(size=9 * count).astype(np.float32), count, 4, random.normal(size=4))
+    moments = random.normal(size=(5 + 64, KEPT))
+    one, other = (bank.Modes(*(table.copy() for table in modes)) for _ in range(2))
+    expected, out = np.zeros((2, 64)), np.ones((2, 64))
+    for frame in range(3, 59):
+        bank.inject_kept(one, point, moments[5 + frame])
+        bank.ring(one, expected, frame, frame + 1)
+    bank.ring_under(other, point, moments, 5, np.full(2_000, math.nan), out, 3, 59)
+    scale = np.abs(expected).max()
+    np.testing.assert_allclose(out[:, 3:59] - 1.0, expected[:, 3:59], atol=1e-13 * scale)
+    np.testing.assert_allclose(other.y1, one.y1, atol=1e-13 * scale)
+    np.testing.assert_allclose(other.y2, one.y2, atol=1e-13 * scale)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("groups", [1, 2])
 def test_modes_that_are_heard_alike_ring_under_a_force_as_all_do(groups):
     random = np.random.default_rng(4)

@@ -1,0 +1,90 @@
+"""The records of lasting contacts that are solved in blocks (block.py): their tables, and those solved together."""
+
+from typing import Annotated
+
+from ..native.jit import kernel
+from ..native.typed import Record, View
+from ..numerics.legendre import AHEAD
+from ..numerics.sums import AT_ONCE
+from .block_nodes import FORCES, MOMENTS_AHEAD, MOTIONS, NODES_PER_PART
+
+TOGETHER = 4
+"""Contacts that are solved together, at most."""
+
+ROWS = 2 * FORCES + 1
+"""Rows of the free motion, at most: displacement and its derivative at each node, and displacement at the sample's
+end."""
+
+
+class Tables(Record):
+    """The answer of one contact's point to the force of one of those that are solved together."""
+
+    settled: int  # number of the receptance of the contact whose force it is, 0: none is known
+    # m/(N s): what each moment adds to rows of later samples, from a line of the cache on, as `add_tables` reads it.
+    later: Annotated[View[float], MOMENTS_AHEAD * AHEAD * ROWS + AT_ONCE]
+    # What each force takes off at all nodes, one after the other: m/N, then of the rate, m/(N sample).
+    give: Annotated[View[float], FORCES * MOTIONS]
+    give_end: Annotated[View[float], FORCES]  # m/N
+
+
+class Net(Record):
+    """Contacts with one object that are solved together."""
+
+    size: int
+    contact: Annotated[View[int], TOGETHER]  # places among the contacts
+    block: Annotated[View[int], TOGETHER]  # and among the blocks
+    place: Annotated[View[float], TOGETHER]  # m: of each one's point
+    gain: Annotated[View[float], TOGETHER]  # factor on the force that the object gets, and
+    share: Annotated[View[float], TOGETHER]  # another one, in this sample
+
+
+class Block(Record):
+    """A lasting contact and its tables."""
+
+    settled: int  # number of the receptance that the tables are of, 0: none
+    parts: int  # of a sample that they are for, 0: the contact is too stiff
+    tables: Annotated[View[Tables], TOGETHER]  # for the force of each member of the net, its own among them
+    # While a block lasts:
+    gained: float  # J: by how much the energy is above the least so far
+    scale: float  # J: the greatest V so far
+    kept: float  # J: `gained` before the sample
+    most: float  # J: `scale` after it
+    # m: the point's motion without the forces to come; the first end at its place now
+    rows: Annotated[View[float], (AHEAD + 1) * ROWS + AT_ONCE]
+    force: Annotated[View[float], FORCES]  # N
+    before: Annotated[View[float], FORCES]  # a sample before
+    last: Annotated[View[float], FORCES]
+    height: Annotated[View[float], FORCES]  # m: of the path at the nodes, against the sample's beginning,
+    slope: Annotated[View[float], FORCES]  # m per sample
+    rise: float  # m: and at the sample's end
+    end: float  # m: compression then
+    solved: int  # 1: so Newton's method has ended
+    free: Annotated[View[float], MOTIONS]  # compression and rate with no force but that at rest,
+    seen: Annotated[View[float], MOTIONS]  # and with those of the others,
+    taken: Annotated[View[float], MOTIONS]  # and what its own add
+    v: Annotated[View[float], FORCES]  # m per sample
+    moments: Annotated[View[float], MOMENTS_AHEAD]  # N s: of F
+
+
+@kernel
+def forces_of(block: Block) -> int:
+    """Return the number of unknown forces in a sample of a block."""
+    return NODES_PER_PART * block.parts
+
+
+@kernel
+def rows_of(block: Block) -> int:
+    """Return the number of rows that a block has."""
+    return 2 * forces_of(block) + 1
+
+
+@kernel
+def moments_of(block: Block) -> int:
+    """Return the number of moments of a force that the samples after it feel."""
+    return block.parts + 1
+
+
+@kernel
+def ratio_of(net: Net, i: int, j: int) -> float:
+    """Return the factor on what the force of contact j does to the point of another, i."""
+    return net.gain[j] * net.share[j] / net.gain[i]

@@ -1,0 +1,80 @@
+"""What forces do to the points of contacts that are solved in blocks: within a sample, and to the samples after it."""
+
+from ..native.jit import kernel
+from ..native.typed import Items, View
+from ..numerics.legendre import AHEAD, FINE
+from ..numerics.sums import AT_ONCE, add_tables, line_of
+from .block_nodes import FORCES, MOTIONS, NODES_PER_PART, RATES, TO_END, TO_NODES
+from .block_records import Block, Net, Tables, moments_of, ratio_of, rows_of
+from .power_series import POWERS
+
+
+@kernel
+def answer_of(receptance: View[float], period: float, answer: View[float]) -> None:
+    """Write how a point answers a force, m/(N sample), by a receptance (FINE, m/(N s))."""
+    answer[0] = 0.0
+    for n in range(1, FINE):
+        total = 0.0
+        for k in range(n, FINE):
+            total += POWERS[n, k] * receptance[k]
+        answer[n] = period * total
+
+
+@kernel
+def settle_tables(tables: Tables, answer: View[float], parts: int) -> None:
+    """Set what the forces do within a sample of so many parts, by an answer."""
+    for j in range(FORCES * MOTIONS):
+        tables.give[j] = 0.0
+    for j in range(NODES_PER_PART * parts):
+        end = 0.0
+        for n in range(FINE):
+            end += answer[n] * TO_END[parts, n, j]
+        tables.give_end[j] = end
+        for i in range(NODES_PER_PART * parts):
+            x = v = 0.0
+            for n in range(1, FINE):
+                x += answer[n] * TO_NODES[parts, i, n, j]
+                v += answer[n] * RATES[parts, i, n, j]
+            tables.give[j * MOTIONS + i] = x
+            tables.give[j * MOTIONS + FORCES + i] = v
+
+
+@kernel
+def take_rows(block: Block, laid: View[float], scale: float) -> None:
+    """Take rows of the point's motion that were laid one after the other, times `scale`."""
+    count = rows_of(block)
+    for r in range(count):
+        for n in range(AHEAD):
+            block.rows[(n + 1) * count + r] = scale * laid[r * AHEAD + n]
+
+
+@kernel
+def take_answers(block: Block, tables: Tables, moment: int, laid: View[float]) -> None:
+    """Take the rows of the motion that follows on a moment of a force that is 1."""
+    count, moments, first = rows_of(block), moments_of(block), line_of(tables.later)
+    for r in range(count):
+        for n in range(AHEAD):
+            i = n * count + r
+            within = i % AT_ONCE
+            tables.later[first + (i - within) * moments + moment * AT_ONCE + within] = laid[r * AHEAD + n]
+
+
+@kernel
+def feel(blocks: Items[Block], net: Net, n: int) -> None:
+    """Add what the forces of sample n do to the rows of the samples after it, of all contacts of a net."""
+    for i in range(net.size):
+        for j in range(net.size):
+            ratio = ratio_of(net, i, j) if i != j else net.share[i]
+            _feel(blocks[net.block[i]], blocks[net.block[i]].tables[j], blocks[net.block[j]].moments, n, ratio)
+
+
+@kernel
+def _feel(block: Block, tables: Tables, moments: View[float], n: int, share: float) -> None:
+    """Add what a share of one force does to the rows of one contact."""
+    count, first, later = rows_of(block), line_of(tables.later), tables.later
+    begin, values = (n + 2) * count, (AHEAD - 1 - n) * count
+    m0, m1 = share * moments[0], share * moments[1]
+    if block.parts == 1:
+        add_tables(block.rows, begin, later, first, (m0, m1), values)
+    else:
+        add_tables(block.rows, begin, later, first, (m0, m1, share * moments[2]), values)

@@ -1,0 +1,62 @@
+"""Sums of tables that are read by whole registers: LLVM doesn't know that the tables and the sums lie apart."""
+
+from typing import Any
+
+from ..native.jit import Lowered, cgutils, intrinsic, ir, types
+from ..native.typed import View
+
+AT_ONCE = 8
+"""Values that are added at once: 64 bytes, a line of the cache."""
+
+_REASSOCIATE = ("contract", "reassoc", "nsz")
+
+
+def _pointer(context: Any, builder: Any, array_type: Any, array: Any, index: Any) -> Any:
+    data = context.make_array(array_type)(context, builder, array).data
+    return builder.bitcast(builder.gep(data, [index]), ir.VectorType(ir.DoubleType(), AT_ONCE).as_pointer())
+
+
+@intrinsic
+def line_of(typingctx: object, array: View[float]) -> Lowered[int]:
+    """Return the first place of a float64 array, at least AT_ONCE long, at which a line of the cache begins."""
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        whole = ir.IntType(64)
+        data = context.make_array(signature.args[0])(context, builder, args[0]).data
+        past = builder.lshr(builder.ptrtoint(data, whole), whole(3))
+        return builder.and_(builder.sub(whole(0), past), whole(AT_ONCE - 1))
+
+    return types.intp(array), codegen
+
+
+@intrinsic
+def add_tables(
+    typingctx: object, sums: View[float], begin: int, tables: View[float], first: int, factors: tuple[float, ...],
+    count: int,
+) -> Lowered[None]:  # fmt: skip
+    """Add sum_k factors[k] table_k[i] to sums[begin + i] for each i below `count`, and for up to AT_ONCE - 1 more.
+
+    From tables[first] on lie AT_ONCE values of each table, then the next of each.
+    """
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        sums, begin, tables, first, factors, count = args
+        whole, vector = ir.IntType(64), ir.VectorType(ir.DoubleType(), AT_ONCE)
+        spread = []
+        for factor in cgutils.unpack_tuple(builder, factors):
+            each = ir.Constant(vector, ir.Undefined)
+            for lane in range(AT_ONCE):
+                each = builder.insert_element(each, factor, ir.IntType(32)(lane))
+            spread.append(each)
+        with cgutils.for_range_slice(builder, whole(0), count, whole(AT_ONCE)) as (i, _):
+            place = _pointer(context, builder, signature.args[0], sums, builder.add(begin, i))
+            total = builder.load(place, align=8)
+            for k, factor in enumerate(spread):
+                at = builder.add(builder.mul(i, whole(len(spread))), builder.add(first, whole(k * AT_ONCE)))
+                values = builder.load(_pointer(context, builder, signature.args[2], tables, at), align=8)
+                product = builder.fmul(factor, values, flags=_REASSOCIATE)
+                total = builder.fadd(total, product, flags=_REASSOCIATE)
+            builder.store(total, place, align=8)
+        return context.get_dummy_value()
+
+    return types.void(sums, types.intp, tables, types.intp, factors, types.intp), codegen

@@ -1,0 +1,35 @@
+"""Sums of tables by whole registers, against numpy."""
+
+import numpy as np
+import pytest
+
+from carom.dsp.numerics.sums import AT_ONCE, add_tables, line_of
+
+pytestmark = pytest.mark.slow  # numba compiles the loops around the intrinsics
+
+
+def _compiled():
+    from numba import njit
+
+    @njit
+    def add(sums, begin, tables, m0, m1, count):
+        first = line_of(tables)
+        add_tables(sums, begin, tables, first, (m0, m1), count)
+        return first
+
+    return add
+
+
+def test_tables_are_added_as_numpy_does():
+    random, add = np.random.default_rng(1), _compiled()
+    for count in (5, 8, 19, 40):
+        padded = -(-count // AT_ONCE) * AT_ONCE
+        room, sums = np.zeros(2 * padded + AT_ONCE + 1)[1:], random.normal(size=3 + padded)
+        first = add(sums.copy(), 3, room, 0.0, 0.0, count)
+        assert 0 <= first < AT_ONCE and (room.ctypes.data + 8 * first) % 64 == 0
+        tables = random.normal(size=(padded // AT_ONCE, 2, AT_ONCE))
+        room[first : first + tables.size] = tables.ravel()
+        expected = sums.copy()
+        expected[3 : 3 + count] += (0.5 * tables[:, 0] - 2.0 * tables[:, 1]).ravel()[:count]
+        add(sums, 3, room, 0.5, -2.0, count)
+        np.testing.assert_allclose(sums[: 3 + count], expected[: 3 + count], atol=1e-15)
