@@ -81,6 +81,7 @@ Contacts = Iterable[Touch] | Mapping[str, ArrayLike]
 Poses = Mapping[str, Pose]
 
 _ROWS: dict[str, tuple[int, ...]] = {"pair": (2,), "point": (3,), "normal": (3,), **dict.fromkeys(TOLD, ())}
+_LARGEST = np.finfo(float).max
 _FINITE = -math.inf, math.inf, "a finite number"
 _BOUNDS = {
     "approach": _FINITE,
@@ -91,6 +92,13 @@ _BOUNDS = {
     "restitution": (0.0, 1.0, "0 to 1"),
     "friction": (0.0, math.inf, "a finite number that is not negative"),
 }
+_FIRST_TOLD = Touch._fields.index("approach")
+_LEAST, _MOST = (
+    np.clip([bound] * 6 + [_BOUNDS[name][side] for name in Touch._fields[_FIRST_TOLD:]], -_LARGEST, _LARGEST)
+    for side, bound in enumerate((-math.inf, math.inf))
+)
+"""Bounds of a touch's numbers: those of its point, of its normal, and what may be told."""
+_MAY_LACK = np.arange(_LEAST.size) >= 6
 _UNIT = 1e-3  # by which a normal's or a quaternion's length may differ from 1
 
 
@@ -101,7 +109,14 @@ def take_contacts(
 
     number: of a body; names: of all bodies; where: the step, for an error.
     """
-    columns = contacts if isinstance(contacts, Mapping) else _columns(_touches(contacts, where), number)
+    columns: Mapping[str, ArrayLike]
+    if isinstance(contacts, Mapping):
+        columns = contacts
+    else:
+        touches = _touches(contacts, where)
+        if not touches or _took(state, touches, number):
+            return len(touches)
+        columns = _columns(touches, number)
     for name in columns:
         if name not in _ROWS:
             raise WorldError(f"{where}: contacts: {name}: {expected(name, _ROWS)}")
@@ -134,6 +149,27 @@ def _touches(contacts: Any, where: str) -> list[Touch]:
         if not isinstance(each, Touch):
             raise WorldError(f"{where}: contacts: {each!r}: expected a Touch")
     return touches
+
+
+def _took(state: NDArray[np.void], touches: list[Touch], number: Callable[[str], int]) -> bool:
+    """Put touches into the tracker's memory, and return True; False, and nothing was done, if one cannot be."""
+    count = len(touches)
+    pairs = [(number(each.a), number(each.b)) for each in touches]
+    try:
+        rows = np.array([(*each.point, *each.normal, *each[_FIRST_TOLD:]) for each in touches], float)
+    except (TypeError, ValueError):
+        return False
+    if count > POINTS or rows.shape != (count, len(_LEAST)):
+        return False
+    fits = (rows >= _LEAST) & (rows <= _MOST) | (rows != rows) & _MAY_LACK
+    normal = rows[:, 3:6]
+    if not fits.all() or not (np.abs(np.sqrt((normal * normal).sum(axis=1)) - 1.0) <= _UNIT).all():
+        return False
+    record = state[0]
+    record["pair"][:count], record["point"][:count], record["normal"][:count] = pairs, rows[:, :3], normal
+    for place, name in enumerate(Touch._fields[_FIRST_TOLD:], 6):
+        record[name][:count] = rows[:, place]
+    return True
 
 
 def _numbers(given: ArrayLike, what: str) -> NDArray[np.float64]:
@@ -170,8 +206,6 @@ def _check_contacts(state: NDArray[np.void], count: int, names: Sequence[str], w
 
 def _columns(touches: list[Touch], number: Callable[[str], int]) -> Mapping[str, ArrayLike]:
     """Return the columns of touches."""
-    if not touches:
-        return {"pair": np.empty((0, 2)), "point": np.empty((0, 3)), "normal": np.empty((0, 3))}
     a, b, *rest = zip(*touches, strict=True)
     pair = [(number(first), number(second)) for first, second in zip(a, b, strict=True)]
     named: dict[str, Any] = dict(zip(Touch._fields[2:], rest, strict=True))
