@@ -28,7 +28,7 @@ from carom.dsp.native.jit import kernel as compiled
 from carom.dsp.resonator.bank import RESPONSES, Modes, Point, inject, ring
 from carom.dsp.resonator.coefficients import set_mode
 from carom.dsp.resonator.simd import LANES
-from tests.bench import clips, contacts, driven, gestures, klank, ringing, rolled, slides, struck, swelling
+from tests.bench import clips, contacts, driven, gestures, klank, many, ringing, rolled, slides, struck, swelling
 from tests.bench.machine import machine
 from tests.bench.rounds import Contenders, minima
 
@@ -51,6 +51,7 @@ TITLES = {
     "A tam-tam whose modes are coupled, and asleep: share of a core": "swelling",
     "Strings that are bowed: share of real time on one core": "slides",
     "Clips: an impact of one second in a fresh scene, with labels": "clips",
+    "Many: items of recipes, and worlds, per second of one core, and over the engine's own time": "many",
     "Start-up: s": "startup",
 }
 """Titles of the tables that are shown after the kernels'."""
@@ -298,6 +299,7 @@ def main() -> None:
         "swelling": swelling.measure(rounds),
         "empty_scene": clips.measure_empty(),
         "clips": clips.measure_clips(clips.CLIPS // (10 if options.quick else 1)),
+        "many": many.measure(),
         "startup": measure_startup(few),
     }
     results["aims"] = aims(results)

@@ -334,7 +334,13 @@ def _starts(bench: dict[str, Any]) -> str:
         (f"a clip of one second with labels, {_CLIPS[row['objects']]}", f"{row['ms']:.3g} ms") for row in bench["clips"]
     ]
     lines.append(("an empty `Scene`", f"{bench['empty_scene']['ms']:.3g} ms"))
-    return f"## Starts and clips\n\n{table(('', 'takes'), lines)}"
+    return f"## Starts and clips\n\n{table(('', 'takes'), lines)}{_many(bench)}"
+
+
+def _many(bench: dict[str, Any]) -> str:
+    """Return the table of what is computed one after the other, if it was measured."""
+    lines = [(row["what"], f"{row['per_second']:.3g}", f"{row['over_engine']:.2g}") for row in bench.get("many", ())]
+    return f"\n\n{table(('1 s and 32 modes each', 'per second and core', 'times the engine'), lines)}" if lines else ""
 
 
 def _number(value: float) -> str:
