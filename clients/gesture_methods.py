@@ -48,21 +48,23 @@ def with_methods_of(scene: type) -> Callable[[_Class], _Class]:
 def _begin(gesture: Gesture) -> _Method:
     """Return the method that begins a gesture, with its argument by name, and its help."""
 
+    first = "what" if gesture.what else gesture.argument.name
+
     def method(
         self: Any, name: str, value: Value = None, position: Value = None, at: Value = None, **keys: Value
     ) -> None:
         if value is None:
-            value = keys.pop(gesture.argument.name, None)
+            value = keys.pop(first, None)
         self._gesture(gesture.name, name, value, position, at, keys)
 
     method.__name__ = gesture.name
     lasts = " A gesture of that `id` that goes on (None: the object's own) is steered." if gesture.along else ""
     method.__doc__ = (
         f"Begin a gesture that {gesture.help.replace(' it', ' the object', 1)}.\n\n"
-        f"{gesture.argument.name}: {gesture.argument.bounds}; {gesture.argument.help}.{lasts}"
+        f"{first}: {gesture.what or f'{gesture.argument.bounds}; {gesture.argument.help}'}.{lasts}"
     )
     given = inspect.signature(method).parameters.values()
-    named = [each.replace(name=gesture.argument.name) if each.name == "value" else each for each in given]
+    named = [each.replace(name=first) if each.name == "value" else each for each in given]
     method.__signature__ = inspect.Signature(named)  # type: ignore[attr-defined]
     return method
 

@@ -15,24 +15,29 @@ def with_methods_of(scene: type) -> Callable[[_Class], _Class]: ...
 class Keys(TypedDict, total=False):
     """Keys of all gestures."""
 
-    striker: str
     mass: SupportsFloat
     stiffness: SupportsFloat
     dissipation: SupportsFloat
     exponent: SupportsFloat
-    restitution: SupportsFloat
-    by: str
     by_position: SupportsFloat
     by_radius: SupportsFloat
-    gain: SupportsFloat
     id: str
 
 class ImpactKeys(Keys, total=False):
     """Keys of impact."""
 
+    striker: str
+    restitution: SupportsFloat
+    by: str
+    gain: SupportsFloat
+
 class BounceKeys(Keys, total=False):
     """Keys of bounce."""
 
+    striker: str
+    restitution: SupportsFloat
+    by: str
+    gain: SupportsFloat
     velocity: SupportsFloat
     gravity: SupportsFloat
     irregularity: SupportsFloat
@@ -42,6 +47,10 @@ class BounceKeys(Keys, total=False):
 class RollKeys(Keys, total=False):
     """Keys of roll."""
 
+    striker: str
+    restitution: SupportsFloat
+    by: str
+    gain: SupportsFloat
     radius: SupportsFloat
     roughness: SupportsFloat
     asymmetry: SupportsFloat
@@ -55,9 +64,18 @@ class RollKeys(Keys, total=False):
 class PressKeys(Keys, total=False):
     """Keys of press."""
 
+    striker: str
+    restitution: SupportsFloat
+    by: str
+    gain: SupportsFloat
+
 class SpinKeys(Keys, total=False):
     """Keys of spin."""
 
+    striker: str
+    restitution: SupportsFloat
+    by: str
+    gain: SupportsFloat
     angle: SupportsFloat
     radius: SupportsFloat
     quickening: SupportsFloat
@@ -69,6 +87,10 @@ class SpinKeys(Keys, total=False):
 class SlideKeys(Keys, total=False):
     """Keys of slide."""
 
+    striker: str
+    restitution: SupportsFloat
+    by: str
+    gain: SupportsFloat
     force: SupportsFloat
     sweep: SupportsFloat
     radius: SupportsFloat
@@ -83,6 +105,12 @@ class SlideKeys(Keys, total=False):
     travel: SupportsFloat
     surface: str
     press: str
+
+class RestKeys(Keys, total=False):
+    """Keys of rest."""
+
+    resistance: SupportsFloat
+    load: SupportsFloat
 
 class Gestures:
     """Gestures on objects by name: methods of what has `_gesture(gesture, name, value, position, at, keys)`."""
@@ -150,6 +178,17 @@ class Gestures:
         """Begin a gesture that drags the striker over the object until 0, or steers the slide of that id (NAME if
         none): a scrape, a rub, a bow."""
 
+    def rest(
+        self,
+        name: str,
+        what: str,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Unpack[RestKeys],
+    ) -> None:
+        """Begin a gesture that lays the object on another object or on a support, until it is stopped: both ring
+        shorter, and may buzz."""
+
 class ObjectMethods:
     """Methods on an object: those of its scene on objects, without the name."""
 
@@ -209,6 +248,16 @@ class ObjectMethods:
     ) -> None:
         """Begin a gesture that drags the striker over the object until 0, or steers the slide of that id (NAME if
         none): a scrape, a rub, a bow."""
+
+    def rest(
+        self,
+        what: str,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Unpack[RestKeys],
+    ) -> None:
+        """Begin a gesture that lays the object on another object or on a support, until it is stopped: both ring
+        shorter, and may buzz."""
 
     def note(
         self,

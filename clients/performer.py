@@ -198,7 +198,8 @@ class Performer:
 
     def slots(self) -> dict[int, str]:
         """Return the names of the objects by their places in the engine."""
-        return {placed.handle.slot: self._names[serial] for serial, placed in self.engine.placed.items()}
+        placed = self.engine.placed.items()
+        return {each.handle.slot: self._names[serial] for serial, each in placed if serial in self._names}
 
     def stem_pieces(self, first: int, frames: int) -> dict[str, NDArray[np.float64]]:
         """Return each object's part, (frames, channels), of the last quantum, from its frame `first` on."""

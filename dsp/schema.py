@@ -80,6 +80,10 @@ class Gesture:
     """True if its striker turns on a surface."""
     slips: bool = False
     """True if its striker slips over a surface, with friction."""
+    rests: bool = False
+    """True if the object lies on something, at rest under a load that is no part of the force that modes get."""
+    what: str = ""
+    """The help of the word `what`, which comes first and says on what it rests; its argument is a key then."""
     meets: float = 1.0
     """Share of the striker's mass that meets the object."""
 
@@ -91,7 +95,7 @@ class Gesture:
     @property
     def lasts(self) -> bool:
         """True if it is one contact, until it is stopped."""
-        return self.held or self.along
+        return self.held or self.along or self.rests
 
     @property
     def single(self) -> bool:
@@ -129,6 +133,14 @@ GAIN = Parameter(
     "gain", -120.0, 40.0, "dB", "of this gesture", default=0.0, useful=(-40.0, 12.0), steerable=True, glide=0.02
 )
 BY_POSITION = Parameter("by_position", 0.0, 1.0, "", "the point of that object that strikes")
+LOAD = Parameter(
+    "load", 1e-6, 1e5, "N", "that presses it on: its weight, or a hand's usual force, if not given",
+    useful=(0.1, 50.0), steerable=True, glide=0.1,
+)  # fmt: skip
+RESISTANCE = Parameter(
+    "resistance", 0.0, 1e9, "N s/m", "of the ground under a support; 0: it is rigid; the support's if not given",
+    useful=(0.0, 1e5),
+)  # fmt: skip
 BY_RADIUS = Parameter(
     "by_radius", 1e-4, 10.0, "m",
     "of that object where it touches, for the law that both materials make; 0.01 if not given", useful=(1e-3, 0.1),
@@ -251,9 +263,18 @@ SLIDE = Gesture(
     ),
     slips=True,
 )  # fmt: skip
-GESTURES = {gesture.name: gesture for gesture in (IMPACT, BOUNCE, ROLL, PRESS, SPIN, SLIDE)}
+REST = Gesture(
+    "rest", "lays it on another object or on a support, until it is stopped: both ring shorter, and may buzz", LOAD,
+    (
+        dataclasses.replace(
+            BY_POSITION, help="the point of that object on which it rests", steerable=True, glide=POSITION.glide
+        ),
+    ),
+    fixed=("gain",), rests=True, what="another object, or a support: felt, foam, finger, palm or table",
+)  # fmt: skip
+GESTURES = {gesture.name: gesture for gesture in (IMPACT, BOUNCE, ROLL, PRESS, SPIN, SLIDE, REST)}
 
-TRAIT_NAMES = ("single", "repeats", "falls", "held", "rolls", "slips", "along", "lasts", "meets")
+TRAIT_NAMES = ("single", "repeats", "falls", "held", "rolls", "slips", "rests", "along", "lasts", "meets")
 """Traits of gestures that kernels ask for: 1 or 0, but for `meets`."""
 
 STEERABLE = tuple(dict.fromkeys(name for gesture in GESTURES.values() for name in gesture.steerable))

@@ -26,6 +26,8 @@ class Steered(Record):
     stribeck: float  # m/s
     tangential: float  # N/m
     along: float
+    load: float
+    by_position: float
 
 class Values(Record):
     """The values of a gesture: the parameters of all gestures, 0 for those that it has not."""
@@ -66,6 +68,7 @@ class Values(Record):
     stribeck: float  # m/s
     tangential: float  # N/m
     along: float
+    load: float
 
 class Settings(Record):
     """The settings of an object."""
@@ -93,6 +96,7 @@ class Traits(Record):
     held: int
     rolls: int
     slips: int
+    rests: int
     along: int
     lasts: int
     meets: float

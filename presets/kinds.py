@@ -249,6 +249,10 @@ class ObjectPreset:
         """
         return contact_between(striker._contact_material, self._contact_material, radius)
 
+    def resting_on(self, material: str, radius: float = CONTACT_RADIUS) -> tuple[float, float, float]:
+        """Return the same of its contact with a ground of a material, by its preset; `radius` (m) is its own."""
+        return contact_between(self._contact_material, self._library.material(material), radius)
+
     @cached_property
     def _contact_material(self) -> Material:
         return self.material or self._library.material(STAND_IN)

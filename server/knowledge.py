@@ -10,6 +10,7 @@ import numpy as np
 from ..dsp.contact.sampled import METHODS
 from ..dsp.schema import GESTURES, MAIN_GAIN, SETTINGS, STRIKE, TRAIT_NAMES, Parameter
 from ..presets import ObjectPreset, PresetError, Presets
+from ..presets.supports import SUPPORTS
 from .osc.questions import tuning_of
 from .osc.score import format_line
 from .osc.wire import Message
@@ -38,6 +39,7 @@ class Knowledge:
             "ID": {id.name: None for id in self._session.gestures.running()},
             "preset": library.names("objects"),
             "method": ("closed", *METHODS),
+            "what": (*SUPPORTS, *self._session.objects),
             **{kind[:-1]: library.names(kind) for kind in ("strikers", "surfaces", "materials")},
         }
 
@@ -72,6 +74,7 @@ class Knowledge:
                 "gestures": {
                     name: {
                         "argument": _parameter(gesture.argument),
+                        "what": [*SUPPORTS] if gesture.what else [],
                         "keys": [_parameter(key) for key in {k.name: k for k in (*STRIKE, *gesture.keys)}.values()],
                         "steerable": gesture.steerable,
                         **{trait: getattr(gesture, trait) for trait in TRAIT_NAMES},

@@ -55,11 +55,15 @@ def _kind(section: str) -> str:
     """Return the key that a section cannot be without."""
     if section == SENSOR:
         return ""
-    return "preset" if section in OBJECTS else GESTURES[section].argument.name
+    if section in OBJECTS:
+        return "preset"
+    return "what" if GESTURES[section].what else GESTURES[section].argument.name
 
 
 def _wanted(section: str) -> str:
-    return "the name of an object" if section in OBJECTS else str(GESTURES[section].argument)
+    if section in OBJECTS:
+        return "the name of an object"
+    return GESTURES[section].what or str(GESTURES[section].argument)
 
 
 def _ends(value: Value | Spread) -> tuple[Value, ...]:

@@ -55,7 +55,7 @@ def sensor_message(values: Mapping[str, Value]) -> Message:
 
 def gesture_message(gesture: str, values: Mapping[str, Value], seed: int, has_by: bool) -> Message:
     """Return the message of a gesture, with a seed of its own unless it is given one."""
-    argument = GESTURES[gesture].argument.name
+    argument = "what" if GESTURES[gesture].what else GESTURES[gesture].argument.name
     given = {key: value for key, value in values.items() if key not in (argument, *OWN[gesture])}
     if any(key.name == "seed" for key in GESTURES[gesture].keys):
         given = {"seed": seed, **given}

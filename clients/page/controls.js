@@ -75,12 +75,13 @@ export class Controls {
     });
   }
 
-  gesture(object, name, { argument, keys, along, rolls }) {
+  gesture(object, name, { argument, keys, along, rolls, what }) {
     const chosen = this.hands.chosen[name];
-    const usual = this.hands.usual(object, name);
+    const usual = what?.length ? null : this.hands.usual(object, name);
     const rows = [argument, ...keys.filter((key) => !HIDDEN.has(key.name))].map((parameter) =>
       this.choice(chosen, parameter, parameter === argument ? usual : parameter.default));
     if (along) rows.splice(1, 0, this.surface(chosen, rolls ? "by material" : "wood"));
+    if (what?.length) rows.unshift(this.support(chosen, what));
     const act = el("button", { className: "act", textContent: capitalized(VERBS[name] ?? name) });
     act.onclick = () => this.act(object, name);
     return [...rows, act];
@@ -95,11 +96,22 @@ export class Controls {
   }
 
   surface(chosen, otherwise) {
-    const select = el("select", { "aria-label": "surface" }, el("option", { value: "", textContent: otherwise }),
-      ...this.scene.catalogue.surfaces.map((each) => el("option", { value: each, textContent: each.replaceAll("-", " ") })));
-    select.value = chosen.surface ?? "";
-    select.onchange = () => (select.value ? (chosen.surface = select.value) : delete chosen.surface);
-    return el("label", { className: "slider" }, el("span", { textContent: "surface" }), select);
+    const options = this.scene.catalogue.surfaces.map((each) => [each, each.replaceAll("-", " ")]);
+    return this.word(chosen, "surface", [["", otherwise], ...options]);
+  }
+
+  /** What an object rests on: a support, or another object of the scene. */
+  support(chosen, supports) {
+    const others = [...this.scene.objects.keys()].filter((name) => name !== this.scene.selected);
+    return this.word(chosen, "what", [...supports, ...others].map((each) => [each, each.replaceAll("-", " ")]));
+  }
+
+  /** A key that is one of some words, each a value and its text. */
+  word(chosen, key, options) {
+    const select = el("select", { "aria-label": key }, ...options.map(([value, textContent]) => el("option", { value, textContent })));
+    select.value = chosen[key] ?? options[0][0];
+    select.onchange = () => (select.value ? (chosen[key] = select.value) : delete chosen[key]);
+    return el("label", { className: "slider" }, el("span", { textContent: key }), select);
   }
 
   /** The contact law, for all gestures alike. */

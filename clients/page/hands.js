@@ -32,6 +32,11 @@ export class Hands extends EventTarget {
 
   keys(gesture, object, more = {}) {
     const given = { ...this.chosen[gesture], ...more };
+    if (this.gestures[gesture].what?.length) {
+      delete given.what;
+      delete given.restitution;
+      return Object.entries(given).flat();
+    }
     delete given[this.gestures[gesture].argument.name];
     if (this.striker && !("by" in given)) given.striker = this.striker;
     if ("restitution" in given) delete given[this.gestures[gesture].along ? "restitution" : "dissipation"];
@@ -62,7 +67,9 @@ export class Hands extends EventTarget {
 
   begin(object, name, position, value = this.argument(object, name), more = {}) {
     const id = this.id(name);
-    this.link.send(`/object/${object.name}/${name}`, value, position, ...this.keys(name, object, { ...more, id }));
+    const { what } = this.gestures[name];
+    const first = what?.length ? this.chosen[name].what ?? what[0] : value;
+    this.link.send(`/object/${object.name}/${name}`, first, position, ...this.keys(name, object, { ...more, id }));
     const { falls, argument } = this.gestures[name];
     if (falls && argument.name === "height") this.tell("dropped", { object, position, value, id, gesture: name });
     return id;

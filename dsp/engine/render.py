@@ -5,13 +5,12 @@ Objects that share a contact are rendered together, sample by sample; every othe
 
 from ..native.jit import kernel, noinline_kernel
 from ..native.typed import View2D
-from ..resonator.bank import state_of
 from ..resonator.click import set_click
 from ..resonator.coefficients import set_mode, set_unfelt
 from ..resonator.simd import LANES
 from .bank.spectral import mix_bank, recall_struck
 from .bodies.glide import follow_tension
-from .bodies.objects import is_felt, modes_of, relief_of, ringing_of
+from .bodies.objects import is_felt, is_heard, least_heard, modes_of, relief_of, ringing_of
 from .bodies.sensing import begin_sensing, clear_sensed, sense
 from .bodies.sheets import follow_sheets, is_coupled, uncouple
 from .bodies.strikers import rest_strikers, ring_strikers, silence_strikers
@@ -20,15 +19,15 @@ from .contacts.contact_groups import solve_groups
 from .contacts.contact_list import end_contacts
 from .contacts.contacts import begin_contacts, next_driven_frame, run_contacts, update_contacts
 from .contacts.flights import call_back
+from .contacts.rests import settle_rests
 from .contacts.rolls import add_through, ring_on
-from .memory.quality import find_oldest_running, is_left_out, keeps_strikers, silence_of
+from .memory.quality import find_oldest_running, is_left_out, keeps_strikers
 from .memory.state import QUANTUM, Object, State
 from .output.mix import clear_mix, glide_gain, glide_gains, is_faded, is_finite, remove_static
 from .output.space import hear_space
 from .output.space_lines import add_voice
 from .panic import mix_fading
 
-_STILL = 1e-5  # of silence, of what is sensed
 _RETUNE_BUDGET = 1024  # modes per quantum that get new coefficients in the background
 _PREPARED = 65_536  # modes of the bank that get them before they are touched; it is much memory for the others
 
@@ -41,15 +40,17 @@ def update_objects(state: State) -> None:
         recall_struck(state, obj)
         follow_tension(state, obj)
         obj.driven_gain = 0.0
-        obj.has_contact = obj.shares_contact = obj.driven_modes = 0
+        obj.has_contact = obj.shares_contact = obj.driven_modes = obj.restless = obj.leaned_on = 0
         obj.rolls_head = -1
         obj.ahead = obj.resumes = 0
         obj.energy = 0.0
         for channel in range(2):
             obj.static_before[channel], obj.static[channel] = obj.static[channel], 0.0
     find_oldest_running(state)
+    state.resting = 0
     for i in range(state.active):
         update_contacts(state, state.objects[state.order[i]])
+    settle_rests(state)
 
 
 @kernel
@@ -214,18 +215,12 @@ def _rest_silent(state: State, obj: Object) -> None:
     """Put the last groups of live modes to rest that nobody hears any more: at most two groups per quantum."""
     if is_coupled(state, obj):
         return
-    threshold = silence_of(state) if obj.sensors == 0 else _STILL * silence_of(state)
+    threshold = least_heard(state, obj)
     for _ in range(2):
         if obj.live <= obj.driven_modes:
             return
         first = obj.first + obj.live - LANES
-        heard = False
-        for i in range(first, first + LANES):
-            if state.bank.a2[i] != 0.0:
-                re, im = state_of(state.bank.y1[i], state.bank.y2[i], state.bank.a1[i], state.bank.a2[i])
-                weight = max(1.0, abs(state.bank.balance[i])) * max(1.0, obj.place.loudest)
-                heard |= weight * weight * (re * re + im * im) > threshold * threshold
-        if heard:
+        if is_heard(state, obj, first, first + LANES, threshold):
             return
         for i in range(first, first + LANES):
             state.bank.y1[i] = 0.0
@@ -268,7 +263,7 @@ def forget_quiet(state: State) -> None:
 @kernel
 def _is_over(state: State, obj: Object) -> bool:
     """True if an object was freed and nobody hears it any more."""
-    if obj.dying == 0 or obj.spectral > 0:
+    if obj.dying == 0 or obj.spectral > 0 or (obj.dying == 1 and obj.leaned_on == 1):
         return False
     silent = obj.live == 0 and obj.contact < 0 and obj.fading == 0 and obj.voice < 0
     return silent or (obj.dying == 2 and is_faded(state, obj))

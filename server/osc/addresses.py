@@ -18,11 +18,13 @@ from ...dsp.schema import (
     MAIN_GAIN,
     OWN_GAIN,
     POSITION,
+    RESISTANCE,
     RESTITUTION,
     ROOM,
     SETTINGS,
     STEERABLE,
     STEPS,
+    Gesture,
     gestures_steered_by,
 )
 from ...dsp.schema import (
@@ -60,12 +62,15 @@ _WORDS = {
 }
 """Keys of gestures that are not numbers."""
 
+_RESTING: tuple[Number | Word, ...] = (*LAW, BY_RADIUS, RESISTANCE, STRIKE[-1])
 _SHARED = {key.name for key in STRIKE}
 KEYS: dict[str, tuple[Number | Word, ...]] = {
-    name: (*(key for key in gesture.keys if key.name not in _SHARED), *_WORDS.get(name, ()))
+    name: (*_RESTING, gesture.argument, *gesture.keys)
+    if gesture.what
+    else (*(key for key in gesture.keys if key.name not in _SHARED), *_WORDS.get(name, ()))
     for name, gesture in GESTURES.items()
 }
-"""The keys of each gesture besides those that every gesture takes."""
+"""The keys of each gesture besides those that every gesture takes that strikes; of one that names what, all of them."""
 
 
 def _steers(name: str) -> str:
@@ -85,6 +90,14 @@ def _steering(name: str) -> Number:
     return replace(numbers[0], useful=covers)
 
 
+def _begins(gesture: Gesture) -> Verb:
+    """Return the verb that begins a gesture."""
+    address, keys = f"/object/NAME/{gesture.name}", KEYS[gesture.name]
+    if gesture.what:
+        return Verb(address, gesture.help, (Word("what", gesture.what),), (POSITION,), keys)
+    return Verb(address, gesture.help, (), (gesture.argument, POSITION), (*STRIKE, *keys))
+
+
 GAINS = Numbers(OWN_GAIN, int(CHANNELS.high), "gains")
 NOTE = Note("note", "tunes it so that its lowest mode is at this note (A4, 69, is 440 Hz); `tune` counts from there")
 PITCH = Number("pitch", 1.0, 20_000.0, "Hz", "the same in Hz", useful=(30.0, 4_000.0))
@@ -98,10 +111,7 @@ _OBJECTS = (
         keys=(*SETTINGS.values(), GAINS, POSITION, STRIKER, NOTE, PITCH),
         open_keys=True,
     ),
-    *(
-        Verb(f"/object/NAME/{name}", gesture.help, (), (gesture.argument, POSITION), (*STRIKE, *KEYS[name]))
-        for name, gesture in GESTURES.items()
-    ),
+    *(_begins(gesture) for gesture in GESTURES.values()),
     *(Change(f"/object/NAME/{name}", setting.help, (setting,)) for name, setting in SETTINGS.items()),
     Verb(
         "/object/NAME/gains",

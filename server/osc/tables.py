@@ -41,7 +41,8 @@ def key_table() -> str:
     keys: dict[str, list[str]] = {_row(key): ["all"] for key in STRIKE}
     for name, own in KEYS.items():
         for key in own:
-            keys.setdefault(_row(key), []).append(name)
+            if key not in STRIKE:
+                keys.setdefault(_row(key), []).append(name)
     keys |= {_row(key): ["changes"] for key in CHANGE}
     lines = ["| a gesture's key | of | meaning |", "|---|---|---|"]
     lines += [row.format(", ".join(gestures)) for row, gestures in keys.items()]

@@ -24,7 +24,7 @@ def law_of(
         law["mass"] = by.mass
     if by and to.by_materials:
         law.update(zip(LAW[1:], preset.struck_by(by.preset, to.contact_radius), strict=True), restitution=0.0)
-        to.warn_of_stand_ins(by)
+        to.warn_of_stand_ins(by, to.values.words["by"])
     law.update(changes or {})
     if "dissipation" in given and "restitution" in given:
         raise Refused(

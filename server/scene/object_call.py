@@ -52,12 +52,17 @@ class ObjectCall:
         if "by" not in self.values.words:
             return None
         name, objects, time = self.values.words["by"], self.transaction.objects, self.transaction.time
-        by = None if is_pattern(name) else objects.at(name, time).get(name)
-        if by is None or by is self.obj:
+        by = self.object_named(name)
+        if by is None:
             others = [other for other in islice(objects.there(time), MOST_COMPARED) if other != self.name]
             known = self.transaction.suggestion(name, others) or f"there are {some_of(others)}"
             raise Refused(f"by = {shown(name)}: expected another object; {known}")
         return by
+
+    def object_named(self, name: str) -> PlayedObject | None:
+        """Return the other object of a name; None if there is none."""
+        found = None if is_pattern(name) else self.transaction.objects.at(name, self.transaction.time).get(name)
+        return None if found is self.obj else found
 
     @property
     def by_materials(self) -> bool:
@@ -80,9 +85,9 @@ class ObjectCall:
         if key not in self.values.numbers:
             self.chosen_keys[key] = value
 
-    def warn_of_stand_ins(self, by: PlayedObject) -> None:
-        """Tell the sender, once for each, which of the two objects have no material."""
-        for name, obj in ((self.name, self.obj), (self.values.words["by"], by)):
+    def warn_of_stand_ins(self, other: PlayedObject, other_name: str) -> None:
+        """Tell the sender, once for each, which of the object and another have no material."""
+        for name, obj in ((self.name, self.obj), (other_name, other)):
             if obj.preset.material is None and not obj.warned_of_stand_in:
                 obj.warned_of_stand_in = True
                 self.transaction.on_undo(partial(setattr, obj, "warned_of_stand_in", False))

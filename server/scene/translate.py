@@ -28,6 +28,7 @@ from .notes import copy_of, speed_of, tuned
 from .object_call import ObjectCall
 from .objects import PlayedObject
 from .placing import SPACE_HANDLERS, place_object
+from .resting import rest
 from .sensing import SENSOR_HANDLERS
 from .steering import CHANGE_WORK, steer
 from .transaction import Sent, Transaction
@@ -254,7 +255,7 @@ def _own_values(to: ObjectCall, gesture: Gesture) -> dict[str, float]:
     }
 
 
-_OF_GESTURES = {"bounce": _bounce, "roll": _roll, "slide": _slide}
+_OF_GESTURES = {"bounce": _bounce, "roll": _roll, "slide": _slide, "rest": rest}
 """Handlers of gestures whose law, velocity or surface takes more than their values."""
 
 

@@ -13,7 +13,7 @@ def completed(values: Values, verb: Verb | None, preset: ObjectPreset) -> Values
     A message that says what strikes takes none of the preset's striker; the surface is the object's all the same.
     Refused if neither says the gesture's first argument.
     """
-    if verb is None or verb.action not in GESTURES:
+    if verb is None or verb.action not in GESTURES or GESTURES[verb.action].what:
         return values
     usual, argument = preset.gestures.get(verb.action), GESTURES[verb.action].argument.name
     words, defaults = values.words, values.defaults

@@ -124,6 +124,7 @@ def say_everything(client: Client, at: float | None) -> None:
     client.impact("a", 1.0, at=at)
     for gesture in (client.bounce, client.roll, client.press, client.spin, client.slide):
         gesture("a", 0.3, at=at)
+    client.rest("a", "felt", at=at)
     client.note("a", "C#4", 100, at=at)
     client.damp("a", 0.1, at=at)
     client.gain("a", -3, at=at)

@@ -27,6 +27,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "object keys": presets.object_keys,
     "other keys": presets.other_keys,
     "shapes": presets.shapes,
+    "supports": presets.supports,
     "presets": presets.listed,
     "levels": presets.levels,
     "scores": presets.scores,

@@ -7,6 +7,7 @@ from pathlib import Path
 from carom.dsp.schema import GESTURES
 from carom.presets import BUILT_IN, KINDS, Presets, gestures
 from carom.presets import schema as known
+from carom.presets.supports import SUPPORTS
 from carom.presets.values import Choice, Many, Name, OneOrMany, Quantity, Row, Rows, Whole
 from tests.bench.loudness import MEASURED
 from tests.documents.markdown import table
@@ -150,3 +151,17 @@ def levels() -> str:
         rows.append((f"`{name}`", *strike, f"{row['pascals']:.2g}", f"{row['pressure_level']:.0f}", *others))
     head = "name", "level, dB", "LUFS", "peak, dBFS", "Pa", "dB SPL", *known.SUITABLE
     return table(head, rows)
+
+
+def supports() -> str:
+    """Return the table of supports."""
+    lines = ["| support | is | spring and resistance at its load | figures |", "|---|---|---|---|"]
+    for name, each in SUPPORTS.items():
+        load = each.load or 1.0
+        spring = each.exponent * each.stiffness ** (1 / each.exponent) * load ** (1 - 1 / each.exponent)
+        law = f"at {load:g} N {spring:.2g} N/m, {each.dissipation * load:.2g} N s/m"
+        ground = f"; ground {each.resistance:.3g} N s/m" if each.resistance else ""
+        mass = f"; {each.mass:g} kg" if each.mass else ""
+        of = f"by the material, on {each.material}" if each.material else law
+        lines.append(f"| `{name}` | {each.description} | {of}{mass}{ground} | {each.source} |")
+    return "\n".join(lines)

@@ -7,15 +7,17 @@ import numpy as np
 from ...native.jit import kernel
 from ...native.records import set_field
 from ...native.typed import View
-from ...resonator.bank import NYQUIST_SHARE, RESPONSES, Modes, Point, reach
+from ...resonator.bank import NYQUIST_SHARE, RESPONSES, Modes, Point, reach, state_of
 from ...resonator.mode import mode_energy, recurring
 from ...resonator.simd import LANES
 from ...schema import SETTINGS
+from ..memory.quality import silence_of
 from ..memory.records import ContactPoint
 from ..memory.state import Object, State
 
 _HAND = 200.0  # 1/s: decay that a hand adds at damp = 1
 GONE = 0.35  # of a relief's frequency, where the middle of its modes lies an octave above the highest there is
+_STILL = 1e-5  # of silence, of what is sensed
 _FADE = 500.0  # 1/s: decay added to a mode that was tuned above the Nyquist share
 _HEAVIEST = 10.0  # of a mode's decay a sample, in nepers: it is gone in one, and more only costs digits
 _RETUNES = np.array([name in ("tune", "decay", "damp") for name in SETTINGS])
@@ -87,6 +89,24 @@ def sigma_of(state: State, obj: Object, i: int) -> float:
 def highest_of(state: State) -> float:
     """Return the frequency (Hz) above which modes are silent."""
     return NYQUIST_SHARE * 0.5 * state.rate
+
+
+@kernel
+def least_heard(state: State, obj: Object) -> float:
+    """Return the output amplitude of an object's modes below which nobody hears or senses them."""
+    return silence_of(state) * (1.0 if obj.sensors == 0 else _STILL)
+
+
+@kernel
+def is_heard(state: State, obj: Object, begin: int, end: int, threshold: float) -> bool:
+    """True if one of the bank's modes from `begin` up to `end`, all an object's, is louder than a threshold."""
+    bank, heard = state.bank, False
+    for i in range(begin, end):
+        if bank.a2[i] != 0.0:
+            re, im = state_of(bank.y1[i], bank.y2[i], bank.a1[i], bank.a2[i])
+            weight = max(1.0, abs(bank.balance[i])) * max(1.0, obj.place.loudest)
+            heard |= weight * weight * (re * re + im * im) > threshold * threshold
+    return heard
 
 
 @kernel

@@ -1,4 +1,5 @@
-"""Rolls that feel all modes, solved a quantum at a time (contact/block.py) where nothing else acts on the object.
+"""Rolls that feel all modes, and rests on supports, solved a quantum at a time (contact/block.py) where nothing else
+acts on the object.
 
 The modes then get the forces as those of rolls that feel none: their moments, frame by frame. Whether it is so is
 decided for each quantum anew: where a contact of another kind acts in it, or too many do, where a body moves over its
@@ -7,7 +8,7 @@ does a sample that they don't follow; then another block begins.
 """
 
 from ...contact.accuracy import PARTS
-from ...contact.block import begin_block, end_block, parts_for, step_blocks
+from ...contact.block import begin_block, end_block, parts_for, renew_block, step_blocks
 from ...contact.block_nodes import AT, MOMENTS_AHEAD, MOST_PARTS
 from ...contact.block_records import TOGETHER, Block, Net, Tables, moments_of, rows_of
 from ...contact.block_tables import answer_of, feel, settle_tables, take_answers, take_rows
@@ -26,6 +27,7 @@ from ..memory.records import Contact
 from ..memory.state import BEHIND, COUPLING, QUANTUM, Object, State
 from ..output.fade import note_force
 from .contact_force import observe_points
+from .contact_list import take_place
 from .rolls import feed_of, register_roll
 from .trace import trace_roll
 
@@ -73,7 +75,8 @@ def _gather(state: State, obj: Object, net: Net) -> bool:
     index = obj.contact
     while index >= 0:
         contact = state.contacts[index]
-        if contact.touching == 1 or contact.start < state.position + QUANTUM:
+        acts = contact.touching == 1 or contact.start < state.position + QUANTUM
+        if acts and contact.asleep == 0:
             if net.size == TOGETHER or not _can_be(state, contact):
                 return False
             i = net.size
@@ -88,11 +91,24 @@ def _gather(state: State, obj: Object, net: Net) -> bool:
 
 @kernel
 def _can_be(state: State, contact: Contact) -> bool:
-    """True if a contact is a roll that may be solved over the quantum."""
-    if contact.trait.rolls == 0 or contact.solver != COUPLING or contact.travel > 0.0:
+    """True if a contact is a roll or a rest that may be solved over the quantum."""
+    if contact.solver != COUPLING or contact.travel > 0.0:
+        return False
+    if contact.trait.rests == 1:
+        begun = contact.start + contact.fraction <= state.position - 1
+        return begun and contact.touching == 1 and _has_place(state, contact)
+    if contact.trait.rolls == 0:
         return False
     roll = state.rolls[contact.roll]
     return roll.t > 0.0 and contact.start + contact.fraction <= state.position - 1 and roll.m == roll.target.mass
+
+
+@kernel
+def _has_place(state: State, contact: Contact) -> bool:
+    """True if a rest has a place for its block, which it gets if one is free."""
+    if contact.roll < 0 and take_place(state, contact):
+        renew_block(state.blocks[contact.roll])
+    return contact.roll >= 0
 
 
 @kernel
@@ -153,12 +169,7 @@ def _run(state: State, net: Net, frame: int) -> int:
     end = QUANTUM
     for n in range(frame, QUANTUM):
         for i in range(net.size):
-            contact, roll = state.contacts[net.contact[i]], state.rolls[net.block[i]]
-            if contact.led == 0:
-                lead_coupled_roll(roll, contact.coupled, 0.0)
-            contact.led = 0
-            net.share[i] = share_of(roll)
-            project_path(contact.coupled, state.blocks[net.block[i]])
+            net.share[i] = _lead(state, state.contacts[net.contact[i]])
         if not step_blocks(state.contacts, state.blocks, net, n - frame):
             end = n
             break
@@ -170,11 +181,26 @@ def _run(state: State, net: Net, frame: int) -> int:
     for i in range(net.size):
         contact = state.contacts[net.contact[i]]
         end_block(state.blocks[net.block[i]], contact.coupled)
-        contact.led = 1 if end < QUANTUM else 0
         contact.ahead = end
-        contact.rolled = state.rolls[contact.roll].s
+        if contact.trait.rolls == 1:
+            contact.led = 1 if end < QUANTUM else 0
+            contact.rolled = state.rolls[contact.roll].s
         state.steps_taken += end - frame
     return end
+
+
+@kernel
+def _lead(state: State, contact: Contact) -> float:
+    """Lay the path under a contact over the coming sample; return the share of its force that the object gets."""
+    if contact.trait.rests == 1:
+        project_path(contact.coupled, state.blocks[contact.roll])  # of what rests, which is level
+        return 1.0
+    roll = state.rolls[contact.roll]
+    if contact.led == 0:
+        lead_coupled_roll(roll, contact.coupled, 0.0)
+    contact.led = 0
+    project_path(contact.coupled, state.blocks[contact.roll])
+    return share_of(roll)
 
 
 @kernel

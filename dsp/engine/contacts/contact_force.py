@@ -35,13 +35,7 @@ _FEWEST_STEPS = 20  # that it may take in any case
 @noinline_kernel
 def begin_contact(state: State, contact: Contact, pushed: bool) -> bool:
     """Begin to touch; where `pushed`, the striker's push acts meanwhile. False if there is no room for it."""
-    state.stats.impacts += 1
-    state.contact_count += 1
-    contact.number = state.contact_count
-    contact.touching = 1
-    contact.forces[:] = 0.0
-    place(contact.point[0], contact.now.position, state.objects[contact.point[0].slot].rows)
-    update_mode_count(state, contact)
+    touch(state, contact)
     if contact.w > 0.0:
         contact.mu = contact.w / max(contact.v_in, _resting_speed(contact))
     begin_pulse(contact.pulse, contact.v_in, contact.m, contact.k, contact.mu, contact.a, state.rate)
@@ -52,18 +46,30 @@ def begin_contact(state: State, contact: Contact, pushed: bool) -> bool:
         solver = COUPLING
     if solver != COUPLING:
         _leave_unheard(state, contact)
-    if solver == COUPLING and not _has_room(state, contact):
+    if solver == COUPLING and not has_room_for(state, contact):
         state.stats.contacts_dropped += 1
         return False
     contact.solver = solver
     if solver == COUPLING:
-        _begin_coupled(state, contact)
+        couple(state, contact)
     elif solver == SAMPLING:
         _begin_sampled(state, contact)
     begin_striker(state, contact)
     if contact.voice >= 0 and state.voices[contact.voice].snap > 0.0:
         trace_snap(state, contact, state.voices[contact.voice])
     return True
+
+
+@kernel
+def touch(state: State, contact: Contact) -> None:
+    """Begin a contact: give it a number, and find where it acts."""
+    state.stats.impacts += 1
+    state.contact_count += 1
+    contact.number = state.contact_count
+    contact.touching = 1
+    contact.forces[:] = 0.0
+    place(contact.point[0], contact.now.position, state.objects[contact.point[0].slot].rows)
+    update_mode_count(state, contact)
 
 
 @kernel
@@ -79,13 +85,13 @@ def _leave_unheard(state: State, contact: Contact) -> None:
 def couple_pulse(state: State, contact: Contact) -> None:
     """Couple a touching contact of closed form to the modes, if there is room."""
     update_mode_count(state, contact)
-    if not _has_room(state, contact):
+    if not has_room_for(state, contact):
         state.stats.over_budget += 1
         return
     pulse = contact.pulse
     x, v, given = state_of_pulse(pulse, contact.v_in, contact.k)
     contact.solver = COUPLING
-    _begin_coupled(state, contact)
+    couple(state, contact)
     if pulse.time > 0.0:
         begin_within(contact.coupled, x, contact.v_in - given / contact.m, v, _FIRST * pulse.duration)
 
@@ -101,7 +107,7 @@ def _resting_speed(contact: Contact) -> float:
 
 
 @kernel
-def _begin_coupled(state: State, contact: Contact) -> None:
+def couple(state: State, contact: Contact) -> None:
     """Begin a contact that is solved together with the modes."""
     contact.unsettled = 1
     contact.debt = 0
@@ -130,7 +136,7 @@ def _begin_sampled(state: State, contact: Contact) -> None:
 
 
 @kernel
-def _has_room(state: State, contact: Contact) -> bool:
+def has_room_for(state: State, contact: Contact) -> bool:
     """True if a contact may be coupled to the modes that it touches."""
     contact.modes = BY_ITSELF
     for side in range(2):
@@ -264,7 +270,7 @@ def observe_points(state: State, contact: Contact) -> None:
             receptance(modes, where, scratch.work, scratch.fine)
             for n in range(FINE):
                 scratch.receptance[n] += scratch.fine[n]
-            if contact.trait.rolls == 0:
+            if contact.trait.rolls == 0 and contact.trait.rests == 0:
                 find_static(state, contact, side, obj, point.modes)
         if obj.live > 0:
             observe(modes, where, scratch.work, scratch.fine)

@@ -67,6 +67,30 @@ def take_room_again(state: State, contact: Contact) -> None:
 
 
 @kernel
+def places_left(state: State) -> int:
+    """Return the places for what is computed as a roll is that nothing has."""
+    return len(state.rolls) - state.stats.rolls_active - state.rests_placed
+
+
+@kernel
+def take_place(state: State, contact: Contact) -> bool:
+    """Give a rest the place of a roll, in which its force is kept over a quantum; false if there is none."""
+    if contact.roll < 0 and places_left(state) > 0:
+        contact.roll = state.free_roll[places_left(state) - 1]
+        state.rests_placed += 1
+    return contact.roll >= 0
+
+
+@kernel
+def give_place_back(state: State, contact: Contact) -> None:
+    """Take the place of a roll away from a rest, if it has one."""
+    if contact.roll >= 0:
+        state.rests_placed -= 1
+        state.free_roll[places_left(state) - 1] = contact.roll
+        contact.roll = -1
+
+
+@kernel
 def report_end(state: State, gesture: int, end: int) -> None:
     """Report what became of a gesture, if it was given a number."""
     if gesture == 0:
@@ -95,7 +119,9 @@ def end_contact(state: State, obj: Object, before: int, index: int) -> None:
     state.free_contact[len(state.contacts) - 1 - stats.contacts_active] = index
     if contact.trait.along == 1:
         stats.rolls_active -= 1
-        state.free_roll[len(state.rolls) - 1 - stats.rolls_active] = contact.roll
+        state.free_roll[places_left(state) - 1] = contact.roll
+    elif contact.trait.rests == 1:
+        give_place_back(state, contact)
 
 
 @kernel

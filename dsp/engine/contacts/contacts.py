@@ -22,6 +22,7 @@ from .contact_force import apply_contact_force, begin_contact, couple_pulse, upd
 from .contact_groups import solve_alone
 from .contact_list import end_contact, release_modes, report_end, schedule_contact
 from .flights import follow_coupled, is_gone, is_pushed, leave, release_striker
+from .rests import begin_rest, keep_resting
 from .rolls import feed_of, feed_on, register_roll
 from .slides import lead_slide, rub, rubs
 from .solver_choice import is_moved
@@ -32,7 +33,7 @@ _MOST_PER_SAMPLE = 8  # contacts of one bounce that may begin in a sample: at 8 
 
 _GLIDES = np.array([max(each.glide for each in gestures_steered_by(name).values()) for name in STEERABLE])
 _NEAR = np.array([1e-6 if name == "position" else 0.0 for name in STEERABLE])  # as good as there
-_POSITION = STEERABLE.index("position")
+_POSITION, _BY_POSITION = STEERABLE.index("position"), STEERABLE.index("by_position")
 
 
 @noinline_kernel
@@ -43,7 +44,7 @@ def update_contacts(state: State, obj: Object) -> None:
     while index >= 0:
         contact = state.contacts[index]
         after = contact.next
-        _glide(contact, state.rate, obj)
+        _glide(state, contact, obj)
         _look_at_partner(state, contact, obj)
         waits = must_wait(state, index) and not (contact.trait.repeats == 1 and contact.touching == 1)
         ended = _wait_longer(state, contact) if waits else _go_on(state, index)
@@ -52,7 +53,7 @@ def update_contacts(state: State, obj: Object) -> None:
             end_contact(state, obj, before, index)
         else:
             before = index
-            if not waits and (contact.touching or contact.start < state.position + QUANTUM):
+            if not waits and contact.asleep == 0 and (contact.touching or contact.start < state.position + QUANTUM):
                 obj.has_contact = 1
                 if contact.point[1].slot >= 0:
                     state.objects[contact.point[1].slot].has_contact = 1
@@ -60,17 +61,20 @@ def update_contacts(state: State, obj: Object) -> None:
 
 
 @kernel
-def _glide(contact: Contact, rate: float, obj: Object) -> None:
+def _glide(state: State, contact: Contact, obj: Object) -> None:
     """Bring what can be steered nearer to its target."""
     now, target = contact.now, contact.target
     for i in range(len(_GLIDES)):
         value, goal = field(now, i), field(target, i)
         if not abs(value - goal) > _NEAR[i]:
             continue
-        left = math.exp(-QUANTUM / (_GLIDES[i] * rate)) if _GLIDES[i] > 0.0 else 0.0
+        left = math.exp(-QUANTUM / (_GLIDES[i] * state.rate)) if _GLIDES[i] > 0.0 else 0.0
         set_field(now, i, goal + (value - goal) * left)
         if i == _POSITION and contact.solver == COUPLING:
             place(contact.point[0], now.position, obj.rows)
+            contact.unsettled = 1
+        elif i == _BY_POSITION and contact.solver == COUPLING and contact.point[1].slot >= 0:
+            place(contact.point[1], now.by_position, state.objects[contact.point[1].slot].rows)
             contact.unsettled = 1
 
 
@@ -85,7 +89,9 @@ def _look_at_partner(state: State, contact: Contact, obj: Object) -> None:
             contact.unsettled = 1
         else:
             wake(state, other.slot)
-            obj.shares_contact = partner.shares_contact = 1
+            partner.leaned_on |= contact.trait.rests
+            if contact.asleep == 0:
+                obj.shares_contact = partner.shares_contact = 1
             contact.unsettled |= partner.stale_modes > 0 or partner.detuned == 1
     contact.unsettled |= obj.stale_modes > 0 or obj.detuned == 1
 
@@ -100,6 +106,8 @@ def _go_on(state: State, index: int) -> bool:
         return contact.start >= contact.until
     if is_gone(state, contact):
         return True
+    if contact.trait.rests == 1:
+        return not keep_resting(state, contact)
     if contact.trait.held == 1 and update_mode_count(state, contact):
         _lift(state, contact, 0)
     elif contact.solver == COUPLING:
@@ -111,7 +119,7 @@ def _go_on(state: State, index: int) -> bool:
 def _wait_longer(state: State, contact: Contact) -> bool:
     """Halt a gesture's time for a quantum; return True if it has been told to end."""
     contact.forces[:] = 0.0
-    if contact.trait.held == 1:
+    if contact.trait.held == 1 or contact.trait.rests == 1:
         _lift(state, contact, QUANTUM)
         return contact.start >= contact.until
     contact.origin += QUANTUM
@@ -127,7 +135,7 @@ def _wait_longer(state: State, contact: Contact) -> bool:
 def _lift(state: State, contact: Contact, frames: int) -> None:
     """Take a pressing striker away, to be laid on again after so many frames."""
     release_modes(state, contact)
-    contact.touching = 0
+    contact.touching = contact.asleep = 0
     contact.push = 0.0
     contact.start = state.position + frames
     contact.fraction = 0.0
@@ -225,7 +233,7 @@ def _begin(state: State, contact: Contact, frame: int) -> bool:
     if contact.touching == 1:
         return True
     contact.begun = float(state.position + frame)
-    if begin_contact(state, contact, is_pushed(contact)):
+    if begin_rest(state, contact) if contact.trait.rests == 1 else begin_contact(state, contact, is_pushed(contact)):
         return True
     report_end(state, contact.gesture, END_NO_ROOM)
     return False

@@ -52,6 +52,8 @@ def leave(state: State, contact: Contact, frame: int) -> bool:
 def follow_coupled(state: State, contact: Contact, frame: int) -> bool:
     """Look at a coupled contact after a sample: false where it is over."""
     coupled = contact.coupled
+    if contact.trait.rests == 1:
+        return math.isfinite(coupled.v)
     now = float(state.position + frame)
     if contact.trait.repeats == 1 and contact.trait.falls == 0 and _has_left(contact, now):
         return come_back(contact.kind, state, contact, frame)

@@ -29,12 +29,13 @@ def trace_blow(state: State, contact: Contact, sample: int, begin: float, end: f
 def trace_touches(state: State, contact: Contact, sample: int) -> None:
     """Keep what a coupled striker gave between a sample and the next, by its moments in `scratch`.
 
-    Each touch is a contact, but those of a roll. The first touch in the sample gets the higher moments of all.
+    Each touch is a contact, but those of a roll or a rest. The first touch in the sample gets the higher moments of
+    all.
     """
     moments = state.scratch.fine
-    if contact.trait.rolls == 1:
+    if contact.trait.rolls == 1 or contact.trait.rests == 1:
         point = contact.point[0]
-        share = share_of(state.rolls[contact.roll])
+        share = share_of(state.rolls[contact.roll]) if contact.trait.rolls == 1 else 1.0
         place = _placed(state, point.row, point.weights, point.slot)
         if _trace_moving(state, contact, sample, place, share, moments) >= 0:
             _publish(state)
@@ -59,8 +60,8 @@ def trace_touches(state: State, contact: Contact, sample: int) -> None:
 
 @kernel
 def trace_roll(state: State, contact: Contact, feed: View2D[float], frames: tuple[int, int], fed: int) -> None:
-    """Keep the force of a roll, beyond its weight, or of a slide over frames of a quantum, from the first up to the
-    second; fed: as in Trace."""
+    """Keep the force of a roll or a rest, beyond its weight, or of a slide over frames of a quantum, from the first up
+    to the second; fed: as in Trace."""
     for n in range(frames[0], frames[1]):
         entry = _trace_moving(state, contact, state.position + n - 1, position_of(contact, n), 1.0, feed[n])
         if entry >= 0:

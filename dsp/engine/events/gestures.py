@@ -13,7 +13,7 @@ from ...schema import GESTURES
 from ...schema_records import VALUES, Values
 from ..bodies.objects import place
 from ..bodies.striker_modes import prepare
-from ..contacts.contact_list import append_contact, report_end, schedule_contact
+from ..contacts.contact_list import append_contact, places_left, report_end, schedule_contact
 from ..contacts.coupled_rolls import couple_roll
 from ..contacts.gesture_kernels import begin_gesture
 from ..contacts.slides import begin_slide
@@ -38,7 +38,7 @@ def start_gesture(state: State, obj: Object, event: Event) -> None:
     """Take a striker into an object's list, to touch it at its time; a roll or slide that goes on is steered."""
     trait = state.traits[event.what]
     stats = state.stats
-    full = stats.contacts_active == len(state.contacts) or (trait.along == 1 and stats.rolls_active == len(state.rolls))
+    full = stats.contacts_active == len(state.contacts) or (trait.along == 1 and places_left(state) == 0)
     if trait.along == 1 and steer_existing(state, event):
         report_end(state, event.gesture, END_JOINED)
     elif max(field(event.values, _SIZES[event.what]), event.values.sweep) < _SLOWEST:
@@ -82,7 +82,7 @@ def _describe(state: State, contact: Contact, event: Event) -> None:
     contact.random = np.uint64(values.seed)
     contact.spin = 0.0
     contact.solver = CLOSED
-    contact.unsettled = contact.solved = contact.ahead = contact.led = 0
+    contact.unsettled = contact.solved = contact.ahead = contact.led = contact.asleep = 0
     contact.forces[:] = 0.0
     _choose_sound(state, contact, values)
     for i in range(len(IN_VALUES)):
@@ -99,6 +99,9 @@ def _push(contact: Contact, values: Values) -> None:
     contact.has_weight = int(values.weight)
     if contact.trait.falls == 1:
         contact.push = contact.push_target = contact.m * target.gravity
+    elif contact.trait.rests == 1:
+        target.gain = 1.0
+        contact.roll, contact.travel = -1, 0.0
     elif contact.trait.held == 1:
         contact.push_target = target.force
         target.gain = 1.0  # a hand that is softer is one that presses less
@@ -134,7 +137,7 @@ def _choose_points(state: State, contact: Contact, event: Event) -> None:
 def _begin_along(state: State, contact: Contact, event: Event) -> None:
     """Give a striker that moves along a surface its body and its surface."""
     values, stats = event.values, state.stats
-    contact.roll = state.free_roll[len(state.rolls) - 1 - stats.rolls_active]
+    contact.roll = state.free_roll[places_left(state) - 1]
     stats.rolls_active += 1
     contact.solver = ROLLING
     contact.touching = 1

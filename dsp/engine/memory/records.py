@@ -78,6 +78,7 @@ class Contact(Record):
     reach: float  # m: how far the objects' ringing reaches
     debt: int  # steps of a coupled contact beyond those granted
     static: Annotated[View2D[float], 2, 2]  # static output of each object at left and right for a push of 1 N
+    asleep: int  # 1: a rest whose objects are still; nothing of it is computed
     push: float  # N: on a coupled striker, gliding
     push_target: float  # to this
     sound: int  # place of its striker among those that sound, -1: none

@@ -190,6 +190,8 @@ class Object(Record):
     # In this quantum:
     has_contact: int  # a contact touches it
     shares_contact: int  # with another object
+    restless: int  # 1: what rests on it, or on which it rests, is awake
+    leaned_on: int  # 1: another object rests on it
     driven_modes: int  # its first modes that a force acted on
     driven_gain: float  # the highest gain of a gesture whose force acted on it
     ahead: int  # 1: it is driven by moments of its rolls that were solved ahead
@@ -379,6 +381,7 @@ class State(Record):
     samples: Annotated[View2D[float], ROLLS, QUANTUM + 2 * REACH]  # their forces by one number a frame, likewise
     through: Annotated[View2D[Through], ROLLS, 2]
     free_roll: Annotated[View[int], ROLLS]  # stack
+    rests_placed: int  # rests that have the place of a roll
     strikers: Annotated[View[Striker], STRIKERS]  # kinds that sound
     voices: Annotated[View[Voice], VOICES]
     free_voice: Annotated[View[int], VOICES]  # stack
@@ -389,6 +392,7 @@ class State(Record):
     choices: Choices
     output: Output
     meter: Meter
+    resting: int  # 1: objects rest on something, in this quantum
     rate: float
     traits: Annotated[View[Traits], len(GESTURES)]
     position: int  # samples computed

@@ -29,6 +29,7 @@ NEEDED = {
         *("mass", "stiffness", "dissipation", "exponent", "position", "speed", "force", "sweep", "radius", "patch"),
         *("static", "dynamic", "stribeck", "tangential", "along", "seed"),
     ),
+    "rest": ("mass", "stiffness", "dissipation", "exponent", "position", "load"),
     Kind.METHOD: ("method", "correction", "oversampling"),
 }
 """The values that have no default."""

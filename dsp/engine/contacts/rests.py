@@ -1,0 +1,176 @@
+"""Resting contacts: an object lies on another one, or on a support, under a load.
+
+The contact is as all that are coupled to modes: its spring and its loss act on all modes of both, and it may open, so
+that what moves by more than the load compresses it buzzes. The load is in balance with the contact at rest, and acts on
+both alike: modes get the force beyond it, and so need not bend under it. The object as a whole, or the hand's flesh, is
+the mass on which the load acts.
+
+A rest begins at the compression x = (load/k)^(1/a), without a blow, wherever the object's point is then. A load that is
+steered moves both along to its own compression: U = V(x) - V(x_0) - load (x - x_0), the energy of the contact, is what
+it was about another rest, and one that is still stays so.
+
+Where nothing moves, nothing is computed. Objects that rest on each other fall asleep together, once nobody hears their
+modes and no contact swings any more. They awake before the first sample in which anything else touches one of them, so
+that a rest that slept and one that did not are the same to the bit, but for what nobody heard.
+"""
+
+import math
+
+from ...contact.coupled import begin_within
+from ...native.jit import kernel, noinline_kernel
+from ..bodies.objects import is_heard, least_heard, place
+from ..bodies.sheets import is_coupled
+from ..memory.records import Contact
+from ..memory.state import COUPLING, QUANTUM, Object, State
+from .contact_force import couple, has_room_for, touch, update_mode_count
+from .contact_list import give_place_back
+
+_FIRST = 0.2  # of a radian of its swing: the first step to try
+_STILL = 1e-5  # of the compression at rest: a contact that swings by less is still
+
+
+@noinline_kernel
+def begin_rest(state: State, contact: Contact) -> bool:
+    """Lay an object on what it rests on. False if there is no room for it."""
+    touch(state, contact)
+    other, coupled = contact.point[1], contact.coupled
+    if other.slot >= 0:
+        place(other, contact.now.by_position, state.objects[other.slot].rows)
+    contact.light = 1
+    if not has_room_for(state, contact):
+        state.stats.contacts_dropped += 1
+        return False
+    contact.solver = COUPLING
+    couple(state, contact)
+    _press(contact)
+    begin_within(coupled, coupled.rest_compression, 0.0, 0.0, _FIRST / (coupled.swing * coupled.period))
+    return True
+
+
+@kernel
+def _press(contact: Contact) -> None:
+    """Put the load on a contact."""
+    coupled, load = contact.coupled, contact.now.load
+    coupled.push = coupled.rest_force = load
+    coupled.rest_compression = (load / contact.k) ** (1.0 / contact.a)
+    coupled.swing = math.sqrt(contact.a * load / (contact.m * coupled.rest_compression))
+
+
+@kernel
+def keep_resting(state: State, contact: Contact) -> bool:
+    """Bring a rest to a new quantum; false if it is over: it was stopped, or what it rests on is gone."""
+    other, coupled = contact.point[1], contact.coupled
+    if contact.until < state.position + QUANTUM or (other.serial > 0 and other.slot < 0):
+        return False
+    state.resting = 1
+    if update_mode_count(state, contact):
+        contact.unsettled = 1
+    if coupled.rest_force != contact.now.load:
+        before = coupled.rest_compression
+        _press(contact)
+        shift = coupled.rest_compression - before
+        coupled.position += shift
+        coupled.motion[0] += shift
+        if coupled.touching == 1:
+            coupled.motion[0] = max(coupled.motion[0], 0.0)
+    return True
+
+
+@noinline_kernel
+def settle_rests(state: State) -> None:
+    """Say which rests sleep in this quantum: those of objects that nothing else moves, nor what rests on these."""
+    if state.resting == 0:
+        return
+    for i in range(state.active):
+        index = state.objects[state.order[i]].contact
+        while index >= 0:
+            _look_at(state, state.contacts[index])
+            index = state.contacts[index].next
+    while _spread(state):
+        pass
+    for i in range(state.active):
+        index = state.objects[state.order[i]].contact
+        while index >= 0:
+            contact = state.contacts[index]
+            if contact.trait.rests == 1 and contact.touching == 1:
+                if state.objects[contact.point[0].slot].restless == 1:
+                    _awake(state, contact)
+                elif contact.asleep == 0:
+                    _fall_asleep(state, contact)
+            index = contact.next
+
+
+@kernel
+def _look_at(state: State, contact: Contact) -> None:
+    """Say whether the objects of a contact can't sleep: it acts on them, a rest swings, or they ring."""
+    acts = contact.touching == 1 or contact.start < state.position + QUANTUM
+    rests = contact.trait.rests == 1 and contact.touching == 1
+    moves = acts and not (rests and _is_still(contact))
+    for side in range(2):
+        if contact.point[side].slot >= 0:
+            obj = state.objects[contact.point[side].slot]
+            if moves or (rests and obj.restless == 0 and _rings(state, obj)):
+                obj.restless = 1
+
+
+@kernel
+def _is_still(contact: Contact) -> bool:
+    """True if a rest does not swing."""
+    coupled = contact.coupled
+    least = _STILL * coupled.rest_compression
+    away = abs(coupled.motion[0] - coupled.rest_compression)
+    return contact.asleep == 1 or (coupled.touching == 1 and away < least and abs(coupled.v) < least * coupled.swing)
+
+
+@kernel
+def _rings(state: State, obj: Object) -> bool:
+    """True if an object's modes are heard, or may be."""
+    if obj.spectral > 0 or obj.fading > 0 or is_coupled(state, obj):
+        return True
+    return is_heard(state, obj, obj.first, obj.first + obj.live, least_heard(state, obj))
+
+
+@kernel
+def _spread(state: State) -> bool:
+    """Keep those awake that rest on what can't sleep, and what they rest on; true if there are more than before."""
+    spread = False
+    for i in range(state.active):
+        index = state.objects[state.order[i]].contact
+        while index >= 0:
+            contact = state.contacts[index]
+            if contact.trait.rests == 1 and contact.touching == 1 and contact.point[1].slot >= 0:
+                one, other = state.objects[contact.point[0].slot], state.objects[contact.point[1].slot]
+                spread |= one.restless != other.restless
+                one.restless = other.restless = max(one.restless, other.restless)
+            index = contact.next
+    return spread
+
+
+@kernel
+def _awake(state: State, contact: Contact) -> None:
+    """Wake a rest, to be computed in this quantum."""
+    contact.asleep = contact.ahead = 0
+    for side in range(2):
+        if contact.point[side].slot >= 0:
+            obj = state.objects[contact.point[side].slot]
+            obj.has_contact = 1
+            if contact.point[1].slot >= 0:
+                obj.shares_contact = 1
+
+
+@kernel
+def _fall_asleep(state: State, contact: Contact) -> None:
+    """Put a rest and the modes of its objects to rest, from this quantum on."""
+    coupled = contact.coupled
+    contact.asleep = 1
+    give_place_back(state, contact)
+    contact.ahead = QUANTUM
+    contact.forces[:] = 0.0
+    coupled.v = 0.0
+    coupled.motion[0] = coupled.position = coupled.rest_compression
+    for side in range(2):
+        if contact.point[side].slot >= 0:
+            obj = state.objects[contact.point[side].slot]
+            for i in range(obj.first, obj.first + obj.live):
+                state.bank.y1[i] = state.bank.y2[i] = 0.0
+            obj.live = obj.has_contact = 0

@@ -1,0 +1,100 @@
+"""Rests: an object that lies on another one, or on a support."""
+
+from itertools import islice
+
+from ...dsp.bodies.ground import ground
+from ...dsp.engine.memory.commands import Command, Kind
+from ...dsp.numerics.constants import STANDARD_GRAVITY
+from ...dsp.runtime.engine import NOW
+from ...dsp.schema import SETTINGS
+from ...dsp.wording import MOST_COMPARED
+from ...presets.supports import SUPPORTS, SupportPreset
+from ..osc.arguments import Refused, shown
+from ..osc.wire import Message
+from .object_call import ObjectCall
+from .objects import PlayedObject
+from .transaction import Sent
+
+_LAW = ("stiffness", "dissipation", "exponent")
+
+
+def rest(to: ObjectCall) -> None:
+    """Lay an object on what a message names."""
+    what = to.values.words["what"]
+    other = to.object_named(what)
+    if other is None and what not in SUPPORTS:
+        raise Refused(f"what = {shown(what)}: expected another object, or {', '.join(SUPPORTS)}{_meant(to, what)}")
+    support = None if other else SUPPORTS[what]
+    command = Command(NOW, "rest", gesture=to.start(to.id(to.transaction.gestures.made_for)))
+    law, load = _law(to, other, support), _load(to, support)
+    numbers = to.values.numbers
+    values = {
+        **law,
+        "mass": numbers.get("mass", _mass(to, support, load)),
+        "load": load,
+        "position": numbers.get("position", to.obj.preset.position),
+        "by_position": numbers.get("by_position", other.preset.position if other else 0.0),
+        "gain": 1.0,
+    }
+    resistance = numbers.get("resistance", support.resistance if support else 0.0)
+    if other and resistance:
+        raise Refused(f"resistance = {resistance:g}: expected none, as {what} is an object")
+    message, time = to.canonical, _time(to, other)
+    if other or not resistance:
+        _add(to, message, command._replace(time=time, values=values, by=other.handle if other else None))
+        return
+    engine = to.transaction.engine
+    handle, layout = engine.lay_out(ground(resistance, engine.top_frequency), 1.0)
+    to.transaction.on_undo(lambda: engine.release(handle))
+    settings = {name: each.in_engine(each.default or 0.0) for name, each in SETTINGS.items()}
+    _add(to, message, Command(time, Kind.NEW, handle, {**layout, **settings}))
+    _add(to, message, command._replace(time=time, values=values, by=handle))
+    _add(to, message, Command(time, Kind.FREE, handle))  # it goes once nothing rests on it
+    engine.leave(handle)
+    to.transaction.on_undo(lambda: engine.stay(handle))
+
+
+def _meant(to: ObjectCall, what: str) -> str:
+    """Ask whether a near name is meant, of an object or a support."""
+    there = islice(to.transaction.objects.there(to.transaction.time), MOST_COMPARED)
+    found = to.transaction.suggestion(what, [name for name in (*SUPPORTS, *there) if name != to.name])
+    return f"; {found}" if found else ""
+
+
+def _law(to: ObjectCall, other: PlayedObject | None, support: SupportPreset | None) -> dict[str, float]:
+    """Return stiffness, dissipation and exponent: the support's, or those of two materials; given keys win."""
+    preset, given = to.obj.preset, to.values.numbers
+    if other:
+        law = preset.struck_by(other.preset, to.contact_radius)
+        to.warn_of_stand_ins(other, to.values.words["what"])
+    elif support and support.material:
+        law = preset.resting_on(support.material, to.contact_radius)
+    else:
+        assert support
+        law = support.stiffness, support.dissipation, support.exponent
+    return {key: given.get(key, value) for key, value in zip(_LAW, law, strict=True)}
+
+
+def _load(to: ObjectCall, support: SupportPreset | None) -> float:
+    """Return the load (N): the one given, a hand's, or the object's weight."""
+    usual = support.load if support and support.load else to.obj.mass * STANDARD_GRAVITY
+    return to.values.numbers.get("load", usual)
+
+
+def _mass(to: ObjectCall, support: SupportPreset | None, load: float) -> float:
+    """Return the mass (kg) on which the load acts: a hand's, or as much of the object's own as weighs that."""
+    return support.mass if support and support.mass else min(load / STANDARD_GRAVITY, to.obj.mass)
+
+
+def _time(to: ObjectCall, other: PlayedObject | None) -> float:
+    """Return when the rest begins (samples): once both objects are there."""
+    objects, time = to.transaction.objects, to.transaction.time
+    return max(objects.start_of(each, time) for each in (to.obj, other) if each)
+
+
+def _add(to: ObjectCall, message: Message, command: Command) -> None:
+    """Add a command of a rest, for which a message stands."""
+    handle = command.handle or to.obj.handle
+    by = command.by.serial if command.by else 0
+    sent = Sent(message, handle.serial, by, command.values.get("mass", 0.0))
+    to.transaction.add(command._replace(handle=handle), sent)

@@ -1,0 +1,271 @@
+"""Objects that rest on supports and on each other, against linear algebra, closed forms and conservation of energy."""
+
+import math
+
+import numpy as np
+import pytest
+
+from carom.dsp.bodies.ground import ground
+from carom.dsp.bodies.modes import Modes
+from carom.dsp.contact.accuracy import LEVELS
+from carom.dsp.engine.memory.commands import Command, Kind
+from carom.dsp.engine.memory.state import QUANTUM, End
+from carom.dsp.runtime.engine import NOW, Engine
+from tests.dsp.engine.contacts.test_coupling import modal
+from tests.dsp.engine.support import gesture, set_limiter, steer, stop, strike
+
+RATE = 48_000
+G = 9.81
+SOFT = (0.02, 2e5, 2.0, 1.5)
+"""Mass, stiffness, dissipation and exponent of a soft striker."""
+BAR_MASS, BAR_LOWEST, BAR_MODES = 0.3, 180.0, 12
+FELT = (2e6, 1.0, 2.0)
+"""Stiffness, dissipation and exponent of a pad."""
+
+
+def rest(handle, law, load, mass, number=7, time=NOW, by=None, **values):
+    stiffness, dissipation, exponent = law
+    return gesture("rest", handle, (mass, stiffness, dissipation, exponent), time, number, by, load=load, **values)
+
+
+def plain(frequency, sigma, strike, mass=1.0):
+    frequency = np.asarray(frequency, float)
+    pressure = np.full((2, len(frequency)), 10.0)
+    return Modes(frequency, np.full(len(frequency), float(sigma)), np.atleast_2d(strike), pressure, mass)
+
+
+def plate(n=24, phi=0.7, sigma=3.0, lowest=150.0, highest=9_000.0):
+    return plain(np.linspace(lowest, highest, n), sigma, np.full((1, n), phi))
+
+
+def engine_at(level="-60", rate=RATE):
+    engine = Engine(rate)
+    set_limiter(engine, False)
+    engine.send([Command(NOW, Kind.ACCURACY, value=LEVELS.index(level))])
+    return engine
+
+
+def contact_of(engine, number=7):
+    contacts = engine.state["contacts"][0]
+    (index,) = np.flatnonzero(contacts["gesture"] == number)
+    return contacts[index]
+
+
+def rest_energy(contact):
+    """Return the energy (J) of a rest beyond that under its load at rest, kinetic and elastic."""
+    coupled = contact["coupled"]
+    k, a, load, x0 = (float(coupled[key]) for key in ("k", "a", "rest_force", "rest_compression"))
+    x = float(coupled["motion"][0])
+    elastic = k * (max(x, 0.0) ** (a + 1) - x0 ** (a + 1)) / (a + 1) - load * (x - x0)
+    return elastic + 0.5 * float(coupled["m"]) * float(coupled["v"]) ** 2
+
+
+# The bar on two pads
+
+
+def betas(count):
+    """Return beta L of a free bar's bending modes: cosh x cos x = 1."""
+    x = (np.arange(count) + 1.5) * math.pi
+    for _ in range(50):
+        x -= (np.cos(x) - 1 / np.cosh(x)) / (-np.sin(x) + np.sinh(x) / np.cosh(x) ** 2)
+    return x
+
+
+def bending(count, places):
+    """Return a free bar's bending shapes, of mean square 1, at places in [0, 1]: (P, n)."""
+    b, x = betas(count), np.asarray(places, float)[:, None]
+    s = (np.cosh(b) - np.cos(b)) / (np.sinh(b) - np.sin(b))
+    grown = np.exp(b * (x - 1)) * (1 - s) / 2 * np.exp(b) + np.exp(-b * x) * (1 + s) / 2  # cosh - s sinh
+    return grown + np.cos(b * x) - s * np.sin(b * x)
+
+
+def bar_modes():
+    frequency = BAR_LOWEST * (betas(BAR_MODES) / betas(1)) ** 2
+    return plain(frequency, 0.5, bending(BAR_MODES, np.linspace(0, 1, 129)) / math.sqrt(BAR_MASS), BAR_MASS)
+
+
+def decays_of_free_bar(places, stiffness, resistance):
+    """Return the decays (1/s) of a free bar's bending modes with point impedances k + c s, its translation and
+    rotation among its modes."""
+    frequency = np.concatenate([[0, 0], BAR_LOWEST * (betas(BAR_MODES) / betas(1)) ** 2])
+    x = np.asarray(places)
+    rigid = np.stack([np.ones(len(x)), math.sqrt(12) * (x - 0.5)], axis=1)
+    phi = np.concatenate([rigid, bending(BAR_MODES, x)], axis=1) / math.sqrt(BAR_MASS)
+    n, sigma = len(frequency), np.r_[0, 0, np.full(BAR_MODES, 0.5)]
+    spring = np.diag((2 * np.pi * frequency) ** 2 + sigma**2) + stiffness * phi.T @ phi
+    damper = np.diag(2 * sigma) + resistance * phi.T @ phi
+    poles = np.linalg.eigvals(np.block([[np.zeros((n, n)), np.eye(n)], [-spring, -damper]]))
+    found = [poles[np.argmin(abs(poles.imag - 2 * np.pi * f))] for f in frequency[2:7]]
+    return -np.real(found)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("level", LEVELS)
+@pytest.mark.parametrize("places", [(0.2242, 0.7758), (0.1, 0.9), (0.05, 0.6)])
+def test_a_bar_on_two_pads_decays_as_one_with_point_impedances(places, level):
+    """The first five modes within 5 %: at the nodes of the lowest, and off them."""
+    load = 0.5 * BAR_MASS * G
+    engine = engine_at(level)
+    handle = engine.add(bar_modes())
+    pads = [rest(handle, FELT, load, load / G, 7 + i, position=x) for i, x in enumerate(places)]
+    engine.send(pads)
+    strike(engine, handle, (0.005, 1e9, 0.0, 1.5), 100.0, 1e-2, position=0.03)
+    engine.process(2_048)
+    amplitudes = []
+    for _ in range(100):
+        engine.process(QUANTUM)
+        amplitudes.append(np.abs(modal(engine, handle, 5)[3]))
+    k = FELT[2] * FELT[0] ** (1 / FELT[2]) * load ** (1 - 1 / FELT[2])
+    expected = decays_of_free_bar(places, k, FELT[1] * load)
+    slopes = -np.polyfit(np.arange(100) * QUANTUM / RATE, np.log(amplitudes), 1)[0]
+    assert expected.max() > 5 * 0.5  # the pads take most
+    np.testing.assert_allclose(slopes, expected, rtol=0.05)
+
+
+# Other closed forms
+
+
+@pytest.mark.parametrize("rate", [22_050, 48_000, 96_000])
+def test_a_mass_that_is_laid_on_a_plate_lowers_its_modes_by_rayleighs_quotient(rate):
+    """omega' = omega/sqrt(1 + m phi^2), where the contact is stiff; of a mode far from all others."""
+    engine, phi, mass = engine_at("-80", rate), 0.8, 0.02
+    handle = engine.add(plain([400.0], 1.0, [[phi]]))
+    engine.send([rest(handle, (1e9, 0.0, 1.0), 200.0, mass)])
+    strike(engine, handle, (0.001, 1e6, 0.0, 1.5), 10.0, 0.05)
+    engine.process(rate // 10)
+    sound = engine.process(rate // 4)[:, 0].astype(float)
+    both, middle = sound[2:] + sound[:-2], sound[1:-1]
+    turn = math.acos(0.5 * (both @ middle) / (middle @ middle))  # of a mode that hardly decays
+    assert turn * rate / (2 * math.pi) == pytest.approx(400.0 / math.sqrt(1 + mass * phi**2), rel=2e-4)
+
+
+def test_what_a_rest_is_taken_off_rings_as_if_it_had_never_been_there():
+    engine, sigma = engine_at(), 3.0
+    handle = engine.add(plate(sigma=sigma))
+    engine.send([rest(handle, FELT, 2.0, 0.2)])
+    strike(engine, handle, SOFT, 10.0, 0.3)
+    engine.process(4_800 // QUANTUM * QUANTUM)
+    engine.send([stop(7)])
+    engine.process(QUANTUM)
+    assert list(engine.ended()) == [(7, End.STOPPED)]
+    before = np.abs(modal(engine, handle, 24)[3])
+    engine.process(100 * QUANTUM)
+    after = np.abs(modal(engine, handle, 24)[3])
+    np.testing.assert_allclose(after / before, math.exp(-sigma * 100 * QUANTUM / RATE), rtol=1e-9)
+
+
+def test_a_ground_is_as_resistive_as_it_says():
+    """The mobility against 1/R, from 60 Hz to 10 kHz."""
+    modes = ground(1_500.0, 1e9)
+    omega = 2j * np.pi * np.geomspace(60, 10_000, 50)[:, None]
+    natural = (2 * np.pi * modes.frequency) ** 2 + modes.decay**2
+    mobility = (omega * modes.strike**2 / (natural + omega**2 + 2 * modes.decay * omega)).sum(axis=1)
+    np.testing.assert_allclose(mobility * 1_500.0, 1.0, atol=0.06)
+    np.testing.assert_allclose(mobility.real * 1_500.0, 1.0, atol=0.006)
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_a_mode_on_a_resistive_ground_loses_what_it_feeds_into_it(level):
+    """sigma = phi^2 R/2 (k << omega R: phi^2 k^2/(2 omega^2 R)), the contact a spring in series with the ground."""
+    engine, phi, resistance, stiffness, frequency = engine_at(level), 0.5, 2_000.0, 2e6, 1_500.0
+    handle = engine.add(plain([frequency], 0.2, [[phi]]))
+    under = engine.add(ground(resistance, engine.top_frequency))
+    engine.send([rest(handle, (stiffness, 0.0, 1.0), 5.0, 50.0, by=under)])
+    strike(engine, handle, (0.001, 1e7, 0.0, 1.5), 10.0, 0.01)
+    engine.process(64 * QUANTUM)
+    first = abs(modal(engine, handle, 1)[3][0])
+    engine.process(150 * QUANTUM)
+    decay = math.log(first / abs(modal(engine, handle, 1)[3][0])) / (150 * QUANTUM / RATE)
+    omega = 2j * np.pi * frequency
+    force = lambda s: 1 / (s / stiffness + 1 / resistance)  # noqa: E731
+    pole = omega
+    for _ in range(50):  # of s^2 + 2 sigma s + omega^2 + s phi^2 Z = 0
+        pole = (
+            -0.2
+            - 0.5 * phi**2 * force(pole)
+            + 1j * np.sqrt((2 * np.pi * frequency) ** 2 + 0.04 - (0.2 + 0.5 * phi**2 * force(pole)) ** 2 + 0j)
+        )
+    assert -pole.real > 1.0
+    assert decay == pytest.approx(-pole.real, rel=0.03)
+
+
+# Energy, sleep, bits
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(10))
+def test_energy_does_not_grow(seed):
+    """More of them by `python -m tests.bench.rests`."""
+    from tests.bench.rests import growth
+
+    assert growth(seed) < 1e-5
+
+
+def test_what_rests_and_is_still_sleeps_and_a_load_that_is_steered_does_not_wake_it():
+    engine = engine_at()
+    one, other = engine.add(plate()), engine.add(plate(sigma=40.0))
+    engine.send([rest(one, FELT, 2.0, 0.2, 7, by=other), rest(other, FELT, 1.0, 0.1, 8)])
+    engine.process(4 * QUANTUM)
+    assert contact_of(engine)["asleep"] == contact_of(engine, 8)["asleep"] == 1
+    engine.send([steer(7, "load", 9.0)])
+    assert not np.any(engine.process(96_000 // QUANTUM * QUANTUM))
+    assert contact_of(engine)["asleep"] == 1
+    assert contact_of(engine)["coupled"]["rest_force"] == pytest.approx(9.0, rel=1e-6)
+    strike(engine, other, SOFT, float(engine.position) + 30.5, 0.3)
+    engine.process(2 * QUANTUM)
+    assert contact_of(engine)["asleep"] == contact_of(engine, 8)["asleep"] == 0
+    assert np.abs(modal(engine, one, 24)[3]).max() > 0.0  # it is driven through the contact
+    engine.process(8 * RATE // QUANTUM * QUANTUM)
+    assert contact_of(engine)["asleep"] == contact_of(engine, 8)["asleep"] == 1
+    assert not np.any(engine.process(QUANTUM))
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_a_rest_that_slept_sounds_like_one_that_begins_as_it_is_struck(level):
+    def sound(begins):
+        engine = engine_at(level)
+        handle = engine.add(plate())
+        engine.send([rest(handle, FELT, 2.0, 0.2, time=begins)])
+        strike(engine, handle, SOFT, 20_010.25, 0.3)
+        return engine.process(30_000)
+
+    slept, woke = sound(0.0), sound(19_990.0)
+    assert np.abs(slept).max() > 0.0
+    assert np.abs(slept - woke).max() < 1e-4 * np.abs(slept).max()
+
+
+@pytest.mark.parametrize("level", ["-40", "-60", "exact"])
+def test_the_bits_do_not_depend_on_blocks(level):
+    def sound(block):
+        engine = engine_at(level)
+        one, other = engine.add(plate()), engine.add(plate(lowest=210.0))
+        engine.send([rest(one, FELT, 2.0, 0.2, 7, by=other, time=100.0), rest(one, FELT, 3.0, 0.1, 8, position=0.2)])
+        strike(engine, other, SOFT, 250.5, 0.4)
+        engine.send([steer(7, "load", 0.2, 900.0), steer(7, "by_position", 0.9, 1_000.0), stop(8, 1_500.0)])
+        return np.concatenate([engine.process(block) for _ in range(3_072 // block)])
+
+    assert np.array_equal(sound(3_072), sound(16))
+
+
+def test_what_moves_by_more_than_the_load_compresses_buzzes():
+    """A light load on a hard contact: the force has gaps, and its sound higher partials than the mode's own."""
+    engine = engine_at()
+    handle = engine.add(plain([200.0], 1.0, [[1.0]]))
+    strike(engine, handle, (0.05, 1e7, 0.0, 1.5), 10.0, 0.5)
+    engine.process(2_048)
+    engine.send([rest(handle, (1e7, 0.2, 1.5), 0.1, 0.01)])
+    gaps = 0
+    for _ in range(200):
+        engine.process(QUANTUM)
+        gaps += contact_of(engine)["coupled"]["touching"] == 0
+    assert gaps > 20
+
+
+def test_a_rest_ends_with_what_it_rests_on():
+    engine = engine_at()
+    one, other = engine.add(plate()), engine.add(plate())
+    engine.send([rest(one, FELT, 2.0, 0.2, by=other)])
+    engine.process(QUANTUM)
+    engine.send([Command(NOW, Kind.FREE, other, value=1.0)])
+    engine.process(12_000)
+    assert [number for number, _ in engine.ended()] == [7]
