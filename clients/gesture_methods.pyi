@@ -112,6 +112,46 @@ class RestKeys(Keys, total=False):
     resistance: SupportsFloat
     load: SupportsFloat
 
+class RainKeys(Keys, total=False):
+    """Keys of rain."""
+
+    striker: str
+    restitution: SupportsFloat
+    by: str
+    gain: SupportsFloat
+    size: SupportsFloat
+    spread: SupportsFloat
+    seed: SupportsFloat
+
+class ShakeKeys(Keys, total=False):
+    """Keys of shake."""
+
+    striker: str
+    restitution: SupportsFloat
+    by: str
+    gain: SupportsFloat
+    speed: SupportsFloat
+    variety: SupportsFloat
+    spread: SupportsFloat
+    seed: SupportsFloat
+
+class CrumpleKeys(Keys, total=False):
+    """Keys of crumple."""
+
+    striker: str
+    restitution: SupportsFloat
+    by: str
+    gain: SupportsFloat
+    density: SupportsFloat
+    energy: SupportsFloat
+    steepness: SupportsFloat
+    decades: SupportsFloat
+    excitation: SupportsFloat
+    memory: SupportsFloat
+    variety: SupportsFloat
+    spread: SupportsFloat
+    seed: SupportsFloat
+
 class Gestures:
     """Gestures on objects by name: methods of what has `_gesture(gesture, name, value, position, at, keys)`."""
 
@@ -189,6 +229,38 @@ class Gestures:
         """Begin a gesture that lays the object on another object or on a support, until it is stopped: both ring
         shorter, and may buzz."""
 
+    def rain(
+        self,
+        name: str,
+        rate: SupportsFloat | None = None,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Unpack[RainKeys],
+    ) -> None:
+        """Begin a gesture that lets drops fall on the object until it is stopped."""
+
+    def shake(
+        self,
+        name: str,
+        rate: SupportsFloat | None = None,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Unpack[ShakeKeys],
+    ) -> None:
+        """Begin a gesture that lets many of the striker hit the object at random times, until it is stopped:
+        gravel, dice in a cup."""
+
+    def crumple(
+        self,
+        name: str,
+        speed: SupportsFloat | None = None,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Unpack[CrumpleKeys],
+    ) -> None:
+        """Begin a gesture that crushes the object: crackles of all energies, each as a blow of the striker, until
+        it is stopped."""
+
 class ObjectMethods:
     """Methods on an object: those of its scene on objects, without the name."""
 
@@ -258,6 +330,35 @@ class ObjectMethods:
     ) -> None:
         """Begin a gesture that lays the object on another object or on a support, until it is stopped: both ring
         shorter, and may buzz."""
+
+    def rain(
+        self,
+        rate: SupportsFloat | None = None,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Unpack[RainKeys],
+    ) -> None:
+        """Begin a gesture that lets drops fall on the object until it is stopped."""
+
+    def shake(
+        self,
+        rate: SupportsFloat | None = None,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Unpack[ShakeKeys],
+    ) -> None:
+        """Begin a gesture that lets many of the striker hit the object at random times, until it is stopped:
+        gravel, dice in a cup."""
+
+    def crumple(
+        self,
+        speed: SupportsFloat | None = None,
+        position: SupportsFloat | None = None,
+        at: SupportsFloat | None = None,
+        **keys: Unpack[CrumpleKeys],
+    ) -> None:
+        """Begin a gesture that crushes the object: crackles of all energies, each as a blow of the striker, until
+        it is stopped."""
 
     def note(
         self,

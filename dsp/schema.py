@@ -59,6 +59,10 @@ class Parameter:
         return value
 
 
+DROPS, SPEEDS, ENERGIES = 1, 2, 3
+"""Laws of a swarm's blows: drops of rain; grains at the speeds of a gas; a power law of energies."""
+
+
 @dataclass(frozen=True)
 class Gesture:
     """Something that strikes an object: its first argument, the keys that may follow, and the traits that kernels ask
@@ -86,6 +90,8 @@ class Gesture:
     """The help of the word `what`, which comes first and says on what it rests; its argument is a key then."""
     meets: float = 1.0
     """Share of the striker's mass that meets the object."""
+    swarms: int = 0
+    """The law of its blows, DROPS, SPEEDS or ENERGIES, if it is many small ones at random times; else 0."""
 
     @property
     def along(self) -> bool:
@@ -94,8 +100,8 @@ class Gesture:
 
     @property
     def lasts(self) -> bool:
-        """True if it is one contact, until it is stopped."""
-        return self.held or self.along or self.rests
+        """True if it is one contact, or swarm of them, until it is stopped."""
+        return self.held or self.along or self.rests or self.swarms > 0
 
     @property
     def single(self) -> bool:
@@ -272,10 +278,72 @@ REST = Gesture(
     ),
     fixed=("gain",), rests=True, what="another object, or a support: felt, foam, finger, palm or table",
 )  # fmt: skip
-GESTURES = {gesture.name: gesture for gesture in (IMPACT, BOUNCE, ROLL, PRESS, SPIN, SLIDE, REST)}
+MOST_BLOWS = 1e6
+"""1/s: of a swarm's blows of its own, at most."""
+RATE = Parameter("rate", 0.0, MOST_BLOWS, "1/s", "of its blows, on average", useful=(1.0, 1e5), steerable=True)
+SPREAD = Parameter(
+    "spread", 0.0, 1.0, "", "share of the strike path over which its blows fall, about the position", default=1.0,
+)  # fmt: skip
+VARIETY = Parameter(
+    "variety", 0.0, 1.0, "", "the largest grains are 1 + variety times as large as the striker, the smallest as much "
+    "smaller", default=0.0, steerable=True,
+)  # fmt: skip
+RAIN = Gesture(
+    "rain", "lets drops fall on it until it is stopped", dataclasses.replace(RATE, help="of drops, on average"),
+    (
+        Parameter(
+            "size", 5e-5, 2e-3, "m", "mean diameter of the drops in the air, above 0.5 mm; 0.4 mm in moderate rain",
+            default=5e-4, useful=(2e-4, 1e-3), steerable=True,
+        ),
+        SPREAD,
+        SEED,
+    ),
+    swarms=DROPS,
+)  # fmt: skip
+SHAKE = Gesture(
+    "shake", "lets many of the striker hit it at random times, until it is stopped: gravel, dice in a cup", RATE,
+    (
+        Parameter(
+            "speed", 1e-3, 100.0, "m/s", "of the grains as they hit, rms", default=1.0, useful=(0.05, 5.0),
+            steerable=True, glide=0.02,
+        ),
+        VARIETY,
+        SPREAD,
+        SEED,
+    ),
+    swarms=SPEEDS,
+)  # fmt: skip
+CRUMPLE = Gesture(
+    "crumple", "crushes it: crackles of all energies, each as a blow of the striker, until it is stopped",
+    dataclasses.replace(SPEED, help="at which it is crushed; 0 pauses"),
+    (
+        Parameter(
+            "density", 1.0, 1e7, "1/m", "of crackles, over the length by which it is crushed", default=3000.0,
+            useful=(100.0, 1e5), steerable=True,
+        ),
+        Parameter("energy", 1e-9, 10.0, "J", "of the strongest", default=1e-3, useful=(1e-6, 1e-1), steerable=True),
+        Parameter(
+            "steepness", 0.0, 5.0, "", "b, where energies are as many as E^-b: 1.3 to 1.6 for paper (Houle and "
+            "Sethna 1996)", default=1.5, useful=(1.0, 2.0), steerable=True,
+        ),
+        Parameter("decades", 0.1, 9.0, "", "of energy that they span", default=4.0, useful=(1.0, 6.0), steerable=True),
+        Parameter(
+            "excitation", 0.0, 0.98, "", "share of the crackles that others set off", default=0.5, steerable=True
+        ),
+        Parameter(
+            "memory", 1e-4, 10.0, "s", "for which one sets off others", default=0.005, useful=(0.001, 0.1),
+            steerable=True,
+        ),
+        VARIETY,
+        SPREAD,
+        SEED,
+    ),
+    swarms=ENERGIES,
+)  # fmt: skip
+GESTURES = {gesture.name: gesture for gesture in (IMPACT, BOUNCE, ROLL, PRESS, SPIN, SLIDE, REST, RAIN, SHAKE, CRUMPLE)}
 
-TRAIT_NAMES = ("single", "repeats", "falls", "held", "rolls", "slips", "rests", "along", "lasts", "meets")
-"""Traits of gestures that kernels ask for: 1 or 0, but for `meets`."""
+TRAIT_NAMES = ("single", "repeats", "falls", "held", "rolls", "slips", "rests", "along", "lasts", "meets", "swarms")
+"""Traits of gestures that kernels ask for: 1 or 0, but for `meets` and `swarms`."""
 
 STEERABLE = tuple(dict.fromkeys(name for gesture in GESTURES.values() for name in gesture.steerable))
 """Names of all parameters that a gesture can take anew while it runs; their places are their numbers."""

@@ -28,6 +28,15 @@ class Steered(Record):
     along: float
     load: float
     by_position: float
+    rate: float  # 1/s
+    size: float  # m
+    variety: float
+    density: float  # 1/m
+    energy: float  # J
+    steepness: float
+    decades: float
+    excitation: float
+    memory: float  # s
 
 class Values(Record):
     """The values of a gesture: the parameters of all gestures, 0 for those that it has not."""
@@ -45,6 +54,7 @@ class Values(Record):
     sound_serial: float
     press: float
     delay: float  # s
+    pulses: float
     gravity: float  # m/s^2
     irregularity: float
     seed: float
@@ -69,6 +79,16 @@ class Values(Record):
     tangential: float  # N/m
     along: float
     load: float
+    size: float  # m
+    spread: float
+    rate: float  # 1/s
+    variety: float
+    density: float  # 1/m
+    energy: float  # J
+    steepness: float
+    decades: float
+    excitation: float
+    memory: float  # s
 
 class Settings(Record):
     """The settings of an object."""
@@ -100,6 +120,7 @@ class Traits(Record):
     along: int
     lasts: int
     meets: float
+    swarms: int
 
 class Counters(Record):
     """The counters as the engine holds them: see `Stats`."""

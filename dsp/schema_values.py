@@ -11,9 +11,10 @@ _SOUND = (
 _PRESSED = Parameter(
     "press", 0, np.inf, "", "number of a press whose force a slide's friction feels; 0: none", default=0.0
 )  # fmt: skip
+_PULSES = Parameter("pulses", 0, np.inf, "", "number of the table of a swarm's pulses", default=0.0)
 _DELAY = Parameter("delay", 0.0, np.inf, "s", "from the beginning to the first contact", default=0.0)
 
-SHARED = {each.name: each for each in (VELOCITY, *STRIKE, BY_POSITION, *_SOUND, _PRESSED, _DELAY)}
+SHARED = {each.name: each for each in (VELOCITY, *STRIKE, BY_POSITION, *_SOUND, _PRESSED, _DELAY, _PULSES)}
 """Parameters that every gesture has, by name."""
 
 

@@ -55,7 +55,7 @@ PATTER = (
     "patter", "strikes it at random times, as rain does, until it is stopped",
     dataclasses.replace(VELOCITY, steerable=True),
     (
-        Parameter("rate", 0.1, 1000.0, "Hz", "of its blows, on average", default=10.0, steerable=True),
+        Parameter("pace", 0.1, 1000.0, "Hz", "of its blows, on average", default=10.0, steerable=True),
         SEED,
     ),
     repeats=True,
@@ -97,7 +97,7 @@ def patter_on(state, contact, frame):
 @kernel
 def _wait(contact):
     """Return the time (s) to the next blow."""
-    return -math.log(1.0 - next_random(contact)) / contact.target.rate
+    return -math.log(1.0 - next_random(contact)) / contact.target.pace
 ''',
     ),
     (
@@ -118,7 +118,7 @@ LEAN = (
         """LEAN = Gesture("lean", "rests against it with a force", FORCE, fixed=("gain",), held=True)
 PATTER = Gesture(""",
     ),
-    ("dsp/schema.py", "SLIDE, PATTER)", "SLIDE, PATTER, LEAN)"),
+    ("dsp/schema.py", "SLIDE, PATTER,", "SLIDE, PATTER, LEAN,"),
 )
 SHAPE = (
     (
@@ -278,15 +278,15 @@ def blows(sound, seconds):
     assert {round(float(each.velocity), 6) for each in sound.contacts} == {0.5}
 
 # by a score, a scene and an object; it ends as it is stopped
-PATTER = "0 /object/new a steel-plate\\n0 /object/a/patter 0.5 striker steel rate 40 seed 3 id rain"
+PATTER = "0 /object/new a steel-plate\\n0 /object/a/patter 0.5 striker steel pace 40 seed 3 id rain"
 blows(carom.render(PATTER, seconds=4.0, contacts=True), 4.0)
 blows(carom.render(PATTER + "\\n2 /gesture/rain/stop", seconds=4.0, contacts=True), 2.0)
 with carom.Scene(contacts=True) as scene:
     plate = scene.new("a", "steel-plate")
-    plate.patter(0.5, striker="steel", rate=40, seed=3)
+    plate.patter(0.5, striker="steel", pace=40, seed=3)
     blows(scene.render(4.0), 4.0)
     scene.patter("a", velocity=0.1, striker="steel", id="more")
-    scene.steer("more", rate=100.0)
+    scene.steer("more", pace=100.0)
 
 # a body that leans on another: the bell's sound is muted by a block that lies on it
 with carom.Scene() as scene:
@@ -306,7 +306,7 @@ server = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
 port = int(server.stdout.readline().split(",")[0].rsplit(":", 1)[1])
 with carom.Client(port=port) as client:
     client.new("a", "steel-plate")
-    client.patter("a", 0.5, rate=500, id="rain")
+    client.patter("a", 0.5, pace=500, id="rain")
     for _ in range(200):
         client.ask("/sync", 1)
     status = client.ask("/status")
@@ -314,7 +314,7 @@ with carom.Client(port=port) as client:
     client.new("b", "steel-plate", gain=6.0)
     assert client.ask("/loudest").args == ("b",)
     assert client.ask("/gesture/rain/get").args == ("/object/a/patter",)
-    client.steer("rain", rate=20, velocity=1.0)
+    client.steer("rain", pace=20, velocity=1.0)
     client.ask("/sync", 2)
     client.ask("/quit")
 assert server.wait(timeout=20) == 0
@@ -327,8 +327,8 @@ for name in ("patter", "lean"):
     assert name in node("/object/a", {"ID": [], "NAME": ["a"]})["CONTENTS"], name
     assert f"/object/NAME/{name}" in table()
     assert getattr(carom.Client, name).__doc__ and getattr(carom.Object, name).__doc__
-assert "rate: 0.1 to 1000 Hz; of its blows, on average" in carom.Scene.patter.__doc__
-assert node("/gesture/rain/rate", {"ID": ["rain"], "NAME": []})["RANGE"] == [{"MIN": 0.1, "MAX": 1000.0}]
+assert "pace: 0.1 to 1000 Hz; of its blows, on average" in carom.Scene.patter.__doc__
+assert node("/gesture/rain/pace", {"ID": ["rain"], "NAME": []})["RANGE"] == [{"MIN": 0.1, "MAX": 1000.0}]
 assert "| `/loudest` |" in table() and "FULL_PATH" in node("/loudest", {"ID": [], "NAME": []})
 from carom.presets.schema import SHAPES
 assert "cone" in SHAPES

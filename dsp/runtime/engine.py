@@ -22,6 +22,7 @@ from .callback import callback
 from .fresh import fresh_state
 from .memory import Memory
 from .meter import Meter
+from .pulses import PulseTables
 from .ring import KEPT_FOR_NOW as KEPT_FOR_NOW
 from .ring import NOW as NOW
 from .ring import Ring
@@ -84,6 +85,7 @@ class Engine:
         self._memory = Memory(self._record, modes, objects)
         self.stems = Stems(self._record)
         self._strikers = Strikers(self._record, self.top_frequency)
+        self._pulses = PulseTables(self._record)
         self._ends_read = 0
 
     @property
@@ -356,6 +358,13 @@ class Engine:
         Returns the values `sound` and `sound_serial`, which the commands of its gestures take.
         """
         return self._strikers.lay_out(sound)
+
+    def lay_out_pulses(self, exponent: float) -> dict[str, float]:
+        """Make the table of the pulses of a contact law's exponent, 0 for drops, unless there is one.
+
+        Returns the value `pulses`, which the commands of swarms take. EngineFull if there is no room.
+        """
+        return self._pulses.lay_out(exponent)
 
     def leave(self, handle: Handle) -> None:
         """Remember that an object was told to go; its place is used again once the engine has given it up."""

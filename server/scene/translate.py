@@ -12,7 +12,7 @@ from itertools import islice
 from ...dsp.engine.memory.commands import Command, Kind
 from ...dsp.numerics.constants import STANDARD_GRAVITY
 from ...dsp.runtime.engine import NOW
-from ...dsp.schema import BOUNCE, GAIN, GESTURES, ROLL, SETTINGS, SLIDE, STEERABLE, STRIKE, Gesture
+from ...dsp.schema import BOUNCE, DROPS, GAIN, GESTURES, ROLL, SETTINGS, SLIDE, STEERABLE, STRIKE, Gesture
 from ...dsp.wording import MOST_COMPARED, some_of
 from ...presets.kinds import DRY
 from ..new_object import NEW, NewObject, new_object
@@ -133,10 +133,12 @@ def _free(to: ObjectCall) -> None:
 def _begin(gesture: Gesture, to: ObjectCall) -> None:
     """Begin a gesture by its argument and keys; one of 0 does nothing, unless a hand holds the striker."""
     values, argument = to.values, gesture.argument.name
-    if values.number(argument) == 0.0 and not gesture.held:
+    if values.number(argument) == 0.0 and not gesture.lasts:
         to.end_at_once()
         return
     by = to.striking_object()
+    if by and gesture.swarms:
+        raise Refused(f"by = {to.values.words['by']}: many small ones hit {to.name}; expected a striker")
     law = law_of(to, by)
     require_short(_FASTEST.get(gesture.name, _velocity)(values), law)
     is_named = not gesture.single or "id" in values.words
@@ -146,6 +148,8 @@ def _begin(gesture: Gesture, to: ObjectCall) -> None:
         motion["velocity"] = _APPROACH
     if "seed" in motion:
         motion["seed"] = to.seed(number)
+    if gesture.swarms:
+        motion |= to.transaction.engine.lay_out_pulses(0.0 if gesture.swarms == DROPS else law.exponent)
     _strike(to, by, law, Command(NOW, gesture.name, gesture=number, values=motion))
 
 
@@ -158,7 +162,11 @@ def _rim_speed(values: Values) -> float:
     return rim_speed(*map(values.number, ("flat", "radius", "angle", "gravity")))
 
 
-_FASTEST: dict[str, Callable[[Values], float]] = {"spin": _rim_speed}
+def _grain_speed(values: Values) -> float:
+    return values.number("speed")
+
+
+_FASTEST: dict[str, Callable[[Values], float]] = {"spin": _rim_speed, "shake": _grain_speed}
 
 
 def _bounce(to: ObjectCall) -> None:
@@ -262,7 +270,12 @@ _OF_GESTURES = {"bounce": _bounce, "roll": _roll, "slide": _slide, "rest": rest}
 def _strike(to: ObjectCall, by: PlayedObject | None, law: Contact, command: Command) -> None:
     """Add the command of a gesture, with the values that every gesture has."""
     numbers, transaction = to.values.numbers, to.transaction
-    sound = None if by or to.is_point_mass else transaction.laws.sound_of(to.striker, GESTURES[str(command.kind)].slips)
+    drops = GESTURES[str(command.kind)].swarms == DROPS
+    sound = (
+        None
+        if by or to.is_point_mass or drops
+        else transaction.laws.sound_of(to.striker, GESTURES[str(command.kind)].slips)
+    )
     values = {
         **command.values,
         **(transaction.engine.lay_out_striker(sound) if sound else {}),

@@ -44,7 +44,8 @@ def begin_striker(state: State, contact: Contact) -> None:
 
 @kernel
 def roll_striker(state: State, contact: Contact) -> None:
-    """Drive a rolling body's voice by its force in this quantum, if it has one or one is free."""
+    """Drive the voice of a rolling body, or of a swarm's grains, by its force in this quantum, if it has one or one is
+    free."""
     if not _sounds(state, contact):
         return
     has_one = contact.voice >= 0
@@ -52,10 +53,10 @@ def roll_striker(state: State, contact: Contact) -> None:
     if contact.voice >= 0:
         voice = state.voices[contact.voice]
         obj = state.objects[voice.slot]
-        if not has_one:
+        if not has_one and contact.trait.along == 1:
             resize(state, voice, contact)
         voice.driven = 1
-        voice.share[0] = obj.level / state.rolls[contact.roll].m
+        voice.share[0] = obj.level / (state.rolls[contact.roll].m if contact.trait.along == 1 else contact.m)
         if contact.solver != COUPLING:  # else its force comes sample by sample, with the gain
             feed_striker(state, contact)
             voice.share[0] *= contact.now.gain

@@ -122,6 +122,8 @@ def end_contact(state: State, obj: Object, before: int, index: int) -> None:
         state.free_roll[places_left(state) - 1] = contact.roll
     elif contact.trait.rests == 1:
         give_place_back(state, contact)
+    elif contact.trait.swarms > 0:
+        state.swarms[contact.swarm].used = 0
 
 
 @kernel

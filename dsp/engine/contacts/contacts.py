@@ -26,6 +26,7 @@ from .rests import begin_rest, keep_resting
 from .rolls import feed_of, feed_on, register_roll
 from .slides import lead_slide, rub, rubs
 from .solver_choice import is_moved
+from .swarms import swarm_on
 from .trace import trace_roll
 
 _LAID = FORCE.glide  # s: also of a striker's weight
@@ -102,6 +103,8 @@ def _go_on(state: State, index: int) -> bool:
     contact = state.contacts[index]
     if contact.trait.along == 1:
         return _roll_on(state, index)
+    if contact.trait.swarms > 0:
+        return swarm_on(state, index)
     if contact.touching == 0:
         return contact.start >= contact.until
     if is_gone(state, contact):
@@ -123,6 +126,8 @@ def _wait_longer(state: State, contact: Contact) -> bool:
         _lift(state, contact, QUANTUM)
         return contact.start >= contact.until
     contact.origin += QUANTUM
+    if contact.trait.swarms > 0:
+        return contact.until < state.position
     if contact.trait.repeats == 1:
         schedule_contact(state, contact)
         return contact.start >= contact.until

@@ -94,6 +94,10 @@ def _ring_on(state: State, obj: Object, voice: View2D[float], start: int, stop: 
         count, driven = _drivers(state, obj, frame, end)
         if obj.sensors > 0:
             _push_sensed(state, obj, count, driven, frame)
+        if count == 0:  # swarms between their blows
+            ring(modes_of(state, obj, 0, obj.live), voice, frame, end)
+            frame = end
+            continue
         fed = 0 if obj.ahead == 1 else min(driven, obj.felt // LANES * LANES)
         ring(modes_of(state, obj, driven, obj.live), voice, frame, end)
         _ring_fed(state, obj, voice, _place_blows(state, count, frame, end), fed, frame, end, moves)
@@ -220,12 +224,31 @@ def _drivers(state: State, obj: Object, frame: int, end: int) -> tuple[int, int]
     while entry >= 0:
         contact = state.contacts[entry // 2]
         point = contact.point[entry % 2]
-        driver = state.scratch.drivers[count]
-        _drive(driver, contact, point, entry % 2, obj.rows, frame, end)
-        count += 1
+        if contact.trait.swarms > 0:
+            count = _list_swarm(state, obj, contact, count)
+        else:
+            _drive(state.scratch.drivers[count], contact, point, entry % 2, obj.rows, frame, end)
+            count += 1
         driven = point.modes
         entry = point.next_roll
     return count, driven
+
+
+@kernel
+def _list_swarm(state: State, obj: Object, contact: Contact, count: int) -> int:
+    """List the places at which a swarm gives a force in this quantum, after `count` drivers; how many there are."""
+    swarm, point = state.swarms[contact.swarm], contact.point[0]
+    for p in range(swarm.places):
+        if swarm.sounds[p] == 0:
+            continue
+        driver = state.scratch.drivers[count]
+        place(point, swarm.position[p], obj.rows)
+        driver.feed, driver.row = contact.roll + 1 + p, point.row
+        for i in range(4):
+            driver.weights[i] = contact.now.gain * point.weights[i]
+            driver.drift[i] = 0.0
+        count += 1
+    return count
 
 
 @kernel
@@ -254,17 +277,39 @@ def add_through(state: State, obj: Object, voice: View2D[float]) -> None:
     while entry >= 0:
         contact = state.contacts[entry // 2]
         point, through = contact.point[entry % 2], state.through[contact.roll, entry % 2]
+        if contact.trait.swarms > 0:
+            _add_through_places(state, obj, contact, voice)
+            entry = point.next_roll
+            continue
         moves = entry % 2 == 0 and contact.travel > 0.0
         for end in range(2 if moves else 1):
             _drive(driver, contact, point, entry % 2, obj.rows, end * QUANTUM, end * QUANTUM)
             _know_through(state, obj, point.modes, driver.row, through)
-            for side in range(2):
-                for k in range(REACH + 1):
-                    taps[end, side, k] = 0.0
-                    for i in range(4):
-                        taps[end, side, k] += driver.weights[i] * through.taps[i, side, k]
+            _weigh_taps(driver, through, taps[end])
         _hear(taps[0], taps[1 if moves else 0], state.samples[contact.roll], voice)
         entry = point.next_roll
+
+
+@kernel
+def _weigh_taps(driver: Driver, through: Through, taps: View2D[float]) -> None:
+    """Set the taps from a driver to the sound, by those of the rows on which it acts."""
+    for side in range(2):
+        for k in range(REACH + 1):
+            taps[side, k] = 0.0
+            for i in range(4):
+                taps[side, k] += driver.weights[i] * through.taps[i, side, k]
+
+
+@kernel
+def _add_through_places(state: State, obj: Object, contact: Contact, voice: View2D[float]) -> None:
+    """Add what of a swarm's forces goes straight into an object's voice, over a quantum."""
+    taps = state.scratch.taps[0]
+    for j in range(_list_swarm(state, obj, contact, 0)):
+        driver = state.scratch.drivers[j]
+        through = state.through[driver.feed, 0]
+        _know_through(state, obj, contact.point[0].modes, driver.row, through)
+        _weigh_taps(driver, through, taps)
+        _hear(taps, taps, state.samples[driver.feed], voice)
 
 
 @kernel

@@ -5,7 +5,7 @@ from ...native.jit import kernel
 from ...native.typed import View, View2D
 from ...rolling.body import share_of
 from ..memory.records import Contact, Slide
-from ..memory.state import PUSHED, RUBBED, SNAPPED, TRACED, TRACED_MOMENTS, State, Trace
+from ..memory.state import PUSHED, QUANTUM, RUBBED, SNAPPED, TRACED, TRACED_MOMENTS, State, Trace
 from ..memory.striker_state import Voice
 from .coupled_rolls import position_of
 
@@ -66,6 +66,17 @@ def trace_roll(state: State, contact: Contact, feed: View2D[float], frames: tupl
         entry = _trace_moving(state, contact, state.position + n - 1, position_of(contact, n), 1.0, feed[n])
         if entry >= 0:
             state.trace.entries[entry].fed = fed
+            _publish(state)
+
+
+@kernel
+def trace_place(state: State, contact: Contact, position: float, feed: View2D[float]) -> None:
+    """Keep the force of a swarm's blows at one place over a quantum."""
+    for n in range(QUANTUM):
+        entry = _entry(state, contact, state.position + n - 1, feed[n, 0], (position, 0.0, 0.0))
+        if entry >= 0:
+            _set_moments(state, entry, feed[n])
+            state.trace.entries[entry].fed = 1
             _publish(state)
 
 

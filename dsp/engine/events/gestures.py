@@ -17,6 +17,7 @@ from ..contacts.contact_list import append_contact, places_left, report_end, sch
 from ..contacts.coupled_rolls import couple_roll
 from ..contacts.gesture_kernels import begin_gesture
 from ..contacts.slides import begin_slide
+from ..contacts.swarms import begin_swarm, has_room_for_swarm
 from ..memory.commands import IN_VALUES, Event
 from ..memory.quality import coarseness_of
 from ..memory.records import Contact
@@ -41,9 +42,9 @@ def start_gesture(state: State, obj: Object, event: Event) -> None:
     full = stats.contacts_active == len(state.contacts) or (trait.along == 1 and places_left(state) == 0)
     if trait.along == 1 and steer_existing(state, event):
         report_end(state, event.gesture, END_JOINED)
-    elif max(field(event.values, _SIZES[event.what]), event.values.sweep) < _SLOWEST:
+    elif max(field(event.values, _SIZES[event.what]), event.values.sweep) < _SLOWEST and trait.swarms == 0:
         report_end(state, event.gesture, END_RESTED)
-    elif full:
+    elif full or (trait.swarms > 0 and not has_room_for_swarm(state, event)):
         stats.impacts += 1
         stats.contacts_dropped += 1
         report_end(state, event.gesture, END_NO_ROOM)
@@ -55,6 +56,8 @@ def start_gesture(state: State, obj: Object, event: Event) -> None:
         _describe(state, contact, event)
         if trait.along == 1:
             _begin_along(state, contact, event)
+        if trait.swarms > 0:
+            begin_swarm(state, contact, event)
         begin_gesture(contact.kind, state, contact, event)
         schedule_contact(state, contact)
         append_contact(state, obj, index)

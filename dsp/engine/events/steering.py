@@ -3,6 +3,7 @@
 from ...native.jit import kernel
 from ...native.records import field, set_field
 from ...schema import STEERABLE
+from ..contacts.swarms import steer_swarm
 from ..memory.commands import (
     IN_VALUES,
     KIND_STEER,
@@ -44,6 +45,8 @@ def steer(state: State, event: Event) -> None:
             _count_command(state, i)
             if STEERS[contact.kind, event.parameter] and not takes_time(state, event, i, contact.command):
                 set_target(state, contact, event.parameter, event.value)
+                if contact.trait.swarms > 0:
+                    steer_swarm(state, contact, event.time)
 
 
 @kernel

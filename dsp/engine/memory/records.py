@@ -99,6 +99,8 @@ class Contact(Record):
     quickening: float  # n: t before its end its contacts' rate goes as t^-n
     tempo: float  # turns per s, times t^n, where gravity is 1
     swing: float  # m/s: velocity of contacts, times t^-n, at a gravity of 1 and a flat of a radius
+    # A swarm:
+    swarm: int  # its place among them
     # A bounce or a spin:
     random: np.uint64
     next: int

@@ -22,6 +22,7 @@ from ...rolling.roll_record import Roll
 from ...schema import GESTURES, TRAIT_NAMES
 from ...schema_records import Counters, Settings, Traits
 from ...spectral.layout import PHASES, REGION, Spectral
+from ...swarm.record import PLACES, SWARMS, Pulses, Swarm
 from .capacity import MODES, MODES_PER_OBJECT, MOST_CHANNELS, OBJECTS, SHAPE_VALUES, STEMS
 from .clock import Clock
 from .commands import Budget, Event, Method
@@ -43,6 +44,10 @@ RING = 8_192
 """Commands on their way from Python; a power of two."""
 ROLLS = 128
 """Bodies that can roll or slide at once."""
+ROWS_OF_SWARM = PLACES + 1
+"""Rows of forces that a swarm has, after those of rolls: of all of its places together, and of each."""
+DRIVEN = ROLLS + SWARMS * ROWS_OF_SWARM
+"""Forces that go on, of rolls and of swarms."""
 COUPLED_SHEETS = 8
 """Plates whose modes are coupled at once."""
 LEAD = HALF + REACH
@@ -242,9 +247,9 @@ class Scratch(Record):
     rows: Annotated[View[float], AHEAD * ROWS]  # of a point's motion over a quantum
     room: Annotated[View[float], room_for_rows(ROWS)]  # to lay them out
     receptance: Annotated[View[float], FINE]
-    drivers: Annotated[View[Driver], ROLLS]  # of the rolls on one object, at one time
-    blows: Annotated[View2D[float], ROLLS, QUANTUM]  # their forces by one number a frame, those at one place together
-    placed: Annotated[View[int], ROLLS]  # the first driver at each place
+    drivers: Annotated[View[Driver], DRIVEN]  # of the rolls and swarms on one object, at one time
+    blows: Annotated[View2D[float], DRIVEN, QUANTUM]  # their forces by one number a frame, those at one place together
+    placed: Annotated[View[int], DRIVEN]  # the first driver at each place
     taps: Annotated[View3D[float], 2, 2, REACH + 1]  # from one to the sound, at a quantum's beginning and end
     group: Annotated[View[int], OBJECTS]  # slots of those that are rendered together
     group_size: int
@@ -376,12 +381,14 @@ class State(Record):
     blocks: Annotated[View[Block], ROLLS]  # of those that feel all modes
     slides: Annotated[View[Slide], ROLLS]  # what those that slide have besides
     feeds: Annotated[
-        View3D[float], ROLLS, BEHIND + QUANTUM + LEAD, KEPT
+        View3D[float], DRIVEN, BEHIND + QUANTUM + LEAD, KEPT
     ]  # moments of their forces, also about a quantum
-    samples: Annotated[View2D[float], ROLLS, QUANTUM + 2 * REACH]  # their forces by one number a frame, likewise
-    through: Annotated[View2D[Through], ROLLS, 2]
+    samples: Annotated[View2D[float], DRIVEN, QUANTUM + 2 * REACH]  # their forces by one number a frame, likewise
+    through: Annotated[View2D[Through], DRIVEN, 2]
     free_roll: Annotated[View[int], ROLLS]  # stack
     rests_placed: int  # rests that have the place of a roll
+    swarms: Annotated[View[Swarm], SWARMS]
+    pulses: Pulses  # the tables of their blows
     strikers: Annotated[View[Striker], STRIKERS]  # kinds that sound
     voices: Annotated[View[Voice], VOICES]
     free_voice: Annotated[View[int], VOICES]  # stack

@@ -92,6 +92,7 @@ def test_the_callbacks_key_holds_its_kernels_and_neither_bodies_nor_lab():
         "contact",
         "resonator",
         "rolling",
+        "swarm",
         "friction",
         "spectral",
         "karman",

@@ -17,6 +17,7 @@ from tests.dsp.engine.support import RATE, gesture, numbered, steer, stop, strik
 STEERED_AT = 20  # quanta after the beginning
 SOFT = (0.05, 600.0, 0.3, 1.5)  # an impact that lasts some 50 ms
 BALL = (0.005, 1e7, 0.1, 1.5)
+GRAIN = (1e-6, 1e7, 0.1, 1.5)
 HAND = (0.05, 1e5, 5.0, 1.5)
 
 SLIDE = {
@@ -24,11 +25,15 @@ SLIDE = {
     "stribeck": 0.1, "tangential": 0.0, "along": 0.5, "seed": 1,
 }  # fmt: skip
 
+SWARM = {"rain": {"rate": 2e4}, "shake": {"rate": 2e4}, "crumple": {"speed": 4.0}}
+EXPONENT = {"rain": 0.0, "shake": 1.5, "crumple": 1.5}
+
 NEW = {
     "position": 0.9, "gain": 0.25, "gravity": 30.0, "irregularity": 0.8, "speed": 0.9, "mass": 0.02,
     "radius": 0.02, "roughness": 0.3, "asymmetry": 0.4, "friction": 0.05, "force": 9.0, "flat": 0.6,
     "sweep": 0.7, "patch": 0.005, "static": 0.9, "dynamic": 0.2, "stribeck": 0.3, "tangential": 1e5,
-    "along": 0.8,
+    "along": 0.8, "rate": 4e4, "size": 1e-3, "variety": 0.5, "density": 5000.0, "energy": 1e-2, "steepness": 1.0,
+    "decades": 2.0, "excitation": 0.9, "memory": 0.1,
 }  # fmt: skip
 """New value of each parameter: nothing that it is by itself in `begin`."""
 
@@ -58,6 +63,20 @@ def begin(kind):
         "spin": lambda: gesture("spin", handle, BALL, 100.0, 7, duration=0.5, irregularity=0.1, seed=1),
         "slide": lambda: gesture("slide", handle, BALL, 100.0, 7, **SLIDE),
         "press": lambda: gesture("press", handle, HAND, 100.0, 7, velocity=0.01, force=2.0),
+        **dict.fromkeys(
+            ("rain", "shake", "crumple"),
+            lambda: gesture(
+                kind,
+                handle,
+                GRAIN,
+                100.0,
+                7,
+                seed=1,
+                spread=0.5,
+                **SWARM[kind],
+                **engine.lay_out_pulses(EXPONENT[kind]),
+            ),
+        ),
     }[kind]
     engine.send([command()])
     engine.process(STEERED_AT * QUANTUM)

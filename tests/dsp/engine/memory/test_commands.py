@@ -30,13 +30,16 @@ NEEDED = {
         *("static", "dynamic", "stribeck", "tangential", "along", "seed"),
     ),
     "rest": ("mass", "stiffness", "dissipation", "exponent", "position", "load"),
+    "rain": ("mass", "stiffness", "dissipation", "exponent", "position", "rate", "seed"),
+    "shake": ("mass", "stiffness", "dissipation", "exponent", "position", "rate", "seed"),
+    "crumple": ("mass", "stiffness", "dissipation", "exponent", "position", "speed", "seed"),
     Kind.METHOD: ("method", "correction", "oversampling"),
 }
 """The values that have no default."""
 
 every_record = pytest.mark.parametrize("kind", RECORDS, ids=str)
 
-ALL = {"velocity", "by_position", "restitution", "gain", "sound", "sound_serial", "press", "delay"}
+ALL = {"velocity", "by_position", "restitution", "gain", "sound", "sound_serial", "press", "delay", "pulses"}
 """Values of any gesture that it need not be given."""
 
 

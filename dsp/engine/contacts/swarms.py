@@ -1,0 +1,278 @@
+"""Swarms on an object: many small blows, which drive its modes by one force a sample and place, as rolls do.
+
+A swarm's blows are laid onto grids (swarm/grid.py) some LOOK frames before they sound: all of it is heard LEAD s late,
+and what steers it acts as late, so that blows are the same at any sampling rate. A blow that is heavy for its place is
+a contact of its own, as an impact's.
+"""
+
+import math
+
+import numpy as np
+
+from ...native.jit import kernel, noinline_kernel
+from ...native.typed import View
+from ...resonator.fed import REACH
+from ...schema import DROPS, MOST_BLOWS, SPEEDS
+from ...swarm.blows import NARROWEST, ROLL_OFF, draw_blow, known_of, yielding
+from ...swarm.grid import HALF, LEAST, find_force, find_moments, lay_pulse, move_on
+from ...swarm.record import BACK, BANDS, FORCES, GRID, OCTAVES, PLACES, SWARMS, WIDTHS, Knot, Swarm
+from ...swarm.times import add_knot, drop_knots, on_lattice, take_blow
+from ..bodies.objects import frequency_of, is_felt, place, shape_at
+from ..bodies.strikers import roll_striker
+from ..memory.commands import NUMBERS, Event
+from ..memory.records import Contact, ContactPoint
+from ..memory.state import BEHIND, CLOSED, QUANTUM, ROLLING, ROLLS, ROWS_OF_SWARM, Object, State
+from .contact_force import update_mode_count
+from .contact_list import append_contact, schedule_contact
+from .trace import trace_place
+
+LEAD = 1e-3
+"""s: from a blow's own time to when it sounds, and from what steers a swarm to when it acts; at low rates it is LOOK
+frames."""
+LOOK = 44
+"""Frames after a quantum's end up to which blows are drawn: half the filter and the bump, FORE and some."""
+
+HEAVY = 0.1
+"""m M of a blow, above which it is a contact of its own."""
+_OFTEN, _AT_ONCE = 400.0, 8.0  # such contacts of a swarm a second, and at once
+_MOST = 16_384  # blows of a swarm in a quantum
+_EARLY = BACK + HALF  # frames from a grid's beginning to the quantum's
+_SAME = 1e-6  # of a position
+_LOWEST = 16.0  # Hz: of the bands of modes
+_IMPACT = NUMBERS["impact"]
+_BRIEFEST = 1e-6  # s: of a memory
+_NEAR = 1e-9  # of a rate
+
+
+@kernel
+def has_room_for_swarm(state: State, event: Event) -> bool:
+    """True if another swarm can begin, and there is a table of its pulses."""
+    room = False
+    for k in range(SWARMS):
+        room = room or state.swarms[k].used == 0
+    return room and event.values.pulses > 0.0
+
+
+@noinline_kernel
+def begin_swarm(state: State, contact: Contact, event: Event) -> None:
+    """Begin a swarm: there is room for one."""
+    values = event.values
+    index = 0
+    while state.swarms[index].used == 1:
+        index += 1
+    swarm = state.swarms[index]
+    contact.swarm, contact.roll = index, ROLLS + index * ROWS_OF_SWARM
+    contact.solver, contact.touching, contact.travel = ROLLING, 1, 0.0
+    state.contact_count += 1
+    contact.number = state.contact_count
+    swarm.used, swarm.law, swarm.table = 1, contact.trait.swarms, int(values.pulses) - 1
+    swarm.random = np.uint64(values.seed)
+    swarm.index = swarm.count = swarm.blows = 0
+    swarm.time = swarm.reached = swarm.excited = swarm.spared = swarm.energy = swarm.impulse = 0.0
+    swarm.memory, swarm.spare = 1.0, _AT_ONCE
+    swarm.m, swarm.k, swarm.mu, swarm.a, swarm.w = contact.m, contact.k, contact.mu, contact.a, contact.w
+    swarm.places = PLACES if values.spread > 0.0 else 1
+    swarm.retuned, swarm.spread, swarm.centre = -1, values.spread, -1.0
+    swarm.lead = max(LEAD * state.rate, LOOK + 1.0)
+    for p in range(PLACES):
+        swarm.busy[p] = swarm.sounds[p] = 0
+        for n in range(GRID):
+            swarm.grid[p, n] = 0.0
+    _add_knot(swarm, contact, 0.0)
+
+
+@kernel
+def _add_knot(swarm: Swarm, contact: Contact, time: float) -> Knot:
+    """Give a swarm's blows from a time (s from its beginning) on the law that is asked for; return its knot."""
+    asked, knot = contact.target, add_knot(swarm, time)
+    knot.rate, knot.scale = _asked_of(swarm, contact)
+    knot.excitation, knot.memory, knot.steepness = asked.excitation, max(asked.memory, _BRIEFEST), asked.steepness
+    knot.span, knot.variety = asked.decades * math.log(10.0), math.log1p(asked.variety)
+    knot.slope = 0.0
+    return knot
+
+
+@kernel
+def _asked_of(swarm: Swarm, contact: Contact) -> tuple[float, float]:
+    """Return the rate (1/s) of a swarm's own blows and their scale, as they are asked for."""
+    asked = contact.target
+    if swarm.law == DROPS:
+        return asked.rate, asked.size
+    if swarm.law == SPEEDS:
+        return asked.rate, asked.speed
+    return min(asked.speed * asked.density, MOST_BLOWS) * (1.0 - asked.excitation), asked.energy
+
+
+@kernel
+def steer_swarm(state: State, contact: Contact, time: float) -> None:
+    """Give a swarm's blows from a time (samples) on the law that is asked for now."""
+    since = (max(time, float(state.position)) - contact.origin) / state.rate
+    _add_knot(state.swarms[contact.swarm], contact, max(since, 0.0))
+
+
+@kernel
+def _follow_ramp(swarm: Swarm, contact: Contact, begin: float, seconds: float) -> None:
+    """Follow what a ramp asks for at the end of a quantum: the rate goes there by a line."""
+    last, asked = swarm.knots[swarm.count - 1], contact.target
+    rate, scale = _asked_of(swarm, contact)
+    there = max(last.rate + last.slope * max(begin - last.time, 0.0), 0.0)
+    ramped = abs(rate - there) > _NEAR * rate
+    others = scale != last.scale or asked.excitation != last.excitation or asked.steepness != last.steepness
+    others = others or max(asked.memory, _BRIEFEST) != last.memory or math.log1p(asked.variety) != last.variety
+    if ramped or others or last.slope != 0.0 or asked.decades * math.log(10.0) != last.span:
+        knot = _add_knot(swarm, contact, begin)
+        if ramped:
+            knot.rate, knot.slope = there, (rate - there) / seconds
+
+
+@noinline_kernel
+def swarm_on(state: State, index: int) -> bool:
+    """Compute a swarm's forces for a quantum; true if it has come to its end."""
+    contact = state.contacts[index]
+    swarm, obj = state.swarms[contact.swarm], state.objects[contact.point[0].slot]
+    update_mode_count(state, contact)
+    begin = max((state.position - contact.origin) / state.rate, 0.0)
+    _follow_ramp(swarm, contact, begin, QUANTUM / state.rate)
+    _spread_out(state, swarm, contact, obj)
+    until = (state.position + QUANTUM + LOOK - swarm.lead - contact.origin) / state.rate
+    if contact.until < math.inf:
+        until = min(until, on_lattice((contact.until - contact.origin) / state.rate))
+    _draw_blows(state, contact, swarm, until)
+    drop_knots(swarm, until)
+    _make_force(state, contact, swarm)
+    obj.live = max(obj.live, contact.point[0].modes)
+    obj.driven_modes = max(obj.driven_modes, contact.point[0].modes)
+    obj.driven_gain = max(obj.driven_gain, contact.now.gain)
+    contact.point[0].next_roll = obj.rolls_head
+    obj.rolls_head = 2 * index
+    roll_striker(state, contact)
+    return state.position > contact.until + swarm.lead + GRID
+
+
+@kernel
+def _spread_out(state: State, swarm: Swarm, contact: Contact, obj: Object) -> None:
+    """Place a swarm about its position, and find how its object yields there, unless that is known."""
+    moved = abs(contact.now.position - swarm.centre) > _SAME
+    if not moved and swarm.retuned == obj.retuned:
+        return
+    swarm.centre, swarm.retuned = contact.now.position, obj.retuned
+    begin = min(max(swarm.centre - 0.5 * swarm.spread, 0.0), 1.0 - swarm.spread)
+    for p in range(swarm.places):
+        swarm.position[p] = begin + swarm.spread * (p + 0.5) / swarm.places
+        place(contact.point[0], swarm.position[p], obj.rows)
+        _find_mobility(state, obj, contact.point[0], swarm.mobility[p])
+
+
+@kernel
+def _find_mobility(state: State, obj: Object, point: ContactPoint, mobility: View[float]) -> None:
+    """Find the mobility of a point for pulses of all widths, by half octaves of the modes, each as its lowest."""
+    bands = state.scratch.power
+    for n in range(BANDS):
+        bands[n] = 0.0
+    for i in range(obj.size):
+        if not is_felt(obj, i):
+            continue
+        frequency = frequency_of(state, obj, i)
+        if frequency > 0.0:
+            phi = shape_at(state, obj, point, i)
+            bands[min(max(int(2.0 * math.log2(frequency / _LOWEST)), 0), BANDS - 1)] += phi * phi
+    for n in range(WIDTHS):
+        width = 2.0 ** (NARROWEST + n)
+        mobility[n] = 0.0
+        for band in range(BANDS):
+            turns = 2.0 * math.pi * _LOWEST * 2.0 ** (0.5 * band) * ROLL_OFF * width if band > 0 else 0.0
+            mobility[n] += bands[band] / (1.0 + turns * turns * turns)
+
+
+@noinline_kernel
+def _draw_blows(state: State, contact: Contact, swarm: Swarm, until: float) -> None:
+    """Lay a swarm's blows up to a time (s from its beginning) onto its grids."""
+    table, rate = state.pulses.tables[swarm.table], state.rate
+    here = contact.origin - state.position + swarm.lead
+    widest = LEAST * 2.0**OCTAVES / rate
+    swarm.impulse = 0.0
+    for _ in range(_MOST):
+        if not take_blow(swarm, until):
+            break
+        where, v, mass, loss, width, middle = draw_blow(swarm, swarm.knots[0], table)
+        ratio, shorter, asked = yielding(swarm, where, mass, width)
+        swarm.energy += 0.5 * mass * v * v
+        if asked > HEAVY and _may_be_contact(state, swarm):
+            _become_contact(state, contact, swarm.position[where], v, mass)
+            continue
+        state.stats.impacts += 1
+        held = min(shorter, widest)
+        at = here + (swarm.time + middle * held / width) * rate + _EARLY
+        momentum = known_of(table.momentum, loss) * ratio * mass * v
+        end = lay_pulse(state.pulses, swarm.table, swarm.grid[where], at, held * rate, loss, momentum)
+        swarm.busy[where] = max(swarm.busy[where], end)
+        swarm.impulse += momentum
+
+
+@kernel
+def _may_be_contact(state: State, swarm: Swarm) -> bool:
+    """True if a swarm's heavy blow may be a contact of its own: some are, by their times alone, where there is room."""
+    if swarm.law == DROPS:
+        return False
+    swarm.spare = min(swarm.spare + (swarm.time - swarm.spared) * _OFTEN, _AT_ONCE)
+    swarm.spared = swarm.time
+    if swarm.spare < 1.0 or state.stats.contacts_active >= len(state.contacts):
+        return False
+    swarm.spare -= 1.0
+    return True
+
+
+@kernel
+def _become_contact(state: State, contact: Contact, position: float, v: float, mass: float) -> None:
+    """Make the last blow of a swarm an impact of its own."""
+    swarm, stats = state.swarms[contact.swarm], state.stats
+    index = state.free_contact[len(state.contacts) - 1 - stats.contacts_active]
+    stats.contacts_active += 1
+    state.last_command[index] = 0
+    state.contacts[index] = contact
+    blow = state.contacts[index]
+    blow.index, blow.kind, blow.trait = index, _IMPACT, state.traits[_IMPACT]
+    blow.gesture, blow.voice, blow.solver, blow.touching = 0, -1, CLOSED, 0
+    blow.unsettled = blow.solved = blow.ahead = blow.led = 0
+    blow.forces[:] = 0.0
+    blow.spot = np.uint64(0)
+    blow.until = blow.gone_at = math.inf
+    blow.v_in, blow.m = v, mass
+    blow.k = swarm.k * math.exp(math.log(mass / swarm.m) / 6.0)
+    blow.now.position = blow.target.position = position
+    blow.origin = contact.origin + swarm.lead
+    blow.elapsed = swarm.time
+    schedule_contact(state, blow)
+    append_contact(state, state.objects[contact.point[0].slot], index)
+
+
+@kernel
+def _make_force(state: State, contact: Contact, swarm: Swarm) -> None:
+    """Make the forces of a quantum from a swarm's grids, at each place and of all of them."""
+    total = swarm.force[0]
+    for j in range(FORCES):
+        total[j] = 0.0
+    for p in range(swarm.places):
+        swarm.sounds[p] = int(swarm.busy[p] > 0)
+        if swarm.sounds[p] == 0:
+            continue
+        force = swarm.force[1 + p]
+        find_force(swarm.grid[p], force)
+        move_on(swarm.grid[p], QUANTUM)
+        swarm.busy[p] -= QUANTUM
+        _hand_on(state, contact.roll + 1 + p, force)
+        trace_place(state, contact, swarm.position[p], state.feeds[contact.roll + 1 + p, BEHIND:])
+        for j in range(FORCES):
+            total[j] += force[j]
+    _hand_on(state, contact.roll, total)
+    for n in range(len(contact.forces)):
+        contact.forces[n] = state.feeds[contact.roll, BEHIND + QUANTUM - 1 - n, 0] * state.rate
+
+
+@kernel
+def _hand_on(state: State, row: int, force: View[float]) -> None:
+    """Hand a force on to what rings by it: by one number a frame, and by moments."""
+    samples = state.samples[row]
+    for n in range(len(samples)):
+        samples[n] = force[n + BACK - REACH]
+    find_moments(force, state.feeds[row, BEHIND:], state.scratch.work)

@@ -1,0 +1,42 @@
+"""The tables of swarms' pulses in the engine's memory: one for each exponent of a contact law, and one for drops."""
+
+import numpy as np
+
+from ..swarm.record import PULSES, TABLE
+from ..swarm.tables import pulse_table
+from .arena import EngineFull
+
+DROPS = 0.0
+"""The place of drops among exponents, which are 1 at least."""
+
+
+class PulseTables:
+    """The tables in a record of STATE. Each is made when it is first asked for, within some seconds, and stays."""
+
+    def __init__(self, record: np.void) -> None:
+        self._record = record["pulses"]
+        self._numbers: dict[float, int] = {}
+        self._taken = 0
+
+    def lay_out(self, exponent: float) -> dict[str, float]:
+        """Return the value `pulses` for a contact law's exponent, or DROPS. EngineFull if there is no room."""
+        if exponent not in self._numbers:
+            self._numbers[exponent] = self._write(exponent)
+        return {"pulses": self._numbers[exponent]}
+
+    def _write(self, exponent: float) -> int:
+        place = len(self._numbers)
+        if place == PULSES:
+            raise EngineFull(f"no room for swarms of exponent {exponent:g}: there are {PULSES - 1} others, and drops")
+        table = pulse_table(exponent)
+        size = len(table.values)
+        if self._taken + size > TABLE:
+            raise EngineFull(f"no room for swarms of exponent {exponent:g}: their pulses take {size} values")
+        entry = self._record["tables"][place]
+        for name in ("phases", "length", "lead", "block", "width", "middle", "momentum"):
+            entry[name] = getattr(table, name)
+        entry["first"] = np.array(table.first) + self._taken
+        entry["dissipations"] = table.dissipations
+        self._record["values"][self._taken : self._taken + size] = table.values
+        self._taken += size
+        return place + 1

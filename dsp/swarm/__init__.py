@@ -1,0 +1,1 @@
+"""Swarms: many small blows as one force a sample and place, in continuous time."""

@@ -1,0 +1,124 @@
+"""The blows of a swarm: how strong each is, how long it lasts, and how the object yields to it.
+
+A grain of mass m meets the object at v by the contact law: its pulse is that of contact/closed_form.py. Sizes between
+two sieves are spread evenly by ratios, s = exp(V (2 u - 1)): mass goes as s^3, stiffness as the root of s (Hertz).
+Speeds are those at which a gas of grains meets a wall, v = v_rms sqrt(-ln u). Energies follow a power law E^-b between
+two ends, by inverse transform.
+
+Drops have diameters of Marshall and Palmer's exponential distribution (J. Meteorology 5, 1948) above half a millimetre,
+and the speeds at which they fall, v = 9.65 - 10.3 exp(-600 D) m/s (Atlas, Srivastava and Sekhon, Reviews of Geophysics
+11, 1973). Those that arrive are v times as many, which makes D - D_0 the sum of one exponential or, for a share of
+them, two: no draw is thrown away.
+
+An object yields to a pulse by the modes that are not faster than it. With mobility M(s) = sum phi^2/(1 + (0.83 omega
+s)^3), where s is the pulse's rms width, the grain's mass is as if it were m/(1 + m M). The factor on phi^2 is above the
+pulse's |P|^2 at any frequency, so that the modes of an object at rest take at most m v^2/2.
+"""
+
+import math
+
+from ..native.jit import kernel
+from ..native.typed import View
+from ..numerics.elementary import exp, log
+from ..schema import DROPS, ENERGIES
+from .grid import MOST_LOSS
+from .record import FORMS, WIDTHS, Knot, PulseTable, Swarm
+from .times import MAGNITUDE, OTHER, PLACE, VARIETY, uniform
+
+ROLL_OFF = 0.83
+"""The roll-off of a pulse's power: |P|^2 <= 1/(1 + (0.83 omega s)^3) for drops, and 1.0 for contacts of w up to 3."""
+NARROWEST = -22.0
+"""Octaves of a second: the least width for which mobilities are kept; the others follow octave by octave."""
+
+SMALLEST_DROP = 0.5e-3
+"""m."""
+_LARGEST_DROP = 6e-3  # m: larger ones break up
+_WATER = 1000.0 * math.pi / 6.0  # kg/m^3: mass over the diameter's cube
+_FASTEST, _SLOWING, _SLOWED = 9.65, 10.3, 600.0  # m/s, m/s, 1/m
+_NEARLY = _SLOWING / _FASTEST * math.exp(-_SLOWED * SMALLEST_DROP)
+_DROP_TIME = 0.34
+_LN2 = math.log(2.0)
+_FLAT = 1e-9  # of 1 - b: the power law is as good as even by ratios
+
+
+@kernel
+def draw_blow(swarm: Swarm, knot: Knot, table: PulseTable) -> tuple[int, float, float, float, float, float]:
+    """Return the last blow's place, speed (m/s), mass (kg), loss w/(1 + w), rms width (s) and middle (s after it
+    began), at an object that does not yield."""
+    i, seed = swarm.index - 1, swarm.random
+    u = uniform(seed, i, MAGNITUDE)
+    place = int(uniform(seed, i, PLACE) * swarm.places)
+    if swarm.law == DROPS:
+        diameter = _draw_drop(knot.scale, u, uniform(seed, i, OTHER), uniform(seed, i, VARIETY))
+        v = _FASTEST - _SLOWING * exp(-_SLOWED * diameter)
+        scale = _DROP_TIME * diameter / v
+        mass, loss = _WATER * diameter * diameter * diameter, 0.0
+    else:
+        s = exp(knot.variety * (2.0 * uniform(seed, i, VARIETY) - 1.0)) if knot.variety > 0.0 else 1.0
+        mass, stiffness = swarm.m * s * s * s, swarm.k * math.sqrt(s)
+        v = math.sqrt(2.0 * _draw_energy(knot, u) / mass) if swarm.law == ENERGIES else knot.scale * math.sqrt(-log(u))
+        scale = exp((log(mass / stiffness) + (1.0 - swarm.a) * log(v)) / (swarm.a + 1.0))
+        w = swarm.w if swarm.w > 0.0 else swarm.mu * v
+        loss = min(w / (1.0 + w), MOST_LOSS)
+    return place, v, mass, loss, scale * exp(known_of(table.width, loss)), scale * known_of(table.middle, loss)
+
+
+@kernel
+def known_of(values: View[float], loss: float) -> float:
+    """Return what is known of pulses at a loss, by lines between FORMS of them."""
+    x = min(loss / MOST_LOSS, 1.0 - 1e-9) * (FORMS - 1)
+    n = int(x)
+    found: float = values[n] + (x - n) * (values[n + 1] - values[n])
+    return found
+
+
+@kernel
+def _draw_drop(scale: float, u: float, other: float, chosen: float) -> float:
+    """Return the diameter (m) of a drop that arrives, of those whose mean diameter in the air is `scale` above the
+    smallest."""
+    more = _NEARLY * _SLOWED * scale
+    less = (1.0 - _NEARLY) * (1.0 + _SLOWED * scale)
+    diameter = SMALLEST_DROP - scale * log(u)
+    if chosen * (more + less) < more:
+        diameter -= scale / (1.0 + _SLOWED * scale) * log(other)
+    return min(diameter, _LARGEST_DROP)
+
+
+@kernel
+def _draw_energy(knot: Knot, u: float) -> float:
+    """Return an energy (J) of the power law, by inverse transform."""
+    rest = 1.0 - knot.steepness
+    if abs(rest) < _FLAT:
+        return knot.scale * exp(-knot.span * u)
+    # u = 1 - (E^(1-b) - lo^(1-b))/(hi^(1-b) - lo^(1-b)), of E over the highest
+    low = exp(-rest * knot.span)
+    return knot.scale * exp(log(low + (1.0 - low) * u) / rest)
+
+
+@kernel
+def yielding(swarm: Swarm, place: int, mass: float, width: float) -> tuple[float, float, float]:
+    """Return the factor 1/(1 + m M) on a blow's mass, its width (s) then, and m M as the rigid wall's pulse has it.
+
+    A lighter mass makes a shorter pulse, which reaches more modes: two steps of that go most of the way, and the bound
+    on the energy holds after any number.
+    """
+    asked = mass * _mobility(swarm, place, width)
+    if asked < 1e-4:
+        return 1.0 / (1.0 + asked), width, asked
+    shorter = width
+    ratio = 1.0 / (1.0 + asked)
+    if swarm.law != DROPS:
+        for _ in range(2):
+            shorter = width * exp(log(ratio) / (swarm.a + 1.0))
+            ratio = 1.0 / (1.0 + mass * _mobility(swarm, place, shorter))
+    return ratio, shorter, asked
+
+
+@kernel
+def _mobility(swarm: Swarm, place: int, width: float) -> float:
+    """Return the mobility (1/kg) of a place for a pulse of a width: that of the next narrower one that is known,
+    between the two by lines where that is above it."""
+    x = min(max(log(width) / _LN2 - NARROWEST, 0.0), WIDTHS - 1.001)
+    n = int(x)
+    high, low = swarm.mobility[place, n], swarm.mobility[place, n + 1]
+    return high + (x - n) * (low - high)

@@ -1,0 +1,151 @@
+"""Pulses as one number a sample: laid onto a grid with a bump's width, from which a filter takes the bump out again.
+
+This is how a non-uniform Fourier transform grids its points (Fessler and Sutton, IEEE Trans. Signal Processing 51,
+2003): g[m] += J K(m - t), K = pulse * bump, and f = filter(g), with a filter of 1/FT(bump) up to EDGE of the sampling
+rate. The bump exp(beta (sqrt(1 - (2 t/W)^2) - 1)) of W samples has its images at -70 dB there. f is what drives modes
+as resonator/fed.py does. K is a table over the pulse's width, dissipation and place between samples (tables.py), with
+lines between: its error is below -60 dB of the momentum up to EDGE.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..native.jit import kernel
+from ..native.typed import View, View2D
+from ..numerics.legendre import KEPT
+from ..resonator.simd import LANES, dot, put_product
+from .record import BACK, FORCES, OCTAVES, Pulses
+from .simd import add_rows
+
+BUMP = 10
+"""Width W of the bump, in samples."""
+HALF = 28
+"""Samples ahead and behind of which the filter makes a sample."""
+STEPS = 16
+"""Widths of pulses in an octave."""
+LEAST = 0.0125
+"""Samples: the least rms width of a pulse."""
+EDGE = 0.43
+"""Share of the sampling rate up to which pulses are right."""
+MOST_LOSS = 0.75
+"""Greatest w/(1 + w) of a pulse in the tables: w = 3. One that loses more is laid as one of this shape."""
+
+_BETA = 0.98 * math.pi * BUMP * (1.0 - EDGE)
+_REACH = 5  # samples before and after, of which the moments of a sample's force are made
+_KAISER = 6.0
+_QUANTUM = 64
+_ONES = (1.0,) * LANES
+
+
+def bump(t: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the bump at times in samples."""
+    inside = 1.0 - (2.0 * t / BUMP) ** 2
+    bumped: NDArray[np.float64] = np.where(inside > 0.0, np.exp(_BETA * (np.sqrt(np.maximum(inside, 0.0)) - 1.0)), 0.0)
+    return bumped
+
+
+def bump_spectrum(frequency: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the Fourier transform of the bump, at frequencies as shares of the sampling rate."""
+    nodes, weights = np.polynomial.legendre.leggauss(200)
+    t = 0.25 * BUMP * (nodes + 1.0)
+    found: NDArray[np.float64] = np.cos(2.0 * np.pi * np.outer(frequency, t)) @ (0.5 * BUMP * weights * bump(t))
+    return found
+
+
+def _filter() -> NDArray[np.float64]:
+    """Return the filter that takes the bump out, by least squares: symmetric, 2 HALF + 1 taps."""
+    frequency = EDGE * (np.arange(1000) + 0.5) / 1000
+    spectrum = bump_spectrum(frequency)
+    basis = np.cos(2.0 * np.pi * np.outer(frequency, np.arange(HALF + 1))) * np.where(np.arange(HALF + 1) > 0, 2.0, 1.0)
+    taps = np.linalg.lstsq(basis * spectrum[:, None], np.ones(1000), rcond=None)[0]
+    return np.concatenate([taps[:0:-1], taps])
+
+
+def _moment_taps() -> NDArray[np.float64]:
+    """Return the weights of forces _REACH - 1 before to _REACH after a sample's beginning in its KEPT moments."""
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    t = 0.5 * (nodes + 1.0)
+    x = t[None, :] - np.arange(1 - _REACH, _REACH + 1)[:, None]
+    window = np.i0(_KAISER * np.sqrt(np.maximum(1.0 - (x / _REACH) ** 2, 0.0))) / np.i0(_KAISER)
+    legendre = np.polynomial.legendre.legvander(nodes, KEPT - 1)
+    found: NDArray[np.float64] = ((np.sinc(x) * window * 0.5 * weights) @ legendre).T
+    return found
+
+
+FILTER = tuple(float(tap) for tap in _filter())
+"""The filter's taps, from HALF before to HALF after."""
+_MOMENTS = tuple(tuple(float(tap) for tap in row) for row in _moment_taps())
+
+
+@kernel
+def lay_pulse(
+    pulses: Pulses, number: int, grid: View[float], at: float, width: float, loss: float, momentum: float
+) -> int:
+    """Add a pulse to a grid, and return how far it reaches there; 0 where it would have begun before that.
+
+    number: of its table; at: its middle (tables.py), in samples from the grid's beginning; width: its rms width in
+    samples; loss: w/(1 + w); momentum: N s.
+    """
+    table = pulses.tables[number]
+    y = min(max(math.log2(width / LEAST), 0.0), OCTAVES - 1e-9) * STEPS
+    step = int(y)
+    octave, b = step // STEPS, y - step
+    length, phases = table.length[octave], table.phases[octave]
+    m = int(at)
+    if m < table.lead[octave]:
+        return 0
+    x = (at - m) * phases
+    phase = int(x)
+    a = x - phase
+    z = min(loss / MOST_LOSS, 1.0 - 1e-9) * (table.dissipations - 1)
+    kind = int(z)
+    c = z - kind
+    wider, later, lossier = (phases + 1) * length, length, table.block[octave]
+    first = table.first[octave] + kind * lossier + (step % STEPS) * wider + phase * later
+    a1, b1, c1 = momentum * a, b, c
+    a0, b0, c0 = momentum - a1, 1.0 - b, 1.0 - c
+    firsts = (
+        first, first + later, first + wider, first + wider + later,
+        first + lossier, first + lossier + later, first + lossier + wider, first + lossier + wider + later,
+    )  # fmt: skip
+    weights = (
+        a0 * b0 * c0, a1 * b0 * c0, a0 * b1 * c0, a1 * b1 * c0, a0 * b0 * c1, a1 * b0 * c1, a0 * b1 * c1, a1 * b1 * c1,
+    )  # fmt: skip
+    add_rows(grid, m - table.lead[octave], pulses.values, firsts, weights, length)
+    return m - table.lead[octave] + length
+
+
+@kernel
+def find_force(grid: View[float], force: View[float]) -> None:
+    """Write the force (N s, by one number a sample) from a grid: sample j from the grid's j to j + 2 HALF."""
+    for j in range(0, FORCES, LANES):
+        put_product(force, j, dot(grid, j, 1, FILTER), _ONES)
+
+
+@kernel
+def move_on(grid: View[float], frames: int) -> None:
+    """Advance a grid by so many samples."""
+    left = len(grid) - frames
+    for n in range(left):
+        grid[n] = grid[n + frames]
+    for n in range(left, len(grid)):
+        grid[n] = 0.0
+
+
+@kernel
+def find_moments(force: View[float], feed: View2D[float], work: View[float]) -> None:
+    """Write the moments (N s) of a force over the samples of a quantum into (frames, KEPT).
+
+    force[BACK - 1 + n] is the force at the beginning of frame n's sample; `work` has room for KEPT quanta. They hold
+    what of the force is below EDGE of the rate.
+    """
+    for n in range(0, _QUANTUM, LANES):
+        put_product(work, n, dot(force, n + BACK - _REACH, 1, _MOMENTS[0]), _ONES)
+        put_product(work, _QUANTUM + n, dot(force, n + BACK - _REACH, 1, _MOMENTS[1]), _ONES)
+        put_product(work, 2 * _QUANTUM + n, dot(force, n + BACK - _REACH, 1, _MOMENTS[2]), _ONES)
+        put_product(work, 3 * _QUANTUM + n, dot(force, n + BACK - _REACH, 1, _MOMENTS[3]), _ONES)
+    for n in range(_QUANTUM):
+        for k in range(KEPT):
+            feed[n, k] = work[k * _QUANTUM + n]

@@ -1,0 +1,115 @@
+"""The records of swarms, and of the tables of their blows' pulses."""
+
+from typing import Annotated
+
+import numpy as np
+
+from ..native.typed import Record, View, View2D, dtype_of, f32
+
+SWARMS = 16
+"""Swarms that can go on at once."""
+PLACES = 8
+"""Places on an object at which the blows of a swarm fall."""
+KNOTS = 16
+"""Changes of a swarm that are kept until its blows have come so far."""
+PULSES = 4
+"""Contact laws by their exponents, and drops, whose pulses have tables at once."""
+OCTAVES = 12
+"""Octaves of a pulse's width that a table has."""
+FORMS = 65
+"""Dissipations at which a pulse's width, middle and momentum are known."""
+TABLE = 25_165_824
+"""Values of float32 in the tables of all pulses."""
+BANDS = 40
+"""Half octaves of frequency by which modes are summed, for how an object yields."""
+WIDTHS = 20
+"""Widths of pulses, octaves apart, for which it is known how an object yields."""
+
+BACK = 5
+"""Samples before a quantum at which the force is computed."""
+FORE = 4
+"""Samples after a quantum at which the force is computed, beyond."""
+FORCES = 80
+"""Samples of force that are computed for a quantum: 5 + 64 + 4, a multiple of LANES."""
+GRID = 832
+"""Samples of a place's grid: those of a quantum, and of a pulse that begins at its end."""
+
+
+class PulseTable(Record):
+    """The table of one family of pulses: widths, dissipations, places between samples.
+
+    Octave o of the width holds `dissipations` blocks of `block` values. A block has STEPS + 1 widths, each with
+    phases + 1 rows of `length` values, of which number `lead` is at the pulse's middle.
+    """
+
+    dissipations: int
+    first: Annotated[View[int], OCTAVES]  # value of the octave in `table`
+    block: Annotated[View[int], OCTAVES]
+    phases: Annotated[View[int], OCTAVES]
+    length: Annotated[View[int], OCTAVES]
+    lead: Annotated[View[int], OCTAVES]
+    width: Annotated[View[float], FORMS]  # ln of the rms width, in L/v
+    middle: Annotated[View[float], FORMS]  # of the impulse, from the contact's beginning, in L/v
+    momentum: Annotated[View[float], FORMS]  # 1 + restitution: in m v
+
+
+class Pulses(Record):
+    """The tables of pulses."""
+
+    tables: Annotated[View[PulseTable], PULSES]
+    values: Annotated[View[f32], TABLE]
+
+
+class Knot(Record):
+    """The law of a swarm's blows from a time on."""
+
+    time: float  # s from the swarm's beginning
+    reached: float  # blows of its own that are to have come by then: the integral of the rate
+    rate: float  # 1/s
+    slope: float  # 1/s^2: of the rate
+    excitation: float  # share of the blows that others set off
+    memory: float  # s: for which a blow does so
+    scale: float  # m/s, J or m: of speeds, the highest energy, or of drops' sizes
+    steepness: float  # exponent of the power law of energies
+    span: float  # ln of the ratio of the highest to the least energy
+    variety: float  # ln of the ratio of the largest grain to the usual one
+
+
+class Swarm(Record):
+    """A swarm on an object."""
+
+    used: int
+    law: int  # of its blows, as schema.Gesture.swarms
+    table: int  # of its pulses
+    random: np.uint64  # seed
+    index: int  # of the next blow
+    time: float  # s: of the last one
+    reached: float  # the integral of the rate, of blows of its own, there
+    excited: float  # 1/s: rate of blows that are set off, there
+    memory: float  # s: for which that one sets off others
+    knots: Annotated[View[Knot], KNOTS]
+    count: int  # of them
+    lead: float  # s: from a blow's own time to when it is heard
+    places: int
+    position: Annotated[View[float], PLACES]  # along the strike path
+    retuned: int  # of the object, for which `mobility` is known; -1: for none
+    spread: float  # of the places, as a share of the strike path
+    centre: float  # position about which they are
+    busy: Annotated[View[int], PLACES]  # samples of the grids that hold something
+    sounds: Annotated[View[int], PLACES]  # 1: there is a force at the place in this quantum
+    mobility: Annotated[View2D[float], PLACES, WIDTHS]  # 1/kg: sum of phi^2 of the modes that a pulse of a width moves
+    m: float  # kg: of the usual grain
+    k: float
+    mu: float
+    a: float
+    w: float  # mu v, where a restitution was given; else 0
+    grid: Annotated[View2D[f32], PLACES, GRID]
+    force: Annotated[View2D[float], PLACES + 1, FORCES]  # N s: by one number a frame, and of all places
+    spare: float  # blows that may be contacts of their own now
+    spared: float  # s: when that was
+    blows: int  # so far
+    impulse: float  # N s: given in this quantum
+    energy: float  # J: of its blows, so far
+
+
+SWARM = dtype_of(Swarm)

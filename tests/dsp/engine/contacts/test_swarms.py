@@ -1,0 +1,157 @@
+"""Swarms in the engine: the same blows at any sampling rate, as loud, and no more energy than they bring."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from carom.dsp.bodies import listed
+from carom.dsp.engine.memory.commands import Command, Kind
+from carom.dsp.engine.memory.state import QUANTUM, End
+from carom.dsp.resonator.mode import mode_energy
+from carom.dsp.runtime.engine import Engine
+from carom.dsp.swarm.record import SWARMS
+from tests.dsp.engine.support import RATE, gesture, impact, steer, stop
+
+GRAIN = (1e-4, 3e8, 0.3, 1.5)
+"""m, k, mu, a of a grain of 0.1 g: 20 µs at 1 m/s."""
+SHAKE = {"rate": 2000.0, "speed": 0.5, "seed": 7}
+CRUMPLE = {"speed": 0.5, "density": 4000.0, "energy": 1e-6, "seed": 7}
+RAIN = {"rate": 2000.0, "seed": 7}
+
+
+def plate(count=40, modal_mass=0.5, t60=0.3):
+    """Return a body whose modes lie up to 16 kHz."""
+    frequency = 150.0 * np.arange(1, count + 1) ** 1.25
+    return listed(
+        frequency=frequency, t60=np.full(count, t60), modal_mass=np.full(count, modal_mass), mass=modal_mass, top=20_000
+    )  # fmt: skip
+
+
+def swarmed(kind, keys, rate=RATE, seconds=1.0, events=(), modes=None, blocks=(), law=GRAIN):
+    """Return the left output of a swarm on an object, and its engine."""
+    engine = Engine(rate)
+    handle = engine.add(modes or plate(), 1.0)
+    pulses = engine.lay_out_pulses(0.0 if kind == "rain" else law[3])
+    events = [each._replace(time=each.time * rate) for each in events]
+    engine.send([gesture(kind, handle, law, 0.0, 7, **pulses, **{"spread": 1.0, **keys}), *events])
+    left, parts = round(seconds * rate), []
+    sizes = iter(blocks)
+    while left > 0:
+        size = min(next(sizes, left), left)
+        parts.append(engine.process(size)[:, 0].astype(float))
+        left -= size
+    return np.concatenate(parts), engine
+
+
+def third_octaves(sound, rate):
+    """Return the power (dB) in bands of a third of an octave from 100 Hz to 16 kHz."""
+    spectrum = np.abs(np.fft.rfft(sound)) ** 2 / len(sound) ** 2
+    bins = np.arange(len(spectrum)) * rate / len(sound)
+    edges = 100.0 * 2.0 ** (np.arange(23) / 3.0)
+    return 10.0 * np.log10([spectrum[(bins >= low) & (bins < high)].sum() for low, high in pairwise(edges)])
+
+
+def drawn(engine):
+    """Return what the blows of an engine's swarm add up to."""
+    swarm = engine.state[0]["swarms"][0]
+    return int(swarm["index"]), float(swarm["time"]), float(swarm["reached"]), float(swarm["energy"])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("kind", "keys"), [("shake", SHAKE), ("crumple", CRUMPLE), ("rain", RAIN)])
+def test_blows_are_the_same_and_as_loud_at_any_sampling_rate(kind, keys):
+    name = "speed" if kind == "crumple" else "rate"
+    events = [steer(7, name, 2.0 * keys[name], 0.3), steer(7, name, keys[name], 0.6001), stop(7, 0.95)]
+    found, bands = [], []
+    for rate in (44_100.0, 48_000.0, 96_000.0, 192_000.0):
+        sound, engine = swarmed(kind, keys, rate, 1.3, events)
+        found.append(drawn(engine))
+        bands.append(third_octaves(sound, rate))
+        assert engine.ended()[0][1] == End.STOPPED and not engine.state[0]["swarms"]["used"].any()
+    assert found[0][0] > 1500 and found == [found[0]] * 4
+    assert np.abs(np.array(bands) - bands[0]).max() < 0.2
+
+
+def test_a_swarm_sounds_the_same_in_any_blocks():
+    whole, _ = swarmed("crumple", CRUMPLE, seconds=0.3)
+    for blocks in ([37] * 1000, [1000] * 100):
+        assert np.array_equal(swarmed("crumple", CRUMPLE, seconds=0.3, blocks=blocks)[0], whole)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("speed", [0.1, 2.0])
+def test_a_swarm_of_one_blow_sounds_as_that_impact(speed):
+    """The swarm's first blow, at its time and place, against the closed form's impact, up to 0.3 of the rate."""
+    keys = {"rate": 3.0, "speed": speed, "seed": 11, "spread": 0.0, "position": 0.5, "gain": 1e3}
+    modes = plate(24, modal_mass=20.0)
+    sound, engine = swarmed("shake", keys, seconds=0.001, modes=modes)
+    while (swarm := engine.state[0]["swarms"][0])["index"] == 0:
+        sound = np.concatenate([sound, engine.process(QUANTUM)[:, 0]])
+    time, energy = float(swarm["time"]), float(swarm["energy"])
+    sound = np.concatenate([sound, engine.process(1024)[:, 0]])
+    assert swarm["index"] == 1
+    other = Engine(RATE)
+    handle = other.add(modes, 1.0)
+    begin = (time + 1e-3) * RATE
+    other.send([impact(handle, GRAIN, begin, np.sqrt(2.0 * energy / GRAIN[0]), gain=1e3)])
+    wanted = other.process(len(sound))[:, 0]
+    after = np.clip((np.arange(len(sound)) - begin - 300) / 700, 0.0, 1.0)
+    window = 0.5 + 0.5 * np.cos(np.pi * after)
+    found, right = (np.fft.rfft(each * window)[: round(0.3 * len(sound))] for each in (sound, wanted))
+    assert np.abs(found - right).max() < 4e-3 * np.abs(right).max()
+
+
+def energy_of(engine):
+    """Return the energy (J) of the first object's modes."""
+    bank, obj = engine.state[0]["bank"], engine.state[0]["objects"][0]
+    names = ("y1", "y2", "a1", "a2", "weight")
+    felt = slice(int(obj["first"]), int(obj["first"]) + int(obj["felt"]))
+    return sum(
+        mode_energy.py_func(*each) for each in zip(*(bank[name][felt] for name in names), strict=True) if each[4]
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("modal_mass", [1e-5, 1e-4, 1e-2, 1.0])
+@pytest.mark.parametrize(("kind", "keys"), [("shake", SHAKE), ("rain", RAIN)])
+def test_modes_get_no_more_energy_than_the_blows_bring(kind, keys, modal_mass):
+    modes = plate(40, modal_mass, t60=100.0)
+    _, engine = swarmed(kind, {**keys, "rate": 300.0}, seconds=1.0, modes=modes)
+    brought = drawn(engine)[3]
+    assert 0.0 < energy_of(engine) < brought
+    if modal_mass == 1e-4:
+        assert energy_of(engine) > 0.005 * brought
+
+
+def test_a_swarm_pauses_at_a_rate_of_0_and_goes_on():
+    events = [steer(7, "rate", 0.0, 0.2), steer(7, "rate", 2000.0, 0.6)]
+    _, engine = swarmed("shake", SHAKE, seconds=0.55, events=events)
+    count = drawn(engine)[0]
+    assert count == pytest.approx(400, abs=80)
+    engine.process(round(0.2 * RATE))
+    assert drawn(engine)[0] - count == pytest.approx(300, abs=70)
+
+
+def test_a_ramp_of_the_rate_gives_the_blows_of_its_integral():
+    ramp = Command(0.0, Kind.STEER, value=4000.0, gesture=7, parameter="rate", values={"over": 1.0})
+    counts = []
+    for rate in (44_100.0, 96_000.0):
+        _, engine = swarmed("shake", {**SHAKE, "rate": 0.0}, rate, 1.0, [ramp])
+        counts.append(drawn(engine)[:2])
+    assert counts[0][0] == pytest.approx(2000, abs=180)
+    assert counts[0] == pytest.approx(counts[1], rel=0.005)
+
+
+def test_there_is_room_for_so_many_swarms_and_no_more():
+    engine = Engine(RATE)
+    handle, pulses = engine.add(plate(), 1.0), engine.lay_out_pulses(1.5)
+    engine.send([gesture("shake", handle, GRAIN, 0.0, n + 1, **pulses, **SHAKE) for n in range(SWARMS + 1)])
+    assert np.abs(engine.process(4800)).max() > 0.0
+    assert engine.ended() == [(SWARMS + 1, End.NO_ROOM)]
+
+
+def test_heavy_grains_are_contacts_of_their_own():
+    _, engine = swarmed("shake", {**SHAKE, "rate": 100.0}, modes=plate(8, 0.01), law=(0.01, 1e7, 0.2, 1.5), seconds=0.5)
+    assert engine.stats.impacts == drawn(engine)[0] or engine.stats.impacts == drawn(engine)[0] - 1
+    assert engine.stats.coupled > 20

@@ -1,0 +1,125 @@
+"""The times and the energies of blows, against the laws that they follow."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from carom.dsp.native.typed import dtype_of
+from carom.dsp.schema import DROPS, ENERGIES, SPEEDS
+from carom.dsp.swarm.blows import draw_blow
+from carom.dsp.swarm.record import FORMS, SWARM, PulseTable
+from carom.dsp.swarm.times import add_knot, drop_knots, take_blow
+
+TABLE = np.zeros(1, dtype_of(PulseTable))[0]
+
+
+def knot_at(record, time):
+    """Add a knot to a swarm, and return it."""
+    add_knot(record, time)
+    return record["knots"][record["count"] - 1]
+
+
+def swarm(law=SPEEDS, seed=1, rate=1000.0, **keys):
+    """Return a swarm with one knot."""
+    record = np.zeros(1, SWARM)[0]
+    record["law"], record["random"], record["places"], record["memory"] = law, seed, 8, 1.0
+    record["m"], record["k"], record["a"] = 1e-3, 1e9, 1.5
+    knot = knot_at(record, 0.0)
+    knot["rate"], knot["memory"] = rate, 1.0
+    for name, value in keys.items():
+        knot[name] = value
+    return record
+
+
+def times_of(record, until, step=None):
+    """Return the times of blows, asked for in steps."""
+    found, horizon = [], 0.0
+    while horizon < until:
+        horizon = min(until, horizon + (step or until))
+        while take_blow(record, horizon):
+            found.append(float(record["time"]))
+        drop_knots(record, horizon)
+    return np.array(found)
+
+
+def test_blows_come_at_their_rate_as_a_poisson_process_does():
+    waits = np.diff(times_of(swarm(), 20.0))
+    assert len(waits) == pytest.approx(20_000, abs=4 * math.sqrt(20_000))
+    assert np.std(waits) / np.mean(waits) == pytest.approx(1.0, abs=0.03)
+    counts, _ = np.histogram(times_of(swarm(seed=5), 20.0), 1000, (0.0, 20.0))
+    assert counts.var() / counts.mean() == pytest.approx(1.0, abs=0.15)
+
+
+def test_blows_are_the_same_however_they_are_asked_for():
+    whole = times_of(swarm(excitation=0.5, memory=0.01), 2.0)
+    for step in (0.00133, 0.1, 0.37):
+        assert np.array_equal(times_of(swarm(excitation=0.5, memory=0.01), 2.0, step), whole)
+
+
+def test_a_rate_that_goes_by_lines_gives_the_integral_of_blows():
+    record = swarm(rate=0.0, slope=2000.0)
+    there = knot_at(record, 1.0)
+    assert there["rate"] == 2000.0 and there["reached"] == 1000.0
+    there["rate"], there["slope"] = 0.0, 0.0
+    again = knot_at(record, 3.0)
+    again["rate"] = 500.0
+    times = times_of(record, 5.0)
+    first, pause, last = (np.count_nonzero((times >= a) & (times < b)) for a, b in ((0, 1), (1, 3), (3, 5)))
+    assert abs(first - 1000) < 130 and pause == 0 and abs(last - 1000) < 130
+    early = np.count_nonzero(times < 0.5)
+    assert early == pytest.approx(250, abs=65)  # a quarter, as the integral has it
+
+
+@pytest.mark.parametrize("ratio", [0.3, 0.6, 0.9])
+def test_blows_that_set_off_others_come_as_many_times_more(ratio):
+    times = np.concatenate(
+        [times_of(swarm(seed=n, rate=200.0, excitation=ratio, memory=0.005), 20.0) for n in range(3)]
+    )
+    assert len(times) / 60.0 == pytest.approx(200.0 / (1 - ratio), rel=0.04 + 0.3 * (ratio > 0.8))
+    counts, _ = np.histogram(times[: np.argmax(np.diff(times) < 0) + 1], 20, (0.0, 20.0))
+    assert counts.var() / counts.mean() > 0.3 / (1 - ratio) ** 2  # Fano's factor is 1/(1 - n)^2 over long times
+
+
+def drawn(record, count):
+    blows = []
+    while len(blows) < count:
+        take_blow(record, math.inf)
+        blows.append(draw_blow(record, record["knots"][0], TABLE))
+    return np.array(blows).T
+
+
+@pytest.mark.parametrize("b", [0.7, 1.0, 1.2, 1.5, 2.5])
+def test_the_exponent_of_energies_is_found_again(b):
+    record = swarm(ENERGIES, seed=3, scale=1e-3, steepness=b, span=math.log(1e4))
+    _, v, mass, *_ = drawn(record, 10_000)
+    energy = 0.5 * mass * v**2
+    assert energy.min() > 0.99e-7 and energy.max() < 1.001e-3
+    mean, span = np.log(energy / 1e-7).mean(), math.log(1e4)
+
+    def score(x):
+        a = 1.0 - x
+        return (0.5 * span if abs(a) < 1e-6 else span / (1.0 - math.exp(-a * span)) - 1.0 / a) - mean
+
+    assert brentq(score, -3.0, 8.0) == pytest.approx(b, abs=0.05)
+
+
+def test_grains_hit_at_the_speeds_and_of_the_sizes_that_are_asked_for():
+    place, v, mass, *_ = drawn(swarm(scale=0.7, variety=math.log(1.5)), 20_000)
+    assert np.sqrt(np.mean(v**2)) == pytest.approx(0.7, rel=0.02)
+    assert np.bincount(place.astype(int)).min() > 2300
+    size = (mass / 1e-3) ** (1 / 3)
+    assert size.min() == pytest.approx(1 / 1.5, rel=0.01) and size.max() == pytest.approx(1.5, rel=0.01)
+    assert np.log(size).std() == pytest.approx(math.log(1.5) / math.sqrt(3.0), rel=0.02)
+
+
+def test_drops_that_arrive_are_as_many_as_are_there_times_their_speed():
+    _, v, mass, *_ = drawn(swarm(DROPS, scale=4e-4), 40_000)
+    diameter = np.cbrt(6.0 * mass / (1000.0 * np.pi))
+    x = np.linspace(0.5e-3, 6e-3, 4001)
+    flux = (9.65 - 10.3 * np.exp(-600.0 * x)) * np.exp(-x / 4e-4)
+    assert v == pytest.approx(9.65 - 10.3 * np.exp(-600.0 * diameter))
+    for power in (1, 3):
+        assert np.mean(diameter**power) == pytest.approx((x**power * flux).sum() / flux.sum(), rel=0.02)
+    assert len(TABLE["width"]) == FORMS

@@ -1,0 +1,94 @@
+"""Pulses on a grid of one number a sample, against their exact spectra."""
+
+import numpy as np
+import pytest
+
+from carom.dsp.contact.pulse import contact_time, force_pulse
+from carom.dsp.runtime.engine import Engine
+from carom.dsp.swarm.blows import ROLL_OFF, known_of
+from carom.dsp.swarm.grid import EDGE, HALF, MOST_LOSS, find_force, find_moments, lay_pulse
+from carom.dsp.swarm.record import BACK, FORCES, GRID
+from carom.dsp.swarm.tables import contact_form, drop_form
+
+THETA = 2.0 * np.pi * np.linspace(0.001, EDGE, 150)
+
+
+@pytest.fixture(scope="module")
+def pulses():
+    """The tables of an engine, of Hertz's exponent (number 0) and of drops."""
+    engine = Engine(48_000.0)
+    assert engine.lay_out_pulses(1.5) == {"pulses": 1} and engine.lay_out_pulses(0.0) == {"pulses": 2}
+    assert engine.lay_out_pulses(1.5) == {"pulses": 1}
+    return engine.state[0]["pulses"]
+
+
+def laid(pulses, number, at, width, loss):
+    """Return the spectrum of a pulse as it is laid on a grid, about its middle."""
+    grid, force, found = np.zeros(GRID + 400, np.float32), np.zeros(FORCES), []
+    reach = lay_pulse(pulses, number, grid, at, width, loss, 1.0)
+    assert not grid[reach:].any()
+    padded = np.concatenate([np.zeros(2 * HALF, np.float32), grid, np.zeros(200, np.float32)])
+    for start in range(0, GRID + 400, FORCES):
+        find_force(padded[start:], force)
+        found.append(force.copy())
+    samples = np.arange(len(np.concatenate(found))) - HALF
+    return np.exp(-1j * np.outer(THETA, samples - at)) @ np.concatenate(found)
+
+
+def exact(duration, w):
+    """Return the spectrum of a contact of a duration (samples) about its middle, and its rms width, by Gauss nodes of
+    the force."""
+    u, weights = np.polynomial.legendre.leggauss(400)
+    times = duration * np.sin(0.25 * np.pi * (u + 1.0)) ** 2
+    scale = duration / float(contact_time(1.0, 1.0, 1.0, w, 1.5))
+    impulse = force_pulse(times / scale, 1.0, 1.0, 1.0, w, 1.5) * np.cos(0.5 * np.pi * u) * weights
+    impulse /= impulse.sum()
+    middle = times @ impulse
+    return np.exp(-1j * np.outer(THETA, times - middle)) @ impulse, np.sqrt((times - middle) ** 2 @ impulse)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("duration", [0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 50.0])
+def test_a_pulse_on_the_grid_is_exact_within_60_db(pulses, duration):
+    numbers = np.random.default_rng(round(10 * duration))
+    for w in (0.0, 0.05, 0.13, 0.4, 0.8, *numbers.uniform(0.0, 0.8, 3)):
+        spectrum, width = exact(duration, w)
+        found = laid(pulses, 0, 300.0 + numbers.random(), width, w / (1.0 + w))
+        assert 20 * np.log10(np.abs(found - spectrum).max()) < -60.0, w
+
+
+def test_a_drop_on_the_grid_is_exact_within_60_db(pulses):
+    form = drop_form()
+    for width in (0.3, 2.1, 17.0):
+        spectrum = np.exp(-1j * np.outer(THETA, form.times * width)) @ form.impulses
+        assert 20 * np.log10(np.abs(laid(pulses, 1, 300.3, width, 0.0) - spectrum).max()) < -60.0
+
+
+def test_a_pulse_is_known_by_its_width_middle_and_momentum(pulses):
+    table = pulses["tables"][0]
+    for w in (0.0, 0.21, 0.8, 2.5):
+        form, loss = contact_form(w, 1.5), w / (1.0 + w)
+        assert np.exp(known_of(table["width"], loss)) == pytest.approx(form.width, rel=1e-4)
+        assert known_of(table["middle"], loss) == pytest.approx(form.middle, rel=1e-4)
+        assert known_of(table["momentum"], loss) == pytest.approx(form.momentum, rel=1e-4)
+
+
+def test_no_pulse_has_more_power_than_the_bound_on_its_modes():
+    x = np.geomspace(0.01, 50.0, 400)
+    losses = 0.0, 0.2, 1.0, MOST_LOSS / (1 - MOST_LOSS)
+    forms = [drop_form(), *(contact_form(w, a) for w in losses for a in (1.0, 1.5, 2.5))]
+    for form in forms:
+        power = np.abs(np.exp(-1j * np.outer(x, form.times)) @ form.impulses) ** 2
+        assert (power <= 1.0 / (1.0 + (ROLL_OFF * x) ** 3) + 1e-6).all()
+
+
+def test_the_moments_of_a_force_are_those_of_what_it_samples():
+    frequency = np.array([0.01, 0.1, 0.3])
+    for turns in 2.0 * np.pi * frequency:
+        force = np.cos(turns * (np.arange(FORCES) - BACK + 1.0))
+        feed = np.zeros((64, 4))
+        find_moments(force, feed, np.zeros(4 * 64))
+        nodes, weights = np.polynomial.legendre.leggauss(20)
+        t = np.arange(64)[:, None] + 0.5 * (nodes + 1.0)
+        wanted = (np.cos(turns * t) * 0.5 * weights) @ np.polynomial.legendre.legvander(nodes, 3)
+        assert np.abs(feed - wanted).max() < 2e-3
