@@ -4,7 +4,8 @@ import time
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from threading import Lock
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
+from weakref import WeakSet
 
 _Key = TypeVar("_Key", bound=Hashable)
 _Value = TypeVar("_Value")
@@ -12,6 +13,12 @@ _Value = TypeVar("_Value")
 SECONDS = 20.0
 """Time (s) for which something that nobody asks for is kept: a server's memory settles within a minute, whatever it is
 sent."""
+
+
+def forget() -> None:
+    """Forget all that nobody has asked for lately."""
+    for each in tuple(_everything):
+        each.forget()
 
 
 class Kept(Generic[_Key, _Value]):
@@ -22,6 +29,7 @@ class Kept(Generic[_Key, _Value]):
 
     def __init__(self, most: int, size: Callable[[_Value], int]) -> None:
         """Prepare to keep at most `most` bytes; `size` returns the bytes that a value takes."""
+        _everything.add(self)
         self.most = most
         self._size = size
         self._lock = Lock()
@@ -61,3 +69,6 @@ class Kept(Generic[_Key, _Value]):
         while self._values and (self._bytes > self.most or next(iter(self._values.values()))[1] < oldest):
             _, (gone, _) = self._values.popitem(last=False)
             self._bytes -= self._size(gone)
+
+
+_everything: WeakSet[Kept[Any, Any]] = WeakSet()

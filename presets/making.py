@@ -51,11 +51,6 @@ def keep(modes: Iterable[tuple[Hashable, Modes]]) -> None:
         _kept.put(key, each)
 
 
-def forget() -> None:
-    """Forget the modes that nobody has asked for lately."""
-    _kept.forget()
-
-
 def _contiguous(modes: Modes) -> Modes:
     """Return modes in C-contiguous arrays."""
     frequency, decay, strike, pressure = map(np.ascontiguousarray, _arrays(modes)[:4])

@@ -63,11 +63,6 @@ def planned(modes: Modes, top: float, nyquist: float, has_sides: bool) -> Plan:
     return plan
 
 
-def forget_plans() -> None:
-    """Forget the plans that nobody has asked for lately."""
-    _kept.forget()
-
-
 def _made(modes: Modes, top: float, nyquist: float, has_sides: bool) -> Plan:
     """Return the plan of `planned`."""
     order = np.argsort(modes.decay, kind="stable")  # the longest ringing first: the rest falls silent from the end

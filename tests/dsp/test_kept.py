@@ -38,3 +38,15 @@ def test_what_nobody_asks_for_goes_when_another_is_asked_for(monkeypatch):
         now += 2.0 * kept.SECONDS
         values.put(f"d{number}", "d" * 30)
         assert len(values.all()) == 1
+
+
+def test_all_that_is_kept_anywhere_is_forgotten_once_nobody_asks(monkeypatch):
+    first, second, now = Kept(30, len), Kept(30, len), 1_000.0
+    monkeypatch.setattr(time, "monotonic", lambda: now)
+    first.put("a", "1234")
+    second.put("b", "1234")
+    kept.forget()
+    assert first.all() and second.all()
+    now += kept.SECONDS + 1.0
+    kept.forget()
+    assert not first.all() and not second.all()
