@@ -96,11 +96,19 @@ def _sobol(recipe: Recipe, numbers: range) -> NDArray[np.float64]:
     The shift keeps the evenness of any 2^m points in a row that begin at a multiple of 2^m.
     """
     count = len(recipe.factors)
-    shift = np.random.default_rng(np.random.SeedSequence(recipe.seed)).integers(2**_BITS, size=count)
+    shift = _shift(recipe.seed, count)
     blocks = range(numbers.start // _BLOCK, -(-numbers.stop // _BLOCK))
     points = np.concatenate([_sobol_block(count, block) for block in blocks])
     first = blocks.start * _BLOCK
     return np.asarray(((points[numbers.start - first : numbers.stop - first] ^ shift) + 0.5) / 2**_BITS)
+
+
+@lru_cache(maxsize=16)
+def _shift(seed: int, count: int) -> NDArray[np.int64]:
+    """Return the digital shift of each factor, (count,); read-only."""
+    shift: NDArray[np.int64] = np.random.default_rng(np.random.SeedSequence(seed)).integers(2**_BITS, size=count)
+    shift.flags.writeable = False
+    return shift
 
 
 @lru_cache(maxsize=16)

@@ -335,10 +335,11 @@ class World(Closing):
         address, holds = telling.ctypes.data, (telling, kept)
 
         def told() -> int:
-            before = self.time
+            moves = self._listening is not None
+            before = self.time if moves else 0.0
             self._ride()
             found: int = run(address)
-            if found >= 0:
+            if moves and found >= 0:
                 self._move(before)
             if found == 0:
                 return 0
