@@ -1,4 +1,4 @@
-"""What forces do to the points of contacts that are solved in blocks: within a sample, and to the samples after it."""
+"""The answers of points to the forces of contacts that are solved in blocks: within a sample, and after it."""
 
 from ..native.jit import kernel
 from ..native.typed import Items, View
