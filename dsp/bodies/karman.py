@@ -25,7 +25,6 @@ MOST = 512
 
 _DRIVEN = 2.0  # times as many modes as are coupled are driven by them
 _MOST_DRIVEN = 1024
-_FADE = 40.0  # dB: by how much less the highest of these is driven
 _STRESSES = 0.7  # times the modes' highest wavenumber: that of the stress functions
 _FIRST_STRESSES = 3.0  # added to it
 _POINTS = 1.0  # radii for each unit of that wavenumber
@@ -234,14 +233,13 @@ def _grid(sheet: Sheet, listed: Indices, coupled: Mask, driven: Mask) -> Tables:
     angles = math.ceil((2 * among + stresses - 2) / 4)  # for the gradient by those that are coupled to be exact
     x, weight = np.polynomial.legendre.leggauss(points)
     r, weight = (x + 1) / 2, weight / 2
-    fade = _fade(sheet.frequency[listed[driven]], coupled[driven])
-    fields = _fields(sheet, listed[driven], r)[1:] * fade[:, None]
+    fields = _fields(sheet, listed[driven], r)[1:]
     shapes = np.concatenate(list(fields), axis=1)
     values = _waves(stress, r)[0]
     scale = sheet.stretching / stress.root**2
     stretch = scale[:, None] * values * r * weight * (2 * math.pi / (4 * angles)) / 2
     starts = np.searchsorted(stress.order, np.arange(stresses + 1))
-    bent, strain = _bent(sheet, listed[driven], fade, stress, orders)
+    bent, strain = _bent(sheet, listed[driven], stress, orders)
     theta = (np.arange(angles) + 0.5) * 2 * math.pi / (4 * angles)
     pieces = {"shapes": _padded(shapes), "stretch": _padded(stretch), "bent": bent}
     for name, wave in (("cosine", np.cos), ("sine", np.sin)):
@@ -257,18 +255,9 @@ def _chosen(stress: Waves, limit: float) -> Waves:
     return _only(stress, kept[np.lexsort((stress.root[kept], stress.order[kept]))])
 
 
-def _fade(frequency: Array, coupled: Mask) -> Array:
-    """Return factors on the forces on functions: 1 on those that are coupled, and less and less on those that these
-    drive, so that the spectrum ends nowhere at once."""
-    highest, last = frequency[coupled].max(), frequency.max()
-    share = np.maximum(frequency - highest, 0) / max(last - highest, 1.0)
-    faded: Array = np.where(coupled, 1.0, 10 ** (-_FADE / 20 * share**1.5))
-    return faded
-
-
-def _bent(sheet: Sheet, functions: Indices, fade: Array, stress: Waves, orders: int) -> tuple[Array, Indices]:
+def _bent(sheet: Sheet, functions: Indices, stress: Waves, orders: int) -> tuple[Array, Indices]:
     """Return the linear strains by functions, of each order (its stress functions, its functions), flat, and where each
-    order begins; fade: factors on them."""
+    order begins."""
     wave = sheet.function[functions]
     pieces: list[Array] = []
     for order in range(orders):
@@ -280,7 +269,7 @@ def _bent(sheet: Sheet, functions: Indices, fade: Array, stress: Waves, orders: 
             continue
         column, mixture = part[0]
         strain = sheet.rise * strains(_only(stress, row), _only(sheet.flat, column))
-        shrunk = strain @ _mixture(column, mixture, wave[mine]) * (sheet.shrinking[functions[mine]] * fade[mine])
+        shrunk = strain @ _mixture(column, mixture, wave[mine]) * sheet.shrinking[functions[mine]]
         pieces.append(shrunk.ravel())
     sizes = np.array([each.size for each in pieces])
     return np.concatenate(pieces), np.cumsum(sizes) - sizes

@@ -73,11 +73,15 @@ class Sheet(Record):
     truth: float  # that of the grid, as last looked at
     c0: float  # J
     energy: float  # J: of its modes and of what is stretched, as last looked at
+    given: float  # of what modes lose: how much of it they may get back
+    owed: float  # J: that losses took of modes at rest where stretching holds them, and which they are still to get
     looked: int  # times that the grid was looked at since it was coupled, up to 2
     gradient: Annotated[View2D[float], 3, 2 * MOST_DRIVEN]  # of psi by displacements: now, as last looked at, before
     seen: Annotated[View2D[float], 2, 2 * MOST_DRIVEN]  # a mode's velocity by its last two samples
     pushed: Annotated[View[float], 2 * MOST_DRIVEN]  # change of its last but one by a change of velocity
     moved: Annotated[View[float], 2 * MOST_DRIVEN]  # displacement by its last
+    fades: Annotated[View2D[float], 3, 2 * MOST_DRIVEN]  # of a coupled mode: decay, 1/s; of twice its energy, what a
+    # sample took of that of v, and of that of its last sample
     drained: Annotated[View[float], 2 * MOST_DRIVEN]  # share in what the driven modes take
     bends: Annotated[View2D[float], 2, 2 * MOST_DRIVEN]  # output left and right as a steady force of 1 bends a mode
     smoothing: Annotated[View[float], 3]  # of what is heard of bending: a two-pole recursion, and its input's factor

@@ -44,6 +44,7 @@ def prepare(sheet: Sheet, heard: Heard, rate: float) -> None:
     """
     velocity, before, pushed, moved = sheet.seen[0], sheet.seen[1], sheet.pushed, sheet.moved
     a1, a2, weight, left, right = heard.a1, heard.a2, heard.weight, sheet.bends[0], sheet.bends[1]
+    fading, moving, bent = sheet.fades[0], sheet.fades[1], sheet.fades[2]
     for i in range(len(a1)):
         sine = math.sqrt(max(-a2[i] - 0.25 * a1[i] * a1[i], 1e-300))
         size = sine * weight[i] * sheet.scale
@@ -55,6 +56,9 @@ def prepare(sheet: Sheet, heard: Heard, rate: float) -> None:
         moved[i] = 1.0 / (omega * weight[i] * sheet.scale) if rings else 0.0
         left[i] = weight[i] * sheet.scale / omega if rings else 0.0
         right[i] = left[i] * heard.balance[i]
+        fading[i] = -0.5 * rate * math.log(-a2[i]) if rings and sheet.drained[i] > 0.0 else 0.0
+        moving[i] = 0.5 * (-1.0 / a2[i] - 1.0) if fading[i] > 0.0 else 0.0
+        bent[i] = moving[i] / (weight[i] * sheet.scale) ** 2 if rings else 0.0
     theta = 2.0 * math.pi * min(sheet.highest / rate, 0.25)
     r = math.exp(-_DAMPING * theta)
     sheet.smoothing[0] = 2.0 * r * math.cos(math.sqrt(1.0 - _DAMPING * _DAMPING) * theta)
@@ -157,6 +161,28 @@ def straighten(sheet: Sheet, rate: float) -> None:
     for side in range(2):
         sheet.bent[side, 1] = 0.0
         sheet.bent[side, 0] *= 1.0 - 1.0 / (_HELD * rate)
+
+
+@simd_kernel
+def give_back(sheet: Sheet, y1: View[float], y2: View[float], h: float) -> None:
+    """Give psi what a sample of h seconds takes of modes that stretching holds bent: at rest they would lose nothing.
+
+    A mode's energy is (v^2 + omega^2 q^2)/2 with v = q' + decay q, and falls by 2 decay, bent or not; V changes by
+    g q' = g v - decay g q, of which the kick does g v. What is due stays owed beyond a share `given` of what modes have
+    just lost.
+    """
+    n = 2 * sheet.functions - sheet.plain
+    g, velocity, before, moved = sheet.gradient[0], sheet.seen[0], sheet.seen[1], sheet.moved
+    fading, moving, bent = sheet.fades[0], sheet.fades[1], sheet.fades[2]
+    due = lost = 0.0
+    for i in range(n):
+        v = velocity[i] * y1[i] + before[i] * y2[i]
+        due -= fading[i] * g[i] * moved[i] * y1[i]
+        lost += moving[i] * v * v + bent[i] * y1[i] * y1[i]
+    sheet.owed += h * sheet.truth * due
+    given = min(sheet.owed, sheet.given * lost)
+    sheet.owed -= given
+    sheet.psi = math.sqrt(max(sheet.psi * sheet.psi + 2.0 * given, 0.0))
 
 
 @simd_kernel

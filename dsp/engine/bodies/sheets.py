@@ -9,7 +9,18 @@ import math
 
 from ...karman.grid import stretch
 from ...karman.layout import Sheet
-from ...karman.step import Heard, displace, extrapolate, kick, prepare, set_constant, settle, straighten, take
+from ...karman.step import (
+    Heard,
+    displace,
+    extrapolate,
+    give_back,
+    kick,
+    prepare,
+    set_constant,
+    settle,
+    straighten,
+    take,
+)
 from ...native.jit import kernel, noinline_kernel
 from ...native.typed import View2D
 from ...resonator.mode import energy_of
@@ -23,6 +34,7 @@ _AGAIN = 0.7  # of `least`: below, a plate is uncoupled
 _MOST_STRETCHED = 0.25  # of the energy: more must not be taken from the modes at once
 _LOWERED = 0.125  # of c0: it is only brought down if the energy wants so little
 _UNHEARD = 1e-9  # output
+_GIVEN, _GIVEN_STRUCK = 0.999, 0.9  # of what modes have lost: how much they may get back, and in a contact
 _FOLLOWS = 0.003  # s in which psi follows the grid's
 
 
@@ -69,6 +81,7 @@ def _follow(state: State, obj: Object, sheet: Sheet) -> None:
         return
     ringing = energy_without_gains(state, obj)
     coming = _coming(state, obj)
+    sheet.given = _GIVEN if coming == 0.0 else _GIVEN_STRUCK
     if sheet.coupled == 0:
         if ringing + coming <= sheet.least:
             sheet.waits = 0
@@ -165,7 +178,7 @@ def _couple(state: State, obj: Object, sheet: Sheet, energy: float) -> None:
         bank.y2[i] *= left
     sheet.c0 = sheet.growth * (energy + abs(stored))
     sheet.psi = math.sqrt(max(sheet.c0 + 2.0 * stored, 0.0))
-    sheet.energy = energy
+    sheet.energy, sheet.owed = energy, 0.0
     for side in range(2):
         sheet.bent[side, 0] = sheet.bent[side, 1] = 0.0
     sheet.coupled = 1
@@ -189,6 +202,7 @@ def kick_modes(state: State, obj: Object) -> None:
         settle(sheet, y1, y2, min(every * h / _FOLLOWS, 1.0))
     else:
         extrapolate(sheet, sheet.turn / every)
+    give_back(sheet, y1, y2, h)
     kick(sheet, y1, y2, h)
     sheet.turn += 1
 

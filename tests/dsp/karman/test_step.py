@@ -4,10 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.special import ellipk
 
 from carom.dsp.karman.layout import SHEET, Sheet
-from carom.dsp.karman.step import Heard, extrapolate, kick, prepare, take
+from carom.dsp.karman.step import Heard, extrapolate, give_back, kick, prepare, take
 from carom.dsp.native.jit import kernel
 from carom.dsp.native.typed import View, f32
 
@@ -85,3 +86,54 @@ def test_a_gradient_that_is_extrapolated_keeps_the_energy_and_the_period():
     period, exact, error = swung(300.0, 2.0, 96_000.0, every=2)
     assert abs(1200 * math.log2(period / exact)) < 2.0
     assert error < 1e-11
+
+
+@kernel
+def sway(
+    sheet: Sheet, state: View[float], bend: View[float], answer: View[f32], rate: float, heard: View[float]
+) -> None:
+    """Move one mode with V = bend[0] q^3 + bend[1] q^4 and with losses for as many samples as `heard` holds: its q."""
+    y1, y2, a1, a2 = state[0:1], state[1:2], state[2:3], state[3:4]
+    for n in range(len(heard)):
+        q = y1[0] * sheet.moved[0]
+        answer[0] = 3 * bend[0] * q**2 + 4 * bend[1] * q**3
+        take(sheet, bend[0] * q**3 + bend[1] * q**4, answer)
+        give_back(sheet, y1, y2, 1.0 / rate)
+        kick(sheet, y1, y2, 1.0 / rate)
+        heard[n] = q
+        y1[0], y2[0] = a1[0] * y1[0] + a2[0] * y2[0], y1[0]
+
+
+@pytest.mark.parametrize("rate", [48_000.0, 96_000.0])
+def test_a_mode_that_is_bent_by_stretching_loses_by_its_motion_alone(rate):
+    """A dome that is pushed in stays so, and swings about there as a differential equation says: what the losses of the
+    bent mode take comes back to what is stretched."""
+    omega, decay, inward = 2 * math.pi * 200, 12.0, 1e-3
+    # omega^2 q^2/2 + V = omega^2 q^2 (1 - q/inward)^2/2: as low pushed in as not.
+    bend = np.array([-(omega**2) / inward, omega**2 / (2 * inward**2)])
+    q = 1.15 * inward
+    force = 3 * bend[0] * q**2 + 4 * bend[1] * q**3
+    theta, r = omega / rate, math.exp(-decay / rate)
+    sheet = np.zeros(1, SHEET)
+    sheet["functions"] = sheet["plain"] = 1
+    sheet["scale"] = sheet["tension"] = sheet["drained"][0, 0] = 1.0
+    sheet["given"], sheet["growth"], sheet["grids"]["domed"] = 0.999, 2.2, 1
+    # It begins at rest, q' = 0, where v = q' + decay q: half of a kick lies before it.
+    v = decay * q - 0.5 * force / rate
+    y2 = (r * math.cos(theta) * omega * q - r * math.sin(theta) * (v + force / rate)) / r**2
+    state = np.array([omega * q, y2, 2 * r * math.cos(theta), -(r**2), 1.0])
+    prepare(sheet[0], Heard(state[2:3], state[3:4], state[4:5], state[4:5]), rate)
+    energy = bend[0] * q**3 + bend[1] * q**4
+    sheet["c0"] = 20 * omega**2 * q**2
+    sheet["psi"] = math.sqrt(2 * energy + float(sheet["c0"][0]))
+    heard = np.empty(int(0.3 * rate))
+    sway(sheet[0], state, bend, np.zeros(8, np.float32), rate, heard)
+    exact = solve_ivp(
+        lambda _, z: (
+            z[1],
+            -2 * decay * z[1] - (omega**2 + decay**2) * z[0] - 3 * bend[0] * z[0] ** 2 - 4 * bend[1] * z[0] ** 3,
+        ),
+        (0.0, 0.3), (q, 0.0), "DOP853", np.arange(heard.size) / rate, rtol=1e-11, atol=1e-16,
+    ).y[0]  # fmt: skip
+    assert abs(float(sheet["psi"][0] / sheet["truth"][0]) - 1) < 2e-4
+    assert np.abs(heard - exact).max() < 0.02 * np.abs(exact - exact[-1]).max()
