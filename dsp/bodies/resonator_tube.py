@@ -34,6 +34,8 @@ _END = 0.6133  # of the radius: the air outside that moves along with an open en
 _VISCOSITY, _RATIO, _PRANDTL = 1.51e-5, 1.4, 0.71  # of air at 20 degrees: kinematic (m^2/s), of heats, Prandtl's number
 _RADII = (np.arange(6) + 0.5) / 6  # of rings that share the mouth, as fractions of its radius
 _ANGLES = np.linspace(0, 2 * math.pi, 16, endpoint=False)
+_MOST_RESONANCES = 300  # of a tube: the coupled equations take a second then
+_OVERDAMPED = 0.5  # by how much losses lower what is no resonance any more
 _MOST_TAKEN = 0.3  # of what is felt of a bar's mode: what belongs to the tube's
 _MOVES = 0.05  # share of a bar's mode from which on it counts as moving
 _SILENT = 1e-3  # of the tube's loudest: fainter modes of it are left out
@@ -85,7 +87,8 @@ class Tube:
         length = self.length + _END * self.diameter / 2
         quarters = np.arange(1.0, max(4 * length * top / SPEED, 0.0), 2.0)
         frequency = quarters * SPEED / (4 * length)
-        frequency = frequency * (1 - self._loss(frequency) * SPEED / (2 * math.pi * frequency))
+        slowed = self._loss(frequency) * SPEED / (2 * math.pi * frequency)
+        frequency = (frequency * (1 - slowed))[slowed < _OVERDAMPED]
         mass = DENSITY * length / (2 * math.pi * (self.diameter / 2) ** 2)
         radiated = DENSITY * (2 * math.pi * frequency) ** 2 / (4 * math.pi * SPEED)
         return Column(frequency, SPEED * self._loss(frequency) + radiated / (2 * mass), mass)
@@ -155,10 +158,16 @@ def with_tube(modes: Modes, bends: Indices, flow: Array, tube: Tube, top: float)
 
     bends (n,): indices of its modes that move it up and down. flow (n,): the mean over the mouth of such a mode's shape
     times the potential of the flow round the bar (m kg^-1/2). top in Hz. Only what is so slow that the mouth is small
-    beside the sound's wave (k a < 1) is coupled.
+    beside the sound's wave (k a < 1) is coupled. ValueError: the tube has too many resonances there.
     """
     slow = min(top, SPEED / (math.pi * tube.diameter))
     column = tube.resonances(slow)
+    if column.frequency.size > _MOST_RESONANCES:
+        longest = _MOST_RESONANCES * SPEED / (2 * slow)
+        raise ValueError(
+            f"tube_length = {tube.length:g}, tube_diameter = {tube.diameter:g}: {column.frequency.size} resonances up "
+            f"to {slow:.0f} Hz; expected at most {_MOST_RESONANCES}, as in {longest:.2g} m"
+        )
     coupled_modes = modes.frequency[bends] < slow
     bends, flow = bends[coupled_modes], flow[coupled_modes]
     if not column.frequency.size or not bends.size:

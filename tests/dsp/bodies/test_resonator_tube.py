@@ -129,6 +129,7 @@ def test_a_fan_beats_twice_a_turn_as_deep_as_it_closes():
     [
         ({"tube_diameter": 0.0}, "tube_diameter = 0.0"),
         ({"tube_diameter": 3.0}, "tube_diameter = 3.0: too wide"),
+        ({"tube_diameter": 0.001, "tube_length": 20.0}, "tube_length = 20, tube_diameter = 0.001: .* resonances"),
         ({"tube_diameter": 0.04, "tube_length": -1.0}, "tube_length = -1.0"),
         ({"tube_diameter": 0.04, "tube_gap": math.nan}, "tube_gap = nan"),
         ({"tube_diameter": 0.04, "fan_depth": 2.0}, "fan_depth = 2.0"),
