@@ -28,7 +28,20 @@ from carom.dsp.native.jit import kernel as compiled
 from carom.dsp.resonator.bank import RESPONSES, Modes, Point, inject, ring
 from carom.dsp.resonator.coefficients import set_mode
 from carom.dsp.resonator.simd import LANES
-from tests.bench import clips, contacts, driven, gestures, klank, many, ringing, rolled, slides, struck, swelling
+from tests.bench import (
+    clips,
+    contacts,
+    driven,
+    gestures,
+    klank,
+    many,
+    ringing,
+    rolled,
+    slides,
+    struck,
+    swarms,
+    swelling,
+)
 from tests.bench.machine import machine
 from tests.bench.rounds import Contenders, minima
 
@@ -50,6 +63,7 @@ TITLES = {
     "Friction by itself: µs a sample, events included": "friction",
     "A tam-tam whose modes are coupled, and asleep: share of a core": "swelling",
     "Strings that are bowed: share of real time on one core": "slides",
+    "Swarms: share of a core, in blocks of 64 frames": "swarms",
     "Clips: an impact of one second in a fresh scene, with labels": "clips",
     "Many: items of recipes, and worlds, per second of one core, and over the engine's own time": "many",
     "Start-up: s": "startup",
@@ -248,6 +262,7 @@ def aims(results: dict[str, Any]) -> list[dict[str, Any]]:
         dict(aim="64 rolls and 64 bounces in real time on one core", measured=load, met=load < 1.0),
         dict(aim="friction on 64 modes, events included, under 0.5 µs a sample", measured=friction, met=friction < 0.5),
         dict(aim="20 slides under 0.7 of a core", measured=bowed, met=bowed < 0.7),
+        *swarms.aims(results["swarms"]),
         dict(aim="a tam-tam of 120 coupled modes at most 0.2 of a core", measured=swell, met=swell <= 0.2),
         dict(aim="one of 250 at most 0.4", measured=more, met=more <= 0.4),
         dict(aim="a clip of one second, with labels, under 20 ms", measured=clip, met=clip < 20.0),
@@ -296,6 +311,7 @@ def main() -> None:
         "gestures": gestures.measure(few),
         "friction": slides.measure_contacts(),
         "slides": slides.measure(few),
+        "swarms": swarms.measure(rounds),
         "swelling": swelling.measure(rounds),
         "empty_scene": clips.measure_empty(),
         "clips": clips.measure_clips(clips.CLIPS // (10 if options.quick else 1)),
