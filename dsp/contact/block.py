@@ -24,7 +24,6 @@ import numpy as np
 from ..native.jit import kernel
 from ..native.typed import Items, View
 from .block_nodes import (
-    AT,
     FORCE_MOMENTS,
     FORCES,
     MOMENTS_AHEAD,
@@ -177,27 +176,25 @@ def _predict(contact: Coupled, block: Block, i: int, n: int, times: tuple[float,
     line through those of the last two samples."""
     h, rest, first = contact.period, contact.rest_force, (n + 1) * (2 * len(times) + 1)
     pushed = h * h * (contact.push - rest) / contact.m
-    moved = h * contact.v
-    _take(block.tables[i].give, (-rest, -rest, -rest, -rest), block.free, False)
+    moved, held = h * contact.v, block.tables[i].give_all
     for k in range(len(times)):
-        at = AT[len(times) // NODES_PER_PART, k]
-        x = contact.position + at * (moved + 0.5 * at * pushed) + block.height[k] - block.rows[first + 2 * k]
-        v = moved + at * pushed + block.slope[k] - block.rows[first + 2 * k + 1]
-        block.free[k] += x
-        block.free[FORCES + k] += v
-        block.seen[k], block.seen[FORCES + k] = block.free[k], block.free[FORCES + k]
+        at = times[k]
+        x = contact.position + at * (moved + 0.5 * at * pushed) - block.rows[first + 2 * k]
+        v = moved - block.rows[first + 2 * k + 1]
+        block.free[k] = block.seen[k] = x + (block.height[k] + rest * held[k])
+        block.free[FORCES + k] = block.seen[FORCES + k] = v + (at * pushed + block.slope[k] + rest * held[FORCES + k])
         block.last[k] = block.force[k]
         block.force[k] = max(2.0 * block.force[k] - block.before[k], 0.0)
     block.kept = block.gained
 
 
 @kernel
-def _take(give: View[float], forces: tuple[float, float, float, float], nodes: View[float], more: bool) -> None:
-    """Set compression and rate at all nodes to those that forces take off, or take `more` off."""
+def _take(give: View[float], forces: tuple[float, float, float, float], nodes: View[float]) -> None:
+    """Take off what forces take off compression and rate at all nodes."""
     f0, f1, f2, f3 = forces
     for k in range(MOTIONS):
         taken = f0 * give[k] + f1 * give[MOTIONS + k] + f2 * give[2 * MOTIONS + k] + f3 * give[3 * MOTIONS + k]
-        nodes[k] = (nodes[k] if more else 0.0) - taken
+        nodes[k] -= taken
 
 
 @kernel
@@ -211,19 +208,18 @@ def _see(contacts: Items[Member], blocks: Items[Block], net: Net, i: int) -> Non
             f, rest = blocks[net.block[j]].force, contacts[net.contact[j]].coupled.rest_force
             ratio = ratio_of(net, i, j)
             excess = ratio * (f[0] - rest), ratio * (f[1] - rest), ratio * (f[2] - rest), ratio * (f[3] - rest)
-            _take(block.tables[j].give, excess, block.seen, True)
+            _take(block.tables[j].give, excess, block.seen)
 
 
 @kernel
 def _rate(contacts: Items[Member], blocks: Items[Block], net: Net, i: int, times: tuple[float, ...]) -> None:
     """Find a contact's rates at the nodes by all forces as they are now."""
     block = blocks[net.block[i]]
-    if net.size > 1:
-        _see(contacts, blocks, net, i)
+    _see(contacts, blocks, net, i)
     f = block.force
-    _take(block.tables[i].give, (f[0], f[1], f[2], f[3]), block.taken, False)
+    _take(block.tables[i].give, (f[0], f[1], f[2], f[3]), block.seen)
     for k in range(len(times)):
-        block.v[k] = block.seen[FORCES + k] + block.taken[FORCES + k]
+        block.v[k] = block.seen[FORCES + k]
 
 
 @kernel
@@ -321,10 +317,11 @@ def _move(contact: Coupled, block: Block, times: tuple[float, ...]) -> None:
     for j in range(forces):
         total += block.force[j]
         block.before[j] = block.last[j]
-    pushed = h * (contact.push - rest) / contact.m  # m/s
+    lightness = 1.0 / contact.m
+    pushed = h * (contact.push - rest) * lightness  # m/s
     contact.position += h * (contact.v + 0.5 * pushed) + block.rise
-    contact.position -= 0.5 * h / contact.m * (block.moments[0] - block.moments[1])
-    contact.v += pushed - block.moments[0] / contact.m
+    contact.position -= 0.5 * h * lightness * (block.moments[0] - block.moments[1])
+    contact.v += pushed - lightness * block.moments[0]
     if total > 0.0 and contact.touching == 0:
         contact.contacts += 1
     block.scale = block.most

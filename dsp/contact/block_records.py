@@ -25,6 +25,7 @@ class Tables(Record):
     # What each force takes off at all nodes, one after the other: m/N, then of the rate, m/(N sample).
     give: Annotated[View[float], FORCES * MOTIONS]
     give_end: Annotated[View[float], FORCES]  # m/N
+    give_all: Annotated[View[float], MOTIONS]  # all forces together
 
 
 class Net(Record):
@@ -33,7 +34,6 @@ class Net(Record):
     size: int
     contact: Annotated[View[int], TOGETHER]  # places among the contacts
     block: Annotated[View[int], TOGETHER]  # and among the blocks
-    place: Annotated[View[float], TOGETHER]  # m: of each one's point
     gain: Annotated[View[float], TOGETHER]  # factor on the force that the object gets, and
     share: Annotated[View[float], TOGETHER]  # another one, in this sample
 
@@ -57,11 +57,16 @@ class Block(Record):
     height: Annotated[View[float], FORCES]  # m: of the path at the nodes, against the sample's beginning,
     slope: Annotated[View[float], FORCES]  # m per sample
     rise: float  # m: and at the sample's end
+    even: int  # 1: the body rolls evenly
+    # Where it was on its path before the sample:
+    piece: int  # -1: it has not rolled evenly over the sample
+    along: float  # m
+    t: float  # s
+    s: float  # m
     end: float  # m: compression then
     solved: int  # 1: so Newton's method has ended
     free: Annotated[View[float], MOTIONS]  # compression and rate with no force but that at rest,
     seen: Annotated[View[float], MOTIONS]  # and with those of the others,
-    taken: Annotated[View[float], MOTIONS]  # and what its own add
     v: Annotated[View[float], FORCES]  # m per sample
     moments: Annotated[View[float], MOMENTS_AHEAD]  # N s: of F
 

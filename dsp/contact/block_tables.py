@@ -25,6 +25,8 @@ def settle_tables(tables: Tables, answer: View[float], parts: int) -> None:
     """Set what the forces do within a sample of so many parts, by an answer."""
     for j in range(FORCES * MOTIONS):
         tables.give[j] = 0.0
+    for i in range(MOTIONS):
+        tables.give_all[i] = 0.0
     for j in range(NODES_PER_PART * parts):
         end = 0.0
         for n in range(FINE):
@@ -37,6 +39,8 @@ def settle_tables(tables: Tables, answer: View[float], parts: int) -> None:
                 v += answer[n] * RATES[parts, i, n, j]
             tables.give[j * MOTIONS + i] = x
             tables.give[j * MOTIONS + FORCES + i] = v
+            tables.give_all[i] += x
+            tables.give_all[FORCES + i] += v
 
 
 @kernel

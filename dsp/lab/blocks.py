@@ -17,7 +17,7 @@ from ..contact.coupled_records import COUPLED_GROUP, Coupled
 from ..engine.contacts.blocks import WEIGHTS
 from ..native.jit import kernel
 from ..native.typed import View, dtype_of
-from ..numerics.legendre import AHEAD, FINE, KEPT
+from ..numerics.legendre import AHEAD, KEPT
 from ..resonator.bank import Modes, Point, inject_fine, inject_kept, observe, receptance
 from ..resonator.rows import lay_rows, room_for_rows
 from .coupled import MEMBER, NOT_KEPT, Bank, Case, Run, bank_of, motion_and_energy, restart, ring_on, step_alone
@@ -26,16 +26,14 @@ _TOLERANCE = 1e-3  # of samples that no block follows
 
 
 @kernel
-def lay(block: Block, modes: Modes, point: Point, room: tuple[View[float], View[float]]) -> View[float]:
-    """Lay out the free motion of a point over AHEAD samples, one row after the other."""
+def lay(block: Block, modes: Modes, point: Point, room: tuple[View[float], View[float]]) -> float:
+    """Lay out the free motion of a point over AHEAD samples, one row after the other; return where it is now (m)."""
     flat = room[1]
     for i in range(len(flat)):
         flat[i] = 0.0
     if block.parts == 1:
-        lay_rows(modes, point, WEIGHTS[0], room[0], flat)
-    else:
-        lay_rows(modes, point, WEIGHTS[1], room[0], flat)
-    return flat
+        return lay_rows(modes, point, WEIGHTS[0], room[0], flat)
+    return lay_rows(modes, point, WEIGHTS[1], room[0], flat)
 
 
 @kernel
@@ -53,17 +51,15 @@ def find_tables(block: Block, contact: Coupled, bank: Bank, parts: int, room: tu
             moments[k] = 1.0 if k == j else 0.0
         inject_kept(struck, bank.point, moments)
         ring_on(struck)
-        take_answers(block, block.tables[0], j, lay(block, struck, bank.point, room))
+        lay(block, struck, bank.point, room)
+        take_answers(block, block.tables[0], j, room[1])
 
 
 @kernel
 def begin_alone(block: Block, contact: Coupled, bank: Bank, room: tuple[View[float], View[float]]) -> None:
     """Begin a block of one contact with the modes as they are."""
-    take_rows(block, lay(block, bank.modes, bank.point, room), 1.0)
-    observe(bank.modes, bank.point, bank.work, bank.seen)
-    place = 0.0
-    for k in range(FINE):
-        place += bank.seen[k] * (1.0 - 2.0 * (k % 2))
+    place = lay(block, bank.modes, bank.point, room)
+    take_rows(block, room[1], 1.0)
     begin_block(block, contact, place)
 
 

@@ -28,14 +28,17 @@ def room_for_rows(rows: int) -> int:
 @simd_kernel
 def lay_rows(
     modes: Modes, point: Point, weights: tuple[tuple[float, ...], ...], room: View[float], out: View[float]
-) -> None:
+) -> float:
     """Add the point's motion over the coming AHEAD samples without a force to `out`: one row after the other.
 
-    weights: a tuple for each row, by `row_weights`. Displacements are in m, derivatives in m per sample. `room`
+    Return the point's displacement now (m). weights: a tuple for each row, by `row_weights`; the last one's is the
+    displacement at the sample's end. Displacements are in m, derivatives in m per sample. `room`
     (float64) has `room_for_rows` values.
     """
     w = point.weights[0], point.weights[1], point.weights[2], point.weights[3]
     course = 2 * len(weights) * LANES
+    last = course - 2 * LANES
+    place = 0.0
     for first in range(0, len(modes.y1), LANES):
         group = first // LANES * RESPONSES
         phi = dot(point.shape, point.row * point.stride + first, point.stride, w)
@@ -46,3 +49,6 @@ def lay_rows(
         put_factors(room, (scale, dot(room, course, 0, (1.0,))), modes.response, group, weights)
         put_courses(room, course, modes.y1, modes.y2, modes.a1, modes.a2, first)
         add_courses(out, room, course, weights)
+        for k in range(LANES):  # what the last row would have been a sample ago
+            place += room[last + k] * room[course + k * COURSE] + room[last + LANES + k] * modes.y1[first + k]
+    return place

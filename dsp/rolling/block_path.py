@@ -1,10 +1,23 @@
 """The path under a body over a sample as a contact that is solved in blocks needs it (contact/block.py): lines of least
-squares."""
+squares.
 
-from ..contact.block_nodes import AT
+Where nothing changes a body's speed or weight, they are laid straight from the path's pieces. Else, and where a sample
+is solved by steps, the path comes as parabolas that meet in kinks.
+"""
+
+import math
+
+from ..contact.block_nodes import AT, NODES_PER_PART
 from ..contact.block_records import Block, forces_of
 from ..contact.coupled_records import Coupled
 from ..native.jit import kernel
+from .contact_step import path_at
+from .coupled_roll import lead_coupled_roll
+from .path import AHEAD, PIECES, Path, make_piece
+from .roll_record import Roll
+
+_TILT = math.sqrt(3.0)  # of 3 (2 t - 1) at the second Gauss node of [0, 1]; at the first it is the negative
+_BACK = PIECES - 2  # pieces in a sample after which its first may be lost
 
 
 @kernel
@@ -30,13 +43,9 @@ def _add_kink(block: Block, kink: float, rise: float, bend: float) -> None:
     left, parts = 1.0 - kink, block.parts
     block.rise += left * (rise + left * bend)
     inside = min(int(parts * kink), parts - 1)
-    t = parts * kink - inside
-    d = 1.0 - t
-    b, c = rise / parts, bend / (parts * parts)
-    height = d * d * (0.5 * b + d * c / 3.0)
-    height_tilt = (2.0 * t - 1.0) * height + 2.0 * d * d * d * (b / 3.0 + 0.25 * d * c)
-    slope = parts * d * (b + d * c)
-    slope_tilt = (2.0 * t - 1.0) * slope + 2.0 * parts * d * d * (0.5 * b + 2.0 * d * c / 3.0)
+    height, height_tilt, slope, slope_tilt = _lines(parts * kink - inside, rise / parts, bend / (parts * parts))
+    slope *= parts
+    slope_tilt *= parts
     for i in range(forces_of(block)):
         at = AT[parts, i]
         if at * parts >= inside + 1.0:
@@ -47,3 +56,93 @@ def _add_kink(block: Block, kink: float, rise: float, bend: float) -> None:
             x = 3.0 * (2.0 * (parts * at - inside) - 1.0)
             block.height[i] += height + x * height_tilt
             block.slope[i] += slope + x * slope_tilt
+
+
+@kernel
+def _lines(t: float, b: float, c: float) -> tuple[float, float, float, float]:
+    """Return the lines of least squares, over [0, 1], of what follows a kink at t and of its rate: p and q of each."""
+    d = 1.0 - t
+    height, slope = d * d * (0.5 * b + d * c * (1.0 / 3.0)), d * (b + d * c)
+    height_tilt = (2.0 * t - 1.0) * height + 2.0 * d * d * d * (b * (1.0 / 3.0) + 0.25 * d * c)
+    slope_tilt = (2.0 * t - 1.0) * slope + 2.0 * d * d * (0.5 * b + d * c * (2.0 / 3.0))
+    return height, height_tilt, slope, slope_tilt
+
+
+@kernel
+def is_even(roll: Roll) -> bool:
+    """True if nothing changes a body's speed, its weight, or how rough its path is."""
+    target, path = roll.target, roll.path
+    speeds = roll.v == target.speed == roll.modulated_speed == path.speed and target.speed > 0.0
+    loads = roll.m == target.mass and roll.g == target.gravity == roll.modulated_gravity and roll.stiffness > 0.0
+    ways = path.radius == target.radius and path.roughness == target.roughness and path.patch == target.patch
+    return speeds and loads and ways and target.friction == target.asymmetry == 0.0 and roll.fade == 1.0
+
+
+@kernel
+def roll_evenly(roll: Roll, block: Block, period: float) -> None:
+    """Bring a body that rolls evenly to the end of its coming sample, of a period (s), and write the lines under it."""
+    path, parts = roll.path, block.parts
+    block.piece, block.along, block.t, block.s = roll.piece, roll.along, roll.t, roll.s
+    _extend(path, roll.piece + AHEAD)
+    pace = roll.modulated_speed * period / parts
+    level = 0.0
+    for part in range(parts):
+        level = _lay_part(roll, block, part, pace, level)
+    block.rise = level
+    roll.t += period
+    roll.s += roll.modulated_speed * period
+
+
+@kernel
+def roll_back(roll: Roll, contact: Coupled, block: Block) -> None:
+    """Lay the sample that a body has rolled over last as parabolas, for a contact that takes it by steps."""
+    roll.piece, roll.along, roll.t, roll.s = block.piece, block.along, block.t, block.s
+    lead_coupled_roll(roll, contact, 0.0)
+
+
+@kernel
+def _extend(path: Path, pieces: int) -> None:
+    """Make a path's pieces up to a number."""
+    while path.made < pieces:
+        make_piece(path)
+
+
+@kernel
+def _lay_part(roll: Roll, block: Block, part: int, pace: float, level: float) -> float:
+    """Write the lines over a part of the sample; return the path's level (m) at its end. pace: m per part."""
+    path, parts = roll.path, block.parts
+    rise, bend = _slope_at(roll, pace)
+    first, second = AT[1, 0], AT[1, 1]
+    height0, height1 = level + first * (rise + first * bend), level + second * (rise + second * bend)
+    slope0, slope1 = rise + 2.0 * first * bend, rise + 2.0 * second * bend
+    level += rise + bend
+    at, per = 0.0, 1.0 / pace
+    while True:
+        left = max((path.length[roll.piece & (PIECES - 1)] - roll.along) * per, 0.0)
+        if not at + left < 1.0 or roll.piece - block.piece >= _BACK:
+            break
+        at += left
+        old_rise, old_bend = rise + 2.0 * bend * left, bend
+        roll.piece += 1
+        roll.along = 0.0
+        _extend(path, roll.piece + 1)
+        rise, bend = _slope_at(roll, pace)
+        b, c = rise - old_rise, bend - old_bend
+        height, height_tilt, slope, slope_tilt = _lines(at, b, c)
+        height0 += height - _TILT * height_tilt
+        height1 += height + _TILT * height_tilt
+        slope0 += slope - _TILT * slope_tilt
+        slope1 += slope + _TILT * slope_tilt
+        level += (1.0 - at) * (b + (1.0 - at) * c)
+    roll.along += (1.0 - at) * pace
+    i = NODES_PER_PART * part
+    block.height[i], block.height[i + 1] = height0, height1
+    block.slope[i], block.slope[i + 1] = parts * slope0, parts * slope1
+    return level
+
+
+@kernel
+def _slope_at(roll: Roll, pace: float) -> tuple[float, float]:
+    """Return the slope (m per `pace`) of the path under a body, and half of what it changes by."""
+    incline = path_at(roll)[1]
+    return pace * incline, 0.5 * pace * pace * roll.path.curvature[roll.piece & (PIECES - 1)]

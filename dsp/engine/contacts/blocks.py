@@ -13,11 +13,10 @@ from ...contact.block_nodes import AT, MOMENTS_AHEAD, MOST_PARTS
 from ...contact.block_records import TOGETHER, Block, Net, Tables, moments_of, rows_of
 from ...contact.block_tables import answer_of, feel, settle_tables, take_answers, take_rows
 from ...native.jit import kernel, noinline_kernel
-from ...native.typed import View
-from ...numerics.legendre import AHEAD, FINE, KEPT
+from ...numerics.legendre import AHEAD, KEPT
 from ...resonator.bank import Modes, Point, inject_kept, transfer_receptance
 from ...resonator.rows import lay_rows, row_weights
-from ...rolling.block_path import project_path
+from ...rolling.block_path import is_even, project_path, roll_back, roll_evenly
 from ...rolling.body import share_of
 from ...rolling.coupled_roll import lead_coupled_roll
 from ..bodies.objects import modes_of, point_of
@@ -27,7 +26,7 @@ from ..memory.records import Contact
 from ..memory.state import BEHIND, COUPLING, QUANTUM, Object, State
 from ..output.fade import note_force
 from .contact_force import observe_points
-from .contact_list import take_place
+from .contact_list import take_place, take_room_again
 from .rolls import feed_of, register_roll
 from .trace import trace_roll
 
@@ -113,14 +112,13 @@ def _has_place(state: State, contact: Contact) -> bool:
 
 @kernel
 def _look(state: State, net: Net) -> int:
-    """Find where the contacts' points are, and the parts of a sample that follow all of them; 0: none do."""
+    """Return the parts of a sample that follow all contacts; 0 if none do."""
     parts: int = PARTS[state.choices.accuracy]
     for i in range(net.size):
         contact = state.contacts[net.contact[i]]
-        observe_points(state, contact)
-        net.place[i] = 0.0
-        for k in range(FINE):
-            net.place[i] += state.scratch.observed[k] * (1.0 - 2.0 * (k % 2))
+        if contact.unsettled == 1:
+            observe_points(state, contact)
+        take_room_again(state, contact)
         net.gain[i] = contact.now.gain
         needed = parts_for(contact.coupled, parts)
         if needed == 0:
@@ -144,8 +142,10 @@ def _begin(state: State, obj: Object, net: Net, i: int, parts: int) -> None:
             tables.settled = other.settled
             _settle(state, contact, tables, modes, (point_of(state, obj, other.point[0]), where), i == j)
             _find_later(state, block, tables, modes, (point_of(state, obj, other.point[0]), where))
-    take_rows(block, _lay(state, block, modes, where), 1.0 / contact.now.gain)
-    begin_block(block, contact.coupled, net.place[i])
+    scale = 1.0 / contact.now.gain
+    place = scale * _lay(state, block, modes, where)
+    take_rows(block, state.scratch.rows, scale)
+    begin_block(block, contact.coupled, place)
 
 
 @kernel
@@ -167,9 +167,12 @@ def _run(state: State, net: Net, frame: int) -> int:
     """Solve rolls from a frame on, as far as blocks follow them: their forces' moments are in their feeds. Return the
     frame of the end."""
     end = QUANTUM
+    for i in range(net.size):
+        rolls = state.contacts[net.contact[i]].trait.rolls == 1
+        state.blocks[net.block[i]].even = 1 if rolls and is_even(state.rolls[net.block[i]]) else 0
     for n in range(frame, QUANTUM):
         for i in range(net.size):
-            net.share[i] = _lead(state, state.contacts[net.contact[i]])
+            net.share[i] = _lead(state, state.contacts[net.contact[i]], state.blocks[net.block[i]])
         if not step_blocks(state.contacts, state.blocks, net, n - frame):
             end = n
             break
@@ -180,26 +183,32 @@ def _run(state: State, net: Net, frame: int) -> int:
                 feed[k] = net.share[i] * state.blocks[net.block[i]].moments[k]
     for i in range(net.size):
         contact = state.contacts[net.contact[i]]
-        end_block(state.blocks[net.block[i]], contact.coupled)
+        block = state.blocks[net.block[i]]
+        end_block(block, contact.coupled)
         contact.ahead = end
         if contact.trait.rolls == 1:
             contact.led = 1 if end < QUANTUM else 0
+            if end < QUANTUM and block.piece >= 0:
+                roll_back(state.rolls[contact.roll], contact.coupled, block)
             contact.rolled = state.rolls[contact.roll].s
         state.steps_taken += end - frame
     return end
 
 
 @kernel
-def _lead(state: State, contact: Contact) -> float:
+def _lead(state: State, contact: Contact, block: Block) -> float:
     """Lay the path under a contact over the coming sample; return the share of its force that the object gets."""
     if contact.trait.rests == 1:
-        project_path(contact.coupled, state.blocks[contact.roll])  # of what rests, which is level
+        project_path(contact.coupled, block)  # of what rests, which is level
         return 1.0
     roll = state.rolls[contact.roll]
+    if contact.led == 0 and block.even == 1:
+        roll_evenly(roll, block, contact.coupled.period)
+        return share_of(roll)
     if contact.led == 0:
         lead_coupled_roll(roll, contact.coupled, 0.0)
-    contact.led = 0
-    project_path(contact.coupled, state.blocks[contact.roll])
+    contact.led, block.piece = 0, -1
+    project_path(contact.coupled, block)
     return share_of(roll)
 
 
@@ -221,17 +230,15 @@ def _hand_on(state: State, obj: Object, contact: Contact, frame: int) -> None:
             fed[n, k] *= contact.now.gain
 
 
-@kernel
-def _lay(state: State, block: Block, modes: Modes, where: Point) -> View[float]:
-    """Lay out the motion of a point without a force, one row after the other."""
+@noinline_kernel
+def _lay(state: State, block: Block, modes: Modes, where: Point) -> float:
+    """Lay out the motion of a point without a force in `rows`, one row after the other; return where it is now (m)."""
     scratch = state.scratch
     for i in range(AHEAD * rows_of(block)):
         scratch.rows[i] = 0.0
     if block.parts == 1:
-        lay_rows(modes, where, WEIGHTS[0], scratch.room, scratch.rows)
-    else:
-        lay_rows(modes, where, WEIGHTS[1], scratch.room, scratch.rows)
-    return scratch.rows
+        return lay_rows(modes, where, WEIGHTS[0], scratch.room, scratch.rows)
+    return lay_rows(modes, where, WEIGHTS[1], scratch.room, scratch.rows)
 
 
 @kernel
@@ -248,4 +255,5 @@ def _find_later(state: State, block: Block, tables: Tables, modes: Modes, points
         inject_kept(struck, points[0], moments)
         for i in range(size):
             struck.y1[i], struck.y2[i] = modes.a1[i] * struck.y1[i] + modes.a2[i] * struck.y2[i], struck.y1[i]
-        take_answers(block, tables, k, _lay(state, block, struck, points[1]))
+        _lay(state, block, struck, points[1])
+        take_answers(block, tables, k, state.scratch.rows)

@@ -1,0 +1,93 @@
+"""The lines under a body over a sample, straight from the path's pieces and by its parabolas, against quadrature."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from numba import njit
+from numpy.polynomial import legendre
+
+from carom.dsp.contact.block_nodes import AT, NODES_PER_PART
+from carom.dsp.contact.block_records import Block
+from carom.dsp.contact.coupled_records import COUPLED
+from carom.dsp.lab.roll import make_roll
+from carom.dsp.native.typed import dtype_of
+from carom.dsp.rolling.block_path import is_even, project_path, roll_back, roll_evenly
+from carom.dsp.rolling.coupled_roll import begin_coupled_roll, lead_coupled_roll
+from tests.dsp.rolling.support import GLASS, MARBLE, STONE, ground
+
+pytestmark = pytest.mark.slow  # numba compiles the loops around the kernels
+
+RATE = 48_000.0
+
+
+@njit(error_model="numpy")
+def _follow(rolls, contacts, blocks, lines, kinks):
+    """Take one body over samples evenly, and back and over them as parabolas, and another by parabolas alone."""
+    same, even = True, True
+    for i in range(2):
+        begin_coupled_roll(rolls[i], contacts[i], RATE, 1e-3)
+        lead_coupled_roll(rolls[i], contacts[i], 0.0)
+    for n in range(len(lines)):
+        even = even and is_even(rolls[0])
+        roll_evenly(rolls[0], blocks[0], contacts[0].period)
+        piece, along = rolls[0].piece, rolls[0].along
+        if n % 3 == 0:
+            roll_back(rolls[0], contacts[0], blocks[0])
+            same = same and rolls[0].piece == piece and abs(rolls[0].along - along) < 1e-12
+        lead_coupled_roll(rolls[1], contacts[1], 0.0)
+        project_path(contacts[1], blocks[1])
+        same = same and rolls[0].piece == rolls[1].piece and rolls[0].t == rolls[1].t and rolls[0].s == rolls[1].s
+        for i in range(2):
+            lines[n, i, 0] = blocks[i].rise
+            lines[n, i, 1:5], lines[n, i, 5:] = blocks[i].height, blocks[i].slope
+        contact = contacts[1]
+        kinks[n, 0, 0], kinks[n, 0, 1], kinks[n, 0, 2] = 0.0, contact.rise, contact.bend
+        for k in range(min(contact.kinks, len(kinks[n]) - 1)):
+            kinks[n, k + 1, 0] = contact.kink_at[k]
+            kinks[n, k + 1, 1], kinks[n, k + 1, 2] = contact.kink_rise[k], contact.kink_bend[k]
+    return same and even
+
+
+def projected(kinks, parts):
+    """Return the rise, and height and slope at the nodes of the lines of least squares, by quadrature between kinks."""
+    x, w = legendre.leggauss(6)
+    found = np.zeros(9)
+
+    def path(t):
+        after = np.maximum(t[:, None] - kinks[:, 0], 0.0)
+        passed = t[:, None] >= kinks[:, 0]
+        return (after * (kinks[:, 1] + after * kinks[:, 2])).sum(1), (
+            passed * (kinks[:, 1] + 2.0 * after * kinks[:, 2])
+        ).sum(1)
+
+    found[0] = path(np.ones(1))[0][0]
+    for part in range(parts):
+        begin, end = part / parts, (part + 1) / parts
+        edges = np.unique(np.clip(np.append(kinks[:, 0], [begin, end]), begin, end))
+        sums = np.zeros((2, 2))
+        for a, b in pairwise(edges):
+            t = a + (b - a) * (x + 1.0) / 2.0
+            u = 2.0 * parts * (t - begin) - 1.0
+            for i, values in enumerate(path(t)):
+                sums[i] += parts * (b - a) / 2.0 * np.array([(w * values).sum(), (w * values * u).sum()])
+        for j in range(NODES_PER_PART):
+            i = NODES_PER_PART * part + j
+            u = 2.0 * parts * (AT[parts, i] - begin) - 1.0
+            found[1 + i], found[5 + i] = sums[0] @ [1.0, 3.0 * u], sums[1] @ [1.0, 3.0 * u]
+    return found
+
+
+@pytest.mark.parametrize("parts", [1, 2])
+@pytest.mark.parametrize(("surface", "speed"), [(GLASS, 0.3), (STONE, 0.02), (STONE, 3.0), ({"roughness": 0.0}, 0.3)])
+def test_lines_of_a_body_that_rolls_evenly(surface, speed, parts):
+    rolls = np.array([make_roll(ground(3, **surface), **{**MARBLE, "speed": speed}) for _ in range(2)])
+    contacts, blocks = np.zeros(2, COUPLED), np.zeros(2, dtype_of(Block))
+    blocks["parts"] = parts
+    lines, kinks = np.zeros((3_000, 2, 9)), np.zeros((3_000, 12, 3))
+    assert _follow(rolls, contacts, blocks, lines, kinks)
+    scale = np.abs(lines).max((0, 1)) + 1e-30
+    np.testing.assert_allclose(lines[:, 0] / scale, lines[:, 1] / scale, atol=1e-9)
+    for n in range(0, 3_000, 17):
+        np.testing.assert_allclose(lines[n, 0] / scale, projected(kinks[n], parts) / scale, atol=1e-9)
+    assert speed == 0.02 or surface.get("roughness") == 0.0 or (kinks[:, 2] != 0.0).any()  # two in a sample
