@@ -10,7 +10,7 @@ import math
 from ..contact.block_nodes import AT, NODES_PER_PART
 from ..contact.block_records import Block, forces_of
 from ..contact.coupled_records import Coupled
-from ..native.jit import kernel
+from ..native.jit import kernel, noinline_kernel
 from .contact_step import path_at
 from .coupled_roll import lead_coupled_roll
 from .path import AHEAD, PIECES, Path, make_piece
@@ -93,7 +93,7 @@ def roll_evenly(roll: Roll, block: Block, period: float) -> None:
     roll.s += roll.modulated_speed * period
 
 
-@kernel
+@noinline_kernel
 def roll_back(roll: Roll, contact: Coupled, block: Block) -> None:
     """Lay the sample that a body has rolled over last as parabolas, for a contact that takes it by steps."""
     roll.piece, roll.along, roll.t, roll.s = block.piece, block.along, block.t, block.s

@@ -127,7 +127,7 @@ def _look(state: State, net: Net) -> int:
     return parts
 
 
-@kernel
+@noinline_kernel
 def _begin(state: State, obj: Object, net: Net, i: int, parts: int) -> None:
     """Begin a block of a contact: what it needs to know of its object."""
     contact, block = state.contacts[net.contact[i]], state.blocks[net.block[i]]
