@@ -78,13 +78,22 @@ STEP = dtype_of(Step)
 
 @kernel
 def raised(x: float, exponent: float) -> float:
-    """Raise x >= 0 to an exponent; by a root where that is one of a sphere's, 1/2, 3/2 or 5/2."""
+    """Raise x >= 0 to an exponent; by products and a root where that is a half or a whole of those of laws with an
+    exponent of 1, 3/2, 2 or 3."""
     if exponent == 0.5:
         return math.sqrt(x)
     if exponent == 1.5:
         return x * math.sqrt(x)
     if exponent == 2.5:
         return x * x * math.sqrt(x)
+    if exponent == 1.0:
+        return x
+    if exponent == 2.0:
+        return x * x
+    if exponent == 3.0:
+        return x * x * x
+    if exponent == 4.0:
+        return (x * x) * (x * x)
     power: float = x**exponent
     return power
 

@@ -15,7 +15,8 @@ _RATES = (22_050, 44_100, 48_000, 96_000)
 
 def growth(seed: int) -> float:
     """Return by which share of its greatest value the energy of a random pair grows, after a strike or a load that is
-    steered has ended: modes without loss, one rest or two, struck before and while they rest."""
+    steered has ended: modes without loss, one rest or two, struck before and while they rest. What the load stores in
+    a contact counts with the greatest."""
     chance = np.random.default_rng(seed)
     engine = engine_at(LEVELS[seed % len(LEVELS)], int(chance.choice(_RATES)))
     objects = []
@@ -57,10 +58,17 @@ def _followed(engine, objects, pairs, quanta):
     for _ in range(quanta):
         now = sum(energy(engine, handle, count) for handle, count in objects)
         now += sum(rest_energy(contact_of(engine, number)) for number in pairs)
-        least, greatest = min(least or now, now), max(greatest or now, now)
+        stored = sum(_stored(contact_of(engine, number)["coupled"]) for number in pairs)
+        least, greatest = min(least or now, now), max(greatest or 0.0, now + stored)
         grown = max(grown, (now - least) / max(greatest, 1e-300))
         engine.process(QUANTUM)
     return grown
+
+
+def _stored(coupled):
+    """Return the energy (J) that a contact stores at rest."""
+    k, a, x = (float(coupled[key]) for key in ("k", "a", "rest_compression"))
+    return k * x ** (a + 1.0) / (a + 1.0)
 
 
 def main(count: int) -> None:

@@ -15,6 +15,7 @@ from tests.documents import study
 from tests.documents.markdown import table
 
 BENCH = study.MEASURED / "bench.json"
+SPACE = study.MEASURED / "space.json"
 COMPILING = study.MEASURED / "compiling.json"
 
 
@@ -119,6 +120,16 @@ def _reported(made: Callable[[list[Row]], report.Table], name: str) -> str:
     """Return a table as `carom chart` writes it, with its note."""
     found = made(study.read(study.MEASURED / name))
     return f"{found.note}\n\n{table(found.head, found.rows)}"
+
+
+def space() -> str:
+    """Return what objects in space cost."""
+    if not SPACE.exists():
+        return "Not measured yet: `python -m tests.bench.space` writes this table."
+    measured = json.loads(SPACE.read_text(encoding="utf-8"))
+    rows = [(name, f"{100 * cost:.1f}") for name, cost in measured["costs"].items()]
+    head = "200 objects of 32 modes that ring, 48 kHz, two channels", "% of a core"
+    return f"{_machine(measured)}\n\n{table(head, rows)}"
 
 
 def speed() -> str:

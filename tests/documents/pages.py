@@ -33,6 +33,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "scores": presets.scores,
     "accuracy": figures.accuracy,
     "speed": figures.speed,
+    "space": figures.space,
     "compile time": figures.compiling,
     "edits": figures.edits,
     "failures": figures.failures,
