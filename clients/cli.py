@@ -12,6 +12,7 @@ from .commands import (
     dataset,
     devices,
     doctor,
+    export,
     fit,
     listen,
     mesh,
@@ -27,8 +28,8 @@ from .commands import (
 from .commands.parser import Parser, parse, parser_of
 
 _MODULES = (
-    serve, render, strike, play, page, send, listen, top, presets, fit, mesh, compare, dataset, chart, devices, doctor,
-    completion,
+    serve, render, strike, play, page, send, listen, top, presets, fit, mesh, export, compare, dataset, chart, devices,
+    doctor, completion,
 )  # fmt: skip
 COMMANDS = tuple(module.COMMAND for module in _MODULES)
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from .numerics.constants import FULL_SCALE_PRESSURE, STANDARD_GRAVITY
+from .sizes import CAPACITY
 
 
 @dataclass(frozen=True)
@@ -385,7 +386,9 @@ SETTINGS = {
 }  # fmt: skip
 
 # Settings of the whole.
-CHANNELS = Parameter("channels", 1, 64, "", "of the output; 2: left and right, else a ring", default=2, whole=True)
+CHANNELS = Parameter(
+    "channels", 1, CAPACITY.channels, "", "of the output; 2: left and right, else a ring", default=2, whole=True
+)
 FULL_SCALE = Parameter(
     "full_scale", 1e-6, 1e6, "Pa", "that a sample of 1.0 is, of an object whose level is 0 dB",
     default=FULL_SCALE_PRESSURE, useful=(0.1, 100.0),

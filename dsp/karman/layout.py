@@ -3,6 +3,7 @@
 from typing import Annotated
 
 from ..native.typed import Record, View, View2D, dtype_of, f32
+from ..sizes import CAPACITY
 
 MOST_ORDERS = 96
 """Angular orders of a grid's functions, and of its stress functions."""
@@ -10,10 +11,8 @@ MOST_COUPLED = 512
 """Modes of a plate that are coupled."""
 MOST_DRIVEN = 1_024
 """Modes of a plate that are coupled or driven by those that are."""
-SHEETS = 64
-"""Plates at once whose modes can be coupled."""
-TABLE_VALUES = 4_194_304
-"""Values of float32 in the tables of all grids: those of 30 different plates of 500 modes."""
+SHEETS = CAPACITY.sheets
+TABLE_VALUES = CAPACITY.sheet_tables
 SPACE = 65_536
 """Values of float32 in each array that a force is computed in."""
 LEVELS = 2

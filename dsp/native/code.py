@@ -18,9 +18,10 @@ import llvmlite.binding as llvm
 
 from . import store as stores
 from .jit import CFunction
+from .portable import functions
 from .sources import compiler_digest, hash_of, sources
 from .store import Listed, Store, user_cache
-from .targets import Target, system, targets
+from .targets import PORTABLE, Target, system, targets
 from .together import together
 from .units import Unit
 from .workers import Workers
@@ -91,6 +92,18 @@ def bitcode(module: str) -> bytes:
     return content
 
 
+def units_of(module: str, target: Target) -> list[str]:
+    """Return the keys of the units of a module for a target; what is not in the cache is compiled now."""
+    importlib.import_module(module)
+    kept = Store(user_cache())
+    with kept.alone(module):
+        for name, listed in kept.lists(module):
+            units = listed.units.get(str(target), [])
+            if units and name == hash_of(listed.sources) and all(kept.read_object(unit, target) for unit in units):
+                return units
+        return _compile([module], (target,))[module][1].units[str(target)]
+
+
 def progress() -> tuple[float, float]:
     """Return how far the code is that is being compiled now, as a share and as seconds left, estimated; 1 and 0 if none
     is."""
@@ -133,8 +146,12 @@ def _compile(modules: list[str], wanted: tuple[Target, ...]) -> dict[str, tuple[
             with CompileNotice(KERNELS.get(module, 0)) as _notice, Workers(kept, _notice.compiled) as workers:
                 submit = partial(_submit, kept, workers, wanted, _notice.submitted)
                 units = translate_units(functions, submit, _notice.translated)
+                own = _own_functions(kept, workers, wanted, _notice.submitted)
                 workers.finish()
-            lists[module] = name, Listed(read, {str(target): units for target in wanted})
+            portable = {str(target) for target in wanted if target.processor == PORTABLE}
+            units_of = {str(target): units + own * (str(target) in portable) for target in wanted}
+            before = next((listed.units for key, listed in kept.lists(module) if key == name), {})
+            lists[module] = name, Listed(read, {**before, **units_of})
             kept.write_list(module, *lists[module])
     finally:
         _notice = None
@@ -152,6 +169,17 @@ def _submit(
             kept.write_unit(unit.key, "source", "bc", unit.source())
             submitted()
             workers.submit(unit.key, target)
+
+
+def _own_functions(
+    kept: Store, workers: Workers, wanted: tuple[Target, ...], submitted: Callable[[], None]
+) -> list[str]:
+    """Queue the mathematical functions of portable code, where that is wanted; return the keys of their units."""
+    portable = tuple(target for target in wanted if target.processor == PORTABLE)
+    units = [Unit(symbol, (bitcode,)) for symbol, bitcode in functions().items()] if portable else []
+    for unit in units:
+        _submit(kept, workers, portable, submitted, unit)
+    return [unit.key for unit in units]
 
 
 def functions_of(module: str) -> list[CFunction]:

@@ -170,11 +170,33 @@ define void @carom_restore_denormals(i64 %mode) {
 """
 
 
-def assembly(system: str, triple: str) -> str:
-    """Return the functions for an operating system and LLVM's name of a target."""
+_NOTHING = """
+define i64 @carom_monotonic_ns() {
+  ret i64 0
+}
+
+define void @carom_pause_ns(i64 %duration) {
+  ret void
+}
+
+define i64 @carom_receive(i64 %socket, i64 %data, i64 %size, i64 %address, i64 %length) {
+  ret i64 -1
+}
+
+define void @carom_send(i64 %socket, i64 %data, i64 %size) {
+  ret void
+}
+"""
+
+
+def assembly(system: str, triple: str, flushes: bool = True) -> str:
+    """Return the functions for an operating system and LLVM's name of a target; flushes: denormals can be 0."""
+    if system == "wasm":
+        return _NOTHING + _NO_THREAD + _OTHER
     clock = str(_CLOCK_MONOTONIC.get(system, _ELSEWHERE))
     calls = _WINDOWS if system == "windows" else _POSIX.replace("CLOCK_MONOTONIC", clock)
     thread = _THREAD if system == "linux" else _NO_THREAD
     family = triple.partition("-")[0]
+    family = family if flushes else ""
     denormals = _X86 if family == "x86_64" else _ARM if family in ("aarch64", "arm64") else _OTHER
     return calls + thread + denormals

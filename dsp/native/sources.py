@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from importlib.metadata import version
 from pathlib import Path
 
+from ..sizes import NAME
 from .digests import digest
 
 _COMPILER = (
@@ -29,7 +30,7 @@ def key(module: str) -> str:
 def sources(module: str) -> list[str]:
     """Return the names of a loaded module, of all that it imports of its top-level package, and of the compiler."""
     top = module.partition(".")[0]
-    found = {f"{__package__}.{name}" for name in _COMPILER}
+    found = {f"{__package__}.{name}" for name in (*_COMPILER, "linking", "portable")}
     waiting = [module]
     while waiting:
         name = waiting.pop()
@@ -40,8 +41,9 @@ def sources(module: str) -> list[str]:
 
 
 def hash_of(modules: list[str]) -> str:
-    """Return a hash of the sources of modules as they are now; empty where one of them is gone."""
-    found = hashlib.sha256()
+    """Return a hash of the sources of modules as they are now, and of the engine's sizes; empty where one of them is
+    gone."""
+    found = hashlib.sha256(NAME.encode())
     for name in modules:
         file = _file_of(name)
         if file is None or not file.exists():

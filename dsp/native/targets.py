@@ -10,7 +10,7 @@ from typing import Any
 import llvmlite.binding as llvm
 
 VARIABLE = "CAROM_PROCESSOR"
-"""The environment variable that names one of LEVELS for a processor that could do more."""
+"""The environment variable that names one of LEVELS for a processor that could do more, or PORTABLE."""
 
 _ADDED = {
     "x86-64": "",
@@ -23,6 +23,12 @@ LEVELS = tuple(_ADDED)
 
 ARM = "aarch64"
 """The 64-bit processors of Arm, whatever they can do beyond the least."""
+
+PORTABLE = "portable"
+"""Any processor, by code whose bits are the same on all of them (`portable.py`)."""
+
+WASM = "wasm"
+"""The system of WebAssembly, which has nothing of what other systems have."""
 
 _OWN_NAMES = {"amd64": "x86_64", "arm64": ARM}
 # LLVM's names. On Windows its linker of code in memory takes ELF, not the system's own format.
@@ -48,7 +54,10 @@ class Target:
     @property
     def triple(self) -> str:
         """LLVM's name of it; this machine's where it is none of those that wheels hold code for."""
+        if self.system == WASM:
+            return "wasm32-unknown-unknown"
         family = "x86_64" if self.processor in LEVELS else self.processor
+        family = _own_family() if self.processor == PORTABLE else family
         return _TRIPLES.get((self.system, family)) or str(llvm.get_process_triple())
 
     def machine(self) -> Any:
@@ -56,8 +65,21 @@ class Target:
         llvm.initialize_all_targets()
         llvm.initialize_all_asmprinters()
         cpu, features = (self.processor, "-prefer-256-bit") if self.processor in LEVELS else ("generic", "")
-        target = llvm.Target.from_triple(self.triple)
-        return target.create_target_machine(cpu=cpu, features=features, opt=3, reloc="pic", codemodel="default")
+        return _machine(self.triple, cpu, _WASM_FEATURES if self.system == WASM else features)
+
+    def optimiser(self) -> Any:
+        """Return what LLVM optimises code for: portable code for one machine, whatever runs it."""
+        machine = self.machine()
+        return _machine("wasm64-unknown-unknown", "generic", _WASM_FEATURES) if self.processor == PORTABLE else machine
+
+
+_WASM_FEATURES = "+simd128,+bulk-memory,+bulk-memory-opt,+nontrapping-fptoint,+sign-ext,+mutable-globals"
+
+
+def _machine(triple: str, cpu: str, features: str) -> Any:
+    reloc = "static" if triple.startswith("wasm") else "pic"
+    target = llvm.Target.from_triple(triple)
+    return target.create_target_machine(cpu=cpu, features=features, opt=3, reloc=reloc, codemodel="default")
 
 
 WHEEL = tuple(
@@ -78,8 +100,10 @@ def system() -> str:
 def processors() -> tuple[str, ...]:
     """Return the kinds of processor whose code this one runs, the most able first; ValueError where VARIABLE asks for
     more."""
-    machine = platform.machine().lower()
-    machine = _OWN_NAMES.get(machine, machine)
+    asked = os.environ.get(VARIABLE)
+    if asked == PORTABLE:
+        return (PORTABLE,)
+    machine = _own_family()
     if machine != "x86_64":
         return (machine,)
     has, able = llvm.get_host_cpu_features(), []
@@ -87,10 +111,16 @@ def processors() -> tuple[str, ...]:
         if not all(has.get(name) for name in added.split()):
             break
         able.append(level)
-    asked = os.environ.get(VARIABLE)
     if asked and asked not in able:
-        raise ValueError(f"{VARIABLE} = {asked!r}: expected one of {', '.join(able)}, which this processor can do")
+        can = f"{', '.join(able)}, which this processor can do"
+        raise ValueError(f"{VARIABLE} = {asked!r}: expected {PORTABLE}, or one of {can}")
     return tuple(reversed(able[: able.index(asked) + 1] if asked else able))
+
+
+def _own_family() -> str:
+    """Return LLVM's name of this machine's kind of processor."""
+    machine = platform.machine().lower()
+    return _OWN_NAMES.get(machine, machine)
 
 
 def targets() -> tuple[Target, ...]:

@@ -13,9 +13,11 @@ import llvmlite
 import llvmlite.binding as llvm
 
 from .digests import digest
+from .linking import show_only, tidy
 from .platforms import assembly
+from .portable import strict, with_own_functions
 from .store import Store
-from .targets import Target
+from .targets import PORTABLE, WASM, Target
 
 
 class Unit(NamedTuple):
@@ -37,9 +39,7 @@ class Unit(NamedTuple):
         module = llvm.parse_bitcode(self.parts[0])
         for part in self.parts[1:]:
             module.link_in(llvm.parse_bitcode(part))
-        for each in [*module.functions, *module.global_variables]:
-            if not each.is_declaration and each.name != self.symbol:
-                each.linkage = "internal"
+        show_only(module, {self.symbol})
         content: bytes = module.as_bitcode()
         return content
 
@@ -48,33 +48,57 @@ class Unit(NamedTuple):
 def _compiler() -> str:
     """Return a digest of all that makes machine code of bitcode."""
     here = Path(__file__).parent
-    files = [(here / name).read_text() for name in ("units.py", "platforms.py", "store.py", "targets.py")]
+    names = "linking.py", "platforms.py", "portable.py", "store.py", "targets.py", "units.py"
+    files = [(here / name).read_text() for name in names]
     return digest(f"{llvmlite.__version__} {files}")
 
 
 def make_object(store: Store, key: str, target: Target) -> None:
     """Make a unit's machine code for a target, and keep it. TypeError if it needs Python."""
-    best = optimised(store.read_unit(key, "source", "bc") or b"", target)
+    if target.processor == PORTABLE:
+        best = _portable(store, key, target)
+    else:
+        best = optimised(store.read_unit(key, "source", "bc") or b"", target)
     store.write_unit(key, str(target), "bc", best.as_bitcode())
-    store.write_object(key, target, target.machine().emit_object(best), needed(best))
+    made = best.as_bitcode() if target.system == WASM else target.machine().emit_object(best)  # `wasm.py` links it
+    store.write_object(key, target, made, needed(best))
 
 
-def optimised(source: bytes, target: Target) -> Any:
-    """Return LLVM's module of bitcode, optimised for a target. TypeError if it needs Python."""
-    module = llvm.parse_bitcode(source)
-    machine = target.machine()
-    support = llvm.parse_assembly(assembly(target.system, target.triple))
-    for each in (module, support):
-        each.triple, each.data_layout = target.triple, str(machine.target_data)
+def _portable(store: Store, key: str, target: Target) -> Any:
+    """Return LLVM's module of a unit for a target, by the code that is optimised once for all of them."""
+    kept = store.read_unit(key, PORTABLE, "bc")
+    if kept is None:
+        source = with_own_functions(llvm.parse_bitcode(store.read_unit(key, "source", "bc") or b""))
+        kept = strict(_optimised(source, target)).as_bitcode()
+        store.write_unit(key, PORTABLE, "bc", kept)
+    module = _with_system(llvm.parse_bitcode(kept), target)
+    module.triple, module.data_layout = target.triple, str(target.machine().target_data)
+    tidy(module, target.machine())
+    return module
+
+
+def _with_system(module: Any, target: Target) -> Any:
+    """Return LLVM's module with what it calls of a target's system."""
+    support = llvm.parse_assembly(assembly(target.system, target.triple, flushes=target.processor != PORTABLE))
+    support.triple, support.data_layout = module.triple, module.data_layout
     names = [each.name for each in support.functions if not each.is_declaration]
     module.link_in(support)
     for name in names:
         module.get_function(name).linkage = "internal"
+    return module
+
+
+def optimised(source: bytes, target: Target) -> Any:
+    """Return LLVM's module of bitcode, optimised for a target. TypeError if it needs Python."""
+    return _optimised(_with_system(llvm.parse_bitcode(source), target), target)
+
+
+def _optimised(module: Any, target: Target) -> Any:
+    """Optimise LLVM's module, and return it."""
+    machine = target.optimiser()
+    module.triple, module.data_layout = machine.triple, str(machine.target_data)
     optimise(module, target)
-    passes = llvm.create_new_module_pass_manager()
-    passes.add_global_dead_code_eliminate_pass()
-    passes.add_strip_dead_prototype_pass()
-    passes.run(module, llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options()))
+    tidy(module, target.machine())
     python = [each.name for each in module.functions if each.name.startswith(("Py", "numba_", "NRT_"))]
     if python:
         names = [each.name for each in module.functions if not each.is_declaration]
@@ -88,7 +112,7 @@ def optimise(module: Any, target: Target) -> None:
     Two runs: a scalar one, then the full one. The scalar run must not unroll loops: the full one vectorises unrolled
     modal loops by scatter and gather, which is 2.4 times slower.
     """
-    machine = target.machine()
+    machine = target.optimiser()
     tuning = llvm.create_pipeline_tuning_options(speed_level=1)
     tuning.loop_unrolling = tuning.loop_interleaving = False
     tuning.loop_vectorization = tuning.slp_vectorization = False
@@ -106,6 +130,7 @@ _OF_C_LIBRARY = ("sin", "cos", "tan", "exp", "exp2", "log", "log2", "log10", "po
 
 def needed(module: Any) -> list[str]:
     """Return the functions of the system's libraries that the code of a module calls; other units' are left out."""
-    names = [each.name for each in module.functions if each.is_declaration and not each.name.startswith("_ZN")]
+    others = "_ZN", "carom_"
+    names = [each.name for each in module.functions if each.is_declaration and not each.name.startswith(others)]
     inner = [name.split(".")[1] for name in names if name.startswith("llvm.")]
     return sorted({name for name in names if not name.startswith("llvm.")} | set(inner) & set(_OF_C_LIBRARY))

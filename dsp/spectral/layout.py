@@ -10,14 +10,14 @@ A bin keeps what brings its modes further as float64 or, where that is chosen, a
 from typing import Annotated
 
 from ..native.typed import Record, View, View2D, f32, i32
+from ..sizes import CAPACITY
 from .basis import BINS, FRAMES, SIZE
 from .simd import CHUNK, MOTION, SUMS, WEIGHTS
 from .synthesis import POINT
 
 PHASES = 8
 """Blocks begin in turn, one in each 64 frames."""
-PHASE_MODES = 163_840
-"""The most modes in a phase: 1.25 of an eighth of a million."""
+PHASE_MODES = CAPACITY.phase_modes
 REGION = 4 * (PHASE_MODES // CHUNK + BINS)
 """Chunks of a region: what moves in it needs room."""
 CHUNKS = (PHASES + 1) * REGION

@@ -1,22 +1,20 @@
 """The engine's room for modes and objects."""
 
 from ...schema import CHANNELS
+from ...sizes import CAPACITY
 from .mounted import SENSORS
 
-OBJECTS = 16_384
+OBJECTS = CAPACITY.objects
 MOST_CHANNELS = int(CHANNELS.high)
-MODES = 1_310_720
-"""A million that are heard, and a quarter more for those beside them: reliefs, clicks, modes that are felt alone."""
+MODES = CAPACITY.modes
 MODES_PER_OBJECT = 4_096
 SHAPE_VALUES = 96 * MODES
 """Values in the table of mode shapes: 96 positions for every mode, shared as objects need them."""
-USUAL_OBJECTS = 512
+USUAL_OBJECTS = min(512, OBJECTS)
 """Room for objects where nothing else is asked for."""
-USUAL_MODES = 131_072
-STEMS = 512
-"""Objects whose shares of the mix can be kept."""
-RAMPS = 4_096
-"""Ramps that run or wait; each point of a list is one."""
+USUAL_MODES = min(131_072, MODES)
+STEMS = CAPACITY.stems
+RAMPS = CAPACITY.ramps
 
 
 def check_sizes(channels: int, modes: int, objects: int, sensors: int = 0) -> None:

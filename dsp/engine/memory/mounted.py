@@ -3,8 +3,9 @@
 from typing import Annotated
 
 from ...native.typed import Record, View, dtype_of
+from ...sizes import CAPACITY
 
-SENSORS = 32
+SENSORS = CAPACITY.sensors
 """Sensors that an engine can have, each with a channel of its own after those of the sound."""
 
 

@@ -4,10 +4,10 @@ from typing import Annotated
 
 from ...native.typed import Record, View, View2D, dtype_of, f32
 from ...numerics.legendre import AHEAD
+from ...sizes import CAPACITY
 from .capacity import MOST_CHANNELS
 
-LINES = 256
-"""Objects that can be in space at once."""
+LINES = CAPACITY.lines
 FRAMES = 65_536
 """Frames that a line holds: the longest way is 468 m at 48 kHz. A power of two."""
 KNOTS = FRAMES // AHEAD

@@ -21,6 +21,7 @@ from ...resonator.simd import LANES
 from ...rolling.roll_record import Roll
 from ...schema import GESTURES, TRAIT_NAMES
 from ...schema_records import Counters, Settings, Traits
+from ...sizes import CAPACITY
 from ...spectral.layout import PHASES, REGION, Spectral
 from ...swarm.record import PLACES, SWARMS, Pulses, Swarm
 from .capacity import MODES, MODES_PER_OBJECT, MOST_CHANNELS, OBJECTS, SHAPE_VALUES, STEMS
@@ -36,14 +37,10 @@ from .striker_state import STRIKERS, VOICES, Striker, Voice
 QUANTUM = AHEAD
 """Frames the engine computes at a time, on a grid of its own: the sound can't depend on the device's block size."""
 
-CONTACTS = 512
-"""Contacts that can go on at once."""
-EVENTS = 8_192
-"""Events that can wait for their time."""
-RING = 8_192
-"""Commands on their way from Python; a power of two."""
-ROLLS = 128
-"""Bodies that can roll or slide at once."""
+CONTACTS = CAPACITY.contacts
+EVENTS = CAPACITY.events
+RING = CAPACITY.ring
+ROLLS = CAPACITY.rolls
 ROWS_OF_SWARM = PLACES + 1
 """Rows of forces that a swarm has, after those of rolls: of all of its places together, and of each."""
 DRIVEN = ROLLS + SWARMS * ROWS_OF_SWARM
@@ -54,14 +51,10 @@ LEAD = HALF + REACH
 """Frames that a roll is computed ahead of its sound: 0.4 ms at 48 kHz."""
 BEHIND = HALF - REACH - 1
 """Frames before a quantum whose forces are in its band-limited samples."""
-ENDED = 32_768
-"""Ends of gestures that are kept for Python to read."""
-TAP = 262_144
-"""Frames of sound kept for a recorder that is slow."""
-NOTES = 32_768
-"""Fates of commands kept for a log that is slow."""
-TRACED = 1_024 * CONTACTS
-"""Samples of contacts kept for Python to read: of all contacts for 1,024 frames."""
+ENDED = CAPACITY.ended
+TAP = CAPACITY.tap
+NOTES = CAPACITY.notes
+TRACED = CAPACITY.traced * CONTACTS
 
 
 class Quality(IntEnum):

@@ -5,13 +5,12 @@ from typing import Annotated
 from ...native.typed import Record, View, dtype_of
 from ...resonator.bank import RESPONSES
 from ...resonator.simd import LANES
+from ...sizes import CAPACITY
 
-STRIKERS = 256
-"""Kinds of strikers that are kept at once."""
+STRIKERS = CAPACITY.strikers
 STRIKER_MODES = 2 * LANES
 """Modes of a striker, those of its click among them."""
-VOICES = 256
-"""Strikers that can sound at once."""
+VOICES = CAPACITY.voices
 
 
 class _Bank(Record):

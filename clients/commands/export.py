@@ -1,0 +1,72 @@
+"""carom export: write a score, or a table of the page, as files that play without Python."""
+
+import argparse
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from ..errors import tell
+from .options import RATE, SCORE, add_presets
+from .parser import Command, one_of, whole
+
+TARGETS = ("web",)
+"""The targets of an export."""
+
+
+def _options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("score", metavar="SCORE", help=f"{SCORE}, or a table that the page has saved")
+    parser.add_argument("folder", metavar="OUT", help="folder for the files; made if missing")
+    text = "web: static files with the engine as WebAssembly, a page that plays the scene, and a JavaScript module"
+    parser.add_argument("--to", choices=TARGETS, type=one_of(*TARGETS), default="web", help=f"{text} (%(default)s)")
+    parser.add_argument("--rate", type=whole, default=RATE, help="sampling rate in Hz (%(default)s)")
+    add_presets(parser)
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    from ...dsp import sizes
+    from ...dsp.native import targets
+
+    wanted = {sizes.VARIABLE: "small", targets.VARIABLE: targets.PORTABLE}
+    if any(os.environ.get(name) != value for name, value in wanted.items()):
+        # The scene is laid out as the engine of the page has it: by a process that has its sizes, and its bits.
+        more = [word for folder in arguments.presets for word in ("--presets", str(folder))]
+        words = [
+            "export",
+            "--to",
+            arguments.to,
+            "--rate",
+            str(arguments.rate),
+            *more,
+            "--",
+            arguments.score,
+            arguments.folder,
+        ]
+        return subprocess.run([sys.executable, "-m", "carom", *words], env=os.environ | wanted).returncode
+    return _export(arguments)
+
+
+def _export(arguments: argparse.Namespace) -> int:
+    """Write the files, in a process whose engine is that of the page."""
+    from ...presets import Presets
+    from ...server.osc.score import parse
+    from ...server.render import Options
+    from ..export.web import export
+    from ..streams import STREAM, score_name, score_path
+
+    name = score_name(arguments.score)
+    is_stream = arguments.score == STREAM
+    content = sys.stdin.buffer.read() if is_stream else score_path(arguments.score).read_bytes()
+    title = name if is_stream else score_path(arguments.score).stem
+    text = content.decode("utf-8", "replace")
+    warnings: list[str] = []
+    export(
+        parse(content, name), text, title, Path(arguments.folder), Presets(arguments.presets), Options(arguments.rate),
+        warnings.append,
+    )  # fmt: skip
+    for warning in warnings:
+        tell("export", warning)
+    return 0
+
+
+COMMAND = Command("export", "SCORE OUT", "write a scene as files that play without Python", _options, _run)

@@ -1,0 +1,1 @@
+"""Scenes that play without Python: baked, and written as a web page."""

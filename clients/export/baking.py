@@ -1,0 +1,160 @@
+"""A score as its engine's memory: what is laid out in it, and the commands that it gets, each at its sample.
+
+The score is rendered. Before each block in which a line is due, what Python has written into the engine's memory is
+kept: words that differ, and commands. Another engine of the same layout that gets both at the same samples makes the
+same bits, without knowing what they mean.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...dsp.bodies.striker import StrikerSound
+from ...dsp.engine.memory.capacity import MODES, OBJECTS
+from ...dsp.engine.memory.commands import COMMAND, Kind
+from ...dsp.engine.memory.state import RING, STATE
+from ...dsp.runtime.engine import Engine
+from ...presets import Presets
+from ...server.osc.score import Line
+from ...server.osc.wire import Message
+from ...server.render import Options, blocks, sensors_of
+from ...server.scene.objects import PlayedObject
+from ...server.scene.session import Session
+
+Words = NDArray[np.uint64]
+_WORD = np.dtype(np.uint64).itemsize
+
+
+@dataclass(frozen=True)
+class Patch:
+    """Words of the engine's memory: the first, and their values."""
+
+    first: int
+    words: Words
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Changes of the engine's memory and commands that it gets before the block that begins at a sample."""
+
+    at: int
+    patches: list[Patch]
+    commands: NDArray[np.void]
+
+
+@dataclass
+class Baked:
+    """A baked score: the memory that it begins with, its batches, its objects by name with the number of the command
+    that makes each, and its sound, float32 (frames, channels)."""
+
+    engine: Engine
+    session: Session
+    start: list[Patch]
+    batches: list[Batch]
+    sound: NDArray[np.float32]
+    objects: dict[str, PlayedObject] = field(default_factory=dict)
+
+
+class _Kept(Engine):
+    """An engine that keeps what is written into its memory between its blocks."""
+
+    def __init__(self, *sizes: Any, **more: Any) -> None:
+        super().__init__(*sizes, **more)
+        self.batches: list[Batch] = []
+        self._before: Words | None = None
+        self._sent = 0
+        ring = STATE.fields["ring"]  # type: ignore[index]
+        self._ring = slice(ring[1] // _WORD, (ring[1] + ring[0].itemsize) // _WORD)
+
+    @property
+    def words(self) -> Words:
+        """The memory as words."""
+        return np.frombuffer(self.state, np.uint64, STATE.itemsize // _WORD)
+
+    def look(self) -> None:
+        """Look at the memory before something is written into it."""
+        if self._before is None:
+            self._before = self.words.copy()
+            self._sent = self.sent
+
+    def process(self, frames: int) -> NDArray[np.float32]:
+        """Keep what was written since the last block, and compute the next one."""
+        if self._before is not None:
+            changed = self.words != self._before
+            changed[self._ring] = False
+            numbers = np.arange(self._sent, self.sent) % RING
+            self.batches.append(Batch(self.position, _patches(self.words, changed), self.ring.entries[numbers].copy()))
+            self._before = None
+        return super().process(frames)
+
+
+class _Session(Session):
+    """A session that lets its engine look before it writes, and remembers the objects that it has made."""
+
+    made: dict[str, PlayedObject]
+
+    def perform(self, messages: Iterable[Message], time: float, source: Any = None) -> list[Message]:
+        """Carry out messages, as every session does."""
+        engine = self.engine
+        assert isinstance(engine, _Kept)
+        engine.look()
+        replies = super().perform(messages, time, source)
+        for name, obj in self.objects.items():
+            self.made[name] = obj
+        return replies
+
+
+def bake(
+    score: Sequence[Line],
+    presets: Presets,
+    options: Options,
+    strikers: Iterable[StrikerSound] = (),
+    warn: Callable[[str], object] = lambda text: None,
+) -> Baked:
+    """Render a score and return all that was told to its engine; strikers: sounds that are laid out before.
+
+    ScoreError names a line that is refused, or for which an engine of these sizes has no room.
+    """
+    channels = options.channels_of(score)
+    engine = _Kept(options.rate, channels, MODES, OBJECTS, limited=not options.calibrated, sensors=sensors_of(score))
+    session = _Session(engine, presets, steers_ended=True, scale=options.scale_of(score))
+    session.made = {}
+    for striker in strikers:
+        engine.lay_out_striker(striker)
+    words = engine.words
+    start = _patches(words, words != 0)
+    sound = np.concatenate(list(blocks(score, engine, presets, options, session, warn)))
+    return Baked(engine, session, start, engine.batches, sound, session.made)
+
+
+def _patches(words: Words, changed: NDArray[np.bool_]) -> list[Patch]:
+    """Return the runs of words that changed."""
+    places = np.flatnonzero(changed)
+    if not len(places):
+        return []
+    cuts = np.flatnonzero(np.diff(places) > 1) + 1
+    runs = [(int(run[0]), int(run[-1]) + 1) for run in np.split(places, cuts)]
+    return [Patch(first, words[first:end].copy()) for first, end in runs]
+
+
+MAKES = int(Kind.NEW)
+"""The kind of a command that makes an object."""
+
+
+def maker_of(baked: Baked, obj: PlayedObject) -> tuple[int, int]:
+    """Return the batch, and the place in it, of the command that made an object."""
+    for number, batch in enumerate(baked.batches):
+        made = (batch.commands["kind"] == MAKES) & (batch.commands["serial"] == obj.handle.serial)
+        if made.any():
+            return number, int(np.flatnonzero(made)[0])
+    raise LookupError(f"no command makes the object {obj.preset.name}")
+
+
+def size_of_command() -> int:
+    """Return the bytes of a command."""
+    return COMMAND.itemsize

@@ -1,0 +1,203 @@
+"""A baked scene's map, as JSON: from messages to commands. All of it follows from declarations and presets.
+
+Whoever has it needs no Python: addresses and their arguments with ranges and defaults, the gestures with their traits,
+where each value lies in a command, the contact laws of all strikers on the scene's objects, and surfaces.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from ...dsp.bodies.striker import StrikerSound
+from ...dsp.contact.accuracy import LEVELS
+from ...dsp.engine.memory import commands
+from ...dsp.engine.memory.commands import COMMAND, NUMBERS, Kind
+from ...dsp.engine.memory.state import ENDED, EVENTS, QUANTUM, RING, STATE, End
+from ...dsp.schema import FORMS, GESTURES, SETTINGS, STEERABLE, STRIKE, TRAIT_NAMES, Parameter
+from ...presets import Presets
+from ...presets.kinds import DRY, ObjectPreset
+from ...server.osc.addresses import VERBS
+from ...server.osc.arguments import Either, Note, Numbers, Verb, Word
+from ...server.osc.points import Change
+from ...server.scene.limits import ContactLaws, least_radius
+from ...server.scene.objects import PlayedObject
+from .baking import Baked
+
+_PLAYED = ("impact", "note", "free", "stop", *GESTURES, *SETTINGS, *STEERABLE)
+_OF_ENGINE = ("/accuracy", "/quality", "/bank", "/gain", "/limiter", "/panic")
+_SHARED = {each.name for each in STRIKE} | {"velocity"}
+
+
+class Strikers:
+    """All strikers of some presets: their laws, and the places of their sounds."""
+
+    def __init__(self, presets: Presets) -> None:
+        self._laws = ContactLaws(presets)
+        self.names = presets.names("strikers")
+        self.surfaces = presets.names("surfaces")
+
+    def sounds(self) -> list[StrikerSound]:
+        """Return the sounds of all of them, struck and held."""
+        each = (self._laws.sound_of(name, held) for name in self.names for held in (False, True))
+        return list(dict.fromkeys(sound for sound in each if sound))
+
+    def said(self, baked: Baked, objects: Iterable[ObjectPreset]) -> dict[str, Any]:
+        """Return what is said of each: its laws by object, its radius, how it slides, and where its sounds are."""
+        presets = list(objects)
+        return {
+            name: {
+                "radius": self._laws.radius_of(name),
+                "sliding": dict(self._laws.sliding_of(name)),
+                "laws": [tuple(self._laws.of(name, each.material)) for each in presets],
+                "sound": self._place(baked, name, False),
+                "held": self._place(baked, name, True),
+            }
+            for name in self.names
+        }
+
+    def said_of_surfaces(self) -> dict[str, Any]:
+        """Return what is said of each surface."""
+        found = {name: self._laws.surface(name) for name in self.surfaces}
+        return {
+            name: {"profile": each.profile, "dissipation": each.dissipation, "least": least_radius(each, 1.0)}
+            for name, each in found.items()
+        }
+
+    def _place(self, baked: Baked, name: str, held: bool) -> list[float]:
+        sound = self._laws.sound_of(name, held)
+        laid = baked.engine.lay_out_striker(sound) if sound else {"sound": 0.0, "sound_serial": 0.0}
+        return [laid["sound"], laid["sound_serial"]]
+
+
+def scene_map(baked: Baked, strikers: Strikers) -> dict[str, Any]:
+    """Return the map of a baked scene."""
+    presets: list[ObjectPreset] = []
+    for obj in baked.objects.values():
+        if obj.preset not in presets:
+            presets.append(obj.preset)
+    engine = baked.engine
+    return {
+        "rate": engine.rate,
+        "channels": engine.channels,
+        "delay": engine.delay,
+        "frames": len(baked.sound),
+        "quantum": QUANTUM,
+        "state": _state(),
+        "command": _command(),
+        "kinds": {kind.name: int(kind) for kind in Kind},
+        "verbs": {verb.address: _verb(verb) for verb in VERBS.values() if _is_played(verb)},
+        "gestures": {name: _gesture(name) for name in GESTURES},
+        "steerable": {name: place for place, name in enumerate(STEERABLE)},
+        "settings": {name: place for place, name in enumerate(SETTINGS)},
+        "joined": int(End.JOINED),
+        "levels": LEVELS,
+        "forms": FORMS,
+        "dry": DRY,
+        "presets": [_preset(each, presets) for each in presets],
+        "objects": {name: _object(obj, presets) for name, obj in baked.objects.items()},
+        "strikers": strikers.said(baked, presets),
+        "surfaces": strikers.said_of_surfaces(),
+    }
+
+
+def _is_played(verb: Verb) -> bool:
+    return verb.address in _OF_ENGINE or (verb.target != "" and verb.action in _PLAYED and verb.scored)
+
+
+def _state() -> dict[str, Any]:
+    """Return where those parts of the engine's memory are that others than the engine write or read."""
+    paths = {
+        "entries": "ring.entries", "written": "ring.written", "read": "ring.read", "position": "position",
+        "ends": "ends.entries", "ended": "ends.written", "active": "stats.contacts_active", "load": "stats.load",
+        "dropped": "stats.contacts_dropped", "late": "stats.late", "sounding": "stats.sounding", "queued": "queue.size",
+        **{name: f"bank.{name}" for name in ("frequency", "sigma", "weight", "balance")},
+    }  # fmt: skip
+    places = {name: _offset(path) for name, path in paths.items()}
+    sizes = {"size": STATE.itemsize, "ring": RING, "events": EVENTS, "most_ended": ENDED}
+    objects, bank = (STATE.fields[name][0] for name in ("objects", "bank"))  # type: ignore[index]
+    return {**places, **sizes, "modes": bank["frequency"].shape[0], "objects": objects.shape[0]}
+
+
+def _offset(path: str) -> int:
+    """Return where a field of a record of a record of STATE begins, in bytes."""
+    kind, at = STATE, 0
+    for name in path.split("."):
+        kind, offset = kind.fields[name][:2]  # type: ignore[index]
+        at += offset
+    return at
+
+
+def _command() -> dict[str, Any]:
+    """Return the size of a command, and of each field its place and 1 if it is a whole number."""
+    return {"size": COMMAND.itemsize, "fields": dict(_fields(COMMAND, "", 0))}
+
+
+def _fields(kind: np.dtype[Any], prefix: str, at: int) -> Iterable[tuple[str, tuple[int, int]]]:
+    for name, (inner, offset, *_) in (kind.fields or {}).items():
+        if inner.names:
+            yield from _fields(inner, f"{prefix}{name}.", at + offset)
+        elif not inner.shape:
+            yield f"{prefix}{name}", (at + offset, int(inner.kind == "i"))
+
+
+def _gesture(name: str) -> dict[str, Any]:
+    """Return the declaration of a gesture."""
+    gesture = GESTURES[name]
+    return {
+        "number": NUMBERS[name],
+        "argument": gesture.argument.name,
+        "own": [key.name for key in gesture.keys if key.name not in _SHARED],
+        "steerable": gesture.steerable,
+        "values": commands._DEFAULTS[name],
+        **{trait: bool(getattr(gesture, trait)) for trait in TRAIT_NAMES if trait != "meets"},
+        "seeded": any(key.name == "seed" for key in gesture.keys),
+    }
+
+
+def _verb(verb: Verb) -> dict[str, Any]:
+    """Return the declaration of an address's arguments."""
+    lists = {"required": verb.required, "optional": verb.optional, "keys": verb.keys}
+    said = {name: [_argument(each) for each in given] for name, given in lists.items() if given}
+    return {**said, "changes": True} if isinstance(verb, Change) else said
+
+
+def _argument(each: Parameter | Word | Either | Note | Numbers) -> dict[str, Any]:
+    if isinstance(each, Parameter):
+        said = {"name": each.name, "low": each.low, "high": each.high, "unit": each.unit, "bounds": each.bounds}
+        more = {"default": each.default, "whole": each.whole}
+        return said | {key: value for key, value in more.items() if value is not None and value is not False}
+    if isinstance(each, Note):
+        return {"name": each.name, "low": each.low, "high": each.high, "unit": "", "bounds": "0 to 127"}
+    words = {"words": each.words} if isinstance(each, Either) else {}
+    return {"name": each.name, **words}
+
+
+def _preset(preset: ObjectPreset, others: list[ObjectPreset]) -> dict[str, Any]:
+    """Return what is said of an object's preset; `touching`: its law with each other's material, at a radius of 1 m."""
+    usual = {
+        name: {"striker": each.striker, "surface": each.surface, "numbers": dict(each.numbers)}
+        for name, each in preset.gestures.items()
+    }
+    touching = [preset.struck_by(other, 1.0) for other in others]
+    return {
+        "name": preset.name,
+        "description": preset.description,
+        "striker": preset.striker,
+        "velocity": preset.velocity,
+        "position": preset.position,
+        "usual": usual,
+        "touching": touching,
+    }
+
+
+def _object(obj: PlayedObject, presets: list[ObjectPreset]) -> dict[str, Any]:
+    return {
+        "slot": obj.handle.slot,
+        "serial": obj.handle.serial,
+        "preset": presets.index(obj.preset),
+        "mass": obj.mass,
+        "lowest": float(obj.modes.frequency[0]) if obj.modes.frequency.size else 0.0,
+    }

@@ -1,0 +1,84 @@
+"""A baked scene as one file: a map as JSON, then words and commands. `carom.js` reads it.
+
+    8 bytes     "carom 1\\n"
+    u32         length of the map
+    the map     JSON, padded by spaces to a multiple of 8 bytes from the file's beginning
+    the data    runs and commands, at multiples of 8 bytes; the map says where, from the data's beginning
+
+Runs are a u32 of their number and a u32 of 0; for each the first word and the number of words, u32; then all words.
+All is little-endian, as WebAssembly is.
+"""
+
+from __future__ import annotations
+
+import gzip
+import json
+import struct
+from typing import Any
+
+import numpy as np
+
+from .baking import Baked, Patch, maker_of
+from .mapping import Strikers, scene_map
+
+MAGIC = b"carom 1\n"
+_HEAD = len(MAGIC) + 4
+
+
+def packed(
+    baked: Baked, strikers: Strikers, places: dict[str, tuple[float, float]], title: str, data_end: int
+) -> bytes:
+    """Return a baked scene's file.
+
+    places: of its objects on a table, from 0 to 1. data_end: the first address after the engine's own data.
+    """
+    data = bytearray()
+
+    def put(content: bytes) -> int:
+        at = len(data)
+        data.extend(content)
+        data.extend(bytes(-len(data) % 8))
+        return at
+
+    said = scene_map(baked, strikers)
+    said["title"], said["data_end"] = title, data_end
+    said["start"] = put(_runs(baked.start))
+    firsts = []
+    for batch in baked.batches:
+        firsts.append((batch.at, put(_runs(batch.patches)), put(batch.commands.tobytes()), len(batch.commands)))
+    said["batches"] = firsts
+    size = said["command"]["size"]
+    for name, obj in baked.objects.items():
+        number, place = maker_of(baked, obj)
+        said["objects"][name] |= {"made": firsts[number][2] + place * size, "batch": number}
+        said["objects"][name]["stays"] = _stays(baked, obj.handle.first)
+        if name in places:
+            said["objects"][name]["at"] = places[name]
+    text = json.dumps(said, separators=(",", ":")).encode()
+    text += b" " * (-(len(text) + _HEAD) % 8)
+    return MAGIC + struct.pack("<I", len(text)) + text + bytes(data)
+
+
+def _runs(patches: list[Patch]) -> bytes:
+    heads = np.array([(patch.first, len(patch.words)) for patch in patches], "<u4").tobytes()
+    return (
+        struct.pack("<II", len(patches), 0) + heads + b"".join(patch.words.astype("<u8").tobytes() for patch in patches)
+    )
+
+
+def _stays(baked: Baked, first: int) -> bool:
+    """True if no object that is made later takes the modes of one that begins there."""
+    makers = [each["layout"]["first"] for batch in baked.batches for each in batch.commands if each["kind"] == 0]
+    return makers.count(first) == 1
+
+
+def compressed(content: bytes) -> bytes:
+    """Return a file as gzip has it, the same for the same content."""
+    return gzip.compress(content, 9, mtime=0)
+
+
+def unpacked(content: bytes) -> dict[str, Any]:
+    """Return the map of a baked scene's file."""
+    (length,) = struct.unpack_from("<I", content, len(MAGIC))
+    said: dict[str, Any] = json.loads(content[_HEAD : _HEAD + length])
+    return said

@@ -1,0 +1,53 @@
+/** The files of a scene, fetched and compiled. */
+export interface Files {
+  readonly module: WebAssembly.Module;
+  readonly map: Map;
+  readonly data: ArrayBuffer;
+}
+
+/** What a scene says of itself: its rate (Hz), channels, length (frames), and its title. */
+export interface Map {
+  readonly rate: number;
+  readonly channels: number;
+  readonly frames: number;
+  readonly title: string;
+}
+
+/** An object of a scene: its preset, how it is struck if nothing else is said, and its place on a table, 0 to 1. */
+export interface Body {
+  readonly name: string;
+  readonly description: string;
+  readonly striker: string;
+  readonly velocity: number;
+  readonly position: number;
+  readonly at?: readonly [number, number];
+}
+
+/** An argument of a message: a number, a name, or a list of numbers where a number may take its time. */
+export type Argument = number | string | readonly number[];
+
+export interface Options {
+  /** As `Carom.fetch` returns them; fetched now if they are not given. */
+  files?: Files;
+  /** The folder of the scene, if it is not this module's. */
+  folder?: string | URL;
+  /** True (the default): all objects are there, and nothing is played. False: the score plays. */
+  live?: boolean;
+}
+
+export class Carom extends EventTarget {
+  static fetch(folder?: string | URL): Promise<Files>;
+  static open(context: BaseAudioContext, options?: Options): Promise<Carom>;
+  readonly context: BaseAudioContext;
+  readonly node: AudioWorkletNode;
+  readonly map: Map;
+  /** Resolves once the engine runs, with the memory it takes. */
+  readonly ready: Promise<{ megabytes: number }>;
+  readonly objects: Readonly<Record<string, Body>>;
+  /** Send a message. Resolves to the id of the gesture that it begins, if that lasts; rejects with why it is refused. */
+  send(address: string, ...args: Argument[]): Promise<string | undefined>;
+  /** The same at a time of the scene, in s from its beginning. */
+  at(time: number): { send(address: string, ...args: Argument[]): Promise<string | undefined> };
+  /** Begin anew, with the score (`live: false`) or with its objects alone. */
+  load(options: { live: boolean }): void;
+}

@@ -1,0 +1,93 @@
+// A scene that Carom has baked, in a page: no server, no special headers.
+
+const MAGIC = "carom 1\n";
+const HEAD = 12; // bytes before the map
+const FILES = { engine: "carom.wasm.gz", scene: "scene.carom.gz" };
+
+/** A file that was compressed as gzip, fetched and unpacked on its way. */
+async function fetched(url, type) {
+  const reply = await fetch(url);
+  if (!reply.ok) throw new Error(`${url}: ${reply.status} ${reply.statusText}`);
+  const plain = reply.body.pipeThrough(new DecompressionStream("gzip"));
+  return new Response(plain, { headers: { "Content-Type": type } });
+}
+
+/** The map and the data in the file of a baked scene. */
+function unpacked(buffer) {
+  const text = new TextDecoder();
+  if (text.decode(new Uint8Array(buffer, 0, 8)) !== MAGIC) throw new Error("expected a scene that Carom has baked");
+  const length = new DataView(buffer).getUint32(8, true);
+  const map = JSON.parse(text.decode(new Uint8Array(buffer, HEAD, length)));
+  return { map, data: buffer.slice(HEAD + length) };
+}
+
+export class Carom extends EventTarget {
+  /** The files of a scene, fetched and compiled: as early as the page likes, before anybody has touched it. */
+  static async fetch(folder = new URL(".", import.meta.url)) {
+    const at = (name) => new URL(name, new URL(folder, document.baseURI));
+    const [module, scene] = await Promise.all([
+      fetched(at(FILES.engine), "application/wasm").then(WebAssembly.compileStreaming),
+      fetched(at(FILES.scene), "application/octet-stream").then((reply) => reply.arrayBuffer()),
+    ]);
+    return { module, ...unpacked(scene), at };
+  }
+
+  /** A scene that plays into a context, from its score's beginning, or with all its objects there (`live`). */
+  static async open(context, { files, folder, live = true } = {}) {
+    const found = files ?? (await Carom.fetch(folder));
+    const { module, map, data, at } = found;
+    if (context.sampleRate !== map.rate) {
+      throw new Error(`sampleRate = ${context.sampleRate}: expected ${map.rate}: new AudioContext({ sampleRate: ${map.rate} })`);
+    }
+    await context.audioWorklet.addModule(at("worklet.js"));
+    const processorOptions = { module, map, data, live };
+    const node = new AudioWorkletNode(context, "carom", { numberOfInputs: 0, outputChannelCount: [map.channels], processorOptions });
+    return new Carom(context, node, map);
+  }
+
+  constructor(context, node, map) {
+    super();
+    Object.assign(this, { context, node, map, asked: new Map(), count: 0 });
+    this.ready = new Promise((done, fail) => {
+      node.onprocessorerror = () => fail(new Error("the engine has stopped"));
+      this.done = done;
+    });
+    node.port.onmessage = ({ data }) => this.hear(data);
+    node.connect(context.destination);
+  }
+
+  /** The names of the scene's objects, each with what is said of its preset. */
+  get objects() {
+    const { objects, presets } = this.map;
+    return Object.fromEntries(Object.entries(objects).map(([name, each]) => [name, { ...presets[each.preset], at: each.at }]));
+  }
+
+  /** Send a message, as OSC has it; the id of the gesture that it begins, if it begins one that lasts. */
+  send(address, ...args) {
+    return this.tell({ address, args });
+  }
+
+  /** The same at a time of the scene, in s. */
+  at(time) {
+    return { send: (address, ...args) => this.tell({ address, args, at: time }) };
+  }
+
+  tell(message) {
+    const ask = ++this.count;
+    this.node.port.postMessage({ ...message, ask });
+    return new Promise((done, fail) => this.asked.set(ask, { done, fail }));
+  }
+
+  /** Begin anew: the score from its first line on, or its objects alone. */
+  load({ live }) {
+    this.node.port.postMessage({ load: live });
+  }
+
+  hear(told) {
+    if (told.ready) this.done(told);
+    const waiting = this.asked.get(told.ask);
+    this.asked.delete(told.ask);
+    if (told.refused === undefined) waiting?.done(told.id);
+    else waiting?.fail(new Error(told.refused));
+  }
+}

@@ -1,0 +1,164 @@
+// The page of a scene: its objects as they lie on their table, played by touch, keyboard and MIDI.
+
+import { Carom } from "./carom.js";
+
+const PIANO = "awsedftgyhujkolp";
+const HOLD = 380; // ms until a touch is a hold
+const MOVED = 11; // px before a touch is a drag
+const FLASH = 60; // ms
+const METRES = 0.5; // that an object is wide, for the speed of a drag over it
+const [SLOWEST, FASTEST] = [0.01, 5]; // m/s
+const NOTE_ON = 0x90, CONTROL = 0xb0, WHEEL = 1, SILENCE = 120;
+
+const $ = (selector) => document.querySelector(selector);
+const files = Carom.fetch();
+let opening = null;
+let selected = null;
+let octave = 4;
+let strokes = 0;
+
+/** The scene, from the first gesture of a hand on. */
+function scene() {
+  opening ??= files.then(async (found) => {
+    const context = new AudioContext({ sampleRate: found.map.rate, latencyHint: "interactive" });
+    const made = await Carom.open(context, { files: found });
+    await context.resume();
+    await made.ready;
+    return made;
+  });
+  return opening;
+}
+
+async function send(address, ...args) {
+  try {
+    return await (await scene()).send(address, ...args);
+  } catch (error) {
+    $("output").textContent = error.message;
+  }
+}
+
+function choose(pad) {
+  selected?.setAttribute("aria-pressed", "false");
+  selected = pad;
+  pad.setAttribute("aria-pressed", "true");
+}
+
+function strike(pad, ...args) {
+  choose(pad);
+  pad.classList.add("struck");
+  setTimeout(() => pad.classList.remove("struck"), FLASH);
+  send(`/object/${pad.dataset.name}/impact`, ...args);
+}
+
+function positionOn(pad, x) {
+  const { left, width } = pad.getBoundingClientRect();
+  return Math.max(0, Math.min(1, (x - left) / width));
+}
+
+/** A finger on an object: it strikes; where it rests it presses, and where it is drawn it rolls or rubs. */
+function touched(pad, body) {
+  pad.onpointerdown = (event) => {
+    event.preventDefault();
+    pad.setPointerCapture(event.pointerId);
+    const id = `stroke-${++strokes}`;
+    const object = `/object/${pad.dataset.name}`;
+    const velocity = event.pointerType === "pen" && event.pressure ? 0.05 * 100 ** event.pressure : body.velocity;
+    const begun = { x: event.clientX, at: event.timeStamp };
+    let [kind, last, speed] = ["touch", begun, 0];
+    strike(pad, velocity, positionOn(pad, event.clientX));
+    const timer = setTimeout(() => {
+      kind = "hold";
+      send(`${object}/press`, 5, positionOn(pad, begun.x), "striker", "hand", "id", id);
+    }, HOLD);
+    pad.onpointermove = (move) => {
+      if (kind === "touch" && Math.abs(move.clientX - begun.x) > MOVED) {
+        clearTimeout(timer);
+        kind = "drag";
+      }
+      const position = positionOn(pad, move.clientX);
+      if (kind === "hold") send(`/gesture/${id}/position`, position);
+      if (kind !== "drag" && kind !== "moves") return;
+      const metres = Math.abs(move.clientX - last.x) * METRES / pad.clientWidth;
+      speed += (metres / Math.max(0.001, (move.timeStamp - last.at) / 1000) - speed) * 0.3;
+      last = { x: move.clientX, at: move.timeStamp };
+      const now = Math.max(SLOWEST, Math.min(FASTEST, speed));
+      if (kind === "drag") {
+        const rubs = body.usual.slide && !body.usual.roll;
+        const how = body.usual.roll || rubs ? [] : ["striker", "ball-bearing", "surface", "wood", "roughness", 1.5];
+        send(`${object}/${rubs ? "slide" : "roll"}`, now, position, ...how, "id", id);
+        kind = "moves";
+      } else {
+        send(`/gesture/${id}/speed`, now);
+        send(`/gesture/${id}/position`, position);
+      }
+    };
+    pad.onpointerup = pad.onpointercancel = () => {
+      clearTimeout(timer);
+      pad.onpointermove = null;
+      if (kind === "hold" || kind === "moves") send(`/gesture/${id}/stop`);
+      kind = "over";
+    };
+  };
+}
+
+function pads(map) {
+  const names = Object.entries(map.objects).filter(([, { stays }]) => stays);
+  const columns = Math.ceil(Math.sqrt(names.length));
+  const rows = Math.ceil(names.length / columns);
+  return names.map(([name, { at, preset }], n) => {
+    const pad = document.createElement("button");
+    const [x, y] = at ?? [((n % columns) + 0.5) / columns, (Math.floor(n / columns) + 0.5) / rows];
+    Object.assign(pad, { textContent: name.replaceAll("-", " "), title: map.presets[preset].description });
+    Object.assign(pad.style, { left: `${100 * x}%`, top: `${100 * y}%` });
+    pad.dataset.name = name;
+    touched(pad, map.presets[preset]);
+    return pad;
+  });
+}
+
+function keys(all) {
+  addEventListener("keydown", (event) => {
+    if (event.repeat || event.ctrlKey || event.metaKey) return;
+    const key = event.key.toLowerCase();
+    const pad = all[Number(key) - 1];
+    if (key === "escape") send("/panic");
+    else if (pad) strike(pad);
+    else if (key === "z" || key === "x") octave = Math.max(0, Math.min(8, octave + (key === "x" ? 1 : -1)));
+    else if (PIANO.includes(key) && selected) note(selected, 12 * (octave + 1) + PIANO.indexOf(key), event.shiftKey ? 120 : 90);
+  });
+}
+
+function note(pad, number, velocity) {
+  send(`/object/${pad.dataset.name}/note`, number, velocity);
+}
+
+async function midi(all) {
+  try {
+    const access = await navigator.requestMIDIAccess();
+    const attend = () => {
+      for (const input of access.inputs.values()) input.onmidimessage = ({ data }) => heard(all, data);
+      $("output").textContent = `MIDI: ${[...access.inputs.values()].map(({ name }) => name).join(", ") || "no keyboard is there yet"}`;
+    };
+    access.onstatechange = attend;
+    attend();
+  } catch (error) {
+    $("output").textContent = `The browser gives no MIDI: ${error.message}`;
+  }
+}
+
+function heard(all, [status, first, second]) {
+  const kind = status & 0xf0;
+  const pad = selected ?? all[0];
+  if (kind === NOTE_ON && second > 0) note(pad, first, second);
+  else if (kind === CONTROL && first === WHEEL) send(`/object/${pad.dataset.name}/damp`, second / 127);
+  else if (kind === CONTROL && first >= SILENCE) send("/panic");
+}
+
+const { map } = await files;
+document.title = map.title;
+$("h1").textContent = map.title;
+const all = pads(map);
+$("main").replaceChildren(...all);
+keys(all);
+$("#midi").onclick = () => midi(all);
+$("#score").onclick = async () => (await scene()).load({ live: false });

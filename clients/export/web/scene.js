@@ -1,0 +1,111 @@
+// A baked scene in the engine's memory: its words and commands at their samples, and messages while it plays.
+
+import { Messages } from "./messages.js";
+
+const STACK = 1 << 18; // bytes
+const BLOCK = 4096; // most frames at once
+const NOW = -1;
+
+const aligned = (at, to = 64) => Math.ceil(at / to) * to;
+
+export class Scene {
+  /** module: the engine; map and data: those of a baked scene. */
+  constructor(module, map, data) {
+    Object.assign(this, { map, data });
+    const out = aligned(map.data_end) + STACK;
+    this.times = aligned(out + 4 * BLOCK * map.channels);
+    this.base = aligned(this.times + 24);
+    this.out = out;
+    this.memory = new WebAssembly.Memory({ initial: Math.ceil((this.base + map.state.size) / 65536) });
+    const stack = new WebAssembly.Global({ value: "i32", mutable: true }, out);
+    const env = { __linear_memory: this.memory, __stack_pointer: stack };
+    this.engine = new WebAssembly.Instance(module, { env }).exports;
+    this.bytes = new Uint8Array(this.memory.buffer);
+    this.view = new DataView(this.memory.buffer);
+    this.sound = new Float32Array(this.memory.buffer, out, BLOCK * map.channels);
+    this.messages = new Messages(this);
+  }
+
+  /** Begin anew: with the score from its first line on, or with all its objects there at once and nothing else. */
+  load(live = false) {
+    const { map, base } = this;
+    this.bytes.fill(0, base, base + map.state.size);
+    this.runs(map.start);
+    this.next = 0;
+    this.live = live;
+    this.messages.begin();
+    if (live) this.makeAll();
+    this.computed = 0;
+    for (let left = map.delay; left > 0; ) left -= this.compute(left); // silence that the limiter begins with
+  }
+
+  /** All objects that stay where they were made, as they were made, and the engine as the first lines have it. */
+  makeAll() {
+    const { map } = this;
+    for (const [, runs] of map.batches) this.runs(runs);
+    const [first] = map.batches;
+    if (first) {
+      for (let n = 0; n < first[3]; n++) {
+        const at = first[2] + n * map.command.size;
+        if (this.messages.isOfEngine(at)) this.push(at);
+      }
+    }
+    for (const each of Object.values(map.objects)) if (each.stays) this.push(each.made, NOW);
+    this.next = map.batches.length;
+  }
+
+  /** Write runs of words into the engine's memory. */
+  runs(at) {
+    const heads = new Uint32Array(this.data, at);
+    const count = heads[0];
+    let words = at + 8 + 8 * count;
+    for (let n = 0; n < count; n++) {
+      const size = 8 * heads[3 + 2 * n];
+      this.bytes.set(new Uint8Array(this.data, words, size), this.base + 8 * heads[2 + 2 * n]);
+      words += size;
+    }
+  }
+
+  whole(place) {
+    return Number(this.view.getBigInt64(this.base + place, true));
+  }
+
+  /** Send a command of the file, at its own time if no other is given. */
+  push(at, time) {
+    const { size, fields } = this.map.command;
+    const bytes = new Uint8Array(this.data.slice(at, at + size));
+    if (time !== undefined) new DataView(bytes.buffer).setFloat64(fields.time[0], time, true);
+    this.send(bytes);
+  }
+
+  /** Send the bytes of a command. An Error says that there is no room. */
+  send(bytes) {
+    const { state, command } = this.map;
+    const written = this.whole(state.written);
+    if (written - this.whole(state.read) >= state.ring) throw new Error(`no room for another command: ${state.ring} wait`);
+    const entry = this.base + state.entries + (written % state.ring) * command.size;
+    this.bytes.set(bytes, entry);
+    this.view.setBigInt64(entry + command.fields.number[0], BigInt(written), true);
+    this.view.setBigInt64(this.base + state.written, BigInt(written + 1), true);
+  }
+
+  get position() {
+    return this.whole(this.map.state.position);
+  }
+
+  /** Give the engine what is due, and compute at most so many frames; how many are in `sound` now. */
+  compute(frames) {
+    const { batches, command } = this.map;
+    const position = this.position;
+    while (this.next < batches.length && batches[this.next][0] <= position) {
+      const [, runs, commands, count] = batches[this.next++];
+      this.runs(runs);
+      for (let n = 0; n < count; n++) this.push(commands + n * command.size);
+    }
+    const due = this.next < batches.length ? batches[this.next][0] : Infinity;
+    const now = Math.min(frames, due - this.computed, BLOCK);
+    this.engine.callback(0, this.out, BigInt(now), this.times, 0n, this.base);
+    this.computed += now;
+    return now;
+  }
+}

@@ -1,0 +1,57 @@
+// The engine in a page's audio thread.
+
+import { Scene } from "./scene.js";
+
+const WARM = 100; // ms that the engine is warmed up for at most
+
+class Carom extends AudioWorkletProcessor {
+  constructor({ processorOptions: { module, map, data, live } }) {
+    super();
+    this.scene = new Scene(module, map, data);
+    this.warmUp();
+    this.scene.load(live);
+    this.begun = currentFrame;
+    this.port.onmessage = ({ data }) => this.hear(data);
+    this.port.postMessage({ ready: true, megabytes: this.scene.memory.buffer.byteLength / 1e6 });
+  }
+
+  /** Strike everything once: the browser compiles what that takes before it is heard. */
+  warmUp() {
+    const until = Date.now() + WARM;
+    this.scene.load(true);
+    for (const name of Object.keys(this.scene.messages.objects)) {
+      this.scene.messages.perform(`/object/${name}/impact`, []);
+      for (let n = 0; n < 8 && Date.now() < until; n++) this.scene.compute(128);
+    }
+  }
+
+  hear({ load, address, args, at, ask }) {
+    if (load !== undefined) this.scene.load(load);
+    if (address === undefined) return;
+    try {
+      const time = at === undefined ? undefined : at * this.scene.map.rate;
+      const id = this.scene.messages.perform(address, args, time);
+      if (ask) this.port.postMessage({ ask, id });
+    } catch (error) {
+      this.port.postMessage({ ask, refused: error.message });
+    }
+  }
+
+  process(_inputs, [channels]) {
+    const frames = channels[0].length;
+    const { scene } = this;
+    const width = scene.map.channels;
+    for (let done = 0; done < frames; ) {
+      const now = scene.compute(frames - done);
+      for (let channel = 0; channel < channels.length; channel++) {
+        const out = channels[channel];
+        const from = Math.min(channel, width - 1);
+        for (let n = 0; n < now; n++) out[done + n] = scene.sound[n * width + from];
+      }
+      done += now;
+    }
+    return true;
+  }
+}
+
+registerProcessor("carom", Carom);

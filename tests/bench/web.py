@@ -1,0 +1,106 @@
+"""Exported scenes in Debian's Chromium: sizes, times until the first sound, memory, load, the bits of random scores.
+
+`python -m tests.bench.web` exports the demo and serves it as plain files, without special headers. It clicks in fresh
+profiles (nothing is cached) and again (all is), in a real AudioContext, and listens for the first sample that is not 0.
+Then it renders random scores of all gestures in worklets. It fails where a bit differs from the render.
+"""
+
+import argparse
+import hashlib
+import json
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+from tests.clients.export.pages import ENGINE, RENDER, served
+
+FIRST = """async () => {
+  const begun = performance.now();
+  const { Carom } = await import("./carom.js");
+  const files = await Carom.fetch();
+  const context = new AudioContext({ sampleRate: files.map.rate, latencyHint: "interactive" });
+  const carom = await Carom.open(context, { files });
+  const listener = new AnalyserNode(context, { fftSize: 2048 });
+  carom.node.connect(listener);
+  await context.resume();
+  carom.send(`/object/${Object.keys(carom.objects)[0]}/impact`);
+  const heard = new Float32Array(listener.fftSize);
+  while (!heard.some((x) => x !== 0)) {
+    await new Promise((done) => setTimeout(done, 1));
+    listener.getFloatTimeDomainData(heard);
+    if (performance.now() - begun > 20000) throw new Error("nothing is heard");
+  }
+  const ms = performance.now() - begun;
+  await context.close();
+  return ms;
+}"""
+
+
+def digest_of(folder: Path, words: list[str]) -> str:
+    """Return the digest of a sound that a process of a page's engine writes as float32."""
+    subprocess.run([sys.executable, "-m", *words], env=ENGINE, check=True)
+    return hashlib.sha256((folder / "sound.f32").read_bytes()).hexdigest()
+
+
+def measured(count: int, times: int) -> dict[str, Any]:
+    """Return all figures; count: of random scores; times: of clicks with nothing cached, and with all."""
+    from playwright.sync_api import sync_playwright
+
+    found: dict[str, Any] = {}
+    with sync_playwright() as runner, tempfile.TemporaryDirectory() as made:
+        browser = runner.chromium.launch(
+            executable_path="/usr/bin/chromium", args=["--no-sandbox", "--autoplay-policy=no-user-gesture-required"]
+        )
+        folder = Path(made)
+        begun = time.monotonic()
+        subprocess.run([sys.executable, "-m", "carom", "export", "demo", made], check=True)
+        found["export s"] = time.monotonic() - begun
+        found["kB"] = {file.name: file.stat().st_size / 1e3 for file in sorted(folder.iterdir())}
+        found["kB in all"] = sum(found["kB"].values())
+        with served(folder) as address:
+            cold, warm = [], []
+            for _ in range(times):
+                context = browser.new_context()
+                page = context.new_page()
+                page.goto(f"{address}carom.d.ts")
+                cold.append(page.evaluate(FIRST))
+                page.reload()
+                warm.append(page.evaluate(FIRST))
+                context.close()
+            found["first sound ms, cold"], found["first sound ms, warm"] = map(statistics.median, (cold, warm))
+            page = browser.new_page()
+            page.goto(f"{address}carom.d.ts")
+            told = page.evaluate(RENDER)
+            found["MB"], found["load of the demo"] = told["megabytes"], told["load"]
+        differ = []
+        for seed in range(count):
+            with tempfile.TemporaryDirectory() as scene:
+                words = ["tests.clients.export.make_scene", scene, str(seed)]
+                wanted = digest_of(Path(scene), words)
+                with served(Path(scene)) as address:
+                    page.goto(f"{address}carom.d.ts")
+                    differ += [seed] if page.evaluate(RENDER)["digest"] != wanted else []
+        found["random scores"], found["that differ"] = count, differ
+        browser.close()
+    return found
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--scores", type=int, default=50)
+    parser.add_argument("--times", type=int, default=7)
+    parser.add_argument("--json", type=Path, help="file for the figures")
+    args = parser.parse_args()
+    found = measured(args.scores, args.times)
+    print(json.dumps(found, indent=1))
+    if args.json:
+        args.json.write_text(json.dumps(found, indent=1) + "\n")
+    return 1 if found["that differ"] else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,155 @@
+"""Export a random score of all gestures, and write beside it what the page of it shall do: run by a process that has a
+page's engine.
+
+    python -m tests.clients.export.make_scene FOLDER SEED
+"""
+
+import json
+import random
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from carom.clients.export.web import export
+from carom.dsp.engine.memory.state import RING
+from carom.dsp.schema import GESTURES, SETTINGS, STEERABLE, STRIKE, Parameter
+from carom.presets import Presets
+from carom.server.osc.addresses import VERBS
+from carom.server.osc.score import Line, format_line, parse, sample_at
+from carom.server.osc.wire import Message
+from carom.server.render import Options
+from carom.server.scene.session import Session
+
+OBJECTS = ("church-bell", "marimba-bar", "glass-plate", "tom", "guitar-string", "crash-cymbal")
+"""Presets of the objects: of many kinds, and one whose modes are coupled."""
+
+STRIKERS = ("wood", "steel", "coin", "felt", "glass-marble", "fingertip")
+SURFACES = ("wood", "slate", "glass")
+SECONDS = 1.6
+MESSAGES = 400
+
+
+def number(chance: random.Random, of: Parameter) -> float:
+    """Return a number from the useful range of a parameter."""
+    low, high = of.useful or (of.low, of.high)
+    if of.whole:
+        return chance.randint(int(low), int(min(high, 1000)))
+    return low * (high / low) ** chance.random() if low > 0.0 and high / low > 30.0 else chance.uniform(low, high)
+
+
+def gesture(chance: random.Random, name: str, target: str, others: list[str]) -> Message:
+    """Return a gesture on an object, with some of its keys."""
+    declared = GESTURES[name]
+    args: list[Any] = [number(chance, declared.argument), chance.random()]
+    for key in (*STRIKE[:4], *declared.keys):
+        if chance.random() < 0.15 and key.name not in ("seed", "position", "static", "dynamic"):
+            args += [key.name, number(chance, key)]
+    if not declared.along and "dissipation" not in args and chance.random() < 0.1:
+        args += ["restitution", chance.uniform(0.2, 0.95)]
+    if chance.random() < 0.6:
+        args += ["striker", chance.choice(STRIKERS)]
+    if chance.random() < 0.2:
+        args += ["by", chance.choice([each for each in others if each != target])]
+    if declared.along and chance.random() < 0.7:
+        args += ["surface", chance.choice(SURFACES)]
+    if any(key.name == "seed" for key in declared.keys):
+        args += ["seed", chance.randrange(1000)]
+    return Message(f"/object/{target}/{name}", (*args, "gain", chance.uniform(-12.0, 6.0)))
+
+
+def messages(chance: random.Random, names: list[str]) -> Iterator[Message]:
+    """Yield gestures, changes of settings and steering."""
+    while True:
+        target, kind = chance.choice(names), chance.choice([*GESTURES, "set", "change", "gain", "steer", "steer"])
+        if kind in GESTURES:
+            yield gesture(chance, kind, target, names)
+        elif kind == "steer":  # a roll or a slide that goes by its object's name, if there is one
+            declared = VERBS[f"/gesture/ID/{(name := chance.choice(STEERABLE))}"].number
+            yield Message(f"/gesture/{target}/{name}", (number(chance, declared), "over", chance.random()))
+        elif kind == "gain":
+            yield Message("/gain", (chance.uniform(-20.0, 0.0), "over", chance.random()))
+        else:
+            setting = chance.choice([each for each in SETTINGS.values() if each.name != "decay"])
+            value = number(chance, setting)
+            more = ("over", chance.random(), "curve", chance.uniform(-4, 4)) if kind == "change" else ()
+            yield Message(f"/object/{target}/{setting.name}", (value, *more))
+
+
+def score(seed: int) -> str:
+    """Return a random score: objects that come one after the other, all gestures, and an end."""
+    chance, lines = random.Random(seed), []
+    names = [preset.replace("-", "_") for preset in OBJECTS]
+    for n, (name, preset) in enumerate(zip(names, OBJECTS, strict=True)):
+        lines.append(
+            (0.1 * (n // 3), Message("/object/new", (name, preset, "gain", -9.0, "pan", chance.uniform(-1, 1))))
+        )
+    for n, kind in enumerate([*GESTURES] * 2):
+        target = chance.choice(names)
+        lines.append((0.3 + chance.uniform(0.0, 0.8), gesture(chance, kind, target, names)))
+        if n % 4 == 0:
+            lines.append(
+                (chance.uniform(0.5, 1.2), Message(f"/object/{target}/tune", (chance.uniform(-3, 3), "over", 0.3)))
+            )
+    lines.append((1.4, Message("/panic")))
+    return "".join(f"{format_line(time, message)}\n" for time, message in sorted(lines, key=lambda line: line[0]))
+
+
+def accepted(text: str, presets: Presets) -> str:
+    """Return a score without the lines that are refused: too long a contact, too small a ball."""
+    lines = parse(text.encode(), "score")
+    session = Session(Options().engine(lines), presets)
+    kept = [line for line in lines if all(reply.address != "/fail" for reply in _told(session, line))]
+    return "".join(f"{format_line(line.time, line.message)}\n" for line in kept)
+
+
+def _told(session: Session, line: Line) -> list[Message]:
+    return session.perform([line.message], sample_at(line.time, session.engine.rate))
+
+
+def main(folder: Path, seed: int) -> None:
+    """Export the score, and write its sound, random messages, and the commands that a session makes of them."""
+    presets = Presets()
+    text = accepted(score(seed), presets)
+    (folder / "score.txt").write_text(text)
+    options = Options(seconds=SECONDS)
+    baked = export(parse(text.encode(), "score"), text, "random", folder, presets, options, print)
+    baked.sound.astype("<f4").tofile(folder / "sound.f32")
+    engine, session, asked = baked.engine, baked.session, []
+    chance = random.Random(seed)
+    for message in messages(chance, list(baked.objects)):
+        if len(asked) == MESSAGES:
+            break
+        first = engine.sent
+        if any(reply.address == "/fail" for reply in session.perform([message], -1.0)):
+            continue
+        if engine.sent == first:  # what steers a gesture of the score that has ended
+            continue
+        entries = engine.ring.entries[first % RING : engine.sent % RING or RING]
+        asked.append({"message": [message.address, *message.args], "commands": [_said(entry) for entry in entries]})
+    (folder / "asked.json").write_text(json.dumps(asked))
+
+
+def _said(entry: Any) -> dict[str, float]:
+    """Return the fields of a command that its kind has."""
+    names = ["kind", "slot", "serial", "by_slot", "by_serial", "value", "channel"]
+    kind = int(entry["kind"])
+    if kind == 2:
+        names += ["what", *(f"values.{name}" for name in entry["values"].dtype.names)]
+        if GESTURES[list(GESTURES)[int(entry["what"])]].along:
+            names += ["given", *(f"surface.{name}" for name in entry["surface"].dtype.names)]
+    if kind in (3, 5):
+        names += ["parameter"]
+    if kind in (3, 5, 11):
+        names += [f"ramp.{name}" for name in entry["ramp"].dtype.names]
+    return {name: _field(entry, name) for name in names}
+
+
+def _field(entry: Any, path: str) -> float:
+    for name in path.split("."):
+        entry = entry[name]
+    return float(entry)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), int(sys.argv[2]))
